@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/chain.h"
+
+#include <stdlib.h>
+
+#include "ports/virtual/virtual.h"
+#include "sii/sii.h"
+
+typedef struct twin {
+    ect_twin_config_t config;
+    ect_esc_t esc;
+    ect_pdi_t pdi;
+    ect_slave_t slave;
+    uint32_t seen;        /* ESC activity that the slave has dealt with */
+    uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
+    void *memory[6];      /* everything that was allocated for it */
+    size_t blocks;
+} twin_t;
+
+struct ect_chain {
+    size_t count;
+    twin_t twins[];
+};
+
+static void *allocate(twin_t *twin, size_t size)
+{
+    void *block = calloc(1, size > 0 ? size : 1);
+    if (block)
+        twin->memory[twin->blocks++] = block;
+    return block;
+}
+
+static bool make_esc(twin_t *twin, uint8_t open_ports, uint64_t now_ns)
+{
+    const ect_twin_config_t *c = &twin->config;
+    const ect_esc_personality_t *personality = ect_esc_personality(c->device->esc);
+    if (!personality)
+        return false;
+    uint8_t *memory = allocate(twin, ECT_ESC_MEMORY_SIZE(personality->ram_kb));
+    uint8_t *sii = allocate(twin, c->device->sii_size);
+    if (!memory || !sii || ect_sii_write(c->device, &c->identity, c->alias, sii, c->device->sii_size) < 0)
+        return false;
+    const ect_esc_config_t config = {
+        .personality = personality,
+        .memory = memory,
+        .sii = sii,
+        .sii_size = c->device->sii_size,
+        .open_ports = open_ports,
+        .keep_source_mac = c->keep_source_mac,
+    };
+    return ect_esc_init(&twin->esc, &config, now_ns) == 0;
+}
+
+static bool make_slave(twin_t *twin, uint64_t now_ns)
+{
+    ect_slave_memory_t need = ect_slave_memory(twin->config.device);
+    twin->pdi = ect_virtual_pdi(&twin->esc);
+    ect_slave_config_t config = {
+        .device = twin->config.device,
+        .pdi = &twin->pdi,
+        .identity = &twin->config.identity,
+        .instance = allocate(twin, need.instance),
+        .mailbox = allocate(twin, need.mailbox),
+        .process_data = allocate(twin, need.process_data),
+        .runs = allocate(twin, need.runs * sizeof(ect_pdo_run_t)),
+        .device_id = twin->config.alias,
+    };
+    return ect_slave_init(&twin->slave, &config, now_ns) == 0;
+}
+
+ect_twin_config_t ect_twin_default(const ect_device_t *device)
+{
+    return (ect_twin_config_t){.device = device, .identity = device->identity};
+}
+
+ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns)
+{
+    enum { PORT_IN = 1, PORT_OUT = 2 };
+    ect_chain_t *chain = calloc(1, sizeof *chain + count * sizeof chain->twins[0]);
+    if (!chain)
+        return NULL;
+    chain->count = count;
+    for (size_t i = 0; i < count; i++) {
+        uint8_t open_ports = i + 1 < count ? PORT_IN | PORT_OUT : PORT_IN;
+        twin_t *twin = &chain->twins[i];
+        twin->config = twins[i];
+        twin->deadline_ns = now_ns;
+        if (!make_esc(twin, open_ports, now_ns) || !make_slave(twin, now_ns)) {
+            ect_chain_free(chain);
+            return NULL;
+        }
+    }
+    return chain;
+}
+
+void ect_chain_free(ect_chain_t *chain)
+{
+    if (!chain)
+        return;
+    for (size_t i = 0; i < chain->count; i++) {
+        for (size_t b = 0; b < chain->twins[i].blocks; b++)
+            free(chain->twins[i].memory[b]);
+    }
+    free(chain);
+}
+
+bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    for (size_t i = 0; i < chain->count; i++) {
+        if (ect_esc_process(&chain->twins[i].esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
+            return false;
+    }
+    return true;
+}
+
+static void poll_twin(twin_t *twin, uint64_t now_ns)
+{
+    uint64_t esc_ns = ect_esc_tick(&twin->esc, now_ns);
+    twin->seen = ect_esc_activity(&twin->esc);
+    uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
+    twin->deadline_ns = esc_ns < slave_ns ? esc_ns : slave_ns;
+}
+
+uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
+{
+    uint64_t next = ECT_NEVER;
+    for (size_t i = 0; i < chain->count; i++) {
+        twin_t *twin = &chain->twins[i];
+        if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns)
+            poll_twin(twin, now_ns);
+        if (twin->deadline_ns < next)
+            next = twin->deadline_ns;
+    }
+    return next;
+}
+
+size_t ect_chain_count(const ect_chain_t *chain)
+{
+    return chain->count;
+}
+
+const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position)
+{
+    return &chain->twins[position].slave;
+}
+
+ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position)
+{
+    return &chain->twins[position].esc;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A chain of twins behind one port: software ESCs in a row, each with its slave stack and device.
+ *
+ * No sockets and no clock in here: frames and times come as arguments, so a test runs a chain in virtual time.
+ * Context: one thread for a chain. Host code: memory comes from the heap, once, in ::ect_chain_new.
+ */
+#ifndef ECT_BUS_CHAIN_H
+#define ECT_BUS_CHAIN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "esc/esc.h"
+#include "slave/slave.h"
+
+/** One twin of a chain. */
+typedef struct ect_twin_config {
+    const ect_device_t *device; /**< must outlive the chain */
+    ect_identity_t identity;    /**< who it says it is; copied */
+    uint16_t alias;             /**< configured station alias and explicit device id; 0 none */
+    bool keep_source_mac;       /**< do not set the bit that an ESC sets in the source address */
+} ect_twin_config_t;
+
+typedef struct ect_chain ect_chain_t;
+
+/** The description's own choice of everything. */
+ect_twin_config_t ect_twin_default(const ect_device_t *device);
+
+/**
+ * Builds a chain and powers it on at `now_ns`.
+ * @param twins  `count` of them (1..65535), in the order of the wire
+ * @return the chain, to be freed with ::ect_chain_free, or NULL when memory is short or a description is unusable
+ */
+ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns);
+
+void ect_chain_free(ect_chain_t *chain);
+
+/**
+ * Lets a frame travel through all ESCs and back. No device code runs in here.
+ * @return true: send the changed frame back, at the same length; false: nothing comes back.
+ */
+bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/**
+ * Lets the slaves and devices do what the last frames and the time ask of them.
+ * @return when to call again if no frame comes first; ECT_NEVER
+ */
+uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
+
+size_t ect_chain_count(const ect_chain_t *chain);
+const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);
+ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position);
+
+#endif

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/packet.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <linux/if_packet.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { ETHERTYPE_ECAT = 0x88A4 };
+
+#ifndef PACKET_IGNORE_OUTGOING
+#define PACKET_IGNORE_OUTGOING 23
+#endif
+
+static void explain_socket(const char *iface, char *message)
+{
+    if (errno == EPERM || errno == EACCES)
+        snprintf(message, ECT_PACKET_MESSAGE,
+                 "opening '%s' needs the capability CAP_NET_RAW: run it with sudo, or give it once and for all with "
+                 "'sudo setcap cap_net_raw,cap_net_admin+ep $(command -v ectwin)', or use 'ectwin with', which needs "
+                 "no rights",
+                 iface);
+    else
+        snprintf(message, ECT_PACKET_MESSAGE, "opening a raw socket for '%s' failed: %s", iface, strerror(errno));
+}
+
+static bool set_flags(int fd, const char *iface, bool up)
+{
+    struct ifreq request = {0};
+    snprintf(request.ifr_name, sizeof request.ifr_name, "%s", iface);
+    if (ioctl(fd, SIOCGIFFLAGS, &request) < 0)
+        return false;
+    int flags = request.ifr_flags;
+    request.ifr_flags = (short)(up ? flags | IFF_UP : flags & ~IFF_UP);
+    return ioctl(fd, SIOCSIFFLAGS, &request) == 0;
+}
+
+/* 0, or -1 with the message written. */
+static int check_interface(ect_packet_t *port, char *message)
+{
+    struct ifreq request = {0};
+    memcpy(request.ifr_name, port->iface, sizeof request.ifr_name);
+    if (ioctl(port->fd, SIOCGIFHWADDR, &request) < 0) {
+        snprintf(message, ECT_PACKET_MESSAGE, "there is no network interface '%s': 'ip -br link' lists those there are",
+                 port->iface);
+        return -1;
+    }
+    if (request.ifr_hwaddr.sa_family != ARPHRD_ETHER) {
+        snprintf(message, ECT_PACKET_MESSAGE, "'%s' is no Ethernet interface: name a NIC or one end of a veth pair",
+                 port->iface);
+        return -1;
+    }
+    if (ioctl(port->fd, SIOCGIFFLAGS, &request) < 0 || (request.ifr_flags & IFF_UP) != 0)
+        return 0;
+    if (!set_flags(port->fd, port->iface, true)) {
+        snprintf(message, ECT_PACKET_MESSAGE,
+                 "'%s' is down and bringing it up needs CAP_NET_ADMIN: run 'sudo ip link set dev %s up' first",
+                 port->iface, port->iface);
+        return -1;
+    }
+    port->was_down = true;
+    return 0;
+}
+
+static int bind_to(const ect_packet_t *port, char *message)
+{
+    int index = (int)if_nametoindex(port->iface);
+    struct sockaddr_ll address = {
+        .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = index};
+    struct packet_mreq promiscuous = {.mr_ifindex = index, .mr_type = PACKET_MR_PROMISC};
+    int on = 1;
+    if (bind(port->fd, (const struct sockaddr *)&address, sizeof address) < 0 ||
+        setsockopt(port->fd, SOL_PACKET, PACKET_ADD_MEMBERSHIP, &promiscuous, sizeof promiscuous) < 0) {
+        snprintf(message, ECT_PACKET_MESSAGE, "binding to '%s' failed: %s", port->iface, strerror(errno));
+        return -1;
+    }
+    if (setsockopt(port->fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0) {
+        snprintf(message, ECT_PACKET_MESSAGE, "this kernel lacks PACKET_IGNORE_OUTGOING: Linux 4.20 or newer is needed");
+        return -1;
+    }
+    return 0;
+}
+
+int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
+{
+    memset(port, 0, sizeof *port);
+    if (strlen(iface) >= sizeof port->iface) {
+        snprintf(message, ECT_PACKET_MESSAGE, "'%s' is no interface name: they have at most 15 characters", iface);
+        return -1;
+    }
+    memcpy(port->iface, iface, strlen(iface) + 1);
+    port->fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0); /* nothing arrives before the bind */
+    if (port->fd < 0) {
+        explain_socket(iface, message);
+        return -1;
+    }
+    if (check_interface(port, message) < 0 || bind_to(port, message) < 0) {
+        ect_packet_close(port);
+        return -1;
+    }
+    return 0;
+}
+
+void ect_packet_close(ect_packet_t *port)
+{
+    if (port->was_down)
+        (void)set_flags(port->fd, port->iface, false);
+    close(port->fd);
+    port->fd = -1;
+}
+
+ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room)
+{
+    ssize_t length = recv(port->fd, frame, room, MSG_TRUNC);
+    if (length >= 0)
+        return length;
+    /* A link that goes down is no error: it may come back. */
+    return errno == EAGAIN || errno == EINTR || errno == ENETDOWN ? 0 : -1;
+}
+
+void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length)
+{
+    (void)send(port->fd, frame, length, 0);
+}

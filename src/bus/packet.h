@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A raw EtherCAT port on a Linux network interface (AF_PACKET, EtherType 0x88A4).
+ */
+#ifndef ECT_BUS_PACKET_H
+#define ECT_BUS_PACKET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+/** An open port. Members are read only for others. */
+typedef struct ect_packet {
+    int fd;
+    char iface[16];
+    bool was_down; /**< we brought the interface up and take it down again */
+} ect_packet_t;
+
+/** Room for a message of ::ect_packet_open. */
+enum { ECT_PACKET_MESSAGE = 512 };
+
+/**
+ * Opens `iface` for EtherCAT frames: bound to it, promiscuous while open, own frames not received. An interface that
+ * is down is brought up.
+ * @param[out] message  on failure one line for the user: what is missing and how to get it; ECT_PACKET_MESSAGE bytes
+ * @return 0, or -1 with nothing changed
+ */
+int ect_packet_open(ect_packet_t *port, const char *iface, char *message);
+
+/** Closes the port and leaves the interface as it was found. */
+void ect_packet_close(ect_packet_t *port);
+
+/**
+ * Takes a frame that has arrived. One system call; does not wait.
+ * @return its length on the wire, which may exceed `room` (the frame is then cut) · 0 none there · -1 the interface
+ *         is gone (errno)
+ */
+ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room);
+
+/** Sends a frame at its own length. One system call. A full queue or a link that is down loses it, as a wire would. */
+void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length);
+
+#endif

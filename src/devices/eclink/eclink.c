@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The descriptions of the four base units. The fields of TS-0007 stand once, in the lists below: the records 2001h and
+ * 2002h, the mapping objects, the SII and the ESI all follow from them.
+ */
+#include "devices/eclink/eclink.h"
+
+#include "devices/eclink/instance.h"
+
+/* Placeholders: we are not Vision Remote, and nobody has published their codes. An installation overrides them. */
+#ifndef ECTWIN_VENDOR_ID
+#define ECTWIN_VENDOR_ID 0x00000E57
+#endif
+enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM };
+#define REVISION 0x00020000 /* Visionlinkserver 2.0 */
+
+/* --- fields: F(sub-index, offset, bytes, name) ------------------------------------------------------------------- */
+
+#define COMMON_INPUT_FIELDS(F)                                                                                        \
+    F(1, 0, 1, "PCI")                                                                                                 \
+    F(2, 1, 1, "CCI")                                                                                                 \
+    F(3, 2, 1, "PAI")                                                                                                 \
+    F(4, 3, 1, "CAI")                                                                                                 \
+    F(5, 4, 2, "Command RU ID")                                                                                       \
+    F(6, 6, 16, "Command from RU")                                                                                    \
+    F(7, 22, 1, "BU state")                                                                                           \
+    F(8, 23, 1, "VLAPs")                                                                                              \
+    F(9, 24, 1, "Unarmed RUs")                                                                                        \
+    F(10, 25, 1, "EG-Link status")                                                                                    \
+    F(11, 26, 1, "EC-Link status")                                                                                    \
+    F(12, 27, 1, "Spare")
+
+/* One remote unit: its first sub-index is s, its first byte o, R is how it is called. */
+#define RU_FIELDS(F, s, o, R)                                                                                         \
+    F((s) + 0, (o) + 0, 2, "Armed " R)                                                                                \
+    F((s) + 1, (o) + 2, 1, R " state")                                                                                \
+    F((s) + 2, (o) + 3, 1, R " battery")                                                                              \
+    F((s) + 3, (o) + 4, 1, R " C-Link RSSI")                                                                          \
+    F((s) + 4, (o) + 5, 1, R " cable")                                                                                \
+    F((s) + 5, (o) + 6, 1, R " docked")                                                                               \
+    F((s) + 6, (o) + 7, 1, R " disabled")                                                                             \
+    F((s) + 7, (o) + 8, 1, R " C-Link status")                                                                        \
+    F((s) + 8, (o) + 9, 1, R " G-Link status")                                                                        \
+    F((s) + 9, (o) + 10, 2, R " joystick 1")                                                                          \
+    F((s) + 10, (o) + 12, 2, R " joystick 2")                                                                         \
+    F((s) + 11, (o) + 14, 2, R " joystick 3")                                                                         \
+    F((s) + 12, (o) + 16, 2, R " joystick 4")                                                                         \
+    F((s) + 13, (o) + 18, 2, R " switch 1")                                                                           \
+    F((s) + 14, (o) + 20, 2, R " switch 2")                                                                           \
+    F((s) + 15, (o) + 22, 2, R " switch 3")                                                                           \
+    F((s) + 16, (o) + 24, 2, R " switch 4")                                                                           \
+    F((s) + 17, (o) + 26, 2, R " switch 5")                                                                           \
+    F((s) + 18, (o) + 28, 2, R " switch 6")                                                                           \
+    F((s) + 19, (o) + 30, 2, R " switch 7")                                                                           \
+    F((s) + 20, (o) + 32, 2, R " switch 8")                                                                           \
+    F((s) + 21, (o) + 34, 1, R " encoder value")                                                                      \
+    F((s) + 22, (o) + 35, 1, R " encoder switch")                                                                     \
+    F((s) + 23, (o) + 36, 2, R " spare")
+
+#define INPUT_FIELDS(F)                                                                                               \
+    COMMON_INPUT_FIELDS(F)                                                                                            \
+    RU_FIELDS(F, 13, 28, "RU")
+#define MULTIARM_INPUT_FIELDS(F)                                                                                      \
+    INPUT_FIELDS(F)                                                                                                   \
+    RU_FIELDS(F, 37, 66, "RU2")                                                                                       \
+    RU_FIELDS(F, 61, 104, "RU3")
+
+#define COMMAND_FIELDS(F)                                                                                             \
+    F(1, 0, 1, "PCO")                                                                                                 \
+    F(2, 1, 1, "CCO")                                                                                                 \
+    F(3, 2, 1, "PAO")                                                                                                 \
+    F(4, 3, 1, "CAO")                                                                                                 \
+    F(5, 4, 2, "Command RU ID")                                                                                       \
+    F(6, 6, 16, "Command to RU")                                                                                      \
+    F(7, 22, 2, "Spare")
+#define PERIODIC_FIELDS(F)                                                                                            \
+    F(8, 24, 2, "Periodic data size")                                                                                 \
+    F(9, 26, 1, "Periodic data block")                                                                                \
+    F(10, 27, 1, "Spare")
+
+/* The 200 periodic bytes, as sub-indices 1..200. */
+#define TEN(F, n) F((n) + 1) F((n) + 2) F((n) + 3) F((n) + 4) F((n) + 5) F((n) + 6) F((n) + 7) F((n) + 8) F((n) + 9) F((n) + 10)
+#define FIFTY(F, n) TEN(F, n) TEN(F, (n) + 10) TEN(F, (n) + 20) TEN(F, (n) + 30) TEN(F, (n) + 40)
+#define PERIODIC_BYTES(F) FIFTY(F, 0) FIFTY(F, 50) FIFTY(F, 100) FIFTY(F, 150)
+
+/* Two bytes are an array, not a number: CoE numbers are little-endian and these are not (TS-0007 §2.2). */
+#define FIELD_TYPE(bytes) ((bytes) == 1 ? ECT_TYPE_UNSIGNED8 : ECT_TYPE_OCTET_STRING)
+#define INPUT_ENTRY(sub, offset, bytes, name)                                                                         \
+    {sub, FIELD_TYPE(bytes), 8 * (bytes), ECT_ACCESS_RO | ECT_ACCESS_TXPDO, name, 0, ECT_OFFSET(eclink_t, inputs[offset])},
+#define OUTPUT_ENTRY(sub, offset, bytes, name)                                                                        \
+    {sub, FIELD_TYPE(bytes), 8 * (bytes), ECT_ACCESS_RO | ECT_ACCESS_RXPDO, name, 0, ECT_OFFSET(eclink_t, outputs[offset])},
+#define PERIODIC_ENTRY(sub)                                                                                           \
+    {sub, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, "Periodic data", 0,                                 \
+     ECT_OFFSET(eclink_t, outputs[ECLINK_OUT_PERIODIC + (sub) - 1])},
+
+#define INPUT_MAP(sub, offset, bytes, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * (bytes))),
+#define OUTPUT_MAP(sub, offset, bytes, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2002, sub, 8 * (bytes))),
+#define PERIODIC_MAP(sub) ECT_ENTRY_MAP(10 + (sub), ECT_MAP(0x2003, sub, 8)),
+
+static const ect_entry_t inputs_2001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_ENTRY)};
+static const ect_entry_t multiarm_2001[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_ENTRY)};
+static const ect_entry_t commands_2002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_ENTRY)};
+static const ect_entry_t standard_2002[] = {ECT_ENTRY_COUNT(10), COMMAND_FIELDS(OUTPUT_ENTRY)
+                                                PERIODIC_FIELDS(OUTPUT_ENTRY)};
+static const ect_entry_t periodic_2003[] = {ECT_ENTRY_COUNT(200), PERIODIC_BYTES(PERIODIC_ENTRY)};
+
+static const ect_entry_t inputs_1a00[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_MAP)};
+static const ect_entry_t multiarm_1a00[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_MAP)};
+static const ect_entry_t commands_1600[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_MAP)};
+static const ect_entry_t standard_1600[] = {ECT_ENTRY_COUNT(210), COMMAND_FIELDS(OUTPUT_MAP)
+                                                PERIODIC_FIELDS(OUTPUT_MAP) PERIODIC_BYTES(PERIODIC_MAP)};
+
+static const ect_entry_t assign_none[] = {ECT_ENTRY_COUNT(0)};
+static const ect_entry_t assign_outputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1600)};
+static const ect_entry_t assign_inputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
+
+static const ect_entry_t device_type[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
+static const ect_entry_t identity[] = ECT_ENTRIES_IDENTITY;
+static const ect_entry_t sm_types[] = ECT_ENTRIES_SM_TYPES;
+
+#define HARDWARE_VERSION "1.00"
+#define SOFTWARE_VERSION "2.0.0"
+static const ect_entry_t hardware_version[] = {ECT_ENTRY_TEXT("Hardware version", HARDWARE_VERSION)};
+static const ect_entry_t software_version[] = {ECT_ENTRY_TEXT("Software version", SOFTWARE_VERSION)};
+static const ect_entry_t name_map1[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-Map1")};
+static const ect_entry_t name_map3[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-Map3")};
+static const ect_entry_t name_map7[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-Map7")};
+static const ect_entry_t name_multiarm[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-MultiArm")};
+
+/* --- object lists ------------------------------------------------------------------------------------------------ */
+
+#define VAR(index, name, entries) {index, ECT_OBJECT_VAR, 0, 0, name, entries}
+#define RECORD(index, name, entries)                                                                                  \
+    {index, ECT_OBJECT_RECORD, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries}
+#define ARRAY(index, name, entries)                                                                                   \
+    {index, ECT_OBJECT_ARRAY, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries}
+
+#define COMMUNICATION_OBJECTS(name_entries)                                                                           \
+    VAR(0x1000, "Device type", device_type), VAR(0x1008, "Device name", name_entries),                                \
+        VAR(0x1009, "Hardware version", hardware_version), VAR(0x100A, "Software version", software_version),         \
+        RECORD(0x1018, "Identity", identity)
+
+static const ect_object_t objects_map1[] = {
+    COMMUNICATION_OBJECTS(name_map1),
+    RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ARRAY(0x1C00, "SyncManager type", sm_types),
+    ARRAY(0x1C12, "SM2 assignment", assign_none),
+    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    RECORD(0x2001, "Input data", inputs_2001),
+};
+
+static const ect_object_t objects_map3[] = {
+    COMMUNICATION_OBJECTS(name_map3),
+    RECORD(0x1600, "Output data mapping", commands_1600),
+    RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ARRAY(0x1C00, "SyncManager type", sm_types),
+    ARRAY(0x1C12, "SM2 assignment", assign_outputs),
+    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    RECORD(0x2001, "Input data", inputs_2001),
+    RECORD(0x2002, "Output data", commands_2002),
+};
+
+static const ect_object_t objects_map7[] = {
+    COMMUNICATION_OBJECTS(name_map7),
+    RECORD(0x1600, "Output data mapping", standard_1600),
+    RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ARRAY(0x1C00, "SyncManager type", sm_types),
+    ARRAY(0x1C12, "SM2 assignment", assign_outputs),
+    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    RECORD(0x2001, "Input data", inputs_2001),
+    RECORD(0x2002, "Output data", standard_2002),
+    ARRAY(0x2003, "Periodic data", periodic_2003),
+};
+
+static const ect_object_t objects_multiarm[] = {
+    COMMUNICATION_OBJECTS(name_multiarm),
+    RECORD(0x1600, "Output data mapping", standard_1600),
+    RECORD(0x1A00, "Input data mapping", multiarm_1a00),
+    ARRAY(0x1C00, "SyncManager type", sm_types),
+    ARRAY(0x1C12, "SM2 assignment", assign_outputs),
+    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    RECORD(0x2001, "Input data", multiarm_2001),
+    RECORD(0x2002, "Output data", standard_2002),
+    ARRAY(0x2003, "Periodic data", periodic_2003),
+};
+
+/* --- descriptions ------------------------------------------------------------------------------------------------ */
+
+/* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
+#define BASE_UNIT(cli_name, what, node_name, product, object_list, output_bytes, input_bytes)                         \
+    {                                                                                                                 \
+        .name = cli_name, .summary = what, .type_name = node_name, .group_type = "VR-BU",                             \
+        .group_name = "Vision Remote base units", .hardware_version = HARDWARE_VERSION,                               \
+        .software_version = SOFTWARE_VERSION,                                                                         \
+        .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = product, .revision = REVISION, .serial = 1},      \
+        .esc = "np40",                                                                                                \
+        .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01}, .sii_size = 4096,                                         \
+        .sm = {{.start = 0x4000, .length = 276, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},                         \
+               {.start = 0x4800, .length = 276, .control = 0x22, .type = ECT_SM_MAILBOX_IN},                          \
+               {.start = 0x1000, .length = output_bytes, .control = 0x64, .type = ECT_SM_OUTPUTS},                    \
+               {.start = 0x2800, .length = input_bytes, .control = 0x20, .type = ECT_SM_INPUTS}},                     \
+        .sm_count = 4, .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}, .fmmu_count = 3,          \
+        .mailbox_protocols = ECT_MAILBOX_COE,                                                                         \
+        .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS,                 \
+        .physics = "YY",                                                                                              \
+        .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                    \
+        .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},      \
+        .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                       \
+        .instance_size = sizeof(eclink_t), .pdo_runs = 2, .init = eclink_init, .outputs = eclink_outputs,             \
+        .tick = eclink_tick,                                                                                          \
+    }
+
+const ect_device_t ect_eclink_map1 = BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only",
+                                               "VR-BU-ECT-Map1", PRODUCT_MAP1, objects_map1, 0, 66);
+const ect_device_t ect_eclink_map3 = BASE_UNIT("vr-bu-ect-map3", "Vision Remote base unit, Input + Commands",
+                                               "VR-BU-ECT-Map3", PRODUCT_MAP3, objects_map3, 24, 66);
+const ect_device_t ect_eclink_map7 = BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard",
+                                               "VR-BU-ECT-Map7", PRODUCT_MAP7, objects_map7, 228, 66);
+const ect_device_t ect_eclink_multiarm = BASE_UNIT("vr-bu-ect-multiarm", "Vision Remote base unit, MultiArm",
+                                                   "VR-BU-ECT-MultiArm", PRODUCT_MULTIARM, objects_multiarm, 228, 142);

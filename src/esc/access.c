@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "esc/internal.h"
+
+void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length)
+{
+    uint8_t *data = access->data + offset;
+    if (!access->mask) {
+        memcpy(access->write ? memory : data, access->write ? data : memory, length);
+        return;
+    }
+    uint8_t *to = access->write ? memory : data;
+    const uint8_t *from = access->write ? data : memory;
+    const uint8_t *mask = access->mask + offset;
+    for (uint16_t i = 0; i < length; i++)
+        to[i] = (uint8_t)((to[i] & ~mask[i]) | (from[i] & mask[i]));
+}
+
+static ect_access_t slice(const ect_access_t *access, uint16_t offset)
+{
+    ect_access_t part = *access;
+    part.data += offset;
+    if (part.mask)
+        part.mask += offset;
+    return part;
+}
+
+/* The enabled SyncManager that holds `address`, or the start of the next one above it; -1: none holds it. */
+static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
+{
+    for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
+        if (!ect_esc_sm_enabled(esc, n))
+            continue;
+        const uint8_t *sm = ect_esc_sm_registers(esc, n);
+        uint32_t start = ect_load_le16(sm + ECT_SM_START);
+        uint32_t end = start + ect_load_le16(sm + ECT_SM_LENGTH);
+        if (address >= start && address < end) {
+            *limit = end;
+            return (int)n;
+        }
+        if (start > address && start < *limit)
+            *limit = start;
+    }
+    return -1;
+}
+
+/* RAM: the parts inside a SyncManager go by its rules, the rest is plain memory. */
+static bool ram_access(ect_esc_t *esc, const ect_access_t *access, uint32_t address, uint16_t length)
+{
+    if (!esc->sii_valid)
+        return false;
+    bool any = false;
+    uint32_t end = address + length;
+    if (end > esc->memory_size)
+        end = esc->memory_size;
+    uint32_t at = address;
+    while (at < end) {
+        uint32_t limit = end;
+        int n = find_sm(esc, at, &limit);
+        if (limit > end)
+            limit = end;
+        uint16_t part = (uint16_t)(limit - at);
+        ect_access_t piece = slice(access, (uint16_t)(at - address));
+        if (n < 0) {
+            ect_esc_copy(&piece, esc->memory + at, 0, part);
+            any = true;
+        } else {
+            uint16_t start = ect_load_le16(ect_esc_sm_registers(esc, (unsigned int)n) + ECT_SM_START);
+            any |= ect_esc_sm_access(esc, (unsigned int)n, &piece, (uint16_t)(at - start), part);
+        }
+        at = limit;
+    }
+    return any;
+}
+
+bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    bool any = false;
+    uint16_t in_registers = 0;
+    if (address < ECT_RAM) {
+        in_registers = (uint16_t)(ECT_RAM - address);
+        if (in_registers > length)
+            in_registers = length;
+        any = ect_esc_register_access(esc, access, address, in_registers);
+    }
+    if (length > in_registers) {
+        ect_access_t rest = slice(access, in_registers);
+        any |= ram_access(esc, &rest, (uint32_t)address + in_registers, (uint16_t)(length - in_registers));
+    }
+    return any;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An EtherCAT slave controller in software: frame bytes in, frame bytes out.
+ *
+ * The chip has two sides. ECAT is the frame: ::ect_esc_process changes it in place the way the hardware does on the
+ * fly. PDI is the slave's microcontroller: ::ect_esc_pdi_read and ::ect_esc_pdi_write have the shape of the PDI seam.
+ * A chain of slaves is a loop over ::ect_esc_process.
+ *
+ * What kind of chip it is (register values, number of FMMUs and SyncManagers, RAM) comes from a personality. The
+ * caller owns all memory; an instance keeps the pointers that ::ect_esc_init was given until it is no longer used.
+ * Nothing allocates, blocks or reads a clock: time is an argument, nanoseconds of any monotonic clock, never smaller
+ * than in an earlier call for the same instance.
+ *
+ * Context: one thread at a time for an instance; instances are independent.
+ *
+ * Clauses: ETG.1000.4 (data link layer); ESC data sheets sections I and II.
+ */
+#ifndef ECT_ESC_ESC_H
+#define ECT_ESC_ESC_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "esc/personality.h"
+
+/** Bytes of memory that an ESC of this personality needs: 4 KB of registers and its process RAM. */
+#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb) * 1024u)
+
+/** SyncManagers and FMMUs that any personality may have. */
+enum { ECT_ESC_MAX_SM = 8, ECT_ESC_MAX_FMMU = 8 };
+
+/** Longest Ethernet frame that a port takes, without FCS; longer ones count as invalid (data sheet I §14.1). */
+enum { ECT_ESC_MAX_FRAME = 2000 };
+
+/** How an ESC is built and wired. Checked once by ::ect_esc_init. */
+typedef struct ect_esc_config {
+    const ect_esc_personality_t *personality; /**< not NULL */
+    uint8_t *memory;     /**< ECT_ESC_MEMORY_SIZE(personality->ram_kb) bytes; content is overwritten */
+    uint8_t *sii;        /**< EEPROM content; written by SII write commands. NULL: no EEPROM answers */
+    uint32_t sii_size;   /**< bytes; even, 0 with sii NULL */
+    uint8_t open_ports;  /**< bit n: port n has a link; bit 0 is assumed. 0: port 0 only */
+    bool keep_source_mac; /**< false: set the "locally administered" bit of the source MAC, as the chip does */
+} ect_esc_config_t;
+
+/** State of one SyncManager that no register shows. Private. */
+typedef struct ect_esc_sm {
+    bool open[2];         /**< by side: the buffer was entered at its first byte and not left at its last */
+    uint8_t write_buffer; /**< buffered mode: owned by the producer */
+    uint8_t read_buffer;  /**< owned by the consumer, 3 none */
+} ect_esc_sm_t;
+
+/** One controller. Allocate it anywhere, initialise with ::ect_esc_init; the members are private. */
+typedef struct ect_esc {
+    ect_esc_config_t config;
+    uint8_t *memory;
+    uint32_t memory_size;
+    ect_esc_sm_t sm[ECT_ESC_MAX_SM];
+    uint64_t now_ns;
+    uint64_t watchdog_ns; /**< when the process-data watchdog expires; UINT64_MAX: not running */
+    uint64_t sii_done_ns; /**< when the pending SII command finishes; 0: none pending */
+    uint8_t sii_command;
+    bool al_control_locked;
+    bool sii_valid;
+    uint32_t activity;
+} ect_esc_t;
+
+/**
+ * Power-on reset: registers at their reset values, configuration loaded from the SII.
+ * @return 0, or negative with nothing initialised: -1 personality missing or out of range (more than 8 FMMUs or
+ *         SyncManagers, no RAM), -2 memory missing, -3 SII size odd or without content.
+ */
+int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns);
+
+/** What becomes of a frame. */
+typedef enum ect_frame_result {
+    ECT_FRAME_FORWARD,   /**< goes on to the next slave, or back to the master */
+    ECT_FRAME_DESTROYED, /**< the chip lets nothing intelligible leave: no reply */
+} ect_frame_result_t;
+
+/**
+ * Lets a frame pass through the controller.
+ *
+ * Takes Ethernet frames with EtherType 0x88A4, with one VLAN tag, and EtherCAT in UDP (destination port 0x88A4).
+ * Datagrams are executed in order; data, address, IRQ and working counter are changed in place, the length never.
+ * A frame whose datagrams do not fit into it, or longer than ECT_ESC_MAX_FRAME, executes nothing, counts in 0x0300
+ * and 0x030C and is destroyed, for a real chip passes it on with a spoilt check sum. Anything that is not EtherCAT is
+ * destroyed and counted in 0x030C while DL control bit 0 is 1 (reset value), else forwarded untouched.
+ *
+ * @param frame   `length` bytes from the destination MAC on, without FCS; no padding is needed
+ * @param now_ns  time of arrival
+ * Cost: linear in the datagrams and in the bytes that this slave touches.
+ */
+ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/**
+ * The PDI side: reads like the slave's microcontroller, with the side effects of that (seams/pdi.h).
+ * @param esc     an ::ect_esc_t
+ * @param buffer  `length` bytes; what may not be read now (empty mailbox, address beyond the chip) reads as 0
+ * @return 0
+ */
+int ect_esc_pdi_read(void *esc, uint16_t address, void *buffer, uint16_t length);
+
+/**
+ * The PDI side: writes like the slave's microcontroller. Read-only registers and a full mailbox stay unchanged.
+ * @return 0
+ */
+int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t length);
+
+/**
+ * Lets time pass: watchdog expiry and the end of SII commands. Call it before PDI accesses that come at a new time.
+ * @return the time at which something will happen next without an access, or UINT64_MAX.
+ */
+uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);
+
+/** The AL event request word as the PDI sees it, without the side effects of reading registers. */
+uint32_t ect_esc_al_event(const ect_esc_t *esc);
+
+/**
+ * A counter that moves whenever the ECAT side did something that the slave's software may have to look at: an AL
+ * event, new outputs, inputs fetched, a repeat request. Equal to the last value: nothing to do.
+ */
+static inline uint32_t ect_esc_activity(const ect_esc_t *esc)
+{
+    return esc->activity;
+}
+
+#endif

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * FMMUs: a window of logical bits onto physical bits. Whole bytes go through in one access; a window that starts or
+ * stops inside a byte goes through a small buffer, in pieces, with a mask for the bits that belong to it.
+ */
+#include <string.h>
+
+#include "esc/internal.h"
+
+enum { READS = 1, WRITES = 2, PIECE = 64 };
+
+/* One active FMMU, in bits, against one datagram. */
+typedef struct window {
+    uint64_t first_bit;    /* of the overlap, counted from the datagram's first data bit */
+    uint64_t bit_count;    /* of the overlap */
+    uint64_t physical_bit; /* where the overlap begins, counted from ESC address 0 */
+} window_t;
+
+static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, window_t *window)
+{
+    uint16_t bytes = ect_load_le16(fmmu + ECT_FMMU_LENGTH);
+    if (bytes == 0 || length == 0)
+        return false;
+    uint64_t start = (uint64_t)ect_load_le32(fmmu + ECT_FMMU_LOGICAL) * 8u;
+    uint64_t end = start + (bytes - 1u) * 8ull + fmmu[ECT_FMMU_STOP_BIT] + 1u;
+    start += fmmu[ECT_FMMU_START_BIT];
+    uint64_t frame_start = (uint64_t)logical * 8u;
+    uint64_t frame_end = frame_start + length * 8ull;
+    uint64_t first = start > frame_start ? start : frame_start;
+    uint64_t last = end < frame_end ? end : frame_end;
+    if (first >= last)
+        return false;
+    window->first_bit = first - frame_start;
+    window->bit_count = last - first;
+    window->physical_bit = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) * 8ull + fmmu[ECT_FMMU_PHYSICAL_BIT] +
+                           (first - start);
+    return true;
+}
+
+static void copy_bits(uint8_t *to, uint64_t to_bit, const uint8_t *from, uint64_t from_bit, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        uint8_t bit = (from[(from_bit + i) / 8] >> ((from_bit + i) % 8)) & 1u;
+        uint8_t *byte = &to[(to_bit + i) / 8];
+        unsigned int shift = (unsigned int)((to_bit + i) % 8);
+        *byte = (uint8_t)((*byte & ~(1u << shift)) | ((unsigned int)bit << shift));
+    }
+}
+
+/* A piece of at most PIECE physical bytes. */
+static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool write)
+{
+    static const uint8_t ones[PIECE] = {
+        0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
+        0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
+        0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
+        0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
+    };
+    uint8_t buffer[PIECE] = {0};
+    uint8_t mask[PIECE] = {0};
+    uint64_t shift = w->physical_bit % 8;
+    uint64_t first = w->physical_bit / 8;
+    uint64_t bytes = (shift + w->bit_count + 7) / 8;
+    if (first + bytes > 0x10000)
+        return false;
+    ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = buffer, .mask = NULL};
+    if (write) {
+        copy_bits(mask, shift, ones, 0, w->bit_count);
+        copy_bits(buffer, shift, data, w->first_bit, w->bit_count);
+        access.mask = mask;
+    }
+    if (!ect_esc_access(esc, &access, (uint16_t)first, (uint16_t)bytes))
+        return false;
+    if (!write)
+        copy_bits(data, w->first_bit, buffer, shift, w->bit_count);
+    return true;
+}
+
+static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
+{
+    if (w.first_bit % 8 == 0 && w.bit_count % 8 == 0 && w.physical_bit % 8 == 0) {
+        uint64_t first = w.physical_bit / 8;
+        uint64_t bytes = w.bit_count / 8;
+        if (first + bytes > 0x10000)
+            return false;
+        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = data + w.first_bit / 8};
+        return ect_esc_access(esc, &access, (uint16_t)first, (uint16_t)bytes);
+    }
+    bool any = false;
+    while (w.bit_count > 0) {
+        window_t piece = w;
+        uint64_t room = PIECE * 8u - w.physical_bit % 8;
+        if (piece.bit_count > room)
+            piece.bit_count = room;
+        any |= move_bits(esc, data, &piece, write);
+        w.first_bit += piece.bit_count;
+        w.physical_bit += piece.bit_count;
+        w.bit_count -= piece.bit_count;
+    }
+    return any;
+}
+
+/* One direction through all FMMUs, the highest number first: where two claim a bit, the lowest number has its way. */
+static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
+{
+    bool any = false;
+    for (unsigned int n = esc->config.personality->fmmu_count; n-- > 0;) {
+        const uint8_t *fmmu = esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;
+        uint8_t wanted = write ? WRITES : READS;
+        window_t window;
+        if ((fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0 && (fmmu[ECT_FMMU_TYPE] & wanted) != 0 &&
+            overlap(fmmu, logical, length, &window))
+            any |= move(esc, data, window, write);
+    }
+    return any;
+}
+
+unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
+                                 bool write)
+{
+    unsigned int done = 0;
+    uint8_t incoming[2048];
+    if (read && write)
+        memcpy(incoming, data, length);
+    if (read && pass(esc, logical, data, length, false))
+        done |= READS;
+    if (write && pass(esc, logical, read ? incoming : data, length, true))
+        done |= WRITES;
+    return done;
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+/* The processing unit: a frame's datagrams, one after the other, changed in place (data sheet I §2, ETG.1000.4 §5). */
+#include <string.h>
+
+#include "esc/internal.h"
+
+enum {
+    NOP = 0, APRD, APWR, APRW, FPRD, FPWR, FPRW, BRD, BWR, BRW, LRD, LWR, LRW, ARMW, FRMW,
+};
+
+enum {
+    ETHERTYPE_ECAT = 0x88A4,
+    ETHERTYPE_VLAN = 0x8100,
+    ETHERTYPE_IPV4 = 0x0800,
+    UDP_PORT_ECAT = 0x88A4,
+    ETHERNET_HEADER = 14,
+    HEADER = 10, /* of a datagram */
+    TRAILER = 2, /* its working counter */
+    TYPE_DATAGRAMS = 1,
+};
+
+/* Offsets inside a datagram. */
+enum { COMMAND = 0, ADP = 2, ADO = 4, LENGTH = 6, IRQ = 8, DATA = 10 };
+
+static uint16_t data_length(const uint8_t *datagram)
+{
+    return ect_load_le16(datagram + LENGTH) & 0x07FF;
+}
+
+static bool more_follow(const uint8_t *datagram)
+{
+    return (datagram[LENGTH + 1] & 0x80) != 0;
+}
+
+/* What a datagram asks of this slave. */
+typedef struct request {
+    bool read;
+    bool write;
+    bool or_read; /* broadcast: the read is OR'ed into the frame */
+} request_t;
+
+static bool station_matches(const ect_esc_t *esc, uint16_t address)
+{
+    const uint8_t *m = esc->memory;
+    bool alias_enabled = (m[ECT_REG_DL_CONTROL + 3] & 0x01) != 0;
+    return address == ect_load_le16(m + ECT_REG_STATION_ADDRESS) ||
+           (alias_enabled && address == ect_load_le16(m + ECT_REG_STATION_ALIAS));
+}
+
+/* Position commands come in groups of three: read, write, both. */
+static request_t by_position(unsigned int offset)
+{
+    return (request_t){.read = offset != 1, .write = offset != 0};
+}
+
+static request_t decide(const ect_esc_t *esc, const uint8_t *d)
+{
+    const request_t nothing = {0};
+    uint8_t command = d[COMMAND];
+    uint16_t adp = ect_load_le16(d + ADP);
+    request_t request;
+    switch (command) {
+    case APRD:
+    case APWR:
+    case APRW:
+        return adp == 0 ? by_position(command - APRD) : nothing;
+    case FPRD:
+    case FPWR:
+    case FPRW:
+        return station_matches(esc, adp) ? by_position(command - FPRD) : nothing;
+    case BRD:
+    case BWR:
+    case BRW:
+        request = by_position(command - BRD);
+        request.or_read = true;
+        return request;
+    case ARMW:
+        return (request_t){.read = adp == 0, .write = adp != 0};
+    case FRMW:
+        return (request_t){.read = station_matches(esc, adp), .write = !station_matches(esc, adp)};
+    default:
+        return nothing;
+    }
+}
+
+static bool position_counts(uint8_t command)
+{
+    return (command >= APRD && command <= APRW) || (command >= BRD && command <= BRW) || command == ARMW;
+}
+
+static void or_into(uint8_t *to, const uint8_t *from, uint16_t length)
+{
+    for (uint16_t i = 0; i < length; i++)
+        to[i] |= from[i];
+}
+
+/* Physical addressing. Returns what the working counter gains. */
+static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, request_t request)
+{
+    uint8_t *data = d + DATA;
+    uint16_t length = data_length(d);
+    uint16_t address = ect_load_le16(d + ADO);
+    uint8_t incoming[2048];
+    uint8_t outgoing[2048];
+    bool read_write = request.read && request.write;
+    unsigned int gain = 0;
+    if (read_write)
+        memcpy(incoming, data, length);
+    if (request.read) {
+        uint8_t *to = data;
+        if (request.or_read) {
+            memset(outgoing, 0, length);
+            to = outgoing;
+        }
+        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = false, .data = to};
+        if (ect_esc_access(esc, &access, address, length))
+            gain += 1;
+        if (request.or_read)
+            or_into(data, outgoing, length);
+    }
+    if (request.write) {
+        uint16_t offset = read_write ? ect_load_le16(esc->memory + ECT_REG_RW_OFFSET) : 0;
+        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = true, .data = read_write ? incoming : data};
+        if (ect_esc_access(esc, &access, (uint16_t)(address + offset), length))
+            gain += read_write ? 2 : 1;
+    }
+    return gain;
+}
+
+static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
+{
+    uint8_t command = d[COMMAND];
+    unsigned int done = ect_esc_fmmu_access(esc, ect_load_le32(d + ADP), d + DATA, data_length(d), command != LWR,
+                                            command != LRD);
+    if (command == LRW)
+        return done; /* bit 0: +1 for the read, bit 1: +2 for the write */
+    return done != 0 ? 1 : 0;
+}
+
+static unsigned int execute(ect_esc_t *esc, uint8_t *d)
+{
+    uint8_t command = d[COMMAND];
+    uint16_t features = esc->config.personality->features;
+    if (data_length(d) == 0)
+        return 0;
+    if (command >= LRD && command <= LRW)
+        return command == LRW && (features & ECT_FEATURE_NO_LRW) != 0 ? 0 : access_logical(esc, d);
+    request_t request = decide(esc, d);
+    if (request.read && request.write && (features & ECT_FEATURE_NO_RW) != 0)
+        return 0;
+    return request.read || request.write ? access_physical(esc, d, request) : 0;
+}
+
+static void process_datagram(ect_esc_t *esc, uint8_t *d)
+{
+    uint8_t *counter = d + DATA + data_length(d);
+    unsigned int gain = execute(esc, d);
+    ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + gain));
+    if (position_counts(d[COMMAND]))
+        ect_store_le16(d + ADP, (uint16_t)(ect_load_le16(d + ADP) + 1));
+    uint16_t events =
+        ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
+    ect_store_le16(d + IRQ, (uint16_t)(ect_load_le16(d + IRQ) | events));
+}
+
+/* Where the EtherCAT header begins; 0: this is no EtherCAT frame. A UDP check sum on the way is cleared. */
+static size_t find_header(uint8_t *frame, size_t length)
+{
+    size_t at = ETHERNET_HEADER - 2;
+    if (length < at + 2)
+        return 0;
+    if (ect_load_be16(frame + at) == ETHERTYPE_VLAN)
+        at += 4;
+    if (length < at + 2)
+        return 0;
+    uint16_t type = ect_load_be16(frame + at);
+    at += 2;
+    if (type == ETHERTYPE_ECAT)
+        return at;
+    const uint8_t *ip = frame + at;
+    if (type != ETHERTYPE_IPV4 || length < at + 28 || ip[0] != 0x45 || ip[9] != 0x11 ||
+        ect_load_be16(ip + 22) != UDP_PORT_ECAT)
+        return 0;
+    frame[at + 26] = 0;
+    frame[at + 27] = 0;
+    return at + 28;
+}
+
+/* Whether the datagrams, by their own lengths and "more" bits, fit into the frame. The header's length is not asked. */
+static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
+{
+    for (;;) {
+        if (length < at + HEADER + TRAILER)
+            return false;
+        size_t size = (size_t)HEADER + data_length(frame + at) + TRAILER;
+        if (length - at < size)
+            return false;
+        bool more = more_follow(frame + at);
+        at += size;
+        if (!more)
+            return true;
+    }
+}
+
+static ect_frame_result_t not_ours(ect_esc_t *esc)
+{
+    if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) == 0)
+        return ECT_FRAME_FORWARD;
+    ect_esc_count(esc, ECT_REG_PROCESSING_ERROR);
+    return ECT_FRAME_DESTROYED;
+}
+
+static ect_frame_result_t invalid(ect_esc_t *esc)
+{
+    ect_esc_count(esc, ECT_REG_RX_ERROR);
+    ect_esc_count(esc, ECT_REG_PROCESSING_ERROR);
+    return ECT_FRAME_DESTROYED;
+}
+
+ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    (void)ect_esc_tick(esc, now_ns);
+    if (length > ECT_ESC_MAX_FRAME || length < ETHERNET_HEADER)
+        return invalid(esc);
+    size_t at = find_header(frame, length);
+    if (at == 0)
+        return not_ours(esc);
+    if (length < at + 2)
+        return invalid(esc);
+    if (ect_load_le16(frame + at) >> 12 != TYPE_DATAGRAMS)
+        return not_ours(esc);
+    at += 2;
+    if (!datagrams_fit(frame, at, length))
+        return invalid(esc);
+    if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
+        frame[6] |= 0x02;
+    bool more = true;
+    while (more) {
+        more = more_follow(frame + at);
+        process_datagram(esc, frame + at);
+        at += (size_t)HEADER + data_length(frame + at) + TRAILER;
+    }
+    ect_esc_sii_end_of_frame(esc);
+    return ECT_FRAME_FORWARD;
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the files of esc/ know of each other. Nobody else includes this.
+ *
+ *   frame.c      datagrams: addressing, working counter
+ *   access.c     one access to the address space, from either side: registers or RAM
+ *   registers.c  access rights and effects of the registers
+ *   syncman.c    SyncManagers: who may enter which buffer
+ *   fmmu.c       logical addresses
+ *   sii.c        the EEPROM interface
+ *   esc.c        reset, time, events
+ */
+#ifndef ECT_ESC_INTERNAL_H
+#define ECT_ESC_INTERNAL_H
+
+#include "esc/esc.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
+
+/** Which side makes an access. Also the index into ect_esc_sm_t::open. */
+typedef enum ect_side { ECT_SIDE_ECAT, ECT_SIDE_PDI } ect_side_t;
+
+/** One access, as it travels down from the datagram or the PDI call. */
+typedef struct ect_access {
+    ect_side_t side;
+    bool write;
+    uint8_t *data;       /**< read: destination; write: source, only read */
+    const uint8_t *mask; /**< bits that count, a byte for each byte of data; NULL: all */
+} ect_access_t;
+
+/* access.c: both return whether at least one byte was accessible */
+bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length);
+
+/* registers.c */
+bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+
+/* syncman.c */
+bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n);
+void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n);
+bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length);
+bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+
+static inline uint8_t *ect_esc_sm_registers(const ect_esc_t *esc, unsigned int n)
+{
+    return esc->memory + ECT_REG_SM + ECT_SM_SIZE * n;
+}
+
+/* fmmu.c: bit 0 read succeeded, bit 1 write succeeded */
+unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
+                                 bool write);
+
+/* sii.c */
+void ect_esc_sii_load(ect_esc_t *esc, bool power_on);
+void ect_esc_sii_tick(ect_esc_t *esc);
+bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+void ect_esc_sii_end_of_frame(ect_esc_t *esc);
+
+/* esc.c */
+void ect_esc_raise(ect_esc_t *esc, uint32_t al_event);
+void ect_esc_clear(ect_esc_t *esc, uint32_t al_event);
+void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event);
+void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event);
+void ect_esc_count(ect_esc_t *esc, uint16_t counter_register);
+void ect_esc_watchdog_trigger(ect_esc_t *esc);
+
+#endif

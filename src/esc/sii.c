@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The SII EEPROM interface, 0x0500..0x050F: who owns it, commands with their busy time and error bits, and the
+ * configuration that the chip itself takes from the first words at power-on and on reload (data sheet I §11).
+ */
+#include <string.h>
+
+#include "esc/internal.h"
+
+enum {
+    WRITE_ENABLE = 0x0001,
+    NOT_PRESENT = 0x0008,
+    READ_8_BYTES = 0x0040,
+    TWO_ADDRESS_BYTES = 0x0080,
+    COMMAND = 0x0700,
+    CHECKSUM_ERROR = 0x0800,
+    NOT_LOADED = 0x1000,
+    COMMAND_ERROR = 0x2000,
+    WRITE_ENABLE_ERROR = 0x4000,
+    BUSY = 0x8000,
+};
+
+enum { COMMAND_IDLE = 0, COMMAND_READ = 1, COMMAND_WRITE = 2, COMMAND_RELOAD = 4 };
+
+static uint8_t *reg(ect_esc_t *esc, uint16_t address)
+{
+    return esc->memory + address;
+}
+
+static uint16_t status(ect_esc_t *esc)
+{
+    return ect_load_le16(reg(esc, ECT_REG_SII_CONTROL));
+}
+
+static void set_status(ect_esc_t *esc, unsigned int value)
+{
+    ect_store_le16(reg(esc, ECT_REG_SII_CONTROL), (uint16_t)value);
+}
+
+static bool checksum_good(const uint8_t *sii)
+{
+    if (ect_load_le16(sii + 14) == 0x88A4) /* check switched off, for debugging */
+        return true;
+    unsigned int crc = 0xFF;
+    for (int i = 0; i < 14; i++) {
+        crc ^= sii[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = (crc & 0x80) != 0 ? ((crc << 1) ^ 0x07) & 0xFF : crc << 1;
+    }
+    return crc == sii[14];
+}
+
+void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
+{
+    const uint8_t *sii = esc->config.sii;
+    unsigned int flags = (esc->config.personality->sii_read == 8 ? (unsigned int)READ_8_BYTES : 0u) |
+                         (esc->config.sii_size >= 4096 ? (unsigned int)TWO_ADDRESS_BYTES : 0u);
+    esc->sii_valid = sii != NULL && esc->config.sii_size >= 16 && checksum_good(sii);
+    if (!sii)
+        flags |= NOT_PRESENT | NOT_LOADED;
+    else if (!esc->sii_valid)
+        flags |= CHECKSUM_ERROR | NOT_LOADED;
+    set_status(esc, flags);
+    uint8_t *dl_status = reg(esc, ECT_REG_DL_STATUS);
+    *dl_status = (uint8_t)((*dl_status & ~1u) | (esc->sii_valid ? 1u : 0u));
+    if (!esc->sii_valid)
+        return;
+    memcpy(reg(esc, ECT_REG_PDI_CONTROL), sii, 2);
+    memcpy(reg(esc, 0x0150), sii + 2, 2);
+    memcpy(reg(esc, ECT_REG_DC_PULSE_LENGTH), sii + 4, 2);
+    memcpy(reg(esc, 0x0152), sii + 6, 2);
+    memcpy(reg(esc, 0x0142), sii + 10, 2);
+    memcpy(reg(esc, 0x0144), sii + 12, 2);
+    if (power_on)
+        memcpy(reg(esc, ECT_REG_STATION_ALIAS), sii + 8, 2);
+}
+
+/* Beyond the end an erased cell is read. */
+static uint8_t sii_byte(const ect_esc_t *esc, uint64_t offset)
+{
+    return offset < esc->config.sii_size ? esc->config.sii[offset] : 0xFF;
+}
+
+static void finish(ect_esc_t *esc)
+{
+    uint64_t offset = (uint64_t)ect_load_le32(reg(esc, ECT_REG_SII_ADDRESS)) * 2u;
+    uint8_t *data = reg(esc, ECT_REG_SII_DATA);
+    uint8_t command = esc->sii_command;
+    esc->sii_command = COMMAND_IDLE;
+    esc->sii_done_ns = 0;
+    set_status(esc, status(esc) & ~(unsigned int)(BUSY | COMMAND));
+    if (command == COMMAND_READ) {
+        for (unsigned int i = 0; i < esc->config.personality->sii_read; i++)
+            data[i] = sii_byte(esc, offset + i);
+    } else if (command == COMMAND_WRITE) {
+        for (unsigned int i = 0; i < 2; i++) {
+            if (offset + i < esc->config.sii_size)
+                esc->config.sii[offset + i] = data[i];
+        }
+    } else {
+        ect_esc_sii_load(esc, false);
+    }
+}
+
+void ect_esc_sii_tick(ect_esc_t *esc)
+{
+    if (esc->sii_command != COMMAND_IDLE && esc->now_ns >= esc->sii_done_ns)
+        finish(esc);
+}
+
+static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
+{
+    unsigned int flags = status(esc) & ~(unsigned int)(COMMAND | COMMAND_ERROR | WRITE_ENABLE_ERROR);
+    bool known = command == COMMAND_READ || command == COMMAND_WRITE || command == COMMAND_RELOAD;
+    if (command == COMMAND_IDLE || !known) {
+        set_status(esc, flags | (known || command == COMMAND_IDLE ? 0u : (unsigned int)COMMAND_ERROR));
+        return;
+    }
+    if (command == COMMAND_WRITE && !write_enabled) {
+        set_status(esc, flags | WRITE_ENABLE_ERROR);
+        return;
+    }
+    if (!esc->config.sii) {
+        set_status(esc, flags | COMMAND_ERROR);
+        return;
+    }
+    const ect_esc_personality_t *p = esc->config.personality;
+    set_status(esc, flags | BUSY | ((unsigned int)command << 8));
+    esc->sii_command = command;
+    esc->sii_done_ns = esc->now_ns + (command == COMMAND_WRITE ? p->sii_write_ns : p->sii_read_ns);
+    ect_esc_sii_tick(esc);
+}
+
+static bool owns(ect_esc_t *esc, ect_side_t side)
+{
+    bool pdi_owns = (*reg(esc, ECT_REG_SII_CONFIG) & 1u) != 0 || (*reg(esc, ECT_REG_SII_PDI_ACCESS) & 1u) != 0;
+    return pdi_owns == (side == ECT_SIDE_PDI);
+}
+
+static bool write_ownership(ect_esc_t *esc, ect_side_t side, uint16_t address, uint8_t value)
+{
+    uint8_t *config = reg(esc, ECT_REG_SII_CONFIG);
+    uint8_t *pdi = reg(esc, ECT_REG_SII_PDI_ACCESS);
+    if (address == ECT_REG_SII_CONFIG && side == ECT_SIDE_ECAT) {
+        *config = value & 3u;
+        if ((value & 2u) != 0)
+            *pdi &= 0xFE;
+        return true;
+    }
+    if (address == ECT_REG_SII_PDI_ACCESS && side == ECT_SIDE_PDI && (*config & 2u) == 0 &&
+        ((*config | *pdi) & 1u) != 0) {
+        *pdi = value & 1u;
+        return true;
+    }
+    return false;
+}
+
+/* The command is looked at when all bytes of the access have been stored: address and command come in one datagram. */
+static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    if (!owns(esc, access->side) || (status(esc) & BUSY) != 0)
+        return false;
+    bool has_low = false;
+    bool has_high = false;
+    uint8_t high = 0;
+    for (uint16_t i = 0; i < length; i++) {
+        uint16_t at = (uint16_t)(address + i);
+        uint8_t value = access->data[i];
+        if (at == ECT_REG_SII_CONTROL) {
+            has_low = true;
+            set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | (value & 1u));
+        } else if (at == ECT_REG_SII_CONTROL + 1) {
+            has_high = true;
+            high = value;
+        } else {
+            *reg(esc, at) = value;
+        }
+    }
+    bool write_enabled = access->side == ECT_SIDE_PDI || (status(esc) & WRITE_ENABLE) != 0;
+    if (has_high)
+        start(esc, high & 7u, write_enabled);
+    return has_low || has_high || length > 0;
+}
+
+bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    bool any = false;
+    uint16_t done = 0;
+    while (done < length && address + done < ECT_REG_SII_CONTROL) {
+        any |= write_ownership(esc, access->side, (uint16_t)(address + done), access->data[done]);
+        done++;
+    }
+    if (done < length) {
+        ect_access_t rest = *access;
+        rest.data += done;
+        any |= write_command_area(esc, &rest, (uint16_t)(address + done), (uint16_t)(length - done));
+    }
+    return any;
+}
+
+void ect_esc_sii_end_of_frame(ect_esc_t *esc)
+{
+    if ((*reg(esc, ECT_REG_SII_CONTROL) & WRITE_ENABLE) != 0)
+        set_status(esc, status(esc) & ~(unsigned int)WRITE_ENABLE);
+}

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * SyncManagers: mailbox mode (one buffer, producer and consumer in turn) and buffered mode (three buffers, both sides
+ * at any time). One rule for both: the first byte opens the buffer for a side, the last byte closes it, whatever comes
+ * in between and in however many accesses (data sheet I §8).
+ */
+#include "esc/internal.h"
+
+enum { NO_BUFFER = 3 };
+
+static uint16_t sm_length(const uint8_t *sm)
+{
+    return ect_load_le16(sm + ECT_SM_LENGTH);
+}
+
+static bool is_mailbox(const uint8_t *sm)
+{
+    return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
+}
+
+static bool ecat_writes(const uint8_t *sm)
+{
+    return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
+}
+
+bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
+{
+    const uint8_t *sm = ect_esc_sm_registers(esc, n);
+    return (sm[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 && sm_length(sm) > 0;
+}
+
+void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    bool enabled = ect_esc_sm_enabled(esc, n);
+    sm[ECT_SM_STATUS] = enabled && is_mailbox(sm) ? 0 : ECT_SM_STATUS_BUFFER;
+    esc->sm[n] = (ect_esc_sm_t){.write_buffer = 0, .read_buffer = NO_BUFFER};
+    ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
+    ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+}
+
+/* Tells the other side that `side` is through with the buffer. */
+static void notify(ect_esc_t *esc, unsigned int n, ect_side_t side)
+{
+    uint8_t control = ect_esc_sm_registers(esc, n)[ECT_SM_CONTROL];
+    if (side == ECT_SIDE_ECAT) {
+        esc->activity++;
+        if ((control & ECT_SM_CONTROL_AL_EVENT) != 0)
+            ect_esc_raise(esc, (uint32_t)ECT_EVENT_SM0 << n);
+    } else if ((control & ECT_SM_CONTROL_ECAT_EVENT) != 0) {
+        ect_esc_raise_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+    }
+}
+
+/* The event for `side` has been noticed: it has begun to use the buffer. */
+static void quiet(ect_esc_t *esc, unsigned int n, ect_side_t side)
+{
+    if (side == ECT_SIDE_PDI)
+        ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
+    else
+        ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+}
+
+static uint8_t latest_buffer(const uint8_t *sm)
+{
+    return (sm[ECT_SM_STATUS] & ECT_SM_STATUS_BUFFER) >> 4;
+}
+
+static bool open_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    if (is_mailbox(sm) && (sm[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0)
+        return false;
+    sm[ECT_SM_STATUS] = (uint8_t)((sm[ECT_SM_STATUS] | ECT_SM_STATUS_WRITE_OPEN) & ~ECT_SM_STATUS_READ);
+    quiet(esc, n, side);
+    return true;
+}
+
+static bool open_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    if (is_mailbox(sm)) {
+        if ((sm[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
+            return false;
+    } else {
+        if (latest_buffer(sm) == NO_BUFFER)
+            return false;
+        esc->sm[n].read_buffer = latest_buffer(sm);
+    }
+    sm[ECT_SM_STATUS] = (uint8_t)((sm[ECT_SM_STATUS] | ECT_SM_STATUS_READ_OPEN) & ~ECT_SM_STATUS_WRITTEN);
+    quiet(esc, n, side);
+    return true;
+}
+
+static uint8_t free_buffer(uint8_t latest, uint8_t reading)
+{
+    uint8_t candidate = 0;
+    while (candidate == latest || candidate == reading)
+        candidate++;
+    return candidate;
+}
+
+static void close_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~ECT_SM_STATUS_WRITE_OPEN);
+    if (is_mailbox(sm)) {
+        status |= ECT_SM_STATUS_FULL;
+    } else {
+        uint8_t written = esc->sm[n].write_buffer;
+        status = (uint8_t)((status & ~ECT_SM_STATUS_BUFFER) | (written << 4));
+        esc->sm[n].write_buffer = free_buffer(written, esc->sm[n].read_buffer);
+    }
+    sm[ECT_SM_STATUS] = status | ECT_SM_STATUS_WRITTEN;
+    if (side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
+        ect_esc_watchdog_trigger(esc);
+    notify(esc, n, side);
+}
+
+static void close_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~ECT_SM_STATUS_READ_OPEN);
+    if (is_mailbox(sm))
+        status = (uint8_t)(status & ~ECT_SM_STATUS_FULL);
+    sm[ECT_SM_STATUS] = status | ECT_SM_STATUS_READ;
+    notify(esc, n, side);
+}
+
+/* A SyncManager of one byte has no buffers: plain memory with events (data sheet I §8.5). */
+static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t start)
+{
+    if ((uint32_t)start >= esc->memory_size)
+        return false;
+    ect_esc_copy(access, esc->memory + start, 0, 1);
+    const uint8_t *sm = ect_esc_sm_registers(esc, n);
+    if (access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
+        ect_esc_watchdog_trigger(esc);
+    quiet(esc, n, access->side);
+    notify(esc, n, access->side);
+    return true;
+}
+
+bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
+{
+    const uint8_t *sm = ect_esc_sm_registers(esc, n);
+    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
+    if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0 || producer != access->write)
+        return false;
+    uint16_t start = ect_load_le16(sm + ECT_SM_START);
+    uint16_t size = sm_length(sm);
+    if (size == 1)
+        return access_transparent(esc, n, access, start);
+    bool *open = &esc->sm[n].open[access->side];
+    if (offset == 0)
+        *open = access->write ? open_write(esc, n, access->side) : open_read(esc, n, access->side);
+    if (!*open)
+        return false;
+    uint8_t buffer = access->write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
+    uint32_t at = (uint32_t)start + (is_mailbox(sm) ? 0u : (uint32_t)buffer * size) + offset;
+    if (at + length > esc->memory_size)
+        return false;
+    ect_esc_copy(access, esc->memory + at, 0, length);
+    if (offset + length == size) {
+        *open = false;
+        if (access->write)
+            close_write(esc, n, access->side);
+        else
+            close_read(esc, n, access->side);
+    }
+    return true;
+}
+
+/* One register byte of a SyncManager. Returns whether it was taken. */
+static bool write_byte(ect_esc_t *esc, unsigned int n, unsigned int reg, uint8_t value, ect_side_t side,
+                       bool was_enabled)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    if (side == ECT_SIDE_PDI) {
+        if (reg != ECT_SM_PDI_CONTROL)
+            return false;
+        sm[reg] = value & (ECT_SM_PDI_DISABLE | ECT_SM_PDI_REPEAT_ACK);
+        if ((value & ECT_SM_PDI_DISABLE) != 0)
+            ect_esc_sm_reset(esc, n);
+        return true;
+    }
+    if (reg > ECT_SM_ACTIVATE || reg == ECT_SM_STATUS || (reg < ECT_SM_ACTIVATE && was_enabled))
+        return false;
+    sm[reg] = reg == ECT_SM_ACTIVATE ? value & 0xC3 : value;
+    return true;
+}
+
+/* After a write to the activate register: re-arm on a change of the enable bit, and always tell the PDI. */
+static void activate_written(ect_esc_t *esc, unsigned int n, bool was_enabled)
+{
+    bool enabled = (ect_esc_sm_registers(esc, n)[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0;
+    if (enabled != was_enabled)
+        ect_esc_sm_reset(esc, n);
+}
+
+bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    bool any = false;
+    uint16_t end = (uint16_t)(address + length);
+    for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
+        uint8_t *sm = ect_esc_sm_registers(esc, n);
+        uint16_t first = (uint16_t)(ECT_REG_SM + ECT_SM_SIZE * n);
+        uint8_t activate = sm[ECT_SM_ACTIVATE];
+        bool was_enabled = (activate & ECT_SM_ACTIVATE_ENABLE) != 0;
+        for (unsigned int reg = 0; reg < ECT_SM_SIZE; reg++) {
+            unsigned int at = first + reg;
+            if (at >= address && at < end)
+                any |= write_byte(esc, n, reg, access->data[at - address], access->side, was_enabled);
+        }
+        if (sm[ECT_SM_ACTIVATE] != activate) {
+            activate_written(esc, n, was_enabled);
+            ect_esc_raise(esc, ECT_EVENT_SM_CHANGED);
+        }
+    }
+    return any;
+}
+
+void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    /* One event for all: the stack reads the whole block, and so does any PDI that reads an activate register. */
+    unsigned int inside = (unsigned int)(address - ECT_REG_SM) % ECT_SM_SIZE;
+    unsigned int to_activate = (ECT_SM_SIZE + ECT_SM_ACTIVATE - inside) % ECT_SM_SIZE;
+    if (access->side == ECT_SIDE_PDI && length > to_activate)
+        ect_esc_clear(esc, ECT_EVENT_SM_CHANGED);
+}

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+#include "od/od.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "wire/bytes.h"
+
+static const uint32_t abort_codes[ECT_REASON_COUNT] = {
+    [ECT_REASON_TOGGLE] = 0x05030000,        [ECT_REASON_TIMEOUT] = 0x05040000,
+    [ECT_REASON_COMMAND] = 0x05040001,       [ECT_REASON_MEMORY] = 0x05040005,
+    [ECT_REASON_UNSUPPORTED] = 0x06010000,   [ECT_REASON_WRITE_ONLY] = 0x06010001,
+    [ECT_REASON_READ_ONLY] = 0x06010002,     [ECT_REASON_SUBINDEX0] = 0x06010003,
+    [ECT_REASON_VARIABLE_LENGTH] = 0x06010004, [ECT_REASON_MAILBOX_SIZE] = 0x06010005,
+    [ECT_REASON_MAPPED] = 0x06010006,        [ECT_REASON_NO_OBJECT] = 0x06020000,
+    [ECT_REASON_NOT_MAPPABLE] = 0x06040041,  [ECT_REASON_PDO_LENGTH] = 0x06040042,
+    [ECT_REASON_INCOMPATIBLE] = 0x06040043,  [ECT_REASON_INTERNAL] = 0x06040047,
+    [ECT_REASON_HARDWARE] = 0x06060000,      [ECT_REASON_LENGTH] = 0x06070010,
+    [ECT_REASON_TOO_LONG] = 0x06070012,      [ECT_REASON_TOO_SHORT] = 0x06070013,
+    [ECT_REASON_NO_SUBINDEX] = 0x06090011,   [ECT_REASON_RANGE] = 0x06090030,
+    [ECT_REASON_TOO_HIGH] = 0x06090031,      [ECT_REASON_TOO_LOW] = 0x06090032,
+    [ECT_REASON_MODULES] = 0x06090033,       [ECT_REASON_MIN_MAX] = 0x06090036,
+    [ECT_REASON_RESOURCE] = 0x060A0023,      [ECT_REASON_GENERAL] = 0x08000000,
+    [ECT_REASON_STORE] = 0x08000020,         [ECT_REASON_LOCAL_CONTROL] = 0x08000021,
+    [ECT_REASON_STATE] = 0x08000022,         [ECT_REASON_NO_DICTIONARY] = 0x08000023,
+    [ECT_REASON_NO_DATA] = 0x08000024,
+};
+
+uint32_t ect_abort_code(ect_reason_t reason)
+{
+    unsigned int i = (unsigned int)reason;
+    return i > 0 && i < ECT_REASON_COUNT ? abort_codes[i] : abort_codes[ECT_REASON_GENERAL];
+}
+
+const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index)
+{
+    uint16_t low = 0;
+    uint16_t high = od->count;
+    while (low < high) {
+        uint16_t middle = (uint16_t)(low + (high - low) / 2);
+        const ect_object_t *object = &od->objects[middle];
+        if (object->index == index)
+            return object;
+        if (object->index < index)
+            low = (uint16_t)(middle + 1);
+        else
+            high = middle;
+    }
+    return NULL;
+}
+
+const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex)
+{
+    if (subindex > object->max_subindex)
+        return NULL;
+    /* Ascending and ending at max_subindex, so the scan ends inside the table though sub-indices may be missing. */
+    const ect_entry_t *entry = object->entries;
+    while (entry->subindex < subindex)
+        entry++;
+    return entry->subindex == subindex ? entry : NULL;
+}
+
+ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex, const ect_object_t **object,
+                           const ect_entry_t **entry)
+{
+    const ect_object_t *found = ect_od_find(od, index);
+    if (!found)
+        return ECT_REASON_NO_OBJECT;
+    const ect_entry_t *e = ect_od_entry(found, subindex);
+    if (!e)
+        return ECT_REASON_NO_SUBINDEX;
+    *object = found;
+    *entry = e;
+    return ECT_OK;
+}
+
+ect_reason_t ect_od_check_access(const ect_entry_t *entry, ect_direction_t direction, uint8_t al_state)
+{
+    unsigned int in_state = al_state == 2   ? ECT_ACCESS_R_PREOP
+                            : al_state == 4 ? ECT_ACCESS_R_SAFEOP
+                            : al_state == 8 ? ECT_ACCESS_R_OP
+                                            : 0u;
+    unsigned int granted = entry->access & ECT_ACCESS_RO;
+    ect_reason_t never = ECT_REASON_WRITE_ONLY;
+    if (direction == ECT_DOWNLOAD) {
+        granted = (unsigned int)(entry->access & ECT_ACCESS_WO) >> 3;
+        never = ECT_REASON_READ_ONLY;
+    }
+    if (granted == 0)
+        return never;
+    return (granted & in_state) != 0 ? ECT_OK : ECT_REASON_STATE;
+}
+
+bool ect_od_is_bits(const ect_entry_t *entry)
+{
+    return entry->data_type == ECT_TYPE_BOOLEAN ||
+           (entry->data_type >= ECT_TYPE_BIT1 && entry->data_type <= ECT_TYPE_BIT8);
+}
+
+/* Bytes of a number that the host keeps in its own byte order; 0 for everything kept as bytes. */
+static uint16_t number_width(const ect_entry_t *entry)
+{
+    switch (entry->data_type) {
+    case ECT_TYPE_INTEGER16:
+    case ECT_TYPE_UNSIGNED16:
+    case ECT_TYPE_BITARR16:
+        return 2;
+    case ECT_TYPE_INTEGER32:
+    case ECT_TYPE_UNSIGNED32:
+    case ECT_TYPE_REAL32:
+    case ECT_TYPE_BITARR32:
+        return 4;
+    case ECT_TYPE_INTEGER64:
+    case ECT_TYPE_UNSIGNED64:
+    case ECT_TYPE_REAL64:
+        return 8;
+    default:
+        return 0;
+    }
+}
+
+void *ect_od_data(const ect_od_t *od, const ect_entry_t *entry)
+{
+    if (!entry->data)
+        return NULL;
+    if (!od->base || (entry->access & ECT_ACCESS_SHARED) != 0)
+        return entry->data;
+    return (uint8_t *)od->base + (uintptr_t)entry->data;
+}
+
+uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry)
+{
+    uint16_t room = ect_od_bytes(entry);
+    const char *text = ect_od_data(od, entry);
+    if (!ect_od_is_string(entry) || !text)
+        return room;
+    const char *end = memchr(text, 0, room);
+    return end ? (uint16_t)(end - text) : room;
+}
+
+static void encode(uint8_t wire[8], const void *data, uint16_t width)
+{
+    uint64_t v64;
+    uint32_t v32;
+    uint16_t v16;
+    if (width == 2) {
+        memcpy(&v16, data, sizeof v16);
+        ect_store_le16(wire, v16);
+    } else if (width == 4) {
+        memcpy(&v32, data, sizeof v32);
+        ect_store_le32(wire, v32);
+    } else {
+        memcpy(&v64, data, sizeof v64);
+        ect_store_le64(wire, v64);
+    }
+}
+
+static void decode(void *data, const uint8_t *wire, uint16_t width)
+{
+    if (width == 2) {
+        uint16_t v16 = ect_load_le16(wire);
+        memcpy(data, &v16, sizeof v16);
+    } else if (width == 4) {
+        uint32_t v32 = ect_load_le32(wire);
+        memcpy(data, &v32, sizeof v32);
+    } else {
+        uint64_t v64 = ect_load_le64(wire);
+        memcpy(data, &v64, sizeof v64);
+    }
+}
+
+void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, void *buffer, uint16_t length)
+{
+    assert((uint32_t)offset + length <= ect_od_bytes(entry));
+    const uint8_t *data = ect_od_data(od, entry);
+    uint16_t width = number_width(entry);
+    uint8_t wire[8] = {0};
+    const uint8_t *source = data;
+    if (!data) {
+        /* Longer than the value can be: the rest reads as zero. */
+        memset(buffer, 0, length);
+        ect_store_le32(wire, entry->value);
+        if (offset >= sizeof wire)
+            return;
+        length = (uint16_t)(length > sizeof wire - offset ? sizeof wire - offset : length);
+        source = wire;
+    } else if (width > 0) {
+        encode(wire, data, width);
+        source = wire;
+    }
+    memcpy(buffer, source + offset, length);
+    if (ect_od_is_bits(entry) && length > 0)
+        *(uint8_t *)buffer &= (uint8_t)((1u << entry->bit_length) - 1u);
+}
+
+ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, const void *buffer,
+                          uint16_t length)
+{
+    uint16_t room = ect_od_bytes(entry);
+    assert((uint32_t)offset + length <= room);
+    uint8_t *data = ect_od_data(od, entry);
+    if (!data || (entry->access & ECT_ACCESS_SHARED) != 0)
+        return ECT_REASON_READ_ONLY;
+    uint16_t width = number_width(entry);
+    if (width > 0) {
+        assert(offset == 0 && length == width);
+        decode(data, buffer, width);
+        return ECT_OK;
+    }
+    memcpy(data + offset, buffer, length);
+    if (ect_od_is_bits(entry) && length > 0)
+        data[0] &= (uint8_t)((1u << entry->bit_length) - 1u);
+    if (ect_od_is_string(entry) && offset + length < room)
+        data[offset + length] = 0;
+    return ECT_OK;
+}
+
+const ect_limit_t *ect_od_limit(const ect_od_t *od, uint16_t index, uint8_t subindex)
+{
+    uint32_t key = ((uint32_t)index << 8) | subindex;
+    uint16_t low = 0;
+    uint16_t high = od->limits ? od->limit_count : 0;
+    while (low < high) {
+        uint16_t middle = (uint16_t)(low + (high - low) / 2);
+        const ect_limit_t *limit = &od->limits[middle];
+        uint32_t here = ((uint32_t)limit->index << 8) | limit->subindex;
+        if (here == key)
+            return limit;
+        if (here < key)
+            low = (uint16_t)(middle + 1);
+        else
+            high = middle;
+    }
+    return NULL;
+}
+
+static bool is_signed(uint16_t data_type)
+{
+    return (data_type >= ECT_TYPE_INTEGER8 && data_type <= ECT_TYPE_INTEGER32) || data_type == ECT_TYPE_INTEGER64;
+}
+
+ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_entry_t *entry, const void *bytes)
+{
+    const ect_limit_t *limit = ect_od_limit(od, index, (uint8_t)entry->subindex);
+    uint16_t size = ect_od_bytes(entry);
+    if (!limit || size == 0 || size > 8)
+        return ECT_OK;
+    uint8_t wire[8] = {0};
+    memcpy(wire, bytes, size);
+    if (is_signed(entry->data_type) && (wire[size - 1] & 0x80) != 0)
+        memset(wire + size, 0xFF, sizeof wire - size);
+    int64_t value = (int64_t)ect_load_le64(wire);
+    if (value > limit->maximum)
+        return ECT_REASON_TOO_HIGH;
+    return value < limit->minimum ? ECT_REASON_TOO_LOW : ECT_OK;
+}
+
+ect_reason_t ect_od_number(const ect_od_t *od, uint16_t index, uint8_t subindex, uint32_t *value)
+{
+    const ect_object_t *object;
+    const ect_entry_t *entry;
+    ect_reason_t reason = ect_od_lookup(od, index, subindex, &object, &entry);
+    if (reason != ECT_OK)
+        return reason;
+    uint8_t wire[4] = {0};
+    uint16_t size = ect_od_bytes(entry);
+    ect_od_read(od, entry, 0, wire, size < sizeof wire ? size : (uint16_t)sizeof wire);
+    *value = ect_load_le32(wire);
+    return ECT_OK;
+}

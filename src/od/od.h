@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The object dictionary: what a slave offers to SDO and PDO, as constant tables over caller-owned data.
+ *
+ * An object list is an array of ::ect_object_t sorted by index, each with its entries sorted by sub-index. The two
+ * descriptors have the shape of SOES's `_objectlist` and `_objd`, so that a list written for SOES is used by cast.
+ * `data` of an entry is an address; in a list with a base (::ect_od_t::base) it is an offset into that instance, so
+ * one table in flash serves one instance in a firmware and a thousand in a process.
+ *
+ * Nothing in here allocates, blocks, or keeps a pointer. All functions may be called from any context that owns the
+ * instance data; the stack calls them from mainline, and from the cycle context for process data.
+ *
+ * Clauses: ETG.1000.6 §5.6 (CoE), ETG.1020 (data types, object codes), CiA 301 (abort codes).
+ */
+#ifndef ECT_OD_OD_H
+#define ECT_OD_OD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** Object codes (ETG.1000.6 §5.6.3.6.1). */
+enum { ECT_OBJECT_DOMAIN = 2, ECT_OBJECT_VAR = 7, ECT_OBJECT_ARRAY = 8, ECT_OBJECT_RECORD = 9 };
+
+/** Data types (ETG.1020). BOOLEAN and BITn occupy one byte of instance data each and n bits on the wire. */
+enum {
+    ECT_TYPE_NONE = 0x0000,
+    ECT_TYPE_BOOLEAN = 0x0001,
+    ECT_TYPE_INTEGER8 = 0x0002,
+    ECT_TYPE_INTEGER16 = 0x0003,
+    ECT_TYPE_INTEGER32 = 0x0004,
+    ECT_TYPE_UNSIGNED8 = 0x0005,
+    ECT_TYPE_UNSIGNED16 = 0x0006,
+    ECT_TYPE_UNSIGNED32 = 0x0007,
+    ECT_TYPE_REAL32 = 0x0008,
+    ECT_TYPE_VISIBLE_STRING = 0x0009,
+    ECT_TYPE_OCTET_STRING = 0x000A,
+    ECT_TYPE_REAL64 = 0x0011,
+    ECT_TYPE_INTEGER64 = 0x0015,
+    ECT_TYPE_UNSIGNED64 = 0x001B,
+    ECT_TYPE_PDO_MAPPING = 0x0021,
+    ECT_TYPE_IDENTITY = 0x0023,
+    ECT_TYPE_SM_SYNC = 0x0029,
+    ECT_TYPE_RECORD = 0x002A,
+    ECT_TYPE_BITARR8 = 0x002D,
+    ECT_TYPE_BITARR16 = 0x002E,
+    ECT_TYPE_BITARR32 = 0x002F,
+    ECT_TYPE_BIT1 = 0x0030,
+    ECT_TYPE_BIT8 = 0x0037,
+};
+
+/** Access bits of an entry (ETG.1000.6 §5.6.3.6.3); these are the bits that SDO information reports. */
+enum {
+    ECT_ACCESS_R_PREOP = 0x0001,
+    ECT_ACCESS_R_SAFEOP = 0x0002,
+    ECT_ACCESS_R_OP = 0x0004,
+    ECT_ACCESS_W_PREOP = 0x0008,
+    ECT_ACCESS_W_SAFEOP = 0x0010,
+    ECT_ACCESS_W_OP = 0x0020,
+    ECT_ACCESS_RXPDO = 0x0040,
+    ECT_ACCESS_TXPDO = 0x0080,
+    ECT_ACCESS_BACKUP = 0x0100,
+    ECT_ACCESS_SETTING = 0x0200,
+    ECT_ACCESS_RO = 0x0007,
+    ECT_ACCESS_WO = 0x0038,
+    ECT_ACCESS_RW = 0x003F,
+    ECT_ACCESS_RW_PREOP = 0x000F,
+    ECT_ACCESS_WIRE = 0x0FFF, /**< the bits that a master sees; those above are ours */
+    /** `data` is an address even in a list with a base: a constant that all instances share. */
+    ECT_ACCESS_SHARED = 0x8000,
+};
+
+/**
+ * One entry (sub-index). Same members, order and types as SOES `_objd`.
+ *
+ * data == NULL (offset 0 in a list with a base): the entry has no memory and reads as `value`.
+ */
+typedef struct ect_entry {
+    uint16_t subindex;   /**< 0..255, ascending in the object's table */
+    uint16_t data_type;  /**< ECT_TYPE_... */
+    uint16_t bit_length; /**< on the wire; strings: 8 × their room; 0: length known to the device's hook only */
+    uint16_t access;     /**< ECT_ACCESS_... */
+    const char *name;    /**< may be NULL; zero-terminated, shared */
+    uint32_t value;      /**< default; what an entry without data reads as */
+    void *data;          /**< address, or offset into the instance (ECT_OFFSET) */
+} ect_entry_t;
+
+/** One object (index). Same members, order and types as SOES `_objectlist`. */
+typedef struct ect_object {
+    uint16_t index;        /**< ascending in the list */
+    uint16_t object_code;  /**< ECT_OBJECT_... */
+    uint8_t max_subindex;  /**< sub-index of the last element of `entries`; 0 for a VAR */
+    uint8_t reserved;      /**< 0 */
+    const char *name;      /**< zero-terminated, shared */
+    const ect_entry_t *entries;
+} ect_object_t;
+
+/** What SOES's descriptor has no field for; a second table beside the list, sorted by index, then sub-index. */
+typedef struct ect_limit {
+    uint16_t index;
+    uint8_t subindex;
+    uint16_t unit; /**< ETG.1004 unit code, 0 none */
+    int64_t minimum;
+    int64_t maximum;
+} ect_limit_t;
+
+/** An object list together with the instance that it describes. A small value: copy it freely. */
+typedef struct ect_od {
+    const ect_object_t *objects;
+    uint16_t count;
+    const ect_limit_t *limits; /**< may be NULL */
+    uint16_t limit_count;
+    void *base; /**< the instance that `data` offsets count from; NULL: `data` are addresses */
+} ect_od_t;
+
+/** `data` of an entry in a list with a base. The first member of an instance can have no entry (offset 0 = none). */
+#define ECT_OFFSET(type, member) ((void *)offsetof(type, member))
+
+/**
+ * Why a request to the dictionary is refused: one reason, one abort code (::ect_abort_code). Hooks of a device
+ * return these too. The order is ours; the codes are CiA 301's and ETG.1000.6 Table 41's.
+ */
+typedef enum ect_reason {
+    ECT_OK = 0,
+    ECT_REASON_TOGGLE,          /**< 05030000 */
+    ECT_REASON_TIMEOUT,         /**< 05040000 */
+    ECT_REASON_COMMAND,         /**< 05040001 */
+    ECT_REASON_MEMORY,          /**< 05040005 */
+    ECT_REASON_UNSUPPORTED,     /**< 06010000 */
+    ECT_REASON_WRITE_ONLY,      /**< 06010001 */
+    ECT_REASON_READ_ONLY,       /**< 06010002 */
+    ECT_REASON_SUBINDEX0,       /**< 06010003: sub-index 0 must be 0 first */
+    ECT_REASON_VARIABLE_LENGTH, /**< 06010004: no Complete Access to objects of variable length */
+    ECT_REASON_MAILBOX_SIZE,    /**< 06010005 */
+    ECT_REASON_MAPPED,          /**< 06010006 */
+    ECT_REASON_NO_OBJECT,       /**< 06020000 */
+    ECT_REASON_NOT_MAPPABLE,    /**< 06040041 */
+    ECT_REASON_PDO_LENGTH,      /**< 06040042 */
+    ECT_REASON_INCOMPATIBLE,    /**< 06040043 */
+    ECT_REASON_INTERNAL,        /**< 06040047 */
+    ECT_REASON_HARDWARE,        /**< 06060000 */
+    ECT_REASON_LENGTH,          /**< 06070010 */
+    ECT_REASON_TOO_LONG,        /**< 06070012 */
+    ECT_REASON_TOO_SHORT,       /**< 06070013 */
+    ECT_REASON_NO_SUBINDEX,     /**< 06090011 */
+    ECT_REASON_RANGE,           /**< 06090030 */
+    ECT_REASON_TOO_HIGH,        /**< 06090031 */
+    ECT_REASON_TOO_LOW,         /**< 06090032 */
+    ECT_REASON_MODULES,         /**< 06090033 */
+    ECT_REASON_MIN_MAX,         /**< 06090036 */
+    ECT_REASON_RESOURCE,        /**< 060A0023 */
+    ECT_REASON_GENERAL,         /**< 08000000 */
+    ECT_REASON_STORE,           /**< 08000020 */
+    ECT_REASON_LOCAL_CONTROL,   /**< 08000021 */
+    ECT_REASON_STATE,           /**< 08000022 */
+    ECT_REASON_NO_DICTIONARY,   /**< 08000023 */
+    ECT_REASON_NO_DATA,         /**< 08000024 */
+    ECT_REASON_COUNT
+} ect_reason_t;
+
+/**
+ * The SDO abort code of a reason (ETG.1000.6 Table 41, Q179 §1-1).
+ * @param reason  ECT_REASON_TOGGLE..ECT_REASON_COUNT-1; anything else is answered as ECT_REASON_GENERAL.
+ * @return the 32-bit code, e.g. 0x06020000.
+ */
+uint32_t ect_abort_code(ect_reason_t reason);
+
+/**
+ * Finds an object by binary search: at most log2(count)+1 comparisons.
+ * @return the object, or NULL when the list has no such index. The pointer lives as long as the list.
+ */
+const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index);
+
+/**
+ * Finds an entry of an object; a gap in the sub-indices is allowed.
+ * @return the entry, or NULL when the object has no such sub-index.
+ */
+const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex);
+
+/**
+ * Resolves index and sub-index.
+ * @param[out] object, entry  set on ECT_OK, else unchanged
+ * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX
+ */
+ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex, const ect_object_t **object,
+                           const ect_entry_t **entry);
+
+/** Direction of an access, as the master sees it. */
+typedef enum ect_direction { ECT_UPLOAD, ECT_DOWNLOAD } ect_direction_t;
+
+/**
+ * Checks the access rights of an entry in an AL state.
+ * @param al_state  2 PREOP, 4 SAFEOP, 8 OP; any other state allows nothing
+ * @return ECT_OK · ECT_REASON_WRITE_ONLY / ECT_REASON_READ_ONLY (never allowed) · ECT_REASON_STATE (not now)
+ */
+ect_reason_t ect_od_check_access(const ect_entry_t *entry, ect_direction_t direction, uint8_t al_state);
+
+/** Bytes of an entry on the wire when it is transferred alone: bit_length rounded up. */
+static inline uint16_t ect_od_bytes(const ect_entry_t *entry)
+{
+    return (uint16_t)((entry->bit_length + 7u) / 8u);
+}
+
+/** True for BOOLEAN and BIT1..BIT8: types that Complete Access and PDOs pack bit by bit. */
+bool ect_od_is_bits(const ect_entry_t *entry);
+
+/** True for VISIBLE_STRING: on upload only the characters before the terminator travel. */
+static inline bool ect_od_is_string(const ect_entry_t *entry)
+{
+    return entry->data_type == ECT_TYPE_VISIBLE_STRING;
+}
+
+/** The memory of an entry, or NULL when it has none and reads as `value`. Owned by the instance. */
+void *ect_od_data(const ect_od_t *od, const ect_entry_t *entry);
+
+/** Bytes that an upload of this entry transfers now (strings: their present length). */
+uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry);
+
+/**
+ * Copies a slice of an entry's wire form (little-endian) to a buffer.
+ * @param offset, length  bytes; offset + length <= ect_od_bytes(entry) (asserted)
+ * @param[out] buffer     length bytes, the caller's
+ */
+void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, void *buffer, uint16_t length);
+
+/**
+ * Writes a slice of an entry's wire form into the instance. Rights and limits are not checked here. Numbers of 2, 4
+ * and 8 bytes must come whole (asserted), strings and octets in any pieces; a string that ends short of its room is
+ * terminated when its last piece says so by being shorter.
+ * @return ECT_OK · ECT_REASON_READ_ONLY when the entry has no memory
+ */
+ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, const void *buffer,
+                          uint16_t length);
+
+/** The limit of an entry, or NULL. Binary search. */
+const ect_limit_t *ect_od_limit(const ect_od_t *od, uint16_t index, uint8_t subindex);
+
+/**
+ * Checks a new value, given in wire form, against the limits table.
+ * @param bytes  ect_od_bytes(entry) bytes, little-endian
+ * @return ECT_OK (also for entries without a limit and for non-numbers) · ECT_REASON_TOO_HIGH · ECT_REASON_TOO_LOW
+ */
+ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_entry_t *entry, const void *bytes);
+
+/**
+ * Reads an entry of at most 32 bits as a number, zero-extended: for the stack's own reading of 1C1xh, 16xxh, 1Axxh.
+ * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX; *value is unchanged unless ECT_OK.
+ */
+ect_reason_t ect_od_number(const ect_od_t *od, uint16_t index, uint8_t subindex, uint32_t *value);
+
+#endif

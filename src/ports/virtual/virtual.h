@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The virtual port: the PDI of a software ESC in the same process. Never fails, never waits.
+ */
+#ifndef ECT_PORTS_VIRTUAL_H
+#define ECT_PORTS_VIRTUAL_H
+
+#include "esc/esc.h"
+#include "seams/pdi.h"
+
+/** The PDI of `esc`, which must outlive its use. Reading the event word is free of charge. */
+ect_pdi_t ect_virtual_pdi(ect_esc_t *esc);
+
+#endif

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * PDI: how the slave stack reaches an EtherCAT slave controller (ESC), real or virtual.
+ *
+ * A port is one table of two operations and a context. The software ESC, a LAN9252 on SPI, an ET1100 on a parallel
+ * bus and an existing SOES hardware file (`ESC_read`/`ESC_write`) all fit behind it. What a port must promise:
+ *
+ * - **Addresses** are ESC addresses: 0x0000..0x0FFF registers, from 0x1000 process RAM. Any start address and any
+ *   length from 1 to 65535 may come; alignment and splitting into the widths of the chip is the port's work, in
+ *   ascending address order. A SyncManager buffer is always accessed in one call from its first to its last byte, or
+ *   beginning at its first byte and ending with a call for its last byte, so the port must neither reorder nor drop
+ *   bytes: the first byte opens the buffer, the last one closes it (ETG.1000.4 §6.7).
+ * - **Byte order**: bytes stand in the buffer as they stand in the ESC. No swapping.
+ * - **Blocking**: a call returns only when the access is done. Every wait inside is bounded; a port states its bound
+ *   (LAN9252 on 20 MHz SPI: about 10 us for a register, 4 us + 0.4 us a byte for a block). The stack never polls
+ *   inside a call.
+ * - **Errors**: 0 is success; any negative value means the access did not happen or cannot be trusted (bus error,
+ *   time-out, chip in reset). The stack then abandons what it was doing, keeps its state, counts the error and tries
+ *   again at its next poll: nothing is half-applied. A port that can't fail returns 0 always.
+ * - **Context**: mainline and the cycle context of the stack, never both at once for one instance; a port with a
+ *   shared bus does its own locking. No call is made from inside another.
+ * - **Side effects** are those of the ESC for its PDI side: reading 0x0120 releases the AL control lock, reading a
+ *   SyncManager's last byte empties a mailbox, and so on.
+ */
+#ifndef ECT_SEAMS_PDI_H
+#define ECT_SEAMS_PDI_H
+
+#include <stdint.h>
+
+typedef struct ect_pdi {
+    /** Handed to each operation; owned by the port, must outlive the stack that uses it. */
+    void *ctx;
+
+    /**
+     * Reads `length` bytes of the ESC from `address` into `buffer` (the caller's, at least `length` bytes).
+     * @return 0, or negative: `buffer` is then undefined and the ESC may or may not have seen the access.
+     */
+    int (*read)(void *ctx, uint16_t address, void *buffer, uint16_t length);
+
+    /**
+     * Writes `length` bytes from `buffer` to the ESC at `address`. `buffer` is only read, and only during the call.
+     * @return 0, or negative: the ESC may hold any prefix of the data.
+     */
+    int (*write)(void *ctx, uint16_t address, const void *buffer, uint16_t length);
+
+    /**
+     * The AL event request word (0x0220..0x0223), for ports that learn it without an access of its own: an interrupt
+     * flag that is down (no event: store 0), the status bytes that an ET1100 sends in front of each SPI transfer.
+     * NULL: the stack reads the register, one access a poll.
+     * @return 0 and *event set, or negative as above.
+     */
+    int (*al_event)(void *ctx, uint32_t *event);
+} ect_pdi_t;
+
+#endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Signals: the plant side of a device, as named values that a person or a test sets and watches.
+ *
+ * A device lists its signals in groups. A group describes one structure inside the instance, or an array of equal
+ * ones: group { "ru", 8 } with signal "joystick1" gives `ru1.joystick1` .. `ru8.joystick1`; a group with count 0 has
+ * no number (`bu.state`), one without a prefix no dot (`scene`). The control socket, the command line and the tests
+ * use these names and nothing else, so adding a signal is adding one line to a device's table.
+ *
+ * The tables are constant and shared by all instances; the values live in the instance. Context: mainline, between
+ * two polls of the stack.
+ */
+#ifndef ECT_SEAMS_SIGNALS_H
+#define ECT_SEAMS_SIGNALS_H
+
+#include <stdint.h>
+
+/** How the value is kept in the instance. */
+typedef enum ect_signal_type {
+    ECT_SIGNAL_BOOL,  /**< uint8_t, 0 or 1 */
+    ECT_SIGNAL_U8,    /**< uint8_t */
+    ECT_SIGNAL_I16,   /**< int16_t */
+    ECT_SIGNAL_U16,   /**< uint16_t */
+    ECT_SIGNAL_I32,   /**< int32_t */
+    ECT_SIGNAL_U32,   /**< uint32_t */
+    ECT_SIGNAL_REAL,  /**< double */
+    ECT_SIGNAL_TEXT,  /**< char[maximum + 1], zero-terminated */
+    ECT_SIGNAL_BYTES, /**< uint8_t[maximum]; written and read as hexadecimal digits */
+} ect_signal_type_t;
+
+/** What a user may do with it. A signal that may be written is an input of the plant, the others are the twin's. */
+typedef enum ect_signal_access { ECT_SIGNAL_READ, ECT_SIGNAL_WRITE } ect_signal_access_t;
+
+typedef struct ect_signal {
+    const char *name;    /**< lower case, digits, `_`; what follows the group's prefix and dot */
+    const char *meaning; /**< one line for a reader of the device's manual */
+    const char *unit;    /**< "%", "ms", ... or NULL */
+    ect_signal_type_t type;
+    ect_signal_access_t access;
+    uint32_t offset; /**< of the value inside the group's structure */
+    int32_t minimum; /**< inclusive; for TEXT and BYTES 0 */
+    int32_t maximum; /**< inclusive; for TEXT and BYTES the room */
+} ect_signal_t;
+
+typedef struct ect_signal_group {
+    const char *prefix;          /**< "bu", "ru", or NULL for none */
+    uint16_t count;              /**< 0: one structure without a number; n: structures 1..n */
+    uint16_t signal_count;       /**< elements of `signals` */
+    uint32_t offset;             /**< of the (first) structure inside the instance */
+    uint32_t stride;             /**< bytes from one structure to the next */
+    const ect_signal_t *signals; /**< constant, the device's */
+} ect_signal_group_t;
+
+#endif

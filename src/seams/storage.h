@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Storage: where a device keeps what must survive power-off (1010h, FZM1 "Save to unit").
+ *
+ * Two banks of equal size. A write to one bank never touches the other, and may be cut off by a power failure after
+ * any byte: the bank then holds a mixture. Nothing else is asked of the medium: two flash sectors, two halves of an
+ * EEPROM and two files all qualify. The layer above writes a record (sequence number, length, check value, data) to
+ * the older bank and reads the newest valid one, so a cut at any moment leaves the previous record.
+ *
+ * Context: mainline only. Calls may block for the medium's erase and write time.
+ */
+#ifndef ECT_SEAMS_STORAGE_H
+#define ECT_SEAMS_STORAGE_H
+
+#include <stdint.h>
+
+typedef struct ect_storage {
+    void *ctx;          /**< handed to each operation; owned by the port */
+    uint32_t bank_size; /**< bytes in each of the two banks */
+
+    /**
+     * Reads `length` bytes of bank 0 or 1 from `offset`; offset + length <= bank_size.
+     * @return 0, or negative when the medium does not answer; `buffer` is then undefined.
+     */
+    int (*read)(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length);
+
+    /**
+     * Replaces the whole content of bank 0 or 1 by `length` bytes (<= bank_size); the port erases first if it must.
+     * @return 0 when the data is safe, or negative: the bank's content is then undefined, the other bank's unchanged.
+     */
+    int (*write)(void *ctx, unsigned int bank, const void *data, uint32_t length);
+} ect_storage_t;
+
+#endif

@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: MIT */
+#include "sii/sii.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "wire/bytes.h"
+
+enum { FIRST_RXPDO = 0x1600, END_RXPDO = 0x1800, FIRST_TXPDO = 0x1A00, END_TXPDO = 0x1C00, LONGEST_STRING = 255 };
+
+/* --- writing: a pen that stops at the end of the EEPROM ---------------------------------------------------------- */
+
+typedef struct pen {
+    const ect_device_t *device;
+    uint8_t *image;
+    size_t size;
+    size_t at;
+    size_t category; /* where the present category begins */
+    size_t strings;  /* data of the string category */
+    bool overflow;
+} pen_t;
+
+static void put8(pen_t *p, unsigned int value)
+{
+    if (p->at < p->size)
+        p->image[p->at++] = (uint8_t)value;
+    else
+        p->overflow = true;
+}
+
+static void put16(pen_t *p, unsigned int value)
+{
+    put8(p, value & 0xFF);
+    put8(p, value >> 8);
+}
+
+static void put32(pen_t *p, uint32_t value)
+{
+    put16(p, value & 0xFFFF);
+    put16(p, value >> 16);
+}
+
+static void begin(pen_t *p, uint16_t category)
+{
+    p->category = p->at;
+    put16(p, category);
+    put16(p, 0);
+}
+
+static void end(pen_t *p, uint8_t filler)
+{
+    if ((p->at - p->category) % 2 != 0)
+        put8(p, filler);
+    if (!p->overflow)
+        ect_store_le16(p->image + p->category + 2, (uint16_t)((p->at - p->category - 4) / 2));
+}
+
+/* Index of a string that is in the table already; 0: none such. */
+static uint8_t string_index(const pen_t *p, const char *text)
+{
+    size_t length = text ? strlen(text) : 0;
+    const uint8_t *table = p->image + p->strings;
+    const uint8_t *s = table + 1;
+    for (unsigned int i = 1; i <= table[0]; i++, s += 1 + s[0]) {
+        if (length > 0 && s[0] == length && memcmp(s + 1, text, length) == 0)
+            return (uint8_t)i;
+    }
+    return 0;
+}
+
+static void intern(pen_t *p, const char *text)
+{
+    size_t length = text ? strlen(text) : 0;
+    uint8_t *count = p->image + p->strings;
+    if (length == 0 || p->overflow || string_index(p, text) != 0)
+        return;
+    if (*count == 255 || length > LONGEST_STRING || p->at + 1 + length > p->size) {
+        p->overflow = true;
+        return;
+    }
+    put8(p, (unsigned int)length);
+    memcpy(p->image + p->at, text, length);
+    p->at += length;
+    (*count)++;
+}
+
+/* --- PDOs -------------------------------------------------------------------------------------------------------- */
+
+static ect_od_t dictionary(const ect_device_t *device)
+{
+    return (ect_od_t){.objects = device->objects, .count = device->object_count};
+}
+
+static bool is_pdo(const ect_object_t *object, bool outputs)
+{
+    return outputs ? object->index >= FIRST_RXPDO && object->index < END_RXPDO
+                   : object->index >= FIRST_TXPDO && object->index < END_TXPDO;
+}
+
+/* The entry that a mapping value names; NULL for a gap. */
+static const ect_entry_t *mapped(const ect_device_t *device, uint32_t mapping)
+{
+    ect_od_t od = dictionary(device);
+    const ect_object_t *object = NULL;
+    const ect_entry_t *entry = NULL;
+    if (mapping >> 16 == 0 ||
+        ect_od_lookup(&od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry) != ECT_OK)
+        return NULL;
+    return entry;
+}
+
+/* SyncManager that a PDO is assigned to by default; 0xFF: none. Defaults stand in the entries' `value`. */
+static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo, bool outputs)
+{
+    ect_od_t od = dictionary(device);
+    const ect_object_t *assignment = ect_od_find(&od, outputs ? 0x1C12 : 0x1C13);
+    uint32_t count = assignment ? assignment->entries[0].value : 0;
+    for (uint32_t i = 1; i <= count; i++) {
+        const ect_entry_t *entry = ect_od_entry(assignment, (uint8_t)i);
+        if (entry && entry->value == pdo)
+            return outputs ? 2 : 3;
+    }
+    return 0xFF;
+}
+
+static void intern_pdos(pen_t *p)
+{
+    const ect_device_t *device = p->device;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        if (!is_pdo(object, true) && !is_pdo(object, false))
+            continue;
+        intern(p, object->name);
+        for (uint32_t n = 1; n <= object->entries[0].value; n++) {
+            const ect_entry_t *entry = mapped(device, object->entries[n].value);
+            intern(p, entry ? entry->name : NULL);
+        }
+    }
+}
+
+static void put_pdo_entry(pen_t *p, uint32_t mapping)
+{
+    const ect_entry_t *entry = mapped(p->device, mapping);
+    put16(p, mapping >> 16);
+    put8(p, (mapping >> 8) & 0xFF);
+    put8(p, entry ? string_index(p, entry->name) : 0);
+    put8(p, entry ? entry->data_type & 0xFFu : 0);
+    put8(p, mapping & 0xFF);
+    put16(p, 0);
+}
+
+static void put_pdos(pen_t *p, bool outputs)
+{
+    enum { FIXED = 0x0010, MANDATORY = 0x0001 };
+    const ect_device_t *device = p->device;
+    bool fixed = (device->coe_details & ECT_COE_PDO_CONFIG) == 0;
+    bool any = false;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        if (!is_pdo(object, outputs))
+            continue;
+        if (!any)
+            begin(p, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO);
+        any = true;
+        put16(p, object->index);
+        put8(p, object->entries[0].value);
+        put8(p, assigned_sm(device, object->index, outputs));
+        put8(p, 0);
+        put8(p, string_index(p, object->name));
+        put16(p, fixed ? (unsigned int)(FIXED | MANDATORY) : 0u);
+        for (uint32_t n = 1; n <= object->entries[0].value; n++)
+            put_pdo_entry(p, object->entries[n].value);
+    }
+    if (any)
+        end(p, 0);
+}
+
+/* --- the other parts --------------------------------------------------------------------------------------------- */
+
+static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
+{
+    static const ect_sm_t none = {0};
+    for (unsigned int i = 0; i < device->sm_count; i++) {
+        if (device->sm[i].type == type)
+            return &device->sm[i];
+    }
+    return &none;
+}
+
+static void put_header(pen_t *p, const ect_identity_t *identity, uint16_t alias)
+{
+    const ect_device_t *device = p->device;
+    uint8_t *w = p->image;
+    const ect_sm_t *out = find_sm(device, ECT_SM_MAILBOX_OUT);
+    const ect_sm_t *in = find_sm(device, ECT_SM_MAILBOX_IN);
+    memset(w, 0, ECT_SII_CATEGORIES);
+    memcpy(w, device->esc_config, sizeof device->esc_config);
+    ect_store_le16(w + 8, alias);
+    w[14] = ect_sii_checksum(w);
+    ect_store_le32(w + 0x10, identity->vendor_id);
+    ect_store_le32(w + 0x14, identity->product_code);
+    ect_store_le32(w + 0x18, identity->revision);
+    ect_store_le32(w + 0x1C, identity->serial);
+    ect_store_le16(w + 0x28, device->boot_out.start);
+    ect_store_le16(w + 0x2A, device->boot_out.length);
+    ect_store_le16(w + 0x2C, device->boot_in.start);
+    ect_store_le16(w + 0x2E, device->boot_in.length);
+    ect_store_le16(w + 0x30, out->start);
+    ect_store_le16(w + 0x32, out->length);
+    ect_store_le16(w + 0x34, in->start);
+    ect_store_le16(w + 0x36, in->length);
+    ect_store_le16(w + 0x38, device->mailbox_protocols);
+    ect_store_le16(w + 0x7C, (uint16_t)(device->sii_size / 128 - 1)); /* KBit - 1 */
+    ect_store_le16(w + 0x7E, 1);
+    p->at = ECT_SII_CATEGORIES;
+}
+
+/* The device's name is string 1: some masters take that for the name without asking. */
+static void put_strings(pen_t *p)
+{
+    const ect_device_t *device = p->device;
+    begin(p, ECT_SII_STRINGS);
+    p->strings = p->at;
+    put8(p, 0);
+    intern(p, device->type_name);
+    intern(p, device->group_type);
+    intern(p, device->group_name);
+    intern_pdos(p);
+    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
+        intern(p, device->dc_modes[i].name);
+        intern(p, device->dc_modes[i].description);
+    }
+    end(p, 0);
+}
+
+/* Port types of the physics letters, four bits a port: Y is MII, K is EBUS. */
+static unsigned int ports(const char *physics)
+{
+    unsigned int value = 0;
+    for (unsigned int i = 0; i < 4 && physics[i] != 0; i++)
+        value |= (physics[i] == 'Y' ? 1u : physics[i] == 'K' ? 3u : 0u) << (4 * i);
+    return value;
+}
+
+static void put_general(pen_t *p)
+{
+    const ect_device_t *device = p->device;
+    begin(p, ECT_SII_GENERAL);
+    put8(p, string_index(p, device->group_type));
+    put8(p, 0);
+    put8(p, string_index(p, device->type_name));
+    put8(p, string_index(p, device->type_name));
+    put8(p, 0);
+    put8(p, device->coe_details);
+    put8(p, (device->mailbox_protocols & ECT_MAILBOX_FOE) != 0);
+    put8(p, (device->mailbox_protocols & ECT_MAILBOX_EOE) != 0);
+    put32(p, 0); /* SoE channels, DS402 channels, SysmanClass, flags */
+    put16(p, 0); /* EBUS current */
+    put8(p, string_index(p, device->group_name));
+    put8(p, 0);
+    put16(p, ports(device->physics));
+    for (int i = 0; i < 14; i++)
+        put8(p, 0);
+    end(p, 0);
+}
+
+static void put_fmmus(pen_t *p)
+{
+    begin(p, ECT_SII_FMMU);
+    for (unsigned int i = 0; i < p->device->fmmu_count; i++)
+        put8(p, p->device->fmmu[i]);
+    end(p, 0xFF);
+}
+
+static void put_sms(pen_t *p)
+{
+    begin(p, ECT_SII_SYNCM);
+    for (unsigned int i = 0; i < p->device->sm_count; i++) {
+        const ect_sm_t *sm = &p->device->sm[i];
+        put16(p, sm->start);
+        put16(p, sm->length);
+        put8(p, sm->control);
+        put8(p, 0);
+        put8(p, sm->length > 0 ? 1 : 0);
+        put8(p, sm->type);
+    }
+    end(p, 0);
+}
+
+static void put_dc(pen_t *p)
+{
+    const ect_device_t *device = p->device;
+    if (device->dc_mode_count == 0)
+        return;
+    begin(p, ECT_SII_DC);
+    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
+        const ect_dc_mode_t *mode = &device->dc_modes[i];
+        put32(p, mode->cycle_sync0_ns);
+        put32(p, 0);
+        put32(p, 0);
+        put16(p, 0);
+        put16(p, mode->assign_activate);
+        put16(p, 0);
+        put8(p, string_index(p, mode->name));
+        put8(p, string_index(p, mode->description));
+        put32(p, 0);
+    }
+    end(p, 0);
+}
+
+int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
+                      size_t size)
+{
+    if (size < device->sii_size || device->sii_size < ECT_SII_CATEGORIES)
+        return -1;
+    pen_t pen = {.device = device, .image = image, .size = device->sii_size};
+    memset(image, 0xFF, size);
+    put_header(&pen, identity ? identity : &device->identity, alias);
+    put_strings(&pen);
+    put_general(&pen);
+    put_fmmus(&pen);
+    put_sms(&pen);
+    put_pdos(&pen, false);
+    put_pdos(&pen, true);
+    put_dc(&pen);
+    put16(&pen, ECT_SII_END);
+    return pen.overflow ? -2 : (int32_t)device->sii_size;
+}
+
+/* --- reading ----------------------------------------------------------------------------------------------------- */
+
+uint8_t ect_sii_checksum(const uint8_t *image)
+{
+    unsigned int crc = 0xFF;
+    for (int i = 0; i < 14; i++) {
+        crc ^= image[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = (crc & 0x80) != 0 ? ((crc << 1) ^ 0x07) & 0xFF : crc << 1;
+    }
+    return (uint8_t)crc;
+}
+
+const uint8_t *ect_sii_category(const uint8_t *image, size_t size, uint16_t category, size_t *length)
+{
+    size_t at = ECT_SII_CATEGORIES;
+    while (at + 4 <= size) {
+        uint16_t type = ect_load_le16(image + at);
+        size_t bytes = (size_t)ect_load_le16(image + at + 2) * 2;
+        if (type == ECT_SII_END || bytes > size - at - 4)
+            return NULL;
+        if (type == category) {
+            *length = bytes;
+            return image + at + 4;
+        }
+        at += 4 + bytes;
+    }
+    return NULL;
+}
+
+const char *ect_sii_string(const uint8_t *image, size_t size, uint8_t index, uint8_t *length)
+{
+    size_t room = 0;
+    const uint8_t *table = ect_sii_category(image, size, ECT_SII_STRINGS, &room);
+    if (!table || room == 0 || index == 0 || index > table[0])
+        return NULL;
+    size_t at = 1;
+    for (unsigned int i = 1; i < index && at < room; i++)
+        at += 1u + table[at];
+    if (at >= room || table[at] > room - at - 1)
+        return NULL;
+    *length = table[at];
+    return (const char *)table + at + 1;
+}

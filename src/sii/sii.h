@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The SII: the image of a slave's EEPROM, written from a device description and read back.
+ *
+ * All functions are pure and may run in any context; buffers are the caller's.
+ * Clauses: ETG.1000.6 §5.4 and Table 16 ff., ETG.2010.
+ */
+#ifndef ECT_SII_SII_H
+#define ECT_SII_SII_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "seams/device.h"
+
+/** Categories of the SII (ETG.2010). */
+enum {
+    ECT_SII_STRINGS = 10,
+    ECT_SII_GENERAL = 30,
+    ECT_SII_FMMU = 40,
+    ECT_SII_SYNCM = 41,
+    ECT_SII_TXPDO = 50,
+    ECT_SII_RXPDO = 51,
+    ECT_SII_DC = 60,
+    ECT_SII_END = 0xFFFF,
+};
+
+/** Byte offset of the first category. */
+enum { ECT_SII_CATEGORIES = 0x80 };
+
+/**
+ * Writes the image of a device: identity, mailboxes, strings, general, FMMUs, SyncManagers, PDOs with all entries,
+ * distributed clocks, and 0xFF up to the end of the EEPROM.
+ * @param identity  NULL: the description's
+ * @param alias     configured station alias, word 4
+ * @param[out] image  `size` bytes; undefined on failure
+ * @param size        at least device->sii_size
+ * @return bytes of the image (device->sii_size) · -1 `size` is too small · -2 the content does not fit the EEPROM
+ *         that the description names, or needs more than 255 strings
+ */
+int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
+                      size_t size);
+
+/** The check value of words 0..6: CRC-8, polynomial 0x07, start value 0xFF. `image`: at least 14 bytes. */
+uint8_t ect_sii_checksum(const uint8_t *image);
+
+/**
+ * Finds a category of an image of any origin; never reads beyond `size`.
+ * @param[out] length  bytes of the category's data
+ * @return the data inside `image`, or NULL when the category is absent or cut off by the end of the image
+ */
+const uint8_t *ect_sii_category(const uint8_t *image, size_t size, uint16_t category, size_t *length);
+
+/**
+ * Reads a string of the image's string table.
+ * @param index  1..255
+ * @param[out] length  its characters; it is not terminated
+ * @return the characters inside `image`, or NULL when there is no such string or the table is damaged
+ */
+const char *ect_sii_string(const uint8_t *image, size_t size, uint8_t index, uint8_t *length);
+
+#endif

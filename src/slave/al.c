@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+#include "slave/al.h"
+
+#include "seams/device.h"
+#include "slave/slave.h"
+#include "wire/registers.h"
+
+static bool known(uint8_t state)
+{
+    return state == ECT_STATE_INIT || state == ECT_STATE_PREOP || state == ECT_STATE_BOOT ||
+           state == ECT_STATE_SAFEOP || state == ECT_STATE_OP;
+}
+
+/* One step up, or BOOT and back, both only by way of INIT; down to any state but BOOT. */
+static bool legal(uint8_t from, uint8_t to)
+{
+    if (to == ECT_STATE_BOOT)
+        return from == ECT_STATE_INIT;
+    if (from == ECT_STATE_BOOT)
+        return to == ECT_STATE_INIT;
+    if (to < from)
+        return true;
+    return to == from * 2;
+}
+
+ect_al_decision_t ect_al_decide(uint8_t state, bool error, uint16_t request, bool has_boot)
+{
+    uint8_t target = request & ECT_AL_STATE_MASK;
+    bool acknowledge = (request & ECT_AL_ACKNOWLEDGE) != 0;
+    if (error && !acknowledge && target != ECT_STATE_INIT)
+        return (ect_al_decision_t){.action = ECT_AL_IGNORE, .target = state};
+    ect_al_decision_t d = {.action = ECT_AL_REFUSE, .target = state, .clear_error = error};
+    if (!known(target)) {
+        d.code = ECT_AL_UNKNOWN_STATE;
+    } else if (target == state) {
+        d.action = ECT_AL_STAY;
+    } else if (target == ECT_STATE_BOOT && state == ECT_STATE_INIT && !has_boot) {
+        d.code = ECT_AL_NO_BOOT;
+    } else if (!legal(state, target)) {
+        d.code = ECT_AL_INVALID_CHANGE;
+    } else {
+        d.action = target > state ? ECT_AL_UP : ECT_AL_DOWN;
+        d.target = target;
+    }
+    return d;
+}

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the files of slave/ know of each other. Nobody else includes this.
+ *
+ *   slave.c     initialisation and the poll: the order in which things are done
+ *   machine.c   AL control, the checks of the transitions, watchdog, drops
+ *   al.c        the decision table (pure)
+ *   pdo.c       process image: mapping, outputs, inputs
+ *   mailbox.c   counters, repeat, error replies, dispatch to the services
+ *   coe.c       CoE header, emergencies, dispatch to SDO and SDO information
+ *   sdo.c       SDO server
+ *   sdo_info.c  SDO information
+ */
+#ifndef ECT_SLAVE_INTERNAL_H
+#define ECT_SLAVE_INTERNAL_H
+
+#include "slave/slave.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
+
+/* --- PDI: false once an access of this poll has failed; nothing further is tried then -------------------------- */
+bool ect_slave_read(ect_slave_t *s, uint16_t address, void *buffer, uint16_t length);
+bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint16_t length);
+
+/* --- machine.c -------------------------------------------------------------------------------------------------- */
+void ect_machine_al_control(ect_slave_t *s);
+void ect_machine_request(ect_slave_t *s);
+void ect_machine_sm_changed(ect_slave_t *s);
+void ect_machine_watchdog(ect_slave_t *s);
+void ect_machine_pending(ect_slave_t *s);
+void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code);
+bool ect_machine_report(ect_slave_t *s);
+void ect_machine_sm_off(ect_slave_t *s, unsigned int first, unsigned int count, bool off);
+bool ect_machine_flush(ect_slave_t *s);
+
+/* --- pdo.c ------------------------------------------------------------------------------------------------------ */
+uint16_t ect_pdo_configure(ect_slave_t *s);
+void ect_pdo_outputs(ect_slave_t *s, bool apply);
+bool ect_pdo_inputs(ect_slave_t *s);
+
+/* --- mailbox.c -------------------------------------------------------------------------------------------------- */
+enum {
+    ECT_MAILBOX_HEADER = 6,
+    ECT_MAILBOX_TYPE_ERROR = 0,
+    ECT_MAILBOX_TYPE_COE = 3,
+
+    ECT_MAILBOX_ERROR_SYNTAX = 1,
+    ECT_MAILBOX_ERROR_PROTOCOL = 2,
+    ECT_MAILBOX_ERROR_CHANNEL = 3,
+    ECT_MAILBOX_ERROR_SERVICE = 4,
+    ECT_MAILBOX_ERROR_HEADER = 5,
+    ECT_MAILBOX_ERROR_TOO_SHORT = 6,
+    ECT_MAILBOX_ERROR_SIZE = 8,
+};
+
+void ect_mailbox_start(ect_slave_t *s, const uint8_t *sm_registers);
+void ect_mailbox_stop(ect_slave_t *s);
+void ect_mailbox_poll(ect_slave_t *s, uint32_t event);
+void ect_mailbox_repeat(ect_slave_t *s, bool toggle);
+/* Where the next mail is built, zeroed, `in_size` bytes; only while a service handles a request or sends. */
+uint8_t *ect_mailbox_build(ect_slave_t *s);
+/* Sends what was built: `length` bytes follow the header. */
+void ect_mailbox_send(ect_slave_t *s, uint8_t type, uint16_t length);
+void ect_mailbox_error(ect_slave_t *s, uint16_t detail);
+
+/* --- coe.c ------------------------------------------------------------------------------------------------------ */
+enum {
+    ECT_COE_HEADER = 2,
+    ECT_COE_SERVICE_EMERGENCY = 1,
+    ECT_COE_SERVICE_SDO_REQUEST = 2,
+    ECT_COE_SERVICE_SDO_RESPONSE = 3,
+    ECT_COE_SERVICE_SDO_INFO = 8,
+    ECT_SDO_LENGTH = 10, /* of the smallest SDO mail: CoE header and 8 bytes */
+};
+
+void ect_coe_stop(ect_slave_t *s);
+void ect_coe_request(ect_slave_t *s, const uint8_t *payload, uint16_t length);
+bool ect_coe_has_more(const ect_slave_t *s);
+void ect_coe_send_more(ect_slave_t *s);
+bool ect_coe_has_emergency(const ect_slave_t *s);
+void ect_coe_send_emergency(ect_slave_t *s);
+void ect_coe_emergency(void *slave, uint16_t code, uint8_t error_register, const uint8_t data[5]);
+/* Begins a CoE mail of a service; returns where its payload starts. */
+uint8_t *ect_coe_build(ect_slave_t *s, uint8_t service);
+/* Sends it: `length` counts the CoE header too. */
+void ect_coe_send(ect_slave_t *s, uint16_t length);
+
+/* --- sdo.c, sdo_info.c: `request` begins behind the CoE header -------------------------------------------------- */
+void ect_sdo_request(ect_slave_t *s, const uint8_t *request, uint16_t length);
+void ect_sdo_info_request(ect_slave_t *s, const uint8_t *request, uint16_t length);
+void ect_sdo_info_fragment(ect_slave_t *s);
+
+#endif

@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+/* The state machine at work: checks before a transition, actions with it, and leaving a state for a reason. */
+#include <string.h>
+
+#include "slave/al.h"
+#include "slave/internal.h"
+
+enum { SM_BLOCK = 4 * ECT_SM_SIZE };
+
+/* Bits of the control register that must be as described: mode, direction, event to the PDI. The master's own
+ * interrupt bit and the watchdog trigger are its business. */
+enum { CONTROL_COMPARED = ECT_SM_CONTROL_MODE | ECT_SM_CONTROL_DIRECTION | ECT_SM_CONTROL_AL_EVENT };
+
+static uint16_t sm_block_size(const ect_slave_t *s)
+{
+    return (uint16_t)(s->config.device->sm_count * ECT_SM_SIZE);
+}
+
+static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16_t shortest, uint16_t longest)
+{
+    uint16_t length = ect_load_le16(registers + ECT_SM_LENGTH);
+    return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 &&
+           ect_load_le16(registers + ECT_SM_START) == sm->start && length >= shortest && length <= longest &&
+           ((registers[ECT_SM_CONTROL] ^ sm->control) & CONTROL_COMPARED) == 0;
+}
+
+static bool mailbox_good(const ect_device_t *device, const uint8_t *block)
+{
+    for (unsigned int n = 0; n < 2 && n < device->sm_count; n++) {
+        const ect_sm_t *sm = &device->sm[n];
+        uint16_t shortest = sm->minimum != 0 ? sm->minimum : sm->length;
+        uint16_t longest = sm->maximum != 0 ? sm->maximum : sm->length;
+        if (!sm_as_described(block + n * ECT_SM_SIZE, sm, shortest, longest))
+            return false;
+    }
+    return true;
+}
+
+/* Process data: exactly the mapped bytes, or switched off when nothing is mapped. */
+static bool process_sm_good(const ect_device_t *device, const uint8_t *block, unsigned int n, uint16_t bytes)
+{
+    const uint8_t *registers = block + (size_t)n * ECT_SM_SIZE;
+    if (bytes == 0 || n >= device->sm_count)
+        return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) == 0 ||
+               ect_load_le16(registers + ECT_SM_LENGTH) == 0;
+    return sm_as_described(registers, &device->sm[n], bytes, bytes);
+}
+
+static uint16_t check_process_sms(const ect_slave_t *s, const uint8_t *block)
+{
+    if (!process_sm_good(s->config.device, block, 2, s->output_bytes))
+        return ECT_AL_OUTPUT_SM;
+    return process_sm_good(s->config.device, block, 3, s->input_bytes) ? ECT_AL_NO_ERROR : ECT_AL_INPUT_SM;
+}
+
+/* Takes note which SyncManagers are to be off from our side; ect_machine_flush writes it. */
+void ect_machine_sm_off(ect_slave_t *s, unsigned int first, unsigned int count, bool off)
+{
+    unsigned int mask = ((1u << count) - 1u) << first;
+    s->sm_off = (uint8_t)(off ? s->sm_off | mask : s->sm_off & ~mask);
+    s->sm_due = (uint8_t)(s->sm_due | mask);
+}
+
+bool ect_machine_flush(ect_slave_t *s)
+{
+    for (unsigned int n = 0; s->sm_due != 0; n++) {
+        if ((s->sm_due & (1u << n)) == 0)
+            continue;
+        bool acknowledged = n == 1 && s->mailbox.toggle && !s->mailbox.ack_due;
+        uint8_t value = (uint8_t)(((s->sm_off >> n) & 1u) | (acknowledged ? ECT_SM_PDI_REPEAT_ACK : 0u));
+        if (!ect_slave_write(s, (uint16_t)(ECT_REG_SM + n * ECT_SM_SIZE + ECT_SM_PDI_CONTROL), &value, 1))
+            return false;
+        s->sm_due = (uint8_t)(s->sm_due & ~(1u << n));
+    }
+    return true;
+}
+
+static unsigned int process_sm_count(const ect_slave_t *s)
+{
+    return s->config.device->sm_count > 2 ? s->config.device->sm_count - 2u : 0;
+}
+
+/* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the flag finds its reason (ETG.1000.6 §6.4.1.3). */
+bool ect_machine_report(ect_slave_t *s)
+{
+    uint8_t code[2];
+    uint8_t status[2] = {s->state, 0};
+    ect_store_le16(code, s->ident ? s->config.device_id : s->code);
+    status[0] |= s->error ? ECT_AL_ERROR : 0;
+    status[0] |= s->ident ? ECT_AL_IDENT : 0;
+    if (!ect_machine_flush(s) || !ect_slave_write(s, ECT_REG_AL_STATUS_CODE, code, sizeof code) ||
+        !ect_slave_write(s, ECT_REG_AL_STATUS, status, sizeof status))
+        return false;
+    s->status_dirty = false;
+    return true;
+}
+
+static void set_error(ect_slave_t *s, uint16_t code)
+{
+    s->error = true;
+    s->ident = false;
+    s->code = code;
+    s->status_dirty = true;
+}
+
+static void outputs_off(ect_slave_t *s)
+{
+    const ect_device_t *device = s->config.device;
+    if (s->outputs_live && device->safe_outputs)
+        device->safe_outputs(s->config.instance, s->now_ns);
+    s->outputs_live = false;
+    s->outputs_seen = false;
+}
+
+/* Downwards nothing can refuse. */
+static void go_down(ect_slave_t *s, uint8_t target)
+{
+    const ect_device_t *device = s->config.device;
+    uint8_t from = s->state;
+    outputs_off(s);
+    if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
+        s->inputs_due = false;
+        ect_machine_sm_off(s, 2, process_sm_count(s), true);
+    }
+    if (target == ECT_STATE_INIT) {
+        ect_mailbox_stop(s);
+        ect_machine_sm_off(s, 0, 2, true);
+    }
+    s->pending = 0;
+    s->state = target;
+    s->status_dirty = true;
+    if (device->state_change)
+        (void)device->state_change(s->config.instance, from, target, s->now_ns);
+}
+
+void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code)
+{
+    go_down(s, state);
+    set_error(s, code);
+}
+
+/* --- upwards ---------------------------------------------------------------------------------------------------- */
+
+static uint16_t init_to_preop(ect_slave_t *s, const uint8_t *block)
+{
+    if (s->config.device->mailbox_protocols == 0)
+        return ECT_AL_NO_ERROR;
+    if (!mailbox_good(s->config.device, block))
+        return ECT_AL_MAILBOX;
+    ect_mailbox_start(s, block);
+    return ECT_AL_NO_ERROR;
+}
+
+static uint16_t preop_to_safeop(ect_slave_t *s, const uint8_t *block)
+{
+    uint8_t cyclic_unit = 0;
+    uint16_t code = ect_pdo_configure(s);
+    if (code == ECT_AL_NO_ERROR)
+        code = check_process_sms(s, block);
+    if (code != ECT_AL_NO_ERROR)
+        return code;
+    if (ect_slave_read(s, ECT_REG_DC_ACTIVATION, &cyclic_unit, 1) && (cyclic_unit & 1u) != 0 &&
+        s->config.device->dc_mode_count == 0)
+        return ECT_AL_DC_SYNC;
+    return ECT_AL_NO_ERROR;
+}
+
+static uint16_t check_up(ect_slave_t *s, uint8_t target)
+{
+    uint8_t block[SM_BLOCK] = {0};
+    if (target == ECT_STATE_OP || !ect_slave_read(s, ECT_REG_SM, block, sm_block_size(s)))
+        return ECT_AL_NO_ERROR;
+    return target == ECT_STATE_PREOP ? init_to_preop(s, block) : preop_to_safeop(s, block);
+}
+
+/* What must run before the new state is reported. */
+static void enter(ect_slave_t *s, uint8_t target)
+{
+    if (target == ECT_STATE_PREOP) {
+        ect_machine_sm_off(s, 0, 2, false);
+    } else if (target == ECT_STATE_SAFEOP) {
+        s->outputs_seen = false;
+        ect_machine_sm_off(s, 2, process_sm_count(s), false);
+        if (ect_machine_flush(s))
+            (void)ect_pdo_inputs(s);
+    } else {
+        if (s->output_bytes > 0)
+            ect_pdo_outputs(s, true);
+        s->outputs_live = !s->failed;
+    }
+}
+
+/* A PDI access that failed on the way leaves the request due: the next poll begins it anew. */
+static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
+{
+    if (code == ECT_AL_NO_ERROR && !s->failed)
+        enter(s, target);
+    if (s->failed)
+        return;
+    s->pending = 0;
+    if (code != ECT_AL_NO_ERROR) {
+        set_error(s, code);
+        return;
+    }
+    s->state = target;
+    s->status_dirty = true;
+}
+
+static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
+{
+    const ect_timeouts_t *t = &s->config.device->timeouts;
+    return 1000000ull * (target == ECT_STATE_PREOP ? t->preop_ms : t->safeop_op_ms);
+}
+
+static void wait_for(ect_slave_t *s, uint8_t target, bool device)
+{
+    s->pending = target;
+    s->pending_device = device;
+    s->pending_until_ns = s->now_ns + timeout_ns(s, target);
+}
+
+static void go_up(ect_slave_t *s, uint8_t target)
+{
+    const ect_device_t *device = s->config.device;
+    s->pending = 0;
+    s->pending_done = false;
+    uint16_t code = check_up(s, target);
+    if (s->failed)
+        return;
+    if (code == ECT_AL_NO_ERROR && device->state_change)
+        code = device->state_change(s->config.instance, s->state, target, s->now_ns);
+    if (code == ECT_AL_PENDING)
+        wait_for(s, target, true);
+    else if (code == ECT_AL_NO_ERROR && target == ECT_STATE_OP && s->output_bytes > 0 && !s->outputs_seen)
+        wait_for(s, target, false);
+    else
+        finish_up(s, target, code);
+}
+
+/* A delayed transition: the device or the first outputs decide it, or the time-out of the description does. */
+void ect_machine_pending(ect_slave_t *s)
+{
+    uint8_t target = s->pending;
+    if (target == 0)
+        return;
+    if (s->pending_device && s->pending_done)
+        finish_up(s, target, s->pending_result);
+    else if (!s->pending_device && s->outputs_seen)
+        finish_up(s, target, ECT_AL_NO_ERROR);
+    else if (s->now_ns >= s->pending_until_ns)
+        finish_up(s, target, s->pending_device ? ECT_AL_UNSPECIFIED : ECT_AL_NO_OUTPUTS);
+}
+
+/* --- what the master did ---------------------------------------------------------------------------------------- */
+
+static void identification(ect_slave_t *s, bool wanted)
+{
+    bool given = wanted && s->config.device_id != 0 && !s->error && s->pending == 0 && s->state != ECT_STATE_BOOT;
+    if (given != s->ident) {
+        s->ident = given;
+        s->status_dirty = true;
+    }
+}
+
+void ect_machine_al_control(ect_slave_t *s)
+{
+    uint8_t bytes[2];
+    if (!ect_slave_read(s, ECT_REG_AL_CONTROL, bytes, sizeof bytes))
+        return;
+    s->request = ect_load_le16(bytes);
+    s->request_due = true;
+}
+
+void ect_machine_request(ect_slave_t *s)
+{
+    uint16_t request = s->request;
+    bool has_boot = s->config.device->boot_out.length > 0;
+    ect_al_decision_t d = ect_al_decide(s->state, s->error, request, has_boot);
+    if (d.clear_error) {
+        s->error = false;
+        s->code = ECT_AL_NO_ERROR;
+        s->status_dirty = true;
+    }
+    switch (d.action) {
+    case ECT_AL_REFUSE:
+        s->pending = 0;
+        set_error(s, d.code);
+        break;
+    case ECT_AL_UP:
+        go_up(s, d.target);
+        break;
+    case ECT_AL_DOWN:
+        go_down(s, d.target);
+        break;
+    case ECT_AL_STAY:
+        s->pending = 0;
+        s->status_dirty = true;
+        break;
+    case ECT_AL_IGNORE:
+        break;
+    }
+    identification(s, (request & ECT_AL_IDENT) != 0);
+    s->request_due = s->failed;
+}
+
+void ect_machine_sm_changed(ect_slave_t *s)
+{
+    uint8_t block[SM_BLOCK] = {0};
+    const ect_device_t *device = s->config.device;
+    if (!ect_slave_read(s, ECT_REG_SM, block, sm_block_size(s)))
+        return;
+    if (s->state >= ECT_STATE_PREOP && device->mailbox_protocols != 0) {
+        if (!mailbox_good(device, block)) {
+            ect_machine_drop(s, ECT_STATE_INIT, ECT_AL_MAILBOX);
+            return;
+        }
+        ect_mailbox_repeat(s, (block[ECT_SM_SIZE + ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0);
+    }
+    if (s->state == ECT_STATE_SAFEOP || s->state == ECT_STATE_OP) {
+        uint16_t code = check_process_sms(s, block);
+        if (code != ECT_AL_NO_ERROR)
+            ect_machine_drop(s, ECT_STATE_PREOP, code);
+    }
+}
+
+void ect_machine_watchdog(ect_slave_t *s)
+{
+    uint8_t status[2];
+    if (!ect_slave_read(s, ECT_REG_WD_STATUS_PD, status, sizeof status))
+        return;
+    if (s->state == ECT_STATE_OP && s->output_bytes > 0 && (status[0] & 1u) == 0)
+        ect_machine_drop(s, ECT_STATE_SAFEOP, ECT_AL_WATCHDOG);
+}

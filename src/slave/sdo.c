@@ -1,0 +1,579 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The SDO server (ETG.1000.6 §5.6.2): expedited, normal and segmented transfers of single entries and whole objects.
+ *
+ * One cursor walks over what is transferred, entry by entry, in the packed form of Complete Access; a single entry is
+ * the same walk with one stop. So nothing is ever collected in a buffer of the object's size: a segment is filled
+ * from, or emptied into, the dictionary itself.
+ */
+#include <string.h>
+
+#include "slave/internal.h"
+
+/* Command byte (ETG.1000.6 Table 33 ff.). */
+enum {
+    SPECIFIER = 0xE0,
+    DOWNLOAD_SEGMENT = 0x00,
+    DOWNLOAD = 0x20,
+    UPLOAD = 0x40,
+    UPLOAD_SEGMENT = 0x60,
+    ABORT = 0x80,
+    COMPLETE = 0x10,
+    TOGGLE = 0x10,
+    EXPEDITED = 0x02,
+    SIZE_SPECIFIED = 0x01,
+    LAST_SEGMENT = 0x01,
+};
+
+enum { INITIATE = 8 /* command, index, sub-index, 4 bytes */, EXPEDITED_ROOM = 4, SEGMENT_MINIMUM = 7 };
+
+/* --- the cursor -------------------------------------------------------------------------------------------------- */
+
+static const ect_entry_t *last_entry(const ect_object_t *object)
+{
+    const ect_entry_t *entry = object->entries;
+    while (entry->subindex < object->max_subindex)
+        entry++;
+    return entry;
+}
+
+/* Elements that sub-index 0 declares present: beyond them there is nothing to transfer. */
+static uint8_t present(const ect_slave_t *s, const ect_object_t *object)
+{
+    uint8_t count = object->max_subindex;
+    if (object->object_code == ECT_OBJECT_VAR || object->entries->subindex != 0)
+        return count;
+    uint8_t declared;
+    ect_od_read(&s->od, object->entries, 0, &declared, 1);
+    return declared < count ? declared : count;
+}
+
+static void cursor_begin(ect_slave_t *s, const ect_entry_t *first)
+{
+    s->sdo.cursor = (ect_sdo_cursor_t){.entry = first};
+}
+
+static bool has_pad(const ect_sdo_t *sdo, const ect_entry_t *entry)
+{
+    return sdo->complete && entry->subindex == 0 && sdo->object->object_code != ECT_OBJECT_VAR;
+}
+
+static void cursor_next(ect_sdo_t *sdo, uint8_t last_subindex)
+{
+    ect_sdo_cursor_t *c = &sdo->cursor;
+    c->pad = has_pad(sdo, c->entry);
+    c->offset = 0;
+    if (!sdo->complete || c->entry->subindex >= last_subindex || c->entry == last_entry(sdo->object))
+        c->entry = NULL;
+    else
+        c->entry++;
+    if (c->entry && c->entry->subindex > last_subindex)
+        c->entry = NULL;
+}
+
+/* Bytes of the packed form, from the first entry to the last that is present. */
+static uint32_t packed_size(const ect_slave_t *s, const ect_entry_t *first, uint8_t last_subindex)
+{
+    const ect_sdo_t *sdo = &s->sdo;
+    uint32_t bits = 0;
+    const ect_entry_t *end = last_entry(sdo->object);
+    for (const ect_entry_t *e = first; e <= end && e->subindex <= last_subindex; e++) {
+        if (!ect_od_is_bits(e))
+            bits = (bits + 7u) & ~7u;
+        bits += ect_od_is_bits(e) ? e->bit_length : ect_od_bytes(e) * 8u;
+        bits += has_pad(sdo, e) ? 8u : 0u;
+    }
+    return (bits + 7u) / 8u;
+}
+
+static bool readable(const ect_slave_t *s, const ect_entry_t *entry)
+{
+    return ect_od_check_access(entry, ECT_UPLOAD, s->state) == ECT_OK;
+}
+
+/* What may not be read now reads as zero inside a whole object. */
+static void read_entry(const ect_slave_t *s, const ect_entry_t *entry, uint16_t offset, uint8_t *to, uint16_t length)
+{
+    if (readable(s, entry))
+        ect_od_read(&s->od, entry, offset, to, length);
+    else
+        memset(to, 0, length);
+}
+
+static uint16_t entry_size(const ect_slave_t *s, const ect_entry_t *entry)
+{
+    return s->sdo.complete ? ect_od_bytes(entry) : ect_od_upload_size(&s->od, entry);
+}
+
+/* Collects bit entries until a byte is full; returns whether one was stored. */
+static bool gather_bits(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *to)
+{
+    uint8_t value = 0;
+    read_entry(s, c->entry, 0, &value, 1);
+    c->byte = (uint16_t)(c->byte | (value << c->bits));
+    c->bits = (uint16_t)(c->bits + c->entry->bit_length);
+    if (c->bits < 8)
+        return false;
+    *to = (uint8_t)c->byte;
+    c->byte >>= 8;
+    c->bits = (uint16_t)(c->bits - 8);
+    return true;
+}
+
+static bool flush_bits(ect_sdo_cursor_t *c, uint8_t *to)
+{
+    if (c->bits == 0)
+        return false;
+    *to = (uint8_t)c->byte;
+    c->byte = 0;
+    c->bits = 0;
+    return true;
+}
+
+/* Fills `to` with the next `length` bytes; the caller asks for no more than are left. */
+static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t last_subindex)
+{
+    ect_sdo_cursor_t *c = &s->sdo.cursor;
+    const uint8_t *end = to + length;
+    while (to < end) {
+        if (c->pad) {
+            *to++ = 0;
+            c->pad = false;
+        } else if (!c->entry) {
+            to += flush_bits(c, to) ? 1 : 0;
+        } else if (s->sdo.complete && ect_od_is_bits(c->entry)) {
+            to += gather_bits(s, c, to) ? 1 : 0;
+            cursor_next(&s->sdo, last_subindex);
+        } else if (flush_bits(c, to)) {
+            to++;
+        } else {
+            uint16_t left = (uint16_t)(entry_size(s, c->entry) - c->offset);
+            uint16_t piece = left < end - to ? left : (uint16_t)(end - to);
+            read_entry(s, c->entry, c->offset, to, piece);
+            to += piece;
+            c->offset = (uint16_t)(c->offset + piece);
+            if (piece == left)
+                cursor_next(&s->sdo, last_subindex);
+        }
+    }
+}
+
+/* --- replies ----------------------------------------------------------------------------------------------------- */
+
+static void send_abort(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_reason_t reason)
+{
+    s->sdo.state = ECT_SDO_IDLE;
+    uint8_t *reply = ect_coe_build(s, ECT_COE_SERVICE_SDO_REQUEST);
+    reply[0] = ABORT;
+    ect_store_le16(reply + 1, index);
+    reply[3] = subindex;
+    ect_store_le32(reply + 4, ect_abort_code(reason));
+    ect_coe_send(s, ECT_SDO_LENGTH);
+}
+
+static void abort_transfer(ect_slave_t *s, ect_reason_t reason)
+{
+    bool active = s->sdo.state != ECT_SDO_IDLE;
+    send_abort(s, active ? s->sdo.object->index : 0, active ? s->sdo.subindex : 0, reason);
+}
+
+static uint8_t *build_response(ect_slave_t *s, uint8_t command)
+{
+    uint8_t *reply = ect_coe_build(s, ECT_COE_SERVICE_SDO_RESPONSE);
+    reply[0] = command;
+    return reply;
+}
+
+static uint8_t *build_initiate(ect_slave_t *s, unsigned int command)
+{
+    const ect_sdo_t *sdo = &s->sdo;
+    uint8_t *reply = build_response(s, (uint8_t)(command | (sdo->complete ? (unsigned int)COMPLETE : 0u)));
+    ect_store_le16(reply + 1, sdo->object->index);
+    reply[3] = sdo->subindex;
+    return reply;
+}
+
+/* --- what is addressed ------------------------------------------------------------------------------------------- */
+
+static bool object_allows(const ect_object_t *object, ect_direction_t direction, uint8_t state, ect_reason_t *reason)
+{
+    const ect_entry_t *end = last_entry(object);
+    for (const ect_entry_t *e = object->entries; e <= end; e++) {
+        ect_reason_t r = ect_od_check_access(e, direction, state);
+        if (r == ECT_OK)
+            return true;
+        if (*reason != ECT_REASON_STATE)
+            *reason = r;
+    }
+    return false;
+}
+
+static ect_reason_t open_complete(ect_slave_t *s, ect_direction_t direction, const ect_entry_t **first)
+{
+    const ect_object_t *object = s->sdo.object;
+    if (s->sdo.subindex > 1)
+        return ECT_REASON_UNSUPPORTED;
+    const ect_entry_t *end = last_entry(object);
+    for (const ect_entry_t *e = object->entries; e <= end; e++) {
+        if (ect_od_is_string(e) || e->bit_length == 0)
+            return ECT_REASON_VARIABLE_LENGTH;
+    }
+    ect_reason_t reason = ECT_OK;
+    if (!object_allows(object, direction, s->state, &reason))
+        return reason;
+    *first = object->entries;
+    if (s->sdo.subindex == 1 && object->entries->subindex == 0) {
+        if (object->max_subindex == 0)
+            return ECT_REASON_NO_SUBINDEX;
+        (*first)++;
+    }
+    return ECT_OK;
+}
+
+/* Resolves the address of an initiate request into the transfer; the transfer under way, if any, is given up. */
+static ect_reason_t open_transfer(ect_slave_t *s, const uint8_t *request, ect_direction_t direction,
+                                  const ect_entry_t **first)
+{
+    uint16_t index = ect_load_le16(request + 1);
+    ect_sdo_t *sdo = &s->sdo;
+    *sdo = (ect_sdo_t){.state = ECT_SDO_IDLE, .subindex = request[3], .complete = (request[0] & COMPLETE) != 0};
+    sdo->object = ect_od_find(&s->od, index);
+    if (!sdo->object)
+        return ECT_REASON_NO_OBJECT;
+    if (sdo->complete) {
+        if ((s->config.device->coe_details & ECT_COE_COMPLETE_ACCESS) == 0)
+            return ECT_REASON_UNSUPPORTED;
+        return open_complete(s, direction, first);
+    }
+    *first = ect_od_entry(sdo->object, sdo->subindex);
+    if (!*first)
+        return ECT_REASON_NO_SUBINDEX;
+    return ect_od_check_access(*first, direction, s->state);
+}
+
+/* --- upload ------------------------------------------------------------------------------------------------------ */
+
+static uint8_t last_of(const ect_slave_t *s)
+{
+    return s->sdo.complete ? present(s, s->sdo.object) : s->sdo.subindex;
+}
+
+static void upload(ect_slave_t *s, const uint8_t *request)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    const ect_entry_t *first = NULL;
+    ect_reason_t reason = open_transfer(s, request, ECT_UPLOAD, &first);
+    if (reason != ECT_OK) {
+        send_abort(s, ect_load_le16(request + 1), request[3], reason);
+        return;
+    }
+    uint8_t last = last_of(s);
+    sdo->size = sdo->complete ? packed_size(s, first, last) : entry_size(s, first);
+    cursor_begin(s, first->subindex <= last ? first : NULL);
+    if (sdo->size > 0 && sdo->size <= EXPEDITED_ROOM) {
+        unsigned int unused = EXPEDITED_ROOM - (unsigned int)sdo->size;
+        uint8_t *reply = build_initiate(s, UPLOAD | EXPEDITED | SIZE_SPECIFIED | (unused << 2));
+        cursor_read(s, reply + 4, (uint16_t)sdo->size, last);
+        ect_coe_send(s, ECT_SDO_LENGTH);
+        return;
+    }
+    uint16_t room = (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - INITIATE);
+    uint16_t piece = sdo->size < room ? (uint16_t)sdo->size : room;
+    uint8_t *reply = build_initiate(s, UPLOAD | SIZE_SPECIFIED);
+    ect_store_le32(reply + 4, sdo->size);
+    cursor_read(s, reply + INITIATE, piece, last);
+    sdo->done = piece;
+    sdo->state = sdo->done < sdo->size ? ECT_SDO_UPLOADING : ECT_SDO_IDLE;
+    ect_coe_send(s, (uint16_t)(ECT_SDO_LENGTH + piece));
+}
+
+static bool toggle_good(ect_slave_t *s, const uint8_t *request)
+{
+    if ((request[0] & TOGGLE) != s->sdo.toggle) {
+        abort_transfer(s, ECT_REASON_TOGGLE);
+        return false;
+    }
+    s->sdo.toggle ^= TOGGLE;
+    return true;
+}
+
+static void upload_segment(ect_slave_t *s, const uint8_t *request)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    if (sdo->state != ECT_SDO_UPLOADING) {
+        abort_transfer(s, ECT_REASON_COMMAND);
+        return;
+    }
+    if (!toggle_good(s, request))
+        return;
+    uint16_t room = (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - 1);
+    uint32_t left = sdo->size - sdo->done;
+    uint16_t piece = left < room ? (uint16_t)left : room;
+    unsigned int command = request[0] & TOGGLE;
+    command |= piece == left ? (unsigned int)LAST_SEGMENT : 0u;
+    command |= piece < SEGMENT_MINIMUM ? (SEGMENT_MINIMUM - (unsigned int)piece) << 1 : 0u;
+    uint8_t *reply = build_response(s, (uint8_t)command);
+    cursor_read(s, reply + 1, piece, last_of(s));
+    sdo->done += piece;
+    if (piece == left)
+        sdo->state = ECT_SDO_IDLE;
+    uint16_t payload = piece < SEGMENT_MINIMUM ? SEGMENT_MINIMUM : piece;
+    ect_coe_send(s, (uint16_t)(ECT_COE_HEADER + 1 + payload));
+}
+
+/* --- download ---------------------------------------------------------------------------------------------------- */
+
+static bool writable(const ect_slave_t *s, const ect_entry_t *entry)
+{
+    return ect_od_check_access(entry, ECT_DOWNLOAD, s->state) == ECT_OK;
+}
+
+/* A value that has come whole: limits, then the device's word. */
+static ect_reason_t check_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size)
+{
+    const ect_device_t *device = s->config.device;
+    uint16_t index = s->sdo.object->index;
+    if (size == ect_od_bytes(entry)) {
+        ect_reason_t reason = ect_od_check_limit(&s->od, index, entry, data);
+        if (reason != ECT_OK)
+            return reason;
+    }
+    if (!device->sdo_write)
+        return ECT_OK;
+    return device->sdo_write(s->config.instance, index, (uint8_t)entry->subindex, data, size);
+}
+
+static void written(ect_slave_t *s, const ect_entry_t *entry)
+{
+    const ect_device_t *device = s->config.device;
+    if (device->sdo_written)
+        device->sdo_written(s->config.instance, s->sdo.object->index, (uint8_t)entry->subindex, s->now_ns);
+}
+
+static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size,
+                                bool only_check)
+{
+    if (s->sdo.complete && !writable(s, entry))
+        return ECT_OK; /* inside a whole object read-only entries are passed over */
+    ect_reason_t reason = check_value(s, entry, data, size);
+    if (reason != ECT_OK || only_check)
+        return reason;
+    reason = ect_od_write(&s->od, entry, 0, data, size);
+    if (reason == ECT_OK)
+        written(s, entry);
+    return reason;
+}
+
+static bool is_long(const ect_entry_t *entry)
+{
+    return ect_od_bytes(entry) > 8 || ect_od_is_string(entry);
+}
+
+/* A piece of a long entry goes straight into the dictionary; its last piece makes it written. */
+static ect_reason_t store_piece(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t piece,
+                                uint16_t total)
+{
+    uint16_t offset = s->sdo.cursor.offset;
+    if (offset == 0 && piece == total)
+        return store_value(s, entry, data, piece, false);
+    if (s->sdo.complete && !writable(s, entry))
+        return ECT_OK;
+    ect_reason_t reason = ect_od_write(&s->od, entry, offset, data, piece);
+    if (reason == ECT_OK && offset + piece == total)
+        written(s, entry);
+    return reason;
+}
+
+/* Takes bits for bit entries from the byte that the cursor holds. */
+static ect_reason_t take_bits(ect_slave_t *s, bool only_check)
+{
+    ect_sdo_cursor_t *c = &s->sdo.cursor;
+    uint8_t value = (uint8_t)(c->byte & ((1u << c->entry->bit_length) - 1u));
+    c->byte = (uint16_t)(c->byte >> c->entry->bit_length);
+    c->bits = (uint16_t)(c->bits - c->entry->bit_length);
+    return store_value(s, c->entry, &value, 1, only_check);
+}
+
+/* One step of a download into the entry at the cursor; consumes at least a byte, or finishes bit entries. */
+static ect_reason_t download_step(ect_slave_t *s, const uint8_t **from, const uint8_t *end, bool only_check)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    ect_sdo_cursor_t *c = &sdo->cursor;
+    const ect_entry_t *entry = c->entry;
+    uint16_t total = sdo->complete ? ect_od_bytes(entry) : (uint16_t)sdo->size;
+    uint16_t left = (uint16_t)(total - c->offset);
+    uint16_t piece = left < end - *from ? left : (uint16_t)(end - *from);
+    ect_reason_t reason = ECT_OK;
+    if (is_long(entry)) {
+        reason = only_check ? (piece == total ? store_value(s, entry, *from, piece, true) : ECT_OK)
+                            : store_piece(s, entry, *from, piece, total);
+    } else {
+        memcpy(sdo->staging + c->offset, *from, piece);
+        if (piece == left)
+            reason = store_value(s, entry, sdo->staging, total, only_check);
+    }
+    *from += piece;
+    c->offset = (uint16_t)(c->offset + piece);
+    if (piece == left)
+        cursor_next(sdo, sdo->object->max_subindex);
+    return reason;
+}
+
+/* Empties `length` bytes into the dictionary, or only checks them. */
+static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t length, bool only_check)
+{
+    ect_sdo_cursor_t *c = &s->sdo.cursor;
+    const uint8_t *end = from + length;
+    ect_reason_t reason = ECT_OK;
+    while (reason == ECT_OK && (from < end || (c->entry && c->bits >= c->entry->bit_length && c->bits > 0))) {
+        bool bits = c->entry && s->sdo.complete && ect_od_is_bits(c->entry);
+        if (c->pad) {
+            from++;
+            c->pad = false;
+        } else if (bits && c->bits >= c->entry->bit_length) {
+            reason = take_bits(s, only_check);
+            cursor_next(&s->sdo, s->sdo.object->max_subindex);
+        } else if (bits) {
+            c->byte = (uint16_t)(c->byte | (*from++ << c->bits));
+            c->bits = (uint16_t)(c->bits + 8);
+        } else if (!c->entry) {
+            return ECT_REASON_TOO_LONG;
+        } else {
+            c->byte = 0;
+            c->bits = 0;
+            reason = download_step(s, &from, end, only_check);
+        }
+    }
+    return reason;
+}
+
+/* The length that a download announces must fit; a whole object may be shorter, by whole entries. */
+static ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    uint32_t room =
+        sdo->complete ? packed_size(s, first, sdo->object->max_subindex) : (uint32_t)ect_od_bytes(first);
+    if (sdo->size > room)
+        return ECT_REASON_TOO_LONG;
+    bool may_be_short = sdo->complete || ect_od_is_string(first);
+    return sdo->size < room && (!may_be_short || sdo->size == 0) ? ECT_REASON_TOO_SHORT : ECT_OK;
+}
+
+static ect_reason_t store_whole(ect_slave_t *s, const ect_entry_t *first, const uint8_t *data)
+{
+    uint16_t size = (uint16_t)s->sdo.size;
+    cursor_begin(s, first);
+    ect_reason_t reason = cursor_write(s, data, size, true);
+    if (reason == ECT_OK && s->sdo.cursor.offset != 0)
+        reason = ECT_REASON_TOO_SHORT; /* ends inside an entry */
+    if (reason != ECT_OK)
+        return reason;
+    cursor_begin(s, first);
+    return cursor_write(s, data, size, false);
+}
+
+static void finish_download(ect_slave_t *s, ect_reason_t reason, uint8_t *(*build)(ect_slave_t *, unsigned int),
+                            unsigned int command)
+{
+    if (reason != ECT_OK) {
+        send_abort(s, s->sdo.object->index, s->sdo.subindex, reason);
+        return;
+    }
+    (void)build(s, command);
+    ect_coe_send(s, ECT_SDO_LENGTH);
+}
+
+static uint8_t *build_segment(ect_slave_t *s, unsigned int command)
+{
+    return build_response(s, (uint8_t)command);
+}
+
+static void download(ect_slave_t *s, const uint8_t *request, uint16_t length)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    const ect_entry_t *first = NULL;
+    ect_reason_t reason = open_transfer(s, request, ECT_DOWNLOAD, &first);
+    if (reason != ECT_OK) {
+        send_abort(s, ect_load_le16(request + 1), request[3], reason);
+        return;
+    }
+    const uint8_t *data = request + INITIATE;
+    uint16_t available = (uint16_t)(length - INITIATE);
+    sdo->size = ect_load_le32(request + 4);
+    if ((request[0] & EXPEDITED) != 0) {
+        data = request + 4;
+        available = EXPEDITED_ROOM;
+        sdo->size = EXPEDITED_ROOM - ((request[0] >> 2) & 3u);
+        if ((request[0] & SIZE_SPECIFIED) == 0 && ect_od_bytes(first) < EXPEDITED_ROOM)
+            sdo->size = ect_od_bytes(first);
+    }
+    reason = check_size(s, first);
+    if (reason == ECT_OK && available >= sdo->size) {
+        reason = store_whole(s, first, data);
+    } else if (reason == ECT_OK) {
+        sdo->state = ECT_SDO_DOWNLOADING;
+        cursor_begin(s, first);
+        reason = cursor_write(s, data, available, false);
+        sdo->done = available;
+    }
+    finish_download(s, reason, build_initiate, UPLOAD_SEGMENT);
+}
+
+static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t length)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    if (sdo->state != ECT_SDO_DOWNLOADING) {
+        abort_transfer(s, ECT_REASON_COMMAND);
+        return;
+    }
+    if (!toggle_good(s, request))
+        return;
+    uint16_t available = (uint16_t)(length - 1);
+    if (available == SEGMENT_MINIMUM)
+        available = (uint16_t)(available - ((request[0] >> 1) & 7u));
+    bool last = (request[0] & LAST_SEGMENT) != 0;
+    uint32_t left = sdo->size - sdo->done;
+    ect_reason_t reason = ECT_OK;
+    if (available > left)
+        reason = ECT_REASON_TOO_LONG;
+    else if (last && available < left)
+        reason = ECT_REASON_TOO_SHORT;
+    if (reason == ECT_OK)
+        reason = cursor_write(s, request + 1, available, false);
+    if (reason == ECT_OK && last && sdo->cursor.offset != 0)
+        reason = ECT_REASON_TOO_SHORT;
+    sdo->done += available;
+    finish_download(s, reason, build_segment, DOWNLOAD | (request[0] & (unsigned int)TOGGLE));
+    if (last)
+        sdo->state = ECT_SDO_IDLE;
+}
+
+/* --- entry ------------------------------------------------------------------------------------------------------- */
+
+void ect_sdo_request(ect_slave_t *s, const uint8_t *request, uint16_t length)
+{
+    if (length < INITIATE) {
+        ect_mailbox_error(s, ECT_MAILBOX_ERROR_TOO_SHORT);
+        return;
+    }
+    switch (request[0] & SPECIFIER) {
+    case DOWNLOAD_SEGMENT:
+        download_segment(s, request, length);
+        break;
+    case DOWNLOAD:
+        download(s, request, length);
+        break;
+    case UPLOAD:
+        upload(s, request);
+        break;
+    case UPLOAD_SEGMENT:
+        upload_segment(s, request);
+        break;
+    case ABORT:
+        s->sdo.state = ECT_SDO_IDLE; /* the master gives up: no answer */
+        break;
+    default:
+        send_abort(s, ect_load_le16(request + 1), request[3], ECT_REASON_COMMAND);
+        break;
+    }
+}

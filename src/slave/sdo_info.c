@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * SDO information (ETG.1000.6 §5.6.3): object lists, object and entry descriptions. A list longer than the mailbox is
+ * sent in fragments, each when the master has fetched the one before.
+ */
+#include <string.h>
+
+#include "slave/internal.h"
+
+enum {
+    LIST_REQUEST = 1,
+    LIST_RESPONSE = 2,
+    OBJECT_REQUEST = 3,
+    OBJECT_RESPONSE = 4,
+    ENTRY_REQUEST = 5,
+    ENTRY_RESPONSE = 6,
+    ERROR_RESPONSE = 7,
+    INCOMPLETE = 0x80,
+};
+
+enum { INFO_HEADER = 4, LIST_TYPES = 5 };
+
+/* What an entry description may carry beside the access rights. */
+enum { INFO_UNIT = 0x08, INFO_DEFAULT = 0x10, INFO_MINIMUM = 0x20, INFO_MAXIMUM = 0x40 };
+
+/* Room for data behind the information header. */
+static uint16_t room(const ect_slave_t *s)
+{
+    return (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - INFO_HEADER);
+}
+
+static uint8_t *build(ect_slave_t *s, uint8_t opcode)
+{
+    uint8_t *info = ect_coe_build(s, ECT_COE_SERVICE_SDO_INFO);
+    info[0] = opcode;
+    return info + INFO_HEADER;
+}
+
+static void send(ect_slave_t *s, uint16_t data_length)
+{
+    ect_coe_send(s, (uint16_t)(ECT_COE_HEADER + INFO_HEADER + data_length));
+}
+
+static void send_error(ect_slave_t *s, ect_reason_t reason)
+{
+    uint8_t *data = build(s, ERROR_RESPONSE);
+    ect_store_le32(data, ect_abort_code(reason));
+    send(s, 4);
+}
+
+/* --- lists ------------------------------------------------------------------------------------------------------- */
+
+static bool in_list(const ect_object_t *object, uint16_t list)
+{
+    static const uint16_t wanted[LIST_TYPES + 1] = {
+        0, 0xFFFF, ECT_ACCESS_RXPDO, ECT_ACCESS_TXPDO, ECT_ACCESS_BACKUP, ECT_ACCESS_SETTING};
+    if (list == 1)
+        return true;
+    const ect_entry_t *e = object->entries;
+    while ((e->access & wanted[list]) == 0) {
+        if (e->subindex >= object->max_subindex)
+            return false;
+        e++;
+    }
+    return true;
+}
+
+static uint16_t list_length(const ect_slave_t *s, uint16_t list)
+{
+    uint16_t count = 0;
+    for (uint16_t i = 0; i < s->od.count; i++)
+        count = (uint16_t)(count + in_list(&s->od.objects[i], list));
+    return count;
+}
+
+static void send_lengths(ect_slave_t *s)
+{
+    uint8_t *data = build(s, LIST_RESPONSE);
+    for (uint16_t list = 1; list <= LIST_TYPES; list++)
+        ect_store_le16(data + (size_t)2 * list, list_length(s, list));
+    send(s, 2 + 2 * LIST_TYPES);
+}
+
+/* The list's type stands in the first fragment only, in the place of an index: the list has one element more. */
+void ect_sdo_info_fragment(ect_slave_t *s)
+{
+    ect_sdo_info_t *info = &s->info;
+    uint8_t *data = build(s, LIST_RESPONSE);
+    uint16_t used = 0;
+    if (!info->started) {
+        ect_store_le16(data, info->list);
+        used = 2;
+        info->started = true;
+    }
+    while (info->next < s->od.count && used + 2 <= room(s)) {
+        const ect_object_t *object = &s->od.objects[info->next++];
+        if (in_list(object, info->list)) {
+            ect_store_le16(data + used, object->index);
+            used = (uint16_t)(used + 2);
+        }
+    }
+    info->fragments--;
+    ect_store_le16(data - 2, info->fragments);
+    if (info->fragments > 0)
+        data[-INFO_HEADER] |= INCOMPLETE;
+    else
+        info->list = 0;
+    send(s, used);
+}
+
+static void start_list(ect_slave_t *s, uint16_t list)
+{
+    if (list > LIST_TYPES) {
+        send_error(s, ECT_REASON_UNSUPPORTED);
+        return;
+    }
+    if (list == 0) {
+        send_lengths(s);
+        return;
+    }
+    uint16_t per_fragment = room(s) / 2;
+    uint16_t elements = (uint16_t)(list_length(s, list) + 1);
+    s->info = (ect_sdo_info_t){.list = list,
+                               .fragments = (uint16_t)((elements + per_fragment - 1) / per_fragment)};
+    ect_sdo_info_fragment(s);
+}
+
+/* --- descriptions ------------------------------------------------------------------------------------------------ */
+
+/* The rest of the mail is the name, cut where the mailbox ends. */
+static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, const char *name)
+{
+    size_t length = name ? strlen(name) : 0;
+    if (length > (size_t)(room(s) - used))
+        length = (size_t)(room(s) - used);
+    if (length > 0)
+        memcpy(data + used, name, length);
+    return (uint16_t)(used + length);
+}
+
+static uint16_t object_type(const ect_object_t *object)
+{
+    const ect_entry_t *last = object->entries;
+    if (object->object_code != ECT_OBJECT_RECORD) {
+        while (last->subindex < object->max_subindex)
+            last++;
+        return last->data_type;
+    }
+    uint16_t index = object->index;
+    if (index == 0x1018)
+        return ECT_TYPE_IDENTITY;
+    if (index == 0x1C32 || index == 0x1C33)
+        return ECT_TYPE_SM_SYNC;
+    return (index >= 0x1600 && index < 0x1C00) ? ECT_TYPE_PDO_MAPPING : ECT_TYPE_RECORD;
+}
+
+static void describe_object(ect_slave_t *s, uint16_t index)
+{
+    const ect_object_t *object = ect_od_find(&s->od, index);
+    if (!object) {
+        send_error(s, ECT_REASON_NO_OBJECT);
+        return;
+    }
+    uint8_t *data = build(s, OBJECT_RESPONSE);
+    ect_store_le16(data, index);
+    ect_store_le16(data + 2, object_type(object));
+    data[4] = object->max_subindex;
+    data[5] = (uint8_t)object->object_code;
+    send(s, put_name(s, data, 6, object->name));
+}
+
+static void put_number(uint8_t *to, int64_t value, uint16_t size)
+{
+    uint8_t wire[8];
+    ect_store_le64(wire, (uint64_t)value);
+    memcpy(to, wire, size);
+}
+
+/* The optional fields, in their order; returns which were put. Only numbers have them. */
+static uint8_t put_details(const ect_slave_t *s, uint16_t index, const ect_entry_t *entry, uint8_t wanted,
+                           uint8_t *data, uint16_t *used)
+{
+    uint16_t size = ect_od_bytes(entry);
+    const ect_limit_t *limit = ect_od_limit(&s->od, index, (uint8_t)entry->subindex);
+    const struct {
+        uint8_t bit;
+        bool there;
+        int64_t value;
+        uint16_t size;
+    } fields[] = {
+        {INFO_UNIT, limit && limit->unit != 0, limit ? limit->unit : 0, 2},
+        {INFO_DEFAULT, !ect_od_is_string(entry), entry->value, size},
+        {INFO_MINIMUM, limit != NULL, limit ? limit->minimum : 0, size},
+        {INFO_MAXIMUM, limit != NULL, limit ? limit->maximum : 0, size},
+    };
+    uint8_t given = 0;
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        if ((wanted & fields[i].bit) == 0 || !fields[i].there || fields[i].size == 0 || fields[i].size > 8 ||
+            *used + fields[i].size > room(s))
+            continue;
+        put_number(data + *used, fields[i].value, fields[i].size);
+        *used = (uint16_t)(*used + fields[i].size);
+        given |= fields[i].bit;
+    }
+    return given;
+}
+
+static void describe_entry(ect_slave_t *s, const uint8_t *request)
+{
+    uint16_t index = ect_load_le16(request);
+    const ect_object_t *object;
+    const ect_entry_t *entry;
+    ect_reason_t reason = ect_od_lookup(&s->od, index, request[2], &object, &entry);
+    if (reason != ECT_OK) {
+        send_error(s, reason);
+        return;
+    }
+    uint8_t *data = build(s, ENTRY_RESPONSE);
+    uint16_t used = 10;
+    memcpy(data, request, 3);
+    data[3] = (uint8_t)((request[3] & 0x07) | put_details(s, index, entry, request[3], data, &used));
+    ect_store_le16(data + 4, entry->data_type);
+    ect_store_le16(data + 6, entry->bit_length);
+    ect_store_le16(data + 8, entry->access & ECT_ACCESS_WIRE);
+    send(s, put_name(s, data, used, entry->name));
+}
+
+void ect_sdo_info_request(ect_slave_t *s, const uint8_t *request, uint16_t length)
+{
+    static const uint8_t shortest[] = {[LIST_REQUEST] = 2, [OBJECT_REQUEST] = 2, [ENTRY_REQUEST] = 4};
+    uint8_t opcode = length > 0 ? request[0] & 0x7F : 0;
+    const uint8_t *data = request + INFO_HEADER;
+    s->info.list = 0; /* a new request ends the list under way */
+    if ((s->config.device->coe_details & ECT_COE_SDO_INFO) == 0) {
+        ect_mailbox_error(s, ECT_MAILBOX_ERROR_SERVICE);
+        return;
+    }
+    if (opcode != LIST_REQUEST && opcode != OBJECT_REQUEST && opcode != ENTRY_REQUEST) {
+        send_error(s, ECT_REASON_COMMAND);
+        return;
+    }
+    if (length < INFO_HEADER + shortest[opcode]) {
+        ect_mailbox_error(s, ECT_MAILBOX_ERROR_TOO_SHORT);
+        return;
+    }
+    if (opcode == LIST_REQUEST)
+        start_list(s, ect_load_le16(data));
+    else if (opcode == OBJECT_REQUEST)
+        describe_object(s, ect_load_le16(data));
+    else
+        describe_entry(s, data);
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+#include "slave/slave.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "seams/standard.h"
+#include "slave/internal.h"
+
+bool ect_slave_read(ect_slave_t *s, uint16_t address, void *buffer, uint16_t length)
+{
+    const ect_pdi_t *pdi = s->config.pdi;
+    if (!s->failed && pdi->read(pdi->ctx, address, buffer, length) >= 0)
+        return true;
+    s->pdi_errors += s->failed ? 0u : 1u;
+    s->failed = true;
+    return false;
+}
+
+bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint16_t length)
+{
+    const ect_pdi_t *pdi = s->config.pdi;
+    if (!s->failed && pdi->write(pdi->ctx, address, buffer, length) >= 0)
+        return true;
+    s->pdi_errors += s->failed ? 0u : 1u;
+    s->failed = true;
+    return false;
+}
+
+static bool read_event(ect_slave_t *s, uint32_t *event)
+{
+    const ect_pdi_t *pdi = s->config.pdi;
+    if (pdi->al_event) {
+        s->failed = pdi->al_event(pdi->ctx, event) < 0;
+        s->pdi_errors += s->failed ? 1u : 0u;
+        return !s->failed;
+    }
+    uint8_t bytes[4];
+    if (!ect_slave_read(s, ECT_REG_AL_EVENT, bytes, sizeof bytes))
+        return false;
+    *event = ect_load_le32(bytes);
+    return true;
+}
+
+/* The largest length that a master may give a SyncManager. */
+static uint16_t sm_room(const ect_sm_t *sm)
+{
+    return sm->maximum > sm->length ? sm->maximum : sm->length;
+}
+
+static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
+{
+    for (unsigned int i = 0; i < device->sm_count; i++) {
+        if (device->sm[i].type == type)
+            return &device->sm[i];
+    }
+    return NULL;
+}
+
+ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
+{
+    const ect_sm_t *out = find_sm(device, ECT_SM_MAILBOX_OUT);
+    const ect_sm_t *in = find_sm(device, ECT_SM_MAILBOX_IN);
+    const ect_sm_t *outputs = find_sm(device, ECT_SM_OUTPUTS);
+    const ect_sm_t *inputs = find_sm(device, ECT_SM_INPUTS);
+    size_t output_room = outputs ? sm_room(outputs) : 0;
+    size_t input_room = inputs ? sm_room(inputs) : 0;
+    return (ect_slave_memory_t){
+        .instance = device->instance_size,
+        .mailbox = out && in ? sm_room(out) + 2u * sm_room(in) : 0,
+        .process_data = output_room > input_room ? output_room : input_room,
+        .runs = device->pdo_runs,
+    };
+}
+
+static int check(const ect_slave_config_t *config)
+{
+    if (!config->device || !config->pdi || !config->pdi->read || !config->pdi->write)
+        return -1;
+    ect_slave_memory_t need = ect_slave_memory(config->device);
+    if ((need.instance > 0 && !config->instance) || (need.mailbox > 0 && !config->mailbox) ||
+        (need.process_data > 0 && !config->process_data) || (need.runs > 0 && !config->runs))
+        return -2;
+    return 0;
+}
+
+static void host_drop(void *ctx, uint8_t state, uint16_t al_status_code)
+{
+    ect_slave_t *s = ctx;
+    s->drop_state = state;
+    s->drop_code = al_status_code;
+}
+
+static void host_transition_done(void *ctx, uint16_t al_status_code)
+{
+    ect_slave_t *s = ctx;
+    s->pending_done = true;
+    s->pending_result = al_status_code;
+}
+
+static void host_restart(void *ctx)
+{
+    ect_slave_t *s = ctx;
+    s->restart = true;
+}
+
+static void power_on(ect_slave_t *s)
+{
+    const ect_device_t *device = s->config.device;
+    const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
+    memset(s->config.instance, 0, device->instance_size);
+    s->state = ECT_STATE_INIT;
+    s->error = false;
+    s->code = ECT_AL_NO_ERROR;
+    s->status_dirty = true;
+    s->pending = 0;
+    s->drop_state = 0;
+    s->restart = false;
+    s->request_due = false;
+    s->outputs_live = false;
+    s->outputs_seen = false;
+    s->inputs_due = false;
+    s->emergency_count = 0;
+    s->tick_ns = s->now_ns;
+    ect_mailbox_stop(s);
+    ect_machine_sm_off(s, 0, device->sm_count, true);
+    if (device->init)
+        device->init(s->config.instance, identity, &s->host, s->now_ns);
+}
+
+int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
+{
+    int error = check(config);
+    if (error != 0)
+        return error;
+    *slave = (ect_slave_t){.config = *config, .now_ns = now_ns};
+    slave->od = (ect_od_t){.objects = config->device->objects,
+                           .count = config->device->object_count,
+                           .limits = config->device->limits,
+                           .limit_count = config->device->limit_count,
+                           .base = config->instance};
+    slave->host = (ect_host_t){.ctx = slave,
+                               .emergency = ect_coe_emergency,
+                               .drop = host_drop,
+                               .transition_done = host_transition_done,
+                               .restart = host_restart,
+                               .storage = config->storage};
+    power_on(slave);
+    return ect_machine_report(slave) ? 0 : -3;
+}
+
+static void tick(ect_slave_t *s)
+{
+    const ect_device_t *device = s->config.device;
+    if (!device->tick) {
+        s->tick_ns = ECT_NEVER;
+        return;
+    }
+    if (s->now_ns < s->tick_ns)
+        return;
+    s->tick_ns = device->tick(s->config.instance, s->now_ns);
+    assert(s->tick_ns > s->now_ns);
+    s->inputs_due = true;
+}
+
+static void exchange(ect_slave_t *s, uint32_t event)
+{
+    if (s->state != ECT_STATE_SAFEOP && s->state != ECT_STATE_OP)
+        return;
+    if ((event & ECT_EVENT_SM2) != 0 && s->output_bytes > 0)
+        ect_pdo_outputs(s, s->outputs_live);
+    if ((event & (ECT_EVENT_SM2 | ECT_EVENT_SM3)) != 0)
+        s->inputs_due = true;
+    if (s->inputs_due && ect_pdo_inputs(s))
+        s->inputs_due = false;
+}
+
+static void device_requests(ect_slave_t *s)
+{
+    if (s->restart)
+        power_on(s);
+    if (s->drop_state != 0) {
+        uint8_t to = s->drop_state;
+        s->drop_state = 0;
+        if (to < s->state)
+            ect_machine_drop(s, to, s->drop_code);
+    }
+}
+
+uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
+{
+    uint32_t event = 0;
+    s->now_ns = now_ns;
+    s->failed = false;
+    if (read_event(s, &event)) {
+        if ((event & ECT_EVENT_AL_CONTROL) != 0)
+            ect_machine_al_control(s);
+        if (s->request_due)
+            ect_machine_request(s);
+        if ((event & ECT_EVENT_SM_CHANGED) != 0)
+            ect_machine_sm_changed(s);
+        if ((event & ECT_EVENT_WATCHDOG) != 0)
+            ect_machine_watchdog(s);
+    }
+    tick(s);
+    device_requests(s);
+    exchange(s, event);
+    ect_machine_pending(s);
+    if (s->status_dirty || s->sm_due != 0)
+        (void)ect_machine_report(s);
+    if (s->mailbox.running)
+        ect_mailbox_poll(s, event);
+    if (s->failed)
+        return now_ns + 1000000u; /* the PDI failed: the next try in a millisecond, or with the next event */
+    return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
+}

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The slave stack: everything that an EtherCAT slave's software does between an ESC and a device.
+ *
+ * One ::ect_slave_t drives one device behind one PDI. It owns no memory: the caller hands in buffers whose sizes
+ * follow from the description (::ect_slave_memory), and keeps them, the description and the PDI alive as long as the
+ * slave. Nothing allocates, blocks beyond the PDI's own accesses, or reads a clock.
+ *
+ * Use: ::ect_slave_init once, then ::ect_slave_poll whenever the ESC signals an event or the time that the last call
+ * returned has come. Polling more often costs one PDI access and changes nothing.
+ *
+ * Context: mainline, one call at a time for an instance; instances are independent.
+ *
+ * PDI accesses: idle poll 1; a cyclic exchange (outputs in, inputs out) 3; an expedited SDO 5 over two polls; a
+ * state change 4..9.
+ *
+ * When the PDI fails, the present step is abandoned and taken up again at the next poll; ::ect_slave_t::pdi_errors
+ * counts. AL status never claims a state whose preconditions were not established.
+ *
+ * Clauses: ETG.1000.6 §5 (CoE), §6 (state machine); ETG.1000.4 §5.6 (mailbox).
+ */
+#ifndef ECT_SLAVE_SLAVE_H
+#define ECT_SLAVE_SLAVE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "od/od.h"
+#include "seams/device.h"
+#include "seams/pdi.h"
+
+/** AL status codes (ETG.1000.6 Table 11). */
+enum {
+    ECT_AL_NO_ERROR = 0x0000,
+    ECT_AL_UNSPECIFIED = 0x0001,
+    ECT_AL_INVALID_CHANGE = 0x0011,
+    ECT_AL_UNKNOWN_STATE = 0x0012,
+    ECT_AL_NO_BOOT = 0x0013,
+    ECT_AL_BOOT_MAILBOX = 0x0015,
+    ECT_AL_MAILBOX = 0x0016,
+    ECT_AL_NO_OUTPUTS = 0x0019,
+    ECT_AL_WATCHDOG = 0x001B,
+    ECT_AL_OUTPUT_SM = 0x001D,
+    ECT_AL_INPUT_SM = 0x001E,
+    ECT_AL_INPUT_MAPPING = 0x0024,
+    ECT_AL_OUTPUT_MAPPING = 0x0025,
+    ECT_AL_DC_SYNC = 0x0030,
+};
+
+/** A piece of the process image that is contiguous in it and in the instance. Private. */
+typedef struct ect_pdo_run {
+    const ect_entry_t *entry; /**< copied through the dictionary, or NULL: plain bytes at `data` */
+    uint8_t *data;
+    uint16_t first_bit;
+    uint16_t bits;
+} ect_pdo_run_t;
+
+/** How much memory a device needs; see ::ect_slave_config_t for what each is for. */
+typedef struct ect_slave_memory {
+    size_t instance;     /**< bytes, aligned as by malloc */
+    size_t mailbox;      /**< bytes */
+    size_t process_data; /**< bytes */
+    size_t runs;         /**< elements of ect_pdo_run_t */
+} ect_slave_memory_t;
+
+/** Computes it from the description. Pure. */
+ect_slave_memory_t ect_slave_memory(const ect_device_t *device);
+
+/** What a slave is made of. Checked once by ::ect_slave_init. */
+typedef struct ect_slave_config {
+    const ect_device_t *device;
+    const ect_pdi_t *pdi;
+    const ect_identity_t *identity; /**< NULL: the description's */
+    const ect_storage_t *storage;   /**< NULL: none */
+    void *instance;                 /**< ect_slave_memory().instance bytes */
+    uint8_t *mailbox;               /**< ... mailbox bytes: one request, two replies; NULL without a mailbox */
+    uint8_t *process_data;          /**< ... process_data bytes; NULL without process data */
+    ect_pdo_run_t *runs;            /**< ... runs elements */
+    uint16_t device_id;             /**< explicit device identification (AL control bit 5); 0: not offered */
+} ect_slave_config_t;
+
+/** Mailbox of a slave. Private. */
+typedef struct ect_mailbox {
+    bool running;
+    uint8_t request_counter; /* of the last request, 0: none yet */
+    uint8_t reply_counter;   /* of our last mail */
+    uint16_t out_size;       /* SM0 */
+    uint16_t in_size;        /* SM1 */
+    uint8_t *request;
+    uint8_t *mail[2];
+    uint8_t newest;    /* which of `mail` was built last */
+    uint8_t shown;     /* which of them is, or was last, in SM1 */
+    uint8_t mails;     /* how many of them hold a mail: 0..2 */
+    int8_t reply;      /* which holds the reply to the last request, -1 none */
+    bool to_write;     /* `shown` has yet to be written to SM1 */
+    bool in_buffer;    /* `shown` stands in SM1, unread as far as we know */
+    bool newest_waits; /* after a repeat: `newest` must follow `shown` */
+    bool repeat_due;   /* the master wants the last mail again */
+    bool ack_due;      /* ... and it is to be acknowledged once that mail stands in SM1 */
+    bool toggle;       /* the repeat toggle as the master set it last, and as we acknowledge it */
+} ect_mailbox_t;
+
+/** Position in the packed form of an object (Complete Access) or of one entry. Private. */
+typedef struct ect_sdo_cursor {
+    const ect_entry_t *entry; /* NULL: at the end */
+    uint16_t offset;          /* inside the entry, bytes */
+    uint16_t bits;            /* bits gathered in `byte` */
+    uint16_t byte;
+    bool pad; /* the pad byte after sub-index 0 comes next */
+} ect_sdo_cursor_t;
+
+/** The one SDO transfer that can be under way. Private. */
+typedef struct ect_sdo {
+    enum { ECT_SDO_IDLE, ECT_SDO_UPLOADING, ECT_SDO_DOWNLOADING } state;
+    const ect_object_t *object;
+    uint8_t subindex;
+    bool complete;
+    uint8_t toggle;
+    uint32_t size;
+    uint32_t done;
+    ect_sdo_cursor_t cursor;
+    uint8_t staging[8];
+} ect_sdo_t;
+
+/** The SDO information list under way. Private. */
+typedef struct ect_sdo_info {
+    uint16_t list;      /* 1..5, 0: none */
+    uint16_t next;      /* position in the object list */
+    uint16_t fragments; /* still to send */
+    bool started;       /* the first one is out */
+} ect_sdo_info_t;
+
+enum { ECT_EMERGENCY_QUEUE = 8 };
+
+typedef struct ect_emergency {
+    uint16_t code;
+    uint8_t error_register;
+    uint8_t data[5];
+} ect_emergency_t;
+
+/** One slave. Allocate it anywhere, initialise with ::ect_slave_init; members are private unless said otherwise. */
+typedef struct ect_slave {
+    ect_slave_config_t config;
+    ect_od_t od;
+    ect_host_t host;
+    uint64_t now_ns;
+
+    uint8_t state;        /**< public, read only: AL state, 1 2 3 4 8 */
+    bool error;           /**< public, read only: error flag of AL status */
+    uint16_t code;        /**< public, read only: AL status code */
+    uint32_t pdi_errors;  /**< public, read only: failed PDI accesses */
+    uint32_t emergencies_lost; /**< public, read only */
+
+    bool status_dirty;    /* AL status has to be written */
+    bool ident;           /* identification value stands in the status code */
+    uint8_t pending;      /* state that a delayed transition leads to, 0: none */
+    uint64_t pending_until_ns;
+    bool pending_device;  /* the device delays it; else it waits for outputs */
+    uint16_t pending_result;
+    bool pending_done;
+    uint8_t drop_state;   /* wanted by the device, 0: none */
+    uint16_t drop_code;
+    bool restart;
+    bool failed;          /* a PDI access of this poll failed */
+    uint16_t request;     /* AL control as read last */
+    bool request_due;     /* it has yet to be carried out: new, or its PDI accesses failed */
+    uint8_t sm_off;       /* SyncManagers that are to be off from the PDI side, a bit each */
+    uint8_t sm_due;       /* those whose PDI control register has yet to be written */
+
+    uint16_t output_bytes;
+    uint16_t input_bytes;
+    uint16_t output_runs;
+    uint16_t input_runs;
+    bool outputs_seen;    /* the master has written SM2 since SAFEOP */
+    bool outputs_live;    /* they are being handed to the device */
+    bool inputs_due;
+    uint64_t tick_ns;
+
+    ect_mailbox_t mailbox;
+    ect_sdo_t sdo;
+    ect_sdo_info_t info;
+    ect_emergency_t emergency[ECT_EMERGENCY_QUEUE];
+    uint8_t emergency_first;
+    uint8_t emergency_count;
+} ect_slave_t;
+
+/**
+ * Power-on: initialises the device, switches all SyncManagers off from the PDI side, reports INIT.
+ * @return 0 · -1 device or PDI missing · -2 a buffer missing that ::ect_slave_memory asks for · -3 the PDI failed.
+ *         Unless 0, the slave must not be used.
+ */
+int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);
+
+/**
+ * Does what is to be done: AL control, SyncManager changes, watchdog, process data, one mailbox request, the device's
+ * own time.
+ * @return when to call again even without an event (> now_ns), ECT_NEVER when only the bus can bring work.
+ */
+uint64_t ect_slave_poll(ect_slave_t *slave, uint64_t now_ns);
+
+#endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The register map of an EtherCAT slave controller: addresses and bits that both its sides talk about.
+ *
+ * Facts of ETG.1000.4 and the ESC data sheets; no code. Addresses are byte addresses, sizes in bytes.
+ */
+#ifndef ECT_WIRE_REGISTERS_H
+#define ECT_WIRE_REGISTERS_H
+
+enum {
+    ECT_REG_TYPE = 0x0000,
+    ECT_REG_BUILD = 0x0002,
+    ECT_REG_FMMU_COUNT = 0x0004,
+    ECT_REG_SM_COUNT = 0x0005,
+    ECT_REG_RAM_SIZE = 0x0006,
+    ECT_REG_PORTS = 0x0007,
+    ECT_REG_FEATURES = 0x0008,
+    ECT_REG_STATION_ADDRESS = 0x0010,
+    ECT_REG_STATION_ALIAS = 0x0012,
+    ECT_REG_DL_CONTROL = 0x0100,
+    ECT_REG_RW_OFFSET = 0x0108,
+    ECT_REG_DL_STATUS = 0x0110,
+    ECT_REG_AL_CONTROL = 0x0120,
+    ECT_REG_AL_STATUS = 0x0130,
+    ECT_REG_AL_STATUS_CODE = 0x0134,
+    ECT_REG_LED_RUN = 0x0138,
+    ECT_REG_LED_ERR = 0x0139,
+    ECT_REG_PDI_CONTROL = 0x0140,
+    ECT_REG_ECAT_EVENT_MASK = 0x0200,
+    ECT_REG_AL_EVENT_MASK = 0x0204,
+    ECT_REG_ECAT_EVENT = 0x0210,
+    ECT_REG_AL_EVENT = 0x0220,
+    ECT_REG_RX_ERROR = 0x0300,
+    ECT_REG_FORWARDED_ERROR = 0x0308,
+    ECT_REG_PROCESSING_ERROR = 0x030C,
+    ECT_REG_PDI_ERROR = 0x030D,
+    ECT_REG_LOST_LINK = 0x0310,
+    ECT_REG_WD_DIVIDER = 0x0400,
+    ECT_REG_WD_TIME_PDI = 0x0410,
+    ECT_REG_WD_TIME_PD = 0x0420,
+    ECT_REG_WD_STATUS_PD = 0x0440,
+    ECT_REG_WD_COUNTER_PD = 0x0442,
+    ECT_REG_SII_CONFIG = 0x0500,
+    ECT_REG_SII_PDI_ACCESS = 0x0501,
+    ECT_REG_SII_CONTROL = 0x0502,
+    ECT_REG_SII_ADDRESS = 0x0504,
+    ECT_REG_SII_DATA = 0x0508,
+    ECT_REG_FMMU = 0x0600,
+    ECT_REG_SM = 0x0800,
+    ECT_REG_DC_RECEIVE_TIME = 0x0900,
+    ECT_REG_DC_SYSTEM_TIME = 0x0910,
+    ECT_REG_DC_ACTIVATION = 0x0981,
+    ECT_REG_DC_PULSE_LENGTH = 0x0982,
+    ECT_REG_DC_SYNC0_CYCLE = 0x09A0,
+    ECT_REG_DIGITAL_OUTPUT = 0x0F00,
+    ECT_REG_USER_RAM = 0x0F80,
+    ECT_RAM = 0x1000,
+};
+
+/** Bits of AL control (0x0120) and AL status (0x0130). */
+enum {
+    ECT_AL_STATE_MASK = 0x0F,
+    ECT_AL_ACKNOWLEDGE = 0x10, /**< in AL control; in AL status the same bit is the error flag */
+    ECT_AL_ERROR = 0x10,
+    ECT_AL_IDENT = 0x20,
+};
+
+/** AL event request (0x0220). SM n raises bit 8 + n. */
+enum {
+    ECT_EVENT_AL_CONTROL = 0x00000001,
+    ECT_EVENT_SM_CHANGED = 0x00000010,
+    ECT_EVENT_SII = 0x00000020,
+    ECT_EVENT_WATCHDOG = 0x00000040,
+    ECT_EVENT_SM0 = 0x00000100,
+    ECT_EVENT_SM1 = 0x00000200,
+    ECT_EVENT_SM2 = 0x00000400,
+    ECT_EVENT_SM3 = 0x00000800,
+};
+
+/** ECAT event request (0x0210). SM n raises bit 4 + n. */
+enum {
+    ECT_ECAT_EVENT_DL_STATUS = 0x0004,
+    ECT_ECAT_EVENT_AL_STATUS = 0x0008,
+    ECT_ECAT_EVENT_SM0 = 0x0010,
+};
+
+/** A SyncManager's registers: offsets from ECT_REG_SM + 8 n, and their bits. */
+enum {
+    ECT_SM_START = 0,
+    ECT_SM_LENGTH = 2,
+    ECT_SM_CONTROL = 4,
+    ECT_SM_STATUS = 5,
+    ECT_SM_ACTIVATE = 6,
+    ECT_SM_PDI_CONTROL = 7,
+    ECT_SM_SIZE = 8,
+
+    ECT_SM_CONTROL_MODE = 0x03,
+    ECT_SM_CONTROL_MAILBOX = 0x02,
+    ECT_SM_CONTROL_DIRECTION = 0x0C,
+    ECT_SM_CONTROL_ECAT_WRITES = 0x04,
+    ECT_SM_CONTROL_ECAT_EVENT = 0x10,
+    ECT_SM_CONTROL_AL_EVENT = 0x20,
+    ECT_SM_CONTROL_WATCHDOG = 0x40,
+
+    ECT_SM_STATUS_WRITTEN = 0x01,
+    ECT_SM_STATUS_READ = 0x02,
+    ECT_SM_STATUS_FULL = 0x08,
+    ECT_SM_STATUS_BUFFER = 0x30,
+    ECT_SM_STATUS_READ_OPEN = 0x40,
+    ECT_SM_STATUS_WRITE_OPEN = 0x80,
+
+    ECT_SM_ACTIVATE_ENABLE = 0x01,
+    ECT_SM_ACTIVATE_REPEAT = 0x02,
+    ECT_SM_PDI_DISABLE = 0x01,
+    ECT_SM_PDI_REPEAT_ACK = 0x02,
+};
+
+/** An FMMU's registers: offsets from ECT_REG_FMMU + 16 n. */
+enum {
+    ECT_FMMU_LOGICAL = 0,
+    ECT_FMMU_LENGTH = 4,
+    ECT_FMMU_START_BIT = 6,
+    ECT_FMMU_STOP_BIT = 7,
+    ECT_FMMU_PHYSICAL = 8,
+    ECT_FMMU_PHYSICAL_BIT = 10,
+    ECT_FMMU_TYPE = 11,
+    ECT_FMMU_ACTIVATE = 12,
+    ECT_FMMU_SIZE = 16,
+};
+
+#endif

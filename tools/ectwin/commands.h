@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The subcommands of `ectwin`, and what they share. Each takes the arguments from its own name on.
+ */
+#ifndef ECTWIN_COMMANDS_H
+#define ECTWIN_COMMANDS_H
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "bus/chain.h"
+#include "bus/runner.h"
+
+/** Exit codes: a contract (README). */
+enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
+
+int command_list(int argc, char **argv);
+int command_run(int argc, char **argv);
+int command_with(int argc, char **argv);
+int command_sii(int argc, char **argv);
+
+/** The twins that a command line asks for: devices and the options that shape them. */
+typedef struct twin_args {
+    ect_twin_config_t *twins;
+    size_t count;
+    struct {
+        bool given;
+        uint32_t value;
+    } vendor_id, product_code, revision, serial, alias;
+    bool keep_source_mac;
+} twin_args_t;
+
+/** Argp parser for the options of twins; its input is a twin_args_t. */
+extern const struct argp twin_argp;
+
+/** Takes "DEVICE[,DEVICE...]"; an unknown name ends the program with a line that lists the known ones. */
+void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);
+void twin_args_free(twin_args_t *args);
+
+/** The ready line (README) on a stream. */
+void print_ready(FILE *stream, const char *iface, size_t slaves);
+
+/** Blocks the signals that end a run (and SIGCHLD) for this process and returns a signalfd for them, or -1. */
+int open_signals(void);
+
+#endif

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+
+#include "bus/catalogue.h"
+#include "commands.h"
+
+enum { KEY_VENDOR_ID = 0x100, KEY_PRODUCT_CODE, KEY_REVISION, KEY_SERIAL, KEY_ALIAS, KEY_KEEP_MAC };
+
+static const struct argp_option options[] = {
+    {"vendor-id", KEY_VENDOR_ID, "N", 0, "Vendor id, 0..0xFFFFFFFF (default: the device's placeholder)", 1},
+    {"product-code", KEY_PRODUCT_CODE, "N", 0, "Product code, 0..0xFFFFFFFF", 1},
+    {"revision", KEY_REVISION, "N", 0, "Revision number, 0..0xFFFFFFFF", 1},
+    {"serial", KEY_SERIAL, "N", 0, "Serial number of the first twin, the others count up (default 1)", 1},
+    {"alias", KEY_ALIAS, "N", 0, "Station alias and device id of the first twin, 1..65535, the others count up", 1},
+    {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
+     "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
+    {0},
+};
+
+static uint32_t parse_number(const struct argp_state *state, const char *option, const char *text, uint32_t maximum)
+{
+    char *end;
+    errno = 0;
+    unsigned long long value = strtoull(text, &end, 0);
+    if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
+        argp_error(state, "%s takes a number from 0 to 0x%X, not '%s'", option, maximum, text);
+    return (uint32_t)value;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    twin_args_t *args = state->input;
+    switch (key) {
+    case KEY_VENDOR_ID:
+        args->vendor_id.value = parse_number(state, "--vendor-id", text, UINT32_MAX);
+        args->vendor_id.given = true;
+        return 0;
+    case KEY_PRODUCT_CODE:
+        args->product_code.value = parse_number(state, "--product-code", text, UINT32_MAX);
+        args->product_code.given = true;
+        return 0;
+    case KEY_REVISION:
+        args->revision.value = parse_number(state, "--revision", text, UINT32_MAX);
+        args->revision.given = true;
+        return 0;
+    case KEY_SERIAL:
+        args->serial.value = parse_number(state, "--serial", text, UINT32_MAX);
+        args->serial.given = true;
+        return 0;
+    case KEY_ALIAS:
+        args->alias.value = parse_number(state, "--alias", text, UINT16_MAX);
+        args->alias.given = true;
+        return 0;
+    case KEY_KEEP_MAC:
+        args->keep_source_mac = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp twin_argp = {.options = options, .parser = parse};
+
+static void unknown_device(const struct argp_state *state, const char *name)
+{
+    char known[512] = "";
+    size_t count;
+    const ect_device_t *const *devices = ect_catalogue(&count);
+    for (size_t i = 0; i < count; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", devices[i]->name);
+    }
+    argp_failure(state, EXIT_USAGE, 0, "there is no device '%s'; there are: %s", name, known);
+}
+
+void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
+{
+    char *copy = strdup(list);
+    char *rest = copy;
+    for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
+        const ect_device_t *device = ect_catalogue_find(name);
+        if (!device)
+            unknown_device(state, name);
+        ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
+        if (!grown)
+            argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
+        args->twins = grown;
+        args->twins[args->count++] = ect_twin_default(device);
+    }
+    free(copy);
+    for (size_t i = 0; i < args->count; i++) {
+        ect_twin_config_t *twin = &args->twins[i];
+        twin->keep_source_mac = args->keep_source_mac;
+        twin->identity.vendor_id = args->vendor_id.given ? args->vendor_id.value : twin->identity.vendor_id;
+        twin->identity.product_code = args->product_code.given ? args->product_code.value : twin->identity.product_code;
+        twin->identity.revision = args->revision.given ? args->revision.value : twin->identity.revision;
+        twin->identity.serial = (args->serial.given ? args->serial.value : 1) + (uint32_t)i;
+        twin->alias = args->alias.given ? (uint16_t)(args->alias.value + i) : 0;
+    }
+}
+
+void twin_args_free(twin_args_t *args)
+{
+    free(args->twins);
+    args->twins = NULL;
+}
+
+void print_ready(FILE *stream, const char *iface, size_t slaves)
+{
+    cJSON *line = cJSON_CreateObject();
+    cJSON_AddStringToObject(line, "event", "ready");
+    cJSON_AddStringToObject(line, "iface", iface);
+    cJSON_AddNumberToObject(line, "slaves", (double)slaves);
+    char *text = cJSON_PrintUnformatted(line);
+    fprintf(stream, "%s\n", text ? text : "");
+    fflush(stream);
+    cJSON_free(text);
+    cJSON_Delete(line);
+}
+
+int open_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGCHLD);
+    if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
+        return -1;
+    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+}
