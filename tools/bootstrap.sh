@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|test
+#
+#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, and SOEM for the demo's master
+#   test  the same, and what the tests need: CMocka, clang for the fuzz targets, gcovr, an ARM compiler for the budget
+#
+# Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken; else the
+# source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned hash and built
+# below ~/.cache/ectwin. Safe to run again; does nothing when nothing is missing.
+set -eu
+
+run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev"
+soem_packages="python3 python3-pip python3-venv ca-certificates"
+test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi"
+
+soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
+soem_package="pyecm==0.0.3"
+soem_sha256="5dbe908a5a4742be331e7a1a5e858ec39bd8a0e650ecd0ad3421d875a8ae3b9f"
+
+say() { printf 'bootstrap: %s\n' "$*" >&2; }
+die() { say "$*"; exit 1; }
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  else
+    command -v sudo >/dev/null || die "installing packages needs root: run this as root, or install sudo"
+    sudo "$@"
+  fi
+}
+
+# A package counts as there when dpkg says so, or when the command it is for comes from elsewhere.
+is_there() {
+  case "$1" in
+    gcc | cmake | clang | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
+    ninja-build) command -v ninja >/dev/null && return 0 ;;
+    binutils) command -v objdump >/dev/null && return 0 ;;
+    pkg-config) command -v pkg-config >/dev/null && return 0 ;;
+    gcc-arm-none-eabi) command -v arm-none-eabi-gcc >/dev/null && return 0 ;;
+    python3-pip) python3 -m pip --version >/dev/null 2>&1 && return 0 ;;
+    python3-venv) python3 -c 'import venv, ensurepip' >/dev/null 2>&1 && return 0 ;;
+  esac
+  dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'
+}
+
+install_packages() {
+  local missing=""
+  for package in "$@"; do
+    is_there "$package" || missing="$missing $package"
+  done
+  [ -z "$missing" ] && return 0
+  command -v apt-get >/dev/null || die "this machine has no apt-get; please install:$missing"
+  say "installing$missing"
+  as_root apt-get update -qq
+  # shellcheck disable=SC2086
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
+
+# The sanitizer and fuzzer runtimes are a package of their own, named after clang's version.
+install_clang_runtime() {
+  local version
+  version=$(clang -dumpversion | cut -d. -f1)
+  echo 'int main(void){return 0;}' >"$work/a.c"
+  clang -fsanitize=address,undefined "$work/a.c" -o "$work/a" 2>/dev/null || install_packages "libclang-rt-$version-dev"
+}
+
+soem_is_installed() {
+  mkdir -p "$work/find"
+  cat >"$work/find/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.22)
+project(find_soem LANGUAGES C)
+find_package(soem CONFIG REQUIRED)
+CMAKE
+  cmake -S "$work/find" -B "$work/find/build" >/dev/null 2>&1
+}
+
+install_soem() {
+  [ -e "$soem_prefix/share/soem/cmake/soemConfig.cmake" ] && return 0
+  soem_is_installed && return 0
+  # shellcheck disable=SC2086
+  install_packages $soem_packages
+  say "fetching and building SOEM 1.4.0 below $soem_prefix"
+  echo "$soem_package --hash=sha256:$soem_sha256" >"$work/requirements.txt"
+  python3 -m pip download --quiet --disable-pip-version-check --no-deps --no-binary :all: --require-hashes \
+    -r "$work/requirements.txt" -d "$work/pip" >"$work/log" 2>&1 || { cat "$work/log" >&2; die "pip could not fetch $soem_package"; }
+  echo "$soem_sha256  $(echo "$work"/pip/pyecm-0.0.3.tar.gz)" | sha256sum --check --quiet
+  tar -xzf "$work/pip/pyecm-0.0.3.tar.gz" -C "$work"
+  { cmake -G Ninja -S "$work/pyecm-0.0.3/ext/SOEM" -B "$work/soem" -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS=-w \
+      -DCMAKE_INSTALL_PREFIX="$soem_prefix.new" &&
+    cmake --build "$work/soem" && cmake --install "$work/soem"; } >"$work/log" 2>&1 ||
+    { cat "$work/log" >&2; die "SOEM did not build"; }
+  rm -rf "$soem_prefix"
+  mv "$soem_prefix.new" "$soem_prefix" # whole or not at all
+}
+
+job=${1:-}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+case "$job" in
+  run) install_packages $run_packages ;;
+  test)
+    # shellcheck disable=SC2086
+    install_packages $run_packages $test_packages
+    install_clang_runtime
+    ;;
+  *) die "usage: tools/bootstrap.sh run|test" ;;
+esac
+install_soem

@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# The main job: builds ectwin and lets SOEM take two base units from INIT to OP on a private network.
+# Needs no hardware. Root only for installing packages that are missing.
+set -eu
+cd "$(dirname "$0")/.."
+tools/bootstrap.sh run
+cmake --preset release >build.log 2>&1 || { cat build.log; exit 1; }
+cmake --build --preset release >build.log 2>&1 || { cat build.log; exit 1; }
+rm -f build.log
+exec build/release/ectwin with vr-bu-ect-map7,vr-bu-ect-multiarm -- build/release/ectwin-demo-master '{}'
