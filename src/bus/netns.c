@@ -93,8 +93,10 @@ static int add_veth(struct nl_sock *socket)
     struct rtnl_link *link = rtnl_link_veth_alloc();
     if (!link)
         return -NLE_NOMEM;
+    struct rtnl_link *peer = rtnl_link_veth_get_peer(link); /* a reference of our own */
     rtnl_link_set_name(link, ECT_NETNS_TWIN);
-    rtnl_link_set_name(rtnl_link_veth_get_peer(link), ECT_NETNS_MASTER);
+    rtnl_link_set_name(peer, ECT_NETNS_MASTER);
+    rtnl_link_put(peer);
     int error = rtnl_link_add(socket, link, NLM_F_CREATE | NLM_F_EXCL);
     rtnl_link_put(link);
     return error;

@@ -40,10 +40,11 @@ static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, wind
 static void copy_bits(uint8_t *to, uint64_t to_bit, const uint8_t *from, uint64_t from_bit, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++) {
-        uint8_t bit = (from[(from_bit + i) / 8] >> ((from_bit + i) % 8)) & 1u;
+        unsigned int from_mask = 1u << ((from_bit + i) % 8);
+        unsigned int to_mask = 1u << ((to_bit + i) % 8);
         uint8_t *byte = &to[(to_bit + i) / 8];
-        unsigned int shift = (unsigned int)((to_bit + i) % 8);
-        *byte = (uint8_t)((*byte & ~(1u << shift)) | ((unsigned int)bit << shift));
+        bool set = ((unsigned int)from[(from_bit + i) / 8] & from_mask) != 0;
+        *byte = (uint8_t)(set ? *byte | to_mask : *byte & ~to_mask);
     }
 }
 

@@ -67,7 +67,8 @@ bool ect_machine_flush(ect_slave_t *s)
         if ((s->sm_due & (1u << n)) == 0)
             continue;
         bool acknowledged = n == 1 && s->mailbox.toggle && !s->mailbox.ack_due;
-        uint8_t value = (uint8_t)(((s->sm_off >> n) & 1u) | (acknowledged ? ECT_SM_PDI_REPEAT_ACK : 0u));
+        bool off = (s->sm_off & (1u << n)) != 0;
+        uint8_t value = (uint8_t)((off ? ECT_SM_PDI_DISABLE : 0) | (acknowledged ? ECT_SM_PDI_REPEAT_ACK : 0));
         if (!ect_slave_write(s, (uint16_t)(ECT_REG_SM + n * ECT_SM_SIZE + ECT_SM_PDI_CONTROL), &value, 1))
             return false;
         s->sm_due = (uint8_t)(s->sm_due & ~(1u << n));

@@ -124,21 +124,16 @@ uint16_t ect_pdo_configure(ect_slave_t *s)
     return s->input_bytes > memory.process_data ? ECT_AL_INPUT_MAPPING : ECT_AL_NO_ERROR;
 }
 
-static unsigned int get_bit(const uint8_t *image, unsigned int bit)
-{
-    return (image[bit / 8] >> (bit % 8)) & 1u;
-}
-
-static void put_bit(uint8_t *image, unsigned int bit, unsigned int value)
-{
-    image[bit / 8] = (uint8_t)((image[bit / 8] & ~(1u << (bit % 8))) | (value << (bit % 8)));
-}
-
 /* Between the image, at any bit, and the wire form of an entry. */
 static void copy_bits(uint8_t *to, unsigned int to_bit, const uint8_t *from, unsigned int from_bit, unsigned int bits)
 {
-    for (unsigned int i = 0; i < bits; i++)
-        put_bit(to, to_bit + i, get_bit(from, from_bit + i));
+    for (unsigned int i = 0; i < bits; i++) {
+        unsigned int from_mask = 1u << ((from_bit + i) % 8);
+        unsigned int to_mask = 1u << ((to_bit + i) % 8);
+        uint8_t *byte = &to[(to_bit + i) / 8];
+        bool set = ((unsigned int)from[(from_bit + i) / 8] & from_mask) != 0;
+        *byte = (uint8_t)(set ? *byte | to_mask : *byte & ~to_mask);
+    }
 }
 
 static void unpack(ect_slave_t *s)

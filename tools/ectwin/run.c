@@ -63,6 +63,7 @@ int command_run(int argc, char **argv)
     run_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
 
+    int signals = open_signals(); /* first: from here on a signal ends it in good order */
     char message[ECT_PACKET_MESSAGE];
     ect_packet_t port;
     if (ect_packet_open(&port, args.iface, message) < 0) {
@@ -71,7 +72,6 @@ int command_run(int argc, char **argv)
         return EXIT_OPEN;
     }
     int status = EXIT_RUN;
-    int signals = open_signals();
     ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
     if (signals >= 0 && chain) {
         const ect_runner_t runner = {.port = &port, .chain = chain, .signal_fd = signals, .on_signal = on_signal};

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# The command's contract: names, exit codes, ready line, private network.  usage: command.sh ECTWIN [CASE]
+# Runs everything inside namespaces of its own; needs no root where user namespaces are allowed.
+set -u
+ectwin=$1
+only=${2:-}
+failed=0
+ran=0
+
+check() { # TITLE EXPECTED ACTUAL
+  if [ "$2" = "$3" ]; then return 0; fi
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$case_name"
+  failed=1
+}
+
+list_names_the_devices() {
+  check "list: names in order" "vr-bu-ect-map1 vr-bu-ect-map3 vr-bu-ect-map7 vr-bu-ect-multiarm" \
+    "$("$ectwin" list | awk '/^vr-bu/ {print $1}' | xargs)"
+  check "list: in/out bytes" "66/0 66/24 66/228 142/228" "$("$ectwin" list | awk '/^vr-bu/ {print $2}' | xargs)"
+}
+
+with_passes_status_and_interface() {
+  check "with: status of the command" 42 "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'exit 42' 2>/dev/null; echo $?)"
+  check "with: {} and ECTWIN_IFACE" "ecat0-ecat0 ecat0" \
+    "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'echo {}-{} $ECTWIN_IFACE' 2>/dev/null)"
+  check "with: the ready line is on standard error" '{"event":"ready","iface":"ecat0","slaves":2}' \
+    "$("$ectwin" with vr-bu-ect-map1,vr-bu-ect-map3 -- true 2>&1 >/dev/null)"
+  check "with: a command that does not exist" 127 "$("$ectwin" with vr-bu-ect-map1 -- /no/such/command 2>/dev/null; echo $?)"
+  check "with: a command that is killed" 137 "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'kill -KILL $$' 2>/dev/null; echo $?)"
+}
+
+wrong_usage_is_1() {
+  for arguments in "" "nonsense" "run vr-bu-ect-map1" "run -i x" "run -i x nodevice" "with" "with vr-bu-ect-map1" \
+    "with nodevice -- true" "sii" "list extra" "run --vendor-id -5 -i x vr-bu-ect-map1"; do
+    # shellcheck disable=SC2086
+    "$ectwin" $arguments >/dev/null 2>"$work/err"
+    check "usage: '$arguments'" 1 $?
+    check "usage: '$arguments' says why" yes "$([ -s "$work/err" ] && echo yes)"
+  done
+}
+
+what_cannot_be_opened_is_2() {
+  unshare -Urn "$ectwin" run -i nosuch vr-bu-ect-map1 2>"$work/err"
+  check "run: no such interface" 2 $?
+  check "run: it says so" yes "$(grep -q "no network interface 'nosuch'" "$work/err" && echo yes)"
+  unshare -U "$ectwin" run -i lo vr-bu-ect-map1 2>"$work/err"
+  check "run: no right to open it" 2 $?
+  check "run: it names the capability and the command" yes \
+    "$(grep -q 'CAP_NET_RAW.*setcap' "$work/err" && echo yes)"
+  "$ectwin" sii vr-bu-ect-map1 -o /no/such/dir/file 2>/dev/null
+  check "sii: file that cannot be written" 2 $?
+}
+
+# In a namespace: run on one end that is down, end it by SIGTERM and SIGINT; the interface is down again.
+run_leaves_the_interface_as_found() {
+  for signal in TERM INT; do
+    rm -f "$work/ready"
+    unshare -Urn sh -c '
+      ip link add name tw0 type veth peer name tw1 && ip link set tw1 up || exit 9
+      "$1" run -i tw0 vr-bu-ect-map7 >"$2" & pid=$!
+      for i in 1 2 3 4 5 6 7 8 9 10; do [ -s "$2" ] && break; sleep 0.1; done
+      ip -br link show tw0 | grep -q "UP" && echo up
+      kill -'$signal' $pid; wait $pid; echo $?
+      ip -br link show tw0 | grep -q "<.*UP.*>" || echo down' sh "$ectwin" "$work/ready" >"$work/out"
+    check "run: SIG$signal ends it with 0, interface as before" "up 0 down" "$(xargs <"$work/out")"
+    check "run: ready line on standard output" '{"event":"ready","iface":"tw0","slaves":1}' "$(cat "$work/ready")"
+  done
+}
+
+two_at_the_same_time() {
+  "$ectwin" with vr-bu-ect-map7 -- sleep 1 2>/dev/null &
+  local first=$!
+  check "with: a second one beside it" 0 "$("$ectwin" with vr-bu-ect-map1 -- true 2>/dev/null; echo $?)"
+  wait $first
+  check "with: the first one is not disturbed" 0 $?
+}
+
+# One clock tick of processor time in two seconds is 0.5 %.
+idle_costs_nothing() {
+  "$ectwin" with vr-bu-ect-map7 -- sh -c 'a=$(cut -d" " -f14,15 /proc/$PPID/stat); sleep 2; b=$(cut -d" " -f14,15 /proc/$PPID/stat)
+    set -- $a $b; echo $(($3 + $4 - $1 - $2))' 2>/dev/null >"$work/out"
+  check "idle: at most 1 % processor (2 ticks of 10 ms in 2 s)" yes "$([ "$(cat "$work/out")" -le 2 ] && echo yes)"
+}
+
+sii_writes_the_image() {
+  "$ectwin" sii vr-bu-ect-map7 >"$work/a" && "$ectwin" sii vr-bu-ect-map7 -o "$work/b"
+  check "sii: to standard output and to a file, the same 4096 bytes" "4096 same" \
+    "$(wc -c <"$work/a") $(cmp -s "$work/a" "$work/b" && echo same)"
+}
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 \
+  run_leaves_the_interface_as_found two_at_the_same_time idle_costs_nothing sii_writes_the_image; do
+  [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
+  $case_name
+  ran=$((ran + 1))
+done
+echo "$ran cases"
+exit $failed

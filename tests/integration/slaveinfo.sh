@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SOEM's own slaveinfo lists sizes, mapping and the whole dictionary of each base unit.
+# usage: slaveinfo.sh ECTWIN SLAVEINFO
+set -u
+ectwin=$1
+slaveinfo=$2
+failed=0
+
+expect() { # DEVICE WHAT EXPECTED ACTUAL
+  [ "$3" = "$4" ] && return 0
+  printf 'FAILED %s: %s: expected %s, got %s\n  alone: %s with %s -- %s {} -sdo\n' "$1" "$2" "$3" "$4" "$ectwin" "$1" "$slaveinfo"
+  failed=1
+}
+
+while read -r device input output entries; do
+  map=$("$ectwin" with "$device" -- "$slaveinfo" {} -map 2>/dev/null)
+  sdo=$("$ectwin" with "$device" -- "$slaveinfo" {} -sdo 2>/dev/null)
+  expect "$device" "input size" "$((input * 8))bits" "$(sed -n 's/ Input size: //p' <<<"$map")"
+  expect "$device" "output size" "$((output * 8))bits" "$(sed -n 's/ Output size: //p' <<<"$map")"
+  expect "$device" "state" 4 "$(sed -n 's/ State: //p' <<<"$map")"
+  expect "$device" "mapped entries" "$entries" "$(grep -c '^  \[0x' <<<"$map")"
+  expect "$device" "errors" 0 "$(grep -c -i 'abort\|error\|unknown object' <<<"$sdo")"
+  expect "$device" "last entry is listed" yes "$(grep -q 'End slaveinfo' <<<"$sdo" && grep -q '"Input data"' <<<"$sdo" && echo yes)"
+done <<'TABLE'
+vr-bu-ect-map1     66  0   36
+vr-bu-ect-map3     66  24  43
+vr-bu-ect-map7     66  228 246
+vr-bu-ect-multiarm 142 228 294
+TABLE
+exit $failed

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+#include "soem.h"
+
+#include <string.h>
+
+enum { STATE_TIMEOUT_US = 5000000, CYCLE_US = 1000 };
+
+static void wire_context(soem_t *m)
+{
+    memset(m, 0, sizeof *m);
+    m->context = (ecx_contextt){
+        .port = &m->port,
+        .slavelist = m->slaves,
+        .slavecount = &m->slave_count,
+        .maxslave = EC_MAXSLAVE,
+        .grouplist = m->groups,
+        .maxgroup = EC_MAXGROUP,
+        .esibuf = m->sii_buffer,
+        .esimap = m->sii_map,
+        .elist = &m->errors,
+        .idxstack = &m->index_stack,
+        .ecaterror = &m->error,
+        .DCtime = &m->dc_time,
+        .SMcommtype = m->sm_types,
+        .PDOassign = m->assignments,
+        .PDOdesc = m->descriptions,
+        .eepSM = &m->sii_sm,
+        .eepFMMU = &m->sii_fmmu,
+        .manualstatechange = 1,
+    };
+}
+
+void soem_open(soem_t *m, const char *iface, int expected)
+{
+    wire_context(m);
+    assert_true(ecx_init(&m->context, iface) > 0);
+    assert_int_equal(ecx_config_init(&m->context, FALSE), expected);
+    soem_go(m, 0, EC_STATE_PRE_OP);
+}
+
+void soem_close(soem_t *m)
+{
+    m->slaves[0].state = EC_STATE_INIT;
+    ecx_writestate(&m->context, 0);
+    ecx_close(&m->context);
+}
+
+void soem_go(soem_t *m, uint16 slave, uint16 state)
+{
+    m->slaves[slave].state = state | EC_STATE_ACK;
+    ecx_writestate(&m->context, slave);
+    uint16 reached = ecx_statecheck(&m->context, slave, state, STATE_TIMEOUT_US);
+    if (reached != state) {
+        ecx_readstate(&m->context);
+        uint16 shown = slave == 0 ? 1 : slave;
+        fail_msg("slave %u asked for state %u is in 0x%02X, AL status code 0x%04X", slave, state,
+                 m->slaves[shown].state, m->slaves[shown].ALstatuscode);
+    }
+}
+
+uint16 soem_request(soem_t *m, uint16 slave, uint16 state, uint16 *code)
+{
+    m->slaves[slave].state = state;
+    ecx_writestate(&m->context, slave);
+    for (int tries = 0; tries < 100; tries++) {
+        osal_usleep(1000);
+        ecx_readstate(&m->context);
+        if ((m->slaves[slave].state & EC_STATE_ERROR) != 0 || m->slaves[slave].state == state)
+            break;
+    }
+    *code = m->slaves[slave].ALstatuscode;
+    return m->slaves[slave].state;
+}
+
+void soem_map(soem_t *m)
+{
+    ecx_config_map_group(&m->context, m->image, 0);
+    soem_go(m, 0, EC_STATE_SAFE_OP);
+}
+
+int soem_expected_wkc(const soem_t *m)
+{
+    return m->groups[0].outputsWKC * 2 + m->groups[0].inputsWKC;
+}
+
+int soem_cycle(soem_t *m)
+{
+    ecx_send_processdata(&m->context);
+    int wkc = ecx_receive_processdata(&m->context, EC_TIMEOUTRET);
+    osal_usleep(CYCLE_US);
+    return wkc;
+}
+
+void soem_operational(soem_t *m)
+{
+    soem_cycle(m);
+    m->slaves[0].state = EC_STATE_OPERATIONAL;
+    ecx_writestate(&m->context, 0);
+    for (int tries = 0; tries < 2000; tries++) {
+        soem_cycle(m);
+        if (ecx_statecheck(&m->context, 0, EC_STATE_OPERATIONAL, 500) == EC_STATE_OPERATIONAL)
+            return;
+    }
+    soem_go(m, 0, EC_STATE_OPERATIONAL);
+}
+
+bool soem_until(soem_t *m, bool (*holds)(soem_t *m), unsigned int ms)
+{
+    for (unsigned int i = 0; i < ms; i++) {
+        soem_cycle(m);
+        if (holds(m))
+            return true;
+    }
+    return false;
+}
+
+/* What SOEM says of the last SDO error: its abort code, 0xFFFFFFFF for anything else. */
+static uint32 last_error(soem_t *m)
+{
+    ec_errort error;
+    uint32 result = 0xFFFFFFFF;
+    while (ecx_poperror(&m->context, &error)) {
+        if (error.Etype == EC_ERR_TYPE_SDO_ERROR)
+            result = (uint32)error.AbortCode;
+    }
+    return result;
+}
+
+uint32 soem_read(soem_t *m, uint16 slave, uint16 index, uint8 subindex, bool complete, void *data, int *size)
+{
+    int wkc = ecx_SDOread(&m->context, slave, index, subindex, complete, size, data, EC_TIMEOUTRXM);
+    return wkc > 0 ? 0 : last_error(m);
+}
+
+uint32 soem_write(soem_t *m, uint16 slave, uint16 index, uint8 subindex, bool complete, const void *data, int size)
+{
+    uint8 copy[EC_MAXMBX];
+    memcpy(copy, data, (size_t)size);
+    int wkc = ecx_SDOwrite(&m->context, slave, index, subindex, complete, size, copy, EC_TIMEOUTRXM);
+    return wkc > 0 ? 0 : last_error(m);
+}

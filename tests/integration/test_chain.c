@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/* A chain of eight base units, a master that dies, and the next one.  usage: test_chain IFACE COUNT [TEST] */
+#define _GNU_SOURCE
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "soem.h"
+
+static const char *iface;
+static int count;
+static soem_t master;
+
+static void all_in_op(void **state)
+{
+    (void)state;
+    soem_open(&master, iface, count);
+    soem_map(&master);
+    soem_operational(&master);
+    for (int i = 0; i < 500; i++)
+        assert_int_equal(soem_cycle(&master), soem_expected_wkc(&master));
+    assert_int_equal(soem_expected_wkc(&master), 3 * count);
+    soem_close(&master);
+}
+
+/* The position of a slave shows in its links: all have the port to the master, all but the last the next one. */
+static void topology(void **state)
+{
+    (void)state;
+    soem_open(&master, iface, count);
+    for (int i = 1; i <= count; i++) {
+        assert_int_equal(master.slaves[i].activeports, i < count ? 0x03 : 0x01);
+        assert_int_equal(master.slaves[i].parent, i - 1);
+    }
+    soem_close(&master);
+}
+
+static void die_in_op(void)
+{
+    soem_open(&master, iface, count);
+    soem_map(&master);
+    soem_operational(&master);
+    raise(SIGKILL);
+}
+
+static void master_dies(void **state)
+{
+    (void)state;
+    pid_t child = fork();
+    if (child == 0)
+        die_in_op();
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status));
+
+    /* The watchdog is 100 ms by default; then read the states as they are, without configuring anything. */
+    osal_usleep(400000);
+    static uint8 data[6];
+    ecx_portt *port = &master.port;
+    assert_true(ecx_setupnic(port, iface, FALSE) > 0);
+    for (int i = 0; i < count; i++) {
+        assert_int_equal(ecx_APRD(port, (uint16)(0 - i), ECT_REG_ALSTAT, sizeof data, data, EC_TIMEOUTRET3), 1);
+        assert_int_equal(data[0], EC_STATE_SAFE_OP | EC_STATE_ERROR);
+        assert_int_equal(data[4], 0x1B);
+    }
+    ecx_closenic(port);
+
+    soem_open(&master, iface, count);
+    soem_map(&master);
+    soem_operational(&master);
+    assert_int_equal(soem_cycle(&master), soem_expected_wkc(&master));
+    soem_close(&master);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 3)
+        return 1;
+    iface = argv[1];
+    count = atoi(argv[2]);
+    if (argc > 3)
+        cmocka_set_test_filter(argv[3]);
+    const struct CMUnitTest tests[] = {
+        {"CF-032: a chain is in OP, every slave counts 3", all_in_op, NULL, NULL, NULL},
+        {"CF-010: the links of each slave show its place in the chain", topology, NULL, NULL, NULL},
+        {"CF-042 ECL-073: the master dies in OP, each twin shows SAFEOP with 0x001B, the next master reaches OP",
+         master_dies, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
+}
