@@ -931,3 +931,613 @@ static void written_is_told(void **state)
     assert_int_equal(t->written_subindex, 6);
     wire_close(&w);
 }
+
+/* --- a model of the packed form ----------------------------------------------------------------------------------- */
+
+enum { BITS = 1, READ = 2, WRITE = 4, IN_PREOP = 8, TEXT = 16, VAR = 32, LIMITED = 64, RW = READ | WRITE };
+
+typedef struct item {
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t bits;
+    uint8_t flags;
+    uint64_t value;
+} item_t;
+
+static void set_bits(uint8_t *bytes, uint32_t at, uint32_t count, uint64_t value)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (((value >> i) & 1u) != 0)
+            bytes[(at + i) / 8] = (uint8_t)(bytes[(at + i) / 8] | (1u << ((at + i) % 8)));
+    }
+}
+
+static uint64_t get_bits(const uint8_t *bytes, uint32_t at, uint32_t count)
+{
+    uint64_t value = 0;
+    for (uint32_t i = 0; i < count; i++)
+        value |= (uint64_t)((bytes[(at + i) / 8] >> ((at + i) % 8)) & 1) << i;
+    return value;
+}
+
+/* Where an item of a whole object begins, if `at` is the end of the one before; its end includes the pad. */
+static uint32_t item_start(const item_t *item, uint32_t at)
+{
+    return (item->flags & BITS) != 0 ? at : (at + 7u) & ~7u;
+}
+
+static uint32_t item_end(const item_t *item, uint32_t start)
+{
+    bool pad = item->subindex == 0 && (item->flags & VAR) == 0;
+    return start + item->bits + (pad ? 8u : 0u);
+}
+
+/* Packs the items of an object from a sub-index on; @return bytes */
+static uint32_t pack(const item_t *items, size_t count, uint16_t index, uint8_t from, uint8_t *bytes)
+{
+    uint32_t at = 0;
+    memset(bytes, 0, 1486);
+    for (const item_t *i = items; i < items + count; i++) {
+        if (i->index != index || i->subindex < from)
+            continue;
+        uint32_t start = item_start(i, at);
+        set_bits(bytes, start, i->bits, (i->flags & READ) != 0 ? i->value : 0);
+        at = item_end(i, start);
+    }
+    return (at + 7) / 8;
+}
+
+/* --- whole objects longer than the mailbox ------------------------------------------------------------------------ */
+
+enum { BIG_COUNT = 120 };
+
+typedef struct big {
+    ect_device_t device;
+    ect_entry_t entries[BIG_COUNT + 1];
+    ect_object_t objects[1];
+    item_t items[BIG_COUNT + 1];
+} big_t;
+
+/* One record of 120 elements: 1, 5, 16, 3, 64 and 8 bits in turns, the 8 bits read-only, the 3 bits write-only. */
+static void make_big(big_t *big)
+{
+    static const struct {
+        uint16_t type;
+        uint8_t bits, flags;
+        uint16_t access;
+    } kinds[6] = {{ECT_TYPE_BOOLEAN, 1, BITS | RW, ECT_ACCESS_RW},      {ECT_TYPE_BIT1 + 4, 5, BITS | RW, ECT_ACCESS_RW},
+                  {ECT_TYPE_UNSIGNED16, 16, RW, ECT_ACCESS_RW},         {ECT_TYPE_BIT1 + 2, 3, BITS | WRITE, ECT_ACCESS_WO},
+                  {ECT_TYPE_UNSIGNED64, 64, RW, ECT_ACCESS_RW},         {ECT_TYPE_UNSIGNED8, 8, READ, ECT_ACCESS_RO}};
+    memset(big, 0, sizeof *big);
+    big->entries[0] = (ect_entry_t){0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Count", BIG_COUNT, NULL};
+    big->items[0] = (item_t){0x3000, 0, 8, READ, BIG_COUNT};
+    for (uint8_t n = 1; n <= BIG_COUNT; n++) {
+        size_t k = n % 6u;
+        uintptr_t offset = offsetof(testdev_t, octets) + 8u * (n - 1u);
+        big->entries[n] = (ect_entry_t){n, kinds[k].type, kinds[k].bits, kinds[k].access, "Element", 0, (void *)offset};
+        big->items[n] = (item_t){0x3000, n, kinds[k].bits, kinds[k].flags, 0};
+    }
+    big->objects[0] = (ect_object_t){0x3000, ECT_OBJECT_RECORD, BIG_COUNT, 0, "Big", big->entries};
+    big->device = testdev;
+    big->device.objects = big->objects;
+    big->device.object_count = 1;
+    big->device.limit_count = 0;
+}
+
+/* The stored values and the model's, from one seed. */
+static void fill_big(big_t *big, testdev_t *t, uint32_t seed)
+{
+    for (uint8_t n = 1; n <= BIG_COUNT; n++) {
+        uint64_t value = (seed + n) * 0x9E3779B97F4A7C15u;
+        if (big->items[n].bits < 64)
+            value &= (1u << big->items[n].bits) - 1u;
+        big->items[n].value = value;
+        ect_store_le64(t->octets + 8 * (n - 1), value);
+    }
+}
+
+static void whole_record_in_segments_up(void **state)
+{
+    static big_t big;
+    uint8_t bytes[1486];
+    (void)state;
+    make_big(&big);
+    for (uint16_t in_length = SHORTEST_IN; in_length <= LONGEST_IN; in_length = (uint16_t)(in_length + 3)) {
+        wire_t w;
+        testdev_t *t = open_session(&w, &big.device, in_length);
+        fill_big(&big, t, in_length);
+        for (uint8_t from = 0; from <= 1; from++) {
+            uint32_t size = pack(big.items, BIG_COUNT + 1, 0x3000, from, bytes);
+            expect_upload(&w, in_length, 0x3000, from, true, bytes, size);
+        }
+        wire_close(&w);
+    }
+}
+
+static void whole_record_in_segments_down(void **state)
+{
+    static big_t big;
+    wire_t w;
+    uint8_t bytes[1486];
+    (void)state;
+    make_big(&big);
+    testdev_t *t = open_session(&w, &big.device, IN_LENGTH);
+    for (uint32_t piece = 1; piece <= 119; piece += 2) {
+        uint8_t from = piece % 4 == 1;
+        fill_big(&big, t, piece);
+        for (unsigned int n = 0; n <= BIG_COUNT; n++)
+            big.items[n].flags |= READ;
+        uint32_t size = pack(big.items, BIG_COUNT + 1, 0x3000, from, bytes);
+        memset(t->octets, 0, OCTETS);
+        uint32_t code = download_in_pieces(&w, 0x3000, true, from, bytes, size, piece < 112 ? 112 - piece : 0, piece);
+        if (code != 0)
+            fail_msg("pieces of %u: abort %08X", piece, code);
+        for (uint8_t n = 1; n <= BIG_COUNT; n++) {
+            uint64_t want = n % 6 == 5 ? 0 : big.items[n].value;
+            if (ect_load_le64(t->octets + 8 * (n - 1)) != want)
+                fail_msg("pieces of %u: element %u is not what was sent", piece, n);
+        }
+    }
+    assert_int_equal(download_in_pieces(&w, 0x3000, true, 1, bytes, 200, 10, 30), TOO_SHORT);
+    assert_int_equal(download_in_pieces(&w, 0x3000, true, 0, bytes, 1000, 10, 30), TOO_LONG);
+    wire_close(&w);
+}
+
+static void mapping_of_210_entries(void **state)
+{
+    const ect_device_t *device = ect_catalogue_find("vr-bu-ect-map7");
+    uint8_t want[2 + 4 * 210] = {210, 0}, got[1486];
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, device);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    for (uint8_t n = 1; n <= 210; n++) {
+        uint32_t value = 0;
+        size_t size = sizeof value;
+        assert_int_equal(wire_sdo_upload(&w, 0, 0x1600, n, false, want + 4 * n - 2, &size), 0);
+        assert_int_equal(size, 4);
+    }
+    for (uint8_t from = 0; from <= 1; from++) {
+        size_t size = sizeof got;
+        assert_int_equal(wire_sdo_upload(&w, 0, 0x1600, from, true, got, &size), 0);
+        assert_int_equal(size, sizeof want - 2u * from);
+        assert_memory_equal(got, want + 2 * from, size);
+    }
+    assert_int_equal(wire_sdo_download(&w, 0, 0x1600, 0, true, want, 100), READ_ONLY);
+    wire_close(&w);
+}
+
+/* What sub-index 0 declares is all that there is. */
+static void declared_elements_only(void **state)
+{
+    static const ect_entry_t e3000[] = {
+        {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Count", 0, ECT_OFFSET(testdev_t, record_ro)},
+        {1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "A", 0, ECT_OFFSET(testdev_t, array[0])},
+        {2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "B", 0, ECT_OFFSET(testdev_t, array[1])},
+        {3, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "C", 0, ECT_OFFSET(testdev_t, array[2])}};
+    static const ect_object_t objects[] = {{0x3000, ECT_OBJECT_ARRAY, 3, 0, "List", e3000}};
+    ect_device_t device = testdev;
+    wire_t w;
+    (void)state;
+    device.objects = objects;
+    device.object_count = 1;
+    testdev_t *t = open_session(&w, &device, IN_LENGTH);
+    for (uint8_t count = 0; count <= 4; count++) {
+        uint8_t want[8] = {count, 0, 0x11, 0x11, 0x22, 0x22, 0x33, 0x33};
+        uint32_t size = 2u * (count < 3 ? count : 3u);
+        t->record_ro = count;
+        expect_upload(&w, IN_LENGTH, 0x3000, 0, true, want, 2 + size);
+        expect_upload(&w, IN_LENGTH, 0x3000, 1, true, want + 2, size);
+    }
+    wire_close(&w);
+}
+
+/* A list that the device shortens while it is read in segments. */
+static void list_changes_under_way(void **state)
+{
+    static big_t big;
+    wire_t w;
+    uint8_t request[10] = {0, 0x20, 0x50, 0x00, 0x30}, r[1486];
+    (void)state;
+    make_big(&big);
+    big.entries[0].data = ECT_OFFSET(testdev_t, record_ro);
+    testdev_t *t = open_session(&w, &big.device, SHORTEST_IN);
+    t->record_ro = BIG_COUNT;
+    assert_int_equal(ask(&w, SHORTEST_IN, request, sizeof request, r), 28);
+    uint32_t size = ect_load_le32(r + 6);
+    t->record_ro = 2;
+    uint32_t got = 18;
+    for (uint8_t toggle = 0; got < size; toggle ^= 0x10) {
+        memcpy(request, "\x00\x20\x60\x00\x00", 5);
+        request[2] = 0x60 | toggle;
+        int length = ask(&w, SHORTEST_IN, request, sizeof request, r);
+        assert_true(length >= 10);
+        if (r[2] == 0x80)
+            break; /* giving the transfer up is an answer too */
+        got += length == 10 ? 7u - ((r[2] >> 1) & 7u) : (uint32_t)length - 3;
+    }
+    wire_close(&w);
+}
+
+/* --- objects that every device has -------------------------------------------------------------------------------- */
+
+static void upload_number(wire_t *w, const char *name, uint16_t index, uint8_t subindex, size_t bytes, uint32_t want)
+{
+    uint8_t data[8] = {0};
+    size_t size = sizeof data;
+    uint32_t code = wire_sdo_upload(w, 0, index, subindex, false, data, &size);
+    if (code != 0 || size != bytes || ect_load_le32(data) != want)
+        fail_msg("%s %04Xh:%u: expected %u bytes %Xh, got abort %08X, %u bytes %Xh", name, index, subindex,
+                 (unsigned int)bytes, want, code, (unsigned int)size, ect_load_le32(data));
+}
+
+static void upload_text(wire_t *w, const char *name, uint16_t index, const char *want)
+{
+    char text[256];
+    size_t size = sizeof text;
+    uint32_t code = wire_sdo_upload(w, 0, index, 0, false, text, &size);
+    if (code != 0 || size != strlen(want) || memcmp(text, want, size) != 0)
+        fail_msg("%s %04Xh: expected \"%s\", got abort %08X, %zu characters", name, index, want, code, size);
+}
+
+static void mandatory_objects_of(const ect_device_t *device)
+{
+    wire_t w;
+    wire_open_one(&w, device);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    const ect_identity_t *id = &device->identity;
+    const uint32_t identity[] = {id->vendor_id, id->product_code, id->revision, id->serial};
+    upload_number(&w, device->name, 0x1018, 0, 1, 4);
+    for (uint8_t n = 1; n <= 4; n++)
+        upload_number(&w, device->name, 0x1018, n, 4, identity[n - 1]);
+    upload_number(&w, device->name, 0x1C00, 0, 1, 4);
+    for (uint8_t n = 1; n <= 4; n++)
+        upload_number(&w, device->name, 0x1C00, n, 1, n);
+    upload_number(&w, device->name, 0x1C12, 0, 1, device->sm[2].length > 0 ? 1 : 0);
+    if (device->sm[2].length > 0)
+        upload_number(&w, device->name, 0x1C12, 1, 2, 0x1600);
+    upload_number(&w, device->name, 0x1C13, 0, 1, 1);
+    upload_number(&w, device->name, 0x1C13, 1, 2, 0x1A00);
+    upload_number(&w, device->name, 0x1000, 0, 4, device == &testdev ? 0x12345678 : 0);
+    upload_text(&w, device->name, 0x1008, device->type_name);
+    if (device != &testdev) {
+        upload_text(&w, device->name, 0x1009, device->hardware_version);
+        upload_text(&w, device->name, 0x100A, device->software_version);
+    }
+    wire_close(&w);
+}
+
+static void subindices_of(const ect_device_t *device)
+{
+    wire_t w;
+    wire_open_one(&w, device);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *o = &device->objects[i];
+        if (o->object_code != ECT_OBJECT_VAR)
+            upload_number(&w, device->name, o->index, 0, 1, o->max_subindex);
+        for (unsigned int n = o->max_subindex + 1u; n <= 255; n += n < 250 ? 9 : 1) {
+            uint8_t data[4];
+            size_t size = sizeof data;
+            uint32_t code = wire_sdo_upload(&w, 0, o->index, (uint8_t)n, false, data, &size);
+            if (code != NO_SUBINDEX)
+                fail_msg("%s %04Xh:%u: expected abort 06090011, got %08X", device->name, o->index, n, code);
+        }
+    }
+    wire_close(&w);
+}
+
+static void mandatory_objects(void **state)
+{
+    size_t count;
+    const ect_device_t *const *devices = ect_catalogue(&count);
+    (void)state;
+    mandatory_objects_of(&testdev);
+    for (size_t i = 0; i < count; i++)
+        mandatory_objects_of(devices[i]);
+}
+
+static void subindices(void **state)
+{
+    size_t count;
+    const ect_device_t *const *devices = ect_catalogue(&count);
+    (void)state;
+    subindices_of(&testdev);
+    for (size_t i = 0; i < count; i++)
+        subindices_of(devices[i]);
+}
+
+/* --- a random session against a model ----------------------------------------------------------------------------- */
+
+enum { ITEMS = 29 };
+
+typedef struct model {
+    item_t items[ITEMS];
+    char text[TEXT_ROOM];
+    uint32_t text_size;
+    uint8_t state;
+    uint32_t random;
+} model_t;
+
+/* The test device as its header describes it, with the values of fill(). */
+static const item_t start[ITEMS] = {
+    {0x1000, 0, 32, READ | VAR, 0x12345678},
+    {0x1C00, 0, 8, READ, 4}, {0x1C00, 1, 8, READ, 1}, {0x1C00, 2, 8, READ, 2}, {0x1C00, 3, 8, READ, 3},
+    {0x1C00, 4, 8, READ, 4},
+    {0x2000, 0, 32, RW | VAR, 0x11223344},
+    {0x2001, 0, 160, RW | VAR | TEXT, 0},
+    {0x2003, 0, 16, WRITE | VAR, 0x5A5A},
+    {0x2004, 0, 16, RW | IN_PREOP | VAR, 7},
+    {0x2005, 0, 16, RW | VAR | LIMITED, 5},
+    {0x2006, 0, 8, READ, 6}, {0x2006, 1, 1, RW | BITS, 1}, {0x2006, 2, 3, RW | BITS, 5}, {0x2006, 3, 5, RW | BITS, 0x15},
+    {0x2006, 4, 16, RW, 0xABCD}, {0x2006, 5, 8, READ, 0x77}, {0x2006, 6, 32, RW, 0xDEADBEEF},
+    {0x2007, 0, 8, READ, 4}, {0x2007, 1, 16, RW, 0x1111}, {0x2007, 2, 16, RW, 0x2222}, {0x2007, 3, 16, RW, 0x3333},
+    {0x2007, 4, 16, RW, 0x4444},
+    {0x2008, 0, 8, READ, 5}, {0x2008, 1, 8, RW, 0x11}, {0x2008, 3, 8, RW, 0x33}, {0x2008, 5, 8, RW, 0x55},
+    {0x2009, 0, 64, RW | VAR, 0x8877665544332211u},
+    {0x6000, 0, 8, READ, 2},
+};
+
+static uint32_t dice(model_t *m, uint32_t sides)
+{
+    m->random = m->random * 1664525u + 1013904223u;
+    return (m->random >> 8) % sides;
+}
+
+static uint32_t right(const model_t *m, const item_t *item, bool write)
+{
+    if ((item->flags & (write ? WRITE : READ)) == 0)
+        return write ? READ_ONLY : WRITE_ONLY;
+    return write && (item->flags & IN_PREOP) != 0 && m->state != ECT_STATE_PREOP ? WRONG_STATE : 0;
+}
+
+static item_t *find(model_t *m, uint16_t index, unsigned int subindex, bool *there)
+{
+    *there = false;
+    for (item_t *i = m->items; i < m->items + ITEMS; i++) {
+        *there = *there || i->index == index;
+        if (i->index == index && i->subindex == subindex)
+            return i;
+    }
+    return NULL;
+}
+
+/* Whether the request is refused before its data count. */
+static uint32_t refused(model_t *m, uint16_t index, uint8_t subindex, bool complete, bool write)
+{
+    bool there;
+    item_t *item = find(m, index, subindex, &there);
+    if (!there)
+        return NO_OBJECT;
+    if (!complete)
+        return item ? right(m, item, write) : NO_SUBINDEX;
+    if (subindex > 1)
+        return UNSUPPORTED;
+    item_t *first = find(m, index, 0, &there);
+    if ((first->flags & TEXT) != 0)
+        return VARIABLE;
+    uint32_t code = right(m, first, write);
+    for (item_t *i = first; i < m->items + ITEMS && i->index == index; i++)
+        code = right(m, i, write) == 0 ? 0 : code;
+    return code == 0 && subindex == 1 && (first->flags & VAR) != 0 ? NO_SUBINDEX : code;
+}
+
+static uint32_t out_of_limits(const item_t *item, uint64_t value)
+{
+    int16_t number = (int16_t)(uint16_t)value;
+    if ((item->flags & LIMITED) == 0)
+        return 0;
+    return number > 200 ? TOO_HIGH : number < -100 ? TOO_LOW : 0;
+}
+
+static uint32_t model_store_whole(model_t *m, uint16_t index, uint8_t from, const uint8_t *data, uint32_t size)
+{
+    uint8_t unused[1486];
+    if (size > pack(m->items, ITEMS, index, from, unused))
+        return TOO_LONG;
+    model_t before = *m;
+    uint32_t at = 0, code = size == 0 ? TOO_SHORT : 0;
+    for (item_t *i = m->items; i < m->items + ITEMS && code == 0; i++) {
+        if (i->index != index || i->subindex < from)
+            continue;
+        uint32_t here = item_start(i, at);
+        at = item_end(i, here);
+        if (here + i->bits > 8 * size) {
+            code = here < 8 * size && (i->flags & BITS) == 0 ? TOO_SHORT : 0;
+            break;
+        }
+        uint64_t value = get_bits(data, here, i->bits);
+        if (right(m, i, true) != 0)
+            continue;
+        code = out_of_limits(i, value);
+        i->value = value;
+    }
+    if (code != 0)
+        memcpy(m, &before, sizeof *m);
+    return code;
+}
+
+static uint32_t model_download(model_t *m, uint16_t index, uint8_t subindex, bool complete, const uint8_t *data,
+                               uint32_t size)
+{
+    bool there;
+    uint32_t code = refused(m, index, subindex, complete, true);
+    if (code != 0)
+        return code;
+    if (complete)
+        return model_store_whole(m, index, subindex, data, size);
+    item_t *item = find(m, index, subindex, &there);
+    uint32_t room = (item->bits + 7u) / 8u;
+    if (size > room)
+        return TOO_LONG;
+    if ((item->flags & TEXT) != 0 && size > 0) {
+        const uint8_t *end = memchr(data, 0, size);
+        m->text_size = end ? (uint32_t)(end - data) : size;
+        memcpy(m->text, data, m->text_size);
+        return 0;
+    }
+    if (size < room)
+        return TOO_SHORT;
+    uint64_t value = get_bits(data, 0, item->bits);
+    code = out_of_limits(item, value);
+    if (code == 0)
+        item->value = value;
+    return code;
+}
+
+static uint32_t model_upload(model_t *m, uint16_t index, uint8_t subindex, bool complete, uint8_t *data, uint32_t *size)
+{
+    bool there;
+    uint32_t code = refused(m, index, subindex, complete, false);
+    if (code != 0)
+        return code;
+    item_t *item = find(m, index, subindex, &there);
+    if (complete) {
+        *size = pack(m->items, ITEMS, index, subindex, data);
+    } else if ((item->flags & TEXT) != 0) {
+        *size = m->text_size;
+        memcpy(data, m->text, m->text_size);
+    } else {
+        *size = (item->bits + 7u) / 8u;
+        memset(data, 0, 8);
+        set_bits(data, 0, item->bits, item->value);
+    }
+    return 0;
+}
+
+static void random_request(wire_t *w, model_t *m, unsigned int n)
+{
+    static const uint16_t indices[] = {0x1000, 0x1C00, 0x2000, 0x2001, 0x2003, 0x2004, 0x2005, 0x2006,
+                                       0x2006, 0x2007, 0x2007, 0x2008, 0x2008, 0x2009, 0x200A, 0x1FFF};
+    uint16_t index = indices[dice(m, sizeof indices / sizeof indices[0])];
+    bool complete = dice(m, 2) != 0;
+    uint8_t subindex = (uint8_t)(dice(m, 2) != 0 ? dice(m, 2) : dice(m, 8));
+    uint8_t data[1486], got[1486];
+    uint32_t size = 0, want, code;
+    if (dice(m, 2) != 0) {
+        uint8_t expected[1486];
+        size_t room = sizeof got;
+        want = model_upload(m, index, subindex, complete, expected, &size);
+        code = wire_sdo_upload(w, 0, index, subindex, complete, got, &room);
+        if (code != want || (code == 0 && (room != size || memcmp(got, expected, size) != 0)))
+            fail_msg("request %u in state %u: upload %04Xh:%u complete %d: expected %08X with %u bytes, got %08X with %u",
+                     n, m->state, index, subindex, complete, want, size, code, (unsigned int)room);
+        return;
+    }
+    size = dice(m, 24);
+    if (size == 0 || (size == 1 && complete && subindex == 0))
+        size = 2;
+    for (uint32_t i = 0; i < size; i++)
+        data[i] = dice(m, 4) == 0 ? 0 : (uint8_t)dice(m, 256);
+    want = model_download(m, index, subindex, complete, data, size);
+    code = wire_sdo_download(w, 0, index, subindex, complete, data, size);
+    if (code != want)
+        fail_msg("request %u in state %u: download %04Xh:%u complete %d of %u bytes: expected %08X, got %08X", n, m->state,
+                 index, subindex, complete, size, want, code);
+}
+
+/* Begins a transfer and leaves it. */
+static void random_beginning(wire_t *w, model_t *m)
+{
+    uint8_t r[1486];
+    switch (dice(m, 4)) {
+    case 0:
+        assert_int_equal(initiate(w, 0x21, 0x2001, 0, 20, r), 10);
+        break;
+    case 1:
+        assert_int_equal(initiate(w, 0x40, 0x2002, 0, 0, r), 10 + IN_LENGTH - 16);
+        assert_int_equal(initiate(w, 0x60, 0, 0, 0, r), 3 + IN_LENGTH - 9);
+        break;
+    case 2:
+        assert_int_equal(initiate(w, 0x21, 0x2009, 0, 8, r), 10);
+        assert_int_equal(initiate(w, 0x00, 0, 0, 0, r), 10);
+        break;
+    default:
+        expect_abort("unknown command", r, initiate(w, 0xE0, 0x2000, 0, 0, r), 0x2000, 0, COMMAND_CODE);
+        break;
+    }
+}
+
+static void random_session(void **state)
+{
+    static const uint8_t states[] = {ECT_STATE_PREOP, ECT_STATE_SAFEOP, ECT_STATE_OP};
+    (void)state;
+    for (size_t s = 0; s < sizeof states; s++) {
+        wire_t w;
+        model_t m = {.text = "abc", .text_size = 3, .state = states[s], .random = (uint32_t)(12345 + s)};
+        memcpy(m.items, start, sizeof start);
+        wire_open_one(&w, &testdev);
+        wire_go(&w, 0, states[s]);
+        fill(testdev_of(&w, 0));
+        for (unsigned int n = 0; n < 6000; n++) {
+            if (dice(&m, 10) == 0)
+                random_beginning(&w, &m);
+            random_request(&w, &m, n);
+        }
+        wire_close(&w);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-069: an upload of 1 to 4 bytes is expedited with its size, a longer one normal", expedited_and_normal_upload,
+         NULL, NULL, NULL},
+        {"CF-070: a download of the right length is stored, expedited or normal", expedited_and_normal_download, NULL,
+         NULL, NULL},
+        {"CF-073: Complete Access up: packed bits, pad after sub-index 0, gaps, VAR; refused forms",
+         complete_access_upload, NULL, NULL, NULL},
+        {"CF-073: Complete Access down: as up; too long or ending inside an element changes nothing",
+         complete_access_download, NULL, NULL, NULL},
+        {"CF-070 CF-071 CF-072: a refused request is answered with command 80h in service 2, index, sub-index and code",
+         refused_requests, NULL, NULL, NULL},
+        {"CF-072: a wrong CoE service or a mail too short gets a mailbox error", wrong_services_and_lengths, NULL, NULL,
+         NULL},
+        {"CF-069 CF-072: downloads in segments: toggle, lengths, abort, new initiate", segment_dialogues, NULL, NULL,
+         NULL},
+        {"CF-069: texts of 0 to 20 characters around the capacity of the mailbox", text_of_every_size, NULL, NULL, NULL},
+        {"CF-069: 1000 octets come up in segments through an SM1 of any length", octets_in_every_mailbox, NULL, NULL,
+         NULL},
+        {"CF-072: a toggle error or a wrong segment ends an upload with its abort", upload_toggle_and_interruptions, NULL,
+         NULL, NULL},
+        {"CF-072: an upload given up by abort, initiate or INIT does not go on", upload_given_up, NULL, NULL, NULL},
+        {"CF-069: 1000 octets go down in segments of any length", octets_in_pieces, NULL, NULL, NULL},
+        {"CF-069: numbers go down in segments of any length", numbers_in_pieces, NULL, NULL, NULL},
+        {"CF-069: texts go down in segments of any length", text_in_pieces, NULL, NULL, NULL},
+        {"CF-070: a wrong length is refused with 06070012 or 06070013 and nothing is stored", wrong_sizes, NULL, NULL,
+         NULL},
+        {"CF-078: what may be written in PREOP only is refused later with 08000022", rights_by_state, NULL, NULL, NULL},
+        {"CF-078: a download that began in PREOP does not write in SAFEOP what only PREOP may",
+         state_changes_during_a_download, NULL, NULL, NULL},
+        {"CF-078: no SDO in INIT", no_answer_in_init, NULL, NULL, NULL},
+        {"CF-070: the device's refusal becomes its abort code and nothing is stored", device_refuses, NULL, NULL, NULL},
+        {"CF-070: the device is asked about values in segments too", device_refuses_a_segmented_value, NULL, NULL, NULL},
+        {"CF-073: one refused element of a whole object: none is stored", nothing_is_stored_when_one_is_refused, NULL,
+         NULL, NULL},
+        {"CF-070: a device without hooks takes every value", device_without_hooks, NULL, NULL, NULL},
+        {"CF-073: a device that does not offer Complete Access refuses it with 06010000", device_without_complete_access,
+         NULL, NULL, NULL},
+        {"CF-070: the device learns of each stored value once", written_is_told, NULL, NULL, NULL},
+        {"CF-073: a whole record longer than the mailbox comes up, bits across the segments", whole_record_in_segments_up,
+         NULL, NULL, NULL},
+        {"CF-073: a whole record longer than the mailbox goes down, bits across the segments",
+         whole_record_in_segments_down, NULL, NULL, NULL},
+        {"CF-073: the mapping of 210 entries as a whole equals its entries one by one", mapping_of_210_entries, NULL,
+         NULL, NULL},
+        {"CF-073: Complete Access transfers the elements that sub-index 0 declares", declared_elements_only, NULL, NULL,
+         NULL},
+        {"CF-067: the mandatory objects of every device", mandatory_objects, NULL, NULL, NULL},
+        {"CF-068: sub-index 0 of every object counts its entries; beyond them 06090011", subindices, NULL, NULL, NULL},
+        {"CF-070 CF-073 CF-078: a random session answers as a model of the dictionary does", random_session, NULL, NULL,
+         NULL},
+        {"CF-069: a text that the device shortens while it is uploaded: the upload ends", text_changes_under_way, NULL,
+         NULL, NULL},
+        {"CF-073: a list that the device shortens while it is uploaded: the upload ends", list_changes_under_way, NULL,
+         NULL, NULL},
+    };
+    /* A server that does not come to an end must not hold up everything else. */
+    (void)setrlimit(RLIMIT_CPU, &(struct rlimit){.rlim_cur = 120, .rlim_max = 120});
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("SDO", tests, NULL, NULL);
+}
