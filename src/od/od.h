@@ -67,6 +67,8 @@ enum {
     ECT_ACCESS_RW = 0x003F,
     ECT_ACCESS_RW_PREOP = 0x000F,
     ECT_ACCESS_WIRE = 0x0FFF, /**< the bits that a master sees; those above are ours */
+    /** Writing is a command that hooks carry out; nothing is stored, and it reads as `value`. */
+    ECT_ACCESS_COMMAND = 0x4000,
     /** `data` is an address even in a list with a base: a constant that all instances share. */
     ECT_ACCESS_SHARED = 0x8000,
 };

@@ -21,6 +21,7 @@
 #include <stdint.h>
 
 #include "od/od.h"
+#include "seams/services.h"
 #include "seams/signals.h"
 #include "seams/storage.h"
 
@@ -135,6 +136,12 @@ typedef struct ect_host {
     /** Finishes a transition that ::ect_device_t::state_change delayed; 0, or the code with which it failed. */
     void (*transition_done)(void *ctx, uint16_t al_status_code);
 
+    /**
+     * Adds a message to the diagnosis history 10F3h: ECT_DIAGNOSIS_INFO/WARNING/ERROR, diagnosis code, text id of the
+     * device's texts, two parameters of 16 bits. NULL unless the description names ect_service_diagnosis.
+     */
+    void (*diagnose)(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
+
     /** Power-cycles the slave: AL state INIT, SyncManagers off, device initialised anew. */
     void (*restart)(void *ctx);
 
@@ -182,6 +189,7 @@ typedef struct ect_device {
     uint16_t limit_count;
     const ect_signal_group_t *signal_groups;
     uint8_t signal_group_count;
+    const ect_service_t *const *services; /**< NULL-terminated list of the object services it needs; NULL: none */
 
     /* --- how it behaves -------------------------------------------------------------------------------------- */
     size_t instance_size; /**< bytes of instance memory that the caller provides, aligned as by malloc */
@@ -193,8 +201,11 @@ typedef struct ect_device {
      */
     void (*init)(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
 
-    /** A transition upwards is about to be confirmed, or one downwards has happened.
-     * @return 0 · ECT_AL_PENDING · an AL status code that refuses it (upwards only; ignored downwards) */
+    /**
+     * A transition upwards is about to be confirmed, or one downwards has happened. A transition upwards may be asked
+     * about more than once, when the PDI failed on the way.
+     * @return 0 · ECT_AL_PENDING · an AL status code that refuses it (upwards only; ignored downwards)
+     */
     uint16_t (*state_change)(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 
     /** Output data of the dictionary was renewed by the master. Only in OP. */

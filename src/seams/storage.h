@@ -3,10 +3,10 @@
  * @file
  * Storage: where a device keeps what must survive power-off (1010h, FZM1 "Save to unit").
  *
- * Two banks of equal size. A write to one bank never touches the other, and may be cut off by a power failure after
+ * Two banks of equal size. What happens to one bank never touches the other, and may be cut off by a power failure after
  * any byte: the bank then holds a mixture. Nothing else is asked of the medium: two flash sectors, two halves of an
- * EEPROM and two files all qualify. The layer above writes a record (sequence number, length, check value, data) to
- * the older bank and reads the newest valid one, so a cut at any moment leaves the previous record.
+ * EEPROM and two files all qualify. The layer above writes a record's data to the older bank and its header last, and
+ * reads the newest record whose check value is right, so a cut at any moment leaves the previous record.
  *
  * Context: mainline only. Calls may block for the medium's erase and write time.
  */
@@ -26,10 +26,16 @@ typedef struct ect_storage {
     int (*read)(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length);
 
     /**
-     * Replaces the whole content of bank 0 or 1 by `length` bytes (<= bank_size); the port erases first if it must.
-     * @return 0 when the data is safe, or negative: the bank's content is then undefined, the other bank's unchanged.
+     * Makes bank 0 or 1 writable from end to end; its content is undefined afterwards.
+     * @return 0, or negative; the bank's content is then undefined, the other bank's unchanged.
      */
-    int (*write)(void *ctx, unsigned int bank, const void *data, uint32_t length);
+    int (*erase)(void *ctx, unsigned int bank);
+
+    /**
+     * Writes `length` bytes to bank 0 or 1 at `offset`, which was erased and not written since. Done when it returns.
+     * @return 0, or negative; the bank's content is then undefined, the other bank's unchanged.
+     */
+    int (*write)(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length);
 } ect_storage_t;
 
 #endif

@@ -11,6 +11,7 @@
  *   coe.c       CoE header, emergencies, dispatch to SDO and SDO information
  *   sdo.c       SDO server
  *   sdo_info.c  SDO information
+ *   pdo_config.c diagnosis.c store.c sync.c   object services, linked when a device names them
  */
 #ifndef ECT_SLAVE_INTERNAL_H
 #define ECT_SLAVE_INTERNAL_H
@@ -23,13 +24,32 @@
 bool ect_slave_read(ect_slave_t *s, uint16_t address, void *buffer, uint16_t length);
 bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint16_t length);
 
+/* --- object services (seams/services.h): every member may be NULL ------------------------------------------------- */
+struct ect_service {
+    /* Power-on, after the device was initialised. */
+    void (*start)(ect_slave_t *s);
+    /* A value is about to be stored; a reason refuses it. */
+    ect_reason_t (*write)(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size);
+    /* It is stored; a whole object by Complete Access: once, as sub-index 0. A reason tells the master that what had to
+     * follow from it failed. */
+    ect_reason_t (*written)(ect_slave_t *s, uint16_t index, uint8_t subindex);
+    /* A transition upwards has passed the other checks; a code refuses it. */
+    uint16_t (*check_up)(ect_slave_t *s, uint8_t target);
+    /* Events have come in SAFEOP or OP. */
+    void (*event)(ect_slave_t *s, uint32_t event);
+};
+
+ect_reason_t ect_services_write(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size);
+ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex);
+uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target);
+
 /* --- machine.c -------------------------------------------------------------------------------------------------- */
 void ect_machine_al_control(ect_slave_t *s);
 void ect_machine_request(ect_slave_t *s);
 void ect_machine_sm_changed(ect_slave_t *s);
 void ect_machine_watchdog(ect_slave_t *s);
 void ect_machine_pending(ect_slave_t *s);
-void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code);
+void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_cause_t cause);
 bool ect_machine_report(ect_slave_t *s);
 void ect_machine_sm_off(ect_slave_t *s, unsigned int first, unsigned int count, bool off);
 bool ect_machine_flush(ect_slave_t *s);

@@ -96,9 +96,10 @@ bool ect_machine_report(ect_slave_t *s)
     return true;
 }
 
-static void set_error(ect_slave_t *s, uint16_t code)
+static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
 {
     s->error = true;
+    s->cause = cause;
     s->ident = false;
     s->code = code;
     s->status_dirty = true;
@@ -134,10 +135,10 @@ static void go_down(ect_slave_t *s, uint8_t target)
         (void)device->state_change(s->config.instance, from, target, s->now_ns);
 }
 
-void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code)
+void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_cause_t cause)
 {
     go_down(s, state);
-    set_error(s, code);
+    set_error(s, code, cause);
 }
 
 /* --- upwards ---------------------------------------------------------------------------------------------------- */
@@ -200,7 +201,7 @@ static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
         return;
     s->pending = 0;
     if (code != ECT_AL_NO_ERROR) {
-        set_error(s, code);
+        set_error(s, code, ECT_CAUSE_REQUEST);
         return;
     }
     s->state = target;
@@ -226,6 +227,8 @@ static void go_up(ect_slave_t *s, uint8_t target)
     s->pending = 0;
     s->pending_done = false;
     uint16_t code = check_up(s, target);
+    if (code == ECT_AL_NO_ERROR && !s->failed)
+        code = ect_services_check_up(s, target);
     if (s->failed)
         return;
     if (code == ECT_AL_NO_ERROR && device->state_change)
@@ -279,13 +282,14 @@ void ect_machine_request(ect_slave_t *s)
     ect_al_decision_t d = ect_al_decide(s->state, s->error, request, has_boot);
     if (d.clear_error) {
         s->error = false;
+        s->cause = ECT_CAUSE_NONE;
         s->code = ECT_AL_NO_ERROR;
         s->status_dirty = true;
     }
     switch (d.action) {
     case ECT_AL_REFUSE:
         s->pending = 0;
-        set_error(s, d.code);
+        set_error(s, d.code, ECT_CAUSE_REQUEST);
         break;
     case ECT_AL_UP:
         go_up(s, d.target);
@@ -312,7 +316,7 @@ void ect_machine_sm_changed(ect_slave_t *s)
         return;
     if (s->state >= ECT_STATE_PREOP && device->mailbox_protocols != 0) {
         if (!mailbox_good(device, block)) {
-            ect_machine_drop(s, ECT_STATE_INIT, ECT_AL_MAILBOX);
+            ect_machine_drop(s, ECT_STATE_INIT, ECT_AL_MAILBOX, ECT_CAUSE_REQUEST);
             return;
         }
         ect_mailbox_repeat(s, (block[ECT_SM_SIZE + ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0);
@@ -320,7 +324,7 @@ void ect_machine_sm_changed(ect_slave_t *s)
     if (s->state == ECT_STATE_SAFEOP || s->state == ECT_STATE_OP) {
         uint16_t code = check_process_sms(s, block);
         if (code != ECT_AL_NO_ERROR)
-            ect_machine_drop(s, ECT_STATE_PREOP, code);
+            ect_machine_drop(s, ECT_STATE_PREOP, code, ECT_CAUSE_REQUEST);
     }
 }
 
@@ -330,5 +334,5 @@ void ect_machine_watchdog(ect_slave_t *s)
     if (!ect_slave_read(s, ECT_REG_WD_STATUS_PD, status, sizeof status))
         return;
     if (s->state == ECT_STATE_OP && s->output_bytes > 0 && (status[0] & 1u) == 0)
-        ect_machine_drop(s, ECT_STATE_SAFEOP, ECT_AL_WATCHDOG);
+        ect_machine_drop(s, ECT_STATE_SAFEOP, ECT_AL_WATCHDOG, ECT_CAUSE_WATCHDOG);
 }

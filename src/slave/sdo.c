@@ -338,16 +338,24 @@ static ect_reason_t check_value(ect_slave_t *s, const ect_entry_t *entry, const 
         if (reason != ECT_OK)
             return reason;
     }
-    if (!device->sdo_write)
-        return ECT_OK;
+    ect_reason_t reason = ect_services_write(s, index, (uint8_t)entry->subindex, data, size);
+    if (reason != ECT_OK || !device->sdo_write)
+        return reason;
     return device->sdo_write(s->config.instance, index, (uint8_t)entry->subindex, data, size);
 }
 
-static void written(ect_slave_t *s, const ect_entry_t *entry)
+static ect_reason_t written(ect_slave_t *s, const ect_entry_t *entry)
 {
     const ect_device_t *device = s->config.device;
+    uint16_t index = s->sdo.object->index;
     if (device->sdo_written)
-        device->sdo_written(s->config.instance, s->sdo.object->index, (uint8_t)entry->subindex, s->now_ns);
+        device->sdo_written(s->config.instance, index, (uint8_t)entry->subindex, s->now_ns);
+    return s->sdo.complete ? ECT_OK : ect_services_written(s, index, (uint8_t)entry->subindex);
+}
+
+static ect_reason_t whole_written(ect_slave_t *s)
+{
+    return s->sdo.complete ? ect_services_written(s, s->sdo.object->index, 0) : ECT_OK;
 }
 
 static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size,
@@ -358,10 +366,9 @@ static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const 
     ect_reason_t reason = check_value(s, entry, data, size);
     if (reason != ECT_OK || only_check)
         return reason;
-    reason = ect_od_write(&s->od, entry, 0, data, size);
-    if (reason == ECT_OK)
-        written(s, entry);
-    return reason;
+    if ((entry->access & ECT_ACCESS_COMMAND) == 0)
+        reason = ect_od_write(&s->od, entry, 0, data, size);
+    return reason == ECT_OK ? written(s, entry) : reason;
 }
 
 static bool is_long(const ect_entry_t *entry)
@@ -379,9 +386,7 @@ static ect_reason_t store_piece(ect_slave_t *s, const ect_entry_t *entry, const 
     if (s->sdo.complete && !writable(s, entry))
         return ECT_OK;
     ect_reason_t reason = ect_od_write(&s->od, entry, offset, data, piece);
-    if (reason == ECT_OK && offset + piece == total)
-        written(s, entry);
-    return reason;
+    return reason == ECT_OK && offset + piece == total ? written(s, entry) : reason;
 }
 
 /* Takes bits for bit entries from the byte that the cursor holds. */
@@ -469,7 +474,8 @@ static ect_reason_t store_whole(ect_slave_t *s, const ect_entry_t *first, const 
     if (reason != ECT_OK)
         return reason;
     cursor_begin(s, first);
-    return cursor_write(s, data, size, false);
+    reason = cursor_write(s, data, size, false);
+    return reason == ECT_OK ? whole_written(s) : reason;
 }
 
 static void finish_download(ect_slave_t *s, ect_reason_t reason, uint8_t *(*build)(ect_slave_t *, unsigned int),
@@ -540,8 +546,8 @@ static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t le
         reason = ECT_REASON_TOO_SHORT;
     if (reason == ECT_OK)
         reason = cursor_write(s, request + 1, available, false);
-    if (reason == ECT_OK && last && sdo->cursor.offset != 0)
-        reason = ECT_REASON_TOO_SHORT;
+    if (reason == ECT_OK && last)
+        reason = sdo->cursor.offset != 0 ? ECT_REASON_TOO_SHORT : whole_written(s);
     sdo->done += available;
     finish_download(s, reason, build_segment, DOWNLOAD | (request[0] & (unsigned int)TOGGLE));
     if (last)

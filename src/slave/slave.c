@@ -84,6 +84,56 @@ static int check(const ect_slave_config_t *config)
     return 0;
 }
 
+/* The services that the device names. */
+#define FOR_EACH_SERVICE(s, service)                                                                                  \
+    for (const ect_service_t *const *service = (s)->config.device->services; service && *service; service++)
+
+ect_reason_t ect_services_write(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+{
+    ect_reason_t reason = ECT_OK;
+    FOR_EACH_SERVICE (s, service) {
+        if (reason == ECT_OK && (*service)->write)
+            reason = (*service)->write(s, index, subindex, data, size);
+    }
+    return reason;
+}
+
+ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex)
+{
+    ect_reason_t reason = ECT_OK;
+    FOR_EACH_SERVICE (s, service) {
+        if (reason == ECT_OK && (*service)->written)
+            reason = (*service)->written(s, index, subindex);
+    }
+    return reason;
+}
+
+uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target)
+{
+    uint16_t code = ECT_AL_NO_ERROR;
+    FOR_EACH_SERVICE (s, service) {
+        if (code == ECT_AL_NO_ERROR && (*service)->check_up)
+            code = (*service)->check_up(s, target);
+    }
+    return code;
+}
+
+static void services_start(ect_slave_t *s)
+{
+    FOR_EACH_SERVICE (s, service) {
+        if ((*service)->start)
+            (*service)->start(s);
+    }
+}
+
+static void services_event(ect_slave_t *s, uint32_t event)
+{
+    FOR_EACH_SERVICE (s, service) {
+        if ((*service)->event)
+            (*service)->event(s, event);
+    }
+}
+
 static void host_drop(void *ctx, uint8_t state, uint16_t al_status_code)
 {
     ect_slave_t *s = ctx;
@@ -112,6 +162,7 @@ static void power_on(ect_slave_t *s)
     s->state = ECT_STATE_INIT;
     s->error = false;
     s->code = ECT_AL_NO_ERROR;
+    s->cause = ECT_CAUSE_NONE;
     s->status_dirty = true;
     s->pending = 0;
     s->drop_state = 0;
@@ -126,6 +177,7 @@ static void power_on(ect_slave_t *s)
     ect_machine_sm_off(s, 0, device->sm_count, true);
     if (device->init)
         device->init(s->config.instance, identity, &s->host, s->now_ns);
+    services_start(s);
 }
 
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
@@ -167,6 +219,7 @@ static void exchange(ect_slave_t *s, uint32_t event)
 {
     if (s->state != ECT_STATE_SAFEOP && s->state != ECT_STATE_OP)
         return;
+    services_event(s, event);
     if ((event & ECT_EVENT_SM2) != 0 && s->output_bytes > 0)
         ect_pdo_outputs(s, s->outputs_live);
     if ((event & (ECT_EVENT_SM2 | ECT_EVENT_SM3)) != 0)
@@ -183,7 +236,7 @@ static void device_requests(ect_slave_t *s)
         uint8_t to = s->drop_state;
         s->drop_state = 0;
         if (to < s->state)
-            ect_machine_drop(s, to, s->drop_code);
+            ect_machine_drop(s, to, s->drop_code, ECT_CAUSE_LOCAL);
     }
 }
 

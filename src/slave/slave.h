@@ -41,13 +41,27 @@ enum {
     ECT_AL_BOOT_MAILBOX = 0x0015,
     ECT_AL_MAILBOX = 0x0016,
     ECT_AL_NO_OUTPUTS = 0x0019,
+    ECT_AL_SYNC = 0x001A,
     ECT_AL_WATCHDOG = 0x001B,
     ECT_AL_OUTPUT_SM = 0x001D,
     ECT_AL_INPUT_SM = 0x001E,
     ECT_AL_INPUT_MAPPING = 0x0024,
     ECT_AL_OUTPUT_MAPPING = 0x0025,
+    ECT_AL_NO_FREE_RUN = 0x0027,
+    ECT_AL_NO_SYNC = 0x0028,
+    ECT_AL_FATAL_SYNC = 0x002C,
     ECT_AL_DC_SYNC = 0x0030,
+    ECT_AL_CYCLE_TIME = 0x0035,
+    ECT_AL_SYNC0_CYCLE = 0x0036,
 };
+
+/** Where an error in AL status comes from; what the ERR indicator shows (ETG.1300). */
+typedef enum ect_error_cause {
+    ECT_CAUSE_NONE,
+    ECT_CAUSE_REQUEST,  /**< a request of the master was refused: invalid configuration */
+    ECT_CAUSE_LOCAL,    /**< the slave left the state on its own account */
+    ECT_CAUSE_WATCHDOG, /**< the process-data watchdog made it */
+} ect_error_cause_t;
 
 /** A piece of the process image that is contiguous in it and in the instance. Private. */
 typedef struct ect_pdo_run {
@@ -150,6 +164,7 @@ typedef struct ect_slave {
     uint8_t state;        /**< public, read only: AL state, 1 2 3 4 8 */
     bool error;           /**< public, read only: error flag of AL status */
     uint16_t code;        /**< public, read only: AL status code */
+    ect_error_cause_t cause; /**< public, read only */
     uint32_t pdi_errors;  /**< public, read only: failed PDI accesses */
     uint32_t emergencies_lost; /**< public, read only */
 

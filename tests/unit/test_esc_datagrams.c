@@ -681,7 +681,8 @@ static void chain_positions(void **state)
         int want = i < 3 ? 1 : 0;
         int wkc = wire_send(&w, APRD, (uint16_t)(0 - i), ECT_REG_STATION_ADDRESS, station, 2);
         unsigned int address = i < 3 ? WIRE_STATION + i : 0;
-        if (wkc != want || ect_load_le16(station) != address || ect_load_le16(wire_datagram(&w, 0) + 2) != (uint16_t)(3 - i))
+        uint16_t adp = ect_load_le16(wire_datagram(&w, 0) + 2);
+        if (wkc != want || ect_load_le16(station) != address || adp != (uint16_t)(3 - i))
             fail_msg("APRD to -%u: expected WKC %d, station 0x%04X, got %d, 0x%04X", i, want, address, wkc,
                      ect_load_le16(station));
     }
@@ -712,10 +713,11 @@ int main(int argc, char **argv)
         TEST("CF-013: wrong EtherType or header type: destroyed and counted in 0x030C, or forwarded untouched when DL "
              "control bit 0 is clear", not_ethercat),
         TEST("CF-013: a VLAN tag is passed unmodified; a cut tagged frame is refused", vlan_tag),
-        TEST("CF-013: EtherCAT in UDP is taken by version, IHL, protocol and port alone; its check sum is cleared", udp),
+        TEST("CF-013: EtherCAT in UDP is taken by version, IHL, protocol and port alone; its check sum is cleared",
+             udp),
         TEST("CF-013: a cut UDP frame is refused", udp_truncated),
-        TEST("CF-013: a UDP frame that is not for an ESC is forwarded with its check sum when DL control bit 0 is clear",
-             udp_forwarded),
+        TEST("CF-013: a UDP frame that is not for an ESC is forwarded with its check sum when DL control bit 0 is "
+             "clear", udp_forwarded),
         TEST("CF-013: bit 1 of the source address is set, all else kept; not with keep_source_mac or DL control bit 0 "
              "clear", source_mac),
         TEST("CF-013: the IRQ field of every datagram gathers the masked events of all slaves", irq_field),

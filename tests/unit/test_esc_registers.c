@@ -31,7 +31,8 @@ static uint8_t crc8(const uint8_t *bytes, unsigned int count)
 /* Words 0 to 6: PDI control, configuration, pulse length, extended, alias, A5, A6. */
 static void make_sii(rig_t *r)
 {
-    static const uint8_t words[14] = {0x05, 0x0C, 0x03, 0x88, 0xE8, 0x03, 0x41, 0x42, 0x34, 0x12, 0x51, 0x52, 0x61, 0x62};
+    static const uint8_t words[14] = {0x05, 0x0C, 0x03, 0x88, 0xE8, 0x03, 0x41,
+                                      0x42, 0x34, 0x12, 0x51, 0x52, 0x61, 0x62};
     memset(r->sii, 0, sizeof r->sii);
     memcpy(r->sii, words, sizeof words);
     r->sii[14] = crc8(r->sii, 14);
@@ -389,6 +390,20 @@ static void emulation(void **state)
     }
 }
 
+/* The lock of a request that nobody fetched ends when a reload switches emulation on. */
+static void emulation_unlocks(void **state)
+{
+    rig_t *r = *state;
+    uint8_t request[2] = {0x02, 0}, reload[2] = {0x00, 0x04};
+    assert_int_equal(send(r, APWR, 0x0120, request, 2), 1);
+    assert_int_equal(send(r, APWR, 0x0120, request, 2), 0);
+    r->sii[1] |= 0x01;
+    r->sii[14] = crc8(r->sii, 14);
+    assert_int_equal(send(r, APWR, 0x0502, reload, 2), 1);
+    assert_int_equal(send(r, APWR, 0x0120, request, 2), 1);
+    assert_int_equal(ecat_read(r, 0x0130), 2);
+}
+
 static void al_status_event(void **state)
 {
     rig_t *r = *state;
@@ -519,7 +534,7 @@ static void counters(void **state)
 {
     rig_t *r = *state;
     static const uint16_t groups[][2] = {{0x0300, 0x030B}, {0x030C, 0x030C}, {0x030D, 0x030D}, {0x0310, 0x0313},
-                                         {0x0442, 0x0444}};
+                                         {0x0442, 0x0443}};
     enum { GROUPS = sizeof groups / sizeof groups[0] };
     for (size_t g = 0; g < GROUPS; g++) {
         for (uint16_t a = groups[g][0]; a <= groups[g][1]; a++) {
@@ -538,6 +553,16 @@ static void counters(void **state)
             }
         }
     }
+}
+
+static void watchdog_counter_of_pdi1(void **state)
+{
+    rig_t *r = *state;
+    memset(r->memory + 0x0442, 0x21, 3);
+    unsigned int wkc = ecat_write(r, 0x0444, 0);
+    if (wkc != 1 || r->memory[0x0442] != 0 || r->memory[0x0443] != 0 || r->memory[0x0444] != 0)
+        fail_msg("write to 0x0444: expected WKC 1 and 0x0442..0x0444 at 0, got WKC %u, 0x0442 0x%02X", wkc,
+                 r->memory[0x0442]);
 }
 
 static void ports(void **state)
@@ -652,7 +677,7 @@ static void bad_configuration(void **state)
         {"9 FMMUs", 'f', 9, -1},      {"9 SyncManagers", 's', 9, -1}, {"8 and 8", 'f', 8, 0},
         {"no RAM", 'r', 0, -1},       {"61 KB", 'r', 61, -1},         {"no personality", 'p', 0, -1},
         {"no memory", 'm', 0, -2},    {"odd SII", 'o', 63, -3},       {"SII without content", 'n', 64, -3},
-        {"content without size", 'o', 0, -3}, {"no SII", 'n', 0, 0},
+        {"reads of 9 bytes", '9', 9, -1}, {"content without size", 'o', 0, -3}, {"no SII", 'n', 0, 0},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ect_esc_personality_t p = *ect_esc_personality("et1100");
@@ -662,6 +687,7 @@ static void bad_configuration(void **state)
         p.fmmu_count = rows[i].member == 'f' ? v : p.fmmu_count;
         p.sm_count = rows[i].member == 's' ? v : p.sm_count;
         p.ram_kb = rows[i].member == 'r' ? v : p.ram_kb;
+        p.sii_read = rows[i].member == '9' ? v : p.sii_read;
         c.memory = rows[i].member == 'm' ? NULL : c.memory;
         c.sii = rows[i].member == 'n' ? NULL : c.sii;
         c.sii_size = rows[i].member == 'n' || rows[i].member == 'o' ? v : c.sii_size;
@@ -706,6 +732,7 @@ int main(int argc, char **argv)
              with_clock_feature),
         TEST("CF-041: AL control refuses a second write until the PDI has read a byte of it", al_control_lock),
         TEST("CF-045: with device emulation AL control is never locked, AL status mirrors it, no event", emulation),
+        TEST("CF-045: emulation switched on by a reload ends the lock of AL control", emulation_unlocks),
         TEST("CF-009: a PDI write of AL status sets ECAT event bit 3, an ECAT read of it clears it", al_status_event),
         TEST("CF-010: an ECAT read of any byte of DL status clears ECAT event bit 2", dl_status_event),
         TEST("CF-010: a change of DL status sets ECAT event bit 2", dl_status_change),
@@ -715,6 +742,7 @@ int main(int argc, char **argv)
         TEST("CF-009: event masks do not change the requests, reading requests does not clear them",
              masks_do_not_touch_requests),
         TEST("CF-011: a write of any value to any counter of a group clears the group, the PDI cannot", counters),
+        TEST("CF-011: a write to 0x0444 clears the watchdog counters 0x0442..0x0444", watchdog_counter_of_pdi1),
         TEST("CF-010: DL status shows links and loops of the ports", ports),
         TEST("CF-010: loops that DL control forces open or closed show in DL status", forced_loops),
         TEST("CF-010: DL control takes its defined bits, byte by byte too", dl_control_bits),

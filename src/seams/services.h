@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Object services: standard objects with a behaviour of their own, which a device names and the stack provides.
+ *
+ * A description lists the services that its objects need; what nobody lists is not linked. The data of a service lie in
+ * the device's instance, in the structure given here, and the dictionary entries of its objects point into it.
+ */
+#ifndef ECT_SEAMS_SERVICES_H
+#define ECT_SEAMS_SERVICES_H
+
+#include <stdint.h>
+
+/** A service of the stack; opaque to devices. */
+typedef struct ect_service ect_service_t;
+
+/**
+ * 16xxh, 1Axxh, 1C12h, 1C13h that can be changed (CF-074): entries only while sub-index 0 is 0, the count last; every
+ * mapped object must exist, be mappable in that direction at its full length and fit the SyncManager; every assigned
+ * PDO must exist, once. Make the entries ECT_ACCESS_RW_PREOP. By Complete Access the whole object is checked first.
+ */
+extern const ect_service_t ect_service_pdo_config;
+
+/** 10F3h Diagnosis history (ETG.1020 §16) over ::ect_diagnosis_t. */
+extern const ect_service_t ect_service_diagnosis;
+
+/** 1010h Store and 1011h Restore (CiA 301) of all entries with ECT_ACCESS_BACKUP, through ect_host_t::storage. */
+extern const ect_service_t ect_service_store;
+
+/** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: mode and cycle checks on the way to SAFEOP, missed events. */
+extern const ect_service_t ect_service_sync;
+
+/* --- 10F3h ------------------------------------------------------------------------------------------------------- */
+
+enum {
+    ECT_DIAGNOSIS_MESSAGES = 8, /**< kept */
+    ECT_DIAGNOSIS_BYTES = 24,   /**< of a message: 16, and two parameters of 16 bits with their types */
+};
+
+/** Type of a message. */
+enum { ECT_DIAGNOSIS_INFO = 0, ECT_DIAGNOSIS_WARNING = 1, ECT_DIAGNOSIS_ERROR = 2 };
+
+/** Bits of 10F3h:5. */
+enum {
+    ECT_DIAGNOSIS_EMERGENCY = 0x0001,   /**< send an emergency for each message */
+    ECT_DIAGNOSIS_NO_INFO = 0x0002,     /**< do not record */
+    ECT_DIAGNOSIS_NO_WARNING = 0x0004,
+    ECT_DIAGNOSIS_NO_ERROR = 0x0008,
+    ECT_DIAGNOSIS_ACKNOWLEDGE = 0x0010, /**< full: keep the old messages (else: overwrite the oldest) */
+    ECT_DIAGNOSIS_LOST = 0x0020,        /**< read only: messages were overwritten unacknowledged, or not recorded */
+};
+
+/** Data of 10F3h; the entry of sub-index 1 must point to `maximum`. */
+typedef struct ect_diagnosis {
+    uint8_t maximum;      /**< :1 */
+    uint8_t newest;       /**< :2 sub-index of the newest message, 0 none */
+    uint8_t acknowledged; /**< :3 sub-index up to which the master has acknowledged */
+    uint8_t available;    /**< :4 unacknowledged messages there */
+    uint16_t flags;       /**< :5 ECT_DIAGNOSIS_... */
+    uint8_t messages[ECT_DIAGNOSIS_MESSAGES][ECT_DIAGNOSIS_BYTES]; /**< :6.. */
+} ect_diagnosis_t;
+
+/** Entries of 10F3h for an instance type with a member of type ect_diagnosis_t. */
+#define ECT_ENTRIES_DIAGNOSIS(type, member)                                                                           \
+    {                                                                                                                 \
+        ECT_ENTRY_COUNT(5 + ECT_DIAGNOSIS_MESSAGES),                                                                  \
+            {1, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Maximum messages", ECT_DIAGNOSIS_MESSAGES,                      \
+             ECT_OFFSET(type, member.maximum)},                                                                       \
+            {2, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Newest message", 0, ECT_OFFSET(type, member.newest)},           \
+            {3, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW, "Newest acknowledged message", 0,                                \
+             ECT_OFFSET(type, member.acknowledged)},                                                                  \
+            {4, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "New messages available", 0,                    \
+             ECT_OFFSET(type, member.available)},                                                                     \
+            {5, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "Flags", 0, ECT_OFFSET(type, member.flags)},                   \
+            ECT_ENTRY_DIAGNOSIS(type, member, 0), ECT_ENTRY_DIAGNOSIS(type, member, 1),                               \
+            ECT_ENTRY_DIAGNOSIS(type, member, 2), ECT_ENTRY_DIAGNOSIS(type, member, 3),                               \
+            ECT_ENTRY_DIAGNOSIS(type, member, 4), ECT_ENTRY_DIAGNOSIS(type, member, 5),                               \
+            ECT_ENTRY_DIAGNOSIS(type, member, 6), ECT_ENTRY_DIAGNOSIS(type, member, 7),                               \
+    }
+#define ECT_ENTRY_DIAGNOSIS(type, member, n)                                                                          \
+    {6 + (n), ECT_TYPE_OCTET_STRING, 8 * ECT_DIAGNOSIS_BYTES, ECT_ACCESS_RO, "Diagnosis message", 0,                   \
+     ECT_OFFSET(type, member.messages[n])}
+
+/* --- 1C32h, 1C33h, 10F1h ----------------------------------------------------------------------------------------- */
+
+/** Synchronisation types, 1C32h:1. */
+enum { ECT_SYNC_FREE_RUN = 0, ECT_SYNC_SM = 1, ECT_SYNC_DC_SYNC0 = 2 };
+
+/** Data of 1C32h, 1C33h and 10F1h; the entry 1C32h:1 must point to `type`. */
+typedef struct ect_sync_data {
+    uint16_t type;           /**< 1C32h:1, 1C33h:1 */
+    uint32_t cycle_ns;       /**< :2 */
+    uint16_t supported;      /**< :4 */
+    uint32_t minimum_ns;     /**< :5 */
+    uint16_t sm_missed;      /**< :11 SYNC0 came and no new outputs had */
+    uint16_t cycle_exceeded; /**< :12 outputs came twice within one SYNC0 */
+    uint8_t sync_error;      /**< :32 the last cycle was not in order */
+    uint32_t error_reaction; /**< 10F1h:1 */
+    uint16_t error_limit;    /**< 10F1h:2 missed events in a row, one more is a sync error; 0: never */
+    uint16_t errors;         /**< in a row; no object */
+    uint8_t outputs_new;     /**< since the last SYNC0; no object */
+} ect_sync_data_t;
+
+/** Entries of 1C32h or 1C33h. */
+#define ECT_ENTRIES_SYNC(itype, member)                                                                               \
+    {                                                                                                                 \
+        ECT_ENTRY_COUNT(32),                                                                                          \
+            {1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW_PREOP, "Synchronization type", 0, ECT_OFFSET(itype, member.type)}, \
+            {2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Cycle time", 0, ECT_OFFSET(itype, member.cycle_ns)},          \
+            {4, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Synchronization types supported", 0,                          \
+             ECT_OFFSET(itype, member.supported)},                                                                    \
+            {5, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Minimum cycle time", 0, ECT_OFFSET(itype, member.minimum_ns)}, \
+            {6, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Calc and copy time", 0, NULL},                                \
+            {11, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "SM event missed", 0, ECT_OFFSET(itype, member.sm_missed)},   \
+            {12, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Cycle time too small", 0,                                    \
+             ECT_OFFSET(itype, member.cycle_exceeded)},                                                               \
+            {32, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO, "Sync error", 0, ECT_OFFSET(itype, member.sync_error)},           \
+    }
+
+/** Entries of 10F1h. */
+#define ECT_ENTRIES_ERROR_SETTINGS(itype, member)                                                                     \
+    {                                                                                                                 \
+        ECT_ENTRY_COUNT(2),                                                                                           \
+            {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, "Local error reaction", 1, ECT_OFFSET(itype, member.error_reaction)}, \
+            {2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "Sync error counter limit", 4,                                 \
+             ECT_OFFSET(itype, member.error_limit)},                                                                  \
+    }
+
+/* --- 1010h, 1011h ------------------------------------------------------------------------------------------------ */
+
+/** What must be written: "save" and "load" (CiA 301). */
+#define ECT_STORE_SIGNATURE 0x65766173u
+#define ECT_LOAD_SIGNATURE  0x64616F6Cu
+
+/** Entries of 1010h (save) and 1011h (load): :1 reads as 1, "on command". */
+#define ECT_ENTRIES_STORE(name)                                                                                       \
+    {                                                                                                                 \
+        ECT_ENTRY_COUNT(1), {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_COMMAND, name, 1, NULL},                               \
+    }
+
+#endif

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+/* Diagnosis history, 10F3h (ETG.1020 §16): a ring of messages with acknowledgement. */
+#include <string.h>
+
+#include "seams/standard.h"
+#include "slave/internal.h"
+
+enum {
+    INDEX = 0x10F3,
+    FIRST = 6, /* sub-index of the first message */
+    LAST = FIRST + ECT_DIAGNOSIS_MESSAGES - 1,
+    TIME_IS_LOCAL = 0x0010,
+    TWO_PARAMETERS = 0x0200,
+    PARAMETER_UNSIGNED16 = 0x0006,
+    EMERGENCY_IN_CODE = 0xE800, /* low word of a diagnosis code whose high word is an emergency error code */
+    DEVICE_SPECIFIC = 0xFF00,
+};
+
+static ect_diagnosis_t *find(const ect_slave_t *s)
+{
+    const ect_object_t *object = NULL;
+    const ect_entry_t *entry = NULL;
+    if (ect_od_lookup(&s->od, INDEX, 1, &object, &entry) != ECT_OK)
+        return NULL;
+    return ect_od_data(&s->od, entry);
+}
+
+static uint8_t after(uint8_t subindex)
+{
+    return subindex < FIRST || subindex >= LAST ? FIRST : (uint8_t)(subindex + 1);
+}
+
+static bool empty(const ect_diagnosis_t *d, uint8_t subindex)
+{
+    static const uint8_t nothing[ECT_DIAGNOSIS_BYTES];
+    return memcmp(d->messages[subindex - FIRST], nothing, sizeof nothing) == 0;
+}
+
+static bool is_recorded(const ect_diagnosis_t *d, uint8_t type)
+{
+    static const uint16_t off[] = {ECT_DIAGNOSIS_NO_INFO, ECT_DIAGNOSIS_NO_WARNING, ECT_DIAGNOSIS_NO_ERROR};
+    return type < 3 && (d->flags & off[type]) == 0;
+}
+
+static void emergency(ect_slave_t *s, uint32_t code, uint16_t text_id, uint8_t subindex)
+{
+    uint16_t error = (code & 0xFFFF) == EMERGENCY_IN_CODE ? (uint16_t)(code >> 16) : (uint16_t)DEVICE_SPECIFIC;
+    uint8_t data[5] = {0};
+    ect_store_le16(data, text_id);
+    data[2] = subindex;
+    s->host.emergency(s, error, ((const ect_standard_t *)s->config.instance)->error_register, data);
+}
+
+/* The slot that would be used next still holds a message that the master has not acknowledged. */
+static bool full(const ect_diagnosis_t *d, uint8_t slot)
+{
+    return !empty(d, slot) && (d->acknowledged == 0 || slot == after(d->acknowledged));
+}
+
+static void diagnose(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
+{
+    ect_slave_t *s = ctx;
+    ect_diagnosis_t *d = find(s);
+    if (!d || !is_recorded(d, type))
+        return;
+    uint8_t slot = after(d->newest);
+    if (full(d, slot)) {
+        d->flags |= ECT_DIAGNOSIS_LOST;
+        if ((d->flags & ECT_DIAGNOSIS_ACKNOWLEDGE) != 0)
+            return;
+    }
+    if (slot == d->acknowledged) /* overwritten: acknowledged are the ones after it no more */
+        d->acknowledged = 0;
+    uint8_t *m = d->messages[slot - FIRST];
+    ect_store_le32(m, code);
+    ect_store_le16(m + 4, (uint16_t)(type | TIME_IS_LOCAL | TWO_PARAMETERS));
+    ect_store_le16(m + 6, text_id);
+    ect_store_le64(m + 8, s->now_ns);
+    ect_store_le16(m + 16, PARAMETER_UNSIGNED16);
+    ect_store_le16(m + 18, parameters[0]);
+    ect_store_le16(m + 20, PARAMETER_UNSIGNED16);
+    ect_store_le16(m + 22, parameters[1]);
+    d->newest = slot;
+    d->available = 1;
+    if ((d->flags & ECT_DIAGNOSIS_EMERGENCY) != 0)
+        emergency(s, code, text_id, slot);
+}
+
+static void start(ect_slave_t *s)
+{
+    ect_diagnosis_t *d = find(s);
+    if (d)
+        d->maximum = ECT_DIAGNOSIS_MESSAGES;
+    s->host.diagnose = diagnose;
+}
+
+static ect_reason_t write_history(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+{
+    const ect_diagnosis_t *d = index == INDEX ? find(s) : NULL;
+    (void)size;
+    if (!d)
+        return ECT_OK;
+    if (subindex == 5 && (ect_load_le16(data) & ~0x3Fu) != 0)
+        return ECT_REASON_RANGE;
+    if (subindex == 3 && data[0] != 0 && (data[0] < FIRST || data[0] > LAST || empty(d, data[0])))
+        return ECT_REASON_RANGE;
+    return ECT_OK;
+}
+
+static ect_reason_t written_history(ect_slave_t *s, uint16_t index, uint8_t subindex)
+{
+    ect_diagnosis_t *d = index == INDEX ? find(s) : NULL;
+    if (!d || (subindex != 3 && subindex != 0))
+        return ECT_OK;
+    if (d->acknowledged == 0) { /* 0 clears the history */
+        memset(d->messages, 0, sizeof d->messages);
+        d->newest = 0;
+    }
+    d->available = d->newest != d->acknowledged;
+    d->flags &= (uint16_t)~ECT_DIAGNOSIS_LOST;
+    return ECT_OK;
+}
+
+const ect_service_t ect_service_diagnosis = {.start = start, .write = write_history, .written = written_history};

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT */
+/* Changeable mapping and assignment: 16xxh, 1Axxh, 1C12h, 1C13h (CF-074, CF-075). */
+#include "slave/internal.h"
+
+enum { ASSIGN_OUTPUTS = 0x1C12, ASSIGN_INPUTS = 0x1C13 };
+
+static bool is_assignment(uint16_t index)
+{
+    return index == ASSIGN_OUTPUTS || index == ASSIGN_INPUTS;
+}
+
+static bool is_rxpdo(uint16_t index)
+{
+    return index >= 0x1600 && index < 0x1800;
+}
+
+static bool is_txpdo(uint16_t index)
+{
+    return index >= 0x1A00 && index < 0x1C00;
+}
+
+static bool is_outputs(uint16_t index)
+{
+    return index == ASSIGN_OUTPUTS || is_rxpdo(index);
+}
+
+static uint32_t number(const ect_slave_t *s, uint16_t index, uint8_t subindex)
+{
+    uint32_t value = 0;
+    (void)ect_od_number(&s->od, index, subindex, &value);
+    return value;
+}
+
+static ect_reason_t check_mapping(const ect_slave_t *s, uint16_t pdo, uint32_t mapping)
+{
+    const ect_object_t *object;
+    const ect_entry_t *entry;
+    uint16_t direction = is_outputs(pdo) ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
+    if (mapping >> 16 == 0)
+        return ECT_OK; /* a gap */
+    ect_reason_t reason = ect_od_lookup(&s->od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry);
+    if (reason != ECT_OK)
+        return reason;
+    return (entry->access & direction) != 0 && entry->bit_length == (mapping & 0xFF) ? ECT_OK
+                                                                                     : ECT_REASON_NOT_MAPPABLE;
+}
+
+static ect_reason_t check_assigned(const ect_slave_t *s, uint16_t assignment, uint32_t pdo)
+{
+    bool right_kind = assignment == ASSIGN_OUTPUTS ? is_rxpdo((uint16_t)pdo) : is_txpdo((uint16_t)pdo);
+    if (!right_kind)
+        return ECT_REASON_NOT_MAPPABLE;
+    return ect_od_find(&s->od, (uint16_t)pdo) ? ECT_OK : ECT_REASON_NO_OBJECT;
+}
+
+static uint32_t pdo_bits(const ect_slave_t *s, uint16_t pdo, uint32_t count)
+{
+    uint32_t bits = 0;
+    for (uint32_t i = 1; i <= count; i++)
+        bits += number(s, pdo, (uint8_t)i) & 0xFF;
+    return bits;
+}
+
+/* Each PDO once, and all of them together within the SyncManager's room. */
+static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, uint32_t count, uint32_t room_bits)
+{
+    uint32_t bits = 0;
+    for (uint32_t i = 1; i <= count; i++) {
+        uint16_t pdo = (uint16_t)number(s, assignment, (uint8_t)i);
+        for (uint32_t k = 1; k < i; k++) {
+            if (number(s, assignment, (uint8_t)k) == pdo)
+                return ECT_REASON_INCOMPATIBLE;
+        }
+        bits += pdo_bits(s, pdo, number(s, pdo, 0));
+    }
+    return bits > room_bits ? ECT_REASON_PDO_LENGTH : ECT_OK;
+}
+
+/* Whether `count` elements, as they stand in the dictionary now, may become valid. */
+static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t count)
+{
+    const ect_sm_t *sm = &s->config.device->sm[is_outputs(index) ? 2 : 3];
+    uint32_t room_bits = 8u * (sm->maximum > sm->length ? sm->maximum : sm->length);
+    const ect_object_t *object = ect_od_find(&s->od, index);
+    if (count > object->max_subindex)
+        return ECT_REASON_TOO_HIGH;
+    for (uint32_t i = 1; i <= count; i++) {
+        uint32_t value = number(s, index, (uint8_t)i);
+        ect_reason_t reason = is_assignment(index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
+        if (reason != ECT_OK)
+            return reason;
+    }
+    if (is_assignment(index))
+        return check_assignment(s, index, count, room_bits);
+    return pdo_bits(s, index, count) > room_bits ? ECT_REASON_PDO_LENGTH : ECT_OK;
+}
+
+static ect_reason_t write_config(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+{
+    if (!is_assignment(index) && !is_rxpdo(index) && !is_txpdo(index))
+        return ECT_OK;
+    uint32_t value = size == 1 ? data[0] : size == 2 ? ect_load_le16(data) : ect_load_le32(data);
+    if (subindex == 0) /* by Complete Access the elements follow: ::written_config looks at the whole */
+        return s->sdo.complete ? ECT_OK : check_count(s, index, value);
+    if (!s->sdo.complete && number(s, index, 0) != 0)
+        return ECT_REASON_SUBINDEX0;
+    return is_assignment(index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
+}
+
+/* A whole object that turns out not to fit becomes an empty one: never a mapping that nobody asked for. */
+static ect_reason_t written_config(ect_slave_t *s, uint16_t index, uint8_t subindex)
+{
+    if (!s->sdo.complete || subindex != 0 || (!is_assignment(index) && !is_rxpdo(index) && !is_txpdo(index)))
+        return ECT_OK;
+    ect_reason_t reason = check_count(s, index, number(s, index, 0));
+    if (reason != ECT_OK) {
+        const uint8_t none = 0;
+        (void)ect_od_write(&s->od, ect_od_find(&s->od, index)->entries, 0, &none, 1);
+    }
+    return reason;
+}
+
+const ect_service_t ect_service_pdo_config = {.write = write_config, .written = written_config};

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/* Synchronisation, 1C32h, 1C33h and 10F1h (ETG.1020 §13): checks before SAFEOP, and events that were missed. */
+#include "slave/internal.h"
+
+enum { OUTPUTS = 0x1C32, INPUTS = 0x1C33, EVENT_SYNC0 = 0x00000004 };
+
+static ect_sync_data_t *find(const ect_slave_t *s)
+{
+    const ect_object_t *object = NULL;
+    const ect_entry_t *entry = NULL;
+    if (ect_od_lookup(&s->od, OUTPUTS, 1, &object, &entry) != ECT_OK)
+        return NULL;
+    return ect_od_data(&s->od, entry);
+}
+
+static void start(ect_slave_t *s)
+{
+    ect_sync_data_t *d = find(s);
+    const ect_sync_t *ability = &s->config.device->sync;
+    if (!d)
+        return;
+    d->supported = ability->supported;
+    d->minimum_ns = ability->minimum_cycle_ns;
+    d->type = (ability->supported & (1u << ECT_SYNC_FREE_RUN)) != 0 ? ECT_SYNC_FREE_RUN : ECT_SYNC_SM;
+    d->error_reaction = 1;
+    d->error_limit = 4;
+}
+
+static ect_reason_t write_sync(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+{
+    if ((index != OUTPUTS && index != INPUTS) || subindex != 1 || size != 2)
+        return ECT_OK;
+    uint16_t type = ect_load_le16(data);
+    return type < 16 && (s->config.device->sync.supported & (1u << type)) != 0 ? ECT_OK : ECT_REASON_RANGE;
+}
+
+static bool cycle_supported(const ect_sync_t *ability, uint32_t cycle_ns)
+{
+    for (unsigned int i = 0; i < ability->dc_cycle_count; i++) {
+        if (ability->dc_cycles_ns[i] == cycle_ns)
+            return true;
+    }
+    return ability->dc_cycle_count == 0 && cycle_ns >= ability->minimum_cycle_ns;
+}
+
+/* With the cyclic unit of the distributed clocks running, the type is DC whatever was written. */
+static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
+{
+    uint8_t activation = 0;
+    uint8_t cycle[4] = {0};
+    if (!ect_slave_read(s, ECT_REG_DC_ACTIVATION, &activation, 1) ||
+        !ect_slave_read(s, ECT_REG_DC_SYNC0_CYCLE, cycle, sizeof cycle))
+        return ECT_AL_NO_ERROR;
+    d->cycle_ns = 0;
+    if ((activation & 1u) == 0)
+        return d->type == ECT_SYNC_DC_SYNC0 ? ECT_AL_DC_SYNC : ECT_AL_NO_ERROR;
+    if ((s->config.device->sync.supported & (1u << ECT_SYNC_DC_SYNC0)) == 0)
+        return ECT_AL_NO_SYNC;
+    if (!cycle_supported(&s->config.device->sync, ect_load_le32(cycle)))
+        return ECT_AL_SYNC0_CYCLE;
+    d->type = ECT_SYNC_DC_SYNC0;
+    d->cycle_ns = ect_load_le32(cycle);
+    return ECT_AL_NO_ERROR;
+}
+
+static uint16_t check_up(ect_slave_t *s, uint8_t target)
+{
+    ect_sync_data_t *d = find(s);
+    if (!d || target != ECT_STATE_SAFEOP)
+        return ECT_AL_NO_ERROR;
+    d->sm_missed = 0;
+    d->cycle_exceeded = 0;
+    d->sync_error = 0;
+    d->errors = 0;
+    d->outputs_new = 0;
+    return check_dc(s, d);
+}
+
+static void count(uint16_t *counter)
+{
+    if (*counter < 0xFFFF)
+        (*counter)++;
+}
+
+static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
+{
+    bool missed = d->outputs_new == 0;
+    d->outputs_new = 0;
+    d->sync_error = missed;
+    if (!missed) {
+        d->errors = 0;
+        return;
+    }
+    count(&d->sm_missed);
+    count(&d->errors);
+    if (d->error_limit != 0 && d->errors > d->error_limit)
+        s->host.drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
+}
+
+/* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. */
+static void on_event(ect_slave_t *s, uint32_t event)
+{
+    ect_sync_data_t *d = find(s);
+    if (!d || d->type != ECT_SYNC_DC_SYNC0 || s->state != ECT_STATE_OP)
+        return;
+    if ((event & ECT_EVENT_SM2) != 0) {
+        if (d->outputs_new != 0)
+            count(&d->cycle_exceeded);
+        d->outputs_new = 1;
+    }
+    if ((event & EVENT_SYNC0) != 0)
+        on_sync0(s, d);
+}
+
+const ect_service_t ect_service_sync = {
+    .start = start, .write = write_sync, .check_up = check_up, .event = on_event};

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+/* RUN, ERR and Link/Activity over the states and errors of a real slave, and the times of the patterns. */
+#include "slave/indicator.h"
+
+#include <string.h>
+
+#include "support/testdev.h"
+#include "support/wire.h"
+
+static void run_by_state(void **state)
+{
+    static const struct {
+        uint8_t al;
+        const char *pattern;
+    } rows[] = {
+        {ECT_STATE_INIT, "off"},
+        {ECT_STATE_PREOP, "blinking"},
+        {ECT_STATE_SAFEOP, "single flash"},
+        {ECT_STATE_OP, "on"},
+    };
+    (void)state;
+    wire_t w;
+    wire_open_one(&w, &testdev);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_go(&w, 0, rows[i].al);
+        assert_string_equal(ect_pattern_name(ect_indicator_run(ect_chain_slave(w.chain, 0))), rows[i].pattern);
+        assert_string_equal(ect_pattern_name(ect_indicator_err(ect_chain_slave(w.chain, 0), false)), "off");
+    }
+    wire_close(&w);
+    const ect_slave_t boot = {.state = ECT_STATE_BOOT};
+    assert_string_equal(ect_pattern_name(ect_indicator_run(&boot)), "flickering");
+}
+
+static const char *err(wire_t *w)
+{
+    return ect_pattern_name(ect_indicator_err(ect_chain_slave(w->chain, 0), false));
+}
+
+static void err_by_cause(void **state)
+{
+    (void)state;
+    wire_t w;
+    wire_open_one(&w, &testdev);
+    wire_al(&w, 0, ECT_STATE_OP, NULL); /* refused */
+    assert_string_equal(err(&w), "blinking");
+    wire_go(&w, 0, ECT_STATE_OP);
+    assert_string_equal(err(&w), "off");
+    wire_advance(&w, 200 * MS); /* the watchdog */
+    assert_string_equal(err(&w), "double flash");
+    assert_string_equal(ect_pattern_name(ect_indicator_err(ect_chain_slave(w.chain, 0), true)), "on");
+    wire_go(&w, 0, ECT_STATE_OP);
+    const ect_host_t *host = testdev_of(&w, 0)->host;
+    host->drop(host->ctx, ECT_STATE_SAFEOP, 0x8001);
+    wire_read8(&w, 0, ECT_REG_AL_STATUS);
+    wire_advance(&w, 100 * MS);
+    wire_poll(&w);
+    assert_string_equal(err(&w), ect_chain_slave(w.chain, 0)->code == 0x8001 ? "single flash" : "double flash");
+    wire_close(&w);
+}
+
+/* On and off times in milliseconds, from the start of a period. */
+static void pattern_times(void **state)
+{
+    static const struct {
+        ect_pattern_t pattern;
+        unsigned int times[5]; /* on, off, on, off ...; 0 ends the period */
+    } rows[] = {
+        {ECT_PATTERN_FLICKERING, {50, 50}},
+        {ECT_PATTERN_BLINKING, {200, 200}},
+        {ECT_PATTERN_SINGLE_FLASH, {200, 1000}},
+        {ECT_PATTERN_DOUBLE_FLASH, {200, 200, 200, 1000}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint64_t ms = 0;
+        for (unsigned int period = 0; period < 3; period++) {
+            for (unsigned int phase = 0; rows[i].times[phase] != 0; phase++) {
+                for (unsigned int n = 0; n < rows[i].times[phase]; n++, ms++) {
+                    if (ect_pattern_lit(rows[i].pattern, ms * MS) != (phase % 2 == 0))
+                        fail_msg("%s at %u ms", ect_pattern_name(rows[i].pattern), (unsigned int)ms);
+                }
+            }
+        }
+    }
+    assert_true(ect_pattern_lit(ECT_PATTERN_ON, 123 * MS));
+    assert_false(ect_pattern_lit(ECT_PATTERN_OFF, 123 * MS));
+}
+
+static void link_activity(void **state)
+{
+    (void)state;
+    assert_int_equal(ect_indicator_link(false, 0, 1000 * MS), ECT_PATTERN_OFF);
+    assert_int_equal(ect_indicator_link(false, 999 * MS, 1000 * MS), ECT_PATTERN_OFF);
+    assert_int_equal(ect_indicator_link(true, 0, 1000 * MS), ECT_PATTERN_ON);
+    assert_int_equal(ect_indicator_link(true, 901 * MS, 1000 * MS), ECT_PATTERN_FLICKERING);
+    assert_int_equal(ect_indicator_link(true, 900 * MS, 1000 * MS), ECT_PATTERN_ON);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    const struct CMUnitTest tests[] = {
+        {"CF-093 FZM-020 ECL-014: RUN shows the state", run_by_state, NULL, NULL, NULL},
+        {"CF-093 FZM-021 ECL-015: ERR shows the cause", err_by_cause, NULL, NULL, NULL},
+        {"CF-093 FZM-023: the patterns keep the times of ETG.1300", pattern_times, NULL, NULL, NULL},
+        {"CF-093 FZM-022 ECL-016: Link/Activity shows link and traffic", link_activity, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("indicators", tests, NULL, NULL);
+}

@@ -1,0 +1,627 @@
+/* SPDX-License-Identifier: MIT */
+/* Object services: changeable PDOs, diagnosis history, store and restore, synchronisation. */
+#include <string.h>
+
+#include "ports/virtual/virtual.h"
+#include "sii/sii.h"
+#include "support/confdev.h"
+#include "support/wire.h"
+
+/* --- a twin whose storage and registers the test can reach ------------------------------------------------------- */
+
+enum { BANK = 256, NEVER = -1 };
+
+static struct {
+    uint8_t bank[2][BANK];
+    int writes_left; /* storage operations until the power fails; NEVER */
+} medium;
+
+static bool powered(void)
+{
+    if (medium.writes_left == 0)
+        return false;
+    medium.writes_left -= medium.writes_left > 0 ? 1 : 0;
+    return true;
+}
+
+static int medium_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
+{
+    (void)ctx;
+    assert_true(bank < 2 && offset + length <= BANK);
+    memcpy(buffer, medium.bank[bank] + offset, length);
+    return 0;
+}
+
+static int medium_erase(void *ctx, unsigned int bank)
+{
+    (void)ctx;
+    if (!powered())
+        return -1;
+    memset(medium.bank[bank], 0xFF, BANK);
+    return 0;
+}
+
+/* A write that is cut off leaves its first half. */
+static int medium_write(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length)
+{
+    (void)ctx;
+    assert_true(bank < 2 && offset + length <= BANK);
+    bool whole = powered();
+    memcpy(medium.bank[bank] + offset, data, whole ? length : length / 2);
+    return whole ? 0 : -1;
+}
+
+static const ect_storage_t storage = {
+    .bank_size = BANK, .read = medium_read, .erase = medium_erase, .write = medium_write};
+
+static struct {
+    ect_esc_t esc;
+    uint8_t memory[ECT_ESC_MEMORY_SIZE(8)];
+    uint8_t sii[2048];
+    ect_pdi_t pdi;
+    ect_slave_t slave;
+    confdev_t device;
+    uint8_t mailbox[128 * 3];
+    uint8_t process_data[16];
+    ect_pdo_run_t runs[16];
+    uint8_t activation;   /* what 0x0981 reads as */
+    uint32_t cycle_ns;    /* what 0x09A0 reads as */
+    uint32_t extra_event; /* raised in the AL event word once */
+    uint64_t now_ns;
+    uint8_t counter;
+} t;
+
+static int pdi_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
+{
+    int result = ect_esc_pdi_read(ctx, address, buffer, length);
+    if (address == ECT_REG_DC_ACTIVATION)
+        *(uint8_t *)buffer = t.activation;
+    if (address == ECT_REG_DC_SYNC0_CYCLE)
+        ect_store_le32(buffer, t.cycle_ns);
+    return result;
+}
+
+static int al_event(void *ctx, uint32_t *event)
+{
+    *event = ect_esc_al_event(ctx) | t.extra_event;
+    t.extra_event = 0;
+    return 0;
+}
+
+static void power_on(bool with_storage)
+{
+    memset(&t, 0, sizeof t);
+    assert_true(ect_sii_write(&confdev, NULL, 0, t.sii, sizeof t.sii) > 0);
+    const ect_esc_config_t esc = {
+        .personality = ect_esc_personality("et1100"), .memory = t.memory, .sii = t.sii, .sii_size = sizeof t.sii};
+    t.now_ns = 1000 * MS;
+    assert_int_equal(ect_esc_init(&t.esc, &esc, t.now_ns), 0);
+    t.pdi = (ect_pdi_t){.ctx = &t.esc, .read = pdi_read, .write = ect_esc_pdi_write, .al_event = al_event};
+    const ect_slave_config_t slave = {.device = &confdev,
+                                      .pdi = &t.pdi,
+                                      .storage = with_storage ? &storage : NULL,
+                                      .instance = &t.device,
+                                      .mailbox = t.mailbox,
+                                      .process_data = t.process_data,
+                                      .runs = t.runs};
+    assert_int_equal(ect_slave_init(&t.slave, &slave, t.now_ns), 0);
+}
+
+static void poll(void)
+{
+    t.now_ns += MS / 10;
+    (void)ect_esc_tick(&t.esc, t.now_ns);
+    (void)ect_slave_poll(&t.slave, t.now_ns);
+}
+
+/* One FPRD/FPWR to station address 0. */
+static unsigned int datagram(uint8_t command, uint16_t address, void *data, uint16_t length)
+{
+    uint8_t frame[600] = {[12] = 0x88, [13] = 0xA4};
+    ect_store_le16(frame + 14, (uint16_t)(0x1000 | (length + 12)));
+    frame[16] = command;
+    ect_store_le16(frame + 20, address);
+    ect_store_le16(frame + 22, length);
+    memcpy(frame + 26, data, length);
+    assert_int_equal(ect_esc_process(&t.esc, frame, 28u + length, t.now_ns), ECT_FRAME_FORWARD);
+    memcpy(data, frame + 26, length);
+    poll();
+    return frame[26 + length];
+}
+
+static void set_sm(unsigned int n, uint16_t length)
+{
+    const ect_sm_t *sm = &confdev.sm[n];
+    uint8_t off = 0;
+    uint8_t registers[8] = {0};
+    datagram(FPWR, (uint16_t)(ECT_REG_SM + 8 * n + 6), &off, 1);
+    ect_store_le16(registers, sm->start);
+    ect_store_le16(registers + 2, length);
+    registers[4] = sm->control;
+    registers[6] = length > 0 ? 1 : 0;
+    datagram(FPWR, (uint16_t)(ECT_REG_SM + 8 * n), registers, 8);
+}
+
+static uint8_t request(uint8_t state)
+{
+    uint8_t control[2] = {state | ECT_AL_ACKNOWLEDGE, 0};
+    datagram(FPWR, ECT_REG_AL_CONTROL, control, 2);
+    return (uint8_t)(t.slave.state | (t.slave.error ? ECT_AL_ERROR : 0));
+}
+
+static void to_preop(void)
+{
+    set_sm(0, 128);
+    set_sm(1, 128);
+    assert_int_equal(request(ECT_STATE_PREOP), ECT_STATE_PREOP);
+}
+
+static void to_op(uint16_t output_bytes, uint16_t input_bytes)
+{
+    uint8_t zeros[16] = {0};
+    set_sm(2, output_bytes);
+    set_sm(3, input_bytes);
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_SAFEOP);
+    if (output_bytes > 0)
+        assert_int_equal(datagram(FPWR, confdev.sm[2].start, zeros, output_bytes), 1);
+    assert_int_equal(request(ECT_STATE_OP), ECT_STATE_OP);
+}
+
+static uint32_t exchange(const uint8_t *payload, uint16_t length, uint8_t *answer)
+{
+    uint8_t mail[128] = {0};
+    t.counter = (uint8_t)(t.counter % 7 + 1);
+    ect_store_le16(mail, length);
+    mail[5] = (uint8_t)(3 | (t.counter << 4));
+    memcpy(mail + 6, payload, length);
+    assert_int_equal(datagram(FPWR, 0x1000, mail, 128), 1);
+    assert_int_equal(datagram(FPRD, 0x1080, mail, 128), 1);
+    memcpy(answer, mail + 6, 122);
+    return answer[2] == 0x80 ? ect_load_le32(answer + 6) : 0;
+}
+
+static uint32_t write_sdo(uint16_t index, uint8_t subindex, bool complete, const void *data, uint8_t size)
+{
+    uint8_t request_bytes[122] = {0, 0x20, (uint8_t)(0x21 | (complete ? 0x10 : 0))};
+    uint8_t answer[122];
+    ect_store_le16(request_bytes + 3, index);
+    request_bytes[5] = subindex;
+    ect_store_le32(request_bytes + 6, size);
+    memcpy(request_bytes + 10, data, size);
+    return exchange(request_bytes, (uint16_t)(10 + size), answer);
+}
+
+static uint32_t write_number(uint16_t index, uint8_t subindex, uint32_t value, uint8_t size)
+{
+    uint8_t bytes[4];
+    ect_store_le32(bytes, value);
+    return write_sdo(index, subindex, false, bytes, size);
+}
+
+static uint32_t read_number(uint16_t index, uint8_t subindex)
+{
+    uint8_t request_bytes[10] = {0, 0x20, 0x40};
+    uint8_t answer[122];
+    ect_store_le16(request_bytes + 3, index);
+    request_bytes[5] = subindex;
+    assert_int_equal(exchange(request_bytes, 10, answer), 0);
+    return ect_load_le32(answer + 6);
+}
+
+/* --- changeable PDOs --------------------------------------------------------------------------------------------- */
+
+/* The procedure: assignment and mapping to 0, new entries, counts. Leaves 1600h = u16, gap of 7, bool; 1601h = u32. */
+static void remap_outputs(void)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t subindex;
+        uint32_t value;
+        uint8_t size;
+    } steps[] = {
+        {0x1C12, 0, 0, 1},
+        {0x1600, 0, 0, 1},
+        {0x1600, 1, ECT_MAP(0x7000, 2, 16), 4},
+        {0x1600, 2, ECT_MAP(0, 0, 7), 4},
+        {0x1600, 3, ECT_MAP(0x7000, 4, 1), 4},
+        {0x1600, 0, 3, 1},
+        {0x1601, 1, ECT_MAP(0x7000, 3, 32), 4},
+        {0x1601, 0, 1, 1},
+        {0x1C12, 1, 0x1601, 2},
+        {0x1C12, 2, 0x1600, 2},
+        {0x1C12, 0, 2, 1},
+    };
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
+        assert_int_equal(write_number(steps[i].index, steps[i].subindex, steps[i].value, steps[i].size), 0);
+}
+
+static void remap_changes_image(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    remap_outputs();
+    set_sm(2, 1);
+    set_sm(3, 3);
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_PREOP | ECT_AL_ERROR);
+    assert_int_equal(t.slave.code, ECT_AL_OUTPUT_SM);
+    assert_int_equal(request(ECT_STATE_PREOP), ECT_STATE_PREOP);
+    to_op(7, 3);
+    uint8_t image[7] = {0x78, 0x56, 0x34, 0x12, 0xCD, 0xAB, 0x80};
+    assert_int_equal(datagram(FPWR, confdev.sm[2].start, image, 7), 1);
+    assert_int_equal(t.device.out_u32, 0x12345678);
+    assert_int_equal(t.device.out_u16, 0xABCD);
+    assert_int_equal(t.device.out_bool, 1);
+}
+
+static void remap_by_complete_access(void **state)
+{
+    (void)state;
+    static const uint8_t mapping[] = {2, 0, 0x20, 3, 0, 0x60, 0x08, 1, 0, 0x60};
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_sdo(0x1A00, 0, true, mapping, sizeof mapping), 0);
+    assert_int_equal(read_number(0x1A00, 1), ECT_MAP(0x6000, 3, 32));
+    to_op(1, 5);
+    uint8_t image[5];
+    assert_int_equal(datagram(FPRD, confdev.sm[3].start, image, 5), 1);
+    assert_memory_equal(image, "\x77\x66\x55\x44\x11", 5);
+}
+
+static const struct {
+    const char *what;
+    uint16_t index;
+    uint8_t subindex;
+    uint32_t value;
+    uint8_t size;
+    uint32_t abort_code;
+} refused[] = {
+    {"entry while the count is not 0", 0x1600, 1, ECT_MAP(0x7000, 1, 8), 4, 0x06010003},
+    {"PDO while the count is not 0", 0x1C12, 1, 0x1601, 2, 0x06010003},
+    {"count above the room", 0x1600, 0, 5, 1, 0x06090031},
+    {"unknown object", 0x1601, 1, ECT_MAP(0x5555, 1, 8), 4, 0x06020000},
+    {"unknown sub-index", 0x1601, 1, ECT_MAP(0x7000, 9, 8), 4, 0x06090011},
+    {"object of the other direction", 0x1601, 1, ECT_MAP(0x6000, 1, 8), 4, 0x06040041},
+    {"object that is not mappable", 0x1601, 1, ECT_MAP(0x2100, 0, 32), 4, 0x06040041},
+    {"wrong length", 0x1601, 1, ECT_MAP(0x7000, 2, 8), 4, 0x06040041},
+    {"count over an entry never written is a gap of no bits", 0x1601, 0, 1, 1, 0},
+};
+
+static void refused_mappings(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        uint32_t got = write_number(refused[i].index, refused[i].subindex, refused[i].value, refused[i].size);
+        if (got != refused[i].abort_code)
+            fail_msg("%s: expected 0x%08X, got 0x%08X", refused[i].what, refused[i].abort_code, got);
+    }
+    assert_int_equal(read_number(0x1600, 1) & 0xFFFFFFFF, ECT_MAP(0x7000, 1, 8));
+    assert_int_equal(read_number(0x1C12, 1) & 0xFFFF, 0x1600);
+}
+
+static void refused_assignments(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x1C12, 0, 0, 1), 0);
+    assert_int_equal(write_number(0x1C12, 1, 0x1A00, 2), 0x06040041);
+    assert_int_equal(write_number(0x1C12, 1, 0x1700, 2), 0x06020000);
+    assert_int_equal(write_number(0x1C12, 1, 0x1600, 2), 0);
+    assert_int_equal(write_number(0x1C12, 2, 0x1600, 2), 0);
+    assert_int_equal(write_number(0x1C12, 0, 2, 1), 0x06040043); /* the same PDO twice */
+    assert_int_equal(read_number(0x1C12, 0) & 0xFF, 0);
+}
+
+static void too_long_mapping(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x1600, 0, 0, 1), 0);
+    for (uint8_t sub = 1; sub <= 4; sub++)
+        assert_int_equal(write_number(0x1600, sub, ECT_MAP(0, 0, 255), 4), 0);
+    assert_int_equal(write_number(0x1600, 0, 1, 1), 0x06040042); /* 255 bits, room is 128 */
+    assert_int_equal(read_number(0x1600, 0) & 0xFF, 0);
+    static const uint8_t whole[] = {2, 0, 255, 0, 0, 0, 255, 0, 0, 0};
+    assert_int_equal(write_sdo(0x1601, 0, true, whole, sizeof whole), 0x06040042);
+    assert_int_equal(read_number(0x1601, 0) & 0xFF, 0);
+}
+
+static void only_in_preop(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    to_op(1, 3);
+    assert_int_equal(write_number(0x1C12, 0, 0, 1), 0x08000022);
+    assert_int_equal(write_number(0x1600, 0, 0, 1), 0x08000022);
+}
+
+/* --- diagnosis history ------------------------------------------------------------------------------------------- */
+
+static void diagnose(uint8_t type, uint32_t code, uint16_t text)
+{
+    const uint16_t parameters[2] = {0x1111, 0x2222};
+    t.device.host->diagnose(t.device.host->ctx, type, code, text, parameters);
+}
+
+static void diagnosis_message(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    assert_int_equal(read_number(0x10F3, 1) & 0xFF, ECT_DIAGNOSIS_MESSAGES);
+    assert_int_equal(read_number(0x10F3, 4) & 0xFF, 0);
+    diagnose(ECT_DIAGNOSIS_WARNING, 0x12345678, 0x0042);
+    assert_int_equal(read_number(0x10F3, 2) & 0xFF, 6);
+    assert_int_equal(read_number(0x10F3, 4) & 0xFF, 1);
+    const uint8_t *m = t.device.diagnosis.messages[0];
+    assert_int_equal(ect_load_le32(m), 0x12345678);
+    assert_int_equal(ect_load_le16(m + 4), 0x0211); /* two parameters, local time, warning */
+    assert_int_equal(ect_load_le16(m + 6), 0x0042);
+    assert_true(ect_load_le64(m + 8) > 1000 * MS);
+    assert_memory_equal(m + 16, "\x06\x00\x11\x11\x06\x00\x22\x22", 8);
+    assert_int_equal(write_number(0x10F3, 3, 6, 1), 0);
+    assert_int_equal(read_number(0x10F3, 4) & 0xFF, 0);
+}
+
+static void diagnosis_overwrites(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES + 2; i++)
+        diagnose(ECT_DIAGNOSIS_ERROR, 0xFF000000, i);
+    assert_int_equal(t.device.diagnosis.newest, 7);
+    assert_int_equal(ect_load_le16(t.device.diagnosis.messages[0] + 6), ECT_DIAGNOSIS_MESSAGES + 1);
+    assert_int_equal(read_number(0x10F3, 5) & ECT_DIAGNOSIS_LOST, ECT_DIAGNOSIS_LOST);
+    assert_int_equal(write_number(0x10F3, 3, 0, 1), 0);
+    assert_int_equal(t.device.diagnosis.newest, 0);
+    assert_int_equal(read_number(0x10F3, 5), 0);
+}
+
+static void diagnosis_acknowledge_mode(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x10F3, 5, ECT_DIAGNOSIS_ACKNOWLEDGE, 2), 0);
+    for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES + 1; i++)
+        diagnose(ECT_DIAGNOSIS_INFO, 1, i);
+    assert_int_equal(ect_load_le16(t.device.diagnosis.messages[0] + 6), 1);
+    assert_int_equal(t.device.diagnosis.newest, 5 + ECT_DIAGNOSIS_MESSAGES);
+    assert_int_equal(write_number(0x10F3, 3, 7, 1), 0);
+    diagnose(ECT_DIAGNOSIS_INFO, 1, 100);
+    assert_int_equal(ect_load_le16(t.device.diagnosis.messages[0] + 6), 100);
+}
+
+static void diagnosis_filters(void **state)
+{
+    static const uint16_t flags[] = {ECT_DIAGNOSIS_NO_INFO, ECT_DIAGNOSIS_NO_WARNING, ECT_DIAGNOSIS_NO_ERROR};
+    (void)state;
+    power_on(false);
+    to_preop();
+    for (uint8_t off = 0; off < 3; off++) {
+        assert_int_equal(write_number(0x10F3, 3, 0, 1), 0);
+        assert_int_equal(write_number(0x10F3, 5, flags[off], 2), 0);
+        for (uint8_t type = 0; type < 3; type++) {
+            uint8_t before = t.device.diagnosis.newest;
+            diagnose(type, 1, 1);
+            assert_int_equal(t.device.diagnosis.newest != before, type != off);
+        }
+    }
+    assert_int_equal(write_number(0x10F3, 5, 0x40, 2), 0x06090030);
+    assert_int_equal(write_number(0x10F3, 3, 5, 1), 0x06090030);
+    assert_int_equal(write_number(0x10F3, 3, 14, 1), 0x06090030);
+}
+
+static void diagnosis_emergency(void **state)
+{
+    (void)state;
+    uint8_t mail[128] = {0};
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x10F3, 5, ECT_DIAGNOSIS_EMERGENCY, 2), 0);
+    diagnose(ECT_DIAGNOSIS_ERROR, 0x8130E800, 0x0102);
+    poll();
+    assert_int_equal(datagram(FPRD, 0x1080, mail, 128), 1);
+    assert_memory_equal(mail + 6, "\x00\x10\x30\x81\x00\x02\x01\x06", 8);
+    diagnose(ECT_DIAGNOSIS_ERROR, 1, 0x0102);
+    poll();
+    assert_int_equal(datagram(FPRD, 0x1080, mail, 128), 1);
+    assert_int_equal(ect_load_le16(mail + 8), 0xFF00);
+}
+
+/* --- store and restore ------------------------------------------------------------------------------------------- */
+
+static void fresh_medium(void)
+{
+    memset(medium.bank, 0xFF, sizeof medium.bank);
+    medium.writes_left = NEVER;
+}
+
+static void stored_survives(void **state)
+{
+    (void)state;
+    fresh_medium();
+    power_on(true);
+    to_preop();
+    uint8_t octets[40];
+    memset(octets, 0x5A, sizeof octets);
+    assert_int_equal(write_number(0x2100, 0, 777, 4), 0);
+    assert_int_equal(write_sdo(0x2101, 0, false, octets, sizeof octets), 0);
+    power_on(true);
+    assert_int_equal(t.device.stored, 100); /* not stored: forgotten */
+    to_preop();
+    assert_int_equal(write_number(0x2100, 0, 777, 4), 0);
+    assert_int_equal(write_sdo(0x2101, 0, false, octets, sizeof octets), 0);
+    assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
+    assert_int_equal(read_number(0x1010, 1), 1);
+    power_on(true);
+    assert_int_equal(t.device.stored, 777);
+    assert_memory_equal(t.device.stored_octets, octets, sizeof octets);
+    to_preop();
+    assert_int_equal(write_number(0x1011, 1, ECT_LOAD_SIGNATURE, 4), 0);
+    assert_int_equal(t.device.stored, 777); /* until the next power-on */
+    power_on(true);
+    assert_int_equal(t.device.stored, 100);
+}
+
+static void wrong_signature(void **state)
+{
+    (void)state;
+    fresh_medium();
+    power_on(true);
+    to_preop();
+    assert_int_equal(write_number(0x1010, 1, ECT_LOAD_SIGNATURE, 4), 0x08000020);
+    assert_int_equal(write_number(0x1011, 1, ECT_STORE_SIGNATURE, 4), 0x08000020);
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0x08000020);
+}
+
+/* With the power cut at each operation of the second store, the first one's values are still there, or the new ones. */
+static void power_cut(void **state)
+{
+    (void)state;
+    for (int cut = 0; cut < 12; cut++) {
+        fresh_medium();
+        power_on(true);
+        to_preop();
+        assert_int_equal(write_number(0x2100, 0, 1111, 4), 0);
+        assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
+        assert_int_equal(write_number(0x2100, 0, 2222, 4), 0);
+        medium.writes_left = cut;
+        uint32_t code = write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4);
+        medium.writes_left = NEVER;
+        power_on(true);
+        uint32_t expected = code == 0 ? 2222 : 1111;
+        if (t.device.stored != expected || (code != 0 && code != 0x06060000))
+            fail_msg("cut at operation %d: answer 0x%08X, value %u", cut, code, t.device.stored);
+        to_preop();
+        assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
+    }
+}
+
+static void many_stores(void **state)
+{
+    (void)state;
+    fresh_medium();
+    for (uint32_t i = 1; i < 10; i++) {
+        power_on(true);
+        assert_int_equal(t.device.stored, i == 1 ? 100 : i - 1);
+        to_preop();
+        assert_int_equal(write_number(0x2100, 0, i, 4), 0);
+        assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
+    }
+    for (size_t i = 0; i < sizeof medium.bank[0]; i++) { /* any one damaged byte never gives wrong values */
+        uint8_t before = medium.bank[0][i];
+        medium.bank[0][i] ^= 0x10;
+        power_on(true);
+        assert_true(t.device.stored == 9 || t.device.stored == 8);
+        medium.bank[0][i] = before;
+    }
+}
+
+/* --- synchronisation --------------------------------------------------------------------------------------------- */
+
+static void sync_types(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    assert_int_equal(read_number(0x1C32, 4) & 0xFFFF, 7);
+    assert_int_equal(read_number(0x1C32, 5), 1000000);
+    assert_int_equal(write_number(0x1C32, 1, 1, 2), 0);
+    assert_int_equal(write_number(0x1C32, 1, 3, 2), 0x06090030);
+    assert_int_equal(write_number(0x1C32, 1, 0x22, 2), 0x06090030);
+    assert_int_equal(write_number(0x1C32, 1, 2, 2), 0);
+    set_sm(2, 1);
+    set_sm(3, 3);
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_PREOP | ECT_AL_ERROR); /* DC wanted, DC not running */
+    assert_int_equal(t.slave.code, ECT_AL_DC_SYNC);
+}
+
+static void sync_cycles(void **state)
+{
+    static const struct {
+        uint32_t cycle_ns;
+        uint16_t code;
+    } rows[] = {{1000000, 0}, {2000000, 0}, {1500000, ECT_AL_SYNC0_CYCLE}, {0, ECT_AL_SYNC0_CYCLE}, {500000, ECT_AL_SYNC0_CYCLE}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        power_on(false);
+        to_preop();
+        t.activation = 0x03;
+        t.cycle_ns = rows[i].cycle_ns;
+        set_sm(2, 1);
+        set_sm(3, 3);
+        (void)request(ECT_STATE_SAFEOP);
+        if (t.slave.code != rows[i].code)
+            fail_msg("%u ns: expected code 0x%04X, got 0x%04X", rows[i].cycle_ns, rows[i].code, t.slave.code);
+    }
+}
+
+static void sync_missed(void **state)
+{
+    (void)state;
+    uint8_t output[1] = {0};
+    power_on(false);
+    to_preop();
+    t.activation = 0x03;
+    t.cycle_ns = 1000000;
+    to_op(1, 3);
+    for (int i = 0; i < 10; i++) { /* in order */
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+        t.extra_event = 0x04;
+        poll();
+    }
+    assert_int_equal(t.device.sync.sm_missed, 0);
+    datagram(FPWR, confdev.sm[2].start, output, 1);
+    datagram(FPWR, confdev.sm[2].start, output, 1);
+    assert_int_equal(t.device.sync.cycle_exceeded, 1);
+    t.extra_event = 0x04;
+    poll();
+    for (uint16_t missed = 1; missed <= 5; missed++) {
+        assert_int_equal(t.slave.state, ECT_STATE_OP);
+        t.extra_event = 0x04;
+        poll();
+        assert_int_equal(t.device.sync.sm_missed, missed);
+    }
+    poll();
+    assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
+    assert_int_equal(t.slave.code, ECT_AL_SYNC);
+    assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
+}
+
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    const struct CMUnitTest tests[] = {
+        TEST("CF-074: the remap procedure changes the SM length that is expected and the real image", remap_changes_image),
+        TEST("CF-073 CF-074: a whole mapping by Complete Access", remap_by_complete_access),
+        TEST("CF-074 FZM-014: invalid entries are refused, the old mapping stays", refused_mappings),
+        TEST("CF-074: PDOs of the wrong direction, unknown or twice are refused", refused_assignments),
+        TEST("CF-075: a mapping longer than the SyncManager's room is refused with 06040042", too_long_mapping),
+        TEST("CF-074 CF-078: mapping and assignment change in PREOP only", only_in_preop),
+        TEST("CF-080: a message stands in 10F3h with code, flags, text id, time and parameters", diagnosis_message),
+        TEST("CF-080: overwrite mode keeps the newest messages; 0 to sub-index 3 clears", diagnosis_overwrites),
+        TEST("CF-080: acknowledge mode keeps what is not acknowledged", diagnosis_acknowledge_mode),
+        TEST("CF-080: each type can be switched off; impossible values are refused", diagnosis_filters),
+        TEST("CF-079 CF-080: with the flag set each message sends an emergency", diagnosis_emergency),
+        TEST("CF-081: stored values survive power-off, others do not, restore brings the defaults", stored_survives),
+        TEST("CF-081: a wrong signature, or no storage, is refused with 08000020", wrong_signature),
+        TEST("CF-081: power cut at any write leaves the old record or the new one", power_cut),
+        TEST("CF-081: banks take turns; a damaged byte is noticed", many_stores),
+        TEST("CF-082: 1C32h shows what is supported and refuses the rest", sync_types),
+        TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
+        TEST("CF-043 CF-082: missed and doubled events are counted; too many leave OP with 0x001A", sync_missed),
+    };
+    return cmocka_run_group_tests_name("object services", tests, NULL, NULL);
+}
