@@ -107,8 +107,11 @@ void ect_chain_free(ect_chain_t *chain)
 bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     for (size_t i = 0; i < chain->count; i++) {
-        if (ect_esc_process(&chain->twins[i].esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
+        ect_esc_t *esc = &chain->twins[i].esc;
+        if (ect_esc_process(esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
             return false;
+        if (i + 1 < chain->count && !ect_esc_port_open(esc, 1))
+            break; /* the master closed that port: the frame turns back here */
     }
     return true;
 }

@@ -53,8 +53,6 @@ static void watchdog_tick(ect_esc_t *esc)
     if (esc->now_ns < esc->watchdog_ns)
         return;
     esc->watchdog_ns = UINT64_MAX;
-    if (ect_load_le16(esc->memory + ECT_REG_WD_TIME_PD) == 0)
-        return; /* switched off meanwhile */
     esc->memory[ECT_REG_WD_STATUS_PD] = 0;
     ect_esc_count(esc, ECT_REG_WD_COUNTER_PD);
     ect_esc_raise(esc, ECT_EVENT_WATCHDOG);
@@ -74,23 +72,40 @@ static void write_identity(ect_esc_t *esc)
     ect_store_le16(m + ECT_REG_FEATURES, p->features);
 }
 
-/* Per port: link in bits 4..7, then two bits: 01 closed, 10 open and communicating. */
-static uint16_t dl_status(uint8_t open_ports)
+/* Two bits a port, DL status bit 8 on: 01 closed, 10 open and communicating, 11 closed in spite of a link. */
+static unsigned int loop_state(const ect_esc_t *esc, unsigned int port)
 {
-    unsigned int value = 0;
+    enum { FORCED_OPEN = 2, FORCED_CLOSED = 3 };
+    bool link = port == 0 || (esc->config.open_ports & (1u << port)) != 0;
+    unsigned int control = ((unsigned int)esc->memory[ECT_REG_DL_CONTROL + 1] >> (2 * port)) & 3u;
+    if (control == FORCED_CLOSED && port != 0) /* port 0 is the way back to the master */
+        return link ? 3 : 1;
+    return link ? 2 : control == FORCED_OPEN ? 0 : 1;
+}
+
+void ect_esc_update_dl_status(ect_esc_t *esc)
+{
+    uint8_t *status = esc->memory + ECT_REG_DL_STATUS;
+    unsigned int value = (esc->sii_valid ? 1u : 0u) | 2u; /* the PDI watchdog is never late: same process */
     for (unsigned int port = 0; port < 4; port++) {
-        bool open = port == 0 || (open_ports & (1u << port)) != 0;
-        value |= open ? 0x10u << port : 0u;
-        value |= (open ? 2u : 1u) << (8 + 2 * port);
+        bool link = port == 0 || (esc->config.open_ports & (1u << port)) != 0;
+        value |= link ? 0x10u << port : 0u;
+        value |= loop_state(esc, port) << (8 + 2 * port);
     }
-    return (uint16_t)value;
+    if (value != ect_load_le16(status))
+        ect_esc_raise_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
+    ect_store_le16(status, (uint16_t)value);
+}
+
+bool ect_esc_port_open(const ect_esc_t *esc, unsigned int port)
+{
+    return loop_state(esc, port) == 2;
 }
 
 static void reset_registers(ect_esc_t *esc)
 {
     uint8_t *m = esc->memory;
     ect_store_le32(m + ECT_REG_DL_CONTROL, 0x00070001);
-    ect_store_le16(m + ECT_REG_DL_STATUS, dl_status(esc->config.open_ports));
     ect_store_le16(m + ECT_REG_AL_CONTROL, 0x0001);
     ect_store_le16(m + ECT_REG_AL_STATUS, 0x0001);
     ect_store_le32(m + ECT_REG_AL_EVENT_MASK, 0x00FFFF0F);
@@ -128,6 +143,7 @@ int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns
     write_identity(esc);
     reset_registers(esc);
     ect_esc_sii_load(esc, true);
+    ect_esc_clear_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
     return 0;
 }
 

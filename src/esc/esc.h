@@ -63,6 +63,7 @@ typedef struct ect_esc {
     uint8_t sii_command;
     bool al_control_locked;
     bool sii_valid;
+    uint8_t sm_changed; /* SyncManagers whose activate register the PDI has yet to look at */
     uint32_t activity;
 } ect_esc_t;
 
@@ -113,6 +114,12 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
  * @return the time at which something will happen next without an access, or UINT64_MAX.
  */
 uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);
+
+/**
+ * Whether frames leave by a port (1..3): it has a link and DL control has not closed its loop. A frame that does not
+ * leave goes back to the master from here.
+ */
+bool ect_esc_port_open(const ect_esc_t *esc, unsigned int port);
 
 /** The AL event request word as the PDI sees it, without the side effects of reading registers. */
 uint32_t ect_esc_al_event(const ect_esc_t *esc);

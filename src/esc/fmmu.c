@@ -7,7 +7,7 @@
 
 #include "esc/internal.h"
 
-enum { READS = 1, WRITES = 2, PIECE = 64 };
+enum { READS = 1, WRITES = 2, PIECE = 64, ADDRESS_SPACE = 0x10000 };
 
 /* One active FMMU, in bits, against one datagram. */
 typedef struct window {
@@ -19,7 +19,7 @@ typedef struct window {
 static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, window_t *window)
 {
     uint16_t bytes = ect_load_le16(fmmu + ECT_FMMU_LENGTH);
-    if (bytes == 0 || length == 0)
+    if (bytes == 0)
         return false;
     uint64_t start = (uint64_t)ect_load_le32(fmmu + ECT_FMMU_LOGICAL) * 8u;
     uint64_t end = start + (bytes - 1u) * 8ull + fmmu[ECT_FMMU_STOP_BIT] + 1u;
@@ -48,6 +48,14 @@ static void copy_bits(uint8_t *to, uint64_t to_bit, const uint8_t *from, uint64_
     }
 }
 
+/* Bytes of a window from `first` on that lie inside the address space. */
+static uint64_t inside(uint64_t first, uint64_t bytes)
+{
+    if (first >= ADDRESS_SPACE)
+        return 0;
+    return bytes < ADDRESS_SPACE - first ? bytes : ADDRESS_SPACE - first;
+}
+
 /* A piece of at most PIECE physical bytes. */
 static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool write)
 {
@@ -61,13 +69,13 @@ static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool wri
     uint8_t mask[PIECE] = {0};
     uint64_t shift = w->physical_bit % 8;
     uint64_t first = w->physical_bit / 8;
-    uint64_t bytes = (shift + w->bit_count + 7) / 8;
-    if (first + bytes > 0x10000)
+    uint64_t bytes = inside(first, (shift + w->bit_count + 7) / 8);
+    if (bytes == 0)
         return false;
     ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = buffer, .mask = NULL};
+    copy_bits(buffer, shift, data, w->first_bit, w->bit_count); /* what cannot be read stays as it came */
     if (write) {
         copy_bits(mask, shift, ones, 0, w->bit_count);
-        copy_bits(buffer, shift, data, w->first_bit, w->bit_count);
         access.mask = mask;
     }
     if (!ect_esc_access(esc, &access, (uint16_t)first, (uint16_t)bytes))
@@ -81,8 +89,8 @@ static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
 {
     if (w.first_bit % 8 == 0 && w.bit_count % 8 == 0 && w.physical_bit % 8 == 0) {
         uint64_t first = w.physical_bit / 8;
-        uint64_t bytes = w.bit_count / 8;
-        if (first + bytes > 0x10000)
+        uint64_t bytes = inside(first, w.bit_count / 8);
+        if (bytes == 0)
             return false;
         ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = data + w.first_bit / 8};
         return ect_esc_access(esc, &access, (uint16_t)first, (uint16_t)bytes);
@@ -101,17 +109,46 @@ static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
     return any;
 }
 
-/* One direction through all FMMUs, the highest number first: where two claim a bit, the lowest number has its way. */
+static window_t part(const window_t *w, uint64_t first_bit, uint64_t end_bit)
+{
+    return (window_t){.first_bit = first_bit,
+                      .bit_count = end_bit - first_bit,
+                      .physical_bit = w->physical_bit + (first_bit - w->first_bit)};
+}
+
+/* Moves what is left of a window when the bits that `taken` windows claim are cut out of it. */
+static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, window_t w, bool write, const window_t *taken,
+                           unsigned int count)
+{
+    uint64_t end = w.first_bit + w.bit_count;
+    for (unsigned int i = 0; i < count; i++) {
+        uint64_t taken_end = taken[i].first_bit + taken[i].bit_count;
+        if (taken[i].first_bit >= end || taken_end <= w.first_bit)
+            continue;
+        bool any = false;
+        if (w.first_bit < taken[i].first_bit)
+            any |= move_unclaimed(esc, data, part(&w, w.first_bit, taken[i].first_bit), write, taken + i + 1, count - i - 1);
+        if (taken_end < end)
+            any |= move_unclaimed(esc, data, part(&w, taken_end, end), write, taken + i + 1, count - i - 1);
+        return any;
+    }
+    return move(esc, data, w, write);
+}
+
+/* One direction through all FMMUs. Where two claim a bit the lowest number has it (data sheet I §7). */
 static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
 {
+    window_t taken[ECT_ESC_MAX_FMMU];
+    unsigned int count = 0;
     bool any = false;
-    for (unsigned int n = esc->config.personality->fmmu_count; n-- > 0;) {
+    for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++) {
         const uint8_t *fmmu = esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;
         uint8_t wanted = write ? WRITES : READS;
-        window_t window;
         if ((fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0 && (fmmu[ECT_FMMU_TYPE] & wanted) != 0 &&
-            overlap(fmmu, logical, length, &window))
-            any |= move(esc, data, window, write);
+            overlap(fmmu, logical, length, &taken[count])) {
+            any |= move_unclaimed(esc, data, taken[count], write, taken, count);
+            count++;
+        }
     }
     return any;
 }

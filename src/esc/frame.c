@@ -14,6 +14,7 @@ enum {
     ETHERTYPE_IPV4 = 0x0800,
     UDP_PORT_ECAT = 0x88A4,
     ETHERNET_HEADER = 14,
+    IP_AND_UDP = 28,
     HEADER = 10, /* of a datagram */
     TRAILER = 2, /* its working counter */
     TYPE_DATAGRAMS = 1,
@@ -154,21 +155,20 @@ static unsigned int execute(ect_esc_t *esc, uint8_t *d)
 static void process_datagram(ect_esc_t *esc, uint8_t *d)
 {
     uint8_t *counter = d + DATA + data_length(d);
+    /* The header passes before the data: an event that this datagram clears is still in it. */
+    uint16_t events =
+        ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
+    ect_store_le16(d + IRQ, (uint16_t)(ect_load_le16(d + IRQ) | events));
     unsigned int gain = execute(esc, d);
     ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + gain));
     if (position_counts(d[COMMAND]))
         ect_store_le16(d + ADP, (uint16_t)(ect_load_le16(d + ADP) + 1));
-    uint16_t events =
-        ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
-    ect_store_le16(d + IRQ, (uint16_t)(ect_load_le16(d + IRQ) | events));
 }
 
-/* Where the EtherCAT header begins; 0: this is no EtherCAT frame. A UDP check sum on the way is cleared. */
-static size_t find_header(uint8_t *frame, size_t length)
+/* Where the EtherCAT header begins; 0: this is no EtherCAT frame. */
+static size_t find_header(const uint8_t *frame, size_t length)
 {
     size_t at = ETHERNET_HEADER - 2;
-    if (length < at + 2)
-        return 0;
     if (ect_load_be16(frame + at) == ETHERTYPE_VLAN)
         at += 4;
     if (length < at + 2)
@@ -178,12 +178,17 @@ static size_t find_header(uint8_t *frame, size_t length)
     if (type == ETHERTYPE_ECAT)
         return at;
     const uint8_t *ip = frame + at;
-    if (type != ETHERTYPE_IPV4 || length < at + 28 || ip[0] != 0x45 || ip[9] != 0x11 ||
+    if (type != ETHERTYPE_IPV4 || length < at + IP_AND_UDP || ip[0] != 0x45 || ip[9] != 0x11 ||
         ect_load_be16(ip + 22) != UDP_PORT_ECAT)
         return 0;
-    frame[at + 26] = 0;
-    frame[at + 27] = 0;
-    return at + 28;
+    return at + IP_AND_UDP;
+}
+
+/* The UDP check sum no longer fits the data; 0 says that there is none. */
+static void clear_udp_checksum(uint8_t *frame, size_t header)
+{
+    if (ect_load_be16(frame + header - IP_AND_UDP - 2) == ETHERTYPE_IPV4)
+        memset(frame + header - 2, 0, 2);
 }
 
 /* Whether the datagrams, by their own lengths and "more" bits, fit into the frame. The header's length is not asked. */
@@ -229,9 +234,11 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         return invalid(esc);
     if (ect_load_le16(frame + at) >> 12 != TYPE_DATAGRAMS)
         return not_ours(esc);
-    at += 2;
-    if (!datagrams_fit(frame, at, length))
+    if (!datagrams_fit(frame, at + 2, length))
         return invalid(esc);
+    if (at >= ETHERNET_HEADER + IP_AND_UDP)
+        clear_udp_checksum(frame, at);
+    at += 2;
     if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
         frame[6] |= 0x02;
     bool more = true;

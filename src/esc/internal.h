@@ -65,5 +65,7 @@ void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event);
 void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event);
 void ect_esc_count(ect_esc_t *esc, uint16_t counter_register);
 void ect_esc_watchdog_trigger(ect_esc_t *esc);
+/* Link and loop bits anew from the cabling and from DL control; a change raises the ECAT event. */
+void ect_esc_update_dl_status(ect_esc_t *esc);
 
 #endif

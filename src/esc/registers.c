@@ -80,12 +80,13 @@ static void read_dl_status(ect_esc_t *esc, const ect_access_t *access, uint16_t 
 
 static bool write_dl_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    static const uint8_t writable[4] = {0x03, 0xFF, 0x0F, 0x01};
+    static const uint8_t writable[4] = {0x03, 0xFF, 0x4F, 0x01};
     for (uint16_t i = 0; i < length; i++) {
         uint8_t mask = writable[address - ECT_REG_DL_CONTROL + i];
         uint8_t *reg = esc->memory + address + i;
         *reg = (uint8_t)((*reg & ~mask) | (access->data[i] & mask));
     }
+    ect_esc_update_dl_status(esc);
     return true;
 }
 
@@ -123,7 +124,18 @@ static bool write_watchdog_counter(ect_esc_t *esc, const ect_access_t *access, u
     (void)access;
     (void)address;
     (void)length;
-    return clear_counters(esc, ECT_REG_WD_COUNTER_PD, ECT_REG_WD_COUNTER_PD + 1);
+    return clear_counters(esc, ECT_REG_WD_COUNTER_PD, ECT_REG_WD_COUNTER_PD + 2);
+}
+
+/* 0 switches it off, and what is off has not expired. */
+static bool write_watchdog_time(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    write_plain(esc, access, address, length);
+    if (ect_load_le16(esc->memory + ECT_REG_WD_TIME_PD) == 0) {
+        esc->memory[ECT_REG_WD_STATUS_PD] = 1;
+        esc->watchdog_ns = UINT64_MAX;
+    }
+    return true;
 }
 
 static void read_watchdog_status(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -176,9 +188,9 @@ static const block_t blocks[] = {
     {0x0310, 0x0313, write_lost_link, NULL, NULL},
     {0x0400, 0x0401, write_plain, NULL, NULL},
     {0x0410, 0x0411, write_plain, NULL, NULL},
-    {0x0420, 0x0421, write_plain, NULL, NULL},
+    {0x0420, 0x0421, write_watchdog_time, NULL, NULL},
     {0x0440, 0x0441, NULL, NULL, read_watchdog_status},
-    {0x0442, 0x0443, write_watchdog_counter, NULL, NULL},
+    {0x0442, 0x0444, write_watchdog_counter, NULL, NULL},
     {0x0500, 0x050F, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
     {0x0600, 0x067F, write_fmmu, NULL, NULL},
     {0x0800, 0x083F, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},

@@ -60,9 +60,8 @@ void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
         flags |= NOT_PRESENT | NOT_LOADED;
     else if (!esc->sii_valid)
         flags |= CHECKSUM_ERROR | NOT_LOADED;
-    set_status(esc, flags);
-    uint8_t *dl_status = reg(esc, ECT_REG_DL_STATUS);
-    *dl_status = (uint8_t)((*dl_status & ~1u) | (esc->sii_valid ? 1u : 0u));
+    set_status(esc, flags | (status(esc) & WRITE_ENABLE));
+    ect_esc_update_dl_status(esc);
     if (!esc->sii_valid)
         return;
     memcpy(reg(esc, ECT_REG_PDI_CONTROL), sii, 2);
@@ -113,7 +112,7 @@ static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
     unsigned int flags = status(esc) & ~(unsigned int)(COMMAND | COMMAND_ERROR | WRITE_ENABLE_ERROR);
     bool known = command == COMMAND_READ || command == COMMAND_WRITE || command == COMMAND_RELOAD;
     if (command == COMMAND_IDLE || !known) {
-        set_status(esc, flags | (known || command == COMMAND_IDLE ? 0u : (unsigned int)COMMAND_ERROR));
+        set_status(esc, flags | (command == COMMAND_IDLE ? 0u : (unsigned int)COMMAND_ERROR));
         return;
     }
     if (command == COMMAND_WRITE && !write_enabled) {
@@ -125,16 +124,16 @@ static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
         return;
     }
     const ect_esc_personality_t *p = esc->config.personality;
+    flags |= command == COMMAND_RELOAD ? (unsigned int)NOT_LOADED : 0u;
     set_status(esc, flags | BUSY | ((unsigned int)command << 8));
     esc->sii_command = command;
     esc->sii_done_ns = esc->now_ns + (command == COMMAND_WRITE ? p->sii_write_ns : p->sii_read_ns);
     ect_esc_sii_tick(esc);
 }
 
-static bool owns(ect_esc_t *esc, ect_side_t side)
+static bool pdi_owns(ect_esc_t *esc)
 {
-    bool pdi_owns = (*reg(esc, ECT_REG_SII_CONFIG) & 1u) != 0 || (*reg(esc, ECT_REG_SII_PDI_ACCESS) & 1u) != 0;
-    return pdi_owns == (side == ECT_SIDE_PDI);
+    return (*reg(esc, ECT_REG_SII_CONFIG) & 1u) != 0 || (*reg(esc, ECT_REG_SII_PDI_ACCESS) & 1u) != 0;
 }
 
 static bool write_ownership(ect_esc_t *esc, ect_side_t side, uint16_t address, uint8_t value)
@@ -145,29 +144,27 @@ static bool write_ownership(ect_esc_t *esc, ect_side_t side, uint16_t address, u
         *config = value & 3u;
         if ((value & 2u) != 0)
             *pdi &= 0xFE;
-        return true;
-    }
-    if (address == ECT_REG_SII_PDI_ACCESS && side == ECT_SIDE_PDI && (*config & 2u) == 0 &&
-        ((*config | *pdi) & 1u) != 0) {
+    } else if (address == ECT_REG_SII_PDI_ACCESS && side == ECT_SIDE_PDI && (*config & 2u) == 0 &&
+               ((*config | *pdi) & 1u) != 0) {
         *pdi = value & 1u;
-        return true;
+    } else {
+        return false;
     }
-    return false;
+    ect_esc_sii_end_of_frame(esc);
+    return true;
 }
 
 /* The command is looked at when all bytes of the access have been stored: address and command come in one datagram. */
 static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (!owns(esc, access->side) || (status(esc) & BUSY) != 0)
+    if (pdi_owns(esc) != (access->side == ECT_SIDE_PDI) || (status(esc) & BUSY) != 0)
         return false;
-    bool has_low = false;
     bool has_high = false;
     uint8_t high = 0;
     for (uint16_t i = 0; i < length; i++) {
         uint16_t at = (uint16_t)(address + i);
         uint8_t value = access->data[i];
         if (at == ECT_REG_SII_CONTROL) {
-            has_low = true;
             set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | (value & 1u));
         } else if (at == ECT_REG_SII_CONTROL + 1) {
             has_high = true;
@@ -179,7 +176,7 @@ static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint1
     bool write_enabled = access->side == ECT_SIDE_PDI || (status(esc) & WRITE_ENABLE) != 0;
     if (has_high)
         start(esc, high & 7u, write_enabled);
-    return has_low || has_high || length > 0;
+    return true;
 }
 
 bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -198,8 +195,10 @@ bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint
     return any;
 }
 
+/* Write enable lasts for one frame; while the PDI is the owner the bit reads 1. */
 void ect_esc_sii_end_of_frame(ect_esc_t *esc)
 {
-    if ((*reg(esc, ECT_REG_SII_CONTROL) & WRITE_ENABLE) != 0)
-        set_status(esc, status(esc) & ~(unsigned int)WRITE_ENABLE);
+    unsigned int enabled = pdi_owns(esc) ? WRITE_ENABLE : 0u;
+    if ((*reg(esc, ECT_REG_SII_CONTROL) & WRITE_ENABLE) != enabled)
+        set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | enabled);
 }

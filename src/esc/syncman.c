@@ -134,6 +134,9 @@ static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_
         return false;
     ect_esc_copy(access, esc->memory + start, 0, 1);
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
+    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
+    if (producer != access->write)
+        return true; /* looking at it against its direction means nothing to anybody */
     if (access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
         ect_esc_watchdog_trigger(esc);
     quiet(esc, n, access->side);
@@ -144,13 +147,15 @@ static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
-    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
-    if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0 || producer != access->write)
-        return false;
     uint16_t start = ect_load_le16(sm + ECT_SM_START);
     uint16_t size = sm_length(sm);
+    if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
+        return false;
     if (size == 1)
         return access_transparent(esc, n, access, start);
+    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
+    if (producer != access->write)
+        return false;
     bool *open = &esc->sm[n].open[access->side];
     if (offset == 0)
         *open = access->write ? open_write(esc, n, access->side) : open_read(esc, n, access->side);
@@ -159,7 +164,7 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
     uint8_t buffer = access->write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
     uint32_t at = (uint32_t)start + (is_mailbox(sm) ? 0u : (uint32_t)buffer * size) + offset;
     if (at + length > esc->memory_size)
-        return false;
+        return false; /* a buffer of the three that lies beyond the RAM */
     ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length == size) {
         *open = false;
@@ -214,17 +219,23 @@ bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint1
         }
         if (sm[ECT_SM_ACTIVATE] != activate) {
             activate_written(esc, n, was_enabled);
+            esc->sm_changed = (uint8_t)(esc->sm_changed | (1u << n));
             ect_esc_raise(esc, ECT_EVENT_SM_CHANGED);
         }
     }
     return any;
 }
 
+/* The event goes when the activate register of every SyncManager that changed has been read. */
 void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    /* One event for all: the stack reads the whole block, and so does any PDI that reads an activate register. */
-    unsigned int inside = (unsigned int)(address - ECT_REG_SM) % ECT_SM_SIZE;
-    unsigned int to_activate = (ECT_SM_SIZE + ECT_SM_ACTIVATE - inside) % ECT_SM_SIZE;
-    if (access->side == ECT_SIDE_PDI && length > to_activate)
+    if (access->side != ECT_SIDE_PDI || esc->sm_changed == 0)
+        return;
+    for (unsigned int n = 0; n < ECT_ESC_MAX_SM; n++) {
+        unsigned int activate = ECT_REG_SM + ECT_SM_SIZE * n + ECT_SM_ACTIVATE;
+        if (activate >= address && activate < (unsigned int)address + length)
+            esc->sm_changed = (uint8_t)(esc->sm_changed & ~(1u << n));
+    }
+    if (esc->sm_changed == 0)
         ect_esc_clear(esc, ECT_EVENT_SM_CHANGED);
 }

@@ -9,7 +9,13 @@
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
-enum { INIT = ECT_STATE_INIT, PREOP = ECT_STATE_PREOP, BOOT = ECT_STATE_BOOT, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
+enum {
+    INIT = ECT_STATE_INIT,
+    PREOP = ECT_STATE_PREOP,
+    BOOT = ECT_STATE_BOOT,
+    SAFEOP = ECT_STATE_SAFEOP,
+    OP = ECT_STATE_OP
+};
 enum { ERR = ECT_AL_ERROR, ACK = ECT_AL_ACKNOWLEDGE, ID = ECT_AL_IDENT };
 
 static const uint8_t states[] = {INIT, PREOP, SAFEOP, OP};
@@ -57,8 +63,8 @@ static void expect(wire_t *w, const char *where, uint8_t status, uint16_t code)
     uint16_t got_code;
     al(w, &got, &got_code);
     if (got != status || got_code != code)
-        fail_msg("%s, %s: expected AL status 0x%02X code 0x%04X, got 0x%02X code 0x%04X", wire_device(w, 0)->name, where,
-                 status, code, got, got_code);
+        fail_msg("%s, %s: expected AL status 0x%02X code 0x%04X, got 0x%02X code 0x%04X", wire_device(w, 0)->name,
+                 where, status, code, got, got_code);
 }
 
 static void request(wire_t *w, uint16_t value)
@@ -246,13 +252,20 @@ typedef struct sm_fault {
 } sm_fault_t;
 
 static const sm_fault_t sm_faults[] = {
-    {"as described", 0, 0, 0, false, true},      {"start - 1", -1, 0, 0, false, false},
-    {"start + 1", 1, 0, 0, false, false},        {"start + 0x100", 0x100, 0, 0, false, false},
-    {"length - 1", 0, -1, 0, false, false},      {"length + 1", 0, 1, 0, false, false},
-    {"length + 256", 0, 256, 0, false, false},   {"mode bit 0", 0, 0, 0x01, false, false},
-    {"mode bit 1", 0, 0, 0x02, false, false},    {"direction", 0, 0, 0x04, false, false},
-    {"direction, upper bit", 0, 0, 0x08, false, false}, {"no PDI event", 0, 0, 0x20, false, false},
-    {"switched off", 0, 0, 0, true, false},      {"ECAT event", 0, 0, 0x10, false, true},
+    {"as described", 0, 0, 0, false, true},
+    {"start - 1", -1, 0, 0, false, false},
+    {"start + 1", 1, 0, 0, false, false},
+    {"start + 0x100", 0x100, 0, 0, false, false},
+    {"length - 1", 0, -1, 0, false, false},
+    {"length + 1", 0, 1, 0, false, false},
+    {"length + 256", 0, 256, 0, false, false},
+    {"mode bit 0", 0, 0, 0x01, false, false},
+    {"mode bit 1", 0, 0, 0x02, false, false},
+    {"direction", 0, 0, 0x04, false, false},
+    {"direction, upper bit", 0, 0, 0x08, false, false},
+    {"no PDI event", 0, 0, 0x20, false, false},
+    {"switched off", 0, 0, 0, true, false},
+    {"ECAT event", 0, 0, 0x10, false, true},
     {"watchdog trigger", 0, 0, 0x40, false, true},
 };
 
@@ -272,8 +285,8 @@ static void mailbox_checked(void **state)
         for (unsigned int n = 0; n < 2; n++) {
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
                 bool allowed = sm_faults[f].allowed;
-                bool in_limits = device_at(i)->sm[n].minimum != 0 &&
-                                 (sm_faults[f].length == 1 || sm_faults[f].length == -1);
+                bool in_limits =
+                    device_at(i)->sm[n].minimum != 0 && (sm_faults[f].length == 1 || sm_faults[f].length == -1);
                 wire_t w;
                 wire_open_one(&w, device_at(i));
                 wire_configure_mailbox(&w, 0);
@@ -297,8 +310,8 @@ static void mailbox_length_limits(void **state)
     static const struct {
         uint16_t length;
         bool allowed;
-    } rows[] = {{0, false}, {1, false}, {33, false}, {34, true}, {35, true}, {127, true}, {128, true}, {255, true},
-                {256, true}, {257, false}, {1024, false}};
+    } rows[] = {{0, false},  {1, false},  {33, false}, {34, true},   {35, true},   {127, true},
+                {128, true}, {255, true}, {256, true}, {257, false}, {1024, false}};
     for (size_t i = 0; i < COUNT(rows); i++) {
         wire_t w;
         char where[32];
@@ -485,13 +498,20 @@ static void acknowledge_and_go(void **state)
         uint8_t status;
         uint16_t code;
     } rows[] = {
-        {INIT, PREOP | ACK, PREOP, 0},         {INIT, SAFEOP | ACK, INIT | ERR, 0x0011},
-        {INIT, BOOT | ACK, INIT | ERR, 0x0013}, {PREOP, SAFEOP | ACK, SAFEOP, 0},
-        {PREOP, OP | ACK, PREOP | ERR, 0x0011}, {PREOP, INIT | ACK, INIT, 0},
-        {PREOP, 7 | ACK, PREOP | ERR, 0x0012}, {SAFEOP, PREOP | ACK, PREOP, 0},
-        {SAFEOP, INIT | ACK, INIT, 0},         {SAFEOP, BOOT | ACK, SAFEOP | ERR, 0x0011},
-        {OP, OP | ACK, OP, 0},                 {OP, SAFEOP | ACK, SAFEOP, 0},
-        {OP, PREOP | ACK, PREOP, 0},           {OP, INIT | ACK, INIT, 0},
+        {INIT, PREOP | ACK, PREOP, 0},
+        {INIT, SAFEOP | ACK, INIT | ERR, 0x0011},
+        {INIT, BOOT | ACK, INIT | ERR, 0x0013},
+        {PREOP, SAFEOP | ACK, SAFEOP, 0},
+        {PREOP, OP | ACK, PREOP | ERR, 0x0011},
+        {PREOP, INIT | ACK, INIT, 0},
+        {PREOP, 7 | ACK, PREOP | ERR, 0x0012},
+        {SAFEOP, PREOP | ACK, PREOP, 0},
+        {SAFEOP, INIT | ACK, INIT, 0},
+        {SAFEOP, BOOT | ACK, SAFEOP | ERR, 0x0011},
+        {OP, OP | ACK, OP, 0},
+        {OP, SAFEOP | ACK, SAFEOP, 0},
+        {OP, PREOP | ACK, PREOP, 0},
+        {OP, INIT | ACK, INIT, 0},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         wire_t w;
@@ -554,9 +574,10 @@ static int order_write(void *ctx, uint16_t address, const void *buffer, uint16_t
 static void code_before_flag(void **state)
 {
     (void)state;
-    static const uint16_t asked[] = {OP,          INIT | ACK, PREOP,       OP,         PREOP | ACK, PREOP | ID, PREOP,
-                                     PREOP | ID,  OP,         PREOP | ACK, SAFEOP,     SAFEOP | ID, 5,          SAFEOP | ACK | ID,
-                                     SAFEOP | ACK, INIT | ID, BOOT,        INIT | ACK, INIT};
+    static const uint16_t asked[] = {OP,    INIT | ACK,        PREOP,        OP,          PREOP | ACK, PREOP | ID,
+                                     PREOP, PREOP | ID,        OP,           PREOP | ACK, SAFEOP,      SAFEOP | ID,
+                                     5,     SAFEOP | ACK | ID, SAFEOP | ACK, INIT | ID,   BOOT,        INIT | ACK,
+                                     INIT};
     wire_t w;
     open_with_alias(&w, &testdev, 0x1234);
     order_t o = {.real = *slave_of(&w)->config.pdi, .esc = ect_chain_esc(w.chain, 0)};
@@ -660,8 +681,11 @@ static void crossing_requests(void **state)
         uint16_t asked;
         uint8_t status;
         uint16_t code;
-    } rows[] = {{SAFEOP, SAFEOP, 0},         {PREOP, PREOP, 0},  {INIT, INIT, 0},
-                {BOOT, SAFEOP | ERR, 0x0011}, {7, SAFEOP | ERR, 0x0012}};
+    } rows[] = {{SAFEOP, SAFEOP, 0},
+                {PREOP, PREOP, 0},
+                {INIT, INIT, 0},
+                {BOOT, SAFEOP | ERR, 0x0011},
+                {7, SAFEOP | ERR, 0x0012}};
     for (size_t i = 0; i < COUNT(rows); i++) {
         wire_t w;
         wire_open_one(&w, &testdev);
@@ -815,6 +839,29 @@ static void watchdog_elsewhere(void **state)
     wire_go(&w, 0, OP);
     wire_advance(&w, 100000 * MS);
     expect(&w, "input-only", OP, 0);
+    wire_close(&w);
+}
+
+/* The watchdog ran out, and outputs came again, before the slave looked: dropped, or live with these outputs. */
+static void watchdog_and_outputs_at_once(void **state)
+{
+    (void)state;
+    wire_t w;
+    uint8_t status;
+    uint16_t code;
+    wire_open_one(&w, &testdev);
+    wire_go(&w, 0, OP);
+    outputs(&w, 0x11);
+    w.manual_poll = true;
+    w.now_ns += 150 * MS;
+    (void)ect_esc_tick(ect_chain_esc(w.chain, 0), w.now_ns);
+    outputs(&w, 0x22);
+    w.manual_poll = false;
+    wire_poll(&w);
+    al(&w, &status, &code);
+    uint16_t out = testdev_of(&w, 0)->out_u16;
+    if (!(status == OP && code == 0 && out == 0x2222) && !(status == (SAFEOP | ERR) && code == 0x001B && out == 0))
+        fail_msg("AL status 0x%02X code 0x%04X, outputs 0x%04X", status, code, out);
     wire_close(&w);
 }
 
@@ -1048,8 +1095,8 @@ static void sm_changed_in_a_delay(void **state)
         unsigned int sm;
         uint8_t status;
         uint16_t code;
-    } rows[] = {{0, 0, INIT | ERR, 0x0016},   {0, 1, INIT | ERR, 0x0016},  {1, 2, PREOP | ERR, 0x001D},
-                {1, 3, PREOP | ERR, 0x001E},  {1, 0, INIT | ERR, 0x0016},  {2, 2, PREOP | ERR, 0x001D},
+    } rows[] = {{0, 0, INIT | ERR, 0x0016},  {0, 1, INIT | ERR, 0x0016}, {1, 2, PREOP | ERR, 0x001D},
+                {1, 3, PREOP | ERR, 0x001E}, {1, 0, INIT | ERR, 0x0016}, {2, 2, PREOP | ERR, 0x001D},
                 {2, 1, INIT | ERR, 0x0016}};
     for (size_t i = 0; i < COUNT(rows); i++) {
         wire_t w;
@@ -1386,7 +1433,7 @@ typedef struct model {
     uint16_t code;
     bool ident;
     bool good[4];
-    bool seen;    /* outputs since SAFEOP */
+    bool seen;         /* outputs since SAFEOP */
     uint64_t until_ns; /* OP waits until then, 0 does not */
 } model_t;
 
@@ -1546,7 +1593,8 @@ static void exact_walk(void **state)
             char where[96];
             walk_step(&w, &r, &m, what, sizeof what);
             (void)snprintf(where, sizeof where, "seed %u step %u: %s", seed, n, what);
-            expect(&w, where, (uint8_t)(m.state | (m.error ? ERR : 0) | (m.ident ? ID : 0)), m.ident ? WALK_ID : m.code);
+            expect(&w, where, (uint8_t)(m.state | (m.error ? ERR : 0) | (m.ident ? ID : 0)),
+                   m.ident ? WALK_ID : m.code);
             uint16_t out = testdev_of(&w, 0)->out_u16;
             if (out != 0 && m.state != OP)
                 fail_msg("%s: outputs are 0x%04X in state %u", where, out, m.state);
@@ -1639,69 +1687,75 @@ static void slow_walk(void **state)
     }
 }
 
-#define T(title, function) {title, function, NULL, NULL, NULL}
+#define T(title, function)                                                                                             \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
+
+static const struct CMUnitTest tests[] = {
+    T("CF-047: after power-up the state is INIT, no code, all SyncManagers off from the PDI side", power_up),
+    T("CF-033 CF-034 CF-035: every pair of states moves, stays or is refused as the table says, with the right "
+      "code",
+      every_pair),
+    T("CF-035: an unknown state is refused with 0x0012 in every state", unknown_states),
+    T("CF-033: the device is told of every transition, from where and to where", device_is_told),
+    T("CF-033: SM0/SM1 are on from PREOP, SM2/SM3 from SAFEOP, and off again below", sms_follow_state),
+    T("CF-036: anything wrong with SM0 or SM1 keeps INIT with 0x0016; put right, PREOP is reached", mailbox_checked),
+    T("CF-027 CF-036: a mailbox may have any length from its minimum to its maximum", mailbox_length_limits),
+    T("CF-037: anything wrong with SM2 gives 0x001D, with SM3 0x001E; put right, SAFEOP is reached",
+      process_sm_checked),
+    T("CF-037: both wrong gives 0x001D, then 0x001E", both_wrong),
+    T("CF-037: an output-only device wants SM3 off and goes to OP with outputs", output_only),
+    T("CF-033: a device without process data goes to OP with its mailbox alone", mailbox_only),
+    T("CF-033: a device without a mailbox asks nothing of SM0 and SM1", no_mailbox),
+    T("CF-033 CF-036: a device with BOOT goes there with the bootstrap mailbox only, else 0x0015", boot_state),
+    T("CF-038: with the error flag set, requests without acknowledge are ignored, but for INIT", unacknowledged),
+    T("CF-039: acknowledge and request in one: the flag goes, the request is judged", acknowledge_and_go),
+    T("CF-039 CF-042: OP with acknowledge after an error waits for new outputs", watchdog_error_then_op),
+    T("CF-040: the code stands in 0x0134 before the flag, and is 0 when there is no error", code_before_flag),
+    T("CF-041: the present state asked for again changes nothing", same_state_again),
+    T("CF-033: OP waits in SAFEOP without error for first outputs, and gives up with 0x0019", waits_for_outputs),
+    T("CF-033: outputs in the last moment of the time-out still lead to OP", outputs_in_time),
+    T("CF-041: another request while OP waits is carried out and ends the waiting", crossing_requests),
+    T("CF-033: after OP was left, OP needs new outputs", op_again_needs_new_outputs),
+    T("CF-041: requests in quick succession: the first counts until the slave has read it", quick_succession),
+    T("CF-041: PREOP asked for and SM2/SM3 switched off before the slave looks is no error", preop_and_sms_off),
+    T("CF-042: the watchdog in OP leads to SAFEOP with 0x001B and safe outputs; inputs go on; ack and OP recover",
+      watchdog_drop),
+    T("CF-042: after the watchdog, OP with acknowledge and outputs leads straight back", watchdog_direct_op),
+    T("CF-042: the watchdog drops nothing in SAFEOP, switched off, or without outputs", watchdog_elsewhere),
+    T("CF-042: OP is not held without outputs when their watchdog ran out before, in SAFEOP", op_needs_live_outputs),
+    T("CF-042: the watchdog ran out and outputs came again before the slave looked: dropped, or live",
+      watchdog_and_outputs_at_once),
+    T("CF-049: an hour without a master: one drop, one count, then an ordinary start", master_gone),
+    T("CF-049: the watchdog counter stops at 255", watchdog_counter_stops),
+    T("CF-043 CF-044: the device drops to any lower state with its own code, to no other", device_drops),
+    T("CF-044: a drop ends the waiting for OP", drop_ends_waiting),
+    T("CF-044: a transition that the device refuses stays below with the device's code", device_refuses),
+    T("CF-041: a transition that the device delays ends when the device says so", device_delays),
+    T("CF-041: a delayed transition fails after the time-out of the description", device_delays_too_long),
+    T("CF-041: another request ends a delayed transition", crossing_a_delay),
+    T("CF-033: OP delayed by the device still waits for outputs", delayed_op_needs_outputs),
+    T("CF-022: SMs changed during a delayed transition are noticed before the state is confirmed",
+      sm_changed_in_a_delay),
+    T("CF-047: a restart of the device leads to INIT without error, from every state", restarts),
+    T("CF-047: a restart forgets error, waiting and identification", restart_forgets),
+    T("CF-046: bit 5 gives the id in 0x0134 in every state, takes it away, not with an error", identification),
+    T("CF-046: identification together with transitions, waiting and drops", identification_on_the_move),
+    T("CF-046: a device without an id does not answer bit 5", no_identification),
+    T("CF-022: an SM changed in a running state leads to INIT 0x0016 or PREOP 0x001D / 0x001E", sm_changed),
+    T("CF-022: the same SM block written again changes nothing", rewritten_unchanged),
+    T("CF-022: a running mailbox that gets another length is noticed, though the length is allowed", mailbox_resized),
+    T("CF-022: SM3 off and on before the slave looks: inputs are valid again, or 0x001E", inputs_after_reenable),
+    T("CF-043: the cyclic unit of DC on a device without DC gives 0x0030", dc_not_offered),
+    T("CF-033: a device without any hooks goes up and down", bare_device),
+    T("CF-033..CF-046: random walks agree with the model at every step", exact_walk),
+    T("CF-033..CF-046: random walks under a slow slave end in legal and true states", slow_walk),
+};
 
 int main(int argc, char **argv)
 {
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
-    const struct CMUnitTest tests[] = {
-        T("CF-047: after power-up the state is INIT, no code, all SyncManagers off from the PDI side", power_up),
-        T("CF-033 CF-034 CF-035: every pair of states moves, stays or is refused as the table says, with the right code",
-          every_pair),
-        T("CF-035: an unknown state is refused with 0x0012 in every state", unknown_states),
-        T("CF-033: the device is told of every transition, from where and to where", device_is_told),
-        T("CF-033: SM0/SM1 are on from PREOP, SM2/SM3 from SAFEOP, and off again below", sms_follow_state),
-        T("CF-036: anything wrong with SM0 or SM1 keeps INIT with 0x0016; put right, PREOP is reached", mailbox_checked),
-        T("CF-027 CF-036: a mailbox may have any length from its minimum to its maximum", mailbox_length_limits),
-        T("CF-037: anything wrong with SM2 gives 0x001D, with SM3 0x001E; put right, SAFEOP is reached",
-          process_sm_checked),
-        T("CF-037: both wrong gives 0x001D, then 0x001E", both_wrong),
-        T("CF-037: an output-only device wants SM3 off and goes to OP with outputs", output_only),
-        T("CF-033: a device without process data goes to OP with its mailbox alone", mailbox_only),
-        T("CF-033: a device without a mailbox asks nothing of SM0 and SM1", no_mailbox),
-        T("CF-033 CF-036: a device with BOOT goes there with the bootstrap mailbox only, else 0x0015", boot_state),
-        T("CF-038: with the error flag set, requests without acknowledge are ignored, but for INIT", unacknowledged),
-        T("CF-039: acknowledge and request in one: the flag goes, the request is judged", acknowledge_and_go),
-        T("CF-039 CF-042: OP with acknowledge after an error waits for new outputs", watchdog_error_then_op),
-        T("CF-040: the code stands in 0x0134 before the flag, and is 0 when there is no error", code_before_flag),
-        T("CF-041: the present state asked for again changes nothing", same_state_again),
-        T("CF-033: OP waits in SAFEOP without error for first outputs, and gives up with 0x0019", waits_for_outputs),
-        T("CF-033: outputs in the last moment of the time-out still lead to OP", outputs_in_time),
-        T("CF-041: another request while OP waits is carried out and ends the waiting", crossing_requests),
-        T("CF-033: after OP was left, OP needs new outputs", op_again_needs_new_outputs),
-        T("CF-041: requests in quick succession: the first counts until the slave has read it", quick_succession),
-        T("CF-041: PREOP asked for and SM2/SM3 switched off before the slave looks is no error", preop_and_sms_off),
-        T("CF-042: the watchdog in OP leads to SAFEOP with 0x001B and safe outputs; inputs go on; ack and OP recover",
-          watchdog_drop),
-        T("CF-042: after the watchdog, OP with acknowledge and outputs leads straight back", watchdog_direct_op),
-        T("CF-042: the watchdog drops nothing in SAFEOP, switched off, or without outputs", watchdog_elsewhere),
-        T("CF-042: OP is not held without outputs when their watchdog ran out before, in SAFEOP", op_needs_live_outputs),
-        T("CF-049: an hour without a master: one drop, one count, then an ordinary start", master_gone),
-        T("CF-049: the watchdog counter stops at 255", watchdog_counter_stops),
-        T("CF-043 CF-044: the device drops to any lower state with its own code, to no other", device_drops),
-        T("CF-044: a drop ends the waiting for OP", drop_ends_waiting),
-        T("CF-044: a transition that the device refuses stays below with the device's code", device_refuses),
-        T("CF-041: a transition that the device delays ends when the device says so", device_delays),
-        T("CF-041: a delayed transition fails after the time-out of the description", device_delays_too_long),
-        T("CF-041: another request ends a delayed transition", crossing_a_delay),
-        T("CF-033: OP delayed by the device still waits for outputs", delayed_op_needs_outputs),
-        T("CF-022: SMs changed during a delayed transition are noticed before the state is confirmed",
-          sm_changed_in_a_delay),
-        T("CF-047: a restart of the device leads to INIT without error, from every state", restarts),
-        T("CF-047: a restart forgets error, waiting and identification", restart_forgets),
-        T("CF-046: bit 5 gives the id in 0x0134 in every state, takes it away, not with an error", identification),
-        T("CF-046: identification together with transitions, waiting and drops", identification_on_the_move),
-        T("CF-046: a device without an id does not answer bit 5", no_identification),
-        T("CF-022: an SM changed in a running state leads to INIT 0x0016 or PREOP 0x001D / 0x001E", sm_changed),
-        T("CF-022: the same SM block written again changes nothing", rewritten_unchanged),
-        T("CF-022: a running mailbox that gets another length is noticed, though the length is allowed",
-          mailbox_resized),
-        T("CF-022: SM3 off and on before the slave looks: inputs are valid again, or 0x001E", inputs_after_reenable),
-        T("CF-043: the cyclic unit of DC on a device without DC gives 0x0030", dc_not_offered),
-        T("CF-033: a device without any hooks goes up and down", bare_device),
-        T("CF-033..CF-046: random walks agree with the model at every step", exact_walk),
-        T("CF-033..CF-046: random walks under a slow slave end in legal and true states", slow_walk),
-    };
     return cmocka_run_group_tests_name("State machine", tests, NULL, NULL);
 }

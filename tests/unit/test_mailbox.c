@@ -1001,7 +1001,8 @@ static void upload_1000(wire_t *w, uint16_t size)
     uint8_t got[1000];
     uint16_t length = exchange(w, 0x40, mail, size);
     if (length != size - HEADER || mail[8] != 0x41 || ect_load_le32(mail + 12) != 1000)
-        fail_msg("SM1 of %u bytes: length %u, command 0x%02X, size %u", size, length, mail[8], ect_load_le32(mail + 12));
+        fail_msg("SM1 of %u bytes: length %u, command 0x%02X, size %u", size, length, mail[8],
+                 ect_load_le32(mail + 12));
     size_t at = length - 10u;
     memcpy(got, mail + 16, at);
     uint8_t command = 0x60;
@@ -1043,8 +1044,8 @@ static void request_lengths(void **state)
     (void)state;
     static const struct {
         uint16_t size, length, detail;
-    } rows[] = {{34, 28, 0}, {34, 29, 8}, {34, 122, 8}, {128, 122, 0}, {128, 123, 8},
-                {256, 250, 0}, {256, 251, 8}, {256, 123, 0}};
+    } rows[] = {{34, 28, 0},   {34, 29, 8},   {34, 122, 8},  {128, 122, 0},
+                {128, 123, 8}, {256, 250, 0}, {256, 251, 8}, {256, 123, 0}};
     ect_device_t device = testdev;
     device.sm[0].minimum = 34;
     device.sm[0].maximum = 256;
@@ -1069,6 +1070,45 @@ static void request_lengths(void **state)
             assert_int_equal(mail[8], 0x43);
         wire_close(&w);
     }
+}
+
+/* A list in many fragments: each can be lost, and a request waits until all are out. */
+static void fragments(void **state)
+{
+    (void)state;
+    enum { SMALL = 34 };
+    wire_t w;
+    uint8_t mail[SIZE];
+    uint8_t lost[SIZE];
+    unsigned int objects = 0;
+    wire_open_one(&w, &testdev);
+    wire_configure_mailbox(&w, 0);
+    wire_set_sm(&w, 0, 1, SM1, SMALL, 0x22);
+    wire_write16(&w, 0, ECT_REG_AL_CONTROL, ECT_STATE_PREOP);
+    header(mail, 8, 3, 1);
+    mail[7] = 0x80;
+    mail[8] = 1;  /* get OD list */
+    mail[12] = 1; /* all objects */
+    assert_int_equal(send(&w, mail), 1);
+    assert_int_equal(send_write(&w, 2, 77), 1);
+    for (unsigned int n = 1;; n++) {
+        assert_int_equal(wire_read(&w, 0, SM1, lost, SMALL), 1);
+        repeat(&w, "fragment lost");
+        assert_int_equal(wire_read(&w, 0, SM1, mail, SMALL), 1);
+        assert_memory_equal(mail, lost, SMALL);
+        assert_int_equal(counter_of(mail), (n - 1) % 7 + 1);
+        assert_int_equal(mail[7], 0x80);
+        if (ect_load_le16(mail + 10) != 0)
+            assert_int_equal(testdev_of(&w, 0)->written, 0);
+        objects += (ect_load_le16(mail) - (n == 1 ? 8u : 6u)) / 2u;
+        if (ect_load_le16(mail + 10) == 0)
+            break;
+    }
+    assert_int_equal(objects, testdev.object_count);
+    assert_int_equal(wire_read(&w, 0, SM1, mail, SMALL), 1);
+    assert_int_equal(mail[8], 0x60);
+    assert_int_equal(testdev_of(&w, 0)->u32, 77);
+    wire_close(&w);
 }
 
 /* --- SyncManagers that come back --------------------------------------------------------------------------------- */
@@ -1099,7 +1139,8 @@ static void reenabled(void **state)
             (void)fetch(&w, mail);
             assert_int_equal(send_write(&w, 2, 2), 1);
             if (!fetch(&w, mail) || testdev_of(&w, 0)->u32 != 2)
-                fail_msg("SM%u off and on, %s unread: the next request is not answered", sm, unread ? "a mail" : "none");
+                fail_msg("SM%u off and on, %s unread: the next request is not answered", sm,
+                         unread ? "a mail" : "none");
             wire_close(&w);
         }
     }
@@ -1136,8 +1177,8 @@ static uint32_t draw(uint32_t *x, uint32_t below)
 typedef struct line {
     wire_t w;
     uint32_t x;
-    uint32_t value;      /* of the last request */
-    bool waiting;        /* for its reply */
+    uint32_t value;        /* of the last request */
+    bool waiting;          /* for its reply */
     uint8_t last[2][SIZE]; /* the last two mails, to sort out repetitions */
     uint16_t emergencies_sent, emergencies_seen;
 } line_t;
@@ -1227,7 +1268,10 @@ static void bad_line(void **state)
     }
 }
 
-#define T(title, function) {title, function, NULL, NULL, NULL}
+#define T(title, function)                                                                                             \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {
@@ -1272,6 +1316,7 @@ int main(int argc, char **argv)
         T("CF-026: CoE services that are not served are answered with detail 4", services_checked),
         T("CF-086: a protocol that is not offered is answered with detail 2, CoE too", coe_not_offered),
         T("CF-017: no bytes of an older mail stand behind a shorter one", no_stale_bytes),
+        T("CF-023 CF-025: each fragment of a list can be repeated, and a request waits for the last", fragments),
         T("CF-024: address, channel and type of a reply", reply_header),
         T("CF-027: a long upload fits itself to every length of SM1 from minimum to maximum", lengths_in_use),
         T("CF-027: requests are judged by the length of SM0 that the master chose", request_lengths),

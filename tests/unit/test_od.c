@@ -15,22 +15,38 @@ static const struct {
     uint32_t code;
     bool fzm; /* in the list of Q179 section 1-1 */
 } reasons[] = {
-    {ECT_REASON_TOGGLE, 0x05030000, true},          {ECT_REASON_TIMEOUT, 0x05040000, true},
-    {ECT_REASON_COMMAND, 0x05040001, true},         {ECT_REASON_MEMORY, 0x05040005, true},
-    {ECT_REASON_UNSUPPORTED, 0x06010000, true},     {ECT_REASON_WRITE_ONLY, 0x06010001, true},
-    {ECT_REASON_READ_ONLY, 0x06010002, true},       {ECT_REASON_SUBINDEX0, 0x06010003, false},
-    {ECT_REASON_VARIABLE_LENGTH, 0x06010004, false}, {ECT_REASON_MAILBOX_SIZE, 0x06010005, false},
-    {ECT_REASON_MAPPED, 0x06010006, false},         {ECT_REASON_NO_OBJECT, 0x06020000, true},
-    {ECT_REASON_NOT_MAPPABLE, 0x06040041, true},    {ECT_REASON_PDO_LENGTH, 0x06040042, true},
-    {ECT_REASON_INCOMPATIBLE, 0x06040043, true},    {ECT_REASON_INTERNAL, 0x06040047, true},
-    {ECT_REASON_HARDWARE, 0x06060000, true},        {ECT_REASON_LENGTH, 0x06070010, true},
-    {ECT_REASON_TOO_LONG, 0x06070012, true},        {ECT_REASON_TOO_SHORT, 0x06070013, true},
-    {ECT_REASON_NO_SUBINDEX, 0x06090011, true},     {ECT_REASON_RANGE, 0x06090030, true},
-    {ECT_REASON_TOO_HIGH, 0x06090031, true},        {ECT_REASON_TOO_LOW, 0x06090032, true},
-    {ECT_REASON_MODULES, 0x06090033, false},        {ECT_REASON_MIN_MAX, 0x06090036, true},
-    {ECT_REASON_RESOURCE, 0x060A0023, false},       {ECT_REASON_GENERAL, 0x08000000, true},
-    {ECT_REASON_STORE, 0x08000020, true},           {ECT_REASON_LOCAL_CONTROL, 0x08000021, true},
-    {ECT_REASON_STATE, 0x08000022, true},           {ECT_REASON_NO_DICTIONARY, 0x08000023, true},
+    {ECT_REASON_TOGGLE, 0x05030000, true},
+    {ECT_REASON_TIMEOUT, 0x05040000, true},
+    {ECT_REASON_COMMAND, 0x05040001, true},
+    {ECT_REASON_MEMORY, 0x05040005, true},
+    {ECT_REASON_UNSUPPORTED, 0x06010000, true},
+    {ECT_REASON_WRITE_ONLY, 0x06010001, true},
+    {ECT_REASON_READ_ONLY, 0x06010002, true},
+    {ECT_REASON_SUBINDEX0, 0x06010003, false},
+    {ECT_REASON_VARIABLE_LENGTH, 0x06010004, false},
+    {ECT_REASON_MAILBOX_SIZE, 0x06010005, false},
+    {ECT_REASON_MAPPED, 0x06010006, false},
+    {ECT_REASON_NO_OBJECT, 0x06020000, true},
+    {ECT_REASON_NOT_MAPPABLE, 0x06040041, true},
+    {ECT_REASON_PDO_LENGTH, 0x06040042, true},
+    {ECT_REASON_INCOMPATIBLE, 0x06040043, true},
+    {ECT_REASON_INTERNAL, 0x06040047, true},
+    {ECT_REASON_HARDWARE, 0x06060000, true},
+    {ECT_REASON_LENGTH, 0x06070010, true},
+    {ECT_REASON_TOO_LONG, 0x06070012, true},
+    {ECT_REASON_TOO_SHORT, 0x06070013, true},
+    {ECT_REASON_NO_SUBINDEX, 0x06090011, true},
+    {ECT_REASON_RANGE, 0x06090030, true},
+    {ECT_REASON_TOO_HIGH, 0x06090031, true},
+    {ECT_REASON_TOO_LOW, 0x06090032, true},
+    {ECT_REASON_MODULES, 0x06090033, false},
+    {ECT_REASON_MIN_MAX, 0x06090036, true},
+    {ECT_REASON_RESOURCE, 0x060A0023, false},
+    {ECT_REASON_GENERAL, 0x08000000, true},
+    {ECT_REASON_STORE, 0x08000020, true},
+    {ECT_REASON_LOCAL_CONTROL, 0x08000021, true},
+    {ECT_REASON_STATE, 0x08000022, true},
+    {ECT_REASON_NO_DICTIONARY, 0x08000023, true},
     {ECT_REASON_NO_DATA, 0x08000024, false},
 };
 
@@ -100,10 +116,11 @@ static void lookup_of_entries(void **state)
                          (index == 0x2001 && (sub == 0 || sub == 1 || sub == 4 || sub == 5 || sub == 255)) ||
                          (index == 0x2002 && (sub == 2 || sub == 3));
             ect_reason_t want = index < 0x2000 || index > 0x2002 ? ECT_REASON_NO_OBJECT
-                                : there                         ? ECT_OK
-                                                                : ECT_REASON_NO_SUBINDEX;
+                                : there                          ? ECT_OK
+                                                                 : ECT_REASON_NO_SUBINDEX;
             ect_reason_t got = ect_od_lookup(&od, index, (uint8_t)sub, &object, &entry);
-            if (got != want || (entry != NULL) != there || (object != NULL) != there || (there && entry->subindex != sub))
+            if (got != want || (entry != NULL) != there || (object != NULL) != there ||
+                (there && entry->subindex != sub))
                 fail_msg("%04Xh:%u: expected reason %d, got %d", index, sub, (int)want, (int)got);
             assert_int_equal(ect_od_number(&od, index, (uint8_t)sub, &number), want);
             assert_int_equal(number, there ? entry->value : 12345);
@@ -268,8 +285,8 @@ static void bits_of_a_byte(void **state)
 {
     (void)state;
     for (unsigned int bits = 1; bits <= 8; bits++) {
-        const ect_entry_t entry = {1, (uint16_t)(0x2F + bits), (uint16_t)bits, ECT_ACCESS_RW, "B", 0,
-                                   ECT_OFFSET(instance_t, v)};
+        const ect_entry_t entry = {1, (uint16_t)(0x2F + bits),  (uint16_t)bits, ECT_ACCESS_RW, "B",
+                                   0, ECT_OFFSET(instance_t, v)};
         for (unsigned int value = 0; value < 256; value++) {
             instance_t instance = {.v.bytes = {(uint8_t)value, 0xEE}};
             const ect_od_t od = {.base = &instance};
@@ -345,7 +362,7 @@ static void texts(void **state)
             uint8_t got[8];
             memset(&instance, 'Z', sizeof instance);
             assert_int_equal(ect_od_write(&od, &entry, 0, "ABCDEFGH", first), ECT_OK);
-            assert_int_equal(ect_od_write(&od, &entry, first, "ABCDEFGH" + first, (uint16_t)(size - first)), ECT_OK);
+            assert_int_equal(ect_od_write(&od, &entry, first, &"ABCDEFGH"[first], (uint16_t)(size - first)), ECT_OK);
             assert_int_equal(ect_od_upload_size(&od, &entry), size);
             ect_od_read(&od, &entry, 0, got, size);
             assert_memory_equal(got, "ABCDEFGH", size);
@@ -364,7 +381,7 @@ static void octets_in_pieces(void **state)
         memset(&instance, 'Z', sizeof instance);
         assert_int_equal(ect_od_write(&od, &entry, 0, "0123456789", first), ECT_OK);
         assert_int_equal(instance.v.bytes[first], 'Z');
-        assert_int_equal(ect_od_write(&od, &entry, first, "0123456789" + first, (uint16_t)(10 - first)), ECT_OK);
+        assert_int_equal(ect_od_write(&od, &entry, first, &"0123456789"[first], (uint16_t)(10 - first)), ECT_OK);
         assert_memory_equal(instance.v.bytes, "0123456789ZZ", 12);
         assert_int_equal(ect_od_upload_size(&od, &entry), 10);
     }
@@ -496,8 +513,8 @@ static void limits_of_other_types(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"FZM-011 FZM-012 FZM-013 FZM-014: each reason has its abort code; 26 of them are the sensor's list", abort_codes,
-         NULL, NULL, NULL},
+        {"FZM-011 FZM-012 FZM-013 FZM-014: each reason has its abort code; 26 of them are the sensor's list",
+         abort_codes, NULL, NULL, NULL},
         {"FZM-010 FZM-012: an index is found in a list of any length exactly if it is there", lookup_of_objects, NULL,
          NULL, NULL},
         {"FZM-012 CF-068: a sub-index is found exactly if it is there, gaps and all", lookup_of_entries, NULL, NULL,

@@ -108,7 +108,7 @@ static void start_slave(rig_t *r)
     for (unsigned int n = 0; n < 3 && result != 0; n++) {
         ect_slave_config_t config = r->slave->config;
         r->dead = false;
-        memset(config.mailbox, 0xC3, 640);
+        memset(config.mailbox, 0xC3, ect_slave_memory(config.device).mailbox);
         result = ect_slave_init(r->slave, &config, r->w.now_ns);
         assert_true(result == 0 || result == -3);
     }
@@ -799,7 +799,10 @@ static void identity_default(void **state)
     rig_close(&r);
 }
 
-#define T(title, function) {title, function, NULL, NULL, NULL}
+#define T(title, function)                                                                                             \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {

@@ -9,21 +9,29 @@
 #include "support/testdev.h"
 #include "support/wire.h"
 
-enum { HEADER = 6, OUT_LENGTH = 128, IN_LENGTH = 128, SHORTEST_IN = 34, LONGEST_IN = 256, OCTETS = 1000, TEXT_ROOM = 20 };
+enum {
+    HEADER = 6,
+    OUT_LENGTH = 128,
+    IN_LENGTH = 128,
+    SHORTEST_IN = 34,
+    LONGEST_IN = 256,
+    OCTETS = 1000,
+    TEXT_ROOM = 20
+};
 
-#define TOGGLE_CODE 0x05030000u
+#define TOGGLE_CODE  0x05030000u
 #define COMMAND_CODE 0x05040001u
-#define UNSUPPORTED 0x06010000u
-#define WRITE_ONLY 0x06010001u
-#define READ_ONLY 0x06010002u
-#define VARIABLE 0x06010004u
-#define NO_OBJECT 0x06020000u
-#define TOO_LONG 0x06070012u
-#define TOO_SHORT 0x06070013u
-#define NO_SUBINDEX 0x06090011u
-#define TOO_HIGH 0x06090031u
-#define TOO_LOW 0x06090032u
-#define WRONG_STATE 0x08000022u
+#define UNSUPPORTED  0x06010000u
+#define WRITE_ONLY   0x06010001u
+#define READ_ONLY    0x06010002u
+#define VARIABLE     0x06010004u
+#define NO_OBJECT    0x06020000u
+#define TOO_LONG     0x06070012u
+#define TOO_SHORT    0x06070013u
+#define NO_SUBINDEX  0x06090011u
+#define TOO_HIGH     0x06090031u
+#define TOO_LOW      0x06090032u
+#define WRONG_STATE  0x08000022u
 
 /* --- bytes as text ------------------------------------------------------------------------------------------------ */
 
@@ -132,7 +140,8 @@ static int initiate(wire_t *w, uint8_t command, uint16_t index, uint8_t subindex
     return ask(w, IN_LENGTH, request, sizeof request, reply);
 }
 
-static void expect_abort(const char *what, const uint8_t *r, int length, uint16_t index, uint8_t subindex, uint32_t code)
+static void expect_abort(const char *what, const uint8_t *r, int length, uint16_t index, uint8_t subindex,
+                         uint32_t code)
 {
     uint8_t want[10] = {0x00, 0x20, 0x80};
     char text[1000];
@@ -145,7 +154,8 @@ static void expect_abort(const char *what, const uint8_t *r, int length, uint16_
 
 /* --- dialogues, byte by byte -------------------------------------------------------------------------------------- */
 
-/* A step is a request and its reply, both from the CoE header on. Reply NULL: none. "E nn": mailbox error, detail nn. */
+/* A step is a request and its reply, both from the CoE header on. Reply NULL: none. "E nn": mailbox error, detail nn.
+ */
 typedef struct step {
     const char *request, *reply;
 } step_t;
@@ -171,7 +181,8 @@ static void run_step(wire_t *w, const char *title, const step_t *step)
     } else if (step->reply) {
         expected = unhex(step->reply, want);
     }
-    bool good = got == expected && (got < 0 || ((mail[5] & 0x0F) == type && memcmp(mail + HEADER, want, (size_t)got) == 0));
+    bool good =
+        got == expected && (got < 0 || ((mail[5] & 0x0F) == type && memcmp(mail + HEADER, want, (size_t)got) == 0));
     if (!good)
         fail_msg("%s: request %s: expected %s, got %s (type %u)", title, step->request,
                  step->reply ? step->reply : "no mail", hex(mail + HEADER, got, text), mail[5] & 0x0F);
@@ -209,8 +220,7 @@ static void expedited_and_normal_upload(void **state)
         {"sub-index 0 of a record", {{"0020 40 1810 00 00000000", "0030 4F 1810 00 04000000"}}},
         {"identity", {{"0020 40 1810 03 00000000", "0030 43 1810 03 02000100"}}},
         {"data of the request are of no interest", {{"0020 40 0020 00 FFFFFFFF", "0030 43 0020 00 44332211"}}},
-        {"a request longer than need be",
-         {{"0020 40 0020 00 00000000 0000000000000000", "0030 43 0020 00 44332211"}}},
+        {"a request longer than need be", {{"0020 40 0020 00 00000000 0000000000000000", "0030 43 0020 00 44332211"}}},
     };
     (void)state;
     RUN(table);
@@ -266,13 +276,11 @@ static void expedited_and_normal_download(void **state)
 static void complete_access_upload(void **state)
 {
     static const dialogue_t table[] = {
-        {"array from 0",
-         {{"0020 50 0720 00 00000000", "0030 51 0720 00 0A000000 0400 1111 2222 3333 4444"}}},
+        {"array from 0", {{"0020 50 0720 00 00000000", "0030 51 0720 00 0A000000 0400 1111 2222 3333 4444"}}},
         {"array from 1", {{"0020 50 0720 01 00000000", "0030 51 0720 01 08000000 1111 2222 3333 4444"}}},
         {"record with bits from 0",
          {{"0020 50 0620 00 00000000", "0030 51 0620 00 0B000000 0600 5B01 CDAB 77 EFBEADDE"}}},
-        {"record with bits from 1",
-         {{"0020 50 0620 01 00000000", "0030 51 0620 01 09000000 5B01 CDAB 77 EFBEADDE"}}},
+        {"record with bits from 1", {{"0020 50 0620 01 00000000", "0030 51 0620 01 09000000 5B01 CDAB 77 EFBEADDE"}}},
         {"sparse record from 0", {{"0020 50 0820 00 00000000", "0030 51 0820 00 05000000 0500 11 33 55"}}},
         {"sparse record from 1: 3 bytes, expedited", {{"0020 50 0820 01 00000000", "0030 57 0820 01 11335500"}}},
         {"VAR, no pad", {{"0020 50 0020 00 00000000", "0030 53 0020 00 44332211"}}},
@@ -404,84 +412,86 @@ static void wrong_services_and_lengths(void **state)
     RUN(table);
 }
 
+static const dialogue_t segments[] = {
+    {"download: initiate without data, two segments",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 00 41424344454647", "0030 20 00000000000000"},
+      {"0020 19 48494A 00000000", "0030 30 00000000000000"},
+      {"0020 40 0120 00 00000000", "0030 41 0120 00 0A000000 4142434445464748494A"},
+      {"0020 11 41424344454647", "0020 80 0000 00 01000405"}}},
+    {"download: initiate with a part of the data",
+     {{"0020 21 0920 00 08000000 010203", "0030 60 0920 00 00000000"},
+      {"0020 05 0405060708 0000", "0030 20 00000000000000"},
+      {"0020 40 0920 00 00000000", "0030 41 0920 00 08000000 0102030405060708"}}},
+    {"download: more than 7 bytes in a segment",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 01 4142434445464748494A", "0030 20 00000000000000"},
+      {"0020 40 0120 00 00000000", "0030 41 0120 00 0A000000 4142434445464748494A"}}},
+    {"download: an empty last segment",
+     {{"0020 21 0120 00 07000000", "0030 60 0120 00 00000000"},
+      {"0020 00 41424344454647", "0030 20 00000000000000"},
+      {"0020 1F 00000000000000", "0030 30 00000000000000"},
+      {"0020 40 0120 00 00000000", "0030 41 0120 00 07000000 41424344454647"}}},
+    {"download: a first segment with toggle 1",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 10 41424344454647", "0020 80 0120 00 00000305"},
+      {"0020 00 41424344454647", "0020 80 0000 00 01000405"},
+      {"0020 40 0120 00 00000000", "0030 47 0120 00 61626300"}}},
+    {"download: the toggle does not alternate",
+     {{"0020 21 0120 00 12000000", "0030 60 0120 00 00000000"},
+      {"0020 00 41424344454647", "0030 20 00000000000000"},
+      {"0020 00 41424344454647", "0020 80 0120 00 00000305"},
+      {"0020 10 41424344454647", "0020 80 0000 00 01000405"}}},
+    {"download: the last segment brings too little",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 00 41424344454647", "0030 20 00000000000000"},
+      {"0020 1B 4849 0000000000", "0020 80 0120 00 13000706"},
+      {"0020 19 48494A 00000000", "0020 80 0000 00 01000405"}}},
+    {"download: a segment brings too much",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 00 41424344454647", "0030 20 00000000000000"},
+      {"0020 17 48494A4B 000000", "0020 80 0120 00 12000706"},
+      {"0020 19 48494A 00000000", "0020 80 0000 00 01000405"}}},
+    {"download: the master aborts, then a clean new one",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 80 0120 00 00000008", NULL},
+      {"0020 00 41424344454647", "0020 80 0000 00 01000405"},
+      {"0020 27 0120 00 58595A00", "0030 60 0120 00 00000000"},
+      {"0020 40 0120 00 00000000", "0030 47 0120 00 58595A00"}}},
+    {"download: an upload segment in between ends it",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 60 0000 00 00000000", "0020 80 0120 00 01000405"},
+      {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
+    {"download: an unknown command in between ends it",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 C0 0120 00 00000000", "0020 80 0120 00 01000405"},
+      {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
+    {"download: a refused initiate in between ends it",
+     {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
+      {"0020 40 0A20 00 00000000", "0020 80 0A20 00 00000206"},
+      {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
+    {"download: a new initiate in between takes its place, with a fresh toggle",
+     {{"0020 21 0120 00 12000000", "0030 60 0120 00 00000000"},
+      {"0020 00 41424344454647", "0030 20 00000000000000"},
+      {"0020 21 0920 00 08000000", "0030 60 0920 00 00000000"},
+      {"0020 01 0102030405060708", "0030 20 00000000000000"},
+      {"0020 40 0920 00 00000000", "0030 41 0920 00 08000000 0102030405060708"}}},
+    {"download: announced longer than its room",
+     {{"0020 21 0120 00 15000000", "0020 80 0120 00 12000706"},
+      {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
+    {"download: announced length near 2^32",
+     {{"0020 21 0120 00 FFFFFFFF", "0020 80 0120 00 12000706"},
+      {"0020 31 0720 00 FFFFFFFF", "0020 80 0720 00 12000706"}}},
+};
+
 static void segment_dialogues(void **state)
 {
-    static const dialogue_t table[] = {
-        {"download: initiate without data, two segments",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 00 41424344454647", "0030 20 00000000000000"},
-          {"0020 19 48494A 00000000", "0030 30 00000000000000"},
-          {"0020 40 0120 00 00000000", "0030 41 0120 00 0A000000 4142434445464748494A"},
-          {"0020 11 41424344454647", "0020 80 0000 00 01000405"}}},
-        {"download: initiate with a part of the data",
-         {{"0020 21 0920 00 08000000 010203", "0030 60 0920 00 00000000"},
-          {"0020 05 0405060708 0000", "0030 20 00000000000000"},
-          {"0020 40 0920 00 00000000", "0030 41 0920 00 08000000 0102030405060708"}}},
-        {"download: more than 7 bytes in a segment",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 01 4142434445464748494A", "0030 20 00000000000000"},
-          {"0020 40 0120 00 00000000", "0030 41 0120 00 0A000000 4142434445464748494A"}}},
-        {"download: an empty last segment",
-         {{"0020 21 0120 00 07000000", "0030 60 0120 00 00000000"},
-          {"0020 00 41424344454647", "0030 20 00000000000000"},
-          {"0020 1F 00000000000000", "0030 30 00000000000000"},
-          {"0020 40 0120 00 00000000", "0030 41 0120 00 07000000 41424344454647"}}},
-        {"download: a first segment with toggle 1",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 10 41424344454647", "0020 80 0120 00 00000305"},
-          {"0020 00 41424344454647", "0020 80 0000 00 01000405"},
-          {"0020 40 0120 00 00000000", "0030 47 0120 00 61626300"}}},
-        {"download: the toggle does not alternate",
-         {{"0020 21 0120 00 12000000", "0030 60 0120 00 00000000"},
-          {"0020 00 41424344454647", "0030 20 00000000000000"},
-          {"0020 00 41424344454647", "0020 80 0120 00 00000305"},
-          {"0020 10 41424344454647", "0020 80 0000 00 01000405"}}},
-        {"download: the last segment brings too little",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 00 41424344454647", "0030 20 00000000000000"},
-          {"0020 1B 4849 0000000000", "0020 80 0120 00 13000706"},
-          {"0020 19 48494A 00000000", "0020 80 0000 00 01000405"}}},
-        {"download: a segment brings too much",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 00 41424344454647", "0030 20 00000000000000"},
-          {"0020 17 48494A4B 000000", "0020 80 0120 00 12000706"},
-          {"0020 19 48494A 00000000", "0020 80 0000 00 01000405"}}},
-        {"download: the master aborts, then a clean new one",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 80 0120 00 00000008", NULL},
-          {"0020 00 41424344454647", "0020 80 0000 00 01000405"},
-          {"0020 27 0120 00 58595A00", "0030 60 0120 00 00000000"},
-          {"0020 40 0120 00 00000000", "0030 47 0120 00 58595A00"}}},
-        {"download: an upload segment in between ends it",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 60 0000 00 00000000", "0020 80 0120 00 01000405"},
-          {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
-        {"download: an unknown command in between ends it",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 C0 0120 00 00000000", "0020 80 0120 00 01000405"},
-          {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
-        {"download: a refused initiate in between ends it",
-         {{"0020 21 0120 00 0A000000", "0030 60 0120 00 00000000"},
-          {"0020 40 0A20 00 00000000", "0020 80 0A20 00 00000206"},
-          {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
-        {"download: a new initiate in between takes its place, with a fresh toggle",
-         {{"0020 21 0120 00 12000000", "0030 60 0120 00 00000000"},
-          {"0020 00 41424344454647", "0030 20 00000000000000"},
-          {"0020 21 0920 00 08000000", "0030 60 0920 00 00000000"},
-          {"0020 01 0102030405060708", "0030 20 00000000000000"},
-          {"0020 40 0920 00 00000000", "0030 41 0920 00 08000000 0102030405060708"}}},
-        {"download: announced longer than its room",
-         {{"0020 21 0120 00 15000000", "0020 80 0120 00 12000706"},
-          {"0020 00 41424344454647", "0020 80 0000 00 01000405"}}},
-        {"download: announced length near 2^32",
-         {{"0020 21 0120 00 FFFFFFFF", "0020 80 0120 00 12000706"},
-          {"0020 31 0720 00 FFFFFFFF", "0020 80 0720 00 12000706"}}},
-    };
     (void)state;
-    RUN(table);
+    RUN(segments);
 }
 
-/* --- uploads of every size in mailboxes of every length ------------------------------------------------------------ */
+/* --- uploads of every size in mailboxes of every length ------------------------------------------------------------
+ */
 
 /* The mails of an upload as E.2 wants them, compared one by one. */
 static void expect_upload(wire_t *w, uint16_t in_length, uint16_t index, uint8_t subindex, bool complete,
@@ -506,7 +516,8 @@ static void expect_upload(wire_t *w, uint16_t in_length, uint16_t index, uint8_t
     }
     int length = ask(w, in_length, request, sizeof request, got);
     if (length != (int)(10 + done) || memcmp(want, got, 10 + done) != 0)
-        fail_msg("%04Xh:%u of %u bytes, SM1 of %u: initiate is %s", index, subindex, size, in_length, hex(got, length, text));
+        fail_msg("%04Xh:%u of %u bytes, SM1 of %u: initiate is %s", index, subindex, size, in_length,
+                 hex(got, length, text));
     uint8_t toggle = 0;
     for (done = size <= 4 ? size : done; done < size; toggle ^= 0x10) {
         uint32_t left = size - done;
@@ -619,7 +630,8 @@ static void text_changes_under_way(void **state)
         int length = ask(&w, SHORTEST_IN, request, sizeof request, r);
         if (length != 10 || r[2] != 0x0B)
             fail_msg("text shortened to %u while 18 of 20 bytes are sent: expected a last segment of 2 bytes, "
-                     "got length %d, command %02X", now, length, r[2]);
+                     "got length %d, command %02X",
+                     now, length, r[2]);
         wire_close(&w);
     }
 }
@@ -720,7 +732,7 @@ static void wrong_sizes(void **state)
         uint16_t index;
         uint8_t subindex;
         uint32_t room;
-    } table[] = {{0x2008, 1, 1}, {0x2006, 1, 1}, {0x2006, 3, 1}, {0x2007, 2, 2}, {0x2003, 0, 2},
+    } table[] = {{0x2008, 1, 1}, {0x2006, 1, 1}, {0x2006, 3, 1}, {0x2007, 2, 2},     {0x2003, 0, 2},
                  {0x2000, 0, 4}, {0x2006, 6, 4}, {0x2009, 0, 8}, {0x2002, 0, OCTETS}};
     static const uint8_t zeros[16] = {0};
     (void)state;
@@ -733,8 +745,9 @@ static void wrong_sizes(void **state)
             if (size == table[i].room)
                 continue;
             uint32_t want = size > table[i].room ? TOO_LONG : TOO_SHORT;
-            uint32_t code = n > 9 ? wire_sdo_download(&w, 0, table[i].index, table[i].subindex, false, zeros, size)
-                                  : download_in_pieces(&w, table[i].index, false, table[i].subindex, zeros, size, size, 1);
+            uint32_t code =
+                n > 9 ? wire_sdo_download(&w, 0, table[i].index, table[i].subindex, false, zeros, size)
+                      : download_in_pieces(&w, table[i].index, false, table[i].subindex, zeros, size, size, 1);
             if (code != want)
                 fail_msg("%04Xh:%u of %u bytes written with %u: expected %08X, got %08X", table[i].index,
                          table[i].subindex, table[i].room, size, want, code);
@@ -790,7 +803,8 @@ static void state_changes_during_a_download(void **state)
     int length = ask(&w, IN_LENGTH, segment, sizeof segment, r);
     if (length != 10 || r[2] != 0x80 || ect_load_le32(r + 6) != WRONG_STATE || t->preop_only != 7)
         fail_msg("a value that is writable in PREOP only: started there and finished in SAFEOP: expected abort "
-                 "08000022 and 7, got command %02X and %u", r[2], t->preop_only);
+                 "08000022 and 7, got command %02X and %u",
+                 r[2], t->preop_only);
     wire_close(&w);
 }
 
@@ -809,11 +823,11 @@ static void no_answer_in_init(void **state)
 
 /* --- the device's word -------------------------------------------------------------------------------------------- */
 
-static const uint32_t codes[] = {
-    0x05030000, 0x05040000, 0x05040001, 0x05040005, 0x06010000, 0x06010001, 0x06010002, 0x06010003,
-    0x06010004, 0x06010005, 0x06010006, 0x06020000, 0x06040041, 0x06040042, 0x06040043, 0x06040047,
-    0x06060000, 0x06070010, 0x06070012, 0x06070013, 0x06090011, 0x06090030, 0x06090031, 0x06090032,
-    0x06090033, 0x06090036, 0x060A0023, 0x08000000, 0x08000020, 0x08000021, 0x08000022, 0x08000023, 0x08000024};
+static const uint32_t codes[] = {0x05030000, 0x05040000, 0x05040001, 0x05040005, 0x06010000, 0x06010001, 0x06010002,
+                                 0x06010003, 0x06010004, 0x06010005, 0x06010006, 0x06020000, 0x06040041, 0x06040042,
+                                 0x06040043, 0x06040047, 0x06060000, 0x06070010, 0x06070012, 0x06070013, 0x06090011,
+                                 0x06090030, 0x06090031, 0x06090032, 0x06090033, 0x06090036, 0x060A0023, 0x08000000,
+                                 0x08000020, 0x08000021, 0x08000022, 0x08000023, 0x08000024};
 
 static void device_refuses(void **state)
 {
@@ -847,7 +861,8 @@ static void device_refuses_a_segmented_value(void **state)
     uint32_t code = wire_sdo_download(&w, 0, 0x2002, 0, false, data, OCTETS);
     if (code != 0x08000021 || t->written != 0)
         fail_msg("1000 octets in segments, refused by the device: expected abort 08000021 and nothing reported as "
-                 "written, got %08X, %u written", code, t->written);
+                 "written, got %08X, %u written",
+                 code, t->written);
     code = download_in_pieces(&w, 0x2001, false, 0, (const uint8_t *)"Hallo", 5, 0, 5);
     if (code != 0x08000021)
         fail_msg("a text in one segment, refused by the device: expected abort 08000021, got %08X", code);
@@ -1005,9 +1020,9 @@ static void make_big(big_t *big)
         uint16_t type;
         uint8_t bits, flags;
         uint16_t access;
-    } kinds[6] = {{ECT_TYPE_BOOLEAN, 1, BITS | RW, ECT_ACCESS_RW},      {ECT_TYPE_BIT1 + 4, 5, BITS | RW, ECT_ACCESS_RW},
-                  {ECT_TYPE_UNSIGNED16, 16, RW, ECT_ACCESS_RW},         {ECT_TYPE_BIT1 + 2, 3, BITS | WRITE, ECT_ACCESS_WO},
-                  {ECT_TYPE_UNSIGNED64, 64, RW, ECT_ACCESS_RW},         {ECT_TYPE_UNSIGNED8, 8, READ, ECT_ACCESS_RO}};
+    } kinds[6] = {{ECT_TYPE_BOOLEAN, 1, BITS | RW, ECT_ACCESS_RW}, {ECT_TYPE_BIT1 + 4, 5, BITS | RW, ECT_ACCESS_RW},
+                  {ECT_TYPE_UNSIGNED16, 16, RW, ECT_ACCESS_RW},    {ECT_TYPE_BIT1 + 2, 3, BITS | WRITE, ECT_ACCESS_WO},
+                  {ECT_TYPE_UNSIGNED64, 64, RW, ECT_ACCESS_RW},    {ECT_TYPE_UNSIGNED8, 8, READ, ECT_ACCESS_RO}};
     memset(big, 0, sizeof *big);
     big->entries[0] = (ect_entry_t){0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Count", BIG_COUNT, NULL};
     big->items[0] = (item_t){0x3000, 0, 8, READ, BIG_COUNT};
@@ -1262,18 +1277,32 @@ typedef struct model {
 /* The test device as its header describes it, with the values of fill(). */
 static const item_t start[ITEMS] = {
     {0x1000, 0, 32, READ | VAR, 0x12345678},
-    {0x1C00, 0, 8, READ, 4}, {0x1C00, 1, 8, READ, 1}, {0x1C00, 2, 8, READ, 2}, {0x1C00, 3, 8, READ, 3},
+    {0x1C00, 0, 8, READ, 4},
+    {0x1C00, 1, 8, READ, 1},
+    {0x1C00, 2, 8, READ, 2},
+    {0x1C00, 3, 8, READ, 3},
     {0x1C00, 4, 8, READ, 4},
     {0x2000, 0, 32, RW | VAR, 0x11223344},
     {0x2001, 0, 160, RW | VAR | TEXT, 0},
     {0x2003, 0, 16, WRITE | VAR, 0x5A5A},
     {0x2004, 0, 16, RW | IN_PREOP | VAR, 7},
     {0x2005, 0, 16, RW | VAR | LIMITED, 5},
-    {0x2006, 0, 8, READ, 6}, {0x2006, 1, 1, RW | BITS, 1}, {0x2006, 2, 3, RW | BITS, 5}, {0x2006, 3, 5, RW | BITS, 0x15},
-    {0x2006, 4, 16, RW, 0xABCD}, {0x2006, 5, 8, READ, 0x77}, {0x2006, 6, 32, RW, 0xDEADBEEF},
-    {0x2007, 0, 8, READ, 4}, {0x2007, 1, 16, RW, 0x1111}, {0x2007, 2, 16, RW, 0x2222}, {0x2007, 3, 16, RW, 0x3333},
+    {0x2006, 0, 8, READ, 6},
+    {0x2006, 1, 1, RW | BITS, 1},
+    {0x2006, 2, 3, RW | BITS, 5},
+    {0x2006, 3, 5, RW | BITS, 0x15},
+    {0x2006, 4, 16, RW, 0xABCD},
+    {0x2006, 5, 8, READ, 0x77},
+    {0x2006, 6, 32, RW, 0xDEADBEEF},
+    {0x2007, 0, 8, READ, 4},
+    {0x2007, 1, 16, RW, 0x1111},
+    {0x2007, 2, 16, RW, 0x2222},
+    {0x2007, 3, 16, RW, 0x3333},
     {0x2007, 4, 16, RW, 0x4444},
-    {0x2008, 0, 8, READ, 5}, {0x2008, 1, 8, RW, 0x11}, {0x2008, 3, 8, RW, 0x33}, {0x2008, 5, 8, RW, 0x55},
+    {0x2008, 0, 8, READ, 5},
+    {0x2008, 1, 8, RW, 0x11},
+    {0x2008, 3, 8, RW, 0x33},
+    {0x2008, 5, 8, RW, 0x55},
     {0x2009, 0, 64, RW | VAR, 0x8877665544332211u},
     {0x6000, 0, 8, READ, 2},
 };
@@ -1420,8 +1449,9 @@ static void random_request(wire_t *w, model_t *m, unsigned int n)
         want = model_upload(m, index, subindex, complete, expected, &size);
         code = wire_sdo_upload(w, 0, index, subindex, complete, got, &room);
         if (code != want || (code == 0 && (room != size || memcmp(got, expected, size) != 0)))
-            fail_msg("request %u in state %u: upload %04Xh:%u complete %d: expected %08X with %u bytes, got %08X with %u",
-                     n, m->state, index, subindex, complete, want, size, code, (unsigned int)room);
+            fail_msg(
+                "request %u in state %u: upload %04Xh:%u complete %d: expected %08X with %u bytes, got %08X with %u", n,
+                m->state, index, subindex, complete, want, size, code, (unsigned int)room);
         return;
     }
     size = dice(m, 24);
@@ -1432,8 +1462,8 @@ static void random_request(wire_t *w, model_t *m, unsigned int n)
     want = model_download(m, index, subindex, complete, data, size);
     code = wire_sdo_download(w, 0, index, subindex, complete, data, size);
     if (code != want)
-        fail_msg("request %u in state %u: download %04Xh:%u complete %d of %u bytes: expected %08X, got %08X", n, m->state,
-                 index, subindex, complete, size, want, code);
+        fail_msg("request %u in state %u: download %04Xh:%u complete %d of %u bytes: expected %08X, got %08X", n,
+                 m->state, index, subindex, complete, size, want, code);
 }
 
 /* Begins a transfer and leaves it. */
@@ -1478,63 +1508,62 @@ static void random_session(void **state)
     }
 }
 
+static const struct CMUnitTest tests[] = {
+    {"CF-069: an upload of 1 to 4 bytes is expedited with its size, a longer one normal", expedited_and_normal_upload,
+     NULL, NULL, NULL},
+    {"CF-070: a download of the right length is stored, expedited or normal", expedited_and_normal_download, NULL, NULL,
+     NULL},
+    {"CF-073: Complete Access up: packed bits, pad after sub-index 0, gaps, VAR; refused forms", complete_access_upload,
+     NULL, NULL, NULL},
+    {"CF-073: Complete Access down: as up; too long or ending inside an element changes nothing",
+     complete_access_download, NULL, NULL, NULL},
+    {"CF-070 CF-071 CF-072: a refused request is answered with command 80h in service 2, index, sub-index and code",
+     refused_requests, NULL, NULL, NULL},
+    {"CF-072: a wrong CoE service or a mail too short gets a mailbox error", wrong_services_and_lengths, NULL, NULL,
+     NULL},
+    {"CF-069 CF-072: downloads in segments: toggle, lengths, abort, new initiate", segment_dialogues, NULL, NULL, NULL},
+    {"CF-069: texts of 0 to 20 characters around the capacity of the mailbox", text_of_every_size, NULL, NULL, NULL},
+    {"CF-069: 1000 octets come up in segments through an SM1 of any length", octets_in_every_mailbox, NULL, NULL, NULL},
+    {"CF-072: a toggle error or a wrong segment ends an upload with its abort", upload_toggle_and_interruptions, NULL,
+     NULL, NULL},
+    {"CF-072: an upload given up by abort, initiate or INIT does not go on", upload_given_up, NULL, NULL, NULL},
+    {"CF-069: 1000 octets go down in segments of any length", octets_in_pieces, NULL, NULL, NULL},
+    {"CF-069: numbers go down in segments of any length", numbers_in_pieces, NULL, NULL, NULL},
+    {"CF-069: texts go down in segments of any length", text_in_pieces, NULL, NULL, NULL},
+    {"CF-070: a wrong length is refused with 06070012 or 06070013 and nothing is stored", wrong_sizes, NULL, NULL,
+     NULL},
+    {"CF-078: what may be written in PREOP only is refused later with 08000022", rights_by_state, NULL, NULL, NULL},
+    {"CF-078: a download that began in PREOP does not write in SAFEOP what only PREOP may",
+     state_changes_during_a_download, NULL, NULL, NULL},
+    {"CF-078: no SDO in INIT", no_answer_in_init, NULL, NULL, NULL},
+    {"CF-070: the device's refusal becomes its abort code and nothing is stored", device_refuses, NULL, NULL, NULL},
+    {"CF-070: the device is asked about values in segments too", device_refuses_a_segmented_value, NULL, NULL, NULL},
+    {"CF-073: one refused element of a whole object: none is stored", nothing_is_stored_when_one_is_refused, NULL, NULL,
+     NULL},
+    {"CF-070: a device without hooks takes every value", device_without_hooks, NULL, NULL, NULL},
+    {"CF-073: a device that does not offer Complete Access refuses it with 06010000", device_without_complete_access,
+     NULL, NULL, NULL},
+    {"CF-070: the device learns of each stored value once", written_is_told, NULL, NULL, NULL},
+    {"CF-073: a whole record longer than the mailbox comes up, bits across the segments", whole_record_in_segments_up,
+     NULL, NULL, NULL},
+    {"CF-073: a whole record longer than the mailbox goes down, bits across the segments",
+     whole_record_in_segments_down, NULL, NULL, NULL},
+    {"CF-073: the mapping of 210 entries as a whole equals its entries one by one", mapping_of_210_entries, NULL, NULL,
+     NULL},
+    {"CF-073: Complete Access transfers the elements that sub-index 0 declares", declared_elements_only, NULL, NULL,
+     NULL},
+    {"CF-067: the mandatory objects of every device", mandatory_objects, NULL, NULL, NULL},
+    {"CF-068: sub-index 0 of every object counts its entries; beyond them 06090011", subindices, NULL, NULL, NULL},
+    {"CF-070 CF-073 CF-078: a random session answers as a model of the dictionary does", random_session, NULL, NULL,
+     NULL},
+    {"CF-069: a text that the device shortens while it is uploaded: the upload ends", text_changes_under_way, NULL,
+     NULL, NULL},
+    {"CF-073: a list that the device shortens while it is uploaded: the upload ends", list_changes_under_way, NULL,
+     NULL, NULL},
+};
+
 int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
-        {"CF-069: an upload of 1 to 4 bytes is expedited with its size, a longer one normal", expedited_and_normal_upload,
-         NULL, NULL, NULL},
-        {"CF-070: a download of the right length is stored, expedited or normal", expedited_and_normal_download, NULL,
-         NULL, NULL},
-        {"CF-073: Complete Access up: packed bits, pad after sub-index 0, gaps, VAR; refused forms",
-         complete_access_upload, NULL, NULL, NULL},
-        {"CF-073: Complete Access down: as up; too long or ending inside an element changes nothing",
-         complete_access_download, NULL, NULL, NULL},
-        {"CF-070 CF-071 CF-072: a refused request is answered with command 80h in service 2, index, sub-index and code",
-         refused_requests, NULL, NULL, NULL},
-        {"CF-072: a wrong CoE service or a mail too short gets a mailbox error", wrong_services_and_lengths, NULL, NULL,
-         NULL},
-        {"CF-069 CF-072: downloads in segments: toggle, lengths, abort, new initiate", segment_dialogues, NULL, NULL,
-         NULL},
-        {"CF-069: texts of 0 to 20 characters around the capacity of the mailbox", text_of_every_size, NULL, NULL, NULL},
-        {"CF-069: 1000 octets come up in segments through an SM1 of any length", octets_in_every_mailbox, NULL, NULL,
-         NULL},
-        {"CF-072: a toggle error or a wrong segment ends an upload with its abort", upload_toggle_and_interruptions, NULL,
-         NULL, NULL},
-        {"CF-072: an upload given up by abort, initiate or INIT does not go on", upload_given_up, NULL, NULL, NULL},
-        {"CF-069: 1000 octets go down in segments of any length", octets_in_pieces, NULL, NULL, NULL},
-        {"CF-069: numbers go down in segments of any length", numbers_in_pieces, NULL, NULL, NULL},
-        {"CF-069: texts go down in segments of any length", text_in_pieces, NULL, NULL, NULL},
-        {"CF-070: a wrong length is refused with 06070012 or 06070013 and nothing is stored", wrong_sizes, NULL, NULL,
-         NULL},
-        {"CF-078: what may be written in PREOP only is refused later with 08000022", rights_by_state, NULL, NULL, NULL},
-        {"CF-078: a download that began in PREOP does not write in SAFEOP what only PREOP may",
-         state_changes_during_a_download, NULL, NULL, NULL},
-        {"CF-078: no SDO in INIT", no_answer_in_init, NULL, NULL, NULL},
-        {"CF-070: the device's refusal becomes its abort code and nothing is stored", device_refuses, NULL, NULL, NULL},
-        {"CF-070: the device is asked about values in segments too", device_refuses_a_segmented_value, NULL, NULL, NULL},
-        {"CF-073: one refused element of a whole object: none is stored", nothing_is_stored_when_one_is_refused, NULL,
-         NULL, NULL},
-        {"CF-070: a device without hooks takes every value", device_without_hooks, NULL, NULL, NULL},
-        {"CF-073: a device that does not offer Complete Access refuses it with 06010000", device_without_complete_access,
-         NULL, NULL, NULL},
-        {"CF-070: the device learns of each stored value once", written_is_told, NULL, NULL, NULL},
-        {"CF-073: a whole record longer than the mailbox comes up, bits across the segments", whole_record_in_segments_up,
-         NULL, NULL, NULL},
-        {"CF-073: a whole record longer than the mailbox goes down, bits across the segments",
-         whole_record_in_segments_down, NULL, NULL, NULL},
-        {"CF-073: the mapping of 210 entries as a whole equals its entries one by one", mapping_of_210_entries, NULL,
-         NULL, NULL},
-        {"CF-073: Complete Access transfers the elements that sub-index 0 declares", declared_elements_only, NULL, NULL,
-         NULL},
-        {"CF-067: the mandatory objects of every device", mandatory_objects, NULL, NULL, NULL},
-        {"CF-068: sub-index 0 of every object counts its entries; beyond them 06090011", subindices, NULL, NULL, NULL},
-        {"CF-070 CF-073 CF-078: a random session answers as a model of the dictionary does", random_session, NULL, NULL,
-         NULL},
-        {"CF-069: a text that the device shortens while it is uploaded: the upload ends", text_changes_under_way, NULL,
-         NULL, NULL},
-        {"CF-073: a list that the device shortens while it is uploaded: the upload ends", list_changes_under_way, NULL,
-         NULL, NULL},
-    };
     /* A server that does not come to an end must not hold up everything else. */
     (void)setrlimit(RLIMIT_CPU, &(struct rlimit){.rlim_cur = 30, .rlim_max = 30});
     if (argc > 1)

@@ -109,8 +109,9 @@ static uint16_t fetch_list(session_t *s, uint16_t list, uint16_t elements, uint1
         uint8_t opcode = left > 0 ? 0x82 : 0x02;
         if (length < 6 || length % 2 != 0 || m[0] != 0 || m[1] != 0x80 || m[2] != opcode || m[3] != 0 ||
             ect_load_le16(m + 4) != left)
-            fail_msg("list %u, SM1 of %u: %u fragments should follow, got length %d, header %02X %02X %02X %02X, left %u",
-                     list, s->in_length, left, length, m[0], m[1], m[2], m[3], ect_load_le16(m + 4));
+            fail_msg(
+                "list %u, SM1 of %u: %u fragments should follow, got length %d, header %02X %02X %02X %02X, left %u",
+                list, s->in_length, left, length, m[0], m[1], m[2], m[3], ect_load_le16(m + 4));
         assert_true(left == 0 || length == 6 + 2 * per_fragment);
         for (int at = 6; at < length; at += 2)
             indices[count++] = ect_load_le16(m + at);
@@ -249,8 +250,9 @@ static void a_new_request_ends_a_long_list(void **state)
     assert_int_equal(s.mail[2], 0x04);
     assert_int_equal(ect_load_le16(s.mail + 6), 0x2005);
     if (fragments != 2)
-        fail_msg("a request while fragment 2 of 10 stands in SM1: expected its answer next, got %u more fragments first",
-                 fragments - 2);
+        fail_msg(
+            "a request while fragment 2 of 10 stands in SM1: expected its answer next, got %u more fragments first",
+            fragments - 2);
     assert_int_equal(fetch(&s), NO_MAIL);
     wire_close(&s.w);
 }
@@ -382,7 +384,9 @@ static void descriptions_by_hand(void **state)
         uint8_t want[40];
     } table[] = {
         {"U32", 3, 0x2000, 0, 15, "\x00\x80\x04\x00\x00\x00\x00\x20\x07\x00\x00\x07U32"},
-        {"array", 3, 0x2007, 0, 17, "\x00\x80\x04\x00\x00\x00\x07\x20\x06\x00\x04\x08" "Array"},
+        {"array", 3, 0x2007, 0, 17,
+         "\x00\x80\x04\x00\x00\x00\x07\x20\x06\x00\x04\x08"
+         "Array"},
         {"sparse record", 3, 0x2008, 0, 25, "\x00\x80\x04\x00\x00\x00\x08\x20\x2A\x00\x05\x09Sparse record"},
         {"identity", 3, 0x1018, 0, 20, "\x00\x80\x04\x00\x00\x00\x18\x10\x23\x00\x04\x09Identity"},
         {"rw with backup", 5, 0x2000, 0, 19, "\x00\x80\x06\x00\x00\x00\x00\x20\x00\x07\x07\x00\x20\x00\x3F\x01U32"},
@@ -403,7 +407,8 @@ static void descriptions_by_hand(void **state)
     wire_close(&s.w);
 }
 
-/* --- value info ---------------------------------------------------------------------------------------------------- */
+/* --- value info ----------------------------------------------------------------------------------------------------
+ */
 
 /* Default, minimum and maximum by hand; a NULL-like count of 0 bytes: the entry has none. */
 typedef struct details {
@@ -494,8 +499,8 @@ static void value_info_in_a_small_mailbox(void **state)
 
 static void names_are_cut_at_the_mailbox(void **state)
 {
-    static const ect_entry_t entry[] = {
-        {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "A name of an entry that is longer than some mailboxes are", 0, NULL}};
+    static const ect_entry_t entry[] = {{0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO,
+                                         "A name of an entry that is longer than some mailboxes are", 0, NULL}};
     static const ect_entry_t nameless[] = {{0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, NULL, 0, NULL}};
     static const ect_object_t objects[] = {
         {0x3000, ECT_OBJECT_VAR, 0, 0, "A name of an object that is longer than some mailboxes are", entry},
@@ -607,7 +612,8 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-076: INIT ends a list under way", init_ends_a_list, NULL, NULL, NULL},
         {"CF-076: an SDO request behind a list is answered after it", an_sdo_after_a_list, NULL, NULL, NULL},
-        {"CF-076: every object and entry of every device is described as its tables say", descriptions, NULL, NULL, NULL},
+        {"CF-076: every object and entry of every device is described as its tables say", descriptions, NULL, NULL,
+         NULL},
         {"CF-076: descriptions byte by byte", descriptions_by_hand, NULL, NULL, NULL},
         {"CF-076: an entry description carries the unit, default, minimum and maximum that were asked for", value_info,
          NULL, NULL, NULL},

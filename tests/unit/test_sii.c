@@ -152,8 +152,9 @@ static void check_header(const image_t *image)
     assert_int_equal(two_words(image, 0xA), d->identity.product_code);
     assert_int_equal(two_words(image, 0xC), d->identity.revision);
     assert_int_equal(two_words(image, 0xE), d->identity.serial);
-    const unsigned int mailbox[] = {d->boot_out.start, d->boot_out.length, d->boot_in.start, d->boot_in.length,
-                                    sm[0].start, sm[0].length, sm[1].start, sm[1].length, d->mailbox_protocols};
+    const unsigned int mailbox[] = {d->boot_out.start, d->boot_out.length, d->boot_in.start,
+                                    d->boot_in.length, sm[0].start,        sm[0].length,
+                                    sm[1].start,       sm[1].length,       d->mailbox_protocols};
     for (unsigned int n = 0; n < 9; n++) {
         if (word(image, 0x14 + n) != mailbox[n])
             fail_msg("%s: word %02X: expected %04X, got %04X", d->name, 0x14 + n, mailbox[n], word(image, 0x14 + n));
@@ -270,8 +271,9 @@ static void check_fmmus_and_sms(const image_t *image)
     assert_int_equal(sm->length, 8u * d->sm_count);
     for (size_t i = 0; i < d->sm_count; i++) {
         const ect_sm_t *s = &d->sm[i];
-        uint8_t want[8] = {(uint8_t)s->start, (uint8_t)(s->start >> 8), (uint8_t)s->length, (uint8_t)(s->length >> 8),
-                           s->control, 0, s->length > 0, (uint8_t)(i + 1)};
+        uint8_t want[8] = {
+            (uint8_t)s->start, (uint8_t)(s->start >> 8), (uint8_t)s->length, (uint8_t)(s->length >> 8), s->control, 0,
+            s->length > 0,     (uint8_t)(i + 1)};
         if (memcmp(sm->data + 8 * i, want, 8) != 0)
             fail_msg("%s: SM%zu of the SII is not the description's", d->name, i);
     }
@@ -364,7 +366,8 @@ static void pdos(void **state)
     for_every_device(check_pdos);
 }
 
-/* --- a device that has everything ---------------------------------------------------------------------------------- */
+/* --- a device that has everything ----------------------------------------------------------------------------------
+ */
 
 static const ect_dc_mode_t modes[] = {{"FreeRun", "No sync", 0x0000, 0}, {"DC", "SYNC0", 0x0300, 1000000}};
 
@@ -618,7 +621,7 @@ static void damaged_string_tables(void **state)
         for (unsigned int n = 1; n <= 4; n++) {
             uint8_t length;
             bool there = ect_sii_string(image, size, (uint8_t)n, &length) != NULL;
-            if (there != (n <= rows[i].good) && !(rows[i].table[0] == 9 && n == 3))
+            if (there != (n <= rows[i].good))
                 fail_msg("string table \"%s\": string %u is %sthere", rows[i].what, n, there ? "" : "not ");
         }
     }
@@ -700,23 +703,23 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"CF-054: the checksum of two real images and of 1000 random ones", checksums, NULL, NULL, NULL},
-        {"CF-054 CF-057: words 00 to 3F: configuration, checksum, identity, mailboxes, size; it fits SOEM's cache", headers,
-         NULL, NULL, NULL},
+        {"CF-054 CF-057: words 00 to 3F: configuration, checksum, identity, mailboxes, size; it fits SOEM's cache",
+         headers, NULL, NULL, NULL},
         {"CF-057 CF-054: an installation's own identity and alias stand in the image, the checksum with them",
          identity_and_alias, NULL, NULL, NULL},
         {"CF-060: the categories come once and in order, then the end marker and FFh", order, NULL, NULL, NULL},
         {"CF-064: the string table is whole, without doubles, the device's name first", strings, NULL, NULL, NULL},
         {"CF-060 CF-064: General has 32 bytes: names, CoE details, protocols, ports", general, NULL, NULL, NULL},
         {"CF-060: FMMUs and SyncManagers as described and as many as the ESC has", fmmus_and_sms, NULL, NULL, NULL},
-        {"CF-061 CF-064: PDOs equal the mapping objects entry by entry, their sum is the SyncManager's length", pdos, NULL,
-         NULL, NULL},
+        {"CF-061 CF-064: PDOs equal the mapping objects entry by entry, their sum is the SyncManager's length", pdos,
+         NULL, NULL, NULL},
         {"CF-057: identity words equal 1018h", identity_object, NULL, NULL, NULL},
         {"CF-058: each advertised protocol answers, each other one gets mailbox error 2", protocols_answer, NULL, NULL,
          NULL},
-        {"CF-054 CF-066: the image read over the bus, PDI control and alias register equal it", over_the_bus, NULL, NULL,
-         NULL},
-        {"CF-060 CF-061 CF-062: a device with everything: bootstrap, DC modes, FoE and EoE, a PDO not assigned", everything,
-         NULL, NULL, NULL},
+        {"CF-054 CF-066: the image read over the bus, PDI control and alias register equal it", over_the_bus, NULL,
+         NULL, NULL},
+        {"CF-060 CF-061 CF-062: a device with everything: bootstrap, DC modes, FoE and EoE, a PDO not assigned",
+         everything, NULL, NULL, NULL},
         {"CF-060: a buffer that is too small is refused", too_small, NULL, NULL, NULL},
         {"CF-060: an EEPROM that is too small is refused, at every size", every_eeprom_size, NULL, NULL, NULL},
         {"CF-064: more than 255 strings, or one of more than 255 characters, are refused", string_table_overflow, NULL,

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+/* A chain of twins: who they are, in what order, and which descriptions are refused (chain.h). */
+#include "bus/chain.h"
+
+#include <string.h>
+
+#include "bus/catalogue.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+static void unusable_descriptions(void **state)
+{
+    ect_twin_config_t twins[2] = {ect_twin_default(&testdev), ect_twin_default(&testdev)};
+    ect_device_t device = testdev;
+    (void)state;
+    twins[1].device = &device;
+    device.esc = "et9999";
+    assert_null(ect_chain_new(twins, 2, 0));
+    device = testdev;
+    device.sii_size = 256;
+    assert_null(ect_chain_new(twins, 2, 0));
+    device = testdev;
+    ect_chain_t *chain = ect_chain_new(twins, 2, 0);
+    assert_non_null(chain);
+    assert_int_equal(ect_chain_count(chain), 2);
+    ect_chain_free(chain);
+    ect_chain_free(NULL);
+}
+
+static void overridden_identity(void **state)
+{
+    ect_twin_config_t twin = ect_twin_default(&testdev);
+    wire_t w = {.now_ns = 1000 * MS};
+    uint8_t address[2];
+    (void)state;
+    assert_memory_equal(&twin.identity, &testdev.identity, sizeof twin.identity);
+    assert_int_equal(twin.alias, 0);
+    twin.identity = (ect_identity_t){0x01020304, 0x05060708, 0x090A0B0C, 0x0D0E0F10};
+    twin.alias = 0x1234;
+    w.chain = ect_chain_new(&twin, 1, w.now_ns);
+    assert_non_null(w.chain);
+    ect_store_le16(address, WIRE_STATION);
+    assert_int_equal(wire_send(&w, APWR, 0, ECT_REG_STATION_ADDRESS, address, 2), 1);
+    assert_int_equal(wire_read16(&w, 0, 0x0012), 0x1234);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    const uint32_t want[] = {0x01020304, 0x05060708, 0x090A0B0C, 0x0D0E0F10};
+    for (uint8_t n = 1; n <= 4; n++) {
+        uint8_t data[4];
+        size_t size = sizeof data;
+        assert_int_equal(wire_sdo_upload(&w, 0, 0x1018, n, false, data, &size), 0);
+        assert_int_equal(ect_load_le32(data), want[n - 1]);
+    }
+    wire_close(&w);
+}
+
+static void order_of_the_wire(void **state)
+{
+    const ect_device_t *devices[40];
+    size_t count;
+    const ect_device_t *const *catalogue = ect_catalogue(&count);
+    wire_t w;
+    (void)state;
+    for (size_t i = 0; i < 40; i++)
+        devices[i] = i % 5 == 4 ? &testdev : catalogue[i % 5 % count];
+    wire_open(&w, devices, 40);
+    assert_int_equal(ect_chain_count(w.chain), 40);
+    uint8_t data[2] = {0};
+    assert_int_equal(wire_send(&w, BRD, 0, 0x0000, data, 1), 40);
+    for (size_t i = 0; i < 40; i++) {
+        assert_ptr_equal(wire_device(&w, i), devices[i]);
+        assert_int_equal(wire_read8(&w, i, 0x0000), ect_esc_personality(devices[i]->esc)->type);
+        wire_go(&w, i, ECT_STATE_PREOP);
+    }
+    /* Two ports open on the way, one at the end. */
+    assert_int_equal(wire_read16(&w, 0, 0x0110) >> 8, 0x5A);
+    assert_int_equal(wire_read16(&w, 39, 0x0110) >> 8, 0x56);
+    wire_close(&w);
+}
+
+static void source_address(void **state)
+{
+    (void)state;
+    for (int keep = 0; keep <= 1; keep++) {
+        ect_twin_config_t twin = ect_twin_default(&testdev);
+        wire_t w = {.now_ns = 1000 * MS};
+        uint8_t data = 0;
+        twin.keep_source_mac = keep != 0;
+        w.chain = ect_chain_new(&twin, 1, w.now_ns);
+        assert_non_null(w.chain);
+        assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 1);
+        assert_int_equal(w.frame[6], keep != 0 ? 0x01 : 0x03);
+        wire_close(&w);
+    }
+}
+
+static void not_ethercat(void **state)
+{
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    wire_build(&w, BRD, 0, 0, "", 1);
+    w.frame[12] = 0x08;
+    assert_false(wire_transmit(&w));
+    wire_close(&w);
+}
+
+/* The earliest deadline of all twins; without one, never. */
+static void deadlines(void **state)
+{
+    const ect_device_t *unit = ect_catalogue_find("vr-bu-ect-map1");
+    ect_twin_config_t twins[3] = {ect_twin_default(&testdev), ect_twin_default(unit), ect_twin_default(&testdev)};
+    (void)state;
+    ect_chain_t *chain = ect_chain_new(twins, 1, 5 * MS);
+    assert_true(ect_chain_poll(chain, 5 * MS) == ECT_NEVER);
+    assert_true(ect_chain_poll(chain, 6 * MS) == ECT_NEVER);
+    ect_chain_free(chain);
+    chain = ect_chain_new(twins, 3, 5 * MS);
+    assert_true(ect_chain_poll(chain, 5 * MS) == 130 * MS);
+    assert_true(ect_chain_poll(chain, 100 * MS) == 130 * MS);
+    assert_true(ect_chain_poll(chain, 130 * MS) == 255 * MS);
+    ect_chain_free(chain);
+}
+
+static void catalogue_names(void **state)
+{
+    size_t count;
+    const ect_device_t *const *devices = ect_catalogue(&count);
+    (void)state;
+    assert_true(count >= 4);
+    for (size_t i = 0; i < count; i++) {
+        assert_ptr_equal(ect_catalogue_find(devices[i]->name), devices[i]);
+        assert_int_equal(strspn(devices[i]->name, "abcdefghijklmnopqrstuvwxyz0123456789-"), strlen(devices[i]->name));
+        assert_true(strlen(devices[i]->type_name) <= 40);
+        for (size_t k = 0; k < i; k++) {
+            assert_int_not_equal(devices[i]->identity.product_code, devices[k]->identity.product_code);
+            assert_string_not_equal(devices[i]->type_name, devices[k]->type_name);
+        }
+    }
+    assert_null(ect_catalogue_find("no-such-device"));
+    assert_null(ect_catalogue_find(""));
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-001: a chain with an unknown ESC or an EEPROM too small is refused", unusable_descriptions, NULL, NULL,
+         NULL},
+        {"CF-057 CF-065: an installation's identity and alias reach 1018h and register 0012h", overridden_identity,
+         NULL, NULL, NULL},
+        {"CF-002 CF-010: 40 twins answer in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
+        {"CF-095: the source address has its bit set, or is kept if so wished", source_address, NULL, NULL, NULL},
+        {"CF-013: a frame that is no EtherCAT does not come back", not_ethercat, NULL, NULL, NULL},
+        {"CF-083: the poll tells the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
+        {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Chain", tests, NULL, NULL);
+}
