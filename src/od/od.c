@@ -239,17 +239,27 @@ static bool is_signed(uint16_t data_type)
     return (data_type >= ECT_TYPE_INTEGER8 && data_type <= ECT_TYPE_INTEGER32) || data_type == ECT_TYPE_INTEGER64;
 }
 
+static bool is_integer(const ect_entry_t *entry)
+{
+    uint16_t type = entry->data_type;
+    return ect_od_is_bits(entry) || (type >= ECT_TYPE_INTEGER8 && type <= ECT_TYPE_UNSIGNED32) ||
+           type == ECT_TYPE_INTEGER64 || type == ECT_TYPE_UNSIGNED64 ||
+           (type >= ECT_TYPE_BITARR8 && type <= ECT_TYPE_BITARR32);
+}
+
 ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_entry_t *entry, const void *bytes)
 {
     const ect_limit_t *limit = ect_od_limit(od, index, (uint8_t)entry->subindex);
     uint16_t size = ect_od_bytes(entry);
-    if (!limit || size == 0 || size > 8)
+    if (!limit || !is_integer(entry))
         return ECT_OK;
     uint8_t wire[8] = {0};
     memcpy(wire, bytes, size);
     if (is_signed(entry->data_type) && (wire[size - 1] & 0x80) != 0)
         memset(wire + size, 0xFF, sizeof wire - size);
     int64_t value = (int64_t)ect_load_le64(wire);
+    if (value < 0 && !is_signed(entry->data_type)) /* beyond what a limit can say */
+        return ECT_REASON_TOO_HIGH;
     if (value > limit->maximum)
         return ECT_REASON_TOO_HIGH;
     return value < limit->minimum ? ECT_REASON_TOO_LOW : ECT_OK;

@@ -223,9 +223,12 @@ typedef struct ect_device {
      */
     uint64_t (*tick)(void *instance, uint64_t now_ns);
 
+    /** A master is about to read an object by SDO: bring data that is kept for such readers up to date. */
+    void (*sdo_read)(void *instance, uint16_t index);
+
     /**
      * A master wants to write an entry; rights, length and limits are fine already. Nothing is stored yet.
-     * @param data  `size` bytes in wire form
+     * @param data  `size` bytes in wire form, or NULL: a long value that comes in pieces and is stored as they come
      * @return ECT_OK to let it be stored, or the reason to refuse.
      */
     ect_reason_t (*sdo_write)(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);

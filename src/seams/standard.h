@@ -16,7 +16,7 @@
 
 /** What every instance begins with. */
 typedef struct ect_standard {
-    const ect_device_t *device; /**< the description; also keeps offset 0 free of entries */
+    const ect_device_t *device; /**< the description, set before init; also keeps offset 0 free of entries */
     ect_identity_t identity;    /**< 1018h */
     uint8_t error_register;     /**< 1001h, kept by the stack */
 } ect_standard_t;

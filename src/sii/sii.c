@@ -58,11 +58,13 @@ static void end(pen_t *p, uint8_t filler)
 /* Index of a string that is in the table already; 0: none such. */
 static uint8_t string_index(const pen_t *p, const char *text)
 {
-    size_t length = text ? strlen(text) : 0;
+    size_t length = text && !p->overflow ? strlen(text) : 0;
+    if (length == 0)
+        return 0;
     const uint8_t *table = p->image + p->strings;
     const uint8_t *s = table + 1;
     for (unsigned int i = 1; i <= table[0]; i++, s += 1 + s[0]) {
-        if (length > 0 && s[0] == length && memcmp(s + 1, text, length) == 0)
+        if (s[0] == length && memcmp(s + 1, text, length) == 0)
             return (uint8_t)i;
     }
     return 0;
@@ -71,9 +73,9 @@ static uint8_t string_index(const pen_t *p, const char *text)
 static void intern(pen_t *p, const char *text)
 {
     size_t length = text ? strlen(text) : 0;
-    uint8_t *count = p->image + p->strings;
     if (length == 0 || p->overflow || string_index(p, text) != 0)
         return;
+    uint8_t *count = p->image + p->strings;
     if (*count == 255 || length > LONGEST_STRING || p->at + 1 + length > p->size) {
         p->overflow = true;
         return;
@@ -242,8 +244,9 @@ static unsigned int ports(const char *physics)
     return value;
 }
 
-static void put_general(pen_t *p)
+static void put_general(pen_t *p, uint16_t alias)
 {
+    enum { IDENT_BY_AL_STATUS = 0x08 };
     const ect_device_t *device = p->device;
     begin(p, ECT_SII_GENERAL);
     put8(p, string_index(p, device->group_type));
@@ -254,7 +257,9 @@ static void put_general(pen_t *p)
     put8(p, device->coe_details);
     put8(p, (device->mailbox_protocols & ECT_MAILBOX_FOE) != 0);
     put8(p, (device->mailbox_protocols & ECT_MAILBOX_EOE) != 0);
-    put32(p, 0); /* SoE channels, DS402 channels, SysmanClass, flags */
+    put16(p, 0); /* SoE channels, DS402 channels */
+    put8(p, 0);  /* SysmanClass */
+    put8(p, alias != 0 ? IDENT_BY_AL_STATUS : 0);
     put16(p, 0); /* EBUS current */
     put8(p, string_index(p, device->group_name));
     put8(p, 0);
@@ -317,7 +322,7 @@ int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity
     memset(image, 0xFF, size);
     put_header(&pen, identity ? identity : &device->identity, alias);
     put_strings(&pen);
-    put_general(&pen);
+    put_general(&pen, alias);
     put_fmmus(&pen);
     put_sms(&pen);
     put_pdos(&pen, false);

@@ -33,7 +33,7 @@ enum { ECT_SII_CATEGORIES = 0x80 };
  * Writes the image of a device: identity, mailboxes, strings, general, FMMUs, SyncManagers, PDOs with all entries,
  * distributed clocks, and 0xFF up to the end of the EEPROM.
  * @param identity  NULL: the description's
- * @param alias     configured station alias, word 4
+ * @param alias     configured station alias, word 4; not 0: it is the explicit device id too, and the image says so
  * @param[out] image  `size` bytes; undefined on failure
  * @param size        at least device->sii_size
  * @return bytes of the image (device->sii_size) · -1 `size` is too small · -2 the content does not fit the EEPROM

@@ -74,10 +74,15 @@ enum {
     ECT_MAILBOX_ERROR_SIZE = 8,
 };
 
-void ect_mailbox_start(ect_slave_t *s, const uint8_t *sm_registers);
+/* The room that a mailbox SyncManager may need, in PREOP or in BOOT. */
+uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm);
+/* Takes the layout that the master chose; the mailbox runs from ect_mailbox_start on. */
+void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers);
+void ect_mailbox_start(ect_slave_t *s);
 void ect_mailbox_stop(ect_slave_t *s);
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event);
-void ect_mailbox_repeat(ect_slave_t *s, bool toggle);
+/* What the SyncManagers show while the mailbox runs: the repeat toggle, and whether our mail still stands there. */
+void ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers);
 /* Where the next mail is built, zeroed, `in_size` bytes; only while a service handles a request or sends. */
 uint8_t *ect_mailbox_build(ect_slave_t *s);
 /* Sends what was built: `length` bytes follow the header. */

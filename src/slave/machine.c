@@ -11,9 +11,15 @@ enum { SM_BLOCK = 4 * ECT_SM_SIZE };
  * interrupt bit and the watchdog trigger are its business. */
 enum { CONTROL_COMPARED = ECT_SM_CONTROL_MODE | ECT_SM_CONTROL_DIRECTION | ECT_SM_CONTROL_AL_EVENT };
 
-static uint16_t sm_block_size(const ect_slave_t *s)
+/* Reads all SyncManagers at once, which also acknowledges that they changed. */
+static bool read_sms(ect_slave_t *s, uint8_t block[SM_BLOCK])
 {
-    return (uint16_t)(s->config.device->sm_count * ECT_SM_SIZE);
+    uint16_t size = (uint16_t)(s->config.device->sm_count * ECT_SM_SIZE);
+    memset(block, 0, SM_BLOCK);
+    if (!ect_slave_read(s, ECT_REG_SM, block, size))
+        return false;
+    s->due &= ~(uint32_t)ECT_EVENT_SM_CHANGED;
+    return true;
 }
 
 static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16_t shortest, uint16_t longest)
@@ -26,7 +32,7 @@ static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16
 
 static bool mailbox_good(const ect_device_t *device, const uint8_t *block)
 {
-    for (unsigned int n = 0; n < 2 && n < device->sm_count; n++) {
+    for (unsigned int n = 0; n < 2; n++) {
         const ect_sm_t *sm = &device->sm[n];
         uint16_t shortest = sm->minimum != 0 ? sm->minimum : sm->length;
         uint16_t longest = sm->maximum != 0 ? sm->maximum : sm->length;
@@ -34,6 +40,27 @@ static bool mailbox_good(const ect_device_t *device, const uint8_t *block)
             return false;
     }
     return true;
+}
+
+static bool boot_mailbox_good(const ect_device_t *device, const uint8_t *block)
+{
+    for (unsigned int n = 0; n < 2; n++) {
+        const ect_boot_mailbox_t *boot = n == 0 ? &device->boot_out : &device->boot_in;
+        ect_sm_t sm = device->sm[n];
+        sm.start = boot->start;
+        if (!sm_as_described(block + n * ECT_SM_SIZE, &sm, boot->length, boot->length))
+            return false;
+    }
+    return true;
+}
+
+/* The mailbox that runs is the one that the master configured: not another length, though it were allowed. */
+static bool mailbox_unchanged(const ect_slave_t *s, const uint8_t *block)
+{
+    const ect_device_t *device = s->config.device;
+    bool good = s->state == ECT_STATE_BOOT ? boot_mailbox_good(device, block) : mailbox_good(device, block);
+    return good && ect_load_le16(block + ECT_SM_LENGTH) == s->mailbox.out_size &&
+           ect_load_le16(block + ECT_SM_SIZE + ECT_SM_LENGTH) == s->mailbox.in_size;
 }
 
 /* Process data: exactly the mapped bytes, or switched off when nothing is mapped. */
@@ -66,7 +93,7 @@ bool ect_machine_flush(ect_slave_t *s)
     for (unsigned int n = 0; s->sm_due != 0; n++) {
         if ((s->sm_due & (1u << n)) == 0)
             continue;
-        bool acknowledged = n == 1 && s->mailbox.toggle && !s->mailbox.ack_due;
+        bool acknowledged = n == 1 && s->mailbox.toggle != s->mailbox.ack_due; /* due: still as it was before */
         bool off = (s->sm_off & (1u << n)) != 0;
         uint8_t value = (uint8_t)((off ? ECT_SM_PDI_DISABLE : 0) | (acknowledged ? ECT_SM_PDI_REPEAT_ACK : 0));
         if (!ect_slave_write(s, (uint16_t)(ECT_REG_SM + n * ECT_SM_SIZE + ECT_SM_PDI_CONTROL), &value, 1))
@@ -143,17 +170,18 @@ void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_ca
 
 /* --- upwards ---------------------------------------------------------------------------------------------------- */
 
-static uint16_t init_to_preop(ect_slave_t *s, const uint8_t *block)
+static uint16_t check_mailbox(ect_slave_t *s, uint8_t target, const uint8_t *block)
 {
-    if (s->config.device->mailbox_protocols == 0)
-        return ECT_AL_NO_ERROR;
-    if (!mailbox_good(s->config.device, block))
+    const ect_device_t *device = s->config.device;
+    if (target == ECT_STATE_BOOT && !boot_mailbox_good(device, block))
+        return ECT_AL_BOOT_MAILBOX;
+    if (target == ECT_STATE_PREOP && !mailbox_good(device, block))
         return ECT_AL_MAILBOX;
-    ect_mailbox_start(s, block);
+    ect_mailbox_configure(s, block);
     return ECT_AL_NO_ERROR;
 }
 
-static uint16_t preop_to_safeop(ect_slave_t *s, const uint8_t *block)
+static uint16_t check_process_data(ect_slave_t *s, const uint8_t *block)
 {
     uint8_t cyclic_unit = 0;
     uint16_t code = ect_pdo_configure(s);
@@ -169,22 +197,32 @@ static uint16_t preop_to_safeop(ect_slave_t *s, const uint8_t *block)
 
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
-    uint8_t block[SM_BLOCK] = {0};
-    if (target == ECT_STATE_OP || !ect_slave_read(s, ECT_REG_SM, block, sm_block_size(s)))
+    uint8_t block[SM_BLOCK];
+    bool has_mailbox = s->config.device->mailbox_protocols != 0;
+    if (target == ECT_STATE_OP || !read_sms(s, block))
         return ECT_AL_NO_ERROR;
-    return target == ECT_STATE_PREOP ? init_to_preop(s, block) : preop_to_safeop(s, block);
+    if (target != ECT_STATE_SAFEOP)
+        return has_mailbox ? check_mailbox(s, target, block) : (uint16_t)ECT_AL_NO_ERROR;
+    if (s->mailbox.running) {
+        ect_mailbox_look(s, block);
+        if (!mailbox_unchanged(s, block))
+            s->due |= ECT_EVENT_SM_CHANGED; /* to be looked at for its own sake */
+    }
+    return check_process_data(s, block);
 }
 
 /* What must run before the new state is reported. */
 static void enter(ect_slave_t *s, uint8_t target)
 {
-    if (target == ECT_STATE_PREOP) {
+    if (target == ECT_STATE_PREOP || target == ECT_STATE_BOOT) {
+        if (s->config.device->mailbox_protocols != 0)
+            ect_mailbox_start(s);
         ect_machine_sm_off(s, 0, 2, false);
     } else if (target == ECT_STATE_SAFEOP) {
         s->outputs_seen = false;
         ect_machine_sm_off(s, 2, process_sm_count(s), false);
-        if (ect_machine_flush(s))
-            (void)ect_pdo_inputs(s);
+        if (ect_machine_flush(s) && ect_pdo_inputs(s))
+            s->inputs_due = false;
     } else {
         if (s->output_bytes > 0)
             ect_pdo_outputs(s, true);
@@ -211,7 +249,7 @@ static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
 static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
 {
     const ect_timeouts_t *t = &s->config.device->timeouts;
-    return 1000000ull * (target == ECT_STATE_PREOP ? t->preop_ms : t->safeop_op_ms);
+    return 1000000ull * (target < ECT_STATE_SAFEOP ? t->preop_ms : t->safeop_op_ms);
 }
 
 static void wait_for(ect_slave_t *s, uint8_t target, bool device)
@@ -219,6 +257,16 @@ static void wait_for(ect_slave_t *s, uint8_t target, bool device)
     s->pending = target;
     s->pending_device = device;
     s->pending_until_ns = s->now_ns + timeout_ns(s, target);
+}
+
+/* The device and the checks agree; only the first outputs may still be missing. */
+static void agree(ect_slave_t *s, uint8_t target, uint16_t code)
+{
+    bool outputs_missing = target == ECT_STATE_OP && s->output_bytes > 0 && !s->outputs_seen;
+    if (code == ECT_AL_NO_ERROR && outputs_missing)
+        wait_for(s, target, false);
+    else
+        finish_up(s, target, code);
 }
 
 static void go_up(ect_slave_t *s, uint8_t target)
@@ -235,24 +283,25 @@ static void go_up(ect_slave_t *s, uint8_t target)
         code = device->state_change(s->config.instance, s->state, target, s->now_ns);
     if (code == ECT_AL_PENDING)
         wait_for(s, target, true);
-    else if (code == ECT_AL_NO_ERROR && target == ECT_STATE_OP && s->output_bytes > 0 && !s->outputs_seen)
-        wait_for(s, target, false);
     else
-        finish_up(s, target, code);
+        agree(s, target, code);
 }
 
-/* A delayed transition: the device or the first outputs decide it, or the time-out of the description does. */
+/* A delayed transition: the device or the first outputs decide it, or the time-out of the description does. What was
+ * checked before may have changed meanwhile. */
 void ect_machine_pending(ect_slave_t *s)
 {
     uint8_t target = s->pending;
     if (target == 0)
         return;
-    if (s->pending_device && s->pending_done)
-        finish_up(s, target, s->pending_result);
-    else if (!s->pending_device && s->outputs_seen)
+    if (s->pending_device && s->pending_done) {
+        uint16_t code = s->pending_result != ECT_AL_NO_ERROR ? s->pending_result : check_up(s, target);
+        agree(s, target, code);
+    } else if (!s->pending_device && s->outputs_seen) {
         finish_up(s, target, ECT_AL_NO_ERROR);
-    else if (s->now_ns >= s->pending_until_ns)
+    } else if (s->now_ns >= s->pending_until_ns) {
         finish_up(s, target, s->pending_device ? ECT_AL_UNSPECIFIED : ECT_AL_NO_OUTPUTS);
+    }
 }
 
 /* --- what the master did ---------------------------------------------------------------------------------------- */
@@ -271,6 +320,7 @@ void ect_machine_al_control(ect_slave_t *s)
     uint8_t bytes[2];
     if (!ect_slave_read(s, ECT_REG_AL_CONTROL, bytes, sizeof bytes))
         return;
+    s->due &= ~(uint32_t)ECT_EVENT_AL_CONTROL;
     s->request = ect_load_le16(bytes);
     s->request_due = true;
 }
@@ -310,21 +360,22 @@ void ect_machine_request(ect_slave_t *s)
 
 void ect_machine_sm_changed(ect_slave_t *s)
 {
-    uint8_t block[SM_BLOCK] = {0};
-    const ect_device_t *device = s->config.device;
-    if (!ect_slave_read(s, ECT_REG_SM, block, sm_block_size(s)))
+    uint8_t block[SM_BLOCK];
+    if (!read_sms(s, block))
         return;
-    if (s->state >= ECT_STATE_PREOP && device->mailbox_protocols != 0) {
-        if (!mailbox_good(device, block)) {
-            ect_machine_drop(s, ECT_STATE_INIT, ECT_AL_MAILBOX, ECT_CAUSE_REQUEST);
+    if (s->mailbox.running) {
+        ect_mailbox_look(s, block);
+        if (!mailbox_unchanged(s, block)) {
+            uint16_t code = s->state == ECT_STATE_BOOT ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
+            ect_machine_drop(s, ECT_STATE_INIT, code, ECT_CAUSE_REQUEST);
             return;
         }
-        ect_mailbox_repeat(s, (block[ECT_SM_SIZE + ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0);
     }
     if (s->state == ECT_STATE_SAFEOP || s->state == ECT_STATE_OP) {
         uint16_t code = check_process_sms(s, block);
         if (code != ECT_AL_NO_ERROR)
             ect_machine_drop(s, ECT_STATE_PREOP, code, ECT_CAUSE_REQUEST);
+        s->inputs_due = true; /* switched off and on again, the buffers are empty */
     }
 }
 
@@ -333,6 +384,10 @@ void ect_machine_watchdog(ect_slave_t *s)
     uint8_t status[2];
     if (!ect_slave_read(s, ECT_REG_WD_STATUS_PD, status, sizeof status))
         return;
-    if (s->state == ECT_STATE_OP && s->output_bytes > 0 && (status[0] & 1u) == 0)
+    s->due &= ~(uint32_t)ECT_EVENT_WATCHDOG;
+    if ((status[0] & 1u) != 0 || s->output_bytes == 0)
+        return;
+    s->outputs_seen = false; /* what was seen is too old to go to OP with */
+    if (s->state == ECT_STATE_OP)
         ect_machine_drop(s, ECT_STATE_SAFEOP, ECT_AL_WATCHDOG, ECT_CAUSE_WATCHDOG);
 }

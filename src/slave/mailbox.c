@@ -7,22 +7,36 @@
 
 #include "slave/internal.h"
 
-void ect_mailbox_start(ect_slave_t *s, const uint8_t *sm_registers)
+uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm)
 {
-    ect_mailbox_t *m = &s->mailbox;
-    const ect_sm_t *sm = s->config.device->sm;
-    uint16_t out_room = sm[0].maximum > sm[0].length ? sm[0].maximum : sm[0].length;
-    uint16_t in_room = sm[1].maximum > sm[1].length ? sm[1].maximum : sm[1].length;
-    bool toggle = (sm_registers[ECT_SM_SIZE + ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
-    *m = (ect_mailbox_t){
-        .running = true,
+    uint16_t boot = sm == 0 ? device->boot_out.length : device->boot_in.length;
+    uint16_t room = 0;
+    if (device->sm_count >= 2 && device->mailbox_protocols != 0)
+        room = device->sm[sm].maximum > device->sm[sm].length ? device->sm[sm].maximum : device->sm[sm].length;
+    return room > boot ? room : boot;
+}
+
+void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
+{
+    const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
+    uint8_t *memory = s->config.mailbox;
+    uint16_t out_room = ect_mailbox_room(s->config.device, 0);
+    uint16_t in_room = ect_mailbox_room(s->config.device, 1);
+    s->mailbox = (ect_mailbox_t){
+        .out_start = ect_load_le16(sm_registers + ECT_SM_START),
+        .in_start = ect_load_le16(sm1 + ECT_SM_START),
         .out_size = ect_load_le16(sm_registers + ECT_SM_LENGTH),
-        .in_size = ect_load_le16(sm_registers + ECT_SM_SIZE + ECT_SM_LENGTH),
-        .request = s->config.mailbox,
-        .mail = {s->config.mailbox + out_room, s->config.mailbox + out_room + in_room},
+        .in_size = ect_load_le16(sm1 + ECT_SM_LENGTH),
+        .request = memory,
+        .mail = {memory + out_room, memory + out_room + in_room},
         .reply = -1,
-        .toggle = toggle,
+        .toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0,
     };
+}
+
+void ect_mailbox_start(ect_slave_t *s)
+{
+    s->mailbox.running = true;
     ect_coe_stop(s);
 }
 
@@ -57,7 +71,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
 static void write_shown(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    if (!ect_slave_write(s, s->config.device->sm[1].start, m->mail[m->shown], m->in_size))
+    if (!ect_slave_write(s, m->in_start, m->mail[m->shown], m->in_size))
         return;
     m->to_write = false;
     m->in_buffer = true;
@@ -73,6 +87,7 @@ static void acknowledge_repeat(ect_slave_t *s)
 static void show(ect_slave_t *s, uint8_t slot)
 {
     s->mailbox.shown = slot;
+    s->mailbox.repeated = false;
     s->mailbox.to_write = true;
     write_shown(s);
 }
@@ -134,7 +149,9 @@ static void dispatch(ect_slave_t *s)
         return;
     }
     for (size_t i = 0; i < sizeof services / sizeof services[0]; i++) {
-        if (services[i].type == (mail[5] & 0x0F) && (s->config.device->mailbox_protocols & services[i].protocol) != 0) {
+        bool in_state = s->state != ECT_STATE_BOOT; /* there only FoE is at home */
+        bool offered = (s->config.device->mailbox_protocols & services[i].protocol) != 0;
+        if (in_state && offered && services[i].type == (mail[5] & 0x0F)) {
             services[i].request(s, mail + ECT_MAILBOX_HEADER, ect_load_le16(mail));
             return;
         }
@@ -145,7 +162,7 @@ static void dispatch(ect_slave_t *s)
 static void handle_request(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    if (!ect_slave_read(s, s->config.device->sm[0].start, m->request, m->out_size))
+    if (!ect_slave_read(s, m->out_start, m->request, m->out_size))
         return;
     uint8_t counter = (m->request[5] >> 4) & 7u;
     if (counter != 0 && counter == m->request_counter) { /* a repetition: not carried out again */
@@ -163,9 +180,13 @@ static void handle_request(ect_slave_t *s)
 
 /* --- repeat ------------------------------------------------------------------------------------------------------ */
 
-void ect_mailbox_repeat(ect_slave_t *s, bool toggle)
+void ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 {
     ect_mailbox_t *m = &s->mailbox;
+    const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
+    bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
+    if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
+        m->in_buffer = false; /* fetched, or lost when the master switched SM1 off and on */
     if (toggle == m->toggle)
         return;
     m->toggle = toggle;
@@ -173,24 +194,31 @@ void ect_mailbox_repeat(ect_slave_t *s, bool toggle)
     m->ack_due = true;
 }
 
+/* The mail that was lost is the one before that which stands in SM1; this one follows it. Off and on empties SM1. */
+static bool bring_back(ect_slave_t *s)
+{
+    ect_mailbox_t *m = &s->mailbox;
+    ect_machine_sm_off(s, 1, 1, true);
+    if (!ect_machine_flush(s))
+        return false;
+    ect_machine_sm_off(s, 1, 1, false);
+    if (!ect_machine_flush(s))
+        return false;
+    m->in_buffer = false;
+    m->newest_waits = true;
+    m->shown = (uint8_t)(1 - m->newest);
+    m->to_write = true;
+    return true;
+}
+
 static void repeat(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    if (m->mails > 0 && !m->in_buffer) {
+    if (m->mails > 0 && !m->in_buffer)
         m->to_write = true;
-    } else if (m->in_buffer && m->shown == m->newest && m->mails == 2) {
-        /* The mail that was lost is the one before; this one comes after it. Off and on again empties SM1. */
-        ect_machine_sm_off(s, 1, 1, true);
-        if (!ect_machine_flush(s))
-            return;
-        ect_machine_sm_off(s, 1, 1, false);
-        if (!ect_machine_flush(s))
-            return;
-        m->in_buffer = false;
-        m->newest_waits = true;
-        m->shown = (uint8_t)(1 - m->newest);
-        m->to_write = true;
-    }
+    else if (m->in_buffer && !m->repeated && m->shown == m->newest && m->mails == 2 && !bring_back(s))
+        return;
+    m->repeated = true;
     m->repeat_due = false;
 }
 
@@ -213,8 +241,8 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     }
     if (may_build(m) && ect_coe_has_emergency(s))
         ect_coe_send_emergency(s);
-    else if (may_build(m) && ect_coe_has_more(s))
-        ect_coe_send_more(s);
     else if (may_build(m) && (event & ECT_EVENT_SM0) != 0)
         handle_request(s);
+    if (may_build(m) && ect_coe_has_more(s))
+        ect_coe_send_more(s);
 }

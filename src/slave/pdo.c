@@ -8,7 +8,8 @@
 
 #include "slave/internal.h"
 
-enum { ASSIGN_OUTPUTS = 0x1C12, ASSIGN_INPUTS = 0x1C13, LARGEST_IMAGE_BITS = 1486 * 8 };
+enum { ASSIGN_OUTPUTS = 0x1C12, ASSIGN_INPUTS = 0x1C13, LARGEST_IMAGE_BITS = 1486 * 8,
+       WIRE = 32 /* a mapping entry has at most 255 bits */ };
 
 typedef struct layout {
     ect_slave_t *slave;
@@ -136,15 +137,23 @@ static void copy_bits(uint8_t *to, unsigned int to_bit, const uint8_t *from, uns
     }
 }
 
+/* Bytes of an entry's wire form that a run touches: numbers go whole, of longer entries what is mapped. */
+static uint16_t wire_bytes(const ect_pdo_run_t *run)
+{
+    uint16_t whole = ect_od_bytes(run->entry);
+    return whole <= WIRE ? whole : (uint16_t)((run->bits + 7) / 8);
+}
+
 static void unpack(ect_slave_t *s)
 {
     const uint8_t *image = s->config.process_data;
     for (uint16_t i = 0; i < s->output_runs; i++) {
         const ect_pdo_run_t *run = &s->config.runs[i];
-        uint8_t wire[32] = {0}; /* a mapping entry has at most 255 bits */
+        uint8_t wire[WIRE];
         if (run->entry) {
+            memset(wire, 0, sizeof wire); /* a number of which less is mapped is extended by zeros */
             copy_bits(wire, 0, image, run->first_bit, run->bits);
-            (void)ect_od_write(&s->od, run->entry, 0, wire, ect_od_bytes(run->entry));
+            (void)ect_od_write(&s->od, run->entry, 0, wire, wire_bytes(run));
         } else {
             memcpy(run->data, image + run->first_bit / 8, run->bits / 8u);
         }
@@ -157,9 +166,9 @@ static void pack(ect_slave_t *s)
     memset(image, 0, s->input_bytes);
     for (uint16_t i = 0; i < s->input_runs; i++) {
         const ect_pdo_run_t *run = &s->config.runs[s->output_runs + i];
-        uint8_t wire[32] = {0};
+        uint8_t wire[WIRE];
         if (run->entry) {
-            ect_od_read(&s->od, run->entry, 0, wire, ect_od_bytes(run->entry));
+            ect_od_read(&s->od, run->entry, 0, wire, wire_bytes(run));
             copy_bits(image, run->first_bit, wire, 0, run->bits);
         } else {
             memcpy(image + run->first_bit / 8, run->data, run->bits / 8u);

@@ -141,13 +141,16 @@ static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t la
             c->pad = false;
         } else if (!c->entry) {
             to += flush_bits(c, to) ? 1 : 0;
+            memset(to, 0, (size_t)(end - to)); /* the object became shorter meanwhile: the size announced stands */
+            return;
         } else if (s->sdo.complete && ect_od_is_bits(c->entry)) {
             to += gather_bits(s, c, to) ? 1 : 0;
             cursor_next(&s->sdo, last_subindex);
         } else if (flush_bits(c, to)) {
             to++;
         } else {
-            uint16_t left = (uint16_t)(entry_size(s, c->entry) - c->offset);
+            uint16_t size = entry_size(s, c->entry);
+            uint16_t left = size > c->offset ? (uint16_t)(size - c->offset) : 0;
             uint16_t piece = left < end - to ? left : (uint16_t)(end - to);
             read_entry(s, c->entry, c->offset, to, piece);
             to += piece;
@@ -267,6 +270,8 @@ static void upload(ect_slave_t *s, const uint8_t *request)
         send_abort(s, ect_load_le16(request + 1), request[3], reason);
         return;
     }
+    if (s->config.device->sdo_read)
+        s->config.device->sdo_read(s->config.instance, sdo->object->index);
     uint8_t last = last_of(s);
     sdo->size = sdo->complete ? packed_size(s, first, last) : entry_size(s, first);
     cursor_begin(s, first->subindex <= last ? first : NULL);
@@ -328,12 +333,12 @@ static bool writable(const ect_slave_t *s, const ect_entry_t *entry)
     return ect_od_check_access(entry, ECT_DOWNLOAD, s->state) == ECT_OK;
 }
 
-/* A value that has come whole: limits, then the device's word. */
+/* Limits, then the word of services and device. `data` is NULL for a value that comes in pieces. */
 static ect_reason_t check_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size)
 {
     const ect_device_t *device = s->config.device;
     uint16_t index = s->sdo.object->index;
-    if (size == ect_od_bytes(entry)) {
+    if (data && size == ect_od_bytes(entry)) {
         ect_reason_t reason = ect_od_check_limit(&s->od, index, entry, data);
         if (reason != ECT_OK)
             return reason;
@@ -361,8 +366,8 @@ static ect_reason_t whole_written(ect_slave_t *s)
 static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size,
                                 bool only_check)
 {
-    if (s->sdo.complete && !writable(s, entry))
-        return ECT_OK; /* inside a whole object read-only entries are passed over */
+    if (!writable(s, entry)) /* inside a whole object passed over; alone, the state has changed since the beginning */
+        return s->sdo.complete ? ECT_OK : ECT_REASON_STATE;
     ect_reason_t reason = check_value(s, entry, data, size);
     if (reason != ECT_OK || only_check)
         return reason;
@@ -383,9 +388,11 @@ static ect_reason_t store_piece(ect_slave_t *s, const ect_entry_t *entry, const 
     uint16_t offset = s->sdo.cursor.offset;
     if (offset == 0 && piece == total)
         return store_value(s, entry, data, piece, false);
-    if (s->sdo.complete && !writable(s, entry))
-        return ECT_OK;
-    ect_reason_t reason = ect_od_write(&s->od, entry, offset, data, piece);
+    if (!writable(s, entry))
+        return s->sdo.complete ? ECT_OK : ECT_REASON_STATE;
+    ect_reason_t reason = offset == 0 ? check_value(s, entry, NULL, total) : ECT_OK;
+    if (reason == ECT_OK)
+        reason = ect_od_write(&s->od, entry, offset, data, piece);
     return reason == ECT_OK && offset + piece == total ? written(s, entry) : reason;
 }
 

@@ -59,15 +59,13 @@ static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
 
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
 {
-    const ect_sm_t *out = find_sm(device, ECT_SM_MAILBOX_OUT);
-    const ect_sm_t *in = find_sm(device, ECT_SM_MAILBOX_IN);
     const ect_sm_t *outputs = find_sm(device, ECT_SM_OUTPUTS);
     const ect_sm_t *inputs = find_sm(device, ECT_SM_INPUTS);
     size_t output_room = outputs ? sm_room(outputs) : 0;
     size_t input_room = inputs ? sm_room(inputs) : 0;
     return (ect_slave_memory_t){
         .instance = device->instance_size,
-        .mailbox = out && in ? sm_room(out) + 2u * sm_room(in) : 0,
+        .mailbox = ect_mailbox_room(device, 0) + 2u * ect_mailbox_room(device, 1),
         .process_data = output_room > input_room ? output_room : input_room,
         .runs = device->pdo_runs,
     };
@@ -159,12 +157,16 @@ static void power_on(ect_slave_t *s)
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
     memset(s->config.instance, 0, device->instance_size);
+    ((ect_standard_t *)s->config.instance)->device = device;
     s->state = ECT_STATE_INIT;
     s->error = false;
     s->code = ECT_AL_NO_ERROR;
     s->cause = ECT_CAUSE_NONE;
+    s->ident = false;
     s->status_dirty = true;
     s->pending = 0;
+    s->pending_done = false;
+    s->due = 0;
     s->drop_state = 0;
     s->restart = false;
     s->request_due = false;
@@ -246,13 +248,14 @@ uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
     s->now_ns = now_ns;
     s->failed = false;
     if (read_event(s, &event)) {
-        if ((event & ECT_EVENT_AL_CONTROL) != 0)
+        s->due |= event;
+        if ((s->due & ECT_EVENT_AL_CONTROL) != 0)
             ect_machine_al_control(s);
         if (s->request_due)
             ect_machine_request(s);
-        if ((event & ECT_EVENT_SM_CHANGED) != 0)
+        if ((s->due & ECT_EVENT_SM_CHANGED) != 0)
             ect_machine_sm_changed(s);
-        if ((event & ECT_EVENT_WATCHDOG) != 0)
+        if ((s->due & ECT_EVENT_WATCHDOG) != 0)
             ect_machine_watchdog(s);
     }
     tick(s);

@@ -98,6 +98,8 @@ typedef struct ect_slave_config {
 /** Mailbox of a slave. Private. */
 typedef struct ect_mailbox {
     bool running;
+    uint16_t out_start; /* SM0 */
+    uint16_t in_start;  /* SM1 */
     uint8_t request_counter; /* of the last request, 0: none yet */
     uint8_t reply_counter;   /* of our last mail */
     uint16_t out_size;       /* SM0 */
@@ -110,6 +112,7 @@ typedef struct ect_mailbox {
     int8_t reply;      /* which holds the reply to the last request, -1 none */
     bool to_write;     /* `shown` has yet to be written to SM1 */
     bool in_buffer;    /* `shown` stands in SM1, unread as far as we know */
+    bool repeated;     /* `shown` stands there because of a repeat */
     bool newest_waits; /* after a repeat: `newest` must follow `shown` */
     bool repeat_due;   /* the master wants the last mail again */
     bool ack_due;      /* ... and it is to be acknowledged once that mail stands in SM1 */
@@ -179,6 +182,7 @@ typedef struct ect_slave {
     uint16_t drop_code;
     bool restart;
     bool failed;          /* a PDI access of this poll failed */
+    uint32_t due;         /* AL events whose registers have yet to be read */
     uint16_t request;     /* AL control as read last */
     bool request_due;     /* it has yet to be carried out: new, or its PDI accesses failed */
     uint8_t sm_off;       /* SyncManagers that are to be off from the PDI side, a bit each */

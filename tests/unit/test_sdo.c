@@ -1122,6 +1122,55 @@ static void mapping_of_210_entries(void **state)
     wire_close(&w);
 }
 
+/* Kinds of objects that the test device lacks: elements without memory or known length, no sub-index 0, long ones. */
+static const ect_entry_t odd_3000[] = {{0, ECT_TYPE_OCTET_STRING, 0, ECT_ACCESS_RW, "Unknown length", 0, NULL}};
+static const ect_entry_t odd_3001[] = {{0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "No memory", 0x1234, NULL}};
+static const ect_entry_t odd_3002[] = {
+    {1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "First", 0, ECT_OFFSET(testdev_t, array[0])},
+    {2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW_PREOP, "Second", 0, ECT_OFFSET(testdev_t, array[1])}};
+static const ect_entry_t odd_3003[] = {
+    {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Count", 3, NULL},
+    {1, ECT_TYPE_OCTET_STRING, 160, ECT_ACCESS_RO, "Read-only", 0, ECT_OFFSET(testdev_t, octets[0])},
+    {2, ECT_TYPE_OCTET_STRING, 160, ECT_ACCESS_RW, "Read and write", 0, ECT_OFFSET(testdev_t, octets[20])},
+    {3, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "Number", 0, ECT_OFFSET(testdev_t, array[3])}};
+static const ect_entry_t odd_3004[] = {{0, ECT_TYPE_OCTET_STRING, 160, ECT_ACCESS_RW, "No memory", 0x1234, NULL}};
+static const ect_object_t odd_objects[] = {{0x3000, ECT_OBJECT_VAR, 0, 0, "Unknown length", odd_3000},
+                                           {0x3001, ECT_OBJECT_VAR, 0, 0, "No memory", odd_3001},
+                                           {0x3002, ECT_OBJECT_RECORD, 2, 0, "No sub-index 0", odd_3002},
+                                           {0x3003, ECT_OBJECT_RECORD, 3, 0, "Long elements", odd_3003},
+                                           {0x3004, ECT_OBJECT_VAR, 0, 0, "Long, no memory", odd_3004}};
+
+static void odd_kinds_of_objects(void **state)
+{
+    wire_t w;
+    uint8_t r[1486], data[44] = {3, 0};
+    ect_device_t device = testdev;
+    (void)state;
+    device.objects = odd_objects;
+    device.object_count = 5;
+    testdev_t *t = open_session(&w, &device, IN_LENGTH);
+    expect_abort("unknown length", r, initiate(&w, 0x50, 0x3000, 0, 0, r), 0x3000, 0, VARIABLE);
+    expect_abort("no memory", r, initiate(&w, 0x2B, 0x3001, 0, 1, r), 0x3001, 0, READ_ONLY);
+    assert_int_equal(download_in_pieces(&w, 0x3004, false, 0, data, 20, 5, 5), READ_ONLY);
+    expect_upload(&w, IN_LENGTH, 0x3002, 1, true, (const uint8_t *)"\x11\x11\x22\x22", 4);
+    expect_upload(&w, IN_LENGTH, 0x3002, 0, true, (const uint8_t *)"\x11\x11\x22\x22", 4);
+    assert_int_equal(download_in_pieces(&w, 0x2000, true, 0, data, 4, 0, 1), NO_OBJECT);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x3003, 1, true, data, 30), TOO_SHORT);
+    assert_memory_equal(t->octets, "\x03\x0A\x11", 3);
+    memset(data + 2, 0xA5, sizeof data - 2);
+    for (uint32_t piece = 1; piece <= 44; piece++) {
+        fill(t);
+        t->written = 0;
+        assert_int_equal(download_in_pieces(&w, 0x3003, true, 0, data, 44, 44 - piece, piece), 0);
+        assert_memory_equal(t->octets, "\x03\x0A\x11\x18\x1F", 5);
+        assert_memory_equal(t->octets + 20, data + 22, 20);
+        assert_int_equal(t->octets[40], 40 * 7 + 3 - 256);
+        assert_int_equal(t->array[3], 0xA5A5);
+        assert_int_equal(t->written, 2);
+    }
+    wire_close(&w);
+}
+
 /* What sub-index 0 declares is all that there is. */
 static void declared_elements_only(void **state)
 {
@@ -1551,6 +1600,8 @@ static const struct CMUnitTest tests[] = {
     {"CF-073: the mapping of 210 entries as a whole equals its entries one by one", mapping_of_210_entries, NULL, NULL,
      NULL},
     {"CF-073: Complete Access transfers the elements that sub-index 0 declares", declared_elements_only, NULL, NULL,
+     NULL},
+    {"CF-073 CF-070: no known length, no memory, no sub-index 0, long elements", odd_kinds_of_objects, NULL, NULL,
      NULL},
     {"CF-067: the mandatory objects of every device", mandatory_objects, NULL, NULL, NULL},
     {"CF-068: sub-index 0 of every object counts its entries; beyond them 06090011", subindices, NULL, NULL, NULL},

@@ -14,48 +14,48 @@
 enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM };
 #define REVISION 0x00020000 /* Visionlinkserver 2.0 */
 
-/* --- fields: F(sub-index, offset, bytes, name) ------------------------------------------------------------------- */
+/* --- fields: F(sub-index, offset, kind, name) ------------------------------------------------------------------- */
 
 #define COMMON_INPUT_FIELDS(F)                                                                                        \
-    F(1, 0, 1, "PCI")                                                                                                 \
-    F(2, 1, 1, "CCI")                                                                                                 \
-    F(3, 2, 1, "PAI")                                                                                                 \
-    F(4, 3, 1, "CAI")                                                                                                 \
-    F(5, 4, 2, "Command RU ID")                                                                                       \
-    F(6, 6, 16, "Command from RU")                                                                                    \
-    F(7, 22, 1, "BU state")                                                                                           \
-    F(8, 23, 1, "VLAPs")                                                                                              \
-    F(9, 24, 1, "Unarmed RUs")                                                                                        \
-    F(10, 25, 1, "EG-Link status")                                                                                    \
-    F(11, 26, 1, "EC-Link status")                                                                                    \
-    F(12, 27, 1, "Spare")
+    F(1, 0, U8, "PCI")                                                                                                 \
+    F(2, 1, U8, "CCI")                                                                                                 \
+    F(3, 2, U8, "PAI")                                                                                                 \
+    F(4, 3, U8, "CAI")                                                                                                 \
+    F(5, 4, U16, "Command RU ID")                                                                                       \
+    F(6, 6, BLOCK, "Command from RU")                                                                                    \
+    F(7, 22, U8, "BU state")                                                                                           \
+    F(8, 23, U8, "VLAPs")                                                                                              \
+    F(9, 24, U8, "Unarmed RUs")                                                                                        \
+    F(10, 25, U8, "EG-Link status")                                                                                    \
+    F(11, 26, U8, "EC-Link status")                                                                                    \
+    F(12, 27, U8, "Spare")
 
 /* One remote unit: its first sub-index is s, its first byte o, R is how it is called. */
 #define RU_FIELDS(F, s, o, R)                                                                                         \
-    F((s) + 0, (o) + 0, 2, "Armed " R)                                                                                \
-    F((s) + 1, (o) + 2, 1, R " state")                                                                                \
-    F((s) + 2, (o) + 3, 1, R " battery")                                                                              \
-    F((s) + 3, (o) + 4, 1, R " C-Link RSSI")                                                                          \
-    F((s) + 4, (o) + 5, 1, R " cable")                                                                                \
-    F((s) + 5, (o) + 6, 1, R " docked")                                                                               \
-    F((s) + 6, (o) + 7, 1, R " disabled")                                                                             \
-    F((s) + 7, (o) + 8, 1, R " C-Link status")                                                                        \
-    F((s) + 8, (o) + 9, 1, R " G-Link status")                                                                        \
-    F((s) + 9, (o) + 10, 2, R " joystick 1")                                                                          \
-    F((s) + 10, (o) + 12, 2, R " joystick 2")                                                                         \
-    F((s) + 11, (o) + 14, 2, R " joystick 3")                                                                         \
-    F((s) + 12, (o) + 16, 2, R " joystick 4")                                                                         \
-    F((s) + 13, (o) + 18, 2, R " switch 1")                                                                           \
-    F((s) + 14, (o) + 20, 2, R " switch 2")                                                                           \
-    F((s) + 15, (o) + 22, 2, R " switch 3")                                                                           \
-    F((s) + 16, (o) + 24, 2, R " switch 4")                                                                           \
-    F((s) + 17, (o) + 26, 2, R " switch 5")                                                                           \
-    F((s) + 18, (o) + 28, 2, R " switch 6")                                                                           \
-    F((s) + 19, (o) + 30, 2, R " switch 7")                                                                           \
-    F((s) + 20, (o) + 32, 2, R " switch 8")                                                                           \
-    F((s) + 21, (o) + 34, 1, R " encoder value")                                                                      \
-    F((s) + 22, (o) + 35, 1, R " encoder switch")                                                                     \
-    F((s) + 23, (o) + 36, 2, R " spare")
+    F((s) + 0, (o) + 0, U16, "Armed " R)                                                                                \
+    F((s) + 1, (o) + 2, U8, R " state")                                                                                \
+    F((s) + 2, (o) + 3, U8, R " battery")                                                                              \
+    F((s) + 3, (o) + 4, U8, R " C-Link RSSI")                                                                          \
+    F((s) + 4, (o) + 5, U8, R " cable")                                                                                \
+    F((s) + 5, (o) + 6, U8, R " docked")                                                                               \
+    F((s) + 6, (o) + 7, U8, R " disabled")                                                                             \
+    F((s) + 7, (o) + 8, U8, R " C-Link status")                                                                        \
+    F((s) + 8, (o) + 9, U8, R " G-Link status")                                                                        \
+    F((s) + 9, (o) + 10, I16, R " joystick 1")                                                                          \
+    F((s) + 10, (o) + 12, I16, R " joystick 2")                                                                         \
+    F((s) + 11, (o) + 14, I16, R " joystick 3")                                                                         \
+    F((s) + 12, (o) + 16, I16, R " joystick 4")                                                                         \
+    F((s) + 13, (o) + 18, I16, R " switch 1")                                                                           \
+    F((s) + 14, (o) + 20, I16, R " switch 2")                                                                           \
+    F((s) + 15, (o) + 22, I16, R " switch 3")                                                                           \
+    F((s) + 16, (o) + 24, I16, R " switch 4")                                                                           \
+    F((s) + 17, (o) + 26, I16, R " switch 5")                                                                           \
+    F((s) + 18, (o) + 28, I16, R " switch 6")                                                                           \
+    F((s) + 19, (o) + 30, I16, R " switch 7")                                                                           \
+    F((s) + 20, (o) + 32, I16, R " switch 8")                                                                           \
+    F((s) + 21, (o) + 34, U8, R " encoder value")                                                                      \
+    F((s) + 22, (o) + 35, U8, R " encoder switch")                                                                     \
+    F((s) + 23, (o) + 36, U16, R " spare")
 
 #define INPUT_FIELDS(F)                                                                                               \
     COMMON_INPUT_FIELDS(F)                                                                                            \
@@ -66,35 +66,45 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     RU_FIELDS(F, 61, 104, "RU3")
 
 #define COMMAND_FIELDS(F)                                                                                             \
-    F(1, 0, 1, "PCO")                                                                                                 \
-    F(2, 1, 1, "CCO")                                                                                                 \
-    F(3, 2, 1, "PAO")                                                                                                 \
-    F(4, 3, 1, "CAO")                                                                                                 \
-    F(5, 4, 2, "Command RU ID")                                                                                       \
-    F(6, 6, 16, "Command to RU")                                                                                      \
-    F(7, 22, 2, "Spare")
+    F(1, 0, U8, "PCO")                                                                                                 \
+    F(2, 1, U8, "CCO")                                                                                                 \
+    F(3, 2, U8, "PAO")                                                                                                 \
+    F(4, 3, U8, "CAO")                                                                                                 \
+    F(5, 4, U16, "Command RU ID")                                                                                       \
+    F(6, 6, BLOCK, "Command to RU")                                                                                      \
+    F(7, 22, U16, "Spare")
 #define PERIODIC_FIELDS(F)                                                                                            \
-    F(8, 24, 2, "Periodic data size")                                                                                 \
-    F(9, 26, 1, "Periodic data block")                                                                                \
-    F(10, 27, 1, "Spare")
+    F(8, 24, U16, "Periodic data size")                                                                                 \
+    F(9, 26, U8, "Periodic data block")                                                                                \
+    F(10, 27, U8, "Spare")
 
 /* The 200 periodic bytes, as sub-indices 1..200. */
 #define TEN(F, n) F((n) + 1) F((n) + 2) F((n) + 3) F((n) + 4) F((n) + 5) F((n) + 6) F((n) + 7) F((n) + 8) F((n) + 9) F((n) + 10)
 #define FIFTY(F, n) TEN(F, n) TEN(F, (n) + 10) TEN(F, (n) + 20) TEN(F, (n) + 30) TEN(F, (n) + 40)
 #define PERIODIC_BYTES(F) FIFTY(F, 0) FIFTY(F, 50) FIFTY(F, 100) FIFTY(F, 150)
 
-/* Two bytes are an array, not a number: CoE numbers are little-endian and these are not (TS-0007 §2.2). */
-#define FIELD_TYPE(bytes) ((bytes) == 1 ? ECT_TYPE_UNSIGNED8 : ECT_TYPE_OCTET_STRING)
-#define INPUT_ENTRY(sub, offset, bytes, name)                                                                         \
-    {sub, FIELD_TYPE(bytes), 8 * (bytes), ECT_ACCESS_RO | ECT_ACCESS_TXPDO, name, 0, ECT_OFFSET(eclink_t, inputs[offset])},
-#define OUTPUT_ENTRY(sub, offset, bytes, name)                                                                        \
-    {sub, FIELD_TYPE(bytes), 8 * (bytes), ECT_ACCESS_RO | ECT_ACCESS_RXPDO, name, 0, ECT_OFFSET(eclink_t, outputs[offset])},
+/* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian and these are not
+ * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
+enum { BYTES_U8 = 1, BYTES_U16 = 2, BYTES_I16 = 2, BYTES_BLOCK = 16 };
+enum { WIRE_U8 = ECT_TYPE_UNSIGNED8, WIRE_U16 = ECT_TYPE_OCTET_STRING, WIRE_I16 = ECT_TYPE_OCTET_STRING,
+       WIRE_BLOCK = ECT_TYPE_OCTET_STRING };
+enum { NUMBER_U8 = ECT_TYPE_UNSIGNED8, NUMBER_U16 = ECT_TYPE_UNSIGNED16, NUMBER_I16 = ECT_TYPE_INTEGER16,
+       NUMBER_BLOCK = ECT_TYPE_OCTET_STRING };
+
+#define ENTRY(sub, type, kind, access, name, member)                                                                  \
+    {sub, type##kind, 8 * BYTES_##kind, access, name, 0, ECT_OFFSET(eclink_t, member)},
+#define INPUT_ENTRY(sub, offset, kind, name)                                                                          \
+    ENTRY(sub, WIRE_, kind, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, name, inputs[offset])
+#define OUTPUT_ENTRY(sub, offset, kind, name)                                                                         \
+    ENTRY(sub, WIRE_, kind, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, name, outputs[offset])
+#define INPUT_NUMBER(sub, offset, kind, name) ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, input_numbers[offset])
+#define OUTPUT_NUMBER(sub, offset, kind, name) ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, output_numbers[offset])
 #define PERIODIC_ENTRY(sub)                                                                                           \
     {sub, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, "Periodic data", 0,                                 \
      ECT_OFFSET(eclink_t, outputs[ECLINK_OUT_PERIODIC + (sub) - 1])},
 
-#define INPUT_MAP(sub, offset, bytes, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * (bytes))),
-#define OUTPUT_MAP(sub, offset, bytes, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2002, sub, 8 * (bytes))),
+#define INPUT_MAP(sub, offset, kind, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
+#define OUTPUT_MAP(sub, offset, kind, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2002, sub, 8 * BYTES_##kind)),
 #define PERIODIC_MAP(sub) ECT_ENTRY_MAP(10 + (sub), ECT_MAP(0x2003, sub, 8)),
 
 static const ect_entry_t inputs_2001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_ENTRY)};
@@ -103,6 +113,12 @@ static const ect_entry_t commands_2002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(O
 static const ect_entry_t standard_2002[] = {ECT_ENTRY_COUNT(10), COMMAND_FIELDS(OUTPUT_ENTRY)
                                                 PERIODIC_FIELDS(OUTPUT_ENTRY)};
 static const ect_entry_t periodic_2003[] = {ECT_ENTRY_COUNT(200), PERIODIC_BYTES(PERIODIC_ENTRY)};
+
+static const ect_entry_t inputs_3001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_NUMBER)};
+static const ect_entry_t multiarm_3001[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_NUMBER)};
+static const ect_entry_t commands_3002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_NUMBER)};
+static const ect_entry_t standard_3002[] = {ECT_ENTRY_COUNT(10), COMMAND_FIELDS(OUTPUT_NUMBER)
+                                                PERIODIC_FIELDS(OUTPUT_NUMBER)};
 
 static const ect_entry_t inputs_1a00[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_MAP)};
 static const ect_entry_t multiarm_1a00[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_MAP)};
@@ -147,6 +163,7 @@ static const ect_object_t objects_map1[] = {
     ARRAY(0x1C12, "SM2 assignment", assign_none),
     ARRAY(0x1C13, "SM3 assignment", assign_inputs),
     RECORD(0x2001, "Input data", inputs_2001),
+    RECORD(0x3001, "Input data as numbers", inputs_3001),
 };
 
 static const ect_object_t objects_map3[] = {
@@ -158,6 +175,8 @@ static const ect_object_t objects_map3[] = {
     ARRAY(0x1C13, "SM3 assignment", assign_inputs),
     RECORD(0x2001, "Input data", inputs_2001),
     RECORD(0x2002, "Output data", commands_2002),
+    RECORD(0x3001, "Input data as numbers", inputs_3001),
+    RECORD(0x3002, "Output data as numbers", commands_3002),
 };
 
 static const ect_object_t objects_map7[] = {
@@ -170,6 +189,8 @@ static const ect_object_t objects_map7[] = {
     RECORD(0x2001, "Input data", inputs_2001),
     RECORD(0x2002, "Output data", standard_2002),
     ARRAY(0x2003, "Periodic data", periodic_2003),
+    RECORD(0x3001, "Input data as numbers", inputs_3001),
+    RECORD(0x3002, "Output data as numbers", standard_3002),
 };
 
 static const ect_object_t objects_multiarm[] = {
@@ -182,6 +203,8 @@ static const ect_object_t objects_multiarm[] = {
     RECORD(0x2001, "Input data", multiarm_2001),
     RECORD(0x2002, "Output data", standard_2002),
     ARRAY(0x2003, "Periodic data", periodic_2003),
+    RECORD(0x3001, "Input data as numbers", multiarm_3001),
+    RECORD(0x3002, "Output data as numbers", standard_3002),
 };
 
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
@@ -207,7 +230,7 @@ static const ect_object_t objects_multiarm[] = {
         .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},      \
         .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                       \
         .instance_size = sizeof(eclink_t), .pdo_runs = 2, .init = eclink_init, .outputs = eclink_outputs,             \
-        .tick = eclink_tick,                                                                                          \
+        .tick = eclink_tick, .sdo_read = eclink_sdo_read,                                                                                          \
     }
 
 const ect_device_t ect_eclink_map1 = BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only",

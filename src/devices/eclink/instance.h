@@ -44,11 +44,14 @@ typedef struct eclink {
     ect_standard_t standard;
     uint8_t inputs[ECLINK_INPUT_BYTES];
     uint8_t outputs[ECLINK_OUTPUT_BYTES];
+    uint8_t input_numbers[ECLINK_INPUT_BYTES]; /* 3001h: the same fields in the host's byte order */
+    uint8_t output_numbers[ECLINK_OUT_PERIODIC];
     uint64_t update_ns; /* when PCI counts next */
 } eclink_t;
 
 void eclink_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
 void eclink_outputs(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
+void eclink_sdo_read(void *instance, uint16_t index);
 
 #endif
