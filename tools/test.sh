@@ -33,4 +33,5 @@ for target in frame mailbox sii; do
 done
 
 tests/check/size.sh
+tests/check/stack.py
 echo "all tests passed"

@@ -138,35 +138,12 @@ uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry)
     return end ? (uint16_t)(end - text) : room;
 }
 
-static void encode(uint8_t wire[8], const void *data, uint16_t width)
+/* Between a number as the host keeps it and as the wire has it, either way. */
+static void copy_number(uint8_t *to, const uint8_t *from, uint16_t width)
 {
-    uint64_t v64;
-    uint32_t v32;
-    uint16_t v16;
-    if (width == 2) {
-        memcpy(&v16, data, sizeof v16);
-        ect_store_le16(wire, v16);
-    } else if (width == 4) {
-        memcpy(&v32, data, sizeof v32);
-        ect_store_le32(wire, v32);
-    } else {
-        memcpy(&v64, data, sizeof v64);
-        ect_store_le64(wire, v64);
-    }
-}
-
-static void decode(void *data, const uint8_t *wire, uint16_t width)
-{
-    if (width == 2) {
-        uint16_t v16 = ect_load_le16(wire);
-        memcpy(data, &v16, sizeof v16);
-    } else if (width == 4) {
-        uint32_t v32 = ect_load_le32(wire);
-        memcpy(data, &v32, sizeof v32);
-    } else {
-        uint64_t v64 = ect_load_le64(wire);
-        memcpy(data, &v64, sizeof v64);
-    }
+    bool as_it_is = ect_host_is_little_endian();
+    for (uint16_t i = 0; i < width; i++)
+        to[i] = from[as_it_is ? i : width - 1 - i];
 }
 
 void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, void *buffer, uint16_t length)
@@ -185,7 +162,7 @@ void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, 
         length = (uint16_t)(length > sizeof wire - offset ? sizeof wire - offset : length);
         source = wire;
     } else if (width > 0) {
-        encode(wire, data, width);
+        copy_number(wire, data, width);
         source = wire;
     }
     memcpy(buffer, source + offset, length);
@@ -204,7 +181,7 @@ ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t
     uint16_t width = number_width(entry);
     if (width > 0) {
         assert(offset == 0 && length == width);
-        decode(data, buffer, width);
+        copy_number(data, buffer, width);
         return ECT_OK;
     }
     memcpy(data + offset, buffer, length);

@@ -180,6 +180,12 @@ const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index);
  */
 const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex);
 
+/** The entry that follows in the object's table, or NULL after the last. */
+static inline const ect_entry_t *ect_od_next(const ect_object_t *object, const ect_entry_t *entry)
+{
+    return entry->subindex < object->max_subindex ? entry + 1 : NULL;
+}
+
 /**
  * Resolves index and sub-index.
  * @param[out] object, entry  set on ECT_OK, else unchanged

@@ -7,8 +7,10 @@
 
 static bool known(uint8_t state)
 {
-    return state == ECT_STATE_INIT || state == ECT_STATE_PREOP || state == ECT_STATE_BOOT ||
-           state == ECT_STATE_SAFEOP || state == ECT_STATE_OP;
+    enum {
+        STATES = 1 << ECT_STATE_INIT | 1 << ECT_STATE_PREOP | 1 << ECT_STATE_BOOT | 1 << ECT_STATE_SAFEOP | 1 << ECT_STATE_OP
+    };
+    return ((STATES >> state) & 1) != 0;
 }
 
 /* One step up, or BOOT and back, both only by way of INIT; down to any state but BOOT. */

@@ -5,7 +5,7 @@
 #include "seams/standard.h"
 #include "slave/internal.h"
 
-void ect_coe_stop(ect_slave_t *s)
+void ect_coe_start(ect_slave_t *s)
 {
     s->sdo.state = ECT_SDO_IDLE;
     s->info.list = 0;
@@ -42,21 +42,6 @@ void ect_coe_request(ect_slave_t *s, const uint8_t *payload, uint16_t length)
         ect_mailbox_error(s, ECT_MAILBOX_ERROR_SERVICE);
         break;
     }
-}
-
-bool ect_coe_has_more(const ect_slave_t *s)
-{
-    return s->info.list != 0;
-}
-
-void ect_coe_send_more(ect_slave_t *s)
-{
-    ect_sdo_info_fragment(s);
-}
-
-bool ect_coe_has_emergency(const ect_slave_t *s)
-{
-    return s->emergency_count > 0;
 }
 
 void ect_coe_send_emergency(ect_slave_t *s)

@@ -4,6 +4,7 @@
  * What the files of slave/ know of each other. Nobody else includes this.
  *
  *   slave.c     initialisation and the poll: the order in which things are done
+ *   memory.c    how much memory a slave needs
  *   machine.c   AL control, the checks of the transitions, watchdog, drops
  *   al.c        the decision table (pure)
  *   pdo.c       process image: mapping, outputs, inputs
@@ -56,6 +57,11 @@ bool ect_machine_flush(ect_slave_t *s);
 
 /* --- pdo.c ------------------------------------------------------------------------------------------------------ */
 uint16_t ect_pdo_configure(ect_slave_t *s);
+/* The longest that a SyncManager may become. */
+static inline uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
+{
+    return device->sm[sm].maximum > device->sm[sm].length ? device->sm[sm].maximum : device->sm[sm].length;
+}
 void ect_pdo_outputs(ect_slave_t *s, bool apply);
 bool ect_pdo_inputs(ect_slave_t *s);
 
@@ -99,11 +105,12 @@ enum {
     ECT_SDO_LENGTH = 10, /* of the smallest SDO mail: CoE header and 8 bytes */
 };
 
-void ect_coe_stop(ect_slave_t *s);
+void ect_coe_start(ect_slave_t *s);
 void ect_coe_request(ect_slave_t *s, const uint8_t *payload, uint16_t length);
-bool ect_coe_has_more(const ect_slave_t *s);
-void ect_coe_send_more(ect_slave_t *s);
-bool ect_coe_has_emergency(const ect_slave_t *s);
+static inline bool ect_coe_has_emergency(const ect_slave_t *s)
+{
+    return s->emergency_count > 0;
+}
 void ect_coe_send_emergency(ect_slave_t *s);
 void ect_coe_emergency(void *slave, uint16_t code, uint8_t error_register, const uint8_t data[5]);
 /* Begins a CoE mail of a service; returns where its payload starts. */
@@ -114,6 +121,11 @@ void ect_coe_send(ect_slave_t *s, uint16_t length);
 /* --- sdo.c, sdo_info.c: `request` begins behind the CoE header -------------------------------------------------- */
 void ect_sdo_request(ect_slave_t *s, const uint8_t *request, uint16_t length);
 void ect_sdo_info_request(ect_slave_t *s, const uint8_t *request, uint16_t length);
+/* A list is under way: its next fragment may be sent. */
+static inline bool ect_sdo_info_has_more(const ect_slave_t *s)
+{
+    return s->info.list != 0;
+}
 void ect_sdo_info_fragment(ect_slave_t *s);
 
 #endif

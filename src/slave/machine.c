@@ -30,25 +30,21 @@ static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16
            ((registers[ECT_SM_CONTROL] ^ sm->control) & CONTROL_COMPARED) == 0;
 }
 
-static bool mailbox_good(const ect_device_t *device, const uint8_t *block)
+/* The mailbox SyncManagers as described, for BOOT or for the other states. */
+static bool mailbox_good(const ect_device_t *device, const uint8_t *block, bool boot)
 {
     for (unsigned int n = 0; n < 2; n++) {
-        const ect_sm_t *sm = &device->sm[n];
-        uint16_t shortest = sm->minimum != 0 ? sm->minimum : sm->length;
-        uint16_t longest = sm->maximum != 0 ? sm->maximum : sm->length;
-        if (!sm_as_described(block + n * ECT_SM_SIZE, sm, shortest, longest))
-            return false;
-    }
-    return true;
-}
-
-static bool boot_mailbox_good(const ect_device_t *device, const uint8_t *block)
-{
-    for (unsigned int n = 0; n < 2; n++) {
-        const ect_boot_mailbox_t *boot = n == 0 ? &device->boot_out : &device->boot_in;
         ect_sm_t sm = device->sm[n];
-        sm.start = boot->start;
-        if (!sm_as_described(block + n * ECT_SM_SIZE, &sm, boot->length, boot->length))
+        if (boot) {
+            const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
+            sm.start = mailbox->start;
+            sm.length = mailbox->length;
+            sm.minimum = 0;
+            sm.maximum = 0;
+        }
+        uint16_t shortest = sm.minimum != 0 ? sm.minimum : sm.length;
+        uint16_t longest = sm.maximum != 0 ? sm.maximum : sm.length;
+        if (!sm_as_described(block + n * ECT_SM_SIZE, &sm, shortest, longest))
             return false;
     }
     return true;
@@ -57,9 +53,8 @@ static bool boot_mailbox_good(const ect_device_t *device, const uint8_t *block)
 /* The mailbox that runs is the one that the master configured: not another length, though it were allowed. */
 static bool mailbox_unchanged(const ect_slave_t *s, const uint8_t *block)
 {
-    const ect_device_t *device = s->config.device;
-    bool good = s->state == ECT_STATE_BOOT ? boot_mailbox_good(device, block) : mailbox_good(device, block);
-    return good && ect_load_le16(block + ECT_SM_LENGTH) == s->mailbox.out_size &&
+    return mailbox_good(s->config.device, block, s->state == ECT_STATE_BOOT) &&
+           ect_load_le16(block + ECT_SM_LENGTH) == s->mailbox.out_size &&
            ect_load_le16(block + ECT_SM_SIZE + ECT_SM_LENGTH) == s->mailbox.in_size;
 }
 
@@ -172,11 +167,9 @@ void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_ca
 
 static uint16_t check_mailbox(ect_slave_t *s, uint8_t target, const uint8_t *block)
 {
-    const ect_device_t *device = s->config.device;
-    if (target == ECT_STATE_BOOT && !boot_mailbox_good(device, block))
-        return ECT_AL_BOOT_MAILBOX;
-    if (target == ECT_STATE_PREOP && !mailbox_good(device, block))
-        return ECT_AL_MAILBOX;
+    bool boot = target == ECT_STATE_BOOT;
+    if (!mailbox_good(s->config.device, block, boot))
+        return boot ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
     ect_mailbox_configure(s, block);
     return ECT_AL_NO_ERROR;
 }

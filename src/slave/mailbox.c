@@ -12,7 +12,7 @@ uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm)
     uint16_t boot = sm == 0 ? device->boot_out.length : device->boot_in.length;
     uint16_t room = 0;
     if (device->sm_count >= 2 && device->mailbox_protocols != 0)
-        room = device->sm[sm].maximum > device->sm[sm].length ? device->sm[sm].maximum : device->sm[sm].length;
+        room = ect_sm_room(device, sm);
     return room > boot ? room : boot;
 }
 
@@ -37,13 +37,12 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
 void ect_mailbox_start(ect_slave_t *s)
 {
     s->mailbox.running = true;
-    ect_coe_stop(s);
+    ect_coe_start(s);
 }
 
 void ect_mailbox_stop(ect_slave_t *s)
 {
     s->mailbox.running = false;
-    ect_coe_stop(s);
 }
 
 static bool may_build(const ect_mailbox_t *m)
@@ -243,6 +242,6 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
         ect_coe_send_emergency(s);
     else if (may_build(m) && (event & ECT_EVENT_SM0) != 0)
         handle_request(s);
-    if (may_build(m) && ect_coe_has_more(s))
-        ect_coe_send_more(s);
+    if (may_build(m) && ect_sdo_info_has_more(s))
+        ect_sdo_info_fragment(s);
 }

@@ -17,15 +17,8 @@ typedef struct layout {
     uint16_t count;
     ect_pdo_run_t *runs;
     uint32_t bits;
+    uint16_t access; /* ECT_ACCESS_RXPDO or _TXPDO: what a mapped entry must allow */
 } layout_t;
-
-static bool host_is_little_endian(void)
-{
-    const uint16_t one = 1;
-    uint8_t first;
-    memcpy(&first, &one, 1);
-    return first == 1;
-}
 
 /* Bytes in memory that are already as on the wire. */
 static bool is_plain(const ect_entry_t *entry, const uint8_t *data)
@@ -33,7 +26,7 @@ static bool is_plain(const ect_entry_t *entry, const uint8_t *data)
     bool one_byte = entry->bit_length <= 8 || entry->data_type == ECT_TYPE_OCTET_STRING ||
                     entry->data_type == ECT_TYPE_VISIBLE_STRING;
     return data != NULL && entry->bit_length % 8 == 0 && !ect_od_is_bits(entry) &&
-           (one_byte || host_is_little_endian());
+           (one_byte || ect_host_is_little_endian());
 }
 
 static bool extend(layout_t *l, uint8_t *data, uint16_t bits)
@@ -60,7 +53,7 @@ static bool add_entry(layout_t *l, const ect_entry_t *entry, uint16_t bits)
     return true;
 }
 
-static bool add_mapping(layout_t *l, uint32_t mapping, uint16_t needed_access)
+static bool add_mapping(layout_t *l, uint32_t mapping)
 {
     uint16_t index = (uint16_t)(mapping >> 16);
     uint16_t bits = mapping & 0xFF;
@@ -70,59 +63,59 @@ static bool add_mapping(layout_t *l, uint32_t mapping, uint16_t needed_access)
         return false;
     if (index != 0) {
         if (ect_od_lookup(&l->slave->od, index, (uint8_t)(mapping >> 8), &object, &entry) != ECT_OK ||
-            (entry->access & needed_access) == 0 || bits > entry->bit_length || !add_entry(l, entry, bits))
+            (entry->access & l->access) == 0 || bits > entry->bit_length || !add_entry(l, entry, bits))
             return false;
     }
     l->bits += bits;
     return true;
 }
 
-static bool add_pdo(layout_t *l, uint16_t pdo, uint16_t needed_access)
+/* Hands each element of an assignment or mapping object to `add`. */
+static bool for_each(layout_t *l, uint16_t index, bool (*add)(layout_t *l, uint32_t value))
 {
+    const ect_od_t *od = &l->slave->od;
     uint32_t count = 0;
-    uint32_t mapping = 0;
-    if (ect_od_number(&l->slave->od, pdo, 0, &count) != ECT_OK)
+    uint32_t value = 0;
+    if (ect_od_number(od, index, 0, &count) != ECT_OK)
         return false;
     for (uint32_t i = 1; i <= count; i++) {
-        if (ect_od_number(&l->slave->od, pdo, (uint8_t)i, &mapping) != ECT_OK ||
-            !add_mapping(l, mapping, needed_access))
+        if (ect_od_number(od, index, (uint8_t)i, &value) != ECT_OK || !add(l, value))
             return false;
     }
     return true;
 }
 
-/* A device without the assignment object has no process data in that direction. */
-static bool lay_out(layout_t *l, uint16_t assignment, uint16_t needed_access)
+static bool add_pdo(layout_t *l, uint32_t pdo)
 {
-    uint32_t count = 0;
-    uint32_t pdo = 0;
-    if (ect_od_number(&l->slave->od, assignment, 0, &count) != ECT_OK)
-        return true;
-    for (uint32_t i = 1; i <= count; i++) {
-        if (ect_od_number(&l->slave->od, assignment, (uint8_t)i, &pdo) != ECT_OK ||
-            !add_pdo(l, (uint16_t)pdo, needed_access))
-            return false;
-    }
-    return true;
+    return for_each(l, (uint16_t)pdo, add_mapping);
+}
+
+/* A device without the assignment object has no process data in that direction. */
+static bool lay_out(layout_t *l, uint16_t assignment)
+{
+    return !ect_od_find(&l->slave->od, assignment) || for_each(l, assignment, add_pdo);
 }
 
 /* Lays both directions out. Returns 0 or the AL status code that says which one cannot be. */
 uint16_t ect_pdo_configure(ect_slave_t *s)
 {
-    layout_t out = {.slave = s, .capacity = s->config.device->pdo_runs, .runs = s->config.runs};
-    if (!lay_out(&out, ASSIGN_OUTPUTS, ECT_ACCESS_RXPDO))
+    layout_t out = {
+        .slave = s, .capacity = s->config.device->pdo_runs, .runs = s->config.runs, .access = ECT_ACCESS_RXPDO};
+    if (!lay_out(&out, ASSIGN_OUTPUTS))
         return ECT_AL_OUTPUT_MAPPING;
-    layout_t in = {.slave = s, .capacity = (uint16_t)(out.capacity - out.count), .runs = out.runs + out.count};
-    if (!lay_out(&in, ASSIGN_INPUTS, ECT_ACCESS_TXPDO))
+    layout_t in = {.slave = s,
+                   .capacity = (uint16_t)(out.capacity - out.count),
+                   .runs = out.runs + out.count,
+                   .access = ECT_ACCESS_TXPDO};
+    if (!lay_out(&in, ASSIGN_INPUTS))
         return ECT_AL_INPUT_MAPPING;
-    ect_slave_memory_t memory = ect_slave_memory(s->config.device);
     s->output_bytes = (uint16_t)((out.bits + 7) / 8);
     s->input_bytes = (uint16_t)((in.bits + 7) / 8);
     s->output_runs = out.count;
     s->input_runs = in.count;
-    if (s->output_bytes > memory.process_data)
+    if (s->output_bytes > ect_sm_room(s->config.device, 2))
         return ECT_AL_OUTPUT_MAPPING;
-    return s->input_bytes > memory.process_data ? ECT_AL_INPUT_MAPPING : ECT_AL_NO_ERROR;
+    return s->input_bytes > ect_sm_room(s->config.device, 3) ? ECT_AL_INPUT_MAPPING : ECT_AL_NO_ERROR;
 }
 
 /* Between the image, at any bit, and the wire form of an entry. */

@@ -79,8 +79,7 @@ static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, 
 /* Whether `count` elements, as they stand in the dictionary now, may become valid. */
 static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t count)
 {
-    const ect_sm_t *sm = &s->config.device->sm[is_outputs(index) ? 2 : 3];
-    uint32_t room_bits = 8u * (sm->maximum > sm->length ? sm->maximum : sm->length);
+    uint32_t room_bits = 8u * ect_sm_room(s->config.device, is_outputs(index) ? 2 : 3);
     const ect_object_t *object = ect_od_find(&s->od, index);
     if (count > object->max_subindex)
         return ECT_REASON_TOO_HIGH;

@@ -29,14 +29,6 @@ enum { INITIATE = 8 /* command, index, sub-index, 4 bytes */, EXPEDITED_ROOM = 4
 
 /* --- the cursor -------------------------------------------------------------------------------------------------- */
 
-static const ect_entry_t *last_entry(const ect_object_t *object)
-{
-    const ect_entry_t *entry = object->entries;
-    while (entry->subindex < object->max_subindex)
-        entry++;
-    return entry;
-}
-
 /* Elements that sub-index 0 declares present: beyond them there is nothing to transfer. */
 static uint8_t present(const ect_slave_t *s, const ect_object_t *object)
 {
@@ -63,10 +55,7 @@ static void cursor_next(ect_sdo_t *sdo, uint8_t last_subindex)
     ect_sdo_cursor_t *c = &sdo->cursor;
     c->pad = has_pad(sdo, c->entry);
     c->offset = 0;
-    if (!sdo->complete || c->entry->subindex >= last_subindex || c->entry == last_entry(sdo->object))
-        c->entry = NULL;
-    else
-        c->entry++;
+    c->entry = sdo->complete ? ect_od_next(sdo->object, c->entry) : NULL;
     if (c->entry && c->entry->subindex > last_subindex)
         c->entry = NULL;
 }
@@ -76,8 +65,7 @@ static uint32_t packed_size(const ect_slave_t *s, const ect_entry_t *first, uint
 {
     const ect_sdo_t *sdo = &s->sdo;
     uint32_t bits = 0;
-    const ect_entry_t *end = last_entry(sdo->object);
-    for (const ect_entry_t *e = first; e <= end && e->subindex <= last_subindex; e++) {
+    for (const ect_entry_t *e = first; e && e->subindex <= last_subindex; e = ect_od_next(sdo->object, e)) {
         if (!ect_od_is_bits(e))
             bits = (bits + 7u) & ~7u;
         bits += ect_od_is_bits(e) ? e->bit_length : ect_od_bytes(e) * 8u;
@@ -110,13 +98,13 @@ static bool gather_bits(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *to)
 {
     uint8_t value = 0;
     read_entry(s, c->entry, 0, &value, 1);
-    c->byte = (uint16_t)(c->byte | (value << c->bits));
-    c->bits = (uint16_t)(c->bits + c->entry->bit_length);
+    c->byte |= (uint32_t)value << c->bits;
+    c->bits += c->entry->bit_length;
     if (c->bits < 8)
         return false;
     *to = (uint8_t)c->byte;
     c->byte >>= 8;
-    c->bits = (uint16_t)(c->bits - 8);
+    c->bits -= 8;
     return true;
 }
 
@@ -174,12 +162,6 @@ static void send_abort(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_rea
     ect_coe_send(s, ECT_SDO_LENGTH);
 }
 
-static void abort_transfer(ect_slave_t *s, ect_reason_t reason)
-{
-    bool active = s->sdo.state != ECT_SDO_IDLE;
-    send_abort(s, active ? s->sdo.object->index : 0, active ? s->sdo.subindex : 0, reason);
-}
-
 static uint8_t *build_response(ect_slave_t *s, uint8_t command)
 {
     uint8_t *reply = ect_coe_build(s, ECT_COE_SERVICE_SDO_RESPONSE);
@@ -198,39 +180,28 @@ static uint8_t *build_initiate(ect_slave_t *s, unsigned int command)
 
 /* --- what is addressed ------------------------------------------------------------------------------------------- */
 
-static bool object_allows(const ect_object_t *object, ect_direction_t direction, uint8_t state, ect_reason_t *reason)
-{
-    const ect_entry_t *end = last_entry(object);
-    for (const ect_entry_t *e = object->entries; e <= end; e++) {
-        ect_reason_t r = ect_od_check_access(e, direction, state);
-        if (r == ECT_OK)
-            return true;
-        if (*reason != ECT_REASON_STATE)
-            *reason = r;
-    }
-    return false;
-}
-
-static ect_reason_t open_complete(ect_slave_t *s, ect_direction_t direction, const ect_entry_t **first)
+/* A whole object: one entry that may be accessed now is enough, but none may be of variable length. */
+static ect_reason_t open_complete(const ect_slave_t *s, ect_direction_t direction, const ect_entry_t **first)
 {
     const ect_object_t *object = s->sdo.object;
+    ect_reason_t verdict = ECT_REASON_UNSUPPORTED;
+    bool allowed = false;
     if (s->sdo.subindex > 1)
         return ECT_REASON_UNSUPPORTED;
-    const ect_entry_t *end = last_entry(object);
-    for (const ect_entry_t *e = object->entries; e <= end; e++) {
+    for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
         if (ect_od_is_string(e) || e->bit_length == 0)
             return ECT_REASON_VARIABLE_LENGTH;
+        ect_reason_t reason = ect_od_check_access(e, direction, s->state);
+        allowed |= reason == ECT_OK;
+        if (verdict != ECT_REASON_STATE)
+            verdict = reason;
     }
-    ect_reason_t reason = ECT_OK;
-    if (!object_allows(object, direction, s->state, &reason))
-        return reason;
+    if (!allowed)
+        return verdict;
     *first = object->entries;
-    if (s->sdo.subindex == 1 && object->entries->subindex == 0) {
-        if (object->max_subindex == 0)
-            return ECT_REASON_NO_SUBINDEX;
-        (*first)++;
-    }
-    return ECT_OK;
+    if (s->sdo.subindex == 1 && object->entries->subindex == 0)
+        *first = ect_od_next(object, object->entries);
+    return *first ? ECT_OK : ECT_REASON_NO_SUBINDEX;
 }
 
 /* Resolves the address of an initiate request into the transfer; the transfer under way, if any, is given up. */
@@ -292,24 +263,24 @@ static void upload(ect_slave_t *s, const uint8_t *request)
     ect_coe_send(s, (uint16_t)(ECT_SDO_LENGTH + piece));
 }
 
-static bool toggle_good(ect_slave_t *s, const uint8_t *request)
+/* A segment must belong to a transfer in this direction, and alternate with the one before. */
+static bool segment_expected(ect_slave_t *s, const uint8_t *request, uint8_t state)
 {
-    if ((request[0] & TOGGLE) != s->sdo.toggle) {
-        abort_transfer(s, ECT_REASON_TOGGLE);
-        return false;
+    ect_sdo_t *sdo = &s->sdo;
+    bool active = sdo->state != ECT_SDO_IDLE;
+    if (sdo->state == state && (request[0] & TOGGLE) == sdo->toggle) {
+        sdo->toggle ^= TOGGLE;
+        return true;
     }
-    s->sdo.toggle ^= TOGGLE;
-    return true;
+    send_abort(s, active ? sdo->object->index : 0, active ? sdo->subindex : 0,
+               sdo->state == state ? ECT_REASON_TOGGLE : ECT_REASON_COMMAND);
+    return false;
 }
 
 static void upload_segment(ect_slave_t *s, const uint8_t *request)
 {
     ect_sdo_t *sdo = &s->sdo;
-    if (sdo->state != ECT_SDO_UPLOADING) {
-        abort_transfer(s, ECT_REASON_COMMAND);
-        return;
-    }
-    if (!toggle_good(s, request))
+    if (!segment_expected(s, request, ECT_SDO_UPLOADING))
         return;
     uint16_t room = (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - 1);
     uint32_t left = sdo->size - sdo->done;
@@ -401,8 +372,8 @@ static ect_reason_t take_bits(ect_slave_t *s, bool only_check)
 {
     ect_sdo_cursor_t *c = &s->sdo.cursor;
     uint8_t value = (uint8_t)(c->byte & ((1u << c->entry->bit_length) - 1u));
-    c->byte = (uint16_t)(c->byte >> c->entry->bit_length);
-    c->bits = (uint16_t)(c->bits - c->entry->bit_length);
+    c->byte >>= c->entry->bit_length;
+    c->bits -= c->entry->bit_length;
     return store_value(s, c->entry, &value, 1, only_check);
 }
 
@@ -446,8 +417,8 @@ static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t l
             reason = take_bits(s, only_check);
             cursor_next(&s->sdo, s->sdo.object->max_subindex);
         } else if (bits) {
-            c->byte = (uint16_t)(c->byte | (*from++ << c->bits));
-            c->bits = (uint16_t)(c->bits + 8);
+            c->byte |= (uint32_t)*from++ << c->bits;
+            c->bits += 8;
         } else if (!c->entry) {
             return ECT_REASON_TOO_LONG;
         } else {
@@ -485,20 +456,17 @@ static ect_reason_t store_whole(ect_slave_t *s, const ect_entry_t *first, const 
     return reason == ECT_OK ? whole_written(s) : reason;
 }
 
-static void finish_download(ect_slave_t *s, ect_reason_t reason, uint8_t *(*build)(ect_slave_t *, unsigned int),
-                            unsigned int command)
+static void finish_download(ect_slave_t *s, ect_reason_t reason, bool initiate, unsigned int command)
 {
     if (reason != ECT_OK) {
         send_abort(s, s->sdo.object->index, s->sdo.subindex, reason);
         return;
     }
-    (void)build(s, command);
+    if (initiate)
+        (void)build_initiate(s, command);
+    else
+        (void)build_response(s, (uint8_t)command);
     ect_coe_send(s, ECT_SDO_LENGTH);
-}
-
-static uint8_t *build_segment(ect_slave_t *s, unsigned int command)
-{
-    return build_response(s, (uint8_t)command);
 }
 
 static void download(ect_slave_t *s, const uint8_t *request, uint16_t length)
@@ -529,17 +497,13 @@ static void download(ect_slave_t *s, const uint8_t *request, uint16_t length)
         reason = cursor_write(s, data, available, false);
         sdo->done = available;
     }
-    finish_download(s, reason, build_initiate, UPLOAD_SEGMENT);
+    finish_download(s, reason, true, UPLOAD_SEGMENT);
 }
 
 static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t length)
 {
     ect_sdo_t *sdo = &s->sdo;
-    if (sdo->state != ECT_SDO_DOWNLOADING) {
-        abort_transfer(s, ECT_REASON_COMMAND);
-        return;
-    }
-    if (!toggle_good(s, request))
+    if (!segment_expected(s, request, ECT_SDO_DOWNLOADING))
         return;
     uint16_t available = (uint16_t)(length - 1);
     if (available == SEGMENT_MINIMUM)
@@ -556,7 +520,7 @@ static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t le
     if (reason == ECT_OK && last)
         reason = sdo->cursor.offset != 0 ? ECT_REASON_TOO_SHORT : whole_written(s);
     sdo->done += available;
-    finish_download(s, reason, build_segment, DOWNLOAD | (request[0] & (unsigned int)TOGGLE));
+    finish_download(s, reason, false, DOWNLOAD | (request[0] & (unsigned int)TOGGLE));
     if (last)
         sdo->state = ECT_SDO_IDLE;
 }

@@ -56,13 +56,11 @@ static bool in_list(const ect_object_t *object, uint16_t list)
         0, 0xFFFF, ECT_ACCESS_RXPDO, ECT_ACCESS_TXPDO, ECT_ACCESS_BACKUP, ECT_ACCESS_SETTING};
     if (list == 1)
         return true;
-    const ect_entry_t *e = object->entries;
-    while ((e->access & wanted[list]) == 0) {
-        if (e->subindex >= object->max_subindex)
-            return false;
-        e++;
+    for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
+        if ((e->access & wanted[list]) != 0)
+            return true;
     }
-    return true;
+    return false;
 }
 
 static uint16_t list_length(const ect_slave_t *s, uint16_t list)
@@ -140,12 +138,8 @@ static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, con
 
 static uint16_t object_type(const ect_object_t *object)
 {
-    const ect_entry_t *last = object->entries;
-    if (object->object_code != ECT_OBJECT_RECORD) {
-        while (last->subindex < object->max_subindex)
-            last++;
-        return last->data_type;
-    }
+    if (object->object_code != ECT_OBJECT_RECORD)
+        return ect_od_entry(object, object->max_subindex)->data_type;
     uint16_t index = object->index;
     if (index == 0x1018)
         return ECT_TYPE_IDENTITY;
@@ -169,40 +163,40 @@ static void describe_object(ect_slave_t *s, uint16_t index)
     send(s, put_name(s, data, 6, object->name));
 }
 
-static void put_number(uint8_t *to, int64_t value, uint16_t size)
+/* An entry description that is being written: the optional fields, in their order, where they are wanted and fit. */
+typedef struct description {
+    uint8_t *data;
+    uint16_t used;
+    uint16_t room;
+    uint8_t wanted;
+    uint8_t given;
+} description_t;
+
+static void put_field(description_t *d, uint8_t bit, int64_t value, uint16_t size)
 {
     uint8_t wire[8];
+    if ((d->wanted & bit) == 0 || d->used + size > d->room)
+        return;
     ect_store_le64(wire, (uint64_t)value);
-    memcpy(to, wire, size);
+    memcpy(d->data + d->used, wire, size);
+    d->used = (uint16_t)(d->used + size);
+    d->given |= bit;
 }
 
-/* The optional fields, in their order; returns which were put. Only numbers have them. */
-static uint8_t put_details(const ect_slave_t *s, uint16_t index, const ect_entry_t *entry, uint8_t wanted,
-                           uint8_t *data, uint16_t *used)
+/* Only numbers have them. */
+static void put_details(const ect_slave_t *s, description_t *d, uint16_t index, const ect_entry_t *entry)
 {
     uint16_t size = ect_od_bytes(entry);
     const ect_limit_t *limit = ect_od_limit(&s->od, index, (uint8_t)entry->subindex);
-    const struct {
-        uint8_t bit;
-        bool there;
-        int64_t value;
-        uint16_t size;
-    } fields[] = {
-        {INFO_UNIT, limit && limit->unit != 0, limit ? limit->unit : 0, 2},
-        {INFO_DEFAULT, !ect_od_is_string(entry), entry->value, size},
-        {INFO_MINIMUM, limit != NULL, limit ? limit->minimum : 0, size},
-        {INFO_MAXIMUM, limit != NULL, limit ? limit->maximum : 0, size},
-    };
-    uint8_t given = 0;
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if ((wanted & fields[i].bit) == 0 || !fields[i].there || fields[i].size == 0 || fields[i].size > 8 ||
-            *used + fields[i].size > room(s))
-            continue;
-        put_number(data + *used, fields[i].value, fields[i].size);
-        *used = (uint16_t)(*used + fields[i].size);
-        given |= fields[i].bit;
+    if (limit && limit->unit != 0)
+        put_field(d, INFO_UNIT, limit->unit, 2);
+    if (size == 0 || size > 8 || ect_od_is_string(entry))
+        return;
+    put_field(d, INFO_DEFAULT, entry->value, size);
+    if (limit) {
+        put_field(d, INFO_MINIMUM, limit->minimum, size);
+        put_field(d, INFO_MAXIMUM, limit->maximum, size);
     }
-    return given;
 }
 
 static void describe_entry(ect_slave_t *s, const uint8_t *request)
@@ -216,13 +210,14 @@ static void describe_entry(ect_slave_t *s, const uint8_t *request)
         return;
     }
     uint8_t *data = build(s, ENTRY_RESPONSE);
-    uint16_t used = 10;
+    description_t d = {.data = data, .used = 10, .room = room(s), .wanted = request[3], .given = request[3] & 0x07};
+    put_details(s, &d, index, entry);
     memcpy(data, request, 3);
-    data[3] = (uint8_t)((request[3] & 0x07) | put_details(s, index, entry, request[3], data, &used));
+    data[3] = d.given;
     ect_store_le16(data + 4, entry->data_type);
     ect_store_le16(data + 6, entry->bit_length);
     ect_store_le16(data + 8, entry->access & ECT_ACCESS_WIRE);
-    send(s, put_name(s, data, used, entry->name));
+    send(s, put_name(s, data, d.used, entry->name));
 }
 
 void ect_sdo_info_request(ect_slave_t *s, const uint8_t *request, uint16_t length)

@@ -42,42 +42,15 @@ static bool read_event(ect_slave_t *s, uint32_t *event)
     return true;
 }
 
-/* The largest length that a master may give a SyncManager. */
-static uint16_t sm_room(const ect_sm_t *sm)
-{
-    return sm->maximum > sm->length ? sm->maximum : sm->length;
-}
-
-static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
-{
-    for (unsigned int i = 0; i < device->sm_count; i++) {
-        if (device->sm[i].type == type)
-            return &device->sm[i];
-    }
-    return NULL;
-}
-
-ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
-{
-    const ect_sm_t *outputs = find_sm(device, ECT_SM_OUTPUTS);
-    const ect_sm_t *inputs = find_sm(device, ECT_SM_INPUTS);
-    size_t output_room = outputs ? sm_room(outputs) : 0;
-    size_t input_room = inputs ? sm_room(inputs) : 0;
-    return (ect_slave_memory_t){
-        .instance = device->instance_size,
-        .mailbox = ect_mailbox_room(device, 0) + 2u * ect_mailbox_room(device, 1),
-        .process_data = output_room > input_room ? output_room : input_room,
-        .runs = device->pdo_runs,
-    };
-}
-
 static int check(const ect_slave_config_t *config)
 {
     if (!config->device || !config->pdi || !config->pdi->read || !config->pdi->write)
         return -1;
-    ect_slave_memory_t need = ect_slave_memory(config->device);
-    if ((need.instance > 0 && !config->instance) || (need.mailbox > 0 && !config->mailbox) ||
-        (need.process_data > 0 && !config->process_data) || (need.runs > 0 && !config->runs))
+    const ect_device_t *d = config->device;
+    bool has_mailbox = d->mailbox_protocols != 0;
+    bool has_process_data = d->sm_count > 2;
+    if ((d->instance_size > 0 && !config->instance) || (has_mailbox && !config->mailbox) ||
+        (has_process_data && !config->process_data) || (d->pdo_runs > 0 && !config->runs))
         return -2;
     return 0;
 }
@@ -158,22 +131,9 @@ static void power_on(ect_slave_t *s)
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
     memset(s->config.instance, 0, device->instance_size);
     ((ect_standard_t *)s->config.instance)->device = device;
+    memset(s, 0, offsetof(ect_slave_t, config)); /* everything that a running slave knows of its state */
     s->state = ECT_STATE_INIT;
-    s->error = false;
-    s->code = ECT_AL_NO_ERROR;
-    s->cause = ECT_CAUSE_NONE;
-    s->ident = false;
     s->status_dirty = true;
-    s->pending = 0;
-    s->pending_done = false;
-    s->due = 0;
-    s->drop_state = 0;
-    s->restart = false;
-    s->request_due = false;
-    s->outputs_live = false;
-    s->outputs_seen = false;
-    s->inputs_due = false;
-    s->emergency_count = 0;
     s->tick_ns = s->now_ns;
     ect_mailbox_stop(s);
     ect_machine_sm_off(s, 0, device->sm_count, true);

@@ -95,21 +95,12 @@ typedef struct ect_slave_config {
     uint16_t device_id;             /**< explicit device identification (AL control bit 5); 0: not offered */
 } ect_slave_config_t;
 
+/* The structures below begin with their smallest members: those are used most, and a Thumb instruction reaches only the
+ * first 32 bytes of a structure, 62 for 16 bits, 124 for 32, without a longer encoding. */
+
 /** Mailbox of a slave. Private. */
 typedef struct ect_mailbox {
     bool running;
-    uint16_t out_start; /* SM0 */
-    uint16_t in_start;  /* SM1 */
-    uint8_t request_counter; /* of the last request, 0: none yet */
-    uint8_t reply_counter;   /* of our last mail */
-    uint16_t out_size;       /* SM0 */
-    uint16_t in_size;        /* SM1 */
-    uint8_t *request;
-    uint8_t *mail[2];
-    uint8_t newest;    /* which of `mail` was built last */
-    uint8_t shown;     /* which of them is, or was last, in SM1 */
-    uint8_t mails;     /* how many of them hold a mail: 0..2 */
-    int8_t reply;      /* which holds the reply to the last request, -1 none */
     bool to_write;     /* `shown` has yet to be written to SM1 */
     bool in_buffer;    /* `shown` stands in SM1, unread as far as we know */
     bool repeated;     /* `shown` stands there because of a repeat */
@@ -117,29 +108,43 @@ typedef struct ect_mailbox {
     bool repeat_due;   /* the master wants the last mail again */
     bool ack_due;      /* ... and it is to be acknowledged once that mail stands in SM1 */
     bool toggle;       /* the repeat toggle as the master set it last, and as we acknowledge it */
+    uint8_t newest;    /* which of `mail` was built last */
+    uint8_t shown;     /* which of them is, or was last, in SM1 */
+    uint8_t mails;     /* how many of them hold a mail: 0..2 */
+    int8_t reply;      /* which holds the reply to the last request, -1 none */
+    uint8_t request_counter; /* of the last request, 0: none yet */
+    uint8_t reply_counter;   /* of our last mail */
+    uint16_t out_start; /* SM0 */
+    uint16_t out_size;
+    uint16_t in_start; /* SM1 */
+    uint16_t in_size;
+    uint8_t *request;
+    uint8_t *mail[2];
 } ect_mailbox_t;
 
 /** Position in the packed form of an object (Complete Access) or of one entry. Private. */
 typedef struct ect_sdo_cursor {
     const ect_entry_t *entry; /* NULL: at the end */
-    uint16_t offset;          /* inside the entry, bytes */
-    uint16_t bits;            /* bits gathered in `byte` */
-    uint16_t byte;
-    bool pad; /* the pad byte after sub-index 0 comes next */
+    uint32_t bits;            /* bits gathered in `byte` */
+    uint32_t byte;
+    uint16_t offset; /* inside the entry, bytes */
+    bool pad;        /* the pad byte after sub-index 0 comes next */
 } ect_sdo_cursor_t;
 
 /** The one SDO transfer that can be under way. Private. */
 typedef struct ect_sdo {
-    enum { ECT_SDO_IDLE, ECT_SDO_UPLOADING, ECT_SDO_DOWNLOADING } state;
-    const ect_object_t *object;
+    uint8_t state; /* 0 idle, 1 uploading, 2 downloading */
     uint8_t subindex;
     bool complete;
     uint8_t toggle;
+    const ect_object_t *object;
     uint32_t size;
     uint32_t done;
     ect_sdo_cursor_t cursor;
     uint8_t staging[8];
 } ect_sdo_t;
+
+enum { ECT_SDO_IDLE, ECT_SDO_UPLOADING, ECT_SDO_DOWNLOADING };
 
 /** The SDO information list under way. Private. */
 typedef struct ect_sdo_info {
@@ -159,50 +164,46 @@ typedef struct ect_emergency {
 
 /** One slave. Allocate it anywhere, initialise with ::ect_slave_init; members are private unless said otherwise. */
 typedef struct ect_slave {
-    ect_slave_config_t config;
-    ect_od_t od;
-    ect_host_t host;
-    uint64_t now_ns;
-
-    uint8_t state;        /**< public, read only: AL state, 1 2 3 4 8 */
-    bool error;           /**< public, read only: error flag of AL status */
-    uint16_t code;        /**< public, read only: AL status code */
-    ect_error_cause_t cause; /**< public, read only */
-    uint32_t pdi_errors;  /**< public, read only: failed PDI accesses */
-    uint32_t emergencies_lost; /**< public, read only */
-
-    bool status_dirty;    /* AL status has to be written */
-    bool ident;           /* identification value stands in the status code */
-    uint8_t pending;      /* state that a delayed transition leads to, 0: none */
-    uint64_t pending_until_ns;
-    bool pending_device;  /* the device delays it; else it waits for outputs */
-    uint16_t pending_result;
+    uint8_t state;         /**< public, read only: AL state, 1 2 3 4 8 */
+    bool error;            /**< public, read only: error flag of AL status */
+    uint8_t cause;         /**< public, read only: ect_error_cause_t */
+    bool status_dirty;     /* AL status has to be written */
+    bool ident;            /* identification value stands in the status code */
+    bool failed;           /* a PDI access of this poll failed */
+    uint8_t pending;       /* state that a delayed transition leads to, 0: none */
+    bool pending_device;   /* the device delays it; else it waits for outputs */
     bool pending_done;
-    uint8_t drop_state;   /* wanted by the device, 0: none */
-    uint16_t drop_code;
+    bool request_due;      /* AL control has yet to be carried out: new, or its PDI accesses failed */
+    uint8_t drop_state;    /* wanted by the device, 0: none */
     bool restart;
-    bool failed;          /* a PDI access of this poll failed */
-    uint32_t due;         /* AL events whose registers have yet to be read */
-    uint16_t request;     /* AL control as read last */
-    bool request_due;     /* it has yet to be carried out: new, or its PDI accesses failed */
-    uint8_t sm_off;       /* SyncManagers that are to be off from the PDI side, a bit each */
-    uint8_t sm_due;       /* those whose PDI control register has yet to be written */
-
+    uint8_t sm_off;        /* SyncManagers that are to be off from the PDI side, a bit each */
+    uint8_t sm_due;        /* those whose PDI control register has yet to be written */
+    bool outputs_seen;     /* the master has written SM2 since SAFEOP */
+    bool outputs_live;     /* they are being handed to the device */
+    bool inputs_due;
+    uint8_t emergency_first;
+    uint8_t emergency_count;
+    uint16_t code;         /**< public, read only: AL status code */
+    uint16_t request;      /* AL control as read last */
+    uint16_t pending_result;
+    uint16_t drop_code;
     uint16_t output_bytes;
     uint16_t input_bytes;
     uint16_t output_runs;
     uint16_t input_runs;
-    bool outputs_seen;    /* the master has written SM2 since SAFEOP */
-    bool outputs_live;    /* they are being handed to the device */
-    bool inputs_due;
-    uint64_t tick_ns;
-
+    uint32_t due;          /* AL events whose registers have yet to be read */
+    ect_slave_config_t config; /* what stands before it is zero at power-on */
     ect_mailbox_t mailbox;
     ect_sdo_t sdo;
+    ect_od_t od;
     ect_sdo_info_t info;
+    uint64_t now_ns;
+    uint64_t tick_ns;
+    uint64_t pending_until_ns;
+    ect_host_t host;
+    uint32_t pdi_errors;       /**< public, read only: failed PDI accesses */
+    uint32_t emergencies_lost; /**< public, read only */
     ect_emergency_t emergency[ECT_EMERGENCY_QUEUE];
-    uint8_t emergency_first;
-    uint8_t emergency_count;
 } ect_slave_t;
 
 /**

@@ -105,12 +105,9 @@ static bool put_all(const ect_slave_t *s, writer_t *w)
 {
     for (uint16_t i = 0; i < s->od.count; i++) {
         const ect_object_t *object = &s->od.objects[i];
-        const ect_entry_t *entry = object->entries;
-        for (;; entry++) {
+        for (const ect_entry_t *entry = object->entries; entry; entry = ect_od_next(object, entry)) {
             if ((entry->access & ECT_ACCESS_BACKUP) != 0 && !put_entry(s, w, object->index, entry))
                 return false;
-            if (entry->subindex >= object->max_subindex)
-                break;
         }
     }
     return true;

@@ -9,7 +9,18 @@
 #ifndef ECT_WIRE_BYTES_H
 #define ECT_WIRE_BYTES_H
 
+#include <stdbool.h>
 #include <stdint.h>
+
+/** Whether the host keeps numbers as the wire has them. A constant to any optimising compiler. */
+static inline bool ect_host_is_little_endian(void)
+{
+    const union {
+        uint16_t number;
+        uint8_t bytes[2];
+    } one = {.number = 1};
+    return one.bytes[0] == 1;
+}
 
 /** Reads 2 bytes, least significant first. */
 static inline uint16_t ect_load_le16(const void *bytes)
