@@ -463,6 +463,9 @@ static const limit_row_t limit_rows[] = {
     {"I64 one above", ECT_TYPE_INTEGER64, 64, -5, 5, 6, ECT_REASON_TOO_HIGH},
     {"U64 one above", ECT_TYPE_UNSIGNED64, 64, 0, 100, 101, ECT_REASON_TOO_HIGH},
     {"U64 largest signed", ECT_TYPE_UNSIGNED64, 64, 0, INT64_MAX, INT64_MAX, ECT_OK},
+    {"BITARR8 one above", ECT_TYPE_BITARR8, 8, 0, 0x7F, 0x80, ECT_REASON_TOO_HIGH},
+    {"BITARR32 one above", ECT_TYPE_BITARR32, 32, 0, 0x7F, 0x80, ECT_REASON_TOO_HIGH},
+    {"BOOLEAN one above", ECT_TYPE_BOOLEAN, 1, 0, 0, 1, ECT_REASON_TOO_HIGH},
     {"BIT3 one above", ECT_TYPE_BIT1 + 2, 3, 0, 4, 5, ECT_REASON_TOO_HIGH},
     {"BIT3 within", ECT_TYPE_BIT1 + 2, 3, 0, 4, 4, ECT_OK},
     {"U64 beyond the signed range", ECT_TYPE_UNSIGNED64, 64, 0, 100, UINT64_MAX, ECT_REASON_TOO_HIGH},
@@ -473,6 +476,10 @@ static const limit_row_t other_rows[] = {
     {"no number: octets", ECT_TYPE_OCTET_STRING, 16, 0, 5, 0xFFFF, ECT_OK},
     {"no number: text", ECT_TYPE_VISIBLE_STRING, 32, 0, 5, 0x41424344, ECT_OK},
     {"longer than a number", ECT_TYPE_OCTET_STRING, 128, 0, 5, 0x41424344, ECT_OK},
+    {"no integer: REAL32", ECT_TYPE_REAL32, 32, 0, 5, 0x41424344, ECT_OK},
+    {"no integer: REAL64", ECT_TYPE_REAL64, 64, 0, 5, 0x41424344, ECT_OK},
+    {"a type between the numbers: 0x2C", 0x2C, 16, 0, 5, 0x4344, ECT_OK},
+    {"a type above all that are known: 0x38", 0x38, 9, 0, 5, 0x44, ECT_OK},
     {"length not known", ECT_TYPE_OCTET_STRING, 0, 0, 5, 0x41424344, ECT_OK},
 };
 

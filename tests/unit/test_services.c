@@ -14,6 +14,7 @@ enum { BANK = 256, NEVER = -1 };
 static struct {
     uint8_t bank[2][BANK];
     int writes_left; /* storage operations until the power fails; NEVER */
+    int reads_left;  /* for a medium that stops answering */
 } medium;
 
 static bool powered(void)
@@ -69,11 +70,16 @@ static struct {
     uint32_t extra_event; /* raised in the AL event word once */
     uint64_t now_ns;
     uint8_t counter;
+    uint16_t failing; /* reads of this address fail */
+    ect_device_t description; /* confdev, or a variant of it */
+    ect_storage_t storage;
 } t;
 
 static int pdi_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
 {
     int result = ect_esc_pdi_read(ctx, address, buffer, length);
+    if (t.failing != 0 && address == t.failing)
+        return -1;
     if (address == ECT_REG_DC_ACTIVATION)
         *(uint8_t *)buffer = t.activation;
     if (address == ECT_REG_DC_SYNC0_CYCLE)
@@ -88,23 +94,30 @@ static int al_event(void *ctx, uint32_t *event)
     return 0;
 }
 
-static void power_on(bool with_storage)
+static void power_on_device(const ect_device_t *device, const ect_storage_t *medium_or_null)
 {
+    ect_device_t description = *device;
     memset(&t, 0, sizeof t);
+    t.description = description;
     assert_true(ect_sii_write(&confdev, NULL, 0, t.sii, sizeof t.sii) > 0);
     const ect_esc_config_t esc = {
         .personality = ect_esc_personality("et1100"), .memory = t.memory, .sii = t.sii, .sii_size = sizeof t.sii};
     t.now_ns = 1000 * MS;
     assert_int_equal(ect_esc_init(&t.esc, &esc, t.now_ns), 0);
     t.pdi = (ect_pdi_t){.ctx = &t.esc, .read = pdi_read, .write = ect_esc_pdi_write, .al_event = al_event};
-    const ect_slave_config_t slave = {.device = &confdev,
+    const ect_slave_config_t slave = {.device = &t.description,
                                       .pdi = &t.pdi,
-                                      .storage = with_storage ? &storage : NULL,
+                                      .storage = medium_or_null,
                                       .instance = &t.device,
                                       .mailbox = t.mailbox,
                                       .process_data = t.process_data,
                                       .runs = t.runs};
     assert_int_equal(ect_slave_init(&t.slave, &slave, t.now_ns), 0);
+}
+
+static void power_on(bool with_storage)
+{
+    power_on_device(&confdev, with_storage ? &storage : NULL);
 }
 
 static void poll(void)
@@ -597,6 +610,216 @@ static void sync_missed(void **state)
     assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
 }
 
+static void sync_abilities(void **state)
+{
+    static const struct {
+        const char *what;
+        uint16_t supported;
+        uint8_t cycles;
+        uint32_t cycle_ns;
+        uint16_t type; /* at power-on */
+        uint16_t code; /* of SAFEOP with SYNC0 running */
+    } rows[] = {
+        {"no DC", 0x0003, 0, 1000000, ECT_SYNC_FREE_RUN, ECT_AL_NO_SYNC},
+        {"no free run", 0x0006, 0, 1000000, ECT_SYNC_SM, 0},
+        {"any cycle from the minimum on", 0x0004, 0, 1000000, ECT_SYNC_SM, 0},
+        {"below the minimum", 0x0004, 0, 999999, ECT_SYNC_SM, ECT_AL_SYNC0_CYCLE},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = confdev;
+        device.sync.supported = rows[i].supported;
+        device.sync.dc_cycle_count = rows[i].cycles;
+        power_on_device(&device, NULL);
+        if (t.device.sync.type != rows[i].type)
+            fail_msg("%s: expected type %u, got %u", rows[i].what, rows[i].type, t.device.sync.type);
+        to_preop();
+        t.activation = 1;
+        t.cycle_ns = rows[i].cycle_ns;
+        set_sm(2, 1);
+        set_sm(3, 3);
+        (void)request(ECT_STATE_SAFEOP);
+        if (t.slave.code != rows[i].code)
+            fail_msg("%s: expected code 0x%04X, got 0x%04X", rows[i].what, rows[i].code, t.slave.code);
+    }
+}
+
+static void sync_limit_off(void **state)
+{
+    (void)state;
+    uint8_t output[1] = {0};
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x10F1, 2, 0, 2), 0);
+    t.activation = 1;
+    t.cycle_ns = 2000000;
+    to_op(1, 3);
+    t.device.sync.sm_missed = 0xFFFE;
+    for (int i = 0; i < 50; i++) {
+        t.extra_event = 0x04;
+        poll();
+        if (i % 10 == 0)
+            datagram(FPWR, confdev.sm[2].start, output, 1); /* the watchdog is not what is looked at */
+    }
+    assert_int_equal(t.slave.state, ECT_STATE_OP);
+    assert_int_equal(t.device.sync.sm_missed, 0xFFFF);
+}
+
+static void sync_read_fails(void **state)
+{
+    static const uint16_t registers[] = {ECT_REG_DC_ACTIVATION, ECT_REG_DC_SYNC0_CYCLE};
+    (void)state;
+    for (size_t i = 0; i < sizeof registers / sizeof registers[0]; i++) {
+        power_on(false);
+        to_preop();
+        set_sm(2, 1);
+        set_sm(3, 3);
+        t.failing = registers[i];
+        assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_PREOP);
+        t.failing = 0;
+        poll();
+        assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
+    }
+}
+
+/* The services of a device whose dictionary lacks their objects have nothing to do. */
+static void services_without_objects(void **state)
+{
+    (void)state;
+    ect_device_t device = confdev;
+    ect_object_t few[32];
+    uint16_t count = 0;
+    for (uint16_t i = 0; i < confdev.object_count; i++) {
+        uint16_t index = confdev.objects[i].index;
+        if (index != 0x10F3 && index != 0x1C32)
+            few[count++] = confdev.objects[i];
+    }
+    device.objects = few;
+    device.object_count = count;
+    power_on_device(&device, NULL);
+    to_preop();
+    diagnose(ECT_DIAGNOSIS_ERROR, 1, 1);
+    assert_int_equal(t.device.diagnosis.newest, 0);
+    to_op(1, 3);
+    t.extra_event = 0x04;
+    poll();
+    assert_int_equal(t.device.sync.sm_missed, 0);
+}
+
+static int read_fails(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
+{
+    (void)medium_read(ctx, bank, offset, buffer, length);
+    return medium.reads_left-- > 0 ? 0 : -1;
+}
+
+/* A medium that stops answering: whatever was read so far, the slave starts, with stored values or defaults. */
+static void medium_does_not_answer(void **state)
+{
+    (void)state;
+    fresh_medium();
+    power_on(true);
+    to_preop();
+    assert_int_equal(write_number(0x2100, 0, 555, 4), 0);
+    assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
+    ect_storage_t failing = storage;
+    failing.read = read_fails;
+    for (int reads = 0; reads < 20; reads++) {
+        medium.reads_left = reads;
+        power_on_device(&confdev, &failing);
+        assert_true(t.device.stored == 555 || t.device.stored == 100);
+    }
+}
+
+static void medium_too_small(void **state)
+{
+    (void)state;
+    ect_storage_t small = storage;
+    fresh_medium();
+    small.bank_size = 8; /* not even a header */
+    power_on_device(&confdev, &small);
+    to_preop();
+    assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0x08000020);
+    small.bank_size = 30; /* not all entries */
+    power_on_device(&confdev, &small);
+    to_preop();
+    assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0x06060000);
+}
+
+/* A firmware whose 2100h is another one, or is no longer stored, or is gone, keeps its hands off the record's value. */
+static void record_of_another_firmware(void **state)
+{
+    (void)state;
+    static const ect_entry_t shorter[] = {
+        {0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW | ECT_ACCESS_BACKUP, "Stored", 0, ECT_OFFSET(confdev_t, stored)}};
+    static const ect_entry_t not_stored[] = {
+        {0, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, "Stored", 0, ECT_OFFSET(confdev_t, stored)}};
+    const ect_entry_t *variants[] = {shorter, not_stored, NULL};
+    for (size_t v = 0; v < 3; v++) {
+        fresh_medium();
+        power_on(true);
+        to_preop();
+        assert_int_equal(write_number(0x2100, 0, 555, 4), 0);
+        assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
+        ect_device_t device = confdev;
+        ect_object_t objects[32];
+        memcpy(objects, confdev.objects, confdev.object_count * sizeof objects[0]);
+        for (uint16_t i = 0; i < confdev.object_count; i++) {
+            if (objects[i].index == 0x2100 && variants[v])
+                objects[i].entries = variants[v];
+            else if (objects[i].index == 0x2100)
+                objects[i].index = 0x20FF;
+        }
+        device.objects = objects;
+        power_on_device(&device, &storage);
+        assert_int_equal(t.device.stored, 100);
+    }
+}
+
+static void refused_in_whole_objects(void **state)
+{
+    (void)state;
+    static const uint8_t wrong_object[] = {1, 0, 0x08, 1, 0, 0x60};
+    static const uint8_t unknown_pdo[] = {1, 0, 0x00, 0x17};
+    static const uint8_t twice[] = {2, 0, 0x00, 0x1A, 0x00, 0x1A};
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_sdo(0x1600, 0, true, wrong_object, sizeof wrong_object), 0x06040041);
+    assert_int_equal(read_number(0x1600, 1), ECT_MAP(0x7000, 1, 8));
+    assert_int_equal(write_sdo(0x1C12, 0, true, unknown_pdo, sizeof unknown_pdo), 0x06020000);
+    assert_int_equal(write_sdo(0x1C13, 0, true, twice, sizeof twice), 0x06040043);
+    assert_int_equal(read_number(0x1C13, 0) & 0xFF, 0);
+    /* Entries that became wrong before they are counted: each is checked when it is written, and again with the count. */
+    assert_int_equal(write_number(0x1C12, 0, 0, 1), 0);
+    t.device.assign_1c12[0] = 0x1A00;
+    assert_int_equal(write_number(0x1C12, 0, 1, 1), 0x06040041);
+    assert_int_equal(write_number(0x1C12, 1, 0x1600, 2), 0);
+    assert_int_equal(write_number(0x1600, 0, 0, 1), 0);
+    for (uint8_t sub = 1; sub <= 4; sub++)
+        assert_int_equal(write_number(0x1600, sub, ECT_MAP(0x7000, 3, 32), 4), 0);
+    assert_int_equal(write_number(0x1600, 0, 4, 1), 0);
+    assert_int_equal(write_number(0x1601, 1, ECT_MAP(0x7000, 1, 8), 4), 0);
+    assert_int_equal(write_number(0x1601, 0, 1, 1), 0);
+    assert_int_equal(write_number(0x1C12, 2, 0x1601, 2), 0);
+    assert_int_equal(write_number(0x1C12, 0, 2, 1), 0x06040042); /* 17 bytes, room is 16 */
+}
+
+static void diagnosis_types(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    diagnose(3, 1, 1); /* no such type */
+    assert_int_equal(t.device.diagnosis.newest, 0);
+    for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES; i++)
+        diagnose(ECT_DIAGNOSIS_INFO, 1, i);
+    assert_int_equal(write_number(0x10F3, 3, 13, 1), 0); /* all acknowledged: nothing is lost when they are overwritten */
+    for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES - 1; i++)
+        diagnose(ECT_DIAGNOSIS_INFO, 1, (uint16_t)(100 + i));
+    assert_int_equal(read_number(0x10F3, 4) & 0xFF, 1);
+    diagnose(ECT_DIAGNOSIS_INFO, 1, 200); /* where the acknowledged one stood */
+    assert_int_equal(t.device.diagnosis.acknowledged, 0);
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
@@ -621,6 +844,15 @@ int main(int argc, char **argv)
         TEST("CF-081: banks take turns; a damaged byte is noticed", many_stores),
         TEST("CF-082: 1C32h shows what is supported and refuses the rest", sync_types),
         TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
+        TEST("CF-082 CF-092: what a device can do decides type and cycle times", sync_abilities),
+        TEST("CF-082: limit 0 never leaves OP, counters saturate", sync_limit_off),
+        TEST("CF-092: a read that fails on the way to SAFEOP is done again", sync_read_fails),
+        TEST("CF-067: services without their objects do nothing", services_without_objects),
+        TEST("CF-081: a medium that does not answer", medium_does_not_answer),
+        TEST("CF-081: a medium that is too small is refused", medium_too_small),
+        TEST("CF-081: a record of another firmware is passed over", record_of_another_firmware),
+        TEST("CF-073 CF-074: whole objects and counts are checked like single entries", refused_in_whole_objects),
+        TEST("CF-080: unknown types, and overwriting what is acknowledged", diagnosis_types),
         TEST("CF-043 CF-082: missed and doubled events are counted; too many leave OP with 0x001A", sync_missed),
     };
     return cmocka_run_group_tests_name("object services", tests, NULL, NULL);
