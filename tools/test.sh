@@ -3,7 +3,7 @@
 #
 #   asan      unit and integration tests under AddressSanitizer and UBSan
 #   coverage  unit tests again, for the branch coverage of the core; fails below the floor in tests/budget/coverage
-#   clang     the second compiler; each fuzz target over its committed seeds and 5 s beyond
+#   clang     unit tests with the second compiler; each fuzz target over its committed seeds and 5 s beyond
 set -eu
 cd "$(dirname "$0")/.."
 tools/bootstrap.sh test
@@ -21,11 +21,11 @@ ctest --test-dir build/asan -L unit -j "$jobs"
 ctest --test-dir build/asan -L integration -j 2
 
 build coverage
-ctest --test-dir build/coverage -L unit -LE static -j "$jobs" >/dev/null
+ctest --test-dir build/coverage -L unit -j "$jobs" >/dev/null
 tests/check/coverage.sh build/coverage
 
 build clang
-ctest --test-dir build/clang -L fuzz -j "$jobs"
+ctest --test-dir build/clang -L 'unit|fuzz' -j "$jobs"
 for target in frame mailbox sii; do
   echo "fuzz_$target: 5 s"
   build/clang/tests/fuzz/fuzz_$target -max_total_time=5 -max_len=4096 -artifact_prefix=build/clang/ \

@@ -121,7 +121,7 @@ bool ect_machine_report(ect_slave_t *s)
 static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
 {
     s->error = true;
-    s->cause = cause;
+    s->cause = (uint8_t)cause;
     s->ident = false;
     s->code = code;
     s->status_dirty = true;

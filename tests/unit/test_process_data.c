@@ -316,11 +316,11 @@ static void lrw_data(void **state)
             uint8_t data[12];
             memset(data, 0x3C, sizeof data);
             uint32_t image = (0x1000 + n) << 8 | (n & 1);
-            memcpy(data + at[i][0] - 0x20000,
+            memcpy(data + (at[i][0] - 0x20000),
                    (uint8_t[3]){(uint8_t)image, (uint8_t)(image >> 8), (uint8_t)(image >> 16)}, IMAGE);
             assert_int_equal(wire_logical(&w, LRW, 0x20000, data, sizeof data), 3);
             expect_outputs(&w, image);
-            const uint8_t *in = data + at[i][1] - 0x20000;
+            const uint8_t *in = data + (at[i][1] - 0x20000);
             if (n > 1 && (ect_load_le16(in) != 0xA55A || in[2] != 5))
                 fail_msg("layout %zu: inputs 0x%04X 0x%02X", i, ect_load_le16(in), in[2]);
             if (data[11] != 0x3C)
