@@ -108,6 +108,8 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
 {
     for (size_t i = 0; i < chain->count; i++) {
         ect_esc_t *esc = &chain->twins[i].esc;
+        if (chain->twins[i].slave.off_bus)
+            return i > 0; /* nothing is plugged in here: the frame turns back before it */
         if (ect_esc_process(esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
             return false;
         if (i + 1 < chain->count && !ect_esc_port_open(esc, 1))

@@ -17,6 +17,7 @@
 #ifndef ECT_SEAMS_DEVICE_H
 #define ECT_SEAMS_DEVICE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -142,6 +143,9 @@ typedef struct ect_host {
      */
     void (*diagnose)(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
 
+    /** Takes the slave off the bus, as if its ports were unplugged, or puts it back. */
+    void (*off_bus)(void *ctx, bool off);
+
     /** Power-cycles the slave: AL state INIT, SyncManagers off, device initialised anew. */
     void (*restart)(void *ctx);
 
@@ -236,8 +240,16 @@ typedef struct ect_device {
     /** An entry was written and is stored. */
     void (*sdo_written)(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
-    /** A user is about to set a signal to a value within its range. Negative refuses it (not now). */
-    int (*signal_set)(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns);
+    /** AL status got its error flag, with this code; or lost it (code 0). */
+    void (*al_error)(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
+
+    /**
+     * A user sets a signal to a value within its range; `value` is of the signal's type, `number` counts from 1 (0: the
+     * group has no numbers). The device does what follows from it before or instead of the caller storing it.
+     * @return NULL: it is to be stored · "" : done, nothing is to be stored · else why not, a line for the user
+     */
+    const char *(*signal_write)(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns);
 } ect_device_t;
 
 #endif

@@ -118,13 +118,17 @@ bool ect_machine_report(ect_slave_t *s)
     return true;
 }
 
+/* Code 0 takes the error away. */
 static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
 {
-    s->error = true;
+    const ect_device_t *device = s->config.device;
+    s->error = code != ECT_AL_NO_ERROR;
     s->cause = (uint8_t)cause;
     s->ident = false;
     s->code = code;
     s->status_dirty = true;
+    if (device->al_error)
+        device->al_error(s->config.instance, s->state, code, s->now_ns);
 }
 
 static void outputs_off(ect_slave_t *s)
@@ -323,12 +327,8 @@ void ect_machine_request(ect_slave_t *s)
     uint16_t request = s->request;
     bool has_boot = s->config.device->boot_out.length > 0;
     ect_al_decision_t d = ect_al_decide(s->state, s->error, request, has_boot);
-    if (d.clear_error) {
-        s->error = false;
-        s->cause = ECT_CAUSE_NONE;
-        s->code = ECT_AL_NO_ERROR;
-        s->status_dirty = true;
-    }
+    if (d.clear_error)
+        set_error(s, ECT_AL_NO_ERROR, ECT_CAUSE_NONE);
     switch (d.action) {
     case ECT_AL_REFUSE:
         s->pending = 0;

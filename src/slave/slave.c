@@ -119,6 +119,12 @@ static void host_transition_done(void *ctx, uint16_t al_status_code)
     s->pending_result = al_status_code;
 }
 
+static void host_off_bus(void *ctx, bool off)
+{
+    ect_slave_t *s = ctx;
+    s->off_bus = off;
+}
+
 static void host_restart(void *ctx)
 {
     ect_slave_t *s = ctx;
@@ -157,6 +163,7 @@ int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_
                                .emergency = ect_coe_emergency,
                                .drop = host_drop,
                                .transition_done = host_transition_done,
+                               .off_bus = host_off_bus,
                                .restart = host_restart,
                                .storage = config->storage};
     power_on(slave);

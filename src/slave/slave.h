@@ -176,6 +176,7 @@ typedef struct ect_slave {
     bool request_due;      /* AL control has yet to be carried out: new, or its PDI accesses failed */
     uint8_t drop_state;    /* wanted by the device, 0: none */
     bool restart;
+    bool off_bus;          /**< public, read only: the device wants to be off the bus */
     uint8_t sm_off;        /* SyncManagers that are to be off from the PDI side, a bit each */
     uint8_t sm_due;        /* those whose PDI control register has yet to be written */
     bool outputs_seen;     /* the master has written SM2 since SAFEOP */

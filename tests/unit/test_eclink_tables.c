@@ -445,8 +445,10 @@ static void acknowledges(void **state)
         for (unsigned int n = 0; n < 600; n++) {
             outputs[0] = (uint8_t)(3 * n); /* PCO */
             outputs[1] = (uint8_t)n;       /* CCO */
-            exchange(&w, node, outputs, inputs);
-            exchange(&w, node, outputs, inputs);
+            for (unsigned int ms = 0; ms <= 125; ms += 25) { /* acknowledged with the next input data */
+                exchange(&w, node, outputs, inputs);
+                wire_advance(&w, 25 * MS);
+            }
             if (inputs[2] != outputs[0] || inputs[3] != outputs[1])
                 fail_msg("%s: PCO %u, CCO %u: expected them in PAI and CAI, got %u and %u", node->name, outputs[0],
                          outputs[1], inputs[2], inputs[3]);

@@ -1,40 +1,240 @@
 /* SPDX-License-Identifier: MIT */
-/* What a base unit does with its process data (TS-0007 §10). */
+/*
+ * The base unit: its rhythm, what it makes of the links, and what it tells the controller (TS-0007 §8, §10, §11).
+ *
+ * Input data change every 125 ms and then PCI counts; what happens in between waits for that. Supervision does not wait:
+ * BU state, relays and message follow at once, and the controller sees them with the next input data.
+ */
 #include <string.h>
 
 #include "devices/eclink/instance.h"
 #include "wire/bytes.h"
 
-enum { UPDATE_NS = 125000000 }; /* §10.3: new input data every 125 ms */
+#define MS 1000000ull
+#define UPDATE_NS      (125 * MS)  /* §10.3 */
+#define SUPERVISION_NS (2000 * MS) /* §10.1, §10.4 */
+
+static bool has(const eclink_t *unit, unsigned int function)
+{
+    return (unit->fmap & function) != 0;
+}
+
+static uint8_t fmap_of(const ect_device_t *device)
+{
+    uint16_t outputs = device->sm[2].length;
+    uint16_t inputs = device->sm[3].length;
+    return (uint8_t)(ECLINK_FMAP_INPUT | (outputs > 0 ? ECLINK_FMAP_COMMANDS : 0) |
+                     (outputs > ECLINK_OUT_PERIODIC_SIZE ? ECLINK_FMAP_PERIODIC : 0) |
+                     (inputs > ECLINK_IN_RU + ECLINK_IN_RU_STRIDE ? ECLINK_FMAP_MULTIARM : 0));
+}
+
+/* --- links, message, state ---------------------------------------------------------------------------------------- */
+
+static bool command_late(const eclink_t *unit)
+{
+    return unit->cao_deadline_ns == 0;
+}
+
+/* Why the EC-Link is not in order. NULL: it is. */
+static const char *fault(const eclink_t *unit, uint8_t *status, const char **message)
+{
+    *message = "";
+    *status = ECLINK_LINK_UNUSED;
+    if (!unit->bu.enabled)
+        return NULL;
+    *status = ECLINK_LINK_INTERFACE_ERROR;
+    *message = "EC: Module Error";
+    if (unit->bu.module_error)
+        return "the fieldbus module reports an error";
+    *status = ECLINK_LINK_ERROR;
+    *message = "EC: Cfg. Error";
+    if (!unit->exchanging && unit->config_error != 0)
+        return "the controller's configuration was refused";
+    *status = ECLINK_LINK_NONE;
+    *message = "EC: No Data";
+    if (!unit->exchanging)
+        return "no process data from the controller";
+    *status = ECLINK_LINK_DATA_ERROR;
+    *message = "EC: Bad data";
+    if (has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
+        return "PCO does not increment";
+    if (has(unit, ECLINK_FMAP_COMMANDS) && command_late(unit))
+        return "CAO does not acknowledge a command";
+    *status = ECLINK_LINK_OPERATIONAL;
+    *message = "";
+    return NULL;
+}
+
+static bool eg_link_bad(const eclink_t *unit)
+{
+    return unit->bu.eg_link >= ECLINK_LINK_NONE && unit->bu.eg_link <= ECLINK_LINK_DATA_ERROR;
+}
+
+static bool any_armed_stopped(const eclink_t *unit)
+{
+    for (unsigned int i = 0; i < unit->armed_count; i++) {
+        if (unit->ru[unit->armed[i]].state >= ECLINK_RU_STOPPED)
+            return true;
+    }
+    return false;
+}
+
+static uint8_t bu_state(const eclink_t *unit, bool ec_link_bad)
+{
+    if (unit->bu.failed)
+        return ECLINK_BU_FAILED;
+    if (ec_link_bad && !unit->good_once)
+        return ECLINK_BU_INITIAL;
+    if (ec_link_bad || eg_link_bad(unit))
+        return ECLINK_BU_LINK_ERROR;
+    if (unit->blocked != 0)
+        return ECLINK_BU_BLOCKED;
+    if (any_armed_stopped(unit))
+        return ECLINK_BU_STOPPED;
+    return unit->armed_count > 0 ? ECLINK_BU_ARMED : ECLINK_BU_DISARMED;
+}
+
+static void put_text(char *to, size_t room, const char *text)
+{
+    size_t length = strlen(text);
+    length = length < room - 1 ? length : room - 1;
+    memcpy(to, text, length);
+    to[length] = 0;
+}
+
+static void evaluate(eclink_t *unit)
+{
+    const char *message;
+    const char *cause = fault(unit, &unit->bu.ec_link, &message);
+    eclink_remotes_update(unit);
+    unit->good_once |= cause == NULL && unit->bu.enabled;
+    unit->bu.state = bu_state(unit, cause != NULL);
+    unit->bu.es_link = unit->bu.state >= ECLINK_BU_DISARMED;
+    put_text(unit->bu.message, sizeof unit->bu.message, message);
+    put_text(unit->bu.cause, sizeof unit->bu.cause, cause ? cause : "");
+}
+
+/* --- from the stack ----------------------------------------------------------------------------------------------- */
 
 void eclink_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)
 {
-    eclink_t *bu = instance;
-    (void)host;
-    bu->standard.identity = *identity;
-    bu->update_ns = now_ns + UPDATE_NS;
+    eclink_t *unit = instance;
+    unit->standard.identity = *identity;
+    unit->host = host;
+    unit->fmap = fmap_of(unit->standard.device);
+    unit->update_ns = now_ns + UPDATE_NS;
+    unit->pco_deadline_ns = ECT_NEVER;
+    unit->cao_deadline_ns = ECT_NEVER;
+    unit->bu.enabled = 1;
+    unit->bu.vlaps = 3;
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        unit->ru[i].id = (uint16_t)(i + 1);
+        unit->ru[i].battery = 100;
+        unit->ru[i].rssi = 100;
+        memset(unit->ru[i].fitted, ECLINK_PUSHBUTTON, 4);
+    }
+    evaluate(unit);
+}
+
+static void stop_exchange(eclink_t *unit)
+{
+    unit->exchanging = false;
+    unit->outputs_known = false;
+    unit->pco_alive = false;
+    unit->pco_deadline_ns = ECT_NEVER;
+    unit->cao_deadline_ns = ECT_NEVER;
+}
+
+uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    (void)now_ns;
+    if (to == ECT_STATE_OP)
+        unit->exchanging = !has(unit, ECLINK_FMAP_COMMANDS); /* with outputs, their coming decides */
+    else if (from == ECT_STATE_OP)
+        stop_exchange(unit);
+    evaluate(unit);
+    return 0;
+}
+
+/* A refused configuration stays the reason until the controller gets further than that. */
+void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    bool configuration = code >= 0x0011 && code <= 0x0026 && code != 0x001A && code != 0x001B;
+    (void)state;
+    (void)now_ns;
+    unit->config_error = configuration ? code : 0;
+    evaluate(unit);
 }
 
 void eclink_outputs(void *instance, uint64_t now_ns)
 {
-    eclink_t *bu = instance;
-    (void)now_ns;
-    bu->inputs[ECLINK_IN_CAI] = bu->outputs[ECLINK_OUT_CCO];
-    bu->inputs[ECLINK_IN_PAI] = bu->outputs[ECLINK_OUT_PCO];
+    eclink_t *unit = instance;
+    bool first = !unit->outputs_known;
+    unit->outputs_known = true;
+    unit->exchanging = true;
+    if (first || unit->outputs[ECLINK_OUT_PCO] != unit->last_pco) {
+        unit->pco_alive = !first;
+        unit->pco_deadline_ns = first ? ECT_NEVER : now_ns + SUPERVISION_NS;
+    }
+    if (has(unit, ECLINK_FMAP_PERIODIC))
+        eclink_periodic_outputs(unit, first);
+    unit->last_pco = unit->outputs[ECLINK_OUT_PCO];
+    unit->bu.pai = unit->last_pco;
+    if (has(unit, ECLINK_FMAP_COMMANDS))
+        eclink_command_outputs(unit, first, now_ns);
+    evaluate(unit);
+}
+
+static void publish(eclink_t *unit)
+{
+    uint8_t *in = unit->inputs;
+    unit->bu.pci++;
+    in[ECLINK_IN_PCI] = unit->bu.pci;
+    in[ECLINK_IN_CCI] = unit->bu.cci;
+    in[ECLINK_IN_PAI] = unit->bu.pai;
+    in[ECLINK_IN_CAI] = unit->bu.cai;
+    in[ECLINK_IN_BU_STATE] = unit->bu.state;
+    in[ECLINK_IN_VLAPS] = unit->bu.vlaps;
+    in[ECLINK_IN_UNARMED] = unit->bu.unarmed;
+    in[ECLINK_IN_EG_LINK] = unit->bu.eg_link;
+    in[ECLINK_IN_EC_LINK] = unit->bu.ec_link;
+    eclink_remotes_publish(unit, in);
+}
+
+static void supervise(eclink_t *unit, uint64_t now_ns)
+{
+    if (now_ns >= unit->pco_deadline_ns) {
+        unit->pco_alive = false;
+        unit->pco_deadline_ns = ECT_NEVER;
+    }
+    if (unit->cao_deadline_ns != 0 && now_ns >= unit->cao_deadline_ns)
+        unit->cao_deadline_ns = 0; /* late, until it is acknowledged */
 }
 
 /* Late calls do not shift the rhythm, and do not make up for missed updates. */
 uint64_t eclink_tick(void *instance, uint64_t now_ns)
 {
-    eclink_t *bu = instance;
-    if (now_ns >= bu->update_ns) {
-        bu->inputs[ECLINK_IN_PCI]++;
-        bu->update_ns += UPDATE_NS;
-        if (bu->update_ns <= now_ns)
-            bu->update_ns = now_ns + UPDATE_NS;
+    eclink_t *unit = instance;
+    supervise(unit, now_ns);
+    if (now_ns >= unit->update_ns) {
+        if (unit->exchanging && has(unit, ECLINK_FMAP_COMMANDS))
+            eclink_show_command(unit, now_ns);
+        eclink_command_to_rus(unit);
+        evaluate(unit);
+        publish(unit);
+        unit->update_ns += UPDATE_NS;
+        if (unit->update_ns <= now_ns)
+            unit->update_ns = now_ns + UPDATE_NS;
+    } else {
+        evaluate(unit);
     }
-    return bu->update_ns;
+    uint64_t next = unit->update_ns < unit->pco_deadline_ns ? unit->update_ns : unit->pco_deadline_ns;
+    return unit->cao_deadline_ns != 0 && unit->cao_deadline_ns < next ? unit->cao_deadline_ns : next;
 }
+
+/* --- 3001h, 3002h ------------------------------------------------------------------------------------------------- */
 
 /* Where the fields stand is what the entries of the object say. */
 static void decode(uint8_t *numbers, const uint8_t *bytes, uintptr_t base, const ect_object_t *object)
@@ -42,21 +242,94 @@ static void decode(uint8_t *numbers, const uint8_t *bytes, uintptr_t base, const
     for (unsigned int i = 1; i <= object->max_subindex; i++) {
         const ect_entry_t *entry = &object->entries[i];
         size_t offset = (uintptr_t)entry->data - base;
-        uint16_t number = ect_load_be16(bytes + offset);
-        if (entry->bit_length == 16)
+        if (entry->bit_length == 16) {
+            uint16_t number = ect_load_be16(bytes + offset);
             memcpy(numbers + offset, &number, sizeof number);
-        else
+        } else {
             memcpy(numbers + offset, bytes + offset, ect_od_bytes(entry));
+        }
     }
 }
 
 void eclink_sdo_read(void *instance, uint16_t index)
 {
-    eclink_t *bu = instance;
-    const ect_device_t *device = bu->standard.device;
+    eclink_t *unit = instance;
+    const ect_device_t *device = unit->standard.device;
     const ect_od_t od = {.objects = device->objects, .count = device->object_count};
     if (index == 0x3001)
-        decode(bu->input_numbers, bu->inputs, offsetof(eclink_t, input_numbers), ect_od_find(&od, index));
+        decode(unit->input_numbers, unit->inputs, offsetof(eclink_t, input_numbers), ect_od_find(&od, index));
     else if (index == 0x3002)
-        decode(bu->output_numbers, bu->outputs, offsetof(eclink_t, output_numbers), ect_od_find(&od, index));
+        decode(unit->output_numbers, unit->outputs, offsetof(eclink_t, output_numbers), ect_od_find(&od, index));
+}
+
+/* --- from the user ------------------------------------------------------------------------------------------------ */
+
+#define IS(signal, type, member) ((signal)->offset == offsetof(type, member))
+
+static const char *send_command(eclink_t *unit, unsigned int number, const uint8_t *data)
+{
+    eclink_ru_t *ru = &unit->ru[number];
+    eclink_command_t command = {.ru = ru->id};
+    if (!has(unit, ECLINK_FMAP_COMMANDS))
+        return "this mode (Input Only) has no commands";
+    if (!ru->on)
+        return "this remote unit is not switched on: set its 'on' first";
+    memcpy(command.data, data, sizeof command.data);
+    if (!eclink_queue_put(&unit->from_ru, &command)) {
+        unit->bu.overflows++;
+        return "the base unit's queue is full: the controller does not acknowledge in CAO";
+    }
+    return NULL;
+}
+
+static const char *write_switch(const eclink_ru_t *ru, unsigned int position, int16_t value)
+{
+    static const struct {
+        int16_t minimum, maximum;
+        const char *range;
+    } kinds[ECLINK_EQUIPMENT_COUNT] = {
+        {0, 0, "no switch is fitted at this position: set 'fitted' first"},
+        {0, 1, "a pushbutton has the values 0 and 1"},
+        {0, 1, "a 2-position switch has the values 0 and 1"},
+        {-1, 1, "a 3-position switch has the values -1, 0 and 1"},
+        {0, 1000, "a potentiometer has the values 0 to 1000"},
+        {0, 3, "a pushbutton with LED has the values 0 to 3"},
+        {0, 3, "a dual LED has the values 0 to 3"},
+    };
+    uint8_t kind = ru->fitted[position];
+    return value < kinds[kind].minimum || value > kinds[kind].maximum ? kinds[kind].range : NULL;
+}
+
+static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned int number, const void *value)
+{
+    eclink_ru_t *ru = &unit->ru[number];
+    const uint8_t *byte = value;
+    if (IS(signal, eclink_ru_t, armed))
+        return eclink_arm(unit, number, *byte != 0);
+    if (IS(signal, eclink_ru_t, command))
+        return send_command(unit, number, byte);
+    if (IS(signal, eclink_ru_t, on) && *byte == 0)
+        eclink_lose(unit, number);
+    uint32_t first = offsetof(eclink_ru_t, switches);
+    if (signal->offset >= first && signal->offset < first + sizeof ru->switches) {
+        int16_t wanted;
+        memcpy(&wanted, value, sizeof wanted);
+        return write_switch(ru, (signal->offset - first) / (unsigned int)sizeof wanted, wanted);
+    }
+    first = offsetof(eclink_ru_t, fitted);
+    if (signal->offset >= first && signal->offset < first + sizeof ru->fitted)
+        ru->switches[signal->offset - first] = 0; /* another switch starts at rest */
+    return NULL;
+}
+
+const char *eclink_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    (void)now_ns;
+    if (number > 0)
+        return write_ru(unit, signal, number - 1u, value);
+    if (IS(signal, eclink_bu_t, enabled) && unit->host->off_bus)
+        unit->host->off_bus(unit->host->ctx, *(const uint8_t *)value == 0);
+    return NULL;
 }

@@ -6,9 +6,11 @@
 #ifndef ECT_DEVICES_ECLINK_INSTANCE_H
 #define ECT_DEVICES_ECLINK_INSTANCE_H
 
+#include <stdbool.h>
+
 #include "seams/standard.h"
 
-enum { ECLINK_INPUT_BYTES = 142, ECLINK_OUTPUT_BYTES = 228, ECLINK_PERIODIC_BYTES = 200 };
+enum { ECLINK_INPUT_BYTES = 142, ECLINK_OUTPUT_BYTES = 228, ECLINK_PERIODIC_BYTES = 200, ECLINK_COMMAND_BYTES = 16 };
 
 /** Offsets in the input data (TS-0007 §8). */
 enum {
@@ -27,6 +29,23 @@ enum {
     ECLINK_IN_RU_STRIDE = 38,
 };
 
+/** Offsets in a remote unit's part of the input data. */
+enum {
+    ECLINK_RU_ID = 0,
+    ECLINK_RU_STATE = 2,
+    ECLINK_RU_BATTERY = 3,
+    ECLINK_RU_RSSI = 4,
+    ECLINK_RU_CABLE = 5,
+    ECLINK_RU_DOCKED = 6,
+    ECLINK_RU_DISABLED = 7,
+    ECLINK_RU_C_LINK = 8,
+    ECLINK_RU_G_LINK = 9,
+    ECLINK_RU_JOYSTICK = 10,
+    ECLINK_RU_SWITCH = 18,
+    ECLINK_RU_ENCODER = 34,
+    ECLINK_RU_ENCODER_SWITCH = 35,
+};
+
 /** Offsets in the output data (TS-0007 §9). */
 enum {
     ECLINK_OUT_PCO = 0,
@@ -40,18 +59,183 @@ enum {
     ECLINK_OUT_PERIODIC = 28,
 };
 
+/** Bits of FMAP (TS-0007 §2.1). */
+enum { ECLINK_FMAP_INPUT = 1, ECLINK_FMAP_COMMANDS = 2, ECLINK_FMAP_PERIODIC = 4, ECLINK_FMAP_MULTIARM = 8 };
+
+/** BU state (§8.1). */
+enum {
+    ECLINK_BU_INITIAL = 0x00,
+    ECLINK_BU_STOPPED = 0x01,
+    ECLINK_BU_LINK_ERROR = 0x02,
+    ECLINK_BU_BLOCKED = 0x03,
+    ECLINK_BU_FAILED = 0x04,
+    ECLINK_BU_DISARMED = 0x10,
+    ECLINK_BU_ARMED = 0x11,
+};
+
+/** Link status (§8.2). */
+enum {
+    ECLINK_LINK_UNUSED = 0,
+    ECLINK_LINK_OPERATIONAL = 1,
+    ECLINK_LINK_NONE = 2,
+    ECLINK_LINK_ERROR = 3,
+    ECLINK_LINK_INTERFACE_ERROR = 4,
+    ECLINK_LINK_DATA_ERROR = 5,
+    ECLINK_LINK_PASSIVE = 6,
+    ECLINK_LINK_FALLBACK = 7,
+};
+
+/** RU state (§8.3). */
+enum { ECLINK_RU_INITIAL = 0, ECLINK_RU_ARMED = 2, ECLINK_RU_ENABLED = 3, ECLINK_RU_STOPPED = 4, ECLINK_RU_FAILED = 5 };
+
+/** What is fitted at a switch position (§8.5). */
+typedef enum eclink_equipment {
+    ECLINK_NOT_FITTED,
+    ECLINK_PUSHBUTTON,     /* 0, 1 */
+    ECLINK_TWO_POSITION,   /* 0, 1 */
+    ECLINK_THREE_POSITION, /* -1, 0, 1 */
+    ECLINK_POTENTIOMETER,  /* 0..1000 */
+    ECLINK_BUTTON_LED,     /* 0, 1, plus 2 when lit */
+    ECLINK_DUAL_LED,       /* 0 off, 1 green, 2 red, 3 amber */
+    ECLINK_EQUIPMENT_COUNT
+} eclink_equipment_t;
+
+enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITCHES = 8, ECLINK_QUEUE = 16 };
+
+/** Largest set of periodic data: 256 blocks (§10.4). A firmware whose machine needs less may define it so. */
+#ifndef ECLINK_PERIODIC_ROOM
+#define ECLINK_PERIODIC_ROOM 51200
+#endif
+
+typedef struct eclink_command {
+    uint16_t ru; /* id of the remote it comes from, or goes to (0: all) */
+    uint8_t data[ECLINK_COMMAND_BYTES];
+} eclink_command_t;
+
+/** Commands in the order in which they came; when full, new ones are turned away. */
+typedef struct eclink_queue {
+    eclink_command_t commands[ECLINK_QUEUE];
+    uint8_t first;
+    uint8_t count;
+} eclink_queue_t;
+
+/** A remote unit, as signals `ruN.*`. */
+typedef struct eclink_ru {
+    uint16_t id;
+    uint8_t on;    /* switched on and in radio range */
+    uint8_t armed;
+    uint8_t stop;  /* stop switch pressed */
+    uint8_t shock; /* free fall or shock was detected */
+    uint8_t failed;
+    uint8_t disabled; /* 0 enabled, 1 tilt, 2 inactivity, 3 popup */
+    uint8_t battery;
+    uint8_t rssi;
+    uint8_t cable;
+    uint8_t docked;
+    uint8_t g_link_lost;
+    uint8_t encoder;
+    uint8_t encoder_switch;
+    int16_t joystick[ECLINK_JOYSTICKS];
+    int16_t switches[ECLINK_SWITCHES];
+    uint8_t fitted[ECLINK_SWITCHES]; /* eclink_equipment_t */
+    uint8_t command[ECLINK_COMMAND_BYTES]; /* writing it sends it */
+
+    uint8_t state;    /* from here on what the twin makes of it */
+    uint8_t c_link;
+    uint8_t g_link;
+    uint8_t received[ECLINK_COMMAND_BYTES]; /* the last command from the controller */
+    uint32_t received_count;
+    uint32_t periodic_count; /* sets of periodic data shown */
+    eclink_queue_t to_ru;
+    bool periodic_waits; /* a set is to be shown when the link has room */
+} eclink_ru_t;
+
+/** The base unit, as signals `bu.*`. */
+typedef struct eclink_bu {
+    uint8_t enabled; /* 0: mode Disabled */
+    uint8_t vlaps;
+    uint8_t eg_link;
+    uint8_t failed;
+    uint8_t module_error;
+    uint8_t report_passive; /* EC-C9: byte 36 is 6, not 0, while no RU is armed */
+
+    uint8_t state; /* from here on what the twin makes of it */
+    uint8_t ec_link;
+    uint8_t es_link; /* relays closed */
+    uint8_t unarmed;
+    uint8_t armed;
+    uint8_t pci, cci, pai, cai;
+    char message[20];
+    char cause[48];
+    uint32_t overflows; /* commands that were turned away */
+    uint32_t periodic_sets;
+    uint32_t periodic_errors;
+    uint16_t periodic_size; /* of the last complete set */
+    uint32_t periodic_check; /* CRC-32 of it */
+} eclink_bu_t;
+
+/** Periodic output data on its way to completeness. */
+typedef struct eclink_periodic {
+    uint8_t data[2][ECLINK_PERIODIC_ROOM];
+    uint8_t have[32]; /* a bit for each block */
+    uint16_t size;    /* of the set that is being assembled */
+    uint16_t missing; /* blocks */
+    uint8_t shown;    /* which of `data` is the last complete set */
+} eclink_periodic_t;
+
 typedef struct eclink {
     ect_standard_t standard;
     uint8_t inputs[ECLINK_INPUT_BYTES];
     uint8_t outputs[ECLINK_OUTPUT_BYTES];
     uint8_t input_numbers[ECLINK_INPUT_BYTES]; /* 3001h: the same fields in the host's byte order */
     uint8_t output_numbers[ECLINK_OUT_PERIODIC];
+    const ect_host_t *host;
+    uint8_t fmap;
+    eclink_bu_t bu;
+    eclink_ru_t ru[ECLINK_RUS];
+    uint8_t armed[ECLINK_MOST_ARMED]; /* numbers 0..7 of armed remotes, in the order of arming */
+    uint8_t armed_count;
+    uint8_t blocked; /* remotes that were lost while armed, a bit each */
+
+    bool exchanging;      /* OP: process data flow */
+    bool good_once;       /* there was a good exchange since power-on */
+    bool outputs_known;   /* outputs have come since OP was entered */
+    bool pco_alive;
+    uint16_t config_error; /* AL status code of a refused configuration, 0 none */
+    uint8_t last_pco, last_cco;
+    uint64_t pco_deadline_ns;
+    uint64_t cao_deadline_ns;
     uint64_t update_ns; /* when PCI counts next */
+    eclink_queue_t from_ru;
+    eclink_periodic_t periodic;
 } eclink_t;
 
+extern const ect_signal_group_t eclink_signal_groups[];
+enum { ECLINK_SIGNAL_GROUPS = 2 };
+
 void eclink_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
+uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
+void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 void eclink_outputs(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
 void eclink_sdo_read(void *instance, uint16_t index);
+const char *eclink_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns);
+
+/* commands.c */
+bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command);
+bool eclink_queue_take(eclink_queue_t *queue, eclink_command_t *command);
+void eclink_command_to_rus(eclink_t *unit);
+void eclink_show_command(eclink_t *unit, uint64_t now_ns);
+void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns);
+
+/* periodic.c */
+void eclink_periodic_outputs(eclink_t *unit, bool first);
+
+/* remotes.c */
+void eclink_remotes_update(eclink_t *unit);
+void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs);
+const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
+void eclink_lose(eclink_t *unit, unsigned int number);
 
 #endif

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/* What the operator's side of a base unit is called: `bu.*` and `ru1.*` .. `ru8.*`. */
+#include "devices/eclink/instance.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+#define SIGNAL(type, access, member, name, kind, minimum, maximum, unit, meaning)                                     \
+    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(type, member), minimum, maximum}
+#define BU(access, member, name, kind, minimum, maximum, unit, meaning)                                               \
+    SIGNAL(eclink_bu_t, access, member, name, kind, minimum, maximum, unit, meaning)
+#define RU(access, member, name, kind, minimum, maximum, unit, meaning)                                               \
+    SIGNAL(eclink_ru_t, access, member, name, kind, minimum, maximum, unit, meaning)
+
+static const ect_signal_t bu_signals[] = {
+    BU(WRITE, enabled, "enabled", BOOL, 0, 1, NULL, "0: mode Disabled, no EtherCAT slave answers"),
+    BU(WRITE, vlaps, "vlaps", U8, 0, 3, NULL, "VLAPs connected"),
+    BU(WRITE, eg_link, "eg_link", U8, 0, 7, NULL, "EG-Link status, values of TS-0007 8.2; 2 to 5 are errors"),
+    BU(WRITE, failed, "failed", BOOL, 0, 1, NULL, "self-diagnostics has found a fatal error"),
+    BU(WRITE, module_error, "module_error", BOOL, 0, 1, NULL, "the fieldbus module reports an error"),
+    BU(WRITE, report_passive, "report_passive", BOOL, 0, 1, NULL, "byte 36 is 6 instead of 0 while no RU is armed"),
+    BU(READ, state, "state", U8, 0, 17, NULL, "BU state, values of TS-0007 8.1"),
+    BU(READ, ec_link, "ec_link", U8, 0, 7, NULL, "EC-Link status"),
+    BU(READ, es_link, "es_link", BOOL, 0, 1, NULL, "ES-Link relays closed"),
+    BU(READ, armed, "armed", U8, 0, 3, NULL, "armed remote units"),
+    BU(READ, unarmed, "unarmed", U8, 0, 8, NULL, "remote units in communication that are not armed"),
+    BU(READ, message, "message", TEXT, 0, 19, NULL, "message on the display"),
+    BU(READ, cause, "cause", TEXT, 0, 47, NULL, "why it is there"),
+    BU(READ, pci, "pci", U8, 0, 255, NULL, "PCI"),
+    BU(READ, cci, "cci", U8, 0, 255, NULL, "CCI"),
+    BU(READ, pai, "pai", U8, 0, 255, NULL, "PAI"),
+    BU(READ, cai, "cai", U8, 0, 255, NULL, "CAI"),
+    BU(READ, overflows, "overflows", U32, 0, INT32_MAX, NULL, "commands turned away because a queue was full"),
+    BU(READ, periodic_sets, "periodic_sets", U32, 0, INT32_MAX, NULL, "complete sets of periodic data"),
+    BU(READ, periodic_size, "periodic_size", U16, 0, 51200, "bytes", "size of the last complete set"),
+    BU(READ, periodic_check, "periodic_check", U32, 0, INT32_MAX, NULL, "CRC-32 of the last complete set"),
+    BU(READ, periodic_errors, "periodic_errors", U32, 0, INT32_MAX, NULL, "impossible sizes and block numbers"),
+};
+
+static const ect_signal_t ru_signals[] = {
+    RU(WRITE, id, "id", U16, 1, 65535, NULL, "unique id"),
+    RU(WRITE, on, "on", BOOL, 0, 1, NULL, "switched on and in range"),
+    RU(WRITE, armed, "armed", BOOL, 0, 1, NULL, "armed by the operator"),
+    RU(WRITE, stop, "stop", BOOL, 0, 1, NULL, "stop switch pressed"),
+    RU(WRITE, shock, "shock", BOOL, 0, 1, NULL, "free fall or shock detected"),
+    RU(WRITE, failed, "failed", BOOL, 0, 1, NULL, "internal error"),
+    RU(WRITE, disabled, "disabled", U8, 0, 3, NULL, "movements: 0 enabled, disabled by 1 tilt, 2 inactivity, 3 popup"),
+    RU(WRITE, battery, "battery", U8, 0, 100, "%", "battery level"),
+    RU(WRITE, rssi, "rssi", U8, 0, 100, "%", "C-Link signal strength"),
+    RU(WRITE, cable, "cable", BOOL, 0, 1, NULL, "operates on cable"),
+    RU(WRITE, docked, "docked", BOOL, 0, 1, NULL, "in the docking station"),
+    RU(WRITE, g_link_lost, "g_link_lost", BOOL, 0, 1, NULL, "out of reach of G-Link"),
+    RU(WRITE, joystick[0], "joystick1", I16, -1000, 1000, NULL, "joystick 1, centre 0"),
+    RU(WRITE, joystick[1], "joystick2", I16, -1000, 1000, NULL, "joystick 2, centre 0"),
+    RU(WRITE, joystick[2], "joystick3", I16, -1000, 1000, NULL, "joystick 3, centre 0"),
+    RU(WRITE, joystick[3], "joystick4", I16, -1000, 1000, NULL, "joystick 4, centre 0"),
+    RU(WRITE, switches[0], "switch1", I16, -1, 1000, NULL, "switch 1, range as fitted"),
+    RU(WRITE, switches[1], "switch2", I16, -1, 1000, NULL, "switch 2, range as fitted"),
+    RU(WRITE, switches[2], "switch3", I16, -1, 1000, NULL, "switch 3, range as fitted"),
+    RU(WRITE, switches[3], "switch4", I16, -1, 1000, NULL, "switch 4, range as fitted"),
+    RU(WRITE, switches[4], "switch5", I16, -1, 1000, NULL, "switch 5, range as fitted"),
+    RU(WRITE, switches[5], "switch6", I16, -1, 1000, NULL, "switch 6, range as fitted"),
+    RU(WRITE, switches[6], "switch7", I16, -1, 1000, NULL, "switch 7, range as fitted"),
+    RU(WRITE, switches[7], "switch8", I16, -1, 1000, NULL, "switch 8, range as fitted"),
+    RU(WRITE, fitted[0], "fitted1", U8, 0, 6, NULL,
+       "0 nothing, 1 pushbutton, 2 two positions, 3 three positions, 4 potentiometer, 5 pushbutton with LED, 6 dual LED"),
+    RU(WRITE, fitted[1], "fitted2", U8, 0, 6, NULL, "what is fitted at position 2"),
+    RU(WRITE, fitted[2], "fitted3", U8, 0, 6, NULL, "what is fitted at position 3"),
+    RU(WRITE, fitted[3], "fitted4", U8, 0, 6, NULL, "what is fitted at position 4"),
+    RU(WRITE, fitted[4], "fitted5", U8, 0, 6, NULL, "what is fitted at position 5"),
+    RU(WRITE, fitted[5], "fitted6", U8, 0, 6, NULL, "what is fitted at position 6"),
+    RU(WRITE, fitted[6], "fitted7", U8, 0, 6, NULL, "what is fitted at position 7"),
+    RU(WRITE, fitted[7], "fitted8", U8, 0, 6, NULL, "what is fitted at position 8"),
+    RU(WRITE, encoder, "encoder", U8, 0, 255, NULL, "encoder value, wraps"),
+    RU(WRITE, encoder_switch, "encoder_switch", BOOL, 0, 1, NULL, "encoder pushed down"),
+    RU(WRITE, command, "command", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "writing it sends a command to the controller"),
+    RU(READ, state, "state", U8, 0, 5, NULL, "RU state, values of TS-0007 8.3"),
+    RU(READ, c_link, "c_link", U8, 0, 7, NULL, "C-Link status, values of TS-0007 8.2"),
+    RU(READ, g_link, "g_link", U8, 0, 7, NULL, "G-Link status, values of TS-0007 8.2"),
+    RU(READ, received, "received", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "last command from the controller"),
+    RU(READ, received_count, "received_count", U32, 0, INT32_MAX, NULL, "commands received from the controller"),
+    RU(READ, periodic_count, "periodic_count", U32, 0, INT32_MAX, NULL, "sets of periodic data shown"),
+};
+
+const ect_signal_group_t eclink_signal_groups[ECLINK_SIGNAL_GROUPS] = {
+    {.prefix = "bu", .count = 0, .signal_count = COUNT(bu_signals), .offset = offsetof(eclink_t, bu), .signals = bu_signals},
+    {.prefix = "ru",
+     .count = ECLINK_RUS,
+     .signal_count = COUNT(ru_signals),
+     .offset = offsetof(eclink_t, ru),
+     .stride = sizeof(eclink_ru_t),
+     .signals = ru_signals},
+};
