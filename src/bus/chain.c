@@ -144,6 +144,12 @@ size_t ect_chain_count(const ect_chain_t *chain)
     return chain->count;
 }
 
+void ect_chain_wake(ect_chain_t *chain, size_t position)
+{
+    ect_slave_wake(&chain->twins[position].slave);
+    chain->twins[position].deadline_ns = 0;
+}
+
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position)
 {
     return &chain->twins[position].slave;

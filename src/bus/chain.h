@@ -51,6 +51,8 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
 size_t ect_chain_count(const ect_chain_t *chain);
+/** Lets the slave at a position look at its device again at the next poll: a signal was set. */
+void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);
 ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position);
 

@@ -214,6 +214,12 @@ typedef struct ect_slave {
  */
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);
 
+/** The device's own time is due at the next poll, whatever it said last: something about it was changed from outside. */
+static inline void ect_slave_wake(ect_slave_t *slave)
+{
+    slave->tick_ns = 0;
+}
+
 /**
  * Does what is to be done: AL control, SyncManager changes, watchdog, process data, one mailbox request, the device's
  * own time.
