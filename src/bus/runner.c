@@ -17,11 +17,17 @@ uint64_t ect_runner_now(void)
     return (uint64_t)now.tv_sec * NS_PER_S + (uint64_t)now.tv_nsec;
 }
 
-/* Waits for a frame, a signal or the deadline. */
-static int wait_for(const ect_runner_t *r, struct pollfd fds[2], uint64_t deadline_ns)
+/* What the loop waits for: a frame, a signal, users at the control socket. */
+typedef struct wait {
+    struct pollfd fds[2 + ECT_CONTROL_FDS];
+    size_t control_count;
+} wait_t;
+
+static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
 {
-    fds[0] = (struct pollfd){.fd = r->port->fd, .events = POLLIN};
-    fds[1] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
+    w->fds[0] = (struct pollfd){.fd = r->port->fd, .events = POLLIN};
+    w->fds[1] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
+    w->control_count = r->control ? ect_control_fds(r->control, w->fds + 2) : 0;
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -31,7 +37,7 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[2], uint64_t deadli
         timeout.tv_nsec = (long)(left % NS_PER_S);
         limit = &timeout;
     }
-    return ppoll(fds, 2, limit, NULL);
+    return ppoll(w->fds, 2 + w->control_count, limit, NULL);
 }
 
 static int answer(const ect_runner_t *r)
@@ -51,17 +57,29 @@ static bool take_signal(const ect_runner_t *r)
     return r->on_signal(r->ctx, (int)info.ssi_signo);
 }
 
+/* The devices, then those who watch them. */
+static uint64_t run_devices(const ect_runner_t *r)
+{
+    uint64_t now_ns = ect_runner_now();
+    uint64_t deadline_ns = ect_chain_poll(r->chain, now_ns);
+    uint64_t report_ns = r->control ? ect_control_report(r->control, now_ns) : ECT_NEVER;
+    return report_ns < deadline_ns ? report_ns : deadline_ns;
+}
+
 int ect_runner_run(const ect_runner_t *r)
 {
-    uint64_t deadline_ns = ect_chain_poll(r->chain, ect_runner_now());
+    uint64_t deadline_ns = run_devices(r);
     for (;;) {
-        struct pollfd fds[2];
-        if (wait_for(r, fds, deadline_ns) < 0 && errno != EINTR)
+        wait_t w;
+        int ready = wait_for(r, &w, deadline_ns);
+        if (ready < 0 && errno != EINTR)
             return -1;
-        if (fds[0].revents != 0 && answer(r) < 0)
+        if (ready > 0 && w.fds[0].revents != 0 && answer(r) < 0)
             return -1;
-        if (fds[1].revents != 0 && !take_signal(r))
+        if (ready > 0 && w.fds[1].revents != 0 && !take_signal(r))
             return 0;
-        deadline_ns = ect_chain_poll(r->chain, ect_runner_now());
+        if (ready > 0 && r->control)
+            ect_control_serve(r->control, r->chain, w.fds + 2, w.control_count, ect_runner_now());
+        deadline_ns = run_devices(r);
     }
 }

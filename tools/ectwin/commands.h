@@ -21,6 +21,11 @@ int command_list(int argc, char **argv);
 int command_run(int argc, char **argv);
 int command_with(int argc, char **argv);
 int command_sii(int argc, char **argv);
+int command_get(int argc, char **argv);
+int command_set(int argc, char **argv);
+int command_watch(int argc, char **argv);
+int command_list_signals(int argc, char **argv);
+int command_command(int argc, char **argv);
 
 /** The twins that a command line asks for: devices and the options that shape them. */
 typedef struct twin_args {
@@ -42,6 +47,9 @@ void twin_args_free(twin_args_t *args);
 
 /** The ready line (README) on a stream. */
 void print_ready(FILE *stream, const char *iface, size_t slaves);
+
+/** Opens the control socket, or says why there is none: the twins run without it. */
+ect_control_t *open_control(const char *who);
 
 /** Blocks the signals that end a run (and SIGCHLD) for this process and returns a signalfd for them, or -1. */
 int open_signals(void);

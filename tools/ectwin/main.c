@@ -13,6 +13,11 @@ static const struct command {
     {"run", command_run},
     {"with", command_with},
     {"sii", command_sii},
+    {"get", command_get},
+    {"set", command_set},
+    {"watch", command_watch},
+    {"list-signals", command_list_signals},
+    {"command", command_command},
 };
 
 static int usage(FILE *stream, int status)
@@ -21,6 +26,11 @@ static int usage(FILE *stream, int status)
           "       ectwin run  -i IFACE DEVICE[,DEVICE...]       answer on IFACE as this chain of devices\n"
           "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
           "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
+          "       ectwin list-signals [PATTERN]                 the signals of a running twin: range and meaning\n"
+          "       ectwin get   [PATTERN]                        their values\n"
+          "       ectwin set   NAME=VALUE...                    set some\n"
+          "       ectwin watch [PATTERN]                        one line of JSON a change, until Ctrl-C\n"
+          "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
           "'ectwin COMMAND --help' tells more of each.\n",
           stream);
     return status;

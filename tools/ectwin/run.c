@@ -72,14 +72,17 @@ int command_run(int argc, char **argv)
         return EXIT_OPEN;
     }
     int status = EXIT_RUN;
+    ect_control_t *control = open_control("ectwin run");
     ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
     if (signals >= 0 && chain) {
-        const ect_runner_t runner = {.port = &port, .chain = chain, .signal_fd = signals, .on_signal = on_signal};
+        const ect_runner_t runner = {
+            .port = &port, .chain = chain, .control = control, .signal_fd = signals, .on_signal = on_signal};
         print_ready(stdout, port.iface, args.twins.count);
         status = ect_runner_run(&runner) == 0 ? EXIT_CLEAN : EXIT_RUN;
     }
     if (status != EXIT_CLEAN)
         fprintf(stderr, "ectwin run: stopped on '%s': %s\n", port.iface, strerror(errno));
+    ect_control_close(control);
     ect_chain_free(chain);
     ect_packet_close(&port);
     close(signals);

@@ -124,6 +124,15 @@ void print_ready(FILE *stream, const char *iface, size_t slaves)
     cJSON_Delete(line);
 }
 
+ect_control_t *open_control(const char *who)
+{
+    char message[ECT_CONTROL_MESSAGE];
+    ect_control_t *control = ect_control_open(message);
+    if (!control)
+        fprintf(stderr, "%s: %s; 'ectwin get' and 'set' will not reach it\n", who, message);
+    return control;
+}
+
 int open_signals(void)
 {
     sigset_t set;

@@ -72,7 +72,7 @@ static char *with_interface(const char *text)
     return result;
 }
 
-static void run_command(char **command, pid_t parent)
+static void run_command(char **command, pid_t parent, const ect_control_t *control)
 {
     sigset_t none;
     sigemptyset(&none);
@@ -81,6 +81,8 @@ static void run_command(char **command, pid_t parent)
     if (getppid() != parent) /* it died before that took effect */
         _exit(EXIT_RUN);
     setenv("ECTWIN_IFACE", ECT_NETNS_MASTER, 1);
+    if (control)
+        setenv("ECTWIN_SOCKET", ect_control_path(control), 1);
     for (char **argument = command + 1; *argument; argument++) {
         char *replaced = with_interface(*argument);
         *argument = replaced ? replaced : *argument;
@@ -110,7 +112,7 @@ static bool on_signal(void *ctx, int signal_number)
     return true;
 }
 
-static int serve(const with_args_t *args, ect_packet_t *port, ect_chain_t *chain, int signals)
+static int serve(const with_args_t *args, ect_packet_t *port, ect_chain_t *chain, ect_control_t *control, int signals)
 {
     child_t child = {.status = -1};
     pid_t self = getpid();
@@ -118,9 +120,9 @@ static int serve(const with_args_t *args, ect_packet_t *port, ect_chain_t *chain
     fflush(NULL);
     child.pid = fork();
     if (child.pid == 0)
-        run_command(args->command, self);
+        run_command(args->command, self, control);
     const ect_runner_t runner = {
-        .port = port, .chain = chain, .signal_fd = signals, .on_signal = on_signal, .ctx = &child};
+        .port = port, .chain = chain, .control = control, .signal_fd = signals, .on_signal = on_signal, .ctx = &child};
     if (child.pid > 0 && ect_runner_run(&runner) == 0)
         return child.status;
     fprintf(stderr, "ectwin with: stopped: %s\n", strerror(errno));
@@ -144,8 +146,10 @@ int command_with(int argc, char **argv)
 
     char message[ECT_NETNS_MESSAGE];
     ect_packet_t port;
+    ect_control_t *control = open_control("ectwin with"); /* outside: where its user will look for it */
     if (ect_netns_enter(message) < 0 || ect_packet_open(&port, ECT_NETNS_TWIN, message) < 0) {
         fprintf(stderr, "ectwin with: %s\n", message);
+        ect_control_close(control);
         twin_args_free(&args.twins);
         return EXIT_OPEN;
     }
@@ -153,9 +157,10 @@ int command_with(int argc, char **argv)
     int signals = open_signals();
     ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
     if (signals >= 0 && chain)
-        status = serve(&args, &port, chain, signals);
+        status = serve(&args, &port, chain, control, signals);
     else
         fprintf(stderr, "ectwin with: cannot set the twins up: %s\n", strerror(errno));
+    ect_control_close(control);
     ect_chain_free(chain);
     ect_packet_close(&port);
     close(signals);
