@@ -40,13 +40,27 @@ static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
     return ppoll(w->fds, 2 + w->control_count, limit, NULL);
 }
 
+/* A late answer holds up those behind it, as a slow wire would. */
+static void delay(const ect_faults_t *faults)
+{
+    const struct timespec pause = {.tv_sec = faults->delay_us / 1000000u, .tv_nsec = faults->delay_us % 1000000u * 1000};
+    (void)nanosleep(&pause, NULL);
+}
+
 static int answer(const ect_runner_t *r)
 {
     uint8_t frame[FRAME_ROOM];
     ssize_t length = ect_packet_receive(r->port, frame, sizeof frame);
-    if (length > 0 && ect_chain_process(r->chain, frame, (size_t)length, ect_runner_now()))
+    if (length <= 0)
+        return length < 0 ? -1 : 0;
+    ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
+    if (verdict == ECT_VERDICT_LOSE_REQUEST || !ect_chain_process(r->chain, frame, (size_t)length, ect_runner_now()))
+        return 0;
+    if (verdict == ECT_VERDICT_DELAY)
+        delay(r->faults);
+    if (verdict != ECT_VERDICT_LOSE_ANSWER)
         ect_packet_send(r->port, frame, (size_t)length);
-    return length < 0 ? -1 : 0;
+    return 0;
 }
 
 static bool take_signal(const ect_runner_t *r)

@@ -10,13 +10,15 @@
 
 #include "bus/chain.h"
 #include "bus/control.h"
+#include "bus/faults.h"
 #include "bus/packet.h"
 
 typedef struct ect_runner {
     ect_packet_t *port;
     ect_chain_t *chain;
     ect_control_t *control; /**< NULL: none */
-    int signal_fd; /**< a signalfd */
+    ect_faults_t *faults;   /**< NULL: none */
+    int signal_fd;          /**< a signalfd */
     /** A signal has come. @return true: go on; false: stop. */
     bool (*on_signal)(void *ctx, int signal_number);
     void *ctx;

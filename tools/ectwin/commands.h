@@ -36,6 +36,7 @@ typedef struct twin_args {
         uint32_t value;
     } vendor_id, product_code, revision, serial, alias;
     bool keep_source_mac;
+    ect_faults_t faults;
 } twin_args_t;
 
 /** Argp parser for the options of twins; its input is a twin_args_t. */

@@ -10,7 +10,8 @@
 #include "bus/catalogue.h"
 #include "commands.h"
 
-enum { KEY_VENDOR_ID = 0x100, KEY_PRODUCT_CODE, KEY_REVISION, KEY_SERIAL, KEY_ALIAS, KEY_KEEP_MAC };
+enum { KEY_VENDOR_ID = 0x100, KEY_PRODUCT_CODE, KEY_REVISION, KEY_SERIAL, KEY_ALIAS, KEY_KEEP_MAC,
+       KEY_DROP, KEY_DELAY, KEY_DELAY_US, KEY_SEED };
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "N", 0, "Vendor id, 0..0xFFFFFFFF (default: the device's placeholder)", 1},
@@ -20,6 +21,10 @@ static const struct argp_option options[] = {
     {"alias", KEY_ALIAS, "N", 0, "Station alias and device id of the first twin, 1..65535, the others count up", 1},
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
+    {"drop", KEY_DROP, "PERCENT", 0, "Lose so many frames, 0 to 100, half of them on the way back (default 0)", 1},
+    {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
+    {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
+    {"seed", KEY_SEED, "N", 0, "Of the lot that decides which (default 1)", 1},
     {0},
 };
 
@@ -56,6 +61,21 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_ALIAS:
         args->alias.value = parse_number(state, "--alias", text, UINT16_MAX);
         args->alias.given = true;
+        return 0;
+    case KEY_DROP:
+        args->faults.drop_percent = (uint8_t)parse_number(state, "--drop", text, 100);
+        return 0;
+    case KEY_DELAY:
+        args->faults.delay_percent = (uint8_t)parse_number(state, "--delay", text, 100);
+        return 0;
+    case KEY_DELAY_US:
+        args->faults.delay_us = parse_number(state, "--delay-us", text, 10000000);
+        return 0;
+    case KEY_SEED:
+        args->faults.seed = parse_number(state, "--seed", text, UINT32_MAX);
+        return 0;
+    case ARGP_KEY_INIT:
+        args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
         return 0;
     case KEY_KEEP_MAC:
         args->keep_source_mac = true;

@@ -112,7 +112,7 @@ static bool on_signal(void *ctx, int signal_number)
     return true;
 }
 
-static int serve(const with_args_t *args, ect_packet_t *port, ect_chain_t *chain, ect_control_t *control, int signals)
+static int serve(with_args_t *args, ect_packet_t *port, ect_chain_t *chain, ect_control_t *control, int signals)
 {
     child_t child = {.status = -1};
     pid_t self = getpid();
@@ -122,7 +122,7 @@ static int serve(const with_args_t *args, ect_packet_t *port, ect_chain_t *chain
     if (child.pid == 0)
         run_command(args->command, self, control);
     const ect_runner_t runner = {
-        .port = port, .chain = chain, .control = control, .signal_fd = signals, .on_signal = on_signal, .ctx = &child};
+        .port = port, .chain = chain, .control = control, .faults = &args->twins.faults, .signal_fd = signals, .on_signal = on_signal, .ctx = &child};
     if (child.pid > 0 && ect_runner_run(&runner) == 0)
         return child.status;
     fprintf(stderr, "ectwin with: stopped: %s\n", strerror(errno));

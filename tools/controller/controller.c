@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A machine controller for one base unit, over SOEM: TS-0007 chapter 6.1 from the first step to the last.
+ *
+ *   ectwin-controller IFACE [--seconds N] [--restart-every N] [--commands N] [--periodic BYTES] [--seed N]
+ *
+ * Prints what it does, one line of JSON an event; commands from the remotes are answered by nothing but CAO. With
+ * --commands it sends so many numbered commands to all remotes; with --restart-every it closes the bus at random, N
+ * seconds apart in the mean, and comes back with its counters kept. Ends by SIGINT too.
+ *
+ * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
+ */
+#include <argp.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bu_controller.h"
+#include "ethercat.h"
+
+enum { CYCLE_US = 2000, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
+
+typedef struct settings {
+    char *iface;
+    unsigned int seconds, restart_every, commands, periodic, seed;
+} settings_t;
+
+static volatile sig_atomic_t ended;
+static uint8 image[4096];
+static uint8_t screen[51200];
+static uint32_t received;
+static uint32_t restarts;
+static uint32_t lost_cycles;
+
+static void on_signal(int number)
+{
+    (void)number;
+    ended = 1;
+}
+
+static uint64_t now(void)
+{
+    ec_timet t = osal_current_time();
+    return ((uint64_t)t.sec * 1000000u + t.usec) * 1000u;
+}
+
+static void print_hex(const uint8_t *bytes)
+{
+    for (int i = 0; i < BU_COMMAND_BYTES; i++)
+        printf("%02x", bytes[i]);
+}
+
+static void on_command(void *ctx, uint16_t ru, const uint8_t *command)
+{
+    (void)ctx;
+    received++;
+    printf("{\"event\":\"command\",\"ru\":%u,\"data\":\"", ru);
+    print_hex(command);
+    printf("\"}\n");
+    fflush(stdout);
+}
+
+/* INIT to OP. Frames may be lost on the way: it is tried again until the bus is there. */
+static int to_op(void)
+{
+    if (ec_config_init(FALSE) <= 0)
+        return 0;
+    ec_config_map(image);
+    if (ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) != EC_STATE_SAFE_OP)
+        return 0;
+    ec_send_processdata();
+    ec_receive_processdata(EC_TIMEOUTRET);
+    ec_slave[0].state = EC_STATE_OPERATIONAL;
+    ec_writestate(0);
+    for (int tries = 0; tries < 500 && !ended; tries++) {
+        ec_send_processdata();
+        ec_receive_processdata(EC_TIMEOUTRET);
+        if (ec_statecheck(0, EC_STATE_OPERATIONAL, 2000) == EC_STATE_OPERATIONAL)
+            return 1;
+    }
+    return 0;
+}
+
+/* A watchdog that ran out because frames were lost: acknowledge, and go on. */
+static void recover(void)
+{
+    ec_readstate();
+    if (ec_slave[1].state == EC_STATE_OPERATIONAL)
+        return;
+    ec_slave[1].state = EC_STATE_OPERATIONAL | EC_STATE_ACK;
+    ec_writestate(1);
+}
+
+static void send_numbered(bu_controller_t *c, uint32_t *sent, uint32_t wanted)
+{
+    uint8_t command[BU_COMMAND_BYTES] = "controller";
+    command[12] = (uint8_t)((*sent + 1) >> 24);
+    command[13] = (uint8_t)((*sent + 1) >> 16);
+    command[14] = (uint8_t)((*sent + 1) >> 8);
+    command[15] = (uint8_t)(*sent + 1);
+    if (*sent < wanted && bu_controller_send(c, 0, command))
+        (*sent)++;
+}
+
+/* Cycles until `until_ns`; safe state is reported when it changes. */
+static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uint64_t until_ns)
+{
+    int safe = -1;
+    int expected = ec_group[0].outputsWKC * 2 + ec_group[0].inputsWKC;
+    bu_controller_start(c);
+    while (!ended && now() < until_ns) {
+        ec_send_processdata();
+        if (ec_receive_processdata(EC_TIMEOUTRET) == expected) {
+            bu_controller_step(c, ec_slave[1].inputs, ec_slave[1].outputs, now());
+            send_numbered(c, sent, s->commands);
+        } else {
+            lost_cycles++;
+            recover();
+        }
+        if (safe != c->safe) {
+            safe = c->safe;
+            printf("{\"event\":\"%s\",\"bu_state\":%u}\n", safe ? "safe" : "enabled", ec_slave[1].inputs[22]);
+            fflush(stdout);
+        }
+        osal_usleep(CYCLE_US);
+    }
+}
+
+static uint64_t next_restart(const settings_t *s, uint64_t end_ns)
+{
+    if (s->restart_every == 0)
+        return end_ns;
+    uint64_t at = now() + (uint64_t)(rand() % (int)(2000 * s->restart_every) + 500) * 1000000u;
+    return at < end_ns ? at : end_ns;
+}
+
+static int control(const settings_t *s)
+{
+    bu_controller_t c = {.on_command = on_command, .periodic = screen, .periodic_size = (uint16_t)s->periodic};
+    uint32_t sent = 0;
+    int reached = 0;
+    uint64_t end_ns = now() + (uint64_t)s->seconds * 1000000000u;
+    while (!ended && now() < end_ns) {
+        if (to_op()) {
+            c.output_bytes = ec_slave[1].Obytes;
+            reached = 1;
+            printf("{\"event\":\"operational\",\"name\":\"%s\"}\n", ec_slave[1].name);
+            fflush(stdout);
+            run_bus(&c, &sent, s, next_restart(s, end_ns));
+            restarts++;
+        }
+        ec_close();
+        if (!ended && now() < end_ns && !ec_init(s->iface))
+            return EXIT_OPEN;
+    }
+    printf("{\"event\":\"end\",\"commands_received\":%" PRIu32 ",\"commands_sent\":%" PRIu32 ",\"sets_sent\":%" PRIu32
+           ",\"starts\":%" PRIu32 ",\"lost_cycles\":%" PRIu32 ",\"cco\":%u,\"cao\":%u}\n",
+           received, sent, c.sets_sent, restarts, lost_cycles, c.cco, c.cao);
+    return reached ? 0 : EXIT_RUN;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    settings_t *s = state->input;
+    unsigned int *numbers[] = {&s->seconds, &s->restart_every, &s->commands, &s->periodic, &s->seed};
+    static const char keys[] = "srcpe";
+    const char *found = key > 0 && key < 128 ? strchr(keys, key) : NULL;
+    if (found) {
+        *numbers[found - keys] = (unsigned int)strtoul(text, NULL, 0);
+        return 0;
+    }
+    if (key == ARGP_KEY_ARG && !s->iface) {
+        s->iface = text;
+        return 0;
+    }
+    if (key == ARGP_KEY_END && (!s->iface || s->periodic > sizeof screen))
+        argp_error(state, s->iface ? "--periodic takes 0 to 51200" : "name the interface");
+    return ARGP_ERR_UNKNOWN;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"seconds", 's', "N", 0, "How long (default 10)", 0},
+        {"restart-every", 'r', "N", 0, "Close the bus every N seconds in the mean (default never)", 0},
+        {"commands", 'c', "N", 0, "Commands to send to all remotes (default 0)", 0},
+        {"periodic", 'p', "BYTES", 0, "Periodic data, 0 to 51200 (default 450)", 0},
+        {"seed", 'e', "N", 0, "Of the random restarts (default 1)", 0},
+        {0},
+    };
+    static const struct argp argp = {.options = options, .parser = parse, .args_doc = "IFACE",
+                                     .doc = "A machine controller for one base unit."};
+    settings_t s = {.seconds = 10, .periodic = 450, .seed = 1};
+    argp_err_exit_status = EXIT_USAGE;
+    argp_parse(&argp, argc, argv, 0, NULL, &s);
+    srand(s.seed);
+    for (size_t i = 0; i < sizeof screen; i++)
+        screen[i] = (uint8_t)(i * 7);
+    signal(SIGINT, on_signal);
+    signal(SIGTERM, on_signal);
+    if (!ec_init(s.iface)) {
+        fprintf(stderr, "%s: cannot open '%s': it needs CAP_NET_RAW\n", argv[0], s.iface);
+        return EXIT_OPEN;
+    }
+    int status = control(&s);
+    ec_slave[0].state = EC_STATE_INIT;
+    ec_writestate(0);
+    ec_close();
+    return status;
+}
