@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# The base unit under a bad wire: frames lost and late at 5 %, the controller restarted at random. Every command must arrive
+# exactly once and in order, both ways, and every set of periodic data whole.  usage: tools/soak.sh [SECONDS [SEED]]
+# (default 600 seconds, seed 1)
+set -eu
+cd "$(dirname "$0")/.."
+seconds=${1:-600}
+seed=${2:-1}
+build=${ECTWIN_BUILD:-build/release}
+if [ "$build" = build/release ]; then
+  tools/bootstrap.sh run
+  cmake --preset release >/dev/null
+  cmake --build --preset release >/dev/null
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export work seconds seed build
+
+operator() { # a command from remote unit 1 every 0.3 s in the mean, numbered; a full queue is tried again
+  n=0
+  end=$((SECONDS + seconds - 12))
+  while [ $SECONDS -lt $end ]; do
+    if "$build/ectwin" command ru1 "$(printf '6f70657261746f72%016x' $((n + 1)))" 2>>"$work/refused"; then n=$((n + 1)); fi
+    sleep "0.$((RANDOM % 6 + 1))"
+  done
+  echo $n >"$work/operator"
+}
+
+session() {
+  "$build/ectwin" set ru1.on=1 ru1.armed=1
+  "$build/ectwin" watch 'ru1.received' >"$work/received" &
+  watch=$!
+  "$build/ectwin" watch 'bu.periodic_check' >"$work/sets" &
+  sets=$!
+  "$build/ectwin-controller" "$ECTWIN_IFACE" --seconds "$seconds" --restart-every 15 --commands 1000000 --periodic 4321 \
+    --seed "$seed" >"$work/controller" &
+  controller=$!
+  operator
+  wait $controller || echo "the controller ended with $?" >&2
+  sleep 1
+  "$build/ectwin" get 'ru1.received_count' >"$work/count"
+  kill $watch $sets
+}
+export -f operator session
+
+"$build/ectwin" with --drop 5 --delay 5 --seed "$seed" vr-bu-ect-map7 -- bash -c session 2>"$work/log" || { cat "$work/log"; exit 1; }
+python3 tools/soak_check.py "$work"

@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+"""Judges the records of tools/soak.sh.  usage: soak_check.py FOLDER"""
+import json
+import pathlib
+import sys
+import zlib
+
+folder = pathlib.Path(sys.argv[1])
+controller = [json.loads(line) for line in (folder / "controller").read_text().splitlines()]
+end = controller[-1]
+failures = []
+
+
+def check(what, condition):
+    if not condition:
+        failures.append(what)
+
+
+operator_sent = int((folder / "operator").read_text())
+operator_got = [int(e["data"][16:], 16) for e in controller if e["event"] == "command"]
+check("operator's commands: each once, in order", operator_got == list(range(1, operator_sent + 1)))
+
+values = [json.loads(line)["value"] for line in (folder / "received").read_text().splitlines()]
+numbers = [int(v[24:], 16) for v in values if v.startswith("636f6e74726f6c6c6572")]
+count = int((folder / "count").read_text().split("=")[1])
+check("controller's commands: each once, in order", numbers == list(range(1, len(numbers) + 1)))
+check("controller's commands: none lost", len(numbers) == count and end["commands_sent"] - count in (0, 1))
+
+expected = zlib.crc32(bytes(i * 7 & 0xFF for i in range(4321)))
+checks = [int(json.loads(line)["value"]) for line in (folder / "sets").read_text().splitlines()]
+check("periodic data: every set whole", set(checks) <= {0, expected} and expected in checks)
+
+print(f"operator's commands {operator_sent}, received {len(operator_got)}; controller's commands {end['commands_sent']}, "
+      f"received {count}; sets sent {end['sets_sent']}; bus starts {end['starts']}, cycles lost {end['lost_cycles']}")
+for failure in failures:
+    print(f"FAILED {failure}")
+print("failed" if failures else "all arrived exactly once and in order, every set was whole")
+sys.exit(1 if failures else 0)
