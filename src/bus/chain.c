@@ -54,6 +54,8 @@ static bool make_esc(twin_t *twin, uint8_t open_ports, uint64_t now_ns)
 static bool make_slave(twin_t *twin, uint64_t now_ns)
 {
     ect_slave_memory_t need = ect_slave_memory(twin->config.device);
+    if (!ect_slave_check(twin->config.device))
+        return false;
     twin->pdi = ect_virtual_pdi(&twin->esc);
     ect_slave_config_t config = {
         .device = twin->config.device,

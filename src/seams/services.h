@@ -99,6 +99,8 @@ typedef struct ect_sync_data {
     uint16_t error_limit;    /**< 10F1h:2 missed events in a row, one more is a sync error; 0: never */
     uint16_t errors;         /**< in a row; no object */
     uint8_t outputs_new;     /**< since the last SYNC0; no object */
+    uint8_t dc;              /**< SYNC0 runs, whatever `type` says; no object */
+    uint8_t sync0;           /**< level of the SYNC0 event at the last look; no object */
 } ect_sync_data_t;
 
 /** Entries of 1C32h or 1C33h. */

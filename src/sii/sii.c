@@ -111,6 +111,13 @@ static const ect_entry_t *mapped(const ect_device_t *device, uint32_t mapping)
     return entry;
 }
 
+/* Default of element `n` of a mapping or assignment object; 0 where it has none. */
+static uint32_t element(const ect_object_t *object, uint32_t n)
+{
+    const ect_entry_t *entry = n <= 255 ? ect_od_entry(object, (uint8_t)n) : NULL;
+    return entry ? entry->value : 0;
+}
+
 /* SyncManager that a PDO is assigned to by default; 0xFF: none. Defaults stand in the entries' `value`. */
 static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo, bool outputs)
 {
@@ -118,8 +125,7 @@ static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo, bool output
     const ect_object_t *assignment = ect_od_find(&od, outputs ? 0x1C12 : 0x1C13);
     uint32_t count = assignment ? assignment->entries[0].value : 0;
     for (uint32_t i = 1; i <= count; i++) {
-        const ect_entry_t *entry = ect_od_entry(assignment, (uint8_t)i);
-        if (entry && entry->value == pdo)
+        if (element(assignment, i) == pdo)
             return outputs ? 2 : 3;
     }
     return 0xFF;
@@ -134,7 +140,7 @@ static void intern_pdos(pen_t *p)
             continue;
         intern(p, object->name);
         for (uint32_t n = 1; n <= object->entries[0].value; n++) {
-            const ect_entry_t *entry = mapped(device, object->entries[n].value);
+            const ect_entry_t *entry = mapped(device, element(object, n));
             intern(p, entry ? entry->name : NULL);
         }
     }
@@ -171,7 +177,7 @@ static void put_pdos(pen_t *p, bool outputs)
         put8(p, string_index(p, object->name));
         put16(p, fixed ? (unsigned int)(FIXED | MANDATORY) : 0u);
         for (uint32_t n = 1; n <= object->entries[0].value; n++)
-            put_pdo_entry(p, object->entries[n].value);
+            put_pdo_entry(p, element(object, n));
     }
     if (any)
         end(p, 0);

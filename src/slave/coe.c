@@ -5,12 +5,6 @@
 #include "seams/standard.h"
 #include "slave/internal.h"
 
-void ect_coe_start(ect_slave_t *s)
-{
-    s->sdo.state = ECT_SDO_IDLE;
-    s->info.list = 0;
-}
-
 uint8_t *ect_coe_build(ect_slave_t *s, uint8_t service)
 {
     uint8_t *coe = ect_mailbox_build(s) + ECT_MAILBOX_HEADER;

@@ -54,7 +54,8 @@ static void emergency(ect_slave_t *s, uint32_t code, uint16_t text_id, uint8_t s
 /* The slot that would be used next still holds a message that the master has not acknowledged. */
 static bool full(const ect_diagnosis_t *d, uint8_t slot)
 {
-    return !empty(d, slot) && (d->acknowledged == 0 || slot == after(d->acknowledged));
+    return d->acknowledged != d->newest && !empty(d, slot) &&
+           (d->acknowledged == 0 || slot == after(d->acknowledged));
 }
 
 static void diagnose(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
@@ -100,7 +101,7 @@ static ect_reason_t write_history(ect_slave_t *s, uint16_t index, uint8_t subind
     (void)size;
     if (!d)
         return ECT_OK;
-    if (subindex == 5 && (ect_load_le16(data) & ~0x3Fu) != 0)
+    if (subindex == 5 && (ect_load_le16(data) & ~0x1Fu) != 0)
         return ECT_REASON_RANGE;
     if (subindex == 3 && data[0] != 0 && (data[0] < FIRST || data[0] > LAST || empty(d, data[0])))
         return ECT_REASON_RANGE;

@@ -54,6 +54,8 @@ void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_ca
 bool ect_machine_report(ect_slave_t *s);
 void ect_machine_sm_off(ect_slave_t *s, unsigned int first, unsigned int count, bool off);
 bool ect_machine_flush(ect_slave_t *s);
+/* Outputs go to their safe values, if they were live. */
+void ect_machine_outputs_off(ect_slave_t *s);
 
 /* --- pdo.c ------------------------------------------------------------------------------------------------------ */
 uint16_t ect_pdo_configure(ect_slave_t *s);
@@ -85,7 +87,10 @@ uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm);
 /* Takes the layout that the master chose; the mailbox runs from ect_mailbox_start on. */
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers);
 void ect_mailbox_start(ect_slave_t *s);
-void ect_mailbox_stop(ect_slave_t *s);
+static inline void ect_mailbox_stop(ect_slave_t *s)
+{
+    s->mailbox.running = false;
+}
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event);
 /* What the SyncManagers show while the mailbox runs: the repeat toggle, and whether our mail still stands there. */
 void ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers);
@@ -105,7 +110,11 @@ enum {
     ECT_SDO_LENGTH = 10, /* of the smallest SDO mail: CoE header and 8 bytes */
 };
 
-void ect_coe_start(ect_slave_t *s);
+static inline void ect_coe_start(ect_slave_t *s)
+{
+    s->sdo.state = ECT_SDO_IDLE;
+    s->info.list = 0;
+}
 void ect_coe_request(ect_slave_t *s, const uint8_t *payload, uint16_t length);
 static inline bool ect_coe_has_emergency(const ect_slave_t *s)
 {

@@ -22,11 +22,12 @@ static bool read_sms(ect_slave_t *s, uint8_t block[SM_BLOCK])
     return true;
 }
 
-static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16_t shortest, uint16_t longest)
+static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16_t start, uint16_t shortest,
+                            uint16_t longest)
 {
     uint16_t length = ect_load_le16(registers + ECT_SM_LENGTH);
     return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 &&
-           ect_load_le16(registers + ECT_SM_START) == sm->start && length >= shortest && length <= longest &&
+           ect_load_le16(registers + ECT_SM_START) == start && length >= shortest && length <= longest &&
            ((registers[ECT_SM_CONTROL] ^ sm->control) & CONTROL_COMPARED) == 0;
 }
 
@@ -34,17 +35,12 @@ static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16
 static bool mailbox_good(const ect_device_t *device, const uint8_t *block, bool boot)
 {
     for (unsigned int n = 0; n < 2; n++) {
-        ect_sm_t sm = device->sm[n];
-        if (boot) {
-            const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
-            sm.start = mailbox->start;
-            sm.length = mailbox->length;
-            sm.minimum = 0;
-            sm.maximum = 0;
-        }
-        uint16_t shortest = sm.minimum != 0 ? sm.minimum : sm.length;
-        uint16_t longest = sm.maximum != 0 ? sm.maximum : sm.length;
-        if (!sm_as_described(block + n * ECT_SM_SIZE, &sm, shortest, longest))
+        const ect_sm_t *sm = &device->sm[n];
+        const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
+        uint16_t start = boot ? mailbox->start : sm->start;
+        uint16_t shortest = boot ? mailbox->length : sm->minimum != 0 ? sm->minimum : sm->length;
+        uint16_t longest = boot ? mailbox->length : ect_sm_room(device, n);
+        if (!sm_as_described(block + n * ECT_SM_SIZE, sm, start, shortest, longest))
             return false;
     }
     return true;
@@ -65,7 +61,7 @@ static bool process_sm_good(const ect_device_t *device, const uint8_t *block, un
     if (bytes == 0 || n >= device->sm_count)
         return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) == 0 ||
                ect_load_le16(registers + ECT_SM_LENGTH) == 0;
-    return sm_as_described(registers, &device->sm[n], bytes, bytes);
+    return sm_as_described(registers, &device->sm[n], device->sm[n].start, bytes, bytes);
 }
 
 static uint16_t check_process_sms(const ect_slave_t *s, const uint8_t *block)
@@ -131,7 +127,7 @@ static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
         device->al_error(s->config.instance, s->state, code, s->now_ns);
 }
 
-static void outputs_off(ect_slave_t *s)
+void ect_machine_outputs_off(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     if (s->outputs_live && device->safe_outputs)
@@ -145,7 +141,7 @@ static void go_down(ect_slave_t *s, uint8_t target)
 {
     const ect_device_t *device = s->config.device;
     uint8_t from = s->state;
-    outputs_off(s);
+    ect_machine_outputs_off(s);
     if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
         s->inputs_due = false;
         ect_machine_sm_off(s, 2, process_sm_count(s), true);
@@ -208,6 +204,18 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
     return check_process_data(s, block);
 }
 
+static uint16_t check_all(ect_slave_t *s, uint8_t target)
+{
+    uint16_t code = check_up(s, target);
+    return code == ECT_AL_NO_ERROR && !s->failed ? ect_services_check_up(s, target) : code;
+}
+
+static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
+{
+    const ect_timeouts_t *t = &s->config.device->timeouts;
+    return 1000000ull * (target < ECT_STATE_SAFEOP ? t->preop_ms : t->safeop_op_ms);
+}
+
 /* What must run before the new state is reported. */
 static void enter(ect_slave_t *s, uint8_t target)
 {
@@ -243,12 +251,6 @@ static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
     s->status_dirty = true;
 }
 
-static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
-{
-    const ect_timeouts_t *t = &s->config.device->timeouts;
-    return 1000000ull * (target < ECT_STATE_SAFEOP ? t->preop_ms : t->safeop_op_ms);
-}
-
 static void wait_for(ect_slave_t *s, uint8_t target, bool device)
 {
     s->pending = target;
@@ -271,9 +273,7 @@ static void go_up(ect_slave_t *s, uint8_t target)
     const ect_device_t *device = s->config.device;
     s->pending = 0;
     s->pending_done = false;
-    uint16_t code = check_up(s, target);
-    if (code == ECT_AL_NO_ERROR && !s->failed)
-        code = ect_services_check_up(s, target);
+    uint16_t code = check_all(s, target);
     if (s->failed)
         return;
     if (code == ECT_AL_NO_ERROR && device->state_change)
@@ -292,8 +292,8 @@ void ect_machine_pending(ect_slave_t *s)
     if (target == 0)
         return;
     if (s->pending_device && s->pending_done) {
-        uint16_t code = s->pending_result != ECT_AL_NO_ERROR ? s->pending_result : check_up(s, target);
-        agree(s, target, code);
+        s->pending_done = false;
+        agree(s, target, s->pending_result != ECT_AL_NO_ERROR ? s->pending_result : check_all(s, target));
     } else if (!s->pending_device && s->outputs_seen) {
         finish_up(s, target, ECT_AL_NO_ERROR);
     } else if (s->now_ns >= s->pending_until_ns) {
@@ -335,7 +335,8 @@ void ect_machine_request(ect_slave_t *s)
         set_error(s, d.code, ECT_CAUSE_REQUEST);
         break;
     case ECT_AL_UP:
-        go_up(s, d.target);
+        if (s->pending != d.target)
+            go_up(s, d.target); /* asked again, a delayed transition goes on as it is */
         break;
     case ECT_AL_DOWN:
         go_down(s, d.target);
@@ -364,7 +365,7 @@ void ect_machine_sm_changed(ect_slave_t *s)
             return;
         }
     }
-    if (s->state == ECT_STATE_SAFEOP || s->state == ECT_STATE_OP) {
+    if (s->state >= ECT_STATE_SAFEOP) {
         uint16_t code = check_process_sms(s, block);
         if (code != ECT_AL_NO_ERROR)
             ect_machine_drop(s, ECT_STATE_PREOP, code, ECT_CAUSE_REQUEST);

@@ -40,11 +40,6 @@ void ect_mailbox_start(ect_slave_t *s)
     ect_coe_start(s);
 }
 
-void ect_mailbox_stop(ect_slave_t *s)
-{
-    s->mailbox.running = false;
-}
-
 static bool may_build(const ect_mailbox_t *m)
 {
     return !m->in_buffer && !m->to_write && !m->newest_waits;

@@ -362,7 +362,7 @@ static ect_reason_t store_piece(ect_slave_t *s, const ect_entry_t *entry, const 
     if (!writable(s, entry))
         return s->sdo.complete ? ECT_OK : ECT_REASON_STATE;
     ect_reason_t reason = offset == 0 ? check_value(s, entry, NULL, total) : ECT_OK;
-    if (reason == ECT_OK)
+    if (reason == ECT_OK && (entry->access & ECT_ACCESS_COMMAND) == 0)
         reason = ect_od_write(&s->od, entry, offset, data, piece);
     return reason == ECT_OK && offset + piece == total ? written(s, entry) : reason;
 }

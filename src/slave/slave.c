@@ -48,9 +48,8 @@ static int check(const ect_slave_config_t *config)
         return -1;
     const ect_device_t *d = config->device;
     bool has_mailbox = d->mailbox_protocols != 0;
-    bool has_process_data = d->sm_count > 2;
-    if ((d->instance_size > 0 && !config->instance) || (has_mailbox && !config->mailbox) ||
-        (has_process_data && !config->process_data) || (d->pdo_runs > 0 && !config->runs))
+    if (!config->instance || (has_mailbox && !config->mailbox) || (d->sm_count > 2 && !config->process_data) ||
+        (d->pdo_runs > 0 && !config->runs))
         return -2;
     return 0;
 }
@@ -61,32 +60,32 @@ static int check(const ect_slave_config_t *config)
 
 ect_reason_t ect_services_write(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
 {
-    ect_reason_t reason = ECT_OK;
     FOR_EACH_SERVICE (s, service) {
-        if (reason == ECT_OK && (*service)->write)
-            reason = (*service)->write(s, index, subindex, data, size);
+        ect_reason_t reason = (*service)->write ? (*service)->write(s, index, subindex, data, size) : ECT_OK;
+        if (reason != ECT_OK)
+            return reason;
     }
-    return reason;
+    return ECT_OK;
 }
 
 ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex)
 {
-    ect_reason_t reason = ECT_OK;
     FOR_EACH_SERVICE (s, service) {
-        if (reason == ECT_OK && (*service)->written)
-            reason = (*service)->written(s, index, subindex);
+        ect_reason_t reason = (*service)->written ? (*service)->written(s, index, subindex) : ECT_OK;
+        if (reason != ECT_OK)
+            return reason;
     }
-    return reason;
+    return ECT_OK;
 }
 
 uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target)
 {
-    uint16_t code = ECT_AL_NO_ERROR;
     FOR_EACH_SERVICE (s, service) {
-        if (code == ECT_AL_NO_ERROR && (*service)->check_up)
-            code = (*service)->check_up(s, target);
+        uint16_t code = (*service)->check_up ? (*service)->check_up(s, target) : (uint16_t)ECT_AL_NO_ERROR;
+        if (code != ECT_AL_NO_ERROR)
+            return code;
     }
-    return code;
+    return ECT_AL_NO_ERROR;
 }
 
 static void services_start(ect_slave_t *s)
@@ -135,6 +134,7 @@ static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
+    ect_machine_outputs_off(s); /* a restart in OP leaves OP too */
     memset(s->config.instance, 0, device->instance_size);
     ((ect_standard_t *)s->config.instance)->device = device;
     memset(s, 0, offsetof(ect_slave_t, config)); /* everything that a running slave knows of its state */
@@ -145,7 +145,7 @@ static void power_on(ect_slave_t *s)
     ect_machine_sm_off(s, 0, device->sm_count, true);
     if (device->init)
         device->init(s->config.instance, identity, &s->host, s->now_ns);
-    services_start(s);
+    services_start(s); /* after init: stored values take the place of its start values */
 }
 
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
@@ -186,7 +186,7 @@ static void tick(ect_slave_t *s)
 
 static void exchange(ect_slave_t *s, uint32_t event)
 {
-    if (s->state != ECT_STATE_SAFEOP && s->state != ECT_STATE_OP)
+    if (s->state < ECT_STATE_SAFEOP)
         return;
     services_event(s, event);
     if ((event & ECT_EVENT_SM2) != 0 && s->output_bytes > 0)
@@ -211,6 +211,7 @@ static void device_requests(ect_slave_t *s)
 
 uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
 {
+    enum { SOON_NS = 100000 };
     uint32_t event = 0;
     s->now_ns = now_ns;
     s->failed = false;
@@ -233,7 +234,7 @@ uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
         (void)ect_machine_report(s);
     if (s->mailbox.running)
         ect_mailbox_poll(s, event);
-    if (s->failed)
-        return now_ns + 1000000u; /* the PDI failed: the next try in a millisecond, or with the next event */
+    if (s->failed || s->restart || s->drop_state != 0 || (s->pending != 0 && s->pending_done))
+        return now_ns + SOON_NS; /* the PDI failed, or the device asked for something meanwhile */
     return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
 }

@@ -29,10 +29,19 @@ static uint32_t check(uint32_t crc, const uint8_t *data, uint32_t length)
     return crc;
 }
 
+/* The check value covers sequence number and length too. */
+static uint32_t check_start(uint32_t sequence, uint32_t length)
+{
+    uint8_t bytes[8];
+    ect_store_le32(bytes, sequence);
+    ect_store_le32(bytes + 4, length);
+    return check(0xFFFFFFFF, bytes, sizeof bytes);
+}
+
 static bool data_good(const ect_storage_t *m, unsigned int bank, const record_t *r)
 {
     uint8_t piece[PIECE];
-    uint32_t crc = 0xFFFFFFFF;
+    uint32_t crc = check_start(r->sequence, r->length);
     for (uint32_t at = 0; at < r->length; at += PIECE) {
         uint32_t size = r->length - at < PIECE ? r->length - at : PIECE;
         if (m->read(m->ctx, bank, HEADER + at, piece, size) < 0)
@@ -76,7 +85,7 @@ typedef struct writer {
 
 static bool put(writer_t *w, const uint8_t *data, uint32_t length)
 {
-    if (length > w->medium->bank_size - w->at || w->medium->write(w->medium->ctx, w->bank, w->at, data, length) < 0)
+    if (w->medium->write(w->medium->ctx, w->bank, w->at, data, length) < 0)
         return false;
     w->crc = check(w->crc, data, length);
     w->at += length;
@@ -101,16 +110,34 @@ static bool put_entry(const ect_slave_t *s, writer_t *w, uint16_t index, const e
     return true;
 }
 
-static bool put_all(const ect_slave_t *s, writer_t *w)
+/* Puts all entries, or with `w` NULL only adds up how long they are. */
+static bool walk(const ect_slave_t *s, writer_t *w, uint32_t *length)
 {
+    *length = 0;
     for (uint16_t i = 0; i < s->od.count; i++) {
         const ect_object_t *object = &s->od.objects[i];
         for (const ect_entry_t *entry = object->entries; entry; entry = ect_od_next(object, entry)) {
-            if ((entry->access & ECT_ACCESS_BACKUP) != 0 && !put_entry(s, w, object->index, entry))
+            if ((entry->access & ECT_ACCESS_BACKUP) == 0)
+                continue;
+            *length += ENTRY_HEADER + (uint32_t)ect_od_bytes(entry);
+            if (w && !put_entry(s, w, object->index, entry))
                 return false;
         }
     }
     return true;
+}
+
+static bool put_all(const ect_slave_t *s, writer_t *w)
+{
+    uint32_t length;
+    return walk(s, w, &length);
+}
+
+static uint32_t length_of_all(const ect_slave_t *s)
+{
+    uint32_t length;
+    (void)walk(s, NULL, &length);
+    return length;
 }
 
 static ect_reason_t store(const ect_slave_t *s, bool with_entries)
@@ -120,13 +147,14 @@ static ect_reason_t store(const ect_slave_t *s, bool with_entries)
     if (!m || m->bank_size < HEADER)
         return ECT_REASON_STORE;
     int bank = newest(m, &last);
-    writer_t w = {.medium = m, .bank = bank == 0 ? 1 : 0, .at = HEADER, .crc = 0xFFFFFFFF};
-    if (m->erase(m->ctx, w.bank) < 0 || (with_entries && !put_all(s, &w)))
+    uint32_t length = with_entries ? length_of_all(s) : 0;
+    writer_t w = {.medium = m, .bank = bank == 0 ? 1 : 0, .at = HEADER, .crc = check_start(last.sequence + 1, length)};
+    if (length > m->bank_size - HEADER || m->erase(m->ctx, w.bank) < 0 || (with_entries && !put_all(s, &w)))
         return ECT_REASON_HARDWARE;
     uint8_t header[HEADER];
     ect_store_le32(header, MAGIC);
     ect_store_le32(header + 4, last.sequence + 1);
-    ect_store_le32(header + 8, w.at - HEADER);
+    ect_store_le32(header + 8, length);
     ect_store_le32(header + 12, w.crc);
     return m->write(m->ctx, w.bank, 0, header, HEADER) < 0 ? ECT_REASON_HARDWARE : ECT_OK;
 }
@@ -165,6 +193,8 @@ static void load(ect_slave_t *s)
         at += ENTRY_HEADER;
         uint16_t size = ect_load_le16(header + 3);
         bool known = ect_od_lookup(&s->od, ect_load_le16(header), header[2], &object, &entry) == ECT_OK;
+        if (size > HEADER + r.length - at)
+            return;
         if (known && (entry->access & ECT_ACCESS_BACKUP) != 0 && size == ect_od_bytes(entry))
             load_entry(s, (unsigned int)bank, at, entry);
         at += size;

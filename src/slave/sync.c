@@ -2,7 +2,7 @@
 /* Synchronisation, 1C32h, 1C33h and 10F1h (ETG.1020 §13): checks before SAFEOP, and events that were missed. */
 #include "slave/internal.h"
 
-enum { OUTPUTS = 0x1C32, INPUTS = 0x1C33, EVENT_SYNC0 = 0x00000004 };
+enum { OUTPUTS = 0x1C32, INPUTS = 0x1C33 };
 
 static ect_sync_data_t *find(const ect_slave_t *s)
 {
@@ -43,7 +43,7 @@ static bool cycle_supported(const ect_sync_t *ability, uint32_t cycle_ns)
     return ability->dc_cycle_count == 0 && cycle_ns >= ability->minimum_cycle_ns;
 }
 
-/* With the cyclic unit of the distributed clocks running, the type is DC whatever was written. */
+/* With the cyclic unit of the distributed clocks running the device is synchronised, whatever type was written. */
 static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
 {
     uint8_t activation = 0;
@@ -52,13 +52,14 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
         !ect_slave_read(s, ECT_REG_DC_SYNC0_CYCLE, cycle, sizeof cycle))
         return ECT_AL_NO_ERROR;
     d->cycle_ns = 0;
+    d->dc = 0;
     if ((activation & 1u) == 0)
         return d->type == ECT_SYNC_DC_SYNC0 ? ECT_AL_DC_SYNC : ECT_AL_NO_ERROR;
     if ((s->config.device->sync.supported & (1u << ECT_SYNC_DC_SYNC0)) == 0)
         return ECT_AL_NO_SYNC;
     if (!cycle_supported(&s->config.device->sync, ect_load_le32(cycle)))
         return ECT_AL_SYNC0_CYCLE;
-    d->type = ECT_SYNC_DC_SYNC0;
+    d->dc = 1;
     d->cycle_ns = ect_load_le32(cycle);
     return ECT_AL_NO_ERROR;
 }
@@ -73,6 +74,7 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
     d->sync_error = 0;
     d->errors = 0;
     d->outputs_new = 0;
+    d->sync0 = 0;
     return check_dc(s, d);
 }
 
@@ -97,19 +99,30 @@ static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
         s->host.drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
 }
 
+/* In acknowledge mode the event stays until its status is read. */
+static void acknowledge_sync0(ect_slave_t *s)
+{
+    uint8_t status;
+    (void)ect_slave_read(s, ECT_REG_DC_SYNC0_STATUS, &status, 1);
+}
+
 /* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. */
 static void on_event(ect_slave_t *s, uint32_t event)
 {
     ect_sync_data_t *d = find(s);
-    if (!d || d->type != ECT_SYNC_DC_SYNC0 || s->state != ECT_STATE_OP)
+    if (!d || d->dc == 0 || s->state != ECT_STATE_OP)
         return;
     if ((event & ECT_EVENT_SM2) != 0) {
         if (d->outputs_new != 0)
             count(&d->cycle_exceeded);
         d->outputs_new = 1;
     }
-    if ((event & EVENT_SYNC0) != 0)
+    bool sync0 = (event & ECT_EVENT_SYNC0) != 0; /* a level: an edge is a SYNC0 */
+    if (sync0 && d->sync0 == 0)
         on_sync0(s, d);
+    d->sync0 = sync0;
+    if (sync0)
+        acknowledge_sync0(s);
 }
 
 const ect_service_t ect_service_sync = {

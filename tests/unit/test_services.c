@@ -539,6 +539,14 @@ static void many_stores(void **state)
     }
 }
 
+/* One SYNC0: the event comes, and goes again. */
+static void sync0(void)
+{
+    t.extra_event = ECT_EVENT_SYNC0;
+    poll();
+    poll();
+}
+
 /* --- synchronisation --------------------------------------------------------------------------------------------- */
 
 static void sync_types(void **state)
@@ -589,22 +597,18 @@ static void sync_missed(void **state)
     to_op(1, 3);
     for (int i = 0; i < 10; i++) { /* in order */
         datagram(FPWR, confdev.sm[2].start, output, 1);
-        t.extra_event = 0x04;
-        poll();
+        sync0();
     }
     assert_int_equal(t.device.sync.sm_missed, 0);
     datagram(FPWR, confdev.sm[2].start, output, 1);
     datagram(FPWR, confdev.sm[2].start, output, 1);
     assert_int_equal(t.device.sync.cycle_exceeded, 1);
-    t.extra_event = 0x04;
-    poll();
+    sync0();
     for (uint16_t missed = 1; missed <= 5; missed++) {
         assert_int_equal(t.slave.state, ECT_STATE_OP);
-        t.extra_event = 0x04;
-        poll();
+        sync0();
         assert_int_equal(t.device.sync.sm_missed, missed);
     }
-    poll();
     assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
     assert_int_equal(t.slave.code, ECT_AL_SYNC);
     assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
@@ -656,8 +660,7 @@ static void sync_limit_off(void **state)
     to_op(1, 3);
     t.device.sync.sm_missed = 0xFFFE;
     for (int i = 0; i < 50; i++) {
-        t.extra_event = 0x04;
-        poll();
+        sync0();
         if (i % 10 == 0)
             datagram(FPWR, confdev.sm[2].start, output, 1); /* the watchdog is not what is looked at */
     }
@@ -701,8 +704,7 @@ static void services_without_objects(void **state)
     diagnose(ECT_DIAGNOSIS_ERROR, 1, 1);
     assert_int_equal(t.device.diagnosis.newest, 0);
     to_op(1, 3);
-    t.extra_event = 0x04;
-    poll();
+    sync0();
     assert_int_equal(t.device.sync.sm_missed, 0);
 }
 
@@ -820,6 +822,39 @@ static void diagnosis_types(void **state)
     assert_int_equal(t.device.diagnosis.acknowledged, 0);
 }
 
+static void sync_next_master(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    t.activation = 1;
+    t.cycle_ns = 1000000;
+    to_op(1, 3);
+    assert_int_equal(request(ECT_STATE_INIT), ECT_STATE_INIT);
+    t.activation = 0;
+    t.counter = 0;
+    to_preop();
+    to_op(1, 3);
+}
+
+static void diagnosis_wraps(void **state)
+{
+    static const uint16_t modes[] = {0, ECT_DIAGNOSIS_ACKNOWLEDGE};
+    (void)state;
+    for (size_t m = 0; m < 2; m++) {
+        power_on(false);
+        to_preop();
+        assert_int_equal(write_number(0x10F3, 5, modes[m], 2), 0);
+        for (uint16_t i = 1; i <= 3 * ECT_DIAGNOSIS_MESSAGES; i++) {
+            diagnose(ECT_DIAGNOSIS_INFO, 1, i);
+            uint8_t newest = t.device.diagnosis.newest;
+            assert_int_equal(ect_load_le16(t.device.diagnosis.messages[newest - 6] + 6), i);
+            assert_int_equal(write_number(0x10F3, 3, newest, 1), 0);
+            assert_int_equal(t.device.diagnosis.flags & ECT_DIAGNOSIS_LOST, 0);
+        }
+    }
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
@@ -853,6 +888,8 @@ int main(int argc, char **argv)
         TEST("CF-081: a record of another firmware is passed over", record_of_another_firmware),
         TEST("CF-073 CF-074: whole objects and counts are checked like single entries", refused_in_whole_objects),
         TEST("CF-080: unknown types, and overwriting what is acknowledged", diagnosis_types),
+        TEST("CF-082: the next master comes without SYNC0 and is not held to the last one's", sync_next_master),
+        TEST("CF-080: acknowledged messages are overwritten without loss, in both modes", diagnosis_wraps),
         TEST("CF-043 CF-082: missed and doubled events are counted; too many leave OP with 0x001A", sync_missed),
     };
     return cmocka_run_group_tests_name("object services", tests, NULL, NULL);

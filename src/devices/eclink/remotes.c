@@ -41,9 +41,11 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
     return NULL;
 }
 
-/* Out of sight while armed: the base unit blocks until it is armed again (§8.1). */
+/* Out of sight: what was on its way to it is gone. While armed, the base unit blocks until it is armed again (§8.1). */
 void eclink_lose(eclink_t *unit, unsigned int number)
 {
+    unit->ru[number].to_ru.count = 0;
+    unit->ru[number].periodic_waits = false;
     if (!unit->ru[number].armed)
         return;
     disarm(unit, number);
@@ -87,9 +89,9 @@ void eclink_remotes_update(eclink_t *unit)
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
         eclink_ru_t *ru = &unit->ru[i];
         ru->g_link = g_link(ru, ru->armed ? &for_armed : &spare);
-        ru->c_link = !ru->on ? ECLINK_LINK_UNUSED : ru->armed ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_PASSIVE;
         if (ru->armed && ru->g_link == ECLINK_LINK_NONE)
             eclink_lose(unit, i);
+        ru->c_link = !ru->on ? ECLINK_LINK_UNUSED : ru->armed ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_PASSIVE;
         ru->state = ru_state(ru);
         unit->bu.unarmed = (uint8_t)(unit->bu.unarmed + (ru->on && !ru->armed && ru->g_link != ECLINK_LINK_NONE));
     }
