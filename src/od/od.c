@@ -48,7 +48,7 @@ static const uint16_t abort_codes[ECT_REASON_COUNT] = {
 uint32_t ect_abort_code(ect_reason_t reason)
 {
     unsigned int i = (unsigned int)reason;
-    uint32_t code = abort_codes[i > 0 && i < ECT_REASON_COUNT ? i : ECT_REASON_GENERAL];
+    uint32_t code = abort_codes[i - 1u < ECT_REASON_COUNT - 1u ? i : ECT_REASON_GENERAL];
     return ((code & 0xF000u) << 12) | ((code & 0x0F00u) << 8) | (code & 0xFFu);
 }
 

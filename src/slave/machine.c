@@ -94,11 +94,6 @@ bool ect_machine_flush(ect_slave_t *s)
     return true;
 }
 
-static unsigned int process_sm_count(const ect_slave_t *s)
-{
-    return s->config.device->sm_count > 2 ? s->config.device->sm_count - 2u : 0;
-}
-
 /* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the flag finds its reason (ETG.1000.6 §6.4.1.3). */
 bool ect_machine_report(ect_slave_t *s)
 {
@@ -144,7 +139,7 @@ static void go_down(ect_slave_t *s, uint8_t target)
     ect_machine_outputs_off(s);
     if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
         s->inputs_due = false;
-        ect_machine_sm_off(s, 2, process_sm_count(s), true);
+        ect_machine_sm_off(s, 2, 2, true);
     }
     if (target == ECT_STATE_INIT) {
         ect_mailbox_stop(s);
@@ -225,7 +220,7 @@ static void enter(ect_slave_t *s, uint8_t target)
         ect_machine_sm_off(s, 0, 2, false);
     } else if (target == ECT_STATE_SAFEOP) {
         s->outputs_seen = false;
-        ect_machine_sm_off(s, 2, process_sm_count(s), false);
+        ect_machine_sm_off(s, 2, 2, false);
         if (ect_machine_flush(s) && ect_pdo_inputs(s))
             s->inputs_due = false;
     } else {
