@@ -11,6 +11,7 @@ typedef struct twin {
     ect_esc_t esc;
     ect_pdi_t pdi;
     ect_slave_t slave;
+    bool linked;          /* the one before it has its cable in here */
     uint32_t seen;        /* ESC activity that the slave has dealt with */
     uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
     void *memory[6];      /* everything that was allocated for it */
@@ -87,6 +88,7 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
         twin_t *twin = &chain->twins[i];
         twin->config = twins[i];
         twin->deadline_ns = now_ns;
+        twin->linked = true;
         if (!make_esc(twin, open_ports, now_ns) || !make_slave(twin, now_ns)) {
             ect_chain_free(chain);
             return NULL;
@@ -110,14 +112,23 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
 {
     for (size_t i = 0; i < chain->count; i++) {
         ect_esc_t *esc = &chain->twins[i].esc;
-        if (chain->twins[i].slave.off_bus)
-            return i > 0; /* nothing is plugged in here: the frame turns back before it */
+        if (i == 0 && chain->twins[i].slave.off_bus)
+            return false; /* the cable ends in a dead socket */
         if (ect_esc_process(esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
             return false;
         if (i + 1 < chain->count && !ect_esc_port_open(esc, 1))
-            break; /* the master closed that port: the frame turns back here */
+            break; /* nothing is plugged in there, or the master closed the port: the frame turns back */
     }
     return true;
+}
+
+/* A twin that left the bus takes the link of the one before it away. */
+static void follow_links(ect_chain_t *chain, size_t i)
+{
+    bool link = !chain->twins[i].slave.off_bus;
+    if (i > 0 && chain->twins[i].linked != link)
+        ect_esc_set_link(&chain->twins[i - 1].esc, 1, link);
+    chain->twins[i].linked = link;
 }
 
 static void poll_twin(twin_t *twin, uint64_t now_ns)
@@ -135,6 +146,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         twin_t *twin = &chain->twins[i];
         if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns)
             poll_twin(twin, now_ns);
+        follow_links(chain, i);
         if (twin->deadline_ns < next)
             next = twin->deadline_ns;
     }

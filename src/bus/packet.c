@@ -69,9 +69,10 @@ static int check_interface(ect_packet_t *port, char *message)
     return 0;
 }
 
-static int bind_to(const ect_packet_t *port, char *message)
+static int bind_to(ect_packet_t *port, char *message)
 {
-    int index = (int)if_nametoindex(port->iface);
+    port->index = if_nametoindex(port->iface);
+    int index = (int)port->index;
     struct sockaddr_ll address = {
         .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = index};
     struct packet_mreq promiscuous = {.mr_ifindex = index, .mr_type = PACKET_MR_PROMISC};
@@ -121,8 +122,13 @@ ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room
     ssize_t length = recv(port->fd, frame, room, MSG_TRUNC);
     if (length >= 0)
         return length;
-    /* A link that goes down is no error: it may come back. */
-    return errno == EAGAIN || errno == EINTR || errno == ENETDOWN ? 0 : -1;
+    if (errno != ENETDOWN)
+        return errno == EAGAIN || errno == EINTR ? 0 : -1;
+    /* A link that went down may come back; an interface that is gone may not, and Linux says the same of both. */
+    if (if_nametoindex(port->iface) == port->index)
+        return 0;
+    errno = ENODEV;
+    return -1;
 }
 
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length)

@@ -14,6 +14,7 @@
 /** An open port. Members are read only for others. */
 typedef struct ect_packet {
     int fd;
+    unsigned int index; /**< of the interface */
     char iface[16];
     bool was_down; /**< we brought the interface up and take it down again */
 } ect_packet_t;

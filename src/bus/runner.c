@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <poll.h>
+#include <signal.h>
 #include <sys/signalfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -68,7 +69,7 @@ static bool take_signal(const ect_runner_t *r)
     struct signalfd_siginfo info;
     if (read(r->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
         return true;
-    return r->on_signal(r->ctx, (int)info.ssi_signo);
+    return r->on_signal(r->ctx, (int)info.ssi_signo, info.ssi_code == SI_KERNEL);
 }
 
 /* The devices, then those who watch them. */

@@ -19,8 +19,8 @@ typedef struct ect_runner {
     ect_control_t *control; /**< NULL: none */
     ect_faults_t *faults;   /**< NULL: none */
     int signal_fd;          /**< a signalfd */
-    /** A signal has come. @return true: go on; false: stop. */
-    bool (*on_signal)(void *ctx, int signal_number);
+    /** A signal has come, from the terminal or from a process. Not NULL. @return true: go on; false: stop. */
+    bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
     void *ctx;
 } ect_runner_t;
 

@@ -97,6 +97,13 @@ void ect_esc_update_dl_status(ect_esc_t *esc)
     ect_store_le16(status, (uint16_t)value);
 }
 
+void ect_esc_set_link(ect_esc_t *esc, unsigned int port, bool link)
+{
+    unsigned int mask = 1u << port;
+    esc->config.open_ports = (uint8_t)(link ? esc->config.open_ports | mask : esc->config.open_ports & ~mask);
+    ect_esc_update_dl_status(esc);
+}
+
 bool ect_esc_port_open(const ect_esc_t *esc, unsigned int port)
 {
     return loop_state(esc, port) == 2;

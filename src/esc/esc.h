@@ -121,6 +121,9 @@ uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);
  */
 bool ect_esc_port_open(const ect_esc_t *esc, unsigned int port);
 
+/** Plugs a cable into a port (1..3) or pulls it: DL status follows and raises its ECAT event. */
+void ect_esc_set_link(ect_esc_t *esc, unsigned int port, bool link);
+
 /** The AL event request word as the PDI sees it, without the side effects of reading registers. */
 uint32_t ect_esc_al_event(const ect_esc_t *esc);
 

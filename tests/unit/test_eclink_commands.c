@@ -169,8 +169,8 @@ static void expect_shown(rig_t *r, uint8_t cci, uint16_t id, unsigned int serial
     uint8_t data[BYTES];
     content(serial, data);
     if (r->in[CCI] != cci || ect_load_be16(r->in + FROM_RU) != id || memcmp(r->in + DATA_FROM_RU, data, BYTES) != 0)
-        fail_msg("%s: expected CCI %u, command %u from RU %u; got CCI %u, command %u from RU %u", r->device->type_name, cci,
-                 serial, id, r->in[CCI], ect_load_be16(r->in + DATA_FROM_RU), ect_load_be16(r->in + FROM_RU));
+        fail_msg("%s: expected CCI %u, command %u from RU %u; got CCI %u, command %u from RU %u", r->device->type_name,
+                 cci, serial, id, r->in[CCI], ect_load_be16(r->in + DATA_FROM_RU), ect_load_be16(r->in + FROM_RU));
 }
 
 static void expect_received(rig_t *r, const char *when, unsigned int ru, unsigned long count, unsigned int serial)
@@ -178,8 +178,8 @@ static void expect_received(rig_t *r, const char *when, unsigned int ru, unsigne
     char text[ECT_SIGNAL_TEXT_ROOM];
     get(r, ru_name(ru, "received"), text);
     if (ru_number(r, ru, "received_count") != count || (count > 0 && strcmp(text, hex(serial)) != 0))
-        fail_msg("%s, %s: expected RU %u to have %lu commands, the last %s; it has %lu, the last %s", r->device->type_name,
-                 when, ru, count, hex(serial), ru_number(r, ru, "received_count"), text);
+        fail_msg("%s, %s: expected RU %u to have %lu commands, the last %s; it has %lu, the last %s",
+                 r->device->type_name, when, ru, count, hex(serial), ru_number(r, ru, "received_count"), text);
 }
 
 /* --- from the remotes --------------------------------------------------------------------------------------------- */
@@ -372,8 +372,9 @@ static void to_the_addressed(void **state)
         uint16_t id;
         bool gets[4]; /* remotes 1 to 4, ids 1, 513, 3 and 65535; the third is off */
     } rows[] = {
-        {0, {true, true, false, true}},    {1, {true, false, false, false}},      {513, {false, true, false, false}},
-        {3, {false, false, false, false}}, {65535, {false, false, false, true}},  {2, {false, false, false, false}},
+        {0, {true, true, false, true}},         {1, {true, false, false, false}},
+        {513, {false, true, false, false}},     {3, {false, false, false, false}},
+        {65535, {false, false, false, true}},   {2, {false, false, false, false}},
         {0x0102, {false, false, false, false}},
     };
     (void)state;
@@ -492,10 +493,14 @@ static const struct back {
     uint8_t last, cco;
     unsigned int commands;
 } backs[] = {
-    {"old counter, nothing new", 5, 5, 0},     {"old counter, one command meanwhile", 5, 6, 1},
-    {"fresh counter", 5, 0, 0},                {"some other counter", 5, 100, 0},
-    {"old counter at the wrap", 255, 0, 1},    {"old counter, nothing new, at the wrap", 255, 255, 0},
-    {"old counter never used", 0, 0, 0},       {"first command while away", 0, 1, 1},
+    {"old counter, nothing new", 5, 5, 0},
+    {"old counter, one command meanwhile", 5, 6, 1},
+    {"fresh counter", 5, 0, 0},
+    {"some other counter", 5, 100, 0},
+    {"old counter at the wrap", 255, 0, 1},
+    {"old counter, nothing new, at the wrap", 255, 255, 0},
+    {"old counter never used", 0, 0, 0},
+    {"first command while away", 0, 1, 1},
 };
 
 static void controller_back_with_cco(void **state)
@@ -551,7 +556,8 @@ static void first_counter_after_power_on(void **state)
     }
 }
 
-/* --- both ways, at random, against a model ------------------------------------------------------------------------- */
+/* --- both ways, at random, against a model -------------------------------------------------------------------------
+ */
 
 enum { MOST = 4096 };
 
@@ -703,19 +709,26 @@ static void soak(void **state)
     }
 }
 
-#define TEST(title, function) {title, function, NULL, NULL, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("ECL-023 ECL-026 ECL-027 ECL-003: a command stands in the input data with CCI + 1, id big-endian, 16 bytes",
-             from_a_remote),
+        TEST(
+            "ECL-023 ECL-026 ECL-027 ECL-003: a command stands in the input data with CCI + 1, id big-endian, 16 bytes",
+            from_a_remote),
         TEST("ECL-060 EC-C7 EC-C8: commands go both ways whether the remote is armed, disarmed, or another is armed",
              regardless_of_arming),
-        TEST("ECL-023: the next command comes only after CAO has acknowledged, in the order of sending, with its own id",
-             one_at_a_time),
-        TEST("ECL-023: sixteen commands wait; more are refused and counted, the oldest are kept", queue_keeps_the_oldest),
-        TEST("ECL-023 ECL-027: a remote that is off sends nothing, and a command has exactly 16 bytes", refused_senders),
+        TEST(
+            "ECL-023: the next command comes only after CAO has acknowledged, in the order of sending, with its own id",
+            one_at_a_time),
+        TEST("ECL-023: sixteen commands wait; more are refused and counted, the oldest are kept",
+             queue_keeps_the_oldest),
+        TEST("ECL-023 ECL-027: a remote that is off sends nothing, and a command has exactly 16 bytes",
+             refused_senders),
         TEST("ECL-023: commands wait while the controller is not in OP", waits_for_the_controller),
         TEST("ECL-023 ECL-056: a controller that comes back with an old or fresh CAO finds the same command, once",
              controller_back_with_cao),
@@ -726,12 +739,14 @@ int main(int argc, char **argv)
         TEST("ECL-050: each change of CCO is one command, over 255 to 0 and after lost cycles too", counter_steps),
         TEST("ECL-025 ECL-050: 600 commands one after the other are each received once and acknowledged",
              whole_round_of_cco),
-        TEST("ECL-050: of more than 16 commands in one update a remote gets the 16 oldest in order, the others are counted",
+        TEST("ECL-050: of more than 16 commands in one update a remote gets the 16 oldest in order, the others are "
+             "counted",
              faster_than_the_link),
         TEST("ECL-050: a controller that comes back brings a command only with the old CCO plus one",
              controller_back_with_cco),
         TEST("ECL-050: the first CCO after power-on is no command, whatever it is", first_counter_after_power_on),
-        TEST("ECL-023 ECL-025 ECL-050 ECL-051 ECL-060: at random both ways, with lost and repeated cycles and watchdogs: "
+        TEST("ECL-023 ECL-025 ECL-050 ECL-051 ECL-060: at random both ways, with lost and repeated cycles and "
+             "watchdogs: "
              "exactly once, in order",
              soak),
     };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* EC-Link periodic output data: blocks of 200 bytes become whole sets, and only whole ones are shown (TS-0007 §10.4). */
+/* EC-Link periodic output data: blocks of 200 bytes become whole sets, and only whole ones are shown (TS-0007 §10.4).
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +21,7 @@ typedef struct rig {
     const ect_device_t *device;
     uint8_t out[OUTPUT_BYTES];
     uint8_t in[MOST_INPUTS];
-    unsigned long sets;   /* as they should be */
+    unsigned long sets; /* as they should be */
     unsigned long errors;
 } rig_t;
 
@@ -80,7 +81,8 @@ static void start(rig_t *r, const ect_device_t *device)
     to_op(r);
 }
 
-/* --- an oracle: zlib's CRC-32, by table; sets whose every byte depends on which set it is --------------------------- */
+/* --- an oracle: zlib's CRC-32, by table; sets whose every byte depends on which set it is ---------------------------
+ */
 
 static uint32_t crc32_of(const uint8_t *data, size_t length)
 {
@@ -126,8 +128,8 @@ static void expect_set(rig_t *r, const char *when, const uint8_t *bytes, unsigne
     uint32_t crc = size > 0 ? crc32_of(bytes, size) : 0;
     if (number(r, "bu.periodic_sets") != r->sets || number(r, "bu.periodic_size") != size ||
         number(r, "bu.periodic_check") != crc || number(r, "bu.periodic_errors") != r->errors)
-        fail_msg("%s: expected %lu sets, the last of %u bytes with CRC %08X, and %lu errors; got %lu, %lu, %08lX, %lu", when,
-                 r->sets, size, crc, r->errors, number(r, "bu.periodic_sets"), number(r, "bu.periodic_size"),
+        fail_msg("%s: expected %lu sets, the last of %u bytes with CRC %08X, and %lu errors; got %lu, %lu, %08lX, %lu",
+                 when, r->sets, size, crc, r->errors, number(r, "bu.periodic_sets"), number(r, "bu.periodic_size"),
                  number(r, "bu.periodic_check"), number(r, "bu.periodic_errors"));
 }
 
@@ -196,8 +198,10 @@ static void size_zero(void **state)
 static void any_order(void **state)
 {
     static const struct {
-        unsigned int size, step, first; /* block (first + step * n) mod blocks; step and blocks have no common divisor */
-    } rows[] = {{401, 2, 0}, {401, 2, 2}, {600, 1, 1}, {1000, 3, 4}, {51200, 255, 255}, {51200, 77, 13}, {50999, 101, 200}};
+        unsigned int size, step,
+            first; /* block (first + step * n) mod blocks; step and blocks have no common divisor */
+    } rows[] = {{401, 2, 0},       {401, 2, 2},     {600, 1, 1},      {1000, 3, 4},
+                {51200, 255, 255}, {51200, 77, 13}, {50999, 101, 200}};
     (void)state;
     rig_t r;
     start(&r, nodes[0]);
@@ -321,8 +325,9 @@ static void impossible(void **state)
 {
     static const struct {
         unsigned int size, block;
-    } rows[] = {{51201, 0}, {51201, 255}, {51400, 0}, {65535, 0}, {65535, 255}, {1, 1},      {1, 255},   {199, 1},
-                {200, 1},   {201, 2},     {400, 2},   {400, 255}, {401, 3},     {51000, 255}, {50800, 254}, {32768, 164}};
+    } rows[] = {{51201, 0}, {51201, 255}, {51400, 0},   {65535, 0},  {65535, 255}, {1, 1},
+                {1, 255},   {199, 1},     {200, 1},     {201, 2},    {400, 2},     {400, 255},
+                {401, 3},   {51000, 255}, {50800, 254}, {32768, 164}};
     (void)state;
     rig_t r;
     uint8_t *a = new_set(1), *wrong = new_set(2);
@@ -444,7 +449,8 @@ static void first_outputs_bring_no_block(void **state)
     wire_close(&r.w);
 }
 
-/* --- PAI and the rest ----------------------------------------------------------------------------------------------- */
+/* --- PAI and the rest -----------------------------------------------------------------------------------------------
+ */
 
 static void expect_pai(rig_t *r, uint8_t want)
 {
@@ -533,7 +539,10 @@ static void shown_by_the_remotes_that_are_on(void **state)
     wire_close(&r.w);
 }
 
-#define TEST(title, function) {title, function, NULL, NULL, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {
@@ -546,7 +555,8 @@ int main(int argc, char **argv)
         TEST("ECL-059: a repeated block counts once, and its newer bytes are taken", repeated_blocks),
         TEST("ECL-054 ECL-059: another size in the middle begins another set", size_changes_in_the_middle),
         TEST("ECL-054 ECL-059: after another size in between the first set begins anew", size_changes_and_returns),
-        TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored", impossible),
+        TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored",
+             impossible),
         TEST("ECL-059: the old set stands until the new one is complete", hand_over_is_atomic),
         TEST("ECL-059: an interrupted exchange never completes a set with blocks from before it", interrupted_exchange),
         TEST("ECL-059: when the last block of a set is lost, the next set is shown whole", lost_last_block),

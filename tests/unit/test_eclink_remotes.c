@@ -312,8 +312,8 @@ static void ru_states(void **state)
         set(&r, "ru1.armed", 1);
         expect_blocks(&r, "armed", "1", c->bu_state);
         if (r.in[REMOTE + 2] != c->ru_state || r.in[REMOTE + 7] != c->disabled)
-            fail_msg("stop %ld, shock %ld, failed %ld, disabled %ld: expected RU state %u, got %u, disabled %u", c->stop,
-                     c->shock, c->failed, c->disabled, c->ru_state, r.in[REMOTE + 2], r.in[REMOTE + 7]);
+            fail_msg("stop %ld, shock %ld, failed %ld, disabled %ld: expected RU state %u, got %u, disabled %u",
+                     c->stop, c->shock, c->failed, c->disabled, c->ru_state, r.in[REMOTE + 2], r.in[REMOTE + 7]);
         set_case(&r, 1, &ru_cases[0]);
         expect_blocks(&r, "at rest again", "1", ARMED);
         assert_int_equal(r.in[REMOTE + 2], 3);
@@ -383,13 +383,13 @@ static void check_field(rig_t *r, unsigned int ru, unsigned int block, const str
         ect_store_be16(want + at, (uint16_t)value);
     else
         want[at] = (uint8_t)value;
-    want[0] = r->in[0];                                        /* PCI */
-    want[2] = r->in[2];                                        /* PAI */
-    want[at - f->offset + 2] = r->in[at - f->offset + 2];      /* RU state follows "disabled" */
+    want[0] = r->in[0];                                   /* PCI */
+    want[2] = r->in[2];                                   /* PAI */
+    want[at - f->offset + 2] = r->in[at - f->offset + 2]; /* RU state follows "disabled" */
     for (unsigned int i = 0; i < r->device->sm[3].length; i++) {
         if (r->in[i] != want[i])
-            fail_msg("%s, ru%u.%s := %ld: expected byte %u to be 0x%02X, got 0x%02X", r->device->type_name, ru, f->signal,
-                     value, i, want[i], r->in[i]);
+            fail_msg("%s, ru%u.%s := %ld: expected byte %u to be 0x%02X, got 0x%02X", r->device->type_name, ru,
+                     f->signal, value, i, want[i], r->in[i]);
     }
 }
 
@@ -427,12 +427,27 @@ static void ranges(void **state)
     static const struct {
         const char *signal;
         long low, high;
-    } rows[] = {{"ru1.id", 1, 65535},      {"ru1.on", 0, 1},           {"ru1.armed", 0, 1},        {"ru1.stop", 0, 1},
-                {"ru1.shock", 0, 1},       {"ru1.failed", 0, 1},       {"ru1.disabled", 0, 3},     {"ru1.battery", 0, 100},
-                {"ru1.rssi", 0, 100},      {"ru1.cable", 0, 1},        {"ru1.docked", 0, 1},       {"ru1.g_link_lost", 0, 1},
-                {"ru1.joystick1", -1000, 1000}, {"ru1.joystick4", -1000, 1000}, {"ru1.encoder", 0, 255},
-                {"ru1.encoder_switch", 0, 1},   {"ru1.fitted1", 0, 6},  {"ru1.fitted8", 0, 6},      {"bu.vlaps", 0, 3},
-                {"bu.eg_link", 0, 7},      {"bu.report_passive", 0, 1}};
+    } rows[] = {{"ru1.id", 1, 65535},
+                {"ru1.on", 0, 1},
+                {"ru1.armed", 0, 1},
+                {"ru1.stop", 0, 1},
+                {"ru1.shock", 0, 1},
+                {"ru1.failed", 0, 1},
+                {"ru1.disabled", 0, 3},
+                {"ru1.battery", 0, 100},
+                {"ru1.rssi", 0, 100},
+                {"ru1.cable", 0, 1},
+                {"ru1.docked", 0, 1},
+                {"ru1.g_link_lost", 0, 1},
+                {"ru1.joystick1", -1000, 1000},
+                {"ru1.joystick4", -1000, 1000},
+                {"ru1.encoder", 0, 255},
+                {"ru1.encoder_switch", 0, 1},
+                {"ru1.fitted1", 0, 6},
+                {"ru1.fitted8", 0, 6},
+                {"bu.vlaps", 0, 3},
+                {"bu.eg_link", 0, 7},
+                {"bu.report_passive", 0, 1}};
     (void)state;
     rig_t r;
     start(&r, nodes[3]);
@@ -626,7 +641,8 @@ static void reservations_hold(void **state)
         for (unsigned int ru = 0; ru < 5; ru++)
             unarmed += c->g_link[ru] != '2' && !strchr(c->armed, (char)('1' + ru));
         if (strcmp(got, c->g_link) != 0 || r.in[UNARMED] != unarmed)
-            fail_msg("%s: expected G-Link %s, %ld unarmed; got %s, %u", c->what, c->g_link, unarmed, got, r.in[UNARMED]);
+            fail_msg("%s: expected G-Link %s, %ld unarmed; got %s, %u", c->what, c->g_link, unarmed, got,
+                     r.in[UNARMED]);
         wire_close(&r.w);
     }
 }
@@ -748,11 +764,12 @@ static void fallback_priorities(void **state)
         r.out[CCO]++;
         periodic_set(&r);
         passed_t at = watch(&r, 1, 6);
-        bool good = lost == 0 ? at.from == 1 && at.to == 1 && at.periodic == 1
-                              : at.from == 1 && at.to == 2 && at.periodic == 3;
+        bool good =
+            lost == 0 ? at.from == 1 && at.to == 1 && at.periodic == 1 : at.from == 1 && at.to == 2 && at.periodic == 3;
         if (!good || at.joystick != 6)
-            fail_msg("%s: command from the remote in update %u, to it in %u, periodic data in %u, %u of 6 joystick values",
-                     lost ? "fallback" : "G-Link", at.from, at.to, at.periodic, at.joystick);
+            fail_msg(
+                "%s: command from the remote in update %u, to it in %u, periodic data in %u, %u of 6 joystick values",
+                lost ? "fallback" : "G-Link", at.from, at.to, at.periodic, at.joystick);
         wire_close(&r.w);
     }
 }
@@ -800,24 +817,32 @@ static void fallback_is_a_matter_of_each_remote(void **state)
     wire_close(&r.w);
 }
 
-#define TEST(title, function) {title, function, NULL, NULL, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("ECL-048 ECL-028 ECL-029: without MultiArm one remote that is on can be armed, a second is refused", only_one),
-        TEST("ECL-048 ECL-047: with MultiArm three, in blocks in the order of arming; a fourth is refused", up_to_three),
+        TEST("ECL-048 ECL-028 ECL-029: without MultiArm one remote that is on can be armed, a second is refused",
+             only_one),
+        TEST("ECL-048 ECL-047: with MultiArm three, in blocks in the order of arming; a fourth is refused",
+             up_to_three),
         TEST("ECL-030 ECL-032: remotes that are on and not armed are counted", unarmed_are_counted),
         TEST("ECL-028: an armed remote that is lost blocks the BU until it is on and rearmed", blocked_until_rearmed),
         TEST("ECL-028 ECL-047: with MultiArm each lost remote must be rearmed", blocked_with_three),
-        TEST("ECL-037 ECL-038 ECL-039 ECL-040 ECL-041 EC-C10: RU state and BU state follow stop, shock, failure and the "
-             "reason for being disabled",
-             ru_states),
+        TEST(
+            "ECL-037 ECL-038 ECL-039 ECL-040 ECL-041 EC-C10: RU state and BU state follow stop, shock, failure and the "
+            "reason for being disabled",
+            ru_states),
         TEST("ECL-039 ECL-047: one of three armed remotes stops the BU, an unarmed one does not", one_of_three_stops),
-        TEST("ECL-003 ECL-035 ECL-042 ECL-043 ECL-045 ECL-046 ECL-047: each field at its offset, big-endian, and no other "
+        TEST("ECL-003 ECL-035 ECL-042 ECL-043 ECL-045 ECL-046 ECL-047: each field at its offset, big-endian, and no "
+             "other "
              "byte moves",
              fields_at_their_offsets),
-        TEST("ECL-031 ECL-041 ECL-042 ECL-043 ECL-046: values outside the ranges are refused and change nothing", ranges),
+        TEST("ECL-031 ECL-041 ECL-042 ECL-043 ECL-046: values outside the ranges are refused and change nothing",
+             ranges),
         TEST("ECL-044 EC-C11: the six kinds of switches at all eight positions take their values and no others",
              switch_kinds),
         TEST("ECL-034 ECL-036 ECL-061 EC-C9: nothing armed: all its bytes are 0, or byte 36 is 6 when that is set",
@@ -833,7 +858,8 @@ int main(int argc, char **argv)
              nothing_reaches_the_unreachable),
         TEST("ECL-064 ECL-028: a remote without G-Link and VLAP cannot be armed", the_unreachable_cannot_be_armed),
         TEST("ECL-064: a remote without G-Link and VLAP cannot send", the_unreachable_cannot_send),
-        TEST("ECL-063: on fallback one thing an update: command from the remote, command to it, periodic data; on G-Link "
+        TEST("ECL-063: on fallback one thing an update: command from the remote, command to it, periodic data; on "
+             "G-Link "
              "all at once; joysticks always",
              fallback_priorities),
         TEST("ECL-063: on fallback all commands from the remote go before commands to it, those before periodic data",

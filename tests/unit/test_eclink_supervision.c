@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The EC-Link base unit watches its controller: BU state, EC-Link status, message and relays (TS-0007 §6.1, §10, §11). */
+/* The EC-Link base unit watches its controller: BU state, EC-Link status, message and relays (TS-0007 §6.1, §10, §11).
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,15 @@
 
 enum { OUTPUTS_AT = 0x1000, INPUTS_AT = 0x2800, MOST_INPUTS = 142, MOST_OUTPUTS = 228, CYCLE_MS = 10 };
 enum { PCO = 0, CCO = 1, CAO = 3, PCI = 0, CCI = 1, BU_STATE = 22, EG_LINK = 25, EC_LINK = 26 };
-enum { INITIAL = 0x00, STOPPED = 0x01, LINK_ERROR = 0x02, BLOCKED = 0x03, FAILED = 0x04, DISARMED = 0x10, ARMED = 0x11 };
+enum {
+    INITIAL = 0x00,
+    STOPPED = 0x01,
+    LINK_ERROR = 0x02,
+    BLOCKED = 0x03,
+    FAILED = 0x04,
+    DISARMED = 0x10,
+    ARMED = 0x11
+};
 enum { UNUSED = 0, OPERATIONAL = 1, NO_LINK = 2, CFG_ERROR = 3, MODULE_ERROR = 4, DATA_ERROR = 5 };
 enum { COMMANDS = 1, PERIODIC = 2 };
 
@@ -372,6 +381,29 @@ static void cao_of_something_else(void **state)
         r.out[CAO] = r.in[CCI];
         cycle(&r);
         expect(&r, "acknowledged", good, OPERATIONAL);
+        wire_close(&r.w);
+    }
+}
+
+/* The limit counts from the outputs that withdraw the acknowledge, wherever that is between two updates. */
+static void acknowledge_withdrawn(void **state)
+{
+    (void)state;
+    for (unsigned int n = 1; n < COUNT(nodes); n++) {
+        rig_t r;
+        int good = in_order(&r, &nodes[n], true);
+        command_shown(&r);
+        r.out[CAO] = r.in[CCI];
+        run(&r, 3000 * MS + 33);
+        r.out[CAO]--;
+        cycle(&r);
+        run(&r, 2000 * MS - 1);
+        expect(&r, "1 ns before 2000 ms", good, OPERATIONAL);
+        wire_advance(&r.w, 1);
+        expect(&r, "2000 ms", LINK_ERROR, DATA_ERROR);
+        r.out[CAO]++;
+        cycle(&r);
+        expect(&r, "acknowledged again", good, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -817,7 +849,8 @@ static void neighbour_sees_no_link(void **state)
     enable(&w, 1, "0");
     unsigned int status = wire_read16(&w, 0, 0x0110) & PORT1;
     if (status != CLOSED)
-        fail_msg("behind it nothing answers: expected port 1 without link and closed (0x%04X), got 0x%04X", CLOSED, status);
+        fail_msg("behind it nothing answers: expected port 1 without link and closed (0x%04X), got 0x%04X", CLOSED,
+                 status);
     enable(&w, 1, "1");
     assert_int_equal(wire_read16(&w, 0, 0x0110) & PORT1, LINK);
     wire_close(&w);
@@ -917,7 +950,10 @@ static void late_polls(void **state)
     wire_close(&r.w);
 }
 
-#define TEST(title, function) {title, function, NULL, NULL, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {
@@ -938,6 +974,7 @@ int main(int argc, char **argv)
              cao_limit),
         TEST("ECL-056: acknowledges after 1999 ms are in order, and nothing is late afterwards", cao_in_time),
         TEST("ECL-056: CAO with another number than CCI does not acknowledge", cao_of_something_else),
+        TEST("ECL-056: 2000 ms after CAO has left CCI it is Bad data", acknowledge_withdrawn),
         TEST("ECL-056 ECL-023: CCI goes from 255 to 0, and so must CAO", cao_wraps),
         TEST("ECL-056 ECL-057: with PCO and CAO late, both must come back", both_late),
         TEST("ECL-058: Input Only sends no commands, so none is ever late", no_commands_in_input_only),

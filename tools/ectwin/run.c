@@ -44,9 +44,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static bool on_signal(void *ctx, int signal_number)
+static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     (void)ctx;
+    (void)from_terminal;
     return signal_number == SIGCHLD;
 }
 
@@ -72,6 +73,7 @@ int command_run(int argc, char **argv)
         return EXIT_OPEN;
     }
     int status = EXIT_RUN;
+    errno = 0;
     ect_control_t *control = open_control("ectwin run");
     ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
     if (signals >= 0 && chain) {
@@ -80,7 +82,9 @@ int command_run(int argc, char **argv)
         print_ready(stdout, port.iface, args.twins.count);
         status = ect_runner_run(&runner) == 0 ? EXIT_CLEAN : EXIT_RUN;
     }
-    if (status != EXIT_CLEAN)
+    if (!chain)
+        fprintf(stderr, "ectwin run: not enough memory for %zu twins\n", args.twins.count);
+    else if (status != EXIT_CLEAN)
         fprintf(stderr, "ectwin run: stopped on '%s': %s\n", port.iface, strerror(errno));
     ect_control_close(control);
     ect_chain_free(chain);

@@ -9,6 +9,7 @@
 
 typedef struct sii_args {
     twin_args_t twins;
+    const char *device;
     const char *output;
 } sii_args_t;
 
@@ -28,11 +29,14 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->output = text;
         return 0;
     case ARGP_KEY_ARG:
-        twin_args_devices(&args->twins, state, text);
+        if (args->device)
+            argp_error(state, "one device at a time");
+        args->device = text;
         return 0;
     case ARGP_KEY_END:
-        if (args->twins.count != 1)
+        if (!args->device || strchr(args->device, ','))
             argp_error(state, "name one device; 'ectwin list' lists those there are");
+        twin_args_devices(&args->twins, state, args->device);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -61,7 +65,7 @@ int command_sii(int argc, char **argv)
         .children = children,
     };
     sii_args_t args = {0};
-    argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
     const ect_twin_config_t *twin = &args.twins.twins[0];
     uint8_t *image = malloc(twin->device->sii_size);
     int status = EXIT_RUN;

@@ -60,6 +60,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_ALIAS:
         args->alias.value = parse_number(state, "--alias", text, UINT16_MAX);
+        if (args->alias.value == 0)
+            argp_error(state, "--alias takes a number from 1 to 65535");
         args->alias.given = true;
         return 0;
     case KEY_DROP:
@@ -114,6 +116,8 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
         args->twins[args->count++] = ect_twin_default(device);
     }
     free(copy);
+    if (args->alias.given && args->alias.value + args->count - 1 > UINT16_MAX)
+        argp_error(state, "--alias %u is too high for %zu twins: the aliases count up", args->alias.value, args->count);
     for (size_t i = 0; i < args->count; i++) {
         ect_twin_config_t *twin = &args->twins[i];
         twin->keep_source_mac = args->keep_source_mac;

@@ -102,13 +102,14 @@ static bool reap(child_t *child)
     return true;
 }
 
-/* The command decides when it is over; a wish to end is passed on to it. */
-static bool on_signal(void *ctx, int signal_number)
+/* The command decides when it is over; a wish to end is passed on to it, unless the terminal has told it already. */
+static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     child_t *child = ctx;
     if (signal_number == SIGCHLD)
         return !reap(child);
-    kill(child->pid, signal_number);
+    if (!from_terminal)
+        kill(child->pid, signal_number);
     return true;
 }
 
@@ -126,8 +127,10 @@ static int serve(with_args_t *args, ect_packet_t *port, ect_chain_t *chain, ect_
     if (child.pid > 0 && ect_runner_run(&runner) == 0)
         return child.status;
     fprintf(stderr, "ectwin with: stopped: %s\n", strerror(errno));
-    if (child.pid > 0)
+    if (child.pid > 0) {
         kill(child.pid, SIGTERM);
+        (void)waitpid(child.pid, NULL, 0);
+    }
     return EXIT_RUN;
 }
 

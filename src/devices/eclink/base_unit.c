@@ -48,7 +48,7 @@ static const char *fault(const eclink_t *unit, uint8_t *status, const char **mes
         return "the fieldbus module reports an error";
     *status = ECLINK_LINK_ERROR;
     *message = "EC: Cfg. Error";
-    if (!unit->exchanging && unit->config_error != 0)
+    if (!unit->exchanging && unit->config_refused)
         return "the controller's configuration was refused";
     *status = ECLINK_LINK_NONE;
     *message = "EC: No Data";
@@ -149,6 +149,7 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 {
     eclink_t *unit = instance;
     (void)now_ns;
+    unit->config_refused &= to <= unit->refused_in;
     if (to == ECT_STATE_OP)
         unit->exchanging = !has(unit, ECLINK_FMAP_COMMANDS); /* with outputs, their coming decides */
     else if (from == ECT_STATE_OP)
@@ -157,14 +158,20 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
     return 0;
 }
 
-/* A refused configuration stays the reason until the controller gets further than that. */
+static bool says_mismatch(uint16_t code)
+{
+    return (code >= 0x0015 && code <= 0x0017) || (code >= 0x001C && code <= 0x001F) || (code >= 0x0024 && code <= 0x0028);
+}
+
+/* A refused configuration stays the reason until the controller gets further, or something else is wrong. */
 void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
 {
     eclink_t *unit = instance;
-    bool configuration = code >= 0x0011 && code <= 0x0026 && code != 0x001A && code != 0x001B;
-    (void)state;
     (void)now_ns;
-    unit->config_error = configuration ? code : 0;
+    if (code == 0)
+        return;
+    unit->config_refused = says_mismatch(code);
+    unit->refused_in = state;
     evaluate(unit);
 }
 
@@ -270,15 +277,19 @@ static const char *send_command(eclink_t *unit, unsigned int number, const uint8
 {
     eclink_ru_t *ru = &unit->ru[number];
     eclink_command_t command = {.ru = ru->id};
+    eclink_remotes_update(unit);
     if (!has(unit, ECLINK_FMAP_COMMANDS))
         return "this mode (Input Only) has no commands";
     if (!ru->on)
         return "this remote unit is not switched on: set its 'on' first";
+    if (!eclink_reachable(ru))
+        return "this remote unit is out of communication: neither G-Link nor a VLAP nor the cable reaches it";
     memcpy(command.data, data, sizeof command.data);
     if (!eclink_queue_put(&unit->from_ru, &command)) {
         unit->bu.overflows++;
         return "the base unit's queue is full: the controller does not acknowledge in CAO";
     }
+    ru->sent++;
     return NULL;
 }
 

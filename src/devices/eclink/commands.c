@@ -58,7 +58,7 @@ static void take_command(eclink_t *unit)
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
         eclink_ru_t *ru = &unit->ru[i];
         bool addressed = command.ru == 0 || command.ru == ru->id;
-        if (ru->on && addressed && !eclink_queue_put(&ru->to_ru, &command))
+        if (eclink_reachable(ru) && addressed && !eclink_queue_put(&ru->to_ru, &command))
             unit->bu.overflows++;
     }
 }
@@ -87,15 +87,6 @@ static bool give_command(eclink_ru_t *ru)
     return true;
 }
 
-static bool has_sent(const eclink_t *unit, const eclink_ru_t *ru)
-{
-    for (unsigned int i = 0; i < unit->from_ru.count; i++) {
-        if (unit->from_ru.commands[(unit->from_ru.first + i) % ECLINK_QUEUE].ru == ru->id)
-            return true;
-    }
-    return false;
-}
-
 /*
  * Once an update. On G-Link each remote takes a command and the periodic data; on fallback C-Link has room for one thing:
  * a command from the remote goes before a command to it, and periodic data come last (§10.6).
@@ -105,8 +96,11 @@ void eclink_command_to_rus(eclink_t *unit)
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
         eclink_ru_t *ru = &unit->ru[i];
         bool fallback = ru->g_link == ECLINK_LINK_FALLBACK;
-        if (!ru->on || (fallback && has_sent(unit, ru)))
+        if (fallback && ru->sent > 0) {
+            ru->sent--;
             continue;
+        }
+        ru->sent = 0;
         bool gave = give_command(ru);
         if (ru->periodic_waits && !(fallback && gave)) {
             ru->periodic_waits = false;

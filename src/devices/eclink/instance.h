@@ -148,6 +148,7 @@ typedef struct eclink_ru {
     uint32_t periodic_count; /* sets of periodic data shown */
     eclink_queue_t to_ru;
     bool periodic_waits; /* a set is to be shown when the link has room */
+    uint8_t sent;        /* its commands that C-Link still has to carry, on fallback */
 } eclink_ru_t;
 
 /** The base unit, as signals `bu.*`. */
@@ -201,7 +202,8 @@ typedef struct eclink {
     bool good_once;       /* there was a good exchange since power-on */
     bool outputs_known;   /* outputs have come since OP was entered */
     bool pco_alive;
-    uint16_t config_error; /* AL status code of a refused configuration, 0 none */
+    bool config_refused;  /* the configuration that would have led out of `refused_in` */
+    uint8_t refused_in;
     uint8_t last_pco, last_cco;
     uint64_t pco_deadline_ns;
     uint64_t cao_deadline_ns;
@@ -235,6 +237,7 @@ void eclink_periodic_outputs(eclink_t *unit, bool first);
 /* remotes.c */
 void eclink_remotes_update(eclink_t *unit);
 void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs);
+bool eclink_reachable(const eclink_ru_t *ru);
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
 void eclink_lose(eclink_t *unit, unsigned int number);
 

@@ -39,7 +39,7 @@ static void hand_over(eclink_t *unit)
     unit->bu.periodic_size = p->size;
     unit->bu.periodic_check = check(p->data[p->shown], p->size);
     for (unsigned int i = 0; i < ECLINK_RUS; i++)
-        unit->ru[i].periodic_waits |= unit->ru[i].on != 0;
+        unit->ru[i].periodic_waits |= eclink_reachable(&unit->ru[i]);
     begin_set(p, p->size);
 }
 
@@ -49,7 +49,7 @@ static void take_block(eclink_t *unit, uint16_t size, uint8_t block)
     uint32_t offset = (uint32_t)block * ECLINK_PERIODIC_BYTES;
     uint32_t length = size - offset < ECLINK_PERIODIC_BYTES ? size - offset : ECLINK_PERIODIC_BYTES;
     uint8_t mask = (uint8_t)(1u << (block % 8));
-    if (size != p->size || p->missing == 0)
+    if (size != p->size)
         begin_set(p, size);
     memcpy(p->data[p->shown ^ 1] + offset, unit->outputs + ECLINK_OUT_PERIODIC, length);
     if ((p->have[block / 8] & mask) != 0)
@@ -65,8 +65,12 @@ void eclink_periodic_outputs(eclink_t *unit, bool first)
     uint8_t pco = unit->outputs[ECLINK_OUT_PCO];
     uint16_t size = ect_load_be16(unit->outputs + ECLINK_OUT_PERIODIC_SIZE);
     uint8_t block = unit->outputs[ECLINK_OUT_PERIODIC_BLOCK];
-    if (first || pco == unit->last_pco || size == 0)
+    if (!first && pco == unit->last_pco)
         return;
+    if (first || size == 0) {
+        begin_set(&unit->periodic, 0); /* half a set from before an interruption is never completed */
+        return;
+    }
     if (size > ECLINK_PERIODIC_ROOM || block >= blocks_of(size)) {
         unit->bu.periodic_errors++;
         return;

@@ -30,6 +30,9 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
     }
     if (!ru->on)
         return "this remote unit is not switched on: set its 'on' first";
+    eclink_remotes_update(unit);
+    if (!eclink_reachable(ru))
+        return "this remote unit is out of communication: neither G-Link nor a VLAP nor the cable reaches it";
     if (ru->armed)
         return NULL;
     if (unit->armed_count == most_armed(unit))
@@ -46,6 +49,7 @@ void eclink_lose(eclink_t *unit, unsigned int number)
 {
     unit->ru[number].to_ru.count = 0;
     unit->ru[number].periodic_waits = false;
+    unit->ru[number].sent = 0;
     if (!unit->ru[number].armed)
         return;
     disarm(unit, number);
@@ -63,37 +67,47 @@ static uint8_t ru_state(const eclink_ru_t *ru)
     return ru->disabled != 0 ? ECLINK_RU_ARMED : ECLINK_RU_ENABLED;
 }
 
-/* A remote without G-Link needs a VLAP; armed ones have reserved theirs, the others share what is left. */
+bool eclink_reachable(const eclink_ru_t *ru)
+{
+    return ru->on && ru->g_link != ECLINK_LINK_NONE;
+}
+
+static bool take(unsigned int *vlaps)
+{
+    if (*vlaps == 0)
+        return false;
+    (*vlaps)--;
+    return true;
+}
+
+/* An armed remote reserves a VLAP, in the order of arming; an unarmed one needs it only on fallback. */
 static uint8_t g_link(const eclink_ru_t *ru, unsigned int *vlaps)
 {
     if (!ru->on)
         return ECLINK_LINK_UNUSED;
-    if (!ru->g_link_lost || ru->cable)
+    if (ru->cable)
         return ECLINK_LINK_OPERATIONAL;
-    if (*vlaps == 0)
-        return ECLINK_LINK_NONE;
-    (*vlaps)--;
-    return ECLINK_LINK_FALLBACK;
+    bool has_vlap = (ru->armed || ru->g_link_lost) && take(vlaps);
+    if (!ru->g_link_lost)
+        return ECLINK_LINK_OPERATIONAL;
+    return has_vlap ? ECLINK_LINK_FALLBACK : ECLINK_LINK_NONE;
 }
 
 void eclink_remotes_update(eclink_t *unit)
 {
-    unsigned int reserved = 0;
-    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
-        if (unit->ru[i].armed && !unit->ru[i].cable && reserved < unit->bu.vlaps)
-            reserved++;
-    }
-    unsigned int for_armed = reserved;
-    unsigned int spare = unit->bu.vlaps - reserved;
+    unsigned int vlaps = unit->bu.vlaps;
     unit->bu.unarmed = 0;
+    for (unsigned int i = 0; i < unit->armed_count; i++)
+        unit->ru[unit->armed[i]].g_link = g_link(&unit->ru[unit->armed[i]], &vlaps);
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
         eclink_ru_t *ru = &unit->ru[i];
-        ru->g_link = g_link(ru, ru->armed ? &for_armed : &spare);
-        if (ru->armed && ru->g_link == ECLINK_LINK_NONE)
+        if (!ru->armed)
+            ru->g_link = g_link(ru, &vlaps);
+        if (ru->g_link == ECLINK_LINK_NONE)
             eclink_lose(unit, i);
         ru->c_link = !ru->on ? ECLINK_LINK_UNUSED : ru->armed ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_PASSIVE;
         ru->state = ru_state(ru);
-        unit->bu.unarmed = (uint8_t)(unit->bu.unarmed + (ru->on && !ru->armed && ru->g_link != ECLINK_LINK_NONE));
+        unit->bu.unarmed = (uint8_t)(unit->bu.unarmed + (eclink_reachable(ru) && !ru->armed));
     }
     unit->bu.armed = unit->armed_count;
 }
