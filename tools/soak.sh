@@ -44,4 +44,7 @@ session() {
 export -f operator session
 
 "$build/ectwin" with --drop 5 --delay 5 --seed "$seed" vr-bu-ect-map7 -- bash -c session 2>"$work/log" || { cat "$work/log"; exit 1; }
-python3 tools/soak_check.py "$work"
+if ! python3 tools/soak_check.py "$work"; then
+  tail -n 40 "$work/log"
+  exit 1
+fi

@@ -7,7 +7,9 @@ import zlib
 
 folder = pathlib.Path(sys.argv[1])
 controller = [json.loads(line) for line in (folder / "controller").read_text().splitlines()]
-end = controller[-1]
+end = controller[-1] if controller else {}
+if end.get("event") != "end":
+    sys.exit(f"FAILED the controller did not come to its end; its last line was {end}")
 failures = []
 
 

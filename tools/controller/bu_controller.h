@@ -18,7 +18,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { BU_COMMAND_BYTES = 16 };
+enum { BU_COMMAND_BYTES = 16, BU_INPUT_BYTES = 66 };
 
 typedef struct bu_controller {
     /* set before the first step */

@@ -68,6 +68,8 @@ static int to_op(void)
     if (ec_config_init(FALSE) <= 0)
         return 0;
     ec_config_map(image);
+    if (!ec_slave[1].inputs || ec_slave[1].Ibytes < BU_INPUT_BYTES)
+        return 0; /* an answer was lost and the size is not known */
     if (ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) != EC_STATE_SAFE_OP)
         return 0;
     ec_send_processdata();
