@@ -81,7 +81,7 @@ install_soem() {
   install_packages $soem_packages
   say "fetching and building SOEM 1.4.0 below $soem_prefix"
   echo "$soem_package --hash=sha256:$soem_sha256" >"$work/requirements.txt"
-  python3 -m pip download --quiet --disable-pip-version-check --no-deps --no-binary :all: --require-hashes \
+  python3 -m pip download --quiet --disable-pip-version-check --no-deps --no-binary pyecm --require-hashes \
     -r "$work/requirements.txt" -d "$work/pip" >"$work/log" 2>&1 || { cat "$work/log" >&2; die "pip could not fetch $soem_package"; }
   echo "$soem_sha256  $(echo "$work"/pip/pyecm-0.0.3.tar.gz)" | sha256sum --check --quiet
   tar -xzf "$work/pip/pyecm-0.0.3.tar.gz" -C "$work"

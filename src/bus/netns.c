@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 static bool write_file(const char *path, const char *text)
@@ -64,6 +65,7 @@ static int enter_user_namespace(char *message)
         return -1;
     }
     snprintf(map, sizeof map, "0 %u 1", uid);
+    (void)prctl(PR_SET_DUMPABLE, 1); /* a binary with file capabilities may not write its own map otherwise */
     bool mapped = write_file("/proc/self/uid_map", map);
     snprintf(map, sizeof map, "0 %u 1", gid);
     if (!mapped || !write_file("/proc/self/setgroups", "deny") || !write_file("/proc/self/gid_map", map)) {

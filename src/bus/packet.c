@@ -24,7 +24,7 @@ static void explain_socket(const char *iface, char *message)
     if (errno == EPERM || errno == EACCES)
         snprintf(message, ECT_PACKET_MESSAGE,
                  "opening '%s' needs the capability CAP_NET_RAW: run it with sudo, or give it once and for all with "
-                 "'sudo setcap cap_net_raw,cap_net_admin+ep $(command -v ectwin)', or use 'ectwin with', which needs "
+                 "'sudo setcap cap_net_raw,cap_net_admin+ep $(realpath PATH/TO/ectwin)', or use 'ectwin with', which needs "
                  "no rights",
                  iface);
     else

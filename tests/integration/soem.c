@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-enum { STATE_TIMEOUT_US = 5000000, CYCLE_US = 1000 };
+/* A reply that a busy machine delivers late is not a lost one. */
+enum { STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 100000, CYCLE_US = 1000 };
 
 static void wire_context(soem_t *m)
 {
@@ -86,7 +87,7 @@ int soem_expected_wkc(const soem_t *m)
 int soem_cycle(soem_t *m)
 {
     ecx_send_processdata(&m->context);
-    int wkc = ecx_receive_processdata(&m->context, EC_TIMEOUTRET);
+    int wkc = ecx_receive_processdata(&m->context, REPLY_TIMEOUT_US);
     osal_usleep(CYCLE_US);
     return wkc;
 }

@@ -153,8 +153,10 @@ static int control(const settings_t *s)
             run_bus(&c, &sent, s, next_restart(s, end_ns));
             restarts++;
         }
+        if (ended || now() >= end_ns)
+            break; /* the end is an orderly one: the bus goes to INIT */
         ec_close();
-        if (!ended && now() < end_ns && !ec_init(s->iface))
+        if (!ec_init(s->iface))
             return EXIT_OPEN;
     }
     printf("{\"event\":\"end\",\"commands_received\":%" PRIu32 ",\"commands_sent\":%" PRIu32 ",\"sets_sent\":%" PRIu32

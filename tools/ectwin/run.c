@@ -58,7 +58,7 @@ int command_run(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...]",
-        .doc = "Answers EtherCAT frames on an interface as a chain of devices, until SIGINT or SIGTERM.",
+        .doc = "Answers EtherCAT frames on an interface as a chain of devices, until SIGINT, SIGTERM or SIGHUP.",
         .children = children,
     };
     run_args_t args = {0};

@@ -163,7 +163,10 @@ int open_signals(void)
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGHUP);
     sigaddset(&set, SIGCHLD);
+    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would not be told */
+    signal(SIGPIPE, SIG_IGN); /* a reader that went away must not take the twin along */
     if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
         return -1;
     return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);

@@ -77,6 +77,7 @@ static void run_command(char **command, pid_t parent, const ect_control_t *contr
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
+    signal(SIGPIPE, SIG_DFL);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) /* it died before that took effect */
         _exit(EXIT_RUN);

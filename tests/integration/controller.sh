@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# The example controller and the operator's side, over the wire and in real time.  usage: controller.sh ECTWIN CONTROLLER [CASE]
+set -u
+export ectwin=$1 controller=$2
+only=${3:-}
+failed=0
+ran=0
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export work
+
+check() { # TITLE EXPECTED ACTUAL
+  if [ "$2" = "$3" ]; then return 0; fi
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$controller" "$case_name"
+  failed=1
+}
+
+until_event() { # waits for an event of the controller
+  for _ in $(seq 200); do grep -q "\"$1\"" "$work/log" 2>/dev/null && return 0; sleep 0.05; done
+  return 1
+}
+export -f until_event
+
+# ECL-023, ECL-024, ECL-050, ECL-051, ECL-060, ECL-062: commands both ways, an unarmed remote hears them too
+commands_go_both_ways() {
+  "$ectwin" with vr-bu-ect-map7 -- bash -c '
+    "$ectwin" set ru1.on=1 ru1.armed=1 ru2.on=1
+    "$controller" "$ECTWIN_IFACE" --seconds 4 --commands 3 >"$work/log" & pid=$!
+    until_event enabled
+    "$ectwin" command ru1 000102030405060708090a0b0c0d0e0f
+    "$ectwin" command ru1 ffffffffffffffffffffffffffffffff
+    wait $pid
+    "$ectwin" get "ru?.received_count" >"$work/values"' 2>/dev/null
+  check "the operator's commands, in order" "000102030405060708090a0b0c0d0e0f ffffffffffffffffffffffffffffffff" \
+    "$(sed -n 's/.*"command","ru":1,"data":"\([0-9a-f]*\)".*/\1/p' "$work/log" | xargs)"
+  check "the controller's commands: ru1, ru2, and ru3 that is off" "3 3 0" \
+    "$(sed -n 's/^ru[123].received_count=//p' "$work/values" | xargs)"
+}
+
+# ECL-028, ECL-057, ECL-066, ECL-068: the messages and states, from nothing to armed and back
+the_display_follows_the_controller() {
+  "$ectwin" with vr-bu-ect-map7 -- bash -c '
+    show() { echo "$1 $("$ectwin" get "bu.state") $("$ectwin" get "bu.es_link") $("$ectwin" get "bu.message")"; }
+    "$ectwin" set ru1.on=1
+    show before >"$work/values"
+    "$controller" "$ECTWIN_IFACE" --seconds 3 >"$work/log" & pid=$!
+    until_event enabled
+    show enabled >>"$work/values"
+    "$ectwin" set ru1.armed=1
+    show armed >>"$work/values"
+    "$ectwin" set ru1.stop=1
+    show stopped >>"$work/values"
+    wait $pid
+    show gone >>"$work/values"' 2>/dev/null
+  check "state, ES-Link and message" "before bu.state=0 bu.es_link=0 bu.message=EC: No Data
+enabled bu.state=16 bu.es_link=1 bu.message=
+armed bu.state=17 bu.es_link=1 bu.message=
+stopped bu.state=1 bu.es_link=0 bu.message=
+gone bu.state=2 bu.es_link=0 bu.message=EC: No Data" "$(cat "$work/values")"
+}
+
+# ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI
+a_set_arrives_whole() {
+  "$ectwin" with vr-bu-ect-map7 -- bash -c '
+    "$controller" "$ECTWIN_IFACE" --seconds 8 --periodic 4321 >"$work/log"
+    "$ectwin" get "bu.periodic_*" >"$work/values"' 2>/dev/null
+  check "its size and CRC-32, and no errors" "$(python3 -c '
+import zlib
+print("4321", zlib.crc32(bytes(i * 7 & 255 for i in range(4321))), "0")')" \
+    "$(for name in size check errors; do sed -n "s/^bu.periodic_$name=//p" "$work/values"; done | xargs)"
+}
+
+# Values out of range are refused with the range; the socket is its user's alone
+values_are_checked() {
+  "$ectwin" with vr-bu-ect-map1 -- bash -c '
+    "$ectwin" set ru1.joystick1=1001 2>"$work/err"; echo $? >"$work/status"
+    stat -c %a "$ECTWIN_SOCKET" >"$work/mode"' 2>/dev/null
+  check "exit code" 1 "$(cat "$work/status")"
+  check "the range is named" yes "$(grep -q -- '-1000.*1000' "$work/err" && echo yes)"
+  check "mode of the socket" 600 "$(cat "$work/mode")"
+}
+
+for case_name in commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole values_are_checked; do
+  if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
+  ran=$((ran + 1))
+  rm -f "$work"/*
+  "$case_name"
+done
+echo "$ran cases"
+[ $ran -gt 0 ] && exit $failed
+exit 1
