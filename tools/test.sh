@@ -11,9 +11,10 @@ export CTEST_OUTPUT_ON_FAILURE=1
 jobs=$(nproc)
 
 build() {
-  cmake --preset "$1" >"build-$1.log" 2>&1 || { cat "build-$1.log"; exit 1; }
-  cmake --build --preset "$1" >"build-$1.log" 2>&1 || { cat "build-$1.log"; exit 1; }
-  rm -f "build-$1.log"
+  mkdir -p build
+  cmake --preset "$1" >"build/$1.log" 2>&1 || { cat "build/$1.log"; exit 1; }
+  cmake --build --preset "$1" >"build/$1.log" 2>&1 || { cat "build/$1.log"; exit 1; }
+  rm -f "build/$1.log"
 }
 
 build asan
@@ -34,4 +35,6 @@ done
 
 tests/check/size.sh
 tests/check/stack.py
+tools/matrix.py >build/matrix.txt || { grep WRONG build/matrix.txt; exit 1; }
+tail -n 1 build/matrix.txt
 echo "all tests passed"

@@ -290,7 +290,7 @@ int main(int argc, char **argv)
         TEST("ECL-006..009: sizes from CoE by single accesses", sizes_without_complete_access),
         TEST("ECL-006..009 CF-061: sizes from the SII alone, and OP with them", sizes_from_sii),
         TEST("CF-033: every transition up and down", up_and_down),
-        TEST("ECL-011: 1000 cycles in OP, none lost", no_lost_frames),
+        TEST("ECL-011 ECL-012: by position and station to OP, then 1000 logical cycles, none lost", no_lost_frames),
         TEST("ECL-020 ECL-024 ECL-025: PCI counts, PCO and CCO are acknowledged", counters),
         TEST("ECL-050..055: outputs stand at TS-0007's offsets", output_offsets),
         TEST("CF-034 CF-035: wrong state requests are refused with 0x0011, 0x0012, 0x0013", wrong_requests),

@@ -497,7 +497,7 @@ static void decoded_fields(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"ECL-006 ECL-007 ECL-008 ECL-009: four nodes of 66/0, 66/24, 66/228 and 142/228 bytes, under their names",
+        {"ECL-001 ECL-006..009: four nodes of 66/0, 66/24, 66/228 and 142/228 bytes, under their names",
          sizes_and_names, NULL, NULL, NULL},
         {"ECL-011: the data link of the base units as decided", data_link, NULL, NULL, NULL},
         {"ECL-006 ECL-007 ECL-008 ECL-009: 1A00h and 1600h map every field at its offset and size", mappings, NULL,
