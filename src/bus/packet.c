@@ -7,10 +7,12 @@
 #include <linux/if_packet.h>
 #include <net/if.h>
 #include <net/if_arp.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 enum { ETHERTYPE_ECAT = 0x88A4 };
@@ -40,6 +42,22 @@ static bool set_flags(int fd, const char *iface, bool up)
     int flags = request.ifr_flags;
     request.ifr_flags = (short)(up ? flags | IFF_UP : flags & ~IFF_UP);
     return ioctl(fd, SIOCSIFFLAGS, &request) == 0;
+}
+
+/* Two twins on one interface would both answer. Abstract socket names belong to the network namespace, as interfaces do. */
+static int claim(ect_packet_t *port, char *message)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX}; /* abstract: the name begins with 0 */
+    int length = snprintf(address.sun_path + 1, sizeof address.sun_path - 1, "ectwin-%s", port->iface);
+    socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)length);
+    port->claim_fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (port->claim_fd >= 0 && bind(port->claim_fd, (const struct sockaddr *)&address, size) == 0)
+        return 0;
+    if (errno == EADDRINUSE)
+        snprintf(message, ECT_PACKET_MESSAGE, "another ectwin answers on '%s' already: end that one first", port->iface);
+    else
+        snprintf(message, ECT_PACKET_MESSAGE, "claiming '%s' failed: %s", port->iface, strerror(errno));
+    return -1;
 }
 
 /* 0, or -1 with the message written. */
@@ -102,7 +120,7 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
         explain_socket(iface, message);
         return -1;
     }
-    if (check_interface(port, message) < 0 || bind_to(port, message) < 0) {
+    if (claim(port, message) < 0 || check_interface(port, message) < 0 || bind_to(port, message) < 0) {
         ect_packet_close(port);
         return -1;
     }
@@ -114,7 +132,8 @@ void ect_packet_close(ect_packet_t *port)
     if (port->was_down)
         (void)set_flags(port->fd, port->iface, false);
     close(port->fd);
-    port->fd = -1;
+    close(port->claim_fd);
+    port->fd = port->claim_fd = -1;
 }
 
 ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room)

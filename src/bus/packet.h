@@ -14,6 +14,7 @@
 /** An open port. Members are read only for others. */
 typedef struct ect_packet {
     int fd;
+    int claim_fd;       /**< held as long as the interface is ours */
     unsigned int index; /**< of the interface */
     char iface[16];
     bool was_down; /**< we brought the interface up and take it down again */
@@ -24,7 +25,7 @@ enum { ECT_PACKET_MESSAGE = 512 };
 
 /**
  * Opens `iface` for EtherCAT frames: bound to it, promiscuous while open, own frames not received. An interface that
- * is down is brought up.
+ * is down is brought up. An interface on which another ectwin answers is refused.
  * @param[out] message  on failure one line for the user: what is missing and how to get it; ECT_PACKET_MESSAGE bytes
  * @return 0, or -1 with nothing changed
  */

@@ -53,7 +53,7 @@ what_cannot_be_opened_is_2() {
 
 # In a namespace: run on one end that is down, end it by SIGTERM and SIGINT; the interface is down again.
 run_leaves_the_interface_as_found() {
-  for signal in TERM INT; do
+  for signal in TERM INT HUP; do
     rm -f "$work/ready"
     unshare -Urn sh -c '
       ip link add name tw0 type veth peer name tw1 && ip link set tw1 up || exit 9
@@ -65,6 +65,25 @@ run_leaves_the_interface_as_found() {
     check "run: SIG$signal ends it with 0, interface as before" "up 0 down" "$(xargs <"$work/out")"
     check "run: ready line on standard output" '{"event":"ready","iface":"tw0","slaves":1}' "$(cat "$work/ready")"
   done
+}
+
+one_twin_an_interface() {
+  unshare -Urn sh -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw1 up || exit 9
+    "$1" run -i tw0 vr-bu-ect-map7 >"$2" 2>/dev/null & pid=$!
+    for i in 1 2 3 4 5 6 7 8 9 10; do [ -s "$2" ] && break; sleep 0.1; done
+    "$1" run -i tw0 vr-bu-ect-map1 2>"$3"; echo $?
+    ip -br link show tw0 | grep -q "<.*UP.*>" && echo up
+    kill $pid; wait $pid' sh "$ectwin" "$work/ready2" "$work/err" >"$work/out"
+  check "run: a second one on the interface is refused, the first goes on" "2 up" "$(xargs <"$work/out")"
+  check "run: it says so" yes "$(grep -q "another ectwin answers on 'tw0'" "$work/err" && echo yes)"
+}
+
+with_ends_where_SIGCHLD_was_ignored() {
+  check "with: status of the command" 7 \
+    "$(timeout 20 python3 -c 'import os, signal, sys
+signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+os.execv(sys.argv[1], [sys.argv[1], "with", "vr-bu-ect-map1", "--", "sh", "-c", "exit 7"])' "$ectwin" 2>/dev/null; echo $?)"
 }
 
 two_at_the_same_time() {
@@ -91,10 +110,11 @@ sii_writes_the_image() {
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 \
-  run_leaves_the_interface_as_found two_at_the_same_time idle_costs_nothing sii_writes_the_image; do
+  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))
 done
 echo "$ran cases"
+[ $ran -gt 0 ] || failed=1
 exit $failed
