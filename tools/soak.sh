@@ -32,7 +32,7 @@ session() {
   watch=$!
   "$build/ectwin" watch 'bu.periodic_check' >"$work/sets" &
   sets=$!
-  "$build/ectwin-controller" "$ECTWIN_IFACE" --seconds "$seconds" --restart-every 15 --commands 1000000 --periodic 4321 \
+  timeout -s KILL $((seconds + 60)) "$build/ectwin-controller" "$ECTWIN_IFACE" --seconds "$seconds" --restart-every 15 --commands 1000000 --periodic 4321 \
     --seed "$seed" >"$work/controller" &
   controller=$!
   operator

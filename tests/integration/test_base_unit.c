@@ -231,7 +231,8 @@ static void every_object(void **state)
             uint8 data[256] = {0};
             size = sizeof data;
             assert_int_equal(soem_read(&master, 1, list.Index[i], (uint8)sub, false, data, &size), 0);
-            if (!text && sub > 0 && list.Index[i] != 0x2001) /* 2001h counts meanwhile */
+            bool live = list.Index[i] == 0x2001 || list.Index[i] == 0x3001; /* inputs: change every 125 ms */
+            if (!text && sub > 0 && !live)
                 assert_memory_equal(whole + at, data, (size_t)size);
             at += sub > 0 ? (size_t)size : 0;
         }
