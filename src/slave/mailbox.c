@@ -16,6 +16,8 @@ uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm)
     return room > boot ? room : boot;
 }
 
+enum { NO_REPLY = 0xFF };
+
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
 {
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
@@ -29,7 +31,7 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
         .in_size = ect_load_le16(sm1 + ECT_SM_LENGTH),
         .request = memory,
         .mail = {memory + out_room, memory + out_room + in_room},
-        .reply = -1,
+        .reply = NO_REPLY,
         .toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0,
     };
 }
@@ -48,15 +50,15 @@ static bool may_build(const ect_mailbox_t *m)
 /* The mail that is overwritten is the older one; with it may go the reply kept for a repeated request. */
 static uint8_t build_slot(const ect_mailbox_t *m)
 {
-    return m->mails == 0 ? 0 : (uint8_t)(1 - m->newest);
+    return m->mails == 0 ? 0 : m->newest ^ 1;
 }
 
 uint8_t *ect_mailbox_build(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
     uint8_t *mail = m->mail[build_slot(m)];
-    if (m->reply == (int8_t)build_slot(m))
-        m->reply = -1;
+    if (m->reply == build_slot(m))
+        m->reply = NO_REPLY;
     memset(mail, 0, m->in_size);
     return mail;
 }
@@ -160,16 +162,14 @@ static void handle_request(ect_slave_t *s)
         return;
     uint8_t counter = (m->request[5] >> 4) & 7u;
     if (counter != 0 && counter == m->request_counter) { /* a repetition: not carried out again */
-        if (m->reply >= 0)
-            show(s, (uint8_t)m->reply);
+        if (m->reply != NO_REPLY)
+            show(s, m->reply);
         return;
     }
     m->request_counter = counter;
-    m->reply = -1;
     uint8_t before = m->reply_counter;
     dispatch(s);
-    if (m->reply_counter != before)
-        m->reply = (int8_t)m->newest;
+    m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
 }
 
 /* --- repeat ------------------------------------------------------------------------------------------------------ */
@@ -200,7 +200,7 @@ static bool bring_back(ect_slave_t *s)
         return false;
     m->in_buffer = false;
     m->newest_waits = true;
-    m->shown = (uint8_t)(1 - m->newest);
+    m->shown = m->newest ^ 1;
     m->to_write = true;
     return true;
 }
@@ -223,6 +223,8 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     ect_mailbox_t *m = &s->mailbox;
     if ((event & ECT_EVENT_SM1) != 0)
         m->in_buffer = false;
+    if ((event & ECT_EVENT_SM0) != 0 && m->in_buffer)
+        m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
     if (m->repeat_due)
         repeat(s);
     if (m->to_write)

@@ -117,7 +117,7 @@ typedef struct ect_mailbox {
     uint8_t newest;    /* which of `mail` was built last */
     uint8_t shown;     /* which of them is, or was last, in SM1 */
     uint8_t mails;     /* how many of them hold a mail: 0..2 */
-    int8_t reply;      /* which holds the reply to the last request, -1 none */
+    uint8_t reply;     /* which holds the reply to the last request, 0xFF none */
     uint8_t request_counter; /* of the last request, 0: none yet */
     uint8_t reply_counter;   /* of our last mail */
     uint16_t out_start; /* SM0 */
