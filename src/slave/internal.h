@@ -58,6 +58,7 @@ bool ect_machine_flush(ect_slave_t *s);
 void ect_machine_outputs_off(ect_slave_t *s);
 
 /* --- pdo.c ------------------------------------------------------------------------------------------------------ */
+enum { ECT_ASSIGN_OUTPUTS = 0x1C12, ECT_ASSIGN_INPUTS = 0x1C13 };
 uint16_t ect_pdo_configure(ect_slave_t *s);
 /* The longest that a SyncManager may become. */
 static inline uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)

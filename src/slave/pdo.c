@@ -8,7 +8,7 @@
 
 #include "slave/internal.h"
 
-enum { ASSIGN_OUTPUTS = 0x1C12, ASSIGN_INPUTS = 0x1C13, LARGEST_IMAGE_BITS = 1486 * 8,
+enum { LARGEST_IMAGE_BITS = 1486 * 8,
        WIRE = 32 /* a mapping entry has at most 255 bits */ };
 
 typedef struct layout {
@@ -101,13 +101,13 @@ uint16_t ect_pdo_configure(ect_slave_t *s)
 {
     layout_t out = {
         .slave = s, .capacity = s->config.device->pdo_runs, .runs = s->config.runs, .access = ECT_ACCESS_RXPDO};
-    if (!lay_out(&out, ASSIGN_OUTPUTS))
+    if (!lay_out(&out, ECT_ASSIGN_OUTPUTS))
         return ECT_AL_OUTPUT_MAPPING;
     layout_t in = {.slave = s,
                    .capacity = (uint16_t)(out.capacity - out.count),
                    .runs = out.runs + out.count,
                    .access = ECT_ACCESS_TXPDO};
-    if (!lay_out(&in, ASSIGN_INPUTS))
+    if (!lay_out(&in, ECT_ASSIGN_INPUTS))
         return ECT_AL_INPUT_MAPPING;
     s->output_bytes = (uint16_t)((out.bits + 7) / 8);
     s->input_bytes = (uint16_t)((in.bits + 7) / 8);

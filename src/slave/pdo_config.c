@@ -2,11 +2,9 @@
 /* Changeable mapping and assignment: 16xxh, 1Axxh, 1C12h, 1C13h (CF-074, CF-075). */
 #include "slave/internal.h"
 
-enum { ASSIGN_OUTPUTS = 0x1C12, ASSIGN_INPUTS = 0x1C13 };
-
 static bool is_assignment(uint16_t index)
 {
-    return index == ASSIGN_OUTPUTS || index == ASSIGN_INPUTS;
+    return index == ECT_ASSIGN_OUTPUTS || index == ECT_ASSIGN_INPUTS;
 }
 
 static bool is_rxpdo(uint16_t index)
@@ -19,9 +17,14 @@ static bool is_txpdo(uint16_t index)
     return index >= 0x1A00 && index < 0x1C00;
 }
 
+static bool is_config(uint16_t index)
+{
+    return is_assignment(index) || is_rxpdo(index) || is_txpdo(index);
+}
+
 static bool is_outputs(uint16_t index)
 {
-    return index == ASSIGN_OUTPUTS || is_rxpdo(index);
+    return index == ECT_ASSIGN_OUTPUTS || is_rxpdo(index);
 }
 
 static uint32_t number(const ect_slave_t *s, uint16_t index, uint8_t subindex)
@@ -47,7 +50,7 @@ static ect_reason_t check_mapping(const ect_slave_t *s, uint16_t pdo, uint32_t m
 
 static ect_reason_t check_assigned(const ect_slave_t *s, uint16_t assignment, uint32_t pdo)
 {
-    bool right_kind = assignment == ASSIGN_OUTPUTS ? is_rxpdo((uint16_t)pdo) : is_txpdo((uint16_t)pdo);
+    bool right_kind = assignment == ECT_ASSIGN_OUTPUTS ? is_rxpdo((uint16_t)pdo) : is_txpdo((uint16_t)pdo);
     if (!right_kind)
         return ECT_REASON_NOT_MAPPABLE;
     return ect_od_find(&s->od, (uint16_t)pdo) ? ECT_OK : ECT_REASON_NO_OBJECT;
@@ -96,7 +99,7 @@ static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t c
 
 static ect_reason_t write_config(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
 {
-    if (!is_assignment(index) && !is_rxpdo(index) && !is_txpdo(index))
+    if (!is_config(index))
         return ECT_OK;
     uint32_t value = size == 1 ? data[0] : size == 2 ? ect_load_le16(data) : ect_load_le32(data);
     if (subindex == 0) /* by Complete Access the elements follow: ::written_config looks at the whole */
@@ -109,7 +112,7 @@ static ect_reason_t write_config(ect_slave_t *s, uint16_t index, uint8_t subinde
 /* A whole object that turns out not to fit becomes an empty one: never a mapping that nobody asked for. */
 static ect_reason_t written_config(ect_slave_t *s, uint16_t index, uint8_t subindex)
 {
-    if (!s->sdo.complete || subindex != 0 || (!is_assignment(index) && !is_rxpdo(index) && !is_txpdo(index)))
+    if (!s->sdo.complete || subindex != 0 || !is_config(index))
         return ECT_OK;
     ect_reason_t reason = check_count(s, index, number(s, index, 0));
     if (reason != ECT_OK) {

@@ -10,9 +10,7 @@
 #include "devices/eclink/instance.h"
 #include "wire/bytes.h"
 
-#define MS 1000000ull
-#define UPDATE_NS      (125 * MS)  /* §10.3 */
-#define SUPERVISION_NS (2000 * MS) /* §10.1, §10.4 */
+#define UPDATE_NS 125000000ull /* §10.3 */
 
 static bool has(const eclink_t *unit, unsigned int function)
 {
@@ -183,7 +181,7 @@ void eclink_outputs(void *instance, uint64_t now_ns)
     unit->exchanging = true;
     if (first || unit->outputs[ECLINK_OUT_PCO] != unit->last_pco) {
         unit->pco_alive = !first;
-        unit->pco_deadline_ns = first ? ECT_NEVER : now_ns + SUPERVISION_NS;
+        unit->pco_deadline_ns = first ? ECT_NEVER : now_ns + ECLINK_SUPERVISION_NS;
     }
     if (has(unit, ECLINK_FMAP_PERIODIC))
         eclink_periodic_outputs(unit, first);
@@ -277,13 +275,11 @@ static const char *send_command(eclink_t *unit, unsigned int number, const uint8
 {
     eclink_ru_t *ru = &unit->ru[number];
     eclink_command_t command = {.ru = ru->id};
-    eclink_remotes_update(unit);
     if (!has(unit, ECLINK_FMAP_COMMANDS))
         return "this mode (Input Only) has no commands";
-    if (!ru->on)
-        return "this remote unit is not switched on: set its 'on' first";
-    if (!eclink_reachable(ru))
-        return "this remote unit is out of communication: neither G-Link nor a VLAP nor the cable reaches it";
+    const char *refusal = eclink_why_unreachable(unit, number);
+    if (refusal)
+        return refusal;
     memcpy(command.data, data, sizeof command.data);
     if (!eclink_queue_put(&unit->from_ru, &command)) {
         unit->bu.overflows++;

@@ -10,8 +10,6 @@
 #include "devices/eclink/instance.h"
 #include "wire/bytes.h"
 
-#define SUPERVISION_NS 2000000000ull
-
 bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command)
 {
     if (queue->count == ECLINK_QUEUE)
@@ -37,7 +35,7 @@ static void supervise_cao(eclink_t *unit, uint64_t now_ns)
     if (unit->outputs[ECLINK_OUT_CAO] == unit->bu.cci)
         unit->cao_deadline_ns = ECT_NEVER;
     else if (unit->cao_deadline_ns == ECT_NEVER)
-        unit->cao_deadline_ns = now_ns + SUPERVISION_NS;
+        unit->cao_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
 }
 
 void eclink_show_command(eclink_t *unit, uint64_t now_ns)

@@ -102,6 +102,9 @@ typedef enum eclink_equipment {
 
 enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITCHES = 8, ECLINK_QUEUE = 16 };
 
+/** How long PCO may stand still, and a command be unacknowledged in CAO (§10.1, §10.4). */
+#define ECLINK_SUPERVISION_NS 2000000000ull
+
 /** Largest set of periodic data: 256 blocks (§10.4). A firmware whose machine needs less may define it so. */
 #ifndef ECLINK_PERIODIC_ROOM
 #define ECLINK_PERIODIC_ROOM 51200
@@ -238,6 +241,8 @@ void eclink_periodic_outputs(eclink_t *unit, bool first);
 void eclink_remotes_update(eclink_t *unit);
 void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs);
 bool eclink_reachable(const eclink_ru_t *ru);
+/* Evaluates the links anew. @return what to tell the user, NULL when the remote can be reached */
+const char *eclink_why_unreachable(eclink_t *unit, unsigned int number);
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
 void eclink_lose(eclink_t *unit, unsigned int number);
 

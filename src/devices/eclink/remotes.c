@@ -21,6 +21,17 @@ static void disarm(eclink_t *unit, unsigned int number)
     unit->ru[number].armed = 0;
 }
 
+const char *eclink_why_unreachable(eclink_t *unit, unsigned int number)
+{
+    const eclink_ru_t *ru = &unit->ru[number];
+    eclink_remotes_update(unit); /* what was set last may not have been evaluated yet */
+    if (!ru->on)
+        return "this remote unit is not switched on: set its 'on' first";
+    if (!eclink_reachable(ru))
+        return "this remote unit is out of communication: neither G-Link nor a VLAP nor the cable reaches it";
+    return NULL;
+}
+
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
 {
     eclink_ru_t *ru = &unit->ru[number];
@@ -28,11 +39,9 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
         disarm(unit, number);
         return NULL;
     }
-    if (!ru->on)
-        return "this remote unit is not switched on: set its 'on' first";
-    eclink_remotes_update(unit);
-    if (!eclink_reachable(ru))
-        return "this remote unit is out of communication: neither G-Link nor a VLAP nor the cable reaches it";
+    const char *refusal = eclink_why_unreachable(unit, number);
+    if (refusal)
+        return refusal;
     if (ru->armed)
         return NULL;
     if (unit->armed_count == most_armed(unit))
