@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "esc/internal.h"
+#include "wire/crc.h"
 
 enum {
     WRITE_ENABLE = 0x0001,
@@ -41,13 +42,7 @@ static bool checksum_good(const uint8_t *sii)
 {
     if (ect_load_le16(sii + 14) == 0x88A4) /* check switched off, for debugging */
         return true;
-    unsigned int crc = 0xFF;
-    for (int i = 0; i < 14; i++) {
-        crc ^= sii[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc & 0x80) != 0 ? ((crc << 1) ^ 0x07) & 0xFF : crc << 1;
-    }
-    return crc == sii[14];
+    return ect_crc_sii(sii) == sii[ECT_SII_CHECKED_BYTES];
 }
 
 void ect_esc_sii_load(ect_esc_t *esc, bool power_on)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "wire/bytes.h"
+#include "wire/crc.h"
 
 enum { FIRST_RXPDO = 0x1600, END_RXPDO = 0x1800, FIRST_TXPDO = 0x1A00, END_TXPDO = 0x1C00, LONGEST_STRING = 255 };
 
@@ -342,13 +343,7 @@ int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity
 
 uint8_t ect_sii_checksum(const uint8_t *image)
 {
-    unsigned int crc = 0xFF;
-    for (int i = 0; i < 14; i++) {
-        crc ^= image[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc & 0x80) != 0 ? ((crc << 1) ^ 0x07) & 0xFF : crc << 1;
-    }
-    return (uint8_t)crc;
+    return ect_crc_sii(image);
 }
 
 const uint8_t *ect_sii_category(const uint8_t *image, size_t size, uint16_t category, size_t *length)

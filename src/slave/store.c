@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "slave/internal.h"
+#include "wire/crc.h"
 
 enum { INDEX_STORE = 0x1010, INDEX_RESTORE = 0x1011 };
 enum { HEADER = 16, ENTRY_HEADER = 5, PIECE = 32 };
@@ -18,24 +19,13 @@ typedef struct record {
     uint32_t check;
 } record_t;
 
-/* CRC-32 (IEEE 802.3), one piece after the other. */
-static uint32_t check(uint32_t crc, const uint8_t *data, uint32_t length)
-{
-    for (uint32_t i = 0; i < length; i++) {
-        crc ^= data[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xEDB88320u : 0u);
-    }
-    return crc;
-}
-
 /* The check value covers sequence number and length too. */
 static uint32_t check_start(uint32_t sequence, uint32_t length)
 {
     uint8_t bytes[8];
     ect_store_le32(bytes, sequence);
     ect_store_le32(bytes + 4, length);
-    return check(0xFFFFFFFF, bytes, sizeof bytes);
+    return ect_crc32(0xFFFFFFFF, bytes, sizeof bytes);
 }
 
 static bool data_good(const ect_storage_t *m, unsigned int bank, const record_t *r)
@@ -46,7 +36,7 @@ static bool data_good(const ect_storage_t *m, unsigned int bank, const record_t 
         uint32_t size = r->length - at < PIECE ? r->length - at : PIECE;
         if (m->read(m->ctx, bank, HEADER + at, piece, size) < 0)
             return false;
-        crc = check(crc, piece, size);
+        crc = ect_crc32(crc, piece, size);
     }
     return crc == r->check;
 }
@@ -87,7 +77,7 @@ static bool put(writer_t *w, const uint8_t *data, uint32_t length)
 {
     if (w->medium->write(w->medium->ctx, w->bank, w->at, data, length) < 0)
         return false;
-    w->crc = check(w->crc, data, length);
+    w->crc = ect_crc32(w->crc, data, length);
     w->at += length;
     return true;
 }

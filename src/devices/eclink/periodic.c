@@ -7,6 +7,7 @@
 
 #include "devices/eclink/instance.h"
 #include "wire/bytes.h"
+#include "wire/crc.h"
 
 static uint16_t blocks_of(uint16_t size)
 {
@@ -20,24 +21,13 @@ static void begin_set(eclink_periodic_t *p, uint16_t size)
     memset(p->have, 0, sizeof p->have);
 }
 
-static uint32_t check(const uint8_t *data, uint16_t length)
-{
-    uint32_t crc = 0xFFFFFFFF;
-    for (uint16_t i = 0; i < length; i++) {
-        crc ^= data[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xEDB88320u : 0u);
-    }
-    return ~crc;
-}
-
 static void hand_over(eclink_t *unit)
 {
     eclink_periodic_t *p = &unit->periodic;
     p->shown ^= 1;
     unit->bu.periodic_sets++;
     unit->bu.periodic_size = p->size;
-    unit->bu.periodic_check = check(p->data[p->shown], p->size);
+    unit->bu.periodic_check = ~ect_crc32(0xFFFFFFFF, p->data[p->shown], p->size);
     for (unsigned int i = 0; i < ECLINK_RUS; i++)
         unit->ru[i].periodic_waits |= eclink_reachable(&unit->ru[i]);
     begin_set(p, p->size);
