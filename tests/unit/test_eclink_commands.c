@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/signals.h"
 #include "devices/eclink/eclink.h"
+#include "support/signals.h"
 #include "support/wire.h"
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
@@ -63,60 +63,29 @@ static void to_op(rig_t *r)
     assert_int_equal(wire_al(&r->w, 0, ECT_STATE_OP, NULL), ECT_STATE_OP);
 }
 
-static void find(rig_t *r, const char *name, ect_signal_ref_t *ref)
-{
-    if (!ect_signal_find(r->device, ect_chain_slave(r->w.chain, 0)->config.instance, name, ref))
-        fail_msg("no signal %s", name);
-}
-
-static bool try_set(rig_t *r, const char *name, const char *value, char message[ECT_SIGNAL_MESSAGE])
-{
-    ect_signal_ref_t ref;
-    find(r, name, &ref);
-    bool done = ect_signal_write(&ref, value, r->w.now_ns, message);
-    ect_chain_wake(r->w.chain, 0);
-    wire_poll(&r->w);
-    return done;
-}
-
 static void set(rig_t *r, const char *name, const char *value)
 {
-    char message[ECT_SIGNAL_MESSAGE] = "";
-    if (!try_set(r, name, value, message))
-        fail_msg("%s := %s: %s", name, value, message);
+    signal_set(&r->w, name, value);
 }
 
 static void get(rig_t *r, const char *name, char text[ECT_SIGNAL_TEXT_ROOM])
 {
-    ect_signal_ref_t ref;
-    find(r, name, &ref);
-    ect_signal_read(&ref, text);
+    signal_get(&r->w, name, text);
 }
 
 static unsigned long number(rig_t *r, const char *name)
 {
-    char text[ECT_SIGNAL_TEXT_ROOM];
-    get(r, name, text);
-    return strtoul(text, NULL, 10);
-}
-
-static const char *ru_name(unsigned int ru, const char *signal)
-{
-    static char names[4][ECT_SIGNAL_NAME];
-    static unsigned int next;
-    next = (next + 1) % 4;
-    snprintf(names[next], sizeof names[next], "ru%u.%s", ru, signal);
-    return names[next];
+    return (unsigned long)signal_number(&r->w, name);
 }
 
 static void set_ru(rig_t *r, unsigned int ru, const char *signal, const char *value)
 {
-    set(r, ru_name(ru, signal), value);
+    set(r, signal_of_ru(ru, signal), value);
 }
 
 static unsigned long ru_number(rig_t *r, unsigned int ru, const char *signal)
 {
-    return number(r, ru_name(ru, signal));
+    return number(r, signal_of_ru(ru, signal));
 }
 
 /* In OP and in order, remotes 1..`on` switched on; their ids are 1..8. */
@@ -153,7 +122,7 @@ static const char *hex(unsigned int serial)
 static bool send_from(rig_t *r, unsigned int ru, unsigned int serial)
 {
     char message[ECT_SIGNAL_MESSAGE] = "";
-    bool done = try_set(r, ru_name(ru, "command"), hex(serial), message);
+    bool done = signal_try_set(&r->w, signal_of_ru(ru, "command"), hex(serial), message);
     assert_true(done == (*message == 0));
     return done;
 }
@@ -176,7 +145,7 @@ static void expect_shown(rig_t *r, uint8_t cci, uint16_t id, unsigned int serial
 static void expect_received(rig_t *r, const char *when, unsigned int ru, unsigned long count, unsigned int serial)
 {
     char text[ECT_SIGNAL_TEXT_ROOM];
-    get(r, ru_name(ru, "received"), text);
+    get(r, signal_of_ru(ru, "received"), text);
     if (ru_number(r, ru, "received_count") != count || (count > 0 && strcmp(text, hex(serial)) != 0))
         fail_msg("%s, %s: expected RU %u to have %lu commands, the last %s; it has %lu, the last %s",
                  r->device->type_name, when, ru, count, hex(serial), ru_number(r, ru, "received_count"), text);
@@ -301,7 +270,7 @@ static void refused_senders(void **state)
     assert_false(send_from(&r, 1, 1));
     set(&r, "ru1.on", "1");
     for (size_t i = 0; i < COUNT(bad); i++)
-        assert_false(try_set(&r, "ru1.command", bad[i], message));
+        assert_false(signal_try_set(&r.w, "ru1.command", bad[i], message));
     run_updates(&r, 3);
     assert_int_equal(r.in[CCI], 0);
     assert_int_equal(number(&r, "bu.overflows"), 0);
@@ -601,7 +570,7 @@ static void remotes_act(soak_t *s)
         set_ru(&s->r, ru + 1, "on", s->on[ru] ? "1" : "0");
     }
     if (roll(s, 40) == 0 && s->on[ru])
-        (void)try_set(&s->r, ru_name(ru + 1, "armed"), roll(s, 2) == 0 ? "1" : "0", (char[ECT_SIGNAL_MESSAGE]){0});
+        (void)signal_try_set(&s->r.w, signal_of_ru(ru + 1, "armed"), roll(s, 2) == 0 ? "1" : "0", (char[ECT_SIGNAL_MESSAGE]){0});
 }
 
 /* The controller's logic: acknowledge what is new, send when the last was acknowledged. */
@@ -682,7 +651,7 @@ static void soak(void **state)
         s->random = seed;
         start(&s->r, nodes[seed % COUNT(nodes)], 0);
         for (unsigned int ru = 0; ru < RUS; ru++)
-            find(&s->r, ru_name(ru + 1, "received_count"), &s->received[ru]);
+            signal_find(&s->r.w, signal_of_ru(ru + 1, "received_count"), &s->received[ru]);
         for (unsigned int n = 0; n < 12000; n++) {
             remotes_act(s);
             wire_advance(&s->r.w, CYCLE_MS * MS);

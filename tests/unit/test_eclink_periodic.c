@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/signals.h"
 #include "devices/eclink/eclink.h"
+#include "support/signals.h"
 #include "support/wire.h"
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
@@ -47,30 +47,14 @@ static void pause_ms(rig_t *r, unsigned int ms)
     }
 }
 
-static void find(rig_t *r, const char *name, ect_signal_ref_t *ref)
-{
-    if (!ect_signal_find(r->device, ect_chain_slave(r->w.chain, 0)->config.instance, name, ref))
-        fail_msg("no signal %s", name);
-}
-
 static unsigned long number(rig_t *r, const char *name)
 {
-    ect_signal_ref_t ref;
-    char text[ECT_SIGNAL_TEXT_ROOM];
-    find(r, name, &ref);
-    ect_signal_read(&ref, text);
-    return strtoul(text, NULL, 10);
+    return (unsigned long)signal_number(&r->w, name);
 }
 
 static void set(rig_t *r, const char *name, const char *value)
 {
-    ect_signal_ref_t ref;
-    char message[ECT_SIGNAL_MESSAGE] = "";
-    find(r, name, &ref);
-    if (!ect_signal_write(&ref, value, r->w.now_ns, message))
-        fail_msg("%s := %s: %s", name, value, message);
-    ect_chain_wake(r->w.chain, 0);
-    wire_poll(&r->w);
+    signal_set(&r->w, name, value);
 }
 
 static void start(rig_t *r, const ect_device_t *device)

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/signals.h"
 #include "devices/eclink/eclink.h"
+#include "support/signals.h"
 #include "support/wire.h"
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
@@ -60,24 +60,14 @@ static void start(rig_t *r, const ect_device_t *device)
     update(r);
 }
 
-static void find(rig_t *r, const char *name, ect_signal_ref_t *ref)
-{
-    if (!ect_signal_find(r->device, ect_chain_slave(r->w.chain, 0)->config.instance, name, ref))
-        fail_msg("no signal %s", name);
-}
-
 static bool try_set(rig_t *r, const char *name, long value)
 {
-    ect_signal_ref_t ref;
     char message[ECT_SIGNAL_MESSAGE] = "";
     char text[24];
     snprintf(text, sizeof text, "%ld", value);
-    find(r, name, &ref);
-    bool done = ect_signal_write(&ref, text, r->w.now_ns, message);
+    bool done = signal_try_set(&r->w, name, text, message);
     if (done != (*message == 0))
         fail_msg("%s := %ld %s, message \"%s\"", name, value, done ? "done" : "refused", message);
-    ect_chain_wake(r->w.chain, 0);
-    wire_poll(&r->w);
     return done;
 }
 
@@ -89,37 +79,24 @@ static void set(rig_t *r, const char *name, long value)
 
 static long number(rig_t *r, const char *name)
 {
-    ect_signal_ref_t ref;
-    char text[ECT_SIGNAL_TEXT_ROOM];
-    find(r, name, &ref);
-    ect_signal_read(&ref, text);
-    return strtol(text, NULL, 10);
-}
-
-static const char *ru_name(unsigned int ru, const char *signal)
-{
-    static char names[4][ECT_SIGNAL_NAME];
-    static unsigned int next;
-    next = (next + 1) % 4;
-    snprintf(names[next], sizeof names[next], "ru%u.%s", ru, signal);
-    return names[next];
+    return (long)signal_number(&r->w, name);
 }
 
 static void set_ru(rig_t *r, unsigned int ru, const char *signal, long value)
 {
-    set(r, ru_name(ru, signal), value);
+    set(r, signal_of_ru(ru, signal), value);
 }
 
 static long ru_number(rig_t *r, unsigned int ru, const char *signal)
 {
-    return number(r, ru_name(ru, signal));
+    return number(r, signal_of_ru(ru, signal));
 }
 
 static void send_command(rig_t *r, unsigned int ru)
 {
     ect_signal_ref_t ref;
     char message[ECT_SIGNAL_MESSAGE] = "";
-    find(r, ru_name(ru, "command"), &ref);
+    signal_find(&r->w, signal_of_ru(ru, "command"), &ref);
     if (!ect_signal_write(&ref, "000102030405060708090a0b0c0d0e0f", r->w.now_ns, message))
         fail_msg("%s", message);
 }
@@ -720,7 +697,7 @@ static void the_unreachable_cannot_send(void **state)
     ect_signal_ref_t ref;
     char message[ECT_SIGNAL_MESSAGE] = "";
     unreachable(&r);
-    find(&r, "ru1.command", &ref);
+    signal_find(&r.w, "ru1.command", &ref);
     assert_false(ect_signal_write(&ref, "000102030405060708090a0b0c0d0e0f", r.w.now_ns, message));
     update(&r);
     update(&r);

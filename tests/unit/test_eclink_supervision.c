@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/signals.h"
 #include "devices/eclink/eclink.h"
+#include "support/signals.h"
 #include "support/wire.h"
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
@@ -86,36 +86,19 @@ static void to_op(rig_t *r)
     assert_int_equal(wire_al(&r->w, 0, ECT_STATE_OP, NULL), ECT_STATE_OP);
 }
 
-static void find(rig_t *r, const char *name, ect_signal_ref_t *ref)
-{
-    const ect_slave_t *slave = ect_chain_slave(r->w.chain, 0);
-    if (!ect_signal_find(r->node->device, slave->config.instance, name, ref))
-        fail_msg("no signal %s", name);
-}
-
 static void set(rig_t *r, const char *name, const char *value)
 {
-    ect_signal_ref_t ref;
-    char message[ECT_SIGNAL_MESSAGE] = "";
-    find(r, name, &ref);
-    if (!ect_signal_write(&ref, value, r->w.now_ns, message))
-        fail_msg("%s := %s: %s", name, value, message);
-    ect_chain_wake(r->w.chain, 0);
-    wire_poll(&r->w);
+    signal_set(&r->w, name, value);
 }
 
 static void get(rig_t *r, const char *name, char text[ECT_SIGNAL_TEXT_ROOM])
 {
-    ect_signal_ref_t ref;
-    find(r, name, &ref);
-    ect_signal_read(&ref, text);
+    signal_get(&r->w, name, text);
 }
 
 static long number(rig_t *r, const char *name)
 {
-    char text[ECT_SIGNAL_TEXT_ROOM];
-    get(r, name, text);
-    return strtol(text, NULL, 10);
+    return (long)signal_number(&r->w, name);
 }
 
 static const char *message_of(int link)
@@ -454,7 +437,7 @@ static void no_commands_in_input_only(void **state)
     ect_signal_ref_t ref;
     char message[ECT_SIGNAL_MESSAGE] = "";
     int good = in_order(&r, &nodes[0], true);
-    find(&r, "ru1.command", &ref);
+    signal_find(&r.w, "ru1.command", &ref);
     assert_false(ect_signal_write(&ref, "000102030405060708090a0b0c0d0e0f", r.w.now_ns, message));
     assert_true(strlen(message) > 0);
     run(&r, 5000 * MS);
