@@ -26,6 +26,13 @@ typedef struct ect_standard {
 /** A constant of a VAR object. */
 #define ECT_ENTRY_CONST(type, bits, access, name, value) {0, type, bits, access, name, value, NULL}
 
+/** An element of an object list: one value, or a record or array whose `entries` is the array itself, sub-index 0 first. */
+#define ECT_VAR(index, name, entries) {index, ECT_OBJECT_VAR, 0, 0, name, entries}
+#define ECT_RECORD(index, name, entries)                                                                              \
+    {index, ECT_OBJECT_RECORD, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries}
+#define ECT_ARRAY(index, name, entries)                                                                               \
+    {index, ECT_OBJECT_ARRAY, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries}
+
 /** A constant text of a VAR object; `text` must be a literal or an array. */
 #define ECT_ENTRY_TEXT(name, text)                                                                                    \
     {0, ECT_TYPE_VISIBLE_STRING, 8 * (sizeof(text) - 1), ECT_ACCESS_RO | ECT_ACCESS_SHARED, name, 0,                   \

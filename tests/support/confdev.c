@@ -46,29 +46,27 @@ static const ect_entry_t e7000[] = {
     {4, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, "Bit", 0, AT(out_bool)},
 };
 
-#define OBJECT(index, code, name, entries) {index, code, (sizeof(entries) / sizeof((entries)[0])) - 1, 0, name, entries}
-
 static const ect_object_t objects[] = {
-    OBJECT(0x1000, ECT_OBJECT_VAR, "Device type", e1000),
-    OBJECT(0x1001, ECT_OBJECT_VAR, "Error register", e1001),
-    OBJECT(0x1010, ECT_OBJECT_ARRAY, "Store parameters", e1010),
-    OBJECT(0x1011, ECT_OBJECT_ARRAY, "Restore parameters", e1011),
-    OBJECT(0x1018, ECT_OBJECT_RECORD, "Identity", e1018),
-    OBJECT(0x10F1, ECT_OBJECT_RECORD, "Error settings", e10f1),
-    OBJECT(0x10F3, ECT_OBJECT_RECORD, "Diagnosis history", e10f3),
-    OBJECT(0x1600, ECT_OBJECT_RECORD, "RxPDO 1", e1600),
-    OBJECT(0x1601, ECT_OBJECT_RECORD, "RxPDO 2", e1601),
-    OBJECT(0x1A00, ECT_OBJECT_RECORD, "TxPDO 1", e1a00),
-    OBJECT(0x1A01, ECT_OBJECT_RECORD, "TxPDO 2", e1a01),
-    OBJECT(0x1C00, ECT_OBJECT_ARRAY, "SyncManager type", e1c00),
-    OBJECT(0x1C12, ECT_OBJECT_ARRAY, "SM2 assignment", e1c12),
-    OBJECT(0x1C13, ECT_OBJECT_ARRAY, "SM3 assignment", e1c13),
+    ECT_VAR(0x1000, "Device type", e1000),
+    ECT_VAR(0x1001, "Error register", e1001),
+    ECT_ARRAY(0x1010, "Store parameters", e1010),
+    ECT_ARRAY(0x1011, "Restore parameters", e1011),
+    ECT_RECORD(0x1018, "Identity", e1018),
+    ECT_RECORD(0x10F1, "Error settings", e10f1),
+    ECT_RECORD(0x10F3, "Diagnosis history", e10f3),
+    ECT_RECORD(0x1600, "RxPDO 1", e1600),
+    ECT_RECORD(0x1601, "RxPDO 2", e1601),
+    ECT_RECORD(0x1A00, "TxPDO 1", e1a00),
+    ECT_RECORD(0x1A01, "TxPDO 2", e1a01),
+    ECT_ARRAY(0x1C00, "SyncManager type", e1c00),
+    ECT_ARRAY(0x1C12, "SM2 assignment", e1c12),
+    ECT_ARRAY(0x1C13, "SM3 assignment", e1c13),
     {0x1C32, ECT_OBJECT_RECORD, 32, 0, "SM2 synchronisation", e1c32},
     {0x1C33, ECT_OBJECT_RECORD, 32, 0, "SM3 synchronisation", e1c32},
-    OBJECT(0x2100, ECT_OBJECT_VAR, "Stored", e2100),
-    OBJECT(0x2101, ECT_OBJECT_VAR, "Stored octets", e2101),
-    OBJECT(0x6000, ECT_OBJECT_RECORD, "Inputs", e6000),
-    OBJECT(0x7000, ECT_OBJECT_RECORD, "Outputs", e7000),
+    ECT_VAR(0x2100, "Stored", e2100),
+    ECT_VAR(0x2101, "Stored octets", e2101),
+    ECT_RECORD(0x6000, "Inputs", e6000),
+    ECT_RECORD(0x7000, "Outputs", e7000),
 };
 
 static void init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)

@@ -145,66 +145,60 @@ static const ect_entry_t name_multiarm[] = {ECT_ENTRY_TEXT("Device name", "VR-BU
 
 /* --- object lists ------------------------------------------------------------------------------------------------ */
 
-#define VAR(index, name, entries) {index, ECT_OBJECT_VAR, 0, 0, name, entries}
-#define RECORD(index, name, entries)                                                                                  \
-    {index, ECT_OBJECT_RECORD, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries}
-#define ARRAY(index, name, entries)                                                                                   \
-    {index, ECT_OBJECT_ARRAY, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries}
-
 #define COMMUNICATION_OBJECTS(name_entries)                                                                           \
-    VAR(0x1000, "Device type", device_type), VAR(0x1008, "Device name", name_entries),                                \
-        VAR(0x1009, "Hardware version", hardware_version), VAR(0x100A, "Software version", software_version),         \
-        RECORD(0x1018, "Identity", identity)
+    ECT_VAR(0x1000, "Device type", device_type), ECT_VAR(0x1008, "Device name", name_entries),                  \
+        ECT_VAR(0x1009, "Hardware version", hardware_version), ECT_VAR(0x100A, "Software version", software_version),      \
+        ECT_RECORD(0x1018, "Identity", identity)
 
 static const ect_object_t objects_map1[] = {
     COMMUNICATION_OBJECTS(name_map1),
-    RECORD(0x1A00, "Input data mapping", inputs_1a00),
-    ARRAY(0x1C00, "SyncManager type", sm_types),
-    ARRAY(0x1C12, "SM2 assignment", assign_none),
-    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
-    RECORD(0x2001, "Input data", inputs_2001),
-    RECORD(0x3001, "Input data as numbers", inputs_3001),
+    ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_ARRAY(0x1C12, "SM2 assignment", assign_none),
+    ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    ECT_RECORD(0x2001, "Input data", inputs_2001),
+    ECT_RECORD(0x3001, "Input data as numbers", inputs_3001),
 };
 
 static const ect_object_t objects_map3[] = {
     COMMUNICATION_OBJECTS(name_map3),
-    RECORD(0x1600, "Output data mapping", commands_1600),
-    RECORD(0x1A00, "Input data mapping", inputs_1a00),
-    ARRAY(0x1C00, "SyncManager type", sm_types),
-    ARRAY(0x1C12, "SM2 assignment", assign_outputs),
-    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
-    RECORD(0x2001, "Input data", inputs_2001),
-    RECORD(0x2002, "Output data", commands_2002),
-    RECORD(0x3001, "Input data as numbers", inputs_3001),
-    RECORD(0x3002, "Output data as numbers", commands_3002),
+    ECT_RECORD(0x1600, "Output data mapping", commands_1600),
+    ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
+    ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    ECT_RECORD(0x2001, "Input data", inputs_2001),
+    ECT_RECORD(0x2002, "Output data", commands_2002),
+    ECT_RECORD(0x3001, "Input data as numbers", inputs_3001),
+    ECT_RECORD(0x3002, "Output data as numbers", commands_3002),
 };
 
 static const ect_object_t objects_map7[] = {
     COMMUNICATION_OBJECTS(name_map7),
-    RECORD(0x1600, "Output data mapping", standard_1600),
-    RECORD(0x1A00, "Input data mapping", inputs_1a00),
-    ARRAY(0x1C00, "SyncManager type", sm_types),
-    ARRAY(0x1C12, "SM2 assignment", assign_outputs),
-    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
-    RECORD(0x2001, "Input data", inputs_2001),
-    RECORD(0x2002, "Output data", standard_2002),
-    ARRAY(0x2003, "Periodic data", periodic_2003),
-    RECORD(0x3001, "Input data as numbers", inputs_3001),
-    RECORD(0x3002, "Output data as numbers", standard_3002),
+    ECT_RECORD(0x1600, "Output data mapping", standard_1600),
+    ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
+    ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    ECT_RECORD(0x2001, "Input data", inputs_2001),
+    ECT_RECORD(0x2002, "Output data", standard_2002),
+    ECT_ARRAY(0x2003, "Periodic data", periodic_2003),
+    ECT_RECORD(0x3001, "Input data as numbers", inputs_3001),
+    ECT_RECORD(0x3002, "Output data as numbers", standard_3002),
 };
 
 static const ect_object_t objects_multiarm[] = {
     COMMUNICATION_OBJECTS(name_multiarm),
-    RECORD(0x1600, "Output data mapping", standard_1600),
-    RECORD(0x1A00, "Input data mapping", multiarm_1a00),
-    ARRAY(0x1C00, "SyncManager type", sm_types),
-    ARRAY(0x1C12, "SM2 assignment", assign_outputs),
-    ARRAY(0x1C13, "SM3 assignment", assign_inputs),
-    RECORD(0x2001, "Input data", multiarm_2001),
-    RECORD(0x2002, "Output data", standard_2002),
-    ARRAY(0x2003, "Periodic data", periodic_2003),
-    RECORD(0x3001, "Input data as numbers", multiarm_3001),
-    RECORD(0x3002, "Output data as numbers", standard_3002),
+    ECT_RECORD(0x1600, "Output data mapping", standard_1600),
+    ECT_RECORD(0x1A00, "Input data mapping", multiarm_1a00),
+    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
+    ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    ECT_RECORD(0x2001, "Input data", multiarm_2001),
+    ECT_RECORD(0x2002, "Output data", standard_2002),
+    ECT_ARRAY(0x2003, "Periodic data", periodic_2003),
+    ECT_RECORD(0x3001, "Input data as numbers", multiarm_3001),
+    ECT_RECORD(0x3002, "Output data as numbers", standard_3002),
 };
 
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
