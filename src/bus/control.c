@@ -85,8 +85,9 @@ ect_control_t *ect_control_open(char *message)
     char directory[ECT_CONTROL_PATH] = "";
     ect_control_t *c = calloc(1, sizeof *c);
     if (!c || ect_control_directory(directory) < 0 || make_directory(directory) < 0) {
-        snprintf(message, ECT_CONTROL_MESSAGE, "no control socket in '%.80s': %s; XDG_RUNTIME_DIR can name another place",
-                 directory, strerror(errno));
+        snprintf(message, ECT_CONTROL_MESSAGE,
+                 "no control socket in '%.80s': %s; XDG_RUNTIME_DIR can name another place", directory,
+                 strerror(errno));
         free(c);
         return NULL;
     }

@@ -3,8 +3,8 @@
  * @file
  * The control socket of a running chain: signals are read, set and watched from outside.
  *
- * A Unix stream socket, one a process, mode 0600, in $XDG_RUNTIME_DIR/ectwin or /tmp/ectwin-UID (mode 0700), named after
- * the process. A request is a line of JSON, an answer one or more:
+ * A Unix stream socket, one a process, mode 0600, in $XDG_RUNTIME_DIR/ectwin or /tmp/ectwin-UID (mode 0700), named
+ * after the process. A request is a line of JSON, an answer one or more:
  *
  *   {"op":"get","pattern":"ru1.*"}          {"slave":1,"name":"ru1.on","value":"1"} ... {"ok":true}
  *   {"op":"list","pattern":"*"}             the same with "range", "access" and "meaning"
@@ -24,11 +24,17 @@
 #include "bus/chain.h"
 
 /** Descriptors that a control socket may have open: itself and its clients. */
-enum { ECT_CONTROL_CLIENTS = 16, ECT_CONTROL_FDS = ECT_CONTROL_CLIENTS + 1, ECT_CONTROL_PATH = 108, ECT_CONTROL_MESSAGE = 256 };
+enum {
+    ECT_CONTROL_CLIENTS = 16,
+    ECT_CONTROL_FDS = ECT_CONTROL_CLIENTS + 1,
+    ECT_CONTROL_PATH = 108,
+    ECT_CONTROL_MESSAGE = 256
+};
 
 typedef struct ect_control ect_control_t;
 
-/** Writes the directory of the sockets for this user. @param[out] path  ECT_CONTROL_PATH bytes @return 0, -1 too long */
+/** Writes the directory of the sockets for this user. @param[out] path  ECT_CONTROL_PATH bytes @return 0, -1 too long
+ */
 int ect_control_directory(char *path);
 
 /**

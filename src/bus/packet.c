@@ -24,11 +24,12 @@ enum { ETHERTYPE_ECAT = 0x88A4 };
 static void explain_socket(const char *iface, char *message)
 {
     if (errno == EPERM || errno == EACCES)
-        snprintf(message, ECT_PACKET_MESSAGE,
-                 "opening '%s' needs the capability CAP_NET_RAW: run it with sudo, or give it once and for all with "
-                 "'sudo setcap cap_net_raw,cap_net_admin+ep $(realpath PATH/TO/ectwin)', or use 'ectwin with', which needs "
-                 "no rights",
-                 iface);
+        snprintf(
+            message, ECT_PACKET_MESSAGE,
+            "opening '%s' needs the capability CAP_NET_RAW: run it with sudo, or give it once and for all with "
+            "'sudo setcap cap_net_raw,cap_net_admin+ep $(realpath PATH/TO/ectwin)', or use 'ectwin with', which needs "
+            "no rights",
+            iface);
     else
         snprintf(message, ECT_PACKET_MESSAGE, "opening a raw socket for '%s' failed: %s", iface, strerror(errno));
 }
@@ -44,7 +45,8 @@ static bool set_flags(int fd, const char *iface, bool up)
     return ioctl(fd, SIOCSIFFLAGS, &request) == 0;
 }
 
-/* Two twins on one interface would both answer. Abstract socket names belong to the network namespace, as interfaces do. */
+/* Two twins on one interface would both answer. Abstract socket names belong to the network namespace, as interfaces
+ * do. */
 static int claim(ect_packet_t *port, char *message)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX}; /* abstract: the name begins with 0 */
@@ -54,7 +56,8 @@ static int claim(ect_packet_t *port, char *message)
     if (port->claim_fd >= 0 && bind(port->claim_fd, (const struct sockaddr *)&address, size) == 0)
         return 0;
     if (errno == EADDRINUSE)
-        snprintf(message, ECT_PACKET_MESSAGE, "another ectwin answers on '%s' already: end that one first", port->iface);
+        snprintf(message, ECT_PACKET_MESSAGE, "another ectwin answers on '%s' already: end that one first",
+                 port->iface);
     else
         snprintf(message, ECT_PACKET_MESSAGE, "claiming '%s' failed: %s", port->iface, strerror(errno));
     return -1;
@@ -91,8 +94,7 @@ static int bind_to(ect_packet_t *port, char *message)
 {
     port->index = if_nametoindex(port->iface);
     int index = (int)port->index;
-    struct sockaddr_ll address = {
-        .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = index};
+    struct sockaddr_ll address = {.sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = index};
     struct packet_mreq promiscuous = {.mr_ifindex = index, .mr_type = PACKET_MR_PROMISC};
     int on = 1;
     if (bind(port->fd, (const struct sockaddr *)&address, sizeof address) < 0 ||
@@ -101,7 +103,8 @@ static int bind_to(ect_packet_t *port, char *message)
         return -1;
     }
     if (setsockopt(port->fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0) {
-        snprintf(message, ECT_PACKET_MESSAGE, "this kernel lacks PACKET_IGNORE_OUTGOING: Linux 4.20 or newer is needed");
+        snprintf(message, ECT_PACKET_MESSAGE,
+                 "this kernel lacks PACKET_IGNORE_OUTGOING: Linux 4.20 or newer is needed");
         return -1;
     }
     return 0;

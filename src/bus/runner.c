@@ -44,7 +44,8 @@ static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
 /* A late answer holds up those behind it, as a slow wire would. */
 static void delay(const ect_faults_t *faults)
 {
-    const struct timespec pause = {.tv_sec = faults->delay_us / 1000000u, .tv_nsec = faults->delay_us % 1000000u * 1000};
+    const struct timespec pause = {.tv_sec = faults->delay_us / 1000000u,
+                                   .tv_nsec = faults->delay_us % 1000000u * 1000};
     (void)nanosleep(&pause, NULL);
 }
 

@@ -26,7 +26,7 @@
 #include "esc/personality.h"
 
 /** Bytes of memory that an ESC of this personality needs: 4 KB of registers and its process RAM. */
-#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb) * 1024u)
+#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb)*1024u)
 
 /** SyncManagers and FMMUs that any personality may have. */
 enum { ECT_ESC_MAX_SM = 8, ECT_ESC_MAX_FMMU = 8 };
@@ -37,10 +37,10 @@ enum { ECT_ESC_MAX_FRAME = 2000 };
 /** How an ESC is built and wired. Checked once by ::ect_esc_init. */
 typedef struct ect_esc_config {
     const ect_esc_personality_t *personality; /**< not NULL */
-    uint8_t *memory;     /**< ECT_ESC_MEMORY_SIZE(personality->ram_kb) bytes; content is overwritten */
-    uint8_t *sii;        /**< EEPROM content; written by SII write commands. NULL: no EEPROM answers */
-    uint32_t sii_size;   /**< bytes; even, 0 with sii NULL */
-    uint8_t open_ports;  /**< bit n: port n has a link; bit 0 is assumed. 0: port 0 only */
+    uint8_t *memory;      /**< ECT_ESC_MEMORY_SIZE(personality->ram_kb) bytes; content is overwritten */
+    uint8_t *sii;         /**< EEPROM content; written by SII write commands. NULL: no EEPROM answers */
+    uint32_t sii_size;    /**< bytes; even, 0 with sii NULL */
+    uint8_t open_ports;   /**< bit n: port n has a link; bit 0 is assumed. 0: port 0 only */
     bool keep_source_mac; /**< false: set the "locally administered" bit of the source MAC, as the chip does */
 } ect_esc_config_t;
 

@@ -32,8 +32,8 @@ static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, wind
         return false;
     window->first_bit = first - frame_start;
     window->bit_count = last - first;
-    window->physical_bit = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) * 8ull + fmmu[ECT_FMMU_PHYSICAL_BIT] +
-                           (first - start);
+    window->physical_bit =
+        ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) * 8ull + fmmu[ECT_FMMU_PHYSICAL_BIT] + (first - start);
     return true;
 }
 
@@ -127,7 +127,8 @@ static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, window_t w, bool write
             continue;
         bool any = false;
         if (w.first_bit < taken[i].first_bit)
-            any |= move_unclaimed(esc, data, part(&w, w.first_bit, taken[i].first_bit), write, taken + i + 1, count - i - 1);
+            any |= move_unclaimed(esc, data, part(&w, w.first_bit, taken[i].first_bit), write, taken + i + 1,
+                                  count - i - 1);
         if (taken_end < end)
             any |= move_unclaimed(esc, data, part(&w, taken_end, end), write, taken + i + 1, count - i - 1);
         return any;

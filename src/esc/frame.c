@@ -5,7 +5,21 @@
 #include "esc/internal.h"
 
 enum {
-    NOP = 0, APRD, APWR, APRW, FPRD, FPWR, FPRW, BRD, BWR, BRW, LRD, LWR, LRW, ARMW, FRMW,
+    NOP = 0,
+    APRD,
+    APWR,
+    APRW,
+    FPRD,
+    FPWR,
+    FPRW,
+    BRD,
+    BWR,
+    BRW,
+    LRD,
+    LWR,
+    LRW,
+    ARMW,
+    FRMW,
 };
 
 enum {
@@ -131,8 +145,8 @@ static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, request_t reques
 static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
 {
     uint8_t command = d[COMMAND];
-    unsigned int done = ect_esc_fmmu_access(esc, ect_load_le32(d + ADP), d + DATA, data_length(d), command != LWR,
-                                            command != LRD);
+    unsigned int done =
+        ect_esc_fmmu_access(esc, ect_load_le32(d + ADP), d + DATA, data_length(d), command != LWR, command != LRD);
     if (command == LRW)
         return done; /* bit 0: +1 for the read, bit 1: +2 for the write */
     return done != 0 ? 1 : 0;

@@ -90,11 +90,11 @@ typedef struct ect_entry {
 
 /** One object (index). Same members, order and types as SOES `_objectlist`. */
 typedef struct ect_object {
-    uint16_t index;        /**< ascending in the list */
-    uint16_t object_code;  /**< ECT_OBJECT_... */
-    uint8_t max_subindex;  /**< sub-index of the last element of `entries`; 0 for a VAR */
-    uint8_t reserved;      /**< 0 */
-    const char *name;      /**< zero-terminated, shared */
+    uint16_t index;       /**< ascending in the list */
+    uint16_t object_code; /**< ECT_OBJECT_... */
+    uint8_t max_subindex; /**< sub-index of the last element of `entries`; 0 for a VAR */
+    uint8_t reserved;     /**< 0 */
+    const char *name;     /**< zero-terminated, shared */
     const ect_entry_t *entries;
 } ect_object_t;
 

@@ -112,8 +112,8 @@ typedef struct ect_timeouts {
 
 /** Synchronisation abilities, 1C32h/1C33h. All zero: free run only. */
 typedef struct ect_sync {
-    uint16_t supported;          /**< 1C32h:4: bit 0 free run, bit 1 SM event, bit 2 DC SYNC0 */
-    uint32_t minimum_cycle_ns;   /**< 1C32h:5; 0 no lower bound */
+    uint16_t supported;           /**< 1C32h:4: bit 0 free run, bit 1 SM event, bit 2 DC SYNC0 */
+    uint32_t minimum_cycle_ns;    /**< 1C32h:5; 0 no lower bound */
     const uint32_t *dc_cycles_ns; /**< the SYNC0 cycles that are accepted, or NULL: all from minimum_cycle_ns */
     uint8_t dc_cycle_count;
 } ect_sync_t;
@@ -159,28 +159,28 @@ typedef struct ect_host {
 /** The description of a product. */
 typedef struct ect_device {
     /* --- who it is ------------------------------------------------------------------------------------------- */
-    const char *name;             /**< command-line name: lower case, digits, hyphen */
-    const char *summary;          /**< one line for `ectwin list` */
-    const char *type_name;        /**< 1008h, ESI `<Type>` and SII name; at most 40 characters */
-    const char *group_type;       /**< ESI and SII group */
+    const char *name;       /**< command-line name: lower case, digits, hyphen */
+    const char *summary;    /**< one line for `ectwin list` */
+    const char *type_name;  /**< 1008h, ESI `<Type>` and SII name; at most 40 characters */
+    const char *group_type; /**< ESI and SII group */
     const char *group_name;
     const char *hardware_version; /**< 1009h */
     const char *software_version; /**< 100Ah */
     ect_identity_t identity;      /**< default; an installation may override it */
 
     /* --- the controller and its layout ----------------------------------------------------------------------- */
-    const char *esc;              /**< personality of the ESC: "np40", "et1100", "lan9252" */
-    uint8_t esc_config[14];       /**< SII words 0..6, ESI ConfigData */
-    uint16_t sii_size;            /**< bytes of the EEPROM: a multiple of 128 */
+    const char *esc;        /**< personality of the ESC: "np40", "et1100", "lan9252" */
+    uint8_t esc_config[14]; /**< SII words 0..6, ESI ConfigData */
+    uint16_t sii_size;      /**< bytes of the EEPROM: a multiple of 128 */
     ect_sm_t sm[4];
     uint8_t sm_count;
-    uint8_t fmmu[4];              /**< ECT_FMMU_... */
+    uint8_t fmmu[4]; /**< ECT_FMMU_... */
     uint8_t fmmu_count;
-    ect_boot_mailbox_t boot_out;  /**< length 0: no BOOT state */
+    ect_boot_mailbox_t boot_out; /**< length 0: no BOOT state */
     ect_boot_mailbox_t boot_in;
-    uint8_t mailbox_protocols;    /**< ECT_MAILBOX_... */
-    uint8_t coe_details;          /**< ECT_COE_... */
-    const char *physics;          /**< ESI `Physics`, a letter a port: "YY" */
+    uint8_t mailbox_protocols; /**< ECT_MAILBOX_... */
+    uint8_t coe_details;       /**< ECT_COE_... */
+    const char *physics;       /**< ESI `Physics`, a letter a port: "YY" */
     const ect_dc_mode_t *dc_modes;
     uint8_t dc_mode_count;
     ect_sync_t sync;

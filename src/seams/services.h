@@ -27,7 +27,8 @@ extern const ect_service_t ect_service_diagnosis;
 /** 1010h Store and 1011h Restore (CiA 301) of all entries with ECT_ACCESS_BACKUP, through ect_host_t::storage. */
 extern const ect_service_t ect_service_store;
 
-/** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: mode and cycle checks on the way to SAFEOP, missed events. */
+/** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: mode and cycle checks on the way to SAFEOP, missed
+ * events. */
 extern const ect_service_t ect_service_sync;
 
 /* --- 10F3h ------------------------------------------------------------------------------------------------------- */
@@ -42,8 +43,8 @@ enum { ECT_DIAGNOSIS_INFO = 0, ECT_DIAGNOSIS_WARNING = 1, ECT_DIAGNOSIS_ERROR = 
 
 /** Bits of 10F3h:5. */
 enum {
-    ECT_DIAGNOSIS_EMERGENCY = 0x0001,   /**< send an emergency for each message */
-    ECT_DIAGNOSIS_NO_INFO = 0x0002,     /**< do not record */
+    ECT_DIAGNOSIS_EMERGENCY = 0x0001, /**< send an emergency for each message */
+    ECT_DIAGNOSIS_NO_INFO = 0x0002,   /**< do not record */
     ECT_DIAGNOSIS_NO_WARNING = 0x0004,
     ECT_DIAGNOSIS_NO_ERROR = 0x0008,
     ECT_DIAGNOSIS_ACKNOWLEDGE = 0x0010, /**< full: keep the old messages (else: overwrite the oldest) */
@@ -61,25 +62,41 @@ typedef struct ect_diagnosis {
 } ect_diagnosis_t;
 
 /** Entries of 10F3h for an instance type with a member of type ect_diagnosis_t. */
-#define ECT_ENTRIES_DIAGNOSIS(type, member)                                                                           \
-    {                                                                                                                 \
-        ECT_ENTRY_COUNT(5 + ECT_DIAGNOSIS_MESSAGES),                                                                  \
-            {1, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Maximum messages", ECT_DIAGNOSIS_MESSAGES,                      \
-             ECT_OFFSET(type, member.maximum)},                                                                       \
+#define ECT_ENTRIES_DIAGNOSIS(type, member)                                                                            \
+    {                                                                                                                  \
+        ECT_ENTRY_COUNT(5 + ECT_DIAGNOSIS_MESSAGES), {1,                                                               \
+                                                      ECT_TYPE_UNSIGNED8,                                              \
+                                                      8,                                                               \
+                                                      ECT_ACCESS_RO,                                                   \
+                                                      "Maximum messages",                                              \
+                                                      ECT_DIAGNOSIS_MESSAGES,                                          \
+                                                      ECT_OFFSET(type, member.maximum)},                               \
             {2, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Newest message", 0, ECT_OFFSET(type, member.newest)},           \
-            {3, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW, "Newest acknowledged message", 0,                                \
-             ECT_OFFSET(type, member.acknowledged)},                                                                  \
-            {4, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "New messages available", 0,                    \
-             ECT_OFFSET(type, member.available)},                                                                     \
+            {3,                                                                                                        \
+             ECT_TYPE_UNSIGNED8,                                                                                       \
+             8,                                                                                                        \
+             ECT_ACCESS_RW,                                                                                            \
+             "Newest acknowledged message",                                                                            \
+             0,                                                                                                        \
+             ECT_OFFSET(type, member.acknowledged)},                                                                   \
+            {4,                                                                                                        \
+             ECT_TYPE_BOOLEAN,                                                                                         \
+             1,                                                                                                        \
+             ECT_ACCESS_RO | ECT_ACCESS_TXPDO,                                                                         \
+             "New messages available",                                                                                 \
+             0,                                                                                                        \
+             ECT_OFFSET(type, member.available)},                                                                      \
             {5, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "Flags", 0, ECT_OFFSET(type, member.flags)},                   \
-            ECT_ENTRY_DIAGNOSIS(type, member, 0), ECT_ENTRY_DIAGNOSIS(type, member, 1),                               \
-            ECT_ENTRY_DIAGNOSIS(type, member, 2), ECT_ENTRY_DIAGNOSIS(type, member, 3),                               \
-            ECT_ENTRY_DIAGNOSIS(type, member, 4), ECT_ENTRY_DIAGNOSIS(type, member, 5),                               \
-            ECT_ENTRY_DIAGNOSIS(type, member, 6), ECT_ENTRY_DIAGNOSIS(type, member, 7),                               \
+            ECT_ENTRY_DIAGNOSIS(type, member, 0), ECT_ENTRY_DIAGNOSIS(type, member, 1),                                \
+            ECT_ENTRY_DIAGNOSIS(type, member, 2), ECT_ENTRY_DIAGNOSIS(type, member, 3),                                \
+            ECT_ENTRY_DIAGNOSIS(type, member, 4), ECT_ENTRY_DIAGNOSIS(type, member, 5),                                \
+            ECT_ENTRY_DIAGNOSIS(type, member, 6), ECT_ENTRY_DIAGNOSIS(type, member, 7),                                \
     }
-#define ECT_ENTRY_DIAGNOSIS(type, member, n)                                                                          \
-    {6 + (n), ECT_TYPE_OCTET_STRING, 8 * ECT_DIAGNOSIS_BYTES, ECT_ACCESS_RO, "Diagnosis message", 0,                   \
-     ECT_OFFSET(type, member.messages[n])}
+#define ECT_ENTRY_DIAGNOSIS(type, member, n)                                                                           \
+    {                                                                                                                  \
+        6 + (n), ECT_TYPE_OCTET_STRING, 8 * ECT_DIAGNOSIS_BYTES, ECT_ACCESS_RO, "Diagnosis message", 0,                \
+            ECT_OFFSET(type, member.messages[n])                                                                       \
+    }
 
 /* --- 1C32h, 1C33h, 10F1h ----------------------------------------------------------------------------------------- */
 
@@ -104,28 +121,48 @@ typedef struct ect_sync_data {
 } ect_sync_data_t;
 
 /** Entries of 1C32h or 1C33h. */
-#define ECT_ENTRIES_SYNC(itype, member)                                                                               \
-    {                                                                                                                 \
-        ECT_ENTRY_COUNT(32),                                                                                          \
-            {1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW_PREOP, "Synchronization type", 0, ECT_OFFSET(itype, member.type)}, \
-            {2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Cycle time", 0, ECT_OFFSET(itype, member.cycle_ns)},          \
-            {4, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Synchronization types supported", 0,                          \
-             ECT_OFFSET(itype, member.supported)},                                                                    \
+#define ECT_ENTRIES_SYNC(itype, member)                                                                                 \
+    {                                                                                                                   \
+        ECT_ENTRY_COUNT(32), {1, ECT_TYPE_UNSIGNED16,           16, ECT_ACCESS_RW_PREOP, "Synchronization type",        \
+                              0, ECT_OFFSET(itype, member.type)},                                                       \
+            {2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Cycle time", 0, ECT_OFFSET(itype, member.cycle_ns)},           \
+            {4,                                                                                                         \
+             ECT_TYPE_UNSIGNED16,                                                                                       \
+             16,                                                                                                        \
+             ECT_ACCESS_RO,                                                                                             \
+             "Synchronization types supported",                                                                         \
+             0,                                                                                                         \
+             ECT_OFFSET(itype, member.supported)},                                                                      \
             {5, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Minimum cycle time", 0, ECT_OFFSET(itype, member.minimum_ns)}, \
-            {6, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Calc and copy time", 0, NULL},                                \
-            {11, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "SM event missed", 0, ECT_OFFSET(itype, member.sm_missed)},   \
-            {12, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Cycle time too small", 0,                                    \
-             ECT_OFFSET(itype, member.cycle_exceeded)},                                                               \
-            {32, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO, "Sync error", 0, ECT_OFFSET(itype, member.sync_error)},           \
+            {6, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Calc and copy time", 0, NULL},                                 \
+            {11, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "SM event missed", 0, ECT_OFFSET(itype, member.sm_missed)},    \
+            {12,                                                                                                        \
+             ECT_TYPE_UNSIGNED16,                                                                                       \
+             16,                                                                                                        \
+             ECT_ACCESS_RO,                                                                                             \
+             "Cycle time too small",                                                                                    \
+             0,                                                                                                         \
+             ECT_OFFSET(itype, member.cycle_exceeded)},                                                                 \
+            {32, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO, "Sync error", 0, ECT_OFFSET(itype, member.sync_error)},            \
     }
 
 /** Entries of 10F1h. */
-#define ECT_ENTRIES_ERROR_SETTINGS(itype, member)                                                                     \
-    {                                                                                                                 \
-        ECT_ENTRY_COUNT(2),                                                                                           \
-            {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, "Local error reaction", 1, ECT_OFFSET(itype, member.error_reaction)}, \
-            {2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, "Sync error counter limit", 4,                                 \
-             ECT_OFFSET(itype, member.error_limit)},                                                                  \
+#define ECT_ENTRIES_ERROR_SETTINGS(itype, member)                                                                      \
+    {                                                                                                                  \
+        ECT_ENTRY_COUNT(2), {1,                                                                                        \
+                             ECT_TYPE_UNSIGNED32,                                                                      \
+                             32,                                                                                       \
+                             ECT_ACCESS_RW,                                                                            \
+                             "Local error reaction",                                                                   \
+                             1,                                                                                        \
+                             ECT_OFFSET(itype, member.error_reaction)},                                                \
+            {2,                                                                                                        \
+             ECT_TYPE_UNSIGNED16,                                                                                      \
+             16,                                                                                                       \
+             ECT_ACCESS_RW,                                                                                            \
+             "Sync error counter limit",                                                                               \
+             4,                                                                                                        \
+             ECT_OFFSET(itype, member.error_limit)},                                                                   \
     }
 
 /* --- 1010h, 1011h ------------------------------------------------------------------------------------------------ */
@@ -135,9 +172,9 @@ typedef struct ect_sync_data {
 #define ECT_LOAD_SIGNATURE  0x64616F6Cu
 
 /** Entries of 1010h (save) and 1011h (load): :1 reads as 1, "on command". */
-#define ECT_ENTRIES_STORE(name)                                                                                       \
-    {                                                                                                                 \
-        ECT_ENTRY_COUNT(1), {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_COMMAND, name, 1, NULL},                               \
+#define ECT_ENTRIES_STORE(name)                                                                                        \
+    {                                                                                                                  \
+        ECT_ENTRY_COUNT(1), {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_COMMAND, name, 1, NULL},           \
     }
 
 #endif

@@ -3,10 +3,10 @@
  * @file
  * Storage: where a device keeps what must survive power-off (1010h, FZM1 "Save to unit").
  *
- * Two banks of equal size. What happens to one bank never touches the other, and may be cut off by a power failure after
- * any byte: the bank then holds a mixture. Nothing else is asked of the medium: two flash sectors, two halves of an
- * EEPROM and two files all qualify. The layer above writes a record's data to the older bank and its header last, and
- * reads the newest record whose check value is right, so a cut at any moment leaves the previous record.
+ * Two banks of equal size. What happens to one bank never touches the other, and may be cut off by a power failure
+ * after any byte: the bank then holds a mixture. Nothing else is asked of the medium: two flash sectors, two halves of
+ * an EEPROM and two files all qualify. The layer above writes a record's data to the older bank and its header last,
+ * and reads the newest record whose check value is right, so a cut at any moment leaves the previous record.
  *
  * Context: mainline only. Calls may block for the medium's erase and write time.
  */

@@ -8,7 +8,8 @@
 static bool known(uint8_t state)
 {
     enum {
-        STATES = 1 << ECT_STATE_INIT | 1 << ECT_STATE_PREOP | 1 << ECT_STATE_BOOT | 1 << ECT_STATE_SAFEOP | 1 << ECT_STATE_OP
+        STATES =
+            1 << ECT_STATE_INIT | 1 << ECT_STATE_PREOP | 1 << ECT_STATE_BOOT | 1 << ECT_STATE_SAFEOP | 1 << ECT_STATE_OP
     };
     return ((STATES >> state) & 1) != 0;
 }

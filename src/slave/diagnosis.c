@@ -54,8 +54,7 @@ static void emergency(ect_slave_t *s, uint32_t code, uint16_t text_id, uint8_t s
 /* The slot that would be used next still holds a message that the master has not acknowledged. */
 static bool full(const ect_diagnosis_t *d, uint8_t slot)
 {
-    return d->acknowledged != d->newest && !empty(d, slot) &&
-           (d->acknowledged == 0 || slot == after(d->acknowledged));
+    return d->acknowledged != d->newest && !empty(d, slot) && (d->acknowledged == 0 || slot == after(d->acknowledged));
 }
 
 static void diagnose(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])

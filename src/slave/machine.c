@@ -94,7 +94,8 @@ bool ect_machine_flush(ect_slave_t *s)
     return true;
 }
 
-/* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the flag finds its reason (ETG.1000.6 §6.4.1.3). */
+/* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the
+ * flag finds its reason (ETG.1000.6 §6.4.1.3). */
 bool ect_machine_report(ect_slave_t *s)
 {
     uint8_t code[2];

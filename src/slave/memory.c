@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a description asks for, and whether it may: for those who find it out at run time. A firmware does not link this. */
+/* What a description asks for, and whether it may: for those who find it out at run time. A firmware does not link
+ * this. */
 #include "seams/standard.h"
 #include "slave/internal.h"
 

@@ -8,8 +8,7 @@
 
 #include "slave/internal.h"
 
-enum { LARGEST_IMAGE_BITS = 1486 * 8,
-       WIRE = 32 /* a mapping entry has at most 255 bits */ };
+enum { LARGEST_IMAGE_BITS = 1486 * 8, WIRE = 32 /* a mapping entry has at most 255 bits */ };
 
 typedef struct layout {
     ect_slave_t *slave;

@@ -44,8 +44,7 @@ static ect_reason_t check_mapping(const ect_slave_t *s, uint16_t pdo, uint32_t m
     ect_reason_t reason = ect_od_lookup(&s->od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry);
     if (reason != ECT_OK)
         return reason;
-    return (entry->access & direction) != 0 && entry->bit_length == (mapping & 0xFF) ? ECT_OK
-                                                                                     : ECT_REASON_NOT_MAPPABLE;
+    return (entry->access & direction) != 0 && entry->bit_length == (mapping & 0xFF) ? ECT_OK : ECT_REASON_NOT_MAPPABLE;
 }
 
 static ect_reason_t check_assigned(const ect_slave_t *s, uint16_t assignment, uint32_t pdo)

@@ -434,8 +434,7 @@ static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t l
 static ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
 {
     ect_sdo_t *sdo = &s->sdo;
-    uint32_t room =
-        sdo->complete ? packed_size(s, first, sdo->object->max_subindex) : (uint32_t)ect_od_bytes(first);
+    uint32_t room = sdo->complete ? packed_size(s, first, sdo->object->max_subindex) : (uint32_t)ect_od_bytes(first);
     if (sdo->size > room)
         return ECT_REASON_TOO_LONG;
     bool may_be_short = sdo->complete || ect_od_is_string(first);

@@ -55,12 +55,13 @@ static int check(const ect_slave_config_t *config)
 }
 
 /* The services that the device names. */
-#define FOR_EACH_SERVICE(s, service)                                                                                  \
+#define FOR_EACH_SERVICE(s, service)                                                                                   \
     for (const ect_service_t *const *service = (s)->config.device->services; service && *service; service++)
 
 ect_reason_t ect_services_write(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
 {
-    FOR_EACH_SERVICE (s, service) {
+    FOR_EACH_SERVICE(s, service)
+    {
         ect_reason_t reason = (*service)->write ? (*service)->write(s, index, subindex, data, size) : ECT_OK;
         if (reason != ECT_OK)
             return reason;
@@ -70,7 +71,8 @@ ect_reason_t ect_services_write(ect_slave_t *s, uint16_t index, uint8_t subindex
 
 ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex)
 {
-    FOR_EACH_SERVICE (s, service) {
+    FOR_EACH_SERVICE(s, service)
+    {
         ect_reason_t reason = (*service)->written ? (*service)->written(s, index, subindex) : ECT_OK;
         if (reason != ECT_OK)
             return reason;
@@ -80,7 +82,8 @@ ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subind
 
 uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target)
 {
-    FOR_EACH_SERVICE (s, service) {
+    FOR_EACH_SERVICE(s, service)
+    {
         uint16_t code = (*service)->check_up ? (*service)->check_up(s, target) : (uint16_t)ECT_AL_NO_ERROR;
         if (code != ECT_AL_NO_ERROR)
             return code;
@@ -90,7 +93,8 @@ uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target)
 
 static void services_start(ect_slave_t *s)
 {
-    FOR_EACH_SERVICE (s, service) {
+    FOR_EACH_SERVICE(s, service)
+    {
         if ((*service)->start)
             (*service)->start(s);
     }
@@ -98,7 +102,8 @@ static void services_start(ect_slave_t *s)
 
 static void services_event(ect_slave_t *s, uint32_t event)
 {
-    FOR_EACH_SERVICE (s, service) {
+    FOR_EACH_SERVICE(s, service)
+    {
         if ((*service)->event)
             (*service)->event(s, event);
     }

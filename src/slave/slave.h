@@ -83,8 +83,8 @@ typedef struct ect_slave_memory {
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device);
 
 /**
- * Whether a description is usable: 1 to 4 SyncManagers, an instance that begins with ect_standard_t, mailboxes (and those
- * of BOOT, both or none) of 34 to 1486 bytes. Pure; to be asked once, where descriptions are tested or chosen.
+ * Whether a description is usable: 1 to 4 SyncManagers, an instance that begins with ect_standard_t, mailboxes (and
+ * those of BOOT, both or none) of 34 to 1486 bytes. Pure; to be asked once, where descriptions are tested or chosen.
  */
 bool ect_slave_check(const ect_device_t *device);
 
@@ -107,20 +107,20 @@ typedef struct ect_slave_config {
 /** Mailbox of a slave. Private. */
 typedef struct ect_mailbox {
     bool running;
-    bool to_write;     /* `shown` has yet to be written to SM1 */
-    bool in_buffer;    /* `shown` stands in SM1, unread as far as we know */
-    bool repeated;     /* `shown` stands there because of a repeat */
-    bool newest_waits; /* after a repeat: `newest` must follow `shown` */
-    bool repeat_due;   /* the master wants the last mail again */
-    bool ack_due;      /* ... and it is to be acknowledged once that mail stands in SM1 */
-    bool toggle;       /* the repeat toggle as the master set it last, and as we acknowledge it */
-    uint8_t newest;    /* which of `mail` was built last */
-    uint8_t shown;     /* which of them is, or was last, in SM1 */
-    uint8_t mails;     /* how many of them hold a mail: 0..2 */
-    uint8_t reply;     /* which holds the reply to the last request, 0xFF none */
+    bool to_write;           /* `shown` has yet to be written to SM1 */
+    bool in_buffer;          /* `shown` stands in SM1, unread as far as we know */
+    bool repeated;           /* `shown` stands there because of a repeat */
+    bool newest_waits;       /* after a repeat: `newest` must follow `shown` */
+    bool repeat_due;         /* the master wants the last mail again */
+    bool ack_due;            /* ... and it is to be acknowledged once that mail stands in SM1 */
+    bool toggle;             /* the repeat toggle as the master set it last, and as we acknowledge it */
+    uint8_t newest;          /* which of `mail` was built last */
+    uint8_t shown;           /* which of them is, or was last, in SM1 */
+    uint8_t mails;           /* how many of them hold a mail: 0..2 */
+    uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
     uint8_t request_counter; /* of the last request, 0: none yet */
     uint8_t reply_counter;   /* of our last mail */
-    uint16_t out_start; /* SM0 */
+    uint16_t out_start;      /* SM0 */
     uint16_t out_size;
     uint16_t in_start; /* SM1 */
     uint16_t in_size;
@@ -170,35 +170,35 @@ typedef struct ect_emergency {
 
 /** One slave. Allocate it anywhere, initialise with ::ect_slave_init; members are private unless said otherwise. */
 typedef struct ect_slave {
-    uint8_t state;         /**< public, read only: AL state, 1 2 3 4 8 */
-    bool error;            /**< public, read only: error flag of AL status */
-    uint8_t cause;         /**< public, read only: ect_error_cause_t */
-    bool status_dirty;     /* AL status has to be written */
-    bool ident;            /* identification value stands in the status code */
-    bool failed;           /* a PDI access of this poll failed */
-    uint8_t pending;       /* state that a delayed transition leads to, 0: none */
-    bool pending_device;   /* the device delays it; else it waits for outputs */
+    uint8_t state;       /**< public, read only: AL state, 1 2 3 4 8 */
+    bool error;          /**< public, read only: error flag of AL status */
+    uint8_t cause;       /**< public, read only: ect_error_cause_t */
+    bool status_dirty;   /* AL status has to be written */
+    bool ident;          /* identification value stands in the status code */
+    bool failed;         /* a PDI access of this poll failed */
+    uint8_t pending;     /* state that a delayed transition leads to, 0: none */
+    bool pending_device; /* the device delays it; else it waits for outputs */
     bool pending_done;
-    bool request_due;      /* AL control has yet to be carried out: new, or its PDI accesses failed */
-    uint8_t drop_state;    /* wanted by the device, 0: none */
+    bool request_due;   /* AL control has yet to be carried out: new, or its PDI accesses failed */
+    uint8_t drop_state; /* wanted by the device, 0: none */
     bool restart;
-    bool off_bus;          /**< public, read only: the device wants to be off the bus */
-    uint8_t sm_off;        /* SyncManagers that are to be off from the PDI side, a bit each */
-    uint8_t sm_due;        /* those whose PDI control register has yet to be written */
-    bool outputs_seen;     /* the master has written SM2 since SAFEOP */
-    bool outputs_live;     /* they are being handed to the device */
+    bool off_bus;      /**< public, read only: the device wants to be off the bus */
+    uint8_t sm_off;    /* SyncManagers that are to be off from the PDI side, a bit each */
+    uint8_t sm_due;    /* those whose PDI control register has yet to be written */
+    bool outputs_seen; /* the master has written SM2 since SAFEOP */
+    bool outputs_live; /* they are being handed to the device */
     bool inputs_due;
     uint8_t emergency_first;
     uint8_t emergency_count;
-    uint16_t code;         /**< public, read only: AL status code */
-    uint16_t request;      /* AL control as read last */
+    uint16_t code;    /**< public, read only: AL status code */
+    uint16_t request; /* AL control as read last */
     uint16_t pending_result;
     uint16_t drop_code;
     uint16_t output_bytes;
     uint16_t input_bytes;
     uint16_t output_runs;
     uint16_t input_runs;
-    uint32_t due;          /* AL events whose registers have yet to be read */
+    uint32_t due;              /* AL events whose registers have yet to be read */
     ect_slave_config_t config; /* what stands before it is zero at power-on */
     ect_mailbox_t mailbox;
     ect_sdo_t sdo;
@@ -221,7 +221,8 @@ typedef struct ect_slave {
  */
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);
 
-/** The device's own time is due at the next poll, whatever it said last: something about it was changed from outside. */
+/** The device's own time is due at the next poll, whatever it said last: something about it was changed from outside.
+ */
 static inline void ect_slave_wake(ect_slave_t *slave)
 {
     slave->tick_ns = 0;

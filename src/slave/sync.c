@@ -125,5 +125,4 @@ static void on_event(ect_slave_t *s, uint32_t event)
         acknowledge_sync0(s);
 }
 
-const ect_service_t ect_service_sync = {
-    .start = start, .write = write_sync, .check_up = check_up, .event = on_event};
+const ect_service_t ect_service_sync = {.start = start, .write = write_sync, .check_up = check_up, .event = on_event};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Check values: of the SII (ETG.1000.6 §5.4), and of data that are stored or handed over. Bit by bit: none is hot. */
+/** @file Check values: of the SII (ETG.1000.6 §5.4), and of data that are stored or handed over. Bit by bit: none is
+ * hot. */
 #ifndef ECT_WIRE_CRC_H
 #define ECT_WIRE_CRC_H
 
@@ -20,7 +21,8 @@ static inline uint8_t ect_crc_sii(const uint8_t *sii)
     return (uint8_t)crc;
 }
 
-/** CRC-32 (IEEE 802.3), one piece after the other: begin with 0xFFFFFFFF; the published value is the complement of the last. */
+/** CRC-32 (IEEE 802.3), one piece after the other: begin with 0xFFFFFFFF; the published value is the complement of the
+ * last. */
 static inline uint32_t ect_crc32(uint32_t crc, const uint8_t *data, uint32_t length)
 {
     for (uint32_t i = 0; i < length; i++) {

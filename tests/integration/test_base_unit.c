@@ -133,9 +133,9 @@ static void output_offsets(void **state)
         uint8 offset;
         uint8 bytes;
     } fields[] = {
-        {0x2002, 1, 0, 1},  {0x2002, 2, 1, 1},   {0x2002, 3, 2, 1},   {0x2002, 4, 3, 1},   {0x2002, 5, 4, 2},
-        {0x2002, 6, 6, 16}, {0x2002, 7, 22, 2},  {0x2002, 8, 24, 2},  {0x2002, 9, 26, 1},  {0x2002, 10, 27, 1},
-        {0x2003, 1, 28, 1}, {0x2003, 2, 29, 1},  {0x2003, 100, 127, 1}, {0x2003, 200, 227, 1},
+        {0x2002, 1, 0, 1},  {0x2002, 2, 1, 1},  {0x2002, 3, 2, 1},     {0x2002, 4, 3, 1},     {0x2002, 5, 4, 2},
+        {0x2002, 6, 6, 16}, {0x2002, 7, 22, 2}, {0x2002, 8, 24, 2},    {0x2002, 9, 26, 1},    {0x2002, 10, 27, 1},
+        {0x2003, 1, 28, 1}, {0x2003, 2, 29, 1}, {0x2003, 100, 127, 1}, {0x2003, 200, 227, 1},
     };
     (void)state;
     soem_map(&master);
@@ -265,14 +265,16 @@ static void sdo_traffic_under_process_data(void **state)
         ecx_send_processdata(&master.context);
         assert_int_equal(ecx_receive_processdata(&master.context, EC_TIMEOUTRET3), soem_expected_wkc(&master));
         assert_int_equal(soem_read(&master, 1, 0x1018, sub, false, &value, &size), 0);
-        uint32 want = sub == 1 ? master.slaves[1].eep_man : sub == 2 ? master.slaves[1].eep_id : master.slaves[1].eep_rev;
+        uint32 want = sub == 1   ? master.slaves[1].eep_man
+                      : sub == 2 ? master.slaves[1].eep_id
+                                 : master.slaves[1].eep_rev;
         assert_int_equal(value, want);
     }
 }
 
-#define TEST(title, function)                                                                                         \
-    {                                                                                                                 \
-        title, function, open_master, close_master, NULL                                                              \
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, open_master, close_master, NULL                                                               \
     }
 
 int main(int argc, char **argv)

@@ -134,7 +134,8 @@ int main(int argc, char **argv)
     if (argc > 2)
         cmocka_set_test_filter(argv[2]);
     const struct CMUnitTest tests[] = {
-        {"CF-013: a frame of 29 bytes is answered at 29 bytes, source MAC bit set", shortest_frame, open_socket, close_socket, NULL},
+        {"CF-013: a frame of 29 bytes is answered at 29 bytes, source MAC bit set", shortest_frame, open_socket,
+         close_socket, NULL},
         {"CF-013: a frame of 1514 bytes is answered at 1514 bytes", longest_frame, open_socket, close_socket, NULL},
         {"CF-013: truncated frames and false lengths get no answer", false_lengths, open_socket, close_socket, NULL},
         {"CF-094: 5000 frames of garbage, then an ordinary start", random_garbage, open_socket, close_socket, NULL},

@@ -1,16 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/confdev.h"
 
-#define AT(member)   ECT_OFFSET(confdev_t, member)
-#define CONFIG       ECT_ACCESS_RW_PREOP
-#define BACKED_UP    (ECT_ACCESS_RW | ECT_ACCESS_BACKUP)
-#define COUNT(value, member) {0, ECT_TYPE_UNSIGNED8, 8, CONFIG, "Number of entries", value, AT(member)}
-#define MAP(sub, value, member) {sub, ECT_TYPE_UNSIGNED32, 32, CONFIG, "Mapped object", value, AT(member)}
-#define ASSIGN(sub, value, member) {sub, ECT_TYPE_UNSIGNED16, 16, CONFIG, "Assigned PDO", value, AT(member)}
-#define MAPPING(n, count, v1, v2)                                                                                     \
-    {                                                                                                                 \
+#define AT(member) ECT_OFFSET(confdev_t, member)
+#define CONFIG     ECT_ACCESS_RW_PREOP
+#define BACKED_UP  (ECT_ACCESS_RW | ECT_ACCESS_BACKUP)
+#define COUNT(value, member)                                                                                           \
+    {                                                                                                                  \
+        0, ECT_TYPE_UNSIGNED8, 8, CONFIG, "Number of entries", value, AT(member)                                       \
+    }
+#define MAP(sub, value, member)                                                                                        \
+    {                                                                                                                  \
+        sub, ECT_TYPE_UNSIGNED32, 32, CONFIG, "Mapped object", value, AT(member)                                       \
+    }
+#define ASSIGN(sub, value, member)                                                                                     \
+    {                                                                                                                  \
+        sub, ECT_TYPE_UNSIGNED16, 16, CONFIG, "Assigned PDO", value, AT(member)                                        \
+    }
+#define MAPPING(n, count, v1, v2)                                                                                      \
+    {                                                                                                                  \
         COUNT(count, count_##n), MAP(1, v1, map_##n[0]), MAP(2, v2, map_##n[1]), MAP(3, 0, map_##n[2]),                \
-            MAP(4, 0, map_##n[3]),                                                                                    \
+            MAP(4, 0, map_##n[3]),                                                                                     \
     }
 
 static const ect_entry_t e1000[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
@@ -26,8 +35,10 @@ static const ect_entry_t e1601[] = MAPPING(1601, 0, 0, 0);
 static const ect_entry_t e1a00[] = MAPPING(1a00, 2, ECT_MAP(0x6000, 1, 8), ECT_MAP(0x6000, 2, 16));
 static const ect_entry_t e1a01[] = MAPPING(1a01, 0, 0, 0);
 static const ect_entry_t e1c00[] = ECT_ENTRIES_SM_TYPES;
-static const ect_entry_t e1c12[] = {COUNT(1, count_1c12), ASSIGN(1, 0x1600, assign_1c12[0]), ASSIGN(2, 0, assign_1c12[1])};
-static const ect_entry_t e1c13[] = {COUNT(1, count_1c13), ASSIGN(1, 0x1A00, assign_1c13[0]), ASSIGN(2, 0, assign_1c13[1])};
+static const ect_entry_t e1c12[] = {COUNT(1, count_1c12), ASSIGN(1, 0x1600, assign_1c12[0]),
+                                    ASSIGN(2, 0, assign_1c12[1])};
+static const ect_entry_t e1c13[] = {COUNT(1, count_1c13), ASSIGN(1, 0x1A00, assign_1c13[0]),
+                                    ASSIGN(2, 0, assign_1c13[1])};
 static const ect_entry_t e1c32[] = ECT_ENTRIES_SYNC(confdev_t, sync);
 static const ect_entry_t e2100[] = {{0, ECT_TYPE_UNSIGNED32, 32, BACKED_UP, "Stored", 100, AT(stored)}};
 static const ect_entry_t e2101[] = {{0, ECT_TYPE_OCTET_STRING, 320, BACKED_UP, "Stored octets", 0, AT(stored_octets)}};

@@ -9,7 +9,8 @@
  *   2007h  ARRAY of 4 UNSIGNED16 rw      2008h  RECORD with sub-indices 1, 3, 5  2009h  VAR UNSIGNED64 rw
  *   6000h  inputs (TxPDO)                7000h  outputs (RxPDO)
  * Process data: 1600h = 7000h:1 (BOOLEAN), gap of 7 bits, 7000h:2 (UNSIGNED16); 1A00h = 6000h:1 (UNSIGNED16),
- * 6000h:2 (BIT3), gap of 5 bits. SM0 1000h/128, SM1 1080h/128 (34..256), SM2 1200h/3, SM3 1300h/3, ET1100, watchdog on SM2.
+ * 6000h:2 (BIT3), gap of 5 bits. SM0 1000h/128, SM1 1080h/128 (34..256), SM2 1200h/3, SM3 1300h/3, ET1100, watchdog on
+ * SM2.
  */
 #ifndef TESTS_SUPPORT_TESTDEV_H
 #define TESTS_SUPPORT_TESTDEV_H

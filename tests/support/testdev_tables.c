@@ -2,7 +2,7 @@
 #include "support/testdev.h"
 
 #define AT(member) ECT_OFFSET(testdev_t, member)
-#define RW ECT_ACCESS_RW
+#define RW         ECT_ACCESS_RW
 
 static const ect_entry_t e1000[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0x12345678)};
 static const ect_entry_t e1001[] = {

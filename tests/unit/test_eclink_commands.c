@@ -570,7 +570,8 @@ static void remotes_act(soak_t *s)
         set_ru(&s->r, ru + 1, "on", s->on[ru] ? "1" : "0");
     }
     if (roll(s, 40) == 0 && s->on[ru])
-        (void)signal_try_set(&s->r.w, signal_of_ru(ru + 1, "armed"), roll(s, 2) == 0 ? "1" : "0", (char[ECT_SIGNAL_MESSAGE]){0});
+        (void)signal_try_set(&s->r.w, signal_of_ru(ru + 1, "armed"), roll(s, 2) == 0 ? "1" : "0",
+                             (char[ECT_SIGNAL_MESSAGE]){0});
 }
 
 /* The controller's logic: acknowledge what is new, send when the last was acknowledged. */

@@ -443,8 +443,8 @@ static void acknowledges(void **state)
         wire_open_one(&w, node->device);
         wire_go(&w, 0, ECT_STATE_OP);
         for (unsigned int n = 0; n < 600; n++) {
-            outputs[0] = (uint8_t)(3 * n); /* PCO */
-            outputs[1] = (uint8_t)n;       /* CCO */
+            outputs[0] = (uint8_t)(3 * n);                   /* PCO */
+            outputs[1] = (uint8_t)n;                         /* CCO */
             for (unsigned int ms = 0; ms <= 125; ms += 25) { /* acknowledged with the next input data */
                 exchange(&w, node, outputs, inputs);
                 wire_advance(&w, 25 * MS);

@@ -94,9 +94,9 @@ typedef struct command {
 } command_t;
 
 static const command_t commands[] = {
-    {NOP, '-', "", "", 0},   {APRD, 'P', "r", "", 1}, {APWR, 'P', "w", "", 1},   {APRW, 'P', "rw", "", 1},
-    {FPRD, 'F', "r", "", 0}, {FPWR, 'F', "w", "", 0}, {FPRW, 'F', "rw", "", 0},  {BRD, 'B', "r", "", 1},
-    {BWR, 'B', "w", "", 1},  {BRW, 'B', "rw", "", 1}, {LRD, '-', "", "", 0},     {LWR, '-', "", "", 0},
+    {NOP, '-', "", "", 0},   {APRD, 'P', "r", "", 1},  {APWR, 'P', "w", "", 1},  {APRW, 'P', "rw", "", 1},
+    {FPRD, 'F', "r", "", 0}, {FPWR, 'F', "w", "", 0},  {FPRW, 'F', "rw", "", 0}, {BRD, 'B', "r", "", 1},
+    {BWR, 'B', "w", "", 1},  {BRW, 'B', "rw", "", 1},  {LRD, '-', "", "", 0},    {LWR, '-', "", "", 0},
     {LRW, '-', "", "", 0},   {ARMW, 'P', "r", "w", 1}, {FRMW, 'F', "r", "w", 0},
 };
 
@@ -281,8 +281,8 @@ static void features_without(void **state)
         uint8_t command;
         unsigned int wkc;
     } rows[] = {
-        {0, APRW, 3},      {0, FPRW, 3},      {0, BRW, 3},      {0x0400, APRW, 0}, {0x0400, FPRW, 0}, {0x0400, BRW, 0},
-        {0x0400, APRD, 1}, {0x0400, FPWR, 1}, {0x0400, BRD, 1}, {0x0400, ARMW, 1}, {0x0400, LRW, 3},  {0x0200, LRW, 0},
+        {0, APRW, 3},      {0, FPRW, 3},      {0, BRW, 3},       {0x0400, APRW, 0}, {0x0400, FPRW, 0}, {0x0400, BRW, 0},
+        {0x0400, APRD, 1}, {0x0400, FPWR, 1}, {0x0400, BRD, 1},  {0x0400, ARMW, 1}, {0x0400, LRW, 3},  {0x0200, LRW, 0},
         {0x0200, LRD, 1},  {0x0200, LWR, 1},  {0x0200, APRW, 3}, {0, LRW, 3},
     };
     static const uint8_t fmmu[16] = {0, 0, 0, 0, 4, 0, 0, 7, 0x00, 0x11, 0, 3, 1, 0, 0, 0};
@@ -480,8 +480,8 @@ static void not_ethercat(void **state)
     static const struct {
         size_t at;
         uint8_t value;
-    } rows[] = {{12, 0x08}, {12, 0x89}, {13, 0xA5}, {13, 0xA3}, {12, 0x00}, {15, 0x00}, {15, 0x20}, {15, 0x40},
-                {15, 0x50}, {15, 0x80}, {15, 0xF0}, {15, 0x30}};
+    } rows[] = {{12, 0x08}, {12, 0x89}, {13, 0xA5}, {13, 0xA3}, {12, 0x00}, {15, 0x00},
+                {15, 0x20}, {15, 0x40}, {15, 0x50}, {15, 0x80}, {15, 0xF0}, {15, 0x30}};
     for (unsigned int keep = 0; keep < 2; keep++) {
         for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
             r->memory[0][ECT_REG_DL_CONTROL] = keep == 0 ? 1 : 0;
@@ -549,14 +549,22 @@ static void udp(void **state)
         uint8_t value;
         bool accepted;
     } rows[] = {
-        {"as it should be", 14, 0x45, true},   {"IP version 6", 14, 0x65, false},
-        {"IHL 6", 14, 0x46, false},            {"IHL 4", 14, 0x44, false},
-        {"TCP", 23, 0x06, false},              {"destination port high", 36, 0x89, false},
-        {"destination port low", 37, 0xA5, false}, {"EtherType low", 13, 0x06, false},
-        {"source port", 34, 0x77, true},       {"TTL 1", 22, 1, true},
-        {"IP checksum", 24, 0, true},          {"IP length", 16, 0xFF, true},
-        {"type of service", 15, 0x10, true},   {"destination address", 30, 224, true},
-        {"UDP length", 38, 0xFF, true},        {"header type 4", 43, 0x40, false},
+        {"as it should be", 14, 0x45, true},
+        {"IP version 6", 14, 0x65, false},
+        {"IHL 6", 14, 0x46, false},
+        {"IHL 4", 14, 0x44, false},
+        {"TCP", 23, 0x06, false},
+        {"destination port high", 36, 0x89, false},
+        {"destination port low", 37, 0xA5, false},
+        {"EtherType low", 13, 0x06, false},
+        {"source port", 34, 0x77, true},
+        {"TTL 1", 22, 1, true},
+        {"IP checksum", 24, 0, true},
+        {"IP length", 16, 0xFF, true},
+        {"type of service", 15, 0x10, true},
+        {"destination address", 30, 224, true},
+        {"UDP length", 38, 0xFF, true},
+        {"header type 4", 43, 0x40, false},
     };
     for (unsigned int tagged = 0; tagged < 2; tagged++) {
         for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -602,7 +610,8 @@ static void udp_forwarded(void **state)
     assert_int_equal(send_exact(r, r->w.frame_length), ECT_FRAME_FORWARD);
     if (memcmp(sent, r->w.frame, r->w.frame_length) != 0)
         fail_msg("UDP frame of header type 4, DL control bit 0 clear: expected untouched, check sum sent %02X%02X, "
-                 "came %02X%02X", sent[40], sent[41], r->w.frame[40], r->w.frame[41]);
+                 "came %02X%02X",
+                 sent[40], sent[41], r->w.frame[40], r->w.frame[41]);
 }
 
 static void source_mac(void **state)
@@ -691,13 +700,17 @@ static void chain_positions(void **state)
     wire_close(&w);
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("CF-002 CF-003 CF-004 CF-005 CF-006 CF-007: every command on three slaves, addressed or not: ADP, data, "
-             "memory and WKC follow the table of commands, the WKC wraps", every_command_in_a_chain),
+             "memory and WKC follow the table of commands, the WKC wraps",
+             every_command_in_a_chain),
         TEST("CF-007: reserved commands 15..255 change nothing", reserved_commands),
         TEST("CF-004: a slave whose station address is 0 answers FPRD to address 0", address_zero),
         TEST("CF-005: a half of a read-write that is not allowed adds nothing", halves),
@@ -711,15 +724,18 @@ int main(int argc, char **argv)
         TEST("CF-013: a frame of 2000 bytes is taken, a longer one is invalid", longest_frame),
         TEST("CF-013: padding behind the last datagram is left as it is", padding),
         TEST("CF-013: wrong EtherType or header type: destroyed and counted in 0x030C, or forwarded untouched when DL "
-             "control bit 0 is clear", not_ethercat),
+             "control bit 0 is clear",
+             not_ethercat),
         TEST("CF-013: a VLAN tag is passed unmodified; a cut tagged frame is refused", vlan_tag),
         TEST("CF-013: EtherCAT in UDP is taken by version, IHL, protocol and port alone; its check sum is cleared",
              udp),
         TEST("CF-013: a cut UDP frame is refused", udp_truncated),
         TEST("CF-013: a UDP frame that is not for an ESC is forwarded with its check sum when DL control bit 0 is "
-             "clear", udp_forwarded),
+             "clear",
+             udp_forwarded),
         TEST("CF-013: bit 1 of the source address is set, all else kept; not with keep_source_mac or DL control bit 0 "
-             "clear", source_mac),
+             "clear",
+             source_mac),
         TEST("CF-013: the IRQ field of every datagram gathers the masked events of all slaves", irq_field),
         TEST("CF-011: the counters of broken frames stop at 255", counters_saturate),
         TEST("CF-002 CF-003: positions 0, -1, -2 reach the three twins, -3 none; BRD counts all", chain_positions),

@@ -24,8 +24,11 @@ static void power_on(rig_t *r, unsigned int i, uint8_t ram_kb)
     r->personality.ram_kb = ram_kb;
     free(r->memory[i]);
     r->memory[i] = malloc(0x1000 + ram_kb * 1024u);
-    const ect_esc_config_t config = {.personality = &r->personality, .memory = r->memory[i], .sii = r->sii,
-                                     .sii_size = sizeof r->sii, .open_ports = 1};
+    const ect_esc_config_t config = {.personality = &r->personality,
+                                     .memory = r->memory[i],
+                                     .sii = r->sii,
+                                     .sii_size = sizeof r->sii,
+                                     .open_ports = 1};
     assert_int_equal(ect_esc_init(&r->esc[i], &config, 1000), 0);
 }
 
@@ -149,13 +152,15 @@ static void compare(rig_t *r, const fmmu_t *f, uint8_t command, uint32_t logical
     for (unsigned int i = 0; i < length && memcmp(want, got, length) != 0; i++) {
         if (want[i] != got[i])
             fail_msg("FMMU 0x%X+%u bits %u..%u to 0x%04X.%u type %u, command %u at 0x%X+%u: data byte %u expected "
-                     "0x%02X, got 0x%02X", f->logical, f->length, f->start_bit, f->stop_bit, f->physical,
-                     f->physical_bit, f->type, command, logical, length, i, want[i], got[i]);
+                     "0x%02X, got 0x%02X",
+                     f->logical, f->length, f->start_bit, f->stop_bit, f->physical, f->physical_bit, f->type, command,
+                     logical, length, i, want[i], got[i]);
     }
     if (wkc != gain || memcmp(want_memory, r->memory[0], MEMORY) != 0)
         fail_msg("FMMU 0x%X+%u bits %u..%u to 0x%04X.%u type %u, command %u at 0x%X+%u: expected WKC %u, got %u, "
-                 "memory equal %d", f->logical, f->length, f->start_bit, f->stop_bit, f->physical, f->physical_bit,
-                 f->type, command, logical, length, gain, wkc, memcmp(want_memory, r->memory[0], MEMORY) == 0);
+                 "memory equal %d",
+                 f->logical, f->length, f->start_bit, f->stop_bit, f->physical, f->physical_bit, f->type, command,
+                 logical, length, gain, wkc, memcmp(want_memory, r->memory[0], MEMORY) == 0);
 }
 
 /* All meetings of a datagram of 1 to 3 bytes with a window of whole bytes. */
@@ -248,8 +253,11 @@ static void random_windows(void **state)
     rig_t *r = *state;
     for (unsigned int i = 0; i < 20000; i++) {
         bool bits = below(r, 2) == 0;
-        fmmu_t f = {.logical = 0x1000 + below(r, 64), .length = (uint16_t)(1 + below(r, i % 8 == 0 ? 400 : 20)),
-                    .physical = (uint16_t)(0x1000 + below(r, 0x1E00)), .stop_bit = 7, .active = below(r, 16) != 0};
+        fmmu_t f = {.logical = 0x1000 + below(r, 64),
+                    .length = (uint16_t)(1 + below(r, i % 8 == 0 ? 400 : 20)),
+                    .physical = (uint16_t)(0x1000 + below(r, 0x1E00)),
+                    .stop_bit = 7,
+                    .active = below(r, 16) != 0};
         f.type = (uint8_t)below(r, 4);
         if (bits) { /* bit-wise writes only where the chip has them */
             f.start_bit = (uint8_t)below(r, 8);
@@ -269,14 +277,14 @@ static void limits_of_addresses(void **state)
 {
     rig_t *r = *state;
     static const fmmu_t rows[] = {
-        {0x00000000, 2, 0, 7, 0x1000, 0, 3, 1},      {0xFFFFFFFE, 2, 0, 7, 0x1000, 0, 3, 1},
-        {0xFFFFFFFF, 1, 3, 5, 0x0F00, 2, 3, 1},      {0xFFFFFFFF, 0xFFFF, 0, 7, 0x1000, 0, 3, 1},
-        {0xFFFFFFFF, 4, 1, 6, 0x0F00, 2, READS, 1},  {0x100, 0xFFFF, 0, 7, 0x1000, 0, 3, 1},
-        {0x100, 8, 0, 7, MEMORY - 1, 0, 3, 1},       {0x100, 8, 0, 7, MEMORY, 0, 3, 1},
-        {0x100, 8, 0, 7, 0xFFFF, 0, 3, 1},           {0x100, 1, 0, 7, 0xFFFF, 0, 3, 1},
-        {0x100, 2, 1, 6, 0xFFFF, 3, READS, 1},       {0x100, 3, 1, 6, MEMORY, 3, READS, 1},
-        {0x100, 1, 5, 2, 0x1000, 0, 3, 1},           {0x100, 8, 0, 7, 0x1000, 0, 0, 1},
-        {0x100, 8, 0, 7, 0x1000, 0, 3, 0},           {0x100, 0, 0, 7, 0x1000, 0, 3, 1},
+        {0x00000000, 2, 0, 7, 0x1000, 0, 3, 1},     {0xFFFFFFFE, 2, 0, 7, 0x1000, 0, 3, 1},
+        {0xFFFFFFFF, 1, 3, 5, 0x0F00, 2, 3, 1},     {0xFFFFFFFF, 0xFFFF, 0, 7, 0x1000, 0, 3, 1},
+        {0xFFFFFFFF, 4, 1, 6, 0x0F00, 2, READS, 1}, {0x100, 0xFFFF, 0, 7, 0x1000, 0, 3, 1},
+        {0x100, 8, 0, 7, MEMORY - 1, 0, 3, 1},      {0x100, 8, 0, 7, MEMORY, 0, 3, 1},
+        {0x100, 8, 0, 7, 0xFFFF, 0, 3, 1},          {0x100, 1, 0, 7, 0xFFFF, 0, 3, 1},
+        {0x100, 2, 1, 6, 0xFFFF, 3, READS, 1},      {0x100, 3, 1, 6, MEMORY, 3, READS, 1},
+        {0x100, 1, 5, 2, 0x1000, 0, 3, 1},          {0x100, 8, 0, 7, 0x1000, 0, 0, 1},
+        {0x100, 8, 0, 7, 0x1000, 0, 3, 0},          {0x100, 0, 0, 7, 0x1000, 0, 3, 1},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         set_fmmu(r, 0, 0, &rows[i]);
@@ -424,8 +432,10 @@ static void long_unaligned_window(void **state)
 static void unreadable_part(void **state)
 {
     rig_t *r = *state;
-    static const fmmu_t rows[] = {{0x100, 4, 0, 7, 0x11FE, 0, READS, 1}, {0x100, 4, 0, 6, 0x11FE, 0, READS, 1},
-                                  {0x100, 4, 0, 7, MEMORY - 2, 0, READS, 1}, {0x100, 4, 0, 6, MEMORY - 2, 0, READS, 1}};
+    static const fmmu_t rows[] = {{0x100, 4, 0, 7, 0x11FE, 0, READS, 1},
+                                  {0x100, 4, 0, 6, 0x11FE, 0, READS, 1},
+                                  {0x100, 4, 0, 7, MEMORY - 2, 0, READS, 1},
+                                  {0x100, 4, 0, 6, MEMORY - 2, 0, READS, 1}};
     uint8_t sm[8] = {0x00, 0x12, 8, 0, 0x02, 0, 1, 0};
     assert_int_equal(send(r, 1, APWR, 0x08000000, sm, 8), 1); /* an empty mailbox from 0x1200 */
     memset(r->memory[0] + 0x11FE, 0x55, 2);
@@ -550,7 +560,10 @@ static void twins_in_op(void **state)
     wire_close(&w);
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {

@@ -49,11 +49,8 @@ static int setup(void **state)
     r->personality = *ect_esc_personality("et1100");
     r->w.now_ns = 1000;
     make_sii(r);
-    r->config = (ect_esc_config_t){.personality = &r->personality,
-                                   .memory = r->memory,
-                                   .sii = r->sii,
-                                   .sii_size = sizeof r->sii,
-                                   .open_ports = 1};
+    r->config = (ect_esc_config_t){
+        .personality = &r->personality, .memory = r->memory, .sii = r->sii, .sii_size = sizeof r->sii, .open_ports = 1};
     power_on(r);
     *state = r;
     return 0;
@@ -116,9 +113,9 @@ static void identity(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const ect_esc_personality_t *p = ect_esc_personality(rows[i].name);
         assert_non_null(p);
-        const uint8_t want[10] = {p->type, p->revision, (uint8_t)p->build, (uint8_t)(p->build >> 8), rows[i].fmmus,
-                                  rows[i].sms, rows[i].ram_kb, p->port_types, (uint8_t)p->features,
-                                  (uint8_t)(p->features >> 8)};
+        const uint8_t want[10] = {
+            p->type,     p->revision,    (uint8_t)p->build, (uint8_t)(p->build >> 8), rows[i].fmmus,
+            rows[i].sms, rows[i].ram_kb, p->port_types,     (uint8_t)p->features,     (uint8_t)(p->features >> 8)};
         assert_int_equal(p->type, rows[i].type);
         r->config.personality = p;
         r->config.memory = memory;
@@ -224,8 +221,8 @@ static void plain_registers(void **state)
     static const struct {
         uint16_t address, length;
         char side;
-    } rows[] = {{0x0010, 2, 'e'}, {0x0108, 2, 'e'}, {0x0200, 2, 'e'}, {0x0400, 2, 'e'}, {0x0410, 2, 'e'},
-                {0x0420, 2, 'e'}, {0x0F00, 4, 'e'}, {0x0012, 2, 'p'}, {0x0134, 2, 'p'}, {0x0204, 4, 'p'},
+    } rows[] = {{0x0010, 2, 'e'}, {0x0108, 2, 'e'},   {0x0200, 2, 'e'},  {0x0400, 2, 'e'}, {0x0410, 2, 'e'},
+                {0x0420, 2, 'e'}, {0x0F00, 4, 'e'},   {0x0012, 2, 'p'},  {0x0134, 2, 'p'}, {0x0204, 4, 'p'},
                 {0x0130, 2, 'p'}, {0x0F80, 128, 'e'}, {0x0F80, 128, 'p'}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t data[128], got[128] = {0};
@@ -346,10 +343,10 @@ static void al_control_lock(void **state)
         uint16_t address, length;
         bool releases;
     } rows[] = {
-        {"PDI reads both bytes", 'p', 0x0120, 2, true},   {"PDI reads the low byte", 'p', 0x0120, 1, true},
+        {"PDI reads both bytes", 'p', 0x0120, 2, true},    {"PDI reads the low byte", 'p', 0x0120, 1, true},
         {"PDI reads the high byte", 'p', 0x0121, 1, true}, {"PDI reads across", 'p', 0x0110, 0x20, true},
-        {"PDI reads before", 'p', 0x011C, 4, false},      {"PDI reads behind", 'p', 0x0122, 4, false},
-        {"PDI reads the event", 'p', 0x0220, 4, false},   {"ECAT reads it", 'e', 0x0120, 2, false},
+        {"PDI reads before", 'p', 0x011C, 4, false},       {"PDI reads behind", 'p', 0x0122, 4, false},
+        {"PDI reads the event", 'p', 0x0220, 4, false},    {"ECAT reads it", 'e', 0x0120, 2, false},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t request[2] = {0x02, 0}, second[2] = {0x04, 0}, data[64] = {0};
@@ -411,9 +408,9 @@ static void al_status_event(void **state)
         char side;
         uint16_t address, length;
         bool clears;
-    } rows[] = {{'e', 0x0130, 2, true},  {'e', 0x0130, 1, true},  {'e', 0x0131, 1, true},  {'e', 0x0130, 6, true},
-                {'e', 0x012F, 1, false}, {'e', 0x0132, 1, false}, {'e', 0x0134, 2, false}, {'p', 0x0130, 2, false},
-                {'e', 0x0210, 2, false}};
+    } rows[] = {{'e', 0x0130, 2, true},  {'e', 0x0130, 1, true},  {'e', 0x0131, 1, true},
+                {'e', 0x0130, 6, true},  {'e', 0x012F, 1, false}, {'e', 0x0132, 1, false},
+                {'e', 0x0134, 2, false}, {'p', 0x0130, 2, false}, {'e', 0x0210, 2, false}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t data[8] = {0};
         pdi_write(r, 0x0130, 0x02);
@@ -423,8 +420,8 @@ static void al_status_event(void **state)
         else
             ect_esc_pdi_read(&r->esc, rows[i].address, data, rows[i].length);
         if (ecat_event(r) != (rows[i].clears ? 0 : ECT_ECAT_EVENT_AL_STATUS))
-            fail_msg("%c reads 0x%04X, %u bytes: event 0x0210 is 0x%04X", rows[i].side, rows[i].address,
-                     rows[i].length, ecat_event(r));
+            fail_msg("%c reads 0x%04X, %u bytes: event 0x0210 is 0x%04X", rows[i].side, rows[i].address, rows[i].length,
+                     ecat_event(r));
     }
     uint8_t status[2] = {0x12, 0};
     ect_esc_pdi_write(&r->esc, 0x0134, "\x1B", 1);
@@ -441,7 +438,7 @@ static void dl_status_event(void **state)
         char side;
         uint16_t address, length;
         bool clears;
-    } rows[] = {{'e', 0x0110, 2, true}, {'e', 0x0110, 1, true},  {'e', 0x0111, 1, true}, {'e', 0x0100, 17, true},
+    } rows[] = {{'e', 0x0110, 2, true},  {'e', 0x0110, 1, true},  {'e', 0x0111, 1, true}, {'e', 0x0100, 17, true},
                 {'e', 0x0112, 1, false}, {'e', 0x010F, 1, false}, {'p', 0x0110, 2, false}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t data[32] = {0};
@@ -533,8 +530,8 @@ static void masks_do_not_touch_requests(void **state)
 static void counters(void **state)
 {
     rig_t *r = *state;
-    static const uint16_t groups[][2] = {{0x0300, 0x030B}, {0x030C, 0x030C}, {0x030D, 0x030D}, {0x0310, 0x0313},
-                                         {0x0442, 0x0443}};
+    static const uint16_t groups[][2] = {
+        {0x0300, 0x030B}, {0x030C, 0x030C}, {0x030D, 0x030D}, {0x0310, 0x0313}, {0x0442, 0x0443}};
     enum { GROUPS = sizeof groups / sizeof groups[0] };
     for (size_t g = 0; g < GROUPS; g++) {
         for (uint16_t a = groups[g][0]; a <= groups[g][1]; a++) {
@@ -674,10 +671,18 @@ static void bad_configuration(void **state)
         unsigned int value;
         int want;
     } rows[] = {
-        {"9 FMMUs", 'f', 9, -1},      {"9 SyncManagers", 's', 9, -1}, {"8 and 8", 'f', 8, 0},
-        {"no RAM", 'r', 0, -1},       {"61 KB", 'r', 61, -1},         {"no personality", 'p', 0, -1},
-        {"no memory", 'm', 0, -2},    {"odd SII", 'o', 63, -3},       {"SII without content", 'n', 64, -3},
-        {"reads of 9 bytes", '9', 9, -1}, {"content without size", 'o', 0, -3}, {"no SII", 'n', 0, 0},
+        {"9 FMMUs", 'f', 9, -1},
+        {"9 SyncManagers", 's', 9, -1},
+        {"8 and 8", 'f', 8, 0},
+        {"no RAM", 'r', 0, -1},
+        {"61 KB", 'r', 61, -1},
+        {"no personality", 'p', 0, -1},
+        {"no memory", 'm', 0, -2},
+        {"odd SII", 'o', 63, -3},
+        {"SII without content", 'n', 64, -3},
+        {"reads of 9 bytes", '9', 9, -1},
+        {"content without size", 'o', 0, -3},
+        {"no SII", 'n', 0, 0},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ect_esc_personality_t p = *ect_esc_personality("et1100");
@@ -716,7 +721,10 @@ static void pdi_extremes(void **state)
     assert_int_equal(r->memory[0x0FEF], 0);
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {

@@ -46,8 +46,8 @@ static int setup(void **state)
         r->sii[i] = (uint8_t)(i ^ 0xA5);
     memcpy(r->sii, "\x05\x0C\x03\x88\xE8\x03\x41\x42\x34\x12\x51\x52\x61\x62", 14);
     seal(r);
-    r->config = (ect_esc_config_t){.personality = &r->personality, .memory = r->memory, .sii = r->sii,
-                                   .sii_size = SII_SIZE, .open_ports = 1};
+    r->config = (ect_esc_config_t){
+        .personality = &r->personality, .memory = r->memory, .sii = r->sii, .sii_size = SII_SIZE, .open_ports = 1};
     r->w.now_ns = 1000;
     power_on(r);
     *state = r;
@@ -119,8 +119,8 @@ static void expect_data(rig_t *r, uint32_t address, unsigned int bytes)
     }
 }
 
-static const uint32_t addresses[] = {0, 1, 7, 8, 0x40, 0x7C, 0x7D, 0x7E, 0x7F, 0x80, 0x81, 0xFFFF, 0x10000, 0x7FFFFFFF,
-                                     0x80000000, 0xFFFFFFFF};
+static const uint32_t addresses[] = {0,    1,    7,    8,      0x40,    0x7C,       0x7D,       0x7E,
+                                     0x7F, 0x80, 0x81, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF};
 
 static void read_sizes(void **state)
 {
@@ -279,8 +279,8 @@ static void write_one_word(void **state)
     uint8_t before[SII_SIZE];
     for (uint32_t word = 8; word < SII_SIZE / 2; word++) {
         memcpy(before, r->sii, SII_SIZE);
-        uint8_t request[14] = {0x01, 0x02, (uint8_t)word, 0, 0, 0, (uint8_t)(word * 3), (uint8_t)~word,
-                               0x99, 0x99, 0x99, 0x99, 0x99, 0x99};
+        uint8_t request[14] = {0x01,           0x02, (uint8_t)word, 0,    0,    0,    (uint8_t)(word * 3),
+                               (uint8_t)~word, 0x99, 0x99,          0x99, 0x99, 0x99, 0x99};
         assert_int_equal(ecat_write(r, CONTROL, request, 14), 1);
         expect_status(r, "after a write", 0xFF3F, 0);
         memcpy(before + word * 2, request + 6, 2);
@@ -446,18 +446,25 @@ static void ownership(void **state)
     rig_t *r = *state;
     static const struct {
         const char *what;
-        char side;     /* writes `value`: E to 0x0500, P to 0x0501 */
+        char side; /* writes `value`: E to 0x0500, P to 0x0501 */
         uint8_t value;
         uint8_t r0500, r0501;
         bool pdi_owns;
     } rows[] = {
-        {"PDI takes without an offer", 'P', 1, 0, 0, false}, {"ECAT offers", 'E', 1, 1, 0, true},
-        {"PDI takes", 'P', 1, 1, 1, true},                   {"ECAT withdraws the offer", 'E', 0, 0, 1, true},
-        {"PDI gives back", 'P', 0, 0, 0, false},             {"PDI takes again without an offer", 'P', 1, 0, 0, false},
-        {"ECAT offers again", 'E', 1, 1, 0, true},           {"PDI takes once more", 'P', 0xFF, 1, 1, true},
-        {"ECAT forces", 'E', 2, 2, 0, false},                {"PDI takes while forced", 'P', 1, 2, 0, false},
-        {"ECAT offers and forces", 'E', 3, 3, 0, true},      {"PDI takes while forced and offered", 'P', 1, 3, 0, true},
-        {"ECAT writes all bits", 'E', 0xFF, 3, 0, true},     {"ECAT back to normal", 'E', 0, 0, 0, false},
+        {"PDI takes without an offer", 'P', 1, 0, 0, false},
+        {"ECAT offers", 'E', 1, 1, 0, true},
+        {"PDI takes", 'P', 1, 1, 1, true},
+        {"ECAT withdraws the offer", 'E', 0, 0, 1, true},
+        {"PDI gives back", 'P', 0, 0, 0, false},
+        {"PDI takes again without an offer", 'P', 1, 0, 0, false},
+        {"ECAT offers again", 'E', 1, 1, 0, true},
+        {"PDI takes once more", 'P', 0xFF, 1, 1, true},
+        {"ECAT forces", 'E', 2, 2, 0, false},
+        {"PDI takes while forced", 'P', 1, 2, 0, false},
+        {"ECAT offers and forces", 'E', 3, 3, 0, true},
+        {"PDI takes while forced and offered", 'P', 1, 3, 0, true},
+        {"ECAT writes all bits", 'E', 0xFF, 3, 0, true},
+        {"ECAT back to normal", 'E', 0, 0, 0, false},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         if (rows[i].side == 'E')
@@ -520,7 +527,10 @@ static void many_commands_in_a_frame(void **state)
     assert_memory_equal(r->sii + 0x60, "\x77\x66", 2);
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {
@@ -538,7 +548,8 @@ int main(int argc, char **argv)
              invalid_commands),
         TEST("CF-055: without an EEPROM bits 3 and 12 show it and commands end with bit 13", no_eeprom),
         TEST("CF-056: each wrong bit of words 0..7 is found: bits 11 and 12, DL status bit 0, no process RAM, "
-             "registers work", checksum),
+             "registers work",
+             checksum),
         TEST("CF-054: check sums of real devices are good", known_checksums),
         TEST("CF-056 CF-065: a reload brings the configuration but not the alias", reload),
         TEST("CF-056: 0x0500 and 0x0501 decide who owns the interface; the other side is ignored", ownership),

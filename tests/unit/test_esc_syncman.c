@@ -25,8 +25,8 @@ static int setup(void **state)
     r->personality = *ect_esc_personality("et1100");
     r->memory = malloc(MEMORY);
     ect_store_le16(r->sii + 14, 0x88A4); /* check switched off */
-    const ect_esc_config_t config = {.personality = &r->personality, .memory = r->memory, .sii = r->sii,
-                                     .sii_size = sizeof r->sii, .open_ports = 1};
+    const ect_esc_config_t config = {
+        .personality = &r->personality, .memory = r->memory, .sii = r->sii, .sii_size = sizeof r->sii, .open_ports = 1};
     r->w.now_ns = 1000;
     r->random = 0x12345678;
     assert_int_equal(ect_esc_init(&r->esc, &config, r->w.now_ns), 0);
@@ -110,8 +110,7 @@ static void play(rig_t *r, const char *title, const step_t *steps, size_t count)
         }
         if (wkc != s->wkc || status_of(r, 0) != s->status)
             fail_msg("%s, step %zu (%c %c, bytes %d..%d): expected %u, status 0x%02X, got %u, 0x%02X", title, i,
-                     s->side, s->access, s->offset, s->offset + s->length - 1, s->wkc, s->status, wkc,
-                     status_of(r, 0));
+                     s->side, s->access, s->offset, s->offset + s->length - 1, s->wkc, s->status, wkc, status_of(r, 0));
     }
 }
 
@@ -121,13 +120,13 @@ static void mailbox_out(void **state)
 {
     rig_t *r = *state;
     static const step_t steps[] = {
-        {'E', 'r', 0, 8, 0, 0x00}, {'P', 'r', 0, 8, 0, 0x00}, {'P', 'w', 0, 8, 0, 0x00}, {'E', 'w', 1, 7, 0, 0x00},
-        {'E', 'w', 7, 1, 0, 0x00}, {'E', 'w', 0, 1, 1, 0x80}, {'P', 'r', 0, 8, 0, 0x80}, {'E', 'w', 2, 3, 1, 0x80},
-        {'E', 'w', 1, 6, 1, 0x80}, {'E', 'w', 7, 1, 1, 0x09}, {'E', 'w', 0, 8, 0, 0x09}, {'E', 'w', 3, 2, 0, 0x09},
-        {'E', 'w', 7, 1, 0, 0x09}, {'E', 'r', 0, 8, 0, 0x09}, {'P', 'r', 1, 7, 0, 0x09}, {'P', 'r', 7, 1, 0, 0x09},
-        {'P', 'r', 0, 1, 1, 0x48}, {'E', 'w', 0, 8, 0, 0x48}, {'P', 'r', 3, 2, 1, 0x48}, {'P', 'r', 0, 7, 1, 0x48},
-        {'P', 'r', 7, 1, 1, 0x02}, {'P', 'r', 0, 8, 0, 0x02}, {'P', 'r', 7, 1, 0, 0x02}, {'E', 'w', 0, 8, 1, 0x09},
-        {'P', 'r', 0, 8, 1, 0x02}, {'E', 'w', 0, 7, 1, 0x80}, {'E', 'w', 0, 7, 1, 0x80}, {'E', 'w', 6, 2, 1, 0x09},
+        {'E', 'r', 0, 8, 0, 0x00}, {'P', 'r', 0, 8, 0, 0x00}, {'P', 'w', 0, 8, 0, 0x00},  {'E', 'w', 1, 7, 0, 0x00},
+        {'E', 'w', 7, 1, 0, 0x00}, {'E', 'w', 0, 1, 1, 0x80}, {'P', 'r', 0, 8, 0, 0x80},  {'E', 'w', 2, 3, 1, 0x80},
+        {'E', 'w', 1, 6, 1, 0x80}, {'E', 'w', 7, 1, 1, 0x09}, {'E', 'w', 0, 8, 0, 0x09},  {'E', 'w', 3, 2, 0, 0x09},
+        {'E', 'w', 7, 1, 0, 0x09}, {'E', 'r', 0, 8, 0, 0x09}, {'P', 'r', 1, 7, 0, 0x09},  {'P', 'r', 7, 1, 0, 0x09},
+        {'P', 'r', 0, 1, 1, 0x48}, {'E', 'w', 0, 8, 0, 0x48}, {'P', 'r', 3, 2, 1, 0x48},  {'P', 'r', 0, 7, 1, 0x48},
+        {'P', 'r', 7, 1, 1, 0x02}, {'P', 'r', 0, 8, 0, 0x02}, {'P', 'r', 7, 1, 0, 0x02},  {'E', 'w', 0, 8, 1, 0x09},
+        {'P', 'r', 0, 8, 1, 0x02}, {'E', 'w', 0, 7, 1, 0x80}, {'E', 'w', 0, 7, 1, 0x80},  {'E', 'w', 6, 2, 1, 0x09},
         {'P', 'r', 0, 7, 1, 0x48}, {'P', 'r', 0, 8, 1, 0x02}, {'E', 'w', 0, 16, 1, 0x09}, {'P', 'r', 0, 16, 1, 0x02},
     };
     set_sm(r, 0, START, 8, OUT_MAILBOX);
@@ -675,8 +674,7 @@ static void check_status(const rig_t *r, const model_t *m)
     if (((ect_esc_al_event(&r->esc) & ECT_EVENT_SM0) != 0) != m->al_event ||
         ((ect_load_le16(r->memory + ECT_REG_ECAT_EVENT) & ECT_ECAT_EVENT_SM0) != 0) != m->ecat_event)
         fail_msg("size %u, mailbox %d: expected AL event %d, ECAT event %d, got 0x%X, 0x%X", m->size, m->mailbox,
-                 m->al_event, m->ecat_event, ect_esc_al_event(&r->esc),
-                 ect_load_le16(r->memory + ECT_REG_ECAT_EVENT));
+                 m->al_event, m->ecat_event, ect_esc_al_event(&r->esc), ect_load_le16(r->memory + ECT_REG_ECAT_EVENT));
 }
 
 static void random_frame(rig_t *r, model_t *m)
@@ -753,13 +751,17 @@ static void interleaving_buffered(void **state)
     interleaving(*state, false);
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("CF-016 CF-017 CF-018 CF-020: a mailbox the master writes: taken when empty, full with the last byte, "
-             "empty with the last byte read", mailbox_out),
+             "empty with the last byte read",
+             mailbox_out),
         TEST("CF-016 CF-017 CF-018 CF-020: a mailbox the master reads: given when full, empty with the last byte read",
              mailbox_in),
         TEST("CF-019 CF-020: buffered outputs: read only after the first complete write, a new buffer each write",

@@ -45,8 +45,8 @@ static void set_sm(rig_t *r, unsigned int n, uint16_t start, uint16_t length, ui
 
 static void power_on(rig_t *r)
 {
-    const ect_esc_config_t config = {.personality = &r->personality, .memory = r->memory, .sii = r->sii,
-                                     .sii_size = sizeof r->sii, .open_ports = 1};
+    const ect_esc_config_t config = {
+        .personality = &r->personality, .memory = r->memory, .sii = r->sii, .sii_size = sizeof r->sii, .open_ports = 1};
     assert_int_equal(ect_esc_init(&r->esc, &config, r->w.now_ns), 0);
     set_sm(r, 2, OUTPUTS, LENGTH, 0x64);
 }
@@ -365,7 +365,10 @@ static void pdi_watchdog_expires(void **state)
                  r->memory[0x0443], r->memory[ECT_REG_DL_STATUS]);
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {

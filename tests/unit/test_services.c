@@ -70,7 +70,7 @@ static struct {
     uint32_t extra_event; /* raised in the AL event word once */
     uint64_t now_ns;
     uint8_t counter;
-    uint16_t failing; /* reads of this address fail */
+    uint16_t failing;         /* reads of this address fail */
     ect_device_t description; /* confdev, or a variant of it */
     ect_storage_t storage;
 } t;
@@ -571,7 +571,11 @@ static void sync_cycles(void **state)
     static const struct {
         uint32_t cycle_ns;
         uint16_t code;
-    } rows[] = {{1000000, 0}, {2000000, 0}, {1500000, ECT_AL_SYNC0_CYCLE}, {0, ECT_AL_SYNC0_CYCLE}, {500000, ECT_AL_SYNC0_CYCLE}};
+    } rows[] = {{1000000, 0},
+                {2000000, 0},
+                {1500000, ECT_AL_SYNC0_CYCLE},
+                {0, ECT_AL_SYNC0_CYCLE},
+                {500000, ECT_AL_SYNC0_CYCLE}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         power_on(false);
@@ -790,7 +794,8 @@ static void refused_in_whole_objects(void **state)
     assert_int_equal(write_sdo(0x1C12, 0, true, unknown_pdo, sizeof unknown_pdo), 0x06020000);
     assert_int_equal(write_sdo(0x1C13, 0, true, twice, sizeof twice), 0x06040043);
     assert_int_equal(read_number(0x1C13, 0) & 0xFF, 0);
-    /* Entries that became wrong before they are counted: each is checked when it is written, and again with the count. */
+    /* Entries that became wrong before they are counted: each is checked when it is written, and again with the count.
+     */
     assert_int_equal(write_number(0x1C12, 0, 0, 1), 0);
     t.device.assign_1c12[0] = 0x1A00;
     assert_int_equal(write_number(0x1C12, 0, 1, 1), 0x06040041);
@@ -814,7 +819,8 @@ static void diagnosis_types(void **state)
     assert_int_equal(t.device.diagnosis.newest, 0);
     for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES; i++)
         diagnose(ECT_DIAGNOSIS_INFO, 1, i);
-    assert_int_equal(write_number(0x10F3, 3, 13, 1), 0); /* all acknowledged: nothing is lost when they are overwritten */
+    assert_int_equal(write_number(0x10F3, 3, 13, 1),
+                     0); /* all acknowledged: nothing is lost when they are overwritten */
     for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES - 1; i++)
         diagnose(ECT_DIAGNOSIS_INFO, 1, (uint16_t)(100 + i));
     assert_int_equal(read_number(0x10F3, 4) & 0xFF, 1);
@@ -855,14 +861,18 @@ static void diagnosis_wraps(void **state)
     }
 }
 
-#define TEST(title, function) {title, function, NULL, NULL, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, NULL, NULL, NULL                                                                              \
+    }
 
 int main(int argc, char **argv)
 {
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
-        TEST("CF-074: the remap procedure changes the SM length that is expected and the real image", remap_changes_image),
+        TEST("CF-074: the remap procedure changes the SM length that is expected and the real image",
+             remap_changes_image),
         TEST("CF-073 CF-074: a whole mapping by Complete Access", remap_by_complete_access),
         TEST("CF-074 FZM-014: invalid entries are refused, the old mapping stays", refused_mappings),
         TEST("CF-074: PDOs of the wrong direction, unknown or twice are refused", refused_assignments),

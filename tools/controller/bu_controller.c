@@ -6,7 +6,16 @@
 #define MS 1000000ull
 
 enum { IN_PCI = 0, IN_CCI = 1, IN_PAI = 2, IN_CAI = 3, IN_COMMAND_RU = 4, IN_COMMAND = 6, IN_BU_STATE = 22 };
-enum { OUT_PCO = 0, OUT_CCO = 1, OUT_CAO = 3, OUT_COMMAND_RU = 4, OUT_COMMAND = 6, OUT_SIZE = 24, OUT_BLOCK = 26, OUT_DATA = 28 };
+enum {
+    OUT_PCO = 0,
+    OUT_CCO = 1,
+    OUT_CAO = 3,
+    OUT_COMMAND_RU = 4,
+    OUT_COMMAND = 6,
+    OUT_SIZE = 24,
+    OUT_BLOCK = 26,
+    OUT_DATA = 28
+};
 enum { BLOCK_BYTES = 200, PERIODIC_OUTPUTS = 228, BU_DISARMED = 0x10 };
 #define PCI_TIMEOUT_NS (500 * MS)
 #define PCO_LATEST_NS  (500 * MS)

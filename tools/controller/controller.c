@@ -194,8 +194,8 @@ int main(int argc, char **argv)
         {"seed", 'e', "N", 0, "Of the random restarts (default 1)", 0},
         {0},
     };
-    static const struct argp argp = {.options = options, .parser = parse, .args_doc = "IFACE",
-                                     .doc = "A machine controller for one base unit."};
+    static const struct argp argp = {
+        .options = options, .parser = parse, .args_doc = "IFACE", .doc = "A machine controller for one base unit."};
     settings_t s = {.seconds = 10, .periodic = 450, .seed = 1};
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &s);

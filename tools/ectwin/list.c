@@ -13,7 +13,8 @@ static unsigned int bytes_of(const ect_device_t *device, uint8_t type)
 
 int command_list(int argc, char **argv)
 {
-    static const struct argp argp = {.doc = "Lists the devices: name, input/output bytes as the master sees them, what it is."};
+    static const struct argp argp = {
+        .doc = "Lists the devices: name, input/output bytes as the master sees them, what it is."};
     argp_parse(&argp, argc, argv, 0, NULL, NULL);
     size_t count;
     const ect_device_t *const *devices = ect_catalogue(&count);

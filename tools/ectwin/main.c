@@ -9,14 +9,10 @@ static const struct command {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"list", command_list},
-    {"run", command_run},
-    {"with", command_with},
-    {"sii", command_sii},
-    {"get", command_get},
-    {"set", command_set},
-    {"watch", command_watch},
-    {"list-signals", command_list_signals},
+    {"list", command_list},       {"run", command_run},
+    {"with", command_with},       {"sii", command_sii},
+    {"get", command_get},         {"set", command_set},
+    {"watch", command_watch},     {"list-signals", command_list_signals},
     {"command", command_command},
 };
 

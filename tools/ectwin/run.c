@@ -77,8 +77,12 @@ int command_run(int argc, char **argv)
     ect_control_t *control = open_control("ectwin run");
     ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
     if (signals >= 0 && chain) {
-        const ect_runner_t runner = {
-            .port = &port, .chain = chain, .control = control, .faults = &args.twins.faults, .signal_fd = signals, .on_signal = on_signal};
+        const ect_runner_t runner = {.port = &port,
+                                     .chain = chain,
+                                     .control = control,
+                                     .faults = &args.twins.faults,
+                                     .signal_fd = signals,
+                                     .on_signal = on_signal};
         print_ready(stdout, port.iface, args.twins.count);
         status = ect_runner_run(&runner) == 0 ? EXIT_CLEAN : EXIT_RUN;
     }

@@ -195,7 +195,8 @@ static int ask(int argc, char **argv, const char *op, const char *doc,
 
 int command_get(int argc, char **argv)
 {
-    return ask(argc, argv, "get", "Prints the signals of a running twin whose names match a shell pattern.", print_value);
+    return ask(argc, argv, "get", "Prints the signals of a running twin whose names match a shell pattern.",
+               print_value);
 }
 
 int command_list_signals(int argc, char **argv)
@@ -212,8 +213,11 @@ int command_watch(int argc, char **argv)
 
 int command_set(int argc, char **argv)
 {
-    static const struct argp argp = {.options = options, .parser = parse, .args_doc = "NAME=VALUE...",
-                                     .doc = "Sets signals of a running twin, in the order given; stops at the first refusal."};
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "NAME=VALUE...",
+        .doc = "Sets signals of a running twin, in the order given; stops at the first refusal."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     FILE *connection = open_connection(&args, argv[0]);
@@ -243,12 +247,16 @@ int command_set(int argc, char **argv)
 
 int command_command(int argc, char **argv)
 {
-    static const struct argp argp = {.options = options, .parser = parse, .args_doc = "ruN HEX16",
-                                     .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "ruN HEX16",
+        .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.count != 2) {
-        fprintf(stderr, "%s: name the remote unit and the command: ectwin command ru1 000102030405060708090a0b0c0d0e0f\n",
+        fprintf(stderr,
+                "%s: name the remote unit and the command: ectwin command ru1 000102030405060708090a0b0c0d0e0f\n",
                 argv[0]);
         return EXIT_USAGE;
     }

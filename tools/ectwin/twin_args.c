@@ -10,8 +10,18 @@
 #include "bus/catalogue.h"
 #include "commands.h"
 
-enum { KEY_VENDOR_ID = 0x100, KEY_PRODUCT_CODE, KEY_REVISION, KEY_SERIAL, KEY_ALIAS, KEY_KEEP_MAC,
-       KEY_DROP, KEY_DELAY, KEY_DELAY_US, KEY_SEED };
+enum {
+    KEY_VENDOR_ID = 0x100,
+    KEY_PRODUCT_CODE,
+    KEY_REVISION,
+    KEY_SERIAL,
+    KEY_ALIAS,
+    KEY_KEEP_MAC,
+    KEY_DROP,
+    KEY_DELAY,
+    KEY_DELAY_US,
+    KEY_SEED
+};
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "N", 0, "Vendor id, 0..0xFFFFFFFF (default: the device's placeholder)", 1},

@@ -123,8 +123,13 @@ static int serve(with_args_t *args, ect_packet_t *port, ect_chain_t *chain, ect_
     child.pid = fork();
     if (child.pid == 0)
         run_command(args->command, self, control);
-    const ect_runner_t runner = {
-        .port = port, .chain = chain, .control = control, .faults = &args->twins.faults, .signal_fd = signals, .on_signal = on_signal, .ctx = &child};
+    const ect_runner_t runner = {.port = port,
+                                 .chain = chain,
+                                 .control = control,
+                                 .faults = &args->twins.faults,
+                                 .signal_fd = signals,
+                                 .on_signal = on_signal,
+                                 .ctx = &child};
     if (child.pid > 0 && ect_runner_run(&runner) == 0)
         return child.status;
     fprintf(stderr, "ectwin with: stopped: %s\n", strerror(errno));

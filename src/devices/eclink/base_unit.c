@@ -2,8 +2,8 @@
 /*
  * The base unit: its rhythm, what it makes of the links, and what it tells the controller (TS-0007 §8, §10, §11).
  *
- * Input data change every 125 ms and then PCI counts; what happens in between waits for that. Supervision does not wait:
- * BU state, relays and message follow at once, and the controller sees them with the next input data.
+ * Input data change every 125 ms and then PCI counts; what happens in between waits for that. Supervision does not
+ * wait: BU state, relays and message follow at once, and the controller sees them with the next input data.
  */
 #include <string.h>
 
@@ -158,7 +158,8 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 
 static bool says_mismatch(uint16_t code)
 {
-    return (code >= 0x0015 && code <= 0x0017) || (code >= 0x001C && code <= 0x001F) || (code >= 0x0024 && code <= 0x0028);
+    return (code >= 0x0015 && code <= 0x0017) || (code >= 0x001C && code <= 0x001F) ||
+           (code >= 0x0024 && code <= 0x0028);
 }
 
 /* A refused configuration stays the reason until the controller gets further, or something else is wrong. */

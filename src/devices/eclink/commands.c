@@ -86,8 +86,8 @@ static bool give_command(eclink_ru_t *ru)
 }
 
 /*
- * Once an update. On G-Link each remote takes a command and the periodic data; on fallback C-Link has room for one thing:
- * a command from the remote goes before a command to it, and periodic data come last (§10.6).
+ * Once an update. On G-Link each remote takes a command and the periodic data; on fallback C-Link has room for one
+ * thing: a command from the remote goes before a command to it, and periodic data come last (§10.6).
  */
 void eclink_command_to_rus(eclink_t *unit)
 {

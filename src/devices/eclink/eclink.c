@@ -16,13 +16,13 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
 
 /* --- fields: F(sub-index, offset, kind, name) ------------------------------------------------------------------- */
 
-#define COMMON_INPUT_FIELDS(F)                                                                                        \
+#define COMMON_INPUT_FIELDS(F)                                                                                         \
     F(1, 0, U8, "PCI")                                                                                                 \
     F(2, 1, U8, "CCI")                                                                                                 \
     F(3, 2, U8, "PAI")                                                                                                 \
     F(4, 3, U8, "CAI")                                                                                                 \
-    F(5, 4, U16, "Command RU ID")                                                                                       \
-    F(6, 6, BLOCK, "Command from RU")                                                                                    \
+    F(5, 4, U16, "Command RU ID")                                                                                      \
+    F(6, 6, BLOCK, "Command from RU")                                                                                  \
     F(7, 22, U8, "BU state")                                                                                           \
     F(8, 23, U8, "VLAPs")                                                                                              \
     F(9, 24, U8, "Unarmed RUs")                                                                                        \
@@ -31,8 +31,8 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(12, 27, U8, "Spare")
 
 /* One remote unit: its first sub-index is s, its first byte o, R is how it is called. */
-#define RU_FIELDS(F, s, o, R)                                                                                         \
-    F((s) + 0, (o) + 0, U16, "Armed " R)                                                                                \
+#define RU_FIELDS(F, s, o, R)                                                                                          \
+    F((s) + 0, (o) + 0, U16, "Armed " R)                                                                               \
     F((s) + 1, (o) + 2, U8, R " state")                                                                                \
     F((s) + 2, (o) + 3, U8, R " battery")                                                                              \
     F((s) + 3, (o) + 4, U8, R " C-Link RSSI")                                                                          \
@@ -41,90 +41,104 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F((s) + 6, (o) + 7, U8, R " disabled")                                                                             \
     F((s) + 7, (o) + 8, U8, R " C-Link status")                                                                        \
     F((s) + 8, (o) + 9, U8, R " G-Link status")                                                                        \
-    F((s) + 9, (o) + 10, I16, R " joystick 1")                                                                          \
-    F((s) + 10, (o) + 12, I16, R " joystick 2")                                                                         \
-    F((s) + 11, (o) + 14, I16, R " joystick 3")                                                                         \
-    F((s) + 12, (o) + 16, I16, R " joystick 4")                                                                         \
-    F((s) + 13, (o) + 18, I16, R " switch 1")                                                                           \
-    F((s) + 14, (o) + 20, I16, R " switch 2")                                                                           \
-    F((s) + 15, (o) + 22, I16, R " switch 3")                                                                           \
-    F((s) + 16, (o) + 24, I16, R " switch 4")                                                                           \
-    F((s) + 17, (o) + 26, I16, R " switch 5")                                                                           \
-    F((s) + 18, (o) + 28, I16, R " switch 6")                                                                           \
-    F((s) + 19, (o) + 30, I16, R " switch 7")                                                                           \
-    F((s) + 20, (o) + 32, I16, R " switch 8")                                                                           \
+    F((s) + 9, (o) + 10, I16, R " joystick 1")                                                                         \
+    F((s) + 10, (o) + 12, I16, R " joystick 2")                                                                        \
+    F((s) + 11, (o) + 14, I16, R " joystick 3")                                                                        \
+    F((s) + 12, (o) + 16, I16, R " joystick 4")                                                                        \
+    F((s) + 13, (o) + 18, I16, R " switch 1")                                                                          \
+    F((s) + 14, (o) + 20, I16, R " switch 2")                                                                          \
+    F((s) + 15, (o) + 22, I16, R " switch 3")                                                                          \
+    F((s) + 16, (o) + 24, I16, R " switch 4")                                                                          \
+    F((s) + 17, (o) + 26, I16, R " switch 5")                                                                          \
+    F((s) + 18, (o) + 28, I16, R " switch 6")                                                                          \
+    F((s) + 19, (o) + 30, I16, R " switch 7")                                                                          \
+    F((s) + 20, (o) + 32, I16, R " switch 8")                                                                          \
     F((s) + 21, (o) + 34, U8, R " encoder value")                                                                      \
     F((s) + 22, (o) + 35, U8, R " encoder switch")                                                                     \
     F((s) + 23, (o) + 36, U16, R " spare")
 
-#define INPUT_FIELDS(F)                                                                                               \
-    COMMON_INPUT_FIELDS(F)                                                                                            \
+#define INPUT_FIELDS(F)                                                                                                \
+    COMMON_INPUT_FIELDS(F)                                                                                             \
     RU_FIELDS(F, 13, 28, "RU")
-#define MULTIARM_INPUT_FIELDS(F)                                                                                      \
-    INPUT_FIELDS(F)                                                                                                   \
-    RU_FIELDS(F, 37, 66, "RU2")                                                                                       \
+#define MULTIARM_INPUT_FIELDS(F)                                                                                       \
+    INPUT_FIELDS(F)                                                                                                    \
+    RU_FIELDS(F, 37, 66, "RU2")                                                                                        \
     RU_FIELDS(F, 61, 104, "RU3")
 
-#define COMMAND_FIELDS(F)                                                                                             \
+#define COMMAND_FIELDS(F)                                                                                              \
     F(1, 0, U8, "PCO")                                                                                                 \
     F(2, 1, U8, "CCO")                                                                                                 \
     F(3, 2, U8, "PAO")                                                                                                 \
     F(4, 3, U8, "CAO")                                                                                                 \
-    F(5, 4, U16, "Command RU ID")                                                                                       \
-    F(6, 6, BLOCK, "Command to RU")                                                                                      \
+    F(5, 4, U16, "Command RU ID")                                                                                      \
+    F(6, 6, BLOCK, "Command to RU")                                                                                    \
     F(7, 22, U16, "Spare")
-#define PERIODIC_FIELDS(F)                                                                                            \
-    F(8, 24, U16, "Periodic data size")                                                                                 \
+#define PERIODIC_FIELDS(F)                                                                                             \
+    F(8, 24, U16, "Periodic data size")                                                                                \
     F(9, 26, U8, "Periodic data block")                                                                                \
     F(10, 27, U8, "Spare")
 
 /* The 200 periodic bytes, as sub-indices 1..200. */
-#define TEN(F, n) F((n) + 1) F((n) + 2) F((n) + 3) F((n) + 4) F((n) + 5) F((n) + 6) F((n) + 7) F((n) + 8) F((n) + 9) F((n) + 10)
-#define FIFTY(F, n) TEN(F, n) TEN(F, (n) + 10) TEN(F, (n) + 20) TEN(F, (n) + 30) TEN(F, (n) + 40)
+#define TEN(F, n)                                                                                                      \
+    F((n) + 1) F((n) + 2) F((n) + 3) F((n) + 4) F((n) + 5) F((n) + 6) F((n) + 7) F((n) + 8) F((n) + 9) F((n) + 10)
+#define FIFTY(F, n)       TEN(F, n) TEN(F, (n) + 10) TEN(F, (n) + 20) TEN(F, (n) + 30) TEN(F, (n) + 40)
 #define PERIODIC_BYTES(F) FIFTY(F, 0) FIFTY(F, 50) FIFTY(F, 100) FIFTY(F, 150)
 
 /* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian and these are not
  * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
 enum { BYTES_U8 = 1, BYTES_U16 = 2, BYTES_I16 = 2, BYTES_BLOCK = 16 };
-enum { WIRE_U8 = ECT_TYPE_UNSIGNED8, WIRE_U16 = ECT_TYPE_OCTET_STRING, WIRE_I16 = ECT_TYPE_OCTET_STRING,
-       WIRE_BLOCK = ECT_TYPE_OCTET_STRING };
-enum { NUMBER_U8 = ECT_TYPE_UNSIGNED8, NUMBER_U16 = ECT_TYPE_UNSIGNED16, NUMBER_I16 = ECT_TYPE_INTEGER16,
-       NUMBER_BLOCK = ECT_TYPE_OCTET_STRING };
+enum {
+    WIRE_U8 = ECT_TYPE_UNSIGNED8,
+    WIRE_U16 = ECT_TYPE_OCTET_STRING,
+    WIRE_I16 = ECT_TYPE_OCTET_STRING,
+    WIRE_BLOCK = ECT_TYPE_OCTET_STRING
+};
+enum {
+    NUMBER_U8 = ECT_TYPE_UNSIGNED8,
+    NUMBER_U16 = ECT_TYPE_UNSIGNED16,
+    NUMBER_I16 = ECT_TYPE_INTEGER16,
+    NUMBER_BLOCK = ECT_TYPE_OCTET_STRING
+};
 
-#define ENTRY(sub, type, kind, access, name, member)                                                                  \
+#define ENTRY(sub, type, kind, access, name, member)                                                                   \
     {sub, type##kind, 8 * BYTES_##kind, access, name, 0, ECT_OFFSET(eclink_t, member)},
-#define INPUT_ENTRY(sub, offset, kind, name)                                                                          \
+#define INPUT_ENTRY(sub, offset, kind, name)                                                                           \
     ENTRY(sub, WIRE_, kind, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, name, inputs[offset])
-#define OUTPUT_ENTRY(sub, offset, kind, name)                                                                         \
+#define OUTPUT_ENTRY(sub, offset, kind, name)                                                                          \
     ENTRY(sub, WIRE_, kind, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, name, outputs[offset])
-#define INPUT_NUMBER(sub, offset, kind, name) ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, input_numbers[offset])
+#define INPUT_NUMBER(sub, offset, kind, name)  ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, input_numbers[offset])
 #define OUTPUT_NUMBER(sub, offset, kind, name) ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, output_numbers[offset])
-#define PERIODIC_ENTRY(sub)                                                                                           \
-    {sub, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, "Periodic data", 0,                                 \
-     ECT_OFFSET(eclink_t, outputs[ECLINK_OUT_PERIODIC + (sub) - 1])},
+#define PERIODIC_ENTRY(sub)                                                                                            \
+    {sub,                                                                                                              \
+     ECT_TYPE_UNSIGNED8,                                                                                               \
+     8,                                                                                                                \
+     ECT_ACCESS_RO | ECT_ACCESS_RXPDO,                                                                                 \
+     "Periodic data",                                                                                                  \
+     0,                                                                                                                \
+     ECT_OFFSET(eclink_t, outputs[ECLINK_OUT_PERIODIC + (sub)-1])},
 
-#define INPUT_MAP(sub, offset, kind, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
+#define INPUT_MAP(sub, offset, kind, name)  ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
 #define OUTPUT_MAP(sub, offset, kind, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2002, sub, 8 * BYTES_##kind)),
-#define PERIODIC_MAP(sub) ECT_ENTRY_MAP(10 + (sub), ECT_MAP(0x2003, sub, 8)),
+#define PERIODIC_MAP(sub)                   ECT_ENTRY_MAP(10 + (sub), ECT_MAP(0x2003, sub, 8)),
 
 static const ect_entry_t inputs_2001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_ENTRY)};
 static const ect_entry_t multiarm_2001[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_ENTRY)};
 static const ect_entry_t commands_2002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_ENTRY)};
-static const ect_entry_t standard_2002[] = {ECT_ENTRY_COUNT(10), COMMAND_FIELDS(OUTPUT_ENTRY)
-                                                PERIODIC_FIELDS(OUTPUT_ENTRY)};
+static const ect_entry_t standard_2002[] = {ECT_ENTRY_COUNT(10),
+                                            COMMAND_FIELDS(OUTPUT_ENTRY) PERIODIC_FIELDS(OUTPUT_ENTRY)};
 static const ect_entry_t periodic_2003[] = {ECT_ENTRY_COUNT(200), PERIODIC_BYTES(PERIODIC_ENTRY)};
 
 static const ect_entry_t inputs_3001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_NUMBER)};
 static const ect_entry_t multiarm_3001[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_NUMBER)};
 static const ect_entry_t commands_3002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_NUMBER)};
-static const ect_entry_t standard_3002[] = {ECT_ENTRY_COUNT(10), COMMAND_FIELDS(OUTPUT_NUMBER)
-                                                PERIODIC_FIELDS(OUTPUT_NUMBER)};
+static const ect_entry_t standard_3002[] = {ECT_ENTRY_COUNT(10),
+                                            COMMAND_FIELDS(OUTPUT_NUMBER) PERIODIC_FIELDS(OUTPUT_NUMBER)};
 
 static const ect_entry_t inputs_1a00[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_MAP)};
 static const ect_entry_t multiarm_1a00[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_MAP)};
 static const ect_entry_t commands_1600[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_MAP)};
-static const ect_entry_t standard_1600[] = {ECT_ENTRY_COUNT(210), COMMAND_FIELDS(OUTPUT_MAP)
-                                                PERIODIC_FIELDS(OUTPUT_MAP) PERIODIC_BYTES(PERIODIC_MAP)};
+static const ect_entry_t standard_1600[] = {ECT_ENTRY_COUNT(210), COMMAND_FIELDS(OUTPUT_MAP) PERIODIC_FIELDS(OUTPUT_MAP)
+                                                                      PERIODIC_BYTES(PERIODIC_MAP)};
 
 static const ect_entry_t assign_none[] = {ECT_ENTRY_COUNT(0)};
 static const ect_entry_t assign_outputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1600)};
@@ -145,9 +159,9 @@ static const ect_entry_t name_multiarm[] = {ECT_ENTRY_TEXT("Device name", "VR-BU
 
 /* --- object lists ------------------------------------------------------------------------------------------------ */
 
-#define COMMUNICATION_OBJECTS(name_entries)                                                                           \
-    ECT_VAR(0x1000, "Device type", device_type), ECT_VAR(0x1008, "Device name", name_entries),                  \
-        ECT_VAR(0x1009, "Hardware version", hardware_version), ECT_VAR(0x100A, "Software version", software_version),      \
+#define COMMUNICATION_OBJECTS(name_entries)                                                                            \
+    ECT_VAR(0x1000, "Device type", device_type), ECT_VAR(0x1008, "Device name", name_entries),                         \
+        ECT_VAR(0x1009, "Hardware version", hardware_version), ECT_VAR(0x100A, "Software version", software_version),  \
         ECT_RECORD(0x1018, "Identity", identity)
 
 static const ect_object_t objects_map1[] = {
@@ -204,36 +218,34 @@ static const ect_object_t objects_multiarm[] = {
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
 
 /* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
-#define BASE_UNIT(cli_name, what, node_name, product, object_list, output_bytes, input_bytes)                         \
-    {                                                                                                                 \
-        .name = cli_name, .summary = what, .type_name = node_name, .group_type = "VR-BU",                             \
-        .group_name = "Vision Remote base units", .hardware_version = HARDWARE_VERSION,                               \
-        .software_version = SOFTWARE_VERSION,                                                                         \
-        .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = product, .revision = REVISION, .serial = 1},      \
-        .esc = "np40",                                                                                                \
-        .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01}, .sii_size = 4096,                                         \
-        .sm = {{.start = 0x4000, .length = 276, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},                         \
-               {.start = 0x4800, .length = 276, .control = 0x22, .type = ECT_SM_MAILBOX_IN},                          \
-               {.start = 0x1000, .length = output_bytes, .control = 0x64, .type = ECT_SM_OUTPUTS},                    \
-               {.start = 0x2800, .length = input_bytes, .control = 0x20, .type = ECT_SM_INPUTS}},                     \
-        .sm_count = 4, .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}, .fmmu_count = 3,          \
-        .mailbox_protocols = ECT_MAILBOX_COE,                                                                         \
-        .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS,                 \
-        .physics = "YY",                                                                                              \
-        .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                    \
-        .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},      \
-        .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                       \
-        .instance_size = sizeof(eclink_t), .pdo_runs = 2, .init = eclink_init, .state_change = eclink_state_change,   \
-        .outputs = eclink_outputs, .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,     \
-        .signal_write = eclink_signal_write, .signal_groups = eclink_signal_groups,                                   \
-        .signal_group_count = ECLINK_SIGNAL_GROUPS,                                                                   \
+#define BASE_UNIT(cli_name, what, node_name, product, object_list, output_bytes, input_bytes)                          \
+    {                                                                                                                  \
+        .name = cli_name, .summary = what, .type_name = node_name, .group_type = "VR-BU",                              \
+        .group_name = "Vision Remote base units", .hardware_version = HARDWARE_VERSION,                                \
+        .software_version = SOFTWARE_VERSION,                                                                          \
+        .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = product, .revision = REVISION, .serial = 1},       \
+        .esc = "np40", .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01}, .sii_size = 4096,                           \
+        .sm = {{.start = 0x4000, .length = 276, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},                          \
+               {.start = 0x4800, .length = 276, .control = 0x22, .type = ECT_SM_MAILBOX_IN},                           \
+               {.start = 0x1000, .length = output_bytes, .control = 0x64, .type = ECT_SM_OUTPUTS},                     \
+               {.start = 0x2800, .length = input_bytes, .control = 0x20, .type = ECT_SM_INPUTS}},                      \
+        .sm_count = 4, .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}, .fmmu_count = 3,           \
+        .mailbox_protocols = ECT_MAILBOX_COE,                                                                          \
+        .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS, .physics = "YY", \
+        .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                     \
+        .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},       \
+        .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                        \
+        .instance_size = sizeof(eclink_t), .pdo_runs = 2, .init = eclink_init, .state_change = eclink_state_change,    \
+        .outputs = eclink_outputs, .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,      \
+        .signal_write = eclink_signal_write, .signal_groups = eclink_signal_groups,                                    \
+        .signal_group_count = ECLINK_SIGNAL_GROUPS,                                                                    \
     }
 
 const ect_device_t ect_eclink_map1 = BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only",
                                                "VR-BU-ECT-Map1", PRODUCT_MAP1, objects_map1, 0, 66);
 const ect_device_t ect_eclink_map3 = BASE_UNIT("vr-bu-ect-map3", "Vision Remote base unit, Input + Commands",
                                                "VR-BU-ECT-Map3", PRODUCT_MAP3, objects_map3, 24, 66);
-const ect_device_t ect_eclink_map7 = BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard",
-                                               "VR-BU-ECT-Map7", PRODUCT_MAP7, objects_map7, 228, 66);
+const ect_device_t ect_eclink_map7 = BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard", "VR-BU-ECT-Map7",
+                                               PRODUCT_MAP7, objects_map7, 228, 66);
 const ect_device_t ect_eclink_multiarm = BASE_UNIT("vr-bu-ect-multiarm", "Vision Remote base unit, MultiArm",
                                                    "VR-BU-ECT-MultiArm", PRODUCT_MULTIARM, objects_multiarm, 228, 142);

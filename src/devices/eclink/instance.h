@@ -125,7 +125,7 @@ typedef struct eclink_queue {
 /** A remote unit, as signals `ruN.*`. */
 typedef struct eclink_ru {
     uint16_t id;
-    uint8_t on;    /* switched on and in radio range */
+    uint8_t on; /* switched on and in radio range */
     uint8_t armed;
     uint8_t stop;  /* stop switch pressed */
     uint8_t shock; /* free fall or shock was detected */
@@ -140,10 +140,10 @@ typedef struct eclink_ru {
     uint8_t encoder_switch;
     int16_t joystick[ECLINK_JOYSTICKS];
     int16_t switches[ECLINK_SWITCHES];
-    uint8_t fitted[ECLINK_SWITCHES]; /* eclink_equipment_t */
+    uint8_t fitted[ECLINK_SWITCHES];       /* eclink_equipment_t */
     uint8_t command[ECLINK_COMMAND_BYTES]; /* writing it sends it */
 
-    uint8_t state;    /* from here on what the twin makes of it */
+    uint8_t state; /* from here on what the twin makes of it */
     uint8_t c_link;
     uint8_t g_link;
     uint8_t received[ECLINK_COMMAND_BYTES]; /* the last command from the controller */
@@ -174,7 +174,7 @@ typedef struct eclink_bu {
     uint32_t overflows; /* commands that were turned away */
     uint32_t periodic_sets;
     uint32_t periodic_errors;
-    uint16_t periodic_size; /* of the last complete set */
+    uint16_t periodic_size;  /* of the last complete set */
     uint32_t periodic_check; /* CRC-32 of it */
 } eclink_bu_t;
 
@@ -201,11 +201,11 @@ typedef struct eclink {
     uint8_t armed_count;
     uint8_t blocked; /* remotes that were lost while armed, a bit each */
 
-    bool exchanging;      /* OP: process data flow */
-    bool good_once;       /* there was a good exchange since power-on */
-    bool outputs_known;   /* outputs have come since OP was entered */
+    bool exchanging;    /* OP: process data flow */
+    bool good_once;     /* there was a good exchange since power-on */
+    bool outputs_known; /* outputs have come since OP was entered */
     bool pco_alive;
-    bool config_refused;  /* the configuration that would have led out of `refused_in` */
+    bool config_refused; /* the configuration that would have led out of `refused_in` */
     uint8_t refused_in;
     uint8_t last_pco, last_cco;
     uint64_t pco_deadline_ns;

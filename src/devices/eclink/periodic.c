@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Periodic output data: blocks of 200 bytes, reassembled in any order; a set is handed over when it is complete, and the
- * next one is assembled beside it (TS-0007 §10.4).
+ * Periodic output data: blocks of 200 bytes, reassembled in any order; a set is handed over when it is complete, and
+ * the next one is assembled beside it (TS-0007 §10.4).
  */
 #include <string.h>
 

@@ -3,11 +3,13 @@
 #include "devices/eclink/instance.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-#define SIGNAL(type, access, member, name, kind, minimum, maximum, unit, meaning)                                     \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(type, member), minimum, maximum}
-#define BU(access, member, name, kind, minimum, maximum, unit, meaning)                                               \
+#define SIGNAL(type, access, member, name, kind, minimum, maximum, unit, meaning)                                      \
+    {                                                                                                                  \
+        name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(type, member), minimum, maximum          \
+    }
+#define BU(access, member, name, kind, minimum, maximum, unit, meaning)                                                \
     SIGNAL(eclink_bu_t, access, member, name, kind, minimum, maximum, unit, meaning)
-#define RU(access, member, name, kind, minimum, maximum, unit, meaning)                                               \
+#define RU(access, member, name, kind, minimum, maximum, unit, meaning)                                                \
     SIGNAL(eclink_ru_t, access, member, name, kind, minimum, maximum, unit, meaning)
 
 static const ect_signal_t bu_signals[] = {
@@ -61,7 +63,8 @@ static const ect_signal_t ru_signals[] = {
     RU(WRITE, switches[6], "switch7", I16, -1, 1000, NULL, "switch 7, range as fitted"),
     RU(WRITE, switches[7], "switch8", I16, -1, 1000, NULL, "switch 8, range as fitted"),
     RU(WRITE, fitted[0], "fitted1", U8, 0, 6, NULL,
-       "0 nothing, 1 pushbutton, 2 two positions, 3 three positions, 4 potentiometer, 5 pushbutton with LED, 6 dual LED"),
+       "0 nothing, 1 pushbutton, 2 two positions, 3 three positions, 4 potentiometer, 5 pushbutton with LED, 6 dual "
+       "LED"),
     RU(WRITE, fitted[1], "fitted2", U8, 0, 6, NULL, "what is fitted at position 2"),
     RU(WRITE, fitted[2], "fitted3", U8, 0, 6, NULL, "what is fitted at position 3"),
     RU(WRITE, fitted[3], "fitted4", U8, 0, 6, NULL, "what is fitted at position 4"),
@@ -81,7 +84,11 @@ static const ect_signal_t ru_signals[] = {
 };
 
 const ect_signal_group_t eclink_signal_groups[ECLINK_SIGNAL_GROUPS] = {
-    {.prefix = "bu", .count = 0, .signal_count = COUNT(bu_signals), .offset = offsetof(eclink_t, bu), .signals = bu_signals},
+    {.prefix = "bu",
+     .count = 0,
+     .signal_count = COUNT(bu_signals),
+     .offset = offsetof(eclink_t, bu),
+     .signals = bu_signals},
     {.prefix = "ru",
      .count = ECLINK_RUS,
      .signal_count = COUNT(ru_signals),

@@ -9,6 +9,5 @@ static int al_event(void *ctx, uint32_t *event)
 
 ect_pdi_t ect_virtual_pdi(ect_esc_t *esc)
 {
-    return (ect_pdi_t){
-        .ctx = esc, .read = ect_esc_pdi_read, .write = ect_esc_pdi_write, .al_event = al_event};
+    return (ect_pdi_t){.ctx = esc, .read = ect_esc_pdi_read, .write = ect_esc_pdi_write, .al_event = al_event};
 }
