@@ -288,7 +288,7 @@ int main(int argc, char **argv)
     if (argc > 5)
         cmocka_set_test_filter(argv[5]);
     const struct CMUnitTest tests[] = {
-        TEST("CF-057: name and identity in the SII equal 1008h and 1018h", identity_from_sii_and_coe),
+        TEST("ECL-001 CF-057: name and identity in the SII equal 1008h and 1018h", identity_from_sii_and_coe),
         TEST("ECL-006..009 ECL-010: sizes from CoE by Complete Access", sizes_from_coe),
         TEST("ECL-006..009: sizes from CoE by single accesses", sizes_without_complete_access),
         TEST("ECL-006..009 CF-061: sizes from the SII alone, and OP with them", sizes_from_sii),

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "plant.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cjson/cJSON.h>
+#include <cmocka.h>
+
+enum { LINE_ROOM = 1024, WORD_ROOM = 64 };
+
+static FILE *connection(void)
+{
+    static FILE *twin;
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const char *path = getenv("ECTWIN_SOCKET");
+    if (twin)
+        return twin;
+    if (!path || strlen(path) >= sizeof address.sun_path)
+        fail_msg("no ECTWIN_SOCKET: run this test under 'ectwin with'");
+    memcpy(address.sun_path, path, strlen(path) + 1);
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0 || connect(fd, (const struct sockaddr *)&address, sizeof address) != 0)
+        fail_msg("no twin answers at %s", path);
+    twin = fdopen(fd, "r+");
+    assert_non_null(twin);
+    return twin;
+}
+
+static cJSON *answer(void)
+{
+    char line[LINE_ROOM];
+    if (!fgets(line, sizeof line, connection()))
+        fail_msg("the twin has ended");
+    return cJSON_Parse(line);
+}
+
+static void ask(const char *op, const char *key, const char *name, const char *value)
+{
+    fprintf(connection(), "{\"op\":\"%s\",\"%s\":\"%s\",\"value\":\"%s\"}\n", op, key, name, value);
+    fflush(connection());
+}
+
+static const char *text_of(const cJSON *object, const char *key)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, key));
+    return text ? text : "";
+}
+
+/* @return whether it was taken; else `message` says why */
+static int set(const char *name, const char *value, char message[LINE_ROOM])
+{
+    ask("set", "name", name, value);
+    cJSON *verdict = answer();
+    int taken = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(verdict, "ok"));
+    snprintf(message, LINE_ROOM, "%s", text_of(verdict, "message"));
+    cJSON_Delete(verdict);
+    return taken;
+}
+
+void plant_set(const char *name, const char *value)
+{
+    char message[LINE_ROOM];
+    if (!set(name, value, message))
+        fail_msg("%s=%s: %s", name, value, message);
+}
+
+void plant_set_all(const char *settings)
+{
+    char name[WORD_ROOM], value[WORD_ROOM];
+    int used = 0;
+    while (sscanf(settings, " %63[^=]=%63s%n", name, value, &used) == 2) {
+        plant_set(name, value);
+        settings += used;
+    }
+}
+
+void plant_refuses(const char *name, const char *value, const char *why)
+{
+    char message[LINE_ROOM];
+    if (set(name, value, message))
+        fail_msg("%s=%s was taken; expected a refusal: %s", name, value, why);
+    if (!strstr(message, why))
+        fail_msg("%s=%s: expected a refusal with '%s', got '%s'", name, value, why, message);
+}
+
+const char *plant_get(const char *name)
+{
+    static char value[LINE_ROOM];
+    ask("get", "pattern", name, "");
+    cJSON *line = answer();
+    if (!cJSON_HasObjectItem(line, "value"))
+        fail_msg("no signal %s", name);
+    snprintf(value, sizeof value, "%s", text_of(line, "value"));
+    cJSON_Delete(line);
+    cJSON_Delete(answer()); /* "ok" */
+    return value;
+}
+
+long long plant_number(const char *name)
+{
+    return strtoll(plant_get(name), NULL, 10);
+}
