@@ -2,9 +2,12 @@
 #include "bus/chain.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "ports/virtual/virtual.h"
 #include "sii/sii.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
 
 typedef struct twin {
     ect_twin_config_t config;
@@ -31,7 +34,7 @@ static void *allocate(twin_t *twin, size_t size)
     return block;
 }
 
-static bool make_esc(twin_t *twin, uint8_t open_ports, uint64_t now_ns)
+static bool make_esc(twin_t *twin, uint8_t open_ports)
 {
     const ect_twin_config_t *c = &twin->config;
     const ect_esc_personality_t *personality = ect_esc_personality(c->device->esc);
@@ -41,7 +44,7 @@ static bool make_esc(twin_t *twin, uint8_t open_ports, uint64_t now_ns)
     uint8_t *sii = allocate(twin, c->device->sii_size);
     if (!memory || !sii || ect_sii_write(c->device, &c->identity, c->alias, sii, c->device->sii_size) < 0)
         return false;
-    const ect_esc_config_t config = {
+    twin->esc.config = (ect_esc_config_t){
         .personality = personality,
         .memory = memory,
         .sii = sii,
@@ -49,26 +52,47 @@ static bool make_esc(twin_t *twin, uint8_t open_ports, uint64_t now_ns)
         .open_ports = open_ports,
         .keep_source_mac = c->keep_source_mac,
     };
-    return ect_esc_init(&twin->esc, &config, now_ns) == 0;
+    return true;
 }
 
-static bool make_slave(twin_t *twin, uint64_t now_ns)
+static bool make_slave(twin_t *twin)
 {
     ect_slave_memory_t need = ect_slave_memory(twin->config.device);
     if (!ect_slave_check(twin->config.device))
         return false;
     twin->pdi = ect_virtual_pdi(&twin->esc);
-    ect_slave_config_t config = {
+    twin->slave.config = (ect_slave_config_t){
         .device = twin->config.device,
         .pdi = &twin->pdi,
         .identity = &twin->config.identity,
+        .storage = twin->config.storage,
         .instance = allocate(twin, need.instance),
         .mailbox = allocate(twin, need.mailbox),
         .process_data = allocate(twin, need.process_data),
         .runs = allocate(twin, need.runs * sizeof(ect_pdo_run_t)),
-        .device_id = twin->config.alias,
     };
-    return ect_slave_init(&twin->slave, &config, now_ns) == 0;
+    return true;
+}
+
+/* For the first time or again: what controller, stack and device are made of stays, all else starts anew. */
+static bool power_on(twin_t *twin, uint64_t now_ns)
+{
+    const ect_device_t *device = twin->config.device;
+    ect_esc_config_t esc = twin->esc.config;
+    ect_slave_config_t slave = twin->slave.config;
+    slave.device_id = twin->config.alias;
+    if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
+        return false;
+    uint16_t switches = device->station_alias ? device->station_alias(slave.instance) : 0;
+    if (switches != 0) {
+        uint8_t alias[2];
+        ect_store_le16(alias, switches);
+        (void)twin->pdi.write(twin->pdi.ctx, ECT_REG_STATION_ALIAS, alias, sizeof alias);
+        slave.device_id = switches;
+    }
+    memset(slave.instance, 0, device->instance_size - device->plant_size);
+    twin->deadline_ns = now_ns;
+    return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
 
 ect_twin_config_t ect_twin_default(const ect_device_t *device)
@@ -87,9 +111,8 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
         uint8_t open_ports = i + 1 < count ? PORT_IN | PORT_OUT : PORT_IN;
         twin_t *twin = &chain->twins[i];
         twin->config = twins[i];
-        twin->deadline_ns = now_ns;
         twin->linked = true;
-        if (!make_esc(twin, open_ports, now_ns) || !make_slave(twin, now_ns)) {
+        if (!make_esc(twin, open_ports) || !make_slave(twin) || !power_on(twin, now_ns)) {
             ect_chain_free(chain);
             return NULL;
         }
@@ -137,6 +160,8 @@ static void poll_twin(twin_t *twin, uint64_t now_ns)
     twin->seen = ect_esc_activity(&twin->esc);
     uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = esc_ns < slave_ns ? esc_ns : slave_ns;
+    if (twin->slave.restart)
+        (void)power_on(twin, now_ns); /* what was possible once is again */
 }
 
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)

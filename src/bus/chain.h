@@ -18,10 +18,11 @@
 
 /** One twin of a chain. */
 typedef struct ect_twin_config {
-    const ect_device_t *device; /**< must outlive the chain */
-    ect_identity_t identity;    /**< who it says it is; copied */
-    uint16_t alias;             /**< configured station alias and explicit device id; 0 none */
-    bool keep_source_mac;       /**< do not set the bit that an ESC sets in the source address */
+    const ect_device_t *device;   /**< must outlive the chain */
+    ect_identity_t identity;      /**< who it says it is; copied */
+    uint16_t alias;               /**< configured station alias and explicit device id; 0 none */
+    const ect_storage_t *storage; /**< its non-volatile memory, must outlive the chain; NULL: none */
+    bool keep_source_mac;         /**< do not set the bit that an ESC sets in the source address */
 } ect_twin_config_t;
 
 typedef struct ect_chain ect_chain_t;

@@ -146,7 +146,10 @@ typedef struct ect_host {
     /** Takes the slave off the bus, as if its ports were unplugged, or puts it back. */
     void (*off_bus)(void *ctx, bool off);
 
-    /** Power-cycles the slave: AL state INIT, SyncManagers off, device initialised anew. */
+    /**
+     * Wants a power cycle, of controller, stack and device. Whoever drives the slave does it after the present poll (a
+     * firmware resets its processor): the instance is zeroed but for its plant, and initialised anew.
+     */
     void (*restart)(void *ctx);
 
     /** Non-volatile memory, or NULL when this installation has none. */
@@ -197,13 +200,20 @@ typedef struct ect_device {
 
     /* --- how it behaves -------------------------------------------------------------------------------------- */
     size_t instance_size; /**< bytes of instance memory that the caller provides, aligned as by malloc */
-    uint16_t pdo_runs;    /**< contiguous pieces that its largest process image falls into, both directions */
+    size_t plant_size; /**< its last bytes: what stands outside the device (switches, cameras) and outlasts a restart */
+    uint16_t pdo_runs; /**< contiguous pieces that its largest process image falls into, both directions */
 
     /**
-     * Power-on: brings zeroed instance memory to its start values.
+     * Power-on: brings instance memory, zeroed but for the plant, to its start values.
      * @param identity, host  valid as long as the instance; the device keeps the pointers or copies the values
      */
     void (*init)(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
+
+    /**
+     * Setting of the device's address switches, 0 none: becomes the configured station alias (0x0012) and the explicit
+     * device identification. Asked at power-on, before init, by whoever drives the slave.
+     */
+    uint16_t (*station_alias)(const void *instance);
 
     /**
      * A transition upwards is about to be confirmed, or one downwards has happened. A transition upwards may be asked

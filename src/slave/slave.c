@@ -139,10 +139,7 @@ static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
-    ect_machine_outputs_off(s); /* a restart in OP leaves OP too */
-    memset(s->config.instance, 0, device->instance_size);
     ((ect_standard_t *)s->config.instance)->device = device;
-    memset(s, 0, offsetof(ect_slave_t, config)); /* everything that a running slave knows of its state */
     s->state = ECT_STATE_INIT;
     s->status_dirty = true;
     s->tick_ns = s->now_ns;
@@ -204,8 +201,6 @@ static void exchange(ect_slave_t *s, uint32_t event)
 
 static void device_requests(ect_slave_t *s)
 {
-    if (s->restart)
-        power_on(s);
     if (s->drop_state != 0) {
         uint8_t to = s->drop_state;
         s->drop_state = 0;

@@ -94,7 +94,7 @@ typedef struct ect_slave_config {
     const ect_pdi_t *pdi;
     const ect_identity_t *identity; /**< NULL: the description's */
     const ect_storage_t *storage;   /**< NULL: none */
-    void *instance;                 /**< ect_slave_memory().instance bytes */
+    void *instance;                 /**< ect_slave_memory().instance bytes, zero but for its plant (device.h) */
     uint8_t *mailbox;               /**< ... mailbox bytes: one request, two replies; NULL without a mailbox */
     uint8_t *process_data;          /**< ... process_data bytes; NULL without process data */
     ect_pdo_run_t *runs;            /**< ... runs elements */
@@ -181,7 +181,7 @@ typedef struct ect_slave {
     bool pending_done;
     bool request_due;   /* AL control has yet to be carried out: new, or its PDI accesses failed */
     uint8_t drop_state; /* wanted by the device, 0: none */
-    bool restart;
+    bool restart;      /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
     bool off_bus;      /**< public, read only: the device wants to be off the bus */
     uint8_t sm_off;    /* SyncManagers that are to be off from the PDI side, a bit each */
     uint8_t sm_due;    /* those whose PDI control register has yet to be written */
@@ -199,7 +199,7 @@ typedef struct ect_slave {
     uint16_t output_runs;
     uint16_t input_runs;
     uint32_t due;              /* AL events whose registers have yet to be read */
-    ect_slave_config_t config; /* what stands before it is zero at power-on */
+    ect_slave_config_t config;
     ect_mailbox_t mailbox;
     ect_sdo_t sdo;
     ect_od_t od;

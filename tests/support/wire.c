@@ -5,21 +5,31 @@
 
 enum { ETHERNET = 14, ECAT_HEADER = 2, DATAGRAM_HEADER = 10, WKC = 2, MAIL_HEADER = 6 };
 
-void wire_open(wire_t *w, const ect_device_t *const *devices, size_t count)
+void wire_open_twins(wire_t *w, const ect_twin_config_t *twins, size_t count)
 {
-    ect_twin_config_t twins[64];
-    assert_true(count <= sizeof twins / sizeof twins[0]);
     memset(w, 0, sizeof *w);
     w->now_ns = 1000 * MS;
-    for (size_t i = 0; i < count; i++)
-        twins[i] = ect_twin_default(devices[i]);
     w->chain = ect_chain_new(twins, count, w->now_ns);
     assert_non_null(w->chain);
-    for (size_t i = 0; i < count; i++) {
+    wire_assign_stations(w);
+}
+
+void wire_assign_stations(wire_t *w)
+{
+    for (size_t i = 0; i < ect_chain_count(w->chain); i++) {
         uint8_t address[2];
         ect_store_le16(address, (uint16_t)(WIRE_STATION + i));
         assert_int_equal(wire_send(w, APWR, (uint16_t)(0 - i), ECT_REG_STATION_ADDRESS, address, 2), 1);
     }
+}
+
+void wire_open(wire_t *w, const ect_device_t *const *devices, size_t count)
+{
+    ect_twin_config_t twins[64];
+    assert_true(count <= sizeof twins / sizeof twins[0]);
+    for (size_t i = 0; i < count; i++)
+        twins[i] = ect_twin_default(devices[i]);
+    wire_open_twins(w, twins, count);
 }
 
 void wire_open_one(wire_t *w, const ect_device_t *device)

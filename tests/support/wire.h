@@ -34,7 +34,11 @@ typedef struct wire {
     uint8_t mail_counter;
 } wire_t;
 
-/* A chain of `count` devices, addresses assigned, clock at 1 s. */
+/* A chain of twins, addresses assigned, clock at 1 s. */
+void wire_open_twins(wire_t *w, const ect_twin_config_t *twins, size_t count);
+/* Anew, after a power cycle. */
+void wire_assign_stations(wire_t *w);
+/* Twins as described. */
 void wire_open(wire_t *w, const ect_device_t *const *devices, size_t count);
 void wire_open_one(wire_t *w, const ect_device_t *device);
 void wire_close(wire_t *w);

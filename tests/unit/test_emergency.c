@@ -286,6 +286,7 @@ static void restart_forgets(void **state)
         raise_emergency(t, n);
     t->host->restart(t->host->ctx);
     wire_advance(&w, 2 * MS);
+    wire_assign_stations(&w);
     wire_go(&w, 0, ECT_STATE_PREOP);
     expect_nothing(&w);
     assert_int_equal(error_register(&w), 0);

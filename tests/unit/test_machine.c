@@ -36,12 +36,7 @@ static void open_with_alias(wire_t *w, const ect_device_t *device, uint16_t alia
 {
     ect_twin_config_t twin = ect_twin_default(device);
     twin.alias = alias;
-    memset(w, 0, sizeof *w);
-    w->now_ns = 1000 * MS;
-    w->chain = ect_chain_new(&twin, 1, w->now_ns);
-    assert_non_null(w->chain);
-    uint8_t address[2] = {WIRE_STATION & 0xFF, WIRE_STATION >> 8};
-    assert_int_equal(wire_send(w, APWR, 0, ECT_REG_STATION_ADDRESS, address, 2), 1);
+    wire_open_twins(w, &twin, 1);
 }
 
 static ect_slave_t *slave_of(wire_t *w)
@@ -1113,6 +1108,16 @@ static void sm_changed_in_a_delay(void **state)
 
 /* --- restart ----------------------------------------------------------------------------------------------------- */
 
+/* The power cycle that the device wants; the master has to find the slave anew. */
+static void restart(wire_t *w)
+{
+    testdev_t *t = testdev_of(w, 0);
+    t->host->restart(t->host->ctx);
+    ect_chain_wake(w->chain, 0);
+    wire_poll(w);
+    wire_assign_stations(w);
+}
+
 static void restarts(void **state)
 {
     (void)state;
@@ -1124,8 +1129,7 @@ static void restarts(void **state)
         if (states[s] == OP)
             outputs(&w, 0xFF);
         t->u32 = 1;
-        t->host->restart(t->host->ctx);
-        (void)ect_slave_poll(slave_of(&w), w.now_ns);
+        restart(&w);
         expect(&w, "restart", INIT, 0);
         assert_int_equal(t->inits, 1);
         assert_int_equal(t->u32, 0x11223344);
@@ -1143,20 +1147,16 @@ static void restart_forgets(void **state)
     wire_t w;
     open_with_alias(&w, &testdev, 0x0042);
     go_with_error(&w, PREOP, 0x8001);
-    testdev_t *t = testdev_of(&w, 0);
-    t->host->restart(t->host->ctx);
-    (void)ect_slave_poll(slave_of(&w), w.now_ns);
+    restart(&w);
     expect(&w, "restart with an error", INIT, 0);
     wire_go(&w, 0, SAFEOP);
     request(&w, OP);
-    t->host->restart(t->host->ctx);
-    (void)ect_slave_poll(slave_of(&w), w.now_ns);
+    restart(&w);
     wire_advance(&w, 20000 * MS);
     expect(&w, "restart while OP waits", INIT, 0);
     wire_go(&w, 0, PREOP);
     ask(&w, "identification", PREOP | ID, PREOP | ID, 0x0042);
-    t->host->restart(t->host->ctx);
-    (void)ect_slave_poll(slave_of(&w), w.now_ns);
+    restart(&w);
     expect(&w, "restart with identification shown", INIT, 0);
     wire_close(&w);
 }

@@ -109,6 +109,7 @@ static void start_slave(rig_t *r)
         ect_slave_config_t config = r->slave->config;
         r->dead = false;
         memset(config.mailbox, 0xC3, ect_slave_memory(config.device).mailbox);
+        memset(config.instance, 0, config.device->instance_size);
         result = ect_slave_init(r->slave, &config, r->w.now_ns);
         assert_true(result == 0 || result == -3);
     }
