@@ -119,6 +119,10 @@ static void reset_registers(ect_esc_t *esc)
     ect_store_le16(m + ECT_REG_WD_DIVIDER, 0x09C2);
     ect_store_le16(m + ECT_REG_WD_TIME_PDI, 0x03E8);
     ect_store_le16(m + ECT_REG_WD_TIME_PD, 0x03E8);
+    if (ect_esc_dc_present(esc)) {
+        ect_store_le16(m + ECT_REG_DC_SPEED_START, 0x1000);
+        ect_store_le16(m + ECT_REG_DC_FILTER, 0x0C04);
+    }
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++)
         ect_esc_sm_reset(esc, n);
 }
@@ -145,6 +149,8 @@ int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns
                        .memory = config->memory,
                        .memory_size = (uint32_t)ECT_ESC_MEMORY_SIZE(config->personality->ram_kb),
                        .now_ns = now_ns,
+                       .power_on_ns = now_ns,
+                       .sync0_ns = UINT64_MAX,
                        .watchdog_ns = UINT64_MAX};
     memset(esc->memory, 0, esc->memory_size);
     write_identity(esc);
@@ -179,7 +185,8 @@ uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)
     uint64_t next = esc->watchdog_ns;
     if (esc->sii_command != 0 && esc->sii_done_ns < next)
         next = esc->sii_done_ns;
-    return next;
+    uint64_t sync0_ns = ect_esc_dc_tick(esc);
+    return sync0_ns < next ? sync0_ns : next;
 }
 
 uint32_t ect_esc_al_event(const ect_esc_t *esc)

@@ -58,6 +58,8 @@ typedef struct ect_esc {
     uint32_t memory_size;
     ect_esc_sm_t sm[ECT_ESC_MAX_SM];
     uint64_t now_ns;
+    uint64_t power_on_ns; /**< when the local clock was 0 */
+    uint64_t sync0_ns;    /**< when the next SYNC0 comes; UINT64_MAX: not running */
     uint64_t watchdog_ns; /**< when the process-data watchdog expires; UINT64_MAX: not running */
     uint64_t sii_done_ns; /**< when the pending SII command finishes; 0: none pending */
     uint8_t sii_command;
@@ -110,7 +112,7 @@ int ect_esc_pdi_read(void *esc, uint16_t address, void *buffer, uint16_t length)
 int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t length);
 
 /**
- * Lets time pass: watchdog expiry and the end of SII commands. Call it before PDI accesses that come at a new time.
+ * Lets time pass: watchdog expiry, the end of SII commands, SYNC0. Call it before PDI accesses that come at a new time.
  * @return the time at which something will happen next without an access, or UINT64_MAX.
  */
 uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);

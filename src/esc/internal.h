@@ -9,6 +9,7 @@
  *   syncman.c    SyncManagers: who may enter which buffer
  *   fmmu.c       logical addresses
  *   sii.c        the EEPROM interface
+ *   dc.c         distributed clocks
  *   esc.c        reset, time, events
  */
 #ifndef ECT_ESC_INTERNAL_H
@@ -57,6 +58,17 @@ void ect_esc_sii_load(ect_esc_t *esc, bool power_on);
 void ect_esc_sii_tick(ect_esc_t *esc);
 bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 void ect_esc_sii_end_of_frame(ect_esc_t *esc);
+
+/* dc.c */
+bool ect_esc_dc_present(const ect_esc_t *esc);
+uint64_t ect_esc_dc_tick(ect_esc_t *esc);
+void ect_esc_dc_refresh(ect_esc_t *esc);
+bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+bool ect_esc_dc_write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+bool ect_esc_dc_activate(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+void ect_esc_dc_acknowledge(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* esc.c */
 void ect_esc_raise(ect_esc_t *esc, uint32_t al_event);

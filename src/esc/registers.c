@@ -160,16 +160,6 @@ static bool write_fmmu(ect_esc_t *esc, const ect_access_t *access, uint16_t addr
     return any;
 }
 
-/* Without distributed clocks the receive times still count a write (that is how a real chip without DC answers). */
-static bool write_receive_time(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
-{
-    (void)esc;
-    (void)access;
-    (void)address;
-    (void)length;
-    return true;
-}
-
 /* Ascending, not overlapping. */
 static const block_t blocks[] = {
     {0x0010, 0x0011, write_plain, NULL, NULL},
@@ -194,7 +184,16 @@ static const block_t blocks[] = {
     {0x0500, 0x050F, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
     {0x0600, 0x067F, write_fmmu, NULL, NULL},
     {0x0800, 0x083F, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
-    {0x0900, 0x0903, write_receive_time, NULL, NULL},
+    {0x0900, 0x0903, ect_esc_dc_latch, NULL, NULL},
+    {0x0910, 0x0913, ect_esc_dc_compare, NULL, NULL},
+    {0x0920, 0x092B, ect_esc_dc_write_plain, NULL, NULL},
+    {0x0930, 0x0931, ect_esc_dc_write_speed, NULL, NULL},
+    {0x0934, 0x0935, ect_esc_dc_write_plain, NULL, NULL},
+    {0x0980, 0x0980, ect_esc_dc_write_plain, NULL, NULL},
+    {0x0981, 0x0981, ect_esc_dc_activate, NULL, NULL},
+    {0x098E, 0x098E, NULL, NULL, ect_esc_dc_acknowledge},
+    {0x0990, 0x0997, ect_esc_dc_write_plain, NULL, NULL},
+    {0x09A0, 0x09A9, ect_esc_dc_write_plain, NULL, NULL},
     {0x0F00, 0x0F03, write_plain, NULL, NULL},
     {0x0F10, 0x0F17, write_plain, write_plain, NULL},
     {0x0F80, 0x0FFF, write_plain, write_plain, NULL},
@@ -203,19 +202,16 @@ static const block_t blocks[] = {
 /* The unit of distributed clocks, but for the receive times, is absent without the feature bit. */
 enum { DC_FIRST = 0x0910, DC_END = 0x0A00 };
 
-static bool dc_absent(const ect_esc_t *esc)
-{
-    return (esc->config.personality->features & ECT_FEATURE_DC) == 0;
-}
-
 static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint16_t end = (uint16_t)(address + length);
-    uint16_t hole_first = dc_absent(esc) ? DC_FIRST : end;
-    uint16_t hole_end = dc_absent(esc) ? DC_END : end;
+    uint16_t hole_first = ect_esc_dc_present(esc) ? end : DC_FIRST;
+    uint16_t hole_end = ect_esc_dc_present(esc) ? end : DC_END;
     uint16_t before = (uint16_t)(end < hole_first ? end : hole_first);
     uint16_t after = (uint16_t)(address > hole_end ? address : hole_end);
     bool any = false;
+    if (end > DC_FIRST && address < DC_END)
+        ect_esc_dc_refresh(esc);
     if (before > address) {
         ect_esc_copy(access, esc->memory + address, 0, (uint16_t)(before - address));
         any = true;
