@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Record: how data lie in a ::ect_storage_t so that a power cut at any moment leaves the record before.
+ *
+ * A bank holds one record: a header of 16 bytes (magic, sequence number, length, CRC-32 over sequence, length and data)
+ * and its data. A new one goes into the bank that does not hold the newest; its header is written last and makes it
+ * valid. Who uses it chooses the magic number, and with it what the data mean.
+ *
+ * Writing: ::ect_record_begin with the length, ::ect_record_put until all is there, ::ect_record_commit.
+ * Reading: ::ect_record_find, then ::ect_record_get at any offset.
+ */
+#ifndef ECT_SEAMS_RECORD_H
+#define ECT_SEAMS_RECORD_H
+
+#include <stdbool.h>
+
+#include "seams/storage.h"
+#include "wire/bytes.h"
+#include "wire/crc.h"
+
+enum { ECT_RECORD_HEADER = 16, ECT_RECORD_PIECE = 32 };
+
+/** A record that was found, or one that is being written. */
+typedef struct ect_record {
+    const ect_storage_t *medium;
+    uint32_t sequence;
+    uint32_t length; /**< of the data, bytes */
+    uint32_t check;
+    uint32_t at; /**< writing: where the next piece goes */
+    unsigned int bank;
+} ect_record_t;
+
+static inline uint32_t ect_record_check_start(uint32_t sequence, uint32_t length)
+{
+    uint8_t bytes[8];
+    ect_store_le32(bytes, sequence);
+    ect_store_le32(bytes + 4, length);
+    return ect_crc32(0xFFFFFFFF, bytes, sizeof bytes);
+}
+
+/** Reads data of a found record; offset + length <= r->length. @return whether the medium answered */
+static inline bool ect_record_get(const ect_record_t *r, uint32_t offset, void *data, uint32_t length)
+{
+    return r->medium->read(r->medium->ctx, r->bank, ECT_RECORD_HEADER + offset, data, length) >= 0;
+}
+
+static inline bool ect_record_data_good(const ect_record_t *r)
+{
+    uint8_t piece[ECT_RECORD_PIECE];
+    uint32_t crc = ect_record_check_start(r->sequence, r->length);
+    for (uint32_t at = 0; at < r->length; at += ECT_RECORD_PIECE) {
+        uint32_t size = r->length - at < ECT_RECORD_PIECE ? r->length - at : ECT_RECORD_PIECE;
+        if (!ect_record_get(r, at, piece, size))
+            return false;
+        crc = ect_crc32(crc, piece, size);
+    }
+    return crc == r->check;
+}
+
+static inline bool ect_record_read_header(const ect_storage_t *m, unsigned int bank, uint32_t magic, ect_record_t *r)
+{
+    uint8_t header[ECT_RECORD_HEADER];
+    if (m->bank_size < ECT_RECORD_HEADER || m->read(m->ctx, bank, 0, header, ECT_RECORD_HEADER) < 0 ||
+        ect_load_le32(header) != magic)
+        return false;
+    *r = (ect_record_t){.medium = m,
+                        .bank = bank,
+                        .sequence = ect_load_le32(header + 4),
+                        .length = ect_load_le32(header + 8),
+                        .check = ect_load_le32(header + 12)};
+    return r->length <= m->bank_size - ECT_RECORD_HEADER && ect_record_data_good(r);
+}
+
+/** Finds the newest valid record. @param[out] r  set when there is one @return whether there is one */
+static inline bool ect_record_find(const ect_storage_t *m, uint32_t magic, ect_record_t *r)
+{
+    ect_record_t found[2];
+    bool valid[2] = {ect_record_read_header(m, 0, magic, &found[0]), ect_record_read_header(m, 1, magic, &found[1])};
+    if (!valid[0] && !valid[1])
+        return false;
+    *r = found[valid[1] && (!valid[0] || (int32_t)(found[1].sequence - found[0].sequence) > 0) ? 1 : 0];
+    return true;
+}
+
+/** Makes room for a record of `length` bytes beside the newest one. @return whether it fits and the medium answers */
+static inline bool ect_record_begin(ect_record_t *r, const ect_storage_t *m, uint32_t magic, uint32_t length)
+{
+    ect_record_t newest = {.bank = 1};
+    (void)ect_record_find(m, magic, &newest);
+    *r = (ect_record_t){.medium = m,
+                        .bank = newest.bank ^ 1u,
+                        .sequence = newest.sequence + 1,
+                        .length = length,
+                        .check = ect_record_check_start(newest.sequence + 1, length),
+                        .at = ECT_RECORD_HEADER};
+    return m->bank_size >= ECT_RECORD_HEADER && length <= m->bank_size - ECT_RECORD_HEADER &&
+           m->erase(m->ctx, r->bank) >= 0;
+}
+
+/** Writes the next piece of data. @return whether the medium answered */
+static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t length)
+{
+    if (r->medium->write(r->medium->ctx, r->bank, r->at, data, length) < 0)
+        return false;
+    r->check = ect_crc32(r->check, data, length);
+    r->at += length;
+    return true;
+}
+
+/** Makes the record the newest one, once all of its data are there. @return whether the medium answered */
+static inline bool ect_record_commit(const ect_record_t *r, uint32_t magic)
+{
+    uint8_t header[ECT_RECORD_HEADER];
+    ect_store_le32(header, magic);
+    ect_store_le32(header + 4, r->sequence);
+    ect_store_le32(header + 8, r->length);
+    ect_store_le32(header + 12, r->check);
+    return r->medium->write(r->medium->ctx, r->bank, 0, header, ECT_RECORD_HEADER) >= 0;
+}
+
+#endif
