@@ -25,7 +25,7 @@ check() {
 check wire
 check od wire
 check esc wire
-check seams od
+check seams wire od
 check slave wire seams od
 check sii wire seams od
 for device in "$src"/devices/*/; do

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An FZM1 in memory.
+ *
+ *   fzm1.c        the description: objects, layout
+ *   controller.c  time and process data: what is due happens in the order of its times, then the signals are published
+ *   measure.c     STEP, READY, BUSY: image input, the queue of images, results
+ *   commands.c    EXE, FLG: the eleven commands
+ *   output.c      DSA, GATE: the output area, with and without handshaking
+ *   scenes.c      what is measured: scenes, where their values come from
+ *   save.c        what "Save to unit" keeps
+ *   signals.c     the user's side
+ *
+ * All times are nanoseconds of the caller's clock; ECT_NEVER: nothing is due.
+ */
+#ifndef ECT_DEVICES_FZM1_INSTANCE_H
+#define ECT_DEVICES_FZM1_INSTANCE_H
+
+#include <stdbool.h>
+
+#include "seams/standard.h"
+
+/** Control signals of the command area (Q179 §4-1). */
+enum { FZM1_EXE = 0x00000001, FZM1_STEP = 0x00000002, FZM1_DSA = 0x00010000 };
+
+/** Control signals of the response area; FLG by OM-C4. */
+enum {
+    FZM1_FLG = 0x00000001,
+    FZM1_BUSY = 0x00000002,
+    FZM1_READY = 0x00000004,
+    FZM1_OR = 0x00000008,
+    FZM1_RUN = 0x00000010,
+    FZM1_ERR = 0x00008000,
+    FZM1_GATE = 0x00010000,
+};
+
+/** Command codes (§4-3): the word at +2 is the lower one. */
+enum {
+    FZM1_START_CONTINUOUS = 0x00101020,
+    FZM1_END_CONTINUOUS = 0x00101030,
+    FZM1_CLEAR = 0x00102010,
+    FZM1_SAVE = 0x00103010,
+    FZM1_RESTART = 0x0010F010,
+    FZM1_GET_SCENE = 0x00201000,
+    FZM1_GET_GROUP = 0x00202000,
+    FZM1_SWITCH_SCENE = 0x00301000,
+    FZM1_SWITCH_GROUP = 0x00302000,
+    FZM1_GET_UNIT_DATA = 0x00401000,
+    FZM1_SET_UNIT_DATA = 0x00501000,
+};
+
+/** External reference numbers of the Fieldbus Data Output item (§3-3). */
+enum { FZM1_REF_JUDGEMENT = 0, FZM1_REF_DATA0 = 5, FZM1_REF_DATA7 = 12, FZM1_REF_FORMAT = 150 };
+
+enum { FZM1_OK = 0, FZM1_NG = -1 };
+enum { FZM1_NONE = 0, FZM1_HANDSHAKING = 1 };     /**< output control */
+enum { FZM1_FIXED_POINT = 0, FZM1_FLOATING = 1 }; /**< output format */
+enum { FZM1_DATA = 8, FZM1_UNITS = 8, FZM1_GROUPS = 32, FZM1_COMMENT = 32 };
+enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16, FZM1_TABLE = 256 };
+
+/** Scenes of a scene group; a firmware that needs fewer may define it so. */
+#ifndef FZM1_SCENES
+#define FZM1_SCENES 128
+#endif
+
+/** Where a value comes from, on top of the scene's own. */
+enum { FZM1_SOURCE_FIXED, FZM1_SOURCE_RAMP, FZM1_SOURCE_SINE, FZM1_SOURCE_RANDOM, FZM1_SOURCE_TABLE };
+
+/** One scene: its flow of processing units, and what they will find. */
+typedef struct fzm1_scene {
+    double data[FZM1_DATA];
+    int16_t judgement[FZM1_UNITS]; /* 1 OK, -1 NG */
+    uint8_t units;                 /* in the flow */
+    uint8_t output_unit;           /* which of them is Fieldbus Data Output */
+    uint8_t format;
+} fzm1_scene_t;
+
+/** What one measurement found. */
+typedef struct fzm1_result {
+    double data[FZM1_DATA];
+    int16_t judgement[FZM1_UNITS];
+    int16_t overall;
+} fzm1_result_t;
+
+/** System data: what the setting windows show (§3-2). */
+typedef struct fzm1_settings {
+    uint8_t fieldbus; /* 0 OFF, 1 EtherCAT */
+    uint8_t output_control;
+    uint8_t output_repeat;  /* without handshaking and without a new result: the last one again */
+    uint16_t output_period; /* 0.1 ms */
+    uint16_t output_time;   /* 0.1 ms */
+    uint16_t timeout;       /* 0.1 s */
+    uint16_t exe_timeout;   /* 0.1 s, 0: none */
+    char comment[FZM1_DATA][FZM1_COMMENT + 1];
+} fzm1_settings_t;
+
+typedef struct fzm1_row {
+    double data[FZM1_DATA];
+    int16_t judgement; /* 0: as the units say */
+} fzm1_row_t;
+
+/** What stands outside: the switch on the front, cameras, what they see. Outlasts a restart. */
+typedef struct fzm1_plant {
+    bool known;
+    uint8_t node_address;
+    uint8_t camera; /* 0: 0.3, 1: 2, 2: 5 million pixels */
+    uint32_t image_input_us;
+    uint32_t processing_us;
+    uint32_t command_us;
+    uint32_t switch_us;
+    uint32_t start_ms;
+    int16_t judgement; /* 0: as the units say, else that */
+    uint8_t source[FZM1_DATA];
+    double amplitude[FZM1_DATA];
+    uint32_t period[FZM1_DATA]; /* measurements */
+    uint32_t seed;
+    uint32_t random;
+    uint32_t shots;
+    fzm1_row_t row; /* the next one to be added */
+    uint16_t rows;
+    fzm1_row_t table[FZM1_TABLE];
+    uint32_t sdo_abort; /* the next SDO download is refused with it */
+} fzm1_plant_t;
+
+typedef struct fzm1 {
+    ect_standard_t standard;
+    ect_sync_data_t sync;
+
+    /* process data */
+    uint32_t control_in, command_code;
+    int32_t parameter[3];
+    uint32_t control_out, response_code, result_code;
+    int32_t response_data;
+    int32_t output[FZM1_DATA];
+
+    const ect_host_t *host;
+    uint64_t time_ns; /* up to when everything has happened */
+    uint32_t levels;  /* control signals as seen last */
+    bool levels_known;
+
+    fzm1_settings_t settings;
+    fzm1_scene_t scene; /* the current one, as it is worked on */
+    fzm1_scene_t scenes[FZM1_SCENES];
+    uint8_t scene_number, scene_group;
+
+    /* measurement */
+    uint8_t run; /* RUN window shown */
+    bool continuous;
+    bool measured;
+    fzm1_result_t last;
+    fzm1_result_t images[FZM1_IMAGES]; /* what has been taken in and waits, oldest first */
+    uint8_t first_image, image_count;
+    bool stalled; /* a result waits for room among the outputs */
+    uint64_t image_due_ns, processing_due_ns;
+
+    /* command */
+    bool executing, switching, flg;
+    uint32_t code;
+    int32_t arguments[3];
+    uint64_t command_due_ns, flg_due_ns;
+
+    /* output */
+    bool gate, dsa_was_off;
+    double waiting[FZM1_OUTPUTS][FZM1_DATA];
+    uint8_t first_output, output_count;
+    double shown[FZM1_DATA];
+    uint64_t gate_due_ns, next_output_ns, dsa_due_ns;
+
+    /* restart */
+    uint8_t starting; /* 0 no, 1 signals off, 2 off the bus */
+    uint64_t start_due_ns;
+
+    /* as signals */
+    uint8_t ready, busy, overall_ng, err;
+    char error_cause[48];
+    uint8_t gate_level, flg_level, continuous_level;
+    uint8_t trigger, save, restart, row_add, row_clear;
+    uint32_t measurements, outputs, discarded;
+
+    fzm1_plant_t plant; /* last: see ect_device_t::plant_size */
+} fzm1_t;
+
+enum { FZM1_SIGNAL_GROUPS = 1 };
+extern const ect_signal_group_t fzm1_signal_groups[FZM1_SIGNAL_GROUPS];
+
+/* controller.c: what the stack calls */
+void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
+uint16_t fzm1_station_alias(const void *instance);
+uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
+void fzm1_outputs(void *instance, uint64_t now_ns);
+uint64_t fzm1_tick(void *instance, uint64_t now_ns);
+void fzm1_begin_restart(fzm1_t *u);
+void fzm1_error(fzm1_t *u, const char *cause); /* NULL: none any more */
+
+/* signals.c */
+ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
+void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
+const char *fzm1_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                              uint64_t now_ns);
+
+/* measure.c */
+bool fzm1_ready(const fzm1_t *u);
+bool fzm1_busy(const fzm1_t *u);
+void fzm1_step(fzm1_t *u);
+void fzm1_measure_due(fzm1_t *u);
+void fzm1_complete(fzm1_t *u); /* the oldest image's measurement, unless the outputs have no room */
+void fzm1_start_continuous(fzm1_t *u);
+void fzm1_clear(fzm1_t *u);
+
+/* commands.c */
+void fzm1_exe(fzm1_t *u, bool rising);
+void fzm1_command_due(fzm1_t *u);
+
+/* output.c */
+bool fzm1_output_room(const fzm1_t *u);
+void fzm1_output_put(fzm1_t *u, const double *data);
+bool fzm1_output_step(fzm1_t *u); /* one change of GATE that is possible now; @return whether there was one */
+void fzm1_output_due(fzm1_t *u);
+void fzm1_output_reset(fzm1_t *u);
+uint64_t fzm1_output_next(const fzm1_t *u);
+int32_t fzm1_fixed_point(double value);
+
+/* scenes.c */
+void fzm1_default_scenes(fzm1_t *u);
+bool fzm1_switch_scene(fzm1_t *u, uint32_t number);
+bool fzm1_switch_group(fzm1_t *u, uint32_t number);
+void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
+
+/* save.c */
+bool fzm1_save(fzm1_t *u);
+void fzm1_load(fzm1_t *u);
+bool fzm1_load_group(fzm1_t *u, uint8_t group); /* into u->scenes; @return whether that group was ever saved */
+
+#endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+/* STEP, READY and BUSY (Q179 §4-4): images are taken in one after the other, and measured in the same order. */
+#include <string.h>
+
+#include "devices/fzm1/instance.h"
+
+/* Images that may be loaded and not measured yet; the 5 million pixel camera has no multiple image input. */
+static unsigned int image_room(const fzm1_t *u)
+{
+    static const uint8_t rooms[] = {16, 4, 1};
+    return rooms[u->plant.camera];
+}
+
+bool fzm1_ready(const fzm1_t *u)
+{
+    return u->run && u->starting == 0 && !u->continuous && !u->switching && u->image_due_ns == ECT_NEVER &&
+           u->image_count < image_room(u);
+}
+
+bool fzm1_busy(const fzm1_t *u)
+{
+    return u->switching || u->continuous || u->image_due_ns != ECT_NEVER || u->image_count > 0;
+}
+
+static void start_image(fzm1_t *u)
+{
+    u->image_due_ns = u->time_ns + u->plant.image_input_us * 1000ull;
+}
+
+static void start_processing(fzm1_t *u)
+{
+    u->processing_due_ns = u->time_ns + u->plant.processing_us * 1000ull;
+}
+
+void fzm1_step(fzm1_t *u)
+{
+    if (fzm1_ready(u))
+        start_image(u);
+}
+
+void fzm1_start_continuous(fzm1_t *u)
+{
+    u->continuous = true;
+    start_image(u);
+}
+
+static void image_taken(fzm1_t *u)
+{
+    u->image_due_ns = ECT_NEVER;
+    fzm1_take_image(u, &u->images[(u->first_image + u->image_count) % FZM1_IMAGES]);
+    u->image_count++;
+    if (u->image_count == 1)
+        start_processing(u);
+}
+
+void fzm1_complete(fzm1_t *u)
+{
+    u->processing_due_ns = ECT_NEVER;
+    u->stalled = !fzm1_output_room(u);
+    if (u->stalled)
+        return;
+    u->last = u->images[u->first_image];
+    u->measured = true;
+    u->measurements++;
+    u->overall_ng = u->last.overall < 0;
+    u->first_image = (uint8_t)((u->first_image + 1) % FZM1_IMAGES);
+    u->image_count--;
+    fzm1_output_put(u, u->last.data);
+    if (u->image_count > 0)
+        start_processing(u);
+    else if (u->continuous)
+        start_image(u);
+}
+
+void fzm1_measure_due(fzm1_t *u)
+{
+    if (u->image_due_ns <= u->time_ns)
+        image_taken(u);
+    if (u->processing_due_ns <= u->time_ns)
+        fzm1_complete(u);
+}
+
+/* OR and the output area stay as they are (as in the FZ3). */
+void fzm1_clear(fzm1_t *u)
+{
+    u->measured = false;
+    memset(&u->last, 0, sizeof u->last);
+}

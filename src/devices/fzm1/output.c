@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * DSA, GATE and the output area (Q179 §4-4). Results wait in the order of their measurements. Data are placed before
+ * GATE rises and stay until it has fallen.
+ */
+#include <string.h>
+
+#include "devices/fzm1/instance.h"
+
+#define TENTH_MS 100000ull
+#define TENTH_S  100000000ull
+
+/* The integer part of a thousandfold, at the limits of 32 bits the limit; what is no number is 0. */
+int32_t fzm1_fixed_point(double value)
+{
+    double scaled = value * 1000.0;
+    scaled += scaled < 0 ? -1e-6 : 1e-6; /* 12.345 has no exact double: its thousandfold is just below 12345 */
+    if (scaled != scaled)
+        return 0;
+    if (scaled >= 2147483647.0)
+        return INT32_MAX;
+    return scaled <= -2147483648.0 ? INT32_MIN : (int32_t)scaled;
+}
+
+static int32_t format(const fzm1_t *u, double value)
+{
+    if (u->scene.format == FZM1_FIXED_POINT)
+        return fzm1_fixed_point(value);
+    float single = (float)value;
+    int32_t bits;
+    memcpy(&bits, &single, sizeof bits);
+    return bits;
+}
+
+static bool handshaking(const fzm1_t *u)
+{
+    return u->settings.output_control == FZM1_HANDSHAKING;
+}
+
+bool fzm1_output_room(const fzm1_t *u)
+{
+    return u->output_count < FZM1_OUTPUTS;
+}
+
+void fzm1_output_put(fzm1_t *u, const double *data)
+{
+    memcpy(u->waiting[(u->first_output + u->output_count) % FZM1_OUTPUTS], data, sizeof u->waiting[0]);
+    u->output_count++;
+}
+
+/* A measurement that was held up by full outputs may go on. */
+static void drop_first(fzm1_t *u)
+{
+    u->first_output = (uint8_t)((u->first_output + 1) % FZM1_OUTPUTS);
+    u->output_count--;
+    if (u->stalled)
+        fzm1_complete(u);
+}
+
+static void show(fzm1_t *u)
+{
+    if (u->output_count > 0) {
+        memcpy(u->shown, u->waiting[u->first_output], sizeof u->shown);
+        drop_first(u);
+    }
+    for (unsigned int i = 0; i < FZM1_DATA; i++)
+        u->output[i] = format(u, u->shown[i]);
+    u->gate = true;
+    u->outputs++;
+}
+
+/* --- with handshaking --------------------------------------------------------------------------------------------- */
+
+static void expect_dsa(fzm1_t *u)
+{
+    u->dsa_due_ns = u->time_ns + u->settings.timeout * TENTH_S;
+}
+
+static bool step_handshake(fzm1_t *u)
+{
+    bool dsa = (u->levels & FZM1_DSA) != 0;
+    u->dsa_was_off |= !dsa;
+    if (u->gate && !dsa) {
+        u->gate = false;
+        u->dsa_due_ns = ECT_NEVER;
+        fzm1_error(u, NULL); /* the external device answers again */
+        return true;
+    }
+    if (u->gate || u->output_count == 0)
+        return false;
+    if (dsa && u->dsa_was_off) {
+        u->dsa_was_off = false;
+        show(u);
+        expect_dsa(u);
+        return true;
+    }
+    if (u->dsa_due_ns == ECT_NEVER)
+        expect_dsa(u);
+    return false;
+}
+
+/* Waiting for DSA to come, the result is given up; waiting for it to go, GATE is taken back. */
+static void dsa_timeout(fzm1_t *u)
+{
+    u->dsa_due_ns = ECT_NEVER;
+    fzm1_error(u, "time-out of the data output: no DSA");
+    if (u->gate) {
+        u->gate = false;
+        return;
+    }
+    u->discarded++;
+    drop_first(u);
+}
+
+/* --- without handshaking ------------------------------------------------------------------------------------------ */
+
+static bool to_show(const fzm1_t *u)
+{
+    return u->output_count > 0 || (u->settings.output_repeat && u->outputs > 0);
+}
+
+static bool step_period(fzm1_t *u)
+{
+    if (u->gate || !to_show(u) || u->next_output_ns > u->time_ns)
+        return false;
+    show(u);
+    u->gate_due_ns = u->time_ns + u->settings.output_time * TENTH_MS;
+    u->next_output_ns = u->time_ns + u->settings.output_period * TENTH_MS;
+    return true;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+bool fzm1_output_step(fzm1_t *u)
+{
+    if (u->starting != 0)
+        return false;
+    return handshaking(u) ? step_handshake(u) : step_period(u);
+}
+
+void fzm1_output_due(fzm1_t *u)
+{
+    if (u->gate_due_ns <= u->time_ns) {
+        u->gate_due_ns = ECT_NEVER;
+        u->gate = false;
+    }
+    if (u->dsa_due_ns <= u->time_ns)
+        dsa_timeout(u);
+}
+
+uint64_t fzm1_output_next(const fzm1_t *u)
+{
+    uint64_t next = u->gate_due_ns < u->dsa_due_ns ? u->gate_due_ns : u->dsa_due_ns;
+    bool waits = !handshaking(u) && !u->gate && u->starting == 0 && to_show(u);
+    return waits && u->next_output_ns < next ? u->next_output_ns : next;
+}
+
+/* The kind of output control has changed, or the controller starts. */
+void fzm1_output_reset(fzm1_t *u)
+{
+    u->gate = false;
+    u->dsa_was_off = true;
+    u->gate_due_ns = ECT_NEVER;
+    u->dsa_due_ns = ECT_NEVER;
+    u->next_output_ns = u->time_ns;
+}

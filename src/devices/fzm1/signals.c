@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: MIT */
+/* The user's side: settings, scene, plant and results by name; and what SDO writes ask for. */
+#include <string.h>
+
+#include "devices/fzm1/instance.h"
+
+#define SIGNAL(member, name, kind, access, minimum, maximum, unit, meaning)                                            \
+    {                                                                                                                  \
+        name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(fzm1_t, member), minimum, maximum        \
+    }
+#define R(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(member, name, kind, READ, minimum, maximum, unit, meaning)
+#define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(member, name, kind, WRITE, minimum, maximum, unit, meaning)
+
+#define LARGEST   999999999 /* of the FZ family's values (OM-C6) */
+#define MINUTE_US 60000000
+
+#define DATA(n) W(scene.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the scene measures as data " #n)
+#define SOURCE(n)                                                                                                      \
+    W(plant.source[n - 1], "source" #n, U8, 0, 4, NULL,                                                                \
+      "data " #n ": 0 as it is, plus 1 ramp, 2 sine, 3 random; 4 from the table")
+#define AMPLITUDE(n) W(plant.amplitude[n - 1], "amplitude" #n, REAL, -LARGEST, LARGEST, NULL, "of ramp, sine, random")
+#define PERIOD(n)    W(plant.period[n - 1], "period" #n, U32, 1, INT32_MAX, "measurements", "of ramp and sine")
+#define ROW(n)       W(plant.row.data[n - 1], "row" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the next row")
+#define RESULT(n)    R(last.data[n - 1], "result" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the last measurement")
+#define COMMENT(n)   W(settings.comment[n - 1], "comment" #n, TEXT, 0, FZM1_COMMENT, NULL, "comment on data " #n)
+#define JUDGEMENT(n)                                                                                                   \
+    W(scene.judgement[n], "judgement" #n, I16, -1, 1, NULL, "what unit " #n " of the scene will find: 1 OK, -1 NG")
+#define EIGHT(F) F(1), F(2), F(3), F(4), F(5), F(6), F(7), F(8)
+
+static const ect_signal_t signals[] = {
+    W(trigger, "trigger", BOOL, 0, 1, NULL, "writing 1 measures, as the rising edge of STEP does"),
+    W(scene_number, "scene", U8, 0, FZM1_SCENES - 1, NULL, "current scene"),
+    W(scene_group, "scene_group", U8, 0, FZM1_GROUPS - 1, NULL, "current scene group; begins with its scene 0"),
+    W(plant.judgement, "judgement", I16, -1, 1, NULL, "of the next measurements: 0 as the units find, 1 OK, -1 NG"),
+    EIGHT(DATA),
+    W(run, "run", BOOL, 0, 1, NULL, "RUN window shown; without it nothing is measured"),
+    W(err, "err", BOOL, 0, 1, NULL, "controller error; writing sets or clears it"),
+    W(plant.camera, "camera", U8, 0, 2, NULL, "0: 0.3, 1: 2, 2: 5 million pixels; 16, 4, 1 images may wait"),
+    W(plant.node_address, "node_address", U8, 0, 9, NULL, "switch on the front; takes effect at the next restart"),
+
+    W(settings.fieldbus, "fieldbus", BOOL, 0, 1, NULL, "0 OFF, 1 EtherCAT; saved, from the next restart on"),
+    W(settings.output_control, "output_control", U8, 0, 1, NULL, "0 None, 1 Handshaking"),
+    W(settings.output_period, "output_period", U16, 20, 50000, "0.1 ms", "None: from one output to the next"),
+    W(settings.output_time, "output_time", U16, 10, 10000, "0.1 ms", "None: how long GATE is on"),
+    W(settings.output_repeat, "output_repeat", BOOL, 0, 1, NULL,
+      "None: the last result again when there is no new one"),
+    W(settings.timeout, "timeout", U16, 5, 1200, "0.1 s", "Handshaking: how long DSA may keep it waiting"),
+    W(settings.exe_timeout, "exe_timeout", U16, 0, 1200, "0.1 s", "how long EXE may stay on after FLG; 0: for ever"),
+    W(scene.format, "output_format", U8, 0, 1, NULL, "0 fixed point, 1 floating point"),
+    EIGHT(COMMENT),
+
+    W(scene.units, "units", U8, 1, FZM1_UNITS, NULL, "processing units in the scene's flow"),
+    W(scene.output_unit, "output_unit", U8, 0, FZM1_UNITS - 1, NULL, "which of them is Fieldbus Data Output"),
+    JUDGEMENT(0),
+    JUDGEMENT(1),
+    JUDGEMENT(2),
+    JUDGEMENT(3),
+    JUDGEMENT(4),
+    JUDGEMENT(5),
+    JUDGEMENT(6),
+    JUDGEMENT(7),
+    EIGHT(SOURCE),
+    EIGHT(AMPLITUDE),
+    EIGHT(PERIOD),
+    W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "of the random values; writing it begins them anew"),
+    EIGHT(ROW),
+    W(plant.row.judgement, "row_judgement", I16, -1, 1, NULL, "judgement of the next row; 0 as the units find"),
+    W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds row1 to row8 to the table"),
+    W(row_clear, "row_clear", BOOL, 0, 1, NULL, "writing 1 empties the table"),
+    R(plant.rows, "rows", U16, 0, FZM1_TABLE, NULL, "rows of the table; measurements go through them in a circle"),
+
+    W(plant.image_input_us, "image_input", U32, 100, MINUTE_US, "us", "how long READY is off for a camera image"),
+    W(plant.processing_us, "processing", U32, 100, MINUTE_US, "us", "how long the measurement of an image takes"),
+    W(plant.command_us, "command_time", U32, 0, MINUTE_US, "us", "from EXE to FLG"),
+    W(plant.switch_us, "switch_time", U32, 0, MINUTE_US, "us", "from EXE to FLG when scene or group are switched"),
+    W(plant.start_ms, "start_time", U32, 1, 600000, "ms", "how long a restart keeps the slave off the bus"),
+    W(plant.sdo_abort, "sdo_abort", U32, 0, INT32_MAX, NULL, "abort code that refuses the next SDO download; 0 none"),
+    W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit"),
+    W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 restarts the controller"),
+
+    R(ready, "ready", BOOL, 0, 1, NULL, "READY"),
+    R(busy, "busy", BOOL, 0, 1, NULL, "BUSY"),
+    R(flg_level, "flg", BOOL, 0, 1, NULL, "FLG"),
+    R(gate_level, "gate", BOOL, 0, 1, NULL, "GATE"),
+    R(overall_ng, "or", BOOL, 0, 1, NULL, "OR: the overall judgement is NG"),
+    R(continuous_level, "continuous", BOOL, 0, 1, NULL, "continuous measurement"),
+    R(error_cause, "error_cause", TEXT, 0, sizeof(((fzm1_t *)0)->error_cause) - 1, NULL, "why ERR is on"),
+    R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
+    R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "times that data were output"),
+    R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for"),
+    R(image_count, "images", U8, 0, FZM1_IMAGES, NULL, "images that wait to be measured"),
+    R(output_count, "pending", U8, 0, FZM1_OUTPUTS, NULL, "results that wait to be output"),
+    R(last.overall, "overall", I16, -1, 1, NULL, "overall judgement of the last measurement, 0: none"),
+    EIGHT(RESULT),
+};
+
+const ect_signal_group_t fzm1_signal_groups[FZM1_SIGNAL_GROUPS] = {
+    {.signal_count = sizeof signals / sizeof signals[0], .signals = signals},
+};
+
+/* --- settings ----------------------------------------------------------------------------------------------------- */
+
+/* GATE has to fall before the next output (OM-C13). */
+static bool time_fits(uint16_t output_time, uint16_t output_period)
+{
+    return output_time < output_period;
+}
+
+static ect_reason_t check_setting(const fzm1_t *u, uint8_t subindex, const uint8_t *data)
+{
+    uint16_t number = (uint16_t)(data[0] | (subindex == 2 || subindex == 3 ? data[1] << 8 : 0));
+    switch (subindex) {
+    case 1:
+    case 5:
+        return number > 1 ? ECT_REASON_RANGE : ECT_OK;
+    case 2:
+        return time_fits(u->settings.output_time, number) ? ECT_OK : ECT_REASON_INCOMPATIBLE;
+    case 3:
+        return time_fits(number, u->settings.output_period) ? ECT_OK : ECT_REASON_INCOMPATIBLE;
+    default:
+        return ECT_OK;
+    }
+}
+
+static ect_reason_t reason_of(uint32_t abort_code)
+{
+    for (int reason = ECT_REASON_TOGGLE; reason < ECT_REASON_COUNT; reason++) {
+        if (ect_abort_code((ect_reason_t)reason) == abort_code)
+            return (ect_reason_t)reason;
+    }
+    return ECT_OK;
+}
+
+ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
+{
+    fzm1_t *u = instance;
+    (void)size;
+    if (u->plant.sdo_abort != 0) {
+        ect_reason_t reason = reason_of(u->plant.sdo_abort);
+        u->plant.sdo_abort = 0;
+        return reason;
+    }
+    return index == 0x2400 && data ? check_setting(u, subindex, data) : ECT_OK;
+}
+
+void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)
+{
+    fzm1_t *u = instance;
+    (void)now_ns;
+    if (index == 0x2401)
+        fzm1_error(u, NULL);
+    else if (index == 0x2400 && subindex == 1)
+        fzm1_output_reset(u);
+}
+
+/* --- from the user ------------------------------------------------------------------------------------------------ */
+
+#define IS(signal, member) ((signal)->offset == offsetof(fzm1_t, member))
+
+/* Of the codes that an FZM1 knows (Q179 §1-1) those are missing that came later or belong to objects it has not. */
+static bool known_abort(uint32_t code)
+{
+    static const uint8_t foreign[] = {ECT_REASON_SUBINDEX0, ECT_REASON_VARIABLE_LENGTH, ECT_REASON_MAILBOX_SIZE,
+                                      ECT_REASON_MAPPED,    ECT_REASON_MODULES,         ECT_REASON_RESOURCE,
+                                      ECT_REASON_NO_DATA};
+    ect_reason_t reason = reason_of(code);
+    return code == 0 || (reason != ECT_OK && !memchr(foreign, reason, sizeof foreign));
+}
+
+static const char *add_row(fzm1_t *u)
+{
+    if (u->plant.rows == FZM1_TABLE)
+        return "the table is full: empty it with row_clear";
+    u->plant.table[u->plant.rows++] = u->plant.row;
+    return "";
+}
+
+static const char *clear_rows(fzm1_t *u)
+{
+    u->plant.rows = 0;
+    return "";
+}
+
+static const char *save(fzm1_t *u)
+{
+    return fzm1_save(u) ? "" : "there is no memory to save to: start the twin with --store DIR";
+}
+
+static const char *trigger(fzm1_t *u)
+{
+    if (!fzm1_ready(u))
+        return "READY is off: a measurement is not possible now";
+    fzm1_step(u);
+    return "";
+}
+
+static const char *switch_to(fzm1_t *u, const ect_signal_t *signal, uint8_t number)
+{
+    if (fzm1_busy(u))
+        return "BUSY is on: a measurement is running";
+    if (IS(signal, scene_number))
+        (void)fzm1_switch_scene(u, number);
+    else
+        (void)fzm1_switch_group(u, number);
+    return "";
+}
+
+static const char *restart(fzm1_t *u)
+{
+    if (u->starting == 0)
+        fzm1_begin_restart(u);
+    return "";
+}
+
+/* Buttons: 1 presses, 0 is not a press. NULL: it is none of them. */
+static const char *press(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
+{
+    static const struct {
+        uint32_t offset;
+        const char *(*action)(fzm1_t *u);
+    } buttons[] = {{offsetof(fzm1_t, trigger), trigger},
+                   {offsetof(fzm1_t, save), save},
+                   {offsetof(fzm1_t, restart), restart},
+                   {offsetof(fzm1_t, row_add), add_row},
+                   {offsetof(fzm1_t, row_clear), clear_rows}};
+    for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
+        if (signal->offset == buttons[i].offset)
+            return value ? buttons[i].action(u) : "";
+    }
+    return NULL;
+}
+
+static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
+{
+    if (IS(signal, scene_number) || IS(signal, scene_group))
+        return switch_to(u, signal, value);
+    if (IS(signal, err))
+        fzm1_error(u, value ? "set by hand" : NULL);
+    if (IS(signal, run) && !value)
+        u->continuous = false;
+    if (IS(signal, settings.output_control))
+        fzm1_output_reset(u);
+    if (IS(signal, scene.output_unit) && value >= u->scene.units)
+        return "the flow has fewer units: set 'units' first";
+    if (IS(signal, scene.units) && value <= u->scene.output_unit)
+        return "the unit of Fieldbus Data Output would be cut off: set 'output_unit' first";
+    return press(u, signal, value);
+}
+
+static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t value)
+{
+    if (IS(signal, settings.output_period) && !time_fits(u->settings.output_time, (uint16_t)value))
+        return "the output time must be shorter than the period: set 'output_time' first";
+    if (IS(signal, settings.output_time) && !time_fits((uint16_t)value, u->settings.output_period))
+        return "the output time must be shorter than the period: set 'output_period' first";
+    if (IS(signal, plant.sdo_abort) && !known_abort(value))
+        return "not one of the 26 abort codes of the FZM1";
+    if (IS(signal, plant.seed))
+        u->plant.random = value;
+    return NULL;
+}
+
+const char *fzm1_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                              uint64_t now_ns)
+{
+    fzm1_t *u = instance;
+    uint16_t half;
+    uint32_t word;
+    (void)number;
+    (void)fzm1_tick(u, now_ns);
+    switch (signal->type) {
+    case ECT_SIGNAL_BOOL:
+    case ECT_SIGNAL_U8:
+        return write_byte(u, signal, *(const uint8_t *)value);
+    case ECT_SIGNAL_U16:
+        memcpy(&half, value, sizeof half);
+        return write_number(u, signal, half);
+    case ECT_SIGNAL_U32:
+        memcpy(&word, value, sizeof word);
+        return write_number(u, signal, word);
+    case ECT_SIGNAL_I16:
+        memcpy(&half, value, sizeof half);
+        return half == 0 && signal->offset >= offsetof(fzm1_t, scene.judgement) &&
+                       signal->offset < offsetof(fzm1_t, scene.judgement) + sizeof u->scene.judgement
+                   ? "a unit finds 1 (OK) or -1 (NG)"
+                   : NULL;
+    default:
+        return NULL;
+    }
+}
