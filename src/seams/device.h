@@ -232,7 +232,8 @@ typedef struct ect_device {
     void (*inputs)(void *instance, uint64_t now_ns);
 
     /**
-     * The device's own time. Called once after init, then at or after the time that the last call returned.
+     * The device's own time. Called once after init, then at or after the time that the last call returned, and soon
+     * after outputs, a lower state, an SDO write or a signal was told to the device.
      * @return when to call again (> now_ns), or ECT_NEVER.
      */
     uint64_t (*tick)(void *instance, uint64_t now_ns);

@@ -151,6 +151,7 @@ static void go_down(ect_slave_t *s, uint8_t target)
     s->status_dirty = true;
     if (device->state_change)
         (void)device->state_change(s->config.instance, from, target, s->now_ns);
+    ect_slave_wake(s);
 }
 
 void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_cause_t cause)

@@ -180,6 +180,7 @@ void ect_pdo_outputs(ect_slave_t *s, bool apply)
     unpack(s);
     if (device->outputs)
         device->outputs(s->config.instance, s->now_ns);
+    ect_slave_wake(s); /* they may have set deadlines */
 }
 
 bool ect_pdo_inputs(ect_slave_t *s)

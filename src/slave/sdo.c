@@ -326,6 +326,7 @@ static ect_reason_t written(ect_slave_t *s, const ect_entry_t *entry)
     uint16_t index = s->sdo.object->index;
     if (device->sdo_written)
         device->sdo_written(s->config.instance, index, (uint8_t)entry->subindex, s->now_ns);
+    ect_slave_wake(s);
     return s->sdo.complete ? ECT_OK : ect_services_written(s, index, (uint8_t)entry->subindex);
 }
 

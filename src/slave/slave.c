@@ -186,7 +186,7 @@ static void tick(ect_slave_t *s)
     s->inputs_due = true;
 }
 
-static void exchange(ect_slave_t *s, uint32_t event)
+static void take_outputs(ect_slave_t *s, uint32_t event)
 {
     if (s->state < ECT_STATE_SAFEOP)
         return;
@@ -195,7 +195,11 @@ static void exchange(ect_slave_t *s, uint32_t event)
         ect_pdo_outputs(s, s->outputs_live);
     if ((event & (ECT_EVENT_SM2 | ECT_EVENT_SM3)) != 0)
         s->inputs_due = true;
-    if (s->inputs_due && ect_pdo_inputs(s))
+}
+
+static void give_inputs(ect_slave_t *s)
+{
+    if (s->state >= ECT_STATE_SAFEOP && s->inputs_due && ect_pdo_inputs(s))
         s->inputs_due = false;
 }
 
@@ -226,15 +230,16 @@ uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
         if ((s->due & ECT_EVENT_WATCHDOG) != 0)
             ect_machine_watchdog(s);
     }
+    take_outputs(s, event);
     tick(s);
     device_requests(s);
-    exchange(s, event);
+    give_inputs(s);
     ect_machine_pending(s);
     if (s->status_dirty || s->sm_due != 0)
         (void)ect_machine_report(s);
     if (s->mailbox.running)
         ect_mailbox_poll(s, event);
-    if (s->failed || s->restart || s->drop_state != 0 || (s->pending != 0 && s->pending_done))
-        return now_ns + SOON_NS; /* the PDI failed, or the device asked for something meanwhile */
+    if (s->failed || s->tick_ns == 0 || s->restart || s->drop_state != 0 || (s->pending != 0 && s->pending_done))
+        return now_ns + SOON_NS; /* the PDI failed, the device asked for something meanwhile, or was told something */
     return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
 }

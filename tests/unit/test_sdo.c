@@ -1260,7 +1260,8 @@ static void mandatory_objects_of(const ect_device_t *device)
     upload_number(&w, device->name, 0x1C12, 0, 1, device->sm[2].length > 0 ? 1 : 0);
     if (device->sm[2].length > 0)
         upload_number(&w, device->name, 0x1C12, 1, 2, 0x1600);
-    upload_number(&w, device->name, 0x1C13, 0, 1, 1);
+    const ect_od_t od = {.objects = device->objects, .count = device->object_count};
+    upload_number(&w, device->name, 0x1C13, 0, 1, ect_od_find(&od, 0x1A01) ? 2 : 1);
     upload_number(&w, device->name, 0x1C13, 1, 2, 0x1A00);
     upload_number(&w, device->name, 0x1000, 0, 4, device == &testdev ? 0x12345678 : 0);
     upload_text(&w, device->name, 0x1008, device->type_name);

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/** @file A PLC in front of an FZM1 at position 0 of a ::wire_t, in virtual time. */
+#ifndef TESTS_SUPPORT_SENSOR_H
+#define TESTS_SUPPORT_SENSOR_H
+
+#include "devices/fzm1/instance.h"
+#include "support/signals.h"
+#include "support/wire.h"
+
+typedef struct sensor {
+    wire_t w;
+    uint8_t out[20];
+    uint8_t in[48];
+} sensor_t;
+
+/* Into OP, all signals off, the bus watchdog switched off; image input 5 ms, processing 20 ms, commands 1 ms. */
+void sensor_open(sensor_t *s);
+void sensor_open_with(sensor_t *s, const ect_storage_t *storage);
+/* From INIT (again) to OP. */
+void sensor_operational(sensor_t *s);
+void sensor_close(sensor_t *s);
+fzm1_t *sensor_instance(sensor_t *s);
+
+/* Sends the command area as it stands, then reads the inputs. Takes no time. */
+void sensor_exchange(sensor_t *s);
+/* Control signals on or off, and exchanges. */
+void sensor_set(sensor_t *s, uint32_t signals, bool on);
+/* Reads the inputs; @return the control signals */
+uint32_t sensor_look(sensor_t *s);
+/* Lets time pass, then looks. */
+uint32_t sensor_wait(sensor_t *s, uint64_t ns);
+/* Asserts which of `mask` are on, now. */
+void sensor_expect(sensor_t *s, const char *when, uint32_t mask, uint32_t want);
+/* How long until the signals of `mask` become `want`: nanoseconds; fails after a minute. */
+uint64_t sensor_until(sensor_t *s, uint32_t mask, uint32_t want);
+int32_t sensor_data(sensor_t *s, unsigned int n); /* 1..8 */
+
+/* Writes a command's code and parameters, not EXE. */
+void sensor_prepare(sensor_t *s, uint32_t code, int32_t p1, int32_t p2, int32_t p3);
+/* The whole handshake. @return response code; *data, unless NULL, is the response data */
+uint32_t sensor_command(sensor_t *s, uint32_t code, int32_t p1, int32_t p2, int32_t p3, int32_t *data);
+/* STEP's rising edge and, when READY has gone, its fall. */
+void sensor_step(sensor_t *s);
+
+/* Non-volatile memory in RAM: two banks; writing stops for good after `budget` bytes (UINT32_MAX: never). */
+enum { SENSOR_BANK = 400000 };
+typedef struct sensor_memory {
+    ect_storage_t storage;
+    uint8_t *bank[2];
+    uint32_t budget;
+} sensor_memory_t;
+void sensor_memory_open(sensor_memory_t *m);
+void sensor_memory_close(sensor_memory_t *m);
+
+#endif

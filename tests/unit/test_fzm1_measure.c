@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: MIT */
+/* Measurement by STEP and continuously, READY, BUSY, OR, and what is measured (Q179 §4-2, §4-4). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/sensor.h"
+
+enum { MASK = FZM1_READY | FZM1_BUSY };
+
+static sensor_t s;
+
+static int setup(void **state)
+{
+    (void)state;
+    sensor_open(&s);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    sensor_close(&s);
+    return 0;
+}
+
+static long long measurements(void)
+{
+    return signal_number(&s.w, "measurements");
+}
+
+static void power_on(void **state)
+{
+    (void)state;
+    sensor_expect(&s, "after power-on", 0xFFFFFFFF, FZM1_READY | FZM1_RUN);
+}
+
+static void one_step(void **state)
+{
+    (void)state;
+    sensor_set(&s, FZM1_STEP, true);
+    sensor_expect(&s, "STEP on", MASK, FZM1_BUSY);
+    assert_int_equal(sensor_until(&s, FZM1_READY, FZM1_READY), 5 * MS);
+    sensor_expect(&s, "image taken", MASK, MASK);
+    sensor_set(&s, FZM1_STEP, false);
+    assert_int_equal(sensor_until(&s, FZM1_BUSY, 0), 20 * MS);
+    assert_int_equal(measurements(), 1);
+    sensor_expect(&s, "measured", MASK, FZM1_READY);
+}
+
+static void edge_not_level(void **state)
+{
+    (void)state;
+    sensor_set(&s, FZM1_STEP, true);
+    sensor_wait(&s, 1000 * MS);
+    assert_int_equal(measurements(), 1);
+    for (int i = 0; i < 10; i++) {
+        sensor_exchange(&s);
+        sensor_wait(&s, 100 * MS);
+    }
+    assert_int_equal(measurements(), 1);
+    sensor_set(&s, FZM1_STEP, false);
+    sensor_wait(&s, 100 * MS);
+    assert_int_equal(measurements(), 1);
+    sensor_set(&s, FZM1_STEP, true);
+    sensor_wait(&s, 100 * MS);
+    assert_int_equal(measurements(), 2);
+}
+
+static void not_ready(void **state)
+{
+    (void)state;
+    sensor_step(&s);
+    sensor_wait(&s, 2 * MS);
+    sensor_set(&s, FZM1_STEP, true); /* during image input: not accepted, and not later either */
+    sensor_wait(&s, 100 * MS);
+    assert_int_equal(measurements(), 1);
+    sensor_expect(&s, "no error from it", FZM1_ERR | MASK, FZM1_READY);
+}
+
+static void level_at_start(void **state)
+{
+    (void)state;
+    sensor_step(&s);
+    sensor_wait(&s, 100 * MS);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    ect_store_le32(s.out, FZM1_STEP | FZM1_EXE);
+    sensor_exchange(&s);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_OP, NULL), ECT_STATE_OP);
+    sensor_exchange(&s);
+    sensor_exchange(&s);
+    sensor_wait(&s, 100 * MS);
+    assert_int_equal(measurements(), 1);
+    sensor_expect(&s, "levels that OP begins with start nothing", MASK | FZM1_FLG, FZM1_READY);
+}
+
+/* Steps as fast as READY allows; how many images wait when READY stays off. */
+static void queue(void **state)
+{
+    static const struct {
+        const char *camera;
+        unsigned int room;
+    } rows[] = {{"0", 16}, {"1", 4}, {"2", 1}};
+    (void)state;
+    signal_set(&s.w, "processing", "10000000");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        long long before = measurements();
+        signal_set(&s.w, "camera", rows[i].camera);
+        for (unsigned int n = 0; n < rows[i].room; n++) {
+            sensor_step(&s);
+            sensor_wait(&s, 5 * MS);
+            bool full = n + 1 == rows[i].room;
+            sensor_expect(&s, full ? "no room for another image" : "room for another image", MASK,
+                          full ? FZM1_BUSY : MASK);
+        }
+        assert_int_equal(signal_number(&s.w, "images"), rows[i].room);
+        sensor_set(&s, FZM1_STEP, true);
+        sensor_set(&s, FZM1_STEP, false);
+        signal_set(&s.w, "processing", "1000");
+        (void)sensor_until(&s, MASK, FZM1_READY);
+        assert_int_equal(measurements() - before, rows[i].room);
+        signal_set(&s.w, "processing", "10000000");
+    }
+}
+
+static void busy_until_all_are_done(void **state)
+{
+    (void)state;
+    sensor_step(&s);
+    sensor_wait(&s, 5 * MS);
+    sensor_step(&s);
+    sensor_wait(&s, 5 * MS);
+    sensor_expect(&s, "two images", MASK, MASK);
+    assert_int_equal(sensor_until(&s, FZM1_BUSY, 0), 35 * MS); /* 5 + 20 + 20 since the first STEP, 10 have passed */
+    assert_int_equal(measurements(), 2);
+}
+
+static void order(void **state)
+{
+    (void)state;
+    char value[16];
+    for (int n = 1; n <= 5; n++) {
+        snprintf(value, sizeof value, "%d", n);
+        signal_set(&s.w, "data1", value);
+        sensor_step(&s);
+        sensor_wait(&s, 5 * MS);
+    }
+    for (int n = 1; n <= 5; n++) {
+        while (measurements() < n)
+            sensor_wait(&s, MS);
+        assert_int_equal(signal_number(&s.w, "result1"), n); /* as the image was when it was taken */
+    }
+}
+
+static void continuous(void **state)
+{
+    (void)state;
+    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+    for (int n = 1; n <= 10; n++) {
+        sensor_wait(&s, 25 * MS);
+        sensor_expect(&s, "continuous", MASK, FZM1_BUSY);
+        assert_int_equal(measurements(), n);
+    }
+    sensor_set(&s, FZM1_STEP, true);
+    sensor_set(&s, FZM1_STEP, false);
+    assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
+    (void)sensor_until(&s, MASK, FZM1_READY);
+    assert_int_equal(measurements(), 11); /* the one under way is finished */
+    sensor_wait(&s, 500 * MS);
+    assert_int_equal(measurements(), 11);
+    assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
+}
+
+static void late_polls(void **state)
+{
+    (void)state;
+    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+    s.w.now_ns += 2500 * MS; /* nobody polled meanwhile */
+    wire_poll(&s.w);
+    assert_int_equal(measurements(), 100);
+}
+
+static void overall_judgement(void **state)
+{
+    static const struct {
+        const char *signal, *value;
+        uint32_t or_signal;
+    } rows[] = {{"judgement1", "-1", FZM1_OR}, {"judgement1", "1", 0},        {"judgement", "-1", FZM1_OR},
+                {"judgement", "0", 0},         {"judgement3", "-1", FZM1_OR}, {"judgement", "1", 0},
+                {"judgement", "0", FZM1_OR},   {"judgement3", "1", 0},        {"judgement5", "-1", 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint32_t before = sensor_look(&s) & FZM1_OR;
+        signal_set(&s.w, rows[i].signal, rows[i].value);
+        sensor_expect(&s, "not measured yet", FZM1_OR, before);
+        sensor_step(&s);
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+        sensor_expect(&s, rows[i].signal, FZM1_OR, rows[i].or_signal);
+    }
+}
+
+static void run_window(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "run", "0");
+    sensor_expect(&s, "another window", FZM1_RUN | MASK, 0);
+    sensor_set(&s, FZM1_STEP, true);
+    sensor_set(&s, FZM1_STEP, false);
+    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0xFFFFFFFF);
+    signal_set(&s.w, "run", "1");
+    sensor_expect(&s, "RUN window", FZM1_RUN | MASK, FZM1_RUN | FZM1_READY);
+    assert_int_equal(measurements(), 0);
+}
+
+static void trigger(void **state)
+{
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    (void)state;
+    signal_set(&s.w, "trigger", "1");
+    sensor_expect(&s, "trigger", MASK, FZM1_BUSY);
+    assert_false(signal_try_set(&s.w, "trigger", "1", message));
+    assert_non_null(strstr(message, "READY"));
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    assert_int_equal(measurements(), 1);
+}
+
+static double measure(const char *result)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    sensor_step(&s);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    signal_get(&s.w, result, text);
+    return strtod(text, NULL);
+}
+
+static void generators(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "data1", "10");
+    signal_set(&s.w, "amplitude1", "4");
+    signal_set(&s.w, "period1", "8");
+    signal_set(&s.w, "source1", "1");
+    sensor_instance(&s)->plant.shots = 0;
+    for (int n = 0; n < 20; n++)
+        assert_true(fabs(measure("result1") - (10 + 4.0 * (n % 8) / 8)) < 1e-6);
+    signal_set(&s.w, "source1", "2");
+    for (int n = 20; n < 40; n++)
+        assert_true(fabs(measure("result1") - (10 + 4 * sin(2 * 3.14159265358979 * n / 8))) < 1e-6);
+    double first[10];
+    signal_set(&s.w, "source1", "3");
+    signal_set(&s.w, "seed", "4711");
+    double least = 100, largest = -100;
+    for (int n = 0; n < 10; n++) {
+        first[n] = measure("result1");
+        least = first[n] < least ? first[n] : least;
+        largest = first[n] > largest ? first[n] : largest;
+    }
+    assert_true(least >= 6 && largest <= 14 && largest - least > 1);
+    signal_set(&s.w, "seed", "4711");
+    for (int n = 0; n < 10; n++)
+        assert_true(measure("result1") == first[n]);
+}
+
+static void table(void **state)
+{
+    (void)state;
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    for (int n = 0; n < 3; n++) {
+        signal_set(&s.w, "row2", n == 0 ? "1.5" : n == 1 ? "2.5" : "3.5");
+        signal_set(&s.w, "row_judgement", n == 1 ? "-1" : "0");
+        signal_set(&s.w, "row_add", "1");
+    }
+    signal_set(&s.w, "source2", "4");
+    for (int n = 0; n < 7; n++) {
+        assert_true(fabs(measure("result2") - (1.5 + n % 3)) < 1e-9);
+        sensor_expect(&s, "judgement of the row", FZM1_OR, n % 3 == 1 ? FZM1_OR : 0);
+    }
+    for (int n = 3; n < 256; n++)
+        signal_set(&s.w, "row_add", "1");
+    assert_false(signal_try_set(&s.w, "row_add", "1", message));
+    signal_set(&s.w, "row_clear", "1");
+    assert_int_equal(signal_number(&s.w, "rows"), 0);
+    assert_true(measure("result2") == 0);
+}
+
+static void clear(void **state)
+{
+    int32_t data = 7;
+    (void)state;
+    signal_set(&s.w, "data1", "5");
+    signal_set(&s.w, "judgement", "-1");
+    sensor_step(&s);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    (void)sensor_until(&s, FZM1_GATE, 0);
+    assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, 3, 0, 0, &data), 0);
+    assert_int_equal(data, -1000);
+    assert_int_equal(sensor_command(&s, FZM1_CLEAR, 0, 0, 0, NULL), 0);
+    assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, 3, 0, 0, &data), 0);
+    assert_int_equal(data, 0);
+    assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, 3, 5, 0, &data), 0);
+    assert_int_equal(data, 0);
+    sensor_expect(&s, "OR and the output area stay", FZM1_OR, FZM1_OR);
+    assert_int_equal(sensor_data(&s, 1), 5000);
+}
+
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("FZM-046 FZM-048 FZM-049: ready and in the RUN window after power-on", power_on),
+        TEST(
+            "FZM-041 FZM-044 FZM-046 FZM-064 FZM-065 FZM-066 FZM-068 OM-C3: STEP: BUSY on and READY off at once, READY "
+            "after 5 ms image input, BUSY off 20 ms later",
+            one_step),
+        TEST("FZM-063: the rising edge of STEP measures, not its level", edge_not_level),
+        TEST("FZM-046: STEP while READY is off is not accepted, then or later", not_ready),
+        TEST("FZM-004 FZM-063: levels with which OP begins are no edges", level_at_start),
+        TEST("FZM-067: 16, 4 or 1 images may wait, by camera; READY says so", queue),
+        TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
+        TEST("FZM-067: pending images are measured in their order, with what they showed", order),
+        TEST("FZM-053 FZM-054 FZM-050 OM-C7: continuous measurement from Start to End", continuous),
+        TEST("FZM-053: a late poll loses no measurement", late_polls),
+        TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),
+        TEST("FZM-049: without the RUN window nothing is measured", run_window),
+        TEST("FZM-069: a trigger at the sensor measures as STEP does", trigger),
+        TEST("FZM-030: ramp, sine and random values", generators),
+        TEST("FZM-030: values from a table, row by row", table),
+        TEST("FZM-055: Clear makes unit data unmeasured; OR and output area stay", clear),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("FZM1 measurement", tests, NULL, NULL);
+}
