@@ -54,6 +54,7 @@ static bool execute(fzm1_t *u, int32_t *data)
         return true;
     case FZM1_CLEAR:
         fzm1_clear(u);
+        fzm1_error(u, NULL);
         return true;
     case FZM1_SAVE:
         return fzm1_save(u);

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: MIT */
+/* EXE, FLG and the eleven commands (Q179 §4-2, §4-3, §4-4). */
+#include <string.h>
+
+#include "support/sensor.h"
+
+enum { NG = -1, RESPONSE = 12 };
+
+static sensor_t s;
+static sensor_memory_t memory;
+
+static int setup(void **state)
+{
+    (void)state;
+    sensor_memory_open(&memory);
+    sensor_open_with(&s, &memory.storage);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    sensor_close(&s);
+    sensor_memory_close(&memory);
+    return 0;
+}
+
+static void measure(void)
+{
+    sensor_step(&s);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+}
+
+/* What is asked in turn, from power-on with data1 = 1.5 and data8 = -2.0005 in unit 3, measured once. */
+static void every_command(void **state)
+{
+    static const struct {
+        uint32_t code;
+        int32_t p1, p2, p3;
+        int32_t result, data;
+    } rows[] = {
+        {FZM1_GET_SCENE, 0, 0, 0, 0, 0},
+        {FZM1_GET_GROUP, 0, 0, 0, 0, 0},
+        {FZM1_GET_UNIT_DATA, 3, 0, 0, 0, 1000},
+        {FZM1_GET_UNIT_DATA, 0, 0, 0, 0, 1000},
+        {FZM1_GET_UNIT_DATA, 3, 5, 0, 0, 1500},
+        {FZM1_GET_UNIT_DATA, 3, 12, 0, 0, -2000},
+        {FZM1_GET_UNIT_DATA, 3, 150, 0, 0, 0},
+        {FZM1_GET_UNIT_DATA, 3, 1, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 3, 4, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 3, 13, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 3, 149, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 3, 151, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 3, -1, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 2, 5, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 2, 150, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, 4, 0, 0, NG, 0},
+        {FZM1_GET_UNIT_DATA, -1, 0, 0, NG, 0},
+        {FZM1_SET_UNIT_DATA, 3, 150, 1000, 0, 0},
+        {FZM1_GET_UNIT_DATA, 3, 150, 0, 0, 1000},
+        {FZM1_SET_UNIT_DATA, 3, 150, 0, 0, 0},
+        {FZM1_GET_UNIT_DATA, 3, 150, 0, 0, 0},
+        {FZM1_SET_UNIT_DATA, 3, 150, 1, NG, 0},
+        {FZM1_SET_UNIT_DATA, 3, 150, 2000, NG, 0},
+        {FZM1_SET_UNIT_DATA, 3, 150, -1000, NG, 0},
+        {FZM1_SET_UNIT_DATA, 3, 0, 1000, NG, 0},
+        {FZM1_SET_UNIT_DATA, 3, 5, 1000, NG, 0},
+        {FZM1_SET_UNIT_DATA, 3, 12, 1000, NG, 0},
+        {FZM1_SET_UNIT_DATA, 2, 150, 1000, NG, 0},
+        {FZM1_SET_UNIT_DATA, 8, 150, 1000, NG, 0},
+        {FZM1_SWITCH_SCENE, 127, 0, 0, 0, 0},
+        {FZM1_GET_SCENE, 0, 0, 0, 0, 127},
+        {FZM1_SWITCH_SCENE, 128, 0, 0, NG, 0},
+        {FZM1_SWITCH_SCENE, -1, 0, 0, NG, 0},
+        {FZM1_GET_SCENE, 0, 0, 0, 0, 127},
+        {FZM1_GET_UNIT_DATA, 3, 0, 0, 0, 0},
+        {FZM1_SWITCH_GROUP, 31, 0, 0, 0, 0},
+        {FZM1_GET_GROUP, 0, 0, 0, 0, 31},
+        {FZM1_GET_SCENE, 0, 0, 0, 0, 0},
+        {FZM1_SWITCH_GROUP, 32, 0, 0, NG, 0},
+        {FZM1_SWITCH_GROUP, -1, 0, 0, NG, 0},
+        {FZM1_GET_GROUP, 0, 0, 0, 0, 31},
+        {FZM1_SAVE, 0, 0, 0, 0, 0},
+        {FZM1_CLEAR, 0, 0, 0, 0, 0},
+        {FZM1_END_CONTINUOUS, 0, 0, 0, 0, 0},
+        {0x00101010, 0, 0, 0, NG, 0}, /* FZ3: measure once */
+        {0x00402000, 0, 0, 0, NG, 0}, /* FZ3: date */
+        {0x10200010, 0, 0, 0, NG, 0}, /* words swapped */
+        {0x00000000, 0, 0, 0, NG, 0},
+        {0xFFFFFFFF, 0, 0, 0, NG, 0},
+    };
+    (void)state;
+    signal_set(&s.w, "data1", "1.5");
+    signal_set(&s.w, "data8", "-2.0005");
+    measure();
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        int32_t data = 77;
+        uint32_t result = sensor_command(&s, rows[i].code, rows[i].p1, rows[i].p2, rows[i].p3, &data);
+        if (result != (uint32_t)rows[i].result || data != rows[i].data)
+            fail_msg("row %zu, %08X(%d, %d, %d): expected %d with %d, got %d with %d", i, rows[i].code, rows[i].p1,
+                     rows[i].p2, rows[i].p3, rows[i].result, rows[i].data, (int)result, data);
+        sensor_expect(&s, "no error", FZM1_ERR, 0);
+    }
+}
+
+/* The words at +2 and +3 of Q179, in the bytes of the command area. */
+static void codes_on_the_wire(void **state)
+{
+    static const struct {
+        uint16_t low, high;
+        uint32_t code;
+    } rows[] = {{0x1020, 0x0010, FZM1_START_CONTINUOUS},
+                {0x1030, 0x0010, FZM1_END_CONTINUOUS},
+                {0x2010, 0x0010, FZM1_CLEAR},
+                {0x3010, 0x0010, FZM1_SAVE},
+                {0xF010, 0x0010, FZM1_RESTART},
+                {0x1000, 0x0020, FZM1_GET_SCENE},
+                {0x2000, 0x0020, FZM1_GET_GROUP},
+                {0x1000, 0x0030, FZM1_SWITCH_SCENE},
+                {0x2000, 0x0030, FZM1_SWITCH_GROUP},
+                {0x1000, 0x0040, FZM1_GET_UNIT_DATA},
+                {0x1000, 0x0050, FZM1_SET_UNIT_DATA}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(rows[i].code, (uint32_t)rows[i].high << 16 | rows[i].low);
+    s.out[4] = 0x00;
+    s.out[5] = 0x20;
+    s.out[6] = 0x30;
+    s.out[7] = 0x00;
+    s.out[8] = 5;
+    sensor_set(&s, FZM1_EXE, true);
+    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
+    static const uint8_t response[RESPONSE] = {0x00, 0x20, 0x30, 0x00, 0, 0, 0, 0, 0, 0, 0, 0}; /* OM-C2 */
+    assert_memory_equal(s.in + 4, response, RESPONSE);
+}
+
+static void handshake(void **state)
+{
+    (void)state;
+    sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+    sensor_exchange(&s);
+    sensor_wait(&s, 50 * MS);
+    sensor_expect(&s, "code without EXE", FZM1_FLG, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_expect(&s, "EXE on", FZM1_FLG | FZM1_BUSY | FZM1_READY, FZM1_READY);
+    assert_int_equal(ect_load_le32(s.in + 4), 0);
+    assert_int_equal(sensor_until(&s, FZM1_FLG, FZM1_FLG), 1 * MS);
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_GET_SCENE); /* stored with FLG, not after it */
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 9, 0, 0);
+    sensor_exchange(&s);
+    sensor_wait(&s, 100000 * MS);
+    sensor_expect(&s, "FLG stays as long as EXE", FZM1_FLG | FZM1_ERR, FZM1_FLG);
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_GET_SCENE);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_expect(&s, "EXE off", FZM1_FLG, 0);
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_GET_SCENE); /* the response stays */
+}
+
+/* Parameters count as they are at the edge. */
+static void parameters_at_the_edge(void **state)
+{
+    int32_t scene = -1;
+    (void)state;
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 5, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 6, 0, 0);
+    sensor_exchange(&s);
+    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
+    sensor_set(&s, FZM1_EXE, false);
+    assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, &scene), 0);
+    assert_int_equal(scene, 5);
+}
+
+static void exe_falls_early(void **state)
+{
+    int32_t scene = -1;
+    (void)state;
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 7, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 10 * MS);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_set(&s, FZM1_EXE, true); /* while it runs: ignored until it falls */
+    sensor_set(&s, FZM1_EXE, false);
+    for (int i = 0; i < 200; i++) {
+        sensor_wait(&s, 1 * MS);
+        sensor_expect(&s, "EXE is off, so is FLG", FZM1_FLG, 0);
+    }
+    assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, &scene), 0);
+    assert_int_equal(scene, 7);
+}
+
+static void busy_ignores(void **state)
+{
+    (void)state;
+    sensor_step(&s);
+    sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 500 * MS);
+    sensor_expect(&s, "EXE came while BUSY: ignored until it falls", FZM1_FLG | FZM1_BUSY, 0);
+    sensor_set(&s, FZM1_EXE, false);
+    assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, NULL), 0);
+}
+
+static void busy_while_switching(void **state)
+{
+    static const uint32_t codes[] = {FZM1_SWITCH_SCENE, FZM1_SWITCH_GROUP};
+    enum { MASK = FZM1_BUSY | FZM1_READY | FZM1_FLG };
+    (void)state;
+    for (unsigned int i = 0; i < 2; i++) {
+        sensor_prepare(&s, codes[i], 3, 0, 0);
+        sensor_set(&s, FZM1_EXE, true);
+        sensor_expect(&s, "switching", MASK, FZM1_BUSY);
+        sensor_set(&s, FZM1_STEP, true);
+        sensor_set(&s, FZM1_STEP, false);
+        assert_int_equal(sensor_until(&s, FZM1_FLG, FZM1_FLG), 100 * MS);
+        sensor_expect(&s, "switched", MASK, FZM1_READY | FZM1_FLG);
+        sensor_set(&s, FZM1_EXE, false);
+    }
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 128, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_expect(&s, "a scene that is not there is no switch", MASK, FZM1_READY);
+    assert_int_equal(signal_number(&s.w, "measurements"), 0);
+}
+
+static void exe_timeout(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "exe_timeout", "100");
+    sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
+    assert_int_equal(sensor_until(&s, FZM1_FLG, 0), 10000 * MS);
+    sensor_expect(&s, "time-out", FZM1_ERR, FZM1_ERR);
+    sensor_wait(&s, 1000 * MS);
+    sensor_expect(&s, "EXE still on", FZM1_FLG, 0);
+    sensor_set(&s, FZM1_EXE, false);
+    assert_int_equal(sensor_command(&s, FZM1_CLEAR, 0, 0, 0, NULL), 0);
+    sensor_expect(&s, "cleared", FZM1_ERR, 0);
+}
+
+/* No time at all between EXE and FLG; then both in one cycle. */
+static void as_fast_as_it_gets(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "command_time", "0");
+    for (int i = 0; i < 100; i++) {
+        sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+        sensor_set(&s, FZM1_EXE, true);
+        sensor_expect(&s, "at once", FZM1_FLG, FZM1_FLG);
+        sensor_set(&s, FZM1_EXE, false);
+        sensor_expect(&s, "at once", FZM1_FLG, 0);
+        wire_advance(&s.w, MS / 4);
+    }
+}
+
+static void unnamed_bits(void **state)
+{
+    (void)state;
+    for (unsigned int bit = 0; bit < 32; bit++) {
+        uint32_t mask = 1u << bit;
+        if (mask == FZM1_EXE || mask == FZM1_STEP || mask == FZM1_DSA)
+            continue;
+        sensor_set(&s, mask, true);
+        sensor_wait(&s, 10 * MS);
+        sensor_expect(&s, "an unnamed bit", 0xFFFFFFFF, FZM1_READY | FZM1_RUN);
+        sensor_set(&s, mask, false);
+    }
+}
+
+static void leaving_op(void **state)
+{
+    (void)state;
+    sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    sensor_expect(&s, "SAFEOP: no outputs, so EXE is off", FZM1_FLG, 0);
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 9, 0, 0);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 1000 * MS);
+    sensor_expect(&s, "SAFEOP takes no outputs", FZM1_FLG | FZM1_READY | FZM1_RUN, FZM1_READY | FZM1_RUN);
+    assert_int_equal(signal_number(&s.w, "scene"), 0);
+}
+
+static void scene_by_hand(void **state)
+{
+    int32_t scene = 0;
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    (void)state;
+    signal_set(&s.w, "scene", "12");
+    signal_set(&s.w, "data1", "12");
+    assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, &scene), 0);
+    assert_int_equal(scene, 12);
+    signal_set(&s.w, "scene", "0");
+    measure();
+    assert_int_equal(signal_number(&s.w, "result1"), 0);
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, 12, 0, 0, NULL), 0);
+    measure();
+    assert_int_equal(signal_number(&s.w, "result1"), 12);
+    sensor_step(&s);
+    assert_false(signal_try_set(&s.w, "scene", "1", message));
+    assert_non_null(strstr(message, "BUSY"));
+}
+
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("FZM-033 FZM-034 FZM-035 FZM-051 FZM-055 FZM-056 FZM-057 FZM-058 FZM-060 FZM-061 FZM-062 OM-C5 OM-C8 "
+             "OM-C11: "
+             "every command, what it answers, and what it refuses with -1",
+             every_command),
+        TEST("FZM-050 FZM-051 OM-C2: command codes are two words, the lower at +2; the echo repeats them",
+             codes_on_the_wire),
+        TEST("FZM-040 FZM-043 FZM-070: FLG comes with the stored response and goes with EXE", handshake),
+        TEST("FZM-070: code and parameters count as they are when EXE rises", parameters_at_the_edge),
+        TEST("FZM-043: EXE that falls early: the command is done, FLG does not come", exe_falls_early),
+        TEST("FZM-044: EXE that rises while BUSY is ignored until it falls", busy_ignores),
+        TEST("FZM-044 FZM-059: BUSY while scene or group are switched, and STEP is not accepted", busy_while_switching),
+        TEST("FZM-043: with exe_timeout set, EXE that stays on 10 s after FLG is an error", exe_timeout),
+        TEST("FZM-075: handshakes in every cycle of 250 us", as_fast_as_it_gets),
+        TEST("FZM-036 FZM-037 FZM-038: unnamed bits are ignored, and read 0", unnamed_bits),
+        TEST("FZM-003 FZM-004: outputs count in OP only; leaving it takes EXE off", leaving_op),
+        TEST("FZM-057 FZM-058: a scene switched by hand is the current one, with data of its own", scene_by_hand),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("FZM1 commands", tests, NULL, NULL);
+}
