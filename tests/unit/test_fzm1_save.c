@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: MIT */
+/* Save to unit, restart, scene groups (Q179 §3-2, §4-3), and power cuts. */
+#include <stdio.h>
+#include <string.h>
+
+#include "support/sensor.h"
+
+static sensor_t s;
+static sensor_memory_t memory;
+
+static int setup(void **state)
+{
+    (void)state;
+    sensor_memory_open(&memory);
+    sensor_open_with(&s, &memory.storage);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    sensor_close(&s);
+    sensor_memory_close(&memory);
+    return 0;
+}
+
+static void power_cycle(void)
+{
+    sensor_close(&s);
+    sensor_open_with(&s, &memory.storage);
+}
+
+static void change_all(void)
+{
+    static const char *const changes[][2] = {{"output_control", "1"}, {"timeout", "77"},      {"output_period", "5000"},
+                                             {"output_time", "123"},  {"exe_timeout", "100"}, {"output_repeat", "1"},
+                                             {"comment8", "hole 8"},  {"scene", "100"},       {"data1", "1.25"},
+                                             {"data8", "-999999999"}, {"judgement2", "-1"},   {"units", "8"},
+                                             {"output_unit", "7"},    {"output_format", "1"}};
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++)
+        signal_set(&s.w, changes[i][0], changes[i][1]);
+}
+
+static void expect_text(const char *signal, const char *want)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    signal_get(&s.w, signal, text);
+    if (strcmp(text, want) != 0)
+        fail_msg("%s: expected %s, got %s", signal, want, text);
+}
+
+static void expect_changed(bool changed)
+{
+    static const char *const rows[][3] = {
+        {"output_control", "1", "0"}, {"timeout", "77", "100"},    {"output_period", "5000", "100"},
+        {"output_time", "123", "50"}, {"exe_timeout", "100", "0"}, {"output_repeat", "1", "0"},
+        {"comment8", "hole 8", ""},   {"scene", "100", "0"},       {"data1", "1.25", "0"},
+        {"data8", "-999999999", "0"}, {"judgement2", "-1", "1"},   {"units", "8", "4"},
+        {"output_unit", "7", "3"},    {"output_format", "1", "0"}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        expect_text(rows[i][0], rows[i][changed ? 1 : 2]);
+}
+
+static void saved(void **state)
+{
+    (void)state;
+    change_all();
+    assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0);
+    power_cycle();
+    expect_changed(true);
+    signal_set(&s.w, "scene", "0");
+    expect_text("data1", "0");
+}
+
+static void forgotten(void **state)
+{
+    (void)state;
+    change_all();
+    power_cycle();
+    expect_changed(false);
+}
+
+static void groups(void **state)
+{
+    (void)state;
+    char value[16];
+    for (int group = 0; group < 32; group += 5) {
+        assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, group, 0, 0, NULL), 0);
+        snprintf(value, sizeof value, "%d", group + 1);
+        signal_set(&s.w, "data3", value);
+        assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0);
+    }
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, 4, 0, 0, NULL), 0);
+    signal_set(&s.w, "data3", "4444");
+    power_cycle();
+    expect_text("scene_group", "30");
+    for (int group = 0; group < 32; group++) {
+        assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, group, 0, 0, NULL), 0);
+        snprintf(value, sizeof value, "%d", group % 5 == 0 ? group + 1 : 0);
+        expect_text("data3", value); /* group 4 was never saved */
+    }
+}
+
+static void no_memory(void **state)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    (void)state;
+    sensor_close(&s);
+    sensor_open(&s);
+    assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0xFFFFFFFF);
+    assert_false(signal_try_set(&s.w, "save", "1", message));
+    assert_non_null(strstr(message, "--store"));
+}
+
+/* The power goes after every k-th byte: what was saved before is there, or all of the new. */
+static void power_cut(void **state)
+{
+    unsigned int kept = 0, renewed = 0;
+    (void)state;
+    signal_set(&s.w, "data1", "1");
+    signal_set(&s.w, "save", "1");
+    for (uint32_t budget = 0; budget < 12000; budget += budget < 400 || budget > 9700 ? 1 : 97) {
+        char message[ECT_SIGNAL_MESSAGE], was[ECT_SIGNAL_TEXT_ROOM], is[ECT_SIGNAL_TEXT_ROOM], value[16];
+        signal_get(&s.w, "data1", was);
+        snprintf(value, sizeof value, "%u", budget + 2);
+        signal_set(&s.w, "data1", value);
+        memory.budget = budget;
+        bool done = signal_try_set(&s.w, "save", "1", message);
+        memory.budget = UINT32_MAX;
+        power_cycle();
+        signal_get(&s.w, "data1", is);
+        if (strcmp(is, done ? value : was) != 0)
+            fail_msg("cut after %u bytes, save %s: expected %s, got %s", budget, done ? "done" : "failed",
+                     done ? value : was, is);
+        kept += !done;
+        renewed += done;
+    }
+    assert_true(kept > 400 && renewed > 400);
+}
+
+static void spoilt(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "data1", "1");
+    signal_set(&s.w, "save", "1");
+    signal_set(&s.w, "data1", "2");
+    signal_set(&s.w, "save", "1");
+    unsigned int newest = ect_load_le32(memory.bank[1] + 4) > ect_load_le32(memory.bank[0] + 4) ? 1 : 0;
+    memory.bank[newest][5000] ^= 0x40;
+    power_cycle();
+    expect_text("data1", "1");
+    memory.bank[newest ^ 1][4] ^= 1;
+    power_cycle();
+    expect_text("data1", "0");
+}
+
+/* --- restart ------------------------------------------------------------------------------------------------------ */
+
+static bool on_the_bus(void)
+{
+    uint8_t data[2] = {0};
+    return wire_send(&s.w, BRD, 0, ECT_REG_AL_STATUS, data, 2) == 1;
+}
+
+static void restart(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "output_control", "1");
+    signal_set(&s.w, "data1", "1");
+    assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0);
+    signal_set(&s.w, "data1", "2");
+    sensor_step(&s);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    sensor_prepare(&s, FZM1_RESTART, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 1 * MS);
+    sensor_expect(&s, "restarting: no answer, all signals off", 0xFFFFFFFF, 0);
+    sensor_wait(&s, 20 * MS - 1);
+    assert_true(on_the_bus());
+    wire_advance(&s.w, 1);
+    assert_false(on_the_bus());
+    wire_advance(&s.w, 3000 * MS - 1);
+    assert_false(on_the_bus());
+    wire_advance(&s.w, 2 * MS);
+    assert_true(on_the_bus());
+    uint8_t state_byte[2] = {0};
+    assert_int_equal(wire_send(&s.w, APRD, 0, ECT_REG_AL_STATUS, state_byte, 2), 1);
+    assert_int_equal(state_byte[0], ECT_STATE_INIT);
+    uint8_t station[2] = {0xFF, 0xFF};
+    assert_int_equal(wire_send(&s.w, APRD, 0, ECT_REG_STATION_ADDRESS, station, 2), 1);
+    assert_int_equal(ect_load_le16(station), 0);
+    wire_assign_stations(&s.w);
+    sensor_operational(&s);
+    sensor_expect(&s, "started", 0xFFFFFFFF, FZM1_READY | FZM1_RUN);
+    assert_int_equal(ect_load_le32(s.in + 4), 0); /* no echo of anything */
+    expect_text("data1", "1");
+    expect_text("output_control", "1");
+    expect_text("measurements", "0");
+}
+
+static void restart_by_hand(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "camera", "2");
+    signal_set(&s.w, "start_time", "100");
+    signal_set(&s.w, "source1", "3");
+    signal_set(&s.w, "data1", "9");
+    signal_set(&s.w, "restart", "1");
+    wire_advance(&s.w, 122 * MS);
+    wire_assign_stations(&s.w);
+    sensor_operational(&s);
+    expect_text("camera", "2"); /* the plant is as it was */
+    expect_text("source1", "3");
+    expect_text("data1", "0"); /* what was not saved is not */
+}
+
+static void restart_while_continuous(void **state)
+{
+    (void)state;
+    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+    sensor_wait(&s, 100 * MS);
+    sensor_prepare(&s, FZM1_RESTART, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 2 * MS);
+    sensor_expect(&s, "restarting", 0xFFFFFFFF, 0);
+    wire_advance(&s.w, 4000 * MS);
+    wire_assign_stations(&s.w);
+    sensor_operational(&s);
+    sensor_wait(&s, 1000 * MS);
+    expect_text("measurements", "0");
+}
+
+static void fieldbus(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "fieldbus", "0");
+    assert_true(on_the_bus()); /* not at once ... */
+    signal_set(&s.w, "restart", "1");
+    wire_advance(&s.w, 4000 * MS);
+    assert_true(on_the_bus()); /* ... and not without Save */
+    signal_set(&s.w, "fieldbus", "0");
+    signal_set(&s.w, "save", "1");
+    signal_set(&s.w, "restart", "1");
+    wire_advance(&s.w, 4000 * MS);
+    assert_false(on_the_bus());
+    signal_set(&s.w, "fieldbus", "1");
+    signal_set(&s.w, "save", "1");
+    wire_advance(&s.w, 4000 * MS);
+    assert_false(on_the_bus());
+    signal_set(&s.w, "restart", "1");
+    wire_advance(&s.w, 4000 * MS);
+    assert_true(on_the_bus());
+}
+
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("FZM-056: Save keeps system data and the current scene group over power-off", saved),
+        TEST("FZM-056: without Save power-off forgets", forgotten),
+        TEST("FZM-056 FZM-058: each scene group that was saved is kept, the others are as from the factory", groups),
+        TEST("FZM-056: without memory Save answers -1", no_memory),
+        TEST("FZM-056: the power may be cut at any byte of a Save", power_cut),
+        TEST("FZM-056: a record that was spoilt is not used", spoilt),
+        TEST("FZM-052 FZM-077: Restart: no answer, signals off, off the bus, INIT, saved settings", restart),
+        TEST("FZM-077: a restart by hand; switches and cameras stay as they are", restart_by_hand),
+        TEST("FZM-052: Restart ends a continuous measurement", restart_while_continuous),
+        TEST("FZM-024 FZM-077: the fieldbus setting is active when it was saved and the controller restarted",
+             fieldbus),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("FZM1 save and restart", tests, NULL, NULL);
+}
