@@ -7,11 +7,7 @@
 #include "devices/fzm1/fzm1.h"
 
 static const ect_device_t *const devices[] = {
-    &ect_eclink_map1,
-    &ect_eclink_map3,
-    &ect_eclink_map7,
-    &ect_eclink_multiarm,
-    &ect_fzm1,
+    &ect_eclink_map1, &ect_eclink_map3, &ect_eclink_map7, &ect_eclink_multiarm, &ect_fzm1,
 };
 
 const ect_device_t *const *ect_catalogue(size_t *count)

@@ -120,6 +120,12 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
     return chain;
 }
 
+void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns)
+{
+    for (size_t i = 0; i < chain->count; i++)
+        (void)power_on(&chain->twins[i], now_ns); /* what was possible once is again */
+}
+
 void ect_chain_free(ect_chain_t *chain)
 {
     if (!chain)
@@ -161,7 +167,7 @@ static void poll_twin(twin_t *twin, uint64_t now_ns)
     uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = esc_ns < slave_ns ? esc_ns : slave_ns;
     if (twin->slave.restart)
-        (void)power_on(twin, now_ns); /* what was possible once is again */
+        (void)power_on(twin, now_ns);
 }
 
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)

@@ -39,6 +39,9 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
 
 void ect_chain_free(ect_chain_t *chain);
 
+/** Takes the power off all twins and puts it back: what stands outside them (ect_device_t::plant_size) stays. */
+void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns);
+
 /**
  * Lets a frame travel through all ESCs and back. No device code runs in here.
  * @return true: send the changed frame back, at the same length; false: nothing comes back.

@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 #include "bus/chain.h"
+#include "bus/memory.h"
 #include "bus/runner.h"
 
 /** Exit codes: a contract (README). */
@@ -37,6 +38,10 @@ typedef struct twin_args {
     } vendor_id, product_code, revision, serial, alias;
     bool keep_source_mac;
     ect_faults_t faults;
+    const char *store;     /* folder of the twins' non-volatile memory, NULL: none */
+    const char **settings; /* "[N:]NAME=VALUE" */
+    size_t setting_count;
+    ect_memory_t **memories; /* one a twin, once they are powered on */
 } twin_args_t;
 
 /** Argp parser for the options of twins; its input is a twin_args_t. */
@@ -44,6 +49,12 @@ extern const struct argp twin_argp;
 
 /** Takes "DEVICE[,DEVICE...]"; an unknown name ends the program with a line that lists the known ones. */
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);
+/**
+ * Powers the twins on, with their memories and the signals that the command line sets. On failure prints why.
+ * @param[out] chain  the caller's to free, before twin_args_free; NULL on failure
+ * @return EXIT_CLEAN, or what to exit with
+ */
+int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain);
 void twin_args_free(twin_args_t *args);
 
 /** The ready line (README) on a stream. */

@@ -72,11 +72,10 @@ int command_run(int argc, char **argv)
         twin_args_free(&args.twins);
         return EXIT_OPEN;
     }
-    int status = EXIT_RUN;
-    errno = 0;
     ect_control_t *control = open_control("ectwin run");
-    ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
-    if (signals >= 0 && chain) {
+    ect_chain_t *chain;
+    int status = twin_args_power_on(&args.twins, "ectwin run", &chain);
+    if (status == EXIT_CLEAN) {
         const ect_runner_t runner = {.port = &port,
                                      .chain = chain,
                                      .control = control,
@@ -84,12 +83,11 @@ int command_run(int argc, char **argv)
                                      .signal_fd = signals,
                                      .on_signal = on_signal};
         print_ready(stdout, port.iface, args.twins.count);
-        status = ect_runner_run(&runner) == 0 ? EXIT_CLEAN : EXIT_RUN;
+        if (signals < 0 || ect_runner_run(&runner) != 0) {
+            fprintf(stderr, "ectwin run: stopped on '%s': %s\n", port.iface, strerror(errno));
+            status = EXIT_RUN;
+        }
     }
-    if (!chain)
-        fprintf(stderr, "ectwin run: not enough memory for %zu twins\n", args.twins.count);
-    else if (status != EXIT_CLEAN)
-        fprintf(stderr, "ectwin run: stopped on '%s': %s\n", port.iface, strerror(errno));
     ect_control_close(control);
     ect_chain_free(chain);
     ect_packet_close(&port);

@@ -17,15 +17,22 @@ enum { MOST_ARGUMENTS = 64, LINE_ROOM = 1024 };
 typedef struct client_args {
     const char *socket;
     double slave;
+    const char *csv;
     const char *arguments[MOST_ARGUMENTS];
     size_t count;
 } client_args_t;
 
-static const struct argp_option options[] = {
-    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},
-    {"slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0},
-    {0},
-};
+#define COMMON_OPTIONS                                                                                                 \
+    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},                \
+    {                                                                                                                  \
+        "slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0                                      \
+    }
+
+static const struct argp_option options[] = {COMMON_OPTIONS, {0}};
+static const struct argp_option set_options[] = {
+    COMMON_OPTIONS,
+    {"csv", 'c', "FILE", 0, "The first line names signals, each other one holds values for them", 0},
+    {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -39,6 +46,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->slave = (double)strtoul(text, &end, 10);
         if (end == text || *end != 0)
             argp_error(state, "--slave takes a number, not '%s'", text);
+        return 0;
+    case 'c':
+        args->csv = text;
         return 0;
     case ARGP_KEY_ARG:
         if (args->count == MOST_ARGUMENTS)
@@ -211,36 +221,84 @@ int command_watch(int argc, char **argv)
                print_raw);
 }
 
+static int set_one(FILE *connection, const client_args_t *args, const char *who, const char *name, const char *value)
+{
+    send_request(connection, args, "set", "name", name, "value", value);
+    return read_answer(connection, who, NULL);
+}
+
+static int set_argument(FILE *connection, const client_args_t *args, const char *who, const char *argument)
+{
+    char *name = strdup(argument);
+    char *value = name ? strchr(name, '=') : NULL;
+    int status = EXIT_USAGE;
+    if (value) {
+        *value = 0;
+        status = set_one(connection, args, who, name, value + 1);
+    } else {
+        fprintf(stderr, "%s: '%s' is not NAME=VALUE\n", who, argument);
+    }
+    free(name);
+    return status;
+}
+
+/* Splits a line at its commas, in place. @return how many cells there are */
+static size_t split(char *line, char *cells[MOST_ARGUMENTS])
+{
+    size_t count = 0;
+    line[strcspn(line, "\r\n")] = 0;
+    for (char *cell = strsep(&line, ","); cell && count < MOST_ARGUMENTS; cell = strsep(&line, ","))
+        cells[count++] = cell;
+    return count;
+}
+
+/* The first line names signals; each other one holds their values, set from left to right. An empty cell sets nothing.
+ */
+static int set_from_csv(FILE *connection, const client_args_t *args, const char *who)
+{
+    char header[LINE_ROOM], line[LINE_ROOM];
+    char *names[MOST_ARGUMENTS], *values[MOST_ARGUMENTS];
+    FILE *file = fopen(args->csv, "r");
+    if (!file || !fgets(header, sizeof header, file)) {
+        fprintf(stderr, "%s: cannot read '%s': %s\n", who, args->csv, file ? "it is empty" : strerror(errno));
+        if (file)
+            fclose(file);
+        return EXIT_OPEN;
+    }
+    size_t columns = split(header, names);
+    int status = EXIT_CLEAN;
+    for (unsigned int number = 2; status == EXIT_CLEAN && fgets(line, sizeof line, file); number++) {
+        size_t count = split(line, values);
+        for (size_t i = 0; i < columns && i < count && status == EXIT_CLEAN; i++)
+            status = *values[i] ? set_one(connection, args, who, names[i], values[i]) : EXIT_CLEAN;
+        if (status != EXIT_CLEAN)
+            fprintf(stderr, "%s: in line %u of '%s'\n", who, number, args->csv);
+    }
+    fclose(file);
+    return status;
+}
+
 int command_set(int argc, char **argv)
 {
     static const struct argp argp = {
-        .options = options,
+        .options = set_options,
         .parser = parse,
         .args_doc = "NAME=VALUE...",
         .doc = "Sets signals of a running twin, in the order given; stops at the first refusal."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
+    if (args.count == 0 && !args.csv) {
+        fprintf(stderr, "%s: name at least one signal: ectwin set ru1.on=1\n", argv[0]);
+        return EXIT_USAGE;
+    }
     FILE *connection = open_connection(&args, argv[0]);
-    int status = EXIT_CLEAN;
     if (!connection)
         return EXIT_OPEN;
-    if (args.count == 0) {
-        fprintf(stderr, "%s: name at least one signal: ectwin set ru1.on=1\n", argv[0]);
-        status = EXIT_USAGE;
-    }
-    for (size_t i = 0; i < args.count && status == EXIT_CLEAN; i++) {
-        char *name = strdup(args.arguments[i]);
-        char *value = name ? strchr(name, '=') : NULL;
-        if (value) {
-            *value = 0;
-            send_request(connection, &args, "set", "name", name, "value", value + 1);
-            status = read_answer(connection, argv[0], NULL);
-        } else {
-            fprintf(stderr, "%s: '%s' is not NAME=VALUE\n", argv[0], args.arguments[i]);
-            status = EXIT_USAGE;
-        }
-        free(name);
-    }
+    int status = EXIT_CLEAN;
+    for (size_t i = 0; i < args.count && status == EXIT_CLEAN; i++)
+        status = set_argument(connection, &args, argv[0], args.arguments[i]);
+    if (args.csv && status == EXIT_CLEAN)
+        status = set_from_csv(connection, &args, argv[0]);
     fclose(connection);
     return status;
 }

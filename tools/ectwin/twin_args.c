@@ -8,6 +8,7 @@
 #include <sys/signalfd.h>
 
 #include "bus/catalogue.h"
+#include "bus/signals.h"
 #include "commands.h"
 
 enum {
@@ -20,7 +21,9 @@ enum {
     KEY_DROP,
     KEY_DELAY,
     KEY_DELAY_US,
-    KEY_SEED
+    KEY_SEED,
+    KEY_STORE,
+    KEY_SET
 };
 
 static const struct argp_option options[] = {
@@ -31,6 +34,8 @@ static const struct argp_option options[] = {
     {"alias", KEY_ALIAS, "N", 0, "Station alias and device id of the first twin, 1..65535, the others count up", 1},
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
+    {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
+    {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
     {"drop", KEY_DROP, "PERCENT", 0, "Lose so many frames, 0 to 100, half of them on the way back (default 0)", 1},
     {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
     {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
@@ -46,6 +51,15 @@ static uint32_t parse_number(const struct argp_state *state, const char *option,
     if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
         argp_error(state, "%s takes a number from 0 to 0x%X, not '%s'", option, maximum, text);
     return (uint32_t)value;
+}
+
+static void add_setting(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char **grown = realloc(args->settings, (args->setting_count + 1) * sizeof *grown);
+    if (!grown || !strchr(text, '='))
+        argp_error(state, "--set takes NAME=VALUE, not '%s'", text);
+    args->settings = grown;
+    args->settings[args->setting_count++] = text;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -85,6 +99,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_SEED:
         args->faults.seed = parse_number(state, "--seed", text, UINT32_MAX);
+        return 0;
+    case KEY_STORE:
+        args->store = text;
+        return 0;
+    case KEY_SET:
+        add_setting(args, state, text);
         return 0;
     case ARGP_KEY_INIT:
         args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
@@ -139,8 +159,93 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     }
 }
 
+/* --- power-on ----------------------------------------------------------------------------------------------------- */
+
+static bool open_memories(twin_args_t *args, const char *who)
+{
+    char message[ECT_MEMORY_MESSAGE] = "out of memory";
+    args->memories = calloc(args->count, sizeof(ect_memory_t *));
+    for (size_t i = 0; args->memories && i < args->count; i++) {
+        char path[ECT_MEMORY_PATH];
+        snprintf(path, sizeof path, "%s/%s-%zu", args->store ? args->store : "", args->twins[i].device->name, i + 1);
+        args->memories[i] = ect_memory_open(args->store ? path : NULL, message);
+        if (!args->memories[i]) {
+            fprintf(stderr, "%s: %s\n", who, message);
+            return false;
+        }
+        args->twins[i].storage = ect_memory_storage(args->memories[i]);
+    }
+    return args->memories != NULL;
+}
+
+static bool apply(const char *setting, ect_chain_t *chain, const char *who)
+{
+    char name[ECT_SIGNAL_NAME], message[ECT_SIGNAL_MESSAGE];
+    size_t slave = 1;
+    char *end;
+    ect_signal_ref_t ref;
+    unsigned long number = strtoul(setting, &end, 10);
+    if (end != setting && *end == ':') {
+        slave = number;
+        setting = end + 1;
+    }
+    const char *value = strchr(setting, '=');
+    snprintf(name, sizeof name, "%.*s", value ? (int)(value - setting) : 0, setting);
+    if (!value || slave < 1 || slave > ect_chain_count(chain)) {
+        fprintf(stderr, "%s: --set %s: there is no twin %zu\n", who, setting, slave);
+        return false;
+    }
+    const ect_slave_t *s = ect_chain_slave(chain, slave - 1);
+    if (!ect_signal_find(s->config.device, s->config.instance, name, &ref)) {
+        fprintf(stderr, "%s: --set %s: %s has no such signal; 'ectwin list-signals' lists those of a running one\n",
+                who, setting, s->config.device->name);
+        return false;
+    }
+    if (!ect_signal_write(&ref, value + 1, ect_runner_now(), message)) {
+        fprintf(stderr, "%s: --set %s: %s\n", who, setting, message);
+        return false;
+    }
+    ect_chain_wake(chain, slave - 1);
+    return true;
+}
+
+/* First what stands outside the devices, which they see when they are powered on, then what is theirs. */
+static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
+{
+    for (unsigned int round = 0; round < 2 && args->setting_count > 0; round++) {
+        for (size_t i = 0; i < args->setting_count; i++) {
+            if (!apply(args->settings[i], chain, who))
+                return false;
+        }
+        if (round == 0)
+            ect_chain_power_cycle(chain, ect_runner_now());
+    }
+    return true;
+}
+
+int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain)
+{
+    *chain = NULL;
+    if (!open_memories(args, who))
+        return EXIT_OPEN;
+    *chain = ect_chain_new(args->twins, args->count, ect_runner_now());
+    if (!*chain) {
+        fprintf(stderr, "%s: not enough memory for %zu twins\n", who, args->count);
+        return EXIT_RUN;
+    }
+    if (apply_all(args, *chain, who))
+        return EXIT_CLEAN;
+    ect_chain_free(*chain);
+    *chain = NULL;
+    return EXIT_USAGE;
+}
+
 void twin_args_free(twin_args_t *args)
 {
+    for (size_t i = 0; args->memories && i < args->count; i++)
+        ect_memory_close(args->memories[i]);
+    free(args->memories);
+    free(args->settings);
     free(args->twins);
     args->twins = NULL;
 }

@@ -162,13 +162,11 @@ int command_with(int argc, char **argv)
         twin_args_free(&args.twins);
         return EXIT_OPEN;
     }
-    int status = EXIT_RUN;
     int signals = open_signals();
-    ect_chain_t *chain = ect_chain_new(args.twins.twins, args.twins.count, ect_runner_now());
-    if (signals >= 0 && chain)
+    ect_chain_t *chain;
+    int status = twin_args_power_on(&args.twins, "ectwin with", &chain);
+    if (status == EXIT_CLEAN)
         status = serve(&args, &port, chain, control, signals);
-    else
-        fprintf(stderr, "ectwin with: cannot set the twins up: %s\n", strerror(errno));
     ect_control_close(control);
     ect_chain_free(chain);
     ect_packet_close(&port);

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Non-volatile memory of a twin on a PC: two files, or none, and then it lasts as long as the process.
+ */
+#ifndef ECT_BUS_MEMORY_H
+#define ECT_BUS_MEMORY_H
+
+#include "seams/storage.h"
+
+enum { ECT_MEMORY_BANK = 1024 * 1024, ECT_MEMORY_PATH = 512, ECT_MEMORY_MESSAGE = 640 };
+
+typedef struct ect_memory ect_memory_t;
+
+/**
+ * Opens it. @param path  the files are PATH.0 and PATH.1, made when they are missing; NULL: in memory only
+ * @param[out] message    on failure one line for the user; ECT_MEMORY_MESSAGE bytes
+ * @return the memory, to be closed with ::ect_memory_close, or NULL
+ */
+ect_memory_t *ect_memory_open(const char *path, char *message);
+void ect_memory_close(ect_memory_t *memory);
+
+/** What a twin's configuration takes; valid until the memory is closed. */
+const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
+
+#endif
