@@ -1,10 +1,19 @@
 /* SPDX-License-Identifier: MIT */
+#define _DEFAULT_SOURCE
 #include "soem.h"
 
 #include <string.h>
+#include <time.h>
 
 /* A reply that a busy machine delivers late is not a lost one. */
 enum { STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 100000, CYCLE_US = 1000 };
+
+uint64_t soem_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
 
 static void wire_context(soem_t *m)
 {

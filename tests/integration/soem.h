@@ -36,6 +36,9 @@ typedef struct soem {
     uint8 image[8192];
 } soem_t;
 
+/* Monotonic time, nanoseconds. */
+uint64_t soem_now(void);
+
 /* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. */
 void soem_open(soem_t *m, const char *iface, int expected);
 void soem_close(soem_t *m);

@@ -6,11 +6,9 @@
  * The machine controller is the example's (tools/controller). Nothing here asserts wall-clock time: time-outs have to
  * come, and the unit's own PCI (125 ms) bounds them; that they come to the millisecond is tests/unit/test_eclink_*.c.
  */
-#define _DEFAULT_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "bu_controller.h"
 #include "plant.h"
@@ -37,13 +35,6 @@ static void on_command(void *ctx, uint16_t ru, const uint8_t *command)
     memcpy(slot + 2, command, 16);
 }
 
-static uint64_t now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
-
 /* One cycle of the machine: exchange, controller's program. */
 static int cycle(void)
 {
@@ -51,7 +42,7 @@ static int cycle(void)
     int wkc = soem_cycle(&master);
     if (controller.output_bytes > 0)
         memcpy(kept, out, sizeof kept);
-    bu_controller_step(&controller, in, out, now());
+    bu_controller_step(&controller, in, out, soem_now());
     if (hold_pco && controller.output_bytes > 0)
         out[0] = kept[0];
     if (hold_cao && controller.output_bytes > 0)
