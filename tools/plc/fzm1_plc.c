@@ -23,7 +23,7 @@ void fzm1_plc_start(fzm1_plc_t *p)
 
 bool fzm1_plc_measure(fzm1_plc_t *p)
 {
-    if (p->step || p->step_wanted || (p->signals & PLC_READY) == 0)
+    if (p->step || p->step_wanted || p->exe != PLC_EXE_IDLE || (p->signals & PLC_READY) == 0)
         return false;
     p->step_wanted = true;
     return true;
@@ -33,7 +33,8 @@ bool fzm1_plc_command(fzm1_plc_t *p, uint32_t code, int32_t p1, int32_t p2, int3
 {
     bool ends =
         code == PLC_END_CONTINUOUS || code == PLC_RESTART; /* what a continuous measurement, which is BUSY, takes */
-    if (p->exe != PLC_EXE_IDLE || (p->signals & PLC_FLG) != 0 || ((p->signals & PLC_BUSY) != 0 && !ends))
+    if (p->exe != PLC_EXE_IDLE || p->step || p->step_wanted || (p->signals & PLC_FLG) != 0 ||
+        ((p->signals & PLC_BUSY) != 0 && !ends))
         return false;
     p->code = code;
     p->parameter[0] = p1;

@@ -10,6 +10,9 @@
  *   EXE   on a cycle after code and parameters; the response is read when FLG is on; EXE off; done when FLG is off
  *   DSA   on to fetch the next data; they are read when GATE is on; DSA off; on again when GATE is off
  *
+ * The sensor ignores EXE that rises while it is BUSY, and STEP while it switches scenes: so a command is not begun
+ * while a STEP is on, nor a STEP during a command.
+ *
  * Without handshaking of the data output DSA stays off, and data are read when GATE rises.
  */
 #ifndef ECTWIN_FZM1_PLC_H
@@ -78,10 +81,10 @@ void fzm1_plc_start(fzm1_plc_t *p);
 /** One cycle: reads `in`, writes `out`. */
 void fzm1_plc_cycle(fzm1_plc_t *p, const uint8_t in[FZM1_PLC_IN], uint8_t out[FZM1_PLC_OUT], uint64_t now_ns);
 
-/** Measures once. @return false: READY is off, or the last STEP is still on */
+/** Measures once. @return false: READY is off, the last STEP is still on, or a command is under way */
 bool fzm1_plc_measure(fzm1_plc_t *p);
 
-/** Executes a command; `done` tells when. @return false: one is under way, or the sensor is busy */
+/** Executes a command; `done` tells when. @return false: one is under way, STEP is on, or the sensor is busy */
 bool fzm1_plc_command(fzm1_plc_t *p, uint32_t code, int32_t p1, int32_t p2, int32_t p3);
 
 #endif
