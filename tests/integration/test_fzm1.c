@@ -500,8 +500,10 @@ static void fast_cycles(void **state)
         if (ecx_receive_processdata(&master.context, EC_TIMEOUTRET3) <= 0)
             continue;
         fzm1_plc_cycle(&plc, in, out, soem_now());
-        measured += fzm1_plc_measure(&plc);
-        commands += fzm1_plc_command(&plc, PLC_GET_SCENE, 0, 0, 0);
+        if (measured > commands)
+            commands += fzm1_plc_command(&plc, PLC_GET_SCENE, 0, 0, 0);
+        else
+            measured += fzm1_plc_measure(&plc);
     }
     AWAIT(!plc.step_wanted && !plc.step && plc.exe == PLC_EXE_IDLE);
     AWAIT((plc.signals & (PLC_READY | PLC_BUSY)) == PLC_READY);
