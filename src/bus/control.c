@@ -27,6 +27,7 @@ typedef struct client {
     int fd; /* -1: free */
     size_t used;
     char request[REQUEST_ROOM];
+    bool every; /* change, not one a period */
     watched_t *watched;
     size_t watched_count;
 } client_t;
@@ -179,9 +180,15 @@ static cJSON *describe(const ect_signal_ref_t *ref, size_t slave)
 
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
+static void add_time(cJSON *line, uint64_t now_ns)
+{
+    cJSON_AddNumberToObject(line, "time", (double)(now_ns / 1000) / 1e6);
+}
+
 typedef struct request {
     client_t *client;
     size_t slave; /* that is being visited */
+    uint64_t now_ns;
     bool with_range;
     bool watch;
 } request_t;
@@ -212,8 +219,10 @@ static void answer_one(void *ctx, const ect_signal_ref_t *ref)
         cJSON_AddStringToObject(line, "access", ref->signal->access == ECT_SIGNAL_WRITE ? "rw" : "r");
         cJSON_AddStringToObject(line, "meaning", ref->signal->meaning);
     }
-    if (r->watch)
+    if (r->watch) {
         remember(r, ref);
+        add_time(line, r->now_ns);
+    }
     send_line(r->client, line);
 }
 
@@ -263,7 +272,9 @@ static void serve_request(client_t *client, ect_chain_t *chain, const char *line
     const cJSON *number = cJSON_GetObjectItemCaseSensitive(json, "slave");
     double slave = cJSON_IsNumber(number) ? number->valuedouble : 1;
     bool is_set = strcmp(op, "set") == 0;
-    request_t r = {.client = client, .with_range = strcmp(op, "list") == 0, .watch = strcmp(op, "watch") == 0};
+    request_t r = {
+        .client = client, .now_ns = now_ns, .with_range = strcmp(op, "list") == 0, .watch = strcmp(op, "watch") == 0};
+    client->every |= r.watch && cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "every"));
     if (!(slave >= (is_set ? 1 : 0) && slave <= (double)ect_chain_count(chain)))
         send_result(client, "there is no such slave in this chain");
     else if (is_set)
@@ -330,7 +341,7 @@ void ect_control_serve(ect_control_t *c, ect_chain_t *chain, const struct pollfd
         accept_client(c);
 }
 
-static bool report_changes(client_t *client)
+static void report_changes(client_t *client, uint64_t now_ns)
 {
     for (size_t i = 0; i < client->watched_count && client->fd >= 0; i++) {
         char text[ECT_SIGNAL_TEXT_ROOM];
@@ -339,20 +350,26 @@ static bool report_changes(client_t *client)
         if (strcmp(text, w->told) == 0)
             continue;
         memcpy(w->told, text, sizeof w->told);
-        send_line(client, describe(&w->ref, w->slave));
+        cJSON *line = describe(&w->ref, w->slave);
+        add_time(line, now_ns);
+        send_line(client, line);
     }
-    return client->fd >= 0 && client->watched_count > 0;
 }
 
+/* Those who want every change are told after each poll, the others once a period. */
 uint64_t ect_control_report(ect_control_t *c, uint64_t now_ns)
 {
-    bool any = false;
-    if (now_ns < c->next_report_ns && c->next_report_ns != ECT_NEVER)
-        return c->next_report_ns;
+    bool due = now_ns >= c->next_report_ns || c->next_report_ns == ECT_NEVER;
+    bool periodic = false;
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-        if (c->clients[i].watched_count > 0)
-            any |= report_changes(&c->clients[i]);
+        client_t *client = &c->clients[i];
+        if (client->watched_count > 0 && (due || client->every))
+            report_changes(client, now_ns);
+        periodic |= client->fd >= 0 && client->watched_count > 0 && !client->every;
     }
-    c->next_report_ns = any ? now_ns + WATCH_PERIOD_NS : ECT_NEVER;
+    if (!periodic)
+        c->next_report_ns = ECT_NEVER;
+    else if (due)
+        c->next_report_ns = now_ns + WATCH_PERIOD_NS;
     return c->next_report_ns;
 }

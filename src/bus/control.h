@@ -9,7 +9,8 @@
  *   {"op":"get","pattern":"ru1.*"}          {"slave":1,"name":"ru1.on","value":"1"} ... {"ok":true}
  *   {"op":"list","pattern":"*"}             the same with "range", "access" and "meaning"
  *   {"op":"set","name":"ru1.on","value":"1"}    {"ok":true} or {"ok":false,"message":"..."}
- *   {"op":"watch","pattern":"bu.*"}         each value once, then one line a change, until the client closes
+ *   {"op":"watch","pattern":"bu.*"}         each value once, then one line a change, until the client closes; with
+ * "time", seconds of the twin's clock. At most one a signal in 10 ms, with "every":true after each poll of the devices
  *
  * "slave" chooses one of the chain, from 1 (default 1; 0 in get, list and watch: all). Values are text.
  * Context: the thread of the runner. A client that does not read is dropped, the bus never waits for one.

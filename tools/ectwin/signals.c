@@ -18,6 +18,7 @@ typedef struct client_args {
     const char *socket;
     double slave;
     const char *csv;
+    bool every;
     const char *arguments[MOST_ARGUMENTS];
     size_t count;
 } client_args_t;
@@ -32,6 +33,10 @@ static const struct argp_option options[] = {COMMON_OPTIONS, {0}};
 static const struct argp_option set_options[] = {
     COMMON_OPTIONS,
     {"csv", 'c', "FILE", 0, "The first line names signals, each other one holds values for them", 0},
+    {0}};
+static const struct argp_option watch_options[] = {
+    COMMON_OPTIONS,
+    {"every", 'e', NULL, 0, "Every change at its time (default: what has changed, every 10 ms)", 0},
     {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -49,6 +54,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case 'c':
         args->csv = text;
+        return 0;
+    case 'e':
+        args->every = true;
         return 0;
     case ARGP_KEY_ARG:
         if (args->count == MOST_ARGUMENTS)
@@ -127,6 +135,7 @@ static void send_request(FILE *connection, const client_args_t *args, const char
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", op);
     cJSON_AddNumberToObject(request, "slave", args->slave);
+    cJSON_AddBoolToObject(request, "every", args->every);
     cJSON_AddStringToObject(request, key1, value1);
     if (key2)
         cJSON_AddStringToObject(request, key2, value2);
@@ -188,10 +197,10 @@ static int read_answer(FILE *connection, const char *who, void (*print)(const cJ
     return EXIT_RUN;
 }
 
-static int ask(int argc, char **argv, const char *op, const char *doc,
+static int ask(int argc, char **argv, const char *op, const struct argp_option *known, const char *doc,
                void (*print)(const cJSON *line, const char *raw))
 {
-    const struct argp argp = {.options = options, .parser = parse, .args_doc = "[PATTERN]", .doc = doc};
+    const struct argp argp = {.options = known, .parser = parse, .args_doc = "[PATTERN]", .doc = doc};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     FILE *connection = open_connection(&args, argv[0]);
@@ -205,20 +214,20 @@ static int ask(int argc, char **argv, const char *op, const char *doc,
 
 int command_get(int argc, char **argv)
 {
-    return ask(argc, argv, "get", "Prints the signals of a running twin whose names match a shell pattern.",
+    return ask(argc, argv, "get", options, "Prints the signals of a running twin whose names match a shell pattern.",
                print_value);
 }
 
 int command_list_signals(int argc, char **argv)
 {
-    return ask(argc, argv, "list", "Lists the signals of a running twin: name, r or rw, range, meaning.",
+    return ask(argc, argv, "list", options, "Lists the signals of a running twin: name, r or rw, range, meaning.",
                print_description);
 }
 
 int command_watch(int argc, char **argv)
 {
-    return ask(argc, argv, "watch", "Prints one line of JSON for each value, then for each change, until Ctrl-C.",
-               print_raw);
+    return ask(argc, argv, "watch", watch_options,
+               "Prints one line of JSON for each value, then for each change, until Ctrl-C.", print_raw);
 }
 
 static int set_one(FILE *connection, const client_args_t *args, const char *who, const char *name, const char *value)

@@ -91,6 +91,9 @@ static void publish(fzm1_t *u)
     bool up = u->starting == 0;
     u->ready = fzm1_ready(u);
     u->busy = fzm1_busy(u);
+    u->exe_level = (u->levels & FZM1_EXE) != 0;
+    u->step_level = (u->levels & FZM1_STEP) != 0;
+    u->dsa_level = (u->levels & FZM1_DSA) != 0;
     u->gate_level = u->gate;
     u->flg_level = u->flg;
     u->continuous_level = u->continuous;

@@ -174,7 +174,7 @@ typedef struct fzm1 {
     /* as signals */
     uint8_t ready, busy, overall_ng, err;
     char error_cause[48];
-    uint8_t gate_level, flg_level, continuous_level;
+    uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
     uint32_t measurements, outputs, discarded;
 

@@ -24,7 +24,9 @@
 #define PERIOD(n)    W(plant.period[n - 1], "period" #n, U32, 1, INT32_MAX, "measurements", "of ramp and sine")
 #define ROW(n)       W(plant.row.data[n - 1], "row" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the next row")
 #define RESULT(n)    R(last.data[n - 1], "result" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the last measurement")
-#define COMMENT(n)   W(settings.comment[n - 1], "comment" #n, TEXT, 0, FZM1_COMMENT, NULL, "comment on data " #n)
+#define OUTPUT(n)                                                                                                      \
+    R(output[n - 1], "output" #n, I32, INT32_MIN, INT32_MAX, NULL, "data " #n " as it stands in the output area")
+#define COMMENT(n) W(settings.comment[n - 1], "comment" #n, TEXT, 0, FZM1_COMMENT, NULL, "comment on data " #n)
 #define JUDGEMENT(n)                                                                                                   \
     W(scene.judgement[n], "judgement" #n, I16, -1, 1, NULL, "what unit " #n " of the scene will find: 1 OK, -1 NG")
 #define EIGHT(F) F(1), F(2), F(3), F(4), F(5), F(6), F(7), F(8)
@@ -80,6 +82,9 @@ static const ect_signal_t signals[] = {
     W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit"),
     W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 restarts the controller"),
 
+    R(exe_level, "exe", BOOL, 0, 1, NULL, "EXE, from the master"),
+    R(step_level, "step", BOOL, 0, 1, NULL, "STEP, from the master"),
+    R(dsa_level, "dsa", BOOL, 0, 1, NULL, "DSA, from the master"),
     R(ready, "ready", BOOL, 0, 1, NULL, "READY"),
     R(busy, "busy", BOOL, 0, 1, NULL, "BUSY"),
     R(flg_level, "flg", BOOL, 0, 1, NULL, "FLG"),
@@ -94,6 +99,7 @@ static const ect_signal_t signals[] = {
     R(output_count, "pending", U8, 0, FZM1_OUTPUTS, NULL, "results that wait to be output"),
     R(last.overall, "overall", I16, -1, 1, NULL, "overall judgement of the last measurement, 0: none"),
     EIGHT(RESULT),
+    EIGHT(OUTPUT),
 };
 
 const ect_signal_group_t fzm1_signal_groups[FZM1_SIGNAL_GROUPS] = {

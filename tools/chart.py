@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""Draws a timing chart of a recorded exchange.  usage: chart.py [--svg] [--from S] [--to S] [--width N] [RECORDING]
+
+A recording is what `ectwin watch --every` prints. Without --signals the signals of an FZM1's handshakes are drawn, those that
+change. Signals that are not 0 or 1 are drawn as values. Times count from the first change, in milliseconds.
+"""
+import argparse
+import html
+import json
+import sys
+
+HANDSHAKES = "exe,flg,step,ready,busy,dsa,gate,output1"
+
+
+def read(lines, wanted):
+    """Per signal its changes, (time, value), the first one its value at the beginning; times in ms."""
+    changes = {name: [] for name in wanted}
+    for line in lines:
+        entry = json.loads(line)
+        if entry.get("name") in changes:
+            changes[entry["name"]].append((entry["time"] * 1000, entry["value"]))
+    changes = {name: c for name, c in changes.items() if len(c) > 1}
+    if not changes:
+        sys.exit("chart.py: none of these signals changes in this recording: " + ", ".join(wanted))
+    zero = min(c[1][0] for c in changes.values())
+    return {name: [(round(t - zero, 3), v) for t, v in c] for name, c in changes.items()}
+
+
+def window(changes, first, last):
+    times = [t for c in changes.values() for t, _ in c[1:]]
+    end = max(times)
+    margin = max(end * 0.04, 0.5)
+    return (-margin if first is None else first), (end + margin if last is None else last)
+
+
+def spans(change, start, end):
+    """(from, to, value) of each level inside the window."""
+    result = []
+    for i, (t, value) in enumerate(change):
+        begin = start if i == 0 else t
+        stop = change[i + 1][0] if i + 1 < len(change) else end
+        if stop > start and begin < end:
+            result.append((max(begin, start), min(stop, end), value))
+    return result
+
+
+def is_level(change):
+    return all(v in ("0", "1") for _, v in change)
+
+
+def text(changes, start, end, width):
+    scale = width / (end - start)
+    pad = max(len(name) for name in changes) + 2
+    rows = []
+    for name, change in changes.items():
+        line = [" "] * width
+        for begin, stop, value in spans(change, start, end):
+            first, last = int((begin - start) * scale), max(int((stop - start) * scale), int((begin - start) * scale) + 1)
+            fill = ("▔" if value == "1" else "▁") * width if is_level(change) else value.center(last - first, "─")
+            for x in range(first, min(last, width)):
+                line[x] = fill[x - first]
+        rows.append(name.upper().ljust(pad) + "".join(line))
+    ticks = [" "] * (width + 8)
+    at = -9
+    for t in sorted({t for c in changes.values() for t, _ in c[1:]}):
+        x = int((t - start) * scale)
+        label = f"{t:g}"
+        if x >= at + 1 and x < width:
+            ticks[x:x + len(label)] = label
+            at = x + len(label)
+    rows.append("ms".ljust(pad) + "".join(ticks).rstrip())
+    return "\n".join(row.rstrip() for row in rows) + "\n"
+
+
+def svg(changes, start, end, width):
+    left, row, height, top = 90, 34, 18, 14
+    scale = (width - left - 20) / (end - start)
+    bottom = top + row * len(changes)
+
+    def x(t):
+        return f"{left + (t - start) * scale:.1f}"
+
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{bottom + 26}" '
+           'font-family="sans-serif" font-size="12">',
+           f'<rect width="{width}" height="{bottom + 26}" fill="white"/>']
+    at = -99.0
+    for t in sorted({t for c in changes.values() for t, _ in c[1:]}):
+        if start <= t <= end:
+            out.append(f'<line x1="{x(t)}" y1="{top - 6}" x2="{x(t)}" y2="{bottom}" stroke="#ccc" stroke-dasharray="2,3"/>')
+            if float(x(t)) - at > 34:
+                out.append(f'<text x="{x(t)}" y="{bottom + 16}" text-anchor="middle" fill="#555">{t:g}</text>')
+                at = float(x(t))
+    out.append(f'<text x="8" y="{bottom + 16}" fill="#555">ms</text>')
+    for n, (name, change) in enumerate(changes.items()):
+        high, low = top + n * row, top + n * row + height
+        out.append(f'<text x="8" y="{low - 3}">{html.escape(name.upper())}</text>')
+        if is_level(change):
+            points = []
+            for begin, stop, value in spans(change, start, end):
+                y = high if value == "1" else low
+                points += [f"{x(begin)},{y}", f"{x(stop)},{y}"]
+            out.append(f'<polyline points="{" ".join(points)}" fill="none" stroke="#06c" stroke-width="2"/>')
+            continue
+        for begin, stop, value in spans(change, start, end):
+            out.append(f'<rect x="{x(begin)}" y="{high}" width="{(stop - begin) * scale:.1f}" height="{height}" '
+                       'fill="#eef4ff" stroke="#06c"/>')
+            if (stop - begin) * scale > 8 * len(value):
+                out.append(f'<text x="{float(x(begin)) + (stop - begin) * scale / 2:.1f}" y="{low - 4}" '
+                           f'text-anchor="middle">{html.escape(value)}</text>')
+    return "\n".join(out + ["</svg>"]) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("recording", nargs="?", help="default: standard input")
+    parser.add_argument("--svg", action="store_true", help="a picture instead of text")
+    parser.add_argument("--signals", default=HANDSHAKES, help="which, in this order, separated by commas")
+    parser.add_argument("--from", dest="first", type=float, help="milliseconds")
+    parser.add_argument("--to", dest="last", type=float, help="milliseconds")
+    parser.add_argument("--width", type=int, help="characters (default 100) or pixels (default 760)")
+    args = parser.parse_args()
+    lines = (open(args.recording) if args.recording else sys.stdin).read().splitlines()
+    changes = read(lines, args.signals.split(","))
+    start, end = window(changes, args.first, args.last)
+    draw = svg if args.svg else text
+    sys.stdout.write(draw(changes, start, end, args.width or (760 if args.svg else 100)))
+
+
+main()
