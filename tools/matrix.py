@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Which tests stand for which requirement on the base unit, or why none does.  usage: tools/matrix.py
+"""Which tests stand for which requirement on the devices, or why none does.  usage: tools/matrix.py
 
 The ids are those in the tests' titles. Exits with 1 when a requirement has neither a test nor a reason, or has both,
 or when no test shows it over the wire and nothing says why.
@@ -8,26 +8,31 @@ import pathlib
 import re
 import sys
 
-LAST = 74
-NO_TEST = {
-    4: "a convention of the document (sizes are bytes)",
-    5: "the web page on the TEST PORT is not part of an EtherCAT twin",
-    17: "two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
-    70: "Modbus TCP: another variant of the product",
-    71: "Modbus TCP: another variant of the product",
-    74: "asks for nothing: the unit runs freely, without distributed clocks",
-}
-NOT_ON_THE_WIRE = {
-    14: "a lamp: no register shows it",
-    15: "a lamp: no register shows it",
-    16: "a lamp: no register shows it",
-}
 WIRE = "integration"
 TESTS = pathlib.Path(__file__).resolve().parent.parent / "tests"
+LAMP = "a lamp: no register shows it"
+
+# Per product: prefix of its ids, the last one, why some have no test, why some have none over the wire.
+PRODUCTS = [
+    ("ECL", 74, {
+        4: "a convention of the document (sizes are bytes)",
+        5: "the web page on the TEST PORT is not part of an EtherCAT twin",
+        17: "two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
+        70: "Modbus TCP: another variant of the product",
+        71: "Modbus TCP: another variant of the product",
+        74: "asks for nothing: the unit runs freely, without distributed clocks",
+    }, {14: LAMP, 15: LAMP, 16: LAMP}),
+    ("FZM", 77, {
+        17: "100BASE-TX and two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
+        25: "the serial PLC links are not part of an EtherCAT twin",
+        74: "how the master lays several sensors out in its own memory",
+        76: "how many sensors a certain master takes",
+    }, {20: LAMP, 21: LAMP, 22: LAMP, 23: LAMP}),
+]
 
 
-def ids(text):
-    for first, last in re.findall(r"ECL-(\d{3})(?:\.\.(\d{3}))?", text):
+def ids(prefix, text):
+    for first, last in re.findall(prefix + r"-(\d{3})(?:\.\.(\d{3}))?", text):
         yield from range(int(first), int(last or first) + 1)
 
 
@@ -35,35 +40,41 @@ def titles(path):
     """The titles of a C test, or the comments above the cases of a shell script."""
     text = path.read_text()
     if path.suffix == ".sh":
-        return re.findall(r"^# (ECL-.*)$", text, re.M)
+        return re.findall(r"^# ([A-Z]{3}-.*)$", text, re.M)
     strings = re.findall(r'((?:"(?:[^"\\\n]|\\.)*"\s*)+)', text)
     joined = ["".join(re.findall(r'"((?:[^"\\]|\\.)*)"', s)) for s in strings]
     return [s for s in joined if re.match(r"[A-Z]+-\d{3}", s)]
 
 
-found = {}
-for path in sorted(TESTS.glob("*/*")):
-    if path.suffix in (".c", ".sh"):
-        for title in titles(path):
-            for number in ids(title):
-                found.setdefault(number, []).append((path.relative_to(TESTS), title))
-
-wrong = 0
-for number in range(1, LAST + 1):
-    tests = found.get(number, [])
-    for path, title in tests:
-        print(f"ECL-{number:03}  {path}: {title}")
-    if number in NO_TEST:
-        print(f"ECL-{number:03}  no test: {NO_TEST[number]}")
-    if bool(tests) == (number in NO_TEST):
-        print(f"ECL-{number:03}  WRONG: {'a test and a reason for none' if tests else 'neither a test nor a reason'}")
+def judge(prefix, last, no_test, not_on_the_wire, all_titles):
+    """Prints the matrix of a product. @return how much of it is wrong, and a summary"""
+    found = {}
+    for path, title in all_titles:
+        for number in ids(prefix, title):
+            found.setdefault(number, []).append((path, title))
+    wrong = 0
+    for number in range(1, last + 1):
+        tests = found.get(number, [])
+        for path, title in tests:
+            print(f"{prefix}-{number:03}  {path}: {title}")
+        if number in no_test:
+            print(f"{prefix}-{number:03}  no test: {no_test[number]}")
+        if bool(tests) == (number in no_test):
+            print(f"{prefix}-{number:03}  WRONG: {'a test and a reason for none' if tests else 'neither a test nor a reason'}")
+            wrong += 1
+    on_wire = {number for number, tests in found.items() if any(path.parts[0] == WIRE for path, _ in tests)}
+    for number in sorted(set(found) - on_wire - set(not_on_the_wire)):
+        print(f"{prefix}-{number:03}  WRONG: no test drives it over the wire")
         wrong += 1
+    for number, reason in not_on_the_wire.items():
+        print(f"{prefix}-{number:03}  not on the wire: {reason}")
+    return wrong, (f"{prefix}: {len(found)} of {last} requirements have tests, {len(on_wire)} of them also over the wire; "
+                   f"{len(no_test)} have a reason for none")
 
-on_wire = {number for number, tests in found.items() if any(path.parts[0] == WIRE for path, _ in tests)}
-for number in sorted(set(found) - on_wire - set(NOT_ON_THE_WIRE)):
-    print(f"ECL-{number:03}  WRONG: no test drives it over the wire")
-    wrong += 1
-for number, reason in NOT_ON_THE_WIRE.items():
-    print(f"ECL-{number:03}  not on the wire: {reason}")
-print(f"{len(found)} of {LAST} requirements have tests, {len(on_wire)} of them also over the wire; {len(NO_TEST)} have a reason for none")
-sys.exit(1 if wrong else 0)
+
+tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.glob("*/*")) if path.suffix in (".c", ".sh")
+          for title in titles(path)]
+results = [judge(*product, tested) for product in PRODUCTS]
+for _, summary in results:
+    print(summary)
+sys.exit(1 if any(wrong for wrong, _ in results) else 0)

@@ -19,7 +19,7 @@ build() {
 
 build asan
 ctest --test-dir build/asan -L unit -j "$jobs"
-ctest --test-dir build/asan -L integration -j 2
+ctest --test-dir build/asan -L integration -j 4 # most of it waits
 
 build coverage
 ctest --test-dir build/coverage -L unit -j "$jobs" >/dev/null
@@ -36,5 +36,5 @@ done
 tests/check/size.sh
 tests/check/stack.py
 tools/matrix.py >build/matrix.txt || { grep WRONG build/matrix.txt; exit 1; }
-tail -n 1 build/matrix.txt
+grep 'requirements have' build/matrix.txt
 echo "all tests passed"

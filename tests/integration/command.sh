@@ -14,9 +14,9 @@ check() { # TITLE EXPECTED ACTUAL
 }
 
 list_names_the_devices() {
-  check "list: names in order" "vr-bu-ect-map1 vr-bu-ect-map3 vr-bu-ect-map7 vr-bu-ect-multiarm" \
-    "$("$ectwin" list | awk '/^vr-bu/ {print $1}' | xargs)"
-  check "list: in/out bytes" "66/0 66/24 66/228 142/228" "$("$ectwin" list | awk '/^vr-bu/ {print $2}' | xargs)"
+  check "list: names in order" "vr-bu-ect-map1 vr-bu-ect-map3 vr-bu-ect-map7 vr-bu-ect-multiarm fzm1" \
+    "$("$ectwin" list | awk '{print $1}' | xargs)"
+  check "list: in/out bytes" "66/0 66/24 66/228 142/228 48/20" "$("$ectwin" list | awk '{print $2}' | xargs)"
 }
 
 with_passes_status_and_interface() {
@@ -49,6 +49,43 @@ what_cannot_be_opened_is_2() {
     "$(grep -q 'CAP_NET_RAW.*setcap' "$work/err" && echo yes)"
   "$ectwin" sii vr-bu-ect-map1 -o /no/such/dir/file 2>/dev/null
   check "sii: file that cannot be written" 2 $?
+  "$ectwin" with --store /no/such/dir fzm1 -- true 2>/dev/null
+  check "with: a folder for what is saved that is not there" 2 $?
+}
+
+# What is set before the start is there; what was saved is there the next time.
+start_values_and_memory() {
+  mkdir -p "$work/store"
+  check "with: --set" "node_address=3 data1=7.5" \
+    "$("$ectwin" with --store "$work/store" --set node_address=3 --set data1=7.5 fzm1 -- sh -c \
+      "'$ectwin' get node_address; '$ectwin' get data1; '$ectwin' set save=1" 2>/dev/null | xargs)"
+  check "with: --store" "data1=7.5" "$("$ectwin" with --store "$work/store" fzm1 -- "$ectwin" get data1 2>/dev/null)"
+  check "with: --set for the second twin" "0 7" "$("$ectwin" with --set 2:data1=7 fzm1,fzm1 -- "$ectwin" get -n 0 data1 \
+    2>/dev/null | sed 's/.*=//' | xargs)"
+  for setting in data1 nosuch=1 node_address=10 2:data1=1; do
+    "$ectwin" with --set $setting fzm1 -- true 2>"$work/err"
+    check "with: --set $setting is refused" 1 $?
+    check "with: it says so" yes "$(grep -q -- '--set' "$work/err" && echo yes)"
+  done
+}
+
+signals_from_a_file() {
+  printf 'row1,row_judgement,row_add\n1.5,0,1\n2.5,-1,1\n' >"$work/rows.csv"
+  printf 'row1\n1.5\nx\n' >"$work/bad.csv"
+  check "set: --csv" "rows=2" "$("$ectwin" with fzm1 -- sh -c \
+    "'$ectwin' set --csv '$work/rows.csv'; '$ectwin' get rows" 2>/dev/null)"
+  "$ectwin" with fzm1 -- "$ectwin" set --csv "$work/bad.csv" 2>"$work/err"
+  check "set: a value in the file is refused" 1 $?
+  check "set: it names the line" yes "$(grep -q "line 3" "$work/err" && echo yes)"
+  "$ectwin" with fzm1 -- "$ectwin" set --csv /no/such/file 2>/dev/null
+  check "set: a file that cannot be read" 2 $?
+}
+
+every_change_is_told() {
+  check "watch: --every" "busy 1 busy 0" "$("$ectwin" with fzm1 -- bash -c "
+    '$ectwin' watch --every busy >'$work/watch' & pid=\$!
+    sleep 0.3; '$ectwin' set image_input=100 processing=100 trigger=1; sleep 0.3; kill \$pid; wait \$pid" 2>/dev/null
+    sed -n '2,$ s/.*"name":"\(.*\)","value":"\(.\)","time".*/\1 \2/p' "$work/watch" | xargs)"
 }
 
 # In a namespace: run on one end that is down, end it by SIGTERM and SIGINT; the interface is down again.
@@ -109,7 +146,7 @@ sii_writes_the_image() {
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 \
+for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
   run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
