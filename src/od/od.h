@@ -119,6 +119,12 @@ typedef struct ect_od {
 /** `data` of an entry in a list with a base. The first member of an instance can have no entry (offset 0 = none). */
 #define ECT_OFFSET(type, member) ((void *)offsetof(type, member))
 
+/** An entry whose value lies in `member` of the instance type: ECT_ENTRY(1, UNSIGNED8, 8, ECT_ACCESS_RO, ...). */
+#define ECT_ENTRY(subindex, kind, bits, access, name, value, type, member)                                             \
+    {                                                                                                                  \
+        subindex, ECT_TYPE_##kind, bits, access, name, value, ECT_OFFSET(type, member)                                 \
+    }
+
 /**
  * Why a request to the dictionary is refused: one reason, one abort code (::ect_abort_code). Hooks of a device
  * return these too. The order is ours; the codes are CiA 301's and ETG.1000.6 Table 41's.

@@ -14,6 +14,11 @@
 
 #include "seams/device.h"
 
+/** Vendor id of all twins: we are none of the companies, so a placeholder of ours; a build may choose its own. */
+#ifndef ECTWIN_VENDOR_ID
+#define ECTWIN_VENDOR_ID 0x00000E57u
+#endif
+
 /** What every instance begins with. */
 typedef struct ect_standard {
     const ect_device_t *device; /**< the description, set before init; also keeps offset 0 free of entries */

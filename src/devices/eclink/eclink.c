@@ -8,9 +8,6 @@
 #include "devices/eclink/instance.h"
 
 /* Placeholders: we are not Vision Remote, and nobody has published their codes. An installation overrides them. */
-#ifndef ECTWIN_VENDOR_ID
-#define ECTWIN_VENDOR_ID 0x00000E57
-#endif
 enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM };
 #define REVISION 0x00020000 /* Visionlinkserver 2.0 */
 

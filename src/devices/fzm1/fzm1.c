@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* What an FZM1 is to a master. Object indices are ours (spec: none are public), sizes and order are Q179 §4-1's. */
+/* What an FZM1 is to a master. Sizes and order are Q179 §4-1's; object indices are ours, for none are public. */
 #include "devices/fzm1/fzm1.h"
 
 #include "devices/fzm1/instance.h"
 
-#ifndef ECTWIN_VENDOR_ID
-#define ECTWIN_VENDOR_ID 0x00000EC7 /* a placeholder of ours */
-#endif
 #define PRODUCT_CODE     0x00F20001 /* a placeholder of ours */
 #define REVISION         0x00010000
 #define HARDWARE_VERSION "ectwin"
@@ -18,27 +15,12 @@ enum {
     SETTING = ECT_ACCESS_RW_PREOP,
 };
 
-#define U8(sub, access, name, member)                                                                                  \
-    {                                                                                                                  \
-        sub, ECT_TYPE_UNSIGNED8, 8, access, name, 0, ECT_OFFSET(fzm1_t, member)                                        \
-    }
-#define U16(sub, access, name, member)                                                                                 \
-    {                                                                                                                  \
-        sub, ECT_TYPE_UNSIGNED16, 16, access, name, 0, ECT_OFFSET(fzm1_t, member)                                      \
-    }
-#define U32(sub, access, name, member)                                                                                 \
-    {                                                                                                                  \
-        sub, ECT_TYPE_UNSIGNED32, 32, access, name, 0, ECT_OFFSET(fzm1_t, member)                                      \
-    }
-#define I32(sub, access, name, member)                                                                                 \
-    {                                                                                                                  \
-        sub, ECT_TYPE_INTEGER32, 32, access, name, 0, ECT_OFFSET(fzm1_t, member)                                       \
-    }
-#define COMMENT(sub, name, member)                                                                                     \
-    {                                                                                                                  \
-        sub, ECT_TYPE_VISIBLE_STRING, 8 * FZM1_COMMENT, SETTING, name, 0, ECT_OFFSET(fzm1_t, member)                   \
-    }
-#define MAP(sub, index) ECT_ENTRY_MAP(sub, ECT_MAP(index, sub, 32))
+#define U8(sub, access, name, member)  ECT_ENTRY(sub, UNSIGNED8, 8, access, name, 0, fzm1_t, member)
+#define U16(sub, access, name, member) ECT_ENTRY(sub, UNSIGNED16, 16, access, name, 0, fzm1_t, member)
+#define U32(sub, access, name, member) ECT_ENTRY(sub, UNSIGNED32, 32, access, name, 0, fzm1_t, member)
+#define I32(sub, access, name, member) ECT_ENTRY(sub, INTEGER32, 32, access, name, 0, fzm1_t, member)
+#define COMMENT(sub, name, member)     ECT_ENTRY(sub, VISIBLE_STRING, 8 * FZM1_COMMENT, SETTING, name, 0, fzm1_t, member)
+#define MAP(sub, index)                ECT_ENTRY_MAP(sub, ECT_MAP(index, sub, 32))
 
 static const ect_entry_t device_type[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
 static const ect_entry_t device_name[] = {ECT_ENTRY_TEXT("Device name", "FZM1")};
