@@ -132,7 +132,7 @@ static ect_reason_t check_setting(const fzm1_t *u, uint8_t subindex, const uint8
 
 static ect_reason_t reason_of(uint32_t abort_code)
 {
-    for (int reason = ECT_REASON_TOGGLE; reason < ECT_REASON_COUNT; reason++) {
+    for (unsigned int reason = ECT_REASON_TOGGLE; reason < ECT_REASON_COUNT; reason++) {
         if (ect_abort_code((ect_reason_t)reason) == abort_code)
             return (ect_reason_t)reason;
     }
@@ -172,7 +172,7 @@ static bool known_abort(uint32_t code)
                                       ECT_REASON_MAPPED,    ECT_REASON_MODULES,         ECT_REASON_RESOURCE,
                                       ECT_REASON_NO_DATA};
     ect_reason_t reason = reason_of(code);
-    return code == 0 || (reason != ECT_OK && !memchr(foreign, reason, sizeof foreign));
+    return code == 0 || (reason != ECT_OK && !memchr(foreign, (int)reason, sizeof foreign));
 }
 
 static const char *add_row(fzm1_t *u)
