@@ -127,6 +127,9 @@ void sensor_step(sensor_t *s)
 static int memory_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
 {
     sensor_memory_t *m = ctx;
+    if (m->reads == 0)
+        return -1;
+    m->reads -= m->reads == UINT32_MAX ? 0 : 1;
     memcpy(buffer, m->bank[bank] + offset, length);
     return 0;
 }
@@ -151,7 +154,7 @@ static int memory_write(void *ctx, unsigned int bank, uint32_t offset, const voi
 
 void sensor_memory_open(sensor_memory_t *m)
 {
-    m->budget = UINT32_MAX;
+    m->budget = m->reads = UINT32_MAX;
     for (unsigned int i = 0; i < 2; i++) {
         m->bank[i] = malloc(SENSOR_BANK);
         assert_non_null(m->bank[i]);

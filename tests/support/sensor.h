@@ -42,12 +42,14 @@ uint32_t sensor_command(sensor_t *s, uint32_t code, int32_t p1, int32_t p2, int3
 /* STEP's rising edge and, when READY has gone, its fall. */
 void sensor_step(sensor_t *s);
 
-/* Non-volatile memory in RAM: two banks; writing stops for good after `budget` bytes (UINT32_MAX: never). */
+/* Non-volatile memory in RAM: two banks; writing stops for good after `budget` bytes, reading after `reads` reads
+ * (UINT32_MAX: never). */
 enum { SENSOR_BANK = 400000 };
 typedef struct sensor_memory {
     ect_storage_t storage;
     uint8_t *bank[2];
     uint32_t budget;
+    uint32_t reads;
 } sensor_memory_t;
 void sensor_memory_open(sensor_memory_t *m);
 void sensor_memory_close(sensor_memory_t *m);

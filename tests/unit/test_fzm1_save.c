@@ -154,6 +154,36 @@ static void spoilt(void **state)
     expect_text("data1", "0");
 }
 
+/* A memory that stops to answer: Save fails and leaves what was there; at power-on what can be read counts, or nothing.
+ */
+static void unreadable(void **state)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    (void)state;
+    signal_set(&s.w, "scene_group", "7");
+    signal_set(&s.w, "data1", "7");
+    signal_set(&s.w, "save", "1");
+    signal_set(&s.w, "scene_group", "8");
+    signal_set(&s.w, "data1", "1");
+    signal_set(&s.w, "save", "1");
+    unsigned int failed = 0;
+    for (uint32_t reads = 0; reads < 3000; reads += reads < 20 || reads > 2300 ? 1 : 61) {
+        memory.reads = reads;
+        failed += !signal_try_set(&s.w, "save", "1", message);
+        memory.reads = UINT32_MAX;
+    }
+    assert_true(failed > 1);
+    for (uint32_t reads = 0; reads < 3000; reads += reads < 20 || reads > 2300 ? 1 : 61) {
+        char text[ECT_SIGNAL_TEXT_ROOM];
+        memory.reads = reads;
+        power_cycle();
+        signal_get(&s.w, "data1", text);
+        if (strcmp(text, "0") != 0 && strcmp(text, "1") != 0)
+            fail_msg("%u reads answered: data1 is %s", reads, text);
+        memory.reads = UINT32_MAX;
+    }
+}
+
 /* --- restart ------------------------------------------------------------------------------------------------------ */
 
 static bool on_the_bus(void)
@@ -266,6 +296,7 @@ int main(int argc, char **argv)
         TEST("FZM-056: without memory Save answers -1", no_memory),
         TEST("FZM-056: the power may be cut at any byte of a Save", power_cut),
         TEST("FZM-056: a record that was spoilt is not used", spoilt),
+        TEST("FZM-056: a memory that stops to answer harms nothing that is there", unreadable),
         TEST("FZM-052 FZM-077: Restart: no answer, signals off, off the bus, INIT, saved settings", restart),
         TEST("FZM-077: a restart by hand; switches and cameras stay as they are", restart_by_hand),
         TEST("FZM-052: Restart ends a continuous measurement", restart_while_continuous),

@@ -244,6 +244,46 @@ static void all_aborts(void **state)
     }
 }
 
+/* What is refused, and with which words; buttons do nothing at 0. */
+static void signals(void **state)
+{
+    static const struct {
+        const char *name, *value, *why;
+    } refused[] = {{"units", "3", "output_unit"},
+                   {"output_unit", "4", "units"},
+                   {"units", "9", "1..8"},
+                   {"judgement0", "0", "1 (OK)"},
+                   {"judgement0", "2", "-1..1"},
+                   {"camera", "3", "0..2"},
+                   {"scene", "128", "0..127"},
+                   {"scene_group", "32", "0..31"},
+                   {"ready", "1", "twin's own"},
+                   {"period1", "0", "1.."},
+                   {"image_input", "99", "100.."},
+                   {"sdo_abort", "5", "26"},
+                   {"comment1", "123456789012345678901234567890123", "32"}};
+    static const char *const buttons[] = {"trigger", "save", "restart", "row_add", "row_clear"};
+    (void)state;
+    for (size_t i = 0; i < COUNT(refused); i++) {
+        char message[ECT_SIGNAL_MESSAGE] = "";
+        if (signal_try_set(&w, refused[i].name, refused[i].value, message) || !strstr(message, refused[i].why))
+            fail_msg("%s=%s: expected a refusal with '%s', got '%s'", refused[i].name, refused[i].value, refused[i].why,
+                     message);
+    }
+    for (size_t i = 0; i < COUNT(buttons); i++)
+        signal_set(&w, buttons[i], "0");
+    wire_advance(&w, 10000 * MS);
+    assert_int_equal(signal_number(&w, "measurements"), 0);
+    assert_int_equal(signal_number(&w, "rows"), 0);
+    assert_int_equal(signal_number(&w, "run"), 1);
+    signal_set(&w, "err", "1");
+    assert_int_equal(signal_number(&w, "err"), 1);
+    signal_set(&w, "restart", "1");
+    signal_set(&w, "restart", "1"); /* once is enough */
+    wire_advance(&w, 4000 * MS);
+    assert_int_equal(signal_number(&w, "err"), 0);
+}
+
 static void start_sync0(uint32_t cycle)
 {
     uint8_t number[8];
@@ -351,6 +391,7 @@ int main(int argc, char **argv)
         TEST("FZM-016 OM-C10: the measurement does not depend on SYNC0", asynchronous),
         TEST("FZM-019 OM-C18: node address 1 to 9 is alias and device id from the next restart, 0 leaves it",
              node_address),
+        TEST("FZM-030 FZM-048 FZM-067: what the user may not set is refused with the reason", signals),
         TEST("CF-057: SII", sii),
     };
     if (argc > 1)
