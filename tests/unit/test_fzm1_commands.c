@@ -189,6 +189,20 @@ static void exe_falls_early(void **state)
     assert_int_equal(scene, 7);
 }
 
+static void second_exe(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "command_time", "10000");
+    sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 5 * MS);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_prepare(&s, FZM1_GET_GROUP, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    assert_int_equal(sensor_until(&s, FZM1_FLG, FZM1_FLG), 5 * MS);
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_GET_SCENE);
+}
+
 static void busy_ignores(void **state)
 {
     (void)state;
@@ -320,6 +334,7 @@ int main(int argc, char **argv)
         TEST("FZM-040 FZM-043 FZM-070: FLG comes with the stored response and goes with EXE", handshake),
         TEST("FZM-070: code and parameters count as they are when EXE rises", parameters_at_the_edge),
         TEST("FZM-043: EXE that falls early: the command is done, FLG does not come", exe_falls_early),
+        TEST("FZM-043 FZM-070: a second EXE while a command is executed begins no second one", second_exe),
         TEST("FZM-044: EXE that rises while BUSY is ignored until it falls", busy_ignores),
         TEST("FZM-044 FZM-059: BUSY while scene or group are switched, and STEP is not accepted", busy_while_switching),
         TEST("FZM-043: with exe_timeout set, EXE that stays on 10 s after FLG is an error", exe_timeout),

@@ -15,7 +15,7 @@ static bool get_unit_data(const fzm1_t *u, int32_t *value)
     if (unit >= u->scene.units || (number != FZM1_REF_JUDGEMENT && unit != u->scene.output_unit))
         return false;
     if (number == FZM1_REF_JUDGEMENT)
-        *value = u->measured ? u->last.judgement[unit] * 1000 : 0;
+        *value = u->last.judgement[unit] * 1000; /* 0 before the first measurement */
     else if (number >= FZM1_REF_DATA0 && number <= FZM1_REF_DATA7)
         *value = fzm1_fixed_point(u->last.data[number - FZM1_REF_DATA0]);
     else if (number == FZM1_REF_FORMAT)

@@ -147,8 +147,7 @@ typedef struct fzm1 {
     /* measurement */
     uint8_t run; /* RUN window shown */
     bool continuous;
-    bool measured;
-    fzm1_result_t last;
+    fzm1_result_t last;                /* all 0: nothing measured yet */
     fzm1_result_t images[FZM1_IMAGES]; /* what has been taken in and waits, oldest first */
     uint8_t first_image, image_count;
     bool stalled; /* a result waits for room among the outputs */

@@ -60,7 +60,6 @@ void fzm1_complete(fzm1_t *u)
     if (u->stalled)
         return;
     u->last = u->images[u->first_image];
-    u->measured = true;
     u->measurements++;
     u->overall_ng = u->last.overall < 0;
     u->first_image = (uint8_t)((u->first_image + 1) % FZM1_IMAGES);
@@ -83,6 +82,5 @@ void fzm1_measure_due(fzm1_t *u)
 /* OR and the output area stay as they are (as in the FZ3). */
 void fzm1_clear(fzm1_t *u)
 {
-    u->measured = false;
     memset(&u->last, 0, sizeof u->last);
 }
