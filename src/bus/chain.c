@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/lamps.h"
 #include "ports/virtual/virtual.h"
 #include "sii/sii.h"
 #include "wire/bytes.h"
@@ -17,7 +18,9 @@ typedef struct twin {
     bool linked;          /* the one before it has its cable in here */
     uint32_t seen;        /* ESC activity that the slave has dealt with */
     uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
-    void *memory[6];      /* everything that was allocated for it */
+    uint64_t last_frame_ns;
+    ect_lamps_t *lamps;
+    void *memory[7]; /* everything that was allocated for it */
     size_t blocks;
 } twin_t;
 
@@ -112,7 +115,8 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
         twin_t *twin = &chain->twins[i];
         twin->config = twins[i];
         twin->linked = true;
-        if (!make_esc(twin, open_ports) || !make_slave(twin) || !power_on(twin, now_ns)) {
+        twin->lamps = allocate(twin, sizeof *twin->lamps);
+        if (!twin->lamps || !make_esc(twin, open_ports) || !make_slave(twin) || !power_on(twin, now_ns)) {
             ect_chain_free(chain);
             return NULL;
         }
@@ -141,6 +145,7 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
 {
     for (size_t i = 0; i < chain->count; i++) {
         ect_esc_t *esc = &chain->twins[i].esc;
+        chain->twins[i].last_frame_ns = now_ns;
         if (i == 0 && chain->twins[i].slave.off_bus)
             return false; /* the cable ends in a dead socket */
         if (ect_esc_process(esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
@@ -178,8 +183,10 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns)
             poll_twin(twin, now_ns);
         follow_links(chain, i);
-        if (twin->deadline_ns < next)
-            next = twin->deadline_ns;
+        bool out_link = i + 1 < chain->count && !chain->twins[i + 1].slave.off_bus;
+        uint64_t lamps_ns = ect_lamps_update(twin->lamps, &twin->slave, out_link, twin->last_frame_ns, now_ns);
+        next = twin->deadline_ns < next ? twin->deadline_ns : next;
+        next = lamps_ns < next ? lamps_ns : next;
     }
     return next;
 }
@@ -187,6 +194,21 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
 size_t ect_chain_count(const ect_chain_t *chain)
 {
     return chain->count;
+}
+
+size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *pattern,
+                         void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx)
+{
+    const twin_t *twin = &chain->twins[position];
+    return ect_signals_visit(twin->config.device, twin->slave.config.instance, pattern, visit, ctx) +
+           ect_signals_visit(&ect_lamps_device, twin->lamps, pattern, visit, ctx);
+}
+
+bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
+{
+    const twin_t *twin = &chain->twins[position];
+    return ect_signal_find(twin->config.device, twin->slave.config.instance, name, ref) ||
+           ect_signal_find(&ect_lamps_device, twin->lamps, name, ref);
 }
 
 void ect_chain_wake(ect_chain_t *chain, size_t position)

@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/signals.h"
 #include "esc/esc.h"
 #include "slave/slave.h"
 
@@ -55,6 +56,12 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
 size_t ect_chain_count(const ect_chain_t *chain);
+
+/** As ect_signals_visit, for the device of a twin and for its lamps (`ecat.*`). @return how many matched */
+size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *pattern,
+                         void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx);
+/** @return whether a twin has a signal of exactly that name; then *ref is set */
+bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref);
 /** Lets the slave at a position look at its device again at the next poll: a signal was set. */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);

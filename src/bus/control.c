@@ -230,11 +230,10 @@ static void visit(request_t *r, ect_chain_t *chain, const char *pattern, size_t 
 {
     size_t matched = 0;
     for (size_t i = 0; i < ect_chain_count(chain); i++) {
-        const ect_slave_t *s = ect_chain_slave(chain, i);
         if (slave != 0 && slave != i + 1)
             continue;
         r->slave = i;
-        matched += ect_signals_visit(s->config.device, s->config.instance, pattern, answer_one, r);
+        matched += ect_chain_signals(chain, i, pattern, answer_one, r);
     }
     if (r->client->fd >= 0 && matched == 0)
         send_result(r->client, "no signal matches: 'ectwin list-signals' names them all");
@@ -247,8 +246,7 @@ static void set(client_t *client, ect_chain_t *chain, size_t slave, const char *
 {
     char message[ECT_SIGNAL_MESSAGE];
     ect_signal_ref_t ref;
-    const ect_slave_t *s = ect_chain_slave(chain, slave - 1);
-    if (!ect_signal_find(s->config.device, s->config.instance, name, &ref)) {
+    if (!ect_chain_signal(chain, slave - 1, name, &ref)) {
         snprintf(message, sizeof message, "there is no signal '%.60s': 'ectwin list-signals' names them all", name);
         send_result(client, message);
         return;

@@ -65,5 +65,6 @@ ect_pattern_t ect_indicator_link(bool link, uint64_t last_traffic_ns, uint64_t n
 {
     if (!link)
         return ECT_PATTERN_OFF;
-    return last_traffic_ns != 0 && now_ns - last_traffic_ns < 100 * MS ? ECT_PATTERN_FLICKERING : ECT_PATTERN_ON;
+    return last_traffic_ns != 0 && now_ns - last_traffic_ns < ECT_INDICATOR_TRAFFIC_NS ? ECT_PATTERN_FLICKERING
+                                                                                       : ECT_PATTERN_ON;
 }

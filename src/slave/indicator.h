@@ -39,7 +39,10 @@ ect_pattern_t ect_indicator_run(const ect_slave_t *slave);
  */
 ect_pattern_t ect_indicator_err(const ect_slave_t *slave, bool pdi_failing);
 
-/** L/A of a port: off no link; on a link; flickering with traffic in the last 100 ms. */
+/** How long a frame keeps L/A flickering. */
+#define ECT_INDICATOR_TRAFFIC_NS 100000000ull
+
+/** L/A of a port: off no link; on a link; flickering with traffic (not at 0) in the last ECT_INDICATOR_TRAFFIC_NS. */
 ect_pattern_t ect_indicator_link(bool link, uint64_t last_traffic_ns, uint64_t now_ns);
 
 #endif

@@ -539,6 +539,40 @@ static void fallback(void **state)
     plant_refuses("ru1.armed", "1", "VLAP");
 }
 
+/* --- lamps -------------------------------------------------------------------------------------------------------- */
+
+static void expect_lamps(const char *run, const char *err)
+{
+    assert_string_equal(plant_get("ecat.run"), run);
+    assert_string_equal(plant_get("ecat.err"), err);
+    assert_string_equal(plant_get("ecat.link_out"), "off");
+}
+
+static void lamps(void **state)
+{
+    (void)state;
+    uint16 code;
+    soem_go(&master, 1, EC_STATE_INIT);
+    expect_lamps("off", "off");
+    soem_go(&master, 1, EC_STATE_PRE_OP);
+    expect_lamps("blinking", "off");
+    (void)soem_request(&master, 1, EC_STATE_OPERATIONAL, &code);
+    expect_lamps("blinking", "blinking");
+    soem_go(&master, 1, EC_STATE_PRE_OP);
+    soem_map(&master);
+    expect_lamps("single flash", "off");
+    soem_operational(&master);
+    expect_lamps("on", "off");
+    soem_cycle(&master);
+    assert_string_equal(plant_get("ecat.link_in"), "flickering");
+    osal_usleep(500000); /* no outputs: the watchdog */
+    ecx_readstate(&master.context);
+    assert_int_equal(master.slaves[1].ALstatuscode, 0x001B);
+    expect_lamps("single flash", "double flash");
+    osal_usleep(500000);
+    assert_string_equal(plant_get("ecat.link_in"), "on");
+}
+
 /* ------------------------------------------------------------------------------------------------------------------ */
 
 #define POWER_ON(title, function)                                                                                      \
@@ -568,6 +602,7 @@ static const struct CMUnitTest map7_tests[] = {
         from_power_on),
     TEST("ECL-029 ECL-049 ECL-057 ECL-067: PCO stands still: Bad data, ES-Link open, and back", pco_stands_still),
     TEST("ECL-029 ECL-056 ECL-067: CAO stands still: Bad data, ES-Link open, and back", cao_stands_still),
+    POWER_ON("ECL-014 ECL-015 ECL-016: RUN, ERROR and Link/Activity lamps by state, error and traffic", lamps),
     TEST("ECL-066 ECL-073: outputs stop: watchdog, External link error, No Data, and back", watchdog),
     TEST("ECL-066 ECL-072: a SyncManager of another size: Cfg. Error, and back", wrong_size),
     TEST("ECL-028 ECL-029 ECL-066: Module Error and Failed, and back", module_error),

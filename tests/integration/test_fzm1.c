@@ -512,6 +512,40 @@ static void fast_cycles(void **state)
     plant_set("command_time", "1000");
 }
 
+/* --- lamps -------------------------------------------------------------------------------------------------------- */
+
+static void expect_lamps(const char *run, const char *err)
+{
+    assert_string_equal(plant_get("ecat.run"), run);
+    assert_string_equal(plant_get("ecat.err"), err);
+    assert_string_equal(plant_get("ecat.link_out"), "off");
+}
+
+static void lamps(void **state)
+{
+    (void)state;
+    uint16 code;
+    soem_go(&master, 1, EC_STATE_INIT);
+    expect_lamps("off", "off");
+    soem_go(&master, 1, EC_STATE_PRE_OP);
+    expect_lamps("blinking", "off");
+    (void)soem_request(&master, 1, EC_STATE_OPERATIONAL, &code);
+    expect_lamps("blinking", "blinking");
+    soem_go(&master, 1, EC_STATE_PRE_OP);
+    soem_map(&master);
+    expect_lamps("single flash", "off");
+    soem_operational(&master);
+    expect_lamps("on", "off");
+    soem_cycle(&master);
+    assert_string_equal(plant_get("ecat.link_in"), "flickering");
+    osal_usleep(500000); /* no outputs: the watchdog */
+    ecx_readstate(&master.context);
+    assert_int_equal(master.slaves[1].ALstatuscode, 0x001B);
+    expect_lamps("single flash", "double flash");
+    osal_usleep(500000);
+    assert_string_equal(plant_get("ecat.link_in"), "on");
+}
+
 #define FROM_PREOP(title, function)                                                                                    \
     {                                                                                                                  \
         title, function, open_master, close_master, NULL                                                               \
@@ -534,6 +568,7 @@ int main(int argc, char **argv)
             "FZM-008 FZM-009 FZM-010 FZM-011 FZM-012 FZM-013 FZM-014 FZM-026 FZM-027 FZM-028 FZM-029: settings by "
             "SDO, and what is refused",
             sdo),
+        FROM_PREOP("FZM-020 FZM-021 FZM-022: ECAT RUN, ECAT ERR and L/A lamps by state, error and traffic", lamps),
         FROM_PREOP("FZM-006 FZM-007 FZM-009 FZM-010: SDO information lists every object, each can be read",
                    every_object),
         FROM_PREOP("FZM-015 FZM-016 CF-092: SOEM's configdc and dcsync0; five cycle times and no other", clocks),

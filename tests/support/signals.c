@@ -6,8 +6,7 @@
 
 void signal_find(wire_t *w, const char *name, ect_signal_ref_t *ref)
 {
-    const ect_slave_t *slave = ect_chain_slave(w->chain, 0);
-    if (!ect_signal_find(slave->config.device, slave->config.instance, name, ref))
+    if (!ect_chain_signal(w->chain, 0, name, ref))
         fail_msg("no signal %s", name);
 }
 

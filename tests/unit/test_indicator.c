@@ -96,11 +96,38 @@ static void link_activity(void **state)
     assert_int_equal(ect_indicator_link(true, 900 * MS, 1000 * MS), ECT_PATTERN_ON);
 }
 
+/* What a chain of two shows, as signals. */
+static void lamps_of_a_chain(void **state)
+{
+    static const ect_device_t *const devices[] = {&testdev, &testdev};
+    (void)state;
+    wire_t w;
+    wire_open(&w, devices, 2);
+    const char *const first[] = {"flickering", "flickering"}, *const last[] = {"flickering", "off"};
+    const char *const idle[] = {"on", "on"}, *const idle_last[] = {"on", "off"};
+    wire_poll(&w);
+    for (unsigned int round = 0; round < 2; round++) {
+        for (size_t i = 0; i < 2; i++) {
+            const char *const *want = i == 0 ? (round == 0 ? first : idle) : (round == 0 ? last : idle_last);
+            for (unsigned int side = 0; side < 2; side++) {
+                ect_signal_ref_t ref;
+                char text[ECT_SIGNAL_TEXT_ROOM];
+                assert_true(ect_chain_signal(w.chain, i, side == 0 ? "ecat.link_in" : "ecat.link_out", &ref));
+                ect_signal_read(&ref, text);
+                assert_string_equal(text, want[side]);
+            }
+        }
+        wire_advance(&w, 100 * MS); /* without a frame */
+    }
+    wire_close(&w);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
+        {"CF-093 FZM-022 ECL-016: the lamps of a chain, as signals", lamps_of_a_chain, NULL, NULL, NULL},
         {"CF-093 FZM-020 ECL-014: RUN shows the state", run_by_state, NULL, NULL, NULL},
         {"CF-093 FZM-021 ECL-015: ERR shows the cause", err_by_cause, NULL, NULL, NULL},
         {"CF-093 FZM-023: the patterns keep the times of ETG.1300", pattern_times, NULL, NULL, NULL},

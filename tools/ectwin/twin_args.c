@@ -195,10 +195,9 @@ static bool apply(const char *setting, ect_chain_t *chain, const char *who)
         fprintf(stderr, "%s: --set %s: there is no twin %zu\n", who, setting, slave);
         return false;
     }
-    const ect_slave_t *s = ect_chain_slave(chain, slave - 1);
-    if (!ect_signal_find(s->config.device, s->config.instance, name, &ref)) {
+    if (!ect_chain_signal(chain, slave - 1, name, &ref)) {
         fprintf(stderr, "%s: --set %s: %s has no such signal; 'ectwin list-signals' lists those of a running one\n",
-                who, setting, s->config.device->name);
+                who, setting, ect_chain_slave(chain, slave - 1)->config.device->name);
         return false;
     }
     if (!ect_signal_write(&ref, value + 1, ect_runner_now(), message)) {

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a passer-by sees on every slave: its EtherCAT lamps and, for those who cannot read them, AL state and code. As
+ * signals `ecat.*` of each twin, beside those of its device.
+ */
+#ifndef ECT_BUS_LAMPS_H
+#define ECT_BUS_LAMPS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "slave/slave.h"
+
+enum { ECT_LAMP_TEXT = 16 };
+
+typedef struct ect_lamps {
+    uint8_t shown[4]; /* ect_pattern_t of run, err, in, out */
+    uint8_t al_state; /* 1, 2, 3, 4, 8; 0: off the bus */
+    uint16_t al_code;
+    char text[4][ECT_LAMP_TEXT];
+} ect_lamps_t;
+
+/** A description with nothing but the signals of an ect_lamps_t, which is its instance. */
+extern const ect_device_t ect_lamps_device;
+
+/**
+ * Brings the lamps up to date.
+ * @param out_link       whether another slave is connected behind this one
+ * @param last_frame_ns  when a frame last came by, 0 never
+ * @return when they change without an event, ECT_NEVER
+ */
+uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool out_link, uint64_t last_frame_ns,
+                          uint64_t now_ns);
+
+#endif
