@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "bu_controller.h"
+#include "lamps.h"
 #include "plant.h"
 #include "soem.h"
 
@@ -539,42 +540,10 @@ static void fallback(void **state)
     plant_refuses("ru1.armed", "1", "VLAP");
 }
 
-/* --- lamps -------------------------------------------------------------------------------------------------------- */
-
-static void expect_lamps(const char *run, const char *err)
-{
-    assert_string_equal(plant_get("ecat.run"), run);
-    assert_string_equal(plant_get("ecat.err"), err);
-    assert_string_equal(plant_get("ecat.link_out"), "off");
-}
-
 static void lamps(void **state)
 {
     (void)state;
-    uint16 code;
-    soem_go(&master, 1, EC_STATE_INIT);
-    expect_lamps("off", "off");
-    soem_go(&master, 1, EC_STATE_PRE_OP);
-    expect_lamps("blinking", "off");
-    (void)soem_request(&master, 1, EC_STATE_OPERATIONAL, &code);
-    expect_lamps("blinking", "blinking");
-    soem_go(&master, 1, EC_STATE_PRE_OP);
-    soem_map(&master);
-    expect_lamps("single flash", "off");
-    soem_operational(&master);
-    expect_lamps("on", "off");
-    bool flickers = false;
-    for (int tries = 0; tries < 100 && !flickers; tries++) {
-        soem_cycle(&master);
-        flickers = strcmp(plant_get("ecat.link_in"), "flickering") == 0;
-    }
-    assert_true(flickers);
-    for (int tries = 0; tries < 100 && plant_number("ecat.code") == 0; tries++)
-        osal_usleep(50000); /* no frames: the watchdog */
-    expect_lamps("single flash", "double flash");
-    osal_usleep(200000);
-    assert_string_equal(plant_get("ecat.link_in"), "on");
-    assert_int_equal(plant_number("ecat.code"), 0x001B);
+    lamps_follow(&master);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
