@@ -7,8 +7,9 @@
  * and its data. A new one goes into the bank that does not hold the newest; its header is written last and makes it
  * valid. Who uses it chooses the magic number, and with it what the data mean.
  *
- * Writing: ::ect_record_begin with the length, ::ect_record_put until all is there, ::ect_record_commit.
  * Reading: ::ect_record_find, then ::ect_record_get at any offset.
+ * Writing: ::ect_record_find, ::ect_record_begin with the length, ::ect_record_put until all is there,
+ * ::ect_record_commit.
  */
 #ifndef ECT_SEAMS_RECORD_H
 #define ECT_SEAMS_RECORD_H
@@ -45,57 +46,76 @@ static inline bool ect_record_get(const ect_record_t *r, uint32_t offset, void *
     return r->medium->read(r->medium->ctx, r->bank, ECT_RECORD_HEADER + offset, data, length) >= 0;
 }
 
-static inline bool ect_record_data_good(const ect_record_t *r)
+/* The three below: 1 yes, 0 no, -1 the medium does not answer. */
+
+static inline int ect_record_data_good(const ect_record_t *r)
 {
     uint8_t piece[ECT_RECORD_PIECE];
     uint32_t crc = ect_record_check_start(r->sequence, r->length);
     for (uint32_t at = 0; at < r->length; at += ECT_RECORD_PIECE) {
         uint32_t size = r->length - at < ECT_RECORD_PIECE ? r->length - at : ECT_RECORD_PIECE;
         if (!ect_record_get(r, at, piece, size))
-            return false;
+            return -1;
         crc = ect_crc32(crc, piece, size);
     }
     return crc == r->check;
 }
 
-static inline bool ect_record_read_header(const ect_storage_t *m, unsigned int bank, uint32_t magic, ect_record_t *r)
+static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, uint32_t magic, ect_record_t *r)
 {
     uint8_t header[ECT_RECORD_HEADER];
-    if (m->bank_size < ECT_RECORD_HEADER || m->read(m->ctx, bank, 0, header, ECT_RECORD_HEADER) < 0 ||
-        ect_load_le32(header) != magic)
-        return false;
+    if (m->read(m->ctx, bank, 0, header, ECT_RECORD_HEADER) < 0)
+        return -1;
     *r = (ect_record_t){.medium = m,
                         .bank = bank,
                         .sequence = ect_load_le32(header + 4),
                         .length = ect_load_le32(header + 8),
                         .check = ect_load_le32(header + 12)};
-    return r->length <= m->bank_size - ECT_RECORD_HEADER && ect_record_data_good(r);
+    return ect_load_le32(header) == magic && r->length <= m->bank_size - ECT_RECORD_HEADER;
 }
 
-/** Finds the newest valid record. @param[out] r  set when there is one @return whether there is one */
-static inline bool ect_record_find(const ect_storage_t *m, uint32_t magic, ect_record_t *r)
+/**
+ * Finds the newest valid record. A medium that does not answer is not one without a record.
+ * @param[out] r  set when there is one, else `bank` names the one that a first record must not go to
+ * @return 1 found · 0 there is none · -1 the medium does not answer, or has no room for any
+ */
+static inline int ect_record_find(const ect_storage_t *m, uint32_t magic, ect_record_t *r)
 {
     ect_record_t found[2];
-    bool valid[2] = {ect_record_read_header(m, 0, magic, &found[0]), ect_record_read_header(m, 1, magic, &found[1])};
-    if (!valid[0] && !valid[1])
-        return false;
-    *r = found[valid[1] && (!valid[0] || (int32_t)(found[1].sequence - found[0].sequence) > 0) ? 1 : 0];
-    return true;
+    int valid[2];
+    if (m->bank_size < ECT_RECORD_HEADER)
+        return -1;
+    for (unsigned int bank = 0; bank < 2; bank++) {
+        valid[bank] = ect_record_header(m, bank, magic, &found[bank]);
+        if (valid[bank] < 0)
+            return -1;
+    }
+    unsigned int newer = valid[1] && (!valid[0] || (int32_t)(found[1].sequence - found[0].sequence) > 0) ? 1 : 0;
+    for (unsigned int i = 0; i < 2; i++) {
+        unsigned int bank = i == 0 ? newer : newer ^ 1u;
+        int good = valid[bank] ? ect_record_data_good(&found[bank]) : 0;
+        *r = found[bank];
+        if (good != 0)
+            return good;
+    }
+    *r = (ect_record_t){.medium = m, .bank = 1};
+    return 0;
 }
 
-/** Makes room for a record of `length` bytes beside the newest one. @return whether it fits and the medium answers */
-static inline bool ect_record_begin(ect_record_t *r, const ect_storage_t *m, uint32_t magic, uint32_t length)
+/**
+ * Makes room for a record of `length` bytes in the other bank than `newest`, which ect_record_find has set.
+ * @return whether it fits and the medium answers
+ */
+static inline bool ect_record_begin(ect_record_t *r, const ect_record_t *newest, uint32_t length)
 {
-    ect_record_t newest = {.bank = 1};
-    (void)ect_record_find(m, magic, &newest);
+    const ect_storage_t *m = newest->medium;
     *r = (ect_record_t){.medium = m,
-                        .bank = newest.bank ^ 1u,
-                        .sequence = newest.sequence + 1,
+                        .bank = newest->bank ^ 1u,
+                        .sequence = newest->sequence + 1,
                         .length = length,
-                        .check = ect_record_check_start(newest.sequence + 1, length),
+                        .check = ect_record_check_start(newest->sequence + 1, length),
                         .at = ECT_RECORD_HEADER};
-    return m->bank_size >= ECT_RECORD_HEADER && length <= m->bank_size - ECT_RECORD_HEADER &&
-           m->erase(m->ctx, r->bank) >= 0;
+    return length <= m->bank_size - ECT_RECORD_HEADER && m->erase(m->ctx, r->bank) >= 0;
 }
 
 /** Writes the next piece of data. @return whether the medium answered */
@@ -108,10 +128,12 @@ static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t le
     return true;
 }
 
-/** Makes the record the newest one, once all of its data are there. @return whether the medium answered */
+/** Makes the record the newest one. @return whether all of its data are there and the medium answered */
 static inline bool ect_record_commit(const ect_record_t *r, uint32_t magic)
 {
     uint8_t header[ECT_RECORD_HEADER];
+    if (r->at != ECT_RECORD_HEADER + r->length)
+        return false;
     ect_store_le32(header, magic);
     ect_store_le32(header + 4, r->sequence);
     ect_store_le32(header + 8, r->length);

@@ -50,13 +50,13 @@ static bool walk(const ect_slave_t *s, ect_record_t *r, uint32_t *length)
 static ect_reason_t store(const ect_slave_t *s, bool with_entries)
 {
     const ect_storage_t *m = s->config.storage;
-    ect_record_t r;
+    ect_record_t newest, r;
     uint32_t length = 0;
     if (!m || m->bank_size < ECT_RECORD_HEADER)
         return ECT_REASON_STORE;
     if (with_entries)
         (void)walk(s, NULL, &length);
-    if (!ect_record_begin(&r, m, MAGIC, length) || (with_entries && !walk(s, &r, &length)) ||
+    if (ect_record_find(m, MAGIC, &newest) < 0 || !ect_record_begin(&r, &newest, length) || (with_entries && !walk(s, &r, &length)) ||
         !ect_record_commit(&r, MAGIC))
         return ECT_REASON_HARDWARE;
     return ECT_OK;
@@ -82,7 +82,7 @@ static void load(ect_slave_t *s)
 {
     ect_record_t r;
     uint32_t at = 0;
-    if (!s->config.storage || !ect_record_find(s->config.storage, MAGIC, &r))
+    if (!s->config.storage || ect_record_find(s->config.storage, MAGIC, &r) <= 0)
         return;
     while (at + ENTRY_HEADER <= r.length) {
         uint8_t header[ENTRY_HEADER];

@@ -172,13 +172,41 @@ static void continuous(void **state)
     assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
 }
 
+/* Nobody polls for a second: all images were measured meanwhile, and each result still gets a GATE that can be seen. */
 static void late_polls(void **state)
 {
     (void)state;
-    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
-    s.w.now_ns += 2500 * MS; /* nobody polled meanwhile */
+    for (int n = 0; n < 10; n++) {
+        sensor_step(&s);
+        sensor_wait(&s, 5 * MS);
+    }
+    s.w.now_ns += 1000 * MS;
     wire_poll(&s.w);
-    assert_int_equal(measurements(), 100);
+    assert_int_equal(measurements(), 10);
+    long long shown = signal_number(&s.w, "outputs");
+    (void)sensor_until(&s, FZM1_GATE, 0);
+    for (; shown < 10; shown++) {
+        (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+        assert_int_equal(signal_number(&s.w, "outputs"), shown + 1);
+        s.w.now_ns += 37 * MS; /* late again */
+        wire_poll(&s.w);
+        sensor_expect(&s, "one change a poll", FZM1_GATE, 0);
+    }
+    assert_int_equal(signal_number(&s.w, "pending"), 0);
+}
+
+/* Hours without a poll are no endless work: what cannot be output holds the measurement up. */
+static void very_late_poll(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "image_input", "100");
+    signal_set(&s.w, "processing", "100");
+    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+    s.w.now_ns += 24ull * 3600 * 1000 * MS;
+    wire_poll(&s.w);
+    assert_in_range(measurements(), 1, 40);
+    sensor_wait(&s, 1000 * MS);
+    assert_in_range(signal_number(&s.w, "outputs"), 100, 110);
 }
 
 static void overall_judgement(void **state)
@@ -324,7 +352,8 @@ int main(int argc, char **argv)
         TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
         TEST("FZM-067: pending images are measured in their order, with what they showed", order),
         TEST("FZM-053 FZM-054 FZM-050 OM-C7: continuous measurement from Start to End", continuous),
-        TEST("FZM-053: a late poll loses no measurement", late_polls),
+        TEST("FZM-066 FZM-073: a late poll loses no measurement, and no GATE", late_polls),
+        TEST("FZM-053: a day without a poll is no endless work", very_late_poll),
         TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),
         TEST("FZM-049: without the RUN window nothing is measured", run_window),
         TEST("FZM-069: a trigger at the sensor measures as STEP does", trigger),

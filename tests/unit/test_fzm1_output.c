@@ -166,11 +166,21 @@ static void repeated(void **state)
     (void)state;
     measure(7);
     (void)sensor_until(&s, FZM1_GATE, 0);
+    signal_set(&s.w, "output_period", "50000");
+    measure(7);
+    signal_set(&s.w, "output_period", "100"); /* counts at once */
+    assert_in_range(sensor_until(&s, FZM1_GATE, FZM1_GATE), 0, 10 * MS);
+    (void)sensor_until(&s, FZM1_GATE, 0);
     signal_set(&s.w, "output_repeat", "1");
     long long before = signal_number(&s.w, "outputs");
     sensor_wait(&s, 1000 * MS);
-    assert_in_range(signal_number(&s.w, "outputs") - before, 100, 101);
+    assert_in_range(signal_number(&s.w, "outputs") - before, 99, 101);
     assert_int_equal(sensor_data(&s, 1), 7000);
+    assert_int_equal(sensor_command(&s, FZM1_CLEAR, 0, 0, 0, NULL), 0);
+    (void)sensor_until(&s, FZM1_GATE, 0);
+    before = signal_number(&s.w, "outputs");
+    sensor_wait(&s, 1000 * MS);
+    assert_int_equal(signal_number(&s.w, "outputs"), before);
 }
 
 static void time_below_period(void **state)
@@ -339,10 +349,87 @@ static void control_changes(void **state)
     (void)state;
     measure(1);
     signal_set(&s.w, "output_control", "0");
-    sensor_expect(&s, "what waited is output without handshaking", FZM1_GATE, FZM1_GATE);
+    assert_int_equal(sensor_until(&s, FZM1_GATE, FZM1_GATE), 5 * MS); /* what waited is output without handshaking */
     assert_int_equal(sensor_data(&s, 1), 1000);
+    measure(2);
+    (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+    signal_set(&s.w, "output_control", "0"); /* as it is */
+    sensor_expect(&s, "nothing has changed", FZM1_GATE, FZM1_GATE);
     signal_set(&s.w, "output_control", "1");
     sensor_expect(&s, "handshaking begins with GATE off", FZM1_GATE, 0);
+}
+
+/* DSA was on for one result when the control is set to what it is: it does not fetch the next. */
+static void control_stays(void **state)
+{
+    (void)state;
+    measure(1);
+    measure(2);
+    sensor_set(&s, FZM1_DSA, true);
+    signal_set(&s.w, "output_control", "1");
+    sensor_expect(&s, "GATE stays", FZM1_GATE, FZM1_GATE);
+    assert_int_equal(sensor_data(&s, 1), 1000);
+    signal_set(&s.w, "output_control", "0");
+    signal_set(&s.w, "output_control", "1");
+    sensor_expect(&s, "DSA is still the one of the first result", FZM1_GATE, 0);
+    assert_int_equal(sensor_data(&s, 1), 1000);
+    sensor_set(&s, FZM1_DSA, false);
+    sensor_set(&s, FZM1_DSA, true);
+    assert_int_equal(sensor_data(&s, 1), 2000);
+}
+
+static void format_of_the_measurement(void **state)
+{
+    (void)state;
+    measure(2);
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, 1, 0, 0, NULL), 0);
+    signal_set(&s.w, "output_format", "1");
+    sensor_set(&s, FZM1_DSA, true);
+    assert_int_equal(sensor_data(&s, 1), 2000); /* measured in scene 0, fixed point */
+}
+
+static void clear_takes_back(void **state)
+{
+    (void)state;
+    measure(1);
+    measure(2);
+    assert_int_equal(sensor_command(&s, FZM1_CLEAR, 0, 0, 0, NULL), 0);
+    assert_int_equal(signal_number(&s.w, "pending"), 0);
+    assert_int_equal(signal_number(&s.w, "discarded"), 2);
+    sensor_set(&s, FZM1_DSA, true);
+    sensor_wait(&s, 20000 * MS);
+    sensor_expect(&s, "nothing to output, nothing missing", FZM1_GATE | FZM1_ERR, 0);
+    measure(3);
+    assert_int_equal(sensor_data(&s, 1), 3000);
+}
+
+/* Only what an answer answers: an error by hand, or of a command, stays. */
+static void errors_apart(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "err", "1");
+    measure(1);
+    sensor_set(&s, FZM1_DSA, true);
+    sensor_set(&s, FZM1_DSA, false);
+    sensor_expect(&s, "set by hand", FZM1_ERR, FZM1_ERR);
+    signal_set(&s.w, "err", "0");
+    signal_set(&s.w, "exe_timeout", "10");
+    sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    (void)sensor_until(&s, FZM1_ERR, FZM1_ERR);
+    measure(2);
+    sensor_set(&s, FZM1_DSA, true);
+    sensor_set(&s, FZM1_DSA, false);
+    sensor_expect(&s, "EXE is still on", FZM1_ERR, FZM1_ERR);
+    sensor_set(&s, FZM1_EXE, false);
+    assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, NULL), 0);
+    sensor_expect(&s, "a command as it should be", FZM1_ERR, 0);
+    measure(3);
+    (void)sensor_until(&s, FZM1_ERR, FZM1_ERR);
+    measure(4);
+    sensor_set(&s, FZM1_DSA, true);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    sensor_expect(&s, "leaving OP is no answer", FZM1_ERR | FZM1_GATE, FZM1_ERR);
 }
 
 static void sixteen_wait(void **state)
@@ -397,6 +484,10 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-072: each waiting result has its own time-out", each_result_has_its_time),
         HANDSHAKING("FZM-072: DSA that does not fall is a time-out too", dsa_does_not_fall),
         HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and by hand", error_is_cleared),
+        HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
+        HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
+        HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
+        HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
         HANDSHAKING("FZM-026: the output control may change while a result waits", control_changes),
         HANDSHAKING("FZM-067 FZM-071: sixteen results wait, further measurements are held up, none is lost",
                     sixteen_wait),

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "support/sensor.h"
+#include "wire/crc.h"
 
 static sensor_t s;
 static sensor_memory_t memory;
@@ -59,6 +60,12 @@ static void expect_changed(bool changed)
         {"output_unit", "7", "3"},    {"output_format", "1", "0"}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
         expect_text(rows[i][0], rows[i][changed ? 1 : 2]);
+}
+
+static bool on_the_bus(void)
+{
+    uint8_t data[2] = {0};
+    return wire_send(&s.w, BRD, 0, ECT_REG_AL_STATUS, data, 2) == 1;
 }
 
 static void saved(void **state)
@@ -154,43 +161,117 @@ static void spoilt(void **state)
     expect_text("data1", "0");
 }
 
-/* A memory that stops to answer: Save fails and leaves what was there; at power-on what can be read counts, or nothing.
- */
+/* A memory that stops to answer: what says that it was saved was saved, and what was saved before stays. */
 static void unreadable(void **state)
 {
-    char message[ECT_SIGNAL_MESSAGE];
+    char message[ECT_SIGNAL_MESSAGE], want[ECT_SIGNAL_TEXT_ROOM], value[16];
+    unsigned int failed = 0, done = 0;
     (void)state;
     signal_set(&s.w, "scene_group", "7");
-    signal_set(&s.w, "data1", "7");
+    signal_set(&s.w, "data1", "77");
     signal_set(&s.w, "save", "1");
     signal_set(&s.w, "scene_group", "8");
     signal_set(&s.w, "data1", "1");
     signal_set(&s.w, "save", "1");
-    unsigned int failed = 0;
-    for (uint32_t reads = 0; reads < 3000; reads += reads < 20 || reads > 2300 ? 1 : 61) {
+    for (uint32_t reads = 0; reads < 3000; reads += reads < 20 || reads > 2300 ? 3 : 61) {
+        signal_get(&s.w, "data1", want);
+        snprintf(value, sizeof value, "%u", reads + 2);
+        signal_set(&s.w, "data1", value);
         memory.reads = reads;
-        failed += !signal_try_set(&s.w, "save", "1", message);
+        bool saved = signal_try_set(&s.w, "save", "1", message);
+        bool switched = signal_try_set(&s.w, "scene_group", "7", message);
         memory.reads = UINT32_MAX;
-    }
-    assert_true(failed > 1);
-    for (uint32_t reads = 0; reads < 3000; reads += reads < 20 || reads > 2300 ? 1 : 61) {
-        char text[ECT_SIGNAL_TEXT_ROOM];
-        memory.reads = reads;
+        assert_false(switched && signal_number(&s.w, "data1") != 77);
+        failed += !saved;
+        done += saved;
         power_cycle();
+        expect_text("data1", saved ? value : want);
+    }
+    assert_true(failed > 10 && done > 10);
+    signal_set(&s.w, "scene_group", "7");
+    expect_text("data1", "77");
+}
+
+static void power_cycle_with(uint32_t reads)
+{
+    sensor_close(&s);
+    memory.reads = reads;
+    sensor_open_with(&s, &memory.storage);
+    memory.reads = UINT32_MAX;
+}
+
+static void unreadable_at_power_on(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "data1", "1");
+    signal_set(&s.w, "save", "1");
+    for (uint32_t reads = 0; reads < 1000; reads += 7) {
+        char text[ECT_SIGNAL_TEXT_ROOM];
+        power_cycle_with(reads);
         signal_get(&s.w, "data1", text);
         if (strcmp(text, "0") != 0 && strcmp(text, "1") != 0)
             fail_msg("%u reads answered: data1 is %s", reads, text);
-        memory.reads = UINT32_MAX;
+    }
+}
+
+static void seal(unsigned int bank)
+{
+    uint8_t *b = memory.bank[bank];
+    uint32_t length = ect_load_le32(b + 8);
+    uint32_t crc = ect_crc32(0xFFFFFFFF, b + 4, 8);
+    ect_store_le32(b + 12, ect_crc32(crc, b + 16, length));
+}
+
+/* A record whose check value is right and whose content is not: each byte of the system data and of a scene. */
+static void nonsense(void **state)
+{
+    static const uint8_t values[] = {0x00, 0x01, 0x7F, 0x80, 0xFF};
+    (void)state;
+    signal_set(&s.w, "data1", "1");
+    signal_set(&s.w, "save", "1");
+    unsigned int bank = ect_load_le32(memory.bank[0]) == 0x314D5A46 ? 0 : 1;
+    for (unsigned int at = 16; at < 16 + 15 + 256 + 1 + 75; at++) {
+        uint8_t before = memory.bank[bank][at];
+        for (size_t v = 0; v < sizeof values; v++) {
+            int32_t data;
+            if (at == 16 + 2)
+                continue; /* fieldbus OFF is a setting too */
+            memory.bank[bank][at] = values[v];
+            seal(bank);
+            power_cycle();
+            for (int unit = 0; unit < 9; unit++)
+                (void)sensor_command(&s, FZM1_GET_UNIT_DATA, unit, 0, 0, &data);
+            sensor_step(&s);
+            (void)sensor_until(&s, FZM1_BUSY, 0);
+            sensor_wait(&s, 100 * MS);
+        }
+        memory.bank[bank][at] = before;
+    }
+}
+
+/* A record of another length, as a build with other scenes would leave it: as if there were none, and replaced. */
+static void other_length(void **state)
+{
+    (void)state;
+    for (uint32_t cut = 1; cut < 9000; cut += 1999) {
+        signal_set(&s.w, "data1", "1");
+        signal_set(&s.w, "save", "1");
+        for (unsigned int bank = 0; bank < 2; bank++) {
+            if (ect_load_le32(memory.bank[bank]) != 0x314D5A46)
+                continue;
+            ect_store_le32(memory.bank[bank] + 8, 9872 - cut);
+            seal(bank);
+        }
+        power_cycle();
+        expect_text("data1", "0");
+        signal_set(&s.w, "data1", "5");
+        signal_set(&s.w, "save", "1");
+        power_cycle();
+        expect_text("data1", "5");
     }
 }
 
 /* --- restart ------------------------------------------------------------------------------------------------------ */
-
-static bool on_the_bus(void)
-{
-    uint8_t data[2] = {0};
-    return wire_send(&s.w, BRD, 0, ECT_REG_AL_STATUS, data, 2) == 1;
-}
 
 static void restart(void **state)
 {
@@ -296,7 +377,12 @@ int main(int argc, char **argv)
         TEST("FZM-056: without memory Save answers -1", no_memory),
         TEST("FZM-056: the power may be cut at any byte of a Save", power_cut),
         TEST("FZM-056: a record that was spoilt is not used", spoilt),
-        TEST("FZM-056: a memory that stops to answer harms nothing that is there", unreadable),
+        TEST("FZM-056: a memory that stops to answer: what is said to be saved is, and what was before stays",
+             unreadable),
+        TEST("FZM-056: a memory that does not answer at power-on: factory settings, or what was saved",
+             unreadable_at_power_on),
+        TEST("FZM-056: a record with nonsense in it breaks nothing", nonsense),
+        TEST("FZM-056: a record of another layout is not used, and is replaced", other_length),
         TEST("FZM-052 FZM-077: Restart: no answer, signals off, off the bus, INIT, saved settings", restart),
         TEST("FZM-077: a restart by hand; switches and cameras stay as they are", restart_by_hand),
         TEST("FZM-052: Restart ends a continuous measurement", restart_while_continuous),

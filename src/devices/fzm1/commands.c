@@ -54,7 +54,8 @@ static bool execute(fzm1_t *u, int32_t *data)
         return true;
     case FZM1_CLEAR:
         fzm1_clear(u);
-        fzm1_error(u, NULL);
+        fzm1_output_discard(u);
+        fzm1_set_error(u, FZM1_NO_ERROR);
         return true;
     case FZM1_SAVE:
         return fzm1_save(u);
@@ -91,8 +92,7 @@ static void finish(fzm1_t *u)
     u->response_code = u->code;
     u->result_code = done ? (uint32_t)FZM1_OK : (uint32_t)FZM1_NG;
     u->response_data = data;
-    u->flg =
-        (u->levels & FZM1_EXE) != 0; /* an EXE that fell early has its answer, and no FLG that would have to fall */
+    u->flg = !u->exe_fell; /* an EXE that fell early has its answer, and no FLG that would have to fall */
     if (u->flg && u->settings.exe_timeout > 0)
         u->flg_due_ns = u->time_ns + u->settings.exe_timeout * TENTH_S;
 }
@@ -117,6 +117,7 @@ static void start(fzm1_t *u)
     for (unsigned int i = 0; i < 3; i++)
         u->arguments[i] = u->parameter[i];
     u->executing = true;
+    u->exe_fell = false;
     u->switching = switches(u);
     u->command_due_ns = u->time_ns + (u->switching ? u->plant.switch_us : u->plant.command_us) * 1000ull;
 }
@@ -124,6 +125,9 @@ static void start(fzm1_t *u)
 void fzm1_exe(fzm1_t *u, bool rising)
 {
     if ((u->levels & FZM1_EXE) == 0) {
+        if (u->flg && u->error == FZM1_ERROR_EXE)
+            fzm1_set_error(u, FZM1_NO_ERROR); /* this one went as it should */
+        u->exe_fell = true;
         u->flg = false;
         u->flg_due_ns = ECT_NEVER;
     } else if (rising && acceptable(u)) {
@@ -138,6 +142,6 @@ void fzm1_command_due(fzm1_t *u)
     if (u->flg_due_ns <= u->time_ns) {
         u->flg_due_ns = ECT_NEVER;
         u->flg = false;
-        fzm1_error(u, "time-out of a command: EXE stayed on");
+        fzm1_set_error(u, FZM1_ERROR_EXE);
     }
 }

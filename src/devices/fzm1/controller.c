@@ -7,12 +7,14 @@
 enum { SHOWN_OFF_NS = 20000000 }; /* how long the signals show off before a restart takes the slave off the bus */
 enum { STARTING_OFF = 1, STARTING_AWAY = 2 };
 
-void fzm1_error(fzm1_t *u, const char *cause)
+void fzm1_set_error(fzm1_t *u, fzm1_error_t error)
 {
-    u->err = cause != NULL;
+    static const char *const causes[] = {"", "time-out of the data output: no DSA",
+                                         "time-out of a command: EXE stayed on", "set by hand"};
+    u->error = (uint8_t)error;
+    u->err = error != FZM1_NO_ERROR;
     memset(u->error_cause, 0, sizeof u->error_cause);
-    if (cause)
-        memcpy(u->error_cause, cause, strlen(cause));
+    memcpy(u->error_cause, causes[error], strlen(causes[error]));
 }
 
 /* --- restart ------------------------------------------------------------------------------------------------------ */
@@ -70,6 +72,8 @@ static void settle(fzm1_t *u)
 /* However late the call: what is due happens one after the other, each at its own time. */
 static void advance(fzm1_t *u, uint64_t now_ns)
 {
+    u->poll_ns = now_ns;
+    u->gate_changed = false;
     for (uint64_t due = next_due(u); due <= now_ns; due = next_due(u)) {
         u->time_ns = due > u->time_ns ? due : u->time_ns;
         fzm1_measure_due(u);
@@ -144,7 +148,6 @@ void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t 
     u->run = 1;
     u->start_due_ns = ECT_NEVER;
     all_off(u);
-    fzm1_default_scenes(u);
     fzm1_load(u);
     u->scene = u->scenes[u->scene_number];
     if (u->settings.fieldbus == 0)
@@ -164,8 +167,8 @@ uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t no
     advance(u, now_ns);
     if (from == ECT_STATE_OP || to == ECT_STATE_OP) { /* without process data all signals of the master are off */
         take_levels(u, 0);
-        settle(u);
         u->levels_known = false;
+        settle(u);
     }
     publish(u);
     return 0;
@@ -176,8 +179,8 @@ void fzm1_outputs(void *instance, uint64_t now_ns)
     fzm1_t *u = instance;
     advance(u, now_ns);
     take_levels(u, u->control_in);
-    advance(u, now_ns); /* what takes no time */
     settle(u);
+    advance(u, now_ns); /* what takes no time */
     publish(u);
 }
 

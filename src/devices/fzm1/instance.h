@@ -67,6 +67,9 @@ enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16, FZM1_TABLE = 256 };
 /** Where a value comes from, on top of the scene's own. */
 enum { FZM1_SOURCE_FIXED, FZM1_SOURCE_RAMP, FZM1_SOURCE_SINE, FZM1_SOURCE_RANDOM, FZM1_SOURCE_TABLE };
 
+/** Why ERR is on. */
+typedef enum fzm1_error { FZM1_NO_ERROR, FZM1_ERROR_DSA, FZM1_ERROR_EXE, FZM1_ERROR_BY_HAND } fzm1_error_t;
+
 /** One scene: its flow of processing units, and what they will find. */
 typedef struct fzm1_scene {
     double data[FZM1_DATA];
@@ -142,6 +145,7 @@ typedef struct fzm1 {
     fzm1_settings_t settings;
     fzm1_scene_t scene; /* the current one, as it is worked on */
     fzm1_scene_t scenes[FZM1_SCENES];
+    fzm1_scene_t loading[FZM1_SCENES]; /* another group, until all of it is there */
     uint8_t scene_number, scene_group;
 
     /* measurement */
@@ -155,15 +159,18 @@ typedef struct fzm1 {
 
     /* command */
     bool executing, switching, flg;
+    bool exe_fell; /* since the command was taken */
     uint32_t code;
     int32_t arguments[3];
     uint64_t command_due_ns, flg_due_ns;
 
     /* output */
     bool gate, dsa_was_off;
-    double waiting[FZM1_OUTPUTS][FZM1_DATA];
+    bool to_repeat;    /* a result was output that no Clear has taken back */
+    bool gate_changed; /* in this poll: without handshaking once is enough, or the master would not see it */
+    int32_t waiting[FZM1_OUTPUTS][FZM1_DATA];
     uint8_t first_output, output_count;
-    double shown[FZM1_DATA];
+    uint64_t poll_ns; /* time of this poll */
     uint64_t gate_due_ns, next_output_ns, dsa_due_ns;
 
     /* restart */
@@ -172,6 +179,7 @@ typedef struct fzm1 {
 
     /* as signals */
     uint8_t ready, busy, overall_ng, err;
+    uint8_t error; /* fzm1_error_t */
     char error_cause[48];
     uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
@@ -190,7 +198,7 @@ uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t no
 void fzm1_outputs(void *instance, uint64_t now_ns);
 uint64_t fzm1_tick(void *instance, uint64_t now_ns);
 void fzm1_begin_restart(fzm1_t *u);
-void fzm1_error(fzm1_t *u, const char *cause); /* NULL: none any more */
+void fzm1_set_error(fzm1_t *u, fzm1_error_t error);
 
 /* signals.c */
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
@@ -205,7 +213,7 @@ void fzm1_step(fzm1_t *u);
 void fzm1_measure_due(fzm1_t *u);
 void fzm1_complete(fzm1_t *u); /* the oldest image's measurement, unless the outputs have no room */
 void fzm1_start_continuous(fzm1_t *u);
-void fzm1_clear(fzm1_t *u);
+void fzm1_clear(fzm1_t *u); /* as if nothing had been measured */
 
 /* commands.c */
 void fzm1_exe(fzm1_t *u, bool rising);
@@ -214,14 +222,16 @@ void fzm1_command_due(fzm1_t *u);
 /* output.c */
 bool fzm1_output_room(const fzm1_t *u);
 void fzm1_output_put(fzm1_t *u, const double *data);
-bool fzm1_output_step(fzm1_t *u); /* one change of GATE that is possible now; @return whether there was one */
+void fzm1_output_discard(fzm1_t *u); /* what waits */
+bool fzm1_output_step(fzm1_t *u);    /* one change of GATE that is possible now; @return whether there was one */
 void fzm1_output_due(fzm1_t *u);
 void fzm1_output_reset(fzm1_t *u);
+void fzm1_output_new_period(fzm1_t *u, uint16_t period); /* 0.1 ms: counts for the next output already */
 uint64_t fzm1_output_next(const fzm1_t *u);
 int32_t fzm1_fixed_point(double value);
 
 /* scenes.c */
-void fzm1_default_scenes(fzm1_t *u);
+void fzm1_default_scenes(fzm1_scene_t *scenes); /* FZM1_SCENES of them */
 bool fzm1_switch_scene(fzm1_t *u, uint32_t number);
 bool fzm1_switch_group(fzm1_t *u, uint32_t number);
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
@@ -229,6 +239,6 @@ void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
 /* save.c */
 bool fzm1_save(fzm1_t *u);
 void fzm1_load(fzm1_t *u);
-bool fzm1_load_group(fzm1_t *u, uint8_t group); /* into u->scenes; @return whether that group was ever saved */
+bool fzm1_load_group(fzm1_t *u, uint8_t group); /* into u->scenes; @return false: the memory does not answer */
 
 #endif

@@ -44,7 +44,9 @@ bool fzm1_output_room(const fzm1_t *u)
 
 void fzm1_output_put(fzm1_t *u, const double *data)
 {
-    memcpy(u->waiting[(u->first_output + u->output_count) % FZM1_OUTPUTS], data, sizeof u->waiting[0]);
+    int32_t *to = u->waiting[(u->first_output + u->output_count) % FZM1_OUTPUTS];
+    for (unsigned int i = 0; i < FZM1_DATA; i++)
+        to[i] = format(u, data[i]);
     u->output_count++;
 }
 
@@ -57,14 +59,22 @@ static void drop_first(fzm1_t *u)
         fzm1_complete(u);
 }
 
+void fzm1_output_discard(fzm1_t *u)
+{
+    u->discarded += u->output_count;
+    u->output_count = 0;
+    u->to_repeat = false;
+    if (!u->gate)
+        u->dsa_due_ns = ECT_NEVER;
+}
+
 static void show(fzm1_t *u)
 {
     if (u->output_count > 0) {
-        memcpy(u->shown, u->waiting[u->first_output], sizeof u->shown);
+        memcpy(u->output, u->waiting[u->first_output], sizeof u->output);
         drop_first(u);
     }
-    for (unsigned int i = 0; i < FZM1_DATA; i++)
-        u->output[i] = format(u, u->shown[i]);
+    u->to_repeat = true;
     u->gate = true;
     u->outputs++;
 }
@@ -83,7 +93,8 @@ static bool step_handshake(fzm1_t *u)
     if (u->gate && !dsa) {
         u->gate = false;
         u->dsa_due_ns = ECT_NEVER;
-        fzm1_error(u, NULL); /* the external device answers again */
+        if (u->levels_known && u->error == FZM1_ERROR_DSA)
+            fzm1_set_error(u, FZM1_NO_ERROR); /* the external device answers again */
         return true;
     }
     if (u->gate || u->output_count == 0)
@@ -103,7 +114,7 @@ static bool step_handshake(fzm1_t *u)
 static void dsa_timeout(fzm1_t *u)
 {
     u->dsa_due_ns = ECT_NEVER;
-    fzm1_error(u, "time-out of the data output: no DSA");
+    fzm1_set_error(u, FZM1_ERROR_DSA);
     if (u->gate) {
         u->gate = false;
         return;
@@ -116,17 +127,34 @@ static void dsa_timeout(fzm1_t *u)
 
 static bool to_show(const fzm1_t *u)
 {
-    return u->output_count > 0 || (u->settings.output_repeat && u->outputs > 0);
+    return u->output_count > 0 || (u->settings.output_repeat && u->to_repeat);
 }
 
+static uint64_t off_time(const fzm1_t *u)
+{
+    return (uint64_t)u->settings.output_period * TENTH_MS - (uint64_t)u->settings.output_time * TENTH_MS;
+}
+
+/* GATE's times count from the poll that shows it, however late that is, and each poll shows one change: a master that
+ * looks as often sees every pulse. */
 static bool step_period(fzm1_t *u)
 {
-    if (u->gate || !to_show(u) || u->next_output_ns > u->time_ns)
+    if (u->gate || u->gate_changed || !to_show(u) || u->next_output_ns > u->time_ns)
         return false;
     show(u);
-    u->gate_due_ns = u->time_ns + u->settings.output_time * TENTH_MS;
-    u->next_output_ns = u->time_ns + u->settings.output_period * TENTH_MS;
+    u->gate_changed = true;
+    u->gate_due_ns = u->poll_ns + u->settings.output_time * TENTH_MS;
+    u->next_output_ns = u->poll_ns + u->settings.output_period * TENTH_MS;
     return true;
+}
+
+static void gate_due(fzm1_t *u)
+{
+    u->gate_due_ns = ECT_NEVER;
+    u->gate = false;
+    u->gate_changed = true;
+    uint64_t earliest = u->poll_ns + off_time(u);
+    u->next_output_ns = u->next_output_ns < earliest ? earliest : u->next_output_ns;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
@@ -140,10 +168,8 @@ bool fzm1_output_step(fzm1_t *u)
 
 void fzm1_output_due(fzm1_t *u)
 {
-    if (u->gate_due_ns <= u->time_ns) {
-        u->gate_due_ns = ECT_NEVER;
-        u->gate = false;
-    }
+    if (u->gate_due_ns <= u->time_ns)
+        gate_due(u);
     if (u->dsa_due_ns <= u->time_ns)
         dsa_timeout(u);
 }
@@ -155,12 +181,18 @@ uint64_t fzm1_output_next(const fzm1_t *u)
     return waits && u->next_output_ns < next ? u->next_output_ns : next;
 }
 
-/* The kind of output control has changed, or the controller starts. */
+void fzm1_output_new_period(fzm1_t *u, uint16_t period)
+{
+    uint64_t latest = u->time_ns + period * TENTH_MS;
+    u->next_output_ns = u->next_output_ns < latest ? u->next_output_ns : latest;
+}
+
+/* The kind of output control has changed, or the controller starts: GATE is off for as long as between two outputs. */
 void fzm1_output_reset(fzm1_t *u)
 {
     u->gate = false;
-    u->dsa_was_off = true;
+    u->dsa_was_off = (u->levels & FZM1_DSA) == 0;
     u->gate_due_ns = ECT_NEVER;
     u->dsa_due_ns = ECT_NEVER;
-    u->next_output_ns = u->time_ns;
+    u->next_output_ns = u->time_ns + off_time(u);
 }

@@ -11,8 +11,9 @@
 #define MAGIC 0x314D5A46u /* "FZM1" */
 
 enum {
+    LAYOUT = 1, /* of what follows: another one is not read */
     COMMENTS = FZM1_DATA * FZM1_COMMENT,
-    SYSTEM = 3 + 4 * 2 + 2 + COMMENTS,      /* flags, numbers, scene and group, comments */
+    SYSTEM = 2 + 3 + 4 * 2 + 2 + COMMENTS,  /* layout, scenes in a group, flags, numbers, scene and group, comments */
     SCENE = 8 * FZM1_DATA + FZM1_UNITS + 3, /* data, judgements, flow and format */
     GROUP = 1 + FZM1_SCENES * SCENE,        /* its number, its scenes */
 };
@@ -20,33 +21,46 @@ enum {
 static void pack_system(const fzm1_t *u, uint8_t *b)
 {
     const fzm1_settings_t *s = &u->settings;
-    b[0] = s->fieldbus;
-    b[1] = s->output_control;
-    b[2] = s->output_repeat;
-    ect_store_le16(b + 3, s->output_period);
-    ect_store_le16(b + 5, s->output_time);
-    ect_store_le16(b + 7, s->timeout);
-    ect_store_le16(b + 9, s->exe_timeout);
-    b[11] = u->scene_group;
-    b[12] = u->scene_number;
+    b[0] = LAYOUT;
+    b[1] = (uint8_t)FZM1_SCENES;
+    b[2] = s->fieldbus;
+    b[3] = s->output_control;
+    b[4] = s->output_repeat;
+    ect_store_le16(b + 5, s->output_period);
+    ect_store_le16(b + 7, s->output_time);
+    ect_store_le16(b + 9, s->timeout);
+    ect_store_le16(b + 11, s->exe_timeout);
+    b[13] = u->scene_group;
+    b[14] = u->scene_number;
     for (unsigned int n = 0; n < FZM1_DATA; n++)
-        memcpy(b + 13 + n * FZM1_COMMENT, s->comment[n], FZM1_COMMENT);
+        memcpy(b + 15 + n * FZM1_COMMENT, s->comment[n], FZM1_COMMENT);
 }
 
-static void unpack_system(fzm1_t *u, const uint8_t *b)
+/* Only what a user could have set: a record may come from anywhere. */
+static bool valid_settings(const fzm1_settings_t *s)
 {
-    fzm1_settings_t *s = &u->settings;
-    s->fieldbus = b[0];
-    s->output_control = b[1];
-    s->output_repeat = b[2];
-    s->output_period = ect_load_le16(b + 3);
-    s->output_time = ect_load_le16(b + 5);
-    s->timeout = ect_load_le16(b + 7);
-    s->exe_timeout = ect_load_le16(b + 9);
-    u->scene_group = b[11];
-    u->scene_number = b[12];
+    return s->fieldbus <= 1 && s->output_control <= 1 && s->output_repeat <= 1 && s->output_period >= 20 &&
+           s->output_period <= 50000 && s->output_time >= 10 && s->output_time < s->output_period && s->timeout >= 5 &&
+           s->timeout <= 1200 && s->exe_timeout <= 1200;
+}
+
+static bool unpack_system(fzm1_t *u, const uint8_t *b)
+{
+    fzm1_settings_t s = {.fieldbus = b[2],
+                         .output_control = b[3],
+                         .output_repeat = b[4],
+                         .output_period = ect_load_le16(b + 5),
+                         .output_time = ect_load_le16(b + 7),
+                         .timeout = ect_load_le16(b + 9),
+                         .exe_timeout = ect_load_le16(b + 11)};
     for (unsigned int n = 0; n < FZM1_DATA; n++)
-        memcpy(s->comment[n], b + 13 + n * FZM1_COMMENT, FZM1_COMMENT);
+        memcpy(s.comment[n], b + 15 + n * FZM1_COMMENT, FZM1_COMMENT);
+    if (!valid_settings(&s) || b[13] >= FZM1_GROUPS || b[14] >= FZM1_SCENES)
+        return false;
+    u->settings = s;
+    u->scene_group = b[13];
+    u->scene_number = b[14];
+    return true;
 }
 
 static void pack_scene(const fzm1_scene_t *scene, uint8_t *b)
@@ -64,7 +78,7 @@ static void pack_scene(const fzm1_scene_t *scene, uint8_t *b)
     b[FZM1_UNITS + 2] = scene->format;
 }
 
-static void unpack_scene(fzm1_scene_t *scene, const uint8_t *b)
+static bool unpack_scene(fzm1_scene_t *scene, const uint8_t *b)
 {
     for (unsigned int n = 0; n < FZM1_DATA; n++) {
         uint64_t bits = ect_load_le64(b + 8 * n);
@@ -76,6 +90,22 @@ static void unpack_scene(fzm1_scene_t *scene, const uint8_t *b)
     scene->units = b[FZM1_UNITS];
     scene->output_unit = b[FZM1_UNITS + 1];
     scene->format = b[FZM1_UNITS + 2];
+    return scene->units <= FZM1_UNITS && scene->output_unit < scene->units && scene->format <= FZM1_FLOATING;
+}
+
+/* The newest record, if this firmware can read it. 1 found, 0 none, -1 the memory does not answer. */
+static int find_record(const fzm1_t *u, ect_record_t *r)
+{
+    uint8_t kind[2];
+    if (!u->host->storage)
+        return -1;
+    int found = ect_record_find(u->host->storage, MAGIC, r);
+    if (found <= 0)
+        return found;
+    if (!ect_record_get(r, 0, kind, sizeof kind))
+        return -1;
+    return kind[0] == LAYOUT && kind[1] == (uint8_t)FZM1_SCENES && r->length >= SYSTEM &&
+           (r->length - SYSTEM) % GROUP == 0;
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */
@@ -125,32 +155,37 @@ static bool copy_others(const ect_record_t *from, uint32_t own, ect_record_t *to
 
 bool fzm1_save(fzm1_t *u)
 {
-    const ect_storage_t *medium = u->host->storage;
-    ect_record_t from = {.length = SYSTEM}, to;
+    ect_record_t from, to;
     uint8_t system[SYSTEM];
-    if (!medium)
+    int found = find_record(u, &from);
+    if (found < 0)
         return false;
-    (void)ect_record_find(medium, MAGIC, &from);
-    uint32_t own = find_group(&from, u->scene_group);
+    uint32_t before = found > 0 ? from.length : (uint32_t)SYSTEM;
+    uint32_t own = found > 0 ? find_group(&from, u->scene_group) : before;
     u->scenes[u->scene_number] = u->scene;
     pack_system(u, system);
-    uint32_t length = from.length + (own == from.length ? (uint32_t)GROUP : 0);
-    return ect_record_begin(&to, medium, MAGIC, length) && ect_record_put(&to, system, SYSTEM) &&
-           copy_others(&from, own, &to) && put_group(u, &to) && ect_record_commit(&to, MAGIC);
+    return ect_record_begin(&to, &from, before + (own == before ? (uint32_t)GROUP : 0)) &&
+           ect_record_put(&to, system, SYSTEM) && (found == 0 || copy_others(&from, own, &to)) && put_group(u, &to) &&
+           ect_record_commit(&to, MAGIC);
 }
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
 
-static bool load_group(fzm1_t *u, const ect_record_t *r, uint8_t group)
+/* A group that was never saved, or makes no sense, is as from the factory. @return false: the memory does not answer */
+static bool read_group(fzm1_t *u, const ect_record_t *r, uint8_t group)
 {
     uint8_t scene[SCENE];
     uint32_t at = find_group(r, group);
+    fzm1_default_scenes(u->loading);
     if (at == r->length)
-        return false;
+        return true;
     for (unsigned int i = 0; i < FZM1_SCENES; i++) {
         if (!ect_record_get(r, at + 1 + i * SCENE, scene, SCENE))
             return false;
-        unpack_scene(&u->scenes[i], scene);
+        if (!unpack_scene(&u->loading[i], scene)) {
+            fzm1_default_scenes(u->loading);
+            return true;
+        }
     }
     return true;
 }
@@ -158,15 +193,22 @@ static bool load_group(fzm1_t *u, const ect_record_t *r, uint8_t group)
 bool fzm1_load_group(fzm1_t *u, uint8_t group)
 {
     ect_record_t r;
-    return u->host->storage && ect_record_find(u->host->storage, MAGIC, &r) && load_group(u, &r, group);
+    int found = u->host->storage ? find_record(u, &r) : 0;
+    if (found < 0 || (found > 0 && !read_group(u, &r, group)))
+        return false;
+    if (found == 0)
+        fzm1_default_scenes(u->loading);
+    memcpy(u->scenes, u->loading, sizeof u->scenes);
+    return true;
 }
 
 void fzm1_load(fzm1_t *u)
 {
     ect_record_t r;
     uint8_t system[SYSTEM];
-    if (!u->host->storage || !ect_record_find(u->host->storage, MAGIC, &r) || !ect_record_get(&r, 0, system, SYSTEM))
+    fzm1_default_scenes(u->scenes);
+    if (find_record(u, &r) <= 0 || !ect_record_get(&r, 0, system, SYSTEM) || !unpack_system(u, system))
         return;
-    unpack_system(u, system);
-    (void)load_group(u, &r, u->scene_group);
+    if (read_group(u, &r, u->scene_group))
+        memcpy(u->scenes, u->loading, sizeof u->scenes);
 }

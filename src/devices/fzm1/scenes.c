@@ -7,10 +7,10 @@
 static const fzm1_scene_t default_scene = {
     .judgement = {1, 1, 1, 1, 1, 1, 1, 1}, .units = 4, .output_unit = 3, .format = FZM1_FIXED_POINT};
 
-void fzm1_default_scenes(fzm1_t *u)
+void fzm1_default_scenes(fzm1_scene_t *scenes)
 {
     for (unsigned int i = 0; i < FZM1_SCENES; i++)
-        u->scenes[i] = default_scene;
+        scenes[i] = default_scene;
 }
 
 bool fzm1_switch_scene(fzm1_t *u, uint32_t number)
@@ -27,10 +27,8 @@ bool fzm1_switch_scene(fzm1_t *u, uint32_t number)
 /* As it was saved; what was changed in the old group and not saved is forgotten. The new one begins with scene 0. */
 bool fzm1_switch_group(fzm1_t *u, uint32_t number)
 {
-    if (number >= FZM1_GROUPS)
+    if (number >= FZM1_GROUPS || !fzm1_load_group(u, (uint8_t)number))
         return false;
-    if (!fzm1_load_group(u, (uint8_t)number))
-        fzm1_default_scenes(u);
     u->scene_group = (uint8_t)number;
     u->scene_number = 0;
     u->scene = u->scenes[0];

@@ -156,9 +156,11 @@ void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t
     fzm1_t *u = instance;
     (void)now_ns;
     if (index == 0x2401)
-        fzm1_error(u, NULL);
+        fzm1_set_error(u, FZM1_NO_ERROR);
     else if (index == 0x2400 && subindex == 1)
         fzm1_output_reset(u);
+    else if (index == 0x2400 && subindex == 2)
+        fzm1_output_new_period(u, u->settings.output_period);
 }
 
 /* --- from the user ------------------------------------------------------------------------------------------------ */
@@ -191,7 +193,7 @@ static const char *clear_rows(fzm1_t *u)
 
 static const char *save(fzm1_t *u)
 {
-    return fzm1_save(u) ? "" : "there is no memory to save to: start the twin with --store DIR";
+    return fzm1_save(u) ? "" : "the memory does not answer, or there is none: start the twin with --store DIR";
 }
 
 static const char *trigger(fzm1_t *u)
@@ -206,11 +208,8 @@ static const char *switch_to(fzm1_t *u, const ect_signal_t *signal, uint8_t numb
 {
     if (fzm1_busy(u))
         return "BUSY is on: a measurement is running";
-    if (IS(signal, scene_number))
-        (void)fzm1_switch_scene(u, number);
-    else
-        (void)fzm1_switch_group(u, number);
-    return "";
+    bool done = IS(signal, scene_number) ? fzm1_switch_scene(u, number) : fzm1_switch_group(u, number);
+    return done ? "" : "the memory does not answer";
 }
 
 static const char *restart(fzm1_t *u)
@@ -243,10 +242,10 @@ static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t val
     if (IS(signal, scene_number) || IS(signal, scene_group))
         return switch_to(u, signal, value);
     if (IS(signal, err))
-        fzm1_error(u, value ? "set by hand" : NULL);
+        fzm1_set_error(u, value ? FZM1_ERROR_BY_HAND : FZM1_NO_ERROR);
     if (IS(signal, run) && !value)
         u->continuous = false;
-    if (IS(signal, settings.output_control))
+    if (IS(signal, settings.output_control) && value != u->settings.output_control)
         fzm1_output_reset(u);
     if (IS(signal, scene.output_unit) && value >= u->scene.units)
         return "the flow has fewer units: set 'units' first";
@@ -263,6 +262,8 @@ static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t 
         return "the output time must be shorter than the period: set 'output_period' first";
     if (IS(signal, plant.sdo_abort) && !known_abort(value))
         return "not one of the 26 abort codes of the FZM1";
+    if (IS(signal, settings.output_period))
+        fzm1_output_new_period(u, (uint16_t)value);
     if (IS(signal, plant.seed))
         u->plant.random = value;
     return NULL;
