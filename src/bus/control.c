@@ -305,8 +305,10 @@ static void receive(client_t *client, ect_chain_t *chain, uint64_t now_ns)
         client->used -= length;
         end = strchr(client->request, '\n');
     }
-    if (client->used == sizeof client->request - 1)
-        drop(client); /* longer than any request */
+    if (client->used == sizeof client->request - 1) {
+        send_result(client, "a request has at most 1000 characters");
+        drop(client);
+    }
 }
 
 static void accept_client(ect_control_t *c)

@@ -8,33 +8,32 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-enum { ERASED = 0xFF };
-
-/* Without a path the files have no name, and go with the process. */
+/* Without a path the files have no name, and go with the process. They are read through a mapping and written by calls,
+ * which say so when the disk is full. */
 struct ect_memory {
     ect_storage_t storage;
     int fd[2];
-    uint32_t end[2]; /* of the last write */
+    const uint8_t *image[2]; /* MAP_FAILED: none */
+    uint32_t end[2];         /* of the last write */
 };
 
 static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
 {
     const ect_memory_t *m = ctx;
-    ssize_t got = pread(m->fd[bank], buffer, length, offset);
-    if (got < 0)
-        return -1;
-    memset((char *)buffer + got, ERASED, length - (size_t)got);
+    memcpy(buffer, m->image[bank] + offset, length);
     return 0;
 }
 
+/* A file can be written over. */
 static int bank_erase(void *ctx, unsigned int bank)
 {
     ect_memory_t *m = ctx;
     m->end[bank] = 0;
-    return ftruncate(m->fd[bank], 0);
+    return 0;
 }
 
 /* A write in front of the last one (a header, after its data) must not reach the disk before that. */
@@ -50,7 +49,7 @@ static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void 
     return seals ? fdatasync(m->fd[bank]) : 0;
 }
 
-static int open_bank(const char *path, int bank)
+static int open_file(const char *path, int bank)
 {
     char name[ECT_MEMORY_PATH + 4];
     if (!path)
@@ -62,15 +61,27 @@ static int open_bank(const char *path, int bank)
     return open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
 }
 
+/* Two twins on one file would undo each other's records. */
+static bool open_bank(ect_memory_t *m, const char *path, int bank)
+{
+    m->fd[bank] = open_file(path, bank);
+    if (m->fd[bank] < 0 || flock(m->fd[bank], LOCK_EX | LOCK_NB) < 0 || ftruncate(m->fd[bank], ECT_MEMORY_BANK) < 0)
+        return false;
+    m->image[bank] = mmap(NULL, ECT_MEMORY_BANK, PROT_READ, MAP_SHARED, m->fd[bank], 0);
+    return m->image[bank] != MAP_FAILED;
+}
+
 ect_memory_t *ect_memory_open(const char *path, char *message)
 {
     ect_memory_t *m = calloc(1, sizeof *m);
     if (m) {
-        m->fd[0] = open_bank(path, 0);
-        m->fd[1] = open_bank(path, 1);
+        m->fd[0] = m->fd[1] = -1;
+        m->image[0] = m->image[1] = MAP_FAILED;
     }
-    if (!m || m->fd[0] < 0 || m->fd[1] < 0) {
-        snprintf(message, ECT_MEMORY_MESSAGE, "no memory in '%s.0' and '.1': %s", path ? path : "", strerror(errno));
+    if (!m || !open_bank(m, path, 0) || !open_bank(m, path, 1)) {
+        const char *why = errno == EWOULDBLOCK ? "another twin uses it" : strerror(errno);
+        snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%s.0' and '.1': %s", path ? path : "",
+                 why);
         ect_memory_close(m);
         return NULL;
     }
@@ -84,6 +95,8 @@ void ect_memory_close(ect_memory_t *memory)
     if (!memory)
         return;
     for (unsigned int bank = 0; bank < 2; bank++) {
+        if (memory->image[bank] != MAP_FAILED)
+            munmap((void *)(uintptr_t)memory->image[bank], ECT_MEMORY_BANK);
         if (memory->fd[bank] >= 0)
             close(memory->fd[bank]);
     }

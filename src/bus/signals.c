@@ -43,6 +43,19 @@ static size_t size_of(const ect_signal_t *signal)
     return 0;
 }
 
+/* What a VISIBLE_STRING may hold (ISO 646). */
+static bool visible(char c)
+{
+    return c >= ' ' && c <= '~';
+}
+
+static bool all_visible(const char *text)
+{
+    while (visible(*text))
+        text++;
+    return *text == 0;
+}
+
 static ect_signal_ref_t make_ref(const ect_device_t *device, void *instance, const ect_signal_group_t *group,
                                  const ect_signal_t *signal, uint16_t number)
 {
@@ -123,10 +136,12 @@ void ect_signal_read(const ect_signal_ref_t *ref, char *text)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRIu32, v.u32);
         return;
     case ECT_SIGNAL_REAL:
-        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%.9g", v.real);
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%.15g", v.real);
         return;
     case ECT_SIGNAL_TEXT:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%s", v.text);
+        for (char *c = text; *c != 0; c++)
+            *c = visible(*c) ? *c : '?'; /* a master may have written anything */
         return;
     case ECT_SIGNAL_BYTES:
         for (size_t i = 0; i < size && 2 * i + 2 < ECT_SIGNAL_TEXT_ROOM; i++)
@@ -140,7 +155,7 @@ void ect_signal_range(const ect_signal_t *signal, char *text)
     const char *unit = signal->unit ? signal->unit : "";
     const char *space = signal->unit ? " " : "";
     if (signal->type == ECT_SIGNAL_TEXT)
-        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "up to %d characters", signal->maximum);
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "up to %d characters from space to ~", signal->maximum);
     else if (signal->type == ECT_SIGNAL_BYTES)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%d bytes, %d hexadecimal digits", signal->maximum, 2 * signal->maximum);
     else
@@ -186,7 +201,7 @@ static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
     case ECT_SIGNAL_BYTES:
         return size_of(signal) <= sizeof v->bytes && parse_bytes(text, size_of(signal), v->bytes);
     case ECT_SIGNAL_TEXT:
-        if (strlen(text) >= size_of(signal) || strlen(text) >= sizeof v->text)
+        if (strlen(text) >= size_of(signal) || strlen(text) >= sizeof v->text || !all_visible(text))
             return false;
         strcpy(v->text, text);
         return true;

@@ -83,7 +83,7 @@ static void start_cyclic(ect_esc_t *esc)
 {
     uint64_t start = ect_load_le64(reg(esc, ECT_REG_DC_START_TIME));
     uint64_t now = system_time(esc);
-    esc->sync0_ns = start > now ? esc->now_ns + (start - now) : UINT64_MAX;
+    esc->sync0_ns = start > now && start - now < UINT64_MAX - esc->now_ns ? esc->now_ns + (start - now) : UINT64_MAX;
     *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) = PENDING;
 }
 

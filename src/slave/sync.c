@@ -67,8 +67,10 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
     ect_sync_data_t *d = find(s);
-    if (!d || target != ECT_STATE_SAFEOP)
+    if (!d || target < ECT_STATE_SAFEOP)
         return ECT_AL_NO_ERROR;
+    if (target == ECT_STATE_OP)
+        return check_dc(s, d); /* SYNC0 may have been started, or changed, meanwhile */
     d->sm_missed = 0;
     d->cycle_exceeded = 0;
     d->sync_error = 0;

@@ -4,6 +4,7 @@
 #include <cjson/cJSON.h>
 #include <errno.h>
 #include <glob.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -32,7 +33,8 @@ typedef struct client_args {
 static const struct argp_option options[] = {COMMON_OPTIONS, {0}};
 static const struct argp_option set_options[] = {
     COMMON_OPTIONS,
-    {"csv", 'c', "FILE", 0, "The first line names signals, each other one holds values for them", 0},
+    {"csv", 'c', "FILE", 0,
+     "The first line names signals, each other one holds their values; an empty cell sets nothing", 0},
     {0}};
 static const struct argp_option watch_options[] = {
     COMMON_OPTIONS,
@@ -123,6 +125,7 @@ static int connect_to_only_one(const char *who)
 static FILE *open_connection(const client_args_t *args, const char *who)
 {
     const char *path = args->socket ? args->socket : getenv("ECTWIN_SOCKET");
+    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have said why */
     int fd = path ? connect_to(path) : connect_to_only_one(who);
     if (fd < 0 && path)
         fprintf(stderr, "%s: no twin answers at '%s': %s\n", who, path, strerror(errno));
@@ -160,6 +163,14 @@ static void print_value(const cJSON *line, const char *raw)
     printf("%s=%s\n", text_of(line, "name"), text_of(line, "value"));
 }
 
+/* Of several slaves: which one, as --set takes it. */
+static void print_value_of_slave(const cJSON *line, const char *raw)
+{
+    (void)raw;
+    printf("%.0f:%s=%s\n", cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(line, "slave")), text_of(line, "name"),
+           text_of(line, "value"));
+}
+
 static void print_description(const cJSON *line, const char *raw)
 {
     (void)raw;
@@ -192,8 +203,10 @@ static int read_answer(FILE *connection, const char *who, void (*print)(const cJ
         cJSON_Delete(line);
         if (status >= 0)
             return status;
+        if (ferror(stdout))
+            return EXIT_RUN; /* nobody reads it any more */
     }
-    fprintf(stderr, "%s: the twin has ended\n", who);
+    fprintf(stderr, "%s: the twin has ended, or has closed this connection\n", who);
     return EXIT_RUN;
 }
 
@@ -207,7 +220,8 @@ static int ask(int argc, char **argv, const char *op, const struct argp_option *
     if (!connection)
         return EXIT_OPEN;
     send_request(connection, &args, op, "pattern", args.count > 0 ? args.arguments[0] : "*", NULL, NULL);
-    int status = read_answer(connection, argv[0], print);
+    int status =
+        read_answer(connection, argv[0], print == print_value && args.slave == 0 ? print_value_of_slave : print);
     fclose(connection);
     return status;
 }
@@ -255,10 +269,43 @@ static int set_argument(FILE *connection, const client_args_t *args, const char 
 static size_t split(char *line, char *cells[MOST_ARGUMENTS])
 {
     size_t count = 0;
-    line[strcspn(line, "\r\n")] = 0;
-    for (char *cell = strsep(&line, ","); cell && count < MOST_ARGUMENTS; cell = strsep(&line, ","))
+    for (char *cell = strsep(&line, ","); cell && count < MOST_ARGUMENTS; cell = strsep(&line, ",")) {
+        cell += strspn(cell, " ");
+        cell[strcspn(cell, " ")] = 0;
         cells[count++] = cell;
+    }
     return count;
+}
+
+/* The next line without its end. @return false at the end of the file, or with `why` set */
+static bool read_line(FILE *file, char line[LINE_ROOM], const char **why)
+{
+    if (!fgets(line, LINE_ROOM, file)) {
+        *why = ferror(file) ? strerror(errno) : NULL;
+        return false;
+    }
+    if (strlen(line) == LINE_ROOM - 1) {
+        *why = "the line is too long";
+        return false;
+    }
+    line[strcspn(line, "\r\n")] = 0;
+    return true;
+}
+
+static int set_row(FILE *connection, const client_args_t *args, const char *who, char **names, size_t columns,
+                   char *line, const char **why)
+{
+    char *values[MOST_ARGUMENTS];
+    if (split(line, values) != columns) {
+        *why = "it has not as many cells as the first line has names";
+        return EXIT_USAGE;
+    }
+    int status = EXIT_CLEAN;
+    for (size_t i = 0; i < columns && status == EXIT_CLEAN; i++)
+        status = *values[i] ? set_one(connection, args, who, names[i], values[i]) : EXIT_CLEAN;
+    if (status != EXIT_CLEAN)
+        *why = "a value in it was refused";
+    return status;
 }
 
 /* The first line names signals; each other one holds their values, set from left to right. An empty cell sets nothing.
@@ -266,22 +313,31 @@ static size_t split(char *line, char *cells[MOST_ARGUMENTS])
 static int set_from_csv(FILE *connection, const client_args_t *args, const char *who)
 {
     char header[LINE_ROOM], line[LINE_ROOM];
-    char *names[MOST_ARGUMENTS], *values[MOST_ARGUMENTS];
+    char *names[MOST_ARGUMENTS];
+    const char *why = NULL;
     FILE *file = fopen(args->csv, "r");
-    if (!file || !fgets(header, sizeof header, file)) {
-        fprintf(stderr, "%s: cannot read '%s': %s\n", who, args->csv, file ? "it is empty" : strerror(errno));
+    if (!file || !read_line(file, header, &why)) {
+        fprintf(stderr, "%s: cannot read '%s': %s\n", who, args->csv,
+                !file ? strerror(errno)
+                : why ? why
+                      : "it is empty");
         if (file)
             fclose(file);
         return EXIT_OPEN;
     }
-    size_t columns = split(header, names);
+    size_t columns = split(header + (memcmp(header, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0), names);
     int status = EXIT_CLEAN;
-    for (unsigned int number = 2; status == EXIT_CLEAN && fgets(line, sizeof line, file); number++) {
-        size_t count = split(line, values);
-        for (size_t i = 0; i < columns && i < count && status == EXIT_CLEAN; i++)
-            status = *values[i] ? set_one(connection, args, who, names[i], values[i]) : EXIT_CLEAN;
-        if (status != EXIT_CLEAN)
-            fprintf(stderr, "%s: in line %u of '%s'\n", who, number, args->csv);
+    unsigned int number = 1;
+    while (status == EXIT_CLEAN && read_line(file, line, &why)) {
+        number++;
+        if (*line)
+            status = set_row(connection, args, who, names, columns, line, &why);
+    }
+    if (number == 1 && !why)
+        why = "no line with values follows";
+    if (why) {
+        fprintf(stderr, "%s: line %u of '%s': %s\n", who, number, args->csv, why);
+        status = EXIT_USAGE;
     }
     fclose(file);
     return status;
@@ -296,8 +352,13 @@ int command_set(int argc, char **argv)
         .doc = "Sets signals of a running twin, in the order given; stops at the first refusal."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
+    if (args.slave == 0) {
+        fprintf(stderr, "%s: one slave at a time: -n 1, -n 2, ...\n", argv[0]);
+        return EXIT_USAGE;
+    }
     if (args.count == 0 && !args.csv) {
-        fprintf(stderr, "%s: name at least one signal: ectwin set ru1.on=1\n", argv[0]);
+        fprintf(stderr, "%s: name at least one signal: ectwin set NAME=VALUE; 'ectwin list-signals' lists them\n",
+                argv[0]);
         return EXIT_USAGE;
     }
     FILE *connection = open_connection(&args, argv[0]);

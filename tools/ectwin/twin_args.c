@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/signalfd.h>
+#include <sys/stat.h>
 
 #include "bus/catalogue.h"
 #include "bus/signals.h"
@@ -101,6 +102,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->faults.seed = parse_number(state, "--seed", text, UINT32_MAX);
         return 0;
     case KEY_STORE:
+        if (*text == 0)
+            argp_error(state, "--store takes a folder");
         args->store = text;
         return 0;
     case KEY_SET:
@@ -165,10 +168,16 @@ static bool open_memories(twin_args_t *args, const char *who)
 {
     char message[ECT_MEMORY_MESSAGE] = "out of memory";
     args->memories = calloc(args->count, sizeof(ect_memory_t *));
+    if (args->store)
+        (void)mkdir(args->store, 0700); /* one that is there already is fine, and what is not possible is told below */
     for (size_t i = 0; args->memories && i < args->count; i++) {
         char path[ECT_MEMORY_PATH];
-        snprintf(path, sizeof path, "%s/%s-%zu", args->store ? args->store : "", args->twins[i].device->name, i + 1);
-        args->memories[i] = ect_memory_open(args->store ? path : NULL, message);
+        int length = snprintf(path, sizeof path, "%s/%s-%zu", args->store ? args->store : "",
+                              args->twins[i].device->name, i + 1);
+        if (length < (int)sizeof path)
+            args->memories[i] = ect_memory_open(args->store ? path : NULL, message);
+        else
+            snprintf(message, sizeof message, "the folder's name is too long");
         if (!args->memories[i]) {
             fprintf(stderr, "%s: %s\n", who, message);
             return false;
@@ -178,43 +187,55 @@ static bool open_memories(twin_args_t *args, const char *who)
     return args->memories != NULL;
 }
 
-static bool apply(const char *setting, ect_chain_t *chain, const char *who)
+/* Which twin a setting is for: what stands before its colon, else the first. Sets `setting` to what follows. */
+static size_t twin_of(const char **setting)
 {
-    char name[ECT_SIGNAL_NAME], message[ECT_SIGNAL_MESSAGE];
-    size_t slave = 1;
     char *end;
-    ect_signal_ref_t ref;
-    unsigned long number = strtoul(setting, &end, 10);
-    if (end != setting && *end == ':') {
-        slave = number;
-        setting = end + 1;
-    }
-    const char *value = strchr(setting, '=');
-    snprintf(name, sizeof name, "%.*s", value ? (int)(value - setting) : 0, setting);
-    if (!value || slave < 1 || slave > ect_chain_count(chain)) {
-        fprintf(stderr, "%s: --set %s: there is no twin %zu\n", who, setting, slave);
-        return false;
-    }
-    if (!ect_chain_signal(chain, slave - 1, name, &ref)) {
-        fprintf(stderr, "%s: --set %s: %s has no such signal; 'ectwin list-signals' lists those of a running one\n",
-                who, setting, ect_chain_slave(chain, slave - 1)->config.device->name);
-        return false;
-    }
-    if (!ect_signal_write(&ref, value + 1, ect_runner_now(), message)) {
-        fprintf(stderr, "%s: --set %s: %s\n", who, setting, message);
-        return false;
-    }
-    ect_chain_wake(chain, slave - 1);
-    return true;
+    unsigned long number = strtoul(*setting, &end, 10);
+    if (end == *setting || *end != ':')
+        return 1;
+    *setting = end + 1;
+    return number <= UINT16_MAX ? number : 0;
 }
 
-/* First what stands outside the devices, which they see when they are powered on, then what is theirs. */
+static bool outlasts_power(const ect_signal_ref_t *ref)
+{
+    const uint8_t *instance = ref->instance;
+    return ref->device->plant_size > 0 &&
+           (size_t)(ref->value - instance) >= ref->device->instance_size - ref->device->plant_size;
+}
+
+/* @return why not, NULL when it was done */
+static const char *apply(const char *setting, ect_chain_t *chain, bool plant_only, char message[ECT_SIGNAL_MESSAGE])
+{
+    char name[ECT_SIGNAL_NAME];
+    ect_signal_ref_t ref;
+    size_t slave = twin_of(&setting);
+    const char *value = strchr(setting, '=');
+    snprintf(name, sizeof name, "%.*s", (int)(value - setting), setting);
+    if (slave < 1 || slave > ect_chain_count(chain))
+        return "there is no such twin";
+    if (!ect_chain_signal(chain, slave - 1, name, &ref))
+        return "there is no such signal; 'ectwin list-signals' names those of a running twin";
+    if (plant_only && !outlasts_power(&ref))
+        return NULL;
+    if (!ect_signal_write(&ref, value + 1, ect_runner_now(), message))
+        return message;
+    ect_chain_wake(chain, slave - 1);
+    return NULL;
+}
+
+/* First what stands outside the devices, which they see when they are powered on, then everything in its order. */
 static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
 {
     for (unsigned int round = 0; round < 2 && args->setting_count > 0; round++) {
         for (size_t i = 0; i < args->setting_count; i++) {
-            if (!apply(args->settings[i], chain, who))
+            char message[ECT_SIGNAL_MESSAGE];
+            const char *why = apply(args->settings[i], chain, round == 0, message);
+            if (why) {
+                fprintf(stderr, "%s: --set %.80s: %s\n", who, args->settings[i], why);
                 return false;
+            }
         }
         if (round == 0)
             ect_chain_power_cycle(chain, ect_runner_now());

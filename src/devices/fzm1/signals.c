@@ -16,14 +16,16 @@
 #define LARGEST   999999999 /* of the FZ family's values (OM-C6) */
 #define MINUTE_US 60000000
 
-#define DATA(n) W(scene.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the scene measures as data " #n)
+#define DATA(n)                                                                                                        \
+    W(scene.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the current scene measures as data " #n)
 #define SOURCE(n)                                                                                                      \
     W(plant.source[n - 1], "source" #n, U8, 0, 4, NULL,                                                                \
       "data " #n ": 0 as it is, plus 1 ramp, 2 sine, 3 random; 4 from the table")
 #define AMPLITUDE(n) W(plant.amplitude[n - 1], "amplitude" #n, REAL, -LARGEST, LARGEST, NULL, "of ramp, sine, random")
 #define PERIOD(n)    W(plant.period[n - 1], "period" #n, U32, 1, INT32_MAX, "measurements", "of ramp and sine")
 #define ROW(n)       W(plant.row.data[n - 1], "row" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the next row")
-#define RESULT(n)    R(last.data[n - 1], "result" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the last measurement")
+#define RESULT(n)                                                                                                      \
+    R(last.data[n - 1], "result" #n, REAL, INT32_MIN, INT32_MAX, NULL, "data " #n " of the last measurement")
 #define OUTPUT(n)                                                                                                      \
     R(output[n - 1], "output" #n, I32, INT32_MIN, INT32_MAX, NULL, "data " #n " as it stands in the output area")
 #define COMMENT(n) W(settings.comment[n - 1], "comment" #n, TEXT, 0, FZM1_COMMENT, NULL, "comment on data " #n)
