@@ -50,7 +50,7 @@ what_cannot_be_opened_is_2() {
   "$ectwin" sii vr-bu-ect-map1 -o /no/such/dir/file 2>/dev/null
   check "sii: file that cannot be written" 2 $?
   "$ectwin" with --store /no/such/dir fzm1 -- true 2>/dev/null
-  check "with: a folder for what is saved that is not there" 2 $?
+  check "with: a folder for what is saved that cannot be made" 2 $?
 }
 
 # What is set before the start is there; what was saved is there the next time.
@@ -60,8 +60,12 @@ start_values_and_memory() {
     "$("$ectwin" with --store "$work/store" --set node_address=3 --set data1=7.5 fzm1 -- sh -c \
       "'$ectwin' get node_address; '$ectwin' get data1; '$ectwin' set save=1" 2>/dev/null | xargs)"
   check "with: --store" "data1=7.5" "$("$ectwin" with --store "$work/store" fzm1 -- "$ectwin" get data1 2>/dev/null)"
-  check "with: --set for the second twin" "0 7" "$("$ectwin" with --set 2:data1=7 fzm1,fzm1 -- "$ectwin" get -n 0 data1 \
-    2>/dev/null | sed 's/.*=//' | xargs)"
+  check "with: --set for the second twin" "1:data1=0 2:data1=7" "$("$ectwin" with --set 2:data1=7 fzm1,fzm1 -- \
+    "$ectwin" get -n 0 data1 2>/dev/null | xargs)"
+  check "with: --set presses a button once" "rows=1" "$("$ectwin" with --set row1=5 --set row_add=1 fzm1 -- \
+    "$ectwin" get rows 2>/dev/null)"
+  check "with: a store belongs to one twin" 2 "$("$ectwin" with --store "$work/store" fzm1 -- sh -c \
+    "'$ectwin' with --store '$work/store' fzm1 -- true; echo \$?" 2>/dev/null)"
   for setting in data1 nosuch=1 node_address=10 2:data1=1; do
     "$ectwin" with --set $setting fzm1 -- true 2>"$work/err"
     check "with: --set $setting is refused" 1 $?
@@ -72,8 +76,17 @@ start_values_and_memory() {
 signals_from_a_file() {
   printf 'row1,row_judgement,row_add\n1.5,0,1\n2.5,-1,1\n' >"$work/rows.csv"
   printf 'row1\n1.5\nx\n' >"$work/bad.csv"
+  printf '\xef\xbb\xbfrow1, row_add\r\n1,1\r\n,1\r\n' >"$work/excel.csv"
+  printf 'row1,row_add\n1\n' >"$work/short.csv"
+  printf 'row1,row_add\n' >"$work/header.csv"
   check "set: --csv" "rows=2" "$("$ectwin" with fzm1 -- sh -c \
     "'$ectwin' set --csv '$work/rows.csv'; '$ectwin' get rows" 2>/dev/null)"
+  check "set: --csv with a byte order mark, blanks, empty cells and CR LF" "rows=2" "$("$ectwin" with fzm1 -- sh -c \
+    "'$ectwin' set --csv '$work/excel.csv'; '$ectwin' get rows" 2>/dev/null)"
+  for bad in short header; do
+    "$ectwin" with fzm1 -- "$ectwin" set --csv "$work/$bad.csv" 2>/dev/null
+    check "set: --csv, $bad" 1 $?
+  done
   "$ectwin" with fzm1 -- "$ectwin" set --csv "$work/bad.csv" 2>"$work/err"
   check "set: a value in the file is refused" 1 $?
   check "set: it names the line" yes "$(grep -q "line 3" "$work/err" && echo yes)"

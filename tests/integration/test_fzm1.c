@@ -62,9 +62,26 @@ static int open_master(void **state)
 {
     (void)state;
     soem_open(&master, iface, 1);
-    plc = (fzm1_plc_t){.step_hold_ns = 200000000, .on_data = on_data};
+    plc = (fzm1_plc_t){.step_hold_ns = 200000000, .exe_retry_ns = 2000000000, .on_data = on_data};
     data_count = 0;
     return 0;
+}
+
+static void measure(void)
+{
+    AWAIT(fzm1_plc_measure(&plc));
+    AWAIT(!plc.step_wanted && !plc.step);
+}
+
+/* @return response code */
+static int command(uint32_t code, int32_t p1, int32_t p2, int32_t p3)
+{
+    AWAIT(fzm1_plc_command(&plc, code, p1, p2, p3));
+    AWAIT(plc.done);
+    uint32_t echo;
+    memcpy(&echo, in + 4, sizeof echo);
+    assert_int_equal(etohl(echo), code);
+    return (int)plc.result;
 }
 
 static const char defaults[] =
@@ -89,7 +106,10 @@ static int open_handshaking(void **state)
     assert_int_equal(soem_write(&master, 1, 0x2400, 1, false, &one, 1), 0);
     plc.handshaking = true;
     to_op();
-    AWAIT((plc.signals & PLC_READY) != 0);
+    AWAIT((plc.signals & (PLC_READY | PLC_BUSY)) == PLC_READY);
+    assert_int_equal(command(PLC_CLEAR, 0, 0, 0), 0); /* what the test before has left */
+    AWAIT((plc.signals & PLC_GATE) == 0);
+    data_count = 0;
     return 0;
 }
 
@@ -98,23 +118,6 @@ static int close_master(void **state)
     (void)state;
     soem_close(&master);
     return 0;
-}
-
-static void measure(void)
-{
-    AWAIT(fzm1_plc_measure(&plc));
-    AWAIT(!plc.step_wanted && !plc.step);
-}
-
-/* @return response code */
-static int command(uint32_t code, int32_t p1, int32_t p2, int32_t p3)
-{
-    AWAIT(fzm1_plc_command(&plc, code, p1, p2, p3));
-    AWAIT(plc.done);
-    uint32_t echo;
-    memcpy(&echo, in + 4, sizeof echo);
-    assert_int_equal(etohl(echo), code);
-    return (int)plc.result;
 }
 
 /* --- states, SDO, clocks ------------------------------------------------------------------------------------------ */
@@ -450,6 +453,43 @@ static void no_dsa(void **state)
     AWAIT(data_count == 1);
 }
 
+/* The program pauses while the sensor waits for DSA to fall: the sensor gives GATE back, and both find together again.
+ */
+static void paused_program(void **state)
+{
+    (void)state;
+    uint16 off = 0;
+    plant_set("timeout", "5");
+    assert_int_equal(ecx_FPWR(&master.port, master.slaves[1].configadr, 0x0420, 2, &off, EC_TIMEOUTRET3), 1);
+    AWAIT(plc.dsa);
+    measure();
+    for (int i = 0; i < 200 && (in[2] & 1) == 0; i++)
+        soem_cycle(&master); /* GATE is on, and the program does not look */
+    osal_usleep(1000000);
+    AWAIT((plc.signals & PLC_ERR) != 0 || data_count > 0);
+    unsigned int before = data_count;
+    for (int n = 0; n < 3; n++)
+        measure();
+    AWAIT(data_count == before + 3);
+    AWAIT((plc.signals & PLC_ERR) == 0);
+}
+
+/* A trigger at the sensor makes it BUSY just when EXE comes. */
+static void trigger_against_commands(void **state)
+{
+    (void)state;
+    plc.exe_retry_ns = 100000000;
+    for (int n = 0; n < 30; n++) {
+        AWAIT(fzm1_plc_command(&plc, PLC_GET_SCENE, 0, 0, 0));
+        for (int i = 0; i < n % 5; i++)
+            cycle();
+        if (plant_number("ready"))
+            plant_set("trigger", "1");
+        AWAIT(plc.done);
+        assert_int_equal(plc.result, 0);
+    }
+}
+
 /* --- restart ------------------------------------------------------------------------------------------------------ */
 
 static void restarts(void **state)
@@ -556,6 +596,9 @@ int main(int argc, char **argv)
         TEST("FZM-030 FZM-031 FZM-032 FZM-039: fixed point, clamped, and single precision", values),
         TEST("FZM-026 FZM-027 FZM-028 FZM-073: without handshaking each STEP is one output", one_output_a_step),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: DSA fetches each result once, in order", fetched_by_dsa),
+        HANDSHAKING("FZM-045 FZM-072: a program that pauses while GATE is on finds back", paused_program),
+        TEST("FZM-043 FZM-044 FZM-069: commands against triggers at the sensor: each has its answer at last",
+             trigger_against_commands),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA: time-out and ERR, and back", no_dsa),
         TEST("FZM-075: handshakes in cycles as fast as they get", fast_cycles),
         TEST("FZM-019 FZM-024 FZM-052 FZM-056 FZM-077: Restart: off the bus, INIT, node address, what was saved",

@@ -29,10 +29,14 @@ bool fzm1_plc_measure(fzm1_plc_t *p)
     return true;
 }
 
+static bool ends_continuous(uint32_t code) /* what is taken while a continuous measurement, which is BUSY, runs */
+{
+    return code == PLC_END_CONTINUOUS || code == PLC_RESTART;
+}
+
 bool fzm1_plc_command(fzm1_plc_t *p, uint32_t code, int32_t p1, int32_t p2, int32_t p3)
 {
-    bool ends =
-        code == PLC_END_CONTINUOUS || code == PLC_RESTART; /* what a continuous measurement, which is BUSY, takes */
+    bool ends = ends_continuous(code);
     if (p->exe != PLC_EXE_IDLE || p->step || p->step_wanted || (p->signals & PLC_FLG) != 0 ||
         ((p->signals & PLC_BUSY) != 0 && !ends))
         return false;
@@ -56,9 +60,10 @@ static void do_step(fzm1_plc_t *p, uint64_t now_ns)
     }
 }
 
-static void do_command(fzm1_plc_t *p, const uint8_t *in, uint8_t *out)
+static void do_command(fzm1_plc_t *p, const uint8_t *in, uint8_t *out, uint64_t now_ns)
 {
     bool flg = (p->signals & PLC_FLG) != 0;
+    bool busy = (p->signals & PLC_BUSY) != 0;
     switch (p->exe) {
     case PLC_EXE_IDLE:
         return;
@@ -69,9 +74,16 @@ static void do_command(fzm1_plc_t *p, const uint8_t *in, uint8_t *out)
         p->exe = PLC_EXE_PREPARED;
         return;
     case PLC_EXE_PREPARED:
+        if (flg || (busy && !ends_continuous(p->code)))
+            return;
         p->exe = PLC_EXE_ON;
+        p->exe_until_ns = now_ns + p->exe_retry_ns;
         return;
     case PLC_EXE_ON:
+        if (busy)
+            p->exe_until_ns = now_ns + p->exe_retry_ns; /* a scene is being switched */
+        if (!flg && now_ns >= p->exe_until_ns && p->code != PLC_RESTART)
+            p->exe = PLC_EXE_PREPARED;
         if (!flg)
             return;
         p->result = load(in + IN_RESULT);
@@ -105,7 +117,10 @@ static void do_data(fzm1_plc_t *p, const uint8_t *in)
             take_data(p, in);
         return;
     }
-    if (p->dsa && gate) {
+    bool given_up = (p->signals & ~p->before & PLC_ERR) != 0;
+    if (p->dsa && !gate && given_up) {
+        p->dsa = false;
+    } else if (p->dsa && gate) {
         take_data(p, in);
         p->dsa = false;
     } else if (!p->dsa && !gate) {
@@ -118,7 +133,7 @@ void fzm1_plc_cycle(fzm1_plc_t *p, const uint8_t in[FZM1_PLC_IN], uint8_t out[FZ
     p->before = p->signals;
     p->signals = load(in);
     do_step(p, now_ns);
-    do_command(p, in, out);
+    do_command(p, in, out, now_ns);
     do_data(p, in);
     store(out, (p->exe == PLC_EXE_ON ? (uint32_t)PLC_EXE : 0) | (p->step ? (uint32_t)PLC_STEP : 0) |
                    (p->dsa ? (uint32_t)PLC_DSA : 0));

@@ -10,6 +10,9 @@
  *   EXE   on a cycle after code and parameters; the response is read when FLG is on; EXE off; done when FLG is off
  *   DSA   on to fetch the next data; they are read when GATE is on; DSA off; on again when GATE is off
  *
+ * Each wait has its end: EXE that was ignored (the sensor got BUSY at the same moment, by a trigger of its own) falls
+ * and rises again; DSA that the sensor has given up waiting for (ERR) falls and rises again.
+ *
  * The sensor ignores EXE that rises while it is BUSY, and STEP while it switches scenes: so a command is not begun
  * while a STEP is on, nor a STEP during a command.
  *
@@ -56,6 +59,8 @@ typedef struct fzm1_plc {
     /* set before the first cycle */
     bool handshaking;      /**< output control of the sensor, 2400h:1 */
     uint64_t step_hold_ns; /**< longer than the image input and two cycles */
+    uint64_t exe_retry_ns; /**< longer than any command takes without BUSY: EXE that the sensor did not take is given
+                              again */
     void (*on_data)(void *ctx, const int32_t data[FZM1_PLC_DATA]);
     void *ctx;
 
@@ -67,7 +72,7 @@ typedef struct fzm1_plc {
 
     /* private */
     bool step, dsa;
-    uint64_t step_until_ns;
+    uint64_t step_until_ns, exe_until_ns;
     bool step_wanted;
     fzm1_plc_exe_t exe;
     uint32_t code;

@@ -4,7 +4,7 @@
  *
  *   ectwin-plc IFACE [--measurements N] [--handshaking] [--scene N] [--dc NS] [--cycle-us N]
  *
- * Prints one line of JSON an event. Exit code 0: all measurements had their data.
+ * Prints one line of JSON an event; data as fixed point. Exit code 0: all measurements had their data.
  */
 #define _DEFAULT_SOURCE
 #include <argp.h>
@@ -38,7 +38,7 @@ static void on_data(void *ctx, const int32_t data[FZM1_PLC_DATA])
 {
     (void)ctx;
     received++;
-    printf("{\"event\":\"data\",\"ng\":%s,\"data\":[", (plc.signals & PLC_OR) != 0 ? "true" : "false");
+    printf("{\"event\":\"data\",\"data\":[");
     for (unsigned int i = 0; i < FZM1_PLC_DATA; i++)
         printf("%s%.3f", i > 0 ? "," : "", data[i] / 1000.0); /* fixed point: thousandths */
     printf("]}\n");
@@ -85,6 +85,15 @@ static bool to_op(const settings_t *s)
     return false;
 }
 
+/* Why nothing goes on any more. */
+static bool fail(const char *why)
+{
+    ec_readstate();
+    fprintf(stderr, "%s (signals %05X, AL status 0x%02X, code 0x%04X)\n", why, plc.signals, ec_slave[1].state,
+            ec_slave[1].ALstatuscode);
+    return false;
+}
+
 /* @return whether the sensor has answered OK */
 static bool command(const settings_t *s, const char *name, uint32_t code, int32_t p1)
 {
@@ -92,37 +101,50 @@ static bool command(const settings_t *s, const char *name, uint32_t code, int32_
     while (!fzm1_plc_command(&plc, code, p1, 0, 0)) {
         cycle(s);
         if (now() >= end)
-            return false;
+            return fail("the sensor stays busy");
     }
     while (!plc.done && now() < end)
         cycle(s);
     printf("{\"event\":\"command\",\"name\":\"%s\",\"done\":%s,\"result\":%d,\"data\":%d}\n", name,
            plc.done ? "true" : "false", (int)plc.result, plc.data);
-    return plc.done && plc.result == 0;
+    if (!plc.done)
+        return fail("no FLG");
+    return plc.result == 0 || fail("the sensor has refused the command");
 }
 
 static bool measure_all(const settings_t *s)
 {
     uint64_t end = now() + PATIENCE_S * 1000000000ull;
-    unsigned int steps = 0;
+    unsigned int steps = 0, before = 0;
     while (received < s->measurements && now() < end) {
         if (steps < s->measurements && fzm1_plc_measure(&plc))
             steps++;
         cycle(s);
+        if (steps + received != before)
+            end = now() + PATIENCE_S * 1000000000ull;
+        before = steps + received;
+        if (steps == 0 && (plc.signals & PLC_RUN) == 0)
+            return fail("READY is off: the sensor does not show its RUN window");
     }
     printf("{\"event\":\"end\",\"steps\":%u,\"data\":%u,\"error\":%s}\n", steps, received,
            (plc.signals & PLC_ERR) != 0 ? "true" : "false");
-    return received == s->measurements;
+    return received == s->measurements ||
+           fail(s->handshaking ? "data are missing"
+                               : "data are missing: is GATE shorter than a cycle? --handshaking waits");
 }
 
 static int run(const settings_t *s)
 {
-    plc = (fzm1_plc_t){
-        .handshaking = s->handshaking, .step_hold_ns = 50000000, .on_data = on_data, .ctx = (void *)(uintptr_t)s};
+    plc = (fzm1_plc_t){.handshaking = s->handshaking,
+                       .step_hold_ns = 50000000,
+                       .exe_retry_ns = 500000000,
+                       .on_data = on_data,
+                       .ctx = (void *)(uintptr_t)s};
     if (!to_op(s)) {
-        ec_readstate();
-        fprintf(stderr, "no FZM1 that reaches OP: AL status 0x%02X, code 0x%04X\n", ec_slave[1].state,
-                ec_slave[1].ALstatuscode);
+        if (ec_slavecount < 1)
+            fprintf(stderr, "there is no slave\n");
+        bool sensor = ec_slave[1].Obytes == FZM1_PLC_OUT && ec_slave[1].Ibytes == FZM1_PLC_IN;
+        fail(sensor || ec_slave[1].Obytes == 0 ? "the FZM1 does not reach OP" : "the first slave is no FZM1");
         return EXIT_FAILED;
     }
     fzm1_plc_start(&plc);
@@ -133,26 +155,37 @@ static int run(const settings_t *s)
     return good ? 0 : EXIT_FAILED;
 }
 
+static unsigned int number(const struct argp_state *state, const char *text)
+{
+    char *end;
+    unsigned long value = strtoul(text, &end, 0);
+    if (end == text || *end != 0 || *text == '-' || value > 4000000000u)
+        argp_error(state, "'%s' is not a number", text);
+    return (unsigned int)value;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     settings_t *s = state->input;
     switch (key) {
     case 'm':
-        s->measurements = (unsigned int)strtoul(text, NULL, 0);
+        s->measurements = number(state, text);
         return 0;
     case 'h':
         s->handshaking = true;
         return 0;
     case 'n':
-        s->scene = (unsigned int)strtoul(text, NULL, 0);
+        s->scene = number(state, text);
         return 0;
     case 'd':
-        s->dc_ns = (unsigned int)strtoul(text, NULL, 0);
+        s->dc_ns = number(state, text);
         return 0;
     case 'c':
-        s->cycle_us = (unsigned int)strtoul(text, NULL, 0);
+        s->cycle_us = number(state, text);
         return 0;
     case ARGP_KEY_ARG:
+        if (s->iface)
+            argp_error(state, "one interface is enough");
         s->iface = text;
         return 0;
     case ARGP_KEY_END:
@@ -180,7 +213,8 @@ int main(int argc, char **argv)
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &s);
     if (!ec_init(s.iface)) {
-        fprintf(stderr, "%s: cannot open '%s': it needs CAP_NET_RAW\n", argv[0], s.iface);
+        fprintf(stderr, "%s: cannot open '%s': there is no such interface, or CAP_NET_RAW is missing\n", argv[0],
+                s.iface);
         return EXIT_OPEN;
     }
     int status = run(&s);
