@@ -12,12 +12,18 @@ import sys
 HANDSHAKES = "exe,flg,step,ready,busy,dsa,gate,output1"
 
 
-def read(lines, wanted):
+def read(lines, wanted, slave):
     """Per signal its changes, (time, value), the first one its value at the beginning; times in ms."""
     changes = {name: [] for name in wanted}
-    for line in lines:
-        entry = json.loads(line)
-        if entry.get("name") in changes:
+    for number, line in enumerate(lines, 1):
+        try:
+            entry = json.loads(line)
+            entry["time"], entry["value"]
+        except (ValueError, TypeError, KeyError):
+            if number == len(lines):
+                break  # cut off when the recording ended
+            sys.exit(f"chart.py: line {number} is not one of 'ectwin watch'")
+        if entry.get("slave", slave) == slave and entry.get("name") in changes:
             changes[entry["name"]].append((entry["time"] * 1000, entry["value"]))
     changes = {name: c for name, c in changes.items() if len(c) > 1}
     if not changes:
@@ -28,9 +34,13 @@ def read(lines, wanted):
 
 def window(changes, first, last):
     times = [t for c in changes.values() for t, _ in c[1:]]
-    end = max(times)
-    margin = max(end * 0.04, 0.5)
-    return (-margin if first is None else first), (end + margin if last is None else last)
+    end = max(times) if last is None else last
+    begin = 0 if first is None else first
+    margin = max((end - begin) * 0.04, 0.1)
+    start, stop = (begin - margin if first is None else first), (end + margin if last is None else last)
+    if start >= stop:
+        sys.exit("chart.py: --to must be later than --from")
+    return start, stop
 
 
 def spans(change, start, end):
@@ -115,12 +125,18 @@ def main():
     parser.add_argument("recording", nargs="?", help="default: standard input")
     parser.add_argument("--svg", action="store_true", help="a picture instead of text")
     parser.add_argument("--signals", default=HANDSHAKES, help="which, in this order, separated by commas")
+    parser.add_argument("--slave", type=int, default=1, help="of the chain, from 1 (default 1)")
     parser.add_argument("--from", dest="first", type=float, help="milliseconds")
     parser.add_argument("--to", dest="last", type=float, help="milliseconds")
     parser.add_argument("--width", type=int, help="characters (default 100) or pixels (default 760)")
     args = parser.parse_args()
-    lines = (open(args.recording) if args.recording else sys.stdin).read().splitlines()
-    changes = read(lines, args.signals.split(","))
+    if args.width is not None and args.width < (200 if args.svg else 20):
+        sys.exit("chart.py: --width takes at least 20 characters or 200 pixels")
+    try:
+        lines = (open(args.recording) if args.recording else sys.stdin).read().splitlines()
+    except OSError as error:
+        sys.exit(f"chart.py: {error}")
+    changes = read(lines, args.signals.split(","), args.slave)
     start, end = window(changes, args.first, args.last)
     draw = svg if args.svg else text
     sys.stdout.write(draw(changes, start, end, args.width or (760 if args.svg else 100)))
