@@ -172,6 +172,23 @@ static void continuous(void **state)
     assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
 }
 
+/* A STEP comes between EXE and the start of the continuous measurement. */
+static void continuous_after_step(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "image_input", "100");
+    signal_set(&s.w, "command_time", "10000");
+    sensor_prepare(&s, FZM1_START_CONTINUOUS, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_step(&s);
+    signal_set(&s.w, "image_input", "30000");
+    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
+    sensor_wait(&s, 40 * MS); /* the first is measured at 20 ms, while the second image is taken until 40 */
+    assert_int_equal(measurements(), 1);
+    sensor_wait(&s, 10 * MS + MS);
+    assert_int_equal(measurements(), 2);
+}
+
 /* Nobody polls for a second: all images were measured meanwhile, and each result still gets a GATE that can be seen. */
 static void late_polls(void **state)
 {
@@ -352,6 +369,7 @@ int main(int argc, char **argv)
         TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
         TEST("FZM-067: pending images are measured in their order, with what they showed", order),
         TEST("FZM-053 FZM-054 FZM-050 OM-C7: continuous measurement from Start to End", continuous),
+        TEST("FZM-053: a continuous measurement that finds an image already there", continuous_after_step),
         TEST("FZM-066 FZM-073: a late poll loses no measurement, and no GATE", late_polls),
         TEST("FZM-053: a day without a poll is no endless work", very_late_poll),
         TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),

@@ -403,6 +403,29 @@ static void clear_takes_back(void **state)
     assert_int_equal(sensor_data(&s, 1), 3000);
 }
 
+/* A STEP comes between EXE and the end of Clear, and finds no room among the outputs: Clear makes some. */
+static void clear_lets_go(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "timeout", "1200");
+    signal_set(&s.w, "image_input", "100");
+    signal_set(&s.w, "processing", "100");
+    for (int n = 1; n <= 16; n++)
+        measure(n);
+    signal_set(&s.w, "command_time", "50000");
+    sensor_prepare(&s, FZM1_CLEAR, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    signal_set(&s.w, "data1", "17");
+    sensor_step(&s);
+    sensor_wait(&s, 10 * MS);
+    sensor_expect(&s, "held up", FZM1_BUSY, FZM1_BUSY);
+    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
+    sensor_expect(&s, "no longer", FZM1_BUSY, 0);
+    assert_int_equal(signal_number(&s.w, "pending"), 1);
+    sensor_set(&s, FZM1_DSA, true);
+    assert_int_equal(sensor_data(&s, 1), 17000);
+}
+
 /* Only what an answer answers: an error by hand, or of a command, stays. */
 static void errors_apart(void **state)
 {
@@ -487,6 +510,7 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
         HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
+        HANDSHAKING("FZM-055 FZM-066: Clear lets a measurement go on that was held up", clear_lets_go),
         HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
         HANDSHAKING("FZM-026: the output control may change while a result waits", control_changes),
         HANDSHAKING("FZM-067 FZM-071: sixteen results wait, further measurements are held up, none is lost",

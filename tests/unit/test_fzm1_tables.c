@@ -317,6 +317,22 @@ static void cycles(void **state)
     }
 }
 
+/* Some masters start SYNC0 when the slave is in SAFEOP already. */
+static void cycles_before_op(void **state)
+{
+    uint8_t off[20] = {0};
+    uint16_t code;
+    (void)state;
+    wire_go(&w, 0, SAFEOP);
+    (void)wire_write(&w, 0, 0x1100, off, sizeof off);
+    start_sync0(3000000);
+    assert_int_equal(wire_al(&w, 0, OP, &code), SAFEOP | ERR);
+    assert_int_equal(code, 0x0036);
+    start_sync0(2000000);
+    (void)wire_al(&w, 0, SAFEOP | 0x10, NULL);
+    assert_int_equal(wire_al(&w, 0, OP, &code), OP);
+}
+
 /* With SYNC0 running nothing wakes the device, and a measurement takes the time that it always takes. */
 static void asynchronous(void **state)
 {
@@ -388,6 +404,7 @@ int main(int argc, char **argv)
         TEST("FZM-009 FZM-010 FZM-012 OM-C9: what a request asks wrong, it is told", natural_aborts),
         TEST("FZM-011 FZM-013 FZM-014: each of the 26 abort codes can be had, and no other", all_aborts),
         TEST("FZM-015 OM-C10 CF-092: DC cycles of 250, 500 us, 1, 2, 4 ms and no others", cycles),
+        TEST("FZM-015 CF-092: a cycle time that comes in SAFEOP is checked on the way to OP", cycles_before_op),
         TEST("FZM-016 OM-C10: the measurement does not depend on SYNC0", asynchronous),
         TEST("FZM-019 OM-C18: node address 1 to 9 is alias and device id from the next restart, 0 leaves it",
              node_address),

@@ -67,7 +67,7 @@ void fzm1_complete(fzm1_t *u)
     fzm1_output_put(u, u->last.data);
     if (u->image_count > 0)
         start_processing(u);
-    else if (u->continuous)
+    else if (u->continuous && u->image_due_ns == ECT_NEVER)
         start_image(u);
 }
 

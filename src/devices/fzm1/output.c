@@ -50,11 +50,11 @@ void fzm1_output_put(fzm1_t *u, const double *data)
     u->output_count++;
 }
 
-/* A measurement that was held up by full outputs may go on. */
-static void drop_first(fzm1_t *u)
+/* The oldest ones go; a measurement that was held up by full outputs may go on. */
+static void drop(fzm1_t *u, uint8_t count)
 {
-    u->first_output = (uint8_t)((u->first_output + 1) % FZM1_OUTPUTS);
-    u->output_count--;
+    u->first_output = (uint8_t)((u->first_output + count) % FZM1_OUTPUTS);
+    u->output_count = (uint8_t)(u->output_count - count);
     if (u->stalled)
         fzm1_complete(u);
 }
@@ -62,17 +62,17 @@ static void drop_first(fzm1_t *u)
 void fzm1_output_discard(fzm1_t *u)
 {
     u->discarded += u->output_count;
-    u->output_count = 0;
     u->to_repeat = false;
     if (!u->gate)
         u->dsa_due_ns = ECT_NEVER;
+    drop(u, u->output_count);
 }
 
 static void show(fzm1_t *u)
 {
     if (u->output_count > 0) {
         memcpy(u->output, u->waiting[u->first_output], sizeof u->output);
-        drop_first(u);
+        drop(u, 1);
     }
     u->to_repeat = true;
     u->gate = true;
@@ -120,7 +120,7 @@ static void dsa_timeout(fzm1_t *u)
         return;
     }
     u->discarded++;
-    drop_first(u);
+    drop(u, 1);
 }
 
 /* --- without handshaking ------------------------------------------------------------------------------------------ */
