@@ -5,7 +5,7 @@
 
 #include "slave/indicator.h"
 
-enum { RUN, ERR, IN, OUT, LAMPS };
+enum { RUN, ERR, IN, OUT };
 
 #define R(member, name, kind, minimum, maximum, meaning)                                                               \
     {                                                                                                                  \
@@ -30,22 +30,32 @@ const ect_device_t ect_lamps_device = {.name = "ecat", .signal_groups = groups, 
 static void show(ect_lamps_t *lamps, unsigned int lamp, ect_pattern_t pattern)
 {
     const char *name = ect_pattern_name(pattern);
-    if (lamps->shown[lamp] == pattern && lamps->text[lamp][0] != 0)
-        return;
-    lamps->shown[lamp] = (uint8_t)pattern;
     memset(lamps->text[lamp], 0, ECT_LAMP_TEXT);
     memcpy(lamps->text[lamp], name, strlen(name));
+}
+
+/* All that the lamps depend on, never 0. */
+static uint64_t seen_of(const ect_slave_t *slave, bool out_link, bool traffic)
+{
+    return 1u | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 | (uint64_t)traffic << 3 |
+           (uint64_t)slave->state << 8 | (uint64_t)slave->cause << 16 | (uint64_t)slave->code << 24;
 }
 
 uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool out_link, uint64_t last_frame_ns,
                           uint64_t now_ns)
 {
-    bool on = !slave->off_bus;
-    lamps->al_state = on ? slave->state : 0;
-    lamps->al_code = on ? slave->code : 0;
-    show(lamps, RUN, on ? ect_indicator_run(slave) : ECT_PATTERN_OFF);
-    show(lamps, ERR, on ? ect_indicator_err(slave, false) : ECT_PATTERN_OFF);
-    show(lamps, IN, ect_indicator_link(on, last_frame_ns, now_ns));
-    show(lamps, OUT, ect_indicator_link(on && out_link, last_frame_ns, now_ns));
-    return lamps->shown[IN] == ECT_PATTERN_FLICKERING ? last_frame_ns + ECT_INDICATOR_TRAFFIC_NS : ECT_NEVER;
+    ect_pattern_t in = ect_indicator_link(true, last_frame_ns, now_ns);
+    bool traffic = in == ECT_PATTERN_FLICKERING;
+    uint64_t seen = seen_of(slave, out_link, traffic);
+    if (seen != lamps->seen) {
+        bool on = !slave->off_bus;
+        lamps->seen = seen;
+        lamps->al_state = on ? slave->state : 0;
+        lamps->al_code = on ? slave->code : 0;
+        show(lamps, RUN, on ? ect_indicator_run(slave) : ECT_PATTERN_OFF);
+        show(lamps, ERR, on ? ect_indicator_err(slave, false) : ECT_PATTERN_OFF);
+        show(lamps, IN, on ? in : ECT_PATTERN_OFF);
+        show(lamps, OUT, on && out_link ? in : ECT_PATTERN_OFF);
+    }
+    return traffic ? last_frame_ns + ECT_INDICATOR_TRAFFIC_NS : ECT_NEVER;
 }

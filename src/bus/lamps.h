@@ -15,7 +15,7 @@
 enum { ECT_LAMP_TEXT = 16 };
 
 typedef struct ect_lamps {
-    uint8_t shown[4]; /* ect_pattern_t of run, err, in, out */
+    uint64_t seen;    /* what they depend on, as it was at the last look */
     uint8_t al_state; /* 1, 2, 3, 4, 8; 0: off the bus */
     uint16_t al_code;
     char text[4][ECT_LAMP_TEXT];

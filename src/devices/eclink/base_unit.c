@@ -190,8 +190,7 @@ void eclink_outputs(void *instance, uint64_t now_ns)
     unit->bu.pai = unit->last_pco;
     if (has(unit, ECLINK_FMAP_COMMANDS))
         eclink_command_outputs(unit, first, now_ns);
-    evaluate(unit);
-}
+} /* what follows from it is evaluated by the tick that follows */
 
 static void publish(eclink_t *unit)
 {
