@@ -14,7 +14,7 @@
 
 #include "bus/signals.h"
 
-enum { REQUEST_ROOM = 1024, WATCH_PERIOD_NS = 10000000 };
+enum { REQUEST_ROOM = 1024, WATCH_PERIOD_NS = 10000000, MOST_WAITING = 4 * 1024 * 1024 };
 
 /* A watched signal and what the client was told of it last. */
 typedef struct watched {
@@ -27,6 +27,8 @@ typedef struct client {
     int fd; /* -1: free */
     size_t used;
     char request[REQUEST_ROOM];
+    char *waiting; /* what it has not read yet and its socket did not take */
+    size_t waiting_length, waiting_room;
     bool every; /* change, not one a period */
     watched_t *watched;
     size_t watched_count;
@@ -108,6 +110,7 @@ static void drop(client_t *client)
 {
     close(client->fd);
     free(client->watched);
+    free(client->waiting);
     *client = (client_t){.fd = -1};
 }
 
@@ -134,27 +137,56 @@ size_t ect_control_fds(const ect_control_t *c, struct pollfd *fds)
     size_t count = 0;
     fds[count++] = (struct pollfd){.fd = c->fd, .events = POLLIN};
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-        if (c->clients[i].fd >= 0)
-            fds[count++] = (struct pollfd){.fd = c->clients[i].fd, .events = POLLIN};
+        const client_t *client = &c->clients[i];
+        short events = client->waiting_length > 0 ? POLLIN | POLLOUT : POLLIN;
+        if (client->fd >= 0)
+            fds[count++] = (struct pollfd){.fd = client->fd, .events = events};
     }
     return count;
 }
 
 /* --- answers ------------------------------------------------------------------------------------------------------ */
 
-/* One line. A client whose buffer is full is not reading: it goes. */
+/* As much as its socket takes now; the rest when it takes more. */
+static void flush(client_t *client)
+{
+    ssize_t sent = send(client->fd, client->waiting, client->waiting_length, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+        drop(client);
+    } else if (sent > 0) {
+        client->waiting_length -= (size_t)sent;
+        memmove(client->waiting, client->waiting + sent, client->waiting_length);
+    }
+}
+
+/* @return false: no memory, or the client has not read for so long that it goes */
+static bool append(client_t *client, const char *text, size_t length)
+{
+    if (client->waiting_length + length > client->waiting_room) {
+        size_t room = 2 * (client->waiting_length + length);
+        char *grown = room > MOST_WAITING ? NULL : realloc(client->waiting, room);
+        if (!grown)
+            return false;
+        client->waiting = grown;
+        client->waiting_room = room;
+    }
+    memcpy(client->waiting + client->waiting_length, text, length);
+    client->waiting_length += length;
+    return true;
+}
+
 static void send_line(client_t *client, cJSON *line)
 {
     char *text = cJSON_PrintUnformatted(line);
     cJSON_Delete(line);
-    if (!text || client->fd < 0) {
-        cJSON_free(text);
-        return;
+    if (text && client->fd >= 0) {
+        size_t length = strlen(text);
+        text[length] = '\n'; /* in the place of the terminator */
+        if (append(client, text, length + 1))
+            flush(client);
+        else
+            drop(client);
     }
-    size_t length = strlen(text);
-    text[length] = '\n'; /* in the place of the terminator */
-    if (send(client->fd, text, length + 1, MSG_NOSIGNAL | MSG_DONTWAIT) != (ssize_t)length + 1)
-        drop(client);
     cJSON_free(text);
 }
 
@@ -247,7 +279,9 @@ static void set(client_t *client, ect_chain_t *chain, size_t slave, const char *
     char message[ECT_SIGNAL_MESSAGE];
     ect_signal_ref_t ref;
     if (!ect_chain_signal(chain, slave - 1, name, &ref)) {
-        snprintf(message, sizeof message, "there is no signal '%.60s': 'ectwin list-signals' names them all", name);
+        snprintf(message, sizeof message,
+                 "slave %zu has no signal '%.60s': 'ectwin list-signals -n %zu' names them all; -n chooses the slave",
+                 slave, name, slave);
         send_result(client, message);
         return;
     }
@@ -331,10 +365,14 @@ void ect_control_serve(ect_control_t *c, ect_chain_t *chain, const struct pollfd
         if (fds[n].revents == 0)
             continue;
         for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-            if (c->clients[i].fd == fds[n].fd) {
-                receive(&c->clients[i], chain, now_ns);
-                break;
-            }
+            client_t *client = &c->clients[i];
+            if (client->fd != fds[n].fd)
+                continue;
+            if ((fds[n].revents & POLLOUT) != 0)
+                flush(client);
+            if (client->fd >= 0 && (fds[n].revents & ~POLLOUT) != 0)
+                receive(client, chain, now_ns);
+            break;
         }
     }
     if (count > 0 && fds[0].revents != 0)

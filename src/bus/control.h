@@ -13,7 +13,8 @@
  * "time", seconds of the twin's clock. At most one a signal in 10 ms, with "every":true after each poll of the devices
  *
  * "slave" chooses one of the chain, from 1 (default 1; 0 in get, list and watch: all). Values are text.
- * Context: the thread of the runner. A client that does not read is dropped, the bus never waits for one.
+ * Context: the thread of the runner. What a client does not read yet waits, up to 2 MB; then it is dropped. The bus
+ * never waits for one.
  */
 #ifndef ECT_BUS_CONTROL_H
 #define ECT_BUS_CONTROL_H

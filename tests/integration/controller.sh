@@ -59,6 +59,48 @@ stopped bu.state=1 bu.es_link=0 bu.message=
 gone bu.state=2 bu.es_link=0 bu.message=EC: No Data" "$(cat "$work/values")"
 }
 
+# ECL-002, ECL-022: no slave answers: safe state after 500 ms without PCI, and back when it answers again
+the_controller_is_safe_without_a_unit() {
+  "$ectwin" with vr-bu-ect-map7 -- bash -c '
+    "$controller" "$ECTWIN_IFACE" --seconds 12 >"$work/log" & pid=$!
+    until_event enabled
+    "$ectwin" set bu.enabled=0
+    for _ in $(seq 100); do [ "$(grep -c safe "$work/log")" -ge 2 ] && break; sleep 0.05; done
+    grep -c enabled "$work/log" >"$work/values"
+    grep -c safe "$work/log" >>"$work/values"
+    "$ectwin" set bu.enabled=1
+    for _ in $(seq 160); do [ "$(grep -c enabled "$work/log")" -ge 2 ] && break; sleep 0.05; done
+    grep -c enabled "$work/log" >>"$work/values"
+    kill -INT $pid; wait $pid' 2>/dev/null
+  check "enabled once, safe twice (at first, and without the unit), enabled again" "1 2 2" "$(xargs <"$work/values")"
+}
+
+# ECL-023, ECL-050: the controller dies and comes back with its counters: no command is lost, none comes twice
+killed_and_back() {
+  "$ectwin" with vr-bu-ect-map7 -- bash -c '
+    "$ectwin" set ru1.on=1
+    : >"$work/log"
+    for n in 1 2 3 4 5 6; do
+      "$controller" "$ECTWIN_IFACE" --seconds 20 --counters "$work/counters" >>"$work/log" & pid=$!
+      for _ in $(seq 200); do [ "$(grep -c enabled "$work/log")" -ge $n ] && break; sleep 0.05; done
+      "$ectwin" command ru1 "$(printf "%032x" $((2 * n - 1)))"
+      "$ectwin" command ru1 "$(printf "%032x" $((2 * n)))"
+      sleep "0.$((n * 7 % 4))"
+      kill -KILL $pid; wait $pid
+    done
+    "$controller" "$ECTWIN_IFACE" --seconds 4 --counters "$work/counters" >>"$work/log"' 2>/dev/null
+  check "each command once and in order" "$(seq 12 | xargs)" "$(sed -n 's/.*"command","ru":1,"data":"\([0-9a-f]*\)".*/\1/p' "$work/log" |
+    while read -r data; do echo $((16#$data)); done | xargs)"
+}
+
+# Every signal of a chain is told, however many they are
+all_signals_are_told() {
+  map7=vr-bu-ect-map7
+  "$ectwin" with $map7,$map7,$map7,$map7 -- bash -c '
+    for n in $(seq 20); do "$ectwin" get -n 0 | wc -l; "$ectwin" list-signals -n 0 | wc -l; done | sort -u >"$work/values"' 2>/dev/null
+  check "lines of get and list-signals, 20 times" "$((4 * $("$ectwin" with $map7 -- "$ectwin" get 2>/dev/null | wc -l)))" "$(xargs <"$work/values")"
+}
+
 # ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI
 a_set_arrives_whole() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
@@ -80,7 +122,7 @@ values_are_checked() {
   check "mode of the socket" 600 "$(cat "$work/mode")"
 }
 
-for case_name in commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole values_are_checked; do
+for case_name in all_signals_are_told the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole values_are_checked; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))
   rm -f "$work"/*

@@ -2,11 +2,13 @@
 /*
  * A machine controller for one base unit, over SOEM: TS-0007 chapter 6.1 from the first step to the last.
  *
- *   ectwin-controller IFACE [--seconds N] [--restart-every N] [--commands N] [--periodic BYTES] [--seed N]
+ *   ectwin-controller IFACE [--seconds N] [--restart-every N] [--commands N] [--periodic BYTES] [--seed N] [--counters
+ * FILE]
  *
  * Prints what it does, one line of JSON an event; commands from the remotes are answered by nothing but CAO. With
  * --commands it sends so many numbered commands to all remotes; with --restart-every it closes the bus at random, N
- * seconds apart in the mean, and comes back with its counters kept. Ends by SIGINT too.
+ * seconds apart in the mean, and comes back with its counters kept. A controller whose process may die keeps them in a
+ * file (--counters): without them it cannot know whether the last command was done. Ends by SIGINT too.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
@@ -20,11 +22,13 @@
 #include "bu_controller.h"
 #include "ethercat.h"
 
+#define GIVE_UP_NS 2000000000ull /* without an answer: the slave has to be found anew */
 enum { CYCLE_US = 2000, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
 
 typedef struct settings {
     char *iface;
     unsigned int seconds, restart_every, commands, periodic, seed;
+    const char *counters;
 } settings_t;
 
 static volatile sig_atomic_t ended;
@@ -95,6 +99,36 @@ static void recover(void)
     ec_writestate(1);
 }
 
+/* CCO and CAO as they were when the process ended, or nothing. */
+static void recall(const settings_t *s, bu_controller_t *c)
+{
+    FILE *file = s->counters ? fopen(s->counters, "r") : NULL;
+    unsigned int cco, cao;
+    c->counters_known = file && fscanf(file, "%u %u", &cco, &cao) == 2 && cco <= 255 && cao <= 255;
+    if (c->counters_known) {
+        c->cco = (uint8_t)cco;
+        c->cao = (uint8_t)cao;
+    }
+    if (file)
+        fclose(file);
+}
+
+/* One write replaces all: three digits each. */
+static void remember(const settings_t *s, const bu_controller_t *c)
+{
+    static int cco = -1, cao = -1;
+    if (!s->counters || !c->counters_known || (cco == c->cco && cao == c->cao))
+        return;
+    cco = c->cco;
+    cao = c->cao;
+    FILE *file = fopen(s->counters, "r+");
+    file = file ? file : fopen(s->counters, "w");
+    if (!file)
+        return;
+    fprintf(file, "%3d %3d\n", cco, cao);
+    fclose(file);
+}
+
 static void send_numbered(bu_controller_t *c, uint32_t *sent, uint32_t wanted)
 {
     uint8_t command[BU_COMMAND_BYTES] = "controller";
@@ -110,13 +144,17 @@ static void send_numbered(bu_controller_t *c, uint32_t *sent, uint32_t wanted)
 static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uint64_t until_ns)
 {
     int safe = -1;
+    uint64_t heard_ns = now();
     int expected = ec_group[0].outputsWKC * 2 + ec_group[0].inputsWKC;
     bu_controller_start(c);
-    while (!ended && now() < until_ns) {
+    while (!ended && now() < until_ns && now() < heard_ns + GIVE_UP_NS) {
         ec_send_processdata();
-        if (ec_receive_processdata(EC_TIMEOUTRET) == expected) {
-            bu_controller_step(c, ec_slave[1].inputs, ec_slave[1].outputs, now());
+        bool complete = ec_receive_processdata(EC_TIMEOUTRET) == expected;
+        bu_controller_step(c, ec_slave[1].inputs, ec_slave[1].outputs, now()); /* its time-outs run without a bus too */
+        remember(s, c);
+        if (complete) {
             send_numbered(c, sent, s->commands);
+            heard_ns = now();
         } else {
             lost_cycles++;
             recover();
@@ -143,6 +181,7 @@ static int control(const settings_t *s)
     bu_controller_t c = {.on_command = on_command, .periodic = screen, .periodic_size = (uint16_t)s->periodic};
     uint32_t sent = 0;
     int reached = 0;
+    recall(s, &c);
     uint64_t end_ns = now() + (uint64_t)s->seconds * 1000000000u;
     while (!ended && now() < end_ns) {
         if (to_op()) {
@@ -175,6 +214,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         *numbers[found - keys] = (unsigned int)strtoul(text, NULL, 0);
         return 0;
     }
+    if (key == 'k') {
+        s->counters = text;
+        return 0;
+    }
     if (key == ARGP_KEY_ARG && !s->iface) {
         s->iface = text;
         return 0;
@@ -192,6 +235,7 @@ int main(int argc, char **argv)
         {"commands", 'c', "N", 0, "Commands to send to all remotes (default 0)", 0},
         {"periodic", 'p', "BYTES", 0, "Periodic data, 0 to 51200 (default 450)", 0},
         {"seed", 'e', "N", 0, "Of the random restarts (default 1)", 0},
+        {"counters", 'k', "FILE", 0, "Keep CCO and CAO over the end of the process (default: not)", 0},
         {0},
     };
     static const struct argp argp = {

@@ -219,6 +219,11 @@ static int ask(int argc, char **argv, const char *op, const struct argp_option *
     FILE *connection = open_connection(&args, argv[0]);
     if (!connection)
         return EXIT_OPEN;
+    if (args.count > 1) {
+        fprintf(stderr, "%s: one pattern is enough; '*' stands for anything, '[ab]' for a or b\n", argv[0]);
+        fclose(connection);
+        return EXIT_USAGE;
+    }
     send_request(connection, &args, op, "pattern", args.count > 0 ? args.arguments[0] : "*", NULL, NULL);
     int status =
         read_answer(connection, argv[0], print == print_value && args.slave == 0 ? print_value_of_slave : print);
@@ -369,6 +374,8 @@ int command_set(int argc, char **argv)
         status = set_argument(connection, &args, argv[0], args.arguments[i]);
     if (args.csv && status == EXIT_CLEAN)
         status = set_from_csv(connection, &args, argv[0]);
+    if (status == EXIT_USAGE && args.count > 1)
+        fprintf(stderr, "%s: signals before this one were set\n", argv[0]);
     fclose(connection);
     return status;
 }
