@@ -20,7 +20,7 @@ PRODUCTS = [
         70: "Modbus TCP: another variant of the product",
         71: "Modbus TCP: another variant of the product",
         74: "asks for nothing: the unit runs freely, without distributed clocks",
-    }, {}),
+    }, {63: "an order inside the updates of 125 ms: on the virtual clock, where each can be looked at"}),
     ("FZM", 77, {
         17: "100BASE-TX and two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
         25: "the serial PLC links are not part of an EtherCAT twin",

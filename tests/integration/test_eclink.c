@@ -593,7 +593,7 @@ static const struct CMUnitTest map7_tests[] = {
     TEST(
         "ECL-024 ECL-049 ECL-052 ECL-053 ECL-054 ECL-059 ECL-062: sets of three blocks arrive, impossible sizes do not",
         periodic_data),
-    TEST("ECL-063 ECL-064 ECL-065: on fallback all still passes; without a VLAP the remote is lost", fallback),
+    TEST("ECL-064 ECL-065: on fallback all still passes; without a VLAP the remote is lost", fallback),
 };
 static const struct CMUnitTest multiarm_tests[] = {
     POWER_ON("ECL-018 ECL-019 ECL-066 ECL-067 ECL-068: Initial and Bad data until PCO counts, then in order",

@@ -139,8 +139,17 @@ static void states(void **state)
 {
     (void)state;
     uint32 value;
+    uint8 mail[128] = {0x0A, 0, 0, 0, 0, 0x13, 0, 0x20, 0x40, 0x18, 0x10, 1};
+    uint16 station = master.slaves[1].configadr;
     ecx_readstate(&master.context);
     assert_int_equal(master.slaves[1].state, EC_STATE_PRE_OP); /* where SOEM took it, and no further */
+    soem_go(&master, 1, EC_STATE_INIT);
+    (void)ecx_FPWR(&master.port, station, 0x1000, sizeof mail, mail, EC_TIMEOUTRET3);
+    osal_usleep(20000);
+    uint8 status = 0xFF;
+    assert_int_equal(ecx_FPRD(&master.port, station, ECT_REG_SM1 + 5, 1, &status, EC_TIMEOUTRET3), 1);
+    assert_int_equal(status & 0x08, 0); /* INIT: a request has no answer */
+    soem_go(&master, 1, EC_STATE_PRE_OP);
     assert_int_equal(read_number(0x1018, 1, &value), 0);
     assert_int_equal(value, master.slaves[1].eep_man);
     soem_map(&master);
@@ -157,6 +166,12 @@ static void states(void **state)
     master.slaves[1].outputs[0] = 0;
     soem_operational(&master);
     assert_int_equal(read_number(0x1018, 1, &value), 0);
+    soem_cycle(&master);
+    for (int i = 0; i < PATIENCE && (in[0] & PLC_BUSY) == 0; i++) {
+        master.slaves[1].outputs[0] = PLC_STEP; /* OP: they are */
+        soem_cycle(&master);
+    }
+    assert_true((in[0] & PLC_BUSY) != 0);
     soem_go(&master, 1, EC_STATE_INIT);
 }
 
@@ -192,6 +207,24 @@ static void every_object(void **state)
     static ec_ODlistt list;
     static ec_OElistt entries;
     (void)state;
+    static const struct {
+        uint16 index;
+        uint8 count;
+        uint32 first, last;
+    } fixed[] = {{0x1600, 5, 0x21000120, 0x21000520},
+                 {0x1A00, 4, 0x22000120, 0x22000420},
+                 {0x1A01, 8, 0x23000120, 0x23000820},
+                 {0x1C12, 1, 0x1600, 0x1600},
+                 {0x1C13, 2, 0x1A00, 0x1A01}};
+    for (size_t i = 0; i < sizeof fixed / sizeof fixed[0]; i++) {
+        uint32 count, first, last;
+        assert_int_equal(read_number(fixed[i].index, 0, &count), 0);
+        assert_int_equal(read_number(fixed[i].index, 1, &first), 0);
+        assert_int_equal(read_number(fixed[i].index, fixed[i].count, &last), 0);
+        assert_int_equal(count, fixed[i].count);
+        assert_int_equal(first, fixed[i].first);
+        assert_int_equal(last, fixed[i].last);
+    }
     memset(&list, 0, sizeof list);
     list.Slave = 1;
     assert_true(ecx_readODlist(&master.context, 1, &list) > 0);
@@ -351,13 +384,15 @@ static void every_command(void **state)
             fail_msg("row %zu, %08X: expected %d with %d, got %d with %d", i, rows[i].code, rows[i].result,
                      rows[i].data, result, plc.data);
     }
-    plant_set("data1", "1.5");
+    plant_set_all("data1=1.5 data2=6 data3=7 data4=8 data5=9 data6=10 data7=11 data8=12");
     measure();
     AWAIT((plc.signals & PLC_BUSY) == 0);
     assert_int_equal(command(PLC_GET_UNIT_DATA, 3, 0, 0), 0);
     assert_int_equal(plc.data, 1000);
-    assert_int_equal(command(PLC_GET_UNIT_DATA, 3, 5, 0), 0);
-    assert_int_equal(plc.data, 1500);
+    for (int number = 5; number <= 12; number++) {
+        assert_int_equal(command(PLC_GET_UNIT_DATA, 3, number, 0), 0);
+        assert_int_equal(plc.data, number == 5 ? 1500 : number * 1000);
+    }
     assert_int_equal(command(PLC_CLEAR, 0, 0, 0), 0);
     assert_int_equal(command(PLC_GET_UNIT_DATA, 3, 0, 0), 0);
     assert_int_equal(plc.data, 0);
@@ -371,6 +406,16 @@ static void exe_handshake(void **state)
     AWAIT((plc.signals & PLC_FLG) != 0);
     assert_int_equal(plc.signals & PLC_BUSY, 0);
     AWAIT(plc.done);
+    for (unsigned int bit = 2; bit < 32; bit++) {
+        if (bit == 16)
+            continue;
+        memset(out, 0, 4);
+        out[bit / 8] = (uint8)(1u << bit % 8);
+        for (int i = 0; i < 3; i++)
+            soem_cycle(&master);
+        assert_int_equal(in[0] | in[1] << 8 | in[2] << 16 | in[3] << 24, PLC_READY | PLC_RUN); /* unnamed bits */
+    }
+    memset(out, 0, 4);
     measure();
     soem_cycle(&master);
     out[0] = PLC_EXE; /* while BUSY: ignored until it falls */

@@ -115,7 +115,7 @@ static void expect(rig_t *r, const char *when, int state, int link)
     get(r, "bu.cause", cause);
     long relays = number(r, "bu.es_link");
     if (number(r, "bu.state") != state || number(r, "bu.ec_link") != link || relays != (state >= DISARMED) ||
-        strcmp(message, message_of(link)) != 0 || (*cause != 0) != (link >= NO_LINK))
+        strcmp(message, message_of(link)) != 0 || (*cause != 0) != (link >= NO_LINK || link == 0))
         fail_msg("%s, %s: expected BU state 0x%02X, EC-Link %d, relays %d, \"%s\"; got 0x%02lX, %ld, %ld, \"%s\" (%s)",
                  r->node->device->type_name, when, (unsigned int)state, link, state >= DISARMED, message_of(link),
                  (unsigned long)number(r, "bu.state"), number(r, "bu.ec_link"), relays, message, cause);

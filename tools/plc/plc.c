@@ -211,6 +211,7 @@ int main(int argc, char **argv)
         .options = options, .parser = parse, .args_doc = "IFACE", .doc = "A PLC for one FZM1."};
     settings_t s = {.measurements = 10, .cycle_us = 500};
     argp_err_exit_status = EXIT_USAGE;
+    setvbuf(stdout, NULL, _IOLBF, 0); /* an event is told when it happens */
     argp_parse(&argp, argc, argv, 0, NULL, &s);
     if (!ec_init(s.iface)) {
         fprintf(stderr, "%s: cannot open '%s': there is no such interface, or CAP_NET_RAW is missing\n", argv[0],

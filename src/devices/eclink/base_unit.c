@@ -109,7 +109,8 @@ static void evaluate(eclink_t *unit)
     unit->bu.state = bu_state(unit, cause != NULL);
     unit->bu.es_link = unit->bu.state >= ECLINK_BU_DISARMED;
     put_text(unit->bu.message, sizeof unit->bu.message, message);
-    put_text(unit->bu.cause, sizeof unit->bu.cause, cause ? cause : "");
+    const char *otherwise = unit->bu.enabled ? "" : "EC-Link is disabled";
+    put_text(unit->bu.cause, sizeof unit->bu.cause, cause ? cause : otherwise);
 }
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
