@@ -25,7 +25,7 @@ static int usage(FILE *stream, int status)
           "       ectwin list-signals [PATTERN]                 the signals of a running twin: range and meaning\n"
           "       ectwin get   [PATTERN]                        their values\n"
           "       ectwin set   NAME=VALUE... [--csv FILE]       set some\n"
-          "       ectwin watch [PATTERN] [--every]              one line of JSON a change, until Ctrl-C\n"
+          "       ectwin watch [PATTERN] [--every]              one line of JSON for what has changed, until Ctrl-C\n"
           "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
           "'ectwin COMMAND --help' tells more of each.\n",
           stream);
