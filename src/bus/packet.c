@@ -5,6 +5,7 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <linux/if_packet.h>
+#include <linux/sockios.h>
 #include <net/if.h>
 #include <net/if_arp.h>
 #include <stddef.h>
@@ -13,9 +14,15 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { ETHERTYPE_ECAT = 0x88A4 };
+
+/* A process that was held up finds frames that its master has long given up. Answered, they would be taken for answers
+ * to newer ones (SOEM tells them apart by 4 bits), and the master would stay that far behind. A wire does not store
+ * frames. */
+#define STALE_NS 5000000
 
 #ifndef PACKET_IGNORE_OUTGOING
 #define PACKET_IGNORE_OUTGOING 23
@@ -139,9 +146,27 @@ void ect_packet_close(ect_packet_t *port)
     port->fd = port->claim_fd = -1;
 }
 
+/* Nanoseconds that the frame received last has waited for us. */
+static int64_t age(int fd)
+{
+    long long came[2]; /* seconds, nanoseconds */
+    struct timespec now;
+    if (ioctl(fd, SIOCGSTAMPNS_NEW, came) < 0 || clock_gettime(CLOCK_REALTIME, &now) < 0)
+        return 0;
+    return (now.tv_sec - came[0]) * 1000000000 + (now.tv_nsec - came[1]);
+}
+
+static bool another_waits(int fd)
+{
+    uint8_t byte;
+    return recv(fd, &byte, sizeof byte, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
 ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room)
 {
     ssize_t length = recv(port->fd, frame, room, MSG_TRUNC);
+    if (length > 0 && age(port->fd) > STALE_NS && another_waits(port->fd))
+        return 0;
     if (length >= 0)
         return length;
     if (errno != ENETDOWN)

@@ -35,9 +35,10 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message);
 void ect_packet_close(ect_packet_t *port);
 
 /**
- * Takes a frame that has arrived. One system call; does not wait.
- * @return its length on the wire, which may exceed `room` (the frame is then cut) · 0 none there · -1 the interface
- *         is gone (errno)
+ * Takes a frame that has arrived; does not wait. Frames that have waited for more than 5 ms while newer ones came are
+ * dropped.
+ * @return its length on the wire, which may exceed `room` (the frame is then cut) · 0 none there, or dropped · -1 the
+ * interface is gone (errno)
  */
 ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room);
 

@@ -6,9 +6,12 @@
  * The PLC is the example's (tools/plc). That times are kept to the microsecond is tests/unit/test_fzm1_*.c; here they
  * have to come.
  */
+#define _DEFAULT_SOURCE
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "fzm1_plc.h"
 #include "lamps.h"
@@ -535,6 +538,28 @@ static void trigger_against_commands(void **state)
     }
 }
 
+/* The twin is held up while the master goes on: frames that were given up are not answered, or the master would take
+ * the answers for those of newer frames and stay behind for good. */
+static void held_up(void **state)
+{
+    (void)state;
+    uint16 off = 0;
+    assert_int_equal(ecx_FPWR(&master.port, master.slaves[1].configadr, 0x0420, 2, &off, EC_TIMEOUTRET3), 1);
+    kill(getppid(), SIGSTOP);
+    for (int i = 0; i < 300; i++) {
+        ecx_send_processdata(&master.context);
+        ecx_receive_processdata(&master.context, 1000);
+    }
+    kill(getppid(), SIGCONT);
+    for (int i = 0; i < 20; i++)
+        cycle();
+    AWAIT(fzm1_plc_command(&plc, PLC_GET_SCENE, 0, 0, 0));
+    int cycles = 0;
+    for (; !plc.done && cycles < 1000; cycles++)
+        cycle();
+    assert_in_range(cycles, 1, 100);
+}
+
 /* --- restart ------------------------------------------------------------------------------------------------------ */
 
 static void restarts(void **state)
@@ -646,6 +671,7 @@ int main(int argc, char **argv)
              trigger_against_commands),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA: time-out and ERR, and back", no_dsa),
         TEST("FZM-075: handshakes in cycles as fast as they get", fast_cycles),
+        TEST("a twin that was held up does not leave the master behind", held_up),
         TEST("FZM-019 FZM-024 FZM-052 FZM-056 FZM-077: Restart: off the bus, INIT, node address, what was saved",
              restarts),
     };
