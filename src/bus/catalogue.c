@@ -6,21 +6,23 @@
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
 
-static const ect_device_t *const devices[] = {
-    &ect_eclink_map1, &ect_eclink_map3, &ect_eclink_map7, &ect_eclink_multiarm, &ect_fzm1,
+static const ect_product_t products[] = {
+    {&ect_eclink_map1, &ect_eclink_plant}, {&ect_eclink_map3, &ect_eclink_plant},
+    {&ect_eclink_map7, &ect_eclink_plant}, {&ect_eclink_multiarm, &ect_eclink_plant},
+    {&ect_fzm1, &ect_fzm1_plant},
 };
 
-const ect_device_t *const *ect_catalogue(size_t *count)
+const ect_product_t *ect_catalogue(size_t *count)
 {
-    *count = sizeof devices / sizeof devices[0];
-    return devices;
+    *count = sizeof products / sizeof products[0];
+    return products;
 }
 
-const ect_device_t *ect_catalogue_find(const char *name)
+const ect_product_t *ect_catalogue_find(const char *name)
 {
-    for (size_t i = 0; i < sizeof devices / sizeof devices[0]; i++) {
-        if (strcmp(devices[i]->name, name) == 0)
-            return devices[i];
+    for (size_t i = 0; i < sizeof products / sizeof products[0]; i++) {
+        if (strcmp(products[i].device->name, name) == 0)
+            return &products[i];
     }
     return NULL;
 }

@@ -77,30 +77,41 @@ static bool make_slave(twin_t *twin)
     return true;
 }
 
+/* What the device remembers goes, what stands outside it stays. */
+static void power_off(const twin_t *twin, uint8_t *instance)
+{
+    const ect_plant_t *plant = twin->config.plant;
+    size_t size = twin->config.device->instance_size;
+    size_t from = plant && plant->outside_size > 0 ? plant->outside_offset : size;
+    size_t to = plant && plant->outside_size > 0 ? from + plant->outside_size : size;
+    memset(instance, 0, from);
+    memset(instance + to, 0, size - to);
+}
+
 /* For the first time or again: what controller, stack and device are made of stays, all else starts anew. */
 static bool power_on(twin_t *twin, uint64_t now_ns)
 {
-    const ect_device_t *device = twin->config.device;
+    const ect_plant_t *plant = twin->config.plant;
     ect_esc_config_t esc = twin->esc.config;
     ect_slave_config_t slave = twin->slave.config;
     slave.device_id = twin->config.alias;
     if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
         return false;
-    uint16_t switches = device->station_alias ? device->station_alias(slave.instance) : 0;
+    uint16_t switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
     if (switches != 0) {
         uint8_t alias[2];
         ect_store_le16(alias, switches);
         (void)twin->pdi.write(twin->pdi.ctx, ECT_REG_STATION_ALIAS, alias, sizeof alias);
         slave.device_id = switches;
     }
-    memset(slave.instance, 0, device->instance_size - device->plant_size);
+    power_off(twin, slave.instance);
     twin->deadline_ns = now_ns;
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
 
-ect_twin_config_t ect_twin_default(const ect_device_t *device)
+ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant)
 {
-    return (ect_twin_config_t){.device = device, .identity = device->identity};
+    return (ect_twin_config_t){.device = device, .plant = plant, .identity = device->identity};
 }
 
 ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns)
@@ -200,15 +211,15 @@ size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *
                          void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx)
 {
     const twin_t *twin = &chain->twins[position];
-    return ect_signals_visit(twin->config.device, twin->slave.config.instance, pattern, visit, ctx) +
-           ect_signals_visit(&ect_lamps_device, twin->lamps, pattern, visit, ctx);
+    return ect_signals_visit(twin->config.plant, twin->slave.config.instance, pattern, visit, ctx) +
+           ect_signals_visit(&ect_lamps_plant, twin->lamps, pattern, visit, ctx);
 }
 
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
-    return ect_signal_find(twin->config.device, twin->slave.config.instance, name, ref) ||
-           ect_signal_find(&ect_lamps_device, twin->lamps, name, ref);
+    return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
+           ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref);
 }
 
 void ect_chain_wake(ect_chain_t *chain, size_t position)

@@ -20,6 +20,7 @@
 /** One twin of a chain. */
 typedef struct ect_twin_config {
     const ect_device_t *device;   /**< must outlive the chain */
+    const ect_plant_t *plant;     /**< as its device; NULL: none */
     ect_identity_t identity;      /**< who it says it is; copied */
     uint16_t alias;               /**< configured station alias and explicit device id; 0 none */
     const ect_storage_t *storage; /**< its non-volatile memory, must outlive the chain; NULL: none */
@@ -29,7 +30,7 @@ typedef struct ect_twin_config {
 typedef struct ect_chain ect_chain_t;
 
 /** The description's own choice of everything. */
-ect_twin_config_t ect_twin_default(const ect_device_t *device);
+ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant);
 
 /**
  * Builds a chain and powers it on at `now_ns`.
@@ -40,7 +41,7 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
 
 void ect_chain_free(ect_chain_t *chain);
 
-/** Takes the power off all twins and puts it back: what stands outside them (ect_device_t::plant_size) stays. */
+/** Takes the power off all twins and puts it back: what stands outside them (ect_plant_t::outside_size) stays. */
 void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns);
 
 /**

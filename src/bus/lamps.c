@@ -25,7 +25,7 @@ static const ect_signal_t signals[] = {
 static const ect_signal_group_t groups[] = {
     {.prefix = "ecat", .signal_count = sizeof signals / sizeof signals[0], .signals = signals}};
 
-const ect_device_t ect_lamps_device = {.name = "ecat", .signal_groups = groups, .signal_group_count = 1};
+const ect_plant_t ect_lamps_plant = {.signal_groups = groups, .signal_group_count = 1};
 
 static void show(ect_lamps_t *lamps, unsigned int lamp, ect_pattern_t pattern)
 {

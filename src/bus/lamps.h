@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "seams/plant.h"
 #include "slave/slave.h"
 
 enum { ECT_LAMP_TEXT = 16 };
@@ -21,8 +22,8 @@ typedef struct ect_lamps {
     char text[4][ECT_LAMP_TEXT];
 } ect_lamps_t;
 
-/** A description with nothing but the signals of an ect_lamps_t, which is its instance. */
-extern const ect_device_t ect_lamps_device;
+/** The signals of an ect_lamps_t, which is the instance. */
+extern const ect_plant_t ect_lamps_plant;
 
 /**
  * Brings the lamps up to date.

@@ -56,10 +56,10 @@ static bool all_visible(const char *text)
     return *text == 0;
 }
 
-static ect_signal_ref_t make_ref(const ect_device_t *device, void *instance, const ect_signal_group_t *group,
+static ect_signal_ref_t make_ref(const ect_plant_t *plant, void *instance, const ect_signal_group_t *group,
                                  const ect_signal_t *signal, uint16_t number)
 {
-    ect_signal_ref_t ref = {.device = device, .instance = instance, .signal = signal, .number = number};
+    ect_signal_ref_t ref = {.plant = plant, .instance = instance, .signal = signal, .number = number};
     size_t structure = group->offset + (number > 0 ? (size_t)(number - 1) * group->stride : 0);
     ref.value = (uint8_t *)instance + structure + signal->offset;
     if (!group->prefix)
@@ -71,16 +71,16 @@ static ect_signal_ref_t make_ref(const ect_device_t *device, void *instance, con
     return ref;
 }
 
-size_t ect_signals_visit(const ect_device_t *device, void *instance, const char *pattern,
+size_t ect_signals_visit(const ect_plant_t *plant, void *instance, const char *pattern,
                          void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx)
 {
     size_t count = 0;
-    for (unsigned int g = 0; g < device->signal_group_count; g++) {
-        const ect_signal_group_t *group = &device->signal_groups[g];
+    for (unsigned int g = 0; plant && g < plant->signal_group_count; g++) {
+        const ect_signal_group_t *group = &plant->signal_groups[g];
         uint16_t first = group->count > 0 ? 1 : 0;
         for (uint16_t number = first; number <= group->count; number++) {
             for (unsigned int i = 0; i < group->signal_count; i++) {
-                ect_signal_ref_t ref = make_ref(device, instance, group, &group->signals[i], number);
+                ect_signal_ref_t ref = make_ref(plant, instance, group, &group->signals[i], number);
                 if (fnmatch(pattern, ref.name, 0) != 0)
                     continue;
                 visit(ctx, &ref);
@@ -106,10 +106,10 @@ static void compare(void *ctx, const ect_signal_ref_t *ref)
     search->found = true;
 }
 
-bool ect_signal_find(const ect_device_t *device, void *instance, const char *name, ect_signal_ref_t *ref)
+bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name, ect_signal_ref_t *ref)
 {
     search_t search = {.name = name, .ref = ref};
-    (void)ect_signals_visit(device, instance, "*", compare, &search);
+    (void)ect_signals_visit(plant, instance, "*", compare, &search);
     return search.found;
 }
 
@@ -228,8 +228,8 @@ bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t no
         return false;
     }
     const char *refusal = NULL;
-    if (ref->device->signal_write)
-        refusal = ref->device->signal_write(ref->instance, signal, ref->number, &v, now_ns);
+    if (ref->plant->signal_write)
+        refusal = ref->plant->signal_write(ref->instance, signal, ref->number, &v, now_ns);
     if (refusal && *refusal) {
         snprintf(message, ECT_SIGNAL_MESSAGE, "%s: %s", ref->name, refusal);
         return false;

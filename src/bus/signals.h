@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Signals by name: finding, reading and setting what a device's tables (seams/signals.h) describe.
+ * Signals by name: finding, reading and setting what a plant's tables (seams/plant.h) describe.
  *
  * Context: the thread of the chain, between two polls.
  */
@@ -12,14 +12,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "seams/device.h"
+#include "seams/plant.h"
 
 /** Room for a signal's name, for its value as text, and for a message, terminator included. */
 enum { ECT_SIGNAL_NAME = 64, ECT_SIGNAL_TEXT_ROOM = 128, ECT_SIGNAL_MESSAGE = 256 };
 
 /** One signal of one instance. */
 typedef struct ect_signal_ref {
-    const ect_device_t *device;
+    const ect_plant_t *plant;
     void *instance;
     const ect_signal_t *signal;
     uint16_t number; /**< of the structure in an array, from 1; 0 none */
@@ -29,19 +29,20 @@ typedef struct ect_signal_ref {
 
 /**
  * Calls `visit` for each signal whose name matches a shell pattern ("ru1.*", "*"), in the order of the tables.
+ * @param plant  NULL: there are none
  * @return how many matched
  */
-size_t ect_signals_visit(const ect_device_t *device, void *instance, const char *pattern,
+size_t ect_signals_visit(const ect_plant_t *plant, void *instance, const char *pattern,
                          void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx);
 
 /** @return whether there is a signal of exactly that name; then *ref is set */
-bool ect_signal_find(const ect_device_t *device, void *instance, const char *name, ect_signal_ref_t *ref);
+bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name, ect_signal_ref_t *ref);
 
 /** The value as text: numbers decimal, bytes hexadecimal. @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_read(const ect_signal_ref_t *ref, char *text);
 
 /**
- * Sets a signal from text, if the user may, the value is in its range and the device agrees.
+ * Sets a signal from text, if the user may, the value is in its range and the plant agrees.
  * @param[out] message  on failure why not, with the range; ECT_SIGNAL_MESSAGE bytes
  * @return whether it was done; if not, nothing has changed
  */

@@ -22,8 +22,8 @@
 #include <stdint.h>
 
 #include "od/od.h"
+#include "seams/al_status.h"
 #include "seams/services.h"
-#include "seams/signals.h"
 #include "seams/storage.h"
 
 /** AL states (ETG.1000.6 §6.4.1). */
@@ -148,7 +148,8 @@ typedef struct ect_host {
 
     /**
      * Wants a power cycle, of controller, stack and device. Whoever drives the slave does it after the present poll (a
-     * firmware resets its processor): the instance is zeroed but for its plant, and initialised anew.
+     * firmware resets its processor): the instance is zeroed but for what stands outside (plant.h), and initialised
+     * anew.
      */
     void (*restart)(void *ctx);
 
@@ -194,26 +195,17 @@ typedef struct ect_device {
     uint16_t object_count;
     const ect_limit_t *limits;
     uint16_t limit_count;
-    const ect_signal_group_t *signal_groups;
-    uint8_t signal_group_count;
     const ect_service_t *const *services; /**< NULL-terminated list of the object services it needs; NULL: none */
 
     /* --- how it behaves -------------------------------------------------------------------------------------- */
     size_t instance_size; /**< bytes of instance memory that the caller provides, aligned as by malloc */
-    size_t plant_size; /**< its last bytes: what stands outside the device (switches, cameras) and outlasts a restart */
-    uint16_t pdo_runs; /**< contiguous pieces that its largest process image falls into, both directions */
+    uint16_t pdo_runs;    /**< contiguous pieces that its largest process image falls into, both directions */
 
     /**
-     * Power-on: brings instance memory, zeroed but for the plant, to its start values.
+     * Power-on: brings instance memory, zeroed but for what outlasts it (plant.h), to its start values.
      * @param identity, host  valid as long as the instance; the device keeps the pointers or copies the values
      */
     void (*init)(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
-
-    /**
-     * Setting of the device's address switches, 0 none: becomes the configured station alias (0x0012) and the explicit
-     * device identification. Asked at power-on, before init, by whoever drives the slave.
-     */
-    uint16_t (*station_alias)(const void *instance);
 
     /**
      * A transition upwards is about to be confirmed, or one downwards has happened. A transition upwards may be asked
@@ -253,14 +245,6 @@ typedef struct ect_device {
 
     /** AL status got its error flag, with this code; or lost it (code 0). */
     void (*al_error)(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
-
-    /**
-     * A user sets a signal to a value within its range; `value` is of the signal's type, `number` counts from 1 (0: the
-     * group has no numbers). The device does what follows from it before or instead of the caller storing it.
-     * @return NULL: it is to be stored · "" : done, nothing is to be stored · else why not, a line for the user
-     */
-    const char *(*signal_write)(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
-                                uint64_t now_ns);
 } ect_device_t;
 
 #endif

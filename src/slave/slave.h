@@ -31,30 +31,6 @@
 #include "seams/device.h"
 #include "seams/pdi.h"
 
-/** AL status codes (ETG.1000.6 Table 11). */
-enum {
-    ECT_AL_NO_ERROR = 0x0000,
-    ECT_AL_UNSPECIFIED = 0x0001,
-    ECT_AL_INVALID_CHANGE = 0x0011,
-    ECT_AL_UNKNOWN_STATE = 0x0012,
-    ECT_AL_NO_BOOT = 0x0013,
-    ECT_AL_BOOT_MAILBOX = 0x0015,
-    ECT_AL_MAILBOX = 0x0016,
-    ECT_AL_NO_OUTPUTS = 0x0019,
-    ECT_AL_SYNC = 0x001A,
-    ECT_AL_WATCHDOG = 0x001B,
-    ECT_AL_OUTPUT_SM = 0x001D,
-    ECT_AL_INPUT_SM = 0x001E,
-    ECT_AL_INPUT_MAPPING = 0x0024,
-    ECT_AL_OUTPUT_MAPPING = 0x0025,
-    ECT_AL_NO_FREE_RUN = 0x0027,
-    ECT_AL_NO_SYNC = 0x0028,
-    ECT_AL_FATAL_SYNC = 0x002C,
-    ECT_AL_DC_SYNC = 0x0030,
-    ECT_AL_CYCLE_TIME = 0x0035,
-    ECT_AL_SYNC0_CYCLE = 0x0036,
-};
-
 /** Where an error in AL status comes from; what the ERR indicator shows (ETG.1300). */
 typedef enum ect_error_cause {
     ECT_CAUSE_NONE,
@@ -94,7 +70,7 @@ typedef struct ect_slave_config {
     const ect_pdi_t *pdi;
     const ect_identity_t *identity; /**< NULL: the description's */
     const ect_storage_t *storage;   /**< NULL: none */
-    void *instance;                 /**< ect_slave_memory().instance bytes, zero but for its plant (device.h) */
+    void *instance;                 /**< ect_slave_memory().instance bytes, zero but for the plant's (plant.h) */
     uint8_t *mailbox;               /**< ... mailbox bytes: one request, two replies; NULL without a mailbox */
     uint8_t *process_data;          /**< ... process_data bytes; NULL without process data */
     ect_pdo_run_t *runs;            /**< ... runs elements */

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/catalogue.h"
 #include "bus/chain.h"
+#include "devices/eclink/eclink.h"
 #include "support/testdev.h"
 #include "wire/bytes.h"
 
@@ -24,8 +24,8 @@ static void check(const ect_slave_t *slave)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const ect_twin_config_t twins[] = {ect_twin_default(ect_catalogue_find("vr-bu-ect-map7")),
-                                       ect_twin_default(&testdev)};
+    const ect_twin_config_t twins[] = {ect_twin_default(&ect_eclink_map7, &ect_eclink_plant),
+                                       ect_twin_default(&testdev, NULL)};
     uint64_t now_ns = 1;
     ect_chain_t *chain = ect_chain_new(twins, 2, now_ns);
     while (chain && size >= 3) {

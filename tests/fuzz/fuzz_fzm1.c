@@ -74,7 +74,7 @@ static void spoil(const uint8_t *data, size_t size)
 
 static void set_signal(const uint8_t *b, uint64_t now_ns)
 {
-    const ect_signal_group_t *group = &fzm1_signal_groups[0];
+    const ect_signal_group_t *group = &ect_fzm1_plant.signal_groups[0];
     const ect_signal_t *signal = &group->signals[b[1] % group->signal_count];
     uint8_t value[256] = {0};
     int32_t number = (int32_t)ect_load_le32(b + 2);
@@ -83,7 +83,7 @@ static void set_signal(const uint8_t *b, uint64_t now_ns)
         return;
     memcpy(value, &number, sizeof number);
     size_t size = signal->type <= ECT_SIGNAL_U8 ? 1 : signal->type <= ECT_SIGNAL_U16 ? 2 : 4;
-    if (!ect_fzm1.signal_write(&unit, signal, 0, value, now_ns))
+    if (!ect_fzm1_plant.signal_write(&unit, signal, 0, value, now_ns))
         memcpy((uint8_t *)&unit + signal->offset, value, size);
 }
 

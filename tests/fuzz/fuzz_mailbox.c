@@ -143,7 +143,7 @@ static void step(session_t *s)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const ect_twin_config_t twin = ect_twin_default(&testdev);
+    const ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
     session_t s = {.now_ns = 1, .data = data, .size = size};
     s.chain = ect_chain_new(&twin, 1, s.now_ns);
     if (!s.chain)

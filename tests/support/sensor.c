@@ -11,7 +11,7 @@ enum { CODE = 4, PARAMETER = 8, RESPONSE_CODE = 4, RESULT = 8, RESPONSE_DATA = 1
 
 void sensor_open_with(sensor_t *s, const ect_storage_t *storage)
 {
-    ect_twin_config_t twin = ect_twin_default(&ect_fzm1);
+    ect_twin_config_t twin = ect_twin_default(&ect_fzm1, &ect_fzm1_plant);
     twin.storage = storage;
     memset(s, 0, sizeof *s);
     wire_open_twins(&s->w, &twin, 1);

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "support/every.h"
+
 enum { ETHERNET = 14, ECAT_HEADER = 2, DATAGRAM_HEADER = 10, WKC = 2, MAIL_HEADER = 6 };
 
 void wire_open_twins(wire_t *w, const ect_twin_config_t *twins, size_t count)
@@ -28,7 +30,7 @@ void wire_open(wire_t *w, const ect_device_t *const *devices, size_t count)
     ect_twin_config_t twins[64];
     assert_true(count <= sizeof twins / sizeof twins[0]);
     for (size_t i = 0; i < count; i++)
-        twins[i] = ect_twin_default(devices[i]);
+        twins[i] = ect_twin_default(devices[i], plant_of(devices[i]));
     wire_open_twins(w, twins, count);
 }
 

@@ -794,7 +794,7 @@ static void enable(wire_t *w, size_t position, const char *value)
     const ect_slave_t *slave = ect_chain_slave(w->chain, position);
     ect_signal_ref_t ref;
     char message[ECT_SIGNAL_MESSAGE];
-    assert_true(ect_signal_find(slave->config.device, slave->config.instance, "bu.enabled", &ref));
+    assert_true(ect_signal_find(&ect_eclink_plant, slave->config.instance, "bu.enabled", &ref));
     assert_true(ect_signal_write(&ref, value, w->now_ns, message));
     ect_chain_wake(w->chain, position);
     wire_poll(w);

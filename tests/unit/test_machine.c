@@ -3,7 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "bus/catalogue.h"
+#include "devices/eclink/eclink.h"
+#include "support/every.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -22,19 +23,9 @@ static const uint8_t states[] = {INIT, PREOP, SAFEOP, OP};
 
 /* --- helpers ----------------------------------------------------------------------------------------------------- */
 
-/* The test device, then the catalogue; NULL at the end. */
-static const ect_device_t *device_at(size_t i)
-{
-    size_t count;
-    const ect_device_t *const *catalogue = ect_catalogue(&count);
-    if (i == 0)
-        return &testdev;
-    return i <= count ? catalogue[i - 1] : NULL;
-}
-
 static void open_with_alias(wire_t *w, const ect_device_t *device, uint16_t alias)
 {
-    ect_twin_config_t twin = ect_twin_default(device);
+    ect_twin_config_t twin = ect_twin_default(device, plant_of(device));
     twin.alias = alias;
     wire_open_twins(w, &twin, 1);
 }
@@ -113,11 +104,11 @@ static void go_with_error(wire_t *w, uint8_t state, uint16_t code)
 static void power_up(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         wire_t w;
-        wire_open_one(&w, device_at(i));
+        wire_open_one(&w, every_device(i));
         expect(&w, "power-up", INIT, 0);
-        for (unsigned int n = 0; n < device_at(i)->sm_count; n++)
+        for (unsigned int n = 0; n < every_device(i)->sm_count; n++)
             assert_int_equal(wire_read8(&w, 0, (uint16_t)(ECT_REG_SM + 8 * n + ECT_SM_PDI_CONTROL)) & 1, 1);
         wire_close(&w);
     }
@@ -155,11 +146,11 @@ static void one_transition(const ect_device_t *device, uint8_t from, uint8_t to,
 static void every_pair(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         for (size_t row = 0; row < COUNT(table); row++) {
             for (size_t column = 0; column < COUNT(columns); column++) {
-                one_transition(device_at(i), table[row].from, columns[column], table[row].to[column], 0);
-                one_transition(device_at(i), table[row].from, columns[column], table[row].to[column], ACK);
+                one_transition(every_device(i), table[row].from, columns[column], table[row].to[column], 0);
+                one_transition(every_device(i), table[row].from, columns[column], table[row].to[column], ACK);
             }
         }
     }
@@ -216,9 +207,9 @@ static void sms_follow_state(void **state)
         uint8_t state;
         uint8_t off; /* SMs switched off from the PDI side, a bit each */
     } want[] = {{INIT, 0x0F}, {PREOP, 0x0C}, {SAFEOP, 0}, {OP, 0}, {SAFEOP, 0}, {PREOP, 0x0C}, {INIT, 0x0F}};
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         wire_t w;
-        wire_open_one(&w, device_at(i));
+        wire_open_one(&w, every_device(i));
         wire_configure_mailbox(&w, 0);
         for (size_t n = 0; n < COUNT(want); n++) {
             if (want[n].state == SAFEOP && n < 3)
@@ -229,7 +220,8 @@ static void sms_follow_state(void **state)
             for (unsigned int sm = 0; sm < 4; sm++) {
                 uint8_t off = wire_read8(&w, 0, (uint16_t)(ECT_REG_SM + 8 * sm + ECT_SM_PDI_CONTROL)) & 1;
                 if (off != ((want[n].off >> sm) & 1))
-                    fail_msg("%s, step %zu, state %u: SM%u off is %u", device_at(i)->name, n, want[n].state, sm, off);
+                    fail_msg("%s, step %zu, state %u: SM%u off is %u", every_device(i)->name, n, want[n].state, sm,
+                             off);
             }
         }
         wire_close(&w);
@@ -276,14 +268,14 @@ static void set_sm(wire_t *w, unsigned int n, const sm_fault_t *fault)
 static void mailbox_checked(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         for (unsigned int n = 0; n < 2; n++) {
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
                 bool allowed = sm_faults[f].allowed;
                 bool in_limits =
-                    device_at(i)->sm[n].minimum != 0 && (sm_faults[f].length == 1 || sm_faults[f].length == -1);
+                    every_device(i)->sm[n].minimum != 0 && (sm_faults[f].length == 1 || sm_faults[f].length == -1);
                 wire_t w;
-                wire_open_one(&w, device_at(i));
+                wire_open_one(&w, every_device(i));
                 wire_configure_mailbox(&w, 0);
                 set_sm(&w, n, &sm_faults[f]);
                 if (allowed || in_limits)
@@ -330,17 +322,17 @@ static bool process_fault_allowed(const ect_device_t *device, unsigned int n, co
 static void process_sm_checked(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         for (unsigned int n = 2; n < 4; n++) {
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
-                if (device_at(i)->sm[n].length == 0 && sm_faults[f].length < 0)
+                if (every_device(i)->sm[n].length == 0 && sm_faults[f].length < 0)
                     continue;
                 wire_t w;
-                wire_open_one(&w, device_at(i));
+                wire_open_one(&w, every_device(i));
                 wire_go(&w, 0, PREOP);
                 wire_configure_process_data(&w, 0);
                 set_sm(&w, n, &sm_faults[f]);
-                if (process_fault_allowed(device_at(i), n, &sm_faults[f]))
+                if (process_fault_allowed(every_device(i), n, &sm_faults[f]))
                     ask(&w, sm_faults[f].what, SAFEOP, SAFEOP, 0);
                 else
                     ask(&w, sm_faults[f].what, SAFEOP, PREOP | ERR, n == 2 ? 0x001D : 0x001E);
@@ -623,8 +615,8 @@ static void same_state_again(void **state)
 static void waits_for_outputs(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
-        const ect_device_t *device = device_at(i);
+    for (size_t i = 0; every_device(i); i++) {
+        const ect_device_t *device = every_device(i);
         wire_t w;
         wire_open_one(&w, device);
         wire_go(&w, 0, SAFEOP);
@@ -651,8 +643,8 @@ static void waits_for_outputs(void **state)
 static void outputs_in_time(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
-        const ect_device_t *device = device_at(i);
+    for (size_t i = 0; every_device(i); i++) {
+        const ect_device_t *device = every_device(i);
         if (device->sm[2].length == 0)
             continue;
         wire_t w;
@@ -799,11 +791,11 @@ static void watchdog_drop(void **state)
 static void watchdog_direct_op(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
-        if (device_at(i)->sm[2].length == 0)
+    for (size_t i = 0; every_device(i); i++) {
+        if (every_device(i)->sm[2].length == 0)
             continue;
         wire_t w;
-        wire_open_one(&w, device_at(i));
+        wire_open_one(&w, every_device(i));
         wire_go(&w, 0, OP);
         wire_advance(&w, 101 * MS);
         expect(&w, "watchdog", SAFEOP | ERR, 0x001B);
@@ -830,7 +822,7 @@ static void watchdog_elsewhere(void **state)
     wire_advance(&w, 100000 * MS);
     expect(&w, "switched off", OP, 0);
     wire_close(&w);
-    wire_open_one(&w, ect_catalogue_find("vr-bu-ect-map1"));
+    wire_open_one(&w, &ect_eclink_map1);
     wire_go(&w, 0, OP);
     wire_advance(&w, 100000 * MS);
     expect(&w, "input-only", OP, 0);
@@ -883,11 +875,11 @@ static void op_needs_live_outputs(void **state)
 static void master_gone(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
-        if (device_at(i)->sm[2].length == 0)
+    for (size_t i = 0; every_device(i); i++) {
+        if (every_device(i)->sm[2].length == 0)
             continue;
         wire_t w;
-        wire_open_one(&w, device_at(i));
+        wire_open_one(&w, every_device(i));
         wire_go(&w, 0, OP);
         wire_advance(&w, 3600ull * 1000 * MS);
         expect(&w, "an hour without a master", SAFEOP | ERR, 0x001B);
@@ -1168,10 +1160,10 @@ static void identification(void **state)
     (void)state;
     static const uint16_t ids[] = {1, 0x0010, 0x1234, 0xFFFF};
     for (size_t n = 0; n < COUNT(ids); n++) {
-        for (size_t i = 0; device_at(i); i++) {
+        for (size_t i = 0; every_device(i); i++) {
             for (size_t s = 0; s < COUNT(states); s++) {
                 wire_t w;
-                open_with_alias(&w, device_at(i), ids[n]);
+                open_with_alias(&w, every_device(i), ids[n]);
                 wire_go(&w, 0, states[s]);
                 ask(&w, "identification", states[s] | ID, states[s] | ID, ids[n]);
                 ask(&w, "identification again", states[s] | ID, states[s] | ID, ids[n]);
@@ -1285,12 +1277,12 @@ static void one_sm_change(const ect_device_t *device, const sm_change_t *row, in
 static void sm_changed(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         for (size_t n = 0; n < COUNT(sm_changes); n++) {
-            if (device_at(i)->sm[sm_changes[n].sm].length == 0)
+            if (every_device(i)->sm[sm_changes[n].sm].length == 0)
                 continue;
             for (int kind = 0; kind < 3; kind++)
-                one_sm_change(device_at(i), &sm_changes[n], kind);
+                one_sm_change(every_device(i), &sm_changes[n], kind);
         }
     }
 }
@@ -1298,9 +1290,9 @@ static void sm_changed(void **state)
 static void rewritten_unchanged(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         wire_t w;
-        wire_open_one(&w, device_at(i));
+        wire_open_one(&w, every_device(i));
         wire_go(&w, 0, OP);
         for (unsigned int n = 0; n < 4; n++) {
             uint8_t block[8];

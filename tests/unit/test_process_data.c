@@ -3,7 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "bus/catalogue.h"
+#include "devices/eclink/eclink.h"
+#include "support/every.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -13,15 +14,6 @@ enum { INIT = ECT_STATE_INIT, PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP
 enum { SM2 = 0x1200, SM3 = 0x1300, IMAGE = 3, ROOM = 80 };
 
 /* --- helpers ----------------------------------------------------------------------------------------------------- */
-
-static const ect_device_t *device_at(size_t i)
-{
-    size_t count;
-    const ect_device_t *const *catalogue = ect_catalogue(&count);
-    if (i == 0)
-        return &testdev;
-    return i <= count ? catalogue[i - 1] : NULL;
-}
 
 static void open_in(wire_t *w, uint8_t state)
 {
@@ -208,9 +200,9 @@ static int spy_write(void *ctx, uint16_t address, const void *buffer, uint16_t l
 static void inputs_before_safeop(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
+    for (size_t i = 0; every_device(i); i++) {
         wire_t w;
-        wire_open_one(&w, device_at(i));
+        wire_open_one(&w, every_device(i));
         wire_go(&w, 0, PREOP);
         wire_configure_process_data(&w, 0);
         spy_t spy = {.real = *slave_of(&w)->config.pdi};
@@ -221,11 +213,11 @@ static void inputs_before_safeop(void **state)
         wire_write16(&w, 0, ECT_REG_AL_CONTROL, SAFEOP);
         assert_true(spy.seen);
         if (spy.buffer == 3)
-            fail_msg("%s: no inputs in SM3 when SAFEOP is confirmed", device_at(i)->name);
+            fail_msg("%s: no inputs in SM3 when SAFEOP is confirmed", every_device(i)->name);
         if (i == 0)
             assert_int_equal(spy.first_inputs, 0x7788);
         uint8_t image[256];
-        assert_int_equal(wire_read(&w, 0, device_at(i)->sm[3].start, image, device_at(i)->sm[3].length), 1);
+        assert_int_equal(wire_read(&w, 0, every_device(i)->sm[3].start, image, every_device(i)->sm[3].length), 1);
         wire_close(&w);
     }
 }
@@ -274,8 +266,8 @@ static void map(wire_t *w, size_t position, uint32_t out, uint32_t in)
 static void lrw_counts(void **state)
 {
     (void)state;
-    for (size_t i = 0; device_at(i); i++) {
-        const ect_device_t *device = device_at(i);
+    for (size_t i = 0; every_device(i); i++) {
+        const ect_device_t *device = every_device(i);
         int outputs = device->sm[2].length > 0;
         uint16_t length = (uint16_t)(device->sm[2].length + device->sm[3].length);
         uint8_t data[512] = {0};
@@ -333,7 +325,7 @@ static void lrw_data(void **state)
 static void lrw_over_two(void **state)
 {
     (void)state;
-    const ect_device_t *const devices[] = {&testdev, ect_catalogue_find("vr-bu-ect-map1"), &testdev};
+    const ect_device_t *const devices[] = {&testdev, &ect_eclink_map1, &testdev};
     wire_t w;
     wire_open(&w, devices, 3);
     for (size_t i = 0; i < 3; i++)
@@ -359,7 +351,7 @@ static void lrw_over_two(void **state)
 static void input_only(void **state)
 {
     (void)state;
-    const ect_device_t *device = ect_catalogue_find("vr-bu-ect-map1");
+    const ect_device_t *device = &ect_eclink_map1;
     assert_non_null(device);
     wire_t w;
     wire_open_one(&w, device);

@@ -5,7 +5,8 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#include "bus/catalogue.h"
+#include "devices/eclink/eclink.h"
+#include "support/every.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -1100,7 +1101,7 @@ static void whole_record_in_segments_down(void **state)
 
 static void mapping_of_210_entries(void **state)
 {
-    const ect_device_t *device = ect_catalogue_find("vr-bu-ect-map7");
+    const ect_device_t *device = &ect_eclink_map7;
     uint8_t want[2 + 4 * 210] = {210, 0}, got[1486];
     wire_t w;
     (void)state;
@@ -1294,22 +1295,16 @@ static void subindices_of(const ect_device_t *device)
 
 static void mandatory_objects(void **state)
 {
-    size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
     (void)state;
-    mandatory_objects_of(&testdev);
-    for (size_t i = 0; i < count; i++)
-        mandatory_objects_of(devices[i]);
+    for (size_t i = 0; every_device(i); i++)
+        mandatory_objects_of(every_device(i));
 }
 
 static void subindices(void **state)
 {
-    size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
     (void)state;
-    subindices_of(&testdev);
-    for (size_t i = 0; i < count; i++)
-        subindices_of(devices[i]);
+    for (size_t i = 0; every_device(i); i++)
+        subindices_of(every_device(i));
 }
 
 /* --- a random session against a model ----------------------------------------------------------------------------- */

@@ -2,7 +2,7 @@
 /* SDO information: object lists, object and entry descriptions, errors (spec E.5, E.6). */
 #include <string.h>
 
-#include "bus/catalogue.h"
+#include "support/every.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -153,11 +153,9 @@ static void lists_of_the_test_device(void **state)
 
 static void lists_of_the_catalogue(void **state)
 {
-    size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
     (void)state;
-    for (size_t i = 0; i < count; i++)
-        check_lists(devices[i], devices[i]->sm[1].length);
+    for (size_t i = 0; every_product(i); i++)
+        check_lists(every_product(i), every_product(i)->sm[1].length);
 }
 
 /* The content once by hand, so that the walk above is not the only witness. */
@@ -364,11 +362,9 @@ static void check_descriptions(const ect_device_t *device, uint16_t in_length)
 
 static void descriptions(void **state)
 {
-    size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
     (void)state;
-    for (size_t i = 0; i < count; i++)
-        check_descriptions(devices[i], devices[i]->sm[1].length);
+    for (size_t i = 0; every_product(i); i++)
+        check_descriptions(every_product(i), every_product(i)->sm[1].length);
     check_descriptions(&testdev, LONGEST_IN);
     check_descriptions(&testdev, 35);
     check_descriptions(&testdev, SHORTEST_IN);

@@ -5,12 +5,13 @@
 #include <string.h>
 
 #include "bus/catalogue.h"
+#include "devices/eclink/eclink.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
 static void unusable_descriptions(void **state)
 {
-    ect_twin_config_t twins[2] = {ect_twin_default(&testdev), ect_twin_default(&testdev)};
+    ect_twin_config_t twins[2] = {ect_twin_default(&testdev, NULL), ect_twin_default(&testdev, NULL)};
     ect_device_t device = testdev;
     (void)state;
     twins[1].device = &device;
@@ -29,7 +30,7 @@ static void unusable_descriptions(void **state)
 
 static void overridden_identity(void **state)
 {
-    ect_twin_config_t twin = ect_twin_default(&testdev);
+    ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
     wire_t w = {.now_ns = 1000 * MS};
     uint8_t address[2];
     (void)state;
@@ -57,11 +58,11 @@ static void order_of_the_wire(void **state)
 {
     const ect_device_t *devices[40];
     size_t count;
-    const ect_device_t *const *catalogue = ect_catalogue(&count);
+    const ect_product_t *catalogue = ect_catalogue(&count);
     wire_t w;
     (void)state;
     for (size_t i = 0; i < 40; i++)
-        devices[i] = i % 5 == 4 ? &testdev : catalogue[i % 5 % count];
+        devices[i] = i % 5 == 4 ? &testdev : catalogue[i % 5 % count].device;
     wire_open(&w, devices, 40);
     assert_int_equal(ect_chain_count(w.chain), 40);
     uint8_t data[2] = {0};
@@ -81,7 +82,7 @@ static void source_address(void **state)
 {
     (void)state;
     for (int keep = 0; keep <= 1; keep++) {
-        ect_twin_config_t twin = ect_twin_default(&testdev);
+        ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
         wire_t w = {.now_ns = 1000 * MS};
         uint8_t data = 0;
         twin.keep_source_mac = keep != 0;
@@ -107,8 +108,9 @@ static void not_ethercat(void **state)
 /* The earliest deadline of all twins; without one, never. */
 static void deadlines(void **state)
 {
-    const ect_device_t *unit = ect_catalogue_find("vr-bu-ect-map1");
-    ect_twin_config_t twins[3] = {ect_twin_default(&testdev), ect_twin_default(unit), ect_twin_default(&testdev)};
+    const ect_device_t *unit = &ect_eclink_map1;
+    ect_twin_config_t twins[3] = {ect_twin_default(&testdev, NULL), ect_twin_default(unit, &ect_eclink_plant),
+                                  ect_twin_default(&testdev, NULL)};
     (void)state;
     ect_chain_t *chain = ect_chain_new(twins, 1, 5 * MS);
     assert_true(ect_chain_poll(chain, 5 * MS) == ECT_NEVER);
@@ -124,16 +126,17 @@ static void deadlines(void **state)
 static void catalogue_names(void **state)
 {
     size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
+    const ect_product_t *products = ect_catalogue(&count);
     (void)state;
     assert_true(count >= 4);
     for (size_t i = 0; i < count; i++) {
-        assert_ptr_equal(ect_catalogue_find(devices[i]->name), devices[i]);
-        assert_int_equal(strspn(devices[i]->name, "abcdefghijklmnopqrstuvwxyz0123456789-"), strlen(devices[i]->name));
-        assert_true(strlen(devices[i]->type_name) <= 40);
+        const ect_device_t *device = products[i].device;
+        assert_ptr_equal(ect_catalogue_find(device->name), &products[i]);
+        assert_int_equal(strspn(device->name, "abcdefghijklmnopqrstuvwxyz0123456789-"), strlen(device->name));
+        assert_true(strlen(device->type_name) <= 40);
         for (size_t k = 0; k < i; k++) {
-            assert_int_not_equal(devices[i]->identity.product_code, devices[k]->identity.product_code);
-            assert_string_not_equal(devices[i]->type_name, devices[k]->type_name);
+            assert_int_not_equal(device->identity.product_code, products[k].device->identity.product_code);
+            assert_string_not_equal(device->type_name, products[k].device->type_name);
         }
     }
     assert_null(ect_catalogue_find("no-such-device"));

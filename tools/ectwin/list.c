@@ -17,9 +17,9 @@ int command_list(int argc, char **argv)
         .doc = "Lists the devices: name, input/output bytes as the master sees them, what it is."};
     argp_parse(&argp, argc, argv, 0, NULL, NULL);
     size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
+    const ect_product_t *products = ect_catalogue(&count);
     for (size_t i = 0; i < count; i++) {
-        const ect_device_t *d = devices[i];
+        const ect_device_t *d = products[i].device;
         printf("%-20s %3u/%-3u  %s\n", d->name, bytes_of(d, ECT_SM_INPUTS), bytes_of(d, ECT_SM_OUTPUTS), d->summary);
     }
     return EXIT_CLEAN;

@@ -126,10 +126,10 @@ static void unknown_device(const struct argp_state *state, const char *name)
 {
     char known[512] = "";
     size_t count;
-    const ect_device_t *const *devices = ect_catalogue(&count);
+    const ect_product_t *products = ect_catalogue(&count);
     for (size_t i = 0; i < count; i++) {
         size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", devices[i]->name);
+        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", products[i].device->name);
     }
     argp_failure(state, EXIT_USAGE, 0, "there is no device '%s'; there are: %s", name, known);
 }
@@ -139,14 +139,14 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     char *copy = strdup(list);
     char *rest = copy;
     for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
-        const ect_device_t *device = ect_catalogue_find(name);
-        if (!device)
+        const ect_product_t *product = ect_catalogue_find(name);
+        if (!product)
             unknown_device(state, name);
         ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
         if (!grown)
             argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
         args->twins = grown;
-        args->twins[args->count++] = ect_twin_default(device);
+        args->twins[args->count++] = ect_twin_default(product->device, product->plant);
     }
     free(copy);
     if (args->alias.given && args->alias.value + args->count - 1 > UINT16_MAX)
@@ -201,8 +201,7 @@ static size_t twin_of(const char **setting)
 static bool outlasts_power(const ect_signal_ref_t *ref)
 {
     const uint8_t *instance = ref->instance;
-    return ref->device->plant_size > 0 &&
-           (size_t)(ref->value - instance) >= ref->device->instance_size - ref->device->plant_size;
+    return (size_t)(ref->value - instance) - ref->plant->outside_offset < ref->plant->outside_size;
 }
 
 /* @return why not, NULL when it was done */

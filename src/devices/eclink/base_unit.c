@@ -12,11 +12,6 @@
 
 #define UPDATE_NS 125000000ull /* §10.3 */
 
-static bool has(const eclink_t *unit, unsigned int function)
-{
-    return (unit->fmap & function) != 0;
-}
-
 static uint8_t fmap_of(const ect_device_t *device)
 {
     uint16_t outputs = device->sm[2].length;
@@ -54,9 +49,9 @@ static const char *fault(const eclink_t *unit, uint8_t *status, const char **mes
         return "no process data from the controller";
     *status = ECLINK_LINK_DATA_ERROR;
     *message = "EC: Bad data";
-    if (has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
+    if (eclink_has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
         return "PCO does not increment";
-    if (has(unit, ECLINK_FMAP_COMMANDS) && command_late(unit))
+    if (eclink_has(unit, ECLINK_FMAP_COMMANDS) && command_late(unit))
         return "CAO does not acknowledge a command";
     *status = ECLINK_LINK_OPERATIONAL;
     *message = "";
@@ -150,7 +145,7 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
     (void)now_ns;
     unit->config_refused &= to <= unit->refused_in;
     if (to == ECT_STATE_OP)
-        unit->exchanging = !has(unit, ECLINK_FMAP_COMMANDS); /* with outputs, their coming decides */
+        unit->exchanging = !eclink_has(unit, ECLINK_FMAP_COMMANDS); /* with outputs, their coming decides */
     else if (from == ECT_STATE_OP)
         stop_exchange(unit);
     evaluate(unit);
@@ -159,8 +154,9 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 
 static bool says_mismatch(uint16_t code)
 {
-    return (code >= 0x0015 && code <= 0x0017) || (code >= 0x001C && code <= 0x001F) ||
-           (code >= 0x0024 && code <= 0x0028);
+    return (code >= ECT_AL_BOOT_MAILBOX && code <= ECT_AL_SM) ||
+           (code >= ECT_AL_SM_TYPES && code <= ECT_AL_WATCHDOG_SETTING) ||
+           (code >= ECT_AL_INPUT_MAPPING && code <= ECT_AL_NO_SYNC);
 }
 
 /* A refused configuration stays the reason until the controller gets further, or something else is wrong. */
@@ -185,11 +181,11 @@ void eclink_outputs(void *instance, uint64_t now_ns)
         unit->pco_alive = !first;
         unit->pco_deadline_ns = first ? ECT_NEVER : now_ns + ECLINK_SUPERVISION_NS;
     }
-    if (has(unit, ECLINK_FMAP_PERIODIC))
+    if (eclink_has(unit, ECLINK_FMAP_PERIODIC))
         eclink_periodic_outputs(unit, first);
     unit->last_pco = unit->outputs[ECLINK_OUT_PCO];
     unit->bu.pai = unit->last_pco;
-    if (has(unit, ECLINK_FMAP_COMMANDS))
+    if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
         eclink_command_outputs(unit, first, now_ns);
 } /* what follows from it is evaluated by the tick that follows */
 
@@ -225,7 +221,7 @@ uint64_t eclink_tick(void *instance, uint64_t now_ns)
     eclink_t *unit = instance;
     supervise(unit, now_ns);
     if (now_ns >= unit->update_ns) {
-        if (unit->exchanging && has(unit, ECLINK_FMAP_COMMANDS))
+        if (unit->exchanging && eclink_has(unit, ECLINK_FMAP_COMMANDS))
             eclink_show_command(unit, now_ns);
         eclink_command_to_rus(unit);
         evaluate(unit);
@@ -266,78 +262,4 @@ void eclink_sdo_read(void *instance, uint16_t index)
         decode(unit->input_numbers, unit->inputs, offsetof(eclink_t, input_numbers), ect_od_find(&od, index));
     else if (index == 0x3002)
         decode(unit->output_numbers, unit->outputs, offsetof(eclink_t, output_numbers), ect_od_find(&od, index));
-}
-
-/* --- from the user ------------------------------------------------------------------------------------------------ */
-
-#define IS(signal, type, member) ((signal)->offset == offsetof(type, member))
-
-static const char *send_command(eclink_t *unit, unsigned int number, const uint8_t *data)
-{
-    eclink_ru_t *ru = &unit->ru[number];
-    eclink_command_t command = {.ru = ru->id};
-    if (!has(unit, ECLINK_FMAP_COMMANDS))
-        return "this mode (Input Only) has no commands";
-    const char *refusal = eclink_why_unreachable(unit, number);
-    if (refusal)
-        return refusal;
-    memcpy(command.data, data, sizeof command.data);
-    if (!eclink_queue_put(&unit->from_ru, &command)) {
-        unit->bu.overflows++;
-        return "the base unit's queue is full: the controller does not acknowledge in CAO";
-    }
-    ru->sent++;
-    return NULL;
-}
-
-static const char *write_switch(const eclink_ru_t *ru, unsigned int position, int16_t value)
-{
-    static const struct {
-        int16_t minimum, maximum;
-        const char *range;
-    } kinds[ECLINK_EQUIPMENT_COUNT] = {
-        {0, 0, "no switch is fitted at this position: set 'fitted' first"},
-        {0, 1, "a pushbutton has the values 0 and 1"},
-        {0, 1, "a 2-position switch has the values 0 and 1"},
-        {-1, 1, "a 3-position switch has the values -1, 0 and 1"},
-        {0, 1000, "a potentiometer has the values 0 to 1000"},
-        {0, 3, "a pushbutton with LED has the values 0 to 3"},
-        {0, 3, "a dual LED has the values 0 to 3"},
-    };
-    uint8_t kind = ru->fitted[position];
-    return value < kinds[kind].minimum || value > kinds[kind].maximum ? kinds[kind].range : NULL;
-}
-
-static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned int number, const void *value)
-{
-    eclink_ru_t *ru = &unit->ru[number];
-    const uint8_t *byte = value;
-    if (IS(signal, eclink_ru_t, armed))
-        return eclink_arm(unit, number, *byte != 0);
-    if (IS(signal, eclink_ru_t, command))
-        return send_command(unit, number, byte);
-    if (IS(signal, eclink_ru_t, on) && *byte == 0)
-        eclink_lose(unit, number);
-    uint32_t first = offsetof(eclink_ru_t, switches);
-    if (signal->offset >= first && signal->offset < first + sizeof ru->switches) {
-        int16_t wanted;
-        memcpy(&wanted, value, sizeof wanted);
-        return write_switch(ru, (signal->offset - first) / (unsigned int)sizeof wanted, wanted);
-    }
-    first = offsetof(eclink_ru_t, fitted);
-    if (signal->offset >= first && signal->offset < first + sizeof ru->fitted)
-        ru->switches[signal->offset - first] = 0; /* another switch starts at rest */
-    return NULL;
-}
-
-const char *eclink_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
-                                uint64_t now_ns)
-{
-    eclink_t *unit = instance;
-    (void)now_ns;
-    if (number > 0)
-        return write_ru(unit, signal, number - 1u, value);
-    if (IS(signal, eclink_bu_t, enabled) && unit->host->off_bus)
-        unit->host->off_bus(unit->host->ctx, *(const uint8_t *)value == 0);
-    return NULL;
 }

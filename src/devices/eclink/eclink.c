@@ -234,8 +234,6 @@ static const ect_object_t objects_multiarm[] = {
         .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                        \
         .instance_size = sizeof(eclink_t), .pdo_runs = 2, .init = eclink_init, .state_change = eclink_state_change,    \
         .outputs = eclink_outputs, .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,      \
-        .signal_write = eclink_signal_write, .signal_groups = eclink_signal_groups,                                    \
-        .signal_group_count = ECLINK_SIGNAL_GROUPS,                                                                    \
     }
 
 const ect_device_t ect_eclink_map1 = BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only",

@@ -11,11 +11,14 @@
 #ifndef ECT_DEVICES_ECLINK_H
 #define ECT_DEVICES_ECLINK_H
 
-#include "seams/device.h"
+#include "seams/plant.h"
 
 extern const ect_device_t ect_eclink_map1;
 extern const ect_device_t ect_eclink_map3;
 extern const ect_device_t ect_eclink_map7;
 extern const ect_device_t ect_eclink_multiarm;
+
+/** The operator's side, the same of all four. */
+extern const ect_plant_t ect_eclink_plant;
 
 #endif

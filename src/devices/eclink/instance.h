@@ -215,8 +215,11 @@ typedef struct eclink {
     eclink_periodic_t periodic;
 } eclink_t;
 
-extern const ect_signal_group_t eclink_signal_groups[];
-enum { ECLINK_SIGNAL_GROUPS = 2 };
+/* What this mode has: ECLINK_FMAP_... */
+static inline bool eclink_has(const eclink_t *unit, unsigned int function)
+{
+    return (unit->fmap & function) != 0;
+}
 
 void eclink_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
@@ -224,8 +227,6 @@ void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_
 void eclink_outputs(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
 void eclink_sdo_read(void *instance, uint16_t index);
-const char *eclink_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
-                                uint64_t now_ns);
 
 /* commands.c */
 bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command);

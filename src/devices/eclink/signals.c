@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* What the operator's side of a base unit is called: `bu.*` and `ru1.*` .. `ru8.*`. */
+/* The operator's side of a base unit: what it is called, `bu.*` and `ru1.*` .. `ru8.*`, and what follows from setting
+ * it. */
+#include <string.h>
+
+#include "devices/eclink/eclink.h"
 #include "devices/eclink/instance.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -83,7 +87,7 @@ static const ect_signal_t ru_signals[] = {
     RU(READ, periodic_count, "periodic_count", U32, 0, INT32_MAX, NULL, "sets of periodic data shown"),
 };
 
-const ect_signal_group_t eclink_signal_groups[ECLINK_SIGNAL_GROUPS] = {
+static const ect_signal_group_t groups[] = {
     {.prefix = "bu",
      .count = 0,
      .signal_count = COUNT(bu_signals),
@@ -95,4 +99,84 @@ const ect_signal_group_t eclink_signal_groups[ECLINK_SIGNAL_GROUPS] = {
      .offset = offsetof(eclink_t, ru),
      .stride = sizeof(eclink_ru_t),
      .signals = ru_signals},
+};
+
+/* --- from the user ------------------------------------------------------------------------------------------------ */
+
+#define IS(signal, type, member) ((signal)->offset == offsetof(type, member))
+
+static const char *send_command(eclink_t *unit, unsigned int number, const uint8_t *data)
+{
+    eclink_ru_t *ru = &unit->ru[number];
+    eclink_command_t command = {.ru = ru->id};
+    if (!eclink_has(unit, ECLINK_FMAP_COMMANDS))
+        return "this mode (Input Only) has no commands";
+    const char *refusal = eclink_why_unreachable(unit, number);
+    if (refusal)
+        return refusal;
+    memcpy(command.data, data, sizeof command.data);
+    if (!eclink_queue_put(&unit->from_ru, &command)) {
+        unit->bu.overflows++;
+        return "the base unit's queue is full: the controller does not acknowledge in CAO";
+    }
+    ru->sent++;
+    return NULL;
+}
+
+static const char *write_switch(const eclink_ru_t *ru, unsigned int position, int16_t value)
+{
+    static const struct {
+        int16_t minimum, maximum;
+        const char *range;
+    } kinds[ECLINK_EQUIPMENT_COUNT] = {
+        {0, 0, "no switch is fitted at this position: set 'fitted' first"},
+        {0, 1, "a pushbutton has the values 0 and 1"},
+        {0, 1, "a 2-position switch has the values 0 and 1"},
+        {-1, 1, "a 3-position switch has the values -1, 0 and 1"},
+        {0, 1000, "a potentiometer has the values 0 to 1000"},
+        {0, 3, "a pushbutton with LED has the values 0 to 3"},
+        {0, 3, "a dual LED has the values 0 to 3"},
+    };
+    uint8_t kind = ru->fitted[position];
+    return value < kinds[kind].minimum || value > kinds[kind].maximum ? kinds[kind].range : NULL;
+}
+
+static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned int number, const void *value)
+{
+    eclink_ru_t *ru = &unit->ru[number];
+    const uint8_t *byte = value;
+    if (IS(signal, eclink_ru_t, armed))
+        return eclink_arm(unit, number, *byte != 0);
+    if (IS(signal, eclink_ru_t, command))
+        return send_command(unit, number, byte);
+    if (IS(signal, eclink_ru_t, on) && *byte == 0)
+        eclink_lose(unit, number);
+    uint32_t first = offsetof(eclink_ru_t, switches);
+    if (signal->offset >= first && signal->offset < first + sizeof ru->switches) {
+        int16_t wanted;
+        memcpy(&wanted, value, sizeof wanted);
+        return write_switch(ru, (signal->offset - first) / (unsigned int)sizeof wanted, wanted);
+    }
+    first = offsetof(eclink_ru_t, fitted);
+    if (signal->offset >= first && signal->offset < first + sizeof ru->fitted)
+        ru->switches[signal->offset - first] = 0; /* another switch starts at rest */
+    return NULL;
+}
+
+static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    (void)now_ns;
+    if (number > 0)
+        return write_ru(unit, signal, number - 1u, value);
+    if (IS(signal, eclink_bu_t, enabled) && unit->host->off_bus)
+        unit->host->off_bus(unit->host->ctx, *(const uint8_t *)value == 0);
+    return NULL;
+}
+
+const ect_plant_t ect_eclink_plant = {
+    .signal_groups = groups,
+    .signal_group_count = COUNT(groups),
+    .signal_write = signal_write,
 };

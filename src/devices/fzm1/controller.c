@@ -155,12 +155,6 @@ void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t 
     publish(u);
 }
 
-uint16_t fzm1_station_alias(const void *instance)
-{
-    const fzm1_t *u = instance;
-    return u->plant.node_address;
-}
-
 uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
 {
     fzm1_t *u = instance;

@@ -7,8 +7,9 @@
 #ifndef ECT_DEVICES_FZM1_H
 #define ECT_DEVICES_FZM1_H
 
-#include "seams/device.h"
+#include "seams/plant.h"
 
 extern const ect_device_t ect_fzm1;
+extern const ect_plant_t ect_fzm1_plant;
 
 #endif

@@ -10,7 +10,8 @@
  *   output.c      DSA, GATE: the output area, with and without handshaking
  *   scenes.c      what is measured: scenes, where their values come from
  *   save.c        what "Save to unit" keeps
- *   signals.c     the user's side
+ *   settings.c    what SDO writes ask for
+ *   signals.c     the plant: the user's side
  *
  * All times are nanoseconds of the caller's clock; ECT_NEVER: nothing is due.
  */
@@ -185,26 +186,26 @@ typedef struct fzm1 {
     uint8_t trigger, save, restart, row_add, row_clear;
     uint32_t measurements, outputs, discarded;
 
-    fzm1_plant_t plant; /* last: see ect_device_t::plant_size */
+    fzm1_plant_t plant; /* outlasts power: see ect_plant_t */
 } fzm1_t;
-
-enum { FZM1_SIGNAL_GROUPS = 1 };
-extern const ect_signal_group_t fzm1_signal_groups[FZM1_SIGNAL_GROUPS];
 
 /* controller.c: what the stack calls */
 void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
-uint16_t fzm1_station_alias(const void *instance);
 uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void fzm1_outputs(void *instance, uint64_t now_ns);
 uint64_t fzm1_tick(void *instance, uint64_t now_ns);
 void fzm1_begin_restart(fzm1_t *u);
 void fzm1_set_error(fzm1_t *u, fzm1_error_t error);
 
-/* signals.c */
+/* settings.c */
+/* GATE has to fall before the next output (OM-C13). */
+static inline bool fzm1_time_fits(uint16_t output_time, uint16_t output_period)
+{
+    return output_time < output_period;
+}
+ect_reason_t fzm1_reason_of(uint32_t abort_code); /* ECT_OK: there is no such code */
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
-const char *fzm1_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
-                              uint64_t now_ns);
 
 /* measure.c */
 bool fzm1_ready(const fzm1_t *u);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The user's side: settings, scene, plant and results by name; and what SDO writes ask for. */
+/* The user's side: settings, scene, plant and results by name, and what follows from setting them. */
 #include <string.h>
 
+#include "devices/fzm1/fzm1.h"
 #include "devices/fzm1/instance.h"
 
 #define SIGNAL(member, name, kind, access, minimum, maximum, unit, meaning)                                            \
@@ -104,66 +105,9 @@ static const ect_signal_t signals[] = {
     EIGHT(OUTPUT),
 };
 
-const ect_signal_group_t fzm1_signal_groups[FZM1_SIGNAL_GROUPS] = {
+static const ect_signal_group_t groups[] = {
     {.signal_count = sizeof signals / sizeof signals[0], .signals = signals},
 };
-
-/* --- settings ----------------------------------------------------------------------------------------------------- */
-
-/* GATE has to fall before the next output (OM-C13). */
-static bool time_fits(uint16_t output_time, uint16_t output_period)
-{
-    return output_time < output_period;
-}
-
-static ect_reason_t check_setting(const fzm1_t *u, uint8_t subindex, const uint8_t *data)
-{
-    uint16_t number = (uint16_t)(data[0] | (subindex == 2 || subindex == 3 ? data[1] << 8 : 0));
-    switch (subindex) {
-    case 1:
-    case 5:
-        return number > 1 ? ECT_REASON_RANGE : ECT_OK;
-    case 2:
-        return time_fits(u->settings.output_time, number) ? ECT_OK : ECT_REASON_INCOMPATIBLE;
-    case 3:
-        return time_fits(number, u->settings.output_period) ? ECT_OK : ECT_REASON_INCOMPATIBLE;
-    default:
-        return ECT_OK;
-    }
-}
-
-static ect_reason_t reason_of(uint32_t abort_code)
-{
-    for (unsigned int reason = ECT_REASON_TOGGLE; reason < ECT_REASON_COUNT; reason++) {
-        if (ect_abort_code((ect_reason_t)reason) == abort_code)
-            return (ect_reason_t)reason;
-    }
-    return ECT_OK;
-}
-
-ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
-{
-    fzm1_t *u = instance;
-    (void)size;
-    if (u->plant.sdo_abort != 0) {
-        ect_reason_t reason = reason_of(u->plant.sdo_abort);
-        u->plant.sdo_abort = 0;
-        return reason;
-    }
-    return index == 0x2400 && data ? check_setting(u, subindex, data) : ECT_OK;
-}
-
-void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)
-{
-    fzm1_t *u = instance;
-    (void)now_ns;
-    if (index == 0x2401)
-        fzm1_set_error(u, FZM1_NO_ERROR);
-    else if (index == 0x2400 && subindex == 1)
-        fzm1_output_reset(u);
-    else if (index == 0x2400 && subindex == 2)
-        fzm1_output_new_period(u, u->settings.output_period);
-}
 
 /* --- from the user ------------------------------------------------------------------------------------------------ */
 
@@ -175,7 +119,7 @@ static bool known_abort(uint32_t code)
     static const uint8_t foreign[] = {ECT_REASON_SUBINDEX0, ECT_REASON_VARIABLE_LENGTH, ECT_REASON_MAILBOX_SIZE,
                                       ECT_REASON_MAPPED,    ECT_REASON_MODULES,         ECT_REASON_RESOURCE,
                                       ECT_REASON_NO_DATA};
-    ect_reason_t reason = reason_of(code);
+    ect_reason_t reason = fzm1_reason_of(code);
     return code == 0 || (reason != ECT_OK && !memchr(foreign, (int)reason, sizeof foreign));
 }
 
@@ -258,9 +202,9 @@ static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t val
 
 static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t value)
 {
-    if (IS(signal, settings.output_period) && !time_fits(u->settings.output_time, (uint16_t)value))
+    if (IS(signal, settings.output_period) && !fzm1_time_fits(u->settings.output_time, (uint16_t)value))
         return "the output time must be shorter than the period: set 'output_time' first";
-    if (IS(signal, settings.output_time) && !time_fits((uint16_t)value, u->settings.output_period))
+    if (IS(signal, settings.output_time) && !fzm1_time_fits((uint16_t)value, u->settings.output_period))
         return "the output time must be shorter than the period: set 'output_period' first";
     if (IS(signal, plant.sdo_abort) && !known_abort(value))
         return "not one of the 26 abort codes of the FZM1";
@@ -271,8 +215,8 @@ static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t 
     return NULL;
 }
 
-const char *fzm1_signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
-                              uint64_t now_ns)
+static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
 {
     fzm1_t *u = instance;
     uint16_t half;
@@ -299,3 +243,18 @@ const char *fzm1_signal_write(void *instance, const ect_signal_t *signal, uint16
         return NULL;
     }
 }
+
+static uint16_t station_alias(const void *instance)
+{
+    const fzm1_t *u = instance;
+    return u->plant.node_address;
+}
+
+const ect_plant_t ect_fzm1_plant = {
+    .signal_groups = groups,
+    .signal_group_count = sizeof groups / sizeof groups[0],
+    .outside_offset = offsetof(fzm1_t, plant),
+    .outside_size = sizeof(fzm1_plant_t),
+    .station_alias = station_alias,
+    .signal_write = signal_write,
+};
