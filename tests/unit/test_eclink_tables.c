@@ -15,9 +15,19 @@ typedef struct field {
 } field_t;
 
 static const field_t input_head[] = {
-    {0, 1, "PCI"},        {1, 1, "CCI"},      {2, 1, "PAI"},       {3, 1, "CAI"},
-    {4, 2, "Command RU"}, {6, 16, "Command"}, {22, 1, "BU state"}, {23, 1, "VLAP"},
-    {24, 1, "Unarmed"},   {25, 1, "EG-Link"}, {26, 1, "EC-Link"},  {27, 1, "pare"},
+    {0, 1, "PCI"},
+    {1, 1, "CCI"},
+    {2, 1, "PAI"},
+    {3, 1, "CAI"},
+    {4, 2, "Command RU"},
+    {6, 8, "from RU 0..7"},
+    {14, 8, "from RU 8..15"},
+    {22, 1, "BU state"},
+    {23, 1, "VLAP"},
+    {24, 1, "Unarmed"},
+    {25, 1, "EG-Link"},
+    {26, 1, "EC-Link"},
+    {27, 1, "pare"},
 };
 static const field_t remote[] = {
     {28, 2, "Armed"},      {30, 1, "state"},         {31, 1, "battery"},        {32, 1, "RSSI"},
@@ -28,8 +38,8 @@ static const field_t remote[] = {
     {60, 2, "switch 8"},   {62, 1, "encoder value"}, {63, 1, "encoder switch"}, {64, 2, "pare"},
 };
 static const field_t command_output[] = {
-    {0, 1, "PCO"},        {1, 1, "CCO"},      {2, 1, "PAO"},   {3, 1, "CAO"},
-    {4, 2, "Command RU"}, {6, 16, "Command"}, {22, 2, "pare"},
+    {0, 1, "PCO"},        {1, 1, "CCO"},        {2, 1, "PAO"},          {3, 1, "CAO"},
+    {4, 2, "Command RU"}, {6, 8, "to RU 0..7"}, {14, 8, "to RU 8..15"}, {22, 2, "pare"},
 };
 static const field_t periodic_output[] = {{24, 2, "size"}, {26, 1, "block"}, {27, 1, "pare"}};
 
@@ -84,8 +94,8 @@ static size_t outputs_of(const node_t *node, expected_t *list)
     if (node->output_bytes == 24)
         return count;
     count = add(list, count, periodic_output, COUNT(periodic_output), OUTPUT_RECORD, 0);
-    for (uint8_t n = 1; n <= 200; n++)
-        list[count++] = (expected_t){{(uint16_t)(27 + n), 1, "Periodic"}, PERIODIC, n};
+    for (uint8_t n = 1; n <= 25; n++)
+        list[count++] = (expected_t){{(uint16_t)(20 + 8 * n), 8, "Periodic data"}, PERIODIC, n};
     return count;
 }
 
@@ -183,20 +193,33 @@ static void data_link(void **state)
     }
 }
 
-static void expect_mapping(wire_t *w, const node_t *node, uint16_t mapping, const expected_t *list, size_t count,
-                           uint16_t bytes)
+/* Masters read at most so many entries of a PDO, and know no wider ones. */
+enum { MOST_ENTRIES = 64, WIDEST_BITS = 64 };
+
+/* The entries of the assigned PDOs, one after the other, are the expected ones. */
+static void expect_mapping(wire_t *w, const node_t *node, uint16_t assignment, uint32_t pdos, const expected_t *list,
+                           size_t count, uint16_t bytes)
 {
     uint32_t at = 0;
-    assert_int_equal(upload_number(w, mapping, 0), count);
-    for (size_t i = 0; i < count; i++) {
-        const expected_t *e = &list[i];
-        uint32_t want = (uint32_t)e->index << 16 | (uint32_t)e->subindex << 8 | 8u * e->field.size;
-        uint32_t got = upload_number(w, mapping, (uint8_t)(i + 1));
-        if (got != want || at != 8u * e->field.offset)
-            fail_msg("%s %04Xh:%zu (%s): expected %08X at byte %u, got %08X at bit %u", node->name, mapping, i + 1,
-                     e->field.word, want, e->field.offset, got, at);
-        at += got & 0xFF;
+    size_t n = 0;
+    assert_int_equal(upload_number(w, assignment, 0), pdos);
+    for (uint8_t p = 1; p <= pdos; p++) {
+        uint16_t mapping = (uint16_t)upload_number(w, assignment, p);
+        uint32_t entries = upload_number(w, mapping, 0);
+        assert_int_equal(mapping, (assignment == 0x1C12 ? 0x1600 : 0x1A00) + p - 1);
+        assert_in_range(entries, 1, MOST_ENTRIES);
+        for (uint8_t i = 1; i <= entries; i++, n++) {
+            const expected_t *e = &list[n];
+            assert_true(n < count);
+            uint32_t want = (uint32_t)e->index << 16 | (uint32_t)e->subindex << 8 | 8u * e->field.size;
+            uint32_t got = upload_number(w, mapping, i);
+            if (got != want || at != 8u * e->field.offset || (got & 0xFF) > WIDEST_BITS)
+                fail_msg("%s %04Xh:%u (%s): expected %08X at byte %u, got %08X at bit %u", node->name, mapping, i,
+                         e->field.word, want, e->field.offset, got, at);
+            at += got & 0xFF;
+        }
     }
+    assert_int_equal(n, count);
     assert_int_equal(at, 8u * bytes);
 }
 
@@ -209,14 +232,9 @@ static void mappings(void **state)
         expected_t list[MOST_FIELDS];
         wire_open_one(&w, node->device);
         wire_go(&w, 0, ECT_STATE_PREOP);
-        expect_mapping(&w, node, 0x1A00, list, inputs_of(node, list), node->input_bytes);
-        assert_int_equal(upload_number(&w, 0x1C13, 0), 1);
-        assert_int_equal(upload_number(&w, 0x1C13, 1), 0x1A00);
-        if (node->output_bytes > 0) {
-            expect_mapping(&w, node, 0x1600, list, outputs_of(node, list), node->output_bytes);
-            assert_int_equal(upload_number(&w, 0x1C12, 0), 1);
-            assert_int_equal(upload_number(&w, 0x1C12, 1), 0x1600);
-        }
+        expect_mapping(&w, node, 0x1C13, node->remotes, list, inputs_of(node, list), node->input_bytes);
+        if (node->output_bytes > 0)
+            expect_mapping(&w, node, 0x1C12, 1, list, outputs_of(node, list), node->output_bytes);
         wire_close(&w);
     }
 }
@@ -488,7 +506,7 @@ static void decoded_fields(void **state)
     uint32_t out = try_upload(&w, 0x3002, 0, data, &size);
     if (in != 0 || out != 0)
         fail_msg("the decoded fields 3001h and 3002h: expected to be there, got aborts %08X and %08X", in, out);
-    assert_int_equal(try_upload(&w, 0x3001, 22, data, &size), 0); /* sub-indices as in 2001h */
+    assert_int_equal(try_upload(&w, 0x3001, 23, data, &size), 0); /* sub-indices as in 2001h */
     assert_int_equal(size, 2);
     assert_int_equal(ect_load_le16(data), 0xFC18);
     wire_close(&w);
@@ -500,11 +518,12 @@ int main(int argc, char **argv)
         {"ECL-001 ECL-006..009: four nodes of 66/0, 66/24, 66/228 and 142/228 bytes, under their names",
          sizes_and_names, NULL, NULL, NULL},
         {"ECL-011: the data link of the base units as decided", data_link, NULL, NULL, NULL},
-        {"ECL-006 ECL-007 ECL-008 ECL-009: 1A00h and 1600h map every field at its offset and size", mappings, NULL,
-         NULL, NULL},
+        {"ECL-006 ECL-007 ECL-008 ECL-009: the assigned PDOs map every field at its offset and size, at most 64 "
+         "entries each, none wider than 64 bits",
+         mappings, NULL, NULL, NULL},
         {"ECL-006: Map1 has no RxPDO, 1C12h:0 is 0 and SM2 stays off in OP", no_outputs_in_map1, NULL, NULL, NULL},
         {"ECL-006 ECL-007 ECL-008 ECL-009: mapping and assignment are read-only", mapping_is_fixed, NULL, NULL, NULL},
-        {"ECL-003 ECL-013: one byte is an UNSIGNED8, 2 and 16 bytes are octets; names and PDO direction",
+        {"ECL-003 ECL-013: one byte is an UNSIGNED8, 2 and 8 bytes are octets; names and PDO direction",
          types_and_names, NULL, NULL, NULL},
         {"ECL-003 ECL-047: each input field is its bytes of the process image, in their order", inputs_byte_for_byte,
          NULL, NULL, NULL},

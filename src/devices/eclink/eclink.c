@@ -19,13 +19,14 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(3, 2, U8, "PAI")                                                                                                 \
     F(4, 3, U8, "CAI")                                                                                                 \
     F(5, 4, U16, "Command RU ID")                                                                                      \
-    F(6, 6, BLOCK, "Command from RU")                                                                                  \
-    F(7, 22, U8, "BU state")                                                                                           \
-    F(8, 23, U8, "VLAPs")                                                                                              \
-    F(9, 24, U8, "Unarmed RUs")                                                                                        \
-    F(10, 25, U8, "EG-Link status")                                                                                    \
-    F(11, 26, U8, "EC-Link status")                                                                                    \
-    F(12, 27, U8, "Spare")
+    F(6, 6, HALF, "Command from RU 0..7")                                                                              \
+    F(7, 14, HALF, "Command from RU 8..15")                                                                            \
+    F(8, 22, U8, "BU state")                                                                                           \
+    F(9, 23, U8, "VLAPs")                                                                                              \
+    F(10, 24, U8, "Unarmed RUs")                                                                                       \
+    F(11, 25, U8, "EG-Link status")                                                                                    \
+    F(12, 26, U8, "EC-Link status")                                                                                    \
+    F(13, 27, U8, "Spare")
 
 /* One remote unit: its first sub-index is s, its first byte o, R is how it is called. */
 #define RU_FIELDS(F, s, o, R)                                                                                          \
@@ -56,11 +57,13 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
 
 #define INPUT_FIELDS(F)                                                                                                \
     COMMON_INPUT_FIELDS(F)                                                                                             \
-    RU_FIELDS(F, 13, 28, "RU")
+    RU_FIELDS(F, 14, 28, "RU")
+#define RU2_FIELDS(F) RU_FIELDS(F, 38, 66, "RU2")
+#define RU3_FIELDS(F) RU_FIELDS(F, 62, 104, "RU3")
 #define MULTIARM_INPUT_FIELDS(F)                                                                                       \
     INPUT_FIELDS(F)                                                                                                    \
-    RU_FIELDS(F, 37, 66, "RU2")                                                                                        \
-    RU_FIELDS(F, 61, 104, "RU3")
+    RU2_FIELDS(F)                                                                                                      \
+    RU3_FIELDS(F)
 
 #define COMMAND_FIELDS(F)                                                                                              \
     F(1, 0, U8, "PCO")                                                                                                 \
@@ -68,33 +71,36 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(3, 2, U8, "PAO")                                                                                                 \
     F(4, 3, U8, "CAO")                                                                                                 \
     F(5, 4, U16, "Command RU ID")                                                                                      \
-    F(6, 6, BLOCK, "Command to RU")                                                                                    \
-    F(7, 22, U16, "Spare")
+    F(6, 6, HALF, "Command to RU 0..7")                                                                                \
+    F(7, 14, HALF, "Command to RU 8..15")                                                                              \
+    F(8, 22, U16, "Spare")
 #define PERIODIC_FIELDS(F)                                                                                             \
-    F(8, 24, U16, "Periodic data size")                                                                                \
-    F(9, 26, U8, "Periodic data block")                                                                                \
-    F(10, 27, U8, "Spare")
+    F(9, 24, U16, "Periodic data size")                                                                                \
+    F(10, 26, U8, "Periodic data block")                                                                               \
+    F(11, 27, U8, "Spare")
 
-/* The 200 periodic bytes, as sub-indices 1..200. */
-#define TEN(F, n)                                                                                                      \
-    F((n) + 1) F((n) + 2) F((n) + 3) F((n) + 4) F((n) + 5) F((n) + 6) F((n) + 7) F((n) + 8) F((n) + 9) F((n) + 10)
-#define FIFTY(F, n)       TEN(F, n) TEN(F, (n) + 10) TEN(F, (n) + 20) TEN(F, (n) + 30) TEN(F, (n) + 40)
-#define PERIODIC_BYTES(F) FIFTY(F, 0) FIFTY(F, 50) FIFTY(F, 100) FIFTY(F, 150)
+/* The 200 periodic bytes in eights: F(sub-index, first byte, last byte). */
+#define PERIODIC_EIGHTS(F)                                                                                             \
+    F(1, 0, 7)                                                                                                         \
+    F(2, 8, 15) F(3, 16, 23) F(4, 24, 31) F(5, 32, 39) F(6, 40, 47) F(7, 48, 55) F(8, 56, 63) F(9, 64, 71)             \
+        F(10, 72, 79) F(11, 80, 87) F(12, 88, 95) F(13, 96, 103) F(14, 104, 111) F(15, 112, 119) F(16, 120, 127)       \
+            F(17, 128, 135) F(18, 136, 143) F(19, 144, 151) F(20, 152, 159) F(21, 160, 167) F(22, 168, 175)            \
+                F(23, 176, 183) F(24, 184, 191) F(25, 192, 199)
 
 /* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian and these are not
  * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
-enum { BYTES_U8 = 1, BYTES_U16 = 2, BYTES_I16 = 2, BYTES_BLOCK = 16 };
+enum { BYTES_U8 = 1, BYTES_U16 = 2, BYTES_I16 = 2, BYTES_HALF = 8 };
 enum {
     WIRE_U8 = ECT_TYPE_UNSIGNED8,
     WIRE_U16 = ECT_TYPE_OCTET_STRING,
     WIRE_I16 = ECT_TYPE_OCTET_STRING,
-    WIRE_BLOCK = ECT_TYPE_OCTET_STRING
+    WIRE_HALF = ECT_TYPE_OCTET_STRING
 };
 enum {
     NUMBER_U8 = ECT_TYPE_UNSIGNED8,
     NUMBER_U16 = ECT_TYPE_UNSIGNED16,
     NUMBER_I16 = ECT_TYPE_INTEGER16,
-    NUMBER_BLOCK = ECT_TYPE_OCTET_STRING
+    NUMBER_HALF = ECT_TYPE_OCTET_STRING
 };
 
 #define ENTRY(sub, type, kind, access, name, member)                                                                   \
@@ -105,41 +111,41 @@ enum {
     ENTRY(sub, WIRE_, kind, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, name, outputs[offset])
 #define INPUT_NUMBER(sub, offset, kind, name)  ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, input_numbers[offset])
 #define OUTPUT_NUMBER(sub, offset, kind, name) ENTRY(sub, NUMBER_, kind, ECT_ACCESS_RO, name, output_numbers[offset])
-#define PERIODIC_ENTRY(sub)                                                                                            \
-    {sub,                                                                                                              \
-     ECT_TYPE_UNSIGNED8,                                                                                               \
-     8,                                                                                                                \
-     ECT_ACCESS_RO | ECT_ACCESS_RXPDO,                                                                                 \
-     "Periodic data",                                                                                                  \
-     0,                                                                                                                \
-     ECT_OFFSET(eclink_t, outputs[ECLINK_OUT_PERIODIC + (sub)-1])},
+#define PERIODIC_ENTRY(sub, first, last)                                                                               \
+    ENTRY(sub, WIRE_, HALF, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, "Periodic data " #first ".." #last,                      \
+          outputs[ECLINK_OUT_PERIODIC + (first)])
 
 #define INPUT_MAP(sub, offset, kind, name)  ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
+#define RU2_MAP(sub, offset, kind, name)    ECT_ENTRY_MAP((sub)-37, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
+#define RU3_MAP(sub, offset, kind, name)    ECT_ENTRY_MAP((sub)-61, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
 #define OUTPUT_MAP(sub, offset, kind, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2002, sub, 8 * BYTES_##kind)),
-#define PERIODIC_MAP(sub)                   ECT_ENTRY_MAP(10 + (sub), ECT_MAP(0x2003, sub, 8)),
+#define PERIODIC_MAP(sub, first, last)      ECT_ENTRY_MAP(11 + (sub), ECT_MAP(0x2003, sub, 8 * BYTES_HALF)),
 
-static const ect_entry_t inputs_2001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_ENTRY)};
-static const ect_entry_t multiarm_2001[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_ENTRY)};
-static const ect_entry_t commands_2002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_ENTRY)};
-static const ect_entry_t standard_2002[] = {ECT_ENTRY_COUNT(10),
+static const ect_entry_t inputs_2001[] = {ECT_ENTRY_COUNT(37), INPUT_FIELDS(INPUT_ENTRY)};
+static const ect_entry_t multiarm_2001[] = {ECT_ENTRY_COUNT(85), MULTIARM_INPUT_FIELDS(INPUT_ENTRY)};
+static const ect_entry_t commands_2002[] = {ECT_ENTRY_COUNT(8), COMMAND_FIELDS(OUTPUT_ENTRY)};
+static const ect_entry_t standard_2002[] = {ECT_ENTRY_COUNT(11),
                                             COMMAND_FIELDS(OUTPUT_ENTRY) PERIODIC_FIELDS(OUTPUT_ENTRY)};
-static const ect_entry_t periodic_2003[] = {ECT_ENTRY_COUNT(200), PERIODIC_BYTES(PERIODIC_ENTRY)};
+static const ect_entry_t periodic_2003[] = {ECT_ENTRY_COUNT(25), PERIODIC_EIGHTS(PERIODIC_ENTRY)};
 
-static const ect_entry_t inputs_3001[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_NUMBER)};
-static const ect_entry_t multiarm_3001[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_NUMBER)};
-static const ect_entry_t commands_3002[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_NUMBER)};
-static const ect_entry_t standard_3002[] = {ECT_ENTRY_COUNT(10),
+static const ect_entry_t inputs_3001[] = {ECT_ENTRY_COUNT(37), INPUT_FIELDS(INPUT_NUMBER)};
+static const ect_entry_t multiarm_3001[] = {ECT_ENTRY_COUNT(85), MULTIARM_INPUT_FIELDS(INPUT_NUMBER)};
+static const ect_entry_t commands_3002[] = {ECT_ENTRY_COUNT(8), COMMAND_FIELDS(OUTPUT_NUMBER)};
+static const ect_entry_t standard_3002[] = {ECT_ENTRY_COUNT(11),
                                             COMMAND_FIELDS(OUTPUT_NUMBER) PERIODIC_FIELDS(OUTPUT_NUMBER)};
 
-static const ect_entry_t inputs_1a00[] = {ECT_ENTRY_COUNT(36), INPUT_FIELDS(INPUT_MAP)};
-static const ect_entry_t multiarm_1a00[] = {ECT_ENTRY_COUNT(84), MULTIARM_INPUT_FIELDS(INPUT_MAP)};
-static const ect_entry_t commands_1600[] = {ECT_ENTRY_COUNT(7), COMMAND_FIELDS(OUTPUT_MAP)};
-static const ect_entry_t standard_1600[] = {ECT_ENTRY_COUNT(210), COMMAND_FIELDS(OUTPUT_MAP) PERIODIC_FIELDS(OUTPUT_MAP)
-                                                                      PERIODIC_BYTES(PERIODIC_MAP)};
+static const ect_entry_t inputs_1a00[] = {ECT_ENTRY_COUNT(37), INPUT_FIELDS(INPUT_MAP)};
+static const ect_entry_t ru2_1a01[] = {ECT_ENTRY_COUNT(24), RU2_FIELDS(RU2_MAP)};
+static const ect_entry_t ru3_1a02[] = {ECT_ENTRY_COUNT(24), RU3_FIELDS(RU3_MAP)};
+static const ect_entry_t commands_1600[] = {ECT_ENTRY_COUNT(8), COMMAND_FIELDS(OUTPUT_MAP)};
+static const ect_entry_t standard_1600[] = {ECT_ENTRY_COUNT(36), COMMAND_FIELDS(OUTPUT_MAP) PERIODIC_FIELDS(OUTPUT_MAP)
+                                                                     PERIODIC_EIGHTS(PERIODIC_MAP)};
 
 static const ect_entry_t assign_none[] = {ECT_ENTRY_COUNT(0)};
 static const ect_entry_t assign_outputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1600)};
 static const ect_entry_t assign_inputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
+static const ect_entry_t assign_three[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_ASSIGN(1, 0x1A00), ECT_ENTRY_ASSIGN(2, 0x1A01),
+                                           ECT_ENTRY_ASSIGN(3, 0x1A02)};
 
 static const ect_entry_t device_type[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
 static const ect_entry_t identity[] = ECT_ENTRIES_IDENTITY;
@@ -201,10 +207,12 @@ static const ect_object_t objects_map7[] = {
 static const ect_object_t objects_multiarm[] = {
     COMMUNICATION_OBJECTS(name_multiarm),
     ECT_RECORD(0x1600, "Output data mapping", standard_1600),
-    ECT_RECORD(0x1A00, "Input data mapping", multiarm_1a00),
+    ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
+    ECT_RECORD(0x1A01, "Second RU mapping", ru2_1a01),
+    ECT_RECORD(0x1A02, "Third RU mapping", ru3_1a02),
     ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
     ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
-    ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    ECT_ARRAY(0x1C13, "SM3 assignment", assign_three),
     ECT_RECORD(0x2001, "Input data", multiarm_2001),
     ECT_RECORD(0x2002, "Output data", standard_2002),
     ECT_ARRAY(0x2003, "Periodic data", periodic_2003),
