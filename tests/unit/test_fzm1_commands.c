@@ -220,6 +220,128 @@ static void busy_ignores(void **state)
     assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, NULL), 0);
 }
 
+static void expect_text(const char *signal, const char *want)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    signal_get(&s.w, signal, text);
+    if (!strstr(text, want))
+        fail_msg("%s: expected '%s', got '%s'", signal, want, text);
+}
+
+/* While an image is measured, continuously measured, or another command is executed. */
+static void taken_at_any_time(void **state)
+{
+    (void)state;
+    sensor_step(&s);
+    assert_int_equal(sensor_command(&s, FZM1_CLEAR, 0, 0, 0, NULL), 0);
+    sensor_expect(&s, "still measured", FZM1_BUSY, FZM1_BUSY);
+    assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    assert_int_equal(signal_number(&s.w, "measurements"), 1);
+    assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+    assert_int_equal(sensor_command(&s, FZM1_CLEAR, 0, 0, 0, NULL), 0);
+    assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    assert_int_equal(signal_number(&s.w, "exes_ignored"), 0);
+}
+
+/* Behind a switch of the scene: its answer first, then that of Clear, with FLG, which is Clear's. */
+static void one_behind_the_other(void **state)
+{
+    (void)state;
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 3, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_prepare(&s, FZM1_CLEAR, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 100 * MS);
+    sensor_expect(&s, "switched, no FLG for it", FZM1_FLG | FZM1_BUSY, 0);
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_SWITCH_SCENE);
+    assert_int_equal(signal_number(&s.w, "scene"), 3);
+    assert_int_equal(sensor_until(&s, FZM1_FLG, FZM1_FLG), 1 * MS);
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_CLEAR);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 4, 0, 0);
+    for (int i = 0; i < 3; i++) { /* the third has to stay outside */
+        sensor_set(&s, FZM1_EXE, true);
+        sensor_set(&s, FZM1_EXE, false);
+        sensor_prepare(&s, FZM1_END_CONTINUOUS, 0, 0, 0);
+    }
+    expect_text("exe_ignored_cause", "two commands");
+    for (int i = 0; i < 110; i++) {
+        sensor_wait(&s, 1 * MS);
+        sensor_expect(&s, "EXE is off, so is FLG", FZM1_FLG, 0);
+    }
+    assert_int_equal(ect_load_le32(s.in + 4), FZM1_END_CONTINUOUS);
+}
+
+static void restart_at_once(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "switch_time", "60000000");
+    sensor_prepare(&s, FZM1_SWITCH_SCENE, 3, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_prepare(&s, FZM1_CLEAR, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_prepare(&s, FZM1_RESTART, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    sensor_wait(&s, 1 * MS);
+    sensor_expect(&s, "restarting", 0xFFFFFFFF, 0);
+    sensor_set(&s, FZM1_EXE, false);
+    sensor_prepare(&s, FZM1_CLEAR, 0, 0, 0);
+    sensor_set(&s, FZM1_EXE, true);
+    expect_text("exe_ignored_cause", "restarts");
+    sensor_wait(&s, 19 * MS);
+    sensor_expect(&s, "restarting", 0xFFFFFFFF, 0);
+}
+
+/* Each EXE that begins no command, and each -1, is counted with its cause. */
+static void why_not(void **state)
+{
+    static const struct {
+        uint32_t code;
+        int32_t p1, p2, p3;
+        const char *why;
+    } rows[] = {{0x00402000, 0, 0, 0, "no such command code"},
+                {FZM1_SWITCH_SCENE, 128, 0, 0, "no such scene"},
+                {FZM1_SWITCH_GROUP, 32, 0, 0, "no such scene group"},
+                {FZM1_GET_UNIT_DATA, 4, 0, 0, "no such unit"},
+                {FZM1_GET_UNIT_DATA, 3, 13, 0, "no data of this number"},
+                {FZM1_GET_UNIT_DATA, 2, 5, 0, "not Fieldbus Data Output"},
+                {FZM1_SET_UNIT_DATA, 2, 150, 1000, "not Fieldbus Data Output"},
+                {FZM1_SET_UNIT_DATA, 3, 5, 1000, "only the output format"},
+                {FZM1_SET_UNIT_DATA, 3, 150, 1, "0 or 1000"},
+                {FZM1_START_CONTINUOUS, 0, 0, 0, "RUN window"}};
+    static const char *const busy[] = {"a measurement runs", "a continuous measurement runs", "another command"};
+    (void)state;
+    signal_set(&s.w, "run", "0");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(sensor_command(&s, rows[i].code, rows[i].p1, rows[i].p2, rows[i].p3, NULL), (uint32_t)NG);
+        assert_int_equal(signal_number(&s.w, "commands_refused"), i + 1);
+        expect_text("command_refused_cause", rows[i].why);
+    }
+    signal_set(&s.w, "run", "1");
+    for (unsigned int i = 0; i < 3; i++) {
+        if (i == 0)
+            sensor_step(&s);
+        else if (i == 1)
+            assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+        sensor_prepare(&s, i < 2 ? FZM1_GET_SCENE : FZM1_GET_GROUP, 0, 0, 0);
+        for (unsigned int n = 0; n <= i / 2; n++) {
+            sensor_set(&s, FZM1_EXE, true);
+            sensor_set(&s, FZM1_EXE, false);
+        }
+        assert_int_equal(signal_number(&s.w, "exes_ignored"), i + 1);
+        expect_text("exe_ignored_cause", busy[i]);
+        if (i == 1)
+            assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+    }
+    assert_int_equal(signal_number(&s.w, "commands_refused"), 10);
+}
+
 static void busy_while_switching(void **state)
 {
     static const uint32_t codes[] = {FZM1_SWITCH_SCENE, FZM1_SWITCH_GROUP};
@@ -341,6 +463,11 @@ int main(int argc, char **argv)
         TEST("FZM-043: EXE that falls early: the command is done, FLG does not come", exe_falls_early),
         TEST("FZM-043 FZM-070: a second EXE while a command is executed begins no second one", second_exe),
         TEST("FZM-044: EXE that rises while BUSY is ignored until it falls", busy_ignores),
+        TEST("FZM-052 FZM-054 FZM-055: Clear and End continuous are taken while BUSY", taken_at_any_time),
+        TEST("FZM-043 FZM-054 FZM-055: Clear and End continuous behind another command: one answer after the other",
+             one_behind_the_other),
+        TEST("FZM-052: Restart does not wait for the command that is executed", restart_at_once),
+        TEST("FZM-040 FZM-062: each EXE that begins nothing and each -1 is counted, with its cause", why_not),
         TEST("FZM-044 FZM-059: BUSY while scene or group are switched, and STEP is not accepted", busy_while_switching),
         TEST("FZM-043: with exe_timeout set, EXE that stays on 10 s after FLG is an error", exe_timeout),
         TEST("FZM-075: handshakes in every cycle of 250 us", as_fast_as_it_gets),

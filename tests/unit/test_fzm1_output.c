@@ -39,6 +39,15 @@ static void measure(int value)
     (void)sensor_until(&s, FZM1_BUSY, 0);
 }
 
+static void expect_cause(const char *want)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    signal_get(&s.w, "error_cause", text);
+    if (*want ? !strstr(text, want) : *text)
+        fail_msg("error_cause: expected '%s', got '%s'", want, text);
+    sensor_expect(&s, "ERR with a cause", FZM1_ERR, *want ? FZM1_ERR : 0);
+}
+
 /* --- values ------------------------------------------------------------------------------------------------------- */
 
 static void fixed_point(void **state)
@@ -200,29 +209,31 @@ static void time_below_period(void **state)
         assert_false(signal_try_set(&s.w, rows[i].name, rows[i].value, message));
 }
 
-/* Measurements come faster than outputs may: none is lost, the measurement waits. */
-static void held_up(void **state)
+/* Measurements come faster than outputs may: the newest are lost, and nothing else is held up by it. */
+static void too_fast(void **state)
 {
     (void)state;
     signal_set(&s.w, "image_input", "100");
     signal_set(&s.w, "processing", "100");
     signal_set(&s.w, "output_period", "1000");
-    int32_t seen = 0;
+    sensor_wait(&s, 100 * MS);
     for (int n = 1; n <= 60; n++) {
-        char value[16];
-        snprintf(value, sizeof value, "%d", n);
-        (void)sensor_until(&s, FZM1_READY, FZM1_READY);
-        signal_set(&s.w, "data1", value);
-        sensor_step(&s);
-        sensor_wait(&s, 1 * MS);
+        sensor_expect(&s, "READY for each", FZM1_READY | FZM1_BUSY, FZM1_READY);
+        measure(n);
     }
-    for (seen = (sensor_data(&s, 1)) / 1000; seen < 60; seen++) {
-        (void)sensor_until(&s, FZM1_GATE, 0);
-        (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
-        assert_int_equal(sensor_data(&s, 1), (seen + 1) * 1000);
-    }
-    assert_int_equal(signal_number(&s.w, "outputs"), 60);
     assert_int_equal(signal_number(&s.w, "measurements"), 60);
+    assert_int_equal(signal_number(&s.w, "lost"), 43); /* one is shown, 16 wait */
+    expect_cause("results lost");
+    for (int32_t n = 1; n <= 17; n++) {
+        sensor_expect(&s, "until all have been output", FZM1_ERR, n < 17 ? FZM1_ERR : 0);
+        assert_int_equal(sensor_data(&s, 1), n * 1000);
+        (void)sensor_until(&s, FZM1_GATE, 0);
+        if (n < 17)
+            (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+    }
+    expect_cause("");
+    sensor_wait(&s, 1000 * MS);
+    assert_int_equal(signal_number(&s.w, "outputs"), 17);
 }
 
 /* --- with handshaking --------------------------------------------------------------------------------------------- */
@@ -288,6 +299,7 @@ static void timeout(void **state)
         sensor_expect(&s, "just before the time-out", FZM1_ERR, 0);
         sensor_wait(&s, 1);
         sensor_expect(&s, "time-out", FZM1_ERR | FZM1_GATE, FZM1_ERR);
+        expect_cause("DSA did not come");
         assert_int_equal(signal_number(&s.w, "discarded"), discarded + 1);
         assert_int_equal(signal_number(&s.w, "pending"), 0);
         measure(2);
@@ -318,7 +330,7 @@ static void dsa_does_not_fall(void **state)
     measure(2);
     sensor_set(&s, FZM1_DSA, true);
     assert_int_equal(sensor_until(&s, FZM1_GATE, 0), 10000 * MS);
-    sensor_expect(&s, "time-out", FZM1_ERR, FZM1_ERR);
+    expect_cause("DSA stayed on");
     assert_int_equal(sensor_data(&s, 1), 1000);
     sensor_set(&s, FZM1_DSA, false);
     sensor_set(&s, FZM1_DSA, true);
@@ -403,27 +415,70 @@ static void clear_takes_back(void **state)
     assert_int_equal(sensor_data(&s, 1), 3000);
 }
 
-/* A STEP comes between EXE and the end of Clear, and finds no room among the outputs: Clear makes some. */
-static void clear_lets_go(void **state)
+/* Several causes at a time: each is told, and each ends by its own. */
+static void causes_together(void **state)
 {
     (void)state;
-    signal_set(&s.w, "timeout", "1200");
-    signal_set(&s.w, "image_input", "100");
-    signal_set(&s.w, "processing", "100");
-    for (int n = 1; n <= 16; n++)
+    signal_set(&s.w, "err", "1");
+    for (int n = 1; n <= 17; n++)
         measure(n);
-    signal_set(&s.w, "command_time", "50000");
-    sensor_prepare(&s, FZM1_CLEAR, 0, 0, 0);
-    sensor_set(&s, FZM1_EXE, true);
-    signal_set(&s.w, "data1", "17");
-    sensor_step(&s);
-    sensor_wait(&s, 10 * MS);
-    sensor_expect(&s, "held up", FZM1_BUSY, FZM1_BUSY);
-    (void)sensor_until(&s, FZM1_FLG, FZM1_FLG);
-    sensor_expect(&s, "no longer", FZM1_BUSY, 0);
-    assert_int_equal(signal_number(&s.w, "pending"), 1);
+    expect_cause("results lost: 16 wait already; set by hand");
+    (void)sensor_wait(&s, 10000 * MS);
+    expect_cause("DSA did not come; results lost: 16 wait already; set by hand");
+    for (int n = 2; n <= 16; n++) {
+        sensor_set(&s, FZM1_DSA, true);
+        assert_int_equal(sensor_data(&s, 1), n * 1000);
+        sensor_set(&s, FZM1_DSA, false);
+    }
+    expect_cause("set by hand");
+    signal_set(&s.w, "err", "0");
+    expect_cause("");
+}
+
+/* Outputs that stand there when OP begins ask for nothing, and without OP nobody can be late. */
+static void dsa_level_at_start(void **state)
+{
+    (void)state;
+    measure(1);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    sensor_wait(&s, 30000 * MS);
+    sensor_expect(&s, "no time-out outside OP", FZM1_ERR | FZM1_GATE, 0);
+    ect_store_le32(s.out, FZM1_DSA);
+    sensor_exchange(&s);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_OP, NULL), ECT_STATE_OP);
+    sensor_exchange(&s);
+    sensor_wait(&s, 10000 * MS - 1);
+    sensor_expect(&s, "the level is no request", FZM1_ERR | FZM1_GATE, 0);
+    sensor_set(&s, FZM1_DSA, false);
     sensor_set(&s, FZM1_DSA, true);
-    assert_int_equal(sensor_data(&s, 1), 17000);
+    sensor_expect(&s, "the edge is", FZM1_ERR | FZM1_GATE, FZM1_GATE);
+    assert_int_equal(sensor_data(&s, 1), 1000);
+}
+
+static void time_out_begins_with_op(void **state)
+{
+    (void)state;
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    signal_set(&s.w, "trigger", "1");
+    sensor_wait(&s, 30000 * MS);
+    sensor_exchange(&s);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_OP, NULL), ECT_STATE_OP);
+    sensor_exchange(&s);
+    assert_int_equal(sensor_until(&s, FZM1_ERR, FZM1_ERR), 10000 * MS);
+}
+
+/* Leaving OP while GATE is on: the one who saw it is gone. */
+static void gate_goes_with_op(void **state)
+{
+    (void)state;
+    measure(1);
+    measure(2);
+    sensor_set(&s, FZM1_DSA, true);
+    assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    sensor_expect(&s, "SAFEOP", FZM1_GATE, 0);
+    sensor_wait(&s, 30000 * MS);
+    sensor_expect(&s, "SAFEOP", FZM1_GATE | FZM1_ERR, 0);
+    assert_int_equal(signal_number(&s.w, "pending"), 1);
 }
 
 /* Only what an answer answers: an error by hand, or of a command, stays. */
@@ -459,24 +514,41 @@ static void sixteen_wait(void **state)
 {
     (void)state;
     signal_set(&s.w, "timeout", "1200");
-    signal_set(&s.w, "image_input", "100");
-    signal_set(&s.w, "processing", "100");
     for (int n = 1; n <= 20; n++) {
-        char value[16];
-        snprintf(value, sizeof value, "%d", n);
-        signal_set(&s.w, "data1", value);
-        sensor_step(&s);
-        sensor_wait(&s, 1 * MS);
+        measure(n);
+        sensor_expect(&s, "BUSY and READY know nothing of it", FZM1_BUSY | FZM1_READY | FZM1_ERR,
+                      n <= 16 ? FZM1_READY : FZM1_READY | FZM1_ERR);
     }
-    assert_int_equal(signal_number(&s.w, "measurements"), 16);
-    sensor_expect(&s, "the 17th is held up", FZM1_BUSY, FZM1_BUSY);
-    for (int n = 1; n <= 20; n++) {
+    assert_int_equal(signal_number(&s.w, "measurements"), 20);
+    assert_int_equal(signal_number(&s.w, "pending"), 16);
+    assert_int_equal(signal_number(&s.w, "lost"), 4);
+    for (int n = 1; n <= 16; n++) {
+        sensor_expect(&s, "until all have been fetched", FZM1_ERR, FZM1_ERR);
         sensor_set(&s, FZM1_DSA, true);
         assert_int_equal(sensor_data(&s, 1), n * 1000);
         sensor_set(&s, FZM1_DSA, false);
-        sensor_wait(&s, 1 * MS);
     }
-    sensor_expect(&s, "all are done", FZM1_BUSY | FZM1_ERR, 0);
+    expect_cause("");
+}
+
+/* Every command has its FLG while 16 results wait. */
+static void commands_with_a_full_queue(void **state)
+{
+    static const uint32_t codes[] = {FZM1_GET_SCENE,      FZM1_GET_UNIT_DATA, FZM1_START_CONTINUOUS,
+                                     FZM1_END_CONTINUOUS, FZM1_SWITCH_SCENE,  FZM1_SWITCH_GROUP,
+                                     FZM1_CLEAR};
+    (void)state;
+    signal_set(&s.w, "timeout", "1200");
+    for (int n = 1; n <= 17; n++)
+        measure(n);
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {
+        uint64_t before = s.w.now_ns;
+        (void)sensor_until(&s, FZM1_BUSY, codes[i] == FZM1_END_CONTINUOUS ? FZM1_BUSY : 0);
+        assert_int_equal(sensor_command(&s, codes[i], 0, 0, 0, NULL), 0);
+        assert_in_range(s.w.now_ns - before, 0, 126 * MS);
+    }
+    assert_int_equal(signal_number(&s.w, "pending"), 0);
+    expect_cause("");
 }
 
 #define TEST(title, function)                                                                                          \
@@ -499,7 +571,9 @@ int main(int argc, char **argv)
         TEST("FZM-027 FZM-028 FZM-073: None: period and time to the microsecond, data stable while GATE is on", period),
         TEST("FZM-073: None with output_repeat: the last data every period", repeated),
         TEST("FZM-027 FZM-028 FZM-029 OM-C13: ranges, and the output time stays below the period", time_below_period),
-        TEST("FZM-073: None: measurements that come too fast are held up, none is lost", held_up),
+        TEST("FZM-048 FZM-066 FZM-069 FZM-073: None: measurements that come too fast: the newest are lost and counted, "
+             "ERR says so, BUSY does not care",
+             too_fast),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: data with DSA, GATE until DSA falls", handshake),
         HANDSHAKING("FZM-071: DSA may be on before there are data", dsa_first),
         HANDSHAKING("FZM-071: of several results each DSA fetches the next", several_pending),
@@ -510,11 +584,15 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
         HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
-        HANDSHAKING("FZM-055 FZM-066: Clear lets a measurement go on that was held up", clear_lets_go),
         HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
         HANDSHAKING("FZM-026: the output control may change while a result waits", control_changes),
-        HANDSHAKING("FZM-067 FZM-071: sixteen results wait, further measurements are held up, none is lost",
+        HANDSHAKING("FZM-066 FZM-069 FZM-071: sixteen results wait, the newest beyond them are lost and counted",
                     sixteen_wait),
+        HANDSHAKING("FZM-043 FZM-055 FZM-069: commands do not wait for the data output", commands_with_a_full_queue),
+        HANDSHAKING("FZM-048: several errors at a time, each with its cause and its end", causes_together),
+        HANDSHAKING("FZM-004 FZM-071: DSA that is on when OP begins is no request", dsa_level_at_start),
+        HANDSHAKING("FZM-004 FZM-072: the time-out of DSA begins with OP", time_out_begins_with_op),
+        HANDSHAKING("FZM-004 FZM-045: GATE goes with OP", gate_goes_with_op),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

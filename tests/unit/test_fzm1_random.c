@@ -134,9 +134,10 @@ static void session(unsigned int number)
     if ((sensor_look(&s) & (FZM1_READY | FZM1_BUSY)) != FZM1_READY)
         refuse("READY is stuck");
     long long measured = signal_number(&s.w, "measurements");
-    long long shown = signal_number(&s.w, "outputs") + signal_number(&s.w, "discarded");
+    long long shown = signal_number(&s.w, "outputs") + signal_number(&s.w, "discarded") + signal_number(&s.w, "lost");
     if (measured != accepted || shown != accepted)
-        fail_msg("seed %u: %u STEPs accepted, %lld measured, %lld output or given up", seed, accepted, measured, shown);
+        fail_msg("seed %u: %u STEPs accepted, %lld measured, %lld output, given up or lost", seed, accepted, measured,
+                 shown);
     sensor_close(&s);
 }
 

@@ -29,16 +29,16 @@ bool fzm1_plc_measure(fzm1_plc_t *p)
     return true;
 }
 
-static bool ends_continuous(uint32_t code) /* what is taken while a continuous measurement, which is BUSY, runs */
+static bool always_taken(uint32_t code) /* BUSY or not */
 {
-    return code == PLC_END_CONTINUOUS || code == PLC_RESTART;
+    return code == PLC_CLEAR || code == PLC_END_CONTINUOUS || code == PLC_RESTART;
 }
 
 bool fzm1_plc_command(fzm1_plc_t *p, uint32_t code, int32_t p1, int32_t p2, int32_t p3)
 {
-    bool ends = ends_continuous(code);
+    bool always = always_taken(code);
     if (p->exe != PLC_EXE_IDLE || p->step || p->step_wanted || (p->signals & PLC_FLG) != 0 ||
-        ((p->signals & PLC_BUSY) != 0 && !ends))
+        ((p->signals & PLC_BUSY) != 0 && !always))
         return false;
     p->code = code;
     p->parameter[0] = p1;
@@ -74,7 +74,7 @@ static void do_command(fzm1_plc_t *p, const uint8_t *in, uint8_t *out, uint64_t 
         p->exe = PLC_EXE_PREPARED;
         return;
     case PLC_EXE_PREPARED:
-        if (flg || (busy && !ends_continuous(p->code)))
+        if (flg || (busy && !always_taken(p->code)))
             return;
         p->exe = PLC_EXE_ON;
         p->exe_until_ns = now_ns + p->exe_retry_ns;

@@ -7,64 +7,68 @@
 
 #define TENTH_S 100000000ull
 
-/* In the response area a thousandfold, as all unit data. */
-static bool get_unit_data(const fzm1_t *u, int32_t *value)
+/* In the response area a thousandfold, as all unit data. The functions below return NULL, or why it cannot be done. */
+static const char *get_unit_data(const fzm1_t *u, int32_t *value)
 {
     uint32_t unit = (uint32_t)u->arguments[0];
     uint32_t number = (uint32_t)u->arguments[1];
-    if (unit >= u->scene.units || (number != FZM1_REF_JUDGEMENT && unit != u->scene.output_unit))
-        return false;
-    if (number == FZM1_REF_JUDGEMENT)
-        *value = u->last.judgement[unit] * 1000; /* 0 before the first measurement */
-    else if (number >= FZM1_REF_DATA0 && number <= FZM1_REF_DATA7)
+    bool data = number >= FZM1_REF_DATA0 && number <= FZM1_REF_DATA7;
+    if (unit >= u->scene.units)
+        return "the scene has no such unit";
+    if (!data && number != FZM1_REF_JUDGEMENT && number != FZM1_REF_FORMAT)
+        return "units have no data of this number";
+    if (number != FZM1_REF_JUDGEMENT && unit != u->scene.output_unit)
+        return "the unit is not Fieldbus Data Output, and has its judgement only";
+    if (data)
         *value = fzm1_fixed_point(u->last.data[number - FZM1_REF_DATA0]);
-    else if (number == FZM1_REF_FORMAT)
-        *value = u->scene.format * 1000;
     else
-        return false;
-    return true;
+        *value = 1000 * (number == FZM1_REF_FORMAT ? u->scene.format : u->last.judgement[unit]);
+    return NULL;
 }
 
-static bool set_unit_data(fzm1_t *u)
+static const char *set_unit_data(fzm1_t *u)
 {
     int32_t value = u->arguments[2];
-    if ((uint32_t)u->arguments[0] != u->scene.output_unit || u->arguments[1] != FZM1_REF_FORMAT ||
-        (value != FZM1_FIXED_POINT * 1000 && value != FZM1_FLOATING * 1000))
-        return false;
+    if ((uint32_t)u->arguments[0] != u->scene.output_unit)
+        return "the unit is not Fieldbus Data Output: nothing of it can be set";
+    if (u->arguments[1] != FZM1_REF_FORMAT)
+        return "only the output format, number 150, can be set";
+    if (value != FZM1_FIXED_POINT * 1000 && value != FZM1_FLOATING * 1000)
+        return "the output format is 0 or 1, as a thousandfold 0 or 1000";
     u->scene.format = (uint8_t)(value / 1000);
-    return true;
+    return NULL;
 }
 
-static bool start_continuous(fzm1_t *u)
+static const char *start_continuous(fzm1_t *u)
 {
-    if (!fzm1_ready(u))
-        return false;
-    fzm1_start_continuous(u);
-    return true;
+    const char *why = fzm1_not_ready(u);
+    if (!why)
+        fzm1_start_continuous(u);
+    return why;
 }
 
-/* @return whether it could be done; *data is the response data of those that have any */
-static bool execute(fzm1_t *u, int32_t *data)
+/* *data is the response data of those that have any. */
+static const char *execute(fzm1_t *u, int32_t *data)
 {
     switch (u->code) {
     case FZM1_START_CONTINUOUS:
         return start_continuous(u);
     case FZM1_END_CONTINUOUS:
         u->continuous = false;
-        return true;
+        return NULL;
     case FZM1_CLEAR:
         fzm1_clear(u);
         fzm1_output_discard(u);
-        fzm1_set_error(u, FZM1_NO_ERROR);
-        return true;
+        fzm1_end_errors(u, FZM1_ERROR_ALL);
+        return NULL;
     case FZM1_SAVE:
-        return fzm1_save(u);
+        return fzm1_save(u) ? NULL : "the memory does not answer, or there is none";
     case FZM1_GET_SCENE:
         *data = u->scene_number;
-        return true;
+        return NULL;
     case FZM1_GET_GROUP:
         *data = u->scene_group;
-        return true;
+        return NULL;
     case FZM1_SWITCH_SCENE:
         return fzm1_switch_scene(u, (uint32_t)u->arguments[0]);
     case FZM1_SWITCH_GROUP:
@@ -74,8 +78,30 @@ static bool execute(fzm1_t *u, int32_t *data)
     case FZM1_SET_UNIT_DATA:
         return set_unit_data(u);
     default:
-        return false;
+        return "there is no such command code";
     }
+}
+
+/* Clear, End continuous and Restart are taken at any time. */
+static bool always_taken(uint32_t code)
+{
+    return code == FZM1_CLEAR || code == FZM1_END_CONTINUOUS || code == FZM1_RESTART;
+}
+
+static bool switches(const fzm1_t *u)
+{
+    uint32_t number = (uint32_t)u->arguments[0];
+    return (u->code == FZM1_SWITCH_SCENE && number < FZM1_SCENES) ||
+           (u->code == FZM1_SWITCH_GROUP && number < FZM1_GROUPS);
+}
+
+static void start(fzm1_t *u, uint32_t code, bool exe_fell)
+{
+    u->code = code;
+    u->executing = true;
+    u->exe_fell = exe_fell;
+    u->switching = switches(u);
+    u->command_due_ns = u->time_ns + (u->switching ? u->plant.switch_us : u->plant.command_us) * 1000ull;
 }
 
 static void finish(fzm1_t *u)
@@ -88,50 +114,62 @@ static void finish(fzm1_t *u)
         return;
     }
     int32_t data = 0;
-    bool done = execute(u, &data);
+    const char *why = execute(u, &data);
+    if (why)
+        fzm1_refuse(&u->refused, why);
     u->response_code = u->code;
-    u->result_code = done ? (uint32_t)FZM1_OK : (uint32_t)FZM1_NG;
-    u->response_data = data;
+    u->result_code = (uint32_t)(why ? FZM1_NG : FZM1_OK);
+    u->response_data = why ? 0 : data;
     u->flg = !u->exe_fell; /* an EXE that fell early has its answer, and no FLG that would have to fall */
     if (u->flg && u->settings.exe_timeout > 0)
         u->flg_due_ns = u->time_ns + u->settings.exe_timeout * TENTH_S;
+    if (u->next_code != 0)
+        start(u, u->next_code, u->next_exe_fell);
+    u->next_code = 0;
 }
 
-static bool switches(const fzm1_t *u)
+/* @return NULL: a command with this code may be taken now */
+static const char *not_taken(const fzm1_t *u, uint32_t code)
 {
-    uint32_t number = (uint32_t)u->arguments[0];
-    return (u->code == FZM1_SWITCH_SCENE && number < FZM1_SCENES) ||
-           (u->code == FZM1_SWITCH_GROUP && number < FZM1_GROUPS);
+    if (u->starting != 0)
+        return "the controller restarts";
+    if (always_taken(code))
+        return u->next_code != 0 && code != FZM1_RESTART ? "two commands are under way already" : NULL;
+    if (u->executing)
+        return "another command is executed";
+    if (u->continuous)
+        return "BUSY is on: a continuous measurement runs";
+    return fzm1_busy(u) ? "BUSY is on: a measurement runs" : NULL;
 }
 
-/* While BUSY nothing is accepted, but what ends a continuous measurement. */
-static bool acceptable(const fzm1_t *u)
+/* Behind a command that is being executed Clear and End continuous wait for its end; Restart does not. */
+static void take(fzm1_t *u)
 {
-    bool ends = u->command_code == FZM1_END_CONTINUOUS || u->command_code == FZM1_RESTART;
-    return u->starting == 0 && !u->executing && (!fzm1_busy(u) || (u->continuous && ends));
-}
-
-static void start(fzm1_t *u)
-{
-    u->code = u->command_code;
+    if (u->executing && u->command_code != FZM1_RESTART) {
+        u->next_code = u->command_code;
+        u->next_exe_fell = false;
+        return;
+    }
     for (unsigned int i = 0; i < 3; i++)
         u->arguments[i] = u->parameter[i];
-    u->executing = true;
-    u->exe_fell = false;
-    u->switching = switches(u);
-    u->command_due_ns = u->time_ns + (u->switching ? u->plant.switch_us : u->plant.command_us) * 1000ull;
+    u->next_code = 0;
+    start(u, u->command_code, false);
 }
 
 void fzm1_exe(fzm1_t *u, bool rising)
 {
     if ((u->levels & FZM1_EXE) == 0) {
-        if (u->flg && u->error == FZM1_ERROR_EXE)
-            fzm1_set_error(u, FZM1_NO_ERROR); /* this one went as it should */
-        u->exe_fell = true;
+        if (u->flg)
+            fzm1_end_errors(u, FZM1_ERROR_EXE); /* this one went as it should */
+        u->exe_fell = u->next_exe_fell = true;
         u->flg = false;
         u->flg_due_ns = ECT_NEVER;
-    } else if (rising && acceptable(u)) {
-        start(u);
+    } else if (rising) {
+        const char *why = not_taken(u, u->command_code);
+        if (why)
+            fzm1_refuse(&u->exe_ignored, why);
+        else
+            take(u);
     }
 }
 

@@ -1,53 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The controller's time and its process data. */
-#include <string.h>
-
 #include "devices/fzm1/instance.h"
 
-enum { SHOWN_OFF_NS = 20000000 }; /* how long the signals show off before a restart takes the slave off the bus */
-enum { STARTING_OFF = 1, STARTING_AWAY = 2 };
-
-void fzm1_set_error(fzm1_t *u, fzm1_error_t error)
-{
-    static const char *const causes[] = {"", "time-out of the data output: no DSA",
-                                         "time-out of a command: EXE stayed on", "set by hand"};
-    u->error = (uint8_t)error;
-    u->err = error != FZM1_NO_ERROR;
-    memset(u->error_cause, 0, sizeof u->error_cause);
-    memcpy(u->error_cause, causes[error], strlen(causes[error]));
-}
-
-/* --- restart ------------------------------------------------------------------------------------------------------ */
-
-static void all_off(fzm1_t *u)
-{
-    u->continuous = u->executing = u->switching = u->flg = u->stalled = false;
-    u->image_count = u->output_count = 0;
-    u->image_due_ns = u->processing_due_ns = u->command_due_ns = u->flg_due_ns = ECT_NEVER;
-    fzm1_output_reset(u);
-}
-
-/* No answer to the command: signals off, then off the bus, at last a power cycle. */
-void fzm1_begin_restart(fzm1_t *u)
-{
-    all_off(u);
-    u->starting = STARTING_OFF;
-    u->start_due_ns = u->time_ns + SHOWN_OFF_NS;
-}
-
-static void start_due(fzm1_t *u)
-{
-    if (u->start_due_ns > u->time_ns)
-        return;
-    u->start_due_ns = ECT_NEVER;
-    if (u->starting == STARTING_OFF) {
-        u->starting = STARTING_AWAY;
-        u->start_due_ns = u->time_ns + u->plant.start_ms * 1000000ull;
-        u->host->off_bus(u->host->ctx, true);
-    } else {
-        u->host->restart(u->host->ctx);
-    }
-}
+/* Of one call: a host that was away for longer finds a continuous measurement that waited for it. */
+enum { MOST_EVENTS = 4096 };
 
 /* --- time --------------------------------------------------------------------------------------------------------- */
 
@@ -74,12 +30,15 @@ static void advance(fzm1_t *u, uint64_t now_ns)
 {
     u->poll_ns = now_ns;
     u->gate_changed = false;
+    unsigned int events = 0;
     for (uint64_t due = next_due(u); due <= now_ns; due = next_due(u)) {
         u->time_ns = due > u->time_ns ? due : u->time_ns;
+        if (++events == MOST_EVENTS)
+            fzm1_measure_put_off(u, now_ns - u->time_ns);
         fzm1_measure_due(u);
         fzm1_command_due(u);
         fzm1_output_due(u);
-        start_due(u);
+        fzm1_restart_due(u);
         settle(u);
     }
     u->time_ns = now_ns;
@@ -93,7 +52,7 @@ static uint32_t bit(bool on, uint32_t mask)
 static void publish(fzm1_t *u)
 {
     bool up = u->starting == 0;
-    u->ready = fzm1_ready(u);
+    u->ready = !fzm1_not_ready(u);
     u->busy = fzm1_busy(u);
     u->exe_level = (u->levels & FZM1_EXE) != 0;
     u->step_level = (u->levels & FZM1_STEP) != 0;
@@ -106,15 +65,43 @@ static void publish(fzm1_t *u)
                      bit(u->gate, FZM1_GATE);
 }
 
-/* The first levels after OP was entered are where edges are counted from: none of them starts anything. */
+static void take_step(fzm1_t *u)
+{
+    const char *why = fzm1_not_ready(u);
+    if (why)
+        fzm1_refuse(&u->step_ignored, why);
+    else
+        fzm1_step(u);
+}
+
 static void take_levels(fzm1_t *u, uint32_t levels)
 {
-    uint32_t rising = u->levels_known ? levels & ~u->levels : 0;
+    uint32_t rising = levels & ~u->levels;
     u->levels = levels;
-    u->levels_known = true;
     fzm1_exe(u, (rising & FZM1_EXE) != 0);
     if ((rising & FZM1_STEP) != 0)
-        fzm1_step(u);
+        take_step(u);
+}
+
+/* The first levels in OP are where edges are counted from: none of them starts anything. */
+static void begin_levels(fzm1_t *u)
+{
+    static const char why[] = "it was on when OP began: no edge";
+    u->levels = u->control_in;
+    u->levels_known = true;
+    fzm1_output_begin(u);
+    if ((u->levels & FZM1_EXE) != 0)
+        fzm1_refuse(&u->exe_ignored, why);
+    if ((u->levels & FZM1_STEP) != 0)
+        fzm1_refuse(&u->step_ignored, why);
+}
+
+/* Without process data all signals of the master are off. */
+static void end_levels(fzm1_t *u)
+{
+    take_levels(u, 0);
+    u->levels_known = false;
+    fzm1_output_end(u);
 }
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
@@ -147,7 +134,7 @@ void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t 
     u->settings = (fzm1_settings_t){.fieldbus = 1, .output_period = 100, .output_time = 50, .timeout = 100};
     u->run = 1;
     u->start_due_ns = ECT_NEVER;
-    all_off(u);
+    fzm1_all_off(u);
     fzm1_load(u);
     u->scene = u->scenes[u->scene_number];
     if (u->settings.fieldbus == 0)
@@ -159,11 +146,8 @@ uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t no
 {
     fzm1_t *u = instance;
     advance(u, now_ns);
-    if (from == ECT_STATE_OP || to == ECT_STATE_OP) { /* without process data all signals of the master are off */
-        take_levels(u, 0);
-        u->levels_known = false;
-        settle(u);
-    }
+    if (from == ECT_STATE_OP || to == ECT_STATE_OP)
+        end_levels(u);
     publish(u);
     return 0;
 }
@@ -172,7 +156,10 @@ void fzm1_outputs(void *instance, uint64_t now_ns)
 {
     fzm1_t *u = instance;
     advance(u, now_ns);
-    take_levels(u, u->control_in);
+    if (u->levels_known)
+        take_levels(u, u->control_in);
+    else
+        begin_levels(u);
     settle(u);
     advance(u, now_ns); /* what takes no time */
     publish(u);

@@ -3,15 +3,19 @@
  * @file
  * An FZM1 in memory.
  *
- *   fzm1.c        the description: objects, layout
- *   controller.c  time and process data: what is due happens in the order of its times, then the signals are published
- *   measure.c     STEP, READY, BUSY: image input, the queue of images, results
- *   commands.c    EXE, FLG: the eleven commands
- *   output.c      DSA, GATE: the output area, with and without handshaking
- *   scenes.c      what is measured: scenes, where their values come from
- *   save.c        what "Save to unit" keeps
- *   settings.c    what SDO writes ask for
+ * Each file knows only those below it; `fzm1.c`, the description, knows none but through its tables:
+ *
  *   signals.c     the plant: the user's side
+ *   controller.c  time and process data: what is due happens in the order of its times, then the signals are published
+ *   settings.c    what SDO writes ask for
+ *   commands.c    EXE, FLG: the eleven commands
+ *   restart.c     off, off the bus, power-on
+ *   scenes.c      switching scene and scene group
+ *   save.c        what "Save to unit" keeps
+ *   measure.c     STEP, READY, BUSY: image input, the queue of images, results
+ *   output.c      DSA, GATE: the output area, with and without handshaking
+ *   view.c        what the cameras see, and how a scene is from the factory
+ *   error.c       ERR and its causes; why something was not done
  *
  * All times are nanoseconds of the caller's clock; ECT_NEVER: nothing is due.
  */
@@ -68,8 +72,23 @@ enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16, FZM1_TABLE = 256 };
 /** Where a value comes from, on top of the scene's own. */
 enum { FZM1_SOURCE_FIXED, FZM1_SOURCE_RAMP, FZM1_SOURCE_SINE, FZM1_SOURCE_RANDOM, FZM1_SOURCE_TABLE };
 
-/** Why ERR is on. */
-typedef enum fzm1_error { FZM1_NO_ERROR, FZM1_ERROR_DSA, FZM1_ERROR_EXE, FZM1_ERROR_BY_HAND } fzm1_error_t;
+/** Why ERR is on: any of these. */
+typedef enum fzm1_error {
+    FZM1_ERROR_NO_DSA = 0x01,
+    FZM1_ERROR_DSA_STAYED = 0x02,
+    FZM1_ERROR_LOST = 0x04,
+    FZM1_ERROR_EXE = 0x08,
+    FZM1_ERROR_BY_HAND = 0x10,
+    FZM1_ERROR_ALL = 0x1F,
+} fzm1_error_t;
+
+enum { FZM1_CAUSE = 96 };
+
+/** How often something was not done, and why the last time. */
+typedef struct fzm1_refusal {
+    uint32_t count;
+    char cause[FZM1_CAUSE + 1];
+} fzm1_refusal_t;
 
 /** One scene: its flow of processing units, and what they will find. */
 typedef struct fzm1_scene {
@@ -155,13 +174,13 @@ typedef struct fzm1 {
     fzm1_result_t last;                /* all 0: nothing measured yet */
     fzm1_result_t images[FZM1_IMAGES]; /* what has been taken in and waits, oldest first */
     uint8_t first_image, image_count;
-    bool stalled; /* a result waits for room among the outputs */
     uint64_t image_due_ns, processing_due_ns;
 
     /* command */
     bool executing, switching, flg;
-    bool exe_fell; /* since the command was taken */
-    uint32_t code;
+    bool exe_fell;            /* since the command was taken */
+    bool next_exe_fell;       /* since the next one was */
+    uint32_t code, next_code; /* next_code: taken while the other is executed; 0: none */
     int32_t arguments[3];
     uint64_t command_due_ns, flg_due_ns;
 
@@ -180,11 +199,12 @@ typedef struct fzm1 {
 
     /* as signals */
     uint8_t ready, busy, overall_ng, err;
-    uint8_t error; /* fzm1_error_t */
-    char error_cause[48];
+    uint8_t errors; /* fzm1_error_t */
+    char error_cause[FZM1_CAUSE + 1];
     uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
-    uint32_t measurements, outputs, discarded;
+    uint32_t measurements, outputs, discarded, lost;
+    fzm1_refusal_t step_ignored, exe_ignored, refused;
 
     fzm1_plant_t plant; /* outlasts power: see ect_plant_t */
 } fzm1_t;
@@ -194,8 +214,6 @@ void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t 
 uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void fzm1_outputs(void *instance, uint64_t now_ns);
 uint64_t fzm1_tick(void *instance, uint64_t now_ns);
-void fzm1_begin_restart(fzm1_t *u);
-void fzm1_set_error(fzm1_t *u, fzm1_error_t error);
 
 /* settings.c */
 /* GATE has to fall before the next output (OM-C13). */
@@ -207,39 +225,52 @@ ect_reason_t fzm1_reason_of(uint32_t abort_code); /* ECT_OK: there is no such co
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
-/* measure.c */
-bool fzm1_ready(const fzm1_t *u);
-bool fzm1_busy(const fzm1_t *u);
-void fzm1_step(fzm1_t *u);
-void fzm1_measure_due(fzm1_t *u);
-void fzm1_complete(fzm1_t *u); /* the oldest image's measurement, unless the outputs have no room */
-void fzm1_start_continuous(fzm1_t *u);
-void fzm1_clear(fzm1_t *u); /* as if nothing had been measured */
-
 /* commands.c */
 void fzm1_exe(fzm1_t *u, bool rising);
 void fzm1_command_due(fzm1_t *u);
 
+/* restart.c */
+void fzm1_all_off(fzm1_t *u);
+void fzm1_begin_restart(fzm1_t *u);
+void fzm1_restart_due(fzm1_t *u);
+
+/* scenes.c */
+const char *fzm1_switch_scene(fzm1_t *u, uint32_t number); /* @return NULL, or why not */
+const char *fzm1_switch_group(fzm1_t *u, uint32_t number);
+
+/* save.c */
+bool fzm1_save(fzm1_t *u);
+void fzm1_load(fzm1_t *u);
+bool fzm1_load_group(fzm1_t *u, uint8_t group); /* into u->scenes; @return false: the memory does not answer */
+
+/* measure.c */
+const char *fzm1_not_ready(const fzm1_t *u); /* why READY is off; NULL: it is on */
+bool fzm1_busy(const fzm1_t *u);
+void fzm1_step(fzm1_t *u); /* READY is on */
+void fzm1_measure_due(fzm1_t *u);
+void fzm1_measure_put_off(fzm1_t *u, uint64_t ns); /* what is under way takes so much longer */
+void fzm1_start_continuous(fzm1_t *u);
+void fzm1_clear(fzm1_t *u); /* as if nothing had been measured */
+
 /* output.c */
-bool fzm1_output_room(const fzm1_t *u);
-void fzm1_output_put(fzm1_t *u, const double *data);
-void fzm1_output_discard(fzm1_t *u); /* what waits */
-bool fzm1_output_step(fzm1_t *u);    /* one change of GATE that is possible now; @return whether there was one */
+void fzm1_output_put(fzm1_t *u, const double *data); /* lost when sixteen wait already */
+void fzm1_output_discard(fzm1_t *u);                 /* what waits */
+void fzm1_output_begin(fzm1_t *u);                   /* OP begins: DSA counts from when it was off */
+void fzm1_output_end(fzm1_t *u);                     /* OP ends: GATE goes, and nobody waits for DSA */
+bool fzm1_output_step(fzm1_t *u); /* one change of GATE that is possible now; @return whether there was one */
 void fzm1_output_due(fzm1_t *u);
 void fzm1_output_reset(fzm1_t *u);
 void fzm1_output_new_period(fzm1_t *u, uint16_t period); /* 0.1 ms: counts for the next output already */
 uint64_t fzm1_output_next(const fzm1_t *u);
 int32_t fzm1_fixed_point(double value);
 
-/* scenes.c */
+/* view.c */
 void fzm1_default_scenes(fzm1_scene_t *scenes); /* FZM1_SCENES of them */
-bool fzm1_switch_scene(fzm1_t *u, uint32_t number);
-bool fzm1_switch_group(fzm1_t *u, uint32_t number);
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
 
-/* save.c */
-bool fzm1_save(fzm1_t *u);
-void fzm1_load(fzm1_t *u);
-bool fzm1_load_group(fzm1_t *u, uint8_t group); /* into u->scenes; @return false: the memory does not answer */
+/* error.c */
+void fzm1_set_error(fzm1_t *u, fzm1_error_t error);
+void fzm1_end_errors(fzm1_t *u, unsigned int errors); /* FZM1_ERROR_... */
+void fzm1_refuse(fzm1_refusal_t *refusal, const char *why);
 
 #endif

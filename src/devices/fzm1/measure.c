@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* STEP, READY and BUSY (Q179 §4-4): images are taken in one after the other, and measured in the same order. */
+/* STEP, READY and BUSY (Q179 §4-4): images are taken in one after the other, and measured in the same order. Nothing of
+ * it waits for the data output. */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
@@ -11,10 +12,19 @@ static unsigned int image_room(const fzm1_t *u)
     return rooms[u->plant.camera];
 }
 
-bool fzm1_ready(const fzm1_t *u)
+const char *fzm1_not_ready(const fzm1_t *u)
 {
-    return u->run && u->starting == 0 && !u->continuous && !u->switching && u->image_due_ns == ECT_NEVER &&
-           u->image_count < image_room(u);
+    if (u->starting != 0)
+        return "READY is off: the controller restarts";
+    if (!u->run)
+        return "READY is off: the RUN window is not shown";
+    if (u->continuous)
+        return "READY is off: a continuous measurement runs";
+    if (u->switching)
+        return "READY is off: a scene is being switched";
+    if (u->image_due_ns != ECT_NEVER)
+        return "READY is off: an image is being taken in";
+    return u->image_count < image_room(u) ? NULL : "READY is off: as many images wait as the camera may have";
 }
 
 bool fzm1_busy(const fzm1_t *u)
@@ -34,8 +44,7 @@ static void start_processing(fzm1_t *u)
 
 void fzm1_step(fzm1_t *u)
 {
-    if (fzm1_ready(u))
-        start_image(u);
+    start_image(u);
 }
 
 void fzm1_start_continuous(fzm1_t *u)
@@ -53,12 +62,9 @@ static void image_taken(fzm1_t *u)
         start_processing(u);
 }
 
-void fzm1_complete(fzm1_t *u)
+static void complete(fzm1_t *u)
 {
     u->processing_due_ns = ECT_NEVER;
-    u->stalled = !fzm1_output_room(u);
-    if (u->stalled)
-        return;
     u->last = u->images[u->first_image];
     u->measurements++;
     u->overall_ng = u->last.overall < 0;
@@ -76,7 +82,15 @@ void fzm1_measure_due(fzm1_t *u)
     if (u->image_due_ns <= u->time_ns)
         image_taken(u);
     if (u->processing_due_ns <= u->time_ns)
-        fzm1_complete(u);
+        complete(u);
+}
+
+void fzm1_measure_put_off(fzm1_t *u, uint64_t ns)
+{
+    if (u->image_due_ns != ECT_NEVER)
+        u->image_due_ns += ns;
+    if (u->processing_due_ns != ECT_NEVER)
+        u->processing_due_ns += ns;
 }
 
 /* OR and the output area stay as they are (as in the FZ3). */

@@ -37,26 +37,27 @@ static bool handshaking(const fzm1_t *u)
     return u->settings.output_control == FZM1_HANDSHAKING;
 }
 
-bool fzm1_output_room(const fzm1_t *u)
-{
-    return u->output_count < FZM1_OUTPUTS;
-}
-
+/* Output and measuring are apart: a result that finds no room is lost, and nothing waits for room. */
 void fzm1_output_put(fzm1_t *u, const double *data)
 {
+    if (u->output_count == FZM1_OUTPUTS) {
+        u->lost++;
+        fzm1_set_error(u, FZM1_ERROR_LOST);
+        return;
+    }
     int32_t *to = u->waiting[(u->first_output + u->output_count) % FZM1_OUTPUTS];
     for (unsigned int i = 0; i < FZM1_DATA; i++)
         to[i] = format(u, data[i]);
     u->output_count++;
 }
 
-/* The oldest ones go; a measurement that was held up by full outputs may go on. */
+/* The oldest ones go; with the last of them all is normal again. */
 static void drop(fzm1_t *u, uint8_t count)
 {
     u->first_output = (uint8_t)((u->first_output + count) % FZM1_OUTPUTS);
     u->output_count = (uint8_t)(u->output_count - count);
-    if (u->stalled)
-        fzm1_complete(u);
+    if (u->output_count == 0)
+        fzm1_end_errors(u, FZM1_ERROR_LOST);
 }
 
 void fzm1_output_discard(fzm1_t *u)
@@ -89,12 +90,13 @@ static void expect_dsa(fzm1_t *u)
 static bool step_handshake(fzm1_t *u)
 {
     bool dsa = (u->levels & FZM1_DSA) != 0;
+    if (!u->levels_known)
+        return false; /* there is nobody to shake hands with */
     u->dsa_was_off |= !dsa;
     if (u->gate && !dsa) {
         u->gate = false;
         u->dsa_due_ns = ECT_NEVER;
-        if (u->levels_known && u->error == FZM1_ERROR_DSA)
-            fzm1_set_error(u, FZM1_NO_ERROR); /* the external device answers again */
+        fzm1_end_errors(u, FZM1_ERROR_NO_DSA | FZM1_ERROR_DSA_STAYED); /* the external device answers again */
         return true;
     }
     if (u->gate || u->output_count == 0)
@@ -110,11 +112,24 @@ static bool step_handshake(fzm1_t *u)
     return false;
 }
 
+void fzm1_output_begin(fzm1_t *u)
+{
+    u->dsa_was_off = false;
+}
+
+void fzm1_output_end(fzm1_t *u)
+{
+    if (!handshaking(u))
+        return;
+    u->gate = false;
+    u->dsa_due_ns = ECT_NEVER;
+}
+
 /* Waiting for DSA to come, the result is given up; waiting for it to go, GATE is taken back. */
 static void dsa_timeout(fzm1_t *u)
 {
     u->dsa_due_ns = ECT_NEVER;
-    fzm1_set_error(u, FZM1_ERROR_DSA);
+    fzm1_set_error(u, u->gate ? FZM1_ERROR_DSA_STAYED : FZM1_ERROR_NO_DSA);
     if (u->gate) {
         u->gate = false;
         return;

@@ -46,7 +46,7 @@ void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t
     fzm1_t *u = instance;
     (void)now_ns;
     if (index == 0x2401)
-        fzm1_set_error(u, FZM1_NO_ERROR);
+        fzm1_end_errors(u, FZM1_ERROR_ALL);
     else if (index == 0x2400 && subindex == 1)
         fzm1_output_reset(u);
     else if (index == 0x2400 && subindex == 2)

@@ -94,10 +94,17 @@ static const ect_signal_t signals[] = {
     R(gate_level, "gate", BOOL, 0, 1, NULL, "GATE"),
     R(overall_ng, "or", BOOL, 0, 1, NULL, "OR: the overall judgement is NG"),
     R(continuous_level, "continuous", BOOL, 0, 1, NULL, "continuous measurement"),
-    R(error_cause, "error_cause", TEXT, 0, sizeof(((fzm1_t *)0)->error_cause) - 1, NULL, "why ERR is on"),
+    R(error_cause, "error_cause", TEXT, 0, FZM1_CAUSE, NULL, "why ERR is on"),
+    R(step_ignored.count, "steps_ignored", U32, 0, INT32_MAX, NULL, "edges of STEP that measured nothing"),
+    R(step_ignored.cause, "step_ignored_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one did not"),
+    R(exe_ignored.count, "exes_ignored", U32, 0, INT32_MAX, NULL, "edges of EXE that began no command"),
+    R(exe_ignored.cause, "exe_ignored_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one did not"),
+    R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands answered with -1"),
+    R(refused.cause, "command_refused_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one was"),
     R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
     R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "times that data were output"),
-    R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for"),
+    R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for, or that Clear took back"),
+    R(lost, "lost", U32, 0, INT32_MAX, NULL, "results that found 16 others waiting for output"),
     R(image_count, "images", U8, 0, FZM1_IMAGES, NULL, "images that wait to be measured"),
     R(output_count, "pending", U8, 0, FZM1_OUTPUTS, NULL, "results that wait to be output"),
     R(last.overall, "overall", I16, -1, 1, NULL, "overall judgement of the last measurement, 0: none"),
@@ -144,8 +151,9 @@ static const char *save(fzm1_t *u)
 
 static const char *trigger(fzm1_t *u)
 {
-    if (!fzm1_ready(u))
-        return "READY is off: a measurement is not possible now";
+    const char *why = fzm1_not_ready(u);
+    if (why)
+        return why;
     fzm1_step(u);
     return "";
 }
@@ -154,8 +162,8 @@ static const char *switch_to(fzm1_t *u, const ect_signal_t *signal, uint8_t numb
 {
     if (fzm1_busy(u))
         return "BUSY is on: a measurement is running";
-    bool done = IS(signal, scene_number) ? fzm1_switch_scene(u, number) : fzm1_switch_group(u, number);
-    return done ? "" : "the memory does not answer";
+    const char *why = IS(signal, scene_number) ? fzm1_switch_scene(u, number) : fzm1_switch_group(u, number);
+    return why ? why : "";
 }
 
 static const char *restart(fzm1_t *u)
@@ -187,8 +195,10 @@ static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t val
 {
     if (IS(signal, scene_number) || IS(signal, scene_group))
         return switch_to(u, signal, value);
-    if (IS(signal, err))
-        fzm1_set_error(u, value ? FZM1_ERROR_BY_HAND : FZM1_NO_ERROR);
+    if (IS(signal, err) && value)
+        fzm1_set_error(u, FZM1_ERROR_BY_HAND);
+    if (IS(signal, err) && !value)
+        fzm1_end_errors(u, FZM1_ERROR_ALL);
     if (IS(signal, run) && !value)
         u->continuous = false;
     if (IS(signal, settings.output_control) && value != u->settings.output_control)
