@@ -1,30 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include <string.h>
-
+/* One access to the address space: which part of it meets registers, SyncManagers or plain RAM. */
 #include "esc/internal.h"
-
-void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length)
-{
-    uint8_t *data = access->data + offset;
-    if (!access->mask) {
-        memcpy(access->write ? memory : data, access->write ? data : memory, length);
-        return;
-    }
-    uint8_t *to = access->write ? memory : data;
-    const uint8_t *from = access->write ? data : memory;
-    const uint8_t *mask = access->mask + offset;
-    for (uint16_t i = 0; i < length; i++)
-        to[i] = (uint8_t)((to[i] & ~mask[i]) | (from[i] & mask[i]));
-}
-
-static ect_access_t slice(const ect_access_t *access, uint16_t offset)
-{
-    ect_access_t part = *access;
-    part.data += offset;
-    if (part.mask)
-        part.mask += offset;
-    return part;
-}
 
 /* The enabled SyncManager that holds `address`, or the start of the next one above it; -1: none holds it. */
 static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
@@ -61,7 +37,7 @@ static bool ram_access(ect_esc_t *esc, const ect_access_t *access, uint32_t addr
         if (limit > end)
             limit = end;
         uint16_t part = (uint16_t)(limit - at);
-        ect_access_t piece = slice(access, (uint16_t)(at - address));
+        ect_access_t piece = ect_esc_slice(access, (uint16_t)(at - address));
         if (n < 0) {
             ect_esc_copy(&piece, esc->memory + at, 0, part);
             any = true;
@@ -85,7 +61,7 @@ bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address
         any = ect_esc_register_access(esc, access, address, in_registers);
     }
     if (length > in_registers) {
-        ect_access_t rest = slice(access, in_registers);
+        ect_access_t rest = ect_esc_slice(access, in_registers);
         any |= ram_access(esc, &rest, (uint32_t)address + in_registers, (uint16_t)(length - in_registers));
     }
     return any;

@@ -8,7 +8,7 @@
 
 #include "esc/internal.h"
 
-enum { PORTS = 4, CYCLIC = 0x01, SYNC0 = 0x02, TO_AL_EVENT = 0x08, PENDING = 0x01 };
+enum { CYCLIC = 0x01, SYNC0 = 0x02, TO_AL_EVENT = 0x08, PENDING = 0x01 };
 
 static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
 {
@@ -38,7 +38,7 @@ bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t addre
     (void)length;
     if (!ect_esc_dc_present(esc))
         return true; /* a chip without them still counts the write */
-    for (unsigned int port = 0; port < PORTS; port++) {
+    for (unsigned int port = 0; port < ECT_ESC_PORTS; port++) {
         if (port == 0 || ect_esc_port_open(esc, port))
             ect_store_le32(reg(esc, ECT_REG_DC_RECEIVE_TIME) + 4 * port, (uint32_t)local_time(esc));
     }

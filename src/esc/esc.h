@@ -25,14 +25,14 @@
 
 #include "esc/personality.h"
 
-/** Bytes of memory that an ESC of this personality needs: 4 KB of registers and its process RAM. */
-#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb)*1024u)
-
 /** SyncManagers and FMMUs that any personality may have. */
 enum { ECT_ESC_MAX_SM = 8, ECT_ESC_MAX_FMMU = 8 };
 
 /** Longest Ethernet frame that a port takes, without FCS; longer ones count as invalid (data sheet I §14.1). */
 enum { ECT_ESC_MAX_FRAME = 2000 };
+
+/** Bytes of memory that an ESC of this personality needs: 4 KB of registers and its process RAM. */
+#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb)*1024u)
 
 /** How an ESC is built and wired. Checked once by ::ect_esc_init. */
 typedef struct ect_esc_config {
@@ -67,6 +67,7 @@ typedef struct ect_esc {
     bool sii_valid;
     uint8_t sm_changed; /* SyncManagers whose activate register the PDI has yet to look at */
     uint32_t activity;
+    uint8_t scratch[ECT_ESC_MAX_FRAME]; /* what a datagram brought, or is about to be given: one user at a time */
 } ect_esc_t;
 
 /**

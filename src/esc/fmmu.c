@@ -11,9 +11,9 @@ enum { READS = 1, WRITES = 2, PIECE = 64, ADDRESS_SPACE = 0x10000 };
 
 /* One active FMMU, in bits, against one datagram. */
 typedef struct window {
-    uint64_t first_bit;    /* of the overlap, counted from the datagram's first data bit */
-    uint64_t bit_count;    /* of the overlap */
-    uint64_t physical_bit; /* where the overlap begins, counted from ESC address 0 */
+    uint32_t first_bit;    /* of the overlap, counted from the datagram's first data bit */
+    uint32_t bit_count;    /* of the overlap */
+    uint32_t physical_bit; /* where the overlap begins, counted from ESC address 0 */
 } window_t;
 
 static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, window_t *window)
@@ -30,26 +30,15 @@ static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, wind
     uint64_t last = end < frame_end ? end : frame_end;
     if (first >= last)
         return false;
-    window->first_bit = first - frame_start;
-    window->bit_count = last - first;
+    window->first_bit = (uint32_t)(first - frame_start);
+    window->bit_count = (uint32_t)(last - first);
     window->physical_bit =
-        ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) * 8ull + fmmu[ECT_FMMU_PHYSICAL_BIT] + (first - start);
+        ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) * 8u + fmmu[ECT_FMMU_PHYSICAL_BIT] + (uint32_t)(first - start);
     return true;
 }
 
-static void copy_bits(uint8_t *to, uint64_t to_bit, const uint8_t *from, uint64_t from_bit, uint64_t count)
-{
-    for (uint64_t i = 0; i < count; i++) {
-        unsigned int from_mask = 1u << ((from_bit + i) % 8);
-        unsigned int to_mask = 1u << ((to_bit + i) % 8);
-        uint8_t *byte = &to[(to_bit + i) / 8];
-        bool set = ((unsigned int)from[(from_bit + i) / 8] & from_mask) != 0;
-        *byte = (uint8_t)(set ? *byte | to_mask : *byte & ~to_mask);
-    }
-}
-
 /* Bytes of a window from `first` on that lie inside the address space. */
-static uint64_t inside(uint64_t first, uint64_t bytes)
+static uint32_t inside(uint32_t first, uint32_t bytes)
 {
     if (first >= ADDRESS_SPACE)
         return 0;
@@ -67,29 +56,29 @@ static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool wri
     };
     uint8_t buffer[PIECE] = {0};
     uint8_t mask[PIECE] = {0};
-    uint64_t shift = w->physical_bit % 8;
-    uint64_t first = w->physical_bit / 8;
-    uint64_t bytes = inside(first, (shift + w->bit_count + 7) / 8);
+    uint32_t shift = w->physical_bit % 8;
+    uint32_t first = w->physical_bit / 8;
+    uint32_t bytes = inside(first, (shift + w->bit_count + 7) / 8);
     if (bytes == 0)
         return false;
     ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = buffer, .mask = NULL};
-    copy_bits(buffer, shift, data, w->first_bit, w->bit_count); /* what cannot be read stays as it came */
+    ect_copy_bits(buffer, shift, data, w->first_bit, w->bit_count); /* what cannot be read stays as it came */
     if (write) {
-        copy_bits(mask, shift, ones, 0, w->bit_count);
+        ect_copy_bits(mask, shift, ones, 0, w->bit_count);
         access.mask = mask;
     }
     if (!ect_esc_access(esc, &access, (uint16_t)first, (uint16_t)bytes))
         return false;
     if (!write)
-        copy_bits(data, w->first_bit, buffer, shift, w->bit_count);
+        ect_copy_bits(data, w->first_bit, buffer, shift, w->bit_count);
     return true;
 }
 
 static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
 {
     if (w.first_bit % 8 == 0 && w.bit_count % 8 == 0 && w.physical_bit % 8 == 0) {
-        uint64_t first = w.physical_bit / 8;
-        uint64_t bytes = inside(first, w.bit_count / 8);
+        uint32_t first = w.physical_bit / 8;
+        uint32_t bytes = inside(first, w.bit_count / 8);
         if (bytes == 0)
             return false;
         ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = data + w.first_bit / 8};
@@ -98,7 +87,7 @@ static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
     bool any = false;
     while (w.bit_count > 0) {
         window_t piece = w;
-        uint64_t room = PIECE * 8u - w.physical_bit % 8;
+        uint32_t room = PIECE * 8u - w.physical_bit % 8;
         if (piece.bit_count > room)
             piece.bit_count = room;
         any |= move_bits(esc, data, &piece, write);
@@ -109,7 +98,7 @@ static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
     return any;
 }
 
-static window_t part(const window_t *w, uint64_t first_bit, uint64_t end_bit)
+static window_t part(const window_t *w, uint32_t first_bit, uint32_t end_bit)
 {
     return (window_t){.first_bit = first_bit,
                       .bit_count = end_bit - first_bit,
@@ -120,9 +109,9 @@ static window_t part(const window_t *w, uint64_t first_bit, uint64_t end_bit)
 static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, window_t w, bool write, const window_t *taken,
                            unsigned int count)
 {
-    uint64_t end = w.first_bit + w.bit_count;
+    uint32_t end = w.first_bit + w.bit_count;
     for (unsigned int i = 0; i < count; i++) {
-        uint64_t taken_end = taken[i].first_bit + taken[i].bit_count;
+        uint32_t taken_end = taken[i].first_bit + taken[i].bit_count;
         if (taken[i].first_bit >= end || taken_end <= w.first_bit)
             continue;
         bool any = false;
@@ -158,12 +147,14 @@ unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data
                                  bool write)
 {
     unsigned int done = 0;
-    uint8_t incoming[2048];
-    if (read && write)
+    uint8_t *incoming = data;
+    if (read && write) {
+        incoming = esc->scratch;
         memcpy(incoming, data, length);
+    }
     if (read && pass(esc, logical, data, length, false))
         done |= READS;
-    if (write && pass(esc, logical, read ? incoming : data, length, true))
+    if (write && pass(esc, logical, incoming, length, true))
         done |= WRITES;
     return done;
 }

@@ -109,37 +109,51 @@ static void or_into(uint8_t *to, const uint8_t *from, uint16_t length)
         to[i] |= from[i];
 }
 
+static bool read_physical(ect_esc_t *esc, uint8_t *to, uint16_t address, uint16_t length)
+{
+    ect_access_t access = {.side = ECT_SIDE_ECAT, .write = false, .data = to};
+    return ect_esc_access(esc, &access, address, length);
+}
+
+static bool write_physical(ect_esc_t *esc, uint8_t *from, uint16_t address, uint16_t length)
+{
+    ect_access_t access = {.side = ECT_SIDE_ECAT, .write = true, .data = from};
+    return ect_esc_access(esc, &access, address, length);
+}
+
+/* Reads and writes at once: what came in is written, after what stood there has been read. */
+static unsigned int exchange_physical(ect_esc_t *esc, uint8_t *data, uint16_t address, uint16_t length, bool or_read)
+{
+    uint8_t *scratch = esc->scratch;
+    uint16_t write_address = (uint16_t)(address + ect_load_le16(esc->memory + ECT_REG_RW_OFFSET));
+    if (or_read)
+        memset(scratch, 0, length);
+    else
+        memcpy(scratch, data, length);
+    unsigned int gain = read_physical(esc, or_read ? scratch : data, address, length) ? 1 : 0;
+    gain += write_physical(esc, or_read ? data : scratch, write_address, length) ? 2 : 0;
+    if (or_read)
+        or_into(data, scratch, length);
+    return gain;
+}
+
 /* Physical addressing. Returns what the working counter gains. */
 static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, request_t request)
 {
     uint8_t *data = d + DATA;
+    uint8_t *scratch = esc->scratch;
     uint16_t length = data_length(d);
     uint16_t address = ect_load_le16(d + ADO);
-    uint8_t incoming[2048];
-    uint8_t outgoing[2048];
-    bool read_write = request.read && request.write;
-    unsigned int gain = 0;
-    if (read_write)
-        memcpy(incoming, data, length);
-    if (request.read) {
-        uint8_t *to = data;
-        if (request.or_read) {
-            memset(outgoing, 0, length);
-            to = outgoing;
-        }
-        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = false, .data = to};
-        if (ect_esc_access(esc, &access, address, length))
-            gain += 1;
-        if (request.or_read)
-            or_into(data, outgoing, length);
-    }
-    if (request.write) {
-        uint16_t offset = read_write ? ect_load_le16(esc->memory + ECT_REG_RW_OFFSET) : 0;
-        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = true, .data = read_write ? incoming : data};
-        if (ect_esc_access(esc, &access, (uint16_t)(address + offset), length))
-            gain += read_write ? 2 : 1;
-    }
-    return gain;
+    if (request.read && request.write)
+        return exchange_physical(esc, data, address, length, request.or_read);
+    if (request.write)
+        return write_physical(esc, data, address, length) ? 1 : 0;
+    if (!request.or_read)
+        return read_physical(esc, data, address, length) ? 1 : 0;
+    memset(scratch, 0, length);
+    bool any = read_physical(esc, scratch, address, length);
+    or_into(data, scratch, length);
+    return any ? 1 : 0;
 }
 
 static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
@@ -152,18 +166,23 @@ static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
     return done != 0 ? 1 : 0;
 }
 
+static bool is_logical(uint8_t command)
+{
+    return command >= LRD && command <= LRW;
+}
+
 static unsigned int execute(ect_esc_t *esc, uint8_t *d)
 {
-    uint8_t command = d[COMMAND];
     uint16_t features = esc->config.personality->features;
     if (data_length(d) == 0)
         return 0;
-    if (command >= LRD && command <= LRW)
-        return command == LRW && (features & ECT_FEATURE_NO_LRW) != 0 ? 0 : access_logical(esc, d);
+    if (is_logical(d[COMMAND]))
+        return d[COMMAND] == LRW && (features & ECT_FEATURE_NO_LRW) != 0 ? 0 : access_logical(esc, d);
     request_t request = decide(esc, d);
-    if (request.read && request.write && (features & ECT_FEATURE_NO_RW) != 0)
+    if (!request.read && !request.write)
         return 0;
-    return request.read || request.write ? access_physical(esc, d, request) : 0;
+    bool refused = request.read && request.write && (features & ECT_FEATURE_NO_RW) != 0;
+    return refused ? 0 : access_physical(esc, d, request);
 }
 
 static void process_datagram(ect_esc_t *esc, uint8_t *d)
@@ -236,6 +255,16 @@ static ect_frame_result_t invalid(ect_esc_t *esc)
     return ECT_FRAME_DESTROYED;
 }
 
+static void process_datagrams(ect_esc_t *esc, uint8_t *datagram)
+{
+    bool more = true;
+    while (more) {
+        more = more_follow(datagram);
+        process_datagram(esc, datagram);
+        datagram += (size_t)HEADER + data_length(datagram) + TRAILER;
+    }
+}
+
 ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     (void)ect_esc_tick(esc, now_ns);
@@ -252,15 +281,9 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         return invalid(esc);
     if (at >= ETHERNET_HEADER + IP_AND_UDP)
         clear_udp_checksum(frame, at);
-    at += 2;
     if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
         frame[6] |= 0x02;
-    bool more = true;
-    while (more) {
-        more = more_follow(frame + at);
-        process_datagram(esc, frame + at);
-        at += (size_t)HEADER + data_length(frame + at) + TRAILER;
-    }
+    process_datagrams(esc, frame + at + 2);
     ect_esc_sii_end_of_frame(esc);
     return ECT_FRAME_FORWARD;
 }

@@ -12,7 +12,7 @@ typedef void (*read_fn)(ect_esc_t *esc, const ect_access_t *access, uint16_t add
 
 typedef struct block {
     uint16_t first;
-    uint16_t last;
+    uint16_t size;
     write_fn ecat_write; /* NULL: read-only for that side */
     write_fn pdi_write;
     read_fn after_read;
@@ -24,13 +24,18 @@ static bool write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return true;
 }
 
+/* The chip answers AL control itself: a device without a microcontroller. */
+static bool emulation(const ect_esc_t *esc)
+{
+    return (esc->memory[ECT_REG_PDI_CONTROL + 1] & 0x01) != 0;
+}
+
 static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    bool emulation = (esc->memory[ECT_REG_PDI_CONTROL + 1] & 0x01) != 0;
-    if (esc->al_control_locked && !emulation)
+    if (esc->al_control_locked && !emulation(esc))
         return false;
     write_plain(esc, access, address, length);
-    if (emulation) {
+    if (emulation(esc)) {
         memcpy(esc->memory + ECT_REG_AL_STATUS, esc->memory + ECT_REG_AL_CONTROL, 2);
         return true;
     }
@@ -51,7 +56,7 @@ static void read_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t
 
 static bool write_al_status(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if ((esc->memory[ECT_REG_PDI_CONTROL + 1] & 0x01) != 0)
+    if (emulation(esc))
         return false;
     uint8_t before[2];
     memcpy(before, esc->memory + ECT_REG_AL_STATUS, sizeof before);
@@ -127,14 +132,10 @@ static bool write_watchdog_counter(ect_esc_t *esc, const ect_access_t *access, u
     return clear_counters(esc, ECT_REG_WD_COUNTER_PD, ECT_REG_WD_COUNTER_PD + 2);
 }
 
-/* 0 switches it off, and what is off has not expired. */
 static bool write_watchdog_time(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     write_plain(esc, access, address, length);
-    if (ect_load_le16(esc->memory + ECT_REG_WD_TIME_PD) == 0) {
-        esc->memory[ECT_REG_WD_STATUS_PD] = 1;
-        esc->watchdog_ns = UINT64_MAX;
-    }
+    ect_esc_watchdog_time_written(esc);
     return true;
 }
 
@@ -160,57 +161,57 @@ static bool write_fmmu(ect_esc_t *esc, const ect_access_t *access, uint16_t addr
     return any;
 }
 
+enum { FMMU_BYTES = ECT_FMMU_SIZE * ECT_ESC_MAX_FMMU, SM_BYTES = ECT_SM_SIZE * ECT_ESC_MAX_SM };
+
 /* Ascending, not overlapping. */
 static const block_t blocks[] = {
-    {0x0010, 0x0011, write_plain, NULL, NULL},
-    {0x0012, 0x0013, NULL, write_plain, NULL},
-    {0x0100, 0x0103, write_dl_control, NULL, NULL},
-    {0x0108, 0x0109, write_plain, NULL, NULL},
-    {0x0110, 0x0111, NULL, NULL, read_dl_status},
-    {0x0120, 0x0121, write_al_control, NULL, read_al_control},
-    {0x0130, 0x0131, NULL, write_al_status, read_al_status},
-    {0x0134, 0x0135, NULL, write_plain, NULL},
-    {0x0138, 0x0139, write_plain, write_plain, NULL},
-    {0x0200, 0x0201, write_plain, NULL, NULL},
-    {0x0204, 0x0207, NULL, write_plain, NULL},
-    {0x0300, 0x030B, write_port_errors, NULL, NULL},
-    {0x030C, 0x030D, write_processing_error, NULL, NULL},
-    {0x0310, 0x0313, write_lost_link, NULL, NULL},
-    {0x0400, 0x0401, write_plain, NULL, NULL},
-    {0x0410, 0x0411, write_plain, NULL, NULL},
-    {0x0420, 0x0421, write_watchdog_time, NULL, NULL},
-    {0x0440, 0x0441, NULL, NULL, read_watchdog_status},
-    {0x0442, 0x0444, write_watchdog_counter, NULL, NULL},
-    {0x0500, 0x050F, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
-    {0x0600, 0x067F, write_fmmu, NULL, NULL},
-    {0x0800, 0x083F, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
-    {0x0900, 0x0903, ect_esc_dc_latch, NULL, NULL},
-    {0x0910, 0x0913, ect_esc_dc_compare, NULL, NULL},
-    {0x0920, 0x092B, ect_esc_dc_write_plain, NULL, NULL},
-    {0x0930, 0x0931, ect_esc_dc_write_speed, NULL, NULL},
-    {0x0934, 0x0935, ect_esc_dc_write_plain, NULL, NULL},
-    {0x0980, 0x0980, ect_esc_dc_write_plain, NULL, NULL},
-    {0x0981, 0x0981, ect_esc_dc_activate, NULL, NULL},
-    {0x098E, 0x098E, NULL, NULL, ect_esc_dc_acknowledge},
-    {0x0990, 0x0997, ect_esc_dc_write_plain, NULL, NULL},
-    {0x09A0, 0x09A9, ect_esc_dc_write_plain, NULL, NULL},
-    {0x0F00, 0x0F03, write_plain, NULL, NULL},
-    {0x0F10, 0x0F17, write_plain, write_plain, NULL},
-    {0x0F80, 0x0FFF, write_plain, write_plain, NULL},
+    {ECT_REG_STATION_ADDRESS, 2, write_plain, NULL, NULL},
+    {ECT_REG_STATION_ALIAS, 2, NULL, write_plain, NULL},
+    {ECT_REG_DL_CONTROL, 4, write_dl_control, NULL, NULL},
+    {ECT_REG_RW_OFFSET, 2, write_plain, NULL, NULL},
+    {ECT_REG_DL_STATUS, 2, NULL, NULL, read_dl_status},
+    {ECT_REG_AL_CONTROL, 2, write_al_control, NULL, read_al_control},
+    {ECT_REG_AL_STATUS, 2, NULL, write_al_status, read_al_status},
+    {ECT_REG_AL_STATUS_CODE, 2, NULL, write_plain, NULL},
+    {ECT_REG_LED_RUN, 2, write_plain, write_plain, NULL},
+    {ECT_REG_ECAT_EVENT_MASK, 2, write_plain, NULL, NULL},
+    {ECT_REG_AL_EVENT_MASK, 4, NULL, write_plain, NULL},
+    {ECT_REG_RX_ERROR, 12, write_port_errors, NULL, NULL},
+    {ECT_REG_PROCESSING_ERROR, 2, write_processing_error, NULL, NULL},
+    {ECT_REG_LOST_LINK, 4, write_lost_link, NULL, NULL},
+    {ECT_REG_WD_DIVIDER, 2, write_plain, NULL, NULL},
+    {ECT_REG_WD_TIME_PDI, 2, write_plain, NULL, NULL},
+    {ECT_REG_WD_TIME_PD, 2, write_watchdog_time, NULL, NULL},
+    {ECT_REG_WD_STATUS_PD, 2, NULL, NULL, read_watchdog_status},
+    {ECT_REG_WD_COUNTER_PD, 3, write_watchdog_counter, NULL, NULL},
+    {ECT_REG_SII_CONFIG, 16, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
+    {ECT_REG_FMMU, FMMU_BYTES, write_fmmu, NULL, NULL},
+    {ECT_REG_SM, SM_BYTES, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
+    {ECT_REG_DC_RECEIVE_TIME, 4, ect_esc_dc_latch, NULL, NULL},
+    {ECT_REG_DC_SYSTEM_TIME, 4, ect_esc_dc_compare, NULL, NULL},
+    {ECT_REG_DC_OFFSET, 12, ect_esc_dc_write_plain, NULL, NULL},
+    {ECT_REG_DC_SPEED_START, 2, ect_esc_dc_write_speed, NULL, NULL},
+    {ECT_REG_DC_FILTER, 2, ect_esc_dc_write_plain, NULL, NULL},
+    {ECT_REG_DC_CYCLIC_CONTROL, 1, ect_esc_dc_write_plain, NULL, NULL},
+    {ECT_REG_DC_ACTIVATION, 1, ect_esc_dc_activate, NULL, NULL},
+    {ECT_REG_DC_SYNC0_STATUS, 1, NULL, NULL, ect_esc_dc_acknowledge},
+    {ECT_REG_DC_START_TIME, 8, ect_esc_dc_write_plain, NULL, NULL},
+    {ECT_REG_DC_SYNC0_CYCLE, 10, ect_esc_dc_write_plain, NULL, NULL},
+    {ECT_REG_DIGITAL_OUTPUT, 4, write_plain, NULL, NULL},
+    {ECT_REG_GENERAL_OUTPUT, 8, write_plain, write_plain, NULL},
+    {ECT_REG_USER_RAM, ECT_RAM - ECT_REG_USER_RAM, write_plain, write_plain, NULL},
 };
 
 /* The unit of distributed clocks, but for the receive times, is absent without the feature bit. */
-enum { DC_FIRST = 0x0910, DC_END = 0x0A00 };
-
 static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint16_t end = (uint16_t)(address + length);
-    uint16_t hole_first = ect_esc_dc_present(esc) ? end : DC_FIRST;
-    uint16_t hole_end = ect_esc_dc_present(esc) ? end : DC_END;
+    uint16_t hole_first = ect_esc_dc_present(esc) ? end : ECT_REG_DC_SYSTEM_TIME;
+    uint16_t hole_end = ect_esc_dc_present(esc) ? end : ECT_REG_DC_END;
     uint16_t before = (uint16_t)(end < hole_first ? end : hole_first);
     uint16_t after = (uint16_t)(address > hole_end ? address : hole_end);
     bool any = false;
-    if (end > DC_FIRST && address < DC_END)
+    if (end > ECT_REG_DC_SYSTEM_TIME && address < ECT_REG_DC_END)
         ect_esc_dc_refresh(esc);
     if (before > address) {
         ect_esc_copy(access, esc->memory + address, 0, (uint16_t)(before - address));
@@ -223,30 +224,33 @@ static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t 
     return any;
 }
 
+/* What an access has to do with one block, `from` to `last`. Returns whether a write was taken. */
+static bool block_access(ect_esc_t *esc, const block_t *b, const ect_access_t *part, uint16_t from, uint16_t last)
+{
+    uint16_t size = (uint16_t)(last - from + 1);
+    write_fn write = part->side == ECT_SIDE_ECAT ? b->ecat_write : b->pdi_write;
+    if (part->write)
+        return write && write(esc, part, from, size);
+    if (b->after_read)
+        b->after_read(esc, part, from, size);
+    return false;
+}
+
 bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     if (length == 0)
         return false;
     uint16_t last = (uint16_t)(address + length - 1);
     bool any = access->write ? false : read_registers(esc, access, address, length);
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0] && blocks[i].first <= last; i++) {
         const block_t *b = &blocks[i];
-        if (b->first > last)
-            break;
-        if (b->last < address)
-            continue;
+        uint16_t block_last = (uint16_t)(b->first + b->size - 1);
         uint16_t from = b->first > address ? b->first : address;
-        uint16_t to = b->last < last ? b->last : last;
-        ect_access_t part = *access;
-        part.data += from - address;
-        if (part.mask)
-            part.mask += from - address;
-        uint16_t size = (uint16_t)(to - from + 1);
-        write_fn write = access->side == ECT_SIDE_ECAT ? b->ecat_write : b->pdi_write;
-        if (access->write && write)
-            any |= write(esc, &part, from, size);
-        else if (!access->write && b->after_read)
-            b->after_read(esc, &part, from, size);
+        uint16_t to = block_last < last ? block_last : last;
+        if (from > to)
+            continue;
+        ect_access_t part = ect_esc_slice(access, (uint16_t)(from - address));
+        any |= block_access(esc, b, &part, from, to);
     }
     return any;
 }

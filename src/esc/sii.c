@@ -60,11 +60,11 @@ void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
     if (!esc->sii_valid)
         return;
     memcpy(reg(esc, ECT_REG_PDI_CONTROL), sii, 2);
-    memcpy(reg(esc, 0x0150), sii + 2, 2);
+    memcpy(reg(esc, ECT_REG_PDI_CONFIG), sii + 2, 2);
     memcpy(reg(esc, ECT_REG_DC_PULSE_LENGTH), sii + 4, 2);
-    memcpy(reg(esc, 0x0152), sii + 6, 2);
-    memcpy(reg(esc, 0x0142), sii + 10, 2);
-    memcpy(reg(esc, 0x0144), sii + 12, 2);
+    memcpy(reg(esc, ECT_REG_PDI_EXTENDED), sii + 6, 2);
+    memcpy(reg(esc, ECT_REG_PDI_INFORMATION), sii + 10, 2);
+    memcpy(reg(esc, ECT_REG_PDI_INFORMATION_2), sii + 12, 2);
     if (power_on)
         memcpy(reg(esc, ECT_REG_STATION_ALIAS), sii + 8, 2);
 }
@@ -102,23 +102,25 @@ void ect_esc_sii_tick(ect_esc_t *esc)
         finish(esc);
 }
 
+/* The error bit with which a command is refused, or 0. */
+static unsigned int refusal(const ect_esc_t *esc, uint8_t command, bool write_enabled)
+{
+    if (command != COMMAND_READ && command != COMMAND_WRITE && command != COMMAND_RELOAD)
+        return COMMAND_ERROR;
+    if (command == COMMAND_WRITE && !write_enabled)
+        return WRITE_ENABLE_ERROR;
+    return esc->config.sii ? 0 : COMMAND_ERROR;
+}
+
 static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
 {
-    unsigned int flags = status(esc) & ~(unsigned int)(COMMAND | COMMAND_ERROR | WRITE_ENABLE_ERROR);
-    bool known = command == COMMAND_READ || command == COMMAND_WRITE || command == COMMAND_RELOAD;
-    if (command == COMMAND_IDLE || !known) {
-        set_status(esc, flags | (command == COMMAND_IDLE ? 0u : (unsigned int)COMMAND_ERROR));
-        return;
-    }
-    if (command == COMMAND_WRITE && !write_enabled) {
-        set_status(esc, flags | WRITE_ENABLE_ERROR);
-        return;
-    }
-    if (!esc->config.sii) {
-        set_status(esc, flags | COMMAND_ERROR);
-        return;
-    }
     const ect_esc_personality_t *p = esc->config.personality;
+    unsigned int flags = status(esc) & ~(unsigned int)(COMMAND | COMMAND_ERROR | WRITE_ENABLE_ERROR);
+    unsigned int error = command == COMMAND_IDLE ? 0 : refusal(esc, command, write_enabled);
+    if (command == COMMAND_IDLE || error != 0) {
+        set_status(esc, flags | error);
+        return;
+    }
     flags |= command == COMMAND_RELOAD ? (unsigned int)NOT_LOADED : 0u;
     set_status(esc, flags | BUSY | ((unsigned int)command << 8));
     esc->sii_command = command;

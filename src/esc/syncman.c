@@ -144,35 +144,50 @@ static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_
     return true;
 }
 
+/* Which byte of the memory a byte of the buffer is: of the one buffer, or of the side's own of the three. */
+static uint32_t buffer_address(const ect_esc_t *esc, unsigned int n, bool write, uint16_t offset)
+{
+    const uint8_t *sm = ect_esc_sm_registers(esc, n);
+    uint32_t buffer = write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
+    uint32_t first = is_mailbox(sm) ? 0 : buffer * sm_length(sm);
+    return ect_load_le16(sm + ECT_SM_START) + first + offset;
+}
+
+static bool open_buffer(ect_esc_t *esc, unsigned int n, const ect_access_t *access)
+{
+    return access->write ? open_write(esc, n, access->side) : open_read(esc, n, access->side);
+}
+
+static void close_buffer(ect_esc_t *esc, unsigned int n, const ect_access_t *access)
+{
+    esc->sm[n].open[access->side] = false;
+    if (access->write)
+        close_write(esc, n, access->side);
+    else
+        close_read(esc, n, access->side);
+}
+
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint16_t start = ect_load_le16(sm + ECT_SM_START);
     uint16_t size = sm_length(sm);
     if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
         return false;
     if (size == 1)
-        return access_transparent(esc, n, access, start);
+        return access_transparent(esc, n, access, ect_load_le16(sm + ECT_SM_START));
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
     if (producer != access->write)
         return false;
-    bool *open = &esc->sm[n].open[access->side];
     if (offset == 0)
-        *open = access->write ? open_write(esc, n, access->side) : open_read(esc, n, access->side);
-    if (!*open)
+        esc->sm[n].open[access->side] = open_buffer(esc, n, access);
+    if (!esc->sm[n].open[access->side])
         return false;
-    uint8_t buffer = access->write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
-    uint32_t at = (uint32_t)start + (is_mailbox(sm) ? 0u : (uint32_t)buffer * size) + offset;
+    uint32_t at = buffer_address(esc, n, access->write, offset);
     if (at + length > esc->memory_size)
         return false; /* a buffer of the three that lies beyond the RAM */
     ect_esc_copy(access, esc->memory + at, 0, length);
-    if (offset + length == size) {
-        *open = false;
-        if (access->write)
-            close_write(esc, n, access->side);
-        else
-            close_read(esc, n, access->side);
-    }
+    if (offset + length == size)
+        close_buffer(esc, n, access);
     return true;
 }
 

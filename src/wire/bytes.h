@@ -84,4 +84,20 @@ static inline void ect_store_be16(void *bytes, uint16_t value)
     b[1] = (uint8_t)value;
 }
 
+/**
+ * Copies `count` bits, least significant first (ETG.1000.4 §5): from bit `from_bit` of `from` on to bit `to_bit` of
+ * `to` on. Bits around them stay as they are; the two must not overlap.
+ */
+static inline void ect_copy_bits(uint8_t *to, unsigned int to_bit, const uint8_t *from, unsigned int from_bit,
+                                 unsigned int count)
+{
+    for (unsigned int i = 0; i < count; i++) {
+        unsigned int from_mask = 1u << ((from_bit + i) % 8);
+        unsigned int to_mask = 1u << ((to_bit + i) % 8);
+        uint8_t *byte = &to[(to_bit + i) / 8];
+        bool set = ((unsigned int)from[(from_bit + i) / 8] & from_mask) != 0;
+        *byte = (uint8_t)(set ? *byte | to_mask : *byte & ~to_mask);
+    }
+}
+
 #endif
