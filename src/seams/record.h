@@ -3,13 +3,14 @@
  * @file
  * Record: how data lie in a ::ect_storage_t so that a power cut at any moment leaves the record before.
  *
- * A bank holds one record: a header of 16 bytes (magic, sequence number, length, CRC-32 over sequence, length and data)
- * and its data. A new one goes into the bank that does not hold the newest; its header is written last and makes it
- * valid. Who uses it chooses the magic number, and with it what the data mean.
+ * A bank holds one record: a header of 16 bytes (magic, sequence number, length, CRC-32 over data, sequence and length)
+ * and its data. A new one goes into the bank that does not hold the newest; its header is written last, when the data
+ * are safe, and makes it valid. Who uses it chooses the magic number, and with it what the data mean.
  *
  * Reading: ::ect_record_find, then ::ect_record_get at any offset.
- * Writing: ::ect_record_find, ::ect_record_begin with the length, ::ect_record_put until all is there,
- * ::ect_record_commit.
+ * Writing: ::ect_record_find, ::ect_record_begin, ::ect_record_put until all is there, ::ect_record_commit. Who must
+ * not be held up by the medium writes a part at a time and, in place of the commit, asks ::ect_record_flush until it is
+ * done, then calls ::ect_record_seal, then asks ::ect_record_flush again.
  */
 #ifndef ECT_SEAMS_RECORD_H
 #define ECT_SEAMS_RECORD_H
@@ -26,18 +27,18 @@ enum { ECT_RECORD_HEADER = 16, ECT_RECORD_PIECE = 32 };
 typedef struct ect_record {
     const ect_storage_t *medium;
     uint32_t sequence;
-    uint32_t length; /**< of the data, bytes */
-    uint32_t check;
-    uint32_t at; /**< writing: where the next piece goes */
+    uint32_t length; /**< of the data, bytes; writing: so far */
+    uint32_t check;  /**< writing: of the data so far */
     unsigned int bank;
 } ect_record_t;
 
-static inline uint32_t ect_record_check_start(uint32_t sequence, uint32_t length)
+/** Check value of a whole record. @param data_crc  ::ect_crc32 of its data, begun with 0xFFFFFFFF */
+static inline uint32_t ect_record_check(uint32_t data_crc, uint32_t sequence, uint32_t length)
 {
     uint8_t bytes[8];
     ect_store_le32(bytes, sequence);
     ect_store_le32(bytes + 4, length);
-    return ect_crc32(0xFFFFFFFF, bytes, sizeof bytes);
+    return ect_crc32(data_crc, bytes, sizeof bytes);
 }
 
 /** Reads data of a found record; offset + length <= r->length. @return whether the medium answered */
@@ -51,14 +52,14 @@ static inline bool ect_record_get(const ect_record_t *r, uint32_t offset, void *
 static inline int ect_record_data_good(const ect_record_t *r)
 {
     uint8_t piece[ECT_RECORD_PIECE];
-    uint32_t crc = ect_record_check_start(r->sequence, r->length);
+    uint32_t crc = 0xFFFFFFFF;
     for (uint32_t at = 0; at < r->length; at += ECT_RECORD_PIECE) {
         uint32_t size = r->length - at < ECT_RECORD_PIECE ? r->length - at : ECT_RECORD_PIECE;
         if (!ect_record_get(r, at, piece, size))
             return -1;
         crc = ect_crc32(crc, piece, size);
     }
-    return crc == r->check;
+    return ect_record_check(crc, r->sequence, r->length) == r->check;
 }
 
 static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, uint32_t magic, ect_record_t *r)
@@ -103,42 +104,49 @@ static inline int ect_record_find(const ect_storage_t *m, uint32_t magic, ect_re
 }
 
 /**
- * Makes room for a record of `length` bytes in the other bank than `newest`, which ect_record_find has set.
- * @return whether it fits and the medium answers
+ * Begins a record in the other bank than `newest`, which ect_record_find has set.
+ * @return whether the medium answers
  */
-static inline bool ect_record_begin(ect_record_t *r, const ect_record_t *newest, uint32_t length)
+static inline bool ect_record_begin(ect_record_t *r, const ect_record_t *newest)
 {
     const ect_storage_t *m = newest->medium;
-    *r = (ect_record_t){.medium = m,
-                        .bank = newest->bank ^ 1u,
-                        .sequence = newest->sequence + 1,
-                        .length = length,
-                        .check = ect_record_check_start(newest->sequence + 1, length),
-                        .at = ECT_RECORD_HEADER};
-    return length <= m->bank_size - ECT_RECORD_HEADER && m->erase(m->ctx, r->bank) >= 0;
+    *r = (ect_record_t){.medium = m, .bank = newest->bank ^ 1u, .sequence = newest->sequence + 1, .check = 0xFFFFFFFF};
+    return m->erase(m->ctx, r->bank) >= 0;
 }
 
-/** Writes the next piece of data. @return whether the medium answered */
+/** Writes the next piece of data. @return whether there is room and the medium answered */
 static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t length)
 {
-    if (r->medium->write(r->medium->ctx, r->bank, r->at, data, length) < 0)
+    const ect_storage_t *m = r->medium;
+    uint32_t at = ECT_RECORD_HEADER + r->length;
+    if (length > m->bank_size - at || m->write(m->ctx, r->bank, at, data, length) < 0)
         return false;
     r->check = ect_crc32(r->check, data, length);
-    r->at += length;
+    r->length += length;
     return true;
 }
 
-/** Makes the record the newest one. @return whether all of its data are there and the medium answered */
-static inline bool ect_record_commit(const ect_record_t *r, uint32_t magic)
+/** Makes safe what was put, or sealed. @return as ect_storage_t::flush */
+static inline int ect_record_flush(const ect_record_t *r, bool wait)
+{
+    return r->medium->flush ? r->medium->flush(r->medium->ctx, r->bank, wait) : 0;
+}
+
+/** Makes the record, whose data are safe, the newest one. @return whether the medium answered */
+static inline bool ect_record_seal(const ect_record_t *r, uint32_t magic)
 {
     uint8_t header[ECT_RECORD_HEADER];
-    if (r->at != ECT_RECORD_HEADER + r->length)
-        return false;
     ect_store_le32(header, magic);
     ect_store_le32(header + 4, r->sequence);
     ect_store_le32(header + 8, r->length);
-    ect_store_le32(header + 12, r->check);
+    ect_store_le32(header + 12, ect_record_check(r->check, r->sequence, r->length));
     return r->medium->write(r->medium->ctx, r->bank, 0, header, ECT_RECORD_HEADER) >= 0;
+}
+
+/** Makes the record the newest one, and waits until it is safe. @return whether it is */
+static inline bool ect_record_commit(const ect_record_t *r, uint32_t magic)
+{
+    return ect_record_flush(r, true) == 0 && ect_record_seal(r, magic) && ect_record_flush(r, true) == 0;
 }
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Store and restore, 1010h and 1011h. The record's data are, for each entry with ECT_ACCESS_BACKUP, its address, its size
- * and its wire form. Restoring the defaults stores a record without entries.
+ * Store and restore, 1010h and 1011h. The record's data are, for each entry with ECT_ACCESS_BACKUP, its address, its
+ * size and its wire form. Restoring the defaults stores a record without entries.
  */
 #include "seams/record.h"
 #include "slave/internal.h"
@@ -30,17 +30,12 @@ static bool put_entry(const ect_slave_t *s, ect_record_t *r, uint16_t index, con
     return true;
 }
 
-/* Puts all entries, or with `r` NULL only adds up how long they are. */
-static bool walk(const ect_slave_t *s, ect_record_t *r, uint32_t *length)
+static bool put_all(const ect_slave_t *s, ect_record_t *r)
 {
-    *length = 0;
     for (uint16_t i = 0; i < s->od.count; i++) {
         const ect_object_t *object = &s->od.objects[i];
         for (const ect_entry_t *entry = object->entries; entry; entry = ect_od_next(object, entry)) {
-            if ((entry->access & ECT_ACCESS_BACKUP) == 0)
-                continue;
-            *length += ENTRY_HEADER + (uint32_t)ect_od_bytes(entry);
-            if (r && !put_entry(s, r, object->index, entry))
+            if ((entry->access & ECT_ACCESS_BACKUP) != 0 && !put_entry(s, r, object->index, entry))
                 return false;
         }
     }
@@ -51,12 +46,9 @@ static ect_reason_t store(const ect_slave_t *s, bool with_entries)
 {
     const ect_storage_t *m = s->config.storage;
     ect_record_t newest, r;
-    uint32_t length = 0;
     if (!m || m->bank_size < ECT_RECORD_HEADER)
         return ECT_REASON_STORE;
-    if (with_entries)
-        (void)walk(s, NULL, &length);
-    if (ect_record_find(m, MAGIC, &newest) < 0 || !ect_record_begin(&r, &newest, length) || (with_entries && !walk(s, &r, &length)) ||
+    if (ect_record_find(m, MAGIC, &newest) < 0 || !ect_record_begin(&r, &newest) || (with_entries && !put_all(s, &r)) ||
         !ect_record_commit(&r, MAGIC))
         return ECT_REASON_HARDWARE;
     return ECT_OK;

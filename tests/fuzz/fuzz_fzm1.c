@@ -68,8 +68,8 @@ static void spoil(const uint8_t *data, size_t size)
     uint8_t *bank = banks[ect_load_le32(banks[0]) == 0xFFFFFFFF ? 1 : 0];
     uint32_t length = ect_load_le32(bank + 8);
     memcpy(bank + ECT_RECORD_HEADER, data, size);
-    uint32_t crc = ect_record_check_start(ect_load_le32(bank + 4), length);
-    ect_store_le32(bank + 12, ect_crc32(crc, bank + ECT_RECORD_HEADER, length));
+    uint32_t crc = ect_crc32(0xFFFFFFFF, bank + ECT_RECORD_HEADER, length);
+    ect_store_le32(bank + 12, ect_record_check(crc, ect_load_le32(bank + 4), length));
 }
 
 static void set_signal(const uint8_t *b, uint64_t now_ns)

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "seams/record.h"
 #include "support/sensor.h"
-#include "wire/crc.h"
 
 static sensor_t s;
 static sensor_memory_t memory;
@@ -218,8 +218,8 @@ static void seal(unsigned int bank)
 {
     uint8_t *b = memory.bank[bank];
     uint32_t length = ect_load_le32(b + 8);
-    uint32_t crc = ect_crc32(0xFFFFFFFF, b + 4, 8);
-    ect_store_le32(b + 12, ect_crc32(crc, b + 16, length));
+    uint32_t crc = ect_crc32(0xFFFFFFFF, b + ECT_RECORD_HEADER, length);
+    ect_store_le32(b + 12, ect_record_check(crc, ect_load_le32(b + 4), length));
 }
 
 /* A record whose check value is right and whose content is not: each byte of the system data and of a scene. */

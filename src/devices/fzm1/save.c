@@ -160,13 +160,11 @@ bool fzm1_save(fzm1_t *u)
     int found = find_record(u, &from);
     if (found < 0)
         return false;
-    uint32_t before = found > 0 ? from.length : (uint32_t)SYSTEM;
-    uint32_t own = found > 0 ? find_group(&from, u->scene_group) : before;
+    uint32_t own = found > 0 ? find_group(&from, u->scene_group) : 0;
     u->scenes[u->scene_number] = u->scene;
     pack_system(u, system);
-    return ect_record_begin(&to, &from, before + (own == before ? (uint32_t)GROUP : 0)) &&
-           ect_record_put(&to, system, SYSTEM) && (found == 0 || copy_others(&from, own, &to)) && put_group(u, &to) &&
-           ect_record_commit(&to, MAGIC);
+    return ect_record_begin(&to, &from) && ect_record_put(&to, system, SYSTEM) &&
+           (found == 0 || copy_others(&from, own, &to)) && put_group(u, &to) && ect_record_commit(&to, MAGIC);
 }
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
