@@ -73,6 +73,7 @@ static bool make_slave(twin_t *twin)
         .mailbox = allocate(twin, need.mailbox),
         .process_data = allocate(twin, need.process_data),
         .runs = allocate(twin, need.runs * sizeof(ect_pdo_run_t)),
+        .run_count = (uint16_t)need.runs,
     };
     return true;
 }

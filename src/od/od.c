@@ -196,17 +196,17 @@ ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t
     return ECT_OK;
 }
 
-const ect_limit_t *ect_od_limit(const ect_od_t *od, uint16_t index, uint8_t subindex)
+const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t subindex)
 {
     uint32_t key = ((uint32_t)index << 8) | subindex;
     uint16_t low = 0;
-    uint16_t high = od->limits ? od->limit_count : 0;
+    uint16_t high = od->details ? od->detail_count : 0;
     while (low < high) {
         uint16_t middle = (uint16_t)(low + (high - low) / 2);
-        const ect_limit_t *limit = &od->limits[middle];
-        uint32_t here = ((uint32_t)limit->index << 8) | limit->subindex;
+        const ect_detail_t *detail = &od->details[middle];
+        uint32_t here = ((uint32_t)detail->index << 8) | detail->subindex;
         if (here == key)
-            return limit;
+            return detail;
         if (here < key)
             low = (uint16_t)(middle + 1);
         else
@@ -230,9 +230,9 @@ static bool is_integer(const ect_entry_t *entry)
 
 ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_entry_t *entry, const void *bytes)
 {
-    const ect_limit_t *limit = ect_od_limit(od, index, (uint8_t)entry->subindex);
+    const ect_detail_t *limit = ect_od_detail(od, index, (uint8_t)entry->subindex);
     uint16_t size = ect_od_bytes(entry);
-    if (!limit || !is_integer(entry))
+    if (!limit || limit->minimum == limit->maximum || !is_integer(entry))
         return ECT_OK;
     uint8_t wire[8] = {0};
     memcpy(wire, bytes, size);

@@ -84,7 +84,7 @@ typedef struct ect_entry {
     uint16_t bit_length; /**< on the wire; strings: 8 × their room; 0: length known to the device's hook only */
     uint16_t access;     /**< ECT_ACCESS_... */
     const char *name;    /**< may be NULL; zero-terminated, shared */
-    uint32_t value;      /**< default; what an entry without data reads as */
+    uint32_t value;      /**< default, unless ect_detail_t::initial says it; what an entry without data reads as */
     void *data;          /**< address, or offset into the instance (ECT_OFFSET) */
 } ect_entry_t;
 
@@ -99,20 +99,28 @@ typedef struct ect_object {
 } ect_object_t;
 
 /** What SOES's descriptor has no field for; a second table beside the list, sorted by index, then sub-index. */
-typedef struct ect_limit {
+typedef struct ect_detail {
     uint16_t index;
     uint8_t subindex;
-    uint16_t unit; /**< ETG.1004 unit code, 0 none */
-    int64_t minimum;
-    int64_t maximum;
-} ect_limit_t;
+    uint16_t unit;   /**< ETG.1004 unit code, 0 none */
+    int64_t minimum; /**< inclusive; minimum == maximum: no limits */
+    int64_t maximum; /**< inclusive */
+    const void
+        *initial; /**< default longer than 32 bits: ect_od_bytes() of wire form, texts zero-terminated; or NULL */
+} ect_detail_t;
+
+/** An element of the second table: unit and limits of a number. */
+#define ECT_LIMITS(index, subindex, unit, minimum, maximum)                                                            \
+    {                                                                                                                  \
+        index, subindex, unit, minimum, maximum, NULL                                                                  \
+    }
 
 /** An object list together with the instance that it describes. A small value: copy it freely. */
 typedef struct ect_od {
     const ect_object_t *objects;
     uint16_t count;
-    const ect_limit_t *limits; /**< may be NULL */
-    uint16_t limit_count;
+    const ect_detail_t *details; /**< may be NULL */
+    uint16_t detail_count;
     void *base; /**< the instance that `data` offsets count from; NULL: `data` are addresses */
 } ect_od_t;
 
@@ -247,11 +255,11 @@ void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, 
 ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, const void *buffer,
                           uint16_t length);
 
-/** The limit of an entry, or NULL. Binary search. */
-const ect_limit_t *ect_od_limit(const ect_od_t *od, uint16_t index, uint8_t subindex);
+/** What the second table says of an entry, or NULL. Binary search. */
+const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t subindex);
 
 /**
- * Checks a new value, given in wire form, against the limits table.
+ * Checks a new value, given in wire form, against the limits in the second table.
  * @param bytes  ect_od_bytes(entry) bytes, little-endian
  * @return ECT_OK (also for entries without a limit and for non-numbers) · ECT_REASON_TOO_HIGH · ECT_REASON_TOO_LOW
  */

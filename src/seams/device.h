@@ -22,6 +22,7 @@
 #include <stdint.h>
 
 #include "od/od.h"
+#include "od/pdo.h"
 #include "seams/al_status.h"
 #include "seams/services.h"
 #include "seams/storage.h"
@@ -78,15 +79,36 @@ typedef struct ect_identity {
     uint32_t serial;
 } ect_identity_t;
 
-/** One SyncManager of the layout. SM0/SM1 are the mailboxes, SM2 outputs, SM3 inputs; the array index is the number. */
+/** The most that any ESC has. */
+enum { ECT_SMS = 8, ECT_FMMUS = 8 };
+
+/**
+ * One SyncManager of the layout; the array index is its number. With a mailbox, SM0 is the one to and SM1 the one from
+ * the slave; all others, without a mailbox all, may have any role, several the same. What outputs and inputs hold is
+ * said by their assignments, object 1C10h + number: their length is the sum of the PDOs assigned there.
+ */
 typedef struct ect_sm {
     uint16_t start;   /**< ESC address */
-    uint16_t length;  /**< bytes; for process data 0: the sum of the assigned PDOs */
+    uint16_t length;  /**< bytes of a mailbox; process data: 0, for their PDOs say it (::ect_device_sm_bytes) */
     uint16_t minimum; /**< mailboxes: smallest length a master may choose; 0: exactly `length` */
-    uint16_t maximum; /**< mailboxes: largest one, and the room that the stack's buffers must have */
+    uint16_t maximum; /**< largest one that a master may choose, or that a mapping that can be changed may come to; 0:
+                         none larger than by default */
     uint8_t control;  /**< control register: 0x26, 0x22, 0x64 (watchdog), 0x20 ... */
     uint8_t type;     /**< ECT_SM_... */
 } ect_sm_t;
+
+/** Properties of a PDO, as in the SII. */
+enum { ECT_PDO_MANDATORY = 0x0001, ECT_PDO_FIXED = 0x0010, ECT_PDO_VIRTUAL = 0x0020 };
+
+/**
+ * What ESI and SII say of a PDO and its objects do not. Without it, a PDO is fixed when no entry of its mapping can be
+ * written, and mandatory when it is fixed and so is the assignment that it stands in.
+ */
+typedef struct ect_pdo {
+    uint16_t index;           /**< of the mapping object */
+    uint16_t flags;           /**< ECT_PDO_... */
+    const uint16_t *excludes; /**< PDOs that cannot be assigned together with it, 0 at the end; NULL: none */
+} ect_pdo_t;
 
 /** A mailbox of the BOOT state, SII words 0x14..0x17. */
 typedef struct ect_boot_mailbox {
@@ -99,15 +121,21 @@ typedef struct ect_dc_mode {
     const char *name;
     const char *description;
     uint16_t assign_activate; /**< 0 free run or SM-synchronous, 0x0300 SYNC0 */
-    uint32_t cycle_sync0_ns;  /**< 0: the bus cycle */
+    uint32_t cycle_sync0_ns;  /**< 0: `factor_sync0` times the bus cycle */
+    int16_t factor_sync0;     /**< 0: once; negative: so many SYNC0 in a bus cycle */
+    int16_t factor_sync1;     /**< SYNC1 every so many SYNC0; 0: no SYNC1 of its own */
+    int32_t shift_sync0_ns;
+    int32_t shift_sync1_ns;
 } ect_dc_mode_t;
 
-/** How long the device may take for a transition, milliseconds (ESI `<Timeout>`). */
+/** How long the device may take for a transition or a mail, milliseconds (ESI `<Timeout>`); 0: the master's default. */
 typedef struct ect_timeouts {
     uint16_t preop_ms;
     uint16_t safeop_op_ms;
     uint16_t back_to_init_ms;
     uint16_t back_to_safeop_ms;
+    uint16_t mailbox_request_ms;  /**< until a request can be put into its mailbox */
+    uint16_t mailbox_response_ms; /**< until the reply is there */
 } ect_timeouts_t;
 
 /** Synchronisation abilities, 1C32h/1C33h. All zero: free run only. */
@@ -160,12 +188,18 @@ typedef struct ect_host {
 /** Returned by ::ect_device_t::state_change to delay the answer until ::ect_host_t::transition_done. */
 #define ECT_AL_PENDING 0xFFFFu
 
-/** The description of a product. */
+/**
+ * The description of a product. A member that is left out, 0 or NULL, means what its line says, else nothing. Constant
+ * and shared by all twins of the product; a description made at run time lives as long as they do.
+ * `ect_device_check` (check/check.h) says in a line what is wrong with one.
+ */
 typedef struct ect_device {
     /* --- who it is ------------------------------------------------------------------------------------------- */
     const char *name;       /**< command-line name: lower case, digits, hyphen */
     const char *summary;    /**< one line for `ectwin list` */
-    const char *type_name;  /**< 1008h, ESI `<Type>` and SII name; at most 40 characters */
+    const char *vendor_name; /**< ESI `<Vendor>` */
+    const char *type_name;   /**< 1008h, ESI `<Type>`, SII order code; at most 40 characters */
+    const char *full_name;   /**< ESI `<Name>`, SII name; NULL: `type_name` */
     const char *group_type; /**< ESI and SII group */
     const char *group_name;
     const char *hardware_version; /**< 1009h */
@@ -176,15 +210,17 @@ typedef struct ect_device {
     const char *esc;        /**< personality of the ESC: "np40", "et1100", "lan9252" */
     uint8_t esc_config[14]; /**< SII words 0..6, ESI ConfigData */
     uint16_t sii_size;      /**< bytes of the EEPROM: a multiple of 128 */
-    ect_sm_t sm[4];
+    const uint8_t *sii;     /**< the EEPROM's content, `sii_size` bytes; NULL: written from this description */
+    ect_sm_t sm[ECT_SMS];
     uint8_t sm_count;
-    uint8_t fmmu[4]; /**< ECT_FMMU_... */
+    uint8_t fmmu[ECT_FMMUS]; /**< ECT_FMMU_... */
     uint8_t fmmu_count;
     ect_boot_mailbox_t boot_out; /**< length 0: no BOOT state */
     ect_boot_mailbox_t boot_in;
     uint8_t mailbox_protocols; /**< ECT_MAILBOX_... */
     uint8_t coe_details;       /**< ECT_COE_... */
     const char *physics;       /**< ESI `Physics`, a letter a port: "YY" */
+    int16_t ebus_ma;           /**< what it takes from the E-bus, negative: what it feeds */
     const ect_dc_mode_t *dc_modes;
     uint8_t dc_mode_count;
     ect_sync_t sync;
@@ -193,13 +229,16 @@ typedef struct ect_device {
     /* --- what it offers -------------------------------------------------------------------------------------- */
     const ect_object_t *objects;
     uint16_t object_count;
-    const ect_limit_t *limits;
-    uint16_t limit_count;
+    const ect_detail_t *details; /**< units, limits, long defaults of entries */
+    uint16_t detail_count;
+    const ect_pdo_t *pdos; /**< of those PDOs for which the rule of ::ect_pdo_t does not do, in any order */
+    uint8_t pdo_count;
     const ect_service_t *const *services; /**< NULL-terminated list of the object services it needs; NULL: none */
 
     /* --- how it behaves -------------------------------------------------------------------------------------- */
     size_t instance_size; /**< bytes of instance memory that the caller provides, aligned as by malloc */
-    uint16_t pdo_runs;    /**< contiguous pieces that its largest process image falls into, both directions */
+    const void
+        *context; /**< the device's own: what its functions need beside the instance, whose first member leads here */
 
     /**
      * Power-on: brings instance memory, zeroed but for what outlasts it (plant.h), to its start values.
@@ -246,5 +285,39 @@ typedef struct ect_device {
     /** AL status got its error flag, with this code; or lost it (code 0). */
     void (*al_error)(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 } ect_device_t;
+
+/** Its object list over an instance; NULL: only the list is looked at. */
+static inline ect_od_t ect_device_od(const ect_device_t *device, void *instance)
+{
+    return (ect_od_t){.objects = device->objects,
+                      .count = device->object_count,
+                      .details = device->details,
+                      .detail_count = device->detail_count,
+                      .base = instance};
+}
+
+/** Whether SyncManager n carries process data. */
+static inline bool ect_device_sm_is_process(const ect_device_t *device, unsigned int n)
+{
+    return n < device->sm_count && (device->sm[n].type == ECT_SM_OUTPUTS || device->sm[n].type == ECT_SM_INPUTS);
+}
+
+/** Bytes of SyncManager n as a master finds it by default: a mailbox's length, or what the assigned PDOs come to. */
+static inline uint16_t ect_device_sm_bytes(const ect_device_t *device, unsigned int n)
+{
+    ect_od_t od = ect_device_od(device, NULL);
+    if (n >= device->sm_count)
+        return 0;
+    return ect_device_sm_is_process(device, n) ? (uint16_t)((ect_od_sm_bits(&od, n) + 7) / 8) : device->sm[n].length;
+}
+
+/** Bytes that its SyncManagers of a type (ECT_SM_OUTPUTS, ECT_SM_INPUTS) hold together by default. */
+static inline uint16_t ect_device_bytes(const ect_device_t *device, uint8_t type)
+{
+    unsigned int bytes = 0;
+    for (unsigned int n = 0; n < device->sm_count; n++)
+        bytes += device->sm[n].type == type ? ect_device_sm_bytes(device, n) : 0u;
+    return (uint16_t)bytes;
+}
 
 #endif

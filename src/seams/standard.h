@@ -18,6 +18,9 @@
 #ifndef ECTWIN_VENDOR_ID
 #define ECTWIN_VENDOR_ID 0x00000E57u
 #endif
+#ifndef ECTWIN_VENDOR_NAME
+#define ECTWIN_VENDOR_NAME "ectwin"
+#endif
 
 /** What every instance begins with. */
 typedef struct ect_standard {

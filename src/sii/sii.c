@@ -7,7 +7,7 @@
 #include "wire/bytes.h"
 #include "wire/crc.h"
 
-enum { FIRST_RXPDO = 0x1600, END_RXPDO = 0x1800, FIRST_TXPDO = 0x1A00, END_TXPDO = 0x1C00, LONGEST_STRING = 255 };
+enum { LONGEST_STRING = 255 };
 
 /* --- writing: a pen that stops at the end of the EEPROM ---------------------------------------------------------- */
 
@@ -89,59 +89,58 @@ static void intern(pen_t *p, const char *text)
 
 /* --- PDOs -------------------------------------------------------------------------------------------------------- */
 
-static ect_od_t dictionary(const ect_device_t *device)
-{
-    return (ect_od_t){.objects = device->objects, .count = device->object_count};
-}
-
 static bool is_pdo(const ect_object_t *object, bool outputs)
 {
-    return outputs ? object->index >= FIRST_RXPDO && object->index < END_RXPDO
-                   : object->index >= FIRST_TXPDO && object->index < END_TXPDO;
+    return outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index);
 }
 
-/* The entry that a mapping value names; NULL for a gap. */
-static const ect_entry_t *mapped(const ect_device_t *device, uint32_t mapping)
+/* SyncManager that a PDO is assigned to by default; 0xFF: none. */
+static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo)
 {
-    ect_od_t od = dictionary(device);
-    const ect_object_t *object = NULL;
-    const ect_entry_t *entry = NULL;
-    if (mapping >> 16 == 0 ||
-        ect_od_lookup(&od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry) != ECT_OK)
-        return NULL;
-    return entry;
-}
-
-/* Default of element `n` of a mapping or assignment object; 0 where it has none. */
-static uint32_t element(const ect_object_t *object, uint32_t n)
-{
-    const ect_entry_t *entry = n <= 255 ? ect_od_entry(object, (uint8_t)n) : NULL;
-    return entry ? entry->value : 0;
-}
-
-/* SyncManager that a PDO is assigned to by default; 0xFF: none. Defaults stand in the entries' `value`. */
-static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo, bool outputs)
-{
-    ect_od_t od = dictionary(device);
-    const ect_object_t *assignment = ect_od_find(&od, outputs ? 0x1C12 : 0x1C13);
-    uint32_t count = assignment ? assignment->entries[0].value : 0;
-    for (uint32_t i = 1; i <= count; i++) {
-        if (element(assignment, i) == pdo)
-            return outputs ? 2 : 3;
+    ect_od_t od = ect_device_od(device, NULL);
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + sm));
+        for (uint32_t i = 1; ect_device_sm_is_process(device, sm) && i <= ect_od_element(assignment, 0); i++) {
+            if (ect_od_element(assignment, i) == pdo)
+                return (uint8_t)sm;
+        }
     }
     return 0xFF;
+}
+
+static bool is_constant(const ect_object_t *object)
+{
+    for (const ect_entry_t *e = object ? object->entries : NULL; e; e = ect_od_next(object, e)) {
+        if ((e->access & ECT_ACCESS_WO) != 0)
+            return false;
+    }
+    return true;
+}
+
+static uint16_t pdo_flags(const ect_device_t *device, const ect_object_t *pdo, uint8_t sm)
+{
+    ect_od_t od = ect_device_od(device, NULL);
+    for (unsigned int i = 0; i < device->pdo_count; i++) {
+        if (device->pdos[i].index == pdo->index)
+            return device->pdos[i].flags;
+    }
+    if (!is_constant(pdo))
+        return 0;
+    bool mandatory = sm != 0xFF && is_constant(ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + sm)));
+    return mandatory ? ECT_PDO_FIXED | ECT_PDO_MANDATORY : ECT_PDO_FIXED;
 }
 
 static void intern_pdos(pen_t *p)
 {
     const ect_device_t *device = p->device;
+    ect_od_t od = ect_device_od(device, NULL);
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *object = &device->objects[i];
         if (!is_pdo(object, true) && !is_pdo(object, false))
             continue;
         intern(p, object->name);
-        for (uint32_t n = 1; n <= object->entries[0].value; n++) {
-            const ect_entry_t *entry = mapped(device, element(object, n));
+        for (uint32_t n = 1; n <= ect_od_element(object, 0); n++) {
+            const ect_entry_t *entry = ect_od_mapped(&od, ect_od_element(object, n));
             intern(p, entry ? entry->name : NULL);
         }
     }
@@ -149,7 +148,8 @@ static void intern_pdos(pen_t *p)
 
 static void put_pdo_entry(pen_t *p, uint32_t mapping)
 {
-    const ect_entry_t *entry = mapped(p->device, mapping);
+    ect_od_t od = ect_device_od(p->device, NULL);
+    const ect_entry_t *entry = ect_od_mapped(&od, mapping);
     put16(p, mapping >> 16);
     put8(p, (mapping >> 8) & 0xFF);
     put8(p, entry ? string_index(p, entry->name) : 0);
@@ -160,9 +160,7 @@ static void put_pdo_entry(pen_t *p, uint32_t mapping)
 
 static void put_pdos(pen_t *p, bool outputs)
 {
-    enum { FIXED = 0x0010, MANDATORY = 0x0001 };
     const ect_device_t *device = p->device;
-    bool fixed = (device->coe_details & ECT_COE_PDO_CONFIG) == 0;
     bool any = false;
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *object = &device->objects[i];
@@ -171,14 +169,15 @@ static void put_pdos(pen_t *p, bool outputs)
         if (!any)
             begin(p, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO);
         any = true;
+        uint8_t sm = assigned_sm(device, object->index);
         put16(p, object->index);
-        put8(p, object->entries[0].value);
-        put8(p, assigned_sm(device, object->index, outputs));
+        put8(p, ect_od_element(object, 0));
+        put8(p, sm);
         put8(p, 0);
         put8(p, string_index(p, object->name));
-        put16(p, fixed ? (unsigned int)(FIXED | MANDATORY) : 0u);
-        for (uint32_t n = 1; n <= object->entries[0].value; n++)
-            put_pdo_entry(p, element(object, n));
+        put16(p, pdo_flags(device, object, sm));
+        for (uint32_t n = 1; n <= ect_od_element(object, 0); n++)
+            put_pdo_entry(p, ect_od_element(object, n));
     }
     if (any)
         end(p, 0);
@@ -196,6 +195,17 @@ static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
     return &none;
 }
 
+/* What an installation may override. */
+static void put_identity(uint8_t *w, const ect_identity_t *identity, uint16_t alias)
+{
+    ect_store_le16(w + 8, alias);
+    w[14] = ect_sii_checksum(w);
+    ect_store_le32(w + 0x10, identity->vendor_id);
+    ect_store_le32(w + 0x14, identity->product_code);
+    ect_store_le32(w + 0x18, identity->revision);
+    ect_store_le32(w + 0x1C, identity->serial);
+}
+
 static void put_header(pen_t *p, const ect_identity_t *identity, uint16_t alias)
 {
     const ect_device_t *device = p->device;
@@ -204,12 +214,7 @@ static void put_header(pen_t *p, const ect_identity_t *identity, uint16_t alias)
     const ect_sm_t *in = find_sm(device, ECT_SM_MAILBOX_IN);
     memset(w, 0, ECT_SII_CATEGORIES);
     memcpy(w, device->esc_config, sizeof device->esc_config);
-    ect_store_le16(w + 8, alias);
-    w[14] = ect_sii_checksum(w);
-    ect_store_le32(w + 0x10, identity->vendor_id);
-    ect_store_le32(w + 0x14, identity->product_code);
-    ect_store_le32(w + 0x18, identity->revision);
-    ect_store_le32(w + 0x1C, identity->serial);
+    put_identity(w, identity, alias);
     ect_store_le16(w + 0x28, device->boot_out.start);
     ect_store_le16(w + 0x2A, device->boot_out.length);
     ect_store_le16(w + 0x2C, device->boot_in.start);
@@ -224,6 +229,11 @@ static void put_header(pen_t *p, const ect_identity_t *identity, uint16_t alias)
     p->at = ECT_SII_CATEGORIES;
 }
 
+static const char *name_of(const ect_device_t *device)
+{
+    return device->full_name ? device->full_name : device->type_name;
+}
+
 /* The device's name is string 1: some masters take that for the name without asking. */
 static void put_strings(pen_t *p)
 {
@@ -231,6 +241,7 @@ static void put_strings(pen_t *p)
     begin(p, ECT_SII_STRINGS);
     p->strings = p->at;
     put8(p, 0);
+    intern(p, name_of(device));
     intern(p, device->type_name);
     intern(p, device->group_type);
     intern(p, device->group_name);
@@ -259,7 +270,7 @@ static void put_general(pen_t *p, uint16_t alias)
     put8(p, string_index(p, device->group_type));
     put8(p, 0);
     put8(p, string_index(p, device->type_name));
-    put8(p, string_index(p, device->type_name));
+    put8(p, string_index(p, name_of(device)));
     put8(p, 0);
     put8(p, device->coe_details);
     put8(p, (device->mailbox_protocols & ECT_MAILBOX_FOE) != 0);
@@ -267,7 +278,7 @@ static void put_general(pen_t *p, uint16_t alias)
     put16(p, 0); /* SoE channels, DS402 channels */
     put8(p, 0);  /* SysmanClass */
     put8(p, alias != 0 ? IDENT_BY_AL_STATUS : 0);
-    put16(p, 0); /* EBUS current */
+    put16(p, (uint16_t)device->ebus_ma);
     put8(p, string_index(p, device->group_name));
     put8(p, 0);
     put16(p, ports(device->physics));
@@ -289,11 +300,12 @@ static void put_sms(pen_t *p)
     begin(p, ECT_SII_SYNCM);
     for (unsigned int i = 0; i < p->device->sm_count; i++) {
         const ect_sm_t *sm = &p->device->sm[i];
+        uint16_t bytes = ect_device_sm_bytes(p->device, i);
         put16(p, sm->start);
-        put16(p, sm->length);
+        put16(p, bytes);
         put8(p, sm->control);
         put8(p, 0);
-        put8(p, sm->length > 0 ? 1 : 0);
+        put8(p, bytes > 0 ? 1 : 0);
         put8(p, sm->type);
     }
     end(p, 0);
@@ -308,11 +320,11 @@ static void put_dc(pen_t *p)
     for (unsigned int i = 0; i < device->dc_mode_count; i++) {
         const ect_dc_mode_t *mode = &device->dc_modes[i];
         put32(p, mode->cycle_sync0_ns);
-        put32(p, 0);
-        put32(p, 0);
-        put16(p, 0);
+        put32(p, (uint32_t)mode->shift_sync0_ns);
+        put32(p, (uint32_t)mode->shift_sync1_ns);
+        put16(p, (uint16_t)mode->factor_sync1);
         put16(p, mode->assign_activate);
-        put16(p, 0);
+        put16(p, (uint16_t)mode->factor_sync0);
         put8(p, string_index(p, mode->name));
         put8(p, string_index(p, mode->description));
         put32(p, 0);
@@ -327,7 +339,13 @@ int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity
         return -1;
     pen_t pen = {.device = device, .image = image, .size = device->sii_size};
     memset(image, 0xFF, size);
-    put_header(&pen, identity ? identity : &device->identity, alias);
+    identity = identity ? identity : &device->identity;
+    if (device->sii) {
+        memcpy(image, device->sii, device->sii_size);
+        put_identity(image, identity, alias);
+        return device->sii_size;
+    }
+    put_header(&pen, identity, alias);
     put_strings(&pen);
     put_general(&pen, alias);
     put_fmmus(&pen);

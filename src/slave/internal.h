@@ -52,20 +52,29 @@ void ect_machine_watchdog(ect_slave_t *s);
 void ect_machine_pending(ect_slave_t *s);
 void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_cause_t cause);
 bool ect_machine_report(ect_slave_t *s);
-void ect_machine_sm_off(ect_slave_t *s, unsigned int first, unsigned int count, bool off);
+/* SyncManagers are given as masks, a bit each. */
+enum { ECT_MAILBOX_SMS = 0x03 };
+void ect_machine_sm_off(ect_slave_t *s, unsigned int sms, bool off);
 bool ect_machine_flush(ect_slave_t *s);
 /* Outputs go to their safe values, if they were live. */
 void ect_machine_outputs_off(ect_slave_t *s);
 
 /* --- pdo.c ------------------------------------------------------------------------------------------------------ */
-enum { ECT_ASSIGN_OUTPUTS = 0x1C12, ECT_ASSIGN_INPUTS = 0x1C13 };
 uint16_t ect_pdo_configure(ect_slave_t *s);
+/* Runs that the mapping of SyncManager `sm` falls into, where it is a constant one. */
+uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm);
 /* The longest that a SyncManager may become. */
 static inline uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
 {
-    return device->sm[sm].maximum > device->sm[sm].length ? device->sm[sm].maximum : device->sm[sm].length;
+    return device->sm[sm].maximum != 0 ? device->sm[sm].maximum : ect_device_sm_bytes(device, sm);
 }
-void ect_pdo_outputs(ect_slave_t *s, bool apply);
+/* The events of SyncManagers. */
+static inline uint32_t ect_sm_events(unsigned int sms)
+{
+    return (uint32_t)sms * ECT_EVENT_SM0;
+}
+/* Takes the outputs of those SyncManagers that were written. */
+void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
 bool ect_pdo_inputs(ect_slave_t *s);
 
 /* --- mailbox.c -------------------------------------------------------------------------------------------------- */

@@ -5,7 +5,7 @@
 #include "slave/al.h"
 #include "slave/internal.h"
 
-enum { SM_BLOCK = 4 * ECT_SM_SIZE };
+enum { SM_BLOCK = ECT_SMS * ECT_SM_SIZE };
 
 /* Bits of the control register that must be as described: mode, direction, event to the PDI. The master's own
  * interrupt bit and the watchdog trigger are its business. */
@@ -55,28 +55,44 @@ static bool mailbox_unchanged(const ect_slave_t *s, const uint8_t *block)
 }
 
 /* Process data: exactly the mapped bytes, or switched off when nothing is mapped. */
-static bool process_sm_good(const ect_device_t *device, const uint8_t *block, unsigned int n, uint16_t bytes)
+static bool process_sm_good(const ect_slave_t *s, const uint8_t *registers, unsigned int n)
 {
-    const uint8_t *registers = block + (size_t)n * ECT_SM_SIZE;
-    if (bytes == 0 || n >= device->sm_count)
+    const ect_sm_t *sm = &s->config.device->sm[n];
+    uint16_t bytes = s->image[n].bytes;
+    if (bytes == 0)
         return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) == 0 ||
                ect_load_le16(registers + ECT_SM_LENGTH) == 0;
-    return sm_as_described(registers, &device->sm[n], device->sm[n].start, bytes, bytes);
+    return sm_as_described(registers, sm, sm->start, bytes, bytes);
 }
 
 static uint16_t check_process_sms(const ect_slave_t *s, const uint8_t *block)
 {
-    if (!process_sm_good(s->config.device, block, 2, s->output_bytes))
-        return ECT_AL_OUTPUT_SM;
-    return process_sm_good(s->config.device, block, 3, s->input_bytes) ? ECT_AL_NO_ERROR : ECT_AL_INPUT_SM;
+    const ect_device_t *device = s->config.device;
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        if (ect_device_sm_is_process(device, n) && !process_sm_good(s, block + (size_t)n * ECT_SM_SIZE, n))
+            return device->sm[n].type == ECT_SM_OUTPUTS ? ECT_AL_OUTPUT_SM : ECT_AL_INPUT_SM;
+    }
+    return ECT_AL_NO_ERROR;
 }
 
 /* Takes note which SyncManagers are to be off from our side; ect_machine_flush writes it. */
-void ect_machine_sm_off(ect_slave_t *s, unsigned int first, unsigned int count, bool off)
+void ect_machine_sm_off(ect_slave_t *s, unsigned int sms, bool off)
 {
-    unsigned int mask = ((1u << count) - 1u) << first;
-    s->sm_off = (uint8_t)(off ? s->sm_off | mask : s->sm_off & ~mask);
-    s->sm_due = (uint8_t)(s->sm_due | mask);
+    s->sm_off = (uint8_t)(off ? s->sm_off | sms : s->sm_off & ~sms);
+    s->sm_due = (uint8_t)(s->sm_due | sms);
+}
+
+static unsigned int process_sms(const ect_device_t *device)
+{
+    unsigned int sms = 0;
+    for (unsigned int n = 0; n < device->sm_count; n++)
+        sms |= (unsigned int)ect_device_sm_is_process(device, n) << n;
+    return sms;
+}
+
+static bool has_mailbox(const ect_slave_t *s)
+{
+    return s->config.device->mailbox_protocols != 0;
 }
 
 bool ect_machine_flush(ect_slave_t *s)
@@ -129,7 +145,7 @@ void ect_machine_outputs_off(ect_slave_t *s)
     if (s->outputs_live && device->safe_outputs)
         device->safe_outputs(s->config.instance, s->now_ns);
     s->outputs_live = false;
-    s->outputs_seen = false;
+    s->outputs_seen = 0;
 }
 
 /* Downwards nothing can refuse. */
@@ -140,11 +156,11 @@ static void go_down(ect_slave_t *s, uint8_t target)
     ect_machine_outputs_off(s);
     if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
         s->inputs_due = false;
-        ect_machine_sm_off(s, 2, 2, true);
+        ect_machine_sm_off(s, process_sms(device), true);
     }
-    if (target == ECT_STATE_INIT) {
+    if (target == ECT_STATE_INIT && has_mailbox(s)) {
         ect_mailbox_stop(s);
-        ect_machine_sm_off(s, 0, 2, true);
+        ect_machine_sm_off(s, ECT_MAILBOX_SMS, true);
     }
     s->pending = 0;
     s->state = target;
@@ -188,11 +204,10 @@ static uint16_t check_process_data(ect_slave_t *s, const uint8_t *block)
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
     uint8_t block[SM_BLOCK];
-    bool has_mailbox = s->config.device->mailbox_protocols != 0;
     if (target == ECT_STATE_OP || !read_sms(s, block))
         return ECT_AL_NO_ERROR;
     if (target != ECT_STATE_SAFEOP)
-        return has_mailbox ? check_mailbox(s, target, block) : (uint16_t)ECT_AL_NO_ERROR;
+        return has_mailbox(s) ? check_mailbox(s, target, block) : (uint16_t)ECT_AL_NO_ERROR;
     if (s->mailbox.running) {
         ect_mailbox_look(s, block);
         if (!mailbox_unchanged(s, block))
@@ -217,17 +232,18 @@ static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
 static void enter(ect_slave_t *s, uint8_t target)
 {
     if (target == ECT_STATE_PREOP || target == ECT_STATE_BOOT) {
-        if (s->config.device->mailbox_protocols != 0)
+        if (has_mailbox(s)) {
             ect_mailbox_start(s);
-        ect_machine_sm_off(s, 0, 2, false);
+            ect_machine_sm_off(s, ECT_MAILBOX_SMS, false);
+        }
     } else if (target == ECT_STATE_SAFEOP) {
-        s->outputs_seen = false;
-        ect_machine_sm_off(s, 2, 2, false);
+        s->outputs_seen = 0;
+        ect_machine_sm_off(s, process_sms(s->config.device), false);
         if (ect_machine_flush(s) && ect_pdo_inputs(s))
             s->inputs_due = false;
     } else {
-        if (s->output_bytes > 0)
-            ect_pdo_outputs(s, true);
+        if (s->outputs != 0)
+            ect_pdo_outputs(s, s->outputs, true);
         s->outputs_live = !s->failed;
     }
 }
@@ -258,7 +274,7 @@ static void wait_for(ect_slave_t *s, uint8_t target, bool device)
 /* The device and the checks agree; only the first outputs may still be missing. */
 static void agree(ect_slave_t *s, uint8_t target, uint16_t code)
 {
-    bool outputs_missing = target == ECT_STATE_OP && s->output_bytes > 0 && !s->outputs_seen;
+    bool outputs_missing = target == ECT_STATE_OP && s->outputs_seen != s->outputs;
     if (code == ECT_AL_NO_ERROR && outputs_missing)
         wait_for(s, target, false);
     else
@@ -291,7 +307,7 @@ void ect_machine_pending(ect_slave_t *s)
     if (s->pending_device && s->pending_done) {
         s->pending_done = false;
         agree(s, target, s->pending_result != ECT_AL_NO_ERROR ? s->pending_result : check_all(s, target));
-    } else if (!s->pending_device && s->outputs_seen) {
+    } else if (!s->pending_device && s->outputs_seen == s->outputs) {
         finish_up(s, target, ECT_AL_NO_ERROR);
     } else if (s->now_ns >= s->pending_until_ns) {
         finish_up(s, target, s->pending_device ? ECT_AL_UNSPECIFIED : ECT_AL_NO_OUTPUTS);
@@ -376,9 +392,9 @@ void ect_machine_watchdog(ect_slave_t *s)
     if (!ect_slave_read(s, ECT_REG_WD_STATUS_PD, status, sizeof status))
         return;
     s->due &= ~(uint32_t)ECT_EVENT_WATCHDOG;
-    if ((status[0] & 1u) != 0 || s->output_bytes == 0)
+    if ((status[0] & 1u) != 0 || s->outputs == 0)
         return;
-    s->outputs_seen = false; /* what was seen is too old to go to OP with */
+    s->outputs_seen = 0; /* what was seen is too old to go to OP with */
     if (s->state == ECT_STATE_OP)
         ect_machine_drop(s, ECT_STATE_SAFEOP, ECT_AL_WATCHDOG, ECT_CAUSE_WATCHDOG);
 }

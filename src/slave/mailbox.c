@@ -76,7 +76,7 @@ static void write_shown(ect_slave_t *s)
 static void acknowledge_repeat(ect_slave_t *s)
 {
     s->mailbox.ack_due = false;
-    ect_machine_sm_off(s, 1, 1, false);
+    ect_machine_sm_off(s, 1u << 1, false);
     (void)ect_machine_flush(s);
 }
 
@@ -192,10 +192,10 @@ void ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 static bool bring_back(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    ect_machine_sm_off(s, 1, 1, true);
+    ect_machine_sm_off(s, 1u << 1, true);
     if (!ect_machine_flush(s))
         return false;
-    ect_machine_sm_off(s, 1, 1, false);
+    ect_machine_sm_off(s, 1u << 1, false);
     if (!ect_machine_flush(s))
         return false;
     m->in_buffer = false;

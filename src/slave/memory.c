@@ -4,21 +4,55 @@
 #include "seams/standard.h"
 #include "slave/internal.h"
 
-static uint16_t process_room(const ect_device_t *device, unsigned int sm)
+static bool is_constant(const ect_object_t *object)
 {
-    return sm < device->sm_count ? ect_sm_room(device, sm) : 0;
+    for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
+        if (e->data)
+            return false;
+    }
+    return true;
+}
+
+/* No assignment and no mapping of a SyncManager can change. */
+static bool mapping_is_constant(const ect_device_t *device, unsigned int sm)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + sm));
+    bool constant = !assignment || is_constant(assignment);
+    for (uint32_t n = 1; n <= ect_od_element(assignment, 0) && constant; n++) {
+        const ect_object_t *pdo = ect_od_find(&od, (uint16_t)ect_od_element(assignment, n));
+        constant = !pdo || is_constant(pdo);
+    }
+    return constant;
+}
+
+/* Each PDO of that direction assigned, and each of its entries a run. */
+static size_t most_runs(const ect_device_t *device, uint8_t type)
+{
+    size_t runs = 0;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        if (type == ECT_SM_OUTPUTS ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index))
+            runs += object->max_subindex;
+    }
+    return runs;
 }
 
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
 {
-    uint16_t outputs = process_room(device, 2);
-    uint16_t inputs = process_room(device, 3);
-    return (ect_slave_memory_t){
+    ect_slave_memory_t need = {
         .instance = device->instance_size,
         .mailbox = ect_mailbox_room(device, 0) + 2u * ect_mailbox_room(device, 1),
-        .process_data = outputs > inputs ? outputs : inputs,
-        .runs = device->pdo_runs,
     };
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        if (!ect_device_sm_is_process(device, n))
+            continue;
+        size_t bytes = ect_sm_room(device, n);
+        need.process_data = bytes > need.process_data ? bytes : need.process_data;
+        need.runs +=
+            mapping_is_constant(device, n) ? ect_pdo_count_runs(device, n) : most_runs(device, device->sm[n].type);
+    }
+    return need;
 }
 
 /* Below the shortest not every reply has room, and above the longest no datagram reaches the last byte. */
@@ -36,6 +70,6 @@ static bool mailboxes_good(const ect_device_t *d)
 
 bool ect_slave_check(const ect_device_t *d)
 {
-    return d->sm_count > 0 && d->sm_count <= 4 && d->instance_size >= sizeof(ect_standard_t) &&
+    return d->sm_count > 0 && d->sm_count <= ECT_SMS && d->instance_size >= sizeof(ect_standard_t) &&
            (d->mailbox_protocols == 0 || (d->sm_count >= 2 && mailboxes_good(d)));
 }

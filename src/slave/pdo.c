@@ -11,12 +11,13 @@
 enum { LARGEST_IMAGE_BITS = 1486 * 8, WIRE = 32 /* a mapping entry has at most 255 bits */ };
 
 typedef struct layout {
-    ect_slave_t *slave;
-    uint16_t capacity; /* runs that are left */
+    const ect_od_t *od;
+    ect_pdo_run_t *runs; /* where they go; NULL: they are only counted */
+    ect_pdo_run_t last;
+    uint16_t capacity; /* runs that there is room for */
     uint16_t count;
-    ect_pdo_run_t *runs;
-    uint32_t bits;
     uint16_t access; /* ECT_ACCESS_RXPDO or _TXPDO: what a mapped entry must allow */
+    uint32_t bits;
 } layout_t;
 
 /* Bytes in memory that are already as on the wire. */
@@ -30,10 +31,9 @@ static bool is_plain(const ect_entry_t *entry, const uint8_t *data)
 
 static bool extend(layout_t *l, uint8_t *data, uint16_t bits)
 {
-    if (l->count == 0)
-        return false;
-    ect_pdo_run_t *last = &l->runs[l->count - 1];
-    if (last->entry || last->first_bit + last->bits != (uint16_t)l->bits || last->data + last->bits / 8 != data)
+    ect_pdo_run_t *last = &l->last;
+    if (l->count == 0 || last->entry || last->first_bit + last->bits != (uint16_t)l->bits ||
+        last->data + last->bits / 8 != data)
         return false;
     last->bits = (uint16_t)(last->bits + bits);
     return true;
@@ -41,14 +41,17 @@ static bool extend(layout_t *l, uint8_t *data, uint16_t bits)
 
 static bool add_entry(layout_t *l, const ect_entry_t *entry, uint16_t bits)
 {
-    uint8_t *data = ect_od_data(&l->slave->od, entry);
+    uint8_t *data = ect_od_data(l->od, entry);
     bool plain = is_plain(entry, data) && l->bits % 8 == 0 && bits == entry->bit_length;
-    if (plain && extend(l, data, bits))
-        return true;
-    if (l->count == l->capacity)
-        return false;
-    l->runs[l->count++] =
-        (ect_pdo_run_t){.entry = plain ? NULL : entry, .data = data, .first_bit = (uint16_t)l->bits, .bits = bits};
+    if (!plain || !extend(l, data, bits)) {
+        if (l->count == l->capacity)
+            return false;
+        l->count++;
+        l->last =
+            (ect_pdo_run_t){.entry = plain ? NULL : entry, .data = data, .first_bit = (uint16_t)l->bits, .bits = bits};
+    }
+    if (l->runs)
+        l->runs[l->count - 1] = l->last;
     return true;
 }
 
@@ -61,7 +64,7 @@ static bool add_mapping(layout_t *l, uint32_t mapping)
     if (l->bits + bits > LARGEST_IMAGE_BITS)
         return false;
     if (index != 0) {
-        if (ect_od_lookup(&l->slave->od, index, (uint8_t)(mapping >> 8), &object, &entry) != ECT_OK ||
+        if (ect_od_lookup(l->od, index, (uint8_t)(mapping >> 8), &object, &entry) != ECT_OK ||
             (entry->access & l->access) == 0 || bits > entry->bit_length || !add_entry(l, entry, bits))
             return false;
     }
@@ -72,7 +75,7 @@ static bool add_mapping(layout_t *l, uint32_t mapping)
 /* Hands each element of an assignment or mapping object to `add`. */
 static bool for_each(layout_t *l, uint16_t index, bool (*add)(layout_t *l, uint32_t value))
 {
-    const ect_od_t *od = &l->slave->od;
+    const ect_od_t *od = l->od;
     uint32_t count = 0;
     uint32_t value = 0;
     if (ect_od_number(od, index, 0, &count) != ECT_OK)
@@ -89,32 +92,50 @@ static bool add_pdo(layout_t *l, uint32_t pdo)
     return for_each(l, (uint16_t)pdo, add_mapping);
 }
 
-/* A device without the assignment object has no process data in that direction. */
-static bool lay_out(layout_t *l, uint16_t assignment)
+/* A SyncManager without the assignment object has no process data. */
+static bool lay_out(layout_t *l, const ect_device_t *device, unsigned int sm)
 {
-    return !ect_od_find(&l->slave->od, assignment) || for_each(l, assignment, add_pdo);
+    uint16_t assignment = (uint16_t)(ECT_OD_ASSIGNMENT + sm);
+    l->access = device->sm[sm].type == ECT_SM_OUTPUTS ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
+    return !ect_od_find(l->od, assignment) || for_each(l, assignment, add_pdo);
 }
 
-/* Lays both directions out. Returns 0 or the AL status code that says which one cannot be. */
+uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    layout_t l = {.od = &od, .capacity = UINT16_MAX};
+    (void)lay_out(&l, device, sm);
+    return l.count;
+}
+
+static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
+{
+    const ect_device_t *device = s->config.device;
+    layout_t l = {
+        .od = &s->od, .runs = s->config.runs + first_run, .capacity = (uint16_t)(s->config.run_count - first_run)};
+    if (!lay_out(&l, device, sm))
+        return false;
+    ect_sm_image_t *image = &s->image[sm];
+    *image = (ect_sm_image_t){.bytes = (uint16_t)((l.bits + 7) / 8), .first_run = first_run, .runs = l.count};
+    uint8_t *which = device->sm[sm].type == ECT_SM_OUTPUTS ? &s->outputs : &s->inputs;
+    *which = (uint8_t)(*which | (image->bytes > 0 ? 1u << sm : 0u));
+    return image->bytes <= ect_sm_room(device, sm);
+}
+
+/* Lays out all process data. Returns 0 or the AL status code that says in which direction it cannot be. */
 uint16_t ect_pdo_configure(ect_slave_t *s)
 {
-    layout_t out = {
-        .slave = s, .capacity = s->config.device->pdo_runs, .runs = s->config.runs, .access = ECT_ACCESS_RXPDO};
-    if (!lay_out(&out, ECT_ASSIGN_OUTPUTS))
-        return ECT_AL_OUTPUT_MAPPING;
-    layout_t in = {.slave = s,
-                   .capacity = (uint16_t)(out.capacity - out.count),
-                   .runs = out.runs + out.count,
-                   .access = ECT_ACCESS_TXPDO};
-    if (!lay_out(&in, ECT_ASSIGN_INPUTS))
-        return ECT_AL_INPUT_MAPPING;
-    s->output_bytes = (uint16_t)((out.bits + 7) / 8);
-    s->input_bytes = (uint16_t)((in.bits + 7) / 8);
-    s->output_runs = out.count;
-    s->input_runs = in.count;
-    if (s->output_bytes > ect_sm_room(s->config.device, 2))
-        return ECT_AL_OUTPUT_MAPPING;
-    return s->input_bytes > ect_sm_room(s->config.device, 3) ? ECT_AL_INPUT_MAPPING : ECT_AL_NO_ERROR;
+    const ect_device_t *device = s->config.device;
+    uint16_t runs = 0;
+    s->outputs = s->inputs = 0;
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        if (!ect_device_sm_is_process(device, sm))
+            continue;
+        if (!configure_sm(s, sm, runs))
+            return device->sm[sm].type == ECT_SM_OUTPUTS ? ECT_AL_OUTPUT_MAPPING : ECT_AL_INPUT_MAPPING;
+        runs = (uint16_t)(runs + s->image[sm].runs);
+    }
+    return ECT_AL_NO_ERROR;
 }
 
 /* Between the image, at any bit, and the wire form of an entry. */
@@ -136,11 +157,11 @@ static uint16_t wire_bytes(const ect_pdo_run_t *run)
     return whole <= WIRE ? whole : (uint16_t)((run->bits + 7) / 8);
 }
 
-static void unpack(ect_slave_t *s)
+static void unpack(ect_slave_t *s, const ect_sm_image_t *of)
 {
     const uint8_t *image = s->config.process_data;
-    for (uint16_t i = 0; i < s->output_runs; i++) {
-        const ect_pdo_run_t *run = &s->config.runs[i];
+    const ect_pdo_run_t *run = s->config.runs + of->first_run;
+    for (const ect_pdo_run_t *end = run + of->runs; run < end; run++) {
         uint8_t wire[WIRE];
         if (run->entry) {
             memset(wire, 0, sizeof wire); /* a number of which less is mapped is extended by zeros */
@@ -152,12 +173,12 @@ static void unpack(ect_slave_t *s)
     }
 }
 
-static void pack(ect_slave_t *s)
+static void pack(ect_slave_t *s, const ect_sm_image_t *of)
 {
     uint8_t *image = s->config.process_data;
-    memset(image, 0, s->input_bytes);
-    for (uint16_t i = 0; i < s->input_runs; i++) {
-        const ect_pdo_run_t *run = &s->config.runs[s->output_runs + i];
+    const ect_pdo_run_t *run = s->config.runs + of->first_run;
+    memset(image, 0, of->bytes);
+    for (const ect_pdo_run_t *end = run + of->runs; run < end; run++) {
         uint8_t wire[WIRE];
         if (run->entry) {
             ect_od_read(&s->od, run->entry, 0, wire, wire_bytes(run));
@@ -168,16 +189,21 @@ static void pack(ect_slave_t *s)
     }
 }
 
-/* Takes what the master wrote. Not applied (SAFEOP), it is fetched all the same: the event goes, the buffer is free. */
-void ect_pdo_outputs(ect_slave_t *s, bool apply)
+/* Not applied (SAFEOP), they are fetched all the same: the event goes, the buffer is free. */
+void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply)
 {
     const ect_device_t *device = s->config.device;
-    if (!ect_slave_read(s, device->sm[2].start, s->config.process_data, s->output_bytes))
-        return;
-    s->outputs_seen = true;
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        if ((sms & 1u << sm) == 0)
+            continue;
+        if (!ect_slave_read(s, device->sm[sm].start, s->config.process_data, s->image[sm].bytes))
+            return;
+        s->outputs_seen = (uint8_t)(s->outputs_seen | 1u << sm);
+        if (apply)
+            unpack(s, &s->image[sm]);
+    }
     if (!apply)
         return;
-    unpack(s);
     if (device->outputs)
         device->outputs(s->config.instance, s->now_ns);
     ect_slave_wake(s); /* they may have set deadlines */
@@ -186,10 +212,16 @@ void ect_pdo_outputs(ect_slave_t *s, bool apply)
 bool ect_pdo_inputs(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
-    if (s->input_bytes == 0)
+    if (s->inputs == 0)
         return true;
     if (device->inputs)
         device->inputs(s->config.instance, s->now_ns);
-    pack(s);
-    return ect_slave_write(s, device->sm[3].start, s->config.process_data, s->input_bytes);
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        if ((s->inputs & 1u << sm) == 0)
+            continue;
+        pack(s, &s->image[sm]);
+        if (!ect_slave_write(s, device->sm[sm].start, s->config.process_data, s->image[sm].bytes))
+            return false;
+    }
+    return true;
 }

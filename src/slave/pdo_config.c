@@ -2,29 +2,22 @@
 /* Changeable mapping and assignment: 16xxh, 1Axxh, 1C12h, 1C13h (CF-074, CF-075). */
 #include "slave/internal.h"
 
-static bool is_assignment(uint16_t index)
+/* Whether an index is the assignment of a SyncManager with process data. */
+static bool is_assignment(const ect_slave_t *s, uint16_t index)
 {
-    return index == ECT_ASSIGN_OUTPUTS || index == ECT_ASSIGN_INPUTS;
+    return index >= ECT_OD_ASSIGNMENT &&
+           ect_device_sm_is_process(s->config.device, index - (unsigned int)ECT_OD_ASSIGNMENT);
 }
 
-static bool is_rxpdo(uint16_t index)
+static bool is_config(const ect_slave_t *s, uint16_t index)
 {
-    return index >= 0x1600 && index < 0x1800;
+    return is_assignment(s, index) || ect_od_is_rxpdo(index) || ect_od_is_txpdo(index);
 }
 
-static bool is_txpdo(uint16_t index)
+static bool is_outputs(const ect_slave_t *s, uint16_t index)
 {
-    return index >= 0x1A00 && index < 0x1C00;
-}
-
-static bool is_config(uint16_t index)
-{
-    return is_assignment(index) || is_rxpdo(index) || is_txpdo(index);
-}
-
-static bool is_outputs(uint16_t index)
-{
-    return index == ECT_ASSIGN_OUTPUTS || is_rxpdo(index);
+    return is_assignment(s, index) ? s->config.device->sm[index - ECT_OD_ASSIGNMENT].type == ECT_SM_OUTPUTS
+                                   : ect_od_is_rxpdo(index);
 }
 
 static uint32_t number(const ect_slave_t *s, uint16_t index, uint8_t subindex)
@@ -38,7 +31,7 @@ static ect_reason_t check_mapping(const ect_slave_t *s, uint16_t pdo, uint32_t m
 {
     const ect_object_t *object;
     const ect_entry_t *entry;
-    uint16_t direction = is_outputs(pdo) ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
+    uint16_t direction = is_outputs(s, pdo) ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
     if (mapping >> 16 == 0)
         return ECT_OK; /* a gap */
     ect_reason_t reason = ect_od_lookup(&s->od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry);
@@ -49,8 +42,7 @@ static ect_reason_t check_mapping(const ect_slave_t *s, uint16_t pdo, uint32_t m
 
 static ect_reason_t check_assigned(const ect_slave_t *s, uint16_t assignment, uint32_t pdo)
 {
-    bool right_kind = assignment == ECT_ASSIGN_OUTPUTS ? is_rxpdo((uint16_t)pdo) : is_txpdo((uint16_t)pdo);
-    if (!right_kind)
+    if (is_outputs(s, assignment) ? !ect_od_is_rxpdo((uint16_t)pdo) : !ect_od_is_txpdo((uint16_t)pdo))
         return ECT_REASON_NOT_MAPPABLE;
     return ect_od_find(&s->od, (uint16_t)pdo) ? ECT_OK : ECT_REASON_NO_OBJECT;
 }
@@ -63,14 +55,28 @@ static uint32_t pdo_bits(const ect_slave_t *s, uint16_t pdo, uint32_t count)
     return bits;
 }
 
-/* Each PDO once, and all of them together within the SyncManager's room. */
+static bool excluded(const ect_slave_t *s, uint16_t pdo, uint16_t other)
+{
+    const ect_device_t *device = s->config.device;
+    for (unsigned int i = 0; i < device->pdo_count; i++) {
+        const uint16_t *list = device->pdos[i].index == pdo ? device->pdos[i].excludes : NULL;
+        for (; list && *list != 0; list++) {
+            if (*list == other)
+                return true;
+        }
+    }
+    return false;
+}
+
+/* Each PDO once, none that another excludes, and all of them together within the SyncManager's room. */
 static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, uint32_t count, uint32_t room_bits)
 {
     uint32_t bits = 0;
     for (uint32_t i = 1; i <= count; i++) {
         uint16_t pdo = (uint16_t)number(s, assignment, (uint8_t)i);
         for (uint32_t k = 1; k < i; k++) {
-            if (number(s, assignment, (uint8_t)k) == pdo)
+            uint16_t other = (uint16_t)number(s, assignment, (uint8_t)k);
+            if (other == pdo || excluded(s, pdo, other) || excluded(s, other, pdo))
                 return ECT_REASON_INCOMPATIBLE;
         }
         bits += pdo_bits(s, pdo, number(s, pdo, 0));
@@ -78,40 +84,56 @@ static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, 
     return bits > room_bits ? ECT_REASON_PDO_LENGTH : ECT_OK;
 }
 
+/* Bits that an assignment's SyncManager may come to; for a mapping the largest one of its direction. */
+static uint32_t room_of(const ect_slave_t *s, uint16_t index)
+{
+    const ect_device_t *device = s->config.device;
+    uint8_t type = is_outputs(s, index) ? ECT_SM_OUTPUTS : ECT_SM_INPUTS;
+    uint32_t most = 0;
+    if (is_assignment(s, index))
+        return 8u * ect_sm_room(device, index - (unsigned int)ECT_OD_ASSIGNMENT);
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        uint32_t room = device->sm[n].type == type ? 8u * ect_sm_room(device, n) : 0u;
+        most = room > most ? room : most;
+    }
+    return most;
+}
+
 /* Whether `count` elements, as they stand in the dictionary now, may become valid. */
 static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t count)
 {
-    uint32_t room_bits = 8u * ect_sm_room(s->config.device, is_outputs(index) ? 2 : 3);
+    uint32_t room_bits = room_of(s, index);
     const ect_object_t *object = ect_od_find(&s->od, index);
     if (count > object->max_subindex)
         return ECT_REASON_TOO_HIGH;
     for (uint32_t i = 1; i <= count; i++) {
         uint32_t value = number(s, index, (uint8_t)i);
-        ect_reason_t reason = is_assignment(index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
+        ect_reason_t reason =
+            is_assignment(s, index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
         if (reason != ECT_OK)
             return reason;
     }
-    if (is_assignment(index))
+    if (is_assignment(s, index))
         return check_assignment(s, index, count, room_bits);
     return pdo_bits(s, index, count) > room_bits ? ECT_REASON_PDO_LENGTH : ECT_OK;
 }
 
 static ect_reason_t write_config(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
 {
-    if (!is_config(index))
+    if (!is_config(s, index))
         return ECT_OK;
     uint32_t value = size == 1 ? data[0] : size == 2 ? ect_load_le16(data) : ect_load_le32(data);
     if (subindex == 0) /* by Complete Access the elements follow: ::written_config looks at the whole */
         return s->sdo.complete ? ECT_OK : check_count(s, index, value);
     if (!s->sdo.complete && number(s, index, 0) != 0)
         return ECT_REASON_SUBINDEX0;
-    return is_assignment(index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
+    return is_assignment(s, index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
 }
 
 /* A whole object that turns out not to fit becomes an empty one: never a mapping that nobody asked for. */
 static ect_reason_t written_config(ect_slave_t *s, uint16_t index, uint8_t subindex)
 {
-    if (!s->sdo.complete || subindex != 0 || !is_config(index))
+    if (!s->sdo.complete || subindex != 0 || !is_config(s, index))
         return ECT_OK;
     ect_reason_t reason = check_count(s, index, number(s, index, 0));
     if (reason != ECT_OK) {

@@ -186,15 +186,21 @@ static void put_field(description_t *d, uint8_t bit, int64_t value, uint16_t siz
 static void put_details(const ect_slave_t *s, description_t *d, uint16_t index, const ect_entry_t *entry)
 {
     uint16_t size = ect_od_bytes(entry);
-    const ect_limit_t *limit = ect_od_limit(&s->od, index, (uint8_t)entry->subindex);
-    if (limit && limit->unit != 0)
-        put_field(d, INFO_UNIT, limit->unit, 2);
+    const ect_detail_t *detail = ect_od_detail(&s->od, index, (uint8_t)entry->subindex);
+    if (detail && detail->unit != 0)
+        put_field(d, INFO_UNIT, detail->unit, 2);
     if (size == 0 || size > 8 || ect_od_is_string(entry))
         return;
-    put_field(d, INFO_DEFAULT, entry->value, size);
-    if (limit) {
-        put_field(d, INFO_MINIMUM, limit->minimum, size);
-        put_field(d, INFO_MAXIMUM, limit->maximum, size);
+    int64_t initial = entry->value;
+    if (detail && detail->initial) {
+        uint8_t wire[8] = {0};
+        memcpy(wire, detail->initial, size);
+        initial = (int64_t)ect_load_le64(wire);
+    }
+    put_field(d, INFO_DEFAULT, initial, size);
+    if (detail && detail->minimum != detail->maximum) {
+        put_field(d, INFO_MINIMUM, detail->minimum, size);
+        put_field(d, INFO_MAXIMUM, detail->maximum, size);
     }
 }
 

@@ -48,8 +48,11 @@ static int check(const ect_slave_config_t *config)
         return -1;
     const ect_device_t *d = config->device;
     bool has_mailbox = d->mailbox_protocols != 0;
-    if (!config->instance || (has_mailbox && !config->mailbox) || (d->sm_count > 2 && !config->process_data) ||
-        (d->pdo_runs > 0 && !config->runs))
+    bool has_process_data = false;
+    for (unsigned int n = 0; n < d->sm_count; n++)
+        has_process_data |= ect_device_sm_is_process(d, n);
+    if (!config->instance || (has_mailbox && !config->mailbox) || (has_process_data && !config->process_data) ||
+        (config->run_count > 0 && !config->runs))
         return -2;
     return 0;
 }
@@ -144,7 +147,7 @@ static void power_on(ect_slave_t *s)
     s->status_dirty = true;
     s->tick_ns = s->now_ns;
     ect_mailbox_stop(s);
-    ect_machine_sm_off(s, 0, device->sm_count, true);
+    ect_machine_sm_off(s, (1u << device->sm_count) - 1u, true);
     if (device->init)
         device->init(s->config.instance, identity, &s->host, s->now_ns);
     services_start(s); /* after init: stored values take the place of its start values */
@@ -156,11 +159,7 @@ int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_
     if (error != 0)
         return error;
     *slave = (ect_slave_t){.config = *config, .now_ns = now_ns};
-    slave->od = (ect_od_t){.objects = config->device->objects,
-                           .count = config->device->object_count,
-                           .limits = config->device->limits,
-                           .limit_count = config->device->limit_count,
-                           .base = config->instance};
+    slave->od = ect_device_od(config->device, config->instance);
     slave->host = (ect_host_t){.ctx = slave,
                                .emergency = ect_coe_emergency,
                                .drop = host_drop,
@@ -191,9 +190,10 @@ static void take_outputs(ect_slave_t *s, uint32_t event)
     if (s->state < ECT_STATE_SAFEOP)
         return;
     services_event(s, event);
-    if ((event & ECT_EVENT_SM2) != 0 && s->output_bytes > 0)
-        ect_pdo_outputs(s, s->outputs_live);
-    if ((event & (ECT_EVENT_SM2 | ECT_EVENT_SM3)) != 0)
+    unsigned int sms = (event / ECT_EVENT_SM0) & 0xFF;
+    if ((sms & s->outputs) != 0)
+        ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);
+    if ((sms & (s->outputs | s->inputs)) != 0)
         s->inputs_due = true;
 }
 

@@ -39,13 +39,20 @@ typedef enum ect_error_cause {
     ECT_CAUSE_WATCHDOG, /**< the process-data watchdog made it */
 } ect_error_cause_t;
 
-/** A piece of the process image that is contiguous in it and in the instance. Private. */
+/** A piece of a process image that is contiguous in it and in the instance. Private. */
 typedef struct ect_pdo_run {
     const ect_entry_t *entry; /**< copied through the dictionary, or NULL: plain bytes at `data` */
     uint8_t *data;
     uint16_t first_bit;
     uint16_t bits;
 } ect_pdo_run_t;
+
+/** The process data of a SyncManager, as they are mapped. Private. */
+typedef struct ect_sm_image {
+    uint16_t bytes;
+    uint16_t first_run;
+    uint16_t runs;
+} ect_sm_image_t;
 
 /** How much memory a device needs; see ::ect_slave_config_t for what each is for. */
 typedef struct ect_slave_memory {
@@ -55,11 +62,13 @@ typedef struct ect_slave_memory {
     size_t runs;         /**< elements of ect_pdo_run_t */
 } ect_slave_memory_t;
 
-/** Computes it from the description. Pure. */
+/**
+ * Computes it from the description; where a master may change the mapping, for whatever it may come to. Pure.
+ */
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device);
 
 /**
- * Whether a description is usable: 1 to 4 SyncManagers, an instance that begins with ect_standard_t, mailboxes (and
+ * Whether a description is usable: 1 to 8 SyncManagers, an instance that begins with ect_standard_t, mailboxes (and
  * those of BOOT, both or none) of 34 to 1486 bytes. Pure; to be asked once, where descriptions are tested or chosen.
  */
 bool ect_slave_check(const ect_device_t *device);
@@ -74,6 +83,7 @@ typedef struct ect_slave_config {
     uint8_t *mailbox;               /**< ... mailbox bytes: one request, two replies; NULL without a mailbox */
     uint8_t *process_data;          /**< ... process_data bytes; NULL without process data */
     ect_pdo_run_t *runs;            /**< ... runs elements */
+    uint16_t run_count;             /**< how many there are */
     uint16_t device_id;             /**< explicit device identification (AL control bit 5); 0: not offered */
 } ect_slave_config_t;
 
@@ -161,7 +171,9 @@ typedef struct ect_slave {
     bool off_bus;      /**< public, read only: the device wants to be off the bus */
     uint8_t sm_off;    /* SyncManagers that are to be off from the PDI side, a bit each */
     uint8_t sm_due;    /* those whose PDI control register has yet to be written */
-    bool outputs_seen; /* the master has written SM2 since SAFEOP */
+    uint8_t outputs;   /* SyncManagers with outputs, a bit each; set on the way to SAFEOP */
+    uint8_t inputs;    /* those with inputs */
+    uint8_t outputs_seen; /* those of `outputs` that the master has written since SAFEOP */
     bool outputs_live; /* they are being handed to the device */
     bool inputs_due;
     uint8_t emergency_first;
@@ -170,10 +182,7 @@ typedef struct ect_slave {
     uint16_t request; /* AL control as read last */
     uint16_t pending_result;
     uint16_t drop_code;
-    uint16_t output_bytes;
-    uint16_t input_bytes;
-    uint16_t output_runs;
-    uint16_t input_runs;
+    ect_sm_image_t image[ECT_SMS];
     uint32_t due;              /* AL events whose registers have yet to be read */
     ect_slave_config_t config;
     ect_mailbox_t mailbox;

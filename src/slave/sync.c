@@ -114,7 +114,7 @@ static void on_event(ect_slave_t *s, uint32_t event)
     ect_sync_data_t *d = find(s);
     if (!d || d->dc == 0 || s->state != ECT_STATE_OP)
         return;
-    if ((event & ECT_EVENT_SM2) != 0) {
+    if ((event & ect_sm_events(s->outputs)) != 0) {
         if (d->outputs_new != 0)
             count(&d->cycle_exceeded);
         d->outputs_new = 1;

@@ -121,8 +121,8 @@ const ect_device_t confdev = {
     .sii_size = 2048,
     .sm = {{.start = 0x1000, .length = 128, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},
            {.start = 0x1080, .length = 128, .control = 0x22, .type = ECT_SM_MAILBOX_IN},
-           {.start = 0x1200, .length = 1, .maximum = 16, .control = 0x64, .type = ECT_SM_OUTPUTS},
-           {.start = 0x1300, .length = 3, .maximum = 16, .control = 0x20, .type = ECT_SM_INPUTS}},
+           {.start = 0x1200, .maximum = 16, .control = 0x64, .type = ECT_SM_OUTPUTS},
+           {.start = 0x1300, .maximum = 16, .control = 0x20, .type = ECT_SM_INPUTS}},
     .sm_count = 4,
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS},
     .fmmu_count = 2,
@@ -136,7 +136,6 @@ const ect_device_t confdev = {
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
     .instance_size = sizeof(confdev_t),
-    .pdo_runs = 16,
     .services = services,
     .init = init,
 };

@@ -81,7 +81,7 @@ static const ect_object_t objects[] = {
     ECT_RECORD(0x7000, "Outputs", e7000),
 };
 
-static const ect_limit_t limits[] = {{.index = 0x2005, .subindex = 0, .unit = 0x2D, .minimum = -100, .maximum = 200}};
+static const ect_detail_t details[] = {{.index = 0x2005, .subindex = 0, .unit = 0x2D, .minimum = -100, .maximum = 200}};
 
 static void init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)
 {
@@ -164,8 +164,8 @@ const ect_device_t testdev = {
     .sii_size = 2048,
     .sm = {{.start = 0x1000, .length = 128, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},
            {.start = 0x1080, .length = 128, .minimum = 34, .maximum = 256, .control = 0x22, .type = ECT_SM_MAILBOX_IN},
-           {.start = 0x1200, .length = 3, .control = 0x64, .type = ECT_SM_OUTPUTS},
-           {.start = 0x1300, .length = 3, .control = 0x20, .type = ECT_SM_INPUTS}},
+           {.start = 0x1200, .control = 0x64, .type = ECT_SM_OUTPUTS},
+           {.start = 0x1300, .control = 0x20, .type = ECT_SM_INPUTS}},
     .sm_count = 4,
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
     .fmmu_count = 3,
@@ -175,10 +175,9 @@ const ect_device_t testdev = {
     .timeouts = {.preop_ms = 3000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
-    .limits = limits,
-    .limit_count = sizeof limits / sizeof limits[0],
+    .details = details,
+    .detail_count = sizeof details / sizeof details[0],
     .instance_size = sizeof(testdev_t),
-    .pdo_runs = 8,
     .init = init,
     .state_change = state_change,
     .outputs = outputs,

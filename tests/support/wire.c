@@ -189,23 +189,25 @@ void wire_set_sm(wire_t *w, size_t position, unsigned int sm, uint16_t start, ui
     assert_int_equal(wire_write(w, position, address, registers, 8), 1);
 }
 
-static void configure(wire_t *w, size_t position, unsigned int first, unsigned int end)
+static void configure(wire_t *w, size_t position, bool process_data)
 {
     const ect_device_t *device = wire_device(w, position);
-    for (unsigned int n = first; n < end && n < device->sm_count; n++) {
+    for (unsigned int n = 0; n < device->sm_count; n++) {
         const ect_sm_t *sm = &device->sm[n];
-        wire_set_sm(w, position, n, sm->start, sm->length, sm->control);
+        if (sm->type == ECT_SM_UNUSED || ect_device_sm_is_process(device, n) != process_data)
+            continue;
+        wire_set_sm(w, position, n, sm->start, ect_device_sm_bytes(device, n), sm->control);
     }
 }
 
 void wire_configure_mailbox(wire_t *w, size_t position)
 {
-    configure(w, position, 0, 2);
+    configure(w, position, false);
 }
 
 void wire_configure_process_data(wire_t *w, size_t position)
 {
-    configure(w, position, 2, 4);
+    configure(w, position, true);
 }
 
 void wire_set_fmmu(wire_t *w, size_t position, unsigned int n, uint32_t logical, uint16_t length, uint8_t start_bit,
@@ -243,7 +245,6 @@ static void expect_state(wire_t *w, size_t position, uint8_t state)
 
 void wire_go(wire_t *w, size_t position, uint8_t state)
 {
-    const ect_device_t *device = wire_device(w, position);
     expect_state(w, position, ECT_STATE_INIT);
     if (state == ECT_STATE_INIT)
         return;
@@ -256,10 +257,22 @@ void wire_go(wire_t *w, size_t position, uint8_t state)
     expect_state(w, position, ECT_STATE_SAFEOP);
     if (state == ECT_STATE_SAFEOP)
         return;
-    uint8_t zeros[1486] = {0};
-    if (device->sm[2].length > 0)
-        assert_int_equal(wire_write(w, position, device->sm[2].start, zeros, device->sm[2].length), 1);
+    assert_int_equal(wire_outputs(w, position, 0), 1);
     expect_state(w, position, ECT_STATE_OP);
+}
+
+int wire_outputs(wire_t *w, size_t position, uint8_t value)
+{
+    const ect_device_t *device = wire_device(w, position);
+    int wkc = 1;
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        uint8_t image[1486];
+        uint16_t bytes = ect_device_sm_bytes(device, n);
+        memset(image, value, sizeof image);
+        if (device->sm[n].type == ECT_SM_OUTPUTS && bytes > 0)
+            wkc &= wire_write(w, position, device->sm[n].start, image, bytes);
+    }
+    return wkc;
 }
 
 int wire_mail_send(wire_t *w, size_t position, const uint8_t *mail, uint16_t length)

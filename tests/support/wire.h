@@ -81,6 +81,9 @@ uint8_t wire_al(wire_t *w, size_t position, uint16_t request, uint16_t *code);
 /* Goes up to a state the ordinary way, with outputs sent on the way to OP; asserts that it is reached. */
 void wire_go(wire_t *w, size_t position, uint8_t state);
 
+/* Writes all outputs of a device, each byte the same. @return 1: it took them all; so does a device without outputs */
+int wire_outputs(wire_t *w, size_t position, uint8_t value);
+
 /* Mailbox: `mail` is a whole mail with header; length of the service data is taken from the header. */
 int wire_mail_send(wire_t *w, size_t position, const uint8_t *mail, uint16_t length);
 /* @return service data length of the mail fetched (without the header), or -1 when the mailbox is empty */

@@ -26,12 +26,12 @@ typedef struct rig {
 
 static void write_outputs(rig_t *r)
 {
-    assert_int_equal(wire_write(&r->w, 0, OUTPUTS_AT, r->out, r->device->sm[2].length), 1);
+    assert_int_equal(wire_write(&r->w, 0, OUTPUTS_AT, r->out, ect_device_sm_bytes(r->device, 2)), 1);
 }
 
 static void read_inputs(rig_t *r)
 {
-    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, r->device->sm[3].length), 1);
+    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, ect_device_sm_bytes(r->device, 3)), 1);
 }
 
 static void cycle(rig_t *r)

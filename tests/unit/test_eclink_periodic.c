@@ -28,7 +28,7 @@ typedef struct rig {
 static void cycle(rig_t *r)
 {
     assert_int_equal(wire_write(&r->w, 0, OUTPUTS_AT, r->out, OUTPUT_BYTES), 1);
-    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, r->device->sm[3].length), 1);
+    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, ect_device_sm_bytes(r->device, 3)), 1);
 }
 
 static void to_op(rig_t *r)

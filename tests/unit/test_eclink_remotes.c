@@ -26,15 +26,15 @@ typedef struct rig {
 
 static void write_outputs(rig_t *r)
 {
-    if (r->device->sm[2].length > 0)
-        assert_int_equal(wire_write(&r->w, 0, OUTPUTS_AT, r->out, r->device->sm[2].length), 1);
+    if (ect_device_sm_bytes(r->device, 2) > 0)
+        assert_int_equal(wire_write(&r->w, 0, OUTPUTS_AT, r->out, ect_device_sm_bytes(r->device, 2)), 1);
 }
 
 static void cycle(rig_t *r)
 {
     r->out[PCO]++;
     write_outputs(r);
-    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, r->device->sm[3].length), 1);
+    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, ect_device_sm_bytes(r->device, 3)), 1);
 }
 
 /* Until the next input data have come. */
@@ -112,7 +112,7 @@ static void expect_blocks(rig_t *r, const char *when, const char *ids, uint8_t b
 {
     char got[8] = "";
     update(r);
-    unsigned int blocks = (r->device->sm[3].length - REMOTE) / (unsigned int)STRIDE;
+    unsigned int blocks = (ect_device_sm_bytes(r->device, 3) - REMOTE) / (unsigned int)STRIDE;
     for (unsigned int i = 0; i < blocks; i++) {
         const uint8_t *block = r->in + REMOTE + (size_t)STRIDE * i;
         uint16_t id = ect_load_be16(block);
@@ -363,7 +363,7 @@ static void check_field(rig_t *r, unsigned int ru, unsigned int block, const str
     want[0] = r->in[0];                                   /* PCI */
     want[2] = r->in[2];                                   /* PAI */
     want[at - f->offset + 2] = r->in[at - f->offset + 2]; /* RU state follows "disabled" */
-    for (unsigned int i = 0; i < r->device->sm[3].length; i++) {
+    for (unsigned int i = 0; i < ect_device_sm_bytes(r->device, 3); i++) {
         if (r->in[i] != want[i])
             fail_msg("%s, ru%u.%s := %ld: expected byte %u to be 0x%02X, got 0x%02X", r->device->type_name, ru,
                      f->signal, value, i, want[i], r->in[i]);
@@ -500,14 +500,14 @@ static void nothing_armed(void **state)
         expect_blocks(&r, "disarmed", "", DISARMED);
         set(&r, "bu.report_passive", 1);
         update(&r);
-        for (unsigned int i = REMOTE; i < r.device->sm[3].length; i++) {
+        for (unsigned int i = REMOTE; i < ect_device_sm_bytes(r.device, 3); i++) {
             if (r.in[i] != (i == 36 ? 6 : 0))
                 fail_msg("passive is reported: expected byte %u to be %u, got %u", i, i == 36 ? 6 : 0, r.in[i]);
         }
         set(&r, "ru1.armed", 1);
         update(&r);
         assert_int_equal(r.in[36], 1); /* never passive while a remote is armed */
-        for (unsigned int i = 66; i < r.device->sm[3].length; i++)
+        for (unsigned int i = 66; i < ect_device_sm_bytes(r.device, 3); i++)
             assert_int_equal(r.in[i], 0);
         set(&r, "ru1.on", 0);
         update(&r);

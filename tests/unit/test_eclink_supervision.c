@@ -56,7 +56,7 @@ static void power_on(rig_t *r, const node_t *node)
 
 static void write_outputs(rig_t *r)
 {
-    uint16_t length = r->node->device->sm[2].length;
+    uint16_t length = ect_device_sm_bytes(r->node->device, 2);
     if (length > 0)
         assert_int_equal(wire_write(&r->w, 0, OUTPUTS_AT, r->out, length), 1);
 }
@@ -65,7 +65,7 @@ static void cycle(rig_t *r)
 {
     r->out[PCO] = (uint8_t)(r->out[PCO] + (r->counting ? 1 : 0));
     write_outputs(r);
-    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, r->node->device->sm[3].length), 1);
+    assert_int_equal(wire_read(&r->w, 0, INPUTS_AT, r->in, ect_device_sm_bytes(r->node->device, 3)), 1);
 }
 
 /* The controller works for a while, one cycle each 10 ms and one at the end. */

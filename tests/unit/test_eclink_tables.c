@@ -148,8 +148,8 @@ static void sizes_and_names(void **state)
         uint8_t text[64];
         size_t size;
         assert_string_equal(node->device->type_name, node->name);
-        assert_int_equal(node->device->sm[2].length, node->output_bytes);
-        assert_int_equal(node->device->sm[3].length, node->input_bytes);
+        assert_int_equal(ect_device_sm_bytes(node->device, 2), node->output_bytes);
+        assert_int_equal(ect_device_sm_bytes(node->device, 3), node->input_bytes);
         wire_open_one(&w, node->device);
         wire_go(&w, 0, ECT_STATE_OP);
         assert_int_equal(try_upload(&w, 0x1008, 0, text, &size), 0);
@@ -175,7 +175,7 @@ static void data_link(void **state)
         for (size_t i = 0; i < 4; i++) {
             assert_int_equal(d->sm[i].start, sms[i].start);
             assert_int_equal(d->sm[i].control, sms[i].control);
-            assert_int_equal(d->sm[i].length, lengths[i]);
+            assert_int_equal(ect_device_sm_bytes(d, (unsigned int)i), lengths[i]);
         }
         wire_t w;
         wire_open_one(&w, d);

@@ -66,10 +66,7 @@ static void ask(wire_t *w, const char *where, uint16_t value, uint8_t status, ui
 
 static int outputs(wire_t *w, uint8_t value)
 {
-    uint8_t image[256];
-    const ect_sm_t *sm = &wire_device(w, 0)->sm[2];
-    memset(image, value, sizeof image);
-    return sm->length > 0 ? wire_write(w, 0, sm->start, image, sm->length) : 1;
+    return wire_outputs(w, 0, value);
 }
 
 static void drop(wire_t *w, uint8_t state, uint16_t code)
@@ -259,8 +256,8 @@ static const sm_fault_t sm_faults[] = {
 static void set_sm(wire_t *w, unsigned int n, const sm_fault_t *fault)
 {
     const ect_sm_t *sm = &wire_device(w, 0)->sm[n];
-    wire_set_sm(w, 0, n, (uint16_t)(sm->start + fault->start), (uint16_t)(sm->length + fault->length),
-                sm->control ^ fault->control);
+    wire_set_sm(w, 0, n, (uint16_t)(sm->start + fault->start),
+                (uint16_t)(ect_device_sm_bytes(wire_device(w, 0), n) + fault->length), sm->control ^ fault->control);
     if (fault->disabled)
         assert_int_equal(wire_write8(w, 0, (uint16_t)(ECT_REG_SM + 8 * n + ECT_SM_ACTIVATE), 0), 1);
 }
@@ -314,7 +311,7 @@ static void mailbox_length_limits(void **state)
 /* A direction without data wants its SyncManager off, or of length 0. */
 static bool process_fault_allowed(const ect_device_t *device, unsigned int n, const sm_fault_t *f)
 {
-    if (device->sm[n].length == 0)
+    if (ect_device_sm_bytes(device, n) == 0)
         return f->disabled || f->length <= 0;
     return f->allowed;
 }
@@ -325,7 +322,7 @@ static void process_sm_checked(void **state)
     for (size_t i = 0; every_device(i); i++) {
         for (unsigned int n = 2; n < 4; n++) {
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
-                if (every_device(i)->sm[n].length == 0 && sm_faults[f].length < 0)
+                if (ect_device_sm_bytes(every_device(i), n) == 0 && sm_faults[f].length < 0)
                     continue;
                 wire_t w;
                 wire_open_one(&w, every_device(i));
@@ -371,7 +368,6 @@ static void output_only(void **state)
         if (testdev.objects[i].index != 0x1C13)
             objects[device.object_count++] = testdev.objects[i];
     }
-    device.sm[3].length = 0;
     wire_t w;
     wire_open_one(&w, &device);
     wire_go(&w, 0, PREOP);
@@ -621,7 +617,7 @@ static void waits_for_outputs(void **state)
         wire_open_one(&w, device);
         wire_go(&w, 0, SAFEOP);
         request(&w, OP);
-        if (device->sm[2].length == 0) {
+        if (ect_device_sm_bytes(device, 2) == 0) {
             expect(&w, "input-only", OP, 0);
             wire_close(&w);
             continue;
@@ -645,7 +641,7 @@ static void outputs_in_time(void **state)
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
         const ect_device_t *device = every_device(i);
-        if (device->sm[2].length == 0)
+        if (ect_device_sm_bytes(device, 2) == 0)
             continue;
         wire_t w;
         wire_open_one(&w, device);
@@ -792,7 +788,7 @@ static void watchdog_direct_op(void **state)
 {
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
-        if (every_device(i)->sm[2].length == 0)
+        if (ect_device_sm_bytes(every_device(i), 2) == 0)
             continue;
         wire_t w;
         wire_open_one(&w, every_device(i));
@@ -876,7 +872,7 @@ static void master_gone(void **state)
 {
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
-        if (every_device(i)->sm[2].length == 0)
+        if (ect_device_sm_bytes(every_device(i), 2) == 0)
             continue;
         wire_t w;
         wire_open_one(&w, every_device(i));
@@ -1261,7 +1257,7 @@ static void one_sm_change(const ect_device_t *device, const sm_change_t *row, in
     if (kind == 0)
         wire_write8(&w, 0, (uint16_t)(ECT_REG_SM + 8 * row->sm + ECT_SM_ACTIVATE), 0);
     else
-        wire_set_sm(&w, 0, row->sm, (uint16_t)(sm->start + (kind == 1 ? 8 : 0)), sm->length,
+        wire_set_sm(&w, 0, row->sm, (uint16_t)(sm->start + (kind == 1 ? 8 : 0)), ect_device_sm_bytes(device, row->sm),
                     sm->control ^ (kind == 2 ? 0x04 : 0));
     w.manual_poll = false;
     wire_poll(&w);
@@ -1532,7 +1528,7 @@ static void random_sm(wire_t *w, random_t *r, bool good[4])
     const ect_sm_t *sm = &testdev.sm[n];
     good[n] = make_good;
     if (make_good)
-        wire_set_sm(w, 0, n, sm->start, sm->length, sm->control);
+        wire_set_sm(w, 0, n, sm->start, ect_device_sm_bytes(wire_device(w, 0), n), sm->control);
     else
         wire_write8(w, 0, (uint16_t)(ECT_REG_SM + 8 * n + ECT_SM_ACTIVATE), 0);
 }

@@ -413,23 +413,23 @@ static void numbers(void **state)
 
 static void limits_are_found(void **state)
 {
-    static ect_limit_t limits[MOST];
+    static ect_detail_t limits[MOST];
     (void)state;
     for (uint16_t i = 0; i < MOST; i++)
-        limits[i] = (ect_limit_t){.index = (uint16_t)(0x2000 + i / 10), .subindex = (uint8_t)(25 * (i % 10))};
+        limits[i] = (ect_detail_t){.index = (uint16_t)(0x2000 + i / 10), .subindex = (uint8_t)(25 * (i % 10))};
     for (uint16_t count = 0; count <= MOST; count++) {
-        ect_od_t od = {.limits = limits, .limit_count = count};
+        ect_od_t od = {.details = limits, .detail_count = count};
         for (uint16_t index = 0x1FFF; index <= 0x2000 + MOST / 10; index++) {
             for (unsigned int sub = 0; sub <= 255; sub++) {
                 unsigned int position = (index - 0x2000u) * 10u + sub / 25u;
                 bool there = index >= 0x2000 && sub % 25 == 0 && sub < 250 && position < count;
-                const ect_limit_t *got = ect_od_limit(&od, index, (uint8_t)sub);
+                const ect_detail_t *got = ect_od_detail(&od, index, (uint8_t)sub);
                 if (got != (there ? &limits[position] : NULL))
                     fail_msg("%u limits: %04Xh:%u is %sfound", count, index, sub, got ? "" : "not ");
             }
         }
     }
-    assert_null(ect_od_limit(&(ect_od_t){.limits = NULL, .limit_count = 5}, 0x2000, 0));
+    assert_null(ect_od_detail(&(ect_od_t){.details = NULL, .detail_count = 5}, 0x2000, 0));
 }
 
 typedef struct limit_row {
@@ -465,7 +465,9 @@ static const limit_row_t limit_rows[] = {
     {"U64 largest signed", ECT_TYPE_UNSIGNED64, 64, 0, INT64_MAX, INT64_MAX, ECT_OK},
     {"BITARR8 one above", ECT_TYPE_BITARR8, 8, 0, 0x7F, 0x80, ECT_REASON_TOO_HIGH},
     {"BITARR32 one above", ECT_TYPE_BITARR32, 32, 0, 0x7F, 0x80, ECT_REASON_TOO_HIGH},
-    {"BOOLEAN one above", ECT_TYPE_BOOLEAN, 1, 0, 0, 1, ECT_REASON_TOO_HIGH},
+    {"BIT2 one above", ECT_TYPE_BIT1 + 1, 2, 0, 1, 2, ECT_REASON_TOO_HIGH},
+    {"equal limits are none", ECT_TYPE_UNSIGNED8, 8, 5, 5, 6, ECT_OK},
+    {"limits of 0 are none", ECT_TYPE_UNSIGNED8, 8, 0, 0, 1, ECT_OK},
     {"BIT3 one above", ECT_TYPE_BIT1 + 2, 3, 0, 4, 5, ECT_REASON_TOO_HIGH},
     {"BIT3 within", ECT_TYPE_BIT1 + 2, 3, 0, 4, 4, ECT_OK},
     {"U64 beyond the signed range", ECT_TYPE_UNSIGNED64, 64, 0, 100, UINT64_MAX, ECT_REASON_TOO_HIGH},
@@ -488,8 +490,8 @@ static void run_limits(const limit_row_t *rows, size_t count)
     for (size_t i = 0; i < count; i++) {
         const limit_row_t *row = &rows[i];
         const ect_entry_t entry = {3, row->type, row->bits, ECT_ACCESS_RW, "E", 0, NULL};
-        const ect_limit_t limit = {.index = 0x2000, .subindex = 3, .minimum = row->minimum, .maximum = row->maximum};
-        const ect_od_t od = {.limits = &limit, .limit_count = 1};
+        const ect_detail_t limit = {.index = 0x2000, .subindex = 3, .minimum = row->minimum, .maximum = row->maximum};
+        const ect_od_t od = {.details = &limit, .detail_count = 1};
         uint8_t wire[16] = {0};
         ect_store_le64(wire, row->value);
         ect_reason_t got = ect_od_check_limit(&od, 0x2000, &entry, wire);

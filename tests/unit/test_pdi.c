@@ -716,7 +716,7 @@ static void memory_needed(void **state)
     assert_int_equal(need.instance, sizeof(testdev_t));
     assert_int_equal(need.mailbox, 128 + 2 * 256);
     assert_int_equal(need.process_data, 3);
-    assert_int_equal(need.runs, 8);
+    assert_int_equal(need.runs, 4);
     ect_device_t device = testdev;
     device.sm_count = 2;
     need = ect_slave_memory(&device);
@@ -725,7 +725,7 @@ static void memory_needed(void **state)
     need = ect_slave_memory(&device);
     assert_int_equal(need.mailbox, 0);
     device = testdev;
-    device.sm[2].length = 40;
+    device.sm[2].maximum = 40;
     need = ect_slave_memory(&device);
     assert_int_equal(need.process_data, 40);
     device.sm[3].maximum = 50;

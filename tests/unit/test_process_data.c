@@ -217,7 +217,8 @@ static void inputs_before_safeop(void **state)
         if (i == 0)
             assert_int_equal(spy.first_inputs, 0x7788);
         uint8_t image[256];
-        assert_int_equal(wire_read(&w, 0, every_device(i)->sm[3].start, image, every_device(i)->sm[3].length), 1);
+        assert_int_equal(wire_read(&w, 0, every_device(i)->sm[3].start, image, ect_device_sm_bytes(every_device(i), 3)),
+                         1);
         wire_close(&w);
     }
 }
@@ -258,9 +259,9 @@ static void inputs_follow_time(void **state)
 static void map(wire_t *w, size_t position, uint32_t out, uint32_t in)
 {
     const ect_device_t *device = wire_device(w, position);
-    if (device->sm[2].length > 0)
-        wire_set_fmmu(w, position, 0, out, device->sm[2].length, 0, 7, device->sm[2].start, 0, 2);
-    wire_set_fmmu(w, position, 1, in, device->sm[3].length, 0, 7, device->sm[3].start, 0, 1);
+    if (ect_device_sm_bytes(device, 2) > 0)
+        wire_set_fmmu(w, position, 0, out, ect_device_sm_bytes(device, 2), 0, 7, device->sm[2].start, 0, 2);
+    wire_set_fmmu(w, position, 1, in, ect_device_sm_bytes(device, 3), 0, 7, device->sm[3].start, 0, 1);
 }
 
 static void lrw_counts(void **state)
@@ -268,14 +269,14 @@ static void lrw_counts(void **state)
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
         const ect_device_t *device = every_device(i);
-        int outputs = device->sm[2].length > 0;
-        uint16_t length = (uint16_t)(device->sm[2].length + device->sm[3].length);
+        int outputs = ect_device_sm_bytes(device, 2) > 0;
+        uint16_t length = (uint16_t)(ect_device_sm_bytes(device, 2) + ect_device_sm_bytes(device, 3));
         uint8_t data[512] = {0};
         wire_t w;
         wire_open_one(&w, device);
         wire_go(&w, 0, PREOP);
         wire_configure_process_data(&w, 0);
-        map(&w, 0, 0x10000, 0x10000u + device->sm[2].length);
+        map(&w, 0, 0x10000, 0x10000u + ect_device_sm_bytes(device, 2));
         assert_int_equal(wire_logical(&w, LRW, 0x10000, data, length), 0);
         wire_write16(&w, 0, ECT_REG_AL_CONTROL, SAFEOP);
         for (unsigned int n = 0; n < 3; n++) {
@@ -356,8 +357,8 @@ static void input_only(void **state)
     wire_t w;
     wire_open_one(&w, device);
     wire_go(&w, 0, OP);
-    assert_int_equal(ect_chain_slave(w.chain, 0)->output_bytes, 0);
-    assert_int_equal(ect_chain_slave(w.chain, 0)->input_bytes, 66);
+    assert_int_equal(ect_chain_slave(w.chain, 0)->outputs, 0);
+    assert_int_equal(ect_chain_slave(w.chain, 0)->image[3].bytes, 66);
     uint8_t image[66];
     uint8_t before = 0;
     for (unsigned int n = 0; n < 10; n++) {
@@ -444,6 +445,8 @@ typedef struct mapped {
     ect_entry_t entries[200];
     ect_entry_t map[2][1 + MAPPED];
     ect_entry_t assign[2][3];
+    ect_pdo_run_t runs[2 * MAPPED];
+    uint16_t run_count;
 } mapped_t;
 
 static const ect_entry_t *copy_entries(mapped_t *m, size_t *used, const ect_object_t *object)
@@ -466,8 +469,8 @@ static void make_mapped(mapped_t *m)
     size_t used = 0;
     m->device = testdev;
     m->device.objects = m->objects;
-    m->device.pdo_runs = 2 * MAPPED;
-    m->device.sm[2].length = m->device.sm[3].length = ROOM;
+    m->run_count = COUNT(m->runs);
+    m->device.sm[2].maximum = m->device.sm[3].maximum = ROOM;
     for (uint16_t i = 0; i < testdev.object_count; i++) {
         m->objects[i] = testdev.objects[i];
         m->objects[i].entries = copy_entries(m, &used, &testdev.objects[i]);
@@ -504,12 +507,12 @@ static void open_mapped(wire_t *w, mapped_t *m)
 {
     static ect_device_t plain; /* what the SII is made from */
     plain = testdev;
-    plain.pdo_runs = m->device.pdo_runs;
-    plain.sm[2].length = m->device.sm[2].length;
-    plain.sm[3].length = m->device.sm[3].length;
+    plain.sm[2].maximum = plain.sm[3].maximum = ROOM;
     wire_open_one(w, &plain);
     ect_slave_t *s = slave_of(w);
     s->config.device = &m->device;
+    s->config.runs = m->runs;
+    s->config.run_count = m->run_count;
     s->od.objects = m->objects;
     wire_go(w, 0, PREOP);
 }
@@ -837,10 +840,9 @@ static void run_limits(void **state)
         uint16_t code;
     } rows[] = {{4, 0}, {3, 0x0024}, {2, 0x0024}, {1, 0x0025}, {0, 0x0025}};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        ect_device_t device = testdev;
-        device.pdo_runs = rows[i].runs;
         wire_t w;
-        wire_open_one(&w, &device);
+        wire_open_one(&w, &testdev);
+        slave_of(&w)->config.run_count = rows[i].runs;
         wire_go(&w, 0, PREOP);
         wire_configure_process_data(&w, 0);
         wire_write16(&w, 0, ECT_REG_AL_CONTROL, SAFEOP);
@@ -850,7 +852,7 @@ static void run_limits(void **state)
     wire_t w;
     mapped_t m = {0};
     make_mapped(&m);
-    m.device.pdo_runs = 2;
+    m.run_count = 2;
     for (unsigned int d = 0; d < 2; d++) {
         for (uint8_t n = 1; n <= 4; n++)
             add(&m, d, ECT_MAP(0x2007, n, 16));
@@ -947,7 +949,7 @@ int main(int argc, char **argv)
         T("CF-037: an assignment or count that leads nowhere is refused, and accepted when put right", assignments),
         T("CF-037: two assigned PDOs follow each other without a gap", two_pdos),
         T("CF-037: an image larger than its memory or than a datagram is refused", image_limits),
-        T("CF-037: an image in more pieces than the description says is refused; neighbours are one piece", run_limits),
+        T("CF-037: an image in more pieces than there is memory for is refused; neighbours are one piece", run_limits),
         T("CF-048: constants are sent, and received data do not change them", constants),
         T("CF-037: a part of an object longer than 255 bits is refused or right", part_of_a_long_object),
     };

@@ -1037,7 +1037,7 @@ static void make_big(big_t *big)
     big->device = testdev;
     big->device.objects = big->objects;
     big->device.object_count = 1;
-    big->device.limit_count = 0;
+    big->device.detail_count = 0;
 }
 
 /* The stored values and the model's, from one seed. */
@@ -1258,8 +1258,8 @@ static void mandatory_objects_of(const ect_device_t *device)
     upload_number(&w, device->name, 0x1C00, 0, 1, 4);
     for (uint8_t n = 1; n <= 4; n++)
         upload_number(&w, device->name, 0x1C00, n, 1, n);
-    upload_number(&w, device->name, 0x1C12, 0, 1, device->sm[2].length > 0 ? 1 : 0);
-    if (device->sm[2].length > 0)
+    upload_number(&w, device->name, 0x1C12, 0, 1, ect_device_sm_bytes(device, 2) > 0 ? 1 : 0);
+    if (ect_device_sm_bytes(device, 2) > 0)
         upload_number(&w, device->name, 0x1C12, 1, 2, 0x1600);
     const ect_od_t od = {.objects = device->objects, .count = device->object_count};
     uint8_t pdos = 0;

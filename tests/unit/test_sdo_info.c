@@ -471,15 +471,15 @@ static void value_info_in_a_small_mailbox(void **state)
     static const ect_entry_t entry[] = {
         {0, ECT_TYPE_INTEGER64, 64, ECT_ACCESS_RW, "A name", 0x01020304, ECT_OFFSET(testdev_t, u64)}};
     static const ect_object_t objects[] = {{0x3000, ECT_OBJECT_VAR, 0, 0, "O", entry}};
-    static const ect_limit_t limits[] = {{0x3000, 0, 0x00FD, -2, 2}};
+    static const ect_detail_t limits[] = {ECT_LIMITS(0x3000, 0, 0x00FD, -2, 2)};
     (void)state;
     for (uint16_t in_length = SHORTEST_IN; in_length < 64; in_length++) {
         session_t s;
         ect_device_t device = testdev;
         device.objects = objects;
         device.object_count = 1;
-        device.limits = limits;
-        device.limit_count = 1;
+        device.details = limits;
+        device.detail_count = 1;
         open_session(&s, &device, in_length);
         int length = ask(&s, 5, 0x3000, 0, 0x7F);
         uint8_t given = s.mail[9];

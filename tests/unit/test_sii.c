@@ -219,7 +219,7 @@ static void check_strings(const image_t *image)
             assert_string_not_equal(string(image, m, other), text);
     }
     assert_int_equal(c->length, (used + 1) / 2 * 2);
-    expect_text(image, "string 1", 1, image->device->type_name);
+    expect_text(image, "string 1", 1, image->device->full_name ? image->device->full_name : image->device->type_name);
 }
 
 static void strings(void **state)
@@ -236,13 +236,14 @@ static void check_general(const image_t *image)
     expect_text(image, "group", c->data[0], d->group_type);
     expect_text(image, "image", c->data[1], "");
     expect_text(image, "order", c->data[2], d->type_name);
-    expect_text(image, "name", c->data[3], d->type_name);
+    expect_text(image, "name", c->data[3], d->full_name ? d->full_name : d->type_name);
     expect_text(image, "group name", c->data[14], d->group_name);
     assert_int_equal(c->data[5], d->coe_details);
     assert_int_equal(c->data[6], (d->mailbox_protocols & 0x08) != 0);
     assert_int_equal(c->data[7], (d->mailbox_protocols & 0x02) != 0);
-    for (int i = 8; i < 14; i++)
+    for (int i = 8; i < 12; i++)
         assert_int_equal(c->data[i], 0);
+    assert_int_equal((int16_t)ect_load_le16(c->data + 12), d->ebus_ma);
     unsigned int ports = 0;
     for (size_t i = 0; i < strlen(d->physics); i++)
         ports |= (d->physics[i] == 'Y' ? 1u : d->physics[i] == 'K' ? 3u : 0u) << (4 * i);
@@ -267,9 +268,11 @@ static void check_fmmus_and_sms(const image_t *image)
     assert_int_equal(sm->length, 8u * d->sm_count);
     for (size_t i = 0; i < d->sm_count; i++) {
         const ect_sm_t *s = &d->sm[i];
-        uint8_t want[8] = {
-            (uint8_t)s->start, (uint8_t)(s->start >> 8), (uint8_t)s->length, (uint8_t)(s->length >> 8), s->control, 0,
-            s->length > 0,     (uint8_t)(i + 1)};
+        uint16_t length = ect_device_sm_bytes(d, (unsigned int)i);
+        uint8_t want[8] = {(uint8_t)s->start, (uint8_t)(s->start >> 8),
+                           (uint8_t)length,   (uint8_t)(length >> 8),
+                           s->control,        0,
+                           length > 0,        s->type};
         if (memcmp(sm->data + 8 * i, want, 8) != 0)
             fail_msg("%s: SM%zu of the SII is not the description's", d->name, i);
     }
@@ -351,7 +354,7 @@ static void check_pdos(const image_t *image)
             at += 8u + 8u * pdo[2];
         }
         assert_int_equal(at, c ? c->length : 0);
-        assert_int_equal((bits + 7) / 8, d->sm[2 + direction].length);
+        assert_int_equal((bits + 7) / 8, ect_load_le16(category(image, 41)->data + (size_t)8 * (2 + direction) + 2));
     }
     wire_close(&w);
 }
@@ -365,21 +368,38 @@ static void pdos(void **state)
 /* --- a device that has everything ----------------------------------------------------------------------------------
  */
 
-static const ect_dc_mode_t modes[] = {{"FreeRun", "No sync", 0x0000, 0}, {"DC", "SYNC0", 0x0300, 1000000}};
+static const ect_dc_mode_t modes[] = {{.name = "FreeRun", .description = "No sync"},
+                                      {.name = "DC",
+                                       .description = "SYNC0",
+                                       .assign_activate = 0x0300,
+                                       .cycle_sync0_ns = 1000000,
+                                       .factor_sync0 = -2,
+                                       .factor_sync1 = 3,
+                                       .shift_sync0_ns = -5000,
+                                       .shift_sync1_ns = 70000}};
 
 static ect_device_t rich_device(void)
 {
     static const ect_entry_t spare[] = {ECT_ENTRY_COUNT(2), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 1, 16)),
                                         ECT_ENTRY_MAP(2, ECT_MAP(0x6666, 1, 8))};
+    static const ect_entry_t free_entries[] = {
+        {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW_PREOP, "Count", 1, NULL},
+        {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW_PREOP, "Mapped object", ECT_MAP(0x6000, 1, 16), NULL}};
     static const ect_entry_t assign[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
-    static ect_object_t objects[4];
+    static const ect_pdo_t properties[] = {{.index = 0x1A02, .flags = ECT_PDO_VIRTUAL | ECT_PDO_MANDATORY}};
+    static ect_object_t objects[5];
     ect_device_t device = testdev;
-    objects[0] = (ect_object_t){0x1A00, ECT_OBJECT_RECORD, 2, 0, "Inputs", spare};
-    objects[1] = (ect_object_t){0x1A01, ECT_OBJECT_RECORD, 2, 0, "Spare inputs", spare};
-    objects[2] = (ect_object_t){0x1C13, ECT_OBJECT_ARRAY, 1, 0, "Assignment", assign};
-    objects[3] = *ect_od_find(&(ect_od_t){.objects = testdev.objects, .count = testdev.object_count}, 0x6000);
+    objects[0] = (ect_object_t)ECT_RECORD(0x1A00, "Inputs", free_entries);
+    objects[1] = (ect_object_t)ECT_RECORD(0x1A01, "Spare inputs", spare);
+    objects[2] = (ect_object_t)ECT_RECORD(0x1A02, "Inputs with properties", spare);
+    objects[3] = (ect_object_t)ECT_ARRAY(0x1C13, "Assignment", assign);
+    objects[4] = *ect_od_find(&(ect_od_t){.objects = testdev.objects, .count = testdev.object_count}, 0x6000);
     device.objects = objects;
-    device.object_count = 4;
+    device.object_count = 5;
+    device.pdos = properties;
+    device.pdo_count = 1;
+    device.full_name = "A device with everything";
+    device.ebus_ma = -130;
     device.mailbox_protocols = 0x0E;
     device.coe_details = 0x0F;
     device.boot_out = (ect_boot_mailbox_t){0x1000, 0x100};
@@ -407,7 +427,11 @@ static void everything(void **state)
     for (size_t i = 0; i < 2; i++) {
         uint8_t want[24] = {0};
         ect_store_le32(want, modes[i].cycle_sync0_ns);
+        ect_store_le32(want + 4, (uint32_t)modes[i].shift_sync0_ns);
+        ect_store_le32(want + 8, (uint32_t)modes[i].shift_sync1_ns);
+        ect_store_le16(want + 12, (uint16_t)modes[i].factor_sync1);
         ect_store_le16(want + 14, modes[i].assign_activate);
+        ect_store_le16(want + 16, (uint16_t)modes[i].factor_sync0);
         want[18] = dc->data[24 * i + 18];
         want[19] = dc->data[24 * i + 19];
         assert_memory_equal(dc->data + 24 * i, want, 24);
@@ -415,11 +439,36 @@ static void everything(void **state)
         expect_text(&image, "DC description", want[19], modes[i].description);
     }
     assert_null(category(&image, 51));
-    assert_int_equal(tx->length, 2 * 24);
+    assert_int_equal(tx->length, 16 + 2 * 24);
     assert_int_equal(tx->data[3], 3);
     assert_int_equal(ect_load_le16(tx->data + 6), 0); /* the mapping may be changed: not fixed */
-    assert_int_equal(tx->data[24 + 3], 0xFF);         /* not assigned */
-    expect_text(&image, "entry that is not there", tx->data[16 + 3], "");
+    const uint8_t *spare = tx->data + 16, *virtual_one = spare + 24;
+    assert_int_equal(spare[3], 0xFF); /* not assigned: fixed, not mandatory */
+    assert_int_equal(ect_load_le16(spare + 6), 0x0010);
+    expect_text(&image, "entry that is not there", spare[16 + 3], "");
+    assert_int_equal(ect_load_le16(virtual_one + 6), 0x0021); /* as the description says */
+}
+
+/* As in an ESI that carries the EEPROM's content: only who it is may be changed. */
+static void image_brought_along(void **state)
+{
+    static uint8_t original[2048], got[2048];
+    static const ect_identity_t identity = {1, 2, 3, 4};
+    ect_device_t device = testdev;
+    (void)state;
+    for (size_t i = 0; i < sizeof original; i++)
+        original[i] = (uint8_t)(i * 7);
+    device.sii = original;
+    assert_int_equal(ect_sii_write(&device, &identity, 0x1234, got, sizeof got), 2048);
+    for (size_t i = 0; i < sizeof got; i++) {
+        bool renewed = i == 8 || i == 9 || i == 14 || (i >= 16 && i < 32);
+        if (!renewed && got[i] != original[i])
+            fail_msg("byte %zu: expected %02X, got %02X", i, original[i], got[i]);
+    }
+    assert_int_equal(ect_load_le16(got + 8), 0x1234);
+    assert_int_equal(got[14], checksum(got));
+    for (unsigned int i = 0; i < 4; i++)
+        assert_int_equal(ect_load_le32(got + 16 + (size_t)4 * i), i + 1);
 }
 
 /* --- what does not fit -------------------------------------------------------------------------------------------- */
@@ -716,6 +765,8 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-060 CF-061 CF-062: a device with everything: bootstrap, DC modes, FoE and EoE, a PDO not assigned",
          everything, NULL, NULL, NULL},
+        {"CF-057: an image that the description brings along keeps all but identity, alias and checksum",
+         image_brought_along, NULL, NULL, NULL},
         {"CF-060: a buffer that is too small is refused", too_small, NULL, NULL, NULL},
         {"CF-060: an EEPROM that is too small is refused, at every size", every_eeprom_size, NULL, NULL, NULL},
         {"CF-064: more than 255 strings, or one of more than 255 characters, are refused", string_table_overflow, NULL,

@@ -14,8 +14,8 @@
 
 static uint8_t fmap_of(const ect_device_t *device)
 {
-    uint16_t outputs = device->sm[2].length;
-    uint16_t inputs = device->sm[3].length;
+    uint16_t outputs = ect_device_bytes(device, ECT_SM_OUTPUTS);
+    uint16_t inputs = ect_device_bytes(device, ECT_SM_INPUTS);
     return (uint8_t)(ECLINK_FMAP_INPUT | (outputs > 0 ? ECLINK_FMAP_COMMANDS : 0) |
                      (outputs > ECLINK_OUT_PERIODIC_SIZE ? ECLINK_FMAP_PERIODIC : 0) |
                      (inputs > ECLINK_IN_RU + ECLINK_IN_RU_STRIDE ? ECLINK_FMAP_MULTIARM : 0));
@@ -256,8 +256,7 @@ static void decode(uint8_t *numbers, const uint8_t *bytes, uintptr_t base, const
 void eclink_sdo_read(void *instance, uint16_t index)
 {
     eclink_t *unit = instance;
-    const ect_device_t *device = unit->standard.device;
-    const ect_od_t od = {.objects = device->objects, .count = device->object_count};
+    const ect_od_t od = ect_device_od(unit->standard.device, NULL);
     if (index == 0x3001)
         decode(unit->input_numbers, unit->inputs, offsetof(eclink_t, input_numbers), ect_od_find(&od, index));
     else if (index == 0x3002)

@@ -223,32 +223,32 @@ static const ect_object_t objects_multiarm[] = {
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
 
 /* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
-#define BASE_UNIT(cli_name, what, node_name, product, object_list, output_bytes, input_bytes)                          \
+#define BASE_UNIT(cli_name, what, node_name, product, object_list)                                                     \
     {                                                                                                                  \
-        .name = cli_name, .summary = what, .type_name = node_name, .group_type = "VR-BU",                              \
-        .group_name = "Vision Remote base units", .hardware_version = HARDWARE_VERSION,                                \
+        .name = cli_name, .summary = what, .vendor_name = ECTWIN_VENDOR_NAME, .type_name = node_name,                  \
+        .group_type = "VR-BU", .group_name = "Vision Remote base units", .hardware_version = HARDWARE_VERSION,         \
         .software_version = SOFTWARE_VERSION,                                                                          \
         .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = product, .revision = REVISION, .serial = 1},       \
         .esc = "np40", .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01}, .sii_size = 4096,                           \
         .sm = {{.start = 0x4000, .length = 276, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},                          \
                {.start = 0x4800, .length = 276, .control = 0x22, .type = ECT_SM_MAILBOX_IN},                           \
-               {.start = 0x1000, .length = output_bytes, .control = 0x64, .type = ECT_SM_OUTPUTS},                     \
-               {.start = 0x2800, .length = input_bytes, .control = 0x20, .type = ECT_SM_INPUTS}},                      \
+               {.start = 0x1000, .control = 0x64, .type = ECT_SM_OUTPUTS},                                             \
+               {.start = 0x2800, .control = 0x20, .type = ECT_SM_INPUTS}},                                             \
         .sm_count = 4, .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}, .fmmu_count = 3,           \
         .mailbox_protocols = ECT_MAILBOX_COE,                                                                          \
         .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS, .physics = "YY", \
         .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                     \
         .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},       \
         .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                        \
-        .instance_size = sizeof(eclink_t), .pdo_runs = 2, .init = eclink_init, .state_change = eclink_state_change,    \
+        .instance_size = sizeof(eclink_t), .init = eclink_init, .state_change = eclink_state_change,                   \
         .outputs = eclink_outputs, .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,      \
     }
 
-const ect_device_t ect_eclink_map1 = BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only",
-                                               "VR-BU-ECT-Map1", PRODUCT_MAP1, objects_map1, 0, 66);
+const ect_device_t ect_eclink_map1 =
+    BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only", "VR-BU-ECT-Map1", PRODUCT_MAP1, objects_map1);
 const ect_device_t ect_eclink_map3 = BASE_UNIT("vr-bu-ect-map3", "Vision Remote base unit, Input + Commands",
-                                               "VR-BU-ECT-Map3", PRODUCT_MAP3, objects_map3, 24, 66);
-const ect_device_t ect_eclink_map7 = BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard", "VR-BU-ECT-Map7",
-                                               PRODUCT_MAP7, objects_map7, 228, 66);
+                                               "VR-BU-ECT-Map3", PRODUCT_MAP3, objects_map3);
+const ect_device_t ect_eclink_map7 =
+    BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard", "VR-BU-ECT-Map7", PRODUCT_MAP7, objects_map7);
 const ect_device_t ect_eclink_multiarm = BASE_UNIT("vr-bu-ect-multiarm", "Vision Remote base unit, MultiArm",
-                                                   "VR-BU-ECT-MultiArm", PRODUCT_MULTIARM, objects_multiarm, 228, 142);
+                                                   "VR-BU-ECT-MultiArm", PRODUCT_MULTIARM, objects_multiarm);

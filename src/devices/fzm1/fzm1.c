@@ -112,10 +112,10 @@ static const ect_object_t objects[] = {
 };
 
 /* Unit codes: 1e-4 s, 1e-1 s (ETG.1004). */
-static const ect_limit_t limits[] = {
-    {0x2400, 2, 0xFC03, 20, 50000},
-    {0x2400, 3, 0xFC03, 10, 10000},
-    {0x2400, 4, 0xFF03, 5, 1200},
+static const ect_detail_t details[] = {
+    ECT_LIMITS(0x2400, 2, 0xFC03, 20, 50000),
+    ECT_LIMITS(0x2400, 3, 0xFC03, 10, 10000),
+    ECT_LIMITS(0x2400, 4, 0xFF03, 5, 1200),
 };
 
 static const uint32_t dc_cycles_ns[] = {250000, 500000, 1000000, 2000000, 4000000};
@@ -128,6 +128,7 @@ static const ect_service_t *const services[] = {&ect_service_sync, NULL};
 const ect_device_t ect_fzm1 = {
     .name = "fzm1",
     .summary = "OMRON FZM1 vision sensor",
+    .vendor_name = ECTWIN_VENDOR_NAME,
     .type_name = "FZM1",
     .group_type = "FZM1",
     .group_name = "Vision sensors",
@@ -139,8 +140,8 @@ const ect_device_t ect_fzm1 = {
     .sii_size = 2048,
     .sm = {{.start = 0x1000, .length = 128, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},
            {.start = 0x1080, .length = 128, .control = 0x22, .type = ECT_SM_MAILBOX_IN},
-           {.start = 0x1100, .length = 20, .control = 0x64, .type = ECT_SM_OUTPUTS},
-           {.start = 0x1200, .length = 48, .control = 0x20, .type = ECT_SM_INPUTS}},
+           {.start = 0x1100, .control = 0x64, .type = ECT_SM_OUTPUTS},
+           {.start = 0x1200, .control = 0x20, .type = ECT_SM_INPUTS}},
     .sm_count = 4,
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
     .fmmu_count = 3,
@@ -156,11 +157,10 @@ const ect_device_t ect_fzm1 = {
     .timeouts = {.preop_ms = 3000, .safeop_op_ms = 10000, .back_to_init_ms = 5000, .back_to_safeop_ms = 200},
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
-    .limits = limits,
-    .limit_count = sizeof limits / sizeof limits[0],
+    .details = details,
+    .detail_count = sizeof details / sizeof details[0],
     .services = services,
     .instance_size = sizeof(fzm1_t),
-    .pdo_runs = 5 + 4 + 8,
     .init = fzm1_init,
     .state_change = fzm1_state_change,
     .outputs = fzm1_outputs,
