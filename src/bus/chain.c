@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bus/lamps.h"
+#include "bus/wiring.h"
 #include "ports/virtual/virtual.h"
 #include "sii/sii.h"
 #include "wire/bytes.h"
@@ -15,17 +16,19 @@ typedef struct twin {
     ect_esc_t esc;
     ect_pdi_t pdi;
     ect_slave_t slave;
-    bool linked;          /* the one before it has its cable in here */
+    ect_wiring_t *wiring;
+    bool link[ECT_ENDS];  /* what is known to its ESC: a link at port 0, at port 1 */
     uint32_t seen;        /* ESC activity that the slave has dealt with */
     uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
     uint64_t last_frame_ns;
     ect_lamps_t *lamps;
-    void *memory[7]; /* everything that was allocated for it */
+    void *memory[8]; /* everything that was allocated for it */
     size_t blocks;
 } twin_t;
 
 struct ect_chain {
     size_t count;
+    bool link[ECT_ENDS]; /* a cable is in at this end */
     twin_t twins[];
 };
 
@@ -37,7 +40,7 @@ static void *allocate(twin_t *twin, size_t size)
     return block;
 }
 
-static bool make_esc(twin_t *twin, uint8_t open_ports)
+static bool make_esc(twin_t *twin)
 {
     const ect_twin_config_t *c = &twin->config;
     const ect_esc_personality_t *personality = ect_esc_personality(c->device->esc);
@@ -52,7 +55,6 @@ static bool make_esc(twin_t *twin, uint8_t open_ports)
         .memory = memory,
         .sii = sii,
         .sii_size = c->device->sii_size,
-        .open_ports = open_ports,
         .keep_source_mac = c->keep_source_mac,
     };
     return true;
@@ -105,6 +107,8 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
         (void)twin->pdi.write(twin->pdi.ctx, ECT_REG_STATION_ALIAS, alias, sizeof alias);
         slave.device_id = switches;
     }
+    for (unsigned int port = 0; port < ECT_ENDS; port++)
+        ect_esc_set_link(&twin->esc, port, twin->link[port]);
     power_off(twin, slave.instance);
     twin->deadline_ns = now_ns;
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
@@ -115,20 +119,61 @@ ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t
     return (ect_twin_config_t){.device = device, .plant = plant, .identity = device->identity};
 }
 
+static bool make_twin(twin_t *twin, uint64_t now_ns)
+{
+    twin->lamps = allocate(twin, sizeof *twin->lamps);
+    twin->wiring = allocate(twin, sizeof *twin->wiring);
+    if (!twin->lamps || !twin->wiring || !make_esc(twin) || !make_slave(twin))
+        return false;
+    *twin->wiring = (ect_wiring_t){.plug_in = 1, .plug_out = 1};
+    return power_on(twin, now_ns);
+}
+
+static bool on_bus(const twin_t *twin)
+{
+    return !twin->slave.off_bus;
+}
+
+/* The wire before a twin; twin `count` stands for what is at the far end. */
+static bool wire_before(const ect_chain_t *chain, size_t i)
+{
+    const twin_t *before = i > 0 ? &chain->twins[i - 1] : NULL;
+    const twin_t *behind = i < chain->count ? &chain->twins[i] : NULL;
+    bool there = before ? on_bus(before) && before->wiring->plug_out != 0 : chain->link[ECT_END_IN];
+    return there && (behind ? on_bus(behind) && behind->wiring->plug_in != 0 : chain->link[ECT_END_OUT]);
+}
+
+static void follow_link(twin_t *twin, unsigned int port, bool link)
+{
+    if (twin->link[port] == link)
+        return;
+    twin->link[port] = link;
+    ect_esc_set_link(&twin->esc, port, link);
+}
+
+static void follow_links(ect_chain_t *chain)
+{
+    bool link = wire_before(chain, 0);
+    for (size_t i = 0; i < chain->count; i++) {
+        follow_link(&chain->twins[i], 0, link);
+        link = wire_before(chain, i + 1);
+        follow_link(&chain->twins[i], 1, link);
+    }
+}
+
 ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns)
 {
-    enum { PORT_IN = 1, PORT_OUT = 2 };
     ect_chain_t *chain = calloc(1, sizeof *chain + count * sizeof chain->twins[0]);
     if (!chain)
         return NULL;
     chain->count = count;
+    chain->link[ECT_END_IN] = true;
     for (size_t i = 0; i < count; i++) {
-        uint8_t open_ports = i + 1 < count ? PORT_IN | PORT_OUT : PORT_IN;
         twin_t *twin = &chain->twins[i];
         twin->config = twins[i];
-        twin->linked = true;
-        twin->lamps = allocate(twin, sizeof *twin->lamps);
-        if (!twin->lamps || !make_esc(twin, open_ports) || !make_slave(twin) || !power_on(twin, now_ns)) {
+        twin->link[0] = true;
+        twin->link[1] = i + 1 < count;
+        if (!make_twin(twin, now_ns)) {
             ect_chain_free(chain);
             return NULL;
         }
@@ -153,28 +198,46 @@ void ect_chain_free(ect_chain_t *chain)
     free(chain);
 }
 
-bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns)
+void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
 {
-    for (size_t i = 0; i < chain->count; i++) {
-        ect_esc_t *esc = &chain->twins[i].esc;
-        chain->twins[i].last_frame_ns = now_ns;
-        if (i == 0 && chain->twins[i].slave.off_bus)
-            return false; /* the cable ends in a dead socket */
-        if (ect_esc_process(esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
-            return false;
-        if (i + 1 < chain->count && !ect_esc_port_open(esc, 1))
-            break; /* nothing is plugged in there, or the master closed the port: the frame turns back */
-    }
-    return true;
+    chain->link[end] = link;
+    follow_links(chain);
 }
 
-/* A twin that left the bus takes the link of the one before it away. */
-static void follow_links(ect_chain_t *chain, size_t i)
+static bool may_enter(const ect_chain_t *chain, ect_end_t in)
 {
-    bool link = !chain->twins[i].slave.off_bus;
-    if (i > 0 && chain->twins[i].linked != link)
-        ect_esc_set_link(&chain->twins[i - 1].esc, 1, link);
-    chain->twins[i].linked = link;
+    return in == ECT_END_IN ? chain->twins[0].link[0] : ect_esc_port_open(&chain->twins[chain->count - 1].esc, 1);
+}
+
+/* Ends, for a frame that meets a port 0 without a link for the second time is destroyed there. */
+ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    size_t i = in == ECT_END_IN ? 0 : chain->count - 1;
+    bool forward = in == ECT_END_IN; /* towards the processing unit of twin i, else towards its port 0 */
+    if (!may_enter(chain, in))
+        return ECT_END_NONE; /* the cable ends in a dead socket */
+    for (;;) {
+        twin_t *twin = &chain->twins[i];
+        twin->last_frame_ns = now_ns;
+        if (forward) {
+            if (ect_esc_process(&twin->esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
+                return ECT_END_NONE;
+            forward = ect_esc_port_open(&twin->esc, 1);
+            if (forward && ++i == chain->count)
+                return ECT_END_OUT;
+        } else if (ect_esc_circulates(&twin->esc)) {
+            forward = true;
+        } else if (i == 0) {
+            return twin->link[0] ? ECT_END_IN : ECT_END_NONE;
+        } else if (!ect_esc_port_open(&chain->twins[--i].esc, 1)) {
+            return ECT_END_NONE;
+        }
+    }
+}
+
+bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    return ect_chain_pass(chain, ECT_END_IN, frame, length, now_ns) == ECT_END_IN;
 }
 
 static void poll_twin(twin_t *twin, uint64_t now_ns)
@@ -194,10 +257,13 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         twin_t *twin = &chain->twins[i];
         if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns)
             poll_twin(twin, now_ns);
-        follow_links(chain, i);
-        bool out_link = i + 1 < chain->count && !chain->twins[i + 1].slave.off_bus;
-        uint64_t lamps_ns = ect_lamps_update(twin->lamps, &twin->slave, out_link, twin->last_frame_ns, now_ns);
         next = twin->deadline_ns < next ? twin->deadline_ns : next;
+    }
+    follow_links(chain);
+    for (size_t i = 0; i < chain->count; i++) {
+        const twin_t *twin = &chain->twins[i];
+        uint64_t lamps_ns =
+            ect_lamps_update(twin->lamps, &twin->slave, twin->link[0], twin->link[1], twin->last_frame_ns, now_ns);
         next = lamps_ns < next ? lamps_ns : next;
     }
     return next;
@@ -213,14 +279,16 @@ size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *
 {
     const twin_t *twin = &chain->twins[position];
     return ect_signals_visit(twin->config.plant, twin->slave.config.instance, pattern, visit, ctx) +
-           ect_signals_visit(&ect_lamps_plant, twin->lamps, pattern, visit, ctx);
+           ect_signals_visit(&ect_lamps_plant, twin->lamps, pattern, visit, ctx) +
+           ect_signals_visit(&ect_wiring_plant, twin->wiring, pattern, visit, ctx);
 }
 
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
     return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
-           ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref);
+           ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
+           ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
 }
 
 void ect_chain_wake(ect_chain_t *chain, size_t position)

@@ -44,10 +44,33 @@ void ect_chain_free(ect_chain_t *chain);
 /** Takes the power off all twins and puts it back: what stands outside them (ect_plant_t::outside_size) stays. */
 void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns);
 
+/** The two ends of a chain: where frames come in and go out. */
+typedef enum ect_end {
+    ECT_END_IN,   /**< port 0 of the first slave: the master */
+    ECT_END_OUT,  /**< port 1 of the last one: nothing, or the master's second interface (cable redundancy) */
+    ECT_END_NONE, /**< a frame that goes to none of them is lost */
+} ect_end_t;
+enum { ECT_ENDS = ECT_END_NONE };
+
+/** Plugs a cable in at an end or pulls it: frames go in and out there only while one is in. First: ECT_END_IN only. */
+void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link);
+
 /**
- * Lets a frame travel through all ESCs and back. No device code runs in here.
- * @return true: send the changed frame back, at the same length; false: nothing comes back.
+ * Lets a frame travel through the ESCs, from the end where it comes in to the one where it leaves. No device code runs
+ * in here.
+ *
+ * As in the chip, a frame is processed on the way from port 0 to port 1 and only passed on in the other direction. So
+ * one that comes in at ECT_END_OUT is processed by nobody while the wires are whole, and leaves at ECT_END_IN. Where a
+ * wire is cut, the slave before the cut sends frames back, and the one behind it, which has lost its port 0, processes
+ * those that come from ECT_END_OUT, marks them as circulating, and so do the slaves behind it: they leave where they
+ * came in (data sheet I §3).
+ *
+ * @param in  ECT_END_IN or ECT_END_OUT
+ * @return the end where to send the changed frame, at the same length; ECT_END_NONE: it is lost
  */
+ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/** ::ect_chain_pass for a chain with one end. @return whether the frame comes back */
 bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns);
 
 /**
@@ -58,7 +81,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
 size_t ect_chain_count(const ect_chain_t *chain);
 
-/** As ect_signals_visit, for the device of a twin and for its lamps (`ecat.*`). @return how many matched */
+/** As ect_signals_visit, for the device of a twin, its lamps and its plugs (`ecat.*`). @return how many matched */
 size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *pattern,
                          void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx);
 /** @return whether a twin has a signal of exactly that name; then *ref is set */

@@ -35,18 +35,18 @@ static void show(ect_lamps_t *lamps, unsigned int lamp, ect_pattern_t pattern)
 }
 
 /* All that the lamps depend on, never 0. */
-static uint64_t seen_of(const ect_slave_t *slave, bool out_link, bool traffic)
+static uint64_t seen_of(const ect_slave_t *slave, bool in_link, bool out_link, bool traffic)
 {
-    return 1u | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 | (uint64_t)traffic << 3 |
+    return 1u | (uint64_t)in_link << 4 | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 | (uint64_t)traffic << 3 |
            (uint64_t)slave->state << 8 | (uint64_t)slave->cause << 16 | (uint64_t)slave->code << 24;
 }
 
-uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool out_link, uint64_t last_frame_ns,
-                          uint64_t now_ns)
+uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
+                          uint64_t last_frame_ns, uint64_t now_ns)
 {
-    ect_pattern_t in = ect_indicator_link(true, last_frame_ns, now_ns);
-    bool traffic = in == ECT_PATTERN_FLICKERING;
-    uint64_t seen = seen_of(slave, out_link, traffic);
+    ect_pattern_t link = ect_indicator_link(true, last_frame_ns, now_ns);
+    bool traffic = link == ECT_PATTERN_FLICKERING;
+    uint64_t seen = seen_of(slave, in_link, out_link, traffic);
     if (seen != lamps->seen) {
         bool on = !slave->off_bus;
         lamps->seen = seen;
@@ -54,8 +54,8 @@ uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool out
         lamps->al_code = on ? slave->code : 0;
         show(lamps, RUN, on ? ect_indicator_run(slave) : ECT_PATTERN_OFF);
         show(lamps, ERR, on ? ect_indicator_err(slave, false) : ECT_PATTERN_OFF);
-        show(lamps, IN, on ? in : ECT_PATTERN_OFF);
-        show(lamps, OUT, on && out_link ? in : ECT_PATTERN_OFF);
+        show(lamps, IN, on && in_link ? link : ECT_PATTERN_OFF);
+        show(lamps, OUT, on && out_link ? link : ECT_PATTERN_OFF);
     }
     return traffic ? last_frame_ns + ECT_INDICATOR_TRAFFIC_NS : ECT_NEVER;
 }

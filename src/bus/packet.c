@@ -4,7 +4,10 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <linux/ethtool.h>
 #include <linux/if_packet.h>
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
 #include <linux/sockios.h>
 #include <net/if.h>
 #include <net/if_arp.h>
@@ -146,14 +149,15 @@ void ect_packet_close(ect_packet_t *port)
     port->fd = port->claim_fd = -1;
 }
 
-/* Nanoseconds that the frame received last has waited for us. */
-static int64_t age(int fd)
+/* Nanoseconds that the frame received last has waited for us; 0 when the clock was set meanwhile. */
+static uint64_t age(int fd)
 {
     long long came[2]; /* seconds, nanoseconds */
     struct timespec now;
     if (ioctl(fd, SIOCGSTAMPNS_NEW, came) < 0 || clock_gettime(CLOCK_REALTIME, &now) < 0)
         return 0;
-    return (now.tv_sec - came[0]) * 1000000000 + (now.tv_nsec - came[1]);
+    int64_t waited = (now.tv_sec - came[0]) * 1000000000 + (now.tv_nsec - came[1]);
+    return waited > 0 ? (uint64_t)waited : 0;
 }
 
 static bool another_waits(int fd)
@@ -162,23 +166,58 @@ static bool another_waits(int fd)
     return recv(fd, &byte, sizeof byte, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
-ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room)
+/* A link that went down may come back; an interface that is gone may not, and Linux says the same of both. */
+static ssize_t why_nothing(const ect_packet_t *port)
+{
+    if (errno == EAGAIN || errno == EINTR)
+        return ECT_PACKET_NONE;
+    if (errno != ENETDOWN)
+        return ECT_PACKET_GONE;
+    if (if_nametoindex(port->iface) == port->index)
+        return ECT_PACKET_NONE;
+    errno = ENODEV;
+    return ECT_PACKET_GONE;
+}
+
+ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room, uint64_t *waited_ns)
 {
     ssize_t length = recv(port->fd, frame, room, MSG_TRUNC);
-    if (length > 0 && age(port->fd) > STALE_NS && another_waits(port->fd))
-        return 0;
-    if (length >= 0)
-        return length;
-    if (errno != ENETDOWN)
-        return errno == EAGAIN || errno == EINTR ? 0 : -1;
-    /* A link that went down may come back; an interface that is gone may not, and Linux says the same of both. */
-    if (if_nametoindex(port->iface) == port->index)
-        return 0;
-    errno = ENODEV;
-    return -1;
+    if (length < 0)
+        return why_nothing(port);
+    *waited_ns = age(port->fd);
+    return *waited_ns > STALE_NS && another_waits(port->fd) ? ECT_PACKET_STALE : length;
 }
 
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length)
 {
     (void)send(port->fd, frame, length, 0);
+}
+
+bool ect_packet_has_link(const ect_packet_t *port)
+{
+    struct ethtool_value link = {.cmd = ETHTOOL_GLINK};
+    struct ifreq request = {.ifr_data = (char *)&link};
+    memcpy(request.ifr_name, port->iface, sizeof request.ifr_name);
+    if (ioctl(port->fd, SIOCETHTOOL, &request) == 0)
+        return link.data != 0;
+    return ioctl(port->fd, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_RUNNING) != 0;
+}
+
+int ect_packet_watch_links(void)
+{
+    const struct sockaddr_nl links = {.nl_family = AF_NETLINK, .nl_groups = RTMGRP_LINK};
+    int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE);
+    if (fd >= 0 && bind(fd, (const struct sockaddr *)&links, sizeof links) < 0) {
+        close(fd);
+        return -1;
+    }
+    return fd;
+}
+
+/* What they say is asked of the interface itself; one that was lost for want of room counts as a change, too. */
+void ect_packet_links_seen(int fd)
+{
+    char message[8192];
+    while (recv(fd, message, sizeof message, MSG_TRUNC) > 0 || errno == ENOBUFS)
+        ;
 }

@@ -23,6 +23,9 @@ typedef struct ect_packet {
 /** Room for a message of ::ect_packet_open. */
 enum { ECT_PACKET_MESSAGE = 512 };
 
+/** What ::ect_packet_receive says besides a length. */
+enum { ECT_PACKET_NONE = 0, ECT_PACKET_GONE = -1, ECT_PACKET_STALE = -2 };
+
 /**
  * Opens `iface` for EtherCAT frames: bound to it, promiscuous while open, own frames not received. An interface that
  * is down is brought up. An interface on which another ectwin answers is refused.
@@ -37,10 +40,22 @@ void ect_packet_close(ect_packet_t *port);
 /**
  * Takes a frame that has arrived; does not wait. Frames that have waited for more than 5 ms while newer ones came are
  * dropped.
- * @return its length on the wire, which may exceed `room` (the frame is then cut) · 0 none there, or dropped · -1 the
- * interface is gone (errno)
+ * @param[out] waited_ns  how long ago it arrived; unchanged without a frame
+ * @return its length on the wire, which may exceed `room` (the frame is then cut) · ECT_PACKET_NONE · ECT_PACKET_STALE
+ * one was dropped · ECT_PACKET_GONE the interface is gone (errno)
  */
-ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room);
+ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room, uint64_t *waited_ns);
+
+/** Whether a cable is in: the interface is up and has a carrier. One system call. */
+bool ect_packet_has_link(const ect_packet_t *port);
+
+/**
+ * Opens a descriptor that becomes readable when any interface of this network changes, for those who then ask
+ * ::ect_packet_has_link. @return the descriptor, to be closed with close(), or -1 (errno)
+ */
+int ect_packet_watch_links(void);
+/** Forgets the changes that made it readable. */
+void ect_packet_links_seen(int fd);
 
 /** Sends a frame at its own length. One system call. A full queue or a link that is down loses it, as a wire would. */
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length);

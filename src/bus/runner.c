@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/signalfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -18,17 +19,26 @@ uint64_t ect_runner_now(void)
     return (uint64_t)now.tv_sec * NS_PER_S + (uint64_t)now.tv_nsec;
 }
 
-/* What the loop waits for: a frame, a signal, users at the control socket. */
+/* What the loop waits for: a frame at each end, a signal, a cable, users at the control socket. */
 typedef struct wait {
-    struct pollfd fds[2 + ECT_CONTROL_FDS];
+    struct pollfd fds[ECT_ENDS + 2 + ECT_CONTROL_FDS];
     size_t control_count;
 } wait_t;
 
+enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FDS };
+
+static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
 static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
 {
-    w->fds[0] = (struct pollfd){.fd = r->port->fd, .events = POLLIN};
-    w->fds[1] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
-    w->control_count = r->control ? ect_control_fds(r->control, w->fds + 2) : 0;
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        w->fds[end] = (struct pollfd){.fd = r->ports[end] ? r->ports[end]->fd : -1, .events = POLLIN};
+    w->fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
+    w->fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
+    w->control_count = r->control ? ect_control_fds(r->control, w->fds + CONTROL_FDS) : 0;
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -38,30 +48,89 @@ static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
         timeout.tv_nsec = (long)(left % NS_PER_S);
         limit = &timeout;
     }
-    return ppoll(w->fds, 2 + w->control_count, limit, NULL);
+    return ppoll(w->fds, CONTROL_FDS + w->control_count, limit, NULL);
 }
 
-/* A late answer holds up those behind it, as a slow wire would. */
-static void delay(const ect_faults_t *faults)
+static void send_out(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length)
 {
-    const struct timespec pause = {.tv_sec = faults->delay_us / 1000000u,
-                                   .tv_nsec = faults->delay_us % 1000000u * 1000};
-    (void)nanosleep(&pause, NULL);
+    ect_circle_sent(&r->circles[end], frame, length);
+    ect_packet_send(r->ports[end], frame, length);
 }
 
-static int answer(const ect_runner_t *r)
+/* An answer that is late on purpose, and those behind it. */
+static void keep(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t due_ns)
+{
+    if (ect_late_add(&r->late[end], frame, length, due_ns))
+        r->stats.delayed++;
+    else
+        r->stats.dropped++;
+}
+
+static void send_late(ect_runner_t *r, uint64_t now_ns)
+{
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        ect_late_frame_t *late;
+        while ((late = ect_late_take(&r->late[end], now_ns))) {
+            send_out(r, end, late->frame, late->length);
+            r->stats.answered++;
+            free(late);
+        }
+    }
+}
+
+/* Whether somebody at the other end answers our answers; told once. */
+static bool circles(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    if (!ect_circle_came(&r->circles[end], frame, length, now_ns))
+        return false;
+    if (r->stats.circling++ == 0)
+        r->on_circling(r->ctx, r->ports[end]->iface);
+    return true;
+}
+
+static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
+{
+    uint64_t came_ns = ect_runner_now();
+    ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
+    ect_end_t out = ECT_END_NONE;
+    if (verdict != ECT_VERDICT_LOSE_REQUEST)
+        out = ect_chain_pass(r->chain, in, frame, length, came_ns);
+    if (verdict == ECT_VERDICT_LOSE_REQUEST || (verdict == ECT_VERDICT_LOSE_ANSWER && out != ECT_END_NONE)) {
+        r->stats.dropped++;
+    } else if (out == ECT_END_NONE) {
+        r->stats.unanswered++;
+    } else if (verdict == ECT_VERDICT_DELAY || r->late[out].first) {
+        uint64_t wait_ns = verdict == ECT_VERDICT_DELAY ? 1000ull * r->faults->delay_us : 0;
+        keep(r, out, frame, length, came_ns + wait_ns);
+    } else {
+        send_out(r, out, frame, length);
+        ect_stats_answer(&r->stats, waited_ns + (ect_runner_now() - came_ns));
+    }
+}
+
+static void follow_cables(ect_runner_t *r)
+{
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        r->linked[end] = r->ports[end] && (r->link_fd < 0 || ect_packet_has_link(r->ports[end]));
+        ect_chain_set_link(r->chain, end, r->linked[end]);
+    }
+}
+
+/* @return -1: the interface is gone */
+static int answer(ect_runner_t *r, ect_end_t in)
 {
     uint8_t frame[FRAME_ROOM];
-    ssize_t length = ect_packet_receive(r->port, frame, sizeof frame);
-    if (length <= 0)
-        return length < 0 ? -1 : 0;
-    ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
-    if (verdict == ECT_VERDICT_LOSE_REQUEST || !ect_chain_process(r->chain, frame, (size_t)length, ect_runner_now()))
-        return 0;
-    if (verdict == ECT_VERDICT_DELAY)
-        delay(r->faults);
-    if (verdict != ECT_VERDICT_LOSE_ANSWER)
-        ect_packet_send(r->port, frame, (size_t)length);
+    uint64_t waited_ns = 0;
+    ssize_t length = ect_packet_receive(r->ports[in], frame, sizeof frame, &waited_ns);
+    if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)
+        return (int)length;
+    if (!r->linked[in])
+        follow_cables(r); /* the frame comes before the news that a cable is in again: Linux takes up to a second */
+    r->stats.frames++;
+    if (length == ECT_PACKET_STALE)
+        r->stats.stale++;
+    else if (!circles(r, in, frame, (size_t)length, r->polled_ns))
+        pass(r, in, frame, (size_t)length, waited_ns);
     return 0;
 }
 
@@ -73,29 +142,52 @@ static bool take_signal(const ect_runner_t *r)
     return r->on_signal(r->ctx, (int)info.ssi_signo, info.ssi_code == SI_KERNEL);
 }
 
-/* The devices, then those who watch them. */
-static uint64_t run_devices(const ect_runner_t *r)
+/* Late answers, the devices, then those who watch them. @return when to be here again */
+static uint64_t run_devices(ect_runner_t *r)
 {
     uint64_t now_ns = ect_runner_now();
-    uint64_t deadline_ns = ect_chain_poll(r->chain, now_ns);
+    send_late(r, now_ns);
+    ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
+    r->polled_ns = now_ns;
+    r->deadline_ns = ect_chain_poll(r->chain, now_ns);
     uint64_t report_ns = r->control ? ect_control_report(r->control, now_ns) : ECT_NEVER;
-    return report_ns < deadline_ns ? report_ns : deadline_ns;
+    uint64_t late_ns = earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
+    return earlier(r->deadline_ns, earlier(report_ns, late_ns));
 }
 
-int ect_runner_run(const ect_runner_t *r)
+/* @return 1: go on; 0: stop; -1: an interface is gone */
+static int serve(ect_runner_t *r, const wait_t *w)
 {
-    uint64_t deadline_ns = run_devices(r);
-    for (;;) {
-        wait_t w;
-        int ready = wait_for(r, &w, deadline_ns);
-        if (ready < 0 && errno != EINTR)
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        if (w->fds[end].revents != 0 && answer(r, end) < 0)
             return -1;
-        if (ready > 0 && w.fds[0].revents != 0 && answer(r) < 0)
-            return -1;
-        if (ready > 0 && w.fds[1].revents != 0 && !take_signal(r))
-            return 0;
-        if (ready > 0 && r->control)
-            ect_control_serve(r->control, r->chain, w.fds + 2, w.control_count, ect_runner_now());
-        deadline_ns = run_devices(r);
     }
+    if (w->fds[LINK_FD].revents != 0) {
+        ect_packet_links_seen(r->link_fd);
+        follow_cables(r);
+    }
+    if (w->fds[SIGNAL_FD].revents != 0 && !take_signal(r))
+        return 0;
+    if (r->control)
+        ect_control_serve(r->control, r->chain, w->fds + CONTROL_FDS, w->control_count, ect_runner_now());
+    return 1;
+}
+
+int ect_runner_run(ect_runner_t *r)
+{
+    int going = 1;
+    r->deadline_ns = ECT_NEVER;
+    follow_cables(r);
+    while (going > 0) {
+        wait_t w;
+        uint64_t wake_ns = run_devices(r);
+        int ready = wait_for(r, &w, wake_ns);
+        if (ready < 0 && errno != EINTR)
+            going = -1;
+        else if (ready > 0)
+            going = serve(r, &w);
+    }
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        ect_late_clear(&r->late[end]);
+    return going;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The event loop: one port, one chain, one thread. A frame is answered first; the devices run when the answer has left.
+ * The event loop: one chain, its one or two ends, one thread. A frame is answered first; the devices run when the
+ * answer has left.
  */
 #ifndef ECT_BUS_RUNNER_H
 #define ECT_BUS_RUNNER_H
@@ -9,19 +10,31 @@
 #include <stdbool.h>
 
 #include "bus/chain.h"
+#include "bus/circle.h"
 #include "bus/control.h"
 #include "bus/faults.h"
+#include "bus/late.h"
 #include "bus/packet.h"
+#include "bus/stats.h"
 
 typedef struct ect_runner {
-    ect_packet_t *port;
+    ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: nothing is plugged in there */
     ect_chain_t *chain;
     ect_control_t *control; /**< NULL: none */
     ect_faults_t *faults;   /**< NULL: none */
     int signal_fd;          /**< a signalfd */
+    int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
     /** A signal has come, from the terminal or from a process. Not NULL. @return true: go on; false: stop. */
     bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
+    /** Something else at the other end of the wire answers as well. Not NULL; called once. */
+    void (*on_circling)(void *ctx, const char *iface);
     void *ctx;
+    ect_stats_t stats; /**< may be read at any time; start at zero */
+    /* The loop's own; start at zero. */
+    ect_late_t late[ECT_ENDS];
+    ect_circle_t circles[ECT_ENDS];
+    uint64_t deadline_ns, polled_ns;
+    bool linked[ECT_ENDS];
 } ect_runner_t;
 
 /** Monotonic time, nanoseconds. */
@@ -29,9 +42,10 @@ uint64_t ect_runner_now(void);
 
 /**
  * Runs until `on_signal` stops it.
- * Cost: one wait and two system calls (receive, send) a frame; nothing while the bus is quiet but the devices' timers.
- * @return 0 · -1 the interface went away (errno)
+ * Cost: one wait and three system calls (receive, its age, send) a frame; nothing while the bus is quiet but the devices'
+ * timers.
+ * @return 0 · -1 an interface went away (errno)
  */
-int ect_runner_run(const ect_runner_t *runner);
+int ect_runner_run(ect_runner_t *runner);
 
 #endif

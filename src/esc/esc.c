@@ -58,6 +58,7 @@ int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns
     const ect_esc_config_t own = *config; /* it may be the one that lies in here */
     memset(esc, 0, sizeof *esc);
     esc->config = own;
+    esc->config.open_ports |= 1u;
     esc->memory = own.memory;
     esc->memory_size = (uint32_t)ECT_ESC_MEMORY_SIZE(own.personality->ram_kb);
     esc->now_ns = now_ns;

@@ -124,7 +124,14 @@ uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);
  */
 bool ect_esc_port_open(const ect_esc_t *esc, unsigned int port);
 
-/** Plugs a cable into a port (1..3) or pulls it: DL status follows and raises its ECAT event. */
+/**
+ * Whether port 0 has no link and its loop has closed itself: a frame that comes back from the slaves behind does not go
+ * to the master, but through the controller and to them again. It is marked as circulating in each datagram then; one
+ * that carries the mark already is destroyed (data sheet I §3).
+ */
+bool ect_esc_circulates(const ect_esc_t *esc);
+
+/** Plugs a cable into a port (0..3) or pulls it: DL status follows and raises its ECAT event. */
 void ect_esc_set_link(ect_esc_t *esc, unsigned int port, bool link);
 
 /** The AL event request word as the PDI sees it, without the side effects of reading registers. */

@@ -32,6 +32,7 @@ enum {
     HEADER = 10, /* of a datagram */
     TRAILER = 2, /* its working counter */
     TYPE_DATAGRAMS = 1,
+    CIRCULATING = 0x40, /* bit 14 of the length */
 };
 
 /* Offsets inside a datagram. */
@@ -240,6 +241,21 @@ static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
     }
 }
 
+/* @return false: the frame has been through here before and is to be destroyed */
+static bool mark_circulating(const ect_esc_t *esc, uint8_t *frame, size_t at)
+{
+    if (!ect_esc_circulates(esc))
+        return true;
+    for (bool more = true; more; at += (size_t)HEADER + data_length(frame + at) + TRAILER) {
+        uint8_t *flags = frame + at + LENGTH + 1;
+        if ((*flags & CIRCULATING) != 0)
+            return false;
+        *flags |= CIRCULATING;
+        more = more_follow(frame + at);
+    }
+    return true;
+}
+
 static ect_frame_result_t not_ours(ect_esc_t *esc)
 {
     if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) == 0)
@@ -281,6 +297,8 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         return invalid(esc);
     if (at >= ETHERNET_HEADER + IP_AND_UDP)
         clear_udp_checksum(frame, at);
+    if (!mark_circulating(esc, frame, at + 2))
+        return ECT_FRAME_DESTROYED;
     if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
         frame[6] |= 0x02;
     process_datagrams(esc, frame + at + 2);

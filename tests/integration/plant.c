@@ -74,6 +74,16 @@ void plant_set(const char *name, const char *value)
         fail_msg("%s=%s: %s", name, value, message);
 }
 
+void plant_set_of(unsigned int slave, const char *name, const char *value)
+{
+    fprintf(connection(), "{\"op\":\"set\",\"slave\":%u,\"name\":\"%s\",\"value\":\"%s\"}\n", slave, name, value);
+    fflush(connection());
+    cJSON *verdict = answer();
+    if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(verdict, "ok")))
+        fail_msg("slave %u, %s=%s: %s", slave, name, value, text_of(verdict, "message"));
+    cJSON_Delete(verdict);
+}
+
 void plant_set_all(const char *settings)
 {
     char name[WORD_ROOM], value[WORD_ROOM];

@@ -7,6 +7,8 @@
 
 /* Asserts that it is taken. */
 void plant_set(const char *name, const char *value);
+/* The same for another slave of the chain, from 1. */
+void plant_set_of(unsigned int slave, const char *name, const char *value);
 /* "a=1 b=2": one after the other. */
 void plant_set_all(const char *settings);
 /* Asserts that it is refused, with a message that contains `why`. */

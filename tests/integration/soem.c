@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE
 #include "soem.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 
@@ -44,6 +45,16 @@ void soem_open(soem_t *m, const char *iface, int expected)
 {
     wire_context(m);
     assert_true(ecx_init(&m->context, iface) > 0);
+    assert_int_equal(ecx_config_init(&m->context, FALSE), expected);
+    soem_go(m, 0, EC_STATE_PRE_OP);
+}
+
+void soem_open_redundant(soem_t *m, const char *iface, const char *second, int expected)
+{
+    char name[16];
+    snprintf(name, sizeof name, "%s", second);
+    wire_context(m);
+    assert_true(ecx_init_redundant(&m->context, &m->second_port, iface, name) > 0);
     assert_int_equal(ecx_config_init(&m->context, FALSE), expected);
     soem_go(m, 0, EC_STATE_PRE_OP);
 }

@@ -19,6 +19,7 @@
 typedef struct soem {
     ecx_contextt context;
     ecx_portt port;
+    ecx_redportt second_port;
     ec_slavet slaves[EC_MAXSLAVE];
     int slave_count;
     ec_groupt groups[EC_MAXGROUP];
@@ -41,6 +42,8 @@ uint64_t soem_now(void);
 
 /* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. */
 void soem_open(soem_t *m, const char *iface, int expected);
+/* The same with a second interface at the other end of the chain: cable redundancy. */
+void soem_open_redundant(soem_t *m, const char *iface, const char *second, int expected);
 void soem_close(soem_t *m);
 
 /* Maps all slaves (mapping from CoE) and takes them to SAFEOP. */

@@ -57,13 +57,45 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
 int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain);
 void twin_args_free(twin_args_t *args);
 
-/** The ready line (README) on a stream. */
-void print_ready(FILE *stream, const char *iface, size_t slaves);
+/**
+ * The ready line (README) on a stream.
+ * @param ifaces  [1] NULL: there is one
+ * @return false: it could not be written (errno), and whoever waits for it would wait for ever
+ */
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves);
 
 /** Opens the control socket, or says why there is none: the twins run without it. */
 ect_control_t *open_control(const char *who);
 
-/** Blocks the signals that end a run (and SIGCHLD) for this process and returns a signalfd for them, or -1. */
+/**
+ * Blocks the signals that end a run (and SIGCHLD) for this process and returns a signalfd for them, or -1. SIGINT and
+ * SIGTERM end it even where they were inherited as ignored; SIGHUP that was ignored (nohup) stays so.
+ */
 int open_signals(void);
+
+/** Twins at work: what `run` and `with` have in common. */
+typedef struct session {
+    const char *who; /**< "ectwin run": each line for the user begins with it */
+    twin_args_t *twins;
+    ect_packet_t ports[ECT_ENDS];
+    ect_runner_t runner; /**< `control` and `signal_fd` are the command's to open; ::session_close closes them */
+    bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
+    void *ctx;
+} session_t;
+
+/** Nothing is open yet. `who` and `twins` must outlive the session. */
+void session_init(session_t *s, const char *who, twin_args_t *twins);
+/**
+ * Opens the interfaces. @param ifaces  by ::ect_end; NULL for ECT_END_OUT: the chain has one end
+ * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
+ */
+int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
+/** Powers the twins on. @return EXIT_CLEAN, or what to exit with, with the reason printed */
+int session_power_on(session_t *s);
+/** Answers until `on_end` (as ect_runner_t::on_signal) stops it. @return EXIT_CLEAN; EXIT_RUN, with the reason printed
+ */
+int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool from_terminal), void *ctx);
+/** Closes everything, the twins' arguments too. */
+void session_close(session_t *s);
 
 #endif

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* ectwin: EtherCAT device twins on a network interface. */
 #include <argp.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "commands.h"
 
@@ -27,16 +31,45 @@ static int usage(FILE *stream, int status)
           "       ectwin set   NAME=VALUE... [--csv FILE]       set some\n"
           "       ectwin watch [PATTERN] [--every]              one line of JSON for what has changed, until Ctrl-C\n"
           "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
+          "       ectwin --version\n"
           "'ectwin COMMAND --help' tells more of each.\n",
           stream);
     return status;
 }
 
+/* A descriptor that is closed at the start would be given to the next file or socket, which then gets what we print. */
+static void fill_standard_streams(void)
+{
+    int fd = open("/dev/null", O_RDWR);
+    while (fd >= 0 && fd <= STDERR_FILENO)
+        fd = open("/dev/null", O_RDWR);
+    if (fd > STDERR_FILENO)
+        close(fd);
+}
+
+/* Output that is not written is no success: a full disk. One who has stopped to read has got what he wanted. */
+static void check_output(void)
+{
+    errno = 0;
+    if ((ferror(stdout) == 0 && fflush(stdout) == 0) || errno == EPIPE)
+        return;
+    fprintf(stderr, "ectwin: cannot write to standard output: %s\n", errno != 0 ? strerror(errno) : "it failed before");
+    fflush(stderr);
+    _exit(EXIT_OPEN);
+}
+
 int main(int argc, char **argv)
 {
     argp_err_exit_status = EXIT_USAGE;
+    fill_standard_streams();
+    if (atexit(check_output) != 0)
+        return EXIT_RUN;
     if (argc < 2)
         return usage(stderr, EXIT_USAGE);
+    if (strcmp(argv[1], "--version") == 0) {
+        puts("ectwin " ECTWIN_VERSION);
+        return EXIT_CLEAN;
+    }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
         return usage(stdout, EXIT_CLEAN);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {

@@ -1,21 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-#include <errno.h>
 #include <signal.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "commands.h"
 
 typedef struct run_args {
     twin_args_t twins;
-    const char *iface;
+    char *ifaces[ECT_ENDS];
     const char *devices;
 } run_args_t;
 
 static const struct argp_option options[] = {
     {"interface", 'i', "IFACE", 0, "The network interface to answer on: a spare NIC or one end of a veth pair", 0},
+    {"output", 'o', "IFACE", 0,
+     "A second interface, at the output of the last device: the master's other end for cable redundancy", 0},
     {0},
 };
+
+static void take_interface(run_args_t *args, ect_end_t end, char *name, const struct argp_state *state)
+{
+    static const char *const options_of[] = {"-i", "-o"};
+    if (args->ifaces[end])
+        argp_error(state, "one %s is enough; the output of the last device is -o IFACE", options_of[end]);
+    args->ifaces[end] = name;
+    if (args->ifaces[ECT_END_IN] && args->ifaces[ECT_END_OUT] &&
+        strcmp(args->ifaces[ECT_END_IN], args->ifaces[ECT_END_OUT]) == 0)
+        argp_error(state, "-i and -o name the same interface: the chain's two ends need one each");
+}
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -25,7 +36,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &args->twins;
         return 0;
     case 'i':
-        args->iface = text;
+        take_interface(args, ECT_END_IN, text, state);
+        return 0;
+    case 'o':
+        take_interface(args, ECT_END_OUT, text, state);
         return 0;
     case ARGP_KEY_ARG:
         if (args->devices)
@@ -33,7 +47,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->devices = text;
         return 0;
     case ARGP_KEY_END:
-        if (!args->iface)
+        if (!args->ifaces[ECT_END_IN])
             argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
         if (!args->devices)
             argp_error(state, "name a device; 'ectwin list' lists those there are");
@@ -64,34 +78,18 @@ int command_run(int argc, char **argv)
     run_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
 
-    int signals = open_signals(); /* first: from here on a signal ends it in good order */
-    char message[ECT_PACKET_MESSAGE];
-    ect_packet_t port;
-    if (ect_packet_open(&port, args.iface, message) < 0) {
-        fprintf(stderr, "ectwin run: %s\n", message);
-        twin_args_free(&args.twins);
-        return EXIT_OPEN;
-    }
-    ect_control_t *control = open_control("ectwin run");
-    ect_chain_t *chain;
-    int status = twin_args_power_on(&args.twins, "ectwin run", &chain);
+    session_t session;
+    session_init(&session, "ectwin run", &args.twins);
+    session.runner.signal_fd = open_signals(); /* first: from here on a signal ends it in good order */
+    const char *const ends[ECT_ENDS] = {args.ifaces[ECT_END_IN], args.ifaces[ECT_END_OUT]};
+    int status = session_open(&session, ends);
     if (status == EXIT_CLEAN) {
-        const ect_runner_t runner = {.port = &port,
-                                     .chain = chain,
-                                     .control = control,
-                                     .faults = &args.twins.faults,
-                                     .signal_fd = signals,
-                                     .on_signal = on_signal};
-        print_ready(stdout, port.iface, args.twins.count);
-        if (signals < 0 || ect_runner_run(&runner) != 0) {
-            fprintf(stderr, "ectwin run: stopped on '%s': %s\n", port.iface, strerror(errno));
-            status = EXIT_RUN;
-        }
+        session.runner.control = open_control("ectwin run");
+        status = session_power_on(&session);
     }
-    ect_control_close(control);
-    ect_chain_free(chain);
-    ect_packet_close(&port);
-    close(signals);
-    twin_args_free(&args.twins);
+    if (status == EXIT_CLEAN)
+        status =
+            print_ready(stdout, args.ifaces, args.twins.count) ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
+    session_close(&session);
     return status;
 }

@@ -2,10 +2,8 @@
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/signalfd.h>
 #include <sys/stat.h>
 
 #include "bus/catalogue.h"
@@ -111,6 +109,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_INIT:
         args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
+        return 0;
+    case ARGP_KEY_END:
+        if (args->faults.drop_percent + args->faults.delay_percent > 100)
+            argp_error(state, "--drop %u and --delay %u are more than 100 together: a frame that is lost is not late",
+                       args->faults.drop_percent, args->faults.delay_percent);
         return 0;
     case KEY_KEEP_MAC:
         args->keep_source_mac = true;
@@ -269,17 +272,19 @@ void twin_args_free(twin_args_t *args)
     args->twins = NULL;
 }
 
-void print_ready(FILE *stream, const char *iface, size_t slaves)
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves)
 {
     cJSON *line = cJSON_CreateObject();
     cJSON_AddStringToObject(line, "event", "ready");
-    cJSON_AddStringToObject(line, "iface", iface);
+    cJSON_AddStringToObject(line, "iface", ifaces[ECT_END_IN]);
+    if (ifaces[ECT_END_OUT])
+        cJSON_AddStringToObject(line, "iface2", ifaces[ECT_END_OUT]);
     cJSON_AddNumberToObject(line, "slaves", (double)slaves);
     char *text = cJSON_PrintUnformatted(line);
-    fprintf(stream, "%s\n", text ? text : "");
-    fflush(stream);
+    bool told = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
     cJSON_free(text);
     cJSON_Delete(line);
+    return told || errno == EPIPE; /* one who does not listen any more has no need of it */
 }
 
 ect_control_t *open_control(const char *who)
@@ -289,19 +294,4 @@ ect_control_t *open_control(const char *who)
     if (!control)
         fprintf(stderr, "%s: %s; 'ectwin get' and 'set' will not reach it\n", who, message);
     return control;
-}
-
-int open_signals(void)
-{
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGHUP);
-    sigaddset(&set, SIGCHLD);
-    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would not be told */
-    signal(SIGPIPE, SIG_IGN); /* a reader that went away must not take the twin along */
-    if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
-        return -1;
-    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
 }

@@ -1,19 +1,35 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
+#include <dirent.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "bus/netns.h"
 #include "commands.h"
 
+enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN };
+
+static const struct argp_option options[] = {
+    {"iface", KEY_IFACE, "NAME[,NAME]", 0,
+     "What CMD's end of the wire is called (default ecat0). Two names: a second wire, at the output of the last device "
+     "(cable redundancy); {2} in ARG and $ECTWIN_IFACE2",
+     0},
+    {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
+     "Let processes that CMD left behind live on when it has ended (default: they end too)", 0},
+    {0},
+};
+
 typedef struct with_args {
     twin_args_t twins;
     const char *devices;
+    char *masters[ECT_NETNS_WIRES]; /* the master's ends */
+    bool leave_children;
     char **command;
 } with_args_t;
 
@@ -24,12 +40,31 @@ typedef struct child {
 
 enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126, STATUS_SIGNALLED = 128 };
 
+static void take_names(with_args_t *args, const struct argp_state *state, char *names)
+{
+    args->masters[0] = strsep(&names, ",");
+    args->masters[1] = strsep(&names, ",");
+    for (size_t i = 0; i < ECT_NETNS_WIRES && args->masters[i]; i++) {
+        const char *why = ect_netns_unfit(args->masters[i]);
+        if (why)
+            argp_error(state, "--iface '%s': %s", args->masters[i], why);
+    }
+    if (names || (args->masters[1] && strcmp(args->masters[0], args->masters[1]) == 0))
+        argp_error(state, "--iface takes one name, or two that differ");
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     with_args_t *args = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &args->twins;
+        return 0;
+    case KEY_IFACE:
+        take_names(args, state, text);
+        return 0;
+    case KEY_LEAVE_CHILDREN:
+        args->leave_children = true;
         return 0;
     case ARGP_KEY_ARG:
         if (!args->devices) {
@@ -51,29 +86,38 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-/* `text` with each {} replaced by the name of the master's interface. */
-static char *with_interface(const char *text)
+/* Appends `length` characters, as long as there is room for them and a terminator. */
+static void append(char *to, size_t *used, size_t room, const char *from, size_t length)
 {
-    static const char mark[] = "{}";
-    size_t marks = 0;
-    for (const char *at = strstr(text, mark); at; at = strstr(at + 2, mark))
-        marks++;
-    char *result = malloc(strlen(text) + marks * strlen(ECT_NETNS_MASTER) + 1);
-    if (!result)
-        return NULL;
-    char *out = result;
-    const char *from = text;
-    for (const char *at = strstr(from, mark); at; at = strstr(from, mark)) {
-        out = mempcpy(out, from, (size_t)(at - from));
-        out = stpcpy(out, ECT_NETNS_MASTER);
-        from = at + 2;
+    if (*used + length < room) {
+        memcpy(to + *used, from, length);
+        *used += length;
+        to[*used] = 0;
     }
-    stpcpy(out, from);
+}
+
+/* `text` with {} and {2} replaced by the names of the master's interfaces. @return NULL: no memory */
+static char *with_interfaces(const char *text, char *const masters[ECT_NETNS_WIRES])
+{
+    static const char *const marks[ECT_NETNS_WIRES] = {"{}", "{2}"};
+    size_t room = strlen(text) * 8 + 1; /* a mark of two becomes 15 */
+    size_t used = 0;
+    char *result = calloc(1, room);
+    while (result && *text) {
+        size_t wire = 0;
+        while (wire < ECT_NETNS_WIRES && !(masters[wire] && strncmp(text, marks[wire], strlen(marks[wire])) == 0))
+            wire++;
+        bool found = wire < ECT_NETNS_WIRES;
+        const char *piece = found ? masters[wire] : text;
+        append(result, &used, room, piece, found ? strlen(piece) : 1);
+        text += found ? strlen(marks[wire]) : 1;
+    }
     return result;
 }
 
-static void run_command(char **command, pid_t parent, const ect_control_t *control)
+static void run_command(const with_args_t *args, pid_t parent, const ect_control_t *control)
 {
+    char **command = args->command;
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
@@ -81,11 +125,13 @@ static void run_command(char **command, pid_t parent, const ect_control_t *contr
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) /* it died before that took effect */
         _exit(EXIT_RUN);
-    setenv("ECTWIN_IFACE", ECT_NETNS_MASTER, 1);
+    setenv("ECTWIN_IFACE", args->masters[0], 1);
+    if (args->masters[1])
+        setenv("ECTWIN_IFACE2", args->masters[1], 1);
     if (control)
         setenv("ECTWIN_SOCKET", ect_control_path(control), 1);
     for (char **argument = command + 1; *argument; argument++) {
-        char *replaced = with_interface(*argument);
+        char *replaced = with_interfaces(*argument, args->masters);
         *argument = replaced ? replaced : *argument;
     }
     execvp(command[0], command);
@@ -94,13 +140,16 @@ static void run_command(char **command, pid_t parent, const ect_control_t *contr
     _exit(error == ENOENT ? STATUS_NOT_FOUND : STATUS_NOT_EXECUTABLE);
 }
 
+/* What the command leaves behind becomes ours (a subreaper), so others may end too. @return whether the command has */
 static bool reap(child_t *child)
 {
     int status;
-    if (waitpid(child->pid, &status, WNOHANG) != child->pid)
-        return false;
-    child->status = WIFEXITED(status) ? WEXITSTATUS(status) : STATUS_SIGNALLED + WTERMSIG(status);
-    return true;
+    pid_t pid;
+    while ((pid = waitpid(-1, &status, WNOHANG)) > 0) {
+        if (pid == child->pid)
+            child->status = WIFEXITED(status) ? WEXITSTATUS(status) : STATUS_SIGNALLED + WTERMSIG(status);
+    }
+    return child->status >= 0;
 }
 
 /* The command decides when it is over; a wish to end is passed on to it, unless the terminal has told it already. */
@@ -114,63 +163,118 @@ static bool on_signal(void *ctx, int signal_number, bool from_terminal)
     return true;
 }
 
-static int serve(with_args_t *args, ect_packet_t *port, ect_chain_t *chain, ect_control_t *control, int signals)
+static pid_t parent_of(const char *pid)
+{
+    char path[300];
+    char line[512] = "";
+    int parent = 0;
+    snprintf(path, sizeof path, "/proc/%s/stat", pid);
+    FILE *file = fopen(path, "re");
+    if (!file)
+        return 0;
+    (void)fgets(line, sizeof line, file);
+    fclose(file);
+    const char *after_name = strrchr(line, ')'); /* a name may have anything in it */
+    return after_name && sscanf(after_name + 1, " %*c %d", &parent) == 1 ? parent : 0;
+}
+
+static void signal_children(int signal_number)
+{
+    DIR *processes = opendir("/proc");
+    const struct dirent *entry;
+    while (processes && (entry = readdir(processes))) {
+        pid_t pid = (pid_t)strtol(entry->d_name, NULL, 10);
+        if (pid > 0 && parent_of(entry->d_name) == getpid())
+            kill(pid, signal_number);
+    }
+    if (processes)
+        closedir(processes);
+}
+
+/* Children of children become ours as theirs end: level by level all of them, by force after a second. */
+static void end_children(void)
+{
+    enum { ROUNDS = 40, GENTLE_ROUNDS = 20 };
+    const struct timespec pause = {.tv_nsec = 50000000};
+    for (unsigned int round = 0; round < ROUNDS; round++) {
+        while (waitpid(-1, NULL, WNOHANG) > 0)
+            ;
+        if (errno == ECHILD)
+            return;
+        signal_children(round < GENTLE_ROUNDS ? SIGTERM : SIGKILL);
+        (void)nanosleep(&pause, NULL);
+    }
+}
+
+static int serve(with_args_t *args, session_t *session)
 {
     child_t child = {.status = -1};
     pid_t self = getpid();
-    print_ready(stderr, ECT_NETNS_MASTER, args->twins.count);
+    (void)print_ready(stderr, args->masters, args->twins.count);
     fflush(NULL);
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
     child.pid = fork();
     if (child.pid == 0)
-        run_command(args->command, self, control);
-    const ect_runner_t runner = {.port = port,
-                                 .chain = chain,
-                                 .control = control,
-                                 .faults = &args->twins.faults,
-                                 .signal_fd = signals,
-                                 .on_signal = on_signal,
-                                 .ctx = &child};
-    if (child.pid > 0 && ect_runner_run(&runner) == 0)
-        return child.status;
-    fprintf(stderr, "ectwin with: stopped: %s\n", strerror(errno));
-    if (child.pid > 0) {
+        run_command(args, self, session->runner.control);
+    if (child.pid < 0)
+        fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
+    int status = child.pid > 0 ? session_run(session, on_signal, &child) : EXIT_RUN;
+    if (status != EXIT_CLEAN && child.pid > 0)
         kill(child.pid, SIGTERM);
-        (void)waitpid(child.pid, NULL, 0);
+    if (!args->leave_children)
+        end_children();
+    return status == EXIT_CLEAN ? child.status : status;
+}
+
+static void tell_lacks(unsigned int lacks)
+{
+    if ((lacks & ECT_NETNS_USER_NAMESPACE) != 0)
+        fputs("ectwin with: no user namespace can be made here, so CMD is root on the whole machine\n", stderr);
+    if ((lacks & ECT_NETNS_OWN_SYSFS) != 0)
+        fputs("ectwin with: /sys cannot be mounted anew here, so /sys/class/net shows CMD the interfaces outside\n",
+              stderr);
+}
+
+static int enter_network(const with_args_t *args)
+{
+    char message[ECT_NETNS_MESSAGE];
+    unsigned int lacks;
+    const char *const masters[ECT_NETNS_WIRES] = {args->masters[0], args->masters[1]};
+    if (ect_netns_enter(masters, &lacks, message) < 0) {
+        fprintf(stderr, "ectwin with: %s\n", message);
+        return EXIT_OPEN;
     }
-    return EXIT_RUN;
+    tell_lacks(lacks);
+    return EXIT_CLEAN;
 }
 
 int command_with(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
     static const struct argp argp = {
+        .options = options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...",
         .doc = "Runs CMD on a private network with these devices at the other end of its wire. The interface's name "
                "is in $ECTWIN_IFACE and replaces {} in each ARG. Needs no root. Exits with CMD's status.",
         .children = children,
     };
-    with_args_t args = {0};
+    static char master[] = "ecat0";
+    with_args_t args = {.masters = {master}};
     argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
 
-    char message[ECT_NETNS_MESSAGE];
-    ect_packet_t port;
-    ect_control_t *control = open_control("ectwin with"); /* outside: where its user will look for it */
-    if (ect_netns_enter(message) < 0 || ect_packet_open(&port, ECT_NETNS_TWIN, message) < 0) {
-        fprintf(stderr, "ectwin with: %s\n", message);
-        ect_control_close(control);
-        twin_args_free(&args.twins);
-        return EXIT_OPEN;
-    }
-    int signals = open_signals();
-    ect_chain_t *chain;
-    int status = twin_args_power_on(&args.twins, "ectwin with", &chain);
+    session_t session;
+    session_init(&session, "ectwin with", &args.twins);
+    session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
+    session.runner.control = open_control("ectwin with"); /* outside: where its user will look for it */
+    int status = enter_network(&args);
+    const char *const ends[ECT_ENDS] = {ect_netns_twin[0], args.masters[1] ? ect_netns_twin[1] : NULL};
     if (status == EXIT_CLEAN)
-        status = serve(&args, &port, chain, control, signals);
-    ect_control_close(control);
-    ect_chain_free(chain);
-    ect_packet_close(&port);
-    close(signals);
-    twin_args_free(&args.twins);
+        status = session_open(&session, ends);
+    if (status == EXIT_CLEAN)
+        status = session_power_on(&session);
+    if (status == EXIT_CLEAN)
+        status = serve(&args, &session);
+    session_close(&session);
     return status;
 }

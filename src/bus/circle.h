@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Notices frames that go round for ever: the other end of the wire answers EtherCAT frames too, so each answer of ours
+ * comes back as a new frame. No real chain can be wired like that; two programs on one wire can.
+ *
+ * A frame is taken for an answer of ours when its first datagram begins where one of the last answers ended: same
+ * command, index, address and length, position and working counter not smaller. A master sends such a frame now and
+ * then; a circle makes thousands a second. No clock in here. Cost: a few comparisons a frame.
+ */
+#ifndef ECT_BUS_CIRCLE_H
+#define ECT_BUS_CIRCLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { ECT_CIRCLE_REMEMBERED = 8, ECT_CIRCLE_MOST = 200 };
+
+/** So many frames (ECT_CIRCLE_MOST) of the kind within this time are a circle. */
+#define ECT_CIRCLE_WINDOW_NS 100000000ull
+
+/** What is known of one end. All zero: nothing yet. */
+typedef struct ect_circle {
+    struct ect_circle_mark {
+        uint64_t datagram; /* command, index, offset or high address, length; and a bit that says that this is in use */
+        uint16_t position;
+        uint16_t working_counter;
+        uint8_t source;
+    } sent[ECT_CIRCLE_REMEMBERED];
+    unsigned int next;
+    unsigned int seen; /**< frames of the kind in this window */
+    uint64_t window_ns;
+} ect_circle_t;
+
+/** Remembers an answer that leaves at this end. */
+void ect_circle_sent(ect_circle_t *circle, const uint8_t *frame, size_t length);
+
+/** Looks at a frame that came in at this end. @return true: it circles, do not answer it */
+bool ect_circle_came(ect_circle_t *circle, const uint8_t *frame, size_t length, uint64_t now_ns);
+
+#endif

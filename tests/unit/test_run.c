@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* What a run keeps beside the chain: late answers, lots of faults, counters, frames that go round (src/bus). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "bus/circle.h"
+#include "bus/faults.h"
+#include "bus/late.h"
+#include "bus/stats.h"
+#include "wire/bytes.h"
+
+#define MS 1000000ull
+#define US 1000ull
+
+/* --- late answers ------------------------------------------------------------------------------------------------- */
+
+static void assert_leaves(ect_late_t *late, uint64_t due_ns, uint8_t content)
+{
+    assert_true(ect_late_due(late) == due_ns);
+    assert_null(ect_late_take(late, due_ns - 1));
+    ect_late_frame_t *frame = ect_late_take(late, due_ns);
+    assert_non_null(frame);
+    assert_int_equal(frame->length, 60u + content);
+    assert_int_equal(frame->frame[0], content);
+    free(frame);
+}
+
+static void late_answers(void **state)
+{
+    /* When each is added, how late it is to be, and when it leaves: its own time, or when those before it have left. */
+    static const struct {
+        uint64_t came_ns, late_ns, leaves_ns;
+    } frames[] = {
+        {0, 3 * MS, 3 * MS}, {1 * MS, 3 * MS, 4 * MS}, {2 * MS, 0, 4 * MS}, {2 * MS, 3 * MS, 5 * MS}, {9 * MS, 0, 9 * MS},
+    };
+    enum { COUNT = sizeof frames / sizeof frames[0] };
+    ect_late_t late = {0};
+    uint8_t content[128] = {0};
+    (void)state;
+    assert_true(ect_late_due(&late) == UINT64_MAX);
+    for (uint8_t i = 0; i < COUNT; i++) {
+        content[0] = i;
+        assert_true(ect_late_add(&late, content, 60u + i, frames[i].came_ns + frames[i].late_ns));
+    }
+    for (uint8_t i = 0; i < COUNT; i++)
+        assert_leaves(&late, frames[i].leaves_ns, i);
+    assert_true(ect_late_due(&late) == UINT64_MAX);
+    assert_null(ect_late_take(&late, UINT64_MAX));
+    content[0] = 7; /* what has left holds up nobody */
+    assert_true(ect_late_add(&late, content, 67, 1 * MS));
+    assert_leaves(&late, 1 * MS, 7);
+}
+
+static void most_late_answers(void **state)
+{
+    ect_late_t late = {0};
+    (void)state;
+    for (unsigned int i = 0; i < ECT_LATE_MOST; i++)
+        assert_true(ect_late_add(&late, (const uint8_t *)"x", 1, 5));
+    assert_false(ect_late_add(&late, (const uint8_t *)"x", 1, 5));
+    ect_late_clear(&late);
+    assert_true(ect_late_due(&late) == UINT64_MAX);
+    assert_true(ect_late_add(&late, (const uint8_t *)"x", 1, 5));
+    ect_late_clear(&late);
+}
+
+/* --- faults ------------------------------------------------------------------------------------------------------- */
+
+static void lots(void **state)
+{
+    enum { FRAMES = 20000 };
+    static const struct {
+        uint8_t drop, delay;
+    } cases[] = {{0, 0}, {100, 0}, {0, 100}, {50, 50}, {5, 5}, {10, 0}};
+    (void)state;
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        ect_faults_t faults = {.seed = 7, .drop_percent = cases[c].drop, .delay_percent = cases[c].delay};
+        ect_faults_t again = faults;
+        unsigned int seen[4] = {0};
+        for (unsigned int i = 0; i < FRAMES; i++) {
+            ect_verdict_t verdict = ect_faults_draw(&faults);
+            assert_int_equal(verdict, ect_faults_draw(&again));
+            seen[verdict]++;
+        }
+        assert_in_range(seen[ECT_VERDICT_LOSE_REQUEST], FRAMES / 200u * cases[c].drop * 8u / 10u,
+                        FRAMES / 200u * cases[c].drop * 12u / 10u);
+        assert_in_range(seen[ECT_VERDICT_LOSE_ANSWER], FRAMES / 200u * cases[c].drop * 8u / 10u,
+                        FRAMES / 200u * cases[c].drop * 12u / 10u);
+        assert_in_range(seen[ECT_VERDICT_DELAY], FRAMES / 100u * cases[c].delay * 8u / 10u,
+                        FRAMES / 100u * cases[c].delay * 12u / 10u);
+        if (cases[c].drop + cases[c].delay == 100)
+            assert_int_equal(seen[ECT_VERDICT_PASS], 0);
+    }
+}
+
+/* --- counters ----------------------------------------------------------------------------------------------------- */
+
+static void answer_times(void **state)
+{
+    static const struct {
+        uint64_t took_ns;
+        size_t step;
+    } cases[] = {{0, 0},          {999, 0},        {1 * US, 1},          {1999, 1},   {2 * US, 2},
+                 {49999, 5},      {50 * US, 6},    {999999 * US, 18},    {1000 * MS, 19},
+                 {5000 * MS, 19}, {UINT64_MAX, 19}};
+    (void)state;
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        ect_stats_t stats = {0};
+        ect_stats_answer(&stats, cases[c].took_ns);
+        for (size_t step = 0; step < ECT_STATS_STEPS; step++)
+            assert_int_equal(stats.answers[step], step == cases[c].step ? 1 : 0);
+        assert_true(stats.longest_answer_ns == cases[c].took_ns);
+        assert_int_equal(stats.answered, 1);
+        assert_int_equal(ect_stats_quantile_us(&stats, 500), ect_stats_edge_us(cases[c].step));
+    }
+}
+
+static void quantiles(void **state)
+{
+    ect_stats_t stats = {0};
+    (void)state;
+    assert_int_equal(ect_stats_quantile_us(&stats, 500), 0);
+    for (unsigned int i = 0; i < 1000; i++)
+        ect_stats_answer(&stats, i < 900 ? 15 * US : i < 990 ? 70 * US : 3 * MS);
+    assert_int_equal(ect_stats_quantile_us(&stats, 0), 20);
+    assert_int_equal(ect_stats_quantile_us(&stats, 900), 20);
+    assert_int_equal(ect_stats_quantile_us(&stats, 901), 100);
+    assert_int_equal(ect_stats_quantile_us(&stats, 990), 100);
+    assert_int_equal(ect_stats_quantile_us(&stats, 991), 5000);
+    assert_int_equal(ect_stats_quantile_us(&stats, 1000), 5000);
+    assert_true(stats.longest_answer_ns == 3 * MS);
+}
+
+static void late_polls(void **state)
+{
+    ect_stats_t stats = {0};
+    (void)state;
+    ect_stats_poll(&stats, 0);
+    ect_stats_poll(&stats, ECT_STATS_LATE_NS);
+    assert_int_equal(stats.late_polls, 0);
+    ect_stats_poll(&stats, ECT_STATS_LATE_NS + 1);
+    assert_int_equal(stats.late_polls, 1);
+    assert_int_equal(stats.polls, 3);
+    assert_true(stats.latest_poll_ns == ECT_STATS_LATE_NS + 1);
+}
+
+/* --- frames that go round ----------------------------------------------------------------------------------------- */
+
+enum { FRAME = 60, BRD = 7, FPRD = 4, LRW = 12 };
+
+static void build(uint8_t frame[FRAME], uint8_t command, uint8_t index, uint16_t position, uint16_t counter)
+{
+    memset(frame, 0, FRAME);
+    frame[6] = 0x03;
+    ect_store_be16(frame + 12, 0x88A4);
+    ect_store_le16(frame + 14, 0x100E);
+    frame[16] = command;
+    frame[17] = index;
+    ect_store_le16(frame + 18, position);
+    ect_store_le16(frame + 20, 0x0130);
+    ect_store_le16(frame + 22, 2);
+    ect_store_le16(frame + 28, counter);
+}
+
+/* What comes is what left, with what the other end added. @return after how many rounds it is noticed, 0 never */
+static unsigned int go_round(ect_circle_t *circle, uint8_t command, uint16_t step, uint16_t count, uint64_t pause_ns)
+{
+    uint8_t frame[FRAME];
+    uint16_t position = 0;
+    uint16_t counter = 0;
+    for (unsigned int round = 1; round < 2000; round++) {
+        build(frame, command, 5, position, counter);
+        if (ect_circle_came(circle, frame, FRAME, round * pause_ns))
+            return round;
+        position = (uint16_t)(position + step);
+        counter = (uint16_t)(counter + count);
+        build(frame, command, 5, position, counter);
+        ect_circle_sent(circle, frame, FRAME);
+        position = (uint16_t)(position + step);
+        counter = (uint16_t)(counter + count);
+    }
+    return 0;
+}
+
+static void circling_frames(void **state)
+{
+    static const struct {
+        const char *what;
+        uint8_t command;
+        uint16_t step, count;
+    } cases[] = {
+        {"a broadcast that both ends count", BRD, 3, 3},
+        {"one for a slave that answers", FPRD, 0, 1},
+        {"one that nobody answers", FPRD, 0, 0},
+        {"process data", LRW, 0, 3},
+    };
+    (void)state;
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        ect_circle_t circle = {0};
+        unsigned int round = go_round(&circle, cases[c].command, cases[c].step, cases[c].count, 30 * US);
+        if (round != ECT_CIRCLE_MOST + 2) /* the first one comes from the master */
+            fail_msg("%s: expected to be noticed in round %d, got %u", cases[c].what, ECT_CIRCLE_MOST + 2, round);
+        ect_circle_t slow = {0};
+        assert_int_equal(go_round(&slow, cases[c].command, cases[c].step, cases[c].count, 1 * MS), 0);
+    }
+}
+
+/* A master asks the same again and again, as fast as it can: each time from the beginning. */
+static void no_circle(void **state)
+{
+    ect_circle_t circle = {0};
+    uint8_t frame[FRAME];
+    (void)state;
+    for (unsigned int i = 0; i < 5000; i++) {
+        build(frame, BRD, 5, 0, 0);
+        assert_false(ect_circle_came(&circle, frame, FRAME, i * 30 * US));
+        build(frame, BRD, 5, 2, 2);
+        ect_circle_sent(&circle, frame, FRAME);
+        build(frame, FPRD, 5, 0x1001, 0); /* nobody answers, but the source address has been marked on the way */
+        frame[6] = 0x01;
+        assert_false(ect_circle_came(&circle, frame, FRAME, i * 30 * US));
+        frame[6] = 0x03;
+        ect_circle_sent(&circle, frame, FRAME);
+    }
+}
+
+/* Too short, cut in its datagram, of another type: neither remembered nor taken for one. */
+static void not_to_be_read(void **state)
+{
+    ect_circle_t circle = {0};
+    uint8_t frame[FRAME];
+    (void)state;
+    build(frame, BRD, 5, 2, 2);
+    for (unsigned int i = 0; i < 3 * ECT_CIRCLE_MOST; i++) {
+        size_t length = i % (16 + 10 + 2 + 2); /* one byte less than the datagram takes, at most */
+        ect_circle_sent(&circle, frame, length);
+        assert_false(ect_circle_came(&circle, frame, length, 0));
+    }
+    frame[12] = 0x08;
+    for (unsigned int i = 0; i < 3 * ECT_CIRCLE_MOST; i++) {
+        ect_circle_sent(&circle, frame, FRAME);
+        assert_false(ect_circle_came(&circle, frame, FRAME, 0));
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"each late answer leaves at its own time, and none overtakes another", late_answers, NULL, NULL, NULL},
+        {"more late answers than the limit are lost", most_late_answers, NULL, NULL, NULL},
+        {"the lot of faults: shares as asked for, the same seed the same row", lots, NULL, NULL, NULL},
+        {"answer times fall into their steps", answer_times, NULL, NULL, NULL},
+        {"quantiles of the answer times", quantiles, NULL, NULL, NULL},
+        {"runs of the devices that are late count", late_polls, NULL, NULL, NULL},
+        {"a frame that goes round is noticed, a slow one is a master's", circling_frames, NULL, NULL, NULL},
+        {"a master that repeats itself is no circle", no_circle, NULL, NULL, NULL},
+        {"what is no datagram is no circle", not_to_be_read, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Run", tests, NULL, NULL);
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/* What `run` and `with` have in common: twins that answer at one or two interfaces until something ends them. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "commands.h"
+
+/* Nohup's SIGHUP stays ignored; a shell's SIGINT for what it starts in the background does not, for we end by it. */
+int open_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGHUP);
+    sigaddset(&set, SIGCHLD);
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
+    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would not be told */
+    signal(SIGPIPE, SIG_IGN); /* a reader that went away must not take the twin along */
+    if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
+        return -1;
+    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+static void on_circling(void *ctx, const char *iface)
+{
+    const session_t *s = ctx;
+    fprintf(
+        stderr,
+        "%s: what is at the other end of '%s' answers EtherCAT frames too, and its answers went round for ever: end "
+        "one of the two; until then such frames are destroyed\n",
+        s->who, iface);
+}
+
+static bool on_signal(void *ctx, int signal_number, bool from_terminal)
+{
+    const session_t *s = ctx;
+    return s->on_signal(s->ctx, signal_number, from_terminal);
+}
+
+void session_init(session_t *s, const char *who, twin_args_t *twins)
+{
+    *s = (session_t){.who = who, .twins = twins};
+    s->runner = (ect_runner_t){.faults = &twins->faults,
+                               .signal_fd = -1,
+                               .link_fd = -1,
+                               .on_signal = on_signal,
+                               .on_circling = on_circling,
+                               .ctx = s};
+}
+
+int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
+{
+    char message[ECT_PACKET_MESSAGE];
+    for (unsigned int end = 0; end < ECT_ENDS && ifaces[end]; end++) {
+        if (ect_packet_open(&s->ports[end], ifaces[end], message) < 0) {
+            fprintf(stderr, "%s: %s\n", s->who, message);
+            return EXIT_OPEN;
+        }
+        s->runner.ports[end] = &s->ports[end];
+    }
+    if (!ifaces[ECT_END_OUT])
+        return EXIT_CLEAN;
+    s->runner.link_fd = ect_packet_watch_links();
+    if (s->runner.link_fd >= 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: watching the cables of two interfaces failed: %s\n", s->who, strerror(errno));
+    return EXIT_OPEN;
+}
+
+int session_power_on(session_t *s)
+{
+    return twin_args_power_on(s->twins, s->who, &s->runner.chain);
+}
+
+int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool from_terminal), void *ctx)
+{
+    s->on_signal = on_end;
+    s->ctx = ctx;
+    if (s->runner.signal_fd >= 0 && ect_runner_run(&s->runner) == 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: stopped on '%s': %s\n", s->who, s->ports[ECT_END_IN].iface, strerror(errno));
+    return EXIT_RUN;
+}
+
+void session_close(session_t *s)
+{
+    ect_control_close(s->runner.control);
+    ect_chain_free(s->runner.chain);
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        if (s->runner.ports[end])
+            ect_packet_close(s->runner.ports[end]);
+    }
+    if (s->runner.link_fd >= 0)
+        close(s->runner.link_fd);
+    if (s->runner.signal_fd >= 0)
+        close(s->runner.signal_fd);
+    twin_args_free(s->twins);
+}
