@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* The sections in the order of the checklist. A new one: its file, its line here. */
+#include "engine.h"
+
+extern const cf_section_t cf_datalink;
+extern const cf_section_t cf_syncman;
+
+const cf_section_t *const cf_catalogue[] = {&cf_datalink, &cf_syncman};
+const size_t cf_catalogue_count = sizeof cf_catalogue / sizeof cf_catalogue[0];
+
+const char *cf_need_text(uint32_t bit)
+{
+    static const char *const texts[CF_NEEDS_COUNT] = {
+        "the slave has no mailbox",
+        "the slave has no CoE",
+        "the slave has no SDO information service",
+        "the slave has no Complete Access",
+        "the slave has no FoE",
+        "the slave has no EoE",
+        "the slave has no bootstrap mailbox",
+        "the chip has no distributed clocks",
+        "the slave has no outputs",
+        "the slave has no inputs",
+        "no software behind the chip (device emulation)",
+        "there is software behind the chip (no device emulation)",
+        "there is no other slave on the segment",
+        "the chip has no APRW, FPRW, BRW",
+        "the chip has no LRW",
+        "there is no EEPROM that can be read",
+        "it writes the EEPROM: only with --destructive",
+    };
+    for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++) {
+        if ((bit & (1u << n)) != 0)
+            return texts[n];
+    }
+    return "";
+}

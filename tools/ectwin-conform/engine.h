@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/** @file Behind the steps: the port, the run, the results. Not for cases. */
+#ifndef ECTWIN_CONFORM_ENGINE_H
+#define ECTWIN_CONFORM_ENGINE_H
+
+#include <setjmp.h>
+
+#include "case.h"
+#include "record.h"
+
+typedef enum cf_verdict { CF_PASS, CF_WARN, CF_FAIL, CF_SKIPPED, CF_INTERRUPTED } cf_verdict_t;
+
+enum { CF_REASON = 400 };
+
+/** What came of a case. */
+typedef struct cf_result {
+    const cf_section_t *section;
+    const cf_case_t *entry;
+    cf_verdict_t verdict;
+    char reason[CF_REASON]; /**< why it failed, was skipped, is warned of; or the note of one that passed */
+    uint32_t frame;         /**< the last one before the verdict */
+    uint64_t duration_ns;
+    cf_evidence_t evidence;
+} cf_result_t;
+
+typedef struct cf_engine {
+    cf_port_t *port;
+    jmp_buf leave;
+    bool running;         /**< a case is; `leave` is set */
+    uint64_t deadline_ns; /**< of the case */
+    uint32_t limit_ms;
+    cf_verdict_t verdict;
+    char reason[CF_REASON];
+    uint32_t frame;
+    bool silent; /**< the slave did not answer at the end of a case: try once only */
+} cf_engine_t;
+
+/** Looks what is on the segment and gives all slaves their addresses. @return how many; 0 none */
+uint16_t cf_scan(cf_t *c);
+/** Fills the facts and the mailbox. Leaves by the engine's jump when the slave cannot be read. */
+void cf_probe(cf_t *c);
+
+/** Ends what runs with that verdict. */
+_Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
+/** Leaves the case when its time is over or the user wants out. */
+void cf_check_time(cf_t *c);
+
+extern const cf_section_t *const cf_catalogue[];
+extern const size_t cf_catalogue_count;
+
+/** Why a slave without that bit (one of `needs`) cannot be judged, constant text. */
+const char *cf_need_text(uint32_t bit);
+
+/** All cases that the user chose, in order. */
+typedef struct cf_run {
+    cf_t c;
+    cf_engine_t engine;
+    cf_result_t *results;
+    size_t count;
+    size_t planned;
+    const char *iface;
+    char started[32]; /**< local time, ISO 8601 */
+    uint64_t duration_ns;
+} cf_run_t;
+
+/** Runs one case between two known states. */
+void cf_run_case(cf_run_t *run, const cf_section_t *section, const cf_case_t *entry, cf_result_t *result);
+
+#endif

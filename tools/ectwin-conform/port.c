@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "port.h"
+
+#include <errno.h>
+#include <net/if.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "ethercat.h"
+
+#include "wire/bytes.h"
+
+enum { ETHERNET = 14, DATAGRAM_HEADER = 10, WKC = 2, TYPE_DATAGRAMS = 0x1000, MORE = 0x8000 };
+
+volatile sig_atomic_t cf_interrupted;
+
+struct cf_port {
+    ecx_portt port;
+    ecx_contextt context;
+    ec_slavet slaves[EC_MAXSLAVE];
+    int slave_count;
+    ec_groupt groups[EC_MAXGROUP];
+    uint8 sii_buffer[EC_MAXEEPBUF];
+    uint32 sii_map[EC_MAXEEPBITMAP];
+    ec_eringt errors;
+    ec_idxstackT index_stack;
+    boolean error;
+    int64 dc_time;
+    ec_SMcommtypet sm_types[EC_MAX_MAPT];
+    ec_PDOassignt assignments[EC_MAX_MAPT];
+    ec_PDOdesct descriptions[EC_MAX_MAPT];
+    ec_eepromSMt sii_sm;
+    ec_eepromFMMUt sii_fmmu;
+};
+
+const char *cf_port_open(cf_port_t **port, const char *iface)
+{
+    if (strlen(iface) >= IF_NAMESIZE || if_nametoindex(iface) == 0)
+        return "there is no network interface of that name: 'ip -br link' lists those there are";
+    int probe = socket(PF_PACKET, SOCK_RAW, 0); /* SOEM does not say why it cannot */
+    if (probe < 0)
+        return errno == EPERM || errno == EACCES
+                   ? "it needs the capability CAP_NET_RAW: run it with sudo, or inside 'ectwin with'"
+                   : strerror(errno);
+    close(probe);
+    *port = calloc(1, sizeof **port);
+    if (!*port)
+        return strerror(ENOMEM);
+    if (ecx_setupnic(&(*port)->port, iface, FALSE) > 0)
+        return NULL;
+    cf_port_close(*port);
+    *port = NULL;
+    return "SOEM cannot open it: is it an Ethernet interface that is up?";
+}
+
+void cf_port_close(cf_port_t *port)
+{
+    if (port)
+        ecx_closenic(&port->port);
+    free(port);
+}
+
+struct ecx_context *cf_port_soem(cf_port_t *p)
+{
+    p->context = (ecx_contextt){
+        .port = &p->port,
+        .slavelist = p->slaves,
+        .slavecount = &p->slave_count,
+        .maxslave = EC_MAXSLAVE,
+        .grouplist = p->groups,
+        .maxgroup = EC_MAXGROUP,
+        .esibuf = p->sii_buffer,
+        .esimap = p->sii_map,
+        .elist = &p->errors,
+        .idxstack = &p->index_stack,
+        .ecaterror = &p->error,
+        .DCtime = &p->dc_time,
+        .SMcommtype = p->sm_types,
+        .PDOassign = p->assignments,
+        .PDOdesc = p->descriptions,
+        .eepSM = &p->sii_sm,
+        .eepFMMU = &p->sii_fmmu,
+        .manualstatechange = 1,
+    };
+    return &p->context;
+}
+
+/* --- a frame there and back ----------------------------------------------------------------------------------------
+ */
+
+static void build(uint8_t *frame, uint8_t index, const cf_datagram_t *d, size_t count, size_t *length)
+{
+    uint8_t *at = frame + ETHERNET + 2;
+    for (size_t i = 0; i < count; i++) {
+        at[0] = d[i].command;
+        at[1] = index;
+        ect_store_le32(at + 2, d[i].address);
+        ect_store_le16(at + 6, (uint16_t)(d[i].length | (i + 1 < count ? MORE : 0)));
+        ect_store_le16(at + 8, 0);
+        if (d[i].data)
+            memcpy(at + DATAGRAM_HEADER, d[i].data, d[i].length);
+        else
+            memset(at + DATAGRAM_HEADER, 0, d[i].length);
+        ect_store_le16(at + DATAGRAM_HEADER + d[i].length, d[i].wkc);
+        at += DATAGRAM_HEADER + d[i].length + WKC;
+    }
+    *length = (size_t)(at - frame);
+    ect_store_le16(frame + ETHERNET, (uint16_t)(TYPE_DATAGRAMS | (*length - ETHERNET - 2)));
+}
+
+/* The answer to an older frame, given up on, has the same index now and then: commands and lengths tell. */
+static bool is_answer(const uint8_t *payload, const cf_datagram_t *d, size_t count)
+{
+    const uint8_t *at = payload + 2;
+    for (size_t i = 0; i < count; i++) {
+        if (at[0] != d[i].command || (ect_load_le16(at + 6) & 0x07FF) != d[i].length ||
+            ect_load_le16(at + 4) != d[i].address >> 16)
+            return false;
+        at += DATAGRAM_HEADER + d[i].length + WKC;
+    }
+    return true;
+}
+
+static void take(const uint8_t *payload, cf_datagram_t *d, size_t count)
+{
+    const uint8_t *at = payload + 2;
+    for (size_t i = 0; i < count; i++) {
+        d[i].address = ect_load_le32(at + 2);
+        d[i].irq = ect_load_le16(at + 8);
+        if (d[i].data)
+            memcpy(d[i].data, at + DATAGRAM_HEADER, d[i].length);
+        d[i].wkc = ect_load_le16(at + DATAGRAM_HEADER + d[i].length);
+        at += DATAGRAM_HEADER + d[i].length + WKC;
+    }
+}
+
+/* Whether something came to be read before the deadline. */
+static bool readable(const ecx_portt *port, uint64_t deadline_ns)
+{
+    uint64_t now = cf_now_ns();
+    struct pollfd fd = {.fd = port->sockhandle, .events = POLLIN};
+    int ms = now >= deadline_ns ? 0 : (int)((deadline_ns - now + 999999) / 1000000);
+    return poll(&fd, 1, ms) > 0;
+}
+
+static bool receive(ecx_portt *port, uint8 index, const cf_datagram_t *d, size_t count, uint64_t deadline_ns)
+{
+    while (readable(port, deadline_ns) || cf_now_ns() < deadline_ns) {
+        if (ecx_waitinframe(port, index, 0) > EC_NOFRAME) {
+            if (is_answer(port->rxbuf[index], d, count))
+                return true;
+            ecx_setbufstat(port, index, EC_BUF_TX);
+        }
+        if (cf_interrupted > 1)
+            return false;
+    }
+    return false;
+}
+
+bool cf_port_exchange(cf_port_t *holder, cf_datagram_t *d, size_t count, uint32_t timeout_ms)
+{
+    ecx_portt *port = &holder->port;
+    uint8 index = ecx_getindex(port);
+    size_t length;
+    build(port->txbuf[index], index, d, count, &length);
+    port->txbuflength[index] = (int)length;
+    ecx_outframe(port, index, 0);
+    bool came = receive(port, index, d, count, cf_now_ns() + timeout_ms * UINT64_C(1000000));
+    if (came)
+        take(port->rxbuf[index], d, count);
+    ecx_setbufstat(port, index, EC_BUF_EMPTY);
+    return came;
+}
+
+/* --- frames as they are --------------------------------------------------------------------------------------------
+ */
+
+/* EtherType, header and address of the datagram, which nobody changes: a NOP. */
+static bool is_marker(const uint8_t *got, ssize_t length, const uint8_t *marker, size_t marker_length)
+{
+    return length >= (ssize_t)marker_length && memcmp(got + 12, marker + 12, 2 + 2 + 6) == 0;
+}
+
+ssize_t cf_port_raw(cf_port_t *holder, const void *frame, size_t length, uint8_t *reply, size_t room,
+                    uint32_t timeout_ms)
+{
+    ecx_portt *port = &holder->port;
+    uint8_t marker[60] = {0}, got[2048];
+    size_t marker_length;
+    ssize_t answered = 0;
+    const cf_datagram_t mark = {.command = EC_CMD_NOP, .address = 0x5AA5C33C, .length = 4};
+    ec_setupheader(marker);
+    build(marker, 0xFE, &mark, 1, &marker_length);
+    (void)send(port->sockhandle, frame, length, 0);
+    (void)send(port->sockhandle, marker, sizeof marker, 0);
+    uint64_t deadline_ns = cf_now_ns() + timeout_ms * UINT64_C(1000000);
+    while (readable(port, deadline_ns)) {
+        ssize_t size = recv(port->sockhandle, got, sizeof got, 0);
+        if (size <= 0)
+            continue;
+        if (is_marker(got, size, marker, marker_length))
+            return answered;
+        answered = size;
+        if (reply)
+            memcpy(reply, got, (size_t)size < room ? (size_t)size : room);
+    }
+    return -1;
+}

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+/* What is there: slaves on the segment, and what the one under test has. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine.h"
+#include "sii/sii.h"
+
+enum { NO_LRW = 0x0200, NO_RW = 0x0400, HAS_DC = 0x0004 };
+enum {
+    WORD_ALIAS = 4,
+    WORD_VENDOR = 8,
+    WORD_BOOT = 0x14,
+    WORD_MAILBOX = 0x18,
+    WORD_PROTOCOLS = 0x1C,
+    WORD_SIZE = 0x3E
+};
+enum { SM_OUTPUTS = 3, SM_INPUTS = 4, GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, SII_MOST = 65536 };
+
+uint16_t cf_scan(cf_t *c)
+{
+    uint8_t byte[2] = {0};
+    cf_datagram_t look = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = byte};
+    if (!cf_port_exchange(c->engine->port, &look, 1, 500))
+        return 0;
+    for (uint16_t n = 0; n < look.wkc; n++) {
+        ect_store_le16(byte, (uint16_t)(CF_STATION + n));
+        cf_datagram_t name = {
+            .command = CF_APWR, .address = CF_AT((uint16_t)-n, ECT_REG_STATION_ADDRESS), .length = 2, .data = byte};
+        (void)cf_port_exchange(c->engine->port, &name, 1, 500);
+    }
+    return look.wkc;
+}
+
+static void read_chip(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    uint8_t id[10], pdi[2], time[4];
+    cf_get(c, ECT_REG_TYPE, id, sizeof id);
+    cf_get(c, ECT_REG_PDI_CONTROL, pdi, sizeof pdi);
+    f->type = id[0];
+    f->revision = id[1];
+    f->build = ect_load_le16(id + 2);
+    f->fmmus = id[4] < CF_MAX_FMMUS ? id[4] : CF_MAX_FMMUS;
+    f->sms = id[5] < CF_MAX_SMS ? id[5] : CF_MAX_SMS;
+    f->ram_kb = id[6];
+    f->ports = id[7];
+    f->features = ect_load_le16(id + 8);
+    f->pdi = ect_load_le16(pdi);
+    f->has |= (pdi[1] & 1) != 0 ? CF_EMULATION : CF_APPLICATION;
+    f->has |= (f->features & NO_LRW) == 0 ? CF_LRW_OK : 0;
+    f->has |= (f->features & NO_RW) == 0 ? CF_RW : 0;
+    f->has |= (f->features & HAS_DC) != 0 && cf_read(c, ECT_REG_DC_SYSTEM_TIME, time, sizeof time) == 1 ? CF_DC : 0;
+    f->has |= f->slaves > 1 ? CF_CHAIN : 0;
+}
+
+/* --- SII -----------------------------------------------------------------------------------------------------------
+ */
+
+static uint16_t word(const cf_facts_t *f, unsigned int n)
+{
+    return f->sii_size >= 2 * (size_t)n + 2 ? ect_load_le16(f->sii + 2 * (size_t)n) : 0;
+}
+
+/* Up to `words`, in the pieces that the chip reads. */
+static size_t read_words(cf_t *c, uint8_t *image, size_t have, size_t words)
+{
+    while (have < 2 * words) {
+        uint8_t piece[8];
+        unsigned int bytes = cf_sii_read(c, (uint16_t)(have / 2), piece);
+        memcpy(image + have, piece, bytes);
+        have += bytes;
+    }
+    return have;
+}
+
+/* Category by category until the end mark: the rest of a large EEPROM costs time and says nothing. */
+static void read_image(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    uint8_t *image = calloc(1, SII_MOST + 16);
+    if (!image)
+        cf_fail(c, "out of memory");
+    f->sii = image;
+    size_t have = read_words(c, image, 0, ECT_SII_CATEGORIES / 2);
+    f->eeprom_bytes = (ect_load_le16(image + 2 * WORD_SIZE) + 1u) * 128u;
+    size_t at = ECT_SII_CATEGORIES;
+    while (at + 4 <= f->eeprom_bytes && at + 4 <= SII_MOST) {
+        have = read_words(c, image, have, at / 2 + 2);
+        if (ect_load_le16(image + at) == ECT_SII_END) {
+            at += 2;
+            break;
+        }
+        at += 4 + 2 * (size_t)ect_load_le16(image + at + 2);
+    }
+    if (at > SII_MOST)
+        at = SII_MOST;
+    have = read_words(c, image, have, at / 2);
+    f->sii_size = have;
+    f->has |= CF_SII;
+}
+
+static void take_head(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    f->alias = word(f, WORD_ALIAS);
+    f->vendor = ect_load_le32(f->sii + 2 * WORD_VENDOR);
+    f->product = ect_load_le32(f->sii + 2 * WORD_VENDOR + 4);
+    f->revision_no = ect_load_le32(f->sii + 2 * WORD_VENDOR + 8);
+    f->serial = ect_load_le32(f->sii + 2 * WORD_VENDOR + 12);
+    f->protocols = word(f, WORD_PROTOCOLS);
+    f->boot =
+        (cf_mailbox_t){word(f, WORD_BOOT), word(f, WORD_BOOT + 1), word(f, WORD_BOOT + 2), word(f, WORD_BOOT + 3)};
+    c->mailbox = (cf_mailbox_t){word(f, WORD_MAILBOX), word(f, WORD_MAILBOX + 1), word(f, WORD_MAILBOX + 2),
+                                word(f, WORD_MAILBOX + 3)};
+    bool fits = c->mailbox.out_size <= CF_MAX_MAIL && c->mailbox.in_size <= CF_MAX_MAIL;
+    if (f->protocols != 0 && c->mailbox.out_size > 0 && c->mailbox.in_size > 0 && fits)
+        f->has |= CF_MAILBOX;
+    if (f->boot.out_size > 0 && f->boot.in_size > 0)
+        f->has |= CF_BOOTSTRAP;
+    if ((f->has & CF_MAILBOX) != 0)
+        f->has |= ((f->protocols & CF_PROTO_COE) != 0 ? CF_COE : 0) |
+                  ((f->protocols & CF_PROTO_FOE) != 0 ? CF_FOE : 0) | ((f->protocols & CF_PROTO_EOE) != 0 ? CF_EOE : 0);
+}
+
+static void take_sm(cf_facts_t *f, unsigned int n, const uint8_t *entry)
+{
+    f->sm[n] = (cf_sm_t){.start = ect_load_le16(entry),
+                         .length = ect_load_le16(entry + 2),
+                         .control = entry[4],
+                         .enable = entry[6],
+                         .type = entry[7]};
+    if (f->sm[n].type == 0 && f->sm[n].start != 0) { /* images from before the type byte: control says it */
+        bool mailbox = (entry[4] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
+        bool writes = (entry[4] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
+        f->sm[n].type = (uint8_t)((mailbox ? 1 : SM_OUTPUTS) + (writes ? 0 : 1));
+    }
+}
+
+static void take_categories(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    size_t length;
+    const uint8_t *data = cf_sii_category(c, ECT_SII_SYNCM, &length);
+    for (unsigned int n = 0; data && n < CF_MAX_SMS && 8 * (size_t)n + 8 <= length; n++) {
+        take_sm(f, n, data + 8 * (size_t)n);
+        f->sm_count = (uint8_t)(n + 1);
+    }
+    data = cf_sii_category(c, ECT_SII_FMMU, &length);
+    for (unsigned int n = 0; data && n < CF_MAX_FMMUS && n < length && data[n] != 0xFF; n++) {
+        f->fmmu_use[n] = data[n];
+        f->fmmu_count = (uint8_t)(n + 1);
+    }
+    data = cf_sii_category(c, ECT_SII_GENERAL, &length);
+    if (data && length > GENERAL_COE) {
+        uint8_t size;
+        const char *name = ect_sii_string(f->sii, f->sii_size, data[3], &size);
+        f->coe_details = data[GENERAL_COE];
+        if (name)
+            snprintf(f->name, sizeof f->name, "%.*s", (int)size, name);
+    }
+    if ((f->has & CF_MAILBOX) != 0 && f->sm_count < 2) { /* an image without the category: what everybody uses */
+        f->sm[0].control = ECT_SM_CONTROL_MAILBOX | ECT_SM_CONTROL_ECAT_WRITES | ECT_SM_CONTROL_AL_EVENT;
+        f->sm[1].control = ECT_SM_CONTROL_MAILBOX | ECT_SM_CONTROL_AL_EVENT;
+    }
+}
+
+/* Bits that the PDO categories assign to a SyncManager. */
+static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
+{
+    size_t length, at = 0, bits = 0;
+    const uint8_t *data = cf_sii_category(c, category, &length);
+    while (data && at + 8 <= length) {
+        size_t entries = data[at + 2];
+        for (size_t i = 0; i < entries && at + 16 + 8 * i <= length && data[at + 3] == sm; i++)
+            bits += data[at + 8 + 8 * i + 5];
+        at += 8 + 8 * entries;
+    }
+    return bits;
+}
+
+/* --- CoE -----------------------------------------------------------------------------------------------------------
+ */
+
+static bool try_number(cf_t *c, uint16_t index, uint8_t sub, uint64_t *value)
+{
+    uint8_t data[64] = {0};
+    size_t size = sizeof data;
+    if (cf_upload(c, index, sub, false, data, &size) != 0)
+        return false;
+    *value = ect_load_le64(data);
+    return true;
+}
+
+/* Bits that an assignment object adds up to; false: it cannot be read. */
+static bool coe_bits(cf_t *c, uint16_t assignment, size_t *bits)
+{
+    uint64_t pdos, pdo, entries, entry;
+    *bits = 0;
+    if (!try_number(c, assignment, 0, &pdos))
+        return false;
+    for (unsigned int i = 1; i <= (uint8_t)pdos; i++) {
+        if (!try_number(c, assignment, (uint8_t)i, &pdo) || !try_number(c, (uint16_t)pdo, 0, &entries))
+            return false;
+        for (unsigned int k = 1; k <= (uint8_t)entries; k++) {
+            if (!try_number(c, (uint16_t)pdo, (uint8_t)k, &entry))
+                return false;
+            *bits += entry & 0xFF;
+        }
+    }
+    return true;
+}
+
+static void take_lengths(cf_t *c, bool coe)
+{
+    cf_facts_t *f = &c->facts;
+    for (unsigned int n = 0; n < f->sm_count; n++) {
+        cf_sm_t *sm = &f->sm[n];
+        bool outputs = sm->type == SM_OUTPUTS;
+        if (!outputs && sm->type != SM_INPUTS)
+            continue;
+        size_t bits = sii_bits(c, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO, n);
+        size_t mapped;
+        if (coe && coe_bits(c, (uint16_t)(0x1C10 + n), &mapped))
+            bits = mapped;
+        else if (bits == 0 && (sm->enable & 1) != 0)
+            bits = 8 * (size_t)sm->length;
+        sm->length = (uint16_t)((bits + 7) / 8);
+        if (outputs)
+            f->output_bytes = (uint16_t)(f->output_bytes + sm->length);
+        else
+            f->input_bytes = (uint16_t)(f->input_bytes + sm->length);
+    }
+    f->has |= (f->output_bytes > 0 ? CF_OUTPUTS : 0) | (f->input_bytes > 0 ? CF_INPUTS : 0);
+}
+
+/* What answers counts as offered, whatever the SII says; CF-058 compares the two. */
+static void try_services(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    uint8_t data[64];
+    size_t size = sizeof data;
+    cf_mail_t mail;
+    const uint8_t list[2] = {0, 0}, request[6] = {1, 0, 0, 0, list[0], list[1]};
+    if ((f->coe_details & COE_COMPLETE) != 0 || cf_upload(c, 0x1018, 0, true, data, &size) == 0)
+        f->has |= CF_COMPLETE;
+    cf_send_coe(c, CF_COE_INFO, request, sizeof request);
+    bool answered = cf_receive_mail(c, &mail, CF_MAIL_MS) && mail.type == CF_MBX_COE && mail.length >= 6 &&
+                    (mail.data[2] & 0x7F) == 2;
+    if ((f->coe_details & COE_INFO) != 0 || answered)
+        f->has |= CF_SDO_INFO;
+    size = sizeof data - 1;
+    if (f->name[0] == 0 && cf_upload(c, 0x1008, 0, false, data, &size) == 0)
+        snprintf(f->name, sizeof f->name, "%.*s", (int)size, (const char *)data);
+}
+
+void cf_probe(cf_t *c)
+{
+    read_chip(c);
+    cf_known_state(c);
+    read_image(c);
+    take_head(c);
+    take_categories(c);
+    bool coe = (c->facts.has & CF_COE) != 0;
+    if (coe)
+        cf_go(c, CF_PREOP);
+    take_lengths(c, coe);
+    if (coe)
+        try_services(c);
+    cf_known_state(c);
+}

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "record.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+
+#include "case.h"
+
+/* pcapng (draft-ietf-opsawg-pcapng): block types and options. Numbers are the host's own, the magic says which. */
+enum {
+    BLOCK_SECTION = 0x0A0D0D0A,
+    BLOCK_INTERFACE = 1,
+    BLOCK_PACKET = 6,
+    BYTE_ORDER_MAGIC = 0x1A2B3C4D,
+    LINKTYPE_ETHERNET = 1,
+    OPTION_END = 0,
+    OPTION_COMMENT = 1,
+    OPTION_FLAGS = 2,
+    OPTION_RESOLUTION = 9,
+    FLAG_INBOUND = 1,
+    FLAG_OUTBOUND = 2,
+    NANOSECONDS = 9,
+};
+
+enum { COMMENT = 600 };
+
+/* One record for the process: the wrapped send and recv have no other way to it. */
+static struct {
+    FILE *capture;
+    uint64_t start_ns;
+    uint64_t epoch_ns; /* of the wall clock, at the start */
+    uint32_t frame;
+    char comment[COMMENT]; /* of the next frame */
+    cf_item_t *items;      /* a ring */
+    size_t next, count;
+    uint32_t first_frame;
+} record;
+
+uint64_t cf_now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+/* --- pcapng ------------------------------------------------------------------------------------------------------ */
+
+typedef struct block {
+    uint8_t bytes[4096];
+    uint32_t length;
+} block_t;
+
+static void put(block_t *b, const void *data, uint32_t length)
+{
+    if (length > 0)
+        memcpy(b->bytes + b->length, data, length);
+    b->length += length;
+    while (b->length % 4 != 0)
+        b->bytes[b->length++] = 0;
+}
+
+static void put32(block_t *b, uint32_t value)
+{
+    put(b, &value, sizeof value);
+}
+
+static void put_option(block_t *b, uint16_t code, const void *data, uint16_t length)
+{
+    const uint16_t head[2] = {code, length};
+    put(b, head, sizeof head);
+    put(b, data, length);
+}
+
+static void write_block(uint32_t type, const block_t *body)
+{
+    const uint32_t total = body->length + 12;
+    const uint32_t head[2] = {type, total};
+    (void)fwrite(head, sizeof head, 1, record.capture);
+    (void)fwrite(body->bytes, body->length, 1, record.capture);
+    (void)fwrite(&total, sizeof total, 1, record.capture);
+}
+
+static void write_heads(void)
+{
+    const uint16_t version[2] = {1, 0};
+    const int64_t unknown = -1;
+    const uint16_t link[2] = {LINKTYPE_ETHERNET, 0};
+    const uint8_t resolution = NANOSECONDS;
+    block_t section = {.length = 0}, interface = {.length = 0};
+    put32(&section, BYTE_ORDER_MAGIC);
+    put(&section, version, sizeof version);
+    put(&section, &unknown, sizeof unknown);
+    write_block((uint32_t)BLOCK_SECTION, &section);
+    put(&interface, link, sizeof link);
+    put32(&interface, 0);
+    put_option(&interface, OPTION_RESOLUTION, &resolution, 1);
+    put_option(&interface, OPTION_END, NULL, 0);
+    write_block(BLOCK_INTERFACE, &interface);
+}
+
+static void write_packet(const cf_item_t *item)
+{
+    uint64_t time = record.epoch_ns + item->time_ns;
+    uint32_t flags = item->kind == CF_ITEM_SENT ? FLAG_OUTBOUND : FLAG_INBOUND;
+    block_t b = {.length = 0};
+    put32(&b, 0);
+    put32(&b, (uint32_t)(time >> 32));
+    put32(&b, (uint32_t)time);
+    put32(&b, item->length);
+    put32(&b, item->length);
+    put(&b, item->bytes, item->length);
+    put_option(&b, OPTION_FLAGS, &flags, sizeof flags);
+    if (record.comment[0] != 0)
+        put_option(&b, OPTION_COMMENT, record.comment, (uint16_t)strlen(record.comment));
+    put_option(&b, OPTION_END, NULL, 0);
+    write_block(BLOCK_PACKET, &b);
+}
+
+/* --- the ring ---------------------------------------------------------------------------------------------------- */
+
+static cf_item_t *new_item(cf_item_kind_t kind, const void *bytes, size_t length)
+{
+    cf_item_t *item = &record.items[record.next];
+    record.next = (record.next + 1) % CF_EVIDENCE_MAX;
+    record.count += record.count < CF_EVIDENCE_MAX;
+    free(item->bytes);
+    *item = (cf_item_t){.kind = kind, .time_ns = cf_now_ns() - record.start_ns, .length = (uint32_t)length};
+    item->bytes = malloc(length == 0 ? 1 : length);
+    if (!item->bytes)
+        abort(); /* no evidence, no run */
+    memcpy(item->bytes, bytes, length);
+    return item;
+}
+
+static void add_frame(cf_item_kind_t kind, const void *bytes, size_t length)
+{
+    if (!record.items || length > 2048)
+        return;
+    cf_item_t *item = new_item(kind, bytes, length);
+    item->frame = ++record.frame;
+    if (record.first_frame == 0)
+        record.first_frame = record.frame;
+    if (record.capture)
+        write_packet(item);
+    record.comment[0] = 0;
+}
+
+static void add_comment(const char *text)
+{
+    size_t used = strlen(record.comment);
+    snprintf(record.comment + used, sizeof record.comment - used, "%s%.280s", used > 0 ? "\n" : "", text);
+}
+
+void cf_record_open(FILE *capture)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    record.capture = capture;
+    record.start_ns = cf_now_ns();
+    record.epoch_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+    record.items = calloc(CF_EVIDENCE_MAX, sizeof record.items[0]);
+    if (!record.items)
+        abort();
+    if (capture)
+        write_heads();
+}
+
+void cf_record_begin(const char *id, const char *title)
+{
+    char text[300];
+    snprintf(text, sizeof text, "%s %s", id, title);
+    record.comment[0] = 0;
+    add_comment(text);
+    record.first_frame = 0;
+}
+
+void cf_record_step(const char *text)
+{
+    add_comment(text);
+    new_item(CF_ITEM_STEP, text, strlen(text) + 1)->frame = record.frame + 1;
+}
+
+static size_t at(size_t nth)
+{
+    return (record.next + CF_EVIDENCE_MAX - record.count + nth) % CF_EVIDENCE_MAX;
+}
+
+cf_evidence_t cf_record_end(size_t most)
+{
+    cf_evidence_t e = {.first_frame = record.first_frame, .last_frame = record.first_frame ? record.frame : 0};
+    e.count = record.count < most ? record.count : most;
+    e.items = calloc(e.count + 1, sizeof e.items[0]);
+    if (!e.items)
+        abort();
+    for (size_t i = 0; i < record.count; i++) {
+        cf_item_t *item = &record.items[at(i)];
+        if (i >= record.count - e.count)
+            e.items[i - (record.count - e.count)] = *item;
+        else
+            free(item->bytes);
+        item->bytes = NULL;
+    }
+    record.count = 0;
+    record.next = 0;
+    return e;
+}
+
+void cf_evidence_free(cf_evidence_t *evidence)
+{
+    for (size_t i = 0; i < evidence->count; i++)
+        free(evidence->items[i].bytes);
+    free(evidence->items);
+    *evidence = (cf_evidence_t){0};
+}
+
+uint32_t cf_record_frame(void)
+{
+    return record.frame;
+}
+
+uint64_t cf_record_start_ns(void)
+{
+    return record.start_ns;
+}
+
+/* --- what SOEM sends and receives ----------------------------------------------------------------------------------
+ */
+
+ssize_t __real_send(int fd, const void *bytes, size_t length, int flags);
+ssize_t __real_recv(int fd, void *bytes, size_t room, int flags);
+ssize_t __wrap_send(int fd, const void *bytes, size_t length, int flags);
+ssize_t __wrap_recv(int fd, void *bytes, size_t room, int flags);
+
+ssize_t __wrap_send(int fd, const void *bytes, size_t length, int flags)
+{
+    add_frame(CF_ITEM_SENT, bytes, length);
+    return __real_send(fd, bytes, length, flags);
+}
+
+ssize_t __wrap_recv(int fd, void *bytes, size_t room, int flags)
+{
+    ssize_t got = __real_recv(fd, bytes, room, flags);
+    if (got > 0)
+        add_frame(CF_ITEM_RECEIVED, bytes, (size_t)got);
+    return got;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The record of a run: each frame that leaves or comes, numbered, in a capture file and as evidence of the case that
+ * runs. Whatever SOEM sends by itself is in it too: its send() and recv() are wrapped by the linker.
+ */
+#ifndef ECTWIN_CONFORM_RECORD_H
+#define ECTWIN_CONFORM_RECORD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum cf_item_kind { CF_ITEM_STEP, CF_ITEM_SENT, CF_ITEM_RECEIVED } cf_item_kind_t;
+
+/** A line of evidence: a sentence, or a frame. */
+typedef struct cf_item {
+    cf_item_kind_t kind;
+    uint32_t frame;   /**< its number in the capture, from 1; of a sentence that of the frame that follows */
+    uint64_t time_ns; /**< since the start of the run */
+    uint32_t length;
+    uint8_t *bytes; /**< a frame from the destination MAC on, or a text with its zero; belongs to the item */
+} cf_item_t;
+
+/** What is kept of a case: the last CF_EVIDENCE_MAX items. */
+typedef struct cf_evidence {
+    cf_item_t *items; /**< oldest first */
+    size_t count;
+    uint32_t first_frame, last_frame; /**< 0: none */
+} cf_evidence_t;
+
+enum { CF_EVIDENCE_MAX = 400 };
+
+/** Starts the record. @param capture  where the pcapng goes, kept open by the caller; NULL: nowhere */
+void cf_record_open(FILE *capture);
+/** Begins a case: its title is the comment of its first frame. */
+void cf_record_begin(const char *id, const char *title);
+void cf_record_step(const char *text);
+/** Ends the case. @return what was kept, to be freed with ::cf_evidence_free; the last `most` items of it */
+cf_evidence_t cf_record_end(size_t most);
+void cf_evidence_free(cf_evidence_t *evidence);
+/** Number of the last frame. */
+uint32_t cf_record_frame(void);
+/** Bytes and frames so far, both ways. */
+uint64_t cf_record_start_ns(void);
+
+#endif

@@ -1,0 +1,366 @@
+/* SPDX-License-Identifier: MIT */
+/* The slave's state, what has to be configured on the way, process data. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "engine.h"
+
+enum { LOGICAL = 0x00010000, SM_OUTPUTS = 3, SM_INPUTS = 4, READS = 1, WRITES = 2 };
+/* ETG.2000, where the ESI says nothing; the way back to SAFEOP with the others, for a judgement of time is not here. */
+enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, SETTLE_MS = 100 };
+
+const char *cf_state_name(uint16_t al_status)
+{
+    static const char *const names[2][16] = {
+        {"state 0", "INIT", "PREOP", "BOOT", "SAFEOP", "state 5", "state 6", "state 7", "OP", "state 9", "state 10",
+         "state 11", "state 12", "state 13", "state 14", "state 15"},
+        {"state 0 + error", "INIT + error", "PREOP + error", "BOOT + error", "SAFEOP + error", "state 5 + error",
+         "state 6 + error", "state 7 + error", "OP + error", "state 9 + error", "state 10 + error", "state 11 + error",
+         "state 12 + error", "state 13 + error", "state 14 + error", "state 15 + error"},
+    };
+    return names[(al_status & ECT_AL_ERROR) != 0][al_status & ECT_AL_STATE_MASK];
+}
+
+/* --- configuration ----------------------------------------------------------------------------------------------- */
+
+void cf_set_sm(cf_t *c, unsigned int n, uint16_t start, uint16_t length, uint8_t control)
+{
+    uint8_t registers[ECT_SM_SIZE] = {0};
+    cf_put8(c, (uint16_t)(CF_SM(n) + ECT_SM_ACTIVATE), 0); /* the others take nothing while it is on */
+    if (length > 0) {
+        ect_store_le16(registers + ECT_SM_START, start);
+        ect_store_le16(registers + ECT_SM_LENGTH, length);
+        registers[ECT_SM_CONTROL] = control;
+        registers[ECT_SM_ACTIVATE] = ECT_SM_ACTIVATE_ENABLE;
+    }
+    cf_put(c, CF_SM(n), registers, sizeof registers);
+}
+
+void cf_set_fmmu(cf_t *c, unsigned int n, uint32_t logical, uint16_t length, uint8_t start_bit, uint8_t stop_bit,
+                 uint16_t physical, uint8_t physical_bit, uint8_t type)
+{
+    uint8_t registers[ECT_FMMU_SIZE] = {0};
+    ect_store_le32(registers + ECT_FMMU_LOGICAL, logical);
+    ect_store_le16(registers + ECT_FMMU_LENGTH, length);
+    registers[ECT_FMMU_START_BIT] = start_bit;
+    registers[ECT_FMMU_STOP_BIT] = stop_bit;
+    ect_store_le16(registers + ECT_FMMU_PHYSICAL, physical);
+    registers[ECT_FMMU_PHYSICAL_BIT] = physical_bit;
+    registers[ECT_FMMU_TYPE] = type;
+    registers[ECT_FMMU_ACTIVATE] = 1;
+    cf_put(c, CF_FMMU(n), registers, sizeof registers);
+}
+
+void cf_clear_fmmu(cf_t *c, unsigned int n)
+{
+    const uint8_t registers[ECT_FMMU_SIZE] = {0};
+    cf_put(c, CF_FMMU(n), registers, sizeof registers);
+}
+
+void cf_set_mailbox(cf_t *c, uint8_t state)
+{
+    const cf_mailbox_t *m = state == CF_BOOT ? &c->facts.boot : &c->mailbox;
+    if ((c->facts.has & CF_MAILBOX) == 0)
+        return;
+    cf_set_sm(c, 0, m->out_start, m->out_size, c->facts.sm[0].control);
+    cf_set_sm(c, 1, m->in_start, m->in_size, c->facts.sm[1].control);
+    c->mail_counter = 0;
+}
+
+/* The FMMU that the SII names for a use, else the first that no other use has. */
+static unsigned int choose_fmmu(const cf_t *c, uint8_t use, uint32_t *taken)
+{
+    unsigned int n = 0;
+    while (n < c->facts.fmmu_count && (c->facts.fmmu_use[n] != use || (*taken & (1u << n)) != 0))
+        n++;
+    if (n >= c->facts.fmmu_count) {
+        n = 0;
+        while ((*taken & (1u << n)) != 0)
+            n++;
+    }
+    *taken |= 1u << n;
+    return n;
+}
+
+static uint32_t map_direction(cf_t *c, uint8_t sm_type, uint32_t logical, uint32_t *taken)
+{
+    for (unsigned int n = 0; n < c->facts.sm_count; n++) {
+        const cf_sm_t *sm = &c->facts.sm[n];
+        if (sm->type != sm_type)
+            continue;
+        cf_set_sm(c, n, sm->start, sm->length, sm->control);
+        if (sm->length == 0)
+            continue;
+        unsigned int fmmu = choose_fmmu(c, sm_type == SM_OUTPUTS ? 1 : 2, taken);
+        if (fmmu >= c->facts.fmmus)
+            cf_skip(c, "the chip has fewer FMMUs (%u) than its process data need", c->facts.fmmus);
+        cf_set_fmmu(c, fmmu, logical, sm->length, 0, 7, sm->start, 0, sm_type == SM_OUTPUTS ? WRITES : READS);
+        logical += sm->length;
+    }
+    return logical;
+}
+
+void cf_set_process_data(cf_t *c)
+{
+    uint32_t taken = 0;
+    uint32_t logical = map_direction(c, SM_OUTPUTS, LOGICAL, &taken);
+    (void)map_direction(c, SM_INPUTS, logical, &taken);
+}
+
+uint16_t cf_spare_ram(const cf_t *c)
+{
+    (void)c;
+    return ECT_RAM;
+}
+
+unsigned int cf_spare_sm(cf_t *c)
+{
+    for (unsigned int n = c->facts.sms; n-- > 0;) {
+        if ((cf_get8(c, (uint16_t)(CF_SM(n) + ECT_SM_PDI_CONTROL)) & ECT_SM_PDI_DISABLE) == 0)
+            return n;
+    }
+    cf_skip(c, "the slave's software holds all %u SyncManagers disabled in INIT", c->facts.sms);
+}
+
+/* --- process data ------------------------------------------------------------------------------------------------ */
+
+uint16_t cf_cycle_wkc(const cf_t *c)
+{
+    bool lrw = (c->facts.has & CF_LRW_OK) != 0;
+    return (uint16_t)((c->facts.output_bytes > 0 ? (lrw ? 2 : 1) : 0) + (c->facts.input_bytes > 0 ? 1 : 0));
+}
+
+uint16_t cf_cycle(cf_t *c, const uint8_t *outputs, uint8_t *inputs)
+{
+    uint8_t image[CF_MAX_DATA] = {0};
+    const uint16_t out = c->facts.output_bytes, in = c->facts.input_bytes;
+    if (out + in > CF_MAX_DATA - 12)
+        cf_skip(c, "%u bytes of process data do not fit one datagram", (unsigned int)out + in);
+    if (outputs)
+        memcpy(image, outputs, out);
+    cf_datagram_t d[2] = {{.command = CF_LRW, .address = LOGICAL, .length = (uint16_t)(out + in), .data = image}};
+    size_t count = 1;
+    if ((c->facts.has & CF_LRW_OK) == 0) {
+        d[0] = (cf_datagram_t){.command = CF_LWR, .address = LOGICAL, .length = out, .data = image};
+        d[1] = (cf_datagram_t){.command = CF_LRD, .address = LOGICAL + out, .length = in, .data = image + out};
+        count = 2;
+    }
+    cf_exchange(c, d, count);
+    if (inputs)
+        memcpy(inputs, image + out, in);
+    return (uint16_t)(d[0].wkc + d[1].wkc);
+}
+
+/* --- requests ---------------------------------------------------------------------------------------------------- */
+
+static uint16_t al_status(cf_t *c, uint16_t *code)
+{
+    uint8_t bytes[6];
+    cf_get(c, ECT_REG_AL_STATUS, bytes, sizeof bytes);
+    if (code)
+        *code = ect_load_le16(bytes + 4);
+    return ect_load_le16(bytes);
+}
+
+static void pause_us(unsigned int us)
+{
+    const struct timespec pause = {.tv_nsec = (long)us * 1000};
+    (void)nanosleep(&pause, NULL);
+}
+
+bool cf_wait_status(cf_t *c, uint16_t status, uint32_t ms, bool cyclic, uint16_t *last, uint16_t *code)
+{
+    uint64_t until = cf_now_ns() + ms * UINT64_C(1000000);
+    uint16_t now_code = 0, now = 0;
+    for (bool over = false; !over;) {
+        over = cf_now_ns() >= until;
+        if (cyclic)
+            (void)cf_cycle(c, NULL, NULL);
+        now = al_status(c, &now_code);
+        if ((now & 0x1F) == (status & 0x1F))
+            break;
+        pause_us(500);
+    }
+    if (last)
+        *last = now;
+    if (code)
+        *code = now_code;
+    return (now & 0x1F) == (status & 0x1F);
+}
+
+static uint32_t transition_ms(uint16_t al_control)
+{
+    switch (al_control & ECT_AL_STATE_MASK) {
+    case CF_PREOP:
+    case CF_BOOT:
+        return PREOP_MS;
+    case CF_SAFEOP:
+    case CF_OP:
+        return SAFEOP_OP_MS;
+    default:
+        return INIT_MS;
+    }
+}
+
+/* The slave's software takes a request by reading it; until then the chip refuses the next one. */
+static void write_al_control(cf_t *c, uint16_t al_control)
+{
+    uint8_t bytes[2];
+    uint64_t until = cf_now_ns() + INIT_MS * UINT64_C(1000000);
+    ect_store_le16(bytes, al_control);
+    while (cf_write(c, ECT_REG_AL_CONTROL, bytes, sizeof bytes) != 1) {
+        if (cf_now_ns() >= until)
+            cf_fail(c, "AL control: WKC expected 1, got 0 for %d ms: the slave does not take the request before",
+                    (int)INIT_MS);
+        pause_us(500);
+    }
+    if ((c->facts.has & CF_EMULATION) == 0)
+        (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, INIT_MS, NULL);
+}
+
+/* Whether a slave that has taken a request has answered it. */
+static bool is_answered(uint16_t wanted, uint16_t before, uint16_t before_code, uint16_t now, uint16_t code)
+{
+    if ((now & ECT_AL_ERROR) != 0)
+        return (before & ECT_AL_ERROR) == 0 || code != before_code || (now ^ before) != 0;
+    return (now & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK);
+}
+
+/* An error that was there before and still is the same: not acknowledged, or refused again for the same reason. */
+static bool may_be_the_answer(uint16_t before, uint16_t now)
+{
+    return (before & ECT_AL_ERROR) != 0 && (now & ECT_AL_ERROR) != 0;
+}
+
+static uint16_t request(cf_t *c, uint16_t al_control, bool cyclic, uint16_t *code)
+{
+    uint16_t before_code, now_code, now;
+    const uint16_t before = al_status(c, &before_code);
+    write_al_control(c, al_control);
+    const uint64_t taken = cf_now_ns();
+    const uint64_t until = taken + transition_ms(al_control) * UINT64_C(1000000);
+    for (;;) {
+        bool over = cf_now_ns() >= until;
+        bool settled = cf_now_ns() >= taken + SETTLE_MS * UINT64_C(1000000);
+        if (cyclic)
+            (void)cf_cycle(c, NULL, NULL);
+        now = al_status(c, &now_code);
+        if (over || is_answered(al_control, before, before_code, now, now_code) ||
+            (settled && may_be_the_answer(before, now)))
+            break;
+        pause_us(500);
+    }
+    if (code)
+        *code = now_code;
+    return now;
+}
+
+uint16_t cf_request(cf_t *c, uint16_t al_control, uint16_t *code)
+{
+    return request(c, al_control, false, code);
+}
+
+void cf_expect_refused(cf_t *c, uint16_t al_control, uint8_t stays, uint16_t code)
+{
+    uint16_t got_code;
+    uint16_t got = cf_request(c, al_control, &got_code);
+    cf_expect_that(c, (got & 0x1F) == (stays | ECT_AL_ERROR) && got_code == code,
+                   "AL control 0x%02X: expected %s with code 0x%04X, got %s with code 0x%04X", al_control,
+                   cf_state_name(stays | ECT_AL_ERROR), code, cf_state_name(got), got_code);
+}
+
+void cf_expect_state(cf_t *c, uint16_t al_control, uint8_t state)
+{
+    uint16_t got_code;
+    uint16_t got = cf_request(c, al_control, &got_code);
+    cf_expect_that(c, (got & 0x1F) == state && got_code == 0,
+                   "AL control 0x%02X: expected %s with code 0x0000, got %s with code 0x%04X", al_control,
+                   cf_state_name(state), cf_state_name(got), got_code);
+}
+
+/* --- ordinary ways ----------------------------------------------------------------------------------------------- */
+
+static void step_to(cf_t *c, uint8_t state)
+{
+    uint16_t code;
+    uint16_t error = al_status(c, NULL) & ECT_AL_ERROR;
+    uint16_t got = request(c, state | error, state == CF_OP, &code);
+    if ((got & 0x1F) != state)
+        cf_fail(c, "on the way to %s: expected %s, got %s with code 0x%04X", cf_state_name(state), cf_state_name(state),
+                cf_state_name(got), code);
+}
+
+void cf_go(cf_t *c, uint8_t state)
+{
+    uint8_t now = (uint8_t)(al_status(c, NULL) & ECT_AL_STATE_MASK);
+    if (now == CF_BOOT || (state == CF_BOOT && now != CF_INIT)) {
+        step_to(c, CF_INIT);
+        now = CF_INIT;
+    }
+    if (now == CF_INIT && state != CF_INIT) {
+        cf_set_mailbox(c, state == CF_BOOT ? CF_BOOT : CF_PREOP);
+        now = state == CF_BOOT ? CF_BOOT : CF_PREOP;
+        step_to(c, now);
+    }
+    if (now == CF_PREOP && state > CF_BOOT) {
+        cf_set_process_data(c);
+        step_to(c, CF_SAFEOP);
+        now = CF_SAFEOP;
+    }
+    if (now != state || (al_status(c, NULL) & ECT_AL_ERROR) != 0)
+        step_to(c, state);
+}
+
+static void back_to_init(cf_t *c)
+{
+    const uint8_t address[2] = {(uint8_t)c->facts.station, (uint8_t)(c->facts.station >> 8)};
+    uint8_t copy[2] = {address[0], address[1]};
+    uint16_t got = 0, code = 0;
+    uint16_t wkc = cf_command(c, CF_APWR, c->facts.ring, ECT_REG_STATION_ADDRESS, copy, sizeof copy);
+    if (wkc != 1) {
+        c->engine->silent = true;
+        cf_fail(c, "no answer: APWR of the station address: WKC expected 1, got %u", wkc);
+    }
+    bool emulation = (c->facts.has & CF_EMULATION) != 0;
+    for (int tries = 0; tries < 2; tries++) { /* an error that comes just now is acknowledged the second time */
+        write_al_control(c, emulation ? CF_INIT : CF_INIT | ECT_AL_ACKNOWLEDGE);
+        if (cf_wait_status(c, CF_INIT, INIT_MS, false, &got, &code) && code == 0)
+            return;
+    }
+    cf_fail(c, "back to INIT: expected INIT with code 0x0000 within %d ms, got %s with code 0x%04X", (int)INIT_MS,
+            cf_state_name(got), code);
+}
+
+/* Registers at their values after power-on; what a chip lacks is none of it, so working counters are not looked at. */
+static void reset_registers(cf_t *c)
+{
+    static const struct {
+        uint16_t address;
+        uint8_t length;
+        uint8_t value[8];
+    } values[] = {
+        {ECT_REG_DL_CONTROL + 3, 1, {0}},       {ECT_REG_RW_OFFSET, 2, {0}},
+        {ECT_REG_ECAT_EVENT_MASK, 2, {0}},      {ECT_REG_WD_DIVIDER, 2, {0xC2, 0x09}},
+        {ECT_REG_WD_TIME_PDI, 2, {0xE8, 0x03}}, {ECT_REG_WD_TIME_PD, 2, {0xE8, 0x03}},
+        {ECT_REG_DC_ACTIVATION - 1, 2, {0}},    {ECT_REG_DC_SYNC0_CYCLE, 8, {0}},
+        {ECT_REG_SII_CONFIG, 1, {2}},           {ECT_REG_SII_CONFIG, 1, {0}},
+        {ECT_REG_SII_CONTROL, 2, {0}},
+    };
+    uint8_t zeros[CF_MAX_FMMUS * ECT_FMMU_SIZE] = {0};
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
+        (void)cf_write(c, values[i].address, values[i].value, values[i].length);
+    (void)cf_write(c, ECT_REG_FMMU, zeros, (size_t)c->facts.fmmus * ECT_FMMU_SIZE);
+    for (unsigned int n = 0; n < c->facts.sms; n++) { /* off first: while it is on, the rest is locked */
+        (void)cf_write(c, (uint16_t)(CF_SM(n) + ECT_SM_ACTIVATE), zeros, 1);
+        (void)cf_write(c, CF_SM(n), zeros, ECT_SM_SIZE);
+    }
+}
+
+void cf_known_state(cf_t *c)
+{
+    back_to_init(c);
+    reset_registers(c);
+    c->mail_counter = 0;
+}
