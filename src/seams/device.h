@@ -24,6 +24,7 @@
 #include "od/od.h"
 #include "od/pdo.h"
 #include "seams/al_status.h"
+#include "seams/mailbox.h"
 #include "seams/services.h"
 #include "seams/storage.h"
 
@@ -217,7 +218,8 @@ typedef struct ect_device {
     uint8_t fmmu_count;
     ect_boot_mailbox_t boot_out; /**< length 0: no BOOT state */
     ect_boot_mailbox_t boot_in;
-    uint8_t mailbox_protocols; /**< ECT_MAILBOX_... */
+    uint8_t mailbox_protocols; /**< ECT_MAILBOX_...: what the SII says; 0: no mailbox */
+    const ect_protocol_t *const *protocols; /**< NULL-terminated list of those that are served (mailbox.h); NULL: none */
     uint8_t coe_details;       /**< ECT_COE_... */
     const char *physics;       /**< ESI `Physics`, a letter a port: "YY" */
     int16_t ebus_ma;           /**< what it takes from the E-bus, negative: what it feeds */

@@ -2,7 +2,6 @@
 #include "slave/al.h"
 
 #include "seams/device.h"
-#include "slave/slave.h"
 #include "wire/registers.h"
 
 static bool known(uint8_t state)

@@ -16,15 +16,6 @@ enum {
     DEVICE_SPECIFIC = 0xFF00,
 };
 
-static ect_diagnosis_t *find(const ect_slave_t *s)
-{
-    const ect_object_t *object = NULL;
-    const ect_entry_t *entry = NULL;
-    if (ect_od_lookup(&s->od, INDEX, 1, &object, &entry) != ECT_OK)
-        return NULL;
-    return ect_od_data(&s->od, entry);
-}
-
 static uint8_t after(uint8_t subindex)
 {
     return subindex < FIRST || subindex >= LAST ? FIRST : (uint8_t)(subindex + 1);
@@ -48,7 +39,7 @@ static void emergency(ect_slave_t *s, uint32_t code, uint16_t text_id, uint8_t s
     uint8_t data[5] = {0};
     ect_store_le16(data, text_id);
     data[2] = subindex;
-    s->host.emergency(s, error, ((const ect_standard_t *)s->config.instance)->error_register, data);
+    ect_host_emergency(s, error, ((const ect_standard_t *)s->config.instance)->error_register, data);
 }
 
 /* The slot that would be used next still holds a message that the master has not acknowledged. */
@@ -57,10 +48,9 @@ static bool full(const ect_diagnosis_t *d, uint8_t slot)
     return d->acknowledged != d->newest && !empty(d, slot) && (d->acknowledged == 0 || slot == after(d->acknowledged));
 }
 
-static void diagnose(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
+static void diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
 {
-    ect_slave_t *s = ctx;
-    ect_diagnosis_t *d = find(s);
+    ect_diagnosis_t *d = ect_services_data(s, INDEX);
     if (!d || !is_recorded(d, type))
         return;
     uint8_t slot = after(d->newest);
@@ -88,29 +78,31 @@ static void diagnose(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, c
 
 static void start(ect_slave_t *s)
 {
-    ect_diagnosis_t *d = find(s);
+    ect_diagnosis_t *d = ect_services_data(s, INDEX);
     if (d)
         d->maximum = ECT_DIAGNOSIS_MESSAGES;
-    s->host.diagnose = diagnose;
 }
 
-static ect_reason_t write_history(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+/* 0, or the sub-index of a message that is there. */
+static bool may_acknowledge(const ect_diagnosis_t *d, uint8_t subindex)
 {
-    const ect_diagnosis_t *d = index == INDEX ? find(s) : NULL;
-    (void)size;
+    return subindex == 0 || (subindex >= FIRST && subindex <= LAST && !empty(d, subindex));
+}
+
+static ect_reason_t write_history(ect_slave_t *s, const ect_download_t *w)
+{
+    const ect_diagnosis_t *d = w->index == INDEX ? ect_services_data(s, INDEX) : NULL;
     if (!d)
         return ECT_OK;
-    if (subindex == 5 && (ect_load_le16(data) & ~0x1Fu) != 0)
+    if (w->subindex == 5 && (ect_load_le16(w->data) & ~0x1Fu) != 0)
         return ECT_REASON_RANGE;
-    if (subindex == 3 && data[0] != 0 && (data[0] < FIRST || data[0] > LAST || empty(d, data[0])))
-        return ECT_REASON_RANGE;
-    return ECT_OK;
+    return w->subindex != 3 || may_acknowledge(d, w->data[0]) ? ECT_OK : ECT_REASON_RANGE;
 }
 
-static ect_reason_t written_history(ect_slave_t *s, uint16_t index, uint8_t subindex)
+static ect_reason_t written_history(ect_slave_t *s, const ect_download_t *w)
 {
-    ect_diagnosis_t *d = index == INDEX ? find(s) : NULL;
-    if (!d || (subindex != 3 && subindex != 0))
+    ect_diagnosis_t *d = w->index == INDEX ? ect_services_data(s, INDEX) : NULL;
+    if (!d || (w->subindex != 3 && !w->complete))
         return ECT_OK;
     if (d->acknowledged == 0) { /* 0 clears the history */
         memset(d->messages, 0, sizeof d->messages);
@@ -121,4 +113,5 @@ static ect_reason_t written_history(ect_slave_t *s, uint16_t index, uint8_t subi
     return ECT_OK;
 }
 
-const ect_service_t ect_service_diagnosis = {.start = start, .write = write_history, .written = written_history};
+const ect_service_t ect_service_diagnosis = {
+    .start = start, .write = write_history, .written = written_history, .diagnose = diagnose};

@@ -1,113 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The state machine at work: checks before a transition, actions with it, and leaving a state for a reason. */
-#include <string.h>
-
 #include "slave/al.h"
 #include "slave/internal.h"
-
-enum { SM_BLOCK = ECT_SMS * ECT_SM_SIZE };
-
-/* Bits of the control register that must be as described: mode, direction, event to the PDI. The master's own
- * interrupt bit and the watchdog trigger are its business. */
-enum { CONTROL_COMPARED = ECT_SM_CONTROL_MODE | ECT_SM_CONTROL_DIRECTION | ECT_SM_CONTROL_AL_EVENT };
-
-/* Reads all SyncManagers at once, which also acknowledges that they changed. */
-static bool read_sms(ect_slave_t *s, uint8_t block[SM_BLOCK])
-{
-    uint16_t size = (uint16_t)(s->config.device->sm_count * ECT_SM_SIZE);
-    memset(block, 0, SM_BLOCK);
-    if (!ect_slave_read(s, ECT_REG_SM, block, size))
-        return false;
-    s->due &= ~(uint32_t)ECT_EVENT_SM_CHANGED;
-    return true;
-}
-
-static bool sm_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16_t start, uint16_t shortest,
-                            uint16_t longest)
-{
-    uint16_t length = ect_load_le16(registers + ECT_SM_LENGTH);
-    return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 &&
-           ect_load_le16(registers + ECT_SM_START) == start && length >= shortest && length <= longest &&
-           ((registers[ECT_SM_CONTROL] ^ sm->control) & CONTROL_COMPARED) == 0;
-}
-
-/* The mailbox SyncManagers as described, for BOOT or for the other states. */
-static bool mailbox_good(const ect_device_t *device, const uint8_t *block, bool boot)
-{
-    for (unsigned int n = 0; n < 2; n++) {
-        const ect_sm_t *sm = &device->sm[n];
-        const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
-        uint16_t start = boot ? mailbox->start : sm->start;
-        uint16_t shortest = boot ? mailbox->length : sm->minimum != 0 ? sm->minimum : sm->length;
-        uint16_t longest = boot ? mailbox->length : ect_sm_room(device, n);
-        if (!sm_as_described(block + n * ECT_SM_SIZE, sm, start, shortest, longest))
-            return false;
-    }
-    return true;
-}
-
-/* The mailbox that runs is the one that the master configured: not another length, though it were allowed. */
-static bool mailbox_unchanged(const ect_slave_t *s, const uint8_t *block)
-{
-    return mailbox_good(s->config.device, block, s->state == ECT_STATE_BOOT) &&
-           ect_load_le16(block + ECT_SM_LENGTH) == s->mailbox.out_size &&
-           ect_load_le16(block + ECT_SM_SIZE + ECT_SM_LENGTH) == s->mailbox.in_size;
-}
-
-/* Process data: exactly the mapped bytes, or switched off when nothing is mapped. */
-static bool process_sm_good(const ect_slave_t *s, const uint8_t *registers, unsigned int n)
-{
-    const ect_sm_t *sm = &s->config.device->sm[n];
-    uint16_t bytes = s->image[n].bytes;
-    if (bytes == 0)
-        return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) == 0 ||
-               ect_load_le16(registers + ECT_SM_LENGTH) == 0;
-    return sm_as_described(registers, sm, sm->start, bytes, bytes);
-}
-
-static uint16_t check_process_sms(const ect_slave_t *s, const uint8_t *block)
-{
-    const ect_device_t *device = s->config.device;
-    for (unsigned int n = 0; n < device->sm_count; n++) {
-        if (ect_device_sm_is_process(device, n) && !process_sm_good(s, block + (size_t)n * ECT_SM_SIZE, n))
-            return device->sm[n].type == ECT_SM_OUTPUTS ? ECT_AL_OUTPUT_SM : ECT_AL_INPUT_SM;
-    }
-    return ECT_AL_NO_ERROR;
-}
-
-/* Takes note which SyncManagers are to be off from our side; ect_machine_flush writes it. */
-void ect_machine_sm_off(ect_slave_t *s, unsigned int sms, bool off)
-{
-    s->sm_off = (uint8_t)(off ? s->sm_off | sms : s->sm_off & ~sms);
-    s->sm_due = (uint8_t)(s->sm_due | sms);
-}
-
-static unsigned int process_sms(const ect_device_t *device)
-{
-    unsigned int sms = 0;
-    for (unsigned int n = 0; n < device->sm_count; n++)
-        sms |= (unsigned int)ect_device_sm_is_process(device, n) << n;
-    return sms;
-}
 
 static bool has_mailbox(const ect_slave_t *s)
 {
     return s->config.device->mailbox_protocols != 0;
-}
-
-bool ect_machine_flush(ect_slave_t *s)
-{
-    for (unsigned int n = 0; s->sm_due != 0; n++) {
-        if ((s->sm_due & (1u << n)) == 0)
-            continue;
-        bool acknowledged = n == 1 && s->mailbox.toggle != s->mailbox.ack_due; /* due: still as it was before */
-        bool off = (s->sm_off & (1u << n)) != 0;
-        uint8_t value = (uint8_t)((off ? ECT_SM_PDI_DISABLE : 0) | (acknowledged ? ECT_SM_PDI_REPEAT_ACK : 0));
-        if (!ect_slave_write(s, (uint16_t)(ECT_REG_SM + n * ECT_SM_SIZE + ECT_SM_PDI_CONTROL), &value, 1))
-            return false;
-        s->sm_due = (uint8_t)(s->sm_due & ~(1u << n));
-    }
-    return true;
 }
 
 /* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the
@@ -119,7 +17,7 @@ bool ect_machine_report(ect_slave_t *s)
     ect_store_le16(code, s->ident ? s->config.device_id : s->code);
     status[0] |= s->error ? ECT_AL_ERROR : 0;
     status[0] |= s->ident ? ECT_AL_IDENT : 0;
-    if (!ect_machine_flush(s) || !ect_slave_write(s, ECT_REG_AL_STATUS_CODE, code, sizeof code) ||
+    if (!ect_sm_flush(s) || !ect_slave_write(s, ECT_REG_AL_STATUS_CODE, code, sizeof code) ||
         !ect_slave_write(s, ECT_REG_AL_STATUS, status, sizeof status))
         return false;
     s->status_dirty = false;
@@ -139,7 +37,7 @@ static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
         device->al_error(s->config.instance, s->state, code, s->now_ns);
 }
 
-void ect_machine_outputs_off(ect_slave_t *s)
+static void outputs_off(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     if (s->outputs_live && device->safe_outputs)
@@ -153,14 +51,14 @@ static void go_down(ect_slave_t *s, uint8_t target)
 {
     const ect_device_t *device = s->config.device;
     uint8_t from = s->state;
-    ect_machine_outputs_off(s);
+    outputs_off(s);
     if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
         s->inputs_due = false;
-        ect_machine_sm_off(s, process_sms(device), true);
+        ect_sm_disable(s, ect_sm_process(device));
     }
     if (target == ECT_STATE_INIT && has_mailbox(s)) {
         ect_mailbox_stop(s);
-        ect_machine_sm_off(s, ECT_MAILBOX_SMS, true);
+        ect_sm_disable(s, ECT_MAILBOX_SMS);
     }
     s->pending = 0;
     s->state = target;
@@ -181,7 +79,7 @@ void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_ca
 static uint16_t check_mailbox(ect_slave_t *s, uint8_t target, const uint8_t *block)
 {
     bool boot = target == ECT_STATE_BOOT;
-    if (!mailbox_good(s->config.device, block, boot))
+    if (!ect_sm_mailbox_good(s->config.device, block, boot))
         return boot ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
     ect_mailbox_configure(s, block);
     return ECT_AL_NO_ERROR;
@@ -192,7 +90,7 @@ static uint16_t check_process_data(ect_slave_t *s, const uint8_t *block)
     uint8_t cyclic_unit = 0;
     uint16_t code = ect_pdo_configure(s);
     if (code == ECT_AL_NO_ERROR)
-        code = check_process_sms(s, block);
+        code = ect_sm_check_process(s, block);
     if (code != ECT_AL_NO_ERROR)
         return code;
     if (ect_slave_read(s, ECT_REG_DC_ACTIVATION, &cyclic_unit, 1) && (cyclic_unit & 1u) != 0 &&
@@ -203,16 +101,13 @@ static uint16_t check_process_data(ect_slave_t *s, const uint8_t *block)
 
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
-    uint8_t block[SM_BLOCK];
-    if (target == ECT_STATE_OP || !read_sms(s, block))
+    uint8_t block[ECT_SM_BLOCK];
+    if (target == ECT_STATE_OP || !ect_sm_read(s, block))
         return ECT_AL_NO_ERROR;
     if (target != ECT_STATE_SAFEOP)
         return has_mailbox(s) ? check_mailbox(s, target, block) : (uint16_t)ECT_AL_NO_ERROR;
-    if (s->mailbox.running) {
-        ect_mailbox_look(s, block);
-        if (!mailbox_unchanged(s, block))
-            s->due |= ECT_EVENT_SM_CHANGED; /* to be looked at for its own sake */
-    }
+    if (s->mailbox.running && !ect_mailbox_look(s, block))
+        s->due |= ECT_EVENT_SM_CHANGED; /* to be looked at for its own sake */
     return check_process_data(s, block);
 }
 
@@ -234,12 +129,12 @@ static void enter(ect_slave_t *s, uint8_t target)
     if (target == ECT_STATE_PREOP || target == ECT_STATE_BOOT) {
         if (has_mailbox(s)) {
             ect_mailbox_start(s);
-            ect_machine_sm_off(s, ECT_MAILBOX_SMS, false);
+            ect_sm_enable(s, ECT_MAILBOX_SMS);
         }
     } else if (target == ECT_STATE_SAFEOP) {
         s->outputs_seen = 0;
-        ect_machine_sm_off(s, process_sms(s->config.device), false);
-        if (ect_machine_flush(s) && ect_pdo_inputs(s))
+        ect_sm_enable(s, ect_sm_process(s->config.device));
+        if (ect_sm_flush(s) && ect_pdo_inputs(s))
             s->inputs_due = false;
     } else {
         if (s->outputs != 0)
@@ -367,19 +262,16 @@ void ect_machine_request(ect_slave_t *s)
 
 void ect_machine_sm_changed(ect_slave_t *s)
 {
-    uint8_t block[SM_BLOCK];
-    if (!read_sms(s, block))
+    uint8_t block[ECT_SM_BLOCK];
+    if (!ect_sm_read(s, block))
         return;
-    if (s->mailbox.running) {
-        ect_mailbox_look(s, block);
-        if (!mailbox_unchanged(s, block)) {
-            uint16_t code = s->state == ECT_STATE_BOOT ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
-            ect_machine_drop(s, ECT_STATE_INIT, code, ECT_CAUSE_REQUEST);
-            return;
-        }
+    if (s->mailbox.running && !ect_mailbox_look(s, block)) {
+        uint16_t code = s->state == ECT_STATE_BOOT ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
+        ect_machine_drop(s, ECT_STATE_INIT, code, ECT_CAUSE_REQUEST);
+        return;
     }
     if (s->state >= ECT_STATE_SAFEOP) {
-        uint16_t code = check_process_sms(s, block);
+        uint16_t code = ect_sm_check_process(s, block);
         if (code != ECT_AL_NO_ERROR)
             ect_machine_drop(s, ECT_STATE_PREOP, code, ECT_CAUSE_REQUEST);
         s->inputs_due = true; /* switched off and on again, the buffers are empty */

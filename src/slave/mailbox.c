@@ -7,7 +7,7 @@
 
 #include "slave/internal.h"
 
-uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm)
+uint16_t ect_mailbox_sm_room(const ect_device_t *device, unsigned int sm)
 {
     uint16_t boot = sm == 0 ? device->boot_out.length : device->boot_in.length;
     uint16_t room = 0;
@@ -16,14 +16,14 @@ uint16_t ect_mailbox_room(const ect_device_t *device, unsigned int sm)
     return room > boot ? room : boot;
 }
 
-enum { NO_REPLY = 0xFF };
+enum { NO_REPLY = 0xFF, SM1 = 1 << 1 };
 
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
 {
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     uint8_t *memory = s->config.mailbox;
-    uint16_t out_room = ect_mailbox_room(s->config.device, 0);
-    uint16_t in_room = ect_mailbox_room(s->config.device, 1);
+    uint16_t out_room = ect_mailbox_sm_room(s->config.device, 0);
+    uint16_t in_room = ect_mailbox_sm_room(s->config.device, 1);
     s->mailbox = (ect_mailbox_t){
         .out_start = ect_load_le16(sm_registers + ECT_SM_START),
         .in_start = ect_load_le16(sm1 + ECT_SM_START),
@@ -34,12 +34,32 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
         .reply = NO_REPLY,
         .toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0,
     };
+    s->sm_repeat_ack = s->mailbox.toggle;
 }
+
+/* The protocols that the device names. */
+#define FOR_EACH_PROTOCOL(s, p) for (const ect_protocol_t *const *p = (s)->config.device->protocols; p && *p; p++)
 
 void ect_mailbox_start(ect_slave_t *s)
 {
     s->mailbox.running = true;
-    ect_coe_start(s);
+    FOR_EACH_PROTOCOL(s, p)
+    {
+        if ((*p)->reset)
+            (*p)->reset(*p, s);
+    }
+}
+
+/* --- sending ----------------------------------------------------------------------------------------------------- */
+
+void *ect_mailbox_instance(const ect_slave_t *s)
+{
+    return s->config.instance;
+}
+
+uint16_t ect_mailbox_room(const ect_slave_t *s)
+{
+    return (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER);
 }
 
 static bool may_build(const ect_mailbox_t *m)
@@ -60,7 +80,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
     if (m->reply == build_slot(m))
         m->reply = NO_REPLY;
     memset(mail, 0, m->in_size);
-    return mail;
+    return mail + ECT_MAILBOX_HEADER;
 }
 
 /* SM1 as a whole, so that nothing of an older mail is left in it; the toggle is answered when the mail stands there. */
@@ -76,8 +96,8 @@ static void write_shown(ect_slave_t *s)
 static void acknowledge_repeat(ect_slave_t *s)
 {
     s->mailbox.ack_due = false;
-    ect_machine_sm_off(s, 1u << 1, false);
-    (void)ect_machine_flush(s);
+    ect_sm_acknowledge_repeat(s, s->mailbox.toggle);
+    (void)ect_sm_flush(s);
 }
 
 static void show(ect_slave_t *s, uint8_t slot)
@@ -101,17 +121,17 @@ void ect_mailbox_send(ect_slave_t *s, uint8_t type, uint16_t length)
     show(s, slot);
 }
 
-void ect_mailbox_error(ect_slave_t *s, uint16_t detail)
+static void send_error(ect_slave_t *s, uint16_t detail)
 {
-    uint8_t *mail = ect_mailbox_build(s);
-    ect_store_le16(mail + ECT_MAILBOX_HEADER, 1);
-    ect_store_le16(mail + ECT_MAILBOX_HEADER + 2, detail);
+    uint8_t *data = ect_mailbox_build(s);
+    ect_store_le16(data, 1);
+    ect_store_le16(data + 2, detail);
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_ERROR, 4);
 }
 
 /* --- requests ---------------------------------------------------------------------------------------------------- */
 
-/* 0, or the detail of the error reply. */
+/* ECT_MAILBOX_OK, or the detail of the error reply. */
 static uint16_t header_error(const ect_mailbox_t *m)
 {
     const uint8_t *mail = m->request;
@@ -122,37 +142,31 @@ static uint16_t header_error(const ect_mailbox_t *m)
         return ECT_MAILBOX_ERROR_HEADER;
     if ((mail[5] & 0x80) != 0)
         return ECT_MAILBOX_ERROR_SYNTAX;
-    return (mail[4] & 0x3F) != 0 ? ECT_MAILBOX_ERROR_CHANNEL : 0;
+    return (mail[4] & 0x3F) != 0 ? ECT_MAILBOX_ERROR_CHANNEL : ECT_MAILBOX_OK;
 }
 
-/* The services of the mailbox: what stands here is linked, everything else is answered as unsupported. */
-typedef struct service {
-    uint8_t type;
-    uint8_t protocol;
-    void (*request)(ect_slave_t *s, const uint8_t *payload, uint16_t length);
-} service_t;
+static bool is_in_state(const ect_protocol_t *p, const ect_slave_t *s)
+{
+    return (p->states & ECT_IN(s->state)) != 0;
+}
 
-static const service_t services[] = {
-    {ECT_MAILBOX_TYPE_COE, ECT_MAILBOX_COE, ect_coe_request},
-};
-
-static void dispatch(ect_slave_t *s)
+/* Hands the request to the entries of its type, until one wants it. */
+static uint16_t dispatch(ect_slave_t *s)
 {
     const uint8_t *mail = s->mailbox.request;
     uint16_t error = header_error(&s->mailbox);
-    if (error != 0) {
-        ect_mailbox_error(s, error);
-        return;
+    if (error != ECT_MAILBOX_OK)
+        return error;
+    error = ECT_MAILBOX_ERROR_PROTOCOL;
+    FOR_EACH_PROTOCOL(s, p)
+    {
+        if ((*p)->type != (mail[5] & 0x0F) || !is_in_state(*p, s) || !(*p)->request)
+            continue;
+        error = (*p)->request(*p, s, mail + ECT_MAILBOX_HEADER, ect_load_le16(mail));
+        if (error != ECT_MAILBOX_ERROR_SERVICE)
+            break;
     }
-    for (size_t i = 0; i < sizeof services / sizeof services[0]; i++) {
-        bool in_state = s->state != ECT_STATE_BOOT; /* there only FoE is at home */
-        bool offered = (s->config.device->mailbox_protocols & services[i].protocol) != 0;
-        if (in_state && offered && services[i].type == (mail[5] & 0x0F)) {
-            services[i].request(s, mail + ECT_MAILBOX_HEADER, ect_load_le16(mail));
-            return;
-        }
-    }
-    ect_mailbox_error(s, ECT_MAILBOX_ERROR_PROTOCOL);
+    return error;
 }
 
 static void handle_request(ect_slave_t *s)
@@ -168,35 +182,47 @@ static void handle_request(ect_slave_t *s)
     }
     m->request_counter = counter;
     uint8_t before = m->reply_counter;
-    dispatch(s);
+    uint16_t error = dispatch(s);
+    if (error != ECT_MAILBOX_OK)
+        send_error(s, error);
     m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
 }
 
 /* --- repeat ------------------------------------------------------------------------------------------------------ */
 
-void ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
+/* The mailbox that runs is the one that the master configured: not another length, though it were allowed. */
+static bool is_unchanged(const ect_slave_t *s, const uint8_t *sm_registers)
+{
+    return ect_sm_mailbox_good(s->config.device, sm_registers, s->state == ECT_STATE_BOOT) &&
+           ect_load_le16(sm_registers + ECT_SM_LENGTH) == s->mailbox.out_size &&
+           ect_load_le16(sm_registers + ECT_SM_SIZE + ECT_SM_LENGTH) == s->mailbox.in_size;
+}
+
+bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 {
     ect_mailbox_t *m = &s->mailbox;
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
     if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
         m->in_buffer = false; /* fetched, or lost when the master switched SM1 off and on */
-    if (toggle == m->toggle)
-        return;
-    m->toggle = toggle;
-    m->repeat_due = true;
-    m->ack_due = true;
+    if (toggle != m->toggle) {
+        m->toggle = toggle;
+        m->repeat_due = true;
+        m->ack_due = true;
+        s->sm_repeat_ack = !toggle; /* not before the mail stands there */
+    }
+    return is_unchanged(s, sm_registers);
 }
 
 /* The mail that was lost is the one before that which stands in SM1; this one follows it. Off and on empties SM1. */
 static bool bring_back(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    ect_machine_sm_off(s, 1u << 1, true);
-    if (!ect_machine_flush(s))
+    ect_sm_disable(s, SM1);
+    if (!ect_sm_flush(s))
         return false;
-    ect_machine_sm_off(s, 1u << 1, false);
-    if (!ect_machine_flush(s))
+    ect_sm_enable(s, SM1);
+    if (!ect_sm_flush(s))
         return false;
     m->in_buffer = false;
     m->newest_waits = true;
@@ -218,13 +244,10 @@ static void repeat(ect_slave_t *s)
 
 /* --- the poll ---------------------------------------------------------------------------------------------------- */
 
-void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
+/* What is left of repeats comes first: then the mailbox may be free. */
+static void go_on(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    if ((event & ECT_EVENT_SM1) != 0)
-        m->in_buffer = false;
-    if ((event & ECT_EVENT_SM0) != 0 && m->in_buffer)
-        m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
     if (m->repeat_due)
         repeat(s);
     if (m->to_write)
@@ -235,10 +258,31 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
         m->newest_waits = false;
         show(s, m->newest);
     }
-    if (may_build(m) && ect_coe_has_emergency(s))
-        ect_coe_send_emergency(s);
-    else if (may_build(m) && (event & ECT_EVENT_SM0) != 0)
+}
+
+/* Lets the protocols have a mail of their own: those without requests before a request is answered, the others after.
+ */
+static bool speak(ect_slave_t *s, bool takes_requests, bool send)
+{
+    FOR_EACH_PROTOCOL(s, p)
+    {
+        if ((*p)->next && ((*p)->request != NULL) == takes_requests && is_in_state(*p, s) && (*p)->next(*p, s, send))
+            return true;
+    }
+    return false;
+}
+
+void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
+{
+    ect_mailbox_t *m = &s->mailbox;
+    bool requested = (event & ECT_EVENT_SM0) != 0;
+    if ((event & ECT_EVENT_SM1) != 0)
+        m->in_buffer = false;
+    if (requested && m->in_buffer)
+        m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
+    go_on(s);
+    if (may_build(m) && !speak(s, false, true) && requested)
         handle_request(s);
-    if (may_build(m) && ect_sdo_info_has_more(s))
-        ect_sdo_info_fragment(s);
+    if (may_build(m))
+        (void)speak(s, true, true);
 }

@@ -42,7 +42,7 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
 {
     ect_slave_memory_t need = {
         .instance = device->instance_size,
-        .mailbox = ect_mailbox_room(device, 0) + 2u * ect_mailbox_room(device, 1),
+        .mailbox = ect_mailbox_sm_room(device, 0) + 2u * ect_mailbox_sm_room(device, 1),
     };
     for (unsigned int n = 0; n < device->sm_count; n++) {
         if (!ect_device_sm_is_process(device, n))
@@ -61,7 +61,7 @@ static bool mailboxes_good(const ect_device_t *d)
     enum { SHORTEST = 34, LONGEST = 1486 };
     for (unsigned int n = 0; n < 2; n++) {
         uint16_t shortest = d->sm[n].minimum != 0 ? d->sm[n].minimum : d->sm[n].length;
-        if (shortest < SHORTEST || ect_mailbox_room(d, n) > LONGEST)
+        if (shortest < SHORTEST || ect_mailbox_sm_room(d, n) > LONGEST)
             return false;
     }
     return (d->boot_out.length == 0 && d->boot_in.length == 0) ||

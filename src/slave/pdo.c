@@ -138,18 +138,6 @@ uint16_t ect_pdo_configure(ect_slave_t *s)
     return ECT_AL_NO_ERROR;
 }
 
-/* Between the image, at any bit, and the wire form of an entry. */
-static void copy_bits(uint8_t *to, unsigned int to_bit, const uint8_t *from, unsigned int from_bit, unsigned int bits)
-{
-    for (unsigned int i = 0; i < bits; i++) {
-        unsigned int from_mask = 1u << ((from_bit + i) % 8);
-        unsigned int to_mask = 1u << ((to_bit + i) % 8);
-        uint8_t *byte = &to[(to_bit + i) / 8];
-        bool set = ((unsigned int)from[(from_bit + i) / 8] & from_mask) != 0;
-        *byte = (uint8_t)(set ? *byte | to_mask : *byte & ~to_mask);
-    }
-}
-
 /* Bytes of an entry's wire form that a run touches: numbers go whole, of longer entries what is mapped. */
 static uint16_t wire_bytes(const ect_pdo_run_t *run)
 {
@@ -165,7 +153,7 @@ static void unpack(ect_slave_t *s, const ect_sm_image_t *of)
         uint8_t wire[WIRE];
         if (run->entry) {
             memset(wire, 0, sizeof wire); /* a number of which less is mapped is extended by zeros */
-            copy_bits(wire, 0, image, run->first_bit, run->bits);
+            ect_copy_bits(wire, 0, image, run->first_bit, run->bits);
             (void)ect_od_write(&s->od, run->entry, 0, wire, wire_bytes(run));
         } else {
             memcpy(run->data, image + run->first_bit / 8, run->bits / 8u);
@@ -182,7 +170,7 @@ static void pack(ect_slave_t *s, const ect_sm_image_t *of)
         uint8_t wire[WIRE];
         if (run->entry) {
             ect_od_read(&s->od, run->entry, 0, wire, wire_bytes(run));
-            copy_bits(image, run->first_bit, wire, 0, run->bits);
+            ect_copy_bits(image, run->first_bit, wire, 0, run->bits);
         } else {
             memcpy(image + run->first_bit / 8, run->data, run->bits / 8u);
         }

@@ -118,27 +118,27 @@ static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t c
     return pdo_bits(s, index, count) > room_bits ? ECT_REASON_PDO_LENGTH : ECT_OK;
 }
 
-static ect_reason_t write_config(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+static ect_reason_t write_config(ect_slave_t *s, const ect_download_t *d)
 {
-    if (!is_config(s, index))
+    if (!is_config(s, d->index))
         return ECT_OK;
-    uint32_t value = size == 1 ? data[0] : size == 2 ? ect_load_le16(data) : ect_load_le32(data);
-    if (subindex == 0) /* by Complete Access the elements follow: ::written_config looks at the whole */
-        return s->sdo.complete ? ECT_OK : check_count(s, index, value);
-    if (!s->sdo.complete && number(s, index, 0) != 0)
+    uint32_t value = d->size == 1 ? d->data[0] : d->size == 2 ? ect_load_le16(d->data) : ect_load_le32(d->data);
+    if (d->subindex == 0) /* by Complete Access the elements follow: ::written_config looks at the whole */
+        return d->complete ? ECT_OK : check_count(s, d->index, value);
+    if (!d->complete && number(s, d->index, 0) != 0)
         return ECT_REASON_SUBINDEX0;
-    return is_assignment(s, index) ? check_assigned(s, index, value) : check_mapping(s, index, value);
+    return is_assignment(s, d->index) ? check_assigned(s, d->index, value) : check_mapping(s, d->index, value);
 }
 
 /* A whole object that turns out not to fit becomes an empty one: never a mapping that nobody asked for. */
-static ect_reason_t written_config(ect_slave_t *s, uint16_t index, uint8_t subindex)
+static ect_reason_t written_config(ect_slave_t *s, const ect_download_t *d)
 {
-    if (!s->sdo.complete || subindex != 0 || !is_config(s, index))
+    if (!d->complete || !is_config(s, d->index))
         return ECT_OK;
-    ect_reason_t reason = check_count(s, index, number(s, index, 0));
+    ect_reason_t reason = check_count(s, d->index, number(s, d->index, 0));
     if (reason != ECT_OK) {
         const uint8_t none = 0;
-        (void)ect_od_write(&s->od, ect_od_find(&s->od, index)->entries, 0, &none, 1);
+        (void)ect_od_write(&s->od, ect_od_find(&s->od, d->index)->entries, 0, &none, 1);
     }
     return reason;
 }

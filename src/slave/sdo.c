@@ -154,7 +154,7 @@ static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t la
 static void send_abort(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_reason_t reason)
 {
     s->sdo.state = ECT_SDO_IDLE;
-    uint8_t *reply = ect_coe_build(s, ECT_COE_SERVICE_SDO_REQUEST);
+    uint8_t *reply = ect_coe_build(s, ECT_COE_MAIL_SDO_REQUEST);
     reply[0] = ABORT;
     ect_store_le16(reply + 1, index);
     reply[3] = subindex;
@@ -164,7 +164,7 @@ static void send_abort(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_rea
 
 static uint8_t *build_response(ect_slave_t *s, uint8_t command)
 {
-    uint8_t *reply = ect_coe_build(s, ECT_COE_SERVICE_SDO_RESPONSE);
+    uint8_t *reply = ect_coe_build(s, ECT_COE_MAIL_SDO_RESPONSE);
     reply[0] = command;
     return reply;
 }
@@ -253,7 +253,7 @@ static void upload(ect_slave_t *s, const uint8_t *request)
         ect_coe_send(s, ECT_SDO_LENGTH);
         return;
     }
-    uint16_t room = (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - INITIATE);
+    uint16_t room = (uint16_t)(ect_coe_room(s) - INITIATE);
     uint16_t piece = sdo->size < room ? (uint16_t)sdo->size : room;
     uint8_t *reply = build_initiate(s, UPLOAD | SIZE_SPECIFIED);
     ect_store_le32(reply + 4, sdo->size);
@@ -282,7 +282,7 @@ static void upload_segment(ect_slave_t *s, const uint8_t *request)
     ect_sdo_t *sdo = &s->sdo;
     if (!segment_expected(s, request, ECT_SDO_UPLOADING))
         return;
-    uint16_t room = (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - 1);
+    uint16_t room = (uint16_t)(ect_coe_room(s) - 1);
     uint32_t left = sdo->size - sdo->done;
     uint16_t piece = left < room ? (uint16_t)left : room;
     unsigned int command = request[0] & TOGGLE;
@@ -314,7 +314,8 @@ static ect_reason_t check_value(ect_slave_t *s, const ect_entry_t *entry, const 
         if (reason != ECT_OK)
             return reason;
     }
-    ect_reason_t reason = ect_services_write(s, index, (uint8_t)entry->subindex, data, size);
+    const ect_download_t download = {index, (uint8_t)entry->subindex, s->sdo.complete, data, size};
+    ect_reason_t reason = ect_services_write(s, &download);
     if (reason != ECT_OK || !device->sdo_write)
         return reason;
     return device->sdo_write(s->config.instance, index, (uint8_t)entry->subindex, data, size);
@@ -327,12 +328,14 @@ static ect_reason_t written(ect_slave_t *s, const ect_entry_t *entry)
     if (device->sdo_written)
         device->sdo_written(s->config.instance, index, (uint8_t)entry->subindex, s->now_ns);
     ect_slave_wake(s);
-    return s->sdo.complete ? ECT_OK : ect_services_written(s, index, (uint8_t)entry->subindex);
+    const ect_download_t download = {.index = index, .subindex = (uint8_t)entry->subindex};
+    return s->sdo.complete ? ECT_OK : ect_services_written(s, &download);
 }
 
 static ect_reason_t whole_written(ect_slave_t *s)
 {
-    return s->sdo.complete ? ect_services_written(s, s->sdo.object->index, 0) : ECT_OK;
+    const ect_download_t download = {.index = s->sdo.object->index, .complete = true};
+    return s->sdo.complete ? ect_services_written(s, &download) : ECT_OK;
 }
 
 static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size,
@@ -527,30 +530,44 @@ static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t le
 
 /* --- entry ------------------------------------------------------------------------------------------------------- */
 
-void ect_sdo_request(ect_slave_t *s, const uint8_t *request, uint16_t length)
+static uint16_t request(const ect_protocol_t *self, ect_slave_t *s, const uint8_t *mail, uint16_t length)
 {
-    if (length < INITIATE) {
-        ect_mailbox_error(s, ECT_MAILBOX_ERROR_TOO_SHORT);
-        return;
-    }
-    switch (request[0] & SPECIFIER) {
+    uint16_t error = ect_coe_expect(mail, length, ECT_COE_MAIL_SDO_REQUEST);
+    (void)self;
+    if (error != ECT_MAILBOX_OK)
+        return error;
+    if (length < ECT_SDO_LENGTH)
+        return ECT_MAILBOX_ERROR_TOO_SHORT;
+    const uint8_t *sdo = mail + ECT_COE_HEADER;
+    length = (uint16_t)(length - ECT_COE_HEADER);
+    switch (sdo[0] & SPECIFIER) {
     case DOWNLOAD_SEGMENT:
-        download_segment(s, request, length);
+        download_segment(s, sdo, length);
         break;
     case DOWNLOAD:
-        download(s, request, length);
+        download(s, sdo, length);
         break;
     case UPLOAD:
-        upload(s, request);
+        upload(s, sdo);
         break;
     case UPLOAD_SEGMENT:
-        upload_segment(s, request);
+        upload_segment(s, sdo);
         break;
     case ABORT:
         s->sdo.state = ECT_SDO_IDLE; /* the master gives up: no answer */
         break;
     default:
-        send_abort(s, ect_load_le16(request + 1), request[3], ECT_REASON_COMMAND);
+        send_abort(s, ect_load_le16(sdo + 1), sdo[3], ECT_REASON_COMMAND);
         break;
     }
+    return ECT_MAILBOX_OK;
 }
+
+static void reset(const ect_protocol_t *self, ect_slave_t *s)
+{
+    (void)self;
+    s->sdo.state = ECT_SDO_IDLE;
+}
+
+const ect_protocol_t ect_protocol_sdo = {
+    .type = ECT_MAILBOX_TYPE_COE, .states = ECT_IN_PREOP_AND_ABOVE, .request = request, .reset = reset};

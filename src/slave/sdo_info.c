@@ -26,12 +26,12 @@ enum { INFO_UNIT = 0x08, INFO_DEFAULT = 0x10, INFO_MINIMUM = 0x20, INFO_MAXIMUM 
 /* Room for data behind the information header. */
 static uint16_t room(const ect_slave_t *s)
 {
-    return (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER - ECT_COE_HEADER - INFO_HEADER);
+    return (uint16_t)(ect_coe_room(s) - INFO_HEADER);
 }
 
 static uint8_t *build(ect_slave_t *s, uint8_t opcode)
 {
-    uint8_t *info = ect_coe_build(s, ECT_COE_SERVICE_SDO_INFO);
+    uint8_t *info = ect_coe_build(s, ECT_COE_MAIL_SDO_INFO);
     info[0] = opcode;
     return info + INFO_HEADER;
 }
@@ -80,7 +80,7 @@ static void send_lengths(ect_slave_t *s)
 }
 
 /* The list's type stands in the first fragment only, in the place of an index: the list has one element more. */
-void ect_sdo_info_fragment(ect_slave_t *s)
+static void send_fragment(ect_slave_t *s)
 {
     ect_sdo_info_t *info = &s->info;
     uint8_t *data = build(s, LIST_RESPONSE);
@@ -119,7 +119,7 @@ static void start_list(ect_slave_t *s, uint16_t list)
     uint16_t per_fragment = room(s) / 2;
     uint16_t elements = (uint16_t)(list_length(s, list) + 1);
     s->info = (ect_sdo_info_t){.list = list, .fragments = (uint16_t)((elements + per_fragment - 1) / per_fragment)};
-    ect_sdo_info_fragment(s);
+    send_fragment(s);
 }
 
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
@@ -225,28 +225,45 @@ static void describe_entry(ect_slave_t *s, const uint8_t *request)
     send(s, put_name(s, data, d.used, entry->name));
 }
 
-void ect_sdo_info_request(ect_slave_t *s, const uint8_t *request, uint16_t length)
+static uint16_t request(const ect_protocol_t *self, ect_slave_t *s, const uint8_t *mail, uint16_t length)
 {
     static const uint8_t shortest[] = {[LIST_REQUEST] = 2, [OBJECT_REQUEST] = 2, [ENTRY_REQUEST] = 4};
-    uint8_t opcode = length > 0 ? request[0] & 0x7F : 0;
-    const uint8_t *data = request + INFO_HEADER;
+    uint16_t error = ect_coe_expect(mail, length, ECT_COE_MAIL_SDO_INFO);
+    (void)self;
+    if (error != ECT_MAILBOX_OK)
+        return error;
+    const uint8_t *info = mail + ECT_COE_HEADER;
+    const uint8_t *data = info + INFO_HEADER;
+    uint8_t opcode = length > ECT_COE_HEADER ? info[0] & 0x7F : 0;
     s->info.list = 0; /* a new request ends the list under way */
-    if ((s->config.device->coe_details & ECT_COE_SDO_INFO) == 0) {
-        ect_mailbox_error(s, ECT_MAILBOX_ERROR_SERVICE);
-        return;
-    }
-    if (opcode != LIST_REQUEST && opcode != OBJECT_REQUEST && opcode != ENTRY_REQUEST) {
+    if (opcode != LIST_REQUEST && opcode != OBJECT_REQUEST && opcode != ENTRY_REQUEST)
         send_error(s, ECT_REASON_COMMAND);
-        return;
-    }
-    if (length < INFO_HEADER + shortest[opcode]) {
-        ect_mailbox_error(s, ECT_MAILBOX_ERROR_TOO_SHORT);
-        return;
-    }
-    if (opcode == LIST_REQUEST)
+    else if (length < ECT_COE_HEADER + INFO_HEADER + shortest[opcode])
+        return ECT_MAILBOX_ERROR_TOO_SHORT;
+    else if (opcode == LIST_REQUEST)
         start_list(s, ect_load_le16(data));
     else if (opcode == OBJECT_REQUEST)
         describe_object(s, ect_load_le16(data));
     else
         describe_entry(s, data);
+    return ECT_MAILBOX_OK;
 }
+
+static bool next(const ect_protocol_t *self, ect_slave_t *s, bool send)
+{
+    (void)self;
+    if (s->info.list == 0)
+        return false;
+    if (send)
+        send_fragment(s);
+    return true;
+}
+
+static void reset(const ect_protocol_t *self, ect_slave_t *s)
+{
+    (void)self;
+    s->info.list = 0;
+}
+
+const ect_protocol_t ect_protocol_sdo_info = {
+    .type = ECT_MAILBOX_TYPE_COE, .states = ECT_IN_PREOP_AND_ABOVE, .request = request, .next = next, .reset = reset};

@@ -7,41 +7,6 @@
 #include "seams/standard.h"
 #include "slave/internal.h"
 
-bool ect_slave_read(ect_slave_t *s, uint16_t address, void *buffer, uint16_t length)
-{
-    const ect_pdi_t *pdi = s->config.pdi;
-    if (!s->failed && pdi->read(pdi->ctx, address, buffer, length) >= 0)
-        return true;
-    s->pdi_errors += s->failed ? 0u : 1u;
-    s->failed = true;
-    return false;
-}
-
-bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint16_t length)
-{
-    const ect_pdi_t *pdi = s->config.pdi;
-    if (!s->failed && pdi->write(pdi->ctx, address, buffer, length) >= 0)
-        return true;
-    s->pdi_errors += s->failed ? 0u : 1u;
-    s->failed = true;
-    return false;
-}
-
-static bool read_event(ect_slave_t *s, uint32_t *event)
-{
-    const ect_pdi_t *pdi = s->config.pdi;
-    if (pdi->al_event) {
-        s->failed = pdi->al_event(pdi->ctx, event) < 0;
-        s->pdi_errors += s->failed ? 1u : 0u;
-        return !s->failed;
-    }
-    uint8_t bytes[4];
-    if (!ect_slave_read(s, ECT_REG_AL_EVENT, bytes, sizeof bytes))
-        return false;
-    *event = ect_load_le32(bytes);
-    return true;
-}
-
 static int check(const ect_slave_config_t *config)
 {
     if (!config->device || !config->pdi || !config->pdi->read || !config->pdi->write)
@@ -57,87 +22,6 @@ static int check(const ect_slave_config_t *config)
     return 0;
 }
 
-/* The services that the device names. */
-#define FOR_EACH_SERVICE(s, service)                                                                                   \
-    for (const ect_service_t *const *service = (s)->config.device->services; service && *service; service++)
-
-ect_reason_t ect_services_write(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        ect_reason_t reason = (*service)->write ? (*service)->write(s, index, subindex, data, size) : ECT_OK;
-        if (reason != ECT_OK)
-            return reason;
-    }
-    return ECT_OK;
-}
-
-ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex)
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        ect_reason_t reason = (*service)->written ? (*service)->written(s, index, subindex) : ECT_OK;
-        if (reason != ECT_OK)
-            return reason;
-    }
-    return ECT_OK;
-}
-
-uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target)
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        uint16_t code = (*service)->check_up ? (*service)->check_up(s, target) : (uint16_t)ECT_AL_NO_ERROR;
-        if (code != ECT_AL_NO_ERROR)
-            return code;
-    }
-    return ECT_AL_NO_ERROR;
-}
-
-static void services_start(ect_slave_t *s)
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        if ((*service)->start)
-            (*service)->start(s);
-    }
-}
-
-static void services_event(ect_slave_t *s, uint32_t event)
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        if ((*service)->event)
-            (*service)->event(s, event);
-    }
-}
-
-static void host_drop(void *ctx, uint8_t state, uint16_t al_status_code)
-{
-    ect_slave_t *s = ctx;
-    s->drop_state = state;
-    s->drop_code = al_status_code;
-}
-
-static void host_transition_done(void *ctx, uint16_t al_status_code)
-{
-    ect_slave_t *s = ctx;
-    s->pending_done = true;
-    s->pending_result = al_status_code;
-}
-
-static void host_off_bus(void *ctx, bool off)
-{
-    ect_slave_t *s = ctx;
-    s->off_bus = off;
-}
-
-static void host_restart(void *ctx)
-{
-    ect_slave_t *s = ctx;
-    s->restart = true;
-}
-
 static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
@@ -147,10 +31,10 @@ static void power_on(ect_slave_t *s)
     s->status_dirty = true;
     s->tick_ns = s->now_ns;
     ect_mailbox_stop(s);
-    ect_machine_sm_off(s, (1u << device->sm_count) - 1u, true);
+    ect_sm_disable(s, (1u << device->sm_count) - 1u);
     if (device->init)
         device->init(s->config.instance, identity, &s->host, s->now_ns);
-    services_start(s); /* after init: stored values take the place of its start values */
+    ect_services_start(s); /* after init: stored values take the place of its start values */
 }
 
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
@@ -160,13 +44,7 @@ int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_
         return error;
     *slave = (ect_slave_t){.config = *config, .now_ns = now_ns};
     slave->od = ect_device_od(config->device, config->instance);
-    slave->host = (ect_host_t){.ctx = slave,
-                               .emergency = ect_coe_emergency,
-                               .drop = host_drop,
-                               .transition_done = host_transition_done,
-                               .off_bus = host_off_bus,
-                               .restart = host_restart,
-                               .storage = config->storage};
+    ect_host_init(slave);
     power_on(slave);
     return ect_machine_report(slave) ? 0 : -3;
 }
@@ -189,7 +67,7 @@ static void take_outputs(ect_slave_t *s, uint32_t event)
 {
     if (s->state < ECT_STATE_SAFEOP)
         return;
-    services_event(s, event);
+    ect_services_event(s, event);
     unsigned int sms = (event / ECT_EVENT_SM0) & 0xFF;
     if ((sms & s->outputs) != 0)
         ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);
@@ -218,8 +96,7 @@ uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
     enum { SOON_NS = 100000 };
     uint32_t event = 0;
     s->now_ns = now_ns;
-    s->failed = false;
-    if (read_event(s, &event)) {
+    if (ect_slave_read_event(s, &event)) {
         s->due |= event;
         if ((s->due & ECT_EVENT_AL_CONTROL) != 0)
             ect_machine_al_control(s);

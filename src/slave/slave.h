@@ -146,7 +146,7 @@ typedef struct ect_sdo_info {
     bool started;       /* the first one is out */
 } ect_sdo_info_t;
 
-enum { ECT_EMERGENCY_QUEUE = 8 };
+enum { ECT_EMERGENCY_QUEUE = 8 /* a power of two */ };
 
 typedef struct ect_emergency {
     uint16_t code;
@@ -165,25 +165,26 @@ typedef struct ect_slave {
     uint8_t pending;     /* state that a delayed transition leads to, 0: none */
     bool pending_device; /* the device delays it; else it waits for outputs */
     bool pending_done;
-    bool request_due;   /* AL control has yet to be carried out: new, or its PDI accesses failed */
-    uint8_t drop_state; /* wanted by the device, 0: none */
-    bool restart;      /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
-    bool off_bus;      /**< public, read only: the device wants to be off the bus */
-    uint8_t sm_off;    /* SyncManagers that are to be off from the PDI side, a bit each */
-    uint8_t sm_due;    /* those whose PDI control register has yet to be written */
-    uint8_t outputs;   /* SyncManagers with outputs, a bit each; set on the way to SAFEOP */
-    uint8_t inputs;    /* those with inputs */
+    bool request_due;     /* AL control has yet to be carried out: new, or its PDI accesses failed */
+    uint8_t drop_state;   /* wanted by the device, 0: none */
+    bool restart;         /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
+    bool off_bus;         /**< public, read only: the device wants to be off the bus */
+    uint8_t sm_off;       /* SyncManagers that are to be off from the PDI side, a bit each */
+    uint8_t sm_due;       /* those whose PDI control register has yet to be written */
+    uint8_t outputs;      /* SyncManagers with outputs, a bit each; set on the way to SAFEOP */
+    uint8_t inputs;       /* those with inputs */
     uint8_t outputs_seen; /* those of `outputs` that the master has written since SAFEOP */
-    bool outputs_live; /* they are being handed to the device */
+    bool outputs_live;    /* they are being handed to the device */
     bool inputs_due;
-    uint8_t emergency_first;
-    uint8_t emergency_count;
-    uint16_t code;    /**< public, read only: AL status code */
-    uint16_t request; /* AL control as read last */
+    uint8_t emergency_put; /* counts modulo 256: queued, by the device */
+    uint8_t emergency_got; /* ... and sent */
+    bool sm_repeat_ack;    /* the repeat bit that SM1's PDI control shows */
+    uint16_t code;         /**< public, read only: AL status code */
+    uint16_t request;      /* AL control as read last */
     uint16_t pending_result;
     uint16_t drop_code;
     ect_sm_image_t image[ECT_SMS];
-    uint32_t due;              /* AL events whose registers have yet to be read */
+    uint32_t due; /* AL events whose registers have yet to be read */
     ect_slave_config_t config;
     ect_mailbox_t mailbox;
     ect_sdo_t sdo;

@@ -93,21 +93,23 @@ static void load(ect_slave_t *s)
     }
 }
 
-static ect_reason_t write_command(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+static bool is_command(const ect_download_t *d)
 {
-    uint32_t wanted = index == INDEX_STORE ? ECT_STORE_SIGNATURE : ECT_LOAD_SIGNATURE;
-    (void)s;
-    if ((index != INDEX_STORE && index != INDEX_RESTORE) || subindex == 0)
-        return ECT_OK;
-    return size == 4 && ect_load_le32(data) == wanted ? ECT_OK : ECT_REASON_STORE;
+    return d->index == INDEX_STORE || d->index == INDEX_RESTORE;
 }
 
-static ect_reason_t written_command(ect_slave_t *s, uint16_t index, uint8_t subindex)
+static ect_reason_t write_command(ect_slave_t *s, const ect_download_t *d)
 {
-    (void)subindex;
-    if (index != INDEX_STORE && index != INDEX_RESTORE)
+    uint32_t wanted = d->index == INDEX_STORE ? ECT_STORE_SIGNATURE : ECT_LOAD_SIGNATURE;
+    (void)s;
+    if (!is_command(d) || d->subindex == 0)
         return ECT_OK;
-    return store(s, index == INDEX_STORE);
+    return d->size == 4 && ect_load_le32(d->data) == wanted ? ECT_OK : ECT_REASON_STORE;
+}
+
+static ect_reason_t written_command(ect_slave_t *s, const ect_download_t *d)
+{
+    return is_command(d) ? store(s, d->index == INDEX_STORE) : ECT_OK;
 }
 
 const ect_service_t ect_service_store = {.start = load, .write = write_command, .written = written_command};

@@ -4,18 +4,9 @@
 
 enum { OUTPUTS = 0x1C32, INPUTS = 0x1C33 };
 
-static ect_sync_data_t *find(const ect_slave_t *s)
-{
-    const ect_object_t *object = NULL;
-    const ect_entry_t *entry = NULL;
-    if (ect_od_lookup(&s->od, OUTPUTS, 1, &object, &entry) != ECT_OK)
-        return NULL;
-    return ect_od_data(&s->od, entry);
-}
-
 static void start(ect_slave_t *s)
 {
-    ect_sync_data_t *d = find(s);
+    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
     const ect_sync_t *ability = &s->config.device->sync;
     if (!d)
         return;
@@ -26,11 +17,11 @@ static void start(ect_slave_t *s)
     d->error_limit = 4;
 }
 
-static ect_reason_t write_sync(ect_slave_t *s, uint16_t index, uint8_t subindex, const uint8_t *data, uint16_t size)
+static ect_reason_t write_sync(ect_slave_t *s, const ect_download_t *d)
 {
-    if ((index != OUTPUTS && index != INPUTS) || subindex != 1 || size != 2)
+    if ((d->index != OUTPUTS && d->index != INPUTS) || d->subindex != 1 || d->size != 2)
         return ECT_OK;
-    uint16_t type = ect_load_le16(data);
+    uint16_t type = ect_load_le16(d->data);
     return type < 16 && (s->config.device->sync.supported & (1u << type)) != 0 ? ECT_OK : ECT_REASON_RANGE;
 }
 
@@ -66,7 +57,7 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
 
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
-    ect_sync_data_t *d = find(s);
+    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
     if (!d || target < ECT_STATE_SAFEOP)
         return ECT_AL_NO_ERROR;
     if (target == ECT_STATE_OP)
@@ -98,7 +89,7 @@ static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
     count(&d->sm_missed);
     count(&d->errors);
     if (d->error_limit != 0 && d->errors > d->error_limit)
-        s->host.drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
+        ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
 }
 
 /* In acknowledge mode the event stays until its status is read. */
@@ -111,7 +102,7 @@ static void acknowledge_sync0(ect_slave_t *s)
 /* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. */
 static void on_event(ect_slave_t *s, uint32_t event)
 {
-    ect_sync_data_t *d = find(s);
+    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
     if (!d || d->dc == 0 || s->state != ECT_STATE_OP)
         return;
     if ((event & ect_sm_events(s->outputs)) != 0) {

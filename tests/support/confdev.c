@@ -104,6 +104,8 @@ static void init(void *instance, const ect_identity_t *identity, const ect_host_
 
 static const ect_service_t *const services[] = {&ect_service_pdo_config, &ect_service_diagnosis, &ect_service_store,
                                                 &ect_service_sync, NULL};
+static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
+                                                  NULL};
 static const uint32_t cycles[] = {1000000, 2000000};
 static const ect_dc_mode_t dc_modes[] = {{.name = "DC", .description = "DC SYNC0", .assign_activate = 0x0300}};
 
@@ -127,6 +129,7 @@ const ect_device_t confdev = {
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS},
     .fmmu_count = 2,
     .mailbox_protocols = ECT_MAILBOX_COE,
+    .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_ASSIGN | ECT_COE_PDO_CONFIG | ECT_COE_COMPLETE_ACCESS,
     .physics = "YY",
     .dc_modes = dc_modes,

@@ -72,6 +72,8 @@ static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64
         map_choice(instance);
 }
 
+static const ect_protocol_t *const protocols[] = {&ect_protocol_sdo, &ect_protocol_sdo_info, NULL};
+
 const ect_device_t gauge = {
     .name = "gauge",
     .summary = "A sensor without outputs",
@@ -93,6 +95,7 @@ const ect_device_t gauge = {
     .fmmu = {ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
     .fmmu_count = 2,
     .mailbox_protocols = ECT_MAILBOX_COE,
+    .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS,
     .physics = "YY",
     .timeouts = {.preop_ms = 2000, .safeop_op_ms = 2000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},

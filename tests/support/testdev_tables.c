@@ -150,6 +150,9 @@ static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64
     t->written_subindex = subindex;
 }
 
+static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
+                                                  NULL};
+
 const ect_device_t testdev = {
     .name = "testdev",
     .summary = "A device for tests",
@@ -170,6 +173,7 @@ const ect_device_t testdev = {
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
     .fmmu_count = 3,
     .mailbox_protocols = ECT_MAILBOX_COE,
+    .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS,
     .physics = "YY",
     .timeouts = {.preop_ms = 3000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},

@@ -918,7 +918,7 @@ static void coe_not_offered(void **state)
 {
     (void)state;
     ect_device_t device = testdev;
-    device.mailbox_protocols = ECT_MAILBOX_FOE | ECT_MAILBOX_EOE;
+    device.protocols = NULL;
     wire_t w;
     uint8_t mail[SIZE];
     wire_open_one(&w, &device);

@@ -588,7 +588,8 @@ static void no_information_offered(void **state)
     ect_device_t device = testdev;
     session_t s;
     (void)state;
-    device.coe_details = ECT_COE_SDO;
+    static const ect_protocol_t *const sdo_only[] = {&ect_protocol_sdo, NULL};
+    device.protocols = sdo_only;
     open_session(&s, &device, 128);
     assert_int_equal(ask(&s, 3, 0x2000, 0, 0), MAILBOX_ERROR);
     assert_int_equal(ect_load_le16(s.mail + 2), 4);

@@ -82,10 +82,11 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
 /* The 200 periodic bytes in eights: F(sub-index, first byte, last byte). */
 #define PERIODIC_EIGHTS(F)                                                                                             \
     F(1, 0, 7)                                                                                                         \
-    F(2, 8, 15) F(3, 16, 23) F(4, 24, 31) F(5, 32, 39) F(6, 40, 47) F(7, 48, 55) F(8, 56, 63) F(9, 64, 71)             \
-        F(10, 72, 79) F(11, 80, 87) F(12, 88, 95) F(13, 96, 103) F(14, 104, 111) F(15, 112, 119) F(16, 120, 127)       \
-            F(17, 128, 135) F(18, 136, 143) F(19, 144, 151) F(20, 152, 159) F(21, 160, 167) F(22, 168, 175)            \
-                F(23, 176, 183) F(24, 184, 191) F(25, 192, 199)
+    F(2, 8, 15)                                                                                                        \
+    F(3, 16, 23) F(4, 24, 31) F(5, 32, 39) F(6, 40, 47) F(7, 48, 55) F(8, 56, 63) F(9, 64, 71) F(10, 72, 79)           \
+        F(11, 80, 87) F(12, 88, 95) F(13, 96, 103) F(14, 104, 111) F(15, 112, 119) F(16, 120, 127) F(17, 128, 135)     \
+            F(18, 136, 143) F(19, 144, 151) F(20, 152, 159) F(21, 160, 167) F(22, 168, 175) F(23, 176, 183)            \
+                F(24, 184, 191) F(25, 192, 199)
 
 /* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian and these are not
  * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
@@ -222,6 +223,9 @@ static const ect_object_t objects_multiarm[] = {
 
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
 
+static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
+                                                  NULL};
+
 /* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
 #define BASE_UNIT(cli_name, what, node_name, product, object_list)                                                     \
     {                                                                                                                  \
@@ -235,7 +239,7 @@ static const ect_object_t objects_multiarm[] = {
                {.start = 0x1000, .control = 0x64, .type = ECT_SM_OUTPUTS},                                             \
                {.start = 0x2800, .control = 0x20, .type = ECT_SM_INPUTS}},                                             \
         .sm_count = 4, .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}, .fmmu_count = 3,           \
-        .mailbox_protocols = ECT_MAILBOX_COE,                                                                          \
+        .mailbox_protocols = ECT_MAILBOX_COE, .protocols = protocols,                                                  \
         .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS, .physics = "YY", \
         .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                     \
         .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},       \

@@ -125,6 +125,9 @@ static const ect_dc_mode_t dc_modes[] = {
 };
 static const ect_service_t *const services[] = {&ect_service_sync, NULL};
 
+static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
+                                                  NULL};
+
 const ect_device_t ect_fzm1 = {
     .name = "fzm1",
     .summary = "OMRON FZM1 vision sensor",
@@ -146,6 +149,7 @@ const ect_device_t ect_fzm1 = {
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
     .fmmu_count = 3,
     .mailbox_protocols = ECT_MAILBOX_COE,
+    .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD,
     .physics = "YY",
     .dc_modes = dc_modes,

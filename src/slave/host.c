@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* What a device may ask for (ect_host_t): notes that the poll acts on, in mainline. */
+#include <string.h>
+
+#include "seams/standard.h"
+#include "slave/internal.h"
+
+void ect_host_drop(void *slave, uint8_t state, uint16_t al_status_code)
+{
+    ect_slave_t *s = slave;
+    s->drop_code = al_status_code;
+    s->drop_state = state;
+}
+
+void ect_host_emergency(void *slave, uint16_t code, uint8_t error_register, const uint8_t data[5])
+{
+    ect_slave_t *s = slave;
+    ((ect_standard_t *)s->config.instance)->error_register = error_register;
+    if ((uint8_t)(s->emergency_put - s->emergency_got) == ECT_EMERGENCY_QUEUE) {
+        s->emergencies_lost++;
+        return;
+    }
+    ect_emergency_t *e = &s->emergency[s->emergency_put % ECT_EMERGENCY_QUEUE];
+    e->code = code;
+    e->error_register = error_register;
+    memcpy(e->data, data, sizeof e->data);
+    s->emergency_put++;
+}
+
+static void transition_done(void *slave, uint16_t al_status_code)
+{
+    ect_slave_t *s = slave;
+    s->pending_result = al_status_code;
+    s->pending_done = true;
+}
+
+static void diagnose(void *slave, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
+{
+    ect_services_diagnose(slave, type, code, text_id, parameters);
+}
+
+static void off_bus(void *slave, bool off)
+{
+    ((ect_slave_t *)slave)->off_bus = off;
+}
+
+static void restart(void *slave)
+{
+    ((ect_slave_t *)slave)->restart = true;
+}
+
+void ect_host_init(ect_slave_t *s)
+{
+    s->host = (ect_host_t){.ctx = s,
+                           .emergency = ect_host_emergency,
+                           .drop = ect_host_drop,
+                           .transition_done = transition_done,
+                           .diagnose = diagnose,
+                           .off_bus = off_bus,
+                           .restart = restart,
+                           .storage = s->config.storage};
+}
