@@ -2,16 +2,17 @@
 # Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|test
 #
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, and SOEM for the demo's master
-#   test  the same, and what the tests need: CMocka, clang for the fuzz targets, gcovr, an ARM compiler for the budget
+#   test  the same, and what the tests need: CMocka, clang for the fuzz targets, gcovr, an ARM compiler and its C library for
+#         the budget, iproute2 for interfaces of their own
 #
-# Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken; else the
-# source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned hash and built
-# below ~/.cache/ectwin. Safe to run again; does nothing when nothing is missing.
+# Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
+# compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
+# hash and built below ~/.cache/ectwin. Safe to run again; does nothing when nothing is missing.
 set -eu
 
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
-test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi"
+test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi libnewlib-arm-none-eabi iproute2"
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
 soem_package="pyecm==0.0.3"
@@ -37,6 +38,8 @@ is_there() {
     binutils) command -v objdump >/dev/null && return 0 ;;
     pkg-config) command -v pkg-config >/dev/null && return 0 ;;
     gcc-arm-none-eabi) command -v arm-none-eabi-gcc >/dev/null && return 0 ;;
+    libnewlib-arm-none-eabi) echo '#include <assert.h>' | arm-none-eabi-gcc -E - >/dev/null 2>&1 && return 0 ;;
+    iproute2) command -v ip >/dev/null && return 0 ;;
     python3-pip) python3 -m pip --version >/dev/null 2>&1 && return 0 ;;
     python3-venv) python3 -c 'import venv, ensurepip' >/dev/null 2>&1 && return 0 ;;
   esac
@@ -64,14 +67,20 @@ install_clang_runtime() {
   clang -fsanitize=address,undefined "$work/a.c" -o "$work/a" 2>/dev/null || install_packages "libclang-rt-$version-dev"
 }
 
+# Found, and of the version that is asked for: cmake/soem.cmake compiles a program with it.
 soem_is_installed() {
   mkdir -p "$work/find"
-  cat >"$work/find/CMakeLists.txt" <<'CMAKE'
+  cat >"$work/find/CMakeLists.txt" <<CMAKE
 cmake_minimum_required(VERSION 3.22)
 project(find_soem LANGUAGES C)
-find_package(soem CONFIG REQUIRED)
+include($root/cmake/soem.cmake)
+if(NOT soem_FOUND)
+  message(FATAL_ERROR "not there")
+endif()
 CMAKE
-  cmake -S "$work/find" -B "$work/find/build" >/dev/null 2>&1
+  cmake -G Ninja -S "$work/find" -B "$work/find/build" >"$work/log" 2>&1 && return 0
+  sed -n 's/^-- The SOEM/bootstrap: the SOEM/p' "$work/log" >&2
+  return 1
 }
 
 install_soem() {
@@ -94,6 +103,7 @@ install_soem() {
 }
 
 job=${1:-}
+root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 case "$job" in

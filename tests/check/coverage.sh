@@ -5,13 +5,26 @@ set -eu
 build=$1
 here=$(cd "$(dirname "$0")/.." && pwd)
 root=$(dirname "$here")
-status=0
-while read -r room floor; do
-  case "$room" in '' | '#'*) continue ;; esac
-  got=$(gcovr --root "$root" --object-directory "$build" --filter "$root/src/$room/" --exclude-throw-branches \
-    --json-summary 2>/dev/null | python3 -c 'import json, sys; print(json.load(sys.stdin)["branch_percent"])')
-  verdict=ok
-  awk -v g="$got" -v f="$floor" 'BEGIN { exit !(g + 0 < f + 0) }' && verdict=BELOW && status=1
-  printf 'branch coverage src/%-8s %5s %%  (floor %s %%) %s\n' "$room" "$got" "$floor" "$verdict"
-done <"$here/budget/coverage"
-exit $status
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+# What is searched is named: CMake's own trial programs, elsewhere in BUILD, have coverage files that lead nowhere.
+gcovr --root "$root" --filter "$root/src/" --exclude-throw-branches --json-summary "$work/summary" \
+  "$build/src" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+python3 - "$work/summary" "$here/budget/coverage" <<'PYTHON'
+import json
+import sys
+
+files = json.load(open(sys.argv[1]))["files"]
+failed = False
+for line in open(sys.argv[2]):
+    if not line.strip() or line.startswith("#"):
+        continue
+    room, floor = line.split()
+    mine = [f for f in files if f["filename"].startswith(f"src/{room}/")]
+    total = sum(f["branch_total"] for f in mine)
+    got = 100 * sum(f["branch_covered"] for f in mine) / total if total else 0
+    below = got < float(floor)
+    failed |= below
+    print(f"branch coverage src/{room:8} {got:5.1f} %  (floor {floor} %) {'BELOW' if below else 'ok'}")
+sys.exit(failed)
+PYTHON
