@@ -31,8 +31,9 @@ static const uint16_t abort_codes[ECT_REASON_COUNT] = {
 
 uint32_t ect_abort_code(ect_reason_t reason)
 {
-    unsigned int i = (unsigned int)reason;
-    uint32_t code = abort_codes[i - 1u < ECT_REASON_COUNT - 1u ? i : ECT_REASON_GENERAL];
+    if (reason > UINT16_MAX)
+        return reason;
+    uint32_t code = abort_codes[reason - 1u < ECT_REASON_COUNT - 1u ? reason : ECT_REASON_GENERAL];
     return ((code & 0xF000u) << 12) | ((code & 0x0F00u) << 8) | (code & 0xFFu);
 }
 
@@ -55,13 +56,10 @@ const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index)
 
 const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex)
 {
-    if (subindex > object->max_subindex)
-        return NULL;
-    /* Ascending and ending at max_subindex, so the scan ends inside the table though sub-indices may be missing. */
     const ect_entry_t *entry = object->entries;
-    while (entry->subindex < subindex)
-        entry++;
-    return entry->subindex == subindex ? entry : NULL;
+    while (entry && entry->subindex < subindex)
+        entry = ect_od_next(object, entry);
+    return entry && entry->subindex == subindex ? entry : NULL;
 }
 
 ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex, const ect_object_t **object,
@@ -123,10 +121,19 @@ static uint16_t number_width(const ect_entry_t *entry)
     }
 }
 
+static bool is_constant(const ect_entry_t *entry)
+{
+    return (entry->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
+}
+
 void *ect_od_data(const ect_od_t *od, const ect_entry_t *entry)
 {
     if (!entry->data)
         return NULL;
+    if ((entry->access & ECT_ACCESS_DESCRIPTION) != 0) {
+        const uint8_t *member = (const uint8_t *)od->description + (uintptr_t)entry->data;
+        return ect_od_is_string(entry) ? *(void *const *)(const void *)member : (void *)(uintptr_t)member;
+    }
     if (!od->base || (entry->access & ECT_ACCESS_SHARED) != 0)
         return entry->data;
     return (uint8_t *)od->base + (uintptr_t)entry->data;
@@ -140,6 +147,12 @@ uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry)
         return room;
     const char *end = memchr(text, 0, room);
     return end ? (uint16_t)(end - text) : room;
+}
+
+uint16_t ect_od_bits(const ect_od_t *od, const ect_entry_t *entry)
+{
+    bool described = ect_od_is_string(entry) && (entry->access & ECT_ACCESS_DESCRIPTION) != 0;
+    return described ? (uint16_t)(8u * ect_od_upload_size(od, entry)) : entry->bit_length;
 }
 
 /* Between a number as the host keeps it and as the wire has it, either way. */
@@ -180,7 +193,7 @@ ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t
     uint16_t room = ect_od_bytes(entry);
     assert((uint32_t)offset + length <= room);
     uint8_t *data = ect_od_data(od, entry);
-    if (!data || (entry->access & ECT_ACCESS_SHARED) != 0)
+    if (!data || is_constant(entry))
         return ECT_REASON_READ_ONLY;
     uint16_t width = number_width(entry);
     if (width > 0) {
@@ -194,6 +207,35 @@ ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t
     if (ect_od_is_string(entry) && offset + length < room)
         data[offset + length] = 0;
     return ECT_OK;
+}
+
+static void set_default(const ect_od_t *od, uint16_t index, const ect_entry_t *entry)
+{
+    const ect_detail_t *detail = ect_od_detail(od, index, (uint8_t)entry->subindex);
+    uint16_t size = ect_od_bytes(entry);
+    uint8_t wire[8] = {0};
+    const void *initial = detail ? detail->initial : NULL;
+    if (initial && ect_od_is_string(entry)) {
+        const void *end = memchr(initial, 0, size);
+        size = end ? (uint16_t)((const char *)end - (const char *)initial) : size;
+    } else if (!initial) {
+        if (entry->value == 0 || size > sizeof wire)
+            return;
+        ect_store_le32(wire, entry->value);
+        initial = wire;
+    }
+    (void)ect_od_write(od, entry, 0, initial, size);
+}
+
+void ect_od_set_defaults(const ect_od_t *od)
+{
+    for (uint16_t i = 0; i < od->count; i++) {
+        const ect_object_t *object = &od->objects[i];
+        for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
+            if (e->data && !is_constant(e))
+                set_default(od, object->index, e);
+        }
+    }
 }
 
 const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t subindex)

@@ -67,6 +67,9 @@ enum {
     ECT_ACCESS_RW = 0x003F,
     ECT_ACCESS_RW_PREOP = 0x000F,
     ECT_ACCESS_WIRE = 0x0FFF, /**< the bits that a master sees; those above are ours */
+    /** `data` is an offset into the list's description (::ect_od_t::description): a constant, read only; of a text the
+     * place of the pointer to it. */
+    ECT_ACCESS_DESCRIPTION = 0x2000,
     /** Writing is a command that hooks carry out; nothing is stored, and it reads as `value`. */
     ECT_ACCESS_COMMAND = 0x4000,
     /** `data` is an address even in a list with a base: a constant that all instances share. */
@@ -88,12 +91,15 @@ typedef struct ect_entry {
     void *data;          /**< address, or offset into the instance (ECT_OFFSET) */
 } ect_entry_t;
 
-/** One object (index). Same members, order and types as SOES `_objectlist`. */
+/**
+ * One object (index). Same members, order and types as SOES `_objectlist`, where `last` is padding: 0 with several
+ * entries means that nobody has counted them, and `max_subindex` alone says where they end.
+ */
 typedef struct ect_object {
     uint16_t index;       /**< ascending in the list */
     uint16_t object_code; /**< ECT_OBJECT_... */
     uint8_t max_subindex; /**< sub-index of the last element of `entries`; 0 for a VAR */
-    uint8_t reserved;     /**< 0 */
+    uint8_t last;         /**< position of that element: its number of entries, less one */
     const char *name;     /**< zero-terminated, shared */
     const ect_entry_t *entries;
 } ect_object_t;
@@ -122,6 +128,7 @@ typedef struct ect_od {
     const ect_detail_t *details; /**< may be NULL */
     uint16_t detail_count;
     void *base; /**< the instance that `data` offsets count from; NULL: `data` are addresses */
+    const void *description; /**< what those of ECT_ACCESS_DESCRIPTION count from; NULL: no entry has it */
 } ect_od_t;
 
 /** `data` of an entry in a list with a base. The first member of an instance can have no entry (offset 0 = none). */
@@ -135,9 +142,11 @@ typedef struct ect_od {
 
 /**
  * Why a request to the dictionary is refused: one reason, one abort code (::ect_abort_code). Hooks of a device
- * return these too. The order is ours; the codes are CiA 301's and ETG.1000.6 Table 41's.
+ * return these too, or any other abort code as it is: what is above 0xFFFF is one. The order is ours; the
+ * codes are CiA 301's and ETG.1000.6 Table 41's.
  */
-typedef enum ect_reason {
+typedef uint32_t ect_reason_t;
+enum {
     ECT_OK = 0,
     ECT_REASON_TOGGLE,          /**< 05030000 */
     ECT_REASON_TIMEOUT,         /**< 05040000 */
@@ -173,11 +182,12 @@ typedef enum ect_reason {
     ECT_REASON_NO_DICTIONARY,   /**< 08000023 */
     ECT_REASON_NO_DATA,         /**< 08000024 */
     ECT_REASON_COUNT
-} ect_reason_t;
+};
 
 /**
  * The SDO abort code of a reason (ETG.1000.6 Table 41, Q179 §1-1).
- * @param reason  ECT_REASON_TOGGLE..ECT_REASON_COUNT-1; anything else is answered as ECT_REASON_GENERAL.
+ * @param reason  ECT_REASON_TOGGLE..ECT_REASON_COUNT-1, or an abort code itself (above 0xFFFF); anything else is
+ * answered as ECT_REASON_GENERAL.
  * @return the 32-bit code, e.g. 0x06020000.
  */
 uint32_t ect_abort_code(ect_reason_t reason);
@@ -197,7 +207,8 @@ const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex);
 /** The entry that follows in the object's table, or NULL after the last. */
 static inline const ect_entry_t *ect_od_next(const ect_object_t *object, const ect_entry_t *entry)
 {
-    return entry->subindex < object->max_subindex ? entry + 1 : NULL;
+    uint8_t last = object->last != 0 ? object->last : object->max_subindex;
+    return entry->subindex < object->max_subindex && entry < object->entries + last ? entry + 1 : NULL;
 }
 
 /**
@@ -236,6 +247,9 @@ static inline bool ect_od_is_string(const ect_entry_t *entry)
 /** The memory of an entry, or NULL when it has none and reads as `value`. Owned by the instance. */
 void *ect_od_data(const ect_od_t *od, const ect_entry_t *entry);
 
+/** Its length as SDO information tells it: `bit_length`; of a text of the description the text's own. */
+uint16_t ect_od_bits(const ect_od_t *od, const ect_entry_t *entry);
+
 /** Bytes that an upload of this entry transfers now (strings: their present length). */
 uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry);
 
@@ -254,6 +268,12 @@ void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, 
  */
 ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, const void *buffer,
                           uint16_t length);
+
+/**
+ * Sets all entries with memory in the instance to their defaults. The memory must be zero: a default of 0 is not
+ * written. Entries that share memory should have the same default, the last one counts.
+ */
+void ect_od_set_defaults(const ect_od_t *od);
 
 /** What the second table says of an entry, or NULL. Binary search. */
 const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t subindex);

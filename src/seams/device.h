@@ -203,6 +203,7 @@ typedef struct ect_device {
     const char *full_name;   /**< ESI `<Name>`, SII name; NULL: `type_name` */
     const char *group_type; /**< ESI and SII group */
     const char *group_name;
+    uint32_t device_type;         /**< 1000h */
     const char *hardware_version; /**< 1009h */
     const char *software_version; /**< 100Ah */
     ect_identity_t identity;      /**< default; an installation may override it */
@@ -243,10 +244,11 @@ typedef struct ect_device {
         *context; /**< the device's own: what its functions need beside the instance, whose first member leads here */
 
     /**
-     * Power-on: brings instance memory, zeroed but for what outlasts it (plant.h), to its start values.
-     * @param identity, host  valid as long as the instance; the device keeps the pointers or copies the values
+     * Power-on: brings instance memory to its start values. It is zero but for what outlasts power (plant.h), for the
+     * description and the identity in its ::ect_standard_t, and for its entries, which have their defaults.
+     * @param host  valid as long as the instance
      */
-    void (*init)(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
+    void (*init)(void *instance, const ect_host_t *host, uint64_t now_ns);
 
     /**
      * A transition upwards is about to be confirmed, or one downwards has happened. A transition upwards may be asked
@@ -295,7 +297,8 @@ static inline ect_od_t ect_device_od(const ect_device_t *device, void *instance)
                       .count = device->object_count,
                       .details = device->details,
                       .detail_count = device->detail_count,
-                      .base = instance};
+                      .base = instance,
+                      .description = device};
 }
 
 /** Whether SyncManager n carries process data. */

@@ -3,9 +3,9 @@
  * @file
  * The standard objects that every device shares: where their data live, and their entry tables.
  *
- * The instance structure of a device begins with ::ect_standard_t. The stack keeps what is in it up to date; the
- * device lists those of the objects that it offers and copies the identity into it when it is initialised. The entry
- * tables below are offsets into that beginning, so they fit any device that follows the rule.
+ * The instance structure of a device begins with ::ect_standard_t, which the stack keeps up to date. A device lists
+ * those of the objects that it offers, ECT_OBJECT_... below; what they hold follows from the description and from that
+ * beginning, so a device writes none of it twice.
  *
  * Clauses: ETG.1000.6 §5.6.7, ETG.1020 (1001h, 1018h, 1C00h).
  */
@@ -25,7 +25,7 @@
 /** What every instance begins with. */
 typedef struct ect_standard {
     const ect_device_t *device; /**< the description, set before init; also keeps offset 0 free of entries */
-    ect_identity_t identity;    /**< 1018h */
+    ect_identity_t identity;    /**< 1018h, set before init */
     uint8_t error_register;     /**< 1001h, kept by the stack */
 } ect_standard_t;
 
@@ -37,19 +37,21 @@ typedef struct ect_standard {
         0, type, bits, access, name, value, NULL                                                                       \
     }
 
+/** Position of the last element of an array. */
+#define ECT_LAST(entries) (sizeof(entries) / sizeof((entries)[0]) - 1)
+
 /** An element of an object list: one value, or a record or array whose `entries` is the array itself, sub-index 0
- * first. */
+ * first, without gaps. */
 #define ECT_VAR(index, name, entries)                                                                                  \
     {                                                                                                                  \
         index, ECT_OBJECT_VAR, 0, 0, name, entries                                                                     \
     }
-#define ECT_RECORD(index, name, entries)                                                                               \
+#define ECT_RECORD(index, name, entries) ECT_SPARSE(index, RECORD, ECT_LAST(entries), name, entries)
+#define ECT_ARRAY(index, name, entries)  ECT_SPARSE(index, ARRAY, ECT_LAST(entries), name, entries)
+/** One whose sub-indices have gaps: `max_subindex` is that of its last element. */
+#define ECT_SPARSE(index, code, max_subindex, name, entries)                                                           \
     {                                                                                                                  \
-        index, ECT_OBJECT_RECORD, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries                         \
-    }
-#define ECT_ARRAY(index, name, entries)                                                                                \
-    {                                                                                                                  \
-        index, ECT_OBJECT_ARRAY, sizeof(entries) / sizeof((entries)[0]) - 1, 0, name, entries                          \
+        index, ECT_OBJECT_##code, max_subindex, ECT_LAST(entries), name, entries                                       \
     }
 
 /** A constant text of a VAR object; `text` must be a literal or an array. */
@@ -74,23 +76,56 @@ typedef struct ect_standard {
 /** A mapping value: index, sub-index, length in bits (1..255). */
 #define ECT_MAP(index, subindex, bits) (((uint32_t)(index) << 16) | ((uint32_t)(subindex) << 8) | (uint32_t)(bits))
 
-/** 1018h Identity. */
-#define ECT_ENTRIES_IDENTITY                                                                                           \
+/* --- what every device has ---------------------------------------------------------------------------------------- */
+
+enum { ECT_TEXT_BITS = 8 * 40 /* the longest text of a description */ };
+
+#define ECT_ENTRY_DESCRIBED(subindex, kind, bits, name, member)                                                        \
     {                                                                                                                  \
-        ECT_ENTRY_COUNT(4),                                                                                            \
-            {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Vendor ID", 0, ECT_STANDARD(identity.vendor_id)},             \
-            {2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Product code", 0, ECT_STANDARD(identity.product_code)},       \
-            {3, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Revision number", 0, ECT_STANDARD(identity.revision)},        \
-            {4, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Serial number", 0, ECT_STANDARD(identity.serial)},            \
+        subindex, ECT_TYPE_##kind, bits, ECT_ACCESS_RO | ECT_ACCESS_DESCRIPTION, name, 0,                              \
+            ECT_OFFSET(ect_device_t, member)                                                                           \
     }
 
-/** 1C00h SyncManager communication types of the usual layout: mailbox out, mailbox in, outputs, inputs. */
-#define ECT_ENTRIES_SM_TYPES                                                                                           \
+static const ect_entry_t ect_entries_1000[] = {ECT_ENTRY_DESCRIBED(0, UNSIGNED32, 32, "Device type", device_type)};
+static const ect_entry_t ect_entries_1001[] = {
+    {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Error register", 0, ECT_STANDARD(error_register)}};
+static const ect_entry_t ect_entries_1008[] = {
+    ECT_ENTRY_DESCRIBED(0, VISIBLE_STRING, ECT_TEXT_BITS, "Device name", type_name)};
+static const ect_entry_t ect_entries_1009[] = {
+    ECT_ENTRY_DESCRIBED(0, VISIBLE_STRING, ECT_TEXT_BITS, "Hardware version", hardware_version)};
+static const ect_entry_t ect_entries_100a[] = {
+    ECT_ENTRY_DESCRIBED(0, VISIBLE_STRING, ECT_TEXT_BITS, "Software version", software_version)};
+static const ect_entry_t ect_entries_1018[] = {
+    ECT_ENTRY_COUNT(4),
+    {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Vendor ID", 0, ECT_STANDARD(identity.vendor_id)},
+    {2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Product code", 0, ECT_STANDARD(identity.product_code)},
+    {3, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Revision number", 0, ECT_STANDARD(identity.revision)},
+    {4, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Serial number", 0, ECT_STANDARD(identity.serial)},
+};
+static const ect_entry_t ect_entries_1c00[] = {
+    ECT_ENTRY_DESCRIBED(0, UNSIGNED8, 8, "Number of entries", sm_count),
+    ECT_ENTRY_DESCRIBED(1, UNSIGNED8, 8, "SM0 type", sm[0].type),
+    ECT_ENTRY_DESCRIBED(2, UNSIGNED8, 8, "SM1 type", sm[1].type),
+    ECT_ENTRY_DESCRIBED(3, UNSIGNED8, 8, "SM2 type", sm[2].type),
+    ECT_ENTRY_DESCRIBED(4, UNSIGNED8, 8, "SM3 type", sm[3].type),
+    ECT_ENTRY_DESCRIBED(5, UNSIGNED8, 8, "SM4 type", sm[4].type),
+    ECT_ENTRY_DESCRIBED(6, UNSIGNED8, 8, "SM5 type", sm[5].type),
+    ECT_ENTRY_DESCRIBED(7, UNSIGNED8, 8, "SM6 type", sm[6].type),
+    ECT_ENTRY_DESCRIBED(8, UNSIGNED8, 8, "SM7 type", sm[7].type),
+};
+
+/** Elements of an object list. 1000h device type, 1008h name, 1009h and 100Ah versions: as in the description. */
+#define ECT_OBJECT_DEVICE_TYPE      ECT_VAR(0x1000, "Device type", ect_entries_1000)
+#define ECT_OBJECT_ERROR_REGISTER   ECT_VAR(0x1001, "Error register", ect_entries_1001)
+#define ECT_OBJECT_DEVICE_NAME      ECT_VAR(0x1008, "Device name", ect_entries_1008)
+#define ECT_OBJECT_HARDWARE_VERSION ECT_VAR(0x1009, "Hardware version", ect_entries_1009)
+#define ECT_OBJECT_SOFTWARE_VERSION ECT_VAR(0x100A, "Software version", ect_entries_100a)
+/** 1018h: as the installation has it. */
+#define ECT_OBJECT_IDENTITY ECT_RECORD(0x1018, "Identity", ect_entries_1018)
+/** 1C00h for the `count` SyncManagers of the description. */
+#define ECT_OBJECT_SM_TYPES(count)                                                                                     \
     {                                                                                                                  \
-        ECT_ENTRY_COUNT(4), {1, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM0 type", ECT_SM_MAILBOX_OUT, NULL},           \
-            {2, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM1 type", ECT_SM_MAILBOX_IN, NULL},                            \
-            {3, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM2 type", ECT_SM_OUTPUTS, NULL},                               \
-            {4, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM3 type", ECT_SM_INPUTS, NULL},                                \
+        0x1C00, ECT_OBJECT_ARRAY, count, count, "SyncManager type", ect_entries_1c00                                   \
     }
 
 /** A fixed element of 1C12h / 1C13h. */

@@ -220,7 +220,7 @@ static void describe_entry(ect_slave_t *s, const uint8_t *request)
     memcpy(data, request, 3);
     data[3] = d.given;
     ect_store_le16(data + 4, entry->data_type);
-    ect_store_le16(data + 6, entry->bit_length);
+    ect_store_le16(data + 6, ect_od_bits(&s->od, entry));
     ect_store_le16(data + 8, entry->access & ECT_ACCESS_WIRE);
     send(s, put_name(s, data, d.used, entry->name));
 }

@@ -26,14 +26,17 @@ static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
-    ((ect_standard_t *)s->config.instance)->device = device;
+    ect_standard_t *standard = s->config.instance;
+    standard->device = device;
+    standard->identity = *identity;
+    ect_od_set_defaults(&s->od);
     s->state = ECT_STATE_INIT;
     s->status_dirty = true;
     s->tick_ns = s->now_ns;
     ect_mailbox_stop(s);
     ect_sm_disable(s, (1u << device->sm_count) - 1u);
     if (device->init)
-        device->init(s->config.instance, identity, &s->host, s->now_ns);
+        device->init(s->config.instance, &s->host, s->now_ns);
     ect_services_start(s); /* after init: stored values take the place of its start values */
 }
 

@@ -2,7 +2,7 @@
 /* Synchronisation, 1C32h, 1C33h and 10F1h (ETG.1020 §13): checks before SAFEOP, and events that were missed. */
 #include "slave/internal.h"
 
-enum { OUTPUTS = 0x1C32, INPUTS = 0x1C33 };
+enum { ERROR_SETTINGS = 0x10F1, OUTPUTS = 0x1C32, INPUTS = 0x1C33 };
 
 static void start(ect_slave_t *s)
 {
@@ -13,8 +13,8 @@ static void start(ect_slave_t *s)
     d->supported = ability->supported;
     d->minimum_ns = ability->minimum_cycle_ns;
     d->type = (ability->supported & (1u << ECT_SYNC_FREE_RUN)) != 0 ? ECT_SYNC_FREE_RUN : ECT_SYNC_SM;
-    d->error_reaction = 1;
-    d->error_limit = 4;
+    if (!ect_od_find(&s->od, ERROR_SETTINGS)) /* else its entries say it */
+        d->error_limit = 4;
 }
 
 static ect_reason_t write_sync(ect_slave_t *s, const ect_download_t *d)

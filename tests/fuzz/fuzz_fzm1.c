@@ -60,7 +60,9 @@ static void power_on(uint64_t now_ns)
 {
     memset(&unit, 0, sizeof unit - sizeof unit.plant);
     unit.standard.device = &ect_fzm1;
-    ect_fzm1.init(&unit, &ect_fzm1.identity, &host, now_ns);
+    const ect_od_t od = ect_device_od(&ect_fzm1, &unit);
+    ect_od_set_defaults(&od);
+    ect_fzm1.init(&unit, &host, now_ns);
 }
 
 static void spoil(const uint8_t *data, size_t size)

@@ -27,14 +27,12 @@ static const ect_entry_t e1001[] = {
     {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Error register", 0, ECT_STANDARD(error_register)}};
 static const ect_entry_t e1010[] = ECT_ENTRIES_STORE("Save all");
 static const ect_entry_t e1011[] = ECT_ENTRIES_STORE("Restore all");
-static const ect_entry_t e1018[] = ECT_ENTRIES_IDENTITY;
 static const ect_entry_t e10f1[] = ECT_ENTRIES_ERROR_SETTINGS(confdev_t, sync);
 static const ect_entry_t e10f3[] = ECT_ENTRIES_DIAGNOSIS(confdev_t, diagnosis);
 static const ect_entry_t e1600[] = MAPPING(1600, 1, ECT_MAP(0x7000, 1, 8), 0);
 static const ect_entry_t e1601[] = MAPPING(1601, 0, 0, 0);
 static const ect_entry_t e1a00[] = MAPPING(1a00, 2, ECT_MAP(0x6000, 1, 8), ECT_MAP(0x6000, 2, 16));
 static const ect_entry_t e1a01[] = MAPPING(1a01, 0, 0, 0);
-static const ect_entry_t e1c00[] = ECT_ENTRIES_SM_TYPES;
 static const ect_entry_t e1c12[] = {COUNT(1, count_1c12), ASSIGN(1, 0x1600, assign_1c12[0]),
                                     ASSIGN(2, 0, assign_1c12[1])};
 static const ect_entry_t e1c13[] = {COUNT(1, count_1c13), ASSIGN(1, 0x1A00, assign_1c13[0]),
@@ -62,40 +60,29 @@ static const ect_object_t objects[] = {
     ECT_VAR(0x1001, "Error register", e1001),
     ECT_ARRAY(0x1010, "Store parameters", e1010),
     ECT_ARRAY(0x1011, "Restore parameters", e1011),
-    ECT_RECORD(0x1018, "Identity", e1018),
+    ECT_OBJECT_IDENTITY,
     ECT_RECORD(0x10F1, "Error settings", e10f1),
     ECT_RECORD(0x10F3, "Diagnosis history", e10f3),
     ECT_RECORD(0x1600, "RxPDO 1", e1600),
     ECT_RECORD(0x1601, "RxPDO 2", e1601),
     ECT_RECORD(0x1A00, "TxPDO 1", e1a00),
     ECT_RECORD(0x1A01, "TxPDO 2", e1a01),
-    ECT_ARRAY(0x1C00, "SyncManager type", e1c00),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", e1c12),
     ECT_ARRAY(0x1C13, "SM3 assignment", e1c13),
-    {0x1C32, ECT_OBJECT_RECORD, 32, 0, "SM2 synchronisation", e1c32},
-    {0x1C33, ECT_OBJECT_RECORD, 32, 0, "SM3 synchronisation", e1c32},
+    ECT_SPARSE(0x1C32, RECORD, 32, "SM2 synchronisation", e1c32),
+    ECT_SPARSE(0x1C33, RECORD, 32, "SM3 synchronisation", e1c32),
     ECT_VAR(0x2100, "Stored", e2100),
     ECT_VAR(0x2101, "Stored octets", e2101),
     ECT_RECORD(0x6000, "Inputs", e6000),
     ECT_RECORD(0x7000, "Outputs", e7000),
 };
 
-static void init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)
+static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     confdev_t *c = instance;
     (void)now_ns;
-    c->standard.identity = *identity;
     c->host = host;
-    c->count_1600 = 1;
-    c->map_1600[0] = ECT_MAP(0x7000, 1, 8);
-    c->count_1a00 = 2;
-    c->map_1a00[0] = ECT_MAP(0x6000, 1, 8);
-    c->map_1a00[1] = ECT_MAP(0x6000, 2, 16);
-    c->count_1c12 = 1;
-    c->assign_1c12[0] = 0x1600;
-    c->count_1c13 = 1;
-    c->assign_1c13[0] = 0x1A00;
-    c->stored = 100;
     c->in_u8 = 0x11;
     c->in_u16 = 0x2233;
     c->in_u32 = 0x44556677;

@@ -8,9 +8,6 @@
     ECT_ENTRY(n, BOOLEAN, 1, ECT_ACCESS_RW_PREOP, "Send value " #n, initial, gauge_t, chosen[n - 1])
 #define MAPPED(n, initial) ECT_ENTRY(n, UNSIGNED32, 32, ECT_ACCESS_RO, "Mapped object", initial, gauge_t, mapped[n - 1])
 
-static const ect_entry_t device_type[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
-static const ect_entry_t device_name[] = {ECT_ENTRY_TEXT("Device name", "GAUGE")};
-static const ect_entry_t identity[] = ECT_ENTRIES_IDENTITY;
 static const ect_entry_t map_1a00[] = {
     ECT_ENTRY(0, UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries", 2, gauge_t, mapped_count),
     MAPPED(1, ECT_MAP(0x6000, 1, 32)),
@@ -18,22 +15,22 @@ static const ect_entry_t map_1a00[] = {
     MAPPED(3, 0),
     MAPPED(4, 0),
 };
-static const ect_entry_t sm_types[] = {
-    ECT_ENTRY_COUNT(4),
-    {1, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM0 type", ECT_SM_MAILBOX_OUT, NULL},
-    {2, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM1 type", ECT_SM_MAILBOX_IN, NULL},
-    {3, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM2 type", ECT_SM_UNUSED, NULL},
-    {4, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "SM3 type", ECT_SM_INPUTS, NULL},
-};
 static const ect_entry_t assign_inputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
 static const ect_entry_t choice[] = {ECT_ENTRY_COUNT(4), CHOOSE(1, 1), CHOOSE(2, 1), CHOOSE(3, 0), CHOOSE(4, 0)};
 static const ect_entry_t values[] = {ECT_ENTRY_COUNT(4), VALUE(1), VALUE(2), VALUE(3), VALUE(4)};
 
 static const ect_object_t objects[] = {
-    ECT_VAR(0x1000, "Device type", device_type),     ECT_VAR(0x1008, "Device name", device_name),
-    ECT_RECORD(0x1018, "Identity", identity),        ECT_RECORD(0x1A00, "Values mapping", map_1a00),
-    ECT_ARRAY(0x1C00, "SyncManager type", sm_types), ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
-    ECT_ARRAY(0x21B0, "Digital interfaces", choice), ECT_ARRAY(0x6000, "Values", values),
+    ECT_OBJECT_DEVICE_TYPE,
+    ECT_OBJECT_ERROR_REGISTER,
+    ECT_OBJECT_DEVICE_NAME,
+    ECT_OBJECT_HARDWARE_VERSION,
+    ECT_OBJECT_SOFTWARE_VERSION,
+    ECT_OBJECT_IDENTITY,
+    ECT_RECORD(0x1A00, "Values mapping", map_1a00),
+    ECT_OBJECT_SM_TYPES(4),
+    ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
+    ECT_ARRAY(0x21B0, "Digital interfaces", choice),
+    ECT_ARRAY(0x6000, "Values", values),
 };
 
 static void map_choice(gauge_t *g)
@@ -44,16 +41,6 @@ static void map_choice(gauge_t *g)
         if (g->chosen[n])
             g->mapped[g->mapped_count++] = ECT_MAP(0x6000, n + 1, 32);
     }
-}
-
-static void init(void *instance, const ect_identity_t *of, const ect_host_t *host, uint64_t now_ns)
-{
-    gauge_t *g = instance;
-    (void)host;
-    (void)now_ns;
-    g->standard.identity = *of;
-    g->chosen[0] = g->chosen[1] = 1;
-    map_choice(g);
 }
 
 static void inputs(void *instance, uint64_t now_ns)
@@ -102,7 +89,6 @@ const ect_device_t gauge = {
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
     .instance_size = sizeof(gauge_t),
-    .init = init,
     .inputs = inputs,
     .sdo_written = sdo_written,
 };

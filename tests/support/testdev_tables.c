@@ -8,12 +8,10 @@ static const ect_entry_t e1000[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT
 static const ect_entry_t e1001[] = {
     {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Error register", 0, ECT_STANDARD(error_register)}};
 static const ect_entry_t e1008[] = {ECT_ENTRY_TEXT("Device name", "ectwin test device")};
-static const ect_entry_t e1018[] = ECT_ENTRIES_IDENTITY;
 static const ect_entry_t e1600[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_MAP(1, ECT_MAP(0x7000, 1, 1)),
                                     ECT_ENTRY_MAP(2, ECT_MAP(0, 0, 7)), ECT_ENTRY_MAP(3, ECT_MAP(0x7000, 2, 16))};
 static const ect_entry_t e1a00[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 1, 16)),
                                     ECT_ENTRY_MAP(2, ECT_MAP(0x6000, 2, 3)), ECT_ENTRY_MAP(3, ECT_MAP(0, 0, 5))};
-static const ect_entry_t e1c00[] = ECT_ENTRIES_SM_TYPES;
 static const ect_entry_t e1c12[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1600)};
 static const ect_entry_t e1c13[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
 static const ect_entry_t e2000[] = {{0, ECT_TYPE_UNSIGNED32, 32, RW | ECT_ACCESS_BACKUP, "U32", 0x11223344, AT(u32)}};
@@ -61,10 +59,10 @@ static const ect_object_t objects[] = {
     ECT_VAR(0x1000, "Device type", e1000),
     ECT_VAR(0x1001, "Error register", e1001),
     ECT_VAR(0x1008, "Device name", e1008),
-    ECT_RECORD(0x1018, "Identity", e1018),
+    ECT_OBJECT_IDENTITY,
     ECT_RECORD(0x1600, "Outputs", e1600),
     ECT_RECORD(0x1A00, "Inputs", e1a00),
-    ECT_ARRAY(0x1C00, "SyncManager type", e1c00),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", e1c12),
     ECT_ARRAY(0x1C13, "SM3 assignment", e1c13),
     ECT_VAR(0x2000, "U32", e2000),
@@ -75,7 +73,7 @@ static const ect_object_t objects[] = {
     ECT_VAR(0x2005, "Limited", e2005),
     ECT_RECORD(0x2006, "Record with bits", e2006),
     ECT_ARRAY(0x2007, "Array", e2007),
-    {0x2008, ECT_OBJECT_RECORD, 5, 0, "Sparse record", e2008},
+    ECT_SPARSE(0x2008, RECORD, 5, "Sparse record", e2008),
     ECT_VAR(0x2009, "U64", e2009),
     ECT_RECORD(0x6000, "Inputs", e6000),
     ECT_RECORD(0x7000, "Outputs", e7000),
@@ -83,15 +81,11 @@ static const ect_object_t objects[] = {
 
 static const ect_detail_t details[] = {{.index = 0x2005, .subindex = 0, .unit = 0x2D, .minimum = -100, .maximum = 200}};
 
-static void init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)
+static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     testdev_t *t = instance;
     (void)now_ns;
-    t->standard.identity = *identity;
     t->host = host;
-    t->u32 = 0x11223344;
-    t->preop_only = 7;
-    t->limited = 5;
     t->inits++;
 }
 

@@ -2,8 +2,10 @@
 /* The object dictionary: lookups, rights, wire form of every type, limits, abort codes (od.h, spec E.4 to E.6). */
 #include "od/od.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "seams/standard.h"
 #include "support/wire.h"
 
 enum { MOST = 70 };
@@ -65,7 +67,44 @@ static void abort_codes(void **state)
     assert_int_equal(ect_abort_code(ECT_OK), 0x08000000);
     assert_int_equal(ect_abort_code(ECT_REASON_COUNT), 0x08000000);
     assert_int_equal(ect_abort_code((ect_reason_t)1000), 0x08000000);
+    assert_int_equal(ect_abort_code(0x0609FFFF), 0x0609FFFF); /* a code of the device's own */
 }
+
+/* --- SOES --------------------------------------------------------------------------------------------------------- */
+
+/* The two descriptors of SOES's esc_coe.h, as its applications fill them. */
+typedef struct soes_entry {
+    uint16_t subindex, datatype, bitlength, flags;
+    const char *name;
+    uint32_t value;
+    void *data;
+} soes_entry_t;
+typedef struct soes_object {
+    uint16_t index, objtype;
+    uint8_t maxsub, pad1;
+    const char *name;
+    const soes_entry_t *objdesc;
+} soes_object_t;
+
+#define SAME(ours, our_member, theirs, their_member)                                                                   \
+    _Static_assert(offsetof(ours, our_member) == offsetof(theirs, their_member) &&                                     \
+                       sizeof(((ours *)0)->our_member) == sizeof(((theirs *)0)->their_member),                         \
+                   "a SOES list is used by cast")
+_Static_assert(sizeof(ect_entry_t) == sizeof(soes_entry_t) && sizeof(ect_object_t) == sizeof(soes_object_t),
+               "a SOES list is used by cast");
+SAME(ect_entry_t, subindex, soes_entry_t, subindex);
+SAME(ect_entry_t, data_type, soes_entry_t, datatype);
+SAME(ect_entry_t, bit_length, soes_entry_t, bitlength);
+SAME(ect_entry_t, access, soes_entry_t, flags);
+SAME(ect_entry_t, name, soes_entry_t, name);
+SAME(ect_entry_t, value, soes_entry_t, value);
+SAME(ect_entry_t, data, soes_entry_t, data);
+SAME(ect_object_t, index, soes_object_t, index);
+SAME(ect_object_t, object_code, soes_object_t, objtype);
+SAME(ect_object_t, max_subindex, soes_object_t, maxsub);
+SAME(ect_object_t, last, soes_object_t, pad1);
+SAME(ect_object_t, name, soes_object_t, name);
+SAME(ect_object_t, entries, soes_object_t, objdesc);
 
 /* --- lookups ------------------------------------------------------------------------------------------------------ */
 
@@ -97,6 +136,32 @@ static void lookup_of_objects(void **state)
                     fail_msg("%u objects from %04Xh: %04Xh is %sfound", count, firsts[f], index, got ? "" : "not ");
             }
         }
+    }
+}
+
+/* Memory of just the entries that there are: nothing beyond them is looked at. */
+static void counted_entries(void **state)
+{
+    (void)state;
+    for (uint8_t count = 1; count <= 5; count++) {
+        ect_entry_t *entries = malloc(count * sizeof *entries);
+        assert_non_null(entries);
+        memcpy(entries, sparse, count * sizeof *entries);
+        for (unsigned int max = 0; max <= 255; max++) {
+            const ect_object_t object = {0x2000, ECT_OBJECT_RECORD, (uint8_t)max, (uint8_t)(count - 1), "O", entries};
+            if (count == 1 && max > 0)
+                continue; /* nobody has counted them */
+            unsigned int seen = 0;
+            for (const ect_entry_t *e = entries; e; e = ect_od_next(&object, e))
+                seen++;
+            assert_true(seen <= count);
+            for (unsigned int sub = 0; sub <= 255; sub++) {
+                const ect_entry_t *got = ect_od_entry(&object, (uint8_t)sub);
+                if (got && (got->subindex != sub || got >= entries + count))
+                    fail_msg("%u entries, max_subindex %u: sub-index %u is not one of them", count, max, sub);
+            }
+        }
+        free(entries);
     }
 }
 
@@ -409,6 +474,107 @@ static void numbers(void **state)
     }
 }
 
+/* --- defaults ----------------------------------------------------------------------------------------------------- */
+
+typedef struct defaulted {
+    uint32_t none; /* offset 0 is no entry */
+    uint8_t u8;
+    int16_t i16;
+    uint32_t u32;
+    uint64_t u64;
+    double real;
+    char text[8];
+    char whole[4];
+    uint8_t octets[5];
+    uint8_t bit;
+    uint16_t untouched;
+} defaulted_t;
+
+static void defaults(void **state)
+{
+    static const uint8_t u64[8] = {1, 2, 3, 4, 5, 6, 7, 8}, real[8] = {0, 0, 0, 0, 0, 0, 0xF8, 0x3F}; /* 1.5 */
+    static const ect_entry_t entries[] = {
+        ECT_ENTRY(0, UNSIGNED8, 8, ECT_ACCESS_RO, "U8", 200, defaulted_t, u8),
+        ECT_ENTRY(1, INTEGER16, 16, ECT_ACCESS_RO, "I16", (uint32_t)-5, defaulted_t, i16),
+        ECT_ENTRY(2, UNSIGNED32, 32, ECT_ACCESS_RO, "U32", 0x89ABCDEF, defaulted_t, u32),
+        ECT_ENTRY(3, UNSIGNED64, 64, ECT_ACCESS_RO, "U64", 0, defaulted_t, u64),
+        ECT_ENTRY(4, REAL64, 64, ECT_ACCESS_RO, "REAL64", 0, defaulted_t, real),
+        ECT_ENTRY(5, VISIBLE_STRING, 64, ECT_ACCESS_RO, "Text", 0, defaulted_t, text),
+        ECT_ENTRY(6, VISIBLE_STRING, 32, ECT_ACCESS_RO, "Whole", 0, defaulted_t, whole),
+        ECT_ENTRY(7, OCTET_STRING, 40, ECT_ACCESS_RO, "Octets", 0, defaulted_t, octets),
+        ECT_ENTRY(8, BOOLEAN, 1, ECT_ACCESS_RO, "Bit", 1, defaulted_t, bit),
+        ECT_ENTRY(9, UNSIGNED16, 16, ECT_ACCESS_RO, "Zero", 0, defaulted_t, untouched),
+        {10, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "No memory", 7, NULL},
+    };
+    static const ect_object_t object = ECT_RECORD(0x2000, "Everything", entries);
+    static const ect_detail_t details[] = {{.index = 0x2000, .subindex = 3, .initial = u64},
+                                           {.index = 0x2000, .subindex = 4, .initial = real},
+                                           {.index = 0x2000, .subindex = 5, .initial = "abc"},
+                                           {.index = 0x2000, .subindex = 6, .initial = "wxyz"},
+                                           {.index = 0x2000, .subindex = 7, .initial = "12345"}};
+    defaulted_t d = {.untouched = 0x5555};
+    const ect_od_t od = {.objects = &object, .count = 1, .details = details, .detail_count = 5, .base = &d};
+    (void)state;
+    ect_od_set_defaults(&od);
+    assert_int_equal(d.u8, 200);
+    assert_int_equal(d.i16, -5);
+    assert_int_equal(d.u32, 0x89ABCDEF);
+    assert_true(d.u64 == 0x0807060504030201u);
+    assert_true(d.real == 1.5);
+    assert_string_equal(d.text, "abc");
+    assert_memory_equal(d.whole, "wxyz", 4);
+    assert_memory_equal(d.octets, "12345", 5);
+    assert_int_equal(d.bit, 1);
+    assert_int_equal(d.untouched, 0x5555);
+}
+
+/* 1000h, 1008h to 100Ah, 1018h and 1C00h of a device that writes none of it twice. */
+static void described(void **state)
+{
+    static const ect_object_t objects[] = {
+        ECT_OBJECT_DEVICE_TYPE,      ECT_OBJECT_ERROR_REGISTER, ECT_OBJECT_DEVICE_NAME, ECT_OBJECT_HARDWARE_VERSION,
+        ECT_OBJECT_SOFTWARE_VERSION, ECT_OBJECT_IDENTITY,       ECT_OBJECT_SM_TYPES(3)};
+    static const struct {
+        uint16_t index;
+        const char *text;
+    } texts[] = {{0x1008, "A name"}, {0x1009, "v1"}, {0x100A, ""}};
+    ect_device_t device = {.objects = objects,
+                           .object_count = 7,
+                           .type_name = "A name",
+                           .hardware_version = "v1",
+                           .software_version = "",
+                           .device_type = 0x87654321,
+                           .sm = {{.type = 3}, {.type = 4}, {.type = 4}},
+                           .sm_count = 3};
+    ect_standard_t instance = {.identity = {1, 2, 3, 0xFFFFFFFF}, .error_register = 9};
+    const ect_od_t od = ect_device_od(&device, &instance);
+    static const struct {
+        uint16_t index;
+        uint8_t subindex;
+        uint32_t want;
+    } rows[] = {{0x1000, 0, 0x87654321}, {0x1001, 0, 9}, {0x1018, 0, 4}, {0x1018, 1, 1}, {0x1018, 4, 0xFFFFFFFF},
+                {0x1C00, 0, 3},          {0x1C00, 1, 3}, {0x1C00, 2, 4}, {0x1C00, 3, 4}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint32_t got = 0;
+        assert_int_equal(ect_od_number(&od, rows[i].index, rows[i].subindex, &got), ECT_OK);
+        if (got != rows[i].want)
+            fail_msg("%04Xh:%u: expected %X, got %X", rows[i].index, rows[i].subindex, rows[i].want, got);
+    }
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        const ect_entry_t *e = ect_od_find(&od, texts[i].index)->entries;
+        char got[41] = "";
+        uint16_t size = ect_od_upload_size(&od, e);
+        ect_od_read(&od, e, 0, got, size);
+        assert_string_equal(got, texts[i].text);
+        assert_int_equal(ect_od_bits(&od, e), 8 * strlen(texts[i].text));
+        assert_int_equal(ect_od_write(&od, e, 0, "x", 1), ECT_REASON_READ_ONLY);
+    }
+    assert_null(ect_od_entry(ect_od_find(&od, 0x1C00), 4));
+    ect_od_set_defaults(&od);
+    assert_string_equal(device.type_name, "A name");
+}
+
 /* --- limits ------------------------------------------------------------------------------------------------------- */
 
 static void limits_are_found(void **state)
@@ -539,6 +705,10 @@ int main(int argc, char **argv)
         {"CF-069: a text shorter than its room is terminated and uploads its characters", texts, NULL, NULL, NULL},
         {"CF-069: octets are written in any two pieces", octets_in_pieces, NULL, NULL, NULL},
         {"CF-077: an entry reads as a number of at most 32 bits", numbers, NULL, NULL, NULL},
+        {"CF-068: entries that were counted end there, whatever max_subindex says", counted_entries, NULL, NULL, NULL},
+        {"CF-077: defaults of every type, short and long, stand in the instance", defaults, NULL, NULL, NULL},
+        {"CF-057 CF-077: type, name, versions, identity and SyncManagers are read from the description", described,
+         NULL, NULL, NULL},
         {"FZM-013: a limit is found exactly if it is there", limits_are_found, NULL, NULL, NULL},
         {"FZM-013 CF-070: a value above or below its limits is refused with its reason", limits, NULL, NULL, NULL},
         {"FZM-013: an UNSIGNED64 above 2^63 is too high, not too low", limits_of_large_numbers, NULL, NULL, NULL},

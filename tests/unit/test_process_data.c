@@ -478,14 +478,14 @@ static void make_mapped(mapped_t *m)
             if (m->objects[i].index == (d == 0 ? 0x1600 : 0x1A00)) {
                 m->map[d][0] = (ect_entry_t)ECT_ENTRY_COUNT(0);
                 m->objects[i].entries = m->map[d];
-                m->objects[i].max_subindex = MAPPED;
+                m->objects[i].max_subindex = m->objects[i].last = MAPPED;
             }
             if (m->objects[i].index == 0x1C12 + d) {
                 m->assign[d][0] = (ect_entry_t)ECT_ENTRY_COUNT(1);
                 m->assign[d][1] = (ect_entry_t)ECT_ENTRY_ASSIGN(1, d == 0 ? 0x1600 : 0x1A00);
                 m->assign[d][2] = (ect_entry_t)ECT_ENTRY_ASSIGN(2, 0);
                 m->objects[i].entries = m->assign[d];
-                m->objects[i].max_subindex = 2;
+                m->objects[i].max_subindex = m->objects[i].last = 2;
             }
         }
     }

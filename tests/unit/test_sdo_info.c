@@ -322,6 +322,14 @@ static void check_object(session_t *s, const ect_object_t *o)
                  (const char *)s->mail + 12);
 }
 
+/* A text of the description is as long as it is. */
+static uint16_t bits_of(session_t *s, const ect_entry_t *e)
+{
+    const ect_od_t od = ect_device_od(wire_device(&s->w, 0), NULL);
+    bool text = (e->access & ECT_ACCESS_DESCRIPTION) != 0 && e->data_type == ECT_TYPE_VISIBLE_STRING;
+    return text ? (uint16_t)(8 * strlen(ect_od_data(&od, e))) : e->bit_length;
+}
+
 static void check_entry(session_t *s, const ect_object_t *o, const ect_entry_t *e)
 {
     uint8_t want[300] = {0x00, 0x80, 0x06};
@@ -331,7 +339,7 @@ static void check_entry(session_t *s, const ect_object_t *o, const ect_entry_t *
     want[8] = (uint8_t)e->subindex;
     want[9] = 0x07;
     ect_store_le16(want + 10, e->data_type);
-    ect_store_le16(want + 12, e->bit_length);
+    ect_store_le16(want + 12, bits_of(s, e));
     ect_store_le16(want + 14, e->access & 0x0FFF);
     memcpy(want + 16, e->name, name);
     int length = ask(s, 5, o->index, (uint8_t)e->subindex, 0x07);

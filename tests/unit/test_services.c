@@ -757,9 +757,9 @@ static void record_of_another_firmware(void **state)
 {
     (void)state;
     static const ect_entry_t shorter[] = {
-        {0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW | ECT_ACCESS_BACKUP, "Stored", 0, ECT_OFFSET(confdev_t, stored)}};
+        {0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW | ECT_ACCESS_BACKUP, "Stored", 100, ECT_OFFSET(confdev_t, stored)}};
     static const ect_entry_t not_stored[] = {
-        {0, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, "Stored", 0, ECT_OFFSET(confdev_t, stored)}};
+        {0, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, "Stored", 100, ECT_OFFSET(confdev_t, stored)}};
     const ect_entry_t *variants[] = {shorter, not_stored, NULL};
     for (size_t v = 0; v < 3; v++) {
         fresh_medium();

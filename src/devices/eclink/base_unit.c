@@ -110,10 +110,9 @@ static void evaluate(eclink_t *unit)
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
 
-void eclink_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)
+void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     eclink_t *unit = instance;
-    unit->standard.identity = *identity;
     unit->host = host;
     unit->fmap = fmap_of(unit->standard.device);
     unit->update_ns = now_ns + UPDATE_NS;

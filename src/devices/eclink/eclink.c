@@ -148,30 +148,16 @@ static const ect_entry_t assign_inputs[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN
 static const ect_entry_t assign_three[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_ASSIGN(1, 0x1A00), ECT_ENTRY_ASSIGN(2, 0x1A01),
                                            ECT_ENTRY_ASSIGN(3, 0x1A02)};
 
-static const ect_entry_t device_type[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
-static const ect_entry_t identity[] = ECT_ENTRIES_IDENTITY;
-static const ect_entry_t sm_types[] = ECT_ENTRIES_SM_TYPES;
-
-#define HARDWARE_VERSION "1.00"
-#define SOFTWARE_VERSION "2.0.0"
-static const ect_entry_t hardware_version[] = {ECT_ENTRY_TEXT("Hardware version", HARDWARE_VERSION)};
-static const ect_entry_t software_version[] = {ECT_ENTRY_TEXT("Software version", SOFTWARE_VERSION)};
-static const ect_entry_t name_map1[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-Map1")};
-static const ect_entry_t name_map3[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-Map3")};
-static const ect_entry_t name_map7[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-Map7")};
-static const ect_entry_t name_multiarm[] = {ECT_ENTRY_TEXT("Device name", "VR-BU-ECT-MultiArm")};
-
 /* --- object lists ------------------------------------------------------------------------------------------------ */
 
-#define COMMUNICATION_OBJECTS(name_entries)                                                                            \
-    ECT_VAR(0x1000, "Device type", device_type), ECT_VAR(0x1008, "Device name", name_entries),                         \
-        ECT_VAR(0x1009, "Hardware version", hardware_version), ECT_VAR(0x100A, "Software version", software_version),  \
-        ECT_RECORD(0x1018, "Identity", identity)
+#define COMMUNICATION_OBJECTS                                                                                          \
+    ECT_OBJECT_DEVICE_TYPE, ECT_OBJECT_DEVICE_NAME, ECT_OBJECT_HARDWARE_VERSION, ECT_OBJECT_SOFTWARE_VERSION,          \
+        ECT_OBJECT_IDENTITY
 
 static const ect_object_t objects_map1[] = {
-    COMMUNICATION_OBJECTS(name_map1),
+    COMMUNICATION_OBJECTS,
     ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
-    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", assign_none),
     ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
     ECT_RECORD(0x2001, "Input data", inputs_2001),
@@ -179,10 +165,10 @@ static const ect_object_t objects_map1[] = {
 };
 
 static const ect_object_t objects_map3[] = {
-    COMMUNICATION_OBJECTS(name_map3),
+    COMMUNICATION_OBJECTS,
     ECT_RECORD(0x1600, "Output data mapping", commands_1600),
     ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
-    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
     ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
     ECT_RECORD(0x2001, "Input data", inputs_2001),
@@ -192,10 +178,10 @@ static const ect_object_t objects_map3[] = {
 };
 
 static const ect_object_t objects_map7[] = {
-    COMMUNICATION_OBJECTS(name_map7),
+    COMMUNICATION_OBJECTS,
     ECT_RECORD(0x1600, "Output data mapping", standard_1600),
     ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
-    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
     ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
     ECT_RECORD(0x2001, "Input data", inputs_2001),
@@ -206,12 +192,12 @@ static const ect_object_t objects_map7[] = {
 };
 
 static const ect_object_t objects_multiarm[] = {
-    COMMUNICATION_OBJECTS(name_multiarm),
+    COMMUNICATION_OBJECTS,
     ECT_RECORD(0x1600, "Output data mapping", standard_1600),
     ECT_RECORD(0x1A00, "Input data mapping", inputs_1a00),
     ECT_RECORD(0x1A01, "Second RU mapping", ru2_1a01),
     ECT_RECORD(0x1A02, "Third RU mapping", ru3_1a02),
-    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
     ECT_ARRAY(0x1C13, "SM3 assignment", assign_three),
     ECT_RECORD(0x2001, "Input data", multiarm_2001),
@@ -230,8 +216,8 @@ static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_
 #define BASE_UNIT(cli_name, what, node_name, product, object_list)                                                     \
     {                                                                                                                  \
         .name = cli_name, .summary = what, .vendor_name = ECTWIN_VENDOR_NAME, .type_name = node_name,                  \
-        .group_type = "VR-BU", .group_name = "Vision Remote base units", .hardware_version = HARDWARE_VERSION,         \
-        .software_version = SOFTWARE_VERSION,                                                                          \
+        .group_type = "VR-BU", .group_name = "Vision Remote base units", .hardware_version = "1.00",                   \
+        .software_version = "2.0.0",                                                                                   \
         .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = product, .revision = REVISION, .serial = 1},       \
         .esc = "np40", .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01}, .sii_size = 4096,                           \
         .sm = {{.start = 0x4000, .length = 276, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},                          \

@@ -123,15 +123,14 @@ static void plant_defaults(fzm1_plant_t *p)
     }
 }
 
-void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns)
+void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     fzm1_t *u = instance;
-    u->standard.identity = *identity;
     u->host = host;
     u->time_ns = now_ns;
     if (!u->plant.known)
         plant_defaults(&u->plant);
-    u->settings = (fzm1_settings_t){.fieldbus = 1, .output_period = 100, .output_time = 50, .timeout = 100};
+    u->settings.fieldbus = 1;
     u->run = 1;
     u->start_due_ns = ECT_NEVER;
     fzm1_all_off(u);

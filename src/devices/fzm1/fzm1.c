@@ -6,8 +6,6 @@
 
 #define PRODUCT_CODE     0x00F20001 /* a placeholder of ours */
 #define REVISION         0x00010000
-#define HARDWARE_VERSION "ectwin"
-#define SOFTWARE_VERSION "0.1"
 
 enum {
     IN = ECT_ACCESS_RO | ECT_ACCESS_TXPDO,
@@ -15,19 +13,13 @@ enum {
     SETTING = ECT_ACCESS_RW_PREOP,
 };
 
-#define U8(sub, access, name, member)  ECT_ENTRY(sub, UNSIGNED8, 8, access, name, 0, fzm1_t, member)
-#define U16(sub, access, name, member) ECT_ENTRY(sub, UNSIGNED16, 16, access, name, 0, fzm1_t, member)
+#define S8(sub, name, initial, member)  ECT_ENTRY(sub, UNSIGNED8, 8, SETTING, name, initial, fzm1_t, member)
+#define S16(sub, name, initial, member) ECT_ENTRY(sub, UNSIGNED16, 16, SETTING, name, initial, fzm1_t, member)
 #define U32(sub, access, name, member) ECT_ENTRY(sub, UNSIGNED32, 32, access, name, 0, fzm1_t, member)
 #define I32(sub, access, name, member) ECT_ENTRY(sub, INTEGER32, 32, access, name, 0, fzm1_t, member)
 #define COMMENT(sub, name, member)     ECT_ENTRY(sub, VISIBLE_STRING, 8 * FZM1_COMMENT, SETTING, name, 0, fzm1_t, member)
 #define MAP(sub, index)                ECT_ENTRY_MAP(sub, ECT_MAP(index, sub, 32))
 
-static const ect_entry_t device_type[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};
-static const ect_entry_t device_name[] = {ECT_ENTRY_TEXT("Device name", "FZM1")};
-static const ect_entry_t hardware_version[] = {ECT_ENTRY_TEXT("Hardware version", HARDWARE_VERSION)};
-static const ect_entry_t software_version[] = {ECT_ENTRY_TEXT("Software version", SOFTWARE_VERSION)};
-static const ect_entry_t identity[] = ECT_ENTRIES_IDENTITY;
-static const ect_entry_t sm_types[] = ECT_ENTRIES_SM_TYPES;
 static const ect_entry_t sync[] = ECT_ENTRIES_SYNC(fzm1_t, sync);
 
 static const ect_entry_t command_area[] = {
@@ -58,11 +50,11 @@ static const ect_entry_t output_area[] = {
 };
 static const ect_entry_t settings[] = {
     ECT_ENTRY_COUNT(5),
-    U8(1, SETTING, "Output control", settings.output_control),
-    U16(2, SETTING, "Output period", settings.output_period),
-    U16(3, SETTING, "Output time", settings.output_time),
-    U16(4, SETTING, "Timeout", settings.timeout),
-    U8(5, SETTING, "Output format", scene.format),
+    S8(1, "Output control", FZM1_NONE, settings.output_control),
+    S16(2, "Output period", 100, settings.output_period),
+    S16(3, "Output time", 50, settings.output_time),
+    S16(4, "Timeout", 100, settings.timeout),
+    S8(5, "Output format", FZM1_FIXED_POINT, scene.format),
 };
 static const ect_entry_t clear_error[] = {
     {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_WO | ECT_ACCESS_COMMAND, "Clear error", 0, NULL}};
@@ -90,19 +82,19 @@ static const ect_entry_t assign_inputs[] = {ECT_ENTRY_COUNT(2), ECT_ENTRY_ASSIGN
                                             ECT_ENTRY_ASSIGN(2, 0x1A01)};
 
 static const ect_object_t objects[] = {
-    ECT_VAR(0x1000, "Device type", device_type),
-    ECT_VAR(0x1008, "Device name", device_name),
-    ECT_VAR(0x1009, "Hardware version", hardware_version),
-    ECT_VAR(0x100A, "Software version", software_version),
-    ECT_RECORD(0x1018, "Identity", identity),
+    ECT_OBJECT_DEVICE_TYPE,
+    ECT_OBJECT_DEVICE_NAME,
+    ECT_OBJECT_HARDWARE_VERSION,
+    ECT_OBJECT_SOFTWARE_VERSION,
+    ECT_OBJECT_IDENTITY,
     ECT_RECORD(0x1600, "Command area mapping", map_command),
     ECT_RECORD(0x1A00, "Response area mapping", map_response),
     ECT_RECORD(0x1A01, "Output area mapping", map_output),
-    ECT_ARRAY(0x1C00, "SyncManager type", sm_types),
+    ECT_OBJECT_SM_TYPES(4),
     ECT_ARRAY(0x1C12, "SM2 assignment", assign_outputs),
     ECT_ARRAY(0x1C13, "SM3 assignment", assign_inputs),
-    {0x1C32, ECT_OBJECT_RECORD, 32, 0, "SM2 synchronization", sync},
-    {0x1C33, ECT_OBJECT_RECORD, 32, 0, "SM3 synchronization", sync},
+    ECT_SPARSE(0x1C32, RECORD, 32, "SM2 synchronization", sync),
+    ECT_SPARSE(0x1C33, RECORD, 32, "SM3 synchronization", sync),
     ECT_RECORD(0x2100, "Command area", command_area),
     ECT_RECORD(0x2200, "Response area", response_area),
     ECT_ARRAY(0x2300, "Output area", output_area),
@@ -135,8 +127,8 @@ const ect_device_t ect_fzm1 = {
     .type_name = "FZM1",
     .group_type = "FZM1",
     .group_name = "Vision sensors",
-    .hardware_version = HARDWARE_VERSION,
-    .software_version = SOFTWARE_VERSION,
+    .hardware_version = "ectwin",
+    .software_version = "0.1",
     .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = PRODUCT_CODE, .revision = REVISION, .serial = 1},
     .esc = "et1100",
     .esc_config = {0x08, 0x0E, 0x00, 0x00, 0x0A, 0x00},

@@ -210,7 +210,7 @@ typedef struct fzm1 {
 } fzm1_t;
 
 /* controller.c: what the stack calls */
-void fzm1_init(void *instance, const ect_identity_t *identity, const ect_host_t *host, uint64_t now_ns);
+void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void fzm1_outputs(void *instance, uint64_t now_ns);
 uint64_t fzm1_tick(void *instance, uint64_t now_ns);
