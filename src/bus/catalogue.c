@@ -12,17 +12,29 @@ static const ect_product_t products[] = {
     {&ect_fzm1, &ect_fzm1_plant},
 };
 
-const ect_product_t *ect_catalogue(size_t *count)
+static const ect_product_t *added;
+static size_t added_count;
+
+const ect_product_t *ect_catalogue_at(size_t index)
 {
-    *count = sizeof products / sizeof products[0];
-    return products;
+    const size_t ours = sizeof products / sizeof products[0];
+    if (index < ours)
+        return &products[index];
+    return index - ours < added_count ? &added[index - ours] : NULL;
 }
 
 const ect_product_t *ect_catalogue_find(const char *name)
 {
-    for (size_t i = 0; i < sizeof products / sizeof products[0]; i++) {
-        if (strcmp(products[i].device->name, name) == 0)
-            return &products[i];
+    const ect_product_t *product;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        if (strcmp(product->device->name, name) == 0)
+            return product;
     }
     return NULL;
+}
+
+void ect_catalogue_add(const ect_product_t *more, size_t count)
+{
+    added = more;
+    added_count = count;
 }

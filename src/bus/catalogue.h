@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The catalogue: every product that can be put on a bus, by name. Adding a device is adding one line to catalogue.c.
+ * The catalogue: every product that can be put on a bus, by name. Adding a device of this tree is adding one line to
+ * catalogue.c; a program with devices of its own adds them when it starts (tools/ectwin/ectwin.h does so for a command).
  */
 #ifndef ECT_BUS_CATALOGUE_H
 #define ECT_BUS_CATALOGUE_H
@@ -10,10 +11,20 @@
 
 #include "seams/plant.h"
 
-/** The products in the order of `ectwin list`; constant. @param[out] count  how many */
-const ect_product_t *ect_catalogue(size_t *count);
+/**
+ * The products by position: ours in the order of `ectwin list`, then those that were added.
+ * @return the product, or NULL: `index` is past the last
+ */
+const ect_product_t *ect_catalogue_at(size_t index);
 
-/** @return the product whose device has that name, or NULL */
+/** @return the product whose device has that name, the first one if several had; NULL: there is none */
 const ect_product_t *ect_catalogue_find(const char *name);
+
+/**
+ * Adds the products of this program behind ours, in place of those that were added before.
+ * @param products  `count` of them; kept, so they live as long as the catalogue is used
+ * Context: while the program starts, before another thread uses the catalogue.
+ */
+void ect_catalogue_add(const ect_product_t *products, size_t count);
 
 #endif

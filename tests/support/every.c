@@ -11,18 +11,16 @@ const ect_device_t *every_device(size_t i)
 
 const ect_device_t *every_product(size_t i)
 {
-    size_t count;
-    const ect_product_t *products = ect_catalogue(&count);
-    return i < count ? products[i].device : NULL;
+    const ect_product_t *product = ect_catalogue_at(i);
+    return product ? product->device : NULL;
 }
 
 const ect_plant_t *plant_of(const ect_device_t *device)
 {
-    size_t count;
-    const ect_product_t *products = ect_catalogue(&count);
-    for (size_t i = 0; i < count; i++) {
-        if (products[i].device == device)
-            return products[i].plant;
+    const ect_product_t *product;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        if (product->device == device)
+            return product->plant;
     }
     return NULL;
 }

@@ -57,12 +57,10 @@ static void overridden_identity(void **state)
 static void order_of_the_wire(void **state)
 {
     const ect_device_t *devices[40];
-    size_t count;
-    const ect_product_t *catalogue = ect_catalogue(&count);
     wire_t w;
     (void)state;
     for (size_t i = 0; i < 40; i++)
-        devices[i] = i % 5 == 4 ? &testdev : catalogue[i % 5 % count].device;
+        devices[i] = i % 5 == 4 ? &testdev : ect_catalogue_at(i % 5)->device;
     wire_open(&w, devices, 40);
     assert_int_equal(ect_chain_count(w.chain), 40);
     uint8_t data[2] = {0};
@@ -125,22 +123,39 @@ static void deadlines(void **state)
 
 static void catalogue_names(void **state)
 {
-    size_t count;
-    const ect_product_t *products = ect_catalogue(&count);
+    const ect_product_t *product;
+    size_t i;
     (void)state;
-    assert_true(count >= 4);
-    for (size_t i = 0; i < count; i++) {
-        const ect_device_t *device = products[i].device;
-        assert_ptr_equal(ect_catalogue_find(device->name), &products[i]);
+    for (i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        const ect_device_t *device = product->device;
+        assert_ptr_equal(ect_catalogue_find(device->name), product);
         assert_int_equal(strspn(device->name, "abcdefghijklmnopqrstuvwxyz0123456789-"), strlen(device->name));
         assert_true(strlen(device->type_name) <= 40);
         for (size_t k = 0; k < i; k++) {
-            assert_int_not_equal(device->identity.product_code, products[k].device->identity.product_code);
-            assert_string_not_equal(device->type_name, products[k].device->type_name);
+            assert_int_not_equal(device->identity.product_code, ect_catalogue_at(k)->device->identity.product_code);
+            assert_string_not_equal(device->type_name, ect_catalogue_at(k)->device->type_name);
         }
     }
+    assert_true(i >= 4);
     assert_null(ect_catalogue_find("no-such-device"));
     assert_null(ect_catalogue_find(""));
+}
+
+/* A program's own devices stand behind ours. */
+static void catalogue_grows(void **state)
+{
+    static const ect_product_t mine[] = {{&testdev, NULL}};
+    size_t ours = 0;
+    (void)state;
+    while (ect_catalogue_at(ours))
+        ours++;
+    ect_catalogue_add(mine, 1);
+    assert_ptr_equal(ect_catalogue_at(ours), &mine[0]);
+    assert_null(ect_catalogue_at(ours + 1));
+    assert_ptr_equal(ect_catalogue_find(testdev.name), &mine[0]);
+    ect_catalogue_add(NULL, 0);
+    assert_null(ect_catalogue_at(ours));
+    assert_null(ect_catalogue_find(testdev.name));
 }
 
 int main(int argc, char **argv)
@@ -155,6 +170,7 @@ int main(int argc, char **argv)
         {"CF-013: a frame that is no EtherCAT does not come back", not_ethercat, NULL, NULL, NULL},
         {"CF-083: the poll tells the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
+        {"a program's own devices stand in the catalogue, behind ours", catalogue_grows, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

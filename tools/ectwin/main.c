@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/* ectwin: EtherCAT device twins on a network interface. */
 #include <argp.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -7,7 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bus/catalogue.h"
 #include "commands.h"
+#include "ectwin.h"
 
 static const struct command {
     const char *name;
@@ -58,11 +59,27 @@ static void check_output(void)
     _exit(EXIT_OPEN);
 }
 
-int main(int argc, char **argv)
+/* The program's own devices, found by their names. */
+static bool take_products(const ect_product_t *products, size_t count)
+{
+    ect_catalogue_add(products, count);
+    for (size_t i = 0; i < count; i++) {
+        const char *name = products[i].device->name;
+        if (ect_catalogue_find(name) != &products[i]) {
+            fprintf(stderr, "ectwin: two devices have the name '%s'; give this program's another one\n", name);
+            return false;
+        }
+    }
+    return true;
+}
+
+int ectwin_main(int argc, char **argv, const ect_product_t *products, size_t count)
 {
     argp_err_exit_status = EXIT_USAGE;
     fill_standard_streams();
     if (atexit(check_output) != 0)
+        return EXIT_RUN;
+    if (!take_products(products, count))
         return EXIT_RUN;
     if (argc < 2)
         return usage(stderr, EXIT_USAGE);

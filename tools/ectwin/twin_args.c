@@ -128,11 +128,10 @@ const struct argp twin_argp = {.options = options, .parser = parse};
 static void unknown_device(const struct argp_state *state, const char *name)
 {
     char known[512] = "";
-    size_t count;
-    const ect_product_t *products = ect_catalogue(&count);
-    for (size_t i = 0; i < count; i++) {
+    const ect_product_t *product;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
         size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", products[i].device->name);
+        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", product->device->name);
     }
     argp_failure(state, EXIT_USAGE, 0, "there is no device '%s'; there are: %s", name, known);
 }
