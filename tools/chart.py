@@ -24,7 +24,7 @@ def read(lines, wanted, slave):
                 break  # cut off when the recording ended
             sys.exit(f"chart.py: line {number} is not one of 'ectwin watch'")
         if entry.get("slave", slave) == slave and entry.get("name") in changes:
-            changes[entry["name"]].append((entry["time"] * 1000, entry["value"]))
+            changes[entry["name"]].append((entry["time"] * 1000, str(entry["value"])))
     changes = {name: c for name, c in changes.items() if len(c) > 1}
     if not changes:
         sys.exit("chart.py: none of these signals changes in this recording: " + ", ".join(wanted))

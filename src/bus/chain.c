@@ -29,6 +29,10 @@ typedef struct twin {
 struct ect_chain {
     size_t count;
     bool link[ECT_ENDS]; /* a cable is in at this end */
+    void *kept;          /* the instance of a twin, as it was before its signals were set */
+    size_t kept_room;
+    ect_wiring_t kept_wiring;
+    bool kept_off_bus, kept_restart;
     twin_t twins[];
 };
 
@@ -195,6 +199,7 @@ void ect_chain_free(ect_chain_t *chain)
         for (size_t b = 0; b < chain->twins[i].blocks; b++)
             free(chain->twins[i].memory[b]);
     }
+    free(chain->kept);
     free(chain);
 }
 
@@ -274,13 +279,12 @@ size_t ect_chain_count(const ect_chain_t *chain)
     return chain->count;
 }
 
-size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *pattern,
-                         void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx)
+bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
-    return ect_signals_visit(twin->config.plant, twin->slave.config.instance, pattern, visit, ctx) +
-           ect_signals_visit(&ect_lamps_plant, twin->lamps, pattern, visit, ctx) +
-           ect_signals_visit(&ect_wiring_plant, twin->wiring, pattern, visit, ctx);
+    return ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
+           ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
+           ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref);
 }
 
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
@@ -289,6 +293,33 @@ bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *nam
     return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
            ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
+}
+
+bool ect_chain_keep(ect_chain_t *chain, size_t position)
+{
+    const twin_t *twin = &chain->twins[position];
+    size_t size = twin->config.device->instance_size;
+    if (size > chain->kept_room) {
+        void *grown = realloc(chain->kept, size);
+        if (!grown)
+            return false;
+        chain->kept = grown;
+        chain->kept_room = size;
+    }
+    memcpy(chain->kept, twin->slave.config.instance, size);
+    chain->kept_wiring = *twin->wiring;
+    chain->kept_off_bus = twin->slave.off_bus;
+    chain->kept_restart = twin->slave.restart;
+    return true;
+}
+
+void ect_chain_put_back(ect_chain_t *chain, size_t position)
+{
+    twin_t *twin = &chain->twins[position];
+    memcpy(twin->slave.config.instance, chain->kept, twin->config.device->instance_size);
+    *twin->wiring = chain->kept_wiring;
+    twin->slave.off_bus = chain->kept_off_bus;
+    twin->slave.restart = chain->kept_restart;
 }
 
 void ect_chain_wake(ect_chain_t *chain, size_t position)

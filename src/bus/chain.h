@@ -81,11 +81,22 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
 size_t ect_chain_count(const ect_chain_t *chain);
 
-/** As ect_signals_visit, for the device of a twin, its lamps and its plugs (`ecat.*`). @return how many matched */
-size_t ect_chain_signals(const ect_chain_t *chain, size_t position, const char *pattern,
-                         void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx);
+/** How far a walk through the signals of a twin has come. Zeroed: at its beginning. */
+typedef struct ect_chain_cursor {
+    ect_signal_cursor_t device, lamps, wiring;
+} ect_chain_cursor_t;
+
+/** As ect_signals_next, for the device of a twin, then its lamps and its plugs (`ecat.*`). */
+bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor,
+                           ect_signal_ref_t *ref);
 /** @return whether a twin has a signal of exactly that name; then *ref is set */
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref);
+/**
+ * Keeps a copy of what signals can change in a twin, for ::ect_chain_put_back. @return false: no memory
+ */
+bool ect_chain_keep(ect_chain_t *chain, size_t position);
+/** Takes back what signals have done to a twin since ::ect_chain_keep of the same position. No poll in between. */
+void ect_chain_put_back(ect_chain_t *chain, size_t position);
 /** Lets the slave at a position look at its device again at the next poll: a signal was set. */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);

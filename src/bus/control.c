@@ -2,116 +2,67 @@
 #define _GNU_SOURCE
 #include "bus/control.h"
 
-#include <cjson/cJSON.h>
 #include <errno.h>
-#include <stdio.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include "bus/signals.h"
+#include "bus/client.h"
 
-enum { REQUEST_ROOM = 1024, WATCH_PERIOD_NS = 10000000, MOST_WAITING = 4 * 1024 * 1024 };
-
-/* A watched signal and what the client was told of it last. */
-typedef struct watched {
-    ect_signal_ref_t ref;
-    size_t slave;
-    char told[ECT_SIGNAL_TEXT_ROOM];
-} watched_t;
-
-typedef struct client {
-    int fd; /* -1: free */
-    size_t used;
-    char request[REQUEST_ROOM];
-    char *waiting; /* what it has not read yet and its socket did not take */
-    size_t waiting_length, waiting_room;
-    bool every; /* change, not one a period */
-    watched_t *watched;
-    size_t watched_count;
-} client_t;
+enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS, WAITABLE = ECT_CONTROL_CLIENTS + 1 };
 
 struct ect_control {
-    int fd;
-    char path[ECT_CONTROL_PATH];
-    client_t clients[ECT_CONTROL_CLIENTS];
-    uint64_t next_report_ns;
+    int fd, epoll;
+    int spare;         /* a descriptor to let go of when there are no others */
+    bool accepts;      /* somebody waits to be let in */
+    uint64_t retry_ns; /* when to look again after descriptors had run out; ECT_NEVER: it does not matter */
+    uint64_t round_ns; /* when the watched values are compared next; ECT_NEVER: nobody wants that */
+    size_t turn;       /* who is served next */
+    ect_client_t clients[ECT_CONTROL_CLIENTS];
+    char path[ECT_ENDPOINT_PATH];
 };
 
-int ect_control_directory(char *path)
+static int open_spare(void)
 {
-    const char *runtime = getenv("XDG_RUNTIME_DIR");
-    int length = runtime && *runtime ? snprintf(path, ECT_CONTROL_PATH, "%s/ectwin", runtime)
-                                     : snprintf(path, ECT_CONTROL_PATH, "/tmp/ectwin-%u", geteuid());
-    return length < ECT_CONTROL_PATH - 20 ? 0 : -1;
+    return open("/dev/null", O_RDONLY | O_CLOEXEC);
 }
 
-static int make_directory(const char *path)
+static bool wait_for(const ect_control_t *c, int operation, int fd, uint32_t events, uint32_t who)
 {
-    struct stat info;
-    if (mkdir(path, 0700) < 0 && errno != EEXIST)
-        return -1;
-    if (lstat(path, &info) < 0)
-        return -1;
-    if (!S_ISDIR(info.st_mode) || info.st_uid != geteuid()) { /* somebody else's: not to be trusted */
-        errno = EPERM;
-        return -1;
-    }
-    return chmod(path, 0700);
-}
-
-static int listen_at(const char *path)
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (fd < 0)
-        return -1;
-    memcpy(address.sun_path, path, strlen(path) + 1);
-    (void)unlink(path);
-    mode_t before = umask(0177); /* mode 0600 from its first moment */
-    int bound = bind(fd, (const struct sockaddr *)&address, sizeof address);
-    umask(before);
-    if (bound < 0 || listen(fd, ECT_CONTROL_CLIENTS) < 0) {
-        int error = errno;
-        close(fd);
-        errno = error;
-        return -1;
-    }
-    return fd;
+    struct epoll_event event = {.events = events, .data.u32 = who};
+    return epoll_ctl(c->epoll, operation, fd, &event) == 0;
 }
 
 ect_control_t *ect_control_open(char *message)
 {
-    char directory[ECT_CONTROL_PATH] = "";
     ect_control_t *c = calloc(1, sizeof *c);
-    if (!c || ect_control_directory(directory) < 0 || make_directory(directory) < 0) {
-        snprintf(message, ECT_CONTROL_MESSAGE,
-                 "no control socket in '%.80s': %s; XDG_RUNTIME_DIR can name another place", directory,
-                 strerror(errno));
-        free(c);
+    if (!c) {
+        strcpy(message, "no control socket: not enough memory");
         return NULL;
     }
-    snprintf(c->path, sizeof c->path, "%.80s/%d.sock", directory, (int)getpid());
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++)
         c->clients[i].fd = -1;
-    c->fd = listen_at(c->path);
-    if (c->fd < 0) {
-        snprintf(message, ECT_CONTROL_MESSAGE, "no control socket at '%s': %s", c->path, strerror(errno));
-        free(c);
-        return NULL;
-    }
-    return c;
+    c->retry_ns = c->round_ns = ECT_NEVER;
+    c->spare = open_spare();
+    c->epoll = epoll_create1(EPOLL_CLOEXEC);
+    c->fd = c->epoll < 0 ? -1 : ect_endpoint_listen(c->path, message);
+    if (c->fd >= 0 && wait_for(c, EPOLL_CTL_ADD, c->fd, EPOLLIN, ACCEPT))
+        return c;
+    if (c->epoll < 0)
+        strcpy(message, "no control socket: no descriptor is free");
+    ect_control_close(c);
+    return NULL;
 }
 
-static void drop(client_t *client)
+static void drop(ect_client_t *client)
 {
     close(client->fd);
-    free(client->watched);
-    free(client->waiting);
-    *client = (client_t){.fd = -1};
+    ect_watch_free(client->watch);
+    free(client->answer);
+    *client = (ect_client_t){.fd = -1};
 }
 
 void ect_control_close(ect_control_t *c)
@@ -122,8 +73,12 @@ void ect_control_close(ect_control_t *c)
         if (c->clients[i].fd >= 0)
             drop(&c->clients[i]);
     }
-    close(c->fd);
-    (void)unlink(c->path);
+    if (c->fd >= 0)
+        ect_endpoint_close(c->fd, c->path);
+    if (c->epoll >= 0)
+        close(c->epoll);
+    if (c->spare >= 0)
+        close(c->spare);
     free(c);
 }
 
@@ -132,282 +87,237 @@ const char *ect_control_path(const ect_control_t *c)
     return c->path;
 }
 
-size_t ect_control_fds(const ect_control_t *c, struct pollfd *fds)
+int ect_control_fd(const ect_control_t *c)
 {
-    size_t count = 0;
-    fds[count++] = (struct pollfd){.fd = c->fd, .events = POLLIN};
-    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-        const client_t *client = &c->clients[i];
-        short events = client->waiting_length > 0 ? POLLIN | POLLOUT : POLLIN;
-        if (client->fd >= 0)
-            fds[count++] = (struct pollfd){.fd = client->fd, .events = events};
-    }
-    return count;
+    return c->epoll;
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------ */
+/* --- who comes in ------------------------------------------------------------------------------------------------- */
 
-/* As much as its socket takes now; the rest when it takes more. */
-static void flush(client_t *client)
+static void turn_away(int fd, const char *message)
 {
-    ssize_t sent = send(client->fd, client->waiting, client->waiting_length, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (sent < 0 && errno != EAGAIN && errno != EINTR) {
-        drop(client);
-    } else if (sent > 0) {
-        client->waiting_length -= (size_t)sent;
-        memmove(client->waiting, client->waiting + sent, client->waiting_length);
-    }
-}
-
-/* @return false: no memory, or the client has not read for so long that it goes */
-static bool append(client_t *client, const char *text, size_t length)
-{
-    if (client->waiting_length + length > client->waiting_room) {
-        size_t room = 2 * (client->waiting_length + length);
-        char *grown = room > MOST_WAITING ? NULL : realloc(client->waiting, room);
-        if (!grown)
-            return false;
-        client->waiting = grown;
-        client->waiting_room = room;
-    }
-    memcpy(client->waiting + client->waiting_length, text, length);
-    client->waiting_length += length;
-    return true;
-}
-
-static void send_line(client_t *client, cJSON *line)
-{
-    char *text = cJSON_PrintUnformatted(line);
-    cJSON_Delete(line);
-    if (text && client->fd >= 0) {
-        size_t length = strlen(text);
-        text[length] = '\n'; /* in the place of the terminator */
-        if (append(client, text, length + 1))
-            flush(client);
-        else
-            drop(client);
-    }
-    cJSON_free(text);
-}
-
-static void send_result(client_t *client, const char *message)
-{
-    cJSON *line = cJSON_CreateObject();
-    cJSON_AddBoolToObject(line, "ok", message == NULL);
-    if (message)
-        cJSON_AddStringToObject(line, "message", message);
-    send_line(client, line);
-}
-
-static cJSON *describe(const ect_signal_ref_t *ref, size_t slave)
-{
-    char text[ECT_SIGNAL_TEXT_ROOM];
-    cJSON *line = cJSON_CreateObject();
-    ect_signal_read(ref, text);
-    cJSON_AddNumberToObject(line, "slave", (double)slave + 1);
-    cJSON_AddStringToObject(line, "name", ref->name);
-    cJSON_AddStringToObject(line, "value", text);
-    return line;
-}
-
-/* --- requests ----------------------------------------------------------------------------------------------------- */
-
-static void add_time(cJSON *line, uint64_t now_ns)
-{
-    cJSON_AddNumberToObject(line, "time", (double)(now_ns / 1000) / 1e6);
-}
-
-typedef struct request {
-    client_t *client;
-    size_t slave; /* that is being visited */
-    uint64_t now_ns;
-    bool with_range;
-    bool watch;
-} request_t;
-
-static void remember(request_t *r, const ect_signal_ref_t *ref)
-{
-    client_t *client = r->client;
-    watched_t *grown = realloc(client->watched, (client->watched_count + 1) * sizeof *grown);
-    if (!grown)
-        return;
-    client->watched = grown;
-    watched_t *w = &client->watched[client->watched_count++];
-    w->ref = *ref;
-    w->slave = r->slave;
-    ect_signal_read(ref, w->told);
-}
-
-static void answer_one(void *ctx, const ect_signal_ref_t *ref)
-{
-    request_t *r = ctx;
-    if (r->client->fd < 0)
-        return;
-    cJSON *line = describe(ref, r->slave);
-    if (r->with_range) {
-        char range[ECT_SIGNAL_TEXT_ROOM];
-        ect_signal_range(ref->signal, range);
-        cJSON_AddStringToObject(line, "range", range);
-        cJSON_AddStringToObject(line, "access", ref->signal->access == ECT_SIGNAL_WRITE ? "rw" : "r");
-        cJSON_AddStringToObject(line, "meaning", ref->signal->meaning);
-    }
-    if (r->watch) {
-        remember(r, ref);
-        add_time(line, r->now_ns);
-    }
-    send_line(r->client, line);
-}
-
-static void visit(request_t *r, ect_chain_t *chain, const char *pattern, size_t slave)
-{
-    size_t matched = 0;
-    for (size_t i = 0; i < ect_chain_count(chain); i++) {
-        if (slave != 0 && slave != i + 1)
-            continue;
-        r->slave = i;
-        matched += ect_chain_signals(chain, i, pattern, answer_one, r);
-    }
-    if (r->client->fd >= 0 && matched == 0)
-        send_result(r->client, "no signal matches: 'ectwin list-signals' names them all");
-    else if (r->client->fd >= 0 && !r->watch)
-        send_result(r->client, NULL);
-}
-
-static void set(client_t *client, ect_chain_t *chain, size_t slave, const char *name, const char *value,
-                uint64_t now_ns)
-{
-    char message[ECT_SIGNAL_MESSAGE];
-    ect_signal_ref_t ref;
-    if (!ect_chain_signal(chain, slave - 1, name, &ref)) {
-        snprintf(message, sizeof message,
-                 "slave %zu has no signal '%.60s': 'ectwin list-signals -n %zu' names them all; -n chooses the slave",
-                 slave, name, slave);
-        send_result(client, message);
-        return;
-    }
-    bool done = ect_signal_write(&ref, value, now_ns, message);
-    if (done)
-        ect_chain_wake(chain, slave - 1);
-    send_result(client, done ? NULL : message);
-}
-
-static const char *text_of(const cJSON *request, const char *member, const char *otherwise)
-{
-    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, member));
-    return text ? text : otherwise;
-}
-
-static void serve_request(client_t *client, ect_chain_t *chain, const char *line, uint64_t now_ns)
-{
-    cJSON *json = cJSON_Parse(line);
-    const char *op = text_of(json, "op", "");
-    const cJSON *number = cJSON_GetObjectItemCaseSensitive(json, "slave");
-    double slave = cJSON_IsNumber(number) ? number->valuedouble : 1;
-    bool is_set = strcmp(op, "set") == 0;
-    request_t r = {
-        .client = client, .now_ns = now_ns, .with_range = strcmp(op, "list") == 0, .watch = strcmp(op, "watch") == 0};
-    client->every |= r.watch && cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "every"));
-    if (!(slave >= (is_set ? 1 : 0) && slave <= (double)ect_chain_count(chain)))
-        send_result(client, "there is no such slave in this chain");
-    else if (is_set)
-        set(client, chain, (size_t)slave, text_of(json, "name", ""), text_of(json, "value", ""), now_ns);
-    else if (r.with_range || r.watch || strcmp(op, "get") == 0)
-        visit(&r, chain, text_of(json, "pattern", "*"), (size_t)slave);
-    else
-        send_result(client, "a request is {\"op\":\"get|list|set|watch\",...}");
-    cJSON_Delete(json);
-}
-
-static void receive(client_t *client, ect_chain_t *chain, uint64_t now_ns)
-{
-    ssize_t got = recv(client->fd, client->request + client->used, sizeof client->request - 1 - client->used, 0);
-    if (got <= 0) {
-        if (got == 0 || (errno != EAGAIN && errno != EINTR))
-            drop(client);
-        return;
-    }
-    client->used += (size_t)got;
-    client->request[client->used] = 0;
-    char *end = strchr(client->request, '\n');
-    while (end) {
-        size_t length = (size_t)(end - client->request) + 1;
-        *end = 0;
-        serve_request(client, chain, client->request, now_ns);
-        if (client->fd < 0)
-            return;
-        memmove(client->request, client->request + length, client->used - length + 1);
-        client->used -= length;
-        end = strchr(client->request, '\n');
-    }
-    if (client->used == sizeof client->request - 1) {
-        send_result(client, "a request has at most 1000 characters");
-        drop(client);
-    }
-}
-
-static void accept_client(ect_control_t *c)
-{
-    int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    if (fd < 0)
-        return;
-    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-        if (c->clients[i].fd < 0) {
-            c->clients[i].fd = fd;
-            return;
-        }
-    }
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_line_plain(&line, "ok", "false");
+    ect_line_string(&line, "message", message);
+    ect_line_end(&line);
+    (void)send(fd, line.text, line.length, MSG_NOSIGNAL | MSG_DONTWAIT);
     close(fd);
 }
 
-void ect_control_serve(ect_control_t *c, ect_chain_t *chain, const struct pollfd *fds, size_t count, uint64_t now_ns)
+/* Somebody who cannot be let in keeps the descriptor readable: he is let in to be told, or looked at again later. */
+static void no_descriptor(ect_control_t *c, uint64_t now_ns)
 {
-    for (size_t n = 1; n < count; n++) {
-        if (fds[n].revents == 0)
+    if (c->spare >= 0)
+        close(c->spare);
+    int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (fd >= 0)
+        turn_away(fd, "the twin has no descriptor left: 'ulimit -n' is too low for it");
+    c->spare = open_spare();
+    if (fd < 0 && errno != EAGAIN && wait_for(c, EPOLL_CTL_MOD, c->fd, 0, ACCEPT))
+        c->retry_ns = now_ns + RETRY_NS;
+}
+
+static void let_in(ect_control_t *c, uint64_t now_ns)
+{
+    int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (fd < 0) {
+        if (errno == EMFILE || errno == ENFILE)
+            no_descriptor(c, now_ns);
+        return;
+    }
+    for (uint32_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        ect_client_t *client = &c->clients[i];
+        if (client->fd >= 0)
             continue;
-        for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-            client_t *client = &c->clients[i];
-            if (client->fd != fds[n].fd)
-                continue;
-            if ((fds[n].revents & POLLOUT) != 0)
-                flush(client);
-            if (client->fd >= 0 && (fds[n].revents & ~POLLOUT) != 0)
-                receive(client, chain, now_ns);
+        client->answer = malloc(ECT_CLIENT_ANSWER);
+        if (!client->answer || !wait_for(c, EPOLL_CTL_ADD, fd, EPOLLIN, i)) {
+            free(client->answer);
             break;
         }
+        client->fd = fd;
+        client->events = EPOLLIN;
+        return;
     }
-    if (count > 0 && fds[0].revents != 0)
-        accept_client(c);
+    turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");
 }
 
-static void report_changes(client_t *client, uint64_t now_ns)
+/* --- in and out --------------------------------------------------------------------------------------------------- */
+
+static bool wants_more(const ect_client_t *client)
 {
-    for (size_t i = 0; i < client->watched_count && client->fd >= 0; i++) {
-        char text[ECT_SIGNAL_TEXT_ROOM];
-        watched_t *w = &client->watched[i];
-        ect_signal_read(&w->ref, text);
-        if (strcmp(text, w->told) == 0)
+    return client->line == 0 && !client->ended && !client->closing && client->visit.op == ECT_VISIT_NONE &&
+           ect_client_room(client);
+}
+
+/* A request that its sender did not end, but ended sending, is one. */
+static void end_of_requests(ect_client_t *client)
+{
+    client->ended = true;
+    if (client->received > 0 && client->received < ECT_ENDPOINT_REQUEST)
+        client->request[client->received++] = '\n';
+}
+
+static void receive(ect_client_t *client)
+{
+    ssize_t got =
+        recv(client->fd, client->request + client->received, ECT_ENDPOINT_REQUEST - client->received, MSG_DONTWAIT);
+    client->readable = false;
+    if (got > 0)
+        client->received += (size_t)got;
+    else if (got == 0)
+        end_of_requests(client);
+    else if (errno != EAGAIN && errno != EINTR)
+        client->ended = client->deaf = true;
+    ect_client_received(client);
+    if (client->line == 0 && client->received == ECT_ENDPOINT_REQUEST) {
+        ect_client_result(client, "a request has at most 4095 characters");
+        client->closing = true;
+    }
+}
+
+static void flush(ect_client_t *client)
+{
+    ssize_t sent = send(client->fd, client->answer, client->unsent, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+        client->deaf = true;
+        client->unsent = 0;
+    } else if (sent > 0) {
+        client->unsent -= (size_t)sent;
+        memmove(client->answer, client->answer + sent, client->unsent);
+    }
+    client->blocked = client->unsent > 0;
+}
+
+/* A client that has ended sending may read on: its answers, or what it watches. */
+static bool is_done(const ect_client_t *client)
+{
+    bool works = client->visit.op != ECT_VISIT_NONE || (client->line > 0 && !client->closing);
+    if (client->deaf)
+        return (client->ended || client->closing) && !works;
+    return client->unsent == 0 && (client->closing || (client->ended && !works && !client->watch));
+}
+
+/* What its descriptor has to be waited for. */
+static void settle(const ect_control_t *c, ect_client_t *client, uint32_t who)
+{
+    uint32_t events = (wants_more(client) ? EPOLLIN : 0u) | (client->blocked ? (uint32_t)EPOLLOUT : 0u);
+    if (is_done(client))
+        drop(client);
+    else if (events != client->events && wait_for(c, EPOLL_CTL_MOD, client->fd, events, who))
+        client->events = events;
+}
+
+/* --- the loop's side ---------------------------------------------------------------------------------------------- */
+
+static bool can_step(const ect_client_t *client)
+{
+    return ect_client_busy(client) && !client->closing && ect_client_room(client);
+}
+
+static bool ready(const ect_client_t *client)
+{
+    return client->fd >= 0 && ((client->readable && wants_more(client)) || can_step(client) ||
+                               (client->unsent > 0 && !client->blocked) || is_done(client));
+}
+
+/* Takes note of who has sent something, who can take more and who has gone. */
+static void look(ect_control_t *c)
+{
+    struct epoll_event events[WAITABLE];
+    int count = epoll_wait(c->epoll, events, WAITABLE, 0);
+    for (int i = 0; i < count; i++) {
+        if (events[i].data.u32 == ACCEPT) {
+            c->accepts = true;
             continue;
-        memcpy(w->told, text, sizeof w->told);
-        cJSON *line = describe(&w->ref, w->slave);
-        add_time(line, now_ns);
-        send_line(client, line);
+        }
+        ect_client_t *client = &c->clients[events[i].data.u32];
+        client->readable |= (events[i].events & (uint32_t)~EPOLLOUT) != 0;
+        client->blocked &= (events[i].events & EPOLLOUT) == 0;
+        if ((events[i].events & (EPOLLHUP | EPOLLERR)) != 0) {
+            client->deaf = true;
+            client->blocked = false;
+            client->unsent = 0;
+        }
     }
 }
 
-/* Those who want every change are told after each poll, the others once a period. */
-uint64_t ect_control_report(ect_control_t *c, uint64_t now_ns)
+static size_t every_room(const ect_control_t *c, const ect_client_t *but)
 {
-    bool due = now_ns >= c->next_report_ns || c->next_report_ns == ECT_NEVER;
-    bool periodic = false;
+    size_t used = 0;
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
-        client_t *client = &c->clients[i];
-        if (client->watched_count > 0 && (due || client->every))
-            report_changes(client, now_ns);
-        periodic |= client->fd >= 0 && client->watched_count > 0 && !client->every;
+        const ect_client_t *client = &c->clients[i];
+        if (client != but && client->watch && ect_watch_is_every(client->watch))
+            used += ect_watch_count(client->watch);
     }
-    if (!periodic)
-        c->next_report_ns = ECT_NEVER;
-    else if (due)
-        c->next_report_ns = now_ns + WATCH_PERIOD_NS;
-    return c->next_report_ns;
+    return used < ECT_CONTROL_EVERY ? ECT_CONTROL_EVERY - used : 0;
+}
+
+static void serve_client(ect_control_t *c, ect_client_t *client, uint32_t who, ect_chain_t *chain, uint64_t now_ns)
+{
+    if (client->readable && wants_more(client))
+        receive(client);
+    if (can_step(client) && ect_client_step(client, chain, every_room(c, client), now_ns))
+        ect_control_note(c, now_ns); /* before time goes on: what a setting has switched on may soon be off again */
+    if (client->unsent > 0 && !client->blocked && (client->visit.op == ECT_VISIT_NONE || !ect_client_room(client)))
+        flush(client);
+    settle(c, client, who);
+}
+
+/* Rounds are begun for all clients at the same time, as long as one of them wants any. */
+static void begin_rounds(ect_control_t *c, uint64_t now_ns)
+{
+    bool due = now_ns >= c->round_ns;
+    bool wanted = false;
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        ect_watch_t *watch = c->clients[i].watch;
+        if (!watch || ect_watch_is_every(watch))
+            continue;
+        wanted = true;
+        if (due)
+            ect_watch_round(watch);
+    }
+    if (!wanted)
+        c->round_ns = ECT_NEVER;
+    else if (due || c->round_ns == ECT_NEVER)
+        c->round_ns = now_ns + ROUND_NS;
+}
+
+void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    look(c);
+    begin_rounds(c, now_ns);
+    if (now_ns >= c->retry_ns && wait_for(c, EPOLL_CTL_MOD, c->fd, EPOLLIN, ACCEPT))
+        c->retry_ns = ECT_NEVER;
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS + 1; i++) {
+        uint32_t who = (uint32_t)c->turn;
+        c->turn = (c->turn + 1) % (ECT_CONTROL_CLIENTS + 1);
+        if (who == ACCEPT && c->accepts) {
+            c->accepts = false;
+            let_in(c, now_ns);
+            return;
+        }
+        if (who != ACCEPT && ready(&c->clients[who])) {
+            serve_client(c, &c->clients[who], who, chain, now_ns);
+            return;
+        }
+    }
+}
+
+uint64_t ect_control_due(const ect_control_t *c)
+{
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        if (ready(&c->clients[i]))
+            return 0;
+    }
+    return c->round_ns < c->retry_ns ? c->round_ns : c->retry_ns;
+}
+
+void ect_control_note(ect_control_t *c, uint64_t now_ns)
+{
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        ect_watch_t *watch = c->clients[i].watch;
+        if (watch && ect_watch_is_every(watch))
+            ect_watch_note(watch, now_ns);
+    }
 }

@@ -1,58 +1,52 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The control socket of a running chain: signals are read, set and watched from outside.
+ * The control socket of a running chain: signals are read, set and watched from outside. docs/CONTROL.md is its
+ * protocol, endpoint.h says where it is.
  *
- * A Unix stream socket, one a process, mode 0600, in $XDG_RUNTIME_DIR/ectwin or /tmp/ectwin-UID (mode 0700), named
- * after the process. A request is a line of JSON, an answer one or more:
+ * Frames come first. Whatever the clients ask for, ::ect_control_serve does one bounded piece of it and returns: it
+ * accepts one client, or lets one receive once, do one step (client.h) and send once; the next call goes on with the
+ * next client. What a client does not read stops what it asked for, and nothing else. What is left to do is kept in
+ * the clients, never in a queue that grows.
  *
- *   {"op":"get","pattern":"ru1.*"}          {"slave":1,"name":"ru1.on","value":"1"} ... {"ok":true}
- *   {"op":"list","pattern":"*"}             the same with "range", "access" and "meaning"
- *   {"op":"set","name":"ru1.on","value":"1"}    {"ok":true} or {"ok":false,"message":"..."}
- *   {"op":"watch","pattern":"bu.*"}         each value once, then one line a change, until the client closes; with
- * "time", seconds of the twin's clock. At most one a signal in 10 ms, with "every":true after each poll of the devices
- *
- * "slave" chooses one of the chain, from 1 (default 1; 0 in get, list and watch: all). Values are text.
- * Context: the thread of the runner. What a client does not read yet waits, up to 2 MB; then it is dropped. The bus
- * never waits for one.
+ * Context: the thread of the runner.
  */
 #ifndef ECT_BUS_CONTROL_H
 #define ECT_BUS_CONTROL_H
 
-#include <poll.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "bus/chain.h"
+#include "bus/endpoint.h"
 
-/** Descriptors that a control socket may have open: itself and its clients. */
 enum {
     ECT_CONTROL_CLIENTS = 16,
-    ECT_CONTROL_FDS = ECT_CONTROL_CLIENTS + 1,
-    ECT_CONTROL_PATH = 108,
-    ECT_CONTROL_MESSAGE = 256
+    ECT_CONTROL_EVERY = 4096, /**< signals that all clients together may watch at every change */
 };
 
 typedef struct ect_control ect_control_t;
 
-/** Writes the directory of the sockets for this user. @param[out] path  ECT_CONTROL_PATH bytes @return 0, -1 too long
- */
-int ect_control_directory(char *path);
-
 /**
- * Opens the socket. @param[out] message  on failure one line for the user; ECT_CONTROL_MESSAGE bytes
+ * Opens the socket. @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
  * @return the socket, to be closed with ::ect_control_close, or NULL
  */
 ect_control_t *ect_control_open(char *message);
 void ect_control_close(ect_control_t *control);
+
+/** Path of the socket, valid until it is closed. */
 const char *ect_control_path(const ect_control_t *control);
 
-/** What to wait for. @param[out] fds  room for ECT_CONTROL_FDS @return how many were filled */
-size_t ect_control_fds(const ect_control_t *control, struct pollfd *fds);
-/** Serves what `fds` (as filled above, waited for) report. */
-void ect_control_serve(ect_control_t *control, ect_chain_t *chain, const struct pollfd *fds, size_t count,
-                       uint64_t now_ns);
-/** Tells the watchers what has changed. @return when to call it again, ECT_NEVER without watchers */
-uint64_t ect_control_report(ect_control_t *control, uint64_t now_ns);
+/** A descriptor that is readable when ::ect_control_serve has something to do. */
+int ect_control_fd(const ect_control_t *control);
+
+/** When it has something to do although its descriptor is not readable: 0 now, ECT_NEVER. */
+uint64_t ect_control_due(const ect_control_t *control);
+
+/** Does one bounded piece of work. Cost: at most four system calls and one step of a client (client.h). */
+void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+
+/** Notes what has changed, for those who want every change. After each poll. Cost: ECT_CONTROL_EVERY comparisons. */
+void ect_control_note(ect_control_t *control, uint64_t now_ns);
 
 #endif

@@ -20,25 +20,31 @@ uint64_t ect_runner_now(void)
 }
 
 /* What the loop waits for: a frame at each end, a signal, a cable, users at the control socket. */
-typedef struct wait {
-    struct pollfd fds[ECT_ENDS + 2 + ECT_CONTROL_FDS];
-    size_t control_count;
-} wait_t;
+enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FD, WAITABLE };
 
-enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FDS };
+/* Frames in a row after which a client is served although another one waits. */
+enum { FRAMES_FIRST = 8 };
+
+/* Times that the devices have asked for and that have passed: how many of them are made up for in a row. */
+enum { CATCH_UP = 64 };
 
 static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
 {
     return a_ns < b_ns ? a_ns : b_ns;
 }
 
-static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
+static uint64_t later(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns > b_ns ? a_ns : b_ns;
+}
+
+static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++)
-        w->fds[end] = (struct pollfd){.fd = r->ports[end] ? r->ports[end]->fd : -1, .events = POLLIN};
-    w->fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
-    w->fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
-    w->control_count = r->control ? ect_control_fds(r->control, w->fds + CONTROL_FDS) : 0;
+        fds[end] = (struct pollfd){.fd = r->ports[end] ? r->ports[end]->fd : -1, .events = POLLIN};
+    fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
+    fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
+    fds[CONTROL_FD] = (struct pollfd){.fd = r->control ? ect_control_fd(r->control) : -1, .events = POLLIN};
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -48,7 +54,7 @@ static int wait_for(const ect_runner_t *r, wait_t *w, uint64_t deadline_ns)
         timeout.tv_nsec = (long)(left % NS_PER_S);
         limit = &timeout;
     }
-    return ppoll(w->fds, CONTROL_FDS + w->control_count, limit, NULL);
+    return ppoll(fds, WAITABLE, limit, NULL);
 }
 
 static void send_out(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length)
@@ -88,9 +94,16 @@ static bool circles(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t
     return true;
 }
 
+/* The time at which the chain is touched: the devices run at it first. */
+static uint64_t chain_now(ect_runner_t *r)
+{
+    r->polled_ns = r->touched_ns = ect_runner_now();
+    return r->touched_ns;
+}
+
 static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
 {
-    uint64_t came_ns = ect_runner_now();
+    uint64_t came_ns = chain_now(r);
     ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
     ect_end_t out = ECT_END_NONE;
     if (verdict != ECT_VERDICT_LOSE_REQUEST)
@@ -142,50 +155,76 @@ static bool take_signal(const ect_runner_t *r)
     return r->on_signal(r->ctx, (int)info.ssi_signo, info.ssi_code == SI_KERNEL);
 }
 
+/* At the times they have asked for, also when the loop is late: what is on for a moment only is seen by those who want
+ * every change. Time never goes back. */
+static void poll_devices(ect_runner_t *r, uint64_t now_ns)
+{
+    uint64_t next_ns = earlier(r->deadline_ns, r->touched_ns);
+    r->touched_ns = ECT_NEVER;
+    for (unsigned int i = 1; i <= CATCH_UP; i++) {
+        bool late = next_ns < now_ns && i < CATCH_UP;
+        r->polled_ns = late ? later(next_ns, r->polled_ns) : now_ns;
+        next_ns = ect_chain_poll(r->chain, r->polled_ns);
+        if (r->control)
+            ect_control_note(r->control, r->polled_ns);
+        if (next_ns > now_ns)
+            break;
+    }
+    r->deadline_ns = next_ns;
+}
+
 /* Late answers, the devices, then those who watch them. @return when to be here again */
 static uint64_t run_devices(ect_runner_t *r)
 {
     uint64_t now_ns = ect_runner_now();
     send_late(r, now_ns);
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
-    r->polled_ns = now_ns;
-    r->deadline_ns = ect_chain_poll(r->chain, now_ns);
-    uint64_t report_ns = r->control ? ect_control_report(r->control, now_ns) : ECT_NEVER;
+    poll_devices(r, now_ns);
+    uint64_t control_ns = r->control ? ect_control_due(r->control) : ECT_NEVER;
     uint64_t late_ns = earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
-    return earlier(r->deadline_ns, earlier(report_ns, late_ns));
+    return earlier(r->deadline_ns, earlier(control_ns, late_ns));
 }
 
-/* @return 1: go on; 0: stop; -1: an interface is gone */
-static int serve(ect_runner_t *r, const wait_t *w)
+/* Frames first: a client is served when none came, or too many have come one after another. */
+static void serve_control(ect_runner_t *r, bool frame, bool readable)
 {
-    for (unsigned int end = 0; end < ECT_ENDS; end++) {
-        if (w->fds[end].revents != 0 && answer(r, end) < 0)
+    if (!r->control || (!readable && ect_runner_now() < ect_control_due(r->control)))
+        return;
+    if (frame && ++r->frames_first < FRAMES_FIRST)
+        return;
+    r->frames_first = 0;
+    ect_control_serve(r->control, r->chain, chain_now(r));
+}
+
+/* @param ready  whether something has come, and `fds` says what @return 1: go on; 0: stop; -1: an interface is gone */
+static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE], bool ready)
+{
+    bool frame = false;
+    for (unsigned int end = 0; ready && end < ECT_ENDS; end++) {
+        frame |= fds[end].revents != 0;
+        if (fds[end].revents != 0 && answer(r, end) < 0)
             return -1;
     }
-    if (w->fds[LINK_FD].revents != 0) {
+    if (ready && fds[LINK_FD].revents != 0) {
         ect_packet_links_seen(r->link_fd);
         follow_cables(r);
     }
-    if (w->fds[SIGNAL_FD].revents != 0 && !take_signal(r))
+    if (ready && fds[SIGNAL_FD].revents != 0 && !take_signal(r))
         return 0;
-    if (r->control)
-        ect_control_serve(r->control, r->chain, w->fds + CONTROL_FDS, w->control_count, ect_runner_now());
+    serve_control(r, frame, ready && fds[CONTROL_FD].revents != 0);
     return 1;
 }
 
 int ect_runner_run(ect_runner_t *r)
 {
     int going = 1;
-    r->deadline_ns = ECT_NEVER;
+    r->deadline_ns = r->touched_ns = ECT_NEVER;
     follow_cables(r);
     while (going > 0) {
-        wait_t w;
+        struct pollfd fds[WAITABLE];
         uint64_t wake_ns = run_devices(r);
-        int ready = wait_for(r, &w, wake_ns);
-        if (ready < 0 && errno != EINTR)
-            going = -1;
-        else if (ready > 0)
-            going = serve(r, &w);
+        int ready = wait_for(r, fds, wake_ns);
+        going = ready < 0 && errno != EINTR ? -1 : serve(r, fds, ready > 0);
     }
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         ect_late_clear(&r->late[end]);

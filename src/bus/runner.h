@@ -33,7 +33,10 @@ typedef struct ect_runner {
     /* The loop's own; start at zero. */
     ect_late_t late[ECT_ENDS];
     ect_circle_t circles[ECT_ENDS];
-    uint64_t deadline_ns, polled_ns;
+    uint64_t deadline_ns; /* when the devices want to run */
+    uint64_t polled_ns;   /* the latest time that the chain has seen */
+    uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */
+    unsigned int frames_first;
     bool linked[ECT_ENDS];
 } ect_runner_t;
 
@@ -42,8 +45,8 @@ uint64_t ect_runner_now(void);
 
 /**
  * Runs until `on_signal` stops it.
- * Cost: one wait and three system calls (receive, its age, send) a frame; nothing while the bus is quiet but the devices'
- * timers.
+ * Cost: one wait and three system calls (receive, its age, send) a frame; nothing while the bus is quiet but the
+ * devices' timers.
  * @return 0 · -1 an interface went away (errno)
  */
 int ect_runner_run(ect_runner_t *runner);

@@ -3,11 +3,11 @@
 #include "bus/signals.h"
 
 #include <errno.h>
-#include <fnmatch.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* A value in its own type. The room is that of the longest text or byte string that a signal may have. */
 typedef union value {
@@ -21,7 +21,7 @@ typedef union value {
     uint8_t bytes[ECT_SIGNAL_TEXT_ROOM / 2];
 } value_t;
 
-static size_t size_of(const ect_signal_t *signal)
+size_t ect_signal_size(const ect_signal_t *signal)
 {
     switch (signal->type) {
     case ECT_SIGNAL_BOOL:
@@ -71,54 +71,82 @@ static ect_signal_ref_t make_ref(const ect_plant_t *plant, void *instance, const
     return ref;
 }
 
-size_t ect_signals_visit(const ect_plant_t *plant, void *instance, const char *pattern,
-                         void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx)
+bool ect_signals_next(const ect_plant_t *plant, void *instance, ect_signal_cursor_t *cursor, ect_signal_ref_t *ref)
 {
-    size_t count = 0;
-    for (unsigned int g = 0; plant && g < plant->signal_group_count; g++) {
-        const ect_signal_group_t *group = &plant->signal_groups[g];
-        uint16_t first = group->count > 0 ? 1 : 0;
-        for (uint16_t number = first; number <= group->count; number++) {
-            for (unsigned int i = 0; i < group->signal_count; i++) {
-                ect_signal_ref_t ref = make_ref(plant, instance, group, &group->signals[i], number);
-                if (fnmatch(pattern, ref.name, 0) != 0)
-                    continue;
-                visit(ctx, &ref);
-                count++;
-            }
+    while (plant && cursor->group < plant->signal_group_count) {
+        const ect_signal_group_t *group = &plant->signal_groups[cursor->group];
+        if (group->count > 0 && cursor->number == 0)
+            cursor->number = 1;
+        if (cursor->number <= group->count && cursor->index < group->signal_count) {
+            *ref = make_ref(plant, instance, group, &group->signals[cursor->index++], cursor->number);
+            return true;
+        }
+        cursor->index = 0;
+        if (cursor->number < group->count) {
+            cursor->number++;
+        } else {
+            cursor->group++;
+            cursor->number = 0;
         }
     }
-    return count;
+    return false;
 }
 
-typedef struct search {
-    const char *name;
-    ect_signal_ref_t *ref;
-    bool found;
-} search_t;
-
-static void compare(void *ctx, const ect_signal_ref_t *ref)
+/* What follows the group's prefix, number and dot in `name`, or NULL: it is of another group. */
+static const char *inside(const ect_signal_group_t *group, const char *name, uint16_t *number)
 {
-    search_t *search = ctx;
-    if (strcmp(ref->name, search->name) != 0)
-        return;
-    *search->ref = *ref;
-    search->found = true;
+    size_t length = group->prefix ? strlen(group->prefix) : 0;
+    *number = 0;
+    if (!group->prefix)
+        return name;
+    if (strncmp(name, group->prefix, length) != 0)
+        return NULL;
+    name += length;
+    if (group->count > 0) {
+        char *end;
+        if (*name < '1' || *name > '9')
+            return NULL;
+        unsigned long value = strtoul(name, &end, 10);
+        if (value > group->count)
+            return NULL;
+        *number = (uint16_t)value;
+        name = end;
+    }
+    return *name == '.' ? name + 1 : NULL;
 }
 
 bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name, ect_signal_ref_t *ref)
 {
-    search_t search = {.name = name, .ref = ref};
-    (void)ect_signals_visit(plant, instance, "*", compare, &search);
-    return search.found;
+    for (unsigned int g = 0; plant && g < plant->signal_group_count; g++) {
+        const ect_signal_group_t *group = &plant->signal_groups[g];
+        uint16_t number;
+        const char *rest = inside(group, name, &number);
+        for (unsigned int i = 0; rest && i < group->signal_count; i++) {
+            if (strcmp(group->signals[i].name, rest) == 0) {
+                *ref = make_ref(plant, instance, group, &group->signals[i], number);
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+bool ect_signal_is_number(const ect_signal_t *signal)
+{
+    return signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES;
 }
 
 void ect_signal_read(const ect_signal_ref_t *ref, char *text)
 {
+    ect_signal_text(ref->signal, ref->value, text);
+}
+
+void ect_signal_text(const ect_signal_t *signal, const void *value, char *text)
+{
     value_t v = {0};
-    size_t size = size_of(ref->signal);
-    memcpy(&v, ref->value, size < sizeof v ? size : sizeof v);
-    switch (ref->signal->type) {
+    size_t size = ect_signal_size(signal);
+    memcpy(&v, value, size < sizeof v ? size : sizeof v);
+    switch (signal->type) {
     case ECT_SIGNAL_BOOL:
     case ECT_SIGNAL_U8:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%u", v.u8);
@@ -176,11 +204,13 @@ static bool parse_bytes(const char *text, size_t size, uint8_t *bytes)
 static bool parse_integer(const ect_signal_t *signal, const char *text, value_t *v)
 {
     char *end;
+    bool negative = *text == '-';
+    int base = strncasecmp(text + negative, "0x", 2) == 0 ? 16 : 10;
     errno = 0;
-    long long number = strtoll(text, &end, 0);
+    long long number = strtoll(text, &end, base);
     if (errno != 0 || end == text || *end != 0 || number < signal->minimum || number > signal->maximum)
         return false;
-    switch (size_of(signal)) {
+    switch (ect_signal_size(signal)) {
     case 1:
         v->u8 = (uint8_t)number;
         break;
@@ -199,9 +229,9 @@ static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
     char *end;
     switch (signal->type) {
     case ECT_SIGNAL_BYTES:
-        return size_of(signal) <= sizeof v->bytes && parse_bytes(text, size_of(signal), v->bytes);
+        return ect_signal_size(signal) <= sizeof v->bytes && parse_bytes(text, ect_signal_size(signal), v->bytes);
     case ECT_SIGNAL_TEXT:
-        if (strlen(text) >= size_of(signal) || strlen(text) >= sizeof v->text || !all_visible(text))
+        if (strlen(text) >= ect_signal_size(signal) || strlen(text) >= sizeof v->text || !all_visible(text))
             return false;
         strcpy(v->text, text);
         return true;
@@ -213,20 +243,33 @@ static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
     }
 }
 
+/* @return whether the text is a value that the user may set; then *v is it */
+static bool accept(const ect_signal_ref_t *ref, const char *text, value_t *v, char *message)
+{
+    char range[ECT_SIGNAL_TEXT_ROOM];
+    if (ref->signal->access != ECT_SIGNAL_WRITE) {
+        snprintf(message, ECT_SIGNAL_MESSAGE, "%s is the twin's own: it can be read and watched, not set", ref->name);
+        return false;
+    }
+    if (parse(ref->signal, text, v))
+        return true;
+    ect_signal_range(ref->signal, range);
+    snprintf(message, ECT_SIGNAL_MESSAGE, "%s takes %s, not '%.40s'", ref->name, range, text);
+    return false;
+}
+
+bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *message)
+{
+    value_t v = {0};
+    return accept(ref, text, &v, message);
+}
+
 bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t now_ns, char *message)
 {
     const ect_signal_t *signal = ref->signal;
     value_t v = {0};
-    if (signal->access != ECT_SIGNAL_WRITE) {
-        snprintf(message, ECT_SIGNAL_MESSAGE, "%s is the twin's own: it can be read and watched, not set", ref->name);
+    if (!accept(ref, text, &v, message))
         return false;
-    }
-    if (!parse(signal, text, &v)) {
-        char range[ECT_SIGNAL_TEXT_ROOM];
-        ect_signal_range(signal, range);
-        snprintf(message, ECT_SIGNAL_MESSAGE, "%s takes %s, not '%.40s'", ref->name, range, text);
-        return false;
-    }
     const char *refusal = NULL;
     if (ref->plant->signal_write)
         refusal = ref->plant->signal_write(ref->instance, signal, ref->number, &v, now_ns);
@@ -235,6 +278,6 @@ bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t no
         return false;
     }
     if (!refusal)
-        memcpy(ref->value, &v, size_of(signal));
+        memcpy(ref->value, &v, ect_signal_size(signal));
     return true;
 }

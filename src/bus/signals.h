@@ -27,26 +27,49 @@ typedef struct ect_signal_ref {
     char name[ECT_SIGNAL_NAME];
 } ect_signal_ref_t;
 
-/**
- * Calls `visit` for each signal whose name matches a shell pattern ("ru1.*", "*"), in the order of the tables.
- * @param plant  NULL: there are none
- * @return how many matched
- */
-size_t ect_signals_visit(const ect_plant_t *plant, void *instance, const char *pattern,
-                         void (*visit)(void *ctx, const ect_signal_ref_t *ref), void *ctx);
+/** How far a walk through the signals of a device has come. Zeroed: at its beginning. */
+typedef struct ect_signal_cursor {
+    uint16_t group, number, index;
+} ect_signal_cursor_t;
 
-/** @return whether there is a signal of exactly that name; then *ref is set */
+/**
+ * The next signal of a walk, in the order of the tables. Cost: that of writing its name, wherever the walk stands.
+ * @param plant  NULL: there are none
+ * @return whether there is one; then *ref is set and the cursor stands behind it
+ */
+bool ect_signals_next(const ect_plant_t *plant, void *instance, ect_signal_cursor_t *cursor, ect_signal_ref_t *ref);
+
+/**
+ * @return whether there is a signal of exactly that name; then *ref is set. Cost: comparing the names of its group.
+ */
 bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name, ect_signal_ref_t *ref);
 
-/** The value as text: numbers decimal, bytes hexadecimal. @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
+/** Bytes that a value takes in the instance. */
+size_t ect_signal_size(const ect_signal_t *signal);
+
+/** Whether a value reads as a number, and not as a text in quotes (TEXT, BYTES). */
+bool ect_signal_is_number(const ect_signal_t *signal);
+
+/**
+ * A value as text: numbers decimal, bytes hexadecimal, what is not visible in a text as '?'.
+ * @param value      ect_signal_size() bytes as they stand in an instance, of any alignment
+ * @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes
+ */
+void ect_signal_text(const ect_signal_t *signal, const void *value, char *text);
+
+/** The present value as text. @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_read(const ect_signal_ref_t *ref, char *text);
 
 /**
- * Sets a signal from text, if the user may, the value is in its range and the plant agrees.
+ * Sets a signal from text (a number is decimal, or hexadecimal behind 0x; "010" is ten), if the user may, the value is
+ * in its range and the plant agrees.
  * @param[out] message  on failure why not, with the range; ECT_SIGNAL_MESSAGE bytes
  * @return whether it was done; if not, nothing has changed
  */
 bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t now_ns, char *message);
+
+/** The part of ::ect_signal_write that asks no device: may the user set it, is the value in its range. Sets nothing. */
+bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *message);
 
 /** Range of a signal's values as text, e.g. "-1000..1000 %". @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_range(const ect_signal_t *signal, char *text);

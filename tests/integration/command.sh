@@ -98,8 +98,8 @@ every_change_is_told() {
   check "watch: --every" "busy 1 busy 0" "$("$ectwin" with fzm1 -- bash -c "
     lines() { for i in {1..100}; do [ \$(wc -l <'$work/watch') -ge \$1 ] && break; sleep 0.1; done; }
     >'$work/watch'; '$ectwin' watch --every busy >'$work/watch' & pid=\$!
-    lines 1; '$ectwin' set image_input=2000 processing=2000 trigger=1; lines 3; kill \$pid; wait \$pid" 2>/dev/null
-    sed -n '2,$ s/.*"name":"\(.*\)","value":"\(.\)","time".*/\1 \2/p' "$work/watch" | xargs)"
+    lines 1; '$ectwin' set image_input=100 processing=100 trigger=1; lines 3; kill \$pid; wait \$pid" 2>/dev/null
+    sed -n '2,$ s/.*"name":"\(.*\)","value":\(.\),"time".*/\1 \2/p' "$work/watch" | xargs)"
 }
 
 # In a namespace: run on one end that is down, end it by SIGTERM and SIGINT; the interface is down again.

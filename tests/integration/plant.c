@@ -50,10 +50,14 @@ static void ask(const char *op, const char *key, const char *name, const char *v
     fflush(connection());
 }
 
+/* Numbers come as numbers. */
 static const char *text_of(const cJSON *object, const char *key)
 {
-    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, key));
-    return text ? text : "";
+    static char number[WORD_ROOM];
+    const cJSON *value = cJSON_GetObjectItemCaseSensitive(object, key);
+    const char *text = cJSON_GetStringValue(value);
+    snprintf(number, sizeof number, "%.15g", cJSON_IsNumber(value) ? value->valuedouble : 0);
+    return text ? text : cJSON_IsNumber(value) ? number : "";
 }
 
 /* @return whether it was taken; else `message` says why */

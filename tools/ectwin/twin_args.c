@@ -288,7 +288,7 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves)
 
 ect_control_t *open_control(const char *who)
 {
-    char message[ECT_CONTROL_MESSAGE];
+    char message[ECT_ENDPOINT_MESSAGE];
     ect_control_t *control = ect_control_open(message);
     if (!control)
         fprintf(stderr, "%s: %s; 'ectwin get' and 'set' will not reach it\n", who, message);

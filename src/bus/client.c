@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/client.h"
+
+#include <cjson/cJSON.h>
+#include <fnmatch.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/settings.h"
+
+bool ect_client_room(const ect_client_t *client)
+{
+    return client->deaf || ECT_CLIENT_ANSWER - client->unsent >= (ECT_CLIENT_LINES + 2) * ECT_LINE_ROOM;
+}
+
+bool ect_client_busy(const ect_client_t *client)
+{
+    return client->visit.op != ECT_VISIT_NONE || client->line > 0 ||
+           (client->watch && ect_watch_pending(client->watch));
+}
+
+void ect_client_received(ect_client_t *client)
+{
+    const char *end = memchr(client->request, '\n', client->received);
+    client->line = end ? (size_t)(end - client->request) + 1 : 0;
+}
+
+static void put(ect_client_t *client, const ect_line_t *line)
+{
+    if (client->deaf)
+        return;
+    memcpy(client->answer + client->unsent, line->text, line->length);
+    client->unsent += line->length;
+}
+
+void ect_client_result(ect_client_t *client, const char *message)
+{
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_line_plain(&line, "ok", message ? "false" : "true");
+    if (message)
+        ect_line_string(&line, "message", message);
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+/* --- get, list, watch --------------------------------------------------------------------------------------------- */
+
+static void describe(ect_client_t *client, const ect_signal_ref_t *ref, uint64_t now_ns)
+{
+    const ect_visit_t *v = &client->visit;
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_watch_describe(&line, ref, v->slave, ref->value);
+    if (v->op == ECT_VISIT_LIST) {
+        char range[ECT_SIGNAL_TEXT_ROOM];
+        ect_signal_range(ref->signal, range);
+        ect_line_string(&line, "access", ref->signal->access == ECT_SIGNAL_WRITE ? "rw" : "r");
+        ect_line_string(&line, "range", range);
+        ect_line_string(&line, "meaning", ref->signal->meaning);
+    } else if (v->op == ECT_VISIT_WATCH) {
+        ect_line_time(&line, now_ns);
+    }
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+static void end_visit(ect_client_t *client, const char *message)
+{
+    client->visit.op = ECT_VISIT_NONE;
+    ect_client_result(client, message);
+}
+
+/* @return whether the walk may go on */
+static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref, size_t every_room)
+{
+    if (ect_watch_is_every(client->watch) && ect_watch_count(client->watch) >= every_room) {
+        end_visit(client,
+                  "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out");
+        return false;
+    }
+    if (ect_watch_add(client->watch, ref, client->visit.slave))
+        return true;
+    end_visit(client, "a connection watches at most 4096 signals: name fewer");
+    return false;
+}
+
+/* The next signal of the walk, on this slave. */
+static bool next_signal(ect_visit_t *v, const ect_chain_t *chain, ect_signal_ref_t *ref)
+{
+    if (!v->literal)
+        return ect_chain_next_signal(chain, v->slave, &v->cursor, ref);
+    bool first = v->cursor.device.group == 0;
+    v->cursor.device.group = 1;
+    return first && ect_chain_signal(chain, v->slave, v->pattern, ref);
+}
+
+static void go_on(ect_client_t *client, const ect_chain_t *chain, size_t every_room, uint64_t now_ns)
+{
+    ect_visit_t *v = &client->visit;
+    unsigned int lines = 0;
+    for (unsigned int looks = 0; looks < ECT_CLIENT_LOOKS && lines < ECT_CLIENT_LINES; looks++) {
+        ect_signal_ref_t ref;
+        if (next_signal(v, chain, &ref)) {
+            if (!v->literal && fnmatch(v->pattern, ref.name, 0) != 0)
+                continue;
+            if (v->op == ECT_VISIT_WATCH && !watch_one(client, &ref, every_room))
+                return;
+            describe(client, &ref, now_ns);
+            v->matched++;
+            lines++;
+        } else if (v->slave == v->last) {
+            end_visit(client, v->matched > 0 ? NULL : "no signal matches: 'ectwin list-signals' names them all");
+            return;
+        } else {
+            v->slave++;
+            v->cursor = (ect_chain_cursor_t){0};
+        }
+    }
+}
+
+/* @return why not, NULL when it begins */
+static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+{
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "pattern");
+    const char *pattern = json ? cJSON_GetStringValue(json) : "*";
+    ect_visit_t *v = &client->visit;
+    if (!pattern || strlen(pattern) >= sizeof v->pattern)
+        return "\"pattern\" is a text of at most 127 characters";
+    if (v->op == ECT_VISIT_WATCH && !client->watch)
+        client->watch = ect_watch_new();
+    if (v->op == ECT_VISIT_WATCH && !client->watch)
+        return "not enough memory";
+    if (v->op == ECT_VISIT_WATCH && cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "every")))
+        ect_watch_every(client->watch);
+    v->cursor = (ect_chain_cursor_t){0};
+    v->matched = 0;
+    v->slave = slave > 0 ? slave - 1 : 0;
+    v->last = slave > 0 ? slave - 1 : ect_chain_count(chain) - 1;
+    v->literal = strpbrk(pattern, "*?[\\") == NULL;
+    strcpy(v->pattern, pattern);
+    return NULL;
+}
+
+/* --- set ---------------------------------------------------------------------------------------------------------- */
+
+/* A value may be text, a number or a truth value; `text` has room for the last two. @return it as text, NULL */
+static const char *value_of(const cJSON *json, char text[32])
+{
+    if (cJSON_IsString(json))
+        return cJSON_GetStringValue(json);
+    if (cJSON_IsBool(json))
+        return cJSON_IsTrue(json) ? "1" : "0";
+    if (!cJSON_IsNumber(json) || !isfinite(json->valuedouble))
+        return NULL;
+    snprintf(text, 32, "%.15g", json->valuedouble);
+    return text;
+}
+
+/* {"name":N,"value":V}, or several at once: {"values":{N:V,...}}. @return why not, NULL when all are set */
+static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, uint64_t now_ns,
+                       char message[ECT_SIGNAL_MESSAGE])
+{
+    ect_setting_t settings[ECT_ENDPOINT_VALUES];
+    char texts[ECT_ENDPOINT_VALUES][32];
+    size_t count = 0;
+    const cJSON *values = cJSON_GetObjectItemCaseSensitive(request, "values");
+    if (cJSON_IsObject(values)) {
+        for (const cJSON *one = values->child; one; one = one->next, count++) {
+            if (count == ECT_ENDPOINT_VALUES)
+                return "a request sets at most 128 signals";
+            settings[count] = (ect_setting_t){.name = one->string, .value = value_of(one, texts[count])};
+        }
+    } else {
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "name"));
+        const cJSON *value = cJSON_GetObjectItemCaseSensitive(request, "value");
+        if (name)
+            settings[count++] = (ect_setting_t){.name = name, .value = value_of(value, texts[0])};
+    }
+    if (count == 0)
+        return "\"set\" takes {\"name\":...,\"value\":...} or {\"values\":{NAME:VALUE,...}}";
+    for (size_t i = 0; i < count; i++) {
+        if (!settings[i].value)
+            return "a value is a text, a number, true or false";
+    }
+    return ect_settings_apply(chain, slave - 1, settings, count, now_ns, message) ? NULL : message;
+}
+
+/* --- requests ----------------------------------------------------------------------------------------------------- */
+
+/* @return the slave that a request is for, from 1; 0: all of them; -1: there is no such slave */
+static long slave_of(const cJSON *request, const ect_chain_t *chain)
+{
+    const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
+    double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
+    bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && floor(slave) == slave;
+    return exists ? (long)slave : -1;
+}
+
+static bool is_visit(ect_visit_t *v, const char *op)
+{
+    static const char *const names[] = {
+        [ECT_VISIT_GET] = "get", [ECT_VISIT_LIST] = "list", [ECT_VISIT_WATCH] = "watch"};
+    for (unsigned int i = ECT_VISIT_GET; i <= ECT_VISIT_WATCH; i++) {
+        if (strcmp(op, names[i]) == 0)
+            v->op = i;
+    }
+    return v->op != ECT_VISIT_NONE;
+}
+
+/* @return whether a signal was set */
+static bool serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
+    long slave = slave_of(request, chain);
+    bool is_set = op && strcmp(op, "set") == 0;
+    const char *why = "a request is a line {\"op\":\"get|list|set|watch\",...}";
+    if (slave < 0 || (is_set && slave == 0)) {
+        why = "there is no such slave in this chain";
+    } else if (is_set) {
+        why = set(chain, (size_t)slave, request, now_ns, message);
+        ect_client_result(client, why);
+        return !why;
+    } else if (op && is_visit(&client->visit, op)) {
+        why = begin(client, chain, (size_t)slave, request);
+    }
+    if (why)
+        end_visit(client, why);
+    return false;
+}
+
+static bool serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+{
+    bool done = false;
+    if (memchr(client->request, 0, client->line)) {
+        ect_client_result(client, "a request is text: it has no zero byte in it");
+    } else {
+        cJSON *request = cJSON_ParseWithLength(client->request, client->line);
+        done = serve(client, chain, request, now_ns);
+        cJSON_Delete(request);
+    }
+    client->received -= client->line;
+    memmove(client->request, client->request + client->line, client->received);
+    ect_client_received(client);
+    return done;
+}
+
+static void tell_changes(ect_client_t *client, uint64_t now_ns)
+{
+    unsigned int budget = ECT_CLIENT_COMPARES;
+    ect_line_t line;
+    for (unsigned int i = 0; i < ECT_CLIENT_LINES && ect_watch_next(client->watch, &budget, now_ns, &line); i++)
+        put(client, &line);
+}
+
+bool ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns)
+{
+    bool done = false;
+    if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
+        done = serve_line(client, chain, now_ns);
+    if (client->visit.op != ECT_VISIT_NONE)
+        go_on(client, chain, every_room, now_ns);
+    else if (client->watch)
+        tell_changes(client, now_ns);
+    if (client->watch && ect_watch_lost(client->watch) && !client->closing) {
+        ect_client_result(client, "changes were lost: they were not read in time");
+        client->closing = true;
+    }
+    return done;
+}

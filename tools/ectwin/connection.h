@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A connection to the control socket of a running twin (docs/CONTROL.md), and what a twin says, made fit for a
+ * terminal.
+ */
+#ifndef ECTWIN_CONNECTION_H
+#define ECTWIN_CONNECTION_H
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+/**
+ * Connects to the socket that is named, or to the only twin of this user that runs. On failure prints why, and what to
+ * do: whose twins there are if none are this user's.
+ * @param path  NULL: $ECTWIN_SOCKET, or look for it. What is looked for must be this user's own; what is named may be
+ *              root's too, and for root anybody's
+ * @param who   stands in front of what is printed
+ * @return a stream to close with fclose(), or NULL
+ */
+FILE *connection_open(const char *path, const char *who);
+
+/** Sends a request and frees it. @return false: it is longer than the protocol allows (told) */
+bool connection_ask(FILE *connection, cJSON *request, const char *who);
+
+/**
+ * Hands lines of an answer to `print` (NULL: to nobody) until the one that says how it went.
+ * @return EXIT_CLEAN · EXIT_USAGE: it was refused, the reason is printed · EXIT_RUN: no answer, or nobody reads ours
+ */
+int connection_answer(FILE *connection, const char *who, void (*print)(const cJSON *line));
+
+/** After the answer to "watch": hands on whole lines until the connection ends. @return EXIT_RUN */
+int connection_follow(FILE *connection, const char *who);
+
+/** Member of a line as text, "" if there is none. A number is written into `room`. */
+const char *connection_text(const cJSON *line, const char *member, char room[32]);
+
+/** Prints text from a twin; what could steer a terminal is printed as \xNN. */
+void print_text(FILE *stream, const char *text);
+
+#endif

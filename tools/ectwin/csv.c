@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+#include "csv.h"
+
+#include <errno.h>
+#include <string.h>
+
+/* A line without its end. @return false at the end of the file, or with csv->why set */
+static bool read_line(csv_t *csv, char text[CSV_LINE])
+{
+    size_t length = 0;
+    int c = getc(csv->file);
+    csv->line++;
+    if (c == EOF) {
+        csv->why = ferror(csv->file) ? strerror(errno) : NULL;
+        return false;
+    }
+    for (; c != EOF && c != '\n'; c = getc(csv->file)) {
+        if (c == 0 || length == CSV_LINE - 1) {
+            csv->why = c == 0 ? "it has a zero byte in it: this is no text file" : "it is longer than 16383 characters";
+            return false;
+        }
+        text[length++] = (char)c;
+    }
+    if (length > 0 && text[length - 1] == '\r')
+        length--;
+    text[length] = 0;
+    return true;
+}
+
+static char *trim(char *from, char *end)
+{
+    while (from < end && (*from == ' ' || *from == '\t'))
+        from++;
+    while (end > from && (end[-1] == ' ' || end[-1] == '\t'))
+        end--;
+    *end = 0;
+    return from;
+}
+
+/* A cell in quotes, written over itself without them. Moves `at` to the next cell, NULL: there is none. */
+static bool split_quoted(csv_t *csv, char **at, char **cell)
+{
+    char *from = *at + 1;
+    char *to = from;
+    *cell = to;
+    while (from[0] != '"' || from[1] == '"') {
+        if (*from == 0) {
+            csv->why = "a quote is not closed";
+            return false;
+        }
+        from += *from == '"';
+        *to++ = *from++;
+    }
+    const char *after = from + 1 + strspn(from + 1, " ");
+    if (*after != 0 && *after != csv->separator) {
+        csv->why = "something follows a closing quote";
+        return false;
+    }
+    *at = *after != 0 ? from + (after - from) + 1 : NULL;
+    *to = 0;
+    return true;
+}
+
+static bool split(csv_t *csv, char *line, char *cells[CSV_CELLS], size_t *count)
+{
+    *count = 0;
+    for (char *at = line; at;) {
+        if (*count == CSV_CELLS) {
+            csv->why = "it has more than 128 cells";
+            return false;
+        }
+        char **cell = &cells[(*count)++];
+        at += strspn(at, " ");
+        if (*at == '"') {
+            if (!split_quoted(csv, &at, cell))
+                return false;
+            continue;
+        }
+        char *end = at + strcspn(at, (const char[]){csv->separator, 0});
+        char *next = *end != 0 ? end + 1 : NULL;
+        *cell = trim(at, end);
+        at = next;
+    }
+    return true;
+}
+
+bool csv_open(csv_t *csv, const char *path)
+{
+    static const char mark[] = "\xEF\xBB\xBF";
+    memset(csv, 0, sizeof *csv);
+    csv->file = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
+    if (!csv->file) {
+        csv->why = strerror(errno);
+        return false;
+    }
+    if (!read_line(csv, csv->header)) {
+        csv->why = csv->why ? csv->why : "it is empty";
+        return false;
+    }
+    char *line = csv->header + (strncmp(csv->header, mark, 3) == 0 ? 3 : 0);
+    const char *separator = strpbrk(line, ",;\t");
+    csv->separator = separator ? *separator : ',';
+    return split(csv, line, csv->names, &csv->columns);
+}
+
+bool csv_next(csv_t *csv)
+{
+    do {
+        if (!read_line(csv, csv->text))
+            return false;
+    } while (csv->text[strspn(csv->text, " ")] == 0);
+    if (!split(csv, csv->text, csv->cells, &csv->count))
+        return false;
+    if (csv->count != csv->columns)
+        csv->why = "it has not as many cells as the first line has names";
+    return csv->count == csv->columns;
+}
+
+void csv_close(csv_t *csv)
+{
+    if (csv->file && csv->file != stdin)
+        fclose(csv->file);
+    csv->file = NULL;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Tables from a text file: the first line holds names, each other one as many cells.
+ *
+ * The cells stand between commas, semicolons or tabs, whichever comes first in the first line; blanks around a cell do
+ * not count; one in double quotes may have anything in it but the end of a line, and "" for a quote. A byte order mark
+ * and CR LF are fine; empty lines are passed over. Nothing is cut: what cannot be taken whole is refused.
+ */
+#ifndef ECTWIN_CSV_H
+#define ECTWIN_CSV_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum { CSV_CELLS = 128, CSV_LINE = 16384 };
+
+typedef struct csv {
+    FILE *file;
+    char separator;
+    unsigned int line; /**< number of the line read last, from 1 */
+    size_t columns;
+    size_t count; /**< cells of the line read last */
+    char *names[CSV_CELLS];
+    char *cells[CSV_CELLS];
+    char header[CSV_LINE];
+    char text[CSV_LINE];
+    const char *why; /**< what is wrong, NULL: nothing */
+} csv_t;
+
+/** Opens a file ("-": standard input) and reads its first line. @return false: csv->why says why not */
+bool csv_open(csv_t *csv, const char *path);
+
+/** Reads the next line with cells. @return false at the end, or with csv->why set */
+bool csv_next(csv_t *csv);
+
+void csv_close(csv_t *csv);
+
+#endif
