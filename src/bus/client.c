@@ -211,8 +211,7 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
-/* @return whether a signal was set */
-static bool serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
+static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];
     const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
@@ -222,31 +221,27 @@ static bool serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     if (slave < 0 || (is_set && slave == 0)) {
         why = "there is no such slave in this chain";
     } else if (is_set) {
-        why = set(chain, (size_t)slave, request, now_ns, message);
-        ect_client_result(client, why);
-        return !why;
+        ect_client_result(client, set(chain, (size_t)slave, request, now_ns, message));
+        return;
     } else if (op && is_visit(&client->visit, op)) {
         why = begin(client, chain, (size_t)slave, request);
     }
     if (why)
         end_visit(client, why);
-    return false;
 }
 
-static bool serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+static void serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
 {
-    bool done = false;
     if (memchr(client->request, 0, client->line)) {
         ect_client_result(client, "a request is text: it has no zero byte in it");
     } else {
         cJSON *request = cJSON_ParseWithLength(client->request, client->line);
-        done = serve(client, chain, request, now_ns);
+        serve(client, chain, request, now_ns);
         cJSON_Delete(request);
     }
     client->received -= client->line;
     memmove(client->request, client->request + client->line, client->received);
     ect_client_received(client);
-    return done;
 }
 
 static void tell_changes(ect_client_t *client, uint64_t now_ns)
@@ -257,11 +252,10 @@ static void tell_changes(ect_client_t *client, uint64_t now_ns)
         put(client, &line);
 }
 
-bool ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns)
+void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns)
 {
-    bool done = false;
     if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
-        done = serve_line(client, chain, now_ns);
+        serve_line(client, chain, now_ns);
     if (client->visit.op != ECT_VISIT_NONE)
         go_on(client, chain, every_room, now_ns);
     else if (client->watch)
@@ -270,5 +264,4 @@ bool ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
         ect_client_result(client, "changes were lost: they were not read in time");
         client->closing = true;
     }
-    return done;
 }

@@ -64,9 +64,8 @@ void ect_client_received(ect_client_t *client);
 /**
  * Does one step. Only with ect_client_room().
  * @param every_room  signals that may still be watched at every change
- * @return whether a signal was set
  */
-bool ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns);
+void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns);
 
 /** Adds the line that ends an answer. @param message  why not; NULL: it was done */
 void ect_client_result(ect_client_t *client, const char *message);

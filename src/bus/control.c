@@ -257,8 +257,8 @@ static void serve_client(ect_control_t *c, ect_client_t *client, uint32_t who, e
 {
     if (client->readable && wants_more(client))
         receive(client);
-    if (can_step(client) && ect_client_step(client, chain, every_room(c, client), now_ns))
-        ect_control_note(c, now_ns); /* before time goes on: what a setting has switched on may soon be off again */
+    if (can_step(client))
+        ect_client_step(client, chain, every_room(c, client), now_ns);
     if (client->unsent > 0 && !client->blocked && (client->visit.op == ECT_VISIT_NONE || !ect_client_room(client)))
         flush(client);
     settle(c, client, who);
@@ -283,15 +283,12 @@ static void begin_rounds(ect_control_t *c, uint64_t now_ns)
         c->round_ns = now_ns + ROUND_NS;
 }
 
-void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+/* The next of those who have something to do. */
+static void serve_one(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 {
-    look(c);
-    begin_rounds(c, now_ns);
-    if (now_ns >= c->retry_ns && wait_for(c, EPOLL_CTL_MOD, c->fd, EPOLLIN, ACCEPT))
-        c->retry_ns = ECT_NEVER;
-    for (size_t i = 0; i < ECT_CONTROL_CLIENTS + 1; i++) {
+    for (size_t i = 0; i < WAITABLE; i++) {
         uint32_t who = (uint32_t)c->turn;
-        c->turn = (c->turn + 1) % (ECT_CONTROL_CLIENTS + 1);
+        c->turn = (c->turn + 1) % WAITABLE;
         if (who == ACCEPT && c->accepts) {
             c->accepts = false;
             let_in(c, now_ns);
@@ -302,6 +299,15 @@ void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
             return;
         }
     }
+}
+
+void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    look(c);
+    if (now_ns >= c->retry_ns && wait_for(c, EPOLL_CTL_MOD, c->fd, EPOLLIN, ACCEPT))
+        c->retry_ns = ECT_NEVER;
+    serve_one(c, chain, now_ns);
+    begin_rounds(c, now_ns);
 }
 
 uint64_t ect_control_due(const ect_control_t *c)
