@@ -296,7 +296,10 @@ uint16_t cf_spare_ram(const cf_t *c);
  * data SyncManagers and FMMUs before SAFEOP, process data while it goes to OP. A refusal ends the case.
  */
 void cf_go(cf_t *c, uint8_t state);
-/** Configures what ::cf_go would before PREOP (or BOOT), before SAFEOP; requests nothing. */
+/**
+ * Configures what ::cf_go would before PREOP (or BOOT), before SAFEOP; requests nothing. The process data watchdog gets
+ * 6 s: a case has pauses that a controller has not. One that is about the watchdog sets its time after ::cf_go.
+ */
 void cf_set_mailbox(cf_t *c, uint8_t state);
 void cf_set_process_data(cf_t *c);
 

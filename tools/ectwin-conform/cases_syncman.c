@@ -219,8 +219,7 @@ static void output_buffers(cf_t *c, unsigned int n)
     uint8_t zeros[CF_MAX_DATA] = {0};
     const uint16_t start = c->facts.sm[n].start, length = c->facts.sm[n].length;
     const uint16_t reg = (uint16_t)(CF_SM(n) + ECT_SM_STATUS);
-    cf_step(c, "outputs, in OP without a watchdog");
-    cf_put16(c, ECT_REG_WD_TIME_PD, 0);
+    cf_step(c, "outputs, in OP");
     cf_go(c, CF_OP);
     uint8_t before = cf_get8(c, reg) & ECT_SM_STATUS_BUFFER;
     cf_expect_wkc(c, "a write from the second byte on, not begun", 0,
@@ -332,7 +331,6 @@ static void changed_process_data(cf_t *c, uint8_t type, uint8_t state, uint16_t 
         n = n < 0 && c->facts.sm[i].type == type && c->facts.sm[i].length > 0 ? i : n;
     if (n < 0)
         return;
-    cf_put16(c, ECT_REG_WD_TIME_PD, 0);
     cf_go(c, state);
     cf_step(c, "SM%d switched off in %s", n, cf_state_name(state));
     disable_sm(c, (unsigned int)n);

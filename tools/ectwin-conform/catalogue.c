@@ -4,8 +4,15 @@
 
 extern const cf_section_t cf_datalink;
 extern const cf_section_t cf_syncman;
+extern const cf_section_t cf_fmmu;
+extern const cf_section_t cf_machine;
 
-const cf_section_t *const cf_catalogue[] = {&cf_datalink, &cf_syncman};
+const cf_section_t *const cf_catalogue[] = {
+    &cf_datalink,
+    &cf_syncman,
+    &cf_fmmu,
+    &cf_machine,
+};
 const size_t cf_catalogue_count = sizeof cf_catalogue / sizeof cf_catalogue[0];
 
 const char *cf_need_text(uint32_t bit)

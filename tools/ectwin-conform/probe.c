@@ -16,19 +16,40 @@ enum {
     WORD_PROTOCOLS = 0x1C,
     WORD_SIZE = 0x3E
 };
-enum { SM_OUTPUTS = 3, SM_INPUTS = 4, GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, SII_MOST = 65536 };
+enum {
+    SM_OUTPUTS = 3,
+    SM_INPUTS = 4,
+    GENERAL_COE = 5,
+    COE_INFO = 0x02,
+    COE_COMPLETE = 0x20,
+    SII_MOST = 65536,
+    SCAN_MS = 500
+};
+
+/* Nobody is left in a state that another master has brought it to. The second one is for device emulation, which shows
+ * the acknowledge as an error; software behind a chip has had no time to read the first and does not see it. */
+static void all_to_init(cf_t *c)
+{
+    static const uint8_t requests[] = {CF_INIT | ECT_AL_ACKNOWLEDGE, CF_INIT};
+    for (size_t i = 0; i < sizeof requests; i++) {
+        uint8_t request[2] = {requests[i], 0};
+        cf_datagram_t d = {.command = CF_BWR, .address = CF_AT(0, ECT_REG_AL_CONTROL), .length = 2, .data = request};
+        (void)cf_port_exchange(c->engine->port, &d, 1, SCAN_MS);
+    }
+}
 
 uint16_t cf_scan(cf_t *c)
 {
     uint8_t byte[2] = {0};
+    all_to_init(c);
     cf_datagram_t look = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = byte};
-    if (!cf_port_exchange(c->engine->port, &look, 1, 500))
+    if (!cf_port_exchange(c->engine->port, &look, 1, SCAN_MS))
         return 0;
     for (uint16_t n = 0; n < look.wkc; n++) {
         ect_store_le16(byte, (uint16_t)(CF_STATION + n));
         cf_datagram_t name = {
             .command = CF_APWR, .address = CF_AT((uint16_t)-n, ECT_REG_STATION_ADDRESS), .length = 2, .data = byte};
-        (void)cf_port_exchange(c->engine->port, &name, 1, 500);
+        (void)cf_port_exchange(c->engine->port, &name, 1, SCAN_MS);
     }
     return look.wkc;
 }

@@ -8,6 +8,8 @@
 #include "engine.h"
 
 enum { LOGICAL = 0x00010000, SM_OUTPUTS = 3, SM_INPUTS = 4, READS = 1, WRITES = 2 };
+/* 6 s of the default divider. A case is no controller: it has pauses, and so has a machine under load. */
+enum { LONG_WATCHDOG = 60000 };
 /* ETG.2000, where the ESI says nothing; the way back to SAFEOP with the others, for a judgement of time is not here. */
 enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, SETTLE_MS = 100 };
 
@@ -105,6 +107,7 @@ static uint32_t map_direction(cf_t *c, uint8_t sm_type, uint32_t logical, uint32
 void cf_set_process_data(cf_t *c)
 {
     uint32_t taken = 0;
+    cf_put16(c, ECT_REG_WD_TIME_PD, LONG_WATCHDOG);
     uint32_t logical = map_direction(c, SM_OUTPUTS, LOGICAL, &taken);
     (void)map_direction(c, SM_INPUTS, logical, &taken);
 }
@@ -220,24 +223,32 @@ static void write_al_control(cf_t *c, uint16_t al_control)
         (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, INIT_MS, NULL);
 }
 
+/* AL status and its code. */
+typedef struct al {
+    uint16_t status, code;
+} al_t;
+
 /* Whether a slave that has taken a request has answered it. */
-static bool is_answered(uint16_t wanted, uint16_t before, uint16_t before_code, uint16_t now, uint16_t code)
+static bool is_answered(uint16_t wanted, al_t before, al_t now)
 {
-    if ((now & ECT_AL_ERROR) != 0)
-        return (before & ECT_AL_ERROR) == 0 || code != before_code || (now ^ before) != 0;
-    return (now & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK);
+    if ((now.status & ECT_AL_ERROR) != 0)
+        return (before.status & ECT_AL_ERROR) == 0 || now.code != before.code || now.status != before.status;
+    return (now.status & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK) && now.code == 0;
 }
 
-/* An error that was there before and still is the same: not acknowledged, or refused again for the same reason. */
-static bool may_be_the_answer(uint16_t before, uint16_t now)
+/* What is judged only when it stays: an error that was there before and still is (not acknowledged, or refused again
+ * for the same reason), and a code behind the state that it belongs to. */
+static bool may_be_the_answer(uint16_t wanted, al_t before, al_t now)
 {
-    return (before & ECT_AL_ERROR) != 0 && (now & ECT_AL_ERROR) != 0;
+    if ((now.status & ECT_AL_ERROR) != 0)
+        return (before.status & ECT_AL_ERROR) != 0;
+    return (now.status & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK);
 }
 
 static uint16_t request(cf_t *c, uint16_t al_control, bool cyclic, uint16_t *code)
 {
-    uint16_t before_code, now_code, now;
-    const uint16_t before = al_status(c, &before_code);
+    al_t before, now;
+    before.status = al_status(c, &before.code);
     write_al_control(c, al_control);
     const uint64_t taken = cf_now_ns();
     const uint64_t until = taken + transition_ms(al_control) * UINT64_C(1000000);
@@ -246,15 +257,14 @@ static uint16_t request(cf_t *c, uint16_t al_control, bool cyclic, uint16_t *cod
         bool settled = cf_now_ns() >= taken + SETTLE_MS * UINT64_C(1000000);
         if (cyclic)
             (void)cf_cycle(c, NULL, NULL);
-        now = al_status(c, &now_code);
-        if (over || is_answered(al_control, before, before_code, now, now_code) ||
-            (settled && may_be_the_answer(before, now)))
+        now.status = al_status(c, &now.code);
+        if (over || is_answered(al_control, before, now) || (settled && may_be_the_answer(al_control, before, now)))
             break;
         pause_us(500);
     }
     if (code)
-        *code = now_code;
-    return now;
+        *code = now.code;
+    return now.status;
 }
 
 uint16_t cf_request(cf_t *c, uint16_t al_control, uint16_t *code)
