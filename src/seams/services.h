@@ -28,7 +28,7 @@ extern const ect_service_t ect_service_diagnosis;
 extern const ect_service_t ect_service_store;
 
 /** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: mode and cycle checks on the way to SAFEOP, missed
- * events. */
+ * events. Too many in a row leave OP with 0x001A, a SYNC0 that no longer comes with 0x002C. */
 extern const ect_service_t ect_service_sync;
 
 /* --- 10F3h ------------------------------------------------------------------------------------------------------- */
@@ -97,6 +97,7 @@ typedef struct ect_sync_data {
     uint8_t outputs_new;     /**< since the last SYNC0; no object */
     uint8_t dc;              /**< SYNC0 runs, whatever `type` says; no object */
     uint8_t sync0;           /**< level of the SYNC0 event at the last look; no object */
+    uint64_t sync0_ns;       /**< when it came last; 0: not since SAFEOP; no object */
 } ect_sync_data_t;
 
 /** Entries of 1C32h or 1C33h for an instance type with a member of type ect_sync_data_t. */

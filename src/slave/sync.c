@@ -68,6 +68,7 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
     d->errors = 0;
     d->outputs_new = 0;
     d->sync0 = 0;
+    d->sync0_ns = 0;
     return check_dc(s, d);
 }
 
@@ -99,6 +100,13 @@ static void acknowledge_sync0(ect_slave_t *s)
     (void)ect_slave_read(s, ECT_REG_DC_SYNC0_STATUS, &status, 1);
 }
 
+/* It came, and then no more: whatever waits for it would wait for ever. */
+static bool sync0_lost(const ect_slave_t *s, const ect_sync_data_t *d)
+{
+    uint64_t patience_ns = (d->error_limit + 1ull) * d->cycle_ns;
+    return d->error_limit != 0 && d->sync0_ns != 0 && patience_ns != 0 && s->now_ns - d->sync0_ns > patience_ns;
+}
+
 /* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. */
 static void on_event(ect_slave_t *s, uint32_t event)
 {
@@ -114,8 +122,12 @@ static void on_event(ect_slave_t *s, uint32_t event)
     if (sync0 && d->sync0 == 0)
         on_sync0(s, d);
     d->sync0 = sync0;
-    if (sync0)
+    if (sync0) {
+        d->sync0_ns = s->now_ns;
         acknowledge_sync0(s);
+    } else if (sync0_lost(s, d)) {
+        s->host.drop(s, ECT_STATE_SAFEOP, ECT_AL_FATAL_SYNC);
+    }
 }
 
 const ect_service_t ect_service_sync = {.start = start, .write = write_sync, .check_up = check_up, .event = on_event};

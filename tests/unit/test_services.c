@@ -619,6 +619,32 @@ static void sync_missed(void **state)
     assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
 }
 
+static void sync_lost(void **state)
+{
+    (void)state;
+    uint8_t output[1] = {0};
+    power_on(false);
+    to_preop();
+    t.activation = 0x03;
+    t.cycle_ns = 1000000;
+    to_op(1, 3);
+    for (int ms = 0; ms < 20; ms++) { /* not yet begun: nothing is lost */
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+        poll();
+        t.now_ns += MS;
+    }
+    assert_int_equal(t.slave.state, ECT_STATE_OP);
+    sync0();
+    uint64_t last_ns = t.slave.now_ns;
+    while (t.slave.state == ECT_STATE_OP && t.now_ns < last_ns + 50000000) {
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+        poll();
+    }
+    assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
+    assert_int_equal(t.slave.code, ECT_AL_FATAL_SYNC);
+    assert_in_range(t.slave.now_ns - last_ns, 5000000, 5300000); /* the limit of 4, and one more */
+}
+
 static void sync_abilities(void **state)
 {
     static const struct {
@@ -891,6 +917,7 @@ int main(int argc, char **argv)
         TEST("CF-082: 1C32h shows what is supported and refuses the rest", sync_types),
         TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
         TEST("CF-082 CF-092: what a device can do decides type and cycle times", sync_abilities),
+        TEST("CF-043: SYNC0 that no longer comes leaves OP with 0x002C", sync_lost),
         TEST("CF-082: limit 0 never leaves OP, counters saturate", sync_limit_off),
         TEST("CF-092: a read that fails on the way to SAFEOP is done again", sync_read_fails),
         TEST("CF-067: services without their objects do nothing", services_without_objects),

@@ -21,7 +21,8 @@
  *
  * What the engine does around it: before the function runs, the slave is in INIT without an error, its SyncManagers,
  * FMMUs, watchdogs, event masks and clocks are as after power-on, and its EEPROM belongs to the master
- * (::cf_known_state). The same is done after it, whatever happened. A case whose needs the slave does not meet is
+ * (::cf_known_state). The same is done after it, whatever happened; what it changed for good by ::cf_change or
+ * ::cf_sii_write is put back before. A case whose needs the slave does not meet is
  * skipped with the reason; its function does not run.
  *
  * How a case ends: by returning (pass, or warn when ::cf_warn was called), or at the first step or expectation that
@@ -380,6 +381,14 @@ void cf_expect_abort(cf_t *c, uint16_t index, uint8_t sub, uint32_t code);
  */
 uint32_t cf_upload(cf_t *c, uint16_t index, uint8_t sub, bool complete, void *data, size_t *size);
 uint32_t cf_download(cf_t *c, uint16_t index, uint8_t sub, bool complete, const void *data, size_t size);
+/**
+ * A download that outlives the case: what was there is uploaded before and downloaded again, in PREOP and in the
+ * reverse order of the changes, after the case, whatever happened. Values that the slave keeps over INIT are written
+ * this way.
+ * @param size  1..CF_CHANGE_MOST, as what is there. @return 0, or the abort code of the upload or the download
+ */
+uint32_t cf_change(cf_t *c, uint16_t index, uint8_t sub, const void *data, size_t size);
+enum { CF_CHANGE_MOST = 64 };
 /** A number of 1..8 bytes. An abort ends the case. */
 uint64_t cf_upload_number(cf_t *c, uint16_t index, uint8_t sub);
 /** Whether the object answers an upload, whatever the value; *code gets the abort code. */
@@ -398,7 +407,7 @@ size_t cf_object_list(cf_t *c, uint16_t type, uint16_t *indices, size_t room);
 
 /** Reads from the EEPROM over its registers, 4 or 8 bytes as the chip has it. @return bytes that came: 4 or 8 */
 unsigned int cf_sii_read(cf_t *c, uint16_t word, uint8_t data[8]);
-/** Writes one word. Only in a case that needs CF_WRITES_SII. */
+/** Writes one word; what was there is put back after the case. Only in a case that needs CF_WRITES_SII. */
 void cf_sii_write(cf_t *c, uint16_t word, uint16_t value);
 /** Waits for the end of a command. @return the control and status word (0x0502) */
 uint16_t cf_sii_wait(cf_t *c);

@@ -21,7 +21,10 @@ enum {
     WATCHDOG_TICKS_FALLBACK = 3000,
     COUNTER_ROUNDS = 270,
     FALLBACK_MS = 5000,
-    SHORT_MS = 100
+    SHORT_MS = 100,
+    SYNC0_DELAY_NS = 20000000,
+    SYNC0_CYCLE_NS = 1000000,
+    SYNC0_SEEN = 0x0C, /* of 0x0151: a pin, an AL event */
 };
 
 /* The first process-data SyncManager of a type that has bytes; -1: none. */
@@ -335,34 +338,53 @@ static uint16_t dc_mode(cf_t *c, uint32_t *cycle_ns)
     cf_skip(c, "the SII names no mode with SYNC0");
 }
 
-static void start_sync0(cf_t *c, uint16_t activate, uint32_t cycle_ns)
+/* @return the system time at which SYNC0 has come a few times */
+static uint64_t start_sync0(cf_t *c, uint16_t activate, uint32_t cycle_ns)
 {
+    uint64_t start_ns = cf_get64(c, ECT_REG_DC_SYSTEM_TIME) + SYNC0_DELAY_NS;
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     cf_put8(c, ECT_REG_DC_ACTIVATION - 1, (uint8_t)activate);
     cf_put32(c, ECT_REG_DC_SYNC0_CYCLE, cycle_ns);
-    cf_put64(c, ECT_REG_DC_START_TIME, cf_get64(c, ECT_REG_DC_SYSTEM_TIME) + 20000000);
+    cf_put64(c, ECT_REG_DC_START_TIME, start_ns);
     cf_put8(c, ECT_REG_DC_ACTIVATION, (uint8_t)(activate >> 8));
+    return start_ns + UINT64_C(10) * cycle_ns;
+}
+
+/* The cycle that the SII names, else the shortest that 1C32h names, else 1 ms. */
+static uint32_t sync0_cycle(cf_t *c, uint32_t cycle_ns)
+{
+    uint32_t code;
+    if (cycle_ns == 0 && (c->facts.has & CF_COE) != 0 && cf_object_exists(c, 0x1C32, 5, &code))
+        cycle_ns = (uint32_t)cf_upload_number(c, 0x1C32, 5);
+    return cycle_ns < SYNC0_CYCLE_NS ? SYNC0_CYCLE_NS : cycle_ns;
+}
+
+/* Where it can be chosen: SYNC0; and patience, for this is no controller that keeps time. */
+static void choose_sync0(cf_t *c)
+{
+    const uint8_t sync0[2] = {2, 0}, limit[2] = {200, 0};
+    if ((c->facts.has & CF_COE) == 0)
+        return;
+    (void)cf_change(c, 0x1C32, 1, sync0, sizeof sync0);
+    (void)cf_change(c, 0x1C33, 1, sync0, sizeof sync0);
+    (void)cf_change(c, 0x10F1, 2, limit, sizeof limit);
 }
 
 static void sync_lost(cf_t *c)
 {
     static const uint16_t codes[] = {0x001A, 0x002C, 0x002D, 0x0030, 0x0032, 0x0033, 0x0034};
-    const uint8_t sync0[2] = {2, 0};
-    uint32_t cycle_ns, abort_code;
+    uint32_t cycle_ns;
     uint16_t got, code, activate = dc_mode(c, &cycle_ns);
     bool known = false;
+    if ((cf_get8(c, ECT_REG_SYNC_CONFIG) & SYNC0_SEEN) == 0)
+        cf_skip(c, "the chip leads SYNC0 neither to a pin nor to the slave's software (0x0151)");
     cf_go(c, CF_PREOP);
-    if (cycle_ns == 0)
-        cycle_ns = (c->facts.has & CF_COE) != 0 && cf_object_exists(c, 0x1C32, 5, &abort_code)
-                       ? (uint32_t)cf_upload_number(c, 0x1C32, 5)
-                       : 0;
-    cycle_ns = cycle_ns < 1000000 ? 1000000 : cycle_ns;
-    if ((c->facts.has & CF_COE) != 0) { /* where it can be chosen */
-        (void)cf_download(c, 0x1C32, 1, false, sync0, sizeof sync0);
-        (void)cf_download(c, 0x1C33, 1, false, sync0, sizeof sync0);
-    }
-    start_sync0(c, activate, cycle_ns);
+    choose_sync0(c);
+    uint64_t runs_ns = start_sync0(c, activate, sync0_cycle(c, cycle_ns));
     cf_go(c, CF_OP);
+    while (cf_get64(c, ECT_REG_DC_SYSTEM_TIME) < runs_ns)
+        (void)cf_cycle(c, NULL, NULL);
+    cf_expect(c, "AL status with SYNC0", CF_OP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
     cf_step(c, "SYNC0 stops, process data go on");
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     (void)cf_wait_status(c, CF_SAFEOP | ECT_AL_ERROR, FALLBACK_MS, true, &got, &code);

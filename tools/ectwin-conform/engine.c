@@ -172,12 +172,46 @@ static void append(cf_evidence_t *to, cf_evidence_t *more)
     free(more->items);
 }
 
+cf_undo_t *cf_new_undo(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    if (e->undo_count == CF_UNDO_MOST)
+        cf_fail(c, "this case changes more than %d values", (int)CF_UNDO_MOST);
+    return &e->undo[e->undo_count++];
+}
+
+static void undo_one(cf_t *c, const cf_undo_t *u)
+{
+    if (u->sii) {
+        cf_sii_write_word(c, u->index, ect_load_le16(u->data));
+        return;
+    }
+    uint32_t code = cf_download(c, u->index, u->sub, false, u->data, u->size);
+    if (code != 0)
+        cf_fail(c, "putting back %04Xh:%02X: abort 0x%08X", u->index, u->sub, code);
+}
+
+static void put_back(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    bool sdo = false;
+    cf_known_state(c);
+    for (size_t i = 0; i < e->undo_count; i++)
+        sdo |= !e->undo[i].sii;
+    if (sdo)
+        cf_go(c, CF_PREOP);
+    while (e->undo_count > 0)
+        undo_one(c, &e->undo[--e->undo_count]);
+    cf_known_state(c);
+}
+
 /* Brings the slave back; what is wrong with that is the case's failure, unless it has one already. */
 static void restore(cf_t *c, cf_result_t *result)
 {
     cf_engine_t *e = c->engine;
     cf_record_begin(result->entry->id, "afterwards: back to INIT");
-    bool back = guarded(c, cf_known_state, RESTORE_MS, false);
+    bool back = guarded(c, put_back, RESTORE_MS, false);
+    e->undo_count = 0;
     cf_evidence_t evidence = cf_record_end(KEEP_OTHERS);
     if (back || result->verdict == CF_INTERRUPTED || result->verdict == CF_FAIL) {
         cf_evidence_free(&evidence);

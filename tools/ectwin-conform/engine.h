@@ -23,6 +23,17 @@ typedef struct cf_result {
     cf_evidence_t evidence;
 } cf_result_t;
 
+/** What a case has changed for good, and what was there. */
+typedef struct cf_undo {
+    bool sii;       /**< a word of the EEPROM; else an entry of the dictionary */
+    uint16_t index; /**< or word */
+    uint8_t sub;
+    uint8_t size;
+    uint8_t data[CF_CHANGE_MOST];
+} cf_undo_t;
+
+enum { CF_UNDO_MOST = 64 };
+
 typedef struct cf_engine {
     cf_port_t *port;
     jmp_buf leave;
@@ -32,6 +43,8 @@ typedef struct cf_engine {
     cf_verdict_t verdict;
     char reason[CF_REASON];
     uint32_t frame;
+    cf_undo_t undo[CF_UNDO_MOST]; /**< in the order of the changes */
+    size_t undo_count;
     bool silent; /**< the slave did not answer at the end of a case: try once only */
 } cf_engine_t;
 
@@ -42,6 +55,9 @@ void cf_probe(cf_t *c);
 
 /** Ends what runs with that verdict. */
 _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
+void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
+/** Room for one more change. Leaves the case when there is none. */
+cf_undo_t *cf_new_undo(cf_t *c);
 /** Leaves the case when its time is over or the user wants out. */
 void cf_check_time(cf_t *c);
 

@@ -214,6 +214,20 @@ uint32_t cf_download(cf_t *c, uint16_t index, uint8_t sub, bool complete, const 
     return size > 4 && here < size ? download_segments(c, &t, here) : 0;
 }
 
+uint32_t cf_change(cf_t *c, uint16_t index, uint8_t sub, const void *data, size_t size)
+{
+    cf_undo_t old = {.index = index, .sub = sub};
+    size_t old_size = sizeof old.data;
+    uint32_t code = cf_upload(c, index, sub, false, old.data, &old_size);
+    if (code != 0)
+        return code;
+    old.size = (uint8_t)old_size;
+    code = cf_download(c, index, sub, false, data, size);
+    if (code == 0)
+        *cf_new_undo(c) = old;
+    return code;
+}
+
 uint64_t cf_upload_number(cf_t *c, uint16_t index, uint8_t sub)
 {
     uint8_t bytes[8] = {0};

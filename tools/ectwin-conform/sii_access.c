@@ -52,11 +52,9 @@ unsigned int cf_sii_read(cf_t *c, uint16_t word, uint8_t data[8])
 }
 
 /* The write enable bit is good for the frame it comes in: data and command travel together. */
-void cf_sii_write(cf_t *c, uint16_t word, uint16_t value)
+void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value)
 {
     uint16_t control = 0;
-    if (!c->destructive)
-        cf_fail(c, "this case writes the EEPROM and does not say so in its needs");
     for (int tries = 0; tries < TRIES; tries++) {
         uint8_t order[6] = {0}, data[2];
         (void)cf_sii_wait(c);
@@ -74,6 +72,16 @@ void cf_sii_write(cf_t *c, uint16_t word, uint16_t value)
         cf_sleep_ms(c, 2);
     }
     cf_expect_bits(c, "EEPROM error bits after a write", NO_ACK | WRITE_REFUSED, 0, control);
+}
+
+void cf_sii_write(cf_t *c, uint16_t word, uint16_t value)
+{
+    uint8_t data[8];
+    if (!c->destructive)
+        cf_fail(c, "this case writes the EEPROM and does not say so in its needs");
+    (void)cf_sii_read(c, word, data);
+    *cf_new_undo(c) = (cf_undo_t){.sii = true, .index = word, .size = 2, .data = {data[0], data[1]}};
+    cf_sii_write_word(c, word, value);
 }
 
 const uint8_t *cf_sii_category(const cf_t *c, uint16_t category, size_t *length)
