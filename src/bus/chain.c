@@ -22,7 +22,7 @@ typedef struct twin {
     uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
     uint64_t last_frame_ns;
     ect_lamps_t *lamps;
-    void *memory[8]; /* everything that was allocated for it */
+    void *memory[10]; /* everything that was allocated for it */
     size_t blocks;
 } twin_t;
 
@@ -80,6 +80,9 @@ static bool make_slave(twin_t *twin)
         .process_data = allocate(twin, need.process_data),
         .runs = allocate(twin, need.runs * sizeof(ect_pdo_run_t)),
         .run_count = (uint16_t)need.runs,
+        .staging = allocate(twin, need.staging),
+        .staging_size = (uint16_t)need.staging,
+        .buffer = need.buffer > 0 ? allocate(twin, need.buffer) : NULL,
     };
     return true;
 }
@@ -91,6 +94,8 @@ static void power_off(const twin_t *twin, uint8_t *instance)
     size_t size = twin->config.device->instance_size;
     size_t from = plant && plant->outside_size > 0 ? plant->outside_offset : size;
     size_t to = plant && plant->outside_size > 0 ? from + plant->outside_size : size;
+    if (twin->slave.config.buffer)
+        memset(twin->slave.config.buffer, 0, twin->config.device->buffer_size);
     memset(instance, 0, from);
     memset(instance + to, 0, size - to);
 }

@@ -184,7 +184,19 @@ typedef struct ect_host {
 
     /** Non-volatile memory, or NULL when this installation has none. */
     const ect_storage_t *storage;
+
+    /** ect_device_t::buffer_size bytes, zero at power-on, or NULL when this installation has no such memory. */
+    void *buffer;
 } ect_host_t;
+
+/** Bytes of somebody else's. */
+typedef struct ect_span {
+    const void *data;
+    uint16_t size;
+} ect_span_t;
+
+/** In place of a sub-index: all of them, by Complete Access. */
+enum { ECT_WHOLE_OBJECT = 0x100 };
 
 /** Returned by ::ect_device_t::state_change to delay the answer until ::ect_host_t::transition_done. */
 #define ECT_AL_PENDING 0xFFFFu
@@ -240,8 +252,8 @@ typedef struct ect_device {
 
     /* --- how it behaves -------------------------------------------------------------------------------------- */
     size_t instance_size; /**< bytes of instance memory that the caller provides, aligned as by malloc */
-    const void
-        *context; /**< the device's own: what its functions need beside the instance, whose first member leads here */
+    size_t buffer_size;   /**< bytes that it can make use of and do without (::ect_host_t::buffer); 0: none */
+    const void *context;  /**< the device's own: what its functions need beside the instance, which leads here */
 
     /**
      * Power-on: brings instance memory to its start values. It is zero but for what outlasts power (plant.h), for the
@@ -273,12 +285,19 @@ typedef struct ect_device {
      */
     uint64_t (*tick)(void *instance, uint64_t now_ns);
 
-    /** A master is about to read an object by SDO: bring data that is kept for such readers up to date. */
-    void (*sdo_read)(void *instance, uint16_t index);
+    /**
+     * A master wants to read an entry by SDO, or a whole object (ECT_WHOLE_OBJECT); its rights are fine already. Data
+     * that is kept for such readers is to be brought up to date.
+     * @param[in,out] instead  empty; set, its bytes are sent in place of the entry's (wire form), and must stay as they
+     * are until the next read, or the end of this one. NULL for a whole object.
+     * @return ECT_OK, or the reason to refuse.
+     */
+    ect_reason_t (*sdo_read)(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
 
     /**
-     * A master wants to write an entry; rights, length and limits are fine already. Nothing is stored yet.
-     * @param data  `size` bytes in wire form, or NULL: a long value that comes in pieces and is stored as they come
+     * A master wants to write an entry; rights, length and limits are fine already. Nothing of it is stored yet,
+     * however long it is and in however many pieces it came.
+     * @param data  `size` bytes in wire form
      * @return ECT_OK to let it be stored, or the reason to refuse.
      */
     ect_reason_t (*sdo_write)(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);

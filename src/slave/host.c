@@ -58,5 +58,6 @@ void ect_host_init(ect_slave_t *s)
                            .diagnose = diagnose,
                            .off_bus = off_bus,
                            .restart = restart,
-                           .storage = s->config.storage};
+                           .storage = s->config.storage,
+                           .buffer = s->config.buffer};
 }

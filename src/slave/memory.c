@@ -38,10 +38,26 @@ static size_t most_runs(const ect_device_t *device, uint8_t type)
     return runs;
 }
 
+/* The longest value that a master may write. */
+static size_t longest_value(const ect_device_t *device)
+{
+    size_t longest = 0;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
+            if ((e->access & ECT_ACCESS_WO) != 0 && ect_od_bytes(e) > longest)
+                longest = ect_od_bytes(e);
+        }
+    }
+    return longest;
+}
+
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
 {
     ect_slave_memory_t need = {
         .instance = device->instance_size,
+        .staging = device->mailbox_protocols != 0 ? longest_value(device) : 0,
+        .buffer = device->buffer_size,
         .mailbox = ect_mailbox_sm_room(device, 0) + 2u * ect_mailbox_sm_room(device, 1),
     };
     for (unsigned int n = 0; n < device->sm_count; n++) {

@@ -4,7 +4,8 @@
  *
  * One cursor walks over what is transferred, entry by entry, in the packed form of Complete Access; a single entry is
  * the same walk with one stop. So nothing is ever collected in a buffer of the object's size: a segment is filled
- * from, or emptied into, the dictionary itself.
+ * from, or emptied into, the dictionary itself. Only a value that comes in pieces is collected, to be checked as a
+ * whole before it is stored.
  */
 #include <string.h>
 
@@ -82,7 +83,9 @@ static bool readable(const ect_slave_t *s, const ect_entry_t *entry)
 /* What may not be read now reads as zero inside a whole object. */
 static void read_entry(const ect_slave_t *s, const ect_entry_t *entry, uint16_t offset, uint8_t *to, uint16_t length)
 {
-    if (readable(s, entry))
+    if (s->sdo.instead.data)
+        memcpy(to, (const uint8_t *)s->sdo.instead.data + offset, length);
+    else if (readable(s, entry))
         ect_od_read(&s->od, entry, offset, to, length);
     else
         memset(to, 0, length);
@@ -90,6 +93,8 @@ static void read_entry(const ect_slave_t *s, const ect_entry_t *entry, uint16_t 
 
 static uint16_t entry_size(const ect_slave_t *s, const ect_entry_t *entry)
 {
+    if (s->sdo.instead.data)
+        return s->sdo.instead.size;
     return s->sdo.complete ? ect_od_bytes(entry) : ect_od_upload_size(&s->od, entry);
 }
 
@@ -235,14 +240,17 @@ static uint8_t last_of(const ect_slave_t *s)
 static void upload(ect_slave_t *s, const uint8_t *request)
 {
     ect_sdo_t *sdo = &s->sdo;
+    const ect_device_t *device = s->config.device;
     const ect_entry_t *first = NULL;
     ect_reason_t reason = open_transfer(s, request, ECT_UPLOAD, &first);
+    if (reason == ECT_OK && device->sdo_read)
+        reason = device->sdo_read(s->config.instance, sdo->object->index,
+                                  sdo->complete ? (uint16_t)ECT_WHOLE_OBJECT : sdo->subindex,
+                                  sdo->complete ? NULL : &sdo->instead);
     if (reason != ECT_OK) {
         send_abort(s, ect_load_le16(request + 1), request[3], reason);
         return;
     }
-    if (s->config.device->sdo_read)
-        s->config.device->sdo_read(s->config.instance, sdo->object->index);
     uint8_t last = last_of(s);
     sdo->size = sdo->complete ? packed_size(s, first, last) : entry_size(s, first);
     cursor_begin(s, first->subindex <= last ? first : NULL);
@@ -304,12 +312,12 @@ static bool writable(const ect_slave_t *s, const ect_entry_t *entry)
     return ect_od_check_access(entry, ECT_DOWNLOAD, s->state) == ECT_OK;
 }
 
-/* Limits, then the word of services and device. `data` is NULL for a value that comes in pieces. */
+/* Limits, then the word of services and device. */
 static ect_reason_t check_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size)
 {
     const ect_device_t *device = s->config.device;
     uint16_t index = s->sdo.object->index;
-    if (data && size == ect_od_bytes(entry)) {
+    if (size == ect_od_bytes(entry)) {
         ect_reason_t reason = ect_od_check_limit(&s->od, index, entry, data);
         if (reason != ECT_OK)
             return reason;
@@ -351,26 +359,6 @@ static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const 
     return reason == ECT_OK ? written(s, entry) : reason;
 }
 
-static bool is_long(const ect_entry_t *entry)
-{
-    return ect_od_bytes(entry) > 8 || ect_od_is_string(entry);
-}
-
-/* A piece of a long entry goes straight into the dictionary; its last piece makes it written. */
-static ect_reason_t store_piece(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t piece,
-                                uint16_t total)
-{
-    uint16_t offset = s->sdo.cursor.offset;
-    if (offset == 0 && piece == total)
-        return store_value(s, entry, data, piece, false);
-    if (!writable(s, entry))
-        return s->sdo.complete ? ECT_OK : ECT_REASON_STATE;
-    ect_reason_t reason = offset == 0 ? check_value(s, entry, NULL, total) : ECT_OK;
-    if (reason == ECT_OK && (entry->access & ECT_ACCESS_COMMAND) == 0)
-        reason = ect_od_write(&s->od, entry, offset, data, piece);
-    return reason == ECT_OK && offset + piece == total ? written(s, entry) : reason;
-}
-
 /* Takes bits for bit entries from the byte that the cursor holds. */
 static ect_reason_t take_bits(ect_slave_t *s, bool only_check)
 {
@@ -387,23 +375,22 @@ static ect_reason_t download_step(ect_slave_t *s, const uint8_t **from, const ui
     ect_sdo_t *sdo = &s->sdo;
     ect_sdo_cursor_t *c = &sdo->cursor;
     const ect_entry_t *entry = c->entry;
+    const uint8_t *value = *from;
     uint16_t total = sdo->complete ? ect_od_bytes(entry) : (uint16_t)sdo->size;
     uint16_t left = (uint16_t)(total - c->offset);
     uint16_t piece = left < end - *from ? left : (uint16_t)(end - *from);
-    ect_reason_t reason = ECT_OK;
-    if (is_long(entry)) {
-        reason = only_check ? (piece == total ? store_value(s, entry, *from, piece, true) : ECT_OK)
-                            : store_piece(s, entry, *from, piece, total);
-    } else {
-        memcpy(sdo->staging + c->offset, *from, piece);
-        if (piece == left)
-            reason = store_value(s, entry, sdo->staging, total, only_check);
+    if (piece < total && writable(s, entry)) {
+        if (total > s->config.staging_size)
+            return ECT_REASON_MEMORY;
+        memcpy(s->config.staging + c->offset, value, piece);
+        value = s->config.staging;
     }
     *from += piece;
     c->offset = (uint16_t)(c->offset + piece);
-    if (piece == left)
-        cursor_next(sdo, sdo->object->max_subindex);
-    return reason;
+    if (piece < left)
+        return ECT_OK;
+    cursor_next(sdo, sdo->object->max_subindex);
+    return store_value(s, entry, value, total, only_check);
 }
 
 /* Empties `length` bytes into the dictionary, or only checks them. */

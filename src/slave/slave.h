@@ -60,6 +60,8 @@ typedef struct ect_slave_memory {
     size_t mailbox;      /**< bytes */
     size_t process_data; /**< bytes */
     size_t runs;         /**< elements of ect_pdo_run_t */
+    size_t staging;      /**< bytes */
+    size_t buffer;       /**< bytes */
 } ect_slave_memory_t;
 
 /**
@@ -84,6 +86,9 @@ typedef struct ect_slave_config {
     uint8_t *process_data;          /**< ... process_data bytes; NULL without process data */
     ect_pdo_run_t *runs;            /**< ... runs elements */
     uint16_t run_count;             /**< how many there are */
+    uint8_t *staging; /**< ... staging bytes: where an SDO value that comes in pieces is collected until it is whole */
+    uint16_t staging_size;          /**< how many there are; a longer value is refused as out of memory */
+    void *buffer;                   /**< ... buffer bytes, zero: what ect_host_t::buffer gives the device; NULL: none */
     uint16_t device_id;             /**< explicit device identification (AL control bit 5); 0: not offered */
 } ect_slave_config_t;
 
@@ -133,7 +138,7 @@ typedef struct ect_sdo {
     uint32_t size;
     uint32_t done;
     ect_sdo_cursor_t cursor;
-    uint8_t staging[8];
+    ect_span_t instead; /* what the device supplies in place of the entry */
 } ect_sdo_t;
 
 enum { ECT_SDO_IDLE, ECT_SDO_UPLOADING, ECT_SDO_DOWNLOADING };

@@ -252,12 +252,15 @@ static void decode(uint8_t *numbers, const uint8_t *bytes, uintptr_t base, const
     }
 }
 
-void eclink_sdo_read(void *instance, uint16_t index)
+ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead)
 {
     eclink_t *unit = instance;
+    (void)subindex;
+    (void)instead;
     const ect_od_t od = ect_device_od(unit->standard.device, NULL);
     if (index == 0x3001)
         decode(unit->input_numbers, unit->inputs, offsetof(eclink_t, input_numbers), ect_od_find(&od, index));
     else if (index == 0x3002)
         decode(unit->output_numbers, unit->outputs, offsetof(eclink_t, output_numbers), ect_od_find(&od, index));
+    return ECT_OK;
 }

@@ -226,7 +226,7 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 void eclink_outputs(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
-void eclink_sdo_read(void *instance, uint16_t index);
+ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
 
 /* commands.c */
 bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command);
