@@ -183,11 +183,13 @@ void ect_signal_range(const ect_signal_t *signal, char *text)
     const char *unit = signal->unit ? signal->unit : "";
     const char *space = signal->unit ? " " : "";
     if (signal->type == ECT_SIGNAL_TEXT)
-        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "up to %d characters from space to ~", signal->maximum);
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "up to %" PRId64 " characters from space to ~", signal->maximum);
     else if (signal->type == ECT_SIGNAL_BYTES)
-        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%d bytes, %d hexadecimal digits", signal->maximum, 2 * signal->maximum);
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64 " bytes, %" PRId64 " hexadecimal digits", signal->maximum,
+                 2 * signal->maximum);
     else
-        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%d..%d%s%s", signal->minimum, signal->maximum, space, unit);
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64 "..%" PRId64 "%s%s", signal->minimum, signal->maximum, space,
+                 unit);
 }
 
 static bool parse_bytes(const char *text, size_t size, uint8_t *bytes)
@@ -237,7 +239,7 @@ static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
         return true;
     case ECT_SIGNAL_REAL:
         v->real = strtod(text, &end);
-        return end != text && *end == 0 && v->real >= signal->minimum && v->real <= signal->maximum;
+        return end != text && *end == 0 && v->real >= (double)signal->minimum && v->real <= (double)signal->maximum;
     default:
         return parse_integer(signal, text, v);
     }

@@ -278,6 +278,9 @@ typedef struct ect_device {
     /** Input data of the dictionary is about to be sent: bring it up to date. SAFEOP and OP. */
     void (*inputs)(void *instance, uint64_t now_ns);
 
+    /** The master has read the input data since the last call. SAFEOP and OP. */
+    void (*inputs_read)(void *instance, uint64_t now_ns);
+
     /**
      * The device's own time. Called once after init, then at or after the time that the last call returned, and soon
      * after outputs, a lower state, an SDO write or a signal was told to the device.

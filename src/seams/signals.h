@@ -39,8 +39,8 @@ typedef struct ect_signal {
     ect_signal_type_t type;
     ect_signal_access_t access;
     uint32_t offset; /**< of the value inside the group's structure */
-    int32_t minimum; /**< inclusive; for TEXT and BYTES 0 */
-    int32_t maximum; /**< inclusive; for TEXT and BYTES the room */
+    int64_t minimum; /**< inclusive; for TEXT and BYTES 0 */
+    int64_t maximum; /**< inclusive; for TEXT and BYTES the room */
 } ect_signal_t;
 
 typedef struct ect_signal_group {

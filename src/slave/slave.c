@@ -74,6 +74,8 @@ static void take_outputs(ect_slave_t *s, uint32_t event)
     unsigned int sms = (event / ECT_EVENT_SM0) & 0xFF;
     if ((sms & s->outputs) != 0)
         ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);
+    if ((sms & s->inputs) != 0 && s->config.device->inputs_read)
+        s->config.device->inputs_read(s->config.instance, s->now_ns);
     if ((sms & (s->outputs | s->inputs)) != 0)
         s->inputs_due = true;
 }

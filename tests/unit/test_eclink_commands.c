@@ -397,18 +397,20 @@ static void counter_steps(void **state)
 {
     static const struct {
         uint8_t from, to;
-    } rows[] = {{0, 1}, {254, 255}, {255, 0}, {10, 12}, {250, 3}, {7, 6}};
+        unsigned int lost;
+    } rows[] = {{0, 1, 0}, {254, 255, 0}, {255, 0, 0}, {10, 12, 1}, {250, 3, 8}, {7, 6, 0}};
     (void)state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         rig_t r;
         start(&r, nodes[2], 1);
         r.out[CCO] = rows[i].from;
         run_updates(&r, 2);
-        unsigned long before = ru_number(&r, 1, "received_count");
+        unsigned long before = ru_number(&r, 1, "received_count"), lost = number(&r, "bu.commands_lost");
         put_command(&r, 1, 9);
         r.out[CCO] = rows[i].to;
         run_updates(&r, 2);
         expect_received(&r, "CCO has changed", 1, before + 1, 9);
+        assert_int_equal(number(&r, "bu.commands_lost") - lost, rows[i].lost);
         assert_int_equal(r.in[CAI], rows[i].to);
         wire_close(&r.w);
     }
@@ -429,31 +431,158 @@ static void whole_round_of_cco(void **state)
     wire_close(&r.w);
 }
 
-/* A controller that does not wait for CAI: within one update as many as the queue holds, the oldest. */
+/* A controller that does not wait for CAI, within one update: the queue takes sixteen, one more waits, and each that
+ * follows takes its place. */
 static void faster_than_the_link(void **state)
 {
     (void)state;
     for (unsigned int too_many = 0; too_many <= 3; too_many++) {
         rig_t r;
+        unsigned int last = QUEUE + too_many, lost = too_many > 1 ? too_many - 1 : 0;
         start(&r, nodes[0], 2);
         uint8_t pci = r.in[PCI];
         while (r.in[PCI] == pci)
             run(&r, 1 * MS);
-        for (unsigned int n = 1; n <= QUEUE + too_many; n++) {
+        for (unsigned int n = 1; n <= last; n++) {
             put_command(&r, 0, n);
             r.out[CCO] = (uint8_t)n;
             cycle(&r);
         }
-        assert_int_equal(number(&r, "bu.overflows"), 2 * too_many);
+        assert_int_equal(number(&r, "bu.commands_lost"), lost);
+        assert_int_equal(number(&r, "bu.cai"), QUEUE);
         for (unsigned int n = 1; n <= QUEUE; n++) {
             run_updates(&r, 1);
             expect_received(&r, "in order", 1, n, n);
             expect_received(&r, "in order", 2, n, n);
+            assert_int_equal(r.in[CAI], last); /* room was made */
         }
         run_updates(&r, 3);
-        expect_received(&r, "nothing more", 1, QUEUE, QUEUE);
+        expect_received(&r, "the one that waited, and nothing more", 1, last - lost, last);
         wire_close(&r.w);
     }
+}
+
+/* On fallback a remote takes its own commands first: 49 are sent as fast as CAI allows, and 49 arrive. */
+static void cai_waits_for_room(void **state)
+{
+    enum { COMMANDS = 49 };
+    (void)state;
+    for (size_t n = 0; n < COUNT(nodes); n++) {
+        rig_t r;
+        unsigned int waited = 0;
+        start(&r, nodes[n], 2);
+        set(&r, "ru1.g_link_lost", "1");
+        for (unsigned int i = 0; i < QUEUE; i++)
+            assert_true(send_from(&r, 1, 100 + i)); /* they keep its C-Link busy for 16 updates */
+        for (unsigned int i = 1; i <= COMMANDS; i++) {
+            put_command(&r, 0, i);
+            r.out[CCO]++;
+            cycle(&r);
+            waited += number(&r, "bu.cai") != r.out[CCO];
+            for (unsigned int ms = 0; number(&r, "bu.cai") != r.out[CCO]; ms++) {
+                assert_in_range(ms, 0, 20000);
+                run(&r, 1 * MS);
+            }
+        }
+        run_updates(&r, 20);
+        expect_received(&r, "on fallback", 1, COMMANDS, COMMANDS);
+        expect_received(&r, "on G-Link", 2, COMMANDS, COMMANDS);
+        assert_int_equal(r.in[CAI], COMMANDS);
+        assert_int_equal(number(&r, "bu.commands_lost"), 0);
+        assert_true(waited > 0);
+        wire_close(&r.w);
+    }
+}
+
+/* Seventeen commands are there for a remote whose link takes none meanwhile; what then ends the waiting. */
+static void room_for_the_waiting(void **state)
+{
+    static const struct {
+        const char *what, *signal, *value;
+    } rows[] = {
+        {"the remote takes one", "ru1.g_link_lost", "0"},
+        {"the remote is switched off", "ru1.on", "0"},
+        {"no VLAP reaches it", "bu.vlaps", "0"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        rig_t r;
+        start(&r, nodes[1], 1);
+        set(&r, "ru1.g_link_lost", "1");
+        for (unsigned int n = 0; n < QUEUE; n++)
+            assert_true(send_from(&r, 1, n));
+        for (unsigned int n = 1; n <= QUEUE + 1; n++) {
+            put_command(&r, 1, n);
+            r.out[CCO] = (uint8_t)n;
+            cycle(&r);
+        }
+        run_updates(&r, 2);
+        assert_int_equal(r.in[CAI], QUEUE);
+        set(&r, rows[i].signal, rows[i].value);
+        run_updates(&r, 2);
+        if (r.in[CAI] != QUEUE + 1)
+            fail_msg("%s: expected CAI %u, got %u", rows[i].what, QUEUE + 1, r.in[CAI]);
+        assert_int_equal(number(&r, "bu.commands_lost"), 0);
+        wire_close(&r.w);
+    }
+}
+
+/* The controller goes away while its command waits, and comes back. */
+static void waiting_over_an_interruption(void **state)
+{
+    static const struct {
+        const char *what;
+        uint8_t cco, cai;
+        unsigned int lost, received;
+    } rows[] = {
+        {"with the same counter", QUEUE + 1, QUEUE + 1, 0, QUEUE + 1},
+        {"with the next command", QUEUE + 2, QUEUE + 2, 1, QUEUE + 1},
+        {"with CAI as its counter: it has forgotten it", QUEUE, QUEUE, 1, QUEUE},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        rig_t r;
+        start(&r, nodes[1], 1);
+        set(&r, "ru1.g_link_lost", "1");
+        for (unsigned int n = 0; n < QUEUE; n++)
+            assert_true(send_from(&r, 1, n));
+        for (unsigned int n = 1; n <= QUEUE + 1; n++) {
+            put_command(&r, 1, n);
+            r.out[CCO] = (uint8_t)n;
+            cycle(&r);
+        }
+        assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+        r.out[CCO] = rows[i].cco;
+        to_op(&r);
+        run_updates(&r, 50);
+        if (r.in[CAI] != rows[i].cai || number(&r, "bu.commands_lost") != rows[i].lost ||
+            ru_number(&r, 1, "received_count") != rows[i].received)
+            fail_msg("%s: expected CAI %u, %u lost, %u received; got %u, %lu, %lu", rows[i].what, rows[i].cai,
+                     rows[i].lost, rows[i].received, r.in[CAI], number(&r, "bu.commands_lost"),
+                     ru_number(&r, 1, "received_count"));
+        wire_close(&r.w);
+    }
+}
+
+/* Id 1 with its bytes in the wrong order is 256. */
+static void ids_that_nobody_has(void **state)
+{
+    static const struct {
+        uint16_t id;
+        unsigned long unknown;
+    } rows[] = {{0, 0}, {1, 0}, {8, 0}, {256, 1}, {9, 2}, {65535, 3}, {3, 3}};
+    (void)state;
+    rig_t r;
+    start(&r, nodes[2], 1);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        put_command(&r, rows[i].id, 1);
+        r.out[CCO]++;
+        run_updates(&r, 1);
+        if (number(&r, "bu.commands_unknown") != rows[i].unknown || r.in[CAI] != r.out[CCO])
+            fail_msg("id %u: expected %lu in bu.commands_unknown and CAI %u, got %lu and %u", rows[i].id,
+                     rows[i].unknown, r.out[CCO], number(&r, "bu.commands_unknown"), r.in[CAI]);
+    }
+    wire_close(&r.w);
 }
 
 /* CCO as the controller brings it when it comes back; the last that the base unit has seen is `last`. */
@@ -509,18 +638,20 @@ static void first_counter_after_power_on(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT(ccos) * COUNT(nodes); i++) {
         rig_t r = {.device = nodes[i / COUNT(ccos)]};
+        unsigned int first = ccos[i % COUNT(ccos)] == 1 ? 1 : 0;
         wire_open_one(&r.w, r.device);
         set(&r, "ru1.on", "1");
         put_command(&r, 0, 1);
         r.out[CCO] = ccos[i % COUNT(ccos)];
         to_op(&r);
         run_updates(&r, 3);
-        expect_received(&r, "whatever CCO begins with", 1, 0, 0);
+        expect_received(&r, "with the first outputs", 1, first, 1);
         assert_int_equal(r.in[CAI], r.out[CCO]);
         put_command(&r, 0, 2);
         r.out[CCO]++;
         run_updates(&r, 2);
-        expect_received(&r, "one more", 1, 1, 2);
+        expect_received(&r, "one more", 1, first + 1, 2);
+        assert_int_equal(number(&r, "bu.commands_lost"), 0);
         wire_close(&r.w);
     }
 }
@@ -709,12 +840,20 @@ int main(int argc, char **argv)
         TEST("ECL-050: each change of CCO is one command, over 255 to 0 and after lost cycles too", counter_steps),
         TEST("ECL-025 ECL-050: 600 commands one after the other are each received once and acknowledged",
              whole_round_of_cco),
-        TEST("ECL-050: of more than 16 commands in one update a remote gets the 16 oldest in order, the others are "
-             "counted",
+        TEST("ECL-025 ECL-050: of more than 16 commands in one update a remote gets the 16 oldest in order and the "
+             "last; those that CCO passed over are counted",
              faster_than_the_link),
+        TEST("ECL-025 ECL-063: on fallback CAI waits until there is room, and all 49 commands arrive",
+             cai_waits_for_room),
+        TEST("ECL-025: CAI follows as soon as a remote takes a command, or can no longer be reached",
+             room_for_the_waiting),
+        TEST("ECL-025 ECL-050: a command that waits is neither lost nor repeated when the controller comes back",
+             waiting_over_an_interruption),
+        TEST("ECL-003 ECL-051: commands to an id that nobody has are counted", ids_that_nobody_has),
         TEST("ECL-050: a controller that comes back brings a command only with the old CCO plus one",
              controller_back_with_cco),
-        TEST("ECL-050: the first CCO after power-on is no command, whatever it is", first_counter_after_power_on),
+        TEST("ECL-050: after power-on CCO is 0: 1 in the first outputs is a command, another value only the start",
+             first_counter_after_power_on),
         TEST("ECL-023 ECL-025 ECL-050 ECL-051 ECL-060: at random both ways, with lost and repeated cycles and "
              "watchdogs: "
              "exactly once, in order",

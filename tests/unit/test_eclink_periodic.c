@@ -182,10 +182,8 @@ static void size_zero(void **state)
 static void any_order(void **state)
 {
     static const struct {
-        unsigned int size, step,
-            first; /* block (first + step * n) mod blocks; step and blocks have no common divisor */
-    } rows[] = {{401, 2, 0},       {401, 2, 2},     {600, 1, 1},      {1000, 3, 4},
-                {51200, 255, 255}, {51200, 77, 13}, {50999, 101, 200}};
+        unsigned int size, step; /* block (step * n) mod blocks; step and blocks have no common divisor */
+    } rows[] = {{401, 2}, {600, 1}, {1000, 3}, {51200, 255}, {51200, 77}, {50999, 101}};
     (void)state;
     rig_t r;
     start(&r, nodes[0]);
@@ -194,7 +192,7 @@ static void any_order(void **state)
         unsigned int blocks = blocks_of(rows[i].size);
         for (unsigned int n = 0; n < blocks; n++) {
             assert_int_equal(number(&r, "bu.periodic_sets"), r.sets);
-            give_block(&r, bytes, rows[i].size, (rows[i].first + rows[i].step * n) % blocks);
+            give_block(&r, bytes, rows[i].size, rows[i].step * n % blocks);
         }
         r.sets++;
         expect_set(&r, "any order", bytes, rows[i].size);
@@ -237,11 +235,13 @@ static void repeated_blocks(void **state)
     give_block(&r, a, 600, 2);
     give_block(&r, a, 600, 2);
     expect_set(&r, "two of three blocks, each repeated", NULL, 0);
+    assert_int_equal(number(&r, "bu.periodic_unfinished"), 4); /* block 0 begins a set, always */
     give_block(&r, a, 600, 1);
     r.sets++;
     expect_set(&r, "all three", a, 600);
     give_block(&r, a, 600, 1);
-    expect_set(&r, "the last block repeated is one of the next set", a, 600);
+    expect_set(&r, "the last block repeated belongs to no set", a, 600);
+    assert_int_equal(number(&r, "bu.periodic_skipped"), 1);
     give_block(&r, b, 600, 0);
     give_block(&r, b, 600, 1); /* newer bytes replace the older ones */
     give_block(&r, b, 600, 2);
@@ -296,8 +296,9 @@ static void size_changes_and_returns(void **state)
         snprintf(when, sizeof when, "block 1 after size %u", between[i]);
         expect_set(&r, when, b, between[i] == 1 ? 1 : 0);
         give_block(&r, c, 400, 0);
+        give_block(&r, c, 400, 1);
         r.sets++;
-        expect_set(&r, "and block 0", c, 400);
+        expect_set(&r, "from block 0 on", c, 400);
         free(a);
         free(b);
         free(c);
@@ -353,7 +354,7 @@ static void hand_over_is_atomic(void **state)
         uint8_t *bytes = new_set(n);
         for (unsigned int b = 0; b < blocks_of(BYTES); b++) {
             expect_set(&r, "the old set as long as the new one is not complete", old, old_size);
-            give_block(&r, bytes, BYTES, (b * 7 + n) % blocks_of(BYTES));
+            give_block(&r, bytes, BYTES, b * (n % 2 == 0 ? 7 : 3) % blocks_of(BYTES));
             if (b == 4)
                 pause_ms(&r, 300);
         }
@@ -385,8 +386,11 @@ static void interrupted_exchange(void **state)
         give_block(&r, b, 400, 1);
         expect_set(&r, "half of a set from before the interruption is not completed by half of another", NULL, 0);
         give_block(&r, b, 400, 0);
+        give_block(&r, b, 400, 1);
         r.sets++;
         expect_set(&r, "the set from after the interruption", b, 400);
+        assert_int_equal(number(&r, "bu.periodic_unfinished"), 1);
+        assert_int_equal(number(&r, "bu.periodic_lost"), 1);
         free(a);
         free(b);
         wire_close(&r.w);
@@ -414,23 +418,123 @@ static void lost_last_block(void **state)
     wire_close(&r.w);
 }
 
-static void first_outputs_bring_no_block(void **state)
+/* The outputs stand ready when OP is entered: the first block of the first set, or one from the middle. */
+static void first_outputs(void **state)
 {
     (void)state;
-    rig_t r = {.device = nodes[0]};
+    for (unsigned int block = 0; block <= 1; block++) {
+        rig_t r = {.device = nodes[0]};
+        uint8_t *a = new_set(1), *b = new_set(2);
+        wire_open_one(&r.w, r.device);
+        ect_store_be16(r.out + SIZE, 600);
+        r.out[BLOCK] = (uint8_t)block;
+        memcpy(r.out + DATA, a + (size_t)block * BLOCK_BYTES, BLOCK_BYTES);
+        r.out[PCO] = 77;
+        to_op(&r);
+        cycle(&r);
+        cycle(&r);
+        assert_int_equal(number(&r, "bu.pai"), 77);
+        for (unsigned int n = block + 1; n <= 2; n++)
+            give_block(&r, a, 600, n);
+        r.sets += block == 0 ? 1 : 0;
+        expect_set(&r, "the set with which OP began", a, block == 0 ? 600 : 0);
+        assert_int_equal(number(&r, "bu.periodic_skipped"), block == 0 ? 0 : 2);
+        for (unsigned int n = 0; n <= 2; n++)
+            give_block(&r, b, 600, n);
+        r.sets++;
+        expect_set(&r, "the next set", b, 600);
+        free(a);
+        free(b);
+        wire_close(&r.w);
+    }
+}
+
+/* Blocks of sets a, b, c of 600 bytes, as "a0 b1 ..."; what becomes of them. */
+static const struct sequence {
+    const char *blocks;
+    char last; /* the set that stands at the end, 0 none */
+    unsigned int sets, unfinished, lost, skipped;
+} sequences[] = {
+    {"a0 a1 a2", 'a', 1, 0, 0, 0},        {"a0 a2 a1", 'a', 1, 0, 0, 0},
+    {"a1 a2 b0 b1 b2", 'b', 1, 0, 0, 2},  {"a0 b0 b1 b2", 'b', 1, 1, 2, 0},
+    {"a0 a1 b0 b1 b2", 'b', 1, 1, 1, 0},  {"a0 a2 b0 b1 b2 c0 c1 c2", 'c', 2, 1, 1, 0},
+    {"a0 a1 b0 b2 c0 c1", 0, 0, 2, 2, 0}, {"a0 a1 a2 b1 b2 c0 c1 c2", 'c', 2, 0, 0, 2},
+    {"a0 a0 a1 a2", 'a', 1, 1, 2, 0},     {"a0 a1 a1 a2", 'a', 1, 0, 0, 0},
+};
+
+static void block_0_begins_a_set(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT(sequences); i++) {
+        const struct sequence *c = &sequences[i];
+        uint8_t *sets[] = {new_set(1), new_set(2), new_set(3)};
+        rig_t r;
+        start(&r, nodes[i % 2]);
+        for (const char *block = c->blocks; *block; block += block[2] ? 3 : 2)
+            give_block(&r, sets[block[0] - 'a'], 600, (unsigned int)(block[1] - '0'));
+        r.sets = c->sets;
+        expect_set(&r, c->blocks, c->last ? sets[c->last - 'a'] : NULL, c->last ? 600 : 0);
+        if (number(&r, "bu.periodic_unfinished") != c->unfinished || number(&r, "bu.periodic_lost") != c->lost ||
+            number(&r, "bu.periodic_skipped") != c->skipped)
+            fail_msg("%s: expected %u sets unfinished, %u blocks lost, %u skipped; got %lu, %lu, %lu", c->blocks,
+                     c->unfinished, c->lost, c->skipped, number(&r, "bu.periodic_unfinished"),
+                     number(&r, "bu.periodic_lost"), number(&r, "bu.periodic_skipped"));
+        for (size_t n = 0; n < COUNT(sets); n++)
+            free(sets[n]);
+        wire_close(&r.w);
+    }
+}
+
+static void expect_pending(rig_t *r, const char *when, unsigned int size, unsigned int missing)
+{
+    if (number(r, "bu.periodic_pending") != size || number(r, "bu.periodic_missing") != missing)
+        fail_msg("%s: expected %u bytes coming in, %u blocks missing; got %lu, %lu", when, size, missing,
+                 number(r, "bu.periodic_pending"), number(r, "bu.periodic_missing"));
+}
+
+static void what_is_coming_in(void **state)
+{
+    (void)state;
+    rig_t r;
     uint8_t *a = new_set(1);
-    wire_open_one(&r.w, r.device);
-    ect_store_be16(r.out + SIZE, 10);
-    memcpy(r.out + DATA, a, 10);
-    r.out[PCO] = 77;
-    to_op(&r);
-    cycle(&r);
-    expect_set(&r, "PCO has not counted since the exchange began", NULL, 0);
-    give_block(&r, a, 10, 0);
-    r.sets++;
-    expect_set(&r, "PCO has counted", a, 10);
+    start(&r, nodes[0]);
+    expect_pending(&r, "nothing has come", 0, 0);
+    for (unsigned int n = 0; n < 5; n++) {
+        give_block(&r, a, 1100, n);
+        expect_pending(&r, "one block more", 1100, 5 - n);
+    }
+    give_block(&r, a, 1100, 5);
+    expect_pending(&r, "complete", 0, 0);
+    give_block(&r, a, 0xC201, 0); /* 450, its bytes in the wrong order */
+    expect_pending(&r, "a size with swapped bytes", 0xC201, 248);
+    assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    expect_pending(&r, "interrupted", 0, 0);
+    assert_int_equal(number(&r, "bu.periodic_lost"), 248);
     free(a);
     wire_close(&r.w);
+}
+
+static void pco_steps(void **state)
+{
+    static const struct {
+        uint8_t from, to;
+        unsigned long jumps;
+    } rows[] = {{0, 1, 0}, {255, 0, 0}, {7, 7, 0}, {7, 9, 1}, {7, 6, 1}, {0, 255, 1}, {1, 0, 1}, {0, 128, 1}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        rig_t r = {.device = nodes[i % 2]};
+        wire_open_one(&r.w, r.device);
+        r.out[PCO] = rows[i].from; /* where the controller starts from is no step */
+        to_op(&r);
+        cycle(&r);
+        r.out[PCO] = rows[i].to;
+        cycle(&r);
+        cycle(&r);
+        if (number(&r, "bu.pco_jumps") != rows[i].jumps)
+            fail_msg("PCO from %u to %u: expected %lu in bu.pco_jumps, got %lu", rows[i].from, rows[i].to,
+                     rows[i].jumps, number(&r, "bu.pco_jumps"));
+        wire_close(&r.w);
+    }
 }
 
 /* --- PAI and the rest -----------------------------------------------------------------------------------------------
@@ -458,6 +562,8 @@ static void pai_follows_pco(void **state)
         }
         give_block(&r, a, 51201, 0); /* processed: refused */
         expect_pai(&r, (uint8_t)261);
+        give_block(&r, a, 400, 1); /* processed: of a set whose block 0 did not come */
+        expect_pai(&r, (uint8_t)262);
         free(a);
         wire_close(&r.w);
     }
@@ -505,6 +611,7 @@ static void shown_by_the_remotes_that_are_on(void **state)
     start(&r, nodes[1]);
     set(&r, "ru1.on", "1");
     set(&r, "ru2.on", "1");
+    give_block(&r, a, 0, 0);
     set(&r, "ru2.armed", "1");
     for (unsigned int n = 0; n < 5; n++) {
         give_block(&r, a, 400, 0);
@@ -534,17 +641,24 @@ int main(int argc, char **argv)
         TEST("the CRC-32 of these tests has its published check value", oracle),
         TEST("ECL-054 ECL-059: sets of 1 to 51200 bytes are shown when their last block has come", sizes),
         TEST("ECL-054: size 0 is neither a set nor an error", size_zero),
-        TEST("ECL-059: blocks may come in any order", any_order),
+        TEST("ECL-059: after block 0 the others may come in any order", any_order),
+        TEST("ECL-054 ECL-059: block 0 begins a set, always; none counts before it; sets that do not become whole are "
+             "counted with their missing blocks",
+             block_0_begins_a_set),
         TEST("ECL-049 ECL-059: only PCO makes a block count", without_pco_nothing),
         TEST("ECL-059: a repeated block counts once, and its newer bytes are taken", repeated_blocks),
         TEST("ECL-054 ECL-059: another size in the middle begins another set", size_changes_in_the_middle),
         TEST("ECL-054 ECL-059: after another size in between the first set begins anew", size_changes_and_returns),
         TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored",
              impossible),
+        TEST("ECL-054 ECL-059: the size of the set that is coming in and its missing blocks are told",
+             what_is_coming_in),
         TEST("ECL-059: the old set stands until the new one is complete", hand_over_is_atomic),
         TEST("ECL-059: an interrupted exchange never completes a set with blocks from before it", interrupted_exchange),
         TEST("ECL-059: when the last block of a set is lost, the next set is shown whole", lost_last_block),
-        TEST("ECL-049: the first outputs bring no block, for PCO has not counted yet", first_outputs_bring_no_block),
+        TEST("ECL-024 ECL-059: the first outputs are taken when they hold block 0, else the next set is the first",
+             first_outputs),
+        TEST("ECL-049: steps of PCO other than +1 are counted", pco_steps),
         TEST("ECL-024: PAI follows PCO with the next update, also from 255 to 0", pai_follows_pco),
         TEST("ECL-052 ECL-053: PAO and the spare bytes do not matter", pao_and_spares_do_not_matter),
         TEST("ECL-055: Input + Commands has no periodic data", mode_without_periodic_data),

@@ -23,39 +23,48 @@ static uint8_t fmap_of(const ect_device_t *device)
 
 /* --- links, message, state ---------------------------------------------------------------------------------------- */
 
-static bool command_late(const eclink_t *unit)
+/* What may be wrong with the EC-Link, worst first, and how it is told (§8.2, §11). */
+enum { EC_GOOD, EC_DISABLED, EC_MODULE, EC_CONFIGURATION, EC_NO_DATA, EC_NOT_READ, EC_PCO, EC_CAO };
+
+static const struct fault {
+    uint8_t status;
+    const char *message;
+    const char *cause;
+} faults[] = {
+    [EC_GOOD] = {ECLINK_LINK_OPERATIONAL, "", ""},
+    [EC_DISABLED] = {ECLINK_LINK_UNUSED, "", "EC-Link is disabled"},
+    [EC_MODULE] = {ECLINK_LINK_INTERFACE_ERROR, "EC: Module Error", "the fieldbus module reports an error"},
+    [EC_CONFIGURATION] = {ECLINK_LINK_ERROR, "EC: Cfg. Error", "the controller's configuration was refused"},
+    [EC_NO_DATA] = {ECLINK_LINK_NONE, "EC: No Data", "no process data from the controller"},
+    [EC_NOT_READ] = {ECLINK_LINK_NONE, "EC: No Data", "the controller does not read the input data"},
+    [EC_PCO] = {ECLINK_LINK_DATA_ERROR, "EC: Bad data", "PCO does not increment"},
+    [EC_CAO] = {ECLINK_LINK_DATA_ERROR, "EC: Bad data", "CAO does not acknowledge a command"},
+};
+
+static uint8_t present_fault(const eclink_t *unit)
 {
-    return unit->cao_deadline_ns == 0;
+    if (!unit->bu.enabled)
+        return EC_DISABLED;
+    if (unit->bu.module_error)
+        return EC_MODULE;
+    if (!unit->exchanging && unit->config_refused)
+        return EC_CONFIGURATION;
+    if (!unit->exchanging)
+        return unit->in_op && !eclink_has(unit, ECLINK_FMAP_COMMANDS) ? EC_NOT_READ : EC_NO_DATA;
+    if (eclink_has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
+        return EC_PCO;
+    return unit->cao_late ? EC_CAO : EC_GOOD;
 }
 
-/* Why the EC-Link is not in order. NULL: it is. */
-static const char *fault(const eclink_t *unit, uint8_t *status, const char **message)
+/* An error ends with its cause; read strictly (lock_errors), one after the first good exchange stays. */
+static uint8_t fault_of(eclink_t *unit)
 {
-    *message = "";
-    *status = ECLINK_LINK_UNUSED;
-    if (!unit->bu.enabled)
-        return NULL;
-    *status = ECLINK_LINK_INTERFACE_ERROR;
-    *message = "EC: Module Error";
-    if (unit->bu.module_error)
-        return "the fieldbus module reports an error";
-    *status = ECLINK_LINK_ERROR;
-    *message = "EC: Cfg. Error";
-    if (!unit->exchanging && unit->config_refused)
-        return "the controller's configuration was refused";
-    *status = ECLINK_LINK_NONE;
-    *message = "EC: No Data";
-    if (!unit->exchanging)
-        return "no process data from the controller";
-    *status = ECLINK_LINK_DATA_ERROR;
-    *message = "EC: Bad data";
-    if (eclink_has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
-        return "PCO does not increment";
-    if (eclink_has(unit, ECLINK_FMAP_COMMANDS) && command_late(unit))
-        return "CAO does not acknowledge a command";
-    *status = ECLINK_LINK_OPERATIONAL;
-    *message = "";
-    return NULL;
+    uint8_t fault = present_fault(unit);
+    if (!unit->bu.lock_errors || fault == EC_DISABLED)
+        unit->locked = EC_GOOD;
+    else if (unit->good_once && fault != EC_GOOD)
+        unit->locked = fault;
+    return unit->locked != EC_GOOD ? unit->locked : fault;
 }
 
 static bool eg_link_bad(const eclink_t *unit)
@@ -63,13 +72,15 @@ static bool eg_link_bad(const eclink_t *unit)
     return unit->bu.eg_link >= ECLINK_LINK_NONE && unit->bu.eg_link <= ECLINK_LINK_DATA_ERROR;
 }
 
-static bool any_armed_stopped(const eclink_t *unit)
+/* The first armed remote that stops the machine, or NULL. */
+static const eclink_ru_t *stopped(const eclink_t *unit)
 {
-    for (unsigned int i = 0; i < unit->armed_count; i++) {
-        if (unit->ru[unit->armed[i]].state >= ECLINK_RU_STOPPED)
-            return true;
+    for (unsigned int i = 0; i < unit->armed.count; i++) {
+        const eclink_ru_t *ru = &unit->ru[unit->armed.numbers[i]];
+        if (ru->state >= ECLINK_RU_STOPPED)
+            return ru;
     }
-    return false;
+    return NULL;
 }
 
 static uint8_t bu_state(const eclink_t *unit, bool ec_link_bad)
@@ -80,11 +91,11 @@ static uint8_t bu_state(const eclink_t *unit, bool ec_link_bad)
         return ECLINK_BU_INITIAL;
     if (ec_link_bad || eg_link_bad(unit))
         return ECLINK_BU_LINK_ERROR;
-    if (unit->blocked != 0)
+    if (unit->lost.count > 0)
         return ECLINK_BU_BLOCKED;
-    if (any_armed_stopped(unit))
+    if (stopped(unit))
         return ECLINK_BU_STOPPED;
-    return unit->armed_count > 0 ? ECLINK_BU_ARMED : ECLINK_BU_DISARMED;
+    return unit->armed.count > 0 ? ECLINK_BU_ARMED : ECLINK_BU_DISARMED;
 }
 
 static void put_text(char *to, size_t room, const char *text)
@@ -95,20 +106,72 @@ static void put_text(char *to, size_t room, const char *text)
     to[length] = 0;
 }
 
-static void evaluate(eclink_t *unit)
+/* "ru1: text" */
+static void put_remote_cause(eclink_t *unit, unsigned int number, const char *text)
 {
-    const char *message;
-    const char *cause = fault(unit, &unit->bu.ec_link, &message);
+    char *to = unit->bu.cause;
+    memcpy(to, "ru0: ", 5);
+    to[2] = (char)('1' + number);
+    put_text(to + 5, sizeof unit->bu.cause - 5, text);
+}
+
+static void put_stop_cause(eclink_t *unit, const eclink_ru_t *ru)
+{
+    const char *shock_or_stop = ru->stop ? "the stop switch is pressed" : "free fall or shock was detected";
+    put_remote_cause(unit, (unsigned int)(ru - unit->ru), ru->failed ? "it has an internal error" : shock_or_stop);
+}
+
+/* Why the unit is in its state, unless that is as it should be. */
+static void put_cause(eclink_t *unit, const struct fault *fault, bool ec_link_bad)
+{
+    static const char *const eg_link[] = {"EG-Link: no link", "EG-Link: link error", "EG-Link: interface error",
+                                          "EG-Link: data error"};
+    const char *text = fault->cause;
+    if (unit->bu.state == ECLINK_BU_FAILED)
+        text = "self-diagnostics has found a fatal internal error";
+    else if (unit->bu.state == ECLINK_BU_LINK_ERROR && !ec_link_bad)
+        text = eg_link[unit->bu.eg_link - ECLINK_LINK_NONE];
+    put_text(unit->bu.cause, sizeof unit->bu.cause, text);
+    if (unit->bu.state == ECLINK_BU_BLOCKED)
+        put_remote_cause(unit, unit->lost.numbers[0], "communication is lost; turn it on and rearm it");
+    else if (unit->bu.state == ECLINK_BU_STOPPED)
+        put_stop_cause(unit, stopped(unit));
+}
+
+void eclink_evaluate(eclink_t *unit)
+{
+    uint8_t now = fault_of(unit);
+    const struct fault *fault = &faults[now];
+    bool ec_link_bad = now > EC_DISABLED;
     eclink_remotes_update(unit);
-    unit->good_once |= cause == NULL && unit->bu.enabled;
-    unit->bu.state = bu_state(unit, cause != NULL);
+    unit->good_once |= now == EC_GOOD;
+    unit->bu.ec_link = fault->status;
+    unit->bu.state = bu_state(unit, ec_link_bad);
     unit->bu.es_link = unit->bu.state >= ECLINK_BU_DISARMED;
-    put_text(unit->bu.message, sizeof unit->bu.message, message);
-    const char *otherwise = unit->bu.enabled ? "" : "EC-Link is disabled";
-    put_text(unit->bu.cause, sizeof unit->bu.cause, cause ? cause : otherwise);
+    put_text(unit->bu.message, sizeof unit->bu.message, fault->message);
+    put_cause(unit, fault, ec_link_bad);
 }
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
+
+/* What stands around a unit that is new. */
+static void outside_defaults(eclink_t *unit)
+{
+    unit->bu.enabled = 1;
+    unit->bu.vlaps = 3;
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        eclink_ru_t *ru = &unit->ru[i];
+        ru->id = (uint16_t)(i + 1);
+        ru->battery = 100;
+        ru->rssi = 100;
+        ru->forced_c_link = ECLINK_NOT_FORCED;
+        ru->forced_g_link = ECLINK_NOT_FORCED;
+        memset(ru->fitted, ECLINK_PUSHBUTTON, 4);
+    }
+}
+
+#define ZERO_FROM(object, type, member)                                                                                \
+    memset((uint8_t *)(object) + offsetof(type, member), 0, sizeof(type) - offsetof(type, member))
 
 void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
@@ -118,15 +181,15 @@ void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     unit->update_ns = now_ns + UPDATE_NS;
     unit->pco_deadline_ns = ECT_NEVER;
     unit->cao_deadline_ns = ECT_NEVER;
-    unit->bu.enabled = 1;
-    unit->bu.vlaps = 3;
-    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
-        unit->ru[i].id = (uint16_t)(i + 1);
-        unit->ru[i].battery = 100;
-        unit->ru[i].rssi = 100;
-        memset(unit->ru[i].fitted, ECLINK_PUSHBUTTON, 4);
-    }
-    evaluate(unit);
+    unit->read_deadline_ns = ECT_NEVER;
+    if (unit->ru[0].id == 0) /* no remote has that: there was no power before */
+        outside_defaults(unit);
+    ZERO_FROM(&unit->bu, eclink_bu_t, state);
+    for (unsigned int i = 0; i < ECLINK_RUS; i++)
+        ZERO_FROM(&unit->ru[i], eclink_ru_t, armed);
+    if (!unit->bu.enabled)
+        host->off_bus(host->ctx, true);
+    eclink_evaluate(unit);
 }
 
 static void stop_exchange(eclink_t *unit)
@@ -134,21 +197,44 @@ static void stop_exchange(eclink_t *unit)
     unit->exchanging = false;
     unit->outputs_known = false;
     unit->pco_alive = false;
+    unit->cao_late = false;
     unit->pco_deadline_ns = ECT_NEVER;
     unit->cao_deadline_ns = ECT_NEVER;
+    unit->read_deadline_ns = ECT_NEVER;
+    eclink_periodic_drop(unit); /* half a set from before an interruption is never completed */
+}
+
+/* With outputs, their coming decides whether data flow; without, that the inputs are read. */
+static void begin_exchange(eclink_t *unit, uint64_t now_ns)
+{
+    if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
+        return;
+    unit->exchanging = true;
+    unit->read_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
 }
 
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
 {
     eclink_t *unit = instance;
-    (void)now_ns;
     unit->config_refused &= to <= unit->refused_in;
+    unit->in_op = to == ECT_STATE_OP;
     if (to == ECT_STATE_OP)
-        unit->exchanging = !eclink_has(unit, ECLINK_FMAP_COMMANDS); /* with outputs, their coming decides */
+        begin_exchange(unit, now_ns);
     else if (from == ECT_STATE_OP)
         stop_exchange(unit);
-    evaluate(unit);
+    eclink_evaluate(unit);
     return 0;
+}
+
+void eclink_inputs_read(void *instance, uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    bool silent = !unit->exchanging;
+    if (!unit->in_op || eclink_has(unit, ECLINK_FMAP_COMMANDS))
+        return;
+    begin_exchange(unit, now_ns);
+    if (silent)
+        eclink_evaluate(unit);
 }
 
 static bool says_mismatch(uint16_t code)
@@ -167,7 +253,18 @@ void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_
         return;
     unit->config_refused = says_mismatch(code);
     unit->refused_in = state;
-    evaluate(unit);
+    eclink_evaluate(unit);
+}
+
+static void watch_pco(eclink_t *unit, bool first, uint64_t now_ns)
+{
+    uint8_t step = (uint8_t)(unit->outputs[ECLINK_OUT_PCO] - unit->last_pco);
+    if (!first && step == 0)
+        return;
+    unit->pco_alive = !first;
+    unit->pco_deadline_ns = first ? ECT_NEVER : now_ns + ECLINK_SUPERVISION_NS;
+    unit->bu.pco_jumps += !first && step != 1;
+    eclink_periodic_outputs(unit);
 }
 
 void eclink_outputs(void *instance, uint64_t now_ns)
@@ -176,12 +273,8 @@ void eclink_outputs(void *instance, uint64_t now_ns)
     bool first = !unit->outputs_known;
     unit->outputs_known = true;
     unit->exchanging = true;
-    if (first || unit->outputs[ECLINK_OUT_PCO] != unit->last_pco) {
-        unit->pco_alive = !first;
-        unit->pco_deadline_ns = first ? ECT_NEVER : now_ns + ECLINK_SUPERVISION_NS;
-    }
     if (eclink_has(unit, ECLINK_FMAP_PERIODIC))
-        eclink_periodic_outputs(unit, first);
+        watch_pco(unit, first, now_ns);
     unit->last_pco = unit->outputs[ECLINK_OUT_PCO];
     unit->bu.pai = unit->last_pco;
     if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
@@ -204,35 +297,48 @@ static void publish(eclink_t *unit)
     eclink_remotes_publish(unit, in);
 }
 
+/* @return whether it has passed; it is then over */
+static bool passed(uint64_t *deadline_ns, uint64_t now_ns)
+{
+    if (now_ns < *deadline_ns)
+        return false;
+    *deadline_ns = ECT_NEVER;
+    return true;
+}
+
 static void supervise(eclink_t *unit, uint64_t now_ns)
 {
-    if (now_ns >= unit->pco_deadline_ns) {
+    if (passed(&unit->pco_deadline_ns, now_ns))
         unit->pco_alive = false;
-        unit->pco_deadline_ns = ECT_NEVER;
-    }
-    if (unit->cao_deadline_ns != 0 && now_ns >= unit->cao_deadline_ns)
-        unit->cao_deadline_ns = 0; /* late, until it is acknowledged */
+    if (passed(&unit->cao_deadline_ns, now_ns))
+        unit->cao_late = true;
+    if (passed(&unit->read_deadline_ns, now_ns))
+        unit->exchanging = false;
+}
+
+static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
 }
 
 /* Late calls do not shift the rhythm, and do not make up for missed updates. */
 uint64_t eclink_tick(void *instance, uint64_t now_ns)
 {
     eclink_t *unit = instance;
+    bool update = now_ns >= unit->update_ns;
     supervise(unit, now_ns);
-    if (now_ns >= unit->update_ns) {
-        if (unit->exchanging && eclink_has(unit, ECLINK_FMAP_COMMANDS))
+    if (update) {
+        if (unit->exchanging && !unit->bu.frozen && eclink_has(unit, ECLINK_FMAP_COMMANDS))
             eclink_show_command(unit, now_ns);
         eclink_command_to_rus(unit);
-        evaluate(unit);
-        publish(unit);
-        unit->update_ns += UPDATE_NS;
-        if (unit->update_ns <= now_ns)
-            unit->update_ns = now_ns + UPDATE_NS;
-    } else {
-        evaluate(unit);
+        unit->update_ns = unit->update_ns + UPDATE_NS > now_ns ? unit->update_ns + UPDATE_NS : now_ns + UPDATE_NS;
     }
-    uint64_t next = unit->update_ns < unit->pco_deadline_ns ? unit->update_ns : unit->pco_deadline_ns;
-    return unit->cao_deadline_ns != 0 && unit->cao_deadline_ns < next ? unit->cao_deadline_ns : next;
+    eclink_pass_command(unit);
+    eclink_evaluate(unit);
+    if (update && !unit->bu.frozen)
+        publish(unit);
+    return earlier(earlier(unit->update_ns, unit->pco_deadline_ns),
+                   earlier(unit->cao_deadline_ns, unit->read_deadline_ns));
 }
 
 /* --- 3001h, 3002h ------------------------------------------------------------------------------------------------- */

@@ -3,7 +3,8 @@
  * Commands, both ways, each exactly once (TS-0007 §10.1, §10.2).
  *
  * From a remote: CCI counts when the next command stands in the input data, and that is when the controller has
- * acknowledged the one before (CAO = CCI). To the remotes: a change of CCO is a command; CAI acknowledges it.
+ * acknowledged the one before (CAO = CCI). To the remotes: a change of CCO is a command; CAI acknowledges it when all
+ * that it is for have room for it.
  */
 #include <string.h>
 
@@ -29,51 +30,101 @@ bool eclink_queue_take(eclink_queue_t *queue, eclink_command_t *command)
     return true;
 }
 
-/* The time-out runs from the moment on which a command is there and unacknowledged. */
-static void supervise_cao(eclink_t *unit, uint64_t now_ns)
+/* --- from the remotes --------------------------------------------------------------------------------------------- */
+
+/* Only while a command waits for it: what CAO is otherwise does not matter. The time-out runs while data flow. */
+static void watch_cao(eclink_t *unit, uint64_t now_ns)
 {
-    if (unit->outputs[ECLINK_OUT_CAO] == unit->bu.cci)
+    if (unit->cci_waits && unit->outputs[ECLINK_OUT_CAO] == unit->bu.cci)
+        unit->cci_waits = false;
+    if (!unit->cci_waits) {
+        unit->cao_late = false;
         unit->cao_deadline_ns = ECT_NEVER;
-    else if (unit->cao_deadline_ns == ECT_NEVER)
+    } else if (unit->cao_deadline_ns == ECT_NEVER && !unit->cao_late) {
         unit->cao_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
+    }
 }
 
 void eclink_show_command(eclink_t *unit, uint64_t now_ns)
 {
     eclink_command_t command;
-    if (unit->outputs[ECLINK_OUT_CAO] != unit->bu.cci || !eclink_queue_take(&unit->from_ru, &command))
+    if (unit->cci_waits || !eclink_queue_take(&unit->from_ru, &command))
         return;
     unit->bu.cci++;
     ect_store_be16(unit->inputs + ECLINK_IN_COMMAND_RU, command.ru);
     memcpy(unit->inputs + ECLINK_IN_COMMAND, command.data, sizeof command.data);
-    supervise_cao(unit, now_ns);
+    unit->cci_waits = true;
+    unit->cao_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
+}
+
+/* --- to the remotes ----------------------------------------------------------------------------------------------- */
+
+static bool is_for(const eclink_command_t *command, const eclink_ru_t *ru)
+{
+    return eclink_reachable(ru) && (command->ru == 0 || command->ru == ru->id);
+}
+
+void eclink_pass_command(eclink_t *unit)
+{
+    if (!unit->cco_waits)
+        return;
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        if (is_for(&unit->waiting, &unit->ru[i]) && unit->ru[i].to_ru.count == ECLINK_QUEUE)
+            return;
+    }
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        if (is_for(&unit->waiting, &unit->ru[i]))
+            (void)eclink_queue_put(&unit->ru[i].to_ru, &unit->waiting);
+    }
+    unit->cco_waits = false;
+    unit->bu.cai = unit->last_cco;
+}
+
+static bool id_is_known(const eclink_t *unit, uint16_t id)
+{
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        if (unit->ru[i].id == id)
+            return true;
+    }
+    return id == 0;
 }
 
 static void take_command(eclink_t *unit)
 {
-    eclink_command_t command = {.ru = ect_load_be16(unit->outputs + ECLINK_OUT_COMMAND_RU)};
-    memcpy(command.data, unit->outputs + ECLINK_OUT_COMMAND, sizeof command.data);
-    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
-        eclink_ru_t *ru = &unit->ru[i];
-        bool addressed = command.ru == 0 || command.ru == ru->id;
-        if (eclink_reachable(ru) && addressed && !eclink_queue_put(&ru->to_ru, &command))
-            unit->bu.overflows++;
-    }
+    unit->waiting.ru = ect_load_be16(unit->outputs + ECLINK_OUT_COMMAND_RU);
+    memcpy(unit->waiting.data, unit->outputs + ECLINK_OUT_COMMAND, sizeof unit->waiting.data);
+    unit->cco_waits = true;
+    unit->bu.commands_unknown += !id_is_known(unit, unit->waiting.ru);
 }
 
-/* A controller that has just come (back) brings some value of CCO: only one more than the last is a command of its. */
+/*
+ * A controller that has just come (back) brings some value of CCO: only one more than the last is a command of its, any
+ * other is where it starts from. Later each change is one; what CCO has passed over meanwhile is lost.
+ */
+static void watch_cco(eclink_t *unit, bool first)
+{
+    enum { BACKWARDS = 128 };
+    uint8_t cco = unit->outputs[ECLINK_OUT_CCO];
+    uint8_t step = (uint8_t)(cco - unit->last_cco);
+    if (step == 0)
+        return;
+    unit->last_cco = cco;
+    unit->bu.commands_lost += unit->cco_waits;
+    unit->cco_waits = false;
+    if (first && step != 1) {
+        unit->bu.cai = cco;
+        return;
+    }
+    unit->bu.commands_lost += step < BACKWARDS ? step - 1u : 0;
+    take_command(unit);
+}
+
 void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns)
 {
-    uint8_t cco = unit->outputs[ECLINK_OUT_CCO];
-    bool is_new = first ? cco == (uint8_t)(unit->last_cco + 1) && unit->good_once : cco != unit->last_cco;
-    if (is_new)
-        take_command(unit);
-    unit->last_cco = cco;
-    unit->bu.cai = cco;
-    supervise_cao(unit, now_ns);
+    watch_cco(unit, first);
+    eclink_pass_command(unit);
+    watch_cao(unit, now_ns);
 }
-
-/* --- to the remotes ----------------------------------------------------------------------------------------------- */
 
 static bool give_command(eclink_ru_t *ru)
 {
@@ -93,7 +144,7 @@ void eclink_command_to_rus(eclink_t *unit)
 {
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
         eclink_ru_t *ru = &unit->ru[i];
-        bool fallback = ru->g_link == ECLINK_LINK_FALLBACK;
+        bool fallback = ru->path == ECLINK_PATH_C_LINK;
         if (fallback && ru->sent > 0) {
             ru->sent--;
             continue;

@@ -83,10 +83,29 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
 #define PERIODIC_EIGHTS(F)                                                                                             \
     F(1, 0, 7)                                                                                                         \
     F(2, 8, 15)                                                                                                        \
-    F(3, 16, 23) F(4, 24, 31) F(5, 32, 39) F(6, 40, 47) F(7, 48, 55) F(8, 56, 63) F(9, 64, 71) F(10, 72, 79)           \
-        F(11, 80, 87) F(12, 88, 95) F(13, 96, 103) F(14, 104, 111) F(15, 112, 119) F(16, 120, 127) F(17, 128, 135)     \
-            F(18, 136, 143) F(19, 144, 151) F(20, 152, 159) F(21, 160, 167) F(22, 168, 175) F(23, 176, 183)            \
-                F(24, 184, 191) F(25, 192, 199)
+    F(3, 16, 23)                                                                                                       \
+    F(4, 24, 31)                                                                                                       \
+    F(5, 32, 39)                                                                                                       \
+    F(6, 40, 47)                                                                                                       \
+    F(7, 48, 55)                                                                                                       \
+    F(8, 56, 63)                                                                                                       \
+    F(9, 64, 71)                                                                                                       \
+    F(10, 72, 79)                                                                                                      \
+    F(11, 80, 87)                                                                                                      \
+    F(12, 88, 95)                                                                                                      \
+    F(13, 96, 103)                                                                                                     \
+    F(14, 104, 111)                                                                                                    \
+    F(15, 112, 119)                                                                                                    \
+    F(16, 120, 127)                                                                                                    \
+    F(17, 128, 135)                                                                                                    \
+    F(18, 136, 143)                                                                                                    \
+    F(19, 144, 151)                                                                                                    \
+    F(20, 152, 159)                                                                                                    \
+    F(21, 160, 167)                                                                                                    \
+    F(22, 168, 175)                                                                                                    \
+    F(23, 176, 183)                                                                                                    \
+    F(24, 184, 191)                                                                                                    \
+    F(25, 192, 199)
 
 /* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian and these are not
  * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
@@ -231,7 +250,8 @@ static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_
         .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},       \
         .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                        \
         .instance_size = sizeof(eclink_t), .init = eclink_init, .state_change = eclink_state_change,                   \
-        .outputs = eclink_outputs, .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,      \
+        .outputs = eclink_outputs, .inputs_read = eclink_inputs_read, .tick = eclink_tick,                             \
+        .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,                                                      \
     }
 
 const ect_device_t ect_eclink_map1 =

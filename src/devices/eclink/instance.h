@@ -102,7 +102,7 @@ typedef enum eclink_equipment {
 
 enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITCHES = 8, ECLINK_QUEUE = 16 };
 
-/** How long PCO may stand still, and a command be unacknowledged in CAO (§10.1, §10.4). */
+/** How long PCO may stand still, a command be unacknowledged in CAO (§10.1, §10.4), inputs not be read (Input Only). */
 #define ECLINK_SUPERVISION_NS 2000000000ull
 
 /** Largest set of periodic data: 256 blocks (§10.4). A firmware whose machine needs less may define it so. */
@@ -122,11 +122,19 @@ typedef struct eclink_queue {
     uint8_t count;
 } eclink_queue_t;
 
+/** How a remote unit is reached. */
+typedef enum eclink_path {
+    ECLINK_PATH_NONE,   /* out of communication */
+    ECLINK_PATH_C_LINK, /* on fallback */
+    ECLINK_PATH_FULL,   /* G-Link or cable */
+} eclink_path_t;
+
+enum { ECLINK_NOT_FORCED = -1 };
+
 /** A remote unit, as signals `ruN.*`. */
 typedef struct eclink_ru {
-    uint16_t id;
-    uint8_t on; /* switched on and in radio range */
-    uint8_t armed;
+    uint16_t id;   /* unique */
+    uint8_t on;    /* switched on and in radio range */
     uint8_t stop;  /* stop switch pressed */
     uint8_t shock; /* free fall or shock was detected */
     uint8_t failed;
@@ -140,12 +148,16 @@ typedef struct eclink_ru {
     uint8_t encoder_switch;
     int16_t joystick[ECLINK_JOYSTICKS];
     int16_t switches[ECLINK_SWITCHES];
-    uint8_t fitted[ECLINK_SWITCHES];       /* eclink_equipment_t */
-    uint8_t command[ECLINK_COMMAND_BYTES]; /* writing it sends it */
+    uint8_t fitted[ECLINK_SWITCHES]; /* eclink_equipment_t */
+    int16_t forced_c_link;           /* a link status of §8.2, or ECLINK_NOT_FORCED */
+    int16_t forced_g_link;
 
-    uint8_t state; /* from here on what the twin makes of it */
-    uint8_t c_link;
-    uint8_t g_link;
+    uint8_t armed; /* from here on what the base unit makes of it: gone with its power */
+    uint8_t state;
+    int16_t c_link;
+    int16_t g_link;
+    eclink_path_t path;
+    uint8_t command[ECLINK_COMMAND_BYTES];  /* writing it sends it */
     uint8_t received[ECLINK_COMMAND_BYTES]; /* the last command from the controller */
     uint32_t received_count;
     uint32_t periodic_count; /* sets of periodic data shown */
@@ -162,30 +174,45 @@ typedef struct eclink_bu {
     uint8_t failed;
     uint8_t module_error;
     uint8_t report_passive; /* EC-C9: byte 36 is 6, not 0, while no RU is armed */
+    uint8_t lock_errors;    /* §11 read strictly: an EC-Link error stays until power is cycled */
 
-    uint8_t state; /* from here on what the twin makes of it */
+    uint8_t state;  /* from here on what it makes of it: gone with its power */
+    uint8_t frozen; /* its input data stand still */
+    uint8_t restart;
     uint8_t ec_link;
     uint8_t es_link; /* relays closed */
     uint8_t unarmed;
     uint8_t armed;
     uint8_t pci, cci, pai, cai;
     char message[20];
-    char cause[48];
-    uint32_t overflows; /* commands that were turned away */
+    char cause[64];
+    uint32_t overflows;        /* commands from the remotes that were turned away */
+    uint32_t commands_lost;    /* commands from the controller that CCO passed over */
+    uint32_t commands_unknown; /* ... to an id that nobody has */
+    uint32_t pco_jumps;        /* changes of PCO by other than one */
     uint32_t periodic_sets;
     uint32_t periodic_errors;
-    uint16_t periodic_size;  /* of the last complete set */
-    uint32_t periodic_check; /* CRC-32 of it */
+    uint32_t periodic_skipped;    /* blocks of a set whose block 0 did not come */
+    uint32_t periodic_unfinished; /* sets that were begun and did not become whole */
+    uint32_t periodic_lost;       /* blocks missing in them */
+    uint16_t periodic_size;       /* of the last complete set */
+    uint16_t periodic_pending;    /* size of the set that is being assembled; 0: none is */
+    uint16_t periodic_missing;    /* its blocks that have not come */
+    uint32_t periodic_check;      /* CRC-32 of the last complete set */
 } eclink_bu_t;
 
 /** Periodic output data on its way to completeness. */
 typedef struct eclink_periodic {
     uint8_t data[2][ECLINK_PERIODIC_ROOM];
     uint8_t have[32]; /* a bit for each block */
-    uint16_t size;    /* of the set that is being assembled */
-    uint16_t missing; /* blocks */
     uint8_t shown;    /* which of `data` is the last complete set */
 } eclink_periodic_t;
+
+/** Numbers 0..7 of remotes, in the order in which they came. */
+typedef struct eclink_list {
+    uint8_t numbers[ECLINK_MOST_ARMED];
+    uint8_t count;
+} eclink_list_t;
 
 typedef struct eclink {
     ect_standard_t standard;
@@ -195,22 +222,28 @@ typedef struct eclink {
     uint8_t output_numbers[ECLINK_OUT_PERIODIC];
     const ect_host_t *host;
     uint8_t fmap;
-    eclink_bu_t bu;
+    eclink_bu_t bu; /* with `ru`: the operator's side. What of it stands outside outlasts power */
     eclink_ru_t ru[ECLINK_RUS];
-    uint8_t armed[ECLINK_MOST_ARMED]; /* numbers 0..7 of armed remotes, in the order of arming */
-    uint8_t armed_count;
-    uint8_t blocked; /* remotes that were lost while armed, a bit each */
+    eclink_list_t armed; /* together with `lost` at most as many as may be armed */
+    eclink_list_t lost;  /* while armed: each keeps its place until it is rearmed or replaced */
 
+    bool in_op;
     bool exchanging;    /* OP: process data flow */
     bool good_once;     /* there was a good exchange since power-on */
     bool outputs_known; /* outputs have come since OP was entered */
     bool pco_alive;
     bool config_refused; /* the configuration that would have led out of `refused_in` */
     uint8_t refused_in;
+    uint8_t locked; /* with lock_errors: what is wrong with the EC-Link and stays */
     uint8_t last_pco, last_cco;
+    bool cci_waits;           /* the command in the input data is not acknowledged */
+    bool cao_late;            /* ... and should have been */
+    bool cco_waits;           /* a remote has no room yet for `waiting` */
+    eclink_command_t waiting; /* the command of last_cco */
     uint64_t pco_deadline_ns;
     uint64_t cao_deadline_ns;
-    uint64_t update_ns; /* when PCI counts next */
+    uint64_t read_deadline_ns; /* Input Only: inputs must be read until then */
+    uint64_t update_ns;        /* when PCI counts next */
     eclink_queue_t from_ru;
     eclink_periodic_t periodic;
 } eclink_t;
@@ -225,18 +258,28 @@ void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 void eclink_outputs(void *instance, uint64_t now_ns);
+void eclink_inputs_read(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
 ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
+
+/* base_unit.c */
+/* Links, BU state, relays, message and cause, from what is known now. */
+void eclink_evaluate(eclink_t *unit);
 
 /* commands.c */
 bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command);
 bool eclink_queue_take(eclink_queue_t *queue, eclink_command_t *command);
 void eclink_command_to_rus(eclink_t *unit);
+/* Hands the controller's command on and acknowledges it, as soon as all that it is for have room. */
+void eclink_pass_command(eclink_t *unit);
 void eclink_show_command(eclink_t *unit, uint64_t now_ns);
 void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns);
 
 /* periodic.c */
-void eclink_periodic_outputs(eclink_t *unit, bool first);
+/* The outputs hold a block that has not been looked at yet. */
+void eclink_periodic_outputs(eclink_t *unit);
+/* The set that is being assembled is given up. */
+void eclink_periodic_drop(eclink_t *unit);
 
 /* remotes.c */
 void eclink_remotes_update(eclink_t *unit);

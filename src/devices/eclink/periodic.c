@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Periodic output data: blocks of 200 bytes, reassembled in any order; a set is handed over when it is complete, and
- * the next one is assembled beside it (TS-0007 §10.4).
+ * Periodic output data: blocks of 200 bytes become whole sets. Block 0 begins a set, always; the others may follow in
+ * any order. A set is handed over when it is complete, and the next one is assembled beside it (TS-0007 §10.4).
  */
 #include <string.h>
 
@@ -14,11 +14,20 @@ static uint16_t blocks_of(uint16_t size)
     return (uint16_t)((size + ECLINK_PERIODIC_BYTES - 1) / ECLINK_PERIODIC_BYTES);
 }
 
-static void begin_set(eclink_periodic_t *p, uint16_t size)
+void eclink_periodic_drop(eclink_t *unit)
 {
-    p->size = size;
-    p->missing = blocks_of(size);
-    memset(p->have, 0, sizeof p->have);
+    unit->bu.periodic_unfinished += unit->bu.periodic_missing > 0;
+    unit->bu.periodic_lost += unit->bu.periodic_missing;
+    unit->bu.periodic_pending = 0;
+    unit->bu.periodic_missing = 0;
+}
+
+static void begin_set(eclink_t *unit, uint16_t size)
+{
+    eclink_periodic_drop(unit);
+    unit->bu.periodic_pending = size;
+    unit->bu.periodic_missing = blocks_of(size);
+    memset(unit->periodic.have, 0, sizeof unit->periodic.have);
 }
 
 static void hand_over(eclink_t *unit)
@@ -26,44 +35,45 @@ static void hand_over(eclink_t *unit)
     eclink_periodic_t *p = &unit->periodic;
     p->shown ^= 1;
     unit->bu.periodic_sets++;
-    unit->bu.periodic_size = p->size;
-    unit->bu.periodic_check = ~ect_crc32(0xFFFFFFFF, p->data[p->shown], p->size);
+    unit->bu.periodic_size = unit->bu.periodic_pending;
+    unit->bu.periodic_pending = 0;
+    unit->bu.periodic_check = ~ect_crc32(0xFFFFFFFF, p->data[p->shown], unit->bu.periodic_size);
     for (unsigned int i = 0; i < ECLINK_RUS; i++)
         unit->ru[i].periodic_waits |= eclink_reachable(&unit->ru[i]);
-    begin_set(p, p->size);
 }
 
-static void take_block(eclink_t *unit, uint16_t size, uint8_t block)
+/* A repeated block replaces its bytes. */
+static void take_block(eclink_t *unit, uint8_t block)
 {
     eclink_periodic_t *p = &unit->periodic;
     uint32_t offset = (uint32_t)block * ECLINK_PERIODIC_BYTES;
-    uint32_t length = size - offset < ECLINK_PERIODIC_BYTES ? size - offset : ECLINK_PERIODIC_BYTES;
+    uint32_t left = unit->bu.periodic_pending - offset;
     uint8_t mask = (uint8_t)(1u << (block % 8));
-    if (size != p->size)
-        begin_set(p, size);
-    memcpy(p->data[p->shown ^ 1] + offset, unit->outputs + ECLINK_OUT_PERIODIC, length);
+    memcpy(p->data[p->shown ^ 1] + offset, unit->outputs + ECLINK_OUT_PERIODIC,
+           left < ECLINK_PERIODIC_BYTES ? left : ECLINK_PERIODIC_BYTES);
     if ((p->have[block / 8] & mask) != 0)
         return;
     p->have[block / 8] |= mask;
-    p->missing--;
-    if (p->missing == 0)
+    unit->bu.periodic_missing--;
+    if (unit->bu.periodic_missing == 0)
         hand_over(unit);
 }
 
-void eclink_periodic_outputs(eclink_t *unit, bool first)
+void eclink_periodic_outputs(eclink_t *unit)
 {
-    uint8_t pco = unit->outputs[ECLINK_OUT_PCO];
     uint16_t size = ect_load_be16(unit->outputs + ECLINK_OUT_PERIODIC_SIZE);
     uint8_t block = unit->outputs[ECLINK_OUT_PERIODIC_BLOCK];
-    if (!first && pco == unit->last_pco)
-        return;
-    if (first || size == 0) {
-        begin_set(&unit->periodic, 0); /* half a set from before an interruption is never completed */
-        return;
-    }
-    if (size > ECLINK_PERIODIC_ROOM || block >= blocks_of(size)) {
+    if (size == 0) {
+        eclink_periodic_drop(unit);
+    } else if (size > ECLINK_PERIODIC_ROOM || block >= blocks_of(size)) {
         unit->bu.periodic_errors++;
-        return;
+    } else if (block == 0) {
+        begin_set(unit, size);
+        take_block(unit, 0);
+    } else if (size == unit->bu.periodic_pending) {
+        take_block(unit, block);
+    } else {
+        eclink_periodic_drop(unit); /* of another set, whose block 0 did not come */
+        unit->bu.periodic_skipped++;
     }
-    take_block(unit, size, block);
 }

@@ -10,21 +10,31 @@ static unsigned int most_armed(const eclink_t *unit)
     return (unit->fmap & ECLINK_FMAP_MULTIARM) != 0 ? ECLINK_MOST_ARMED : 1;
 }
 
-static void disarm(eclink_t *unit, unsigned int number)
+static void list_add(eclink_list_t *list, unsigned int number)
+{
+    list->numbers[list->count++] = (uint8_t)number;
+}
+
+static void list_remove(eclink_list_t *list, unsigned int number)
 {
     uint8_t kept = 0;
-    for (uint8_t i = 0; i < unit->armed_count; i++) {
-        if (unit->armed[i] != number)
-            unit->armed[kept++] = unit->armed[i];
+    for (uint8_t i = 0; i < list->count; i++) {
+        if (list->numbers[i] != number)
+            list->numbers[kept++] = list->numbers[i];
     }
-    unit->armed_count = kept;
+    list->count = kept;
+}
+
+static void disarm(eclink_t *unit, unsigned int number)
+{
+    list_remove(&unit->armed, number);
     unit->ru[number].armed = 0;
 }
 
 const char *eclink_why_unreachable(eclink_t *unit, unsigned int number)
 {
     const eclink_ru_t *ru = &unit->ru[number];
-    eclink_remotes_update(unit); /* what was set last may not have been evaluated yet */
+    eclink_evaluate(unit); /* what was set last may not have been evaluated yet */
     if (!ru->on)
         return "this remote unit is not switched on: set its 'on' first";
     if (!eclink_reachable(ru))
@@ -32,6 +42,33 @@ const char *eclink_why_unreachable(eclink_t *unit, unsigned int number)
     return NULL;
 }
 
+static unsigned int reserved_vlaps(const eclink_t *unit)
+{
+    unsigned int count = 0;
+    for (unsigned int i = 0; i < unit->armed.count; i++)
+        count += unit->ru[unit->armed.numbers[i]].cable == 0;
+    return count;
+}
+
+/* Once it can be reached: NULL, or what keeps it from being armed. */
+static const char *why_not_armed(const eclink_t *unit, const eclink_ru_t *ru)
+{
+    if (unit->bu.state == ECLINK_BU_INITIAL)
+        return "the base unit is Initial, not fully operative yet (TS-0007 8.1, 11): 'bu.cause' says why";
+    if (unit->bu.state == ECLINK_BU_LINK_ERROR)
+        return "there is an External link error, no normal operation (TS-0007 8.1, 11): 'bu.cause' says why";
+    if (unit->bu.state == ECLINK_BU_FAILED)
+        return "the base unit has failed (TS-0007 8.1): 'bu.failed'";
+    if (unit->armed.count == most_armed(unit))
+        return most_armed(unit) == 1 ? "another remote unit is armed, and without MultiArm there can be only one"
+                                     : "three remote units are armed already";
+    if (!ru->cable && reserved_vlaps(unit) >= unit->bu.vlaps)
+        return "no VLAP is left for it: each armed remote unit without cable reserves one of 'bu.vlaps' (TS-0007 10.6)";
+    return NULL;
+}
+
+/* Rearmed, it is no longer lost. Where no place is left for those that were lost, it comes in the place of the first.
+ */
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
 {
     eclink_ru_t *ru = &unit->ru[number];
@@ -40,20 +77,21 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
         return NULL;
     }
     const char *refusal = eclink_why_unreachable(unit, number);
+    if (!refusal && ru->armed)
+        return NULL;
+    if (!refusal)
+        refusal = why_not_armed(unit, ru);
     if (refusal)
         return refusal;
-    if (ru->armed)
-        return NULL;
-    if (unit->armed_count == most_armed(unit))
-        return most_armed(unit) == 1 ? "another remote unit is armed, and without MultiArm there can be only one"
-                                     : "three remote units are armed already";
-    unit->armed[unit->armed_count++] = (uint8_t)number;
+    list_add(&unit->armed, number);
     ru->armed = 1;
-    unit->blocked = (uint8_t)(unit->blocked & ~(1u << number)); /* rearmed */
+    list_remove(&unit->lost, number);
+    if (unit->armed.count + unit->lost.count > most_armed(unit))
+        list_remove(&unit->lost, unit->lost.numbers[0]);
     return NULL;
 }
 
-/* Out of sight: what was on its way to it is gone. While armed, the base unit blocks until it is armed again (§8.1). */
+/* Out of sight: what was on its way is gone. While armed, the base unit blocks until it is armed again (§8.1). */
 void eclink_lose(eclink_t *unit, unsigned int number)
 {
     unit->ru[number].to_ru.count = 0;
@@ -62,7 +100,7 @@ void eclink_lose(eclink_t *unit, unsigned int number)
     if (!unit->ru[number].armed)
         return;
     disarm(unit, number);
-    unit->blocked = (uint8_t)(unit->blocked | (1u << number));
+    list_add(&unit->lost, number);
 }
 
 static uint8_t ru_state(const eclink_ru_t *ru)
@@ -78,7 +116,7 @@ static uint8_t ru_state(const eclink_ru_t *ru)
 
 bool eclink_reachable(const eclink_ru_t *ru)
 {
-    return ru->on && ru->g_link != ECLINK_LINK_NONE;
+    return ru->path != ECLINK_PATH_NONE;
 }
 
 static bool take(unsigned int *vlaps)
@@ -89,40 +127,78 @@ static bool take(unsigned int *vlaps)
     return true;
 }
 
+static bool is_error(int status)
+{
+    return status >= ECLINK_LINK_NONE && status <= ECLINK_LINK_DATA_ERROR;
+}
+
+/* A status that is forced is also what the radio is then like. */
+static bool g_link_works(const eclink_ru_t *ru)
+{
+    if (ru->forced_g_link == ECLINK_NOT_FORCED)
+        return !ru->g_link_lost;
+    return !is_error(ru->forced_g_link) && ru->forced_g_link != ECLINK_LINK_FALLBACK;
+}
+
 /* An armed remote reserves a VLAP, in the order of arming; an unarmed one needs it only on fallback. */
-static uint8_t g_link(const eclink_ru_t *ru, unsigned int *vlaps)
+static eclink_path_t path_of(const eclink_ru_t *ru, unsigned int *vlaps)
+{
+    if (!ru->on)
+        return ECLINK_PATH_NONE;
+    if (ru->cable)
+        return ECLINK_PATH_FULL;
+    bool works = g_link_works(ru);
+    bool has_vlap = (ru->armed || !works) && take(vlaps);
+    if (works)
+        return ECLINK_PATH_FULL;
+    return has_vlap && !is_error(ru->forced_c_link) ? ECLINK_PATH_C_LINK : ECLINK_PATH_NONE;
+}
+
+static uint8_t c_link(const eclink_ru_t *ru)
 {
     if (!ru->on)
         return ECLINK_LINK_UNUSED;
-    if (ru->cable)
-        return ECLINK_LINK_OPERATIONAL;
-    bool has_vlap = (ru->armed || ru->g_link_lost) && take(vlaps);
-    if (!ru->g_link_lost)
-        return ECLINK_LINK_OPERATIONAL;
-    return has_vlap ? ECLINK_LINK_FALLBACK : ECLINK_LINK_NONE;
+    return ru->armed ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_PASSIVE;
+}
+
+static uint8_t g_link(const eclink_ru_t *ru)
+{
+    static const uint8_t status[] = {[ECLINK_PATH_NONE] = ECLINK_LINK_NONE,
+                                     [ECLINK_PATH_C_LINK] = ECLINK_LINK_FALLBACK,
+                                     [ECLINK_PATH_FULL] = ECLINK_LINK_OPERATIONAL};
+    return ru->on ? status[ru->path] : (uint8_t)ECLINK_LINK_UNUSED;
+}
+
+static void update_one(eclink_t *unit, unsigned int number)
+{
+    eclink_ru_t *ru = &unit->ru[number];
+    if (ru->path == ECLINK_PATH_NONE)
+        eclink_lose(unit, number);
+    ru->c_link = ru->forced_c_link != ECLINK_NOT_FORCED ? ru->forced_c_link : c_link(ru);
+    ru->g_link = ru->forced_g_link != ECLINK_NOT_FORCED ? ru->forced_g_link : g_link(ru);
+    ru->state = ru_state(ru);
+    unit->bu.unarmed = (uint8_t)(unit->bu.unarmed + (eclink_reachable(ru) && !ru->armed));
 }
 
 void eclink_remotes_update(eclink_t *unit)
 {
     unsigned int vlaps = unit->bu.vlaps;
-    unit->bu.unarmed = 0;
-    for (unsigned int i = 0; i < unit->armed_count; i++)
-        unit->ru[unit->armed[i]].g_link = g_link(&unit->ru[unit->armed[i]], &vlaps);
+    for (unsigned int i = 0; i < unit->armed.count; i++)
+        unit->ru[unit->armed.numbers[i]].path = path_of(&unit->ru[unit->armed.numbers[i]], &vlaps);
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
-        eclink_ru_t *ru = &unit->ru[i];
-        if (!ru->armed)
-            ru->g_link = g_link(ru, &vlaps);
-        if (ru->g_link == ECLINK_LINK_NONE)
-            eclink_lose(unit, i);
-        ru->c_link = !ru->on ? ECLINK_LINK_UNUSED : ru->armed ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_PASSIVE;
-        ru->state = ru_state(ru);
-        unit->bu.unarmed = (uint8_t)(unit->bu.unarmed + (eclink_reachable(ru) && !ru->armed));
+        if (!unit->ru[i].armed)
+            unit->ru[i].path = path_of(&unit->ru[i], &vlaps);
     }
-    unit->bu.armed = unit->armed_count;
+    unit->bu.unarmed = 0;
+    for (unsigned int i = 0; i < ECLINK_RUS; i++)
+        update_one(unit, i);
+    unit->bu.armed = unit->armed.count;
 }
 
+/* Movements are allowed in Enabled alone (§8.3): a joystick that must not move anything is passive, 0 (§8.4). */
 static void publish_one(const eclink_ru_t *ru, uint8_t *to)
 {
+    bool enabled = ru->state == ECLINK_RU_ENABLED;
     ect_store_be16(to + ECLINK_RU_ID, ru->id);
     to[ECLINK_RU_STATE] = ru->state;
     to[ECLINK_RU_BATTERY] = ru->battery;
@@ -130,10 +206,10 @@ static void publish_one(const eclink_ru_t *ru, uint8_t *to)
     to[ECLINK_RU_CABLE] = ru->cable;
     to[ECLINK_RU_DOCKED] = ru->docked;
     to[ECLINK_RU_DISABLED] = ru->disabled;
-    to[ECLINK_RU_C_LINK] = ru->c_link;
-    to[ECLINK_RU_G_LINK] = ru->g_link;
+    to[ECLINK_RU_C_LINK] = (uint8_t)ru->c_link;
+    to[ECLINK_RU_G_LINK] = (uint8_t)ru->g_link;
     for (unsigned int i = 0; i < ECLINK_JOYSTICKS; i++)
-        ect_store_be16(to + ECLINK_RU_JOYSTICK + (size_t)2 * i, (uint16_t)ru->joystick[i]);
+        ect_store_be16(to + ECLINK_RU_JOYSTICK + (size_t)2 * i, enabled ? (uint16_t)ru->joystick[i] : 0);
     for (unsigned int i = 0; i < ECLINK_SWITCHES; i++)
         ect_store_be16(to + ECLINK_RU_SWITCH + (size_t)2 * i, (uint16_t)ru->switches[i]);
     to[ECLINK_RU_ENCODER] = ru->encoder;
@@ -144,8 +220,8 @@ static void publish_one(const eclink_ru_t *ru, uint8_t *to)
 void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs)
 {
     memset(inputs + ECLINK_IN_RU, 0, ECLINK_INPUT_BYTES - ECLINK_IN_RU);
-    for (unsigned int i = 0; i < unit->armed_count; i++)
-        publish_one(&unit->ru[unit->armed[i]], inputs + ECLINK_IN_RU + (size_t)i * ECLINK_IN_RU_STRIDE);
-    if (unit->armed_count == 0 && unit->bu.report_passive)
+    for (unsigned int i = 0; i < unit->armed.count; i++)
+        publish_one(&unit->ru[unit->armed.numbers[i]], inputs + ECLINK_IN_RU + (size_t)i * ECLINK_IN_RU_STRIDE);
+    if (unit->armed.count == 0 && unit->bu.report_passive)
         inputs[ECLINK_IN_RU + ECLINK_RU_C_LINK] = ECLINK_LINK_PASSIVE;
 }

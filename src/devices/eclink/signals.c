@@ -23,22 +23,36 @@ static const ect_signal_t bu_signals[] = {
     BU(WRITE, failed, "failed", BOOL, 0, 1, NULL, "self-diagnostics has found a fatal error"),
     BU(WRITE, module_error, "module_error", BOOL, 0, 1, NULL, "the fieldbus module reports an error"),
     BU(WRITE, report_passive, "report_passive", BOOL, 0, 1, NULL, "byte 36 is 6 instead of 0 while no RU is armed"),
+    BU(WRITE, lock_errors, "lock_errors", BOOL, 0, 1, NULL,
+       "an EC-Link error after the first good exchange stays until 'restart' (TS-0007 11 read strictly)"),
+    BU(WRITE, frozen, "frozen", BOOL, 0, 1, NULL, "PCI and all input data stand still, the bus stays in OP"),
+    BU(WRITE, restart, "restart", BOOL, 0, 1, NULL, "writing 1 takes the power away and puts it back"),
     BU(READ, state, "state", U8, 0, 17, NULL, "BU state, values of TS-0007 8.1"),
     BU(READ, ec_link, "ec_link", U8, 0, 7, NULL, "EC-Link status"),
     BU(READ, es_link, "es_link", BOOL, 0, 1, NULL, "ES-Link relays closed"),
     BU(READ, armed, "armed", U8, 0, 3, NULL, "armed remote units"),
     BU(READ, unarmed, "unarmed", U8, 0, 8, NULL, "remote units in communication that are not armed"),
     BU(READ, message, "message", TEXT, 0, 19, NULL, "message on the display"),
-    BU(READ, cause, "cause", TEXT, 0, 47, NULL, "why it is there"),
+    BU(READ, cause, "cause", TEXT, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
     BU(READ, pci, "pci", U8, 0, 255, NULL, "PCI"),
     BU(READ, cci, "cci", U8, 0, 255, NULL, "CCI"),
     BU(READ, pai, "pai", U8, 0, 255, NULL, "PAI"),
     BU(READ, cai, "cai", U8, 0, 255, NULL, "CAI"),
-    BU(READ, overflows, "overflows", U32, 0, INT32_MAX, NULL, "commands turned away because a queue was full"),
-    BU(READ, periodic_sets, "periodic_sets", U32, 0, INT32_MAX, NULL, "complete sets of periodic data"),
+    BU(READ, overflows, "overflows", U32, 0, UINT32_MAX, NULL, "commands from remote units turned away: queue full"),
+    BU(READ, commands_lost, "commands_lost", U32, 0, UINT32_MAX, NULL,
+       "commands from the controller that CCO passed over before CAI acknowledged them"),
+    BU(READ, commands_unknown, "commands_unknown", U32, 0, UINT32_MAX, NULL,
+       "commands from the controller to an id that no remote unit has"),
+    BU(READ, pco_jumps, "pco_jumps", U32, 0, UINT32_MAX, NULL, "changes of PCO by another step than +1"),
+    BU(READ, periodic_sets, "periodic_sets", U32, 0, UINT32_MAX, NULL, "complete sets of periodic data"),
     BU(READ, periodic_size, "periodic_size", U16, 0, 51200, "bytes", "size of the last complete set"),
-    BU(READ, periodic_check, "periodic_check", U32, 0, INT32_MAX, NULL, "CRC-32 of the last complete set"),
-    BU(READ, periodic_errors, "periodic_errors", U32, 0, INT32_MAX, NULL, "impossible sizes and block numbers"),
+    BU(READ, periodic_check, "periodic_check", U32, 0, UINT32_MAX, NULL, "CRC-32 of the last complete set"),
+    BU(READ, periodic_pending, "periodic_pending", U16, 0, 51200, "bytes", "size of the set that is coming in; 0 none"),
+    BU(READ, periodic_missing, "periodic_missing", U16, 0, 256, "blocks", "of it that have not come yet"),
+    BU(READ, periodic_unfinished, "periodic_unfinished", U32, 0, UINT32_MAX, NULL, "sets that never became complete"),
+    BU(READ, periodic_lost, "periodic_lost", U32, 0, UINT32_MAX, "blocks", "that were missing in them"),
+    BU(READ, periodic_skipped, "periodic_skipped", U32, 0, UINT32_MAX, "blocks", "of sets whose block 0 did not come"),
+    BU(READ, periodic_errors, "periodic_errors", U32, 0, UINT32_MAX, NULL, "impossible sizes and block numbers"),
 };
 
 static const ect_signal_t ru_signals[] = {
@@ -80,11 +94,11 @@ static const ect_signal_t ru_signals[] = {
     RU(WRITE, encoder_switch, "encoder_switch", BOOL, 0, 1, NULL, "encoder pushed down"),
     RU(WRITE, command, "command", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "writing it sends a command to the controller"),
     RU(READ, state, "state", U8, 0, 5, NULL, "RU state, values of TS-0007 8.3"),
-    RU(READ, c_link, "c_link", U8, 0, 7, NULL, "C-Link status, values of TS-0007 8.2"),
-    RU(READ, g_link, "g_link", U8, 0, 7, NULL, "G-Link status, values of TS-0007 8.2"),
+    RU(WRITE, c_link, "c_link", I16, -1, 7, NULL, "C-Link status of TS-0007 8.2; setting forces it, -1: as it is"),
+    RU(WRITE, g_link, "g_link", I16, -1, 7, NULL, "G-Link status of TS-0007 8.2; setting forces it, -1: as it is"),
     RU(READ, received, "received", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "last command from the controller"),
-    RU(READ, received_count, "received_count", U32, 0, INT32_MAX, NULL, "commands received from the controller"),
-    RU(READ, periodic_count, "periodic_count", U32, 0, INT32_MAX, NULL, "sets of periodic data shown"),
+    RU(READ, received_count, "received_count", U32, 0, UINT32_MAX, NULL, "commands received from the controller"),
+    RU(READ, periodic_count, "periodic_count", U32, 0, UINT32_MAX, NULL, "sets of periodic data shown"),
 };
 
 static const ect_signal_group_t groups[] = {
@@ -141,25 +155,59 @@ static const char *write_switch(const eclink_ru_t *ru, unsigned int position, in
     return value < kinds[kind].minimum || value > kinds[kind].maximum ? kinds[kind].range : NULL;
 }
 
+static const char *write_id(const eclink_t *unit, const eclink_ru_t *ru, uint16_t id)
+{
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        if (&unit->ru[i] != ru && unit->ru[i].id == id)
+            return "another remote unit has this id, and ids are unique";
+    }
+    return NULL;
+}
+
+/* @return whether the signal is an element of an array of the remote; *position is then which */
+static bool is_element(const ect_signal_t *signal, size_t first, size_t size, size_t element, unsigned int *position)
+{
+    *position = (unsigned int)((signal->offset - first) / element);
+    return signal->offset >= first && signal->offset < first + size;
+}
+
+/* The values of two bytes. */
+static const char *write_number(eclink_t *unit, eclink_ru_t *ru, const ect_signal_t *signal, int16_t value)
+{
+    unsigned int position;
+    if (IS(signal, eclink_ru_t, id))
+        return write_id(unit, ru, (uint16_t)value);
+    if (is_element(signal, offsetof(eclink_ru_t, switches), sizeof ru->switches, sizeof value, &position))
+        return write_switch(ru, position, value);
+    int16_t *forced = IS(signal, eclink_ru_t, c_link)   ? &ru->forced_c_link
+                      : IS(signal, eclink_ru_t, g_link) ? &ru->forced_g_link
+                                                        : NULL;
+    if (!forced)
+        return NULL;
+    *forced = value;
+    return "";
+}
+
 static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned int number, const void *value)
 {
     eclink_ru_t *ru = &unit->ru[number];
     const uint8_t *byte = value;
-    if (IS(signal, eclink_ru_t, armed))
-        return eclink_arm(unit, number, *byte != 0);
+    unsigned int position;
+    if (signal->type == ECT_SIGNAL_I16 || signal->type == ECT_SIGNAL_U16) {
+        int16_t wanted;
+        memcpy(&wanted, value, sizeof wanted);
+        return write_number(unit, ru, signal, wanted);
+    }
+    if (IS(signal, eclink_ru_t, armed)) {
+        const char *refusal = eclink_arm(unit, number, *byte != 0);
+        return refusal ? refusal : "";
+    }
     if (IS(signal, eclink_ru_t, command))
         return send_command(unit, number, byte);
     if (IS(signal, eclink_ru_t, on) && *byte == 0)
         eclink_lose(unit, number);
-    uint32_t first = offsetof(eclink_ru_t, switches);
-    if (signal->offset >= first && signal->offset < first + sizeof ru->switches) {
-        int16_t wanted;
-        memcpy(&wanted, value, sizeof wanted);
-        return write_switch(ru, (signal->offset - first) / (unsigned int)sizeof wanted, wanted);
-    }
-    first = offsetof(eclink_ru_t, fitted);
-    if (signal->offset >= first && signal->offset < first + sizeof ru->fitted)
-        ru->switches[signal->offset - first] = 0; /* another switch starts at rest */
+    if (is_element(signal, offsetof(eclink_ru_t, fitted), sizeof ru->fitted, 1, &position))
+        ru->switches[position] = 0; /* another switch starts at rest */
     return NULL;
 }
 
@@ -167,16 +215,22 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
                                 uint64_t now_ns)
 {
     eclink_t *unit = instance;
+    const ect_host_t *host = unit->host;
+    bool on = *(const uint8_t *)value != 0;
     (void)now_ns;
     if (number > 0)
         return write_ru(unit, signal, number - 1u, value);
-    if (IS(signal, eclink_bu_t, enabled) && unit->host->off_bus)
-        unit->host->off_bus(unit->host->ctx, *(const uint8_t *)value == 0);
-    return NULL;
+    if (IS(signal, eclink_bu_t, enabled) && host->off_bus)
+        host->off_bus(host->ctx, !on);
+    if (IS(signal, eclink_bu_t, restart) && on)
+        host->restart(host->ctx);
+    return IS(signal, eclink_bu_t, restart) ? "" : NULL;
 }
 
 const ect_plant_t ect_eclink_plant = {
     .signal_groups = groups,
     .signal_group_count = COUNT(groups),
+    .outside_offset = offsetof(eclink_t, bu),
+    .outside_size = offsetof(eclink_t, armed) - offsetof(eclink_t, bu),
     .signal_write = signal_write,
 };
