@@ -27,7 +27,7 @@ operator() { # a command from remote unit 1 every 0.3 s in the mean, numbered; a
 }
 
 session() {
-  "$build/ectwin" set ru1.on=1 ru1.armed=1
+  "$build/ectwin" set ru1.on=1
   "$build/ectwin" watch 'ru1.received' >"$work/received" &
   watch=$!
   "$build/ectwin" watch 'bu.periodic_check' >"$work/sets" &
@@ -35,6 +35,7 @@ session() {
   timeout -s KILL $((seconds + 60)) "$build/ectwin-controller" "$ECTWIN_IFACE" --seconds "$seconds" --restart-every 15 --commands 1000000 --periodic 4321 \
     --seed "$seed" >"$work/controller" &
   controller=$!
+  until "$build/ectwin" set ru1.armed=1 2>/dev/null; do sleep 0.1; done # not while the unit is Initial
   operator
   wait $controller || echo "the controller ended with $?" >&2
   sleep 1

@@ -24,9 +24,10 @@ export -f until_event
 # ECL-023, ECL-024, ECL-050, ECL-051, ECL-060, ECL-062: commands both ways, an unarmed remote hears them too
 commands_go_both_ways() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
-    "$ectwin" set ru1.on=1 ru1.armed=1 ru2.on=1
+    "$ectwin" set ru1.on=1 ru2.on=1
     "$controller" "$ECTWIN_IFACE" --seconds 4 --commands 3 >"$work/log" & pid=$!
     until_event enabled
+    "$ectwin" set ru1.armed=1
     "$ectwin" command ru1 000102030405060708090a0b0c0d0e0f
     "$ectwin" command ru1 ffffffffffffffffffffffffffffffff
     wait $pid

@@ -91,20 +91,20 @@ static int open_master(void **state)
     return 0;
 }
 
-/* ... and the unit in order, with all remotes off. Arming and disarming ends Blocked. */
+/* ... and the unit fresh from power-on, in order, with all remotes off. */
 static int open_in_order(void **state)
 {
-    open_master(state);
-    plant_set_all("bu.vlaps=3 bu.eg_link=0 bu.failed=0 bu.module_error=0 bu.report_passive=0");
+    plant_set_all("bu.vlaps=3 bu.eg_link=0 bu.failed=0 bu.module_error=0 bu.report_passive=0 bu.restart=1");
     for (char ru = '1'; ru <= '4'; ru++) {
-        static const char *const settings[] = {"g_link_lost=0", "on=1",     "armed=1",    "armed=0", "stop=0",
-                                               "shock=0",       "failed=0", "disabled=0", "on=0"};
+        static const char *const settings[] = {"g_link_lost=0", "stop=0",    "shock=0",   "failed=0",
+                                               "disabled=0",    "c_link=-1", "g_link=-1", "on=0"};
         for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
             char setting[40];
             snprintf(setting, sizeof setting, "ru%c.%s", ru, settings[i]);
             plant_set_all(setting);
         }
     }
+    open_master(state);
     to_op();
     AWAIT(in[22] == 0x10);
     return 0;
@@ -140,6 +140,26 @@ static void from_power_on(void **state)
     assert_string_equal(plant_get("bu.message"), "");
     assert_int_equal(plant_number("bu.es_link"), 1);
     assert_int_equal(plant_number("bu.ec_link"), 1);
+}
+
+/* A fresh unit; the controller has kept CAO 7 from before. Nothing can be armed until the unit is in order. */
+static void retained_cao(void **state)
+{
+    (void)state;
+    plant_set_all("bu.restart=1 ru1.on=1");
+    open_master(state);
+    plant_refuses("ru1.armed", "1", "Initial");
+    hold_cao = true;
+    soem_map(&master);
+    master.slaves[1].outputs[3] = 7;
+    to_op();
+    AWAIT(in[22] == 0x10);
+    plant_set("ru1.armed", "1");
+    for (int i = 0; i < 12; i++) /* 24 updates are 3 s */
+        settle();
+    assert_int_equal(out[3], 7);
+    assert_int_equal(in[22], 0x11);
+    assert_int_equal(in[26], 1);
 }
 
 static void pci_wraps(void **state)
@@ -222,6 +242,62 @@ static void watchdog(void **state)
     bu_controller_start(&controller);
     soem_operational(&master);
     AWAIT(in[22] == 0x10 && in[26] == 1);
+}
+
+/* Input Only, and the controller's program has died: nothing is read any more, and nobody leaves OP. */
+static void inputs_not_read(void **state)
+{
+    (void)state;
+    plant_set_all("ru1.on=1 ru1.armed=1");
+    AWAIT(in[22] == 0x11);
+    for (int tries = 0; tries < 200 && plant_number("bu.ec_link") == 1; tries++)
+        osal_usleep(50000);
+    assert_string_equal(plant_get("bu.message"), "EC: No Data");
+    assert_int_equal(plant_number("bu.state"), 0x02);
+    assert_int_equal(plant_number("bu.es_link"), 0);
+    long long pci = plant_number("bu.pci");
+    for (int tries = 0; tries < 200 && plant_number("bu.pci") == pci; tries++)
+        osal_usleep(10000); /* until the input data say so too */
+    AWAIT(in[22] == 0x02 && in[26] == 2);
+    AWAIT(in[22] == 0x11 && in[26] == 1);
+    assert_string_equal(plant_get("bu.message"), "");
+    ecx_readstate(&master.context);
+    assert_int_equal(master.slaves[1].state, EC_STATE_OPERATIONAL);
+}
+
+/* The bus runs, the unit does not: only PCI tells. */
+static void frozen(void **state)
+{
+    (void)state;
+    AWAIT(!controller.safe);
+    plant_set("bu.frozen", "1");
+    AWAIT(controller.safe);
+    assert_int_equal(cycle(), soem_expected_wkc(&master));
+    ecx_readstate(&master.context);
+    assert_int_equal(master.slaves[1].state, EC_STATE_OPERATIONAL);
+    plant_set("bu.frozen", "0");
+    AWAIT(!controller.safe);
+}
+
+static void restart(void **state)
+{
+    (void)state;
+    plant_set_all("ru1.on=1 ru1.armed=1 ru1.encoder=33");
+    AWAIT(in[22] == 0x11);
+    plant_set("ru1.command", "00112233445566778899aabbccddeeff");
+    AWAIT(in[1] == 1 && got_count == 1);
+    plant_set("bu.restart", "1");
+    for (int i = 0; i < 100 && cycle() > 0; i++)
+        ;
+    assert_true(cycle() <= 0);
+    ecx_close(&master.context);
+    soem_open(&master, iface, 1);
+    to_op();
+    AWAIT(in[22] == 0x10 && in[24] == 1);
+    assert_int_equal(in[1], 0);
+    assert_int_equal(got_count, 1); /* CCI of 0 after 1 is no command */
+    plant_set("ru1.armed", "1");
+    AWAIT(in[22] == 0x11 && in[62] == 33);
 }
 
 static void write_input_length(uint16 length)
@@ -443,6 +519,45 @@ static void link_states(void **state)
     }
 }
 
+static void forced_links(void **state)
+{
+    (void)state;
+    plant_set_all("ru1.on=1 ru1.armed=1");
+    AWAIT(in[22] == 0x11);
+    for (unsigned int value = 0; value <= 7; value++) {
+        char text[2] = {(char)('0' + value), 0};
+        plant_set("ru1.c_link", text);
+        AWAIT(in[36] == value && in[22] == 0x11);
+        plant_set("ru1.c_link", "-1");
+        plant_set("ru1.g_link", text);
+        AWAIT(in[37] == value && in[36] == 1 && in[22] == 0x11);
+        plant_set("ru1.g_link", "-1");
+    }
+    AWAIT(in[37] == 1);
+    plant_refuses("ru1.g_link", "8", "-1..7");
+    plant_set("ru1.disabled", "1");
+    plant_set("ru1.joystick1", "500"); /* passive while movements are disabled */
+    settle();
+    assert_int_equal(in[30], 2);
+    assert_int_equal(in[38] | in[39], 0);
+    plant_set("ru1.disabled", "0");
+    AWAIT(in[38] == 0x01 && in[39] == 0xF4);
+}
+
+static void replaced(void **state)
+{
+    (void)state;
+    plant_set_all("ru1.on=1 ru1.armed=1 ru2.on=1");
+    AWAIT(in[22] == 0x11);
+    plant_set("ru1.on", "0");
+    AWAIT(in[22] == 0x03);
+    assert_string_equal(plant_get("bu.cause"), "ru1: communication is lost; turn it on and rearm it");
+    plant_set("ru2.armed", "1");
+    AWAIT(in[22] == 0x11 && in[29] == 2);
+    assert_string_equal(plant_get("bu.cause"), "");
+    plant_refuses("ru3.id", "2", "unique");
+}
+
 /* --- commands and periodic data ----------------------------------------------------------------------------------- */
 
 static const char *const texts[] = {"000102030405060708090a0b0c0d0e0f", "ffffffffffffffffffffffffffffffff",
@@ -494,6 +609,26 @@ static void commands_both_ways(void **state)
     assert_string_equal(plant_get("ru1.received"), "a2000000000000000000000000000000");
 }
 
+/* On fallback a remote's own commands go first: CAI waits, and none is lost. */
+static void cai_waits(void **state)
+{
+    enum { COMMANDS = 30 };
+    (void)state;
+    plant_set_all("ru1.on=1 ru1.armed=1 ru1.g_link_lost=1");
+    AWAIT(in[37] == 7);
+    for (unsigned int i = 0; i < 10; i++)
+        plant_set("ru1.command", texts[i % 3]);
+    for (unsigned int i = 1; i <= COMMANDS; i++)
+        send(1, (uint8)i);
+    AWAIT(!controller.to_send && in[3] == out[1]);
+    AWAIT(plant_number("ru1.received_count") == COMMANDS);
+    assert_int_equal(plant_number("bu.commands_lost"), 0);
+    assert_string_equal(plant_get("ru1.received"), "1e000000000000000000000000000000");
+    AWAIT(got_count == 10);
+    send(256, 1); /* id 1 with its bytes in the wrong order */
+    AWAIT(plant_number("bu.commands_unknown") == 1);
+}
+
 static const uint8 screen[450] = {1, 2, 3};
 
 static void periodic_data(void **state)
@@ -511,6 +646,10 @@ static void periodic_data(void **state)
     AWAIT(plant_number("ru2.periodic_count") > shown);
     assert_int_equal(plant_number("bu.periodic_size"), 450);
     assert_int_equal(plant_number("bu.periodic_errors"), errors);
+    assert_int_equal(plant_number("bu.periodic_skipped"), 0);
+    assert_int_equal(plant_number("bu.pco_jumps"), 0);
+    controller.pco += 4;
+    AWAIT(plant_number("bu.pco_jumps") > 0);
     controller.periodic_size = 0; /* an impossible set: 51201 bytes */
     settle();
     out[24] = 0xC8;
@@ -561,6 +700,8 @@ static void lamps(void **state)
 static const struct CMUnitTest map1_tests[] = {
     POWER_ON("ECL-018 ECL-058: Input Only is in order as soon as data flow, without any duty", from_power_on),
     POWER_ON("ECL-020 ECL-021: PCI counts from 255 to 0", pci_wraps),
+    TEST("ECL-018 ECL-029 ECL-066: inputs that nobody reads for 2000 ms: No Data, ES-Link open, and back",
+         inputs_not_read),
     TEST("ECL-002 ECL-022 ECL-069: Disabled no slave answers, and the controller goes to its safe state", disabled),
 };
 static const struct CMUnitTest map3_tests[] = {
@@ -573,6 +714,13 @@ static const struct CMUnitTest map7_tests[] = {
     POWER_ON(
         "ECL-018 ECL-019 ECL-029 ECL-066 ECL-067 ECL-068 ECL-069: Initial and Bad data until PCO counts, then in order",
         from_power_on),
+    POWER_ON("ECL-028 ECL-056 ECL-068: a retained CAO is no error; nothing is armed while Initial", retained_cao),
+    TEST("ECL-020 ECL-022: PCI stands still in OP: the controller goes to its safe state", frozen),
+    TEST("ECL-028 ECL-068: power is cycled: Initial, counters 0, nothing armed", restart),
+    TEST("ECL-033 ECL-034 ECL-038 ECL-043 ECL-065: every C-Link and G-Link status; joysticks passive when tilted",
+         forced_links),
+    TEST("ECL-028 ECL-048: a lost remote is replaced by another", replaced),
+    TEST("ECL-025 ECL-050 ECL-063: on fallback CAI waits for room, and every command arrives", cai_waits),
     TEST("ECL-029 ECL-049 ECL-057 ECL-067: PCO stands still: Bad data, ES-Link open, and back", pco_stands_still),
     TEST("ECL-029 ECL-056 ECL-067: CAO stands still: Bad data, ES-Link open, and back", cao_stands_still),
     POWER_ON("ECL-014 ECL-015 ECL-016: RUN, ERROR and Link/Activity lamps by state, error and traffic", lamps),

@@ -56,7 +56,7 @@ static void receive_command(bu_controller_t *c, const uint8_t *in)
     if (in[IN_CCI] == c->cao)
         return;
     uint16_t ru = (uint16_t)(in[IN_COMMAND_RU] << 8 | in[IN_COMMAND_RU + 1]);
-    if (c->on_command)
+    if (c->on_command && ru != 0) /* 0: the base unit was restarted, there is none */
         c->on_command(c->ctx, ru, in + IN_COMMAND);
     c->cao = in[IN_CCI];
 }

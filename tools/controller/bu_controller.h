@@ -6,7 +6,7 @@
  * To copy from. No bus, no clock: call ::bu_controller_step once a cycle, between reading the inputs and sending the
  * outputs, with the present time. It keeps the counters of chapter 10 and tells you about commands through a callback.
  *
- *   10.1  CCI changed: take the command, then CAO := CCI
+ *   10.1  CCI changed: take the command, then CAO := CCI. No remote has id 0: that is a base unit that was restarted
  *   10.2  command to send: wait for CAI = CCO, write it, CCO := CCO + 1
  *   10.3  PCI does not change for 500 ms: bring the machine to a safe state
  *   10.4  write a block of periodic data, PCO := PCO + 1; at the latest every 500 ms, the base unit waits for 2000 ms
