@@ -285,8 +285,8 @@ void eclink_periodic_drop(eclink_t *unit);
 void eclink_remotes_update(eclink_t *unit);
 void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs);
 bool eclink_reachable(const eclink_ru_t *ru);
-/* Evaluates the links anew. @return what to tell the user, NULL when the remote can be reached */
-const char *eclink_why_unreachable(eclink_t *unit, unsigned int number);
+/* @return what to tell the user, NULL when the remote can be reached */
+const char *eclink_why_unreachable(const eclink_ru_t *ru);
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
 void eclink_lose(eclink_t *unit, unsigned int number);
 

@@ -31,10 +31,8 @@ static void disarm(eclink_t *unit, unsigned int number)
     unit->ru[number].armed = 0;
 }
 
-const char *eclink_why_unreachable(eclink_t *unit, unsigned int number)
+const char *eclink_why_unreachable(const eclink_ru_t *ru)
 {
-    const eclink_ru_t *ru = &unit->ru[number];
-    eclink_evaluate(unit); /* what was set last may not have been evaluated yet */
     if (!ru->on)
         return "this remote unit is not switched on: set its 'on' first";
     if (!eclink_reachable(ru))
@@ -76,7 +74,7 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
         disarm(unit, number);
         return NULL;
     }
-    const char *refusal = eclink_why_unreachable(unit, number);
+    const char *refusal = eclink_why_unreachable(ru);
     if (!refusal && ru->armed)
         return NULL;
     if (!refusal)

@@ -125,7 +125,7 @@ static const char *send_command(eclink_t *unit, unsigned int number, const uint8
     eclink_command_t command = {.ru = ru->id};
     if (!eclink_has(unit, ECLINK_FMAP_COMMANDS))
         return "this mode (Input Only) has no commands";
-    const char *refusal = eclink_why_unreachable(unit, number);
+    const char *refusal = eclink_why_unreachable(ru);
     if (refusal)
         return refusal;
     memcpy(command.data, data, sizeof command.data);
@@ -198,6 +198,7 @@ static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned
         memcpy(&wanted, value, sizeof wanted);
         return write_number(unit, ru, signal, wanted);
     }
+    eclink_evaluate(unit); /* what was set last may not have been evaluated yet */
     if (IS(signal, eclink_ru_t, armed)) {
         const char *refusal = eclink_arm(unit, number, *byte != 0);
         return refusal ? refusal : "";
