@@ -45,7 +45,8 @@ chroot "$machine" chown -R user:user /home/user
   printf 'cd ~/project\n%s\n' "$command"
 } >"$machine/home/user/commands"
 
-# A root of its own, not a chroot: in one, the kernel refuses user namespaces. When the command ends, all that it left running ends.
+# A root of its own, not a chroot: in one, the kernel refuses user namespaces. When the command ends, or this script, all that it
+# started ends.
 unshare --mount --pid --fork --kill-child --propagation private bash -euc '
   mount --bind "$1" "$1"
   cd "$1"
@@ -56,4 +57,6 @@ unshare --mount --pid --fork --kill-child --propagation private bash -euc '
   pivot_root . before
   cd /
   umount -l /before
-  exec su - user -c "bash -e commands"' fresh "$machine"
+  su - user -c "bash -e commands" || exit $?' fresh "$machine" &
+trap 'kill -KILL $! 2>/dev/null; exit 130' INT TERM
+wait $!

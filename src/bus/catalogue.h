@@ -10,6 +10,9 @@
 #include <stddef.h>
 
 #include "seams/plant.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /**
  * The products by position: ours in the order of `ectwin list`, then those that were added.
@@ -26,5 +29,7 @@ const ect_product_t *ect_catalogue_find(const char *name);
  * Context: while the program starts, before another thread uses the catalogue.
  */
 void ect_catalogue_add(const ect_product_t *products, size_t count);
+
+ECT_C_END
 
 #endif

@@ -16,6 +16,9 @@
 #include "bus/signals.h"
 #include "esc/esc.h"
 #include "slave/slave.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** One twin of a chain. */
 typedef struct ect_twin_config {
@@ -101,5 +104,7 @@ void ect_chain_put_back(ect_chain_t *chain, size_t position);
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);
 ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position);
+
+ECT_C_END
 
 #endif

@@ -15,6 +15,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 enum { ECT_CIRCLE_REMEMBERED = 8, ECT_CIRCLE_MOST = 200 };
 
 /** So many frames (ECT_CIRCLE_MOST) of the kind within this time are a circle. */
@@ -38,5 +42,7 @@ void ect_circle_sent(ect_circle_t *circle, const uint8_t *frame, size_t length);
 
 /** Looks at a frame that came in at this end. @return true: it circles, do not answer it */
 bool ect_circle_came(ect_circle_t *circle, const uint8_t *frame, size_t length, uint64_t now_ns);
+
+ECT_C_END
 
 #endif

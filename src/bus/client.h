@@ -17,6 +17,9 @@
 #include "bus/endpoint.h"
 #include "bus/line.h"
 #include "bus/watch.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 enum {
     ECT_CLIENT_LINES = 8,      /**< that a step writes, and one more with its result */
@@ -69,5 +72,7 @@ void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
 
 /** Adds the line that ends an answer. @param message  why not; NULL: it was done */
 void ect_client_result(ect_client_t *client, const char *message);
+
+ECT_C_END
 
 #endif

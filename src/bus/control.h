@@ -19,6 +19,9 @@
 
 #include "bus/chain.h"
 #include "bus/endpoint.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 enum {
     ECT_CONTROL_CLIENTS = 16,
@@ -48,5 +51,7 @@ void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_
 
 /** Notes what has changed, for those who want every change. After each poll. Cost: ECT_CONTROL_EVERY comparisons. */
 void ect_control_note(ect_control_t *control, uint64_t now_ns);
+
+ECT_C_END
 
 #endif

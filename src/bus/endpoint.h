@@ -14,6 +14,10 @@
 #include <stddef.h>
 #include <sys/types.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 enum {
     ECT_ENDPOINT_PATH = 1024,                       /**< room for a path, terminator included */
     ECT_ENDPOINT_MESSAGE = ECT_ENDPOINT_PATH + 160, /**< for a message of one line */
@@ -52,5 +56,7 @@ int ect_endpoint_connect(const char *path, uid_t *owner);
 
 /** Removes a socket of this user at which nobody listens any more. Anything else stays. */
 void ect_endpoint_clear(const char *path);
+
+ECT_C_END
 
 #endif

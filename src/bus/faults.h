@@ -9,6 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 typedef struct ect_faults {
     uint32_t seed;         /**< of the lot; the same seed gives the same row of verdicts */
     uint8_t drop_percent;  /**< 0..100: half of them before the slaves see the frame, half on the way back */
@@ -25,5 +29,7 @@ typedef enum ect_verdict {
 
 /** Draws the verdict for the next frame and moves the seed on. Without faults always ECT_VERDICT_PASS. */
 ect_verdict_t ect_faults_draw(ect_faults_t *faults);
+
+ECT_C_END
 
 #endif

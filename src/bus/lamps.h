@@ -12,6 +12,9 @@
 
 #include "seams/plant.h"
 #include "slave/slave.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 enum { ECT_LAMP_TEXT = 16 };
 
@@ -33,5 +36,7 @@ extern const ect_plant_t ect_lamps_plant;
  */
 uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
                           uint64_t last_frame_ns, uint64_t now_ns);
+
+ECT_C_END
 
 #endif

@@ -13,6 +13,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** A frame that waits. Members are read only for others. */
 typedef struct ect_late_frame {
     struct ect_late_frame *next;
@@ -47,5 +51,7 @@ ect_late_frame_t *ect_late_take(ect_late_t *late, uint64_t now_ns);
 
 /** Forgets all of them. */
 void ect_late_clear(ect_late_t *late);
+
+ECT_C_END
 
 #endif

@@ -12,6 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 enum { ECT_LINE_ROOM = 1024 };
 
 typedef struct ect_line {
@@ -36,5 +40,7 @@ void ect_line_time(ect_line_t *line, uint64_t time_ns);
 
 /** Closes it; line->text then ends with a line feed. */
 void ect_line_end(ect_line_t *line);
+
+ECT_C_END
 
 #endif

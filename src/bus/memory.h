@@ -7,6 +7,9 @@
 #define ECT_BUS_MEMORY_H
 
 #include "seams/storage.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 enum { ECT_MEMORY_BANK = 1024 * 1024, ECT_MEMORY_PATH = 512, ECT_MEMORY_MESSAGE = 640 };
 
@@ -22,5 +25,7 @@ void ect_memory_close(ect_memory_t *memory);
 
 /** What a twin's configuration takes; valid until the memory is closed. */
 const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
+
+ECT_C_END
 
 #endif

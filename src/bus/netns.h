@@ -7,6 +7,10 @@
 #ifndef ECT_BUS_NETNS_H
 #define ECT_BUS_NETNS_H
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** Wires that a private network may have: the chain's two ends. */
 enum { ECT_NETNS_WIRES = 2 };
 
@@ -37,5 +41,7 @@ typedef enum ect_netns_lack {
  * @return 0, or -1; the process may then be in a half-made namespace and should end.
  */
 int ect_netns_enter(const char *const masters[ECT_NETNS_WIRES], unsigned int *lacks, char *message);
+
+ECT_C_END
 
 #endif

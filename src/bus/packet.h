@@ -11,6 +11,10 @@
 #include <stdint.h>
 #include <sys/types.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** An open port. Members are read only for others. */
 typedef struct ect_packet {
     int fd;
@@ -59,5 +63,7 @@ void ect_packet_links_seen(int fd);
 
 /** Sends a frame at its own length. One system call. A full queue or a link that is down loses it, as a wire would. */
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length);
+
+ECT_C_END
 
 #endif

@@ -16,6 +16,9 @@
 #include "bus/late.h"
 #include "bus/packet.h"
 #include "bus/stats.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: nothing is plugged in there */
@@ -50,5 +53,7 @@ uint64_t ect_runner_now(void);
  * @return 0 · -1 an interface went away (errno)
  */
 int ect_runner_run(ect_runner_t *runner);
+
+ECT_C_END
 
 #endif

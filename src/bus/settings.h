@@ -11,6 +11,9 @@
 #include <stdint.h>
 
 #include "bus/chain.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 typedef struct ect_setting {
     const char *name;
@@ -27,5 +30,7 @@ typedef struct ect_setting {
  */
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                         uint64_t now_ns, char *message);
+
+ECT_C_END
 
 #endif

@@ -13,6 +13,9 @@
 #include <stdint.h>
 
 #include "seams/plant.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** Room for a signal's name, for its value as text, and for a message, terminator included. */
 enum { ECT_SIGNAL_NAME = 64, ECT_SIGNAL_TEXT_ROOM = 128, ECT_SIGNAL_MESSAGE = 256 };
@@ -73,5 +76,7 @@ bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *messa
 
 /** Range of a signal's values as text, e.g. "-1000..1000 %". @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_range(const ect_signal_t *signal, char *text);
+
+ECT_C_END
 
 #endif

@@ -10,6 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** Steps of the histogram: 1, 2, 5, 10, … µs; the last step is everything above 1 s. */
 enum { ECT_STATS_STEPS = 20 };
 
@@ -47,5 +51,7 @@ uint32_t ect_stats_edge_us(size_t step);
  * @return the upper edge, in µs, of the step below which that share of the answers lies; 0: none, or it is in the last
  */
 uint32_t ect_stats_quantile_us(const ect_stats_t *stats, unsigned int per_mille);
+
+ECT_C_END
 
 #endif

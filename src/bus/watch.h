@@ -18,6 +18,9 @@
 
 #include "bus/line.h"
 #include "bus/signals.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** Signals that one connection can watch. */
 enum { ECT_WATCH_MOST = 4096 };
@@ -63,5 +66,7 @@ bool ect_watch_next(ect_watch_t *watch, unsigned int *budget, uint64_t now_ns, e
 
 /** Writes the members "slave", "name" and "value" of a signal. @param value  ect_signal_size() bytes */
 void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t slave, const void *value);
+
+ECT_C_END
 
 #endif

@@ -9,6 +9,9 @@
 #include <stdint.h>
 
 #include "seams/plant.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** The plugs of one slave: 1 plugged in, 0 pulled. A wire has two, one at either end. */
 typedef struct ect_wiring {
@@ -18,5 +21,7 @@ typedef struct ect_wiring {
 
 /** A plant with nothing but the signals of an ect_wiring_t, which is its instance. */
 extern const ect_plant_t ect_wiring_plant;
+
+ECT_C_END
 
 #endif

@@ -24,6 +24,9 @@
 #include <stdint.h>
 
 #include "esc/personality.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** SyncManagers and FMMUs that any personality may have. */
 enum { ECT_ESC_MAX_SM = 8, ECT_ESC_MAX_FMMU = 8 };
@@ -145,5 +148,7 @@ static inline uint32_t ect_esc_activity(const ect_esc_t *esc)
 {
     return esc->activity;
 }
+
+ECT_C_END
 
 #endif

@@ -8,6 +8,10 @@
 
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** Bits of the feature word (0x0008), ESC data sheet II §2.1.8. */
 enum {
     ECT_FEATURE_BYTE_FMMU = 0x0001,
@@ -39,5 +43,7 @@ typedef struct ect_esc_personality {
  * @return constant data, or NULL when there is none of that name.
  */
 const ect_esc_personality_t *ect_esc_personality(const char *name);
+
+ECT_C_END
 
 #endif

@@ -20,6 +20,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** Object codes (ETG.1000.6 §5.6.3.6.1). */
 enum { ECT_OBJECT_DOMAIN = 2, ECT_OBJECT_VAR = 7, ECT_OBJECT_ARRAY = 8, ECT_OBJECT_RECORD = 9 };
 
@@ -290,5 +294,7 @@ ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_en
  * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX; *value is unchanged unless ECT_OK.
  */
 ect_reason_t ect_od_number(const ect_od_t *od, uint16_t index, uint8_t subindex, uint32_t *value);
+
+ECT_C_END
 
 #endif

@@ -11,6 +11,9 @@
 #define ECT_OD_PDO_H
 
 #include "od/od.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** Index of the assignment object of SyncManager n: 1C10h + n. */
 enum { ECT_OD_ASSIGNMENT = 0x1C10 };
@@ -36,5 +39,7 @@ uint32_t ect_od_pdo_bits(const ect_object_t *pdo);
 
 /** Bits of the PDOs that are assigned to SyncManager `sm`; 0 without an assignment object. Walks over all of them. */
 uint32_t ect_od_sm_bits(const ect_od_t *od, unsigned int sm);
+
+ECT_C_END
 
 #endif

@@ -26,6 +26,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** A slave (slave/slave.h); opaque to protocols of a device. */
 typedef struct ect_slave ect_slave_t;
 
@@ -124,5 +128,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *slave);
  * Cost: one PDI access of the mailbox's size.
  */
 void ect_mailbox_send(ect_slave_t *slave, uint8_t type, uint16_t length);
+
+ECT_C_END
 
 #endif

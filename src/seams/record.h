@@ -68,10 +68,10 @@ static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, u
     if (m->read(m->ctx, bank, 0, header, ECT_RECORD_HEADER) < 0)
         return -1;
     *r = (ect_record_t){.medium = m,
-                        .bank = bank,
                         .sequence = ect_load_le32(header + 4),
                         .length = ect_load_le32(header + 8),
-                        .check = ect_load_le32(header + 12)};
+                        .check = ect_load_le32(header + 12),
+                        .bank = bank};
     return ect_load_le32(header) == magic && r->length <= m->bank_size - ECT_RECORD_HEADER;
 }
 
@@ -110,7 +110,7 @@ static inline int ect_record_find(const ect_storage_t *m, uint32_t magic, ect_re
 static inline bool ect_record_begin(ect_record_t *r, const ect_record_t *newest)
 {
     const ect_storage_t *m = newest->medium;
-    *r = (ect_record_t){.medium = m, .bank = newest->bank ^ 1u, .sequence = newest->sequence + 1, .check = 0xFFFFFFFF};
+    *r = (ect_record_t){.medium = m, .sequence = newest->sequence + 1, .check = 0xFFFFFFFF, .bank = newest->bank ^ 1u};
     return m->erase(m->ctx, r->bank) >= 0;
 }
 
@@ -121,7 +121,7 @@ static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t le
     uint32_t at = ECT_RECORD_HEADER + r->length;
     if (length > m->bank_size - at || m->write(m->ctx, r->bank, at, data, length) < 0)
         return false;
-    r->check = ect_crc32(r->check, data, length);
+    r->check = ect_crc32(r->check, (const uint8_t *)data, length);
     r->length += length;
     return true;
 }

@@ -11,6 +11,10 @@
 
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /** A service of the stack; opaque to devices. */
 typedef struct ect_service ect_service_t;
 
@@ -132,5 +136,7 @@ typedef struct ect_sync_data {
     {                                                                                                                  \
         ECT_ENTRY_COUNT(1), {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_COMMAND, name, 1, NULL},           \
     }
+
+ECT_C_END
 
 #endif

@@ -13,6 +13,9 @@
 #include <stdint.h>
 
 #include "seams/device.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** Categories of the SII (ETG.2010). */
 enum {
@@ -60,5 +63,7 @@ const uint8_t *ect_sii_category(const uint8_t *image, size_t size, uint16_t cate
  * @return the characters inside `image`, or NULL when there is no such string or the table is damaged
  */
 const char *ect_sii_string(const uint8_t *image, size_t size, uint8_t index, uint8_t *length);
+
+ECT_C_END
 
 #endif

@@ -9,6 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 typedef enum ect_al_action {
     ECT_AL_IGNORE, /**< error flag set and not acknowledged: nothing happens */
     ECT_AL_REFUSE, /**< stay, set the error flag with `code` */
@@ -32,5 +36,7 @@ typedef struct ect_al_decision {
  * @param has_boot  the device has a BOOT state
  */
 ect_al_decision_t ect_al_decide(uint8_t state, bool error, uint16_t request, bool has_boot);
+
+ECT_C_END
 
 #endif

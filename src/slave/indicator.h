@@ -12,6 +12,9 @@
 #include <stdint.h>
 
 #include "slave/slave.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** Flash patterns, with the times of ETG.1300. */
 typedef enum ect_pattern {
@@ -44,5 +47,7 @@ ect_pattern_t ect_indicator_err(const ect_slave_t *slave, bool pdi_failing);
 
 /** L/A of a port: off no link; on a link; flickering with traffic (not at 0) in the last ECT_INDICATOR_TRAFFIC_NS. */
 ect_pattern_t ect_indicator_link(bool link, uint64_t last_traffic_ns, uint64_t now_ns);
+
+ECT_C_END
 
 #endif

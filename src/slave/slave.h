@@ -30,6 +30,9 @@
 #include "od/od.h"
 #include "seams/device.h"
 #include "seams/pdi.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** Where an error in AL status comes from; what the ERR indicator shows (ETG.1300). */
 typedef enum ect_error_cause {
@@ -225,5 +228,7 @@ static inline void ect_slave_wake(ect_slave_t *slave)
  * @return when to call again even without an event (> now_ns), ECT_NEVER when only the bus can bring work.
  */
 uint64_t ect_slave_poll(ect_slave_t *slave, uint64_t now_ns);
+
+ECT_C_END
 
 #endif

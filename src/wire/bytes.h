@@ -25,28 +25,28 @@ static inline bool ect_host_is_little_endian(void)
 /** Reads 2 bytes, least significant first. */
 static inline uint16_t ect_load_le16(const void *bytes)
 {
-    const uint8_t *b = bytes;
+    const uint8_t *b = (const uint8_t *)bytes;
     return (uint16_t)(b[0] | (uint16_t)(b[1] << 8));
 }
 
 /** Reads 4 bytes, least significant first. */
 static inline uint32_t ect_load_le32(const void *bytes)
 {
-    const uint8_t *b = bytes;
+    const uint8_t *b = (const uint8_t *)bytes;
     return (uint32_t)b[0] | ((uint32_t)b[1] << 8) | ((uint32_t)b[2] << 16) | ((uint32_t)b[3] << 24);
 }
 
 /** Reads 8 bytes, least significant first. */
 static inline uint64_t ect_load_le64(const void *bytes)
 {
-    const uint8_t *b = bytes;
+    const uint8_t *b = (const uint8_t *)bytes;
     return (uint64_t)ect_load_le32(b) | ((uint64_t)ect_load_le32(b + 4) << 32);
 }
 
 /** Writes 2 bytes, least significant first. */
 static inline void ect_store_le16(void *bytes, uint16_t value)
 {
-    uint8_t *b = bytes;
+    uint8_t *b = (uint8_t *)bytes;
     b[0] = (uint8_t)value;
     b[1] = (uint8_t)(value >> 8);
 }
@@ -54,7 +54,7 @@ static inline void ect_store_le16(void *bytes, uint16_t value)
 /** Writes 4 bytes, least significant first. */
 static inline void ect_store_le32(void *bytes, uint32_t value)
 {
-    uint8_t *b = bytes;
+    uint8_t *b = (uint8_t *)bytes;
     b[0] = (uint8_t)value;
     b[1] = (uint8_t)(value >> 8);
     b[2] = (uint8_t)(value >> 16);
@@ -64,7 +64,7 @@ static inline void ect_store_le32(void *bytes, uint32_t value)
 /** Writes 8 bytes, least significant first. */
 static inline void ect_store_le64(void *bytes, uint64_t value)
 {
-    uint8_t *b = bytes;
+    uint8_t *b = (uint8_t *)bytes;
     ect_store_le32(b, (uint32_t)value);
     ect_store_le32(b + 4, (uint32_t)(value >> 32));
 }
@@ -72,14 +72,14 @@ static inline void ect_store_le64(void *bytes, uint64_t value)
 /** Reads 2 bytes, most significant first. */
 static inline uint16_t ect_load_be16(const void *bytes)
 {
-    const uint8_t *b = bytes;
+    const uint8_t *b = (const uint8_t *)bytes;
     return (uint16_t)((uint16_t)(b[0] << 8) | b[1]);
 }
 
 /** Writes 2 bytes, most significant first. */
 static inline void ect_store_be16(void *bytes, uint16_t value)
 {
-    uint8_t *b = bytes;
+    uint8_t *b = (uint8_t *)bytes;
     b[0] = (uint8_t)(value >> 8);
     b[1] = (uint8_t)value;
 }

@@ -10,6 +10,9 @@
 #include <stddef.h>
 
 #include "seams/plant.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /**
  * Runs the command that the arguments name, as the program `ectwin` does.
@@ -20,5 +23,7 @@
  * Context: main(), once, before other threads are started. Registers an atexit() handler that reports lost output.
  */
 int ectwin_main(int argc, char **argv, const ect_product_t *products, size_t count);
+
+ECT_C_END
 
 #endif

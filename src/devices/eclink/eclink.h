@@ -12,6 +12,9 @@
 #define ECT_DEVICES_ECLINK_H
 
 #include "seams/plant.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 extern const ect_device_t ect_eclink_map1;
 extern const ect_device_t ect_eclink_map3;
@@ -20,5 +23,7 @@ extern const ect_device_t ect_eclink_multiarm;
 
 /** The operator's side, the same of all four. */
 extern const ect_plant_t ect_eclink_plant;
+
+ECT_C_END
 
 #endif

@@ -8,8 +8,13 @@
 #define ECT_DEVICES_FZM1_H
 
 #include "seams/plant.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 extern const ect_device_t ect_fzm1;
 extern const ect_plant_t ect_fzm1_plant;
+
+ECT_C_END
 
 #endif

@@ -8,8 +8,13 @@
 
 #include "esc/esc.h"
 #include "seams/pdi.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
 
 /** The PDI of `esc`, which must outlive its use. Reading the event word is free of charge. */
 ect_pdi_t ect_virtual_pdi(ect_esc_t *esc);
+
+ECT_C_END
 
 #endif

@@ -1,0 +1,13 @@
+# Which component of an installation a library belongs to: `core` (runs on a board too) or `host`.
+include(GNUInstallDirs)
+set(ECTWIN_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/ectwin)
+
+# ectwin_export(TARGET COMPONENT): TARGET is installed and known to others as ectwin::NAME, without the prefix ectwin_. Called for
+# a library after those that it needs.
+function(ectwin_export target component)
+  string(REPLACE ectwin_ "" name ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  add_library(ectwin::${name} ALIAS ${target})
+  install(TARGETS ${target} EXPORT ectwin-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  set_property(GLOBAL APPEND PROPERTY ECTWIN_LIBRARIES_${component} ${target})
+endfunction()

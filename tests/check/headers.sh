@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Each public header compiles alone, first in its file, in C and in C++; what it declares has the linkage of C.
+# usage: headers.sh SRC      (public: all but internal.h and instance.h)
+set -u
+src=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+status=0
+flags="-Wall -Wextra -Werror -I$src -fsyntax-only"
+
+compiles() { # HEADER COMPILER ARGUMENT...
+  local header=$1
+  shift
+  "$@" 2>"$work/log" && return 0
+  echo "FAILED $header alone: $*"
+  grep -m 3 'error' "$work/log"
+  status=1
+}
+
+while read -r header; do
+  printf '#include "%s"\ntypedef int not_empty;\n' "$header" >"$work/alone.c"
+  cp "$work/alone.c" "$work/alone.cpp"
+  # shellcheck disable=SC2086
+  compiles "$header" "${CC:-cc}" -std=c11 -Wpedantic $flags "$work/alone.c"
+  # shellcheck disable=SC2086
+  compiles "$header" "${CXX:-clang++}" -std=c++17 $flags "$work/alone.cpp"
+  if grep -v '^static' "$src/$header" | grep -qE '^(extern |[a-z][a-z0-9_ *]*\([^;{]*[;,]$)' && ! grep -q '^ECT_C_BEGIN$' "$src/$header"; then
+    echo "FAILED $header: what it declares does not stand between ECT_C_BEGIN and ECT_C_END (wire/linkage.h)"
+    status=1
+  fi
+done < <(cd "$src" && find . -name '*.h' ! -name internal.h ! -name instance.h | sed 's|^\./||' | sort)
+exit $status
