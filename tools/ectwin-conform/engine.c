@@ -212,6 +212,7 @@ static void restore(cf_t *c, cf_result_t *result)
     cf_record_begin(result->entry->id, "afterwards: back to INIT");
     bool back = guarded(c, put_back, RESTORE_MS, false);
     e->undo_count = 0;
+    e->lame = !back;
     cf_evidence_t evidence = cf_record_end(KEEP_OTHERS);
     if (back || result->verdict == CF_INTERRUPTED || result->verdict == CF_FAIL) {
         cf_evidence_free(&evidence);
@@ -229,12 +230,14 @@ static uint32_t missing(const cf_t *c, const cf_case_t *entry)
     return entry->needs & ~has;
 }
 
-static void judge(cf_t *c, cf_result_t *result)
+/* @return whether there is something to restore: a slave that was not ready for the case has been tried already */
+static bool judge(cf_t *c, cf_result_t *result)
 {
     cf_engine_t *e = c->engine;
     const cf_case_t *entry = result->entry;
     cf_record_begin(entry->id, entry->title);
-    if (guarded(c, cf_known_state, RESTORE_MS, true)) {
+    bool ready = guarded(c, cf_known_state, RESTORE_MS, true);
+    if (ready) {
         cf_step(c, "the case begins");
         (void)guarded(c, entry->run, entry->limit_ms != 0 ? entry->limit_ms : CF_LIMIT_MS, true);
     }
@@ -242,6 +245,7 @@ static void judge(cf_t *c, cf_result_t *result)
     result->frame = e->frame;
     memcpy(result->reason, e->reason, sizeof result->reason);
     result->evidence = cf_record_end(e->verdict == CF_PASS || e->verdict == CF_SKIPPED ? KEEP_PASSED : KEEP_OTHERS);
+    return ready || e->verdict == CF_INTERRUPTED;
 }
 
 void cf_run_case(cf_run_t *run, const cf_section_t *section, const cf_case_t *entry, cf_result_t *result)
@@ -254,7 +258,7 @@ void cf_run_case(cf_run_t *run, const cf_section_t *section, const cf_case_t *en
         snprintf(result->reason, sizeof result->reason, "%s", cf_need_text(lacks));
         return;
     }
-    judge(&run->c, result);
-    restore(&run->c, result);
+    if (judge(&run->c, result))
+        restore(&run->c, result);
     result->duration_ns = cf_now_ns() - start;
 }

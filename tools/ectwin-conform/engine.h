@@ -45,7 +45,8 @@ typedef struct cf_engine {
     uint32_t frame;
     cf_undo_t undo[CF_UNDO_MOST]; /**< in the order of the changes */
     size_t undo_count;
-    bool silent; /**< the slave did not answer at the end of a case: try once only */
+    bool silent; /**< the last frame did not come back: the next is not waited for as long */
+    bool lame;   /**< the slave could not be brought back to INIT: it is not waited for as long */
 } cf_engine_t;
 
 /** Looks what is on the segment and gives all slaves their addresses. @return how many; 0 none */

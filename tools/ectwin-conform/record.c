@@ -205,6 +205,8 @@ cf_evidence_t cf_record_end(size_t most)
     }
     record.count = 0;
     record.next = 0;
+    if (record.capture)
+        (void)fflush(record.capture); /* whoever looks on sees whole cases */
     return e;
 }
 

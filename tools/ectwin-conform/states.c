@@ -11,7 +11,7 @@ enum { LOGICAL = 0x00010000, SM_OUTPUTS = 3, SM_INPUTS = 4, READS = 1, WRITES = 
 /* 6 s of the default divider. A case is no controller: it has pauses, and so has a machine under load. */
 enum { LONG_WATCHDOG = 60000 };
 /* ETG.2000, where the ESI says nothing; the way back to SAFEOP with the others, for a judgement of time is not here. */
-enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, SETTLE_MS = 100 };
+enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, LAME_MS = 300, SETTLE_MS = 100 };
 
 const char *cf_state_name(uint16_t al_status)
 {
@@ -207,20 +207,26 @@ static uint32_t transition_ms(uint16_t al_control)
     }
 }
 
+/* One that could not be brought back once is not waited for each time again. */
+static uint32_t init_ms(const cf_t *c)
+{
+    return c->engine->lame ? LAME_MS : INIT_MS;
+}
+
 /* The slave's software takes a request by reading it; until then the chip refuses the next one. */
 static void write_al_control(cf_t *c, uint16_t al_control)
 {
     uint8_t bytes[2];
-    uint64_t until = cf_now_ns() + INIT_MS * UINT64_C(1000000);
+    uint64_t until = cf_now_ns() + init_ms(c) * UINT64_C(1000000);
     ect_store_le16(bytes, al_control);
     while (cf_write(c, ECT_REG_AL_CONTROL, bytes, sizeof bytes) != 1) {
         if (cf_now_ns() >= until)
-            cf_fail(c, "AL control: WKC expected 1, got 0 for %d ms: the slave does not take the request before",
-                    (int)INIT_MS);
+            cf_fail(c, "AL control: WKC expected 1, got 0 for %u ms: the slave does not take the request before",
+                    init_ms(c));
         pause_us(500);
     }
     if ((c->facts.has & CF_EMULATION) == 0)
-        (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, INIT_MS, NULL);
+        (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, init_ms(c), NULL);
 }
 
 /* AL status and its code. */
@@ -329,17 +335,15 @@ static void back_to_init(cf_t *c)
     uint8_t copy[2] = {address[0], address[1]};
     uint16_t got = 0, code = 0;
     uint16_t wkc = cf_command(c, CF_APWR, c->facts.ring, ECT_REG_STATION_ADDRESS, copy, sizeof copy);
-    if (wkc != 1) {
-        c->engine->silent = true;
+    if (wkc != 1)
         cf_fail(c, "no answer: APWR of the station address: WKC expected 1, got %u", wkc);
-    }
     bool emulation = (c->facts.has & CF_EMULATION) != 0;
     for (int tries = 0; tries < 2; tries++) { /* an error that comes just now is acknowledged the second time */
         write_al_control(c, emulation ? CF_INIT : CF_INIT | ECT_AL_ACKNOWLEDGE);
-        if (cf_wait_status(c, CF_INIT, INIT_MS, false, &got, &code) && code == 0)
+        if (cf_wait_status(c, CF_INIT, init_ms(c), false, &got, &code) && code == 0)
             return;
     }
-    cf_fail(c, "back to INIT: expected INIT with code 0x0000 within %d ms, got %s with code 0x%04X", (int)INIT_MS,
+    cf_fail(c, "back to INIT: expected INIT with code 0x0000 within %u ms, got %s with code 0x%04X", init_ms(c),
             cf_state_name(got), code);
 }
 
@@ -373,4 +377,5 @@ void cf_known_state(cf_t *c)
     back_to_init(c);
     reset_registers(c);
     c->mail_counter = 0;
+    c->engine->lame = false;
 }

@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""The conformance runner over all devices, and the table that docs/conformance.md shows.
+
+usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what applies to it, as the table says
+       conform.py command ECTWIN CONFORM [TEST]      the runner's own command line
+"""
+import concurrent.futures
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import xml.dom.minidom
+
+DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "docs/conformance.md"
+BEGIN, END = "<!-- written by tests/integration/conform.py -->\n", "<!-- end -->\n"
+CHAIN = "in a chain"
+CHAIN_ARGUMENTS = (["--alias", "7", "vr-bu-ect-map7,fzm1,vr-bu-ect-map3"], ["--slave", "2"])
+
+
+def call(ectwin, conform, twins, arguments):
+    return subprocess.run([ectwin, "with", *twins, "--", conform, "-i", "{}", *arguments], capture_output=True, text=True,
+                          timeout=300, check=False)
+
+
+# --- devices --------------------------------------------------------------------------------------------------------
+
+
+def report(ectwin, conform, name):
+    """One run. @return its JSON, and how to run it alone"""
+    twins, arguments = CHAIN_ARGUMENTS if name == CHAIN else ([name], [])
+    done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
+    alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
+    try:
+        return json.loads(done.stdout), alone
+    except json.JSONDecodeError:
+        sys.exit(f"{name}: no report; exit code {done.returncode}\n{done.stderr}alone: {alone}")
+
+
+def table(names, reports):
+    """The section of the document. Reasons for skips are numbered in the order in which they come."""
+    reasons = {}
+    lines = [BEGIN, "\n| id | what must hold | " + " | ".join(names) + " |\n", "|---|---|" + "---|" * len(names) + "\n"]
+    for row in zip(*(r["cases"] for r in reports)):
+        cells = []
+        for case in row:
+            if case["verdict"] == "skip":
+                cells.append(f"– {reasons.setdefault(case['reason'], len(reasons) + 1)}")
+            else:
+                cells.append(case["verdict"])
+        lines.append(f"| {row[0]['id']} | {row[0]['title']} | " + " | ".join(cells) + " |\n")
+    lines.append("\nSkipped, and why:\n\n")
+    lines += [f"{number}. {reason}\n" for reason, number in reasons.items()]
+    return "".join(lines) + END
+
+
+def print_failures(name, result, alone):
+    for case in result["cases"]:
+        if case["verdict"] in ("fail", "interrupted"):
+            print(f"{name}: {case['id']} {case['title']}: {case['reason']}\n  alone: {alone} --only {case['id']}")
+
+
+def devices(ectwin, conform, write):
+    listed = subprocess.run([ectwin, "list"], capture_output=True, text=True, check=True).stdout
+    names = [line.split()[0] for line in listed.splitlines()] + [CHAIN]
+    with concurrent.futures.ThreadPoolExecutor(4) as pool: # most of a run waits
+        results = list(pool.map(lambda name: report(ectwin, conform, name), names))
+    failed = 0
+    for name, (result, alone) in zip(names, results):
+        print_failures(name, result, alone)
+        failed += result["summary"]["fail"] + result["summary"]["interrupted"]
+    text = DOCUMENT.read_text()
+    before, _, rest = text.partition(BEGIN)
+    now = before + table(names, [result for result, _ in results]) + rest.partition(END)[2]
+    if write:
+        DOCUMENT.write_text(now)
+    elif now != text:
+        print(f"{DOCUMENT.name} is not what the runs say: conform.py devices ... --write, and look at the difference")
+        for old, new in zip(text.splitlines(), now.splitlines()):
+            if old != new:
+                print(f"  - {old}\n  + {new}")
+        failed += 1
+    return failed
+
+
+# --- command line -----------------------------------------------------------------------------------------------------
+
+
+def expect(what, expected, got):
+    if expected != got:
+        raise AssertionError(f"{what}: expected {expected!r}, got {got!r}")
+
+
+def contains(what, part, text):
+    if part not in text:
+        raise AssertionError(f"{what}: expected {part!r} in {text!r}")
+
+
+def exit_codes(ectwin, conform):
+    """0 with all passed, 2 without a slave or an interface, 64 for wrong usage, each with a line that says what to do"""
+    done = call(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
+    expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
+    for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 answer on 'ecat0'"),
+                                  (["--only", "CF-777"], 64, "no case is left to run"),
+                                  (["--slave", "x"], 64, "--slave takes"), (["--format", "pdf"], 64, "--format is"),
+                                  (["-o", "/no/such/file", "--only", "CF-001"], 2, "cannot write '/no/such/file'"),
+                                  (["--pcap", "/no/such/file"], 2, "cannot write '/no/such/file'")):
+        done = call(ectwin, conform, ["fzm1"], arguments)
+        expect(" ".join(arguments), code, done.returncode)
+        contains(" ".join(arguments), text, done.stderr)
+    done = subprocess.run([conform, "-i", "nosuch0"], capture_output=True, text=True, check=False)
+    expect("no such interface", 2, done.returncode)
+    contains("no such interface", "there is no network interface of that name", done.stderr)
+    expect("no interface named", 64, subprocess.run([conform], capture_output=True, check=False).returncode)
+
+
+def listing(_, conform):
+    """--list needs no slave; each id once, in order; --only and --skip take patterns"""
+    def ids(*arguments):
+        done = subprocess.run([conform, "--list", *arguments], capture_output=True, text=True, check=True)
+        return [line.split()[0] for line in done.stdout.splitlines()]
+    every = ids()
+    expect("ids", sorted(set(every)), every)
+    expect("--only", ["CF-033"] + [i for i in every if i.startswith("CF-04")], ids("--only", "CF-033,CF-04*"))
+    expect("--skip", [i for i in every if i != "CF-004"], ids("--skip", "CF-004"))
+    expect("both", ["CF-001"], ids("--only", "CF-00[12]", "--skip", "CF-002"))
+
+
+def formats(ectwin, conform):
+    """JSON, JUnit and HTML are well-formed, name each case, and refer to nothing outside"""
+    chosen = ["--only", "CF-00[1-4],CF-012"]
+    result = json.loads(call(ectwin, conform, ["fzm1"], [*chosen, "--format", "json"]).stdout)
+    expect("cases in JSON", ["CF-001", "CF-002", "CF-003", "CF-004", "CF-012"], [c["id"] for c in result["cases"]])
+    expect("skips are counted", 1, result["summary"]["skip"])
+    evidence = result["cases"][1]["evidence"]
+    expect("evidence of both directions", {"step", "sent", "received"}, {e["kind"] for e in evidence})
+    expect("frames are numbered as they came", True, [e["frame"] for e in evidence if "frame" in e] ==
+           list(range(result["cases"][1]["last_frame"] - sum("frame" in e for e in evidence) + 1,
+                      result["cases"][1]["last_frame"] + 1)))
+    junit = xml.dom.minidom.parseString(call(ectwin, conform, ["fzm1"], [*chosen, "--format", "junit"]).stdout)
+    expect("test cases in JUnit", 5, len(junit.getElementsByTagName("testcase")))
+    expect("skipped in JUnit", 1, len(junit.getElementsByTagName("skipped")))
+    html = call(ectwin, conform, ["fzm1"], [*chosen, "--format", "html"]).stdout
+    for word in ("src=", "href=", "url(", "@import"):
+        expect(f"{word} in HTML", False, word in html)
+    contains("HTML", 'id="CF-003"', html)
+
+
+def capture(ectwin, conform):
+    """--pcap: a pcapng in which each case's first frame carries its title"""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "run.pcapng"
+        result = json.loads(call(ectwin, conform, ["fzm1"], ["--only", "CF-00[12]", "--format", "json", "--pcap",
+                                                             str(path)]).stdout)
+        data = path.read_bytes()
+    at, frame, titles = 0, 0, {}
+    while at < len(data):
+        kind, total = (int.from_bytes(data[at + n:at + n + 4], sys.byteorder) for n in (0, 4))
+        if kind == 6:
+            frame += 1
+            for case in result["cases"]:
+                if f"{case['id']} {case['title']}".encode() in data[at:at + total]:
+                    titles[case["id"]] = frame
+        at += total
+    expect("the file ends with a block", len(data), at)
+    expect("frames that carry the titles", {c["id"]: c["first_frame"] for c in result["cases"]}, titles)
+
+
+def in_the_middle(ectwin, conform, arguments, what):
+    """Runs the shell commands `what` when a run, $run, has come to CF-016: its capture says so"""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "run.pcapng"
+        script = (f"{conform} -i $ECTWIN_IFACE {arguments} --pcap {path} & run=$!; "
+                  f"until grep -q 'CF-016 A' {path}; do sleep 0.05; done; {what}")
+        return subprocess.run([ectwin, "with", "fzm1", "--", "sh", "-c", script], capture_output=True, text=True,
+                              timeout=120, check=False)
+
+
+def interrupted(ectwin, conform):
+    """Ctrl-C: what ran is reported, exit code 130, the slave is back in INIT"""
+    done = in_the_middle(ectwin, conform, "", "kill -INT $run; wait $run; echo exit $?; "
+                         f"{conform} -i $ECTWIN_IFACE --only CF-001 | tail -1")
+    contains("after Ctrl-C", "exit 130", done.stdout)
+    contains("after Ctrl-C", "interrupted", done.stdout)
+    contains("the run after", "1 pass, 0 warn, 0 fail, 0 skip", done.stdout)
+
+
+def dead_slave(ectwin, conform):
+    """A slave that dies in the middle of a run: each case left has its verdict, soon, and the run ends with 1"""
+    done = in_the_middle(ectwin, conform, "--format json", "ip link set $ECTWIN_IFACE down; wait $run")
+    expect("exit code", 1, done.returncode)
+    cases = json.loads(done.stdout)["cases"]
+    planned = len(subprocess.run([conform, "--list"], capture_output=True, text=True, check=True).stdout.splitlines())
+    expect("cases with a verdict", planned, len(cases))
+    expect("the first case, alive", "pass", cases[0]["verdict"])
+    last = [c for c in cases if c["verdict"] != "skip"][-1]
+    contains("reason of the last case", "no answer", last["reason"])
+
+
+def command(ectwin, conform, only):
+    tests = [exit_codes, listing, formats, capture, interrupted, dead_slave]
+    failed = 0
+    for test in tests:
+        if only and test.__name__ != only:
+            continue
+        try:
+            test(ectwin, conform)
+            print(f"ok      {test.__doc__}")
+        except AssertionError as error:
+            failed += 1
+            print(f"FAILED  {test.__doc__}\n  {error}\n  alone: conform.py command {ectwin} {conform} {test.__name__}")
+    return failed
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command"):
+        sys.exit(__doc__)
+    paths = [os.path.abspath(p) for p in sys.argv[2:4]]
+    if sys.argv[1] == "devices":
+        sys.exit(devices(*paths, "--write" in sys.argv) != 0)
+    sys.exit(command(*paths, sys.argv[4] if len(sys.argv) > 4 else None) != 0)
