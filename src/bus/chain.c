@@ -279,6 +279,16 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     return next;
 }
 
+bool ect_chain_unfinished(const ect_chain_t *chain)
+{
+    for (size_t i = 0; i < chain->count; i++) {
+        const ect_plant_t *plant = chain->twins[i].config.plant;
+        if (plant && plant->unfinished && plant->unfinished(chain->twins[i].slave.config.instance))
+            return true;
+    }
+    return false;
+}
+
 size_t ect_chain_count(const ect_chain_t *chain)
 {
     return chain->count;

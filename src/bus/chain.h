@@ -82,6 +82,9 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
  */
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
+/** @return whether a twin has something under way that must not be cut off (ect_plant_t::unfinished): poll on */
+bool ect_chain_unfinished(const ect_chain_t *chain);
+
 size_t ect_chain_count(const ect_chain_t *chain);
 
 /** How far a walk through the signals of a twin has come. Zeroed: at its beginning. */

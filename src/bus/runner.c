@@ -215,6 +215,17 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE], bool ready)
     return 1;
 }
 
+/* What a user had saved is safe before the process ends. */
+static void finish(const ect_runner_t *r)
+{
+    const struct timespec pause = {.tv_nsec = 100000};
+    uint64_t end_ns = ect_runner_now() + 2ull * NS_PER_S;
+    while (ect_chain_unfinished(r->chain) && ect_runner_now() < end_ns) {
+        (void)nanosleep(&pause, NULL);
+        (void)ect_chain_poll(r->chain, ect_runner_now());
+    }
+}
+
 int ect_runner_run(ect_runner_t *r)
 {
     int going = 1;
@@ -228,5 +239,6 @@ int ect_runner_run(ect_runner_t *r)
     }
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         ect_late_clear(&r->late[end]);
+    finish(r);
     return going;
 }

@@ -47,7 +47,7 @@ typedef struct ect_runner {
 uint64_t ect_runner_now(void);
 
 /**
- * Runs until `on_signal` stops it.
+ * Runs until `on_signal` stops it, and at most two seconds longer for what a user has had saved (ect_chain_unfinished).
  * Cost: one wait and three system calls (receive, its age, send) a frame; nothing while the bus is quiet but the
  * devices' timers.
  * @return 0 · -1 an interface went away (errno)

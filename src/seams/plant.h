@@ -31,6 +31,12 @@ typedef struct ect_plant {
     uint16_t (*station_alias)(const void *instance);
 
     /**
+     * Whether something is under way that must not be cut off (what a user had saved): who wants to end the device polls
+     * on, for a second or two, until it is done.
+     */
+    bool (*unfinished)(const void *instance);
+
+    /**
      * A user sets a signal to a value within its range; `value` is of the signal's type, `number` counts from 1 (0: the
      * group has no numbers). The plant does what follows from it before or instead of the caller storing it.
      * @return NULL: it is to be stored · "" : done, nothing is to be stored · else why not, a line for the user

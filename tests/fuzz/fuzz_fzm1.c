@@ -40,6 +40,15 @@ static int memory_write(void *ctx, unsigned int bank, uint32_t offset, const voi
     return 0;
 }
 
+/* Every second question is answered. */
+static int memory_flush(void *ctx, unsigned int bank, bool wait)
+{
+    static unsigned int questions;
+    (void)ctx;
+    (void)bank;
+    return !wait && questions++ % 2 == 0 ? ECT_STORAGE_BUSY : 0;
+}
+
 static void host_off_bus(void *ctx, bool off)
 {
     (void)ctx;
@@ -53,7 +62,7 @@ static void host_restart(void *ctx)
 }
 
 static const ect_storage_t storage = {
-    .bank_size = BANK, .read = memory_read, .erase = memory_erase, .write = memory_write};
+    .bank_size = BANK, .read = memory_read, .erase = memory_erase, .write = memory_write, .flush = memory_flush};
 static const ect_host_t host = {.off_bus = host_off_bus, .restart = host_restart, .storage = &storage};
 
 static void power_on(uint64_t now_ns)
@@ -74,18 +83,40 @@ static void spoil(const uint8_t *data, size_t size)
     ect_store_le32(bank + 12, ect_record_check(crc, ect_load_le32(bank + 4), length));
 }
 
+/* Letters of expressions, and the end of the text. */
+static void text_value(const uint8_t *b, uint8_t *value, size_t room)
+{
+    static const char letters[] = "DJG0123456789.+-*/() ~";
+    for (size_t i = 0; i < room - 1 && i < 8; i++)
+        value[i] = (uint8_t)letters[b[i] % sizeof letters];
+}
+
+/* A value of the signal's type and range. @return its size, 0: there is none */
+static size_t signal_value(const ect_signal_t *signal, const uint8_t *b, uint8_t *value)
+{
+    int32_t number = (int32_t)ect_load_le32(b);
+    double real = number;
+    if (signal->type == ECT_SIGNAL_TEXT) {
+        text_value(b, value, (size_t)signal->maximum + 1);
+        return (size_t)signal->maximum + 1;
+    }
+    if (number < signal->minimum || number > signal->maximum)
+        return 0;
+    if (signal->type == ECT_SIGNAL_REAL) {
+        memcpy(value, &real, sizeof real);
+        return sizeof real;
+    }
+    memcpy(value, &number, sizeof number);
+    return signal->type <= ECT_SIGNAL_U8 ? 1 : signal->type <= ECT_SIGNAL_U16 ? 2 : 4;
+}
+
 static void set_signal(const uint8_t *b, uint64_t now_ns)
 {
-    const ect_signal_group_t *group = &ect_fzm1_plant.signal_groups[0];
+    const ect_signal_group_t *group = &ect_fzm1_plant.signal_groups[(b[0] >> 2) % ect_fzm1_plant.signal_group_count];
     const ect_signal_t *signal = &group->signals[b[1] % group->signal_count];
     uint8_t value[256] = {0};
-    int32_t number = (int32_t)ect_load_le32(b + 2);
-    if (signal->access != ECT_SIGNAL_WRITE || signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_REAL ||
-        number < signal->minimum || number > signal->maximum)
-        return;
-    memcpy(value, &number, sizeof number);
-    size_t size = signal->type <= ECT_SIGNAL_U8 ? 1 : signal->type <= ECT_SIGNAL_U16 ? 2 : 4;
-    if (!ect_fzm1_plant.signal_write(&unit, signal, 0, value, now_ns))
+    size_t size = signal->access == ECT_SIGNAL_WRITE ? signal_value(signal, b + 2, value) : 0;
+    if (size > 0 && !ect_fzm1_plant.signal_write(&unit, signal, 0, value, now_ns))
         memcpy((uint8_t *)&unit + signal->offset, value, size);
 }
 
@@ -123,7 +154,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memset(banks, 0xFF, sizeof banks);
     memset(&unit, 0, sizeof unit);
     power_on(now_ns);
+    unit.scene.data[0] = 1;
     (void)fzm1_save(&unit);
+    while (fzm1_saving(&unit))
+        now_ns = ect_fzm1.tick(&unit, now_ns);
     size_t part = ect_load_le16(data) % 400;
     part = part < size - 2 ? part : size - 2;
     if (part > 0)

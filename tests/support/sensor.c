@@ -139,14 +139,61 @@ static int memory_erase(void *ctx, unsigned int bank)
     sensor_memory_t *m = ctx;
     if (m->budget == 0)
         return -1;
-    memset(m->bank[bank], 0xFF, SENSOR_BANK);
+    if (m->lazy == 0)
+        memset(m->bank[bank], 0xFF, SENSOR_BANK); /* else a file, whose old content stays until it is written over */
     return 0;
+}
+
+/* Keeps what stood there; of many writes the first ones become safe by themselves. */
+static void cache(sensor_memory_t *m, unsigned int bank, uint32_t offset, uint32_t length)
+{
+    assert_true(length <= sizeof m->cache[0].before);
+    if (m->lazy == 0)
+        return;
+    if (m->cached == SENSOR_UNSAFE) {
+        memmove(m->cache, m->cache + 1, sizeof m->cache - sizeof m->cache[0]);
+        m->cached--;
+    }
+    m->cache[m->cached].bank = bank;
+    m->cache[m->cached].offset = offset;
+    m->cache[m->cached].length = length;
+    memcpy(m->cache[m->cached++].before, m->bank[bank] + offset, length);
+    m->asked = 0;
+}
+
+static int memory_flush(void *ctx, unsigned int bank, bool wait)
+{
+    sensor_memory_t *m = ctx;
+    (void)bank;
+    if (m->unsafe)
+        return -1;
+    if (!wait && m->cached > 0 && ++m->asked < m->lazy)
+        return ECT_STORAGE_BUSY;
+    m->cached = 0;
+    return 0;
+}
+
+void sensor_memory_cut(sensor_memory_t *m, uint32_t lot)
+{
+    while (m->cached > 0) { /* the last one first: what an earlier one has put there comes back */
+        m->cached--;
+        if ((lot >> (m->cached % 32) & 1) != 0)
+            memcpy(m->bank[m->cache[m->cached].bank] + m->cache[m->cached].offset, m->cache[m->cached].before,
+                   m->cache[m->cached].length);
+    }
+}
+
+bool sensor_memory_dirty(const sensor_memory_t *m)
+{
+    return m->cached > 0;
 }
 
 static int memory_write(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length)
 {
     sensor_memory_t *m = ctx;
     uint32_t part = length < m->budget ? length : m->budget;
+    m->written += length;
+    cache(m, bank, offset, length);
     memcpy(m->bank[bank] + offset, data, part);
     m->budget -= m->budget == UINT32_MAX ? 0 : part;
     return part == length ? 0 : -1;
@@ -154,14 +201,18 @@ static int memory_write(void *ctx, unsigned int bank, uint32_t offset, const voi
 
 void sensor_memory_open(sensor_memory_t *m)
 {
-    m->budget = m->reads = UINT32_MAX;
+    *m = (sensor_memory_t){.budget = UINT32_MAX, .reads = UINT32_MAX};
     for (unsigned int i = 0; i < 2; i++) {
         m->bank[i] = malloc(SENSOR_BANK);
         assert_non_null(m->bank[i]);
         memset(m->bank[i], 0xFF, SENSOR_BANK);
     }
-    m->storage = (ect_storage_t){
-        .ctx = m, .bank_size = SENSOR_BANK, .read = memory_read, .erase = memory_erase, .write = memory_write};
+    m->storage = (ect_storage_t){.ctx = m,
+                                 .bank_size = SENSOR_BANK,
+                                 .read = memory_read,
+                                 .erase = memory_erase,
+                                 .write = memory_write,
+                                 .flush = memory_flush};
 }
 
 void sensor_memory_close(sensor_memory_t *m)

@@ -44,13 +44,26 @@ void sensor_step(sensor_t *s);
 
 /* Non-volatile memory in RAM: two banks; writing stops for good after `budget` bytes, reading after `reads` reads
  * (UINT32_MAX: never). */
-enum { SENSOR_BANK = 400000 };
+enum { SENSOR_BANK = 600000, SENSOR_UNSAFE = 64 };
 typedef struct sensor_memory {
     ect_storage_t storage;
     uint8_t *bank[2];
     uint32_t budget;
     uint32_t reads;
+    uint32_t written; /* bytes */
+    /* A cache: a write is safe when flush has been asked `lazy` times; 0: at once. */
+    unsigned int lazy, asked;
+    bool unsafe; /* flush fails */
+    struct {
+        unsigned int bank;
+        uint32_t offset, length;
+        uint8_t before[1024];
+    } cache[SENSOR_UNSAFE]; /* what has been written and is not safe */
+    unsigned int cached;
 } sensor_memory_t;
+/* The power goes: each write that was not safe is on the medium, or is not. */
+void sensor_memory_cut(sensor_memory_t *m, uint32_t lot);
+bool sensor_memory_dirty(const sensor_memory_t *m);
 void sensor_memory_open(sensor_memory_t *m);
 void sensor_memory_close(sensor_memory_t *m);
 

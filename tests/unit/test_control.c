@@ -227,8 +227,8 @@ static void answers(void **state)
          "{\"slave\":1,\"name\":\"scene\",\"value\":11}\n{\"slave\":2,\"name\":\"scene\",\"value\":0}\n" OK},
         {"{\"op\":\"get\",\"pattern\":\"scene\",\"slave\":2}\n", "{\"slave\":2,\"name\":\"scene\",\"value\":0}\n" OK},
         {"{\"op\":\"get\",\"pattern\":\"ecat.state\"}\n", "{\"slave\":1,\"name\":\"ecat.state\",\"value\":1}\n" OK},
-        {"{\"op\":\"watch\",\"pattern\":\"busy\"}\n",
-         "{\"slave\":1,\"name\":\"busy\",\"value\":0,\"time\":1.000000}\n" OK},
+        {"{\"op\":\"watch\",\"pattern\":\"gate\"}\n",
+         "{\"slave\":1,\"name\":\"gate\",\"value\":0,\"time\":1.000000}\n" OK},
     };
     static const struct {
         const char *request, *part;

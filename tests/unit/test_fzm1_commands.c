@@ -430,10 +430,18 @@ static void scene_by_hand(void **state)
     char message[ECT_SIGNAL_MESSAGE] = "";
     (void)state;
     signal_set(&s.w, "scene", "12");
+    signal_set(&s.w, "data1", "12"); /* the new scene's already */
+    sensor_expect(&s, "switching by hand", FZM1_BUSY | FZM1_READY, FZM1_BUSY);
+    signal_set(&s.w, "scene_group", "3"); /* another one at once: it begins anew */
+    signal_set(&s.w, "scene_group", "0");
+    signal_set(&s.w, "scene", "12");
     signal_set(&s.w, "data1", "12");
+    assert_int_equal(sensor_until(&s, FZM1_BUSY, 0), 100 * MS);
+    sensor_expect(&s, "switched by hand", FZM1_BUSY | FZM1_READY, FZM1_READY);
     assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, &scene), 0);
     assert_int_equal(scene, 12);
     signal_set(&s.w, "scene", "0");
+    (void)sensor_until(&s, FZM1_BUSY, 0);
     measure();
     assert_int_equal(signal_number(&s.w, "result1"), 0);
     assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, 12, 0, 0, NULL), 0);
@@ -473,7 +481,9 @@ int main(int argc, char **argv)
         TEST("FZM-075: handshakes in every cycle of 250 us", as_fast_as_it_gets),
         TEST("FZM-036 FZM-037 FZM-038: unnamed bits are ignored, and read 0", unnamed_bits),
         TEST("FZM-003 FZM-004: outputs count in OP only; leaving it takes EXE off", leaving_op),
-        TEST("FZM-057 FZM-058: a scene switched by hand is the current one, with data of its own", scene_by_hand),
+        TEST("FZM-044 FZM-057 FZM-058 FZM-059: a scene switched by hand is the current one, with data of its own; BUSY "
+             "while it is switched",
+             scene_by_hand),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -315,6 +315,41 @@ static void overall_judgement(void **state)
     }
 }
 
+/* What unit data 0 of each unit says, and OR, when all are overruled by hand or by a row of the table. */
+static void judgement_of_all(void **state)
+{
+    static const char *const ways[][2] = {{"judgement", "-1"}, {"judgement", "1"}, {"row", "-1"}, {"row", "1"}};
+    (void)state;
+    signal_set(&s.w, "judgement1", "-1");
+    for (unsigned int way = 0; way < 4; way++) {
+        bool by_row = ways[way][0][0] == 'r';
+        signal_set(&s.w, "row_clear", "1");
+        signal_set(&s.w, "judgement", by_row ? "0" : ways[way][1]);
+        signal_set(&s.w, "row_judgement", ways[way][1]);
+        signal_set(&s.w, "row_add", "1");
+        signal_set(&s.w, "source1", by_row ? "4" : "0");
+        sensor_step(&s);
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+        int32_t want = ways[way][1][0] == '-' ? -1000 : 1000;
+        sensor_expect(&s, ways[way][0], FZM1_OR, want < 0 ? FZM1_OR : 0);
+        for (int unit = 0; unit < 4; unit++) {
+            int32_t got = 0;
+            assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, unit, 0, 0, &got), 0);
+            if (got != want)
+                fail_msg("%s=%s: unit %d is judged %d", ways[way][0], ways[way][1], unit, got);
+        }
+    }
+    signal_set(&s.w, "judgement", "0"); /* as the units find: each its own */
+    signal_set(&s.w, "source1", "0");
+    sensor_step(&s);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    for (int unit = 0; unit < 4; unit++) {
+        int32_t got = 0;
+        assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, unit, 0, 0, &got), 0);
+        assert_int_equal(got, unit == 1 ? -1000 : 1000);
+    }
+}
+
 static void run_window(void **state)
 {
     (void)state;
@@ -399,6 +434,184 @@ static void table(void **state)
     assert_true(measure("result2") == 0);
 }
 
+/* What an expression is, of D1 to D8 = 10, 20, ..., units 0 to 2 OK, unit 3 NG; NULL: it is none. */
+static void expressions(void **state)
+{
+    static const struct {
+        const char *text, *value;
+    } rows[] = {{"D1", "10"},
+                {"D8", "80"},
+                {"JG", "-1"},
+                {"JG0", "1"},
+                {"JG3", "-1"},
+                {"JG7", "0"},
+                {"1.5", "1.5"},
+                {" D1 + D2 * D3 ", "610"},
+                {"(D1+D2)*D3", "900"},
+                {"D3-D2-D1", "0"},
+                {"D8/D4/D2", "0.1"},
+                {"-D1", "-10"},
+                {"--D1", "10"},
+                {"D1*-JG", "10"},
+                {"D1/(D2-20)", "0"},
+                {"((((((D1))))))", "10"},
+                {"999999999999*D1", "999999999.9999"},
+                {"-999999999999*D1", "-999999999.9999"},
+                {"0.0001*D1", "0.001"},
+                {"D0", NULL},
+                {"D9", NULL},
+                {"D", NULL},
+                {"JG8", NULL},
+                {"J", NULL},
+                {"D1 D2", NULL},
+                {"D1+", NULL},
+                {"*D1", NULL},
+                {"(D1", NULL},
+                {"D1)", NULL},
+                {".5", NULL},
+                {"d1", NULL},
+                {"1e3", NULL},
+                {"((((((((D1))))))))", NULL},
+                {"---------D1", NULL}};
+    (void)state;
+    for (unsigned int n = 1; n <= 8; n++) {
+        char name[16], value[16];
+        snprintf(name, sizeof name, "data%u", n);
+        snprintf(value, sizeof value, "%u", 10 * n);
+        signal_set(&s.w, name, value);
+    }
+    signal_set(&s.w, "judgement3", "-1");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_SIGNAL_MESSAGE] = "", text[ECT_SIGNAL_TEXT_ROOM];
+        bool taken = signal_try_set(&s.w, "expression2", rows[i].text, message);
+        if (taken != (rows[i].value != NULL) || (!taken && !strstr(message, "no expression")))
+            fail_msg("'%s': expected %s, was %s (%s)", rows[i].text, rows[i].value ? "a value" : "a refusal",
+                     taken ? "taken" : "refused", message);
+        if (!taken)
+            continue;
+        sensor_step(&s);
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+        signal_get(&s.w, "result2", text);
+        if (strcmp(text, rows[i].value) != 0)
+            fail_msg("'%s': expected %s, got %s", rows[i].text, rows[i].value, text);
+    }
+    signal_set(&s.w, "expression2", "");
+    sensor_step(&s);
+    (void)sensor_until(&s, FZM1_BUSY, 0);
+    assert_int_equal(signal_number(&s.w, "result2"), 20);
+}
+
+/* What stands in the output area and in unit data when an expression is a judgement: a thousandfold of 1 or -1. */
+static void judgement_as_data(void **state)
+{
+    int32_t data = 0;
+    (void)state;
+    signal_set(&s.w, "expression8", "JG");
+    for (unsigned int ng = 0; ng < 2; ng++) {
+        signal_set(&s.w, "judgement", ng ? "-1" : "1");
+        sensor_step(&s);
+        (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+        assert_int_equal(sensor_data(&s, 8), ng ? -1000 : 1000);
+        assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, 3, 12, 0, &data), 0);
+        assert_int_equal(data, ng ? -1000 : 1000);
+        (void)sensor_until(&s, FZM1_GATE, 0);
+    }
+}
+
+/* The values themselves stay within +-999999999.9999, in single precision too. */
+static void clamped(void **state)
+{
+    float single;
+    (void)state;
+    signal_set(&s.w, "data1", "999999999");
+    signal_set(&s.w, "source1", "1");
+    signal_set(&s.w, "amplitude1", "999999999");
+    signal_set(&s.w, "period1", "2");
+    signal_set(&s.w, "output_format", "1");
+    for (unsigned int n = 0; n < 2; n++) {
+        sensor_step(&s);
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+    }
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    signal_get(&s.w, "result1", text);
+    assert_string_equal(text, "999999999.9999");
+    sensor_wait(&s, 100 * MS);
+    int32_t bits = sensor_data(&s, 1);
+    memcpy(&single, &bits, sizeof single);
+    assert_true(single == 1e9f);
+}
+
+/* How long READY stays off, and then BUSY on, for one STEP; microseconds. */
+static void take_times(uint64_t times[2])
+{
+    sensor_step(&s);
+    times[0] = sensor_until(&s, FZM1_READY, FZM1_READY) / 1000;
+    times[1] = sensor_until(&s, FZM1_BUSY, 0) / 1000;
+}
+
+static void random_times(void **state)
+{
+    enum { SHOTS = 2000 };
+    static uint64_t times[SHOTS][2];
+    (void)state;
+    signal_set(&s.w, "image_input", "5000");
+    signal_set(&s.w, "processing", "20000");
+    signal_set(&s.w, "image_input_spread", "500");
+    signal_set(&s.w, "processing_spread", "4000");
+    take_times(times[0]);
+    assert_true(times[0][0] == 5000 && times[0][1] == 20000); /* as set, as long as time_source is 0 */
+    signal_set(&s.w, "time_source", "3");
+    static const double want[2][2] = {{5000, 500}, {20000, 4000}};
+    for (unsigned int round = 0; round < 2; round++) {
+        signal_set(&s.w, "seed", "4711");
+        for (unsigned int n = 0; n < SHOTS; n++) {
+            uint64_t now[2];
+            take_times(now);
+            if (round == 1 && memcmp(now, times[n], sizeof now) != 0)
+                fail_msg("the same seed, and shot %u takes other times", n);
+            memcpy(times[n], now, sizeof now);
+        }
+    }
+    for (unsigned int which = 0; which < 2; which++) {
+        double sum = 0, squares = 0;
+        for (unsigned int n = 0; n < SHOTS; n++)
+            sum += (double)times[n][which];
+        for (unsigned int n = 0; n < SHOTS; n++)
+            squares += ((double)times[n][which] - sum / SHOTS) * ((double)times[n][which] - sum / SHOTS);
+        double mean = sum / SHOTS, deviation = sqrt(squares / SHOTS);
+        if (fabs(mean - want[which][0]) > want[which][1] / 10 || fabs(deviation / want[which][1] - 1) > 0.1)
+            fail_msg("expected %.0f +- %.0f us, got %.0f +- %.0f", want[which][0], want[which][1], mean, deviation);
+    }
+    signal_set(&s.w, "image_input", "100");
+    signal_set(&s.w, "image_input_spread", "60000000");
+    for (unsigned int n = 0; n < 20; n++) { /* within the range of the signals all the same */
+        uint64_t now[2];
+        take_times(now);
+        assert_in_range(now[0], 100, 60000000);
+    }
+}
+
+static void times_from_the_table(void **state)
+{
+    static const char *const rows[][2] = {{"1000", "2000"}, {"0", "7000"}, {"3000", "0"}};
+    static const uint64_t want[][2] = {{1000, 2000}, {5000, 7000}, {3000, 20000}};
+    uint64_t now[2];
+    (void)state;
+    for (unsigned int n = 0; n < 3; n++) {
+        signal_set(&s.w, "row_image_input", rows[n][0]);
+        signal_set(&s.w, "row_processing", rows[n][1]);
+        signal_set(&s.w, "row_add", "1");
+    }
+    signal_set(&s.w, "time_source", "4");
+    for (unsigned int n = 0; n < 6; n++) {
+        take_times(now);
+        assert_true(now[0] == want[n % 3][0] && now[1] == want[n % 3][1]);
+    }
+    signal_set(&s.w, "row_clear", "1");
+    take_times(now);
+    assert_true(now[0] == 5000 && now[1] == 20000);
+}
+
 static void clear(void **state)
 {
     int32_t data = 7;
@@ -444,10 +657,17 @@ int main(int argc, char **argv)
         TEST("FZM-066 FZM-073: a late poll loses no measurement, and no GATE", late_polls),
         TEST("FZM-053: a day without a poll is no endless work", very_late_poll),
         TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),
+        TEST("FZM-033 FZM-047: `judgement`, by hand or in the table, is that of all units; 0: each its own",
+             judgement_of_all),
         TEST("FZM-049: without the RUN window nothing is measured", run_window),
         TEST("FZM-069: a trigger at the sensor measures as STEP does", trigger),
         TEST("FZM-030: ramp, sine and random values", generators),
         TEST("FZM-030: values from a table, row by row", table),
+        TEST("FZM-030: output expressions", expressions),
+        TEST("FZM-030 FZM-032 FZM-034: an expression that is the judgement outputs 1000 or -1000", judgement_as_data),
+        TEST("FZM-034 OM-C6: data stay within +-999999999.9999", clamped),
+        TEST("FZM-066 FZM-068: image input and processing that vary, the same for the same seed", random_times),
+        TEST("FZM-066 FZM-068: image input and processing from the table", times_from_the_table),
         TEST("FZM-055: Clear makes unit data unmeasured; OR and output area stay", clear),
     };
     if (argc > 1)

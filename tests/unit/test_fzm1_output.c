@@ -356,6 +356,26 @@ static void error_is_cleared(void **state)
     }
 }
 
+/* In OP by SDO, after a pause in which nothing happened: GATE is off before it comes again. */
+static void control_by_sdo(void **state)
+{
+    const uint8_t none = 0, handshaking = 1;
+    (void)state;
+    measure(1);
+    sensor_wait(&s, 5000 * MS);
+    sensor_set(&s, FZM1_DSA, true);
+    sensor_wait(&s, 5000 * MS);
+    measure(2);
+    assert_int_equal(wire_sdo_download(&s.w, 0, 0x2400, 1, false, &none, 1), 0);
+    wire_poll(&s.w);
+    sensor_expect(&s, "without handshaking", FZM1_GATE, 0);
+    assert_int_equal(sensor_until(&s, FZM1_GATE, FZM1_GATE), 5 * MS);
+    assert_int_equal(sensor_data(&s, 1), 2000);
+    assert_int_equal(wire_sdo_download(&s.w, 0, 0x2400, 1, false, &handshaking, 1), 0);
+    wire_poll(&s.w);
+    sensor_expect(&s, "with handshaking", FZM1_GATE, 0);
+}
+
 static void control_changes(void **state)
 {
     (void)state;
@@ -585,6 +605,8 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
         HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
         HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
+        HANDSHAKING("FZM-026 FZM-045: the output control changes in OP, by SDO: GATE is off in between",
+                    control_by_sdo),
         HANDSHAKING("FZM-026: the output control may change while a result waits", control_changes),
         HANDSHAKING("FZM-066 FZM-069 FZM-071: sixteen results wait, the newest beyond them are lost and counted",
                     sixteen_wait),

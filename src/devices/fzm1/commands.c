@@ -6,6 +6,7 @@
 #include "devices/fzm1/instance.h"
 
 #define TENTH_S 100000000ull
+#define AGAIN   1000000ull /* a command that has to wait for a save by hand looks again */
 
 /* In the response area a thousandfold, as all unit data. The functions below return NULL, or why it cannot be done. */
 static const char *get_unit_data(const fzm1_t *u, int32_t *value)
@@ -62,7 +63,7 @@ static const char *execute(fzm1_t *u, int32_t *data)
         fzm1_end_errors(u, FZM1_ERROR_ALL);
         return NULL;
     case FZM1_SAVE:
-        return fzm1_save(u) ? NULL : "the memory does not answer, or there is none";
+        return u->saving.failure; /* it is over, see finish() */
     case FZM1_GET_SCENE:
         *data = u->scene_number;
         return NULL;
@@ -104,17 +105,10 @@ static void start(fzm1_t *u, uint32_t code, bool exe_fell)
     u->command_due_ns = u->time_ns + (u->switching ? u->plant.switch_us : u->plant.command_us) * 1000ull;
 }
 
-static void finish(fzm1_t *u)
+static void answer(fzm1_t *u, const char *why, int32_t data)
 {
     u->executing = false;
     u->switching = false;
-    u->command_due_ns = ECT_NEVER;
-    if (u->code == FZM1_RESTART) {
-        fzm1_begin_restart(u);
-        return;
-    }
-    int32_t data = 0;
-    const char *why = execute(u, &data);
     if (why)
         fzm1_refuse(&u->refused, why);
     u->response_code = u->code;
@@ -126,6 +120,22 @@ static void finish(fzm1_t *u)
     if (u->next_code != 0)
         start(u, u->next_code, u->next_exe_fell);
     u->next_code = 0;
+}
+
+static void finish(fzm1_t *u)
+{
+    int32_t data = 0;
+    bool touches_scenes = u->code == FZM1_SAVE || u->code == FZM1_SWITCH_SCENE || u->code == FZM1_SWITCH_GROUP;
+    u->command_due_ns = touches_scenes && fzm1_saving(u) ? u->time_ns + AGAIN : ECT_NEVER;
+    if (u->command_due_ns != ECT_NEVER)
+        return;
+    u->awaits_save = u->code == FZM1_SAVE && !fzm1_save(u);
+    if (u->code == FZM1_RESTART) {
+        fzm1_begin_restart(u);
+    } else if (!u->awaits_save) {
+        const char *why = execute(u, &data);
+        answer(u, why, data);
+    }
 }
 
 /* @return NULL: a command with this code may be taken now */
@@ -177,6 +187,10 @@ void fzm1_command_due(fzm1_t *u)
 {
     if (u->command_due_ns <= u->time_ns)
         finish(u);
+    if (u->awaits_save && !fzm1_saving(u)) {
+        u->awaits_save = false;
+        answer(u, u->saving.failure, 0);
+    }
     if (u->flg_due_ns <= u->time_ns) {
         u->flg_due_ns = ECT_NEVER;
         u->flg = false;

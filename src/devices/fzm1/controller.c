@@ -16,6 +16,7 @@ static uint64_t next_due(const fzm1_t *u)
 {
     uint64_t next = earlier(u->image_due_ns, u->processing_due_ns);
     next = earlier(next, earlier(u->command_due_ns, u->flg_due_ns));
+    next = earlier(next, earlier(u->switched_due_ns, u->saving.due_ns));
     return earlier(next, earlier(u->start_due_ns, fzm1_output_next(u)));
 }
 
@@ -36,6 +37,8 @@ static void advance(fzm1_t *u, uint64_t now_ns)
         if (++events == MOST_EVENTS)
             fzm1_measure_put_off(u, now_ns - u->time_ns);
         fzm1_measure_due(u);
+        fzm1_switch_due(u);
+        fzm1_save_due(u);
         fzm1_command_due(u);
         fzm1_output_due(u);
         fzm1_restart_due(u);
@@ -60,6 +63,7 @@ static void publish(fzm1_t *u)
     u->gate_level = u->gate;
     u->flg_level = u->flg;
     u->continuous_level = u->continuous;
+    u->saving_level = fzm1_saving(u);
     u->control_out = bit(u->flg, FZM1_FLG) | bit(u->busy, FZM1_BUSY) | bit(u->ready, FZM1_READY) |
                      bit(up && u->overall_ng, FZM1_OR) | bit(up && u->run, FZM1_RUN) | bit(up && u->err, FZM1_ERR) |
                      bit(u->gate, FZM1_GATE);
@@ -116,7 +120,9 @@ static void plant_defaults(fzm1_plant_t *p)
                         .switch_us = 100000,
                         .start_ms = 3000,
                         .seed = 1,
-                        .random = 1};
+                        .random = 1,
+                        .time_random = 1};
+    fzm1_default_scene(&p->edit.content);
     for (unsigned int n = 0; n < FZM1_DATA; n++) {
         p->amplitude[n] = 1;
         p->period[n] = 100;
@@ -134,6 +140,7 @@ void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     u->run = 1;
     u->start_due_ns = ECT_NEVER;
     fzm1_all_off(u);
+    fzm1_save_reset(u);
     fzm1_load(u);
     u->scene = u->scenes[u->scene_number];
     if (u->settings.fieldbus == 0)

@@ -10,14 +10,14 @@
 enum {
     IN = ECT_ACCESS_RO | ECT_ACCESS_TXPDO,
     OUT = ECT_ACCESS_RO | ECT_ACCESS_RXPDO,
-    SETTING = ECT_ACCESS_RW_PREOP,
+    SETTING = ECT_ACCESS_RW,
 };
 
 #define S8(sub, name, initial, member)  ECT_ENTRY(sub, UNSIGNED8, 8, SETTING, name, initial, fzm1_t, member)
 #define S16(sub, name, initial, member) ECT_ENTRY(sub, UNSIGNED16, 16, SETTING, name, initial, fzm1_t, member)
 #define U32(sub, access, name, member) ECT_ENTRY(sub, UNSIGNED32, 32, access, name, 0, fzm1_t, member)
 #define I32(sub, access, name, member) ECT_ENTRY(sub, INTEGER32, 32, access, name, 0, fzm1_t, member)
-#define COMMENT(sub, name, member)     ECT_ENTRY(sub, VISIBLE_STRING, 8 * FZM1_COMMENT, SETTING, name, 0, fzm1_t, member)
+#define COMMENT(sub, name, member)     ECT_ENTRY(sub, VISIBLE_STRING, 8 * FZM1_TEXT, SETTING, name, 0, fzm1_t, member)
 #define MAP(sub, index)                ECT_ENTRY_MAP(sub, ECT_MAP(index, sub, 32))
 
 static const ect_entry_t sync[] = ECT_ENTRIES_SYNC(fzm1_t, sync);
@@ -60,14 +60,14 @@ static const ect_entry_t clear_error[] = {
     {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_WO | ECT_ACCESS_COMMAND, "Clear error", 0, NULL}};
 static const ect_entry_t comments[] = {
     ECT_ENTRY_COUNT(8),
-    COMMENT(1, "Comment 1", settings.comment[0]),
-    COMMENT(2, "Comment 2", settings.comment[1]),
-    COMMENT(3, "Comment 3", settings.comment[2]),
-    COMMENT(4, "Comment 4", settings.comment[3]),
-    COMMENT(5, "Comment 5", settings.comment[4]),
-    COMMENT(6, "Comment 6", settings.comment[5]),
-    COMMENT(7, "Comment 7", settings.comment[6]),
-    COMMENT(8, "Comment 8", settings.comment[7]),
+    COMMENT(1, "Comment 1", scene.comment[0]),
+    COMMENT(2, "Comment 2", scene.comment[1]),
+    COMMENT(3, "Comment 3", scene.comment[2]),
+    COMMENT(4, "Comment 4", scene.comment[3]),
+    COMMENT(5, "Comment 5", scene.comment[4]),
+    COMMENT(6, "Comment 6", scene.comment[5]),
+    COMMENT(7, "Comment 7", scene.comment[6]),
+    COMMENT(8, "Comment 8", scene.comment[7]),
 };
 
 static const ect_entry_t map_command[] = {ECT_ENTRY_COUNT(5), MAP(1, 0x2100), MAP(2, 0x2100),

@@ -6,15 +6,18 @@
  * Each file knows only those below it; `fzm1.c`, the description, knows none but through its tables:
  *
  *   signals.c     the plant: the user's side
- *   controller.c  time and process data: what is due happens in the order of its times, then the signals are published
  *   settings.c    what SDO writes ask for
+ *   controller.c  time and process data: what is due happens in the order of its times, then the signals are published
  *   commands.c    EXE, FLG: the eleven commands
  *   restart.c     off, off the bus, power-on
- *   scenes.c      switching scene and scene group
+ *   switch.c      switching scene and scene group; preparing scenes
  *   save.c        what "Save to unit" keeps
  *   measure.c     STEP, READY, BUSY: image input, the queue of images, results
  *   output.c      DSA, GATE: the output area, with and without handshaking
- *   view.c        what the cameras see, and how a scene is from the factory
+ *   view.c        what the cameras see, and how long they take
+ *   prepared.c    scenes that a user has prepared
+ *   scene.c       a scene: from the factory, and what may stand in one
+ *   expression.c  what one of the eight data is
  *   error.c       ERR and its causes; why something was not done
  *
  * All times are nanoseconds of the caller's clock; ECT_NEVER: nothing is due.
@@ -24,6 +27,7 @@
 
 #include <stdbool.h>
 
+#include "seams/record.h"
 #include "seams/standard.h"
 
 /** Control signals of the command area (Q179 §4-1). */
@@ -61,15 +65,23 @@ enum { FZM1_REF_JUDGEMENT = 0, FZM1_REF_DATA0 = 5, FZM1_REF_DATA7 = 12, FZM1_REF
 enum { FZM1_OK = 0, FZM1_NG = -1 };
 enum { FZM1_NONE = 0, FZM1_HANDSHAKING = 1 };     /**< output control */
 enum { FZM1_FIXED_POINT = 0, FZM1_FLOATING = 1 }; /**< output format */
-enum { FZM1_DATA = 8, FZM1_UNITS = 8, FZM1_GROUPS = 32, FZM1_COMMENT = 32 };
+enum { FZM1_DATA = 8, FZM1_UNITS = 8, FZM1_GROUPS = 32, FZM1_TEXT = 32 };
 enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16, FZM1_TABLE = 256 };
 
-/** Scenes of a scene group; a firmware that needs fewer may define it so. */
+/** Limits of the FZ family's values (OM-C6). */
+#define FZM1_LARGEST 999999999.9999
+
+enum { FZM1_SHORTEST_US = 100, FZM1_MINUTE_US = 60000000 };
+
+/** Scenes of a scene group, and scenes that can be prepared; a firmware that needs fewer may define it so. */
 #ifndef FZM1_SCENES
 #define FZM1_SCENES 128
 #endif
+#ifndef FZM1_PREPARED
+#define FZM1_PREPARED 256
+#endif
 
-/** Where a value comes from, on top of the scene's own. */
+/** Where a value comes from, on top of the scene's own; of the times FIXED, RANDOM and TABLE. */
 enum { FZM1_SOURCE_FIXED, FZM1_SOURCE_RAMP, FZM1_SOURCE_SINE, FZM1_SOURCE_RANDOM, FZM1_SOURCE_TABLE };
 
 /** Why ERR is on: any of these. */
@@ -95,8 +107,10 @@ typedef struct fzm1_scene {
     double data[FZM1_DATA];
     int16_t judgement[FZM1_UNITS]; /* 1 OK, -1 NG */
     uint8_t units;                 /* in the flow */
-    uint8_t output_unit;           /* which of them is Fieldbus Data Output */
+    uint8_t output_unit;           /* which of them is Fieldbus Data Output; its settings follow */
     uint8_t format;
+    char comment[FZM1_DATA][FZM1_TEXT + 1];
+    char expression[FZM1_DATA][FZM1_TEXT + 1]; /* "": what is measured under the same number */
 } fzm1_scene_t;
 
 /** What one measurement found. */
@@ -104,6 +118,7 @@ typedef struct fzm1_result {
     double data[FZM1_DATA];
     int16_t judgement[FZM1_UNITS];
     int16_t overall;
+    uint32_t row_processing_us; /* what the table says about it, 0: nothing */
 } fzm1_result_t;
 
 /** System data: what the setting windows show (§3-2). */
@@ -115,13 +130,19 @@ typedef struct fzm1_settings {
     uint16_t output_time;   /* 0.1 ms */
     uint16_t timeout;       /* 0.1 s */
     uint16_t exe_timeout;   /* 0.1 s, 0: none */
-    char comment[FZM1_DATA][FZM1_COMMENT + 1];
 } fzm1_settings_t;
 
 typedef struct fzm1_row {
     double data[FZM1_DATA];
-    int16_t judgement; /* 0: as the units say */
+    int16_t judgement;                      /* 0: as the units say */
+    uint32_t image_input_us, processing_us; /* 0: as set */
 } fzm1_row_t;
+
+/** A scene that a user has prepared. */
+typedef struct fzm1_prepared {
+    uint8_t group, scene;
+    fzm1_scene_t content;
+} fzm1_prepared_t;
 
 /** What stands outside: the switch on the front, cameras, what they see. Outlasts a restart. */
 typedef struct fzm1_plant {
@@ -130,6 +151,9 @@ typedef struct fzm1_plant {
     uint8_t camera; /* 0: 0.3, 1: 2, 2: 5 million pixels */
     uint32_t image_input_us;
     uint32_t processing_us;
+    uint8_t time_source;
+    uint32_t image_input_spread_us; /* standard deviation */
+    uint32_t processing_spread_us;
     uint32_t command_us;
     uint32_t switch_us;
     uint32_t start_ms;
@@ -138,13 +162,26 @@ typedef struct fzm1_plant {
     double amplitude[FZM1_DATA];
     uint32_t period[FZM1_DATA]; /* measurements */
     uint32_t seed;
-    uint32_t random;
+    uint32_t random, time_random; /* apart, so that values are the same whatever the times are */
     uint32_t shots;
     fzm1_row_t row; /* the next one to be added */
     uint16_t rows;
     fzm1_row_t table[FZM1_TABLE];
-    uint32_t sdo_abort; /* the next SDO download is refused with it */
+    uint32_t sdo_abort;   /* the next SDO download is refused with it */
+    fzm1_prepared_t edit; /* the scene that the user works on */
+    fzm1_prepared_t prepared[FZM1_PREPARED];
+    uint16_t prepared_count;
 } fzm1_plant_t;
+
+/** A save under way. */
+typedef struct fzm1_saving {
+    uint8_t phase;
+    uint16_t scene; /* the next one of the current group */
+    uint32_t from;  /* the next one of the record before */
+    ect_record_t to;
+    uint64_t due_ns;
+    const char *failure; /* why the last one failed, or NULL */
+} fzm1_saving_t;
 
 typedef struct fzm1 {
     ect_standard_t standard;
@@ -167,6 +204,11 @@ typedef struct fzm1 {
     fzm1_scene_t scenes[FZM1_SCENES];
     fzm1_scene_t loading[FZM1_SCENES]; /* another group, until all of it is there */
     uint8_t scene_number, scene_group;
+    uint64_t switched_due_ns; /* by hand: BUSY until then */
+
+    ect_record_t record; /* what is saved */
+    int8_t record_found; /* 1; 0 nothing is; -1 the memory has not answered */
+    fzm1_saving_t saving;
 
     /* measurement */
     uint8_t run; /* RUN window shown */
@@ -178,6 +220,7 @@ typedef struct fzm1 {
 
     /* command */
     bool executing, switching, flg;
+    bool awaits_save;
     bool exe_fell;            /* since the command was taken */
     bool next_exe_fell;       /* since the next one was */
     uint32_t code, next_code; /* next_code: taken while the other is executed; 0: none */
@@ -203,17 +246,12 @@ typedef struct fzm1 {
     char error_cause[FZM1_CAUSE + 1];
     uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
-    uint32_t measurements, outputs, discarded, lost;
-    fzm1_refusal_t step_ignored, exe_ignored, refused;
+    uint8_t saving_level, prepared_clear;
+    uint32_t measurements, outputs, discarded, lost, saves;
+    fzm1_refusal_t step_ignored, exe_ignored, refused, save_failed;
 
     fzm1_plant_t plant; /* outlasts power: see ect_plant_t */
 } fzm1_t;
-
-/* controller.c: what the stack calls */
-void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns);
-uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
-void fzm1_outputs(void *instance, uint64_t now_ns);
-uint64_t fzm1_tick(void *instance, uint64_t now_ns);
 
 /* settings.c */
 /* GATE has to fall before the next output (OM-C13). */
@@ -225,6 +263,12 @@ ect_reason_t fzm1_reason_of(uint32_t abort_code); /* ECT_OK: there is no such co
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
+/* controller.c: what the stack calls */
+void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns);
+uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
+void fzm1_outputs(void *instance, uint64_t now_ns);
+uint64_t fzm1_tick(void *instance, uint64_t now_ns);
+
 /* commands.c */
 void fzm1_exe(fzm1_t *u, bool rising);
 void fzm1_command_due(fzm1_t *u);
@@ -234,14 +278,23 @@ void fzm1_all_off(fzm1_t *u);
 void fzm1_begin_restart(fzm1_t *u);
 void fzm1_restart_due(fzm1_t *u);
 
-/* scenes.c */
-const char *fzm1_switch_scene(fzm1_t *u, uint32_t number); /* @return NULL, or why not */
+/* switch.c: each returns NULL, or why it is not done */
+const char *fzm1_switch_scene(fzm1_t *u, uint32_t number);
 const char *fzm1_switch_group(fzm1_t *u, uint32_t number);
+const char *fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number);
+void fzm1_switch_due(fzm1_t *u);
+const char *fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene); /* plant.edit becomes that scene */
+const char *fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content);
 
 /* save.c */
-bool fzm1_save(fzm1_t *u);
-void fzm1_load(fzm1_t *u);
-bool fzm1_load_group(fzm1_t *u, uint8_t group); /* into u->scenes; @return false: the memory does not answer */
+const char *fzm1_save(fzm1_t *u); /* begins; @return NULL, or why not */
+bool fzm1_saving(const fzm1_t *u);
+void fzm1_save_due(fzm1_t *u);
+void fzm1_save_reset(fzm1_t *u); /* power-on: nothing is being written */
+void fzm1_load(fzm1_t *u);       /* at power-on */
+/* Into u->scenes, or *scene, as saved. @return false: the memory does not answer */
+bool fzm1_load_group(fzm1_t *u, uint8_t group);
+bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 
 /* measure.c */
 const char *fzm1_not_ready(const fzm1_t *u); /* why READY is off; NULL: it is on */
@@ -265,8 +318,24 @@ uint64_t fzm1_output_next(const fzm1_t *u);
 int32_t fzm1_fixed_point(double value);
 
 /* view.c */
-void fzm1_default_scenes(fzm1_scene_t *scenes); /* FZM1_SCENES of them */
+uint64_t fzm1_image_input_ns(fzm1_t *u); /* of the next image */
+uint64_t fzm1_processing_ns(fzm1_t *u, const fzm1_result_t *image);
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
+
+/* prepared.c */
+fzm1_prepared_t *fzm1_prepared_find(fzm1_t *u, uint8_t group, uint8_t scene);            /* NULL: it is not */
+bool fzm1_prepare(fzm1_t *u, uint8_t group, uint8_t scene, const fzm1_scene_t *content); /* false: no room */
+void fzm1_prepared_apply(const fzm1_t *u, uint8_t group, fzm1_scene_t *scenes);
+void fzm1_prepared_forget(fzm1_t *u, uint8_t group);
+
+/* scene.c */
+void fzm1_default_scene(fzm1_scene_t *scene);
+void fzm1_default_scenes(fzm1_scene_t *scenes);          /* FZM1_SCENES of them */
+const char *fzm1_scene_fault(const fzm1_scene_t *scene); /* NULL: all of it makes sense */
+
+/* expression.c */
+/* @return false: `text` is no expression; *value is then unchanged */
+bool fzm1_expression(const char *text, const fzm1_result_t *of, double *value);
 
 /* error.c */
 void fzm1_set_error(fzm1_t *u, fzm1_error_t error);

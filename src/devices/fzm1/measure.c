@@ -20,7 +20,7 @@ const char *fzm1_not_ready(const fzm1_t *u)
         return "READY is off: the RUN window is not shown";
     if (u->continuous)
         return "READY is off: a continuous measurement runs";
-    if (u->switching)
+    if (u->switching || u->switched_due_ns != ECT_NEVER)
         return "READY is off: a scene is being switched";
     if (u->image_due_ns != ECT_NEVER)
         return "READY is off: an image is being taken in";
@@ -29,17 +29,18 @@ const char *fzm1_not_ready(const fzm1_t *u)
 
 bool fzm1_busy(const fzm1_t *u)
 {
-    return u->switching || u->continuous || u->image_due_ns != ECT_NEVER || u->image_count > 0;
+    return u->switching || u->switched_due_ns != ECT_NEVER || u->continuous || u->image_due_ns != ECT_NEVER ||
+           u->image_count > 0;
 }
 
 static void start_image(fzm1_t *u)
 {
-    u->image_due_ns = u->time_ns + u->plant.image_input_us * 1000ull;
+    u->image_due_ns = u->time_ns + fzm1_image_input_ns(u);
 }
 
 static void start_processing(fzm1_t *u)
 {
-    u->processing_due_ns = u->time_ns + u->plant.processing_us * 1000ull;
+    u->processing_due_ns = u->time_ns + fzm1_processing_ns(u, &u->images[u->first_image]);
 }
 
 void fzm1_step(fzm1_t *u)

@@ -7,10 +7,10 @@ enum { STARTING_OFF = 1, STARTING_AWAY = 2 };
 
 void fzm1_all_off(fzm1_t *u)
 {
-    u->continuous = u->executing = u->switching = u->flg = false;
+    u->continuous = u->executing = u->switching = u->flg = u->awaits_save = false;
     u->image_count = u->output_count = 0;
     u->next_code = 0;
-    u->image_due_ns = u->processing_due_ns = u->command_due_ns = u->flg_due_ns = ECT_NEVER;
+    u->image_due_ns = u->processing_due_ns = u->command_due_ns = u->flg_due_ns = u->switched_due_ns = ECT_NEVER;
     fzm1_output_reset(u);
 }
 
@@ -30,6 +30,8 @@ void fzm1_restart_due(fzm1_t *u)
         u->starting = STARTING_AWAY;
         u->start_due_ns = u->time_ns + u->plant.start_ms * 1000000ull;
         u->host->off_bus(u->host->ctx, true);
+    } else if (fzm1_saving(u)) {
+        u->start_due_ns = u->time_ns + 1000000; /* what is being written is not cut off */
     } else {
         u->host->restart(u->host->ctx);
     }

@@ -1,39 +1,45 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * "Save to unit" (Q179 §3-2, §4-3): system data, then each scene group that was ever saved. A save writes the current
- * group anew and takes the others over from the record before.
+ * "Save to unit" (Q179 §3-2, §4-3): system data, then each scene that is not as from the factory. A save writes the
+ * current group anew and takes the others over from the record before.
+ *
+ * It is written in steps, some scenes a poll, and then waited for until the medium is sure: nobody else is held up.
  */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
-#include "seams/record.h"
 
-#define MAGIC 0x314D5A46u /* "FZM1" */
+#define MAGIC   0x314D5A46u /* "FZM1" */
+#define STEP_NS 100000u     /* from one step to the next */
+#define ASK_NS  1000000u    /* between two questions whether the medium is sure */
 
 enum {
-    LAYOUT = 1, /* of what follows: another one is not read */
-    COMMENTS = FZM1_DATA * FZM1_COMMENT,
-    SYSTEM = 2 + 3 + 4 * 2 + 2 + COMMENTS,  /* layout, scenes in a group, flags, numbers, scene and group, comments */
-    SCENE = 8 * FZM1_DATA + FZM1_UNITS + 3, /* data, judgements, flow and format */
-    GROUP = 1 + FZM1_SCENES * SCENE,        /* its number, its scenes */
+    LAYOUT = 2,                 /* of what follows: another one is not read */
+    SYSTEM = 1 + 3 + 4 * 2 + 2, /* layout, flags, numbers, scene and group */
+    ENTRY = 4,                  /* of a scene: its group, its number, how long it is packed */
+    FIXED = 8 * FZM1_DATA + 4,  /* packed: data, judgements, flow and format; then texts, each behind its length */
+    TEXTS = 2 * FZM1_DATA,      /* comments, expressions */
+    SCENE = FIXED + TEXTS * (1 + FZM1_TEXT), /* at most */
+    SCENES_A_STEP = 8,
 };
+
+enum { IDLE, OWN, OTHERS, DATA, HEADER }; /* what is being written; DATA, HEADER: made safe */
+
+/* --- packing ------------------------------------------------------------------------------------------------------ */
 
 static void pack_system(const fzm1_t *u, uint8_t *b)
 {
     const fzm1_settings_t *s = &u->settings;
     b[0] = LAYOUT;
-    b[1] = (uint8_t)FZM1_SCENES;
-    b[2] = s->fieldbus;
-    b[3] = s->output_control;
-    b[4] = s->output_repeat;
-    ect_store_le16(b + 5, s->output_period);
-    ect_store_le16(b + 7, s->output_time);
-    ect_store_le16(b + 9, s->timeout);
-    ect_store_le16(b + 11, s->exe_timeout);
-    b[13] = u->scene_group;
-    b[14] = u->scene_number;
-    for (unsigned int n = 0; n < FZM1_DATA; n++)
-        memcpy(b + 15 + n * FZM1_COMMENT, s->comment[n], FZM1_COMMENT);
+    b[1] = s->fieldbus;
+    b[2] = s->output_control;
+    b[3] = s->output_repeat;
+    ect_store_le16(b + 4, s->output_period);
+    ect_store_le16(b + 6, s->output_time);
+    ect_store_le16(b + 8, s->timeout);
+    ect_store_le16(b + 10, s->exe_timeout);
+    b[12] = u->scene_group;
+    b[13] = u->scene_number;
 }
 
 /* Only what a user could have set: a record may come from anywhere. */
@@ -46,167 +52,296 @@ static bool valid_settings(const fzm1_settings_t *s)
 
 static bool unpack_system(fzm1_t *u, const uint8_t *b)
 {
-    fzm1_settings_t s = {.fieldbus = b[2],
-                         .output_control = b[3],
-                         .output_repeat = b[4],
-                         .output_period = ect_load_le16(b + 5),
-                         .output_time = ect_load_le16(b + 7),
-                         .timeout = ect_load_le16(b + 9),
-                         .exe_timeout = ect_load_le16(b + 11)};
-    for (unsigned int n = 0; n < FZM1_DATA; n++)
-        memcpy(s.comment[n], b + 15 + n * FZM1_COMMENT, FZM1_COMMENT);
-    if (!valid_settings(&s) || b[13] >= FZM1_GROUPS || b[14] >= FZM1_SCENES)
+    fzm1_settings_t s = {.fieldbus = b[1],
+                         .output_control = b[2],
+                         .output_repeat = b[3],
+                         .output_period = ect_load_le16(b + 4),
+                         .output_time = ect_load_le16(b + 6),
+                         .timeout = ect_load_le16(b + 8),
+                         .exe_timeout = ect_load_le16(b + 10)};
+    if (!valid_settings(&s) || b[12] >= FZM1_GROUPS || b[13] >= FZM1_SCENES)
         return false;
     u->settings = s;
-    u->scene_group = b[13];
-    u->scene_number = b[14];
+    u->scene_group = b[12];
+    u->scene_number = b[13];
     return true;
 }
 
-static void pack_scene(const fzm1_scene_t *scene, uint8_t *b)
+static const char *text_of(const fzm1_scene_t *scene, unsigned int n)
 {
+    return n < FZM1_DATA ? scene->comment[n] : scene->expression[n - FZM1_DATA];
+}
+
+/* @return how long it is */
+static uint16_t pack_scene(const fzm1_scene_t *scene, uint8_t *b)
+{
+    uint8_t ng = 0;
     for (unsigned int n = 0; n < FZM1_DATA; n++) {
         uint64_t bits;
         memcpy(&bits, &scene->data[n], sizeof bits);
         ect_store_le64(b + 8 * n, bits);
     }
-    b += 8 * FZM1_DATA;
     for (unsigned int n = 0; n < FZM1_UNITS; n++)
-        b[n] = scene->judgement[n] < 0;
-    b[FZM1_UNITS] = scene->units;
-    b[FZM1_UNITS + 1] = scene->output_unit;
-    b[FZM1_UNITS + 2] = scene->format;
+        ng |= (uint8_t)((scene->judgement[n] < 0) << n);
+    b[FIXED - 4] = ng;
+    b[FIXED - 3] = scene->units;
+    b[FIXED - 2] = scene->output_unit;
+    b[FIXED - 1] = scene->format;
+    uint16_t at = FIXED;
+    for (unsigned int n = 0; n < TEXTS; n++) {
+        const char *text = text_of(scene, n);
+        uint8_t length = (uint8_t)strlen(text);
+        b[at] = length;
+        memcpy(b + at + 1, text, length);
+        at = (uint16_t)(at + 1 + length);
+    }
+    return at;
 }
 
-static bool unpack_scene(fzm1_scene_t *scene, const uint8_t *b)
+static bool unpack_texts(fzm1_scene_t *scene, const uint8_t *b, uint16_t size)
 {
+    uint16_t at = 0;
+    for (unsigned int n = 0; n < TEXTS; n++) {
+        char *text = n < FZM1_DATA ? scene->comment[n] : scene->expression[n - FZM1_DATA];
+        uint8_t length = at < size ? b[at] : UINT8_MAX;
+        if (length > FZM1_TEXT || length > size - at - 1)
+            return false;
+        memset(text, 0, FZM1_TEXT + 1);
+        memcpy(text, b + at + 1, length);
+        at = (uint16_t)(at + 1 + length);
+    }
+    return at == size;
+}
+
+static bool unpack_scene(fzm1_scene_t *scene, const uint8_t *b, uint16_t size)
+{
+    if (size < FIXED)
+        return false;
     for (unsigned int n = 0; n < FZM1_DATA; n++) {
         uint64_t bits = ect_load_le64(b + 8 * n);
         memcpy(&scene->data[n], &bits, sizeof bits);
     }
-    b += 8 * FZM1_DATA;
     for (unsigned int n = 0; n < FZM1_UNITS; n++)
-        scene->judgement[n] = b[n] ? -1 : 1;
-    scene->units = b[FZM1_UNITS];
-    scene->output_unit = b[FZM1_UNITS + 1];
-    scene->format = b[FZM1_UNITS + 2];
-    return scene->units <= FZM1_UNITS && scene->output_unit < scene->units && scene->format <= FZM1_FLOATING;
+        scene->judgement[n] = (b[FIXED - 4] >> n & 1) != 0 ? -1 : 1;
+    scene->units = b[FIXED - 3];
+    scene->output_unit = b[FIXED - 2];
+    scene->format = b[FIXED - 1];
+    return unpack_texts(scene, b + FIXED, (uint16_t)(size - FIXED)) && !fzm1_scene_fault(scene);
 }
 
-/* The newest record, if this firmware can read it. 1 found, 0 none, -1 the memory does not answer. */
-static int find_record(const fzm1_t *u, ect_record_t *r)
+/* --- the record --------------------------------------------------------------------------------------------------- */
+
+/* The newest record, if this firmware can read it. 1 found, 0 none, -1 the memory does not answer, or there is none. */
+static int8_t find_record(fzm1_t *u)
 {
-    uint8_t kind[2];
+    uint8_t layout;
     if (!u->host->storage)
         return -1;
-    int found = ect_record_find(u->host->storage, MAGIC, r);
+    int found = ect_record_find(u->host->storage, MAGIC, &u->record);
     if (found <= 0)
-        return found;
-    if (!ect_record_get(r, 0, kind, sizeof kind))
+        return (int8_t)found;
+    if (!ect_record_get(&u->record, 0, &layout, 1))
         return -1;
-    return kind[0] == LAYOUT && kind[1] == (uint8_t)FZM1_SCENES && r->length >= SYSTEM &&
-           (r->length - SYSTEM) % GROUP == 0;
+    return layout == LAYOUT && u->record.length >= SYSTEM;
+}
+
+static bool know_record(fzm1_t *u)
+{
+    if (u->record_found < 0)
+        u->record_found = find_record(u);
+    return u->record_found >= 0;
+}
+
+/* A scene in the record. */
+typedef struct entry {
+    uint32_t at; /* of its packed form */
+    uint16_t size;
+    uint8_t group, scene;
+} entry_t;
+
+/* The entry at `from`. 1 it is there, 0 the record ends, -1 the memory does not answer */
+static int read_entry(const ect_record_t *r, uint32_t from, entry_t *e)
+{
+    uint8_t header[ENTRY];
+    if (from + ENTRY > r->length)
+        return 0;
+    if (!ect_record_get(r, from, header, ENTRY))
+        return -1;
+    *e = (entry_t){from + ENTRY, ect_load_le16(header + 2), header[0], header[1]};
+    return e->size <= SCENE && e->at + e->size <= r->length;
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */
 
-static bool put_group(const fzm1_t *u, ect_record_t *to)
+static bool put_scene(ect_record_t *to, uint8_t group, uint8_t number, const uint8_t *packed, uint16_t size)
 {
-    uint8_t scene[SCENE];
-    bool done = ect_record_put(to, &u->scene_group, 1);
-    for (unsigned int i = 0; i < FZM1_SCENES && done; i++) {
-        pack_scene(&u->scenes[i], scene);
-        done = ect_record_put(to, scene, SCENE);
+    uint8_t header[ENTRY] = {group, number};
+    ect_store_le16(header + 2, size);
+    return ect_record_put(to, header, ENTRY) && ect_record_put(to, packed, size);
+}
+
+/* Scenes of the current group. @return whether the memory has room and answers */
+static bool put_own(fzm1_t *u)
+{
+    fzm1_saving_t *s = &u->saving;
+    fzm1_scene_t scene;
+    uint8_t packed[SCENE], factory[SCENE];
+    fzm1_default_scene(&scene);
+    uint16_t factory_size = pack_scene(&scene, factory);
+    for (unsigned int n = 0; n < SCENES_A_STEP && s->scene < FZM1_SCENES; n++, s->scene++) {
+        uint16_t size = pack_scene(&u->scenes[s->scene], packed);
+        bool as_factory = size == factory_size && memcmp(packed, factory, size) == 0;
+        if (!as_factory && !put_scene(&s->to, u->scene_group, (uint8_t)s->scene, packed, size))
+            return false;
     }
-    return done;
+    if (s->scene == FZM1_SCENES)
+        s->phase = u->record_found > 0 ? OTHERS : DATA;
+    return true;
 }
 
-static bool copy_group(const ect_record_t *from, uint32_t at, ect_record_t *to)
+/* Scenes of the other groups, as they were saved before. @return whether the memory has room and answers */
+static bool put_others(fzm1_t *u)
 {
-    uint8_t piece[SCENE];
-    bool done = true;
-    for (uint32_t end = at + GROUP; at < end && done;) {
-        uint32_t size = end - at < SCENE ? end - at : SCENE;
-        done = ect_record_get(from, at, piece, size) && ect_record_put(to, piece, size);
-        at += size;
+    fzm1_saving_t *s = &u->saving;
+    uint8_t packed[SCENE];
+    entry_t e;
+    int there = 1;
+    for (unsigned int n = 0; n < SCENES_A_STEP && there > 0; n++) {
+        there = read_entry(&u->record, s->from, &e);
+        if (there <= 0)
+            break;
+        s->from = e.at + e.size;
+        if (e.group != u->scene_group &&
+            (!ect_record_get(&u->record, e.at, packed, e.size) || !put_scene(&s->to, e.group, e.scene, packed, e.size)))
+            return false;
     }
-    return done;
+    if (there == 0)
+        s->phase = DATA;
+    return there >= 0;
 }
 
-/* Where a group begins in a record; the end of the record: it is not there. */
-static uint32_t find_group(const ect_record_t *r, uint8_t group)
+static void end(fzm1_t *u, const char *failure)
 {
-    uint32_t at = SYSTEM;
-    for (; at + GROUP <= r->length; at += GROUP) {
-        uint8_t number;
-        if (ect_record_get(r, at, &number, 1) && number == group)
-            return at;
-    }
-    return r->length;
+    u->saving.phase = IDLE;
+    u->saving.due_ns = ECT_NEVER;
+    u->saving.failure = failure;
+    if (failure)
+        fzm1_refuse(&u->save_failed, failure);
+    else
+        u->saves++;
 }
 
-static bool copy_others(const ect_record_t *from, uint32_t own, ect_record_t *to)
+/* The whole is safe: it is what a group is loaded from. */
+static void sealed(fzm1_t *u)
 {
-    bool done = true;
-    for (uint32_t at = SYSTEM; at + GROUP <= from->length && done; at += GROUP)
-        done = at == own || copy_group(from, at, to);
-    return done;
+    u->record = u->saving.to;
+    u->record_found = 1;
+    fzm1_prepared_forget(u, u->scene_group);
+    end(u, NULL);
 }
 
-bool fzm1_save(fzm1_t *u)
+static void flush(fzm1_t *u)
 {
-    ect_record_t from, to;
+    fzm1_saving_t *s = &u->saving;
+    int result = ect_record_flush(&s->to, false);
+    if (result == ECT_STORAGE_BUSY)
+        s->due_ns = u->poll_ns + ASK_NS;
+    else if (result < 0)
+        end(u, "the memory does not keep what is written");
+    else if (s->phase == HEADER)
+        sealed(u);
+    else if (ect_record_seal(&s->to, MAGIC))
+        s->phase = HEADER;
+    else
+        end(u, "the memory does not answer");
+}
+
+void fzm1_save_due(fzm1_t *u)
+{
+    fzm1_saving_t *s = &u->saving;
+    if (s->due_ns > u->time_ns)
+        return;
+    s->due_ns = u->poll_ns + STEP_NS; /* one step a poll, however late that is */
+    if (s->phase == DATA || s->phase == HEADER)
+        flush(u);
+    else if (!(s->phase == OWN ? put_own(u) : put_others(u)))
+        end(u, "the memory does not answer, or has no room for all scenes");
+}
+
+bool fzm1_saving(const fzm1_t *u)
+{
+    return u->saving.phase != IDLE;
+}
+
+const char *fzm1_save(fzm1_t *u)
+{
+    fzm1_saving_t *s = &u->saving;
     uint8_t system[SYSTEM];
-    int found = find_record(u, &from);
-    if (found < 0)
-        return false;
-    uint32_t own = found > 0 ? find_group(&from, u->scene_group) : 0;
     u->scenes[u->scene_number] = u->scene;
     pack_system(u, system);
-    return ect_record_begin(&to, &from) && ect_record_put(&to, system, SYSTEM) &&
-           (found == 0 || copy_others(&from, own, &to)) && put_group(u, &to) && ect_record_commit(&to, MAGIC);
+    *s = (fzm1_saving_t){.phase = OWN, .from = SYSTEM, .due_ns = u->time_ns};
+    if (know_record(u) && ect_record_begin(&s->to, &u->record) && ect_record_put(&s->to, system, SYSTEM))
+        return NULL;
+    end(u, u->host->storage ? "the memory does not answer" : "there is no memory: start the twin with --store DIR");
+    return s->failure;
+}
+
+void fzm1_save_reset(fzm1_t *u)
+{
+    u->saving = (fzm1_saving_t){.phase = IDLE, .due_ns = ECT_NEVER};
 }
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
 
-/* A group that was never saved, or makes no sense, is as from the factory. @return false: the memory does not answer */
-static bool read_group(fzm1_t *u, const ect_record_t *r, uint8_t group)
+/* A scene that makes no sense is as from the factory. @return whether the memory answers */
+static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *scene)
 {
-    uint8_t scene[SCENE];
-    uint32_t at = find_group(r, group);
-    fzm1_default_scenes(u->loading);
-    if (at == r->length)
-        return true;
-    for (unsigned int i = 0; i < FZM1_SCENES; i++) {
-        if (!ect_record_get(r, at + 1 + i * SCENE, scene, SCENE))
-            return false;
-        if (!unpack_scene(&u->loading[i], scene)) {
-            fzm1_default_scenes(u->loading);
-            return true;
-        }
-    }
+    uint8_t packed[SCENE];
+    if (!ect_record_get(r, e->at, packed, e->size))
+        return false;
+    if (!unpack_scene(scene, packed, e->size))
+        fzm1_default_scene(scene);
     return true;
+}
+
+/* Scenes of a group into `scenes`, that of number n into element n - first. @return whether the memory answers */
+static bool read_scenes(const fzm1_t *u, uint8_t group, unsigned int first, unsigned int count, fzm1_scene_t *scenes)
+{
+    entry_t e;
+    int there = u->record_found;
+    for (uint32_t from = SYSTEM; there > 0; from = e.at + e.size) {
+        there = read_entry(&u->record, from, &e);
+        bool wanted = there > 0 && e.group == group && e.scene >= first && e.scene - first < count;
+        if (wanted && !read_scene(&u->record, &e, &scenes[e.scene - first]))
+            return false;
+    }
+    return there == 0;
 }
 
 bool fzm1_load_group(fzm1_t *u, uint8_t group)
 {
-    ect_record_t r;
-    int found = u->host->storage ? find_record(u, &r) : 0;
-    if (found < 0 || (found > 0 && !read_group(u, &r, group)))
+    fzm1_default_scenes(u->loading);
+    if (u->host->storage && !(know_record(u) && read_scenes(u, group, 0, FZM1_SCENES, u->loading)))
         return false;
-    if (found == 0)
-        fzm1_default_scenes(u->loading);
+    fzm1_prepared_apply(u, group, u->loading);
     memcpy(u->scenes, u->loading, sizeof u->scenes);
     return true;
 }
 
+bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene)
+{
+    fzm1_default_scene(scene);
+    return !u->host->storage || (know_record(u) && read_scenes(u, group, number, 1, scene));
+}
+
 void fzm1_load(fzm1_t *u)
 {
-    ect_record_t r;
     uint8_t system[SYSTEM];
-    fzm1_default_scenes(u->scenes);
-    if (find_record(u, &r) <= 0 || !ect_record_get(&r, 0, system, SYSTEM) || !unpack_system(u, system))
+    u->record_found = find_record(u);
+    if (u->record_found > 0 && ect_record_get(&u->record, 0, system, SYSTEM))
+        (void)unpack_system(u, system);
+    if (fzm1_load_group(u, u->scene_group))
         return;
-    if (read_group(u, &r, u->scene_group))
-        memcpy(u->scenes, u->loading, sizeof u->scenes);
+    fzm1_default_scenes(u->scenes);
+    fzm1_prepared_apply(u, u->scene_group, u->scenes);
 }

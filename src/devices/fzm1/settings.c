@@ -44,7 +44,7 @@ ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, co
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)
 {
     fzm1_t *u = instance;
-    (void)now_ns;
+    (void)fzm1_tick(u, now_ns);
     if (index == 0x2401)
         fzm1_end_errors(u, FZM1_ERROR_ALL);
     else if (index == 0x2400 && subindex == 1)

@@ -14,11 +14,27 @@
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
     SIGNAL(member, name, kind, WRITE, minimum, maximum, unit, meaning)
 
-#define LARGEST   999999999 /* of the FZ family's values (OM-C6) */
-#define MINUTE_US 60000000
+#define LARGEST 999999999
 
-#define DATA(n)                                                                                                        \
-    W(scene.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the current scene measures as data " #n)
+/* A scene, at `base` in the instance. */
+#define SCENE_DATA(base, n)                                                                                            \
+    W(base.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the scene measures as D" #n)
+#define SCENE_COMMENT(base, n) W(base.comment[n - 1], "comment" #n, TEXT, 0, FZM1_TEXT, NULL, "comment on data " #n)
+#define SCENE_EXPRESSION(base, n)                                                                                      \
+    W(base.expression[n - 1], "expression" #n, TEXT, 0, FZM1_TEXT, NULL,                                               \
+      "data " #n " of D1 to D8, JG, JG0 to JG7, numbers, + - * / ( ); empty: D" #n)
+#define SCENE(base)                                                                                                    \
+    EIGHT_OF(SCENE_DATA, base), W(base.units, "units", U8, 1, FZM1_UNITS, NULL, "processing units in the flow"),       \
+        W(base.output_unit, "output_unit", U8, 0, FZM1_UNITS - 1, NULL, "which of them is Fieldbus Data Output"),      \
+        JUDGEMENTS(base), W(base.format, "output_format", U8, 0, 1, NULL, "0 fixed point, 1 floating point"),          \
+        EIGHT_OF(SCENE_EXPRESSION, base), EIGHT_OF(SCENE_COMMENT, base)
+#define JUDGEMENT(base, n)                                                                                             \
+    W(base.judgement[n], "judgement" #n, I16, -1, 1, NULL, "what unit " #n " will find: 1 OK, -1 NG")
+#define JUDGEMENTS(base)                                                                                               \
+    JUDGEMENT(base, 0), JUDGEMENT(base, 1), JUDGEMENT(base, 2), JUDGEMENT(base, 3), JUDGEMENT(base, 4),                \
+        JUDGEMENT(base, 5), JUDGEMENT(base, 6), JUDGEMENT(base, 7)
+#define EIGHT_OF(F, base) F(base, 1), F(base, 2), F(base, 3), F(base, 4), F(base, 5), F(base, 6), F(base, 7), F(base, 8)
+
 #define SOURCE(n)                                                                                                      \
     W(plant.source[n - 1], "source" #n, U8, 0, 4, NULL,                                                                \
       "data " #n ": 0 as it is, plus 1 ramp, 2 sine, 3 random; 4 from the table")
@@ -26,20 +42,17 @@
 #define PERIOD(n)    W(plant.period[n - 1], "period" #n, U32, 1, INT32_MAX, "measurements", "of ramp and sine")
 #define ROW(n)       W(plant.row.data[n - 1], "row" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the next row")
 #define RESULT(n)                                                                                                      \
-    R(last.data[n - 1], "result" #n, REAL, INT32_MIN, INT32_MAX, NULL, "data " #n " of the last measurement")
+    R(last.data[n - 1], "result" #n, REAL, -LARGEST - 1, LARGEST + 1, NULL, "data " #n " of the last measurement")
 #define OUTPUT(n)                                                                                                      \
     R(output[n - 1], "output" #n, I32, INT32_MIN, INT32_MAX, NULL, "data " #n " as it stands in the output area")
-#define COMMENT(n) W(settings.comment[n - 1], "comment" #n, TEXT, 0, FZM1_COMMENT, NULL, "comment on data " #n)
-#define JUDGEMENT(n)                                                                                                   \
-    W(scene.judgement[n], "judgement" #n, I16, -1, 1, NULL, "what unit " #n " of the scene will find: 1 OK, -1 NG")
 #define EIGHT(F) F(1), F(2), F(3), F(4), F(5), F(6), F(7), F(8)
 
 static const ect_signal_t signals[] = {
     W(trigger, "trigger", BOOL, 0, 1, NULL, "writing 1 measures, as the rising edge of STEP does"),
     W(scene_number, "scene", U8, 0, FZM1_SCENES - 1, NULL, "current scene"),
     W(scene_group, "scene_group", U8, 0, FZM1_GROUPS - 1, NULL, "current scene group; begins with its scene 0"),
-    W(plant.judgement, "judgement", I16, -1, 1, NULL, "of the next measurements: 0 as the units find, 1 OK, -1 NG"),
-    EIGHT(DATA),
+    W(plant.judgement, "judgement", I16, -1, 1, NULL,
+      "of all units, in the next measurements: 0 as they find, 1 OK, -1 NG"),
     W(run, "run", BOOL, 0, 1, NULL, "RUN window shown; without it nothing is measured"),
     W(err, "err", BOOL, 0, 1, NULL, "controller error; writing sets or clears it"),
     W(plant.camera, "camera", U8, 0, 2, NULL, "0: 0.3, 1: 2, 2: 5 million pixels; 16, 4, 1 images may wait"),
@@ -53,36 +66,34 @@ static const ect_signal_t signals[] = {
       "None: the last result again when there is no new one"),
     W(settings.timeout, "timeout", U16, 5, 1200, "0.1 s", "Handshaking: how long DSA may keep it waiting"),
     W(settings.exe_timeout, "exe_timeout", U16, 0, 1200, "0.1 s", "how long EXE may stay on after FLG; 0: for ever"),
-    W(scene.format, "output_format", U8, 0, 1, NULL, "0 fixed point, 1 floating point"),
-    EIGHT(COMMENT),
 
-    W(scene.units, "units", U8, 1, FZM1_UNITS, NULL, "processing units in the scene's flow"),
-    W(scene.output_unit, "output_unit", U8, 0, FZM1_UNITS - 1, NULL, "which of them is Fieldbus Data Output"),
-    JUDGEMENT(0),
-    JUDGEMENT(1),
-    JUDGEMENT(2),
-    JUDGEMENT(3),
-    JUDGEMENT(4),
-    JUDGEMENT(5),
-    JUDGEMENT(6),
-    JUDGEMENT(7),
+    SCENE(scene),
     EIGHT(SOURCE),
     EIGHT(AMPLITUDE),
     EIGHT(PERIOD),
     W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "of the random values; writing it begins them anew"),
     EIGHT(ROW),
     W(plant.row.judgement, "row_judgement", I16, -1, 1, NULL, "judgement of the next row; 0 as the units find"),
-    W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds row1 to row8 to the table"),
+    W(plant.row.image_input_us, "row_image_input", U32, 0, FZM1_MINUTE_US, "us", "of the next row; 0 as set"),
+    W(plant.row.processing_us, "row_processing", U32, 0, FZM1_MINUTE_US, "us", "of the next row; 0 as set"),
+    W(row_add, "row_add", BOOL, 0, 1, NULL,
+      "writing 1 adds what stands in the row_ signals and row1 to row8 to the table"),
     W(row_clear, "row_clear", BOOL, 0, 1, NULL, "writing 1 empties the table"),
     R(plant.rows, "rows", U16, 0, FZM1_TABLE, NULL, "rows of the table; measurements go through them in a circle"),
 
-    W(plant.image_input_us, "image_input", U32, 100, MINUTE_US, "us", "how long READY is off for a camera image"),
-    W(plant.processing_us, "processing", U32, 100, MINUTE_US, "us", "how long the measurement of an image takes"),
-    W(plant.command_us, "command_time", U32, 0, MINUTE_US, "us", "from EXE to FLG"),
-    W(plant.switch_us, "switch_time", U32, 0, MINUTE_US, "us", "from EXE to FLG when scene or group are switched"),
+    W(plant.image_input_us, "image_input", U32, FZM1_SHORTEST_US, FZM1_MINUTE_US, "us",
+      "how long READY is off for a camera image"),
+    W(plant.processing_us, "processing", U32, FZM1_SHORTEST_US, FZM1_MINUTE_US, "us",
+      "how long the measurement of an image takes"),
+    W(plant.time_source, "time_source", U8, 0, 4, NULL, "these two: 0 as set, 3 random (normal), 4 from the table"),
+    W(plant.image_input_spread_us, "image_input_spread", U32, 0, FZM1_MINUTE_US, "us", "standard deviation, if random"),
+    W(plant.processing_spread_us, "processing_spread", U32, 0, FZM1_MINUTE_US, "us", "standard deviation, if random"),
+    W(plant.command_us, "command_time", U32, 0, FZM1_MINUTE_US, "us", "from EXE to FLG"),
+    W(plant.switch_us, "switch_time", U32, 0, FZM1_MINUTE_US, "us",
+      "how long switching a scene or group keeps BUSY on"),
     W(plant.start_ms, "start_time", U32, 1, 600000, "ms", "how long a restart keeps the slave off the bus"),
     W(plant.sdo_abort, "sdo_abort", U32, 0, INT32_MAX, NULL, "abort code that refuses the next SDO download; 0 none"),
-    W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit"),
+    W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit: `saves` or `saves_failed` tells when it is safe"),
     W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 restarts the controller"),
 
     R(exe_level, "exe", BOOL, 0, 1, NULL, "EXE, from the master"),
@@ -101,6 +112,10 @@ static const ect_signal_t signals[] = {
     R(exe_ignored.cause, "exe_ignored_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one did not"),
     R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands answered with -1"),
     R(refused.cause, "command_refused_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one was"),
+    R(saving_level, "saving", BOOL, 0, 1, NULL, "the unit is being saved"),
+    R(saves, "saves", U32, 0, INT32_MAX, NULL, "times that all was saved, and is safe"),
+    R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "times that it was not"),
+    R(save_failed.cause, "save_failed_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last time"),
     R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
     R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "times that data were output"),
     R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for, or that Clear took back"),
@@ -112,8 +127,18 @@ static const ect_signal_t signals[] = {
     EIGHT(OUTPUT),
 };
 
+/* Any scene of any group, present or not: `group` and `scene` open it, the others change it at once. */
+static const ect_signal_t edit[] = {
+    W(plant.edit.group, "group", U8, 0, FZM1_GROUPS - 1, NULL, "group of the scene to look at and to change"),
+    W(plant.edit.scene, "scene", U8, 0, FZM1_SCENES - 1, NULL, "its number; writing group or scene reads it anew"),
+    SCENE(plant.edit.content),
+    R(plant.prepared_count, "prepared", U16, 0, FZM1_PREPARED, NULL, "scenes that were changed here, and not saved"),
+    W(prepared_clear, "clear", BOOL, 0, 1, NULL, "writing 1 forgets them when their group is loaded again"),
+};
+
 static const ect_signal_group_t groups[] = {
     {.signal_count = sizeof signals / sizeof signals[0], .signals = signals},
+    {.prefix = "edit", .signal_count = sizeof edit / sizeof edit[0], .signals = edit},
 };
 
 /* --- from the user ------------------------------------------------------------------------------------------------ */
@@ -144,9 +169,16 @@ static const char *clear_rows(fzm1_t *u)
     return "";
 }
 
+static const char *clear_prepared(fzm1_t *u)
+{
+    u->plant.prepared_count = 0;
+    return "";
+}
+
 static const char *save(fzm1_t *u)
 {
-    return fzm1_save(u) ? "" : "the memory does not answer, or there is none: start the twin with --store DIR";
+    const char *why = fzm1_saving(u) ? "the unit is being saved" : fzm1_save(u);
+    return why ? why : "";
 }
 
 static const char *trigger(fzm1_t *u)
@@ -156,14 +188,6 @@ static const char *trigger(fzm1_t *u)
         return why;
     fzm1_step(u);
     return "";
-}
-
-static const char *switch_to(fzm1_t *u, const ect_signal_t *signal, uint8_t number)
-{
-    if (fzm1_busy(u))
-        return "BUSY is on: a measurement is running";
-    const char *why = IS(signal, scene_number) ? fzm1_switch_scene(u, number) : fzm1_switch_group(u, number);
-    return why ? why : "";
 }
 
 static const char *restart(fzm1_t *u)
@@ -179,11 +203,9 @@ static const char *press(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
     static const struct {
         uint32_t offset;
         const char *(*action)(fzm1_t *u);
-    } buttons[] = {{offsetof(fzm1_t, trigger), trigger},
-                   {offsetof(fzm1_t, save), save},
-                   {offsetof(fzm1_t, restart), restart},
-                   {offsetof(fzm1_t, row_add), add_row},
-                   {offsetof(fzm1_t, row_clear), clear_rows}};
+    } buttons[] = {{offsetof(fzm1_t, trigger), trigger},      {offsetof(fzm1_t, save), save},
+                   {offsetof(fzm1_t, restart), restart},      {offsetof(fzm1_t, row_add), add_row},
+                   {offsetof(fzm1_t, row_clear), clear_rows}, {offsetof(fzm1_t, prepared_clear), clear_prepared}};
     for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
         if (signal->offset == buttons[i].offset)
             return value ? buttons[i].action(u) : "";
@@ -191,10 +213,23 @@ static const char *press(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
     return NULL;
 }
 
+/* Scenes to switch to, or to open. NULL: it is neither. */
+static const char *choose(fzm1_t *u, const ect_signal_t *signal, uint8_t number)
+{
+    const char *why;
+    if (IS(signal, scene_number) || IS(signal, scene_group))
+        why = fzm1_switch_by_hand(u, IS(signal, scene_group), number);
+    else if (IS(signal, plant.edit.group))
+        why = fzm1_edit_open(u, number, u->plant.edit.scene);
+    else if (IS(signal, plant.edit.scene))
+        why = fzm1_edit_open(u, u->plant.edit.group, number);
+    else
+        return NULL;
+    return why ? why : "";
+}
+
 static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
 {
-    if (IS(signal, scene_number) || IS(signal, scene_group))
-        return switch_to(u, signal, value);
     if (IS(signal, err) && value)
         fzm1_set_error(u, FZM1_ERROR_BY_HAND);
     if (IS(signal, err) && !value)
@@ -203,11 +238,8 @@ static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t val
         u->continuous = false;
     if (IS(signal, settings.output_control) && value != u->settings.output_control)
         fzm1_output_reset(u);
-    if (IS(signal, scene.output_unit) && value >= u->scene.units)
-        return "the flow has fewer units: set 'units' first";
-    if (IS(signal, scene.units) && value <= u->scene.output_unit)
-        return "the unit of Fieldbus Data Output would be cut off: set 'output_unit' first";
-    return press(u, signal, value);
+    const char *chosen = choose(u, signal, value);
+    return chosen ? chosen : press(u, signal, value);
 }
 
 static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t value)
@@ -221,18 +253,45 @@ static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t 
     if (IS(signal, settings.output_period))
         fzm1_output_new_period(u, (uint16_t)value);
     if (IS(signal, plant.seed))
-        u->plant.random = value;
+        u->plant.random = u->plant.time_random = value;
     return NULL;
+}
+
+/* --- scenes ------------------------------------------------------------------------------------------------------- */
+
+static bool inside(const ect_signal_t *signal, size_t scene)
+{
+    return signal->offset >= scene && signal->offset < scene + sizeof(fzm1_scene_t);
+}
+
+/* A value of a scene at `base` in the instance. It has to make sense with the others. */
+static const char *write_scene(fzm1_t *u, const ect_signal_t *signal, size_t base, const void *value)
+{
+    static const size_t sizes[] = {[ECT_SIGNAL_U8] = 1, [ECT_SIGNAL_I16] = 2, [ECT_SIGNAL_REAL] = sizeof(double)};
+    size_t size = signal->type == ECT_SIGNAL_TEXT ? (size_t)signal->maximum + 1 : sizes[signal->type];
+    fzm1_scene_t scene;
+    memcpy(&scene, (uint8_t *)u + base, sizeof scene);
+    memcpy((uint8_t *)&scene + (signal->offset - base), value, size);
+    const char *why = fzm1_scene_fault(&scene);
+    if (why || base == offsetof(fzm1_t, scene))
+        return why;
+    why = fzm1_edit_change(u, &scene);
+    return why ? why : "";
 }
 
 static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns)
 {
+    static const size_t scenes[] = {offsetof(fzm1_t, scene), offsetof(fzm1_t, plant.edit.content)};
     fzm1_t *u = instance;
     uint16_t half;
     uint32_t word;
     (void)number;
     (void)fzm1_tick(u, now_ns);
+    for (unsigned int i = 0; i < 2; i++) {
+        if (inside(signal, scenes[i]))
+            return write_scene(u, signal, scenes[i], value);
+    }
     switch (signal->type) {
     case ECT_SIGNAL_BOOL:
     case ECT_SIGNAL_U8:
@@ -243,12 +302,6 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     case ECT_SIGNAL_U32:
         memcpy(&word, value, sizeof word);
         return write_number(u, signal, word);
-    case ECT_SIGNAL_I16:
-        memcpy(&half, value, sizeof half);
-        return half == 0 && signal->offset >= offsetof(fzm1_t, scene.judgement) &&
-                       signal->offset < offsetof(fzm1_t, scene.judgement) + sizeof u->scene.judgement
-                   ? "a unit finds 1 (OK) or -1 (NG)"
-                   : NULL;
     default:
         return NULL;
     }
@@ -260,11 +313,17 @@ static uint16_t station_alias(const void *instance)
     return u->plant.node_address;
 }
 
+static bool unfinished(const void *instance)
+{
+    return fzm1_saving(instance);
+}
+
 const ect_plant_t ect_fzm1_plant = {
     .signal_groups = groups,
     .signal_group_count = sizeof groups / sizeof groups[0],
     .outside_offset = offsetof(fzm1_t, plant),
     .outside_size = sizeof(fzm1_plant_t),
     .station_alias = station_alias,
+    .unfinished = unfinished,
     .signal_write = signal_write,
 };

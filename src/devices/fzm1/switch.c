@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* Switching scene and scene group (Q179 §4-3), by command or by hand, and preparing scenes before. */
+#include "devices/fzm1/instance.h"
+
+const char *fzm1_switch_scene(fzm1_t *u, uint32_t number)
+{
+    if (number >= FZM1_SCENES)
+        return "there is no such scene";
+    u->scenes[u->scene_number] = u->scene;
+    u->scene_number = (uint8_t)number;
+    u->scene = u->scenes[number];
+    fzm1_clear(u);
+    return NULL;
+}
+
+/* As it was saved or prepared; what was changed in the old group and not saved is forgotten. The new one begins with
+ * scene 0. */
+const char *fzm1_switch_group(fzm1_t *u, uint32_t number)
+{
+    if (number >= FZM1_GROUPS)
+        return "there is no such scene group";
+    if (!fzm1_load_group(u, (uint8_t)number))
+        return "the memory does not answer";
+    u->scene_group = (uint8_t)number;
+    u->scene_number = 0;
+    u->scene = u->scenes[0];
+    fzm1_clear(u);
+    return NULL;
+}
+
+/* --- by hand ------------------------------------------------------------------------------------------------------ */
+
+static const char *not_by_hand(const fzm1_t *u)
+{
+    if (u->switching || u->continuous || u->image_count > 0 || u->image_due_ns != ECT_NEVER)
+        return "BUSY is on: a measurement or a command of the master is under way";
+    return fzm1_saving(u) ? "the unit is being saved" : NULL;
+}
+
+/* The new scene counts at once, so that what is set next is set in it; BUSY stays on for as long as switching takes. */
+const char *fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number)
+{
+    const char *why = not_by_hand(u);
+    if (!why)
+        why = group ? fzm1_switch_group(u, number) : fzm1_switch_scene(u, number);
+    if (!why)
+        u->switched_due_ns = u->time_ns + u->plant.switch_us * 1000ull;
+    return why;
+}
+
+void fzm1_switch_due(fzm1_t *u)
+{
+    if (u->switched_due_ns <= u->time_ns)
+        u->switched_due_ns = ECT_NEVER;
+}
+
+/* --- prepared ----------------------------------------------------------------------------------------------------- */
+
+static fzm1_scene_t *at_hand(fzm1_t *u, uint8_t group, uint8_t scene)
+{
+    if (group == u->scene_group)
+        return scene == u->scene_number ? &u->scene : &u->scenes[scene];
+    fzm1_prepared_t *prepared = fzm1_prepared_find(u, group, scene);
+    return prepared ? &prepared->content : NULL;
+}
+
+const char *fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene)
+{
+    const fzm1_scene_t *from = at_hand(u, group, scene);
+    fzm1_scene_t saved;
+    if (!from && !fzm1_load_scene(u, group, scene, &saved))
+        return "the memory does not answer";
+    u->plant.edit = (fzm1_prepared_t){.group = group, .scene = scene, .content = from ? *from : saved};
+    return NULL;
+}
+
+const char *fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content)
+{
+    fzm1_prepared_t *edit = &u->plant.edit;
+    if (fzm1_saving(u))
+        return "the unit is being saved";
+    if (!fzm1_prepare(u, edit->group, edit->scene, content))
+        return "as many scenes are prepared as there is room for: 'save' keeps those of the current group, "
+               "'edit.clear' forgets all";
+    edit->content = *content;
+    fzm1_scene_t *at = at_hand(u, edit->group, edit->scene);
+    *at = *content;
+    return NULL;
+}
