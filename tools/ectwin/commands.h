@@ -38,6 +38,7 @@ typedef struct twin_args {
     } vendor_id, product_code, revision, serial, alias;
     bool keep_source_mac;
     ect_faults_t faults;
+    int realtime;          /* priority, 0: as any process */
     const char *store;     /* folder of the twins' non-volatile memory, NULL: none */
     const char **settings; /* "[N:]NAME=VALUE" */
     size_t setting_count;
@@ -60,7 +61,7 @@ void twin_args_free(twin_args_t *args);
 /**
  * The ready line (README) on a stream.
  * @param ifaces  [1] NULL: there is one
- * @return false: it could not be written (errno), and whoever waits for it would wait for ever
+ * @return false: it could not be written, which was told, and whoever waits for it would wait for ever
  */
 bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves);
 
@@ -90,7 +91,12 @@ void session_init(session_t *s, const char *who, twin_args_t *twins);
  * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
  */
 int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
-/** Powers the twins on. @return EXIT_CLEAN, or what to exit with, with the reason printed */
+/** Keeps only the rights that running twins need (and, with `children`, a command beside them). */
+void session_drop_rights(session_t *s, bool children);
+/**
+ * Powers the twins on; they run before others if the command line wishes it, so call it while the rights for that are
+ * still there. @return EXIT_CLEAN, or what to exit with, with the reason printed
+ */
 int session_power_on(session_t *s);
 /** Answers until `on_end` (as ect_runner_t::on_signal) stops it. @return EXIT_CLEAN; EXIT_RUN, with the reason printed
  */

@@ -87,9 +87,11 @@ int command_run(int argc, char **argv)
         session.runner.control = open_control("ectwin run");
         status = session_power_on(&session);
     }
-    if (status == EXIT_CLEAN)
+    if (status == EXIT_CLEAN) {
+        session_drop_rights(&session, false);
         status =
             print_ready(stdout, args.ifaces, args.twins.count) ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
+    }
     session_close(&session);
     return status;
 }

@@ -7,6 +7,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include "bus/rights.h"
 #include "commands.h"
 
 /* Nohup's SIGHUP stays ignored; a shell's SIGINT for what it starts in the background does not, for we end by it. */
@@ -16,7 +17,10 @@ int open_signals(void)
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGHUP);
+    if (signal(SIGHUP, SIG_DFL) == SIG_IGN) /* a blocked signal comes though it is ignored */
+        signal(SIGHUP, SIG_IGN);
+    else
+        sigaddset(&set, SIGHUP);
     sigaddset(&set, SIGCHLD);
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
@@ -73,9 +77,29 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
     return EXIT_OPEN;
 }
 
+static int run_before_others(const session_t *s)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    if (s->twins->realtime == 0 || ect_rights_realtime(s->twins->realtime, message) == 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: %s\n", s->who, message);
+    return EXIT_OPEN;
+}
+
+void session_drop_rights(session_t *s, bool children)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    unsigned int keep = children ? ECT_RIGHTS_CHILDREN : 0;
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        keep |= s->ports[end].was_down ? ECT_RIGHTS_LINK : 0;
+    if (ect_rights_drop(keep, message) < 0)
+        fprintf(stderr, "%s: %s\n", s->who, message);
+}
+
 int session_power_on(session_t *s)
 {
-    return twin_args_power_on(s->twins, s->who, &s->runner.chain);
+    int status = twin_args_power_on(s->twins, s->who, &s->runner.chain);
+    return status == EXIT_CLEAN ? run_before_others(s) : status;
 }
 
 int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool from_terminal), void *ctx)

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "bus/catalogue.h"
+#include "bus/rights.h"
 #include "bus/signals.h"
 #include "commands.h"
 
@@ -22,7 +23,8 @@ enum {
     KEY_DELAY_US,
     KEY_SEED,
     KEY_STORE,
-    KEY_SET
+    KEY_SET,
+    KEY_REALTIME
 };
 
 static const struct argp_option options[] = {
@@ -39,6 +41,8 @@ static const struct argp_option options[] = {
     {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
     {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
     {"seed", KEY_SEED, "N", 0, "Of the lot that decides which (default 1)", 1},
+    {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,
+     "Run before all ordinary processes (SCHED_FIFO), 1 to 99 (default 50), with the memory locked", 1},
     {0},
 };
 
@@ -50,6 +54,20 @@ static uint32_t parse_number(const struct argp_state *state, const char *option,
     if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
         argp_error(state, "%s takes a number from 0 to 0x%X, not '%s'", option, maximum, text);
     return (uint32_t)value;
+}
+
+/* Its value may also stand by itself; nothing else that does begins with a digit. */
+static int parse_priority(struct argp_state *state, const char *text)
+{
+    const char *next = state->next < state->argc ? state->argv[state->next] : "";
+    if (!text && *next >= '0' && *next <= '9') {
+        text = next;
+        state->next++;
+    }
+    uint32_t priority = text ? parse_number(state, "--realtime", text, ECT_RIGHTS_HIGHEST) : 50;
+    if (priority < ECT_RIGHTS_LOWEST)
+        argp_error(state, "--realtime takes a priority from 1 to 99");
+    return (int)priority;
 }
 
 static void add_setting(twin_args_t *args, const struct argp_state *state, const char *text)
@@ -103,6 +121,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         if (*text == 0)
             argp_error(state, "--store takes a folder");
         args->store = text;
+        return 0;
+    case KEY_REALTIME:
+        args->realtime = parse_priority(state, text);
         return 0;
     case KEY_SET:
         add_setting(args, state, text);
@@ -283,7 +304,11 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves)
     bool told = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
     cJSON_free(text);
     cJSON_Delete(line);
-    return told || errno == EPIPE; /* one who does not listen any more has no need of it */
+    if (told || errno == EPIPE) /* one who does not listen any more has no need of it */
+        return true;
+    fprintf(stderr, "ectwin: the ready line cannot be written: %s\n", strerror(errno));
+    clearerr(stream); /* that was told */
+    return false;
 }
 
 ect_control_t *open_control(const char *who)

@@ -218,6 +218,7 @@ static int serve(with_args_t *args, session_t *session)
         run_command(args, self, session->runner.control);
     if (child.pid < 0)
         fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
+    session_drop_rights(session, true);
     int status = child.pid > 0 ? session_run(session, on_signal, &child) : EXIT_RUN;
     if (status != EXIT_CLEAN && child.pid > 0)
         kill(child.pid, SIGTERM);
@@ -267,12 +268,12 @@ int command_with(int argc, char **argv)
     session_init(&session, "ectwin with", &args.twins);
     session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
     session.runner.control = open_control("ectwin with"); /* outside: where its user will look for it */
-    int status = enter_network(&args);
+    int status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
+    if (status == EXIT_CLEAN)
+        status = enter_network(&args);
     const char *const ends[ECT_ENDS] = {ect_netns_twin[0], args.masters[1] ? ect_netns_twin[1] : NULL};
     if (status == EXIT_CLEAN)
         status = session_open(&session, ends);
-    if (status == EXIT_CLEAN)
-        status = session_power_on(&session);
     if (status == EXIT_CLEAN)
         status = serve(&args, &session);
     session_close(&session);

@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""Broadcast reads into a wire, and what comes back of them.  usage: frames.py IFACE COUNT PAUSE_MS [SECONDS]
+
+Sends COUNT frames, PAUSE_MS apart, each with its number as index, and listens for SECONDS (default 5) or until all are
+back. Prints a line for each that comes back: number, working counter, milliseconds since it was sent."""
+import select
+import socket
+import struct
+import sys
+import time
+
+ETHERTYPE = 0x88A4
+
+
+def frame(number):
+    datagram = struct.pack("<BBHHHH", 7, number, 0, 0, 1, 0) + bytes(3)
+    return b"\xff" * 6 + b"\x01" * 6 + struct.pack(">H", ETHERTYPE) + struct.pack("<H", 0x1000 | len(datagram)) + datagram
+
+
+def main():
+    iface, count, pause = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]) / 1000
+    end = time.monotonic() + (float(sys.argv[4]) if len(sys.argv) > 4 else 5)
+    wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETHERTYPE))
+    wire.bind((iface, ETHERTYPE))
+    sent, back = [], 0
+    while back < count and time.monotonic() < end:
+        if len(sent) < count and (not sent or time.monotonic() >= sent[-1] + pause):
+            sent.append(time.monotonic())
+            wire.send(frame(len(sent) - 1).ljust(60, b"\0"))
+        until = sent[-1] + pause if len(sent) < count else end
+        if not select.select([wire], [], [], max(0, until - time.monotonic()))[0]:
+            continue
+        answer, address = wire.recvfrom(2000)
+        if address[2] == socket.PACKET_OUTGOING:
+            continue
+        number, counter = answer[17], struct.unpack_from("<H", answer, 27)[0]
+        print(number, counter, int(1000 * (time.monotonic() - sent[number])))
+        back += 1
+
+
+main()

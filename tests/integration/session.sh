@@ -1,0 +1,228 @@
+#!/usr/bin/env bash
+# How twins start, run and end: awkward beginnings, faults of the wire, rights, the private network.
+# usage: session.sh ECTWIN [CASE]
+# Runs everything inside namespaces of its own; needs no root where user namespaces are allowed.
+set -u
+ectwin=$1
+only=${2:-}
+here=$(cd "$(dirname "$0")" && pwd)
+failed=0
+ran=0
+
+check() { # TITLE EXPECTED ACTUAL
+  if [ "$2" = "$3" ]; then return 0; fi
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$case_name"
+  failed=1
+}
+
+says() { # TITLE PATTERN: what the last command wrote to its standard error
+  grep -q -- "$2" "$work/err" || check "$1: it says so" "$2" "$(cat "$work/err")"
+}
+
+wait_for() { # FILE: until there is something in it, 10 s at most
+  for _ in $(seq 100); do [ -s "$1" ] && return; sleep 0.1; done
+}
+
+# in_network SCRIPT: with a veth pair tw0, tw1; $ectwin, $work and $here are there.
+in_network() {
+  ectwin=$ectwin work=$work here=$here unshare -Urn bash -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+    wait_for() { for _ in $(seq 100); do [ -s "$1" ] && return; sleep 0.1; done; }
+    '"$1"
+}
+
+its_version() {
+  check "--version" yes "$("$ectwin" --version | grep -Eq '^ectwin [0-9]+\.[0-9]+\.[0-9]+$' && echo yes)"
+}
+
+# A descriptor that is closed at the start must not become the wire's or a file's, with what is printed going there.
+closed_streams() {
+  in_network '
+    "$ectwin" run -i tw0 fzm1 <&- >&- 2>&- & pid=$!
+    for _ in $(seq 100); do ip -br link show tw0 | grep -q PROMISC && break; [ -e /proc/$pid ] || break; sleep 0.1; done
+    python3 "$here/frames.py" tw1 3 5 | cut -d" " -f1,2
+    kill $pid; wait $pid; echo $?' >"$work/out"
+  check "run: without standard streams it answers, and sends nothing of its own" "0 1 1 1 2 1 0" "$(xargs <"$work/out")"
+  check "with: the command has them closed, or at nothing" 5 "$("$ectwin" with fzm1 -- sh -c 'exit 5' <&- 2>&-; echo $?)"
+  "$ectwin" list >&-
+  check "list: without standard output" 0 $?
+}
+
+output_that_cannot_be_written() {
+  for arguments in "list" "--help" "run --help" "sii fzm1"; do
+    # shellcheck disable=SC2086
+    "$ectwin" $arguments >/dev/full 2>"$work/err"
+    check "$arguments: standard output on a full disk" 2 $?
+    says "$arguments" "No space left on device"
+  done
+  in_network 'timeout 20 "$ectwin" run -i tw0 fzm1 >/dev/full 2>"$work/err"; echo $?' >"$work/out"
+  check "run: a ready line that cannot be written" 2 "$(cat "$work/out")"
+  says "run" "No space left on device"
+  check "list: a reader that stops is none of its business" "" "$("$ectwin" list 2>&1 >/dev/null | head -c0; "$ectwin" list 2>&1 | true)"
+}
+
+# As a shell starts what it runs in the background.
+ignored_interrupt() {
+  in_network '
+    trap "" INT
+    "$ectwin" run -i tw0 fzm1 >"$work/ready" & pid=$!
+    wait_for "$work/ready"
+    kill -INT $pid; wait $pid; echo $?' >"$work/out"
+  check "run: SIGINT ends it though it was inherited as ignored" 0 "$(cat "$work/out")"
+  in_network '
+    nohup "$ectwin" run -i tw0 fzm1 >"$work/ready2" 2>/dev/null & pid=$!
+    wait_for "$work/ready2"
+    kill -HUP $pid; sleep 0.3; [ -e /proc/$pid ] && echo lives
+    kill $pid; wait $pid; echo $?' >"$work/out"
+  check "run: under nohup SIGHUP does not end it" "lives 0" "$(xargs <"$work/out")"
+}
+
+wrong_options() {
+  while read -r arguments; do
+    # shellcheck disable=SC2086
+    "$ectwin" $arguments >/dev/null 2>"$work/err"
+    check "'$arguments'" 1 $?
+    check "'$arguments': says why, in a line" yes "$(head -1 "$work/err" | grep -q '^ectwin [a-z]*: .\{20\}' && echo yes)"
+  done <<'END'
+run -i a -i b fzm1
+run -i a -o b -o c fzm1
+run -i a -o a fzm1
+run -o a fzm1
+run -i a --drop 50 --delay 60 fzm1
+run -i a --drop 101 fzm1
+run -i a --realtime=0 fzm1
+run -i a --realtime=100 fzm1
+with --iface lo fzm1 -- true
+with --iface a/b fzm1 -- true
+with --iface 1234567890123456 fzm1 -- true
+with --iface a,a fzm1 -- true
+with --iface a,b,c fzm1 -- true
+with --iface ectwin1 fzm1 -- true
+END
+}
+
+late_answers_are_late_and_nothing_else() {
+  "$ectwin" with --delay 100 --delay-us 50000 fzm1 -- python3 "$here/frames.py" {} 12 5 2>/dev/null >"$work/out"
+  check "--delay: all come back, in order" "0 1 2 3 4 5 6 7 8 9 10 11" "$(cut -d' ' -f1 "$work/out" | xargs)"
+  check "--delay: each is late" 0 "$(awk '$3 < 50' "$work/out" | wc -l)"
+  "$ectwin" with --delay 30 --delay-us 20000 --seed 5 fzm1 -- python3 "$here/frames.py" {} 60 2 2>/dev/null >"$work/out"
+  check "--delay: none is lost between late ones" "$(seq 0 59 | xargs)" "$(cut -d' ' -f1 "$work/out" | xargs)"
+}
+
+# Each answers the other's answers: the frame is destroyed, not carried round for ever.
+two_ends_that_answer() {
+  in_network '
+    ticks() { cut -d" " -f14,15 /proc/$1/stat | tr " " +; }
+    "$ectwin" run -i tw0 fzm1 >"$work/a" 2>"$work/err" & a=$!
+    "$ectwin" run -i tw1 fzm1 >"$work/b" 2>"$work/err2" & b=$!
+    wait_for "$work/a"; wait_for "$work/b"
+    python3 "$here/frames.py" tw0 1 1 2
+    sleep 1
+    before=$(($(ticks $a) + $(ticks $b))); sleep 1; after=$(($(ticks $a) + $(ticks $b)))
+    echo $((after - before)) >"$work/out"
+    kill $a $b; wait' >/dev/null
+  cat "$work/err2" >>"$work/err"
+  says "run: two on one wire" "what is at the other end of 'tw[01]' answers EtherCAT frames too"
+  check "run: the frame is destroyed, both are idle again" yes "$([ "$(cat "$work/out")" -le 2 ] && echo yes)"
+}
+
+names_of_the_private_network() {
+  check "with: --iface" "eth7 eth7 eth7" "$("$ectwin" with --iface eth7 fzm1 -- sh -c 'echo {} $ECTWIN_IFACE; ls /sys/class/net | grep eth' \
+    2>/dev/null | xargs)"
+  check "with: --iface with two names" "a b b{2} a b" "$("$ectwin" with --iface a,b fzm1 -- sh -c \
+    'echo {} {2} $ECTWIN_IFACE2"{""2}" $ECTWIN_IFACE $ECTWIN_IFACE2' 2>/dev/null)"
+  check "with: two wires in the ready line" '{"event":"ready","iface":"a","iface2":"b","slaves":1}' \
+    "$("$ectwin" with --iface a,b fzm1 -- true 2>&1)"
+  "$ectwin" with fzm1 -- ls /sys/class/net >"$work/out" 2>"$work/err"
+  if grep -q "cannot be mounted" "$work/err"; then
+    echo "SKIPPED /sys of the private network: no sysfs may be mounted here"
+  else
+    check "with: /sys/class/net shows the private network" "ecat0 ectwin0 lo" "$(xargs <"$work/out")"
+  fi
+}
+
+# What runs in a command's background when it ends.
+children_of_the_command() {
+  # shellcheck disable=SC2016
+  "$ectwin" with fzm1 -- sh -c 'sleep 300 & echo $! >"$1"; (sh -c "trap : TERM; sleep 301; sleep 302" & echo $! >>"$1"); exit 6' \
+    sh "$work/pids" 2>/dev/null
+  check "with: status of a command that leaves children" 6 $?
+  for pid in $(cat "$work/pids"); do
+    check "with: the child has ended too" no "$([ -e "/proc/$pid" ] && echo yes || echo no)"
+  done
+  "$ectwin" with --leave-children fzm1 -- sh -c 'sleep 300 >/dev/null 2>&1 & echo $! >"$1"' sh "$work/pids" 2>/dev/null
+  check "with: --leave-children" yes "$(kill "$(cat "$work/pids")" && echo yes)"
+}
+
+# What a twin may do once it runs: nothing, or take its interface down again.
+rights_of_a_running_twin() {
+  in_network '
+    ip link set tw0 down
+    for iface in tw0 tw1; do
+      rm -f "$work/ready"
+      "$ectwin" run -i $iface fzm1 >"$work/ready" & pid=$!
+      wait_for "$work/ready"
+      sed -n "s/^\(CapPrm\|CapEff\|CapInh\|CapBnd\|CapAmb\|NoNewPrivs\):\s*0*\([0-9a-f]\)/\1 \2/p" /proc/$pid/status
+      kill $pid; wait $pid; echo $?
+    done' | xargs >"$work/out"
+  check "run: CAP_NET_ADMIN to take its interface down, then nothing at all" \
+    "CapInh 0 CapPrm 1000 CapEff 1000 CapBnd 0 CapAmb 0 NoNewPrivs 1 0 CapInh 0 CapPrm 0 CapEff 0 CapBnd 0 CapAmb 0 NoNewPrivs 1 0" \
+    "$(cat "$work/out")"
+  # shellcheck disable=SC2016
+  check "with: nothing for the twins, all for the command" "0 1 yes" "$("$ectwin" with fzm1 -- sh -c '
+    for _ in 1 2 3 4 5 6 7 8 9 10; do grep -q "NoNewPrivs:.1" /proc/$PPID/status && break; sleep 0.1; done
+    sed -n "s/^CapEff:\s*0*//p" /proc/$PPID/status | sed "s/^$/0/"; sed -n "s/NoNewPrivs:\s*//p" /proc/$PPID/status
+    ip link set lo down && echo yes' 2>/dev/null | xargs)"
+  if strings "$ectwin" 2>/dev/null | grep -q seccomp_load; then
+    # shellcheck disable=SC2016
+    check "with: system calls are filtered" 2 "$("$ectwin" with fzm1 -- sh -c 'sleep 0.5; sed -n "s/Seccomp:\s*//p" /proc/$PPID/status' 2>/dev/null)"
+  fi
+}
+
+# As root the private network has a user namespace, too: nothing in there is root on this machine.
+root_is_contained() {
+  if [ "$(id -u)" -ne 0 ]; then
+    echo "SKIPPED root in the private network: not root"
+    return
+  fi
+  "$ectwin" with fzm1 -- readlink /proc/self/ns/user >"$work/out" 2>"$work/err"
+  if grep -q "CMD is root on the whole machine" "$work/err"; then
+    echo "SKIPPED root in the private network: no user namespace may be made here, and it says so"
+    return
+  fi
+  check "with: as root, in a user namespace of its own" differ \
+    "$([ "$(cat "$work/out")" = "$(readlink /proc/self/ns/user)" ] && echo same || echo differ)"
+  echo text >"$work/file" && chown 1234 "$work/file" && chmod 600 "$work/file"
+  check "with: files are as they were for root" "text 1234" \
+    "$("$ectwin" with fzm1 -- sh -c 'cat "$1"; stat -c %u "$1"' sh "$work/file" 2>/dev/null | xargs)"
+}
+
+before_others() {
+  unshare -U bash -c 'ulimit -r 0; exec "$@"' bash "$ectwin" with --realtime fzm1 -- true 2>"$work/err"
+  check "--realtime without the right" 2 $?
+  says "--realtime without the right" "CAP_SYS_NICE"
+  if ! python3 -c 'import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(7))' 2>/dev/null; then
+    echo "SKIPPED --realtime: no real-time priority may be had here"
+    return
+  fi
+  for option in "--realtime 7" "--realtime=7"; do
+    # shellcheck disable=SC2086
+    check "$option: the twins, not the command" "1 7 0" "$("$ectwin" with $option fzm1 -- python3 -c '
+import os
+parent = os.getppid()
+policy = os.sched_getscheduler(parent) & ~os.SCHED_RESET_ON_FORK
+print(policy, os.sched_getparam(parent).sched_priority, os.sched_getscheduler(0))' 2>"$work/err")"
+  done
+}
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+for case_name in its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
+  two_ends_that_answer names_of_the_private_network children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
+  [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
+  $case_name
+  ran=$((ran + 1))
+done
+echo "$ran cases"
+[ $ran -gt 0 ] || failed=1
+exit $failed
