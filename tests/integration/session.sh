@@ -40,7 +40,7 @@ closed_streams() {
   in_network '
     "$ectwin" run -i tw0 fzm1 <&- >&- 2>&- & pid=$!
     for _ in $(seq 100); do ip -br link show tw0 | grep -q PROMISC && break; [ -e /proc/$pid ] || break; sleep 0.1; done
-    python3 "$here/frames.py" tw1 3 5 | cut -d" " -f1,2
+    python3 "$here/frames.py" tw1 3 50 | cut -d" " -f1,2
     kill $pid; wait $pid; echo $?' >"$work/out"
   check "run: without standard streams it answers, and sends nothing of its own" "0 1 1 1 2 1 0" "$(xargs <"$work/out")"
   check "with: the command has them closed, or at nothing" 5 "$("$ectwin" with fzm1 -- sh -c 'exit 5' <&- 2>&-; echo $?)"
@@ -102,11 +102,11 @@ END
 }
 
 late_answers_are_late_and_nothing_else() {
-  "$ectwin" with --delay 100 --delay-us 50000 fzm1 -- python3 "$here/frames.py" {} 12 5 2>/dev/null >"$work/out"
+  "$ectwin" with --delay 100 --delay-us 100000 fzm1 -- python3 "$here/frames.py" {} 12 20 2>/dev/null >"$work/out"
   check "--delay: all come back, in order" "0 1 2 3 4 5 6 7 8 9 10 11" "$(cut -d' ' -f1 "$work/out" | xargs)"
-  check "--delay: each is late" 0 "$(awk '$3 < 50' "$work/out" | wc -l)"
-  "$ectwin" with --delay 30 --delay-us 20000 --seed 5 fzm1 -- python3 "$here/frames.py" {} 60 2 2>/dev/null >"$work/out"
-  check "--delay: none is lost between late ones" "$(seq 0 59 | xargs)" "$(cut -d' ' -f1 "$work/out" | xargs)"
+  check "--delay: each is late" 0 "$(awk '$3 < 100' "$work/out" | wc -l)"
+  "$ectwin" with --delay 30 --delay-us 100000 --seed 5 fzm1 -- python3 "$here/frames.py" {} 40 20 2>/dev/null >"$work/out"
+  check "--delay: none is lost between late ones" "$(seq 0 39 | xargs)" "$(cut -d' ' -f1 "$work/out" | xargs)"
 }
 
 # Each answers the other's answers: the frame is destroyed, not carried round for ever.
