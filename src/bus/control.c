@@ -23,6 +23,7 @@ struct ect_control {
     size_t turn;       /* who is served next */
     ect_client_t clients[ECT_CONTROL_CLIENTS];
     char path[ECT_ENDPOINT_PATH];
+    ino_t identity; /* of its file */
 };
 
 static int open_spare(void)
@@ -49,6 +50,7 @@ ect_control_t *ect_control_open(char *message)
     c->spare = open_spare();
     c->epoll = epoll_create1(EPOLL_CLOEXEC);
     c->fd = c->epoll < 0 ? -1 : ect_endpoint_listen(c->path, message);
+    c->identity = c->fd < 0 ? 0 : ect_endpoint_identity(c->path);
     if (c->fd >= 0 && wait_for(c, EPOLL_CTL_ADD, c->fd, EPOLLIN, ACCEPT))
         return c;
     if (c->epoll < 0)
@@ -74,7 +76,7 @@ void ect_control_close(ect_control_t *c)
             drop(&c->clients[i]);
     }
     if (c->fd >= 0)
-        ect_endpoint_close(c->fd, c->path);
+        ect_endpoint_close(c->fd, c->path, c->identity);
     if (c->epoll >= 0)
         close(c->epoll);
     if (c->spare >= 0)

@@ -164,8 +164,15 @@ int ect_endpoint_listen(char *path, char *message)
     return -1;
 }
 
-void ect_endpoint_close(int fd, const char *path)
+ino_t ect_endpoint_identity(const char *path)
 {
+    struct stat info;
+    return lstat(path, &info) == 0 && S_ISSOCK(info.st_mode) ? info.st_ino : 0;
+}
+
+void ect_endpoint_close(int fd, const char *path, ino_t identity)
+{
+    if (identity != 0 && ect_endpoint_identity(path) == identity)
+        (void)unlink(path);
     close(fd);
-    ect_endpoint_clear(path); /* a live one of that name is somebody else's */
 }

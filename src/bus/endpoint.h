@@ -43,8 +43,14 @@ int ect_endpoint_trust(const char *folder);
  */
 int ect_endpoint_listen(char *path, char *message);
 
-/** Closes a socket that listens, and removes its name if that is still its own. */
-void ect_endpoint_close(int fd, const char *path);
+/** What the file of a socket is on its disk, for ::ect_endpoint_close. @return 0: there is none */
+ino_t ect_endpoint_identity(const char *path);
+/**
+ * Closes a socket that listens, and removes its name if that is still its own: a process that has given up its rights
+ * may not connect to see who listens there.
+ * @param identity  of its file, when it was new
+ */
+void ect_endpoint_close(int fd, const char *path, ino_t identity);
 
 /**
  * Connects to a socket; paths longer than an address of a socket are fine.
