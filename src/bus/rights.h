@@ -8,6 +8,10 @@
 #ifndef ECT_BUS_RIGHTS_H
 #define ECT_BUS_RIGHTS_H
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 enum { ECT_RIGHTS_MESSAGE = 512, ECT_RIGHTS_LOWEST = 1, ECT_RIGHTS_HIGHEST = 99 };
 
 /** What to keep, ORed. */
@@ -36,5 +40,7 @@ int ect_rights_drop(unsigned int keep, char *message);
  * @return 0, or -1
  */
 int ect_rights_realtime(int priority, char *message);
+
+ECT_C_END
 
 #endif

@@ -8,11 +8,17 @@
 
 #include <stdbool.h>
 
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
 /**
  * From here on every thread of the process has only the system calls of a running twin; all others answer ENOSYS.
  * @param children  those to find, signal and await other processes as well
  * @return 0, also when ectwin was built without the filter · -1 the kernel refuses it (errno)
  */
 int ect_sandbox_enter(bool children);
+
+ECT_C_END
 
 #endif
