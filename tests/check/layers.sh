@@ -32,5 +32,6 @@ for device in "$src"/devices/*/; do
   check "devices/$(basename "$device")" wire seams od
 done
 check ports/virtual wire seams esc
+check ports/template wire seams
 check bus wire seams od esc slave sii devices ports
 exit $status
