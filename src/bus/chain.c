@@ -310,6 +310,13 @@ bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *nam
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
 }
 
+ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position)
+{
+    const twin_t *twin = &chain->twins[position];
+    const ect_plant_t *plant = twin->config.plant;
+    return plant && plant->bulk ? plant->bulk(twin->slave.config.instance) : (ect_bulk_t){0};
+}
+
 bool ect_chain_keep(ect_chain_t *chain, size_t position)
 {
     const twin_t *twin = &chain->twins[position];

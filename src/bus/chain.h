@@ -97,6 +97,8 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
                            ect_signal_ref_t *ref);
 /** @return whether a twin has a signal of exactly that name; then *ref is set */
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref);
+/** What ect_plant_t::bulk gives for a twin; `data` is NULL when it has no such thing. */
+ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position);
 /**
  * Keeps a copy of what signals can change in a twin, for ::ect_chain_put_back. @return false: no memory
  */

@@ -189,6 +189,36 @@ static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, u
     return ect_settings_apply(chain, slave - 1, settings, count, now_ns, message) ? NULL : message;
 }
 
+/* --- data --------------------------------------------------------------------------------------------------------- */
+
+/* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
+ */
+static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+{
+    enum { PIECE = 400 };
+    char hex[2 * PIECE + 1] = "";
+    ect_bulk_t bulk = ect_chain_bulk(chain, slave - 1);
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
+    double offset = json ? json->valuedouble : 0;
+    if (!bulk.data)
+        return "this slave has no data that are looked at as a whole: a base unit with periodic data has";
+    if ((json && !cJSON_IsNumber(json)) || !(offset >= 0 && offset <= bulk.size))
+        return "\"offset\" is a number from 0 to the size of the data";
+    uint32_t at = (uint32_t)offset;
+    for (unsigned int i = 0; i < PIECE && at + i < bulk.size; i++)
+        snprintf(hex + 2 * (size_t)i, 3, "%02x", bulk.data[at + i]);
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_line_number(&line, "slave", slave);
+    ect_line_number(&line, "serial", bulk.serial);
+    ect_line_number(&line, "size", bulk.size);
+    ect_line_number(&line, "offset", at);
+    ect_line_string(&line, "data", hex);
+    ect_line_end(&line);
+    put(client, &line);
+    return NULL;
+}
+
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
 /* @return the slave that a request is for, from 1; 0: all of them; -1: there is no such slave */
@@ -217,9 +247,13 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
     long slave = slave_of(request, chain);
     bool is_set = op && strcmp(op, "set") == 0;
-    const char *why = "a request is a line {\"op\":\"get|list|set|watch\",...}";
-    if (slave < 0 || (is_set && slave == 0)) {
+    bool is_data = op && strcmp(op, "data") == 0;
+    const char *why = "a request is a line {\"op\":\"get|list|set|watch|data\",...}";
+    if (slave < 0 || ((is_set || is_data) && slave == 0)) {
         why = "there is no such slave in this chain";
+    } else if (is_data) {
+        ect_client_result(client, give_piece(client, chain, (size_t)slave, request));
+        return;
     } else if (is_set) {
         ect_client_result(client, set(chain, (size_t)slave, request, now_ns, message));
         return;

@@ -13,6 +13,13 @@
 #include "seams/device.h"
 #include "seams/signals.h"
 
+/** What a device holds that is too large for a signal, as it stands now. */
+typedef struct ect_bulk {
+    const uint8_t *data; /**< the device's, until its next call; NULL: it keeps none */
+    uint32_t size;
+    uint32_t serial; /**< another one whenever the data are others */
+} ect_bulk_t;
+
 typedef struct ect_plant {
     const ect_signal_group_t *signal_groups;
     uint16_t signal_group_count;
@@ -43,6 +50,9 @@ typedef struct ect_plant {
      */
     const char *(*signal_write)(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns);
+
+    /** What a user may look at as a whole, e.g. the last set of periodic data. NULL: there is no such thing. */
+    ect_bulk_t (*bulk)(const void *instance);
 } ect_plant_t;
 
 /** What can be put on a bus as a twin: a description, and what stands around it. */

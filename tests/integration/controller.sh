@@ -102,15 +102,31 @@ all_signals_are_told() {
   check "lines of get and list-signals, 20 times" "$((4 * $("$ectwin" with $map7 -- "$ectwin" get 2>/dev/null | wc -l)))" "$(xargs <"$work/values")"
 }
 
-# ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI
+# ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI; they can be looked at
 a_set_arrives_whole() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
     "$controller" "$ECTWIN_IFACE" --seconds 8 --periodic 4321 >"$work/log"
+    "$ectwin" periodic -o "$work/set"
+    "$ectwin" periodic | head -n 2 >"$work/dump"
     "$ectwin" get "bu.periodic_*" >"$work/values"' 2>/dev/null
   check "its size and CRC-32, and no errors" "$(python3 -c '
 import zlib
 print("4321", zlib.crc32(bytes(i * 7 & 255 for i in range(4321))), "0")')" \
     "$(for name in size check errors; do sed -n "s/^bu.periodic_$name=//p" "$work/values"; done | xargs)"
+  check "its bytes" yes "$(python3 -c '
+import sys
+print("yes" if open(sys.argv[1], "rb").read() == bytes(i * 7 & 255 for i in range(4321)) else "no")' "$work/set")"
+  check "the same to read" "00000 00 07 0e 15 1c 23 2a 31 38 3f 46 4d 54 5b 62 69 .....#*18?FMT[bi" "$(head -n 1 "$work/dump" | tr -s ' ')"
+}
+
+# What is no base unit with periodic data has none to look at
+no_set_to_look_at() {
+  "$ectwin" with vr-bu-ect-map3 -- bash -c '"$ectwin" periodic 2>"$work/err"; echo $? >"$work/status"' 2>/dev/null
+  check "exit code" 1 "$(cat "$work/status")"
+  check "why" yes "$(grep -q "no data" "$work/err" && echo yes)"
+  "$ectwin" with vr-bu-ect-map7 -- bash -c '"$ectwin" periodic -o "$work/set" 2>"$work/err"; echo $? >"$work/status"' 2>/dev/null
+  check "exit code before the first set" 0 "$(cat "$work/status")"
+  check "why it is empty" yes "$(grep -q "no set has come" "$work/err" && [ ! -s "$work/set" ] && echo yes)"
 }
 
 # Values out of range are refused with the range; the socket is its user's alone
@@ -123,7 +139,7 @@ values_are_checked() {
   check "mode of the socket" 600 "$(cat "$work/mode")"
 }
 
-for case_name in all_signals_are_told the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole values_are_checked; do
+for case_name in all_signals_are_told the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole no_set_to_look_at values_are_checked; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))
   rm -f "$work"/*

@@ -292,6 +292,62 @@ static void lines_are_json(void **state)
     close_bench(&b);
 }
 
+/* The controller sends a set of periodic data whose bytes count up. */
+static void send_periodic(bench_t *b, uint16_t size)
+{
+    uint8_t out[228] = {0};
+    wire_go(&b->wire, 0, ECT_STATE_OP);
+    for (unsigned int at = 0; at < size; at += 200) {
+        out[0]++;
+        ect_store_be16(out + 24, size);
+        out[26] = (uint8_t)(at / 200);
+        for (unsigned int i = 0; i < 200; i++)
+            out[28 + i] = (uint8_t)(at + i);
+        assert_int_equal(wire_write(&b->wire, 0, 0x1000, out, sizeof out), 1);
+    }
+}
+
+/* Too large for a signal, and for a line: it is given in pieces. */
+static void data_in_pieces(void **state)
+{
+    static const struct {
+        const char *request, *want;
+    } exact[] = {
+        {"{\"op\":\"data\",\"offset\":447}\n",
+         "{\"slave\":1,\"serial\":1,\"size\":450,\"offset\":447,\"data\":\"bfc0c1\"}\n" OK},
+        {"{\"op\":\"data\",\"offset\":450,\"slave\":1}\n",
+         "{\"slave\":1,\"serial\":1,\"size\":450,\"offset\":450,\"data\":\"\"}\n" OK},
+    };
+    static const struct {
+        const char *request, *part;
+    } parts[] = {
+        {"{\"op\":\"data\"}\n", "\"offset\":0,\"data\":\"00010203"},
+        {"{\"op\":\"data\"}\n", "8c8d8e8f\"}\n" OK}, /* byte 399 */
+        {"{\"op\":\"data\",\"offset\":451}\n", "a number from 0 to the size"},
+        {"{\"op\":\"data\",\"offset\":-1}\n", "a number from 0 to the size"},
+        {"{\"op\":\"data\",\"offset\":1e300}\n", "a number from 0 to the size"},
+        {"{\"op\":\"data\",\"offset\":\"0\"}\n", "a number from 0 to the size"},
+        {"{\"op\":\"data\",\"slave\":0}\n", "no such slave"},
+        {"{\"op\":\"data\",\"slave\":2}\n", "no such slave"},
+    };
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    expect_part(&b, "{\"op\":\"data\"}\n", "{\"slave\":1,\"serial\":0,\"size\":0,\"offset\":0,\"data\":\"\"}\n" OK);
+    send_periodic(&b, 450);
+    for (size_t i = 0; i < sizeof exact / sizeof exact[0]; i++)
+        expect_answer(&b, exact[i].request, exact[i].want);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        expect_part(&b, parts[i].request, parts[i].part);
+    close_bench(&b);
+    open_bench(&b, "vr-bu-ect-map3", 1);
+    expect_part(&b, "{\"op\":\"data\"}\n", "no data that are looked at as a whole");
+    close_bench(&b);
+    open_bench(&b, "fzm1", 1);
+    expect_part(&b, "{\"op\":\"data\"}\n", "no data that are looked at as a whole");
+    close_bench(&b);
+}
+
 /* --- bounded work ------------------------------------------------------------------------------------------------- */
 
 /* Several requests for everything in one write, from each of sixteen clients. serve_once() holds the bounds.
@@ -795,6 +851,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"Requests are answered; what is refused says why", answers, NULL, NULL, NULL},
         {"Every line is JSON", lines_are_json, NULL, NULL, NULL},
+        {"What is too large for a signal is given in pieces", data_in_pieces, NULL, NULL, NULL},
         {"Attack: 4 x everything from 16 clients is served in bounded pieces, and whole", pipelined_lists, NULL, NULL,
          NULL},
         {"Everybody's turn comes, whatever the others ask", everybody_in_turn, NULL, NULL, NULL},

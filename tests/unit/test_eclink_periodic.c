@@ -115,6 +115,9 @@ static void expect_set(rig_t *r, const char *when, const uint8_t *bytes, unsigne
         fail_msg("%s: expected %lu sets, the last of %u bytes with CRC %08X, and %lu errors; got %lu, %lu, %08lX, %lu",
                  when, r->sets, size, crc, r->errors, number(r, "bu.periodic_sets"), number(r, "bu.periodic_size"),
                  number(r, "bu.periodic_check"), number(r, "bu.periodic_errors"));
+    ect_bulk_t shown = ect_chain_bulk(r->w.chain, 0);
+    if (size > 0 && (shown.size != size || !shown.data || memcmp(shown.data, bytes, size) != 0))
+        fail_msg("%s: what can be looked at is not the set of %u bytes that is counted", when, size);
 }
 
 static uint8_t *new_set(unsigned int number_of_set)
@@ -587,6 +590,27 @@ static void pao_and_spares_do_not_matter(void **state)
     wire_close(&r.w);
 }
 
+/* A board that has no memory for them: sets are counted, and nobody sees what is in them. */
+static void without_a_buffer(void **state)
+{
+    (void)state;
+    ect_device_t small = ect_eclink_map7;
+    ect_twin_config_t twin = ect_twin_default(&small, &ect_eclink_plant);
+    rig_t r = {.device = &small};
+    uint8_t *a = new_set(1);
+    small.buffer_size = 0;
+    wire_open_twins(&r.w, &twin, 1);
+    to_op(&r);
+    for (unsigned int n = 0; n < 3; n++)
+        give_block(&r, a, 600, n);
+    assert_int_equal(number(&r, "bu.periodic_sets"), 1);
+    assert_int_equal(number(&r, "bu.periodic_size"), 600);
+    assert_int_equal(number(&r, "bu.periodic_check"), 0);
+    assert_null(ect_chain_bulk(r.w.chain, 0).data);
+    free(a);
+    wire_close(&r.w);
+}
+
 static void mode_without_periodic_data(void **state)
 {
     (void)state;
@@ -661,6 +685,7 @@ int main(int argc, char **argv)
         TEST("ECL-049: steps of PCO other than +1 are counted", pco_steps),
         TEST("ECL-024: PAI follows PCO with the next update, also from 255 to 0", pai_follows_pco),
         TEST("ECL-052 ECL-053: PAO and the spare bytes do not matter", pao_and_spares_do_not_matter),
+        TEST("ECL-059: without memory for sets they are counted all the same", without_a_buffer),
         TEST("ECL-055: Input + Commands has no periodic data", mode_without_periodic_data),
         TEST("ECL-062: a complete set is shown once by each remote that is on, armed or not",
              shown_by_the_remotes_that_are_on),

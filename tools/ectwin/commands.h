@@ -27,6 +27,7 @@ int command_set(int argc, char **argv);
 int command_watch(int argc, char **argv);
 int command_list_signals(int argc, char **argv);
 int command_command(int argc, char **argv);
+int command_periodic(int argc, char **argv);
 
 /** The twins that a command line asks for: devices and the options that shape them. */
 typedef struct twin_args {

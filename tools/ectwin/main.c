@@ -18,7 +18,7 @@ static const struct command {
     {"with", command_with},       {"sii", command_sii},
     {"get", command_get},         {"set", command_set},
     {"watch", command_watch},     {"list-signals", command_list_signals},
-    {"command", command_command},
+    {"command", command_command}, {"periodic", command_periodic},
 };
 
 static int usage(FILE *stream, int status)
@@ -32,6 +32,7 @@ static int usage(FILE *stream, int status)
           "       ectwin set   NAME=VALUE... [--csv FILE]       set some\n"
           "       ectwin watch [PATTERN] [--every]              one line of JSON for what has changed, until Ctrl-C\n"
           "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
+          "       ectwin periodic [-o FILE]                     the last set of periodic data that remotes were shown\n"
           "       ectwin --version\n"
           "'ectwin COMMAND --help' tells more of each.\n",
           stream);

@@ -232,7 +232,7 @@ static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_
                                                   NULL};
 
 /* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
-#define BASE_UNIT(cli_name, what, node_name, product, object_list)                                                     \
+#define BASE_UNIT(cli_name, what, node_name, product, object_list, buffer_bytes)                                       \
     {                                                                                                                  \
         .name = cli_name, .summary = what, .vendor_name = ECTWIN_VENDOR_NAME, .type_name = node_name,                  \
         .group_type = "VR-BU", .group_name = "Vision Remote base units", .hardware_version = "1.00",                   \
@@ -249,16 +249,17 @@ static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_
         .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                     \
         .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},       \
         .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                        \
-        .instance_size = sizeof(eclink_t), .init = eclink_init, .state_change = eclink_state_change,                   \
-        .outputs = eclink_outputs, .inputs_read = eclink_inputs_read, .tick = eclink_tick,                             \
-        .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,                                                      \
+        .instance_size = sizeof(eclink_t), .buffer_size = buffer_bytes, .init = eclink_init,                           \
+        .state_change = eclink_state_change, .outputs = eclink_outputs, .inputs_read = eclink_inputs_read,             \
+        .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,                                 \
     }
 
 const ect_device_t ect_eclink_map1 =
-    BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only", "VR-BU-ECT-Map1", PRODUCT_MAP1, objects_map1);
+    BASE_UNIT("vr-bu-ect-map1", "Vision Remote base unit, Input Only", "VR-BU-ECT-Map1", PRODUCT_MAP1, objects_map1, 0);
 const ect_device_t ect_eclink_map3 = BASE_UNIT("vr-bu-ect-map3", "Vision Remote base unit, Input + Commands",
-                                               "VR-BU-ECT-Map3", PRODUCT_MAP3, objects_map3);
-const ect_device_t ect_eclink_map7 =
-    BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard", "VR-BU-ECT-Map7", PRODUCT_MAP7, objects_map7);
-const ect_device_t ect_eclink_multiarm = BASE_UNIT("vr-bu-ect-multiarm", "Vision Remote base unit, MultiArm",
-                                                   "VR-BU-ECT-MultiArm", PRODUCT_MULTIARM, objects_multiarm);
+                                               "VR-BU-ECT-Map3", PRODUCT_MAP3, objects_map3, 0);
+const ect_device_t ect_eclink_map7 = BASE_UNIT("vr-bu-ect-map7", "Vision Remote base unit, Standard", "VR-BU-ECT-Map7",
+                                               PRODUCT_MAP7, objects_map7, ECLINK_BUFFER);
+const ect_device_t ect_eclink_multiarm =
+    BASE_UNIT("vr-bu-ect-multiarm", "Vision Remote base unit, MultiArm", "VR-BU-ECT-MultiArm", PRODUCT_MULTIARM,
+              objects_multiarm, ECLINK_BUFFER);

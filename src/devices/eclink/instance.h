@@ -105,10 +105,9 @@ enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITC
 /** How long PCO may stand still, a command be unacknowledged in CAO (§10.1, §10.4), inputs not be read (Input Only). */
 #define ECLINK_SUPERVISION_NS 2000000000ull
 
-/** Largest set of periodic data: 256 blocks (§10.4). A firmware whose machine needs less may define it so. */
-#ifndef ECLINK_PERIODIC_ROOM
-#define ECLINK_PERIODIC_ROOM 51200
-#endif
+/** Largest set of periodic data: 256 blocks (§10.4). The host's buffer has room for two: the last complete one, and the
+ * one that is being assembled. Without it sets are counted, and nobody sees what is in them. */
+enum { ECLINK_PERIODIC_ROOM = 51200, ECLINK_BUFFER = 2 * ECLINK_PERIODIC_ROOM };
 
 typedef struct eclink_command {
     uint16_t ru; /* id of the remote it comes from, or goes to (0: all) */
@@ -203,9 +202,8 @@ typedef struct eclink_bu {
 
 /** Periodic output data on its way to completeness. */
 typedef struct eclink_periodic {
-    uint8_t data[2][ECLINK_PERIODIC_ROOM];
     uint8_t have[32]; /* a bit for each block */
-    uint8_t shown;    /* which of `data` is the last complete set */
+    uint8_t shown;    /* which half of the buffer holds the last complete set */
 } eclink_periodic_t;
 
 /** Numbers 0..7 of remotes, in the order in which they came. */
@@ -280,6 +278,8 @@ void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns);
 void eclink_periodic_outputs(eclink_t *unit);
 /* The set that is being assembled is given up. */
 void eclink_periodic_drop(eclink_t *unit);
+/* The last complete set, bu.periodic_size bytes; NULL without a buffer. */
+const uint8_t *eclink_periodic_set(const eclink_t *unit);
 
 /* remotes.c */
 void eclink_remotes_update(eclink_t *unit);

@@ -14,6 +14,19 @@ static uint16_t blocks_of(uint16_t size)
     return (uint16_t)((size + ECLINK_PERIODIC_BYTES - 1) / ECLINK_PERIODIC_BYTES);
 }
 
+/* The half of the buffer that holds the complete set, or the other one. */
+static uint8_t *half(const eclink_t *unit, bool complete)
+{
+    bool second = (unit->periodic.shown != 0) == complete;
+    uint8_t *buffer = unit->host->buffer;
+    return buffer && second ? buffer + ECLINK_PERIODIC_ROOM : buffer;
+}
+
+const uint8_t *eclink_periodic_set(const eclink_t *unit)
+{
+    return half(unit, true);
+}
+
 void eclink_periodic_drop(eclink_t *unit)
 {
     unit->bu.periodic_unfinished += unit->bu.periodic_missing > 0;
@@ -32,12 +45,12 @@ static void begin_set(eclink_t *unit, uint16_t size)
 
 static void hand_over(eclink_t *unit)
 {
-    eclink_periodic_t *p = &unit->periodic;
-    p->shown ^= 1;
+    unit->periodic.shown ^= 1;
+    const uint8_t *set = eclink_periodic_set(unit);
     unit->bu.periodic_sets++;
     unit->bu.periodic_size = unit->bu.periodic_pending;
     unit->bu.periodic_pending = 0;
-    unit->bu.periodic_check = ~ect_crc32(0xFFFFFFFF, p->data[p->shown], unit->bu.periodic_size);
+    unit->bu.periodic_check = set ? ~ect_crc32(0xFFFFFFFF, set, unit->bu.periodic_size) : 0;
     for (unsigned int i = 0; i < ECLINK_RUS; i++)
         unit->ru[i].periodic_waits |= eclink_reachable(&unit->ru[i]);
 }
@@ -49,8 +62,10 @@ static void take_block(eclink_t *unit, uint8_t block)
     uint32_t offset = (uint32_t)block * ECLINK_PERIODIC_BYTES;
     uint32_t left = unit->bu.periodic_pending - offset;
     uint8_t mask = (uint8_t)(1u << (block % 8));
-    memcpy(p->data[p->shown ^ 1] + offset, unit->outputs + ECLINK_OUT_PERIODIC,
-           left < ECLINK_PERIODIC_BYTES ? left : ECLINK_PERIODIC_BYTES);
+    uint8_t *set = half(unit, false);
+    if (set)
+        memcpy(set + offset, unit->outputs + ECLINK_OUT_PERIODIC,
+               left < ECLINK_PERIODIC_BYTES ? left : ECLINK_PERIODIC_BYTES);
     if ((p->have[block / 8] & mask) != 0)
         return;
     p->have[block / 8] |= mask;

@@ -228,10 +228,18 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     return IS(signal, eclink_bu_t, restart) ? "" : NULL;
 }
 
+static ect_bulk_t bulk(const void *instance)
+{
+    const eclink_t *unit = instance;
+    return (ect_bulk_t){
+        .data = eclink_periodic_set(unit), .size = unit->bu.periodic_size, .serial = unit->bu.periodic_sets};
+}
+
 const ect_plant_t ect_eclink_plant = {
     .signal_groups = groups,
     .signal_group_count = COUNT(groups),
     .outside_offset = offsetof(eclink_t, bu),
     .outside_size = offsetof(eclink_t, armed) - offsetof(eclink_t, bu),
     .signal_write = signal_write,
+    .bulk = bulk,
 };

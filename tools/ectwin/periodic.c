@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+/* The last complete set of a base unit's periodic data (TS-0007 §10.4), as the remotes show it. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "connection.h"
+
+enum { MOST_BYTES = 51200, MOST_TRIES = 100 };
+
+typedef struct periodic_args {
+    const char *socket;
+    unsigned int slave;
+    const char *output;
+} periodic_args_t;
+
+static const struct argp_option options[] = {
+    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},
+    {"slave", 'n', "N", 0, "Slave of the chain, from 1 (default 1)", 0},
+    {"output", 'o', "FILE", 0, "Write its bytes to FILE, - is standard output (default: print them to read)", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    periodic_args_t *args = state->input;
+    char *end;
+    switch (key) {
+    case 's':
+        args->socket = text;
+        return 0;
+    case 'n':
+        args->slave = (unsigned int)strtoul(text, &end, 10);
+        if (*text < '1' || *text > '9' || *end != 0 || args->slave > UINT16_MAX)
+            argp_error(state, "--slave takes a number from 1 to 65535, not '%s'", text);
+        return 0;
+    case 'o':
+        args->output = text;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* --- fetching ----------------------------------------------------------------------------------------------------- */
+
+/* The set as it comes, piece by piece; it begins anew when the twin has got another one meanwhile. */
+static struct {
+    uint8_t bytes[MOST_BYTES];
+    size_t have, size;
+    double serial;
+    bool known; /* size and serial are */
+} set;
+
+static double number_of(const cJSON *line, const char *member)
+{
+    const cJSON *value = cJSON_GetObjectItemCaseSensitive(line, member);
+    return cJSON_IsNumber(value) ? value->valuedouble : -1;
+}
+
+static void take_hex(const char *text)
+{
+    for (; text[0] && text[1] && set.have < set.size; text += 2) {
+        char digits[3] = {text[0], text[1], 0};
+        set.bytes[set.have++] = (uint8_t)strtoul(digits, NULL, 16);
+    }
+}
+
+static void take_piece(const cJSON *line)
+{
+    char room[32];
+    double serial = number_of(line, "serial"), size = number_of(line, "size");
+    if (!set.known || serial != set.serial) {
+        set.known = size >= 0 && size <= MOST_BYTES;
+        set.serial = serial;
+        set.size = set.known ? (size_t)size : 0;
+        set.have = 0;
+    }
+    if (set.known && number_of(line, "offset") == (double)set.have)
+        take_hex(connection_text(line, "data", room));
+}
+
+static int fetch(FILE *connection, unsigned int slave, const char *who)
+{
+    int status = EXIT_CLEAN;
+    double serial = -1;
+    for (unsigned int tries = 0; status == EXIT_CLEAN && tries < MOST_TRIES;) {
+        cJSON *request = cJSON_CreateObject();
+        cJSON_AddStringToObject(request, "op", "data");
+        cJSON_AddNumberToObject(request, "slave", slave);
+        cJSON_AddNumberToObject(request, "offset", (double)set.have);
+        status = connection_ask(connection, request, who) ? connection_answer(connection, who, take_piece) : EXIT_USAGE;
+        if (status != EXIT_CLEAN || (set.known && set.have == set.size))
+            return status;
+        tries += set.serial != serial;
+        serial = set.serial;
+    }
+    fprintf(stderr, "%s: sets follow each other faster than they can be fetched\n", who);
+    return EXIT_RUN;
+}
+
+/* --- showing ------------------------------------------------------------------------------------------------------ */
+
+/* Offset, sixteen bytes, the same as text. */
+static void print_row(size_t at)
+{
+    printf("%05zx ", at);
+    for (size_t i = at; i < at + 16; i++) {
+        if (i < set.have)
+            printf(" %02x", set.bytes[i]);
+        else
+            fputs("   ", stdout);
+    }
+    fputs("  ", stdout);
+    for (size_t i = at; i < at + 16 && i < set.have; i++)
+        putchar(set.bytes[i] >= ' ' && set.bytes[i] <= '~' ? set.bytes[i] : '.');
+    putchar('\n');
+}
+
+static int save(const char *path, const char *who)
+{
+    FILE *file = strcmp(path, "-") == 0 ? stdout : fopen(path, "wb");
+    bool fine = file && fwrite(set.bytes, 1, set.have, file) == set.have;
+    fine = file && (file == stdout ? fflush(file) : fclose(file)) == 0 && fine;
+    if (fine)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: cannot write '%s': %s\n", who, path, strerror(errno));
+    return EXIT_OPEN;
+}
+
+int command_periodic(int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .doc = "Shows the last complete set of periodic data that the controller has sent to a base unit."};
+    periodic_args_t args = {.slave = 1};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    FILE *connection = connection_open(args.socket, argv[0]);
+    if (!connection)
+        return EXIT_OPEN;
+    int status = fetch(connection, args.slave, argv[0]);
+    fclose(connection);
+    if (status != EXIT_CLEAN)
+        return status;
+    if (set.size == 0)
+        fprintf(stderr, "%s: no set has come yet\n", argv[0]);
+    if (args.output)
+        return save(args.output, argv[0]);
+    for (size_t at = 0; at < set.have; at += 16)
+        print_row(at);
+    return EXIT_CLEAN;
+}
