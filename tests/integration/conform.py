@@ -103,7 +103,7 @@ def exit_codes(ectwin, conform):
     expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
     for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 answer on 'ecat0'"),
                                   (["--only", "CF-777"], 64, "no case is left to run"),
-                                  (["--slave", "x"], 64, "--slave takes"), (["--format", "pdf"], 64, "--format is"),
+                                  (["--slave", "x"], 64, "--slave takes a number from 1"), (["--format", "pdf"], 64, "--format is"),
                                   (["-o", "/no/such/file", "--only", "CF-001"], 2, "cannot write '/no/such/file'"),
                                   (["--pcap", "/no/such/file"], 2, "cannot write '/no/such/file'")):
         done = call(ectwin, conform, ["fzm1"], arguments)
@@ -167,6 +167,22 @@ def capture(ectwin, conform):
     expect("frames that carry the titles", {c["id"]: c["first_frame"] for c in result["cases"]}, titles)
 
 
+def on_request(ectwin, conform):
+    """--stress, --fuzz and --timing are not run unasked; their histograms stand in JSON, text and HTML"""
+    listed = subprocess.run([conform, "--list"], capture_output=True, text=True, check=True).stdout
+    expect("unasked", False, any(word in listed for word in ("STRESS", "FUZZ", "TIMING")))
+    asked = ["--stress=1", "--fuzz=1", "--timing", "--seed", "7", "--only", "STRESS,FUZZ,TIMING"]
+    result = json.loads(call(ectwin, conform, ["fzm1"], [*asked, "--format", "json"]).stdout)
+    for case in result["cases"]:
+        expect(f"{case['id']}: {case['reason']}", "pass", case["verdict"])
+    expect("cases", 3, len(result["cases"]))
+    mails = next(t for t in result["timings"] if t["name"] == "a mailbox request and its reply")
+    expect("values of a histogram", 200, sum(c["count"] for c in mails["classes"]))
+    timing = ["--timing", "--only", "TIMING"]
+    contains("HTML", "<svg", call(ectwin, conform, ["fzm1"], [*timing, "--format", "html"]).stdout)
+    contains("text", "INIT to PREOP: 20 times", call(ectwin, conform, ["fzm1"], timing).stdout)
+
+
 def in_the_middle(ectwin, conform, arguments, what):
     """Runs the shell commands `what` when a run, $run, has come to CF-016: its capture says so"""
     with tempfile.TemporaryDirectory() as folder:
@@ -199,7 +215,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [exit_codes, listing, formats, capture, interrupted, dead_slave]
+    tests = [exit_codes, listing, formats, capture, on_request, interrupted, dead_slave]
     failed = 0
     for test in tests:
         if only and test.__name__ != only:

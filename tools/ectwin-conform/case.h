@@ -122,6 +122,12 @@ enum {
     CF_SII = 1u << 15,         /**< an EEPROM with a readable image */
     CF_WRITES_SII = 1u << 16,  /**< the user allows what writes the EEPROM (--destructive); put back what was there */
     CF_NEEDS_COUNT = 17,
+
+    /* Not of the slave but of the user: who does not ask for such a case does not see it. */
+    CF_STRESS = 1u << 24, /**< --stress */
+    CF_FUZZ = 1u << 25,   /**< --fuzz */
+    CF_TIMING = 1u << 26, /**< --timing */
+    CF_ON_REQUEST = CF_STRESS | CF_FUZZ | CF_TIMING,
 };
 
 /** A SyncManager as the SII describes it, with the length that is in force for process data. */
@@ -173,6 +179,8 @@ typedef struct cf {
     cf_facts_t facts;
     cf_mailbox_t mailbox; /**< the standard mailbox, in force from PREOP on */
     bool destructive;     /**< --destructive was given */
+    uint32_t seconds;     /**< that --stress or --fuzz takes */
+    uint64_t random;      /**< state of ::cf_random, from --seed; begins anew with each case */
     uint8_t mail_counter; /**< of the last mail sent, 1..7; 0 none yet */
     struct cf_engine *engine;
 } cf_t;
@@ -265,6 +273,16 @@ void cf_put(cf_t *c, uint16_t address, const void *data, size_t length);
 
 /* --- time --------------------------------------------------------------------------------------------------------- */
 
+/** The next number of the case's sequence, 0..limit - 1. The same seed gives the same sequence. */
+uint32_t cf_random(cf_t *c, uint32_t limit);
+/**
+ * Lets every waiting step call a function each time that it looks, e.g. for process data that go on. NULL: no longer;
+ * so it is at the beginning of a case.
+ */
+void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx);
+/** Adds a value to a histogram of the report. @param series  constant text; at most CF_SERIES_MOST different ones */
+void cf_measure(cf_t *c, const char *series, uint64_t ns);
+enum { CF_SERIES_MOST = 16 };
 /** Waits; leaves the case at its time limit and on Ctrl-C. */
 void cf_sleep_ms(cf_t *c, uint32_t ms);
 /** Reads a byte until (value & mask) == wanted. @return whether that came within `ms`; *last: the last value */

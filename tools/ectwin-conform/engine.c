@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* One case after the other: known state, the case, known state; verdicts; the way out. */
+#define _GNU_SOURCE
 #include "engine.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* What stays of a case: of one that passed the end, of others enough to see why. */
-enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 20000 };
+enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 20000, LOOK_NS = 200000 };
 
 /* --- the way out of a case -----------------------------------------------------------------------------------------
  */
@@ -134,6 +136,57 @@ void cf_expect_that(cf_t *c, bool holds, const char *format, ...)
     cf_leave(c, CF_FAIL, text);
 }
 
+/* --- while it runs -------------------------------------------------------------------------------------------------
+ */
+
+/* xorshift64* */
+uint32_t cf_random(cf_t *c, uint32_t limit)
+{
+    c->random ^= c->random >> 12;
+    c->random ^= c->random << 25;
+    c->random ^= c->random >> 27;
+    return (uint32_t)((c->random * UINT64_C(2685821657736338717)) >> 32) % limit;
+}
+
+void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx)
+{
+    c->engine->look = look;
+    c->engine->look_ctx = ctx;
+}
+
+/* The function may use waiting steps itself. */
+void cf_between_looks(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    const struct timespec pause = {.tv_nsec = LOOK_NS};
+    if (!e->look || e->looking) {
+        (void)nanosleep(&pause, NULL);
+        return;
+    }
+    e->looking = true;
+    e->look(c, e->look_ctx);
+    e->looking = false;
+}
+
+void cf_measure(cf_t *c, const char *series, uint64_t ns)
+{
+    cf_engine_t *e = c->engine;
+    size_t n = 0;
+    while (n < e->series_count && strcmp(e->series[n].name, series) != 0)
+        n++;
+    if (n == CF_SERIES_MOST)
+        cf_fail(c, "more than %d histograms", (int)CF_SERIES_MOST);
+    cf_series_t *s = &e->series[n];
+    if (n == e->series_count) {
+        *s = (cf_series_t){.name = series, .values_ns = calloc(CF_VALUES_MOST, sizeof s->values_ns[0])};
+        if (!s->values_ns)
+            cf_fail(c, "out of memory");
+        e->series_count++;
+    }
+    if (s->count < CF_VALUES_MOST)
+        s->values_ns[s->count++] = ns;
+}
+
 /* --- one case ------------------------------------------------------------------------------------------------------
  */
 
@@ -151,6 +204,9 @@ static bool guarded(cf_t *c, void (*run)(cf_t *c), uint32_t ms, bool running)
     arm(e, ms, running);
     e->verdict = CF_PASS;
     e->reason[0] = 0;
+    e->looking = false;
+    c->random = e->seed;
+    cf_while_waiting(c, NULL, NULL);
     if (setjmp(e->leave) != 0) {
         e->running = false;
         return false;
@@ -227,7 +283,7 @@ static void restore(cf_t *c, cf_result_t *result)
 static uint32_t missing(const cf_t *c, const cf_case_t *entry)
 {
     uint32_t has = c->facts.has | (c->destructive ? CF_WRITES_SII : 0);
-    return entry->needs & ~has;
+    return entry->needs & ~(has | CF_ON_REQUEST);
 }
 
 /* @return whether there is something to restore: a slave that was not ready for the case has been tried already */

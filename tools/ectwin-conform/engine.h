@@ -34,6 +34,15 @@ typedef struct cf_undo {
 
 enum { CF_UNDO_MOST = 64 };
 
+/** A histogram: every value is kept, up to the limit. */
+typedef struct cf_series {
+    const char *name;
+    uint32_t count;
+    uint64_t *values_ns; /**< CF_VALUES_MOST of them; belongs to the run */
+} cf_series_t;
+
+enum { CF_VALUES_MOST = 2000 };
+
 typedef struct cf_engine {
     cf_port_t *port;
     jmp_buf leave;
@@ -45,6 +54,12 @@ typedef struct cf_engine {
     uint32_t frame;
     cf_undo_t undo[CF_UNDO_MOST]; /**< in the order of the changes */
     size_t undo_count;
+    void (*look)(cf_t *c, void *ctx); /**< while a step waits */
+    void *look_ctx;
+    bool looking;
+    uint64_t seed;
+    cf_series_t series[CF_SERIES_MOST];
+    size_t series_count;
     bool silent; /**< the last frame did not come back: the next is not waited for as long */
     bool lame;   /**< the slave could not be brought back to INIT: it is not waited for as long */
 } cf_engine_t;
@@ -59,6 +74,8 @@ _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
 /** Room for one more change. Leaves the case when there is none. */
 cf_undo_t *cf_new_undo(cf_t *c);
+/** What a waiting step does between two looks: the case's function, or a short sleep. */
+void cf_between_looks(cf_t *c);
 /** Leaves the case when its time is over or the user wants out. */
 void cf_check_time(cf_t *c);
 

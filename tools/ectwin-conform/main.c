@@ -17,12 +17,25 @@
 #include "report.h"
 
 enum { EXIT_CLEAN = 0, EXIT_FAILED = 1, EXIT_NOTHING = 2, EXIT_USAGE = 64, EXIT_INTERRUPTED = 130 };
-enum { OPTION_ONLY = 256, OPTION_SKIP, OPTION_SLAVE, OPTION_LIST, OPTION_FORMAT, OPTION_PCAP, OPTION_DESTRUCTIVE };
-enum { PROBE_MS = 60000 };
+enum {
+    OPTION_ONLY = 256,
+    OPTION_SKIP,
+    OPTION_SLAVE,
+    OPTION_LIST,
+    OPTION_FORMAT,
+    OPTION_PCAP,
+    OPTION_DESTRUCTIVE,
+    OPTION_STRESS,
+    OPTION_FUZZ,
+    OPTION_TIMING,
+    OPTION_SEED
+};
+enum { PROBE_MS = 60000, MOST_SECONDS = 3000 };
 
 typedef struct args {
     const char *iface, *only, *skip, *output, *pcap;
-    unsigned long slave;
+    unsigned long slave, seconds, seed;
+    uint32_t asked; /* of CF_ON_REQUEST */
     cf_report_t report;
     bool list, destructive;
 } args_t;
@@ -38,6 +51,11 @@ static const struct argp_option options[] = {
     {"pcap", OPTION_PCAP, "FILE", 0, "Write the whole exchange to FILE (pcapng, for Wireshark)", 0},
     {"destructive", OPTION_DESTRUCTIVE, NULL, 0,
      "Also run cases that write the EEPROM or firmware; they put back what was there", 0},
+    {"stress", OPTION_STRESS, "SECONDS", OPTION_ARG_OPTIONAL,
+     "Also SDO traffic, process data and changes of state at once, 10 s or so long", 1},
+    {"fuzz", OPTION_FUZZ, "SECONDS", OPTION_ARG_OPTIONAL, "Also malformed mails and frames, 10 s or so long", 1},
+    {"timing", OPTION_TIMING, NULL, 0, "Also measure how long things take, as histograms", 1},
+    {"seed", OPTION_SEED, "N", 0, "What is random begins here; default 1", 1},
     {0},
 };
 
@@ -71,6 +89,8 @@ static bool matches(const char *patterns, const char *id)
 
 static bool chosen(const args_t *args, const cf_case_t *entry)
 {
+    if ((entry->needs & CF_ON_REQUEST & ~args->asked) != 0)
+        return false;
     return (!args->only || matches(args->only, entry->id)) && (!args->skip || !matches(args->skip, entry->id));
 }
 
@@ -84,13 +104,22 @@ static size_t count_chosen(const args_t *args)
     return count;
 }
 
-static void parse_slave(struct argp_state *state, args_t *args, const char *text)
+static unsigned long number(struct argp_state *state, const char *option, const char *text, unsigned long most)
 {
     char *end;
     errno = 0;
-    args->slave = strtoul(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end != 0 || errno != 0 || args->slave == 0 || args->slave > 65535)
-        argp_error(state, "--slave takes the slave's number on the segment, from 1; got '%s'", text);
+    unsigned long value = strtoul(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end != 0 || errno != 0 || value == 0 || value > most)
+        argp_error(state, "%s takes a number from 1 to %lu; got '%s'", option, most, text);
+    return value;
+}
+
+/* A case that is there on request, and the seconds that it takes. */
+static void ask(struct argp_state *state, args_t *args, uint32_t what, const char *seconds)
+{
+    args->asked |= what;
+    if (seconds)
+        args->seconds = number(state, what == CF_STRESS ? "--stress" : "--fuzz", seconds, MOST_SECONDS);
 }
 
 static void check(struct argp_state *state, const args_t *args)
@@ -99,6 +128,31 @@ static void check(struct argp_state *state, const args_t *args)
         argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
     if (count_chosen(args) == 0)
         argp_error(state, "no case is left to run: --list shows their ids");
+}
+
+/* Those about what is tried. @return whether it was one of them */
+static bool parse_more(int key, char *text, struct argp_state *state)
+{
+    args_t *args = state->input;
+    switch (key) {
+    case OPTION_DESTRUCTIVE:
+        args->destructive = true;
+        return true;
+    case OPTION_STRESS:
+        ask(state, args, CF_STRESS, text);
+        return true;
+    case OPTION_FUZZ:
+        ask(state, args, CF_FUZZ, text);
+        return true;
+    case OPTION_TIMING:
+        ask(state, args, CF_TIMING, NULL);
+        return true;
+    case OPTION_SEED:
+        args->seed = number(state, "--seed", text, UINT32_MAX);
+        return true;
+    default:
+        return false;
+    }
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -118,7 +172,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->skip = text;
         return 0;
     case OPTION_SLAVE:
-        parse_slave(state, args, text);
+        args->slave = number(state, "--slave", text, 65535);
         return 0;
     case OPTION_LIST:
         args->list = true;
@@ -131,14 +185,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_PCAP:
         args->pcap = text;
         return 0;
-    case OPTION_DESTRUCTIVE:
-        args->destructive = true;
-        return 0;
     case ARGP_KEY_END:
         check(state, args);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return parse_more(key, text, state) ? 0 : ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -291,6 +342,8 @@ static int run_all(const args_t *args)
     cf_record_open(pcap);
     run.c.engine = &run.engine;
     run.c.destructive = args->destructive;
+    run.c.seconds = (uint32_t)args->seconds;
+    run.engine.seed = args->seed;
     run.iface = args->iface;
     run.planned = count_chosen(args);
     run.results = calloc(run.planned, sizeof run.results[0]);
@@ -299,6 +352,8 @@ static int run_all(const args_t *args)
     for (size_t i = 0; i < run.count; i++)
         cf_evidence_free(&run.results[i].evidence);
     free(run.results);
+    for (size_t i = 0; i < run.engine.series_count; i++)
+        free(run.engine.series[i].values_ns);
     free((void *)(uintptr_t)run.c.facts.sii);
     cf_port_close(run.engine.port);
     if (pcap && fclose(pcap) != 0)
@@ -319,7 +374,7 @@ int main(int argc, char **argv)
             "cannot be written; 64 wrong usage; 130 interrupted (what ran is reported).",
     };
     const struct sigaction action = {.sa_handler = on_signal};
-    args_t args = {.slave = 1, .report = cf_report_text};
+    args_t args = {.slave = 1, .seconds = 10, .seed = 1, .report = cf_report_text};
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, ARGP_NO_ARGS, NULL, &args);
     if (args.list)

@@ -3,6 +3,8 @@
 #ifndef ECTWIN_CONFORM_REPORT_H
 #define ECTWIN_CONFORM_REPORT_H
 
+#include <cjson/cJSON.h>
+
 #include "engine.h"
 
 typedef void (*cf_report_t)(FILE *to, const cf_run_t *run);
@@ -11,6 +13,11 @@ void cf_report_text(FILE *to, const cf_run_t *run);
 void cf_report_json(FILE *to, const cf_run_t *run);
 void cf_report_junit(FILE *to, const cf_run_t *run);
 void cf_report_html(FILE *to, const cf_run_t *run);
+
+/** The histograms of a run, as parts of the reports; nothing when there are none. They put the values in order. */
+void cf_timing_text(FILE *to, const cf_run_t *run);
+void cf_timing_json(cJSON *report, const cf_run_t *run);
+void cf_timing_html(FILE *to, const cf_run_t *run);
 
 /** How many results have each verdict, by ::cf_verdict_t. */
 typedef struct cf_counts {

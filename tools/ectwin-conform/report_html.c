@@ -140,5 +140,6 @@ void cf_report_html(FILE *to, const cf_run_t *run)
         }
         one(to, run, &run->results[i]);
     }
+    cf_timing_html(to, run);
     fputs("</body></html>\n", to);
 }

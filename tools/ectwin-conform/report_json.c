@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* For a program: everything that is known, the frames byte for byte. */
-#include <cjson/cJSON.h>
 #include <stdlib.h>
 
 #include "report.h"
@@ -86,6 +85,7 @@ void cf_report_json(FILE *to, const cf_run_t *run)
     cJSON *cases = cJSON_AddArrayToObject(report, "cases");
     for (size_t i = 0; i < run->count; i++)
         cJSON_AddItemToArray(cases, result(run, &run->results[i]));
+    cf_timing_json(report, run);
     char *text = cJSON_Print(report);
     fprintf(to, "%s\n", text ? text : "{}");
     free(text);

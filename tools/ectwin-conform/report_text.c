@@ -100,6 +100,7 @@ void cf_report_text(FILE *to, const cf_run_t *run)
         section = r->section;
         one(to, run, r);
     }
+    cf_timing_text(to, run);
     fprintf(to, "\n%zu of %zu cases in %.1f s: %zu pass, %zu warn, %zu fail, %zu skip%s\n", run->count, run->planned,
             (double)run->duration_ns / 1e9, n.of[CF_PASS], n.of[CF_WARN], n.of[CF_FAIL], n.of[CF_SKIPPED],
             n.of[CF_INTERRUPTED] > 0 ? ", interrupted" : "");

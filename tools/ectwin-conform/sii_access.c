@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The EEPROM over its registers, as every master reads it. */
-#define _GNU_SOURCE
-#include <time.h>
 
 #include "engine.h"
 #include "sii/sii.h"
@@ -19,8 +17,7 @@ uint16_t cf_sii_wait(cf_t *c)
             return control;
         if (over)
             cf_fail(c, "EEPROM busy: expected the end of a command within %d ms, got 0x%04X", (int)BUSY_MS, control);
-        const struct timespec pause = {.tv_nsec = 200000};
-        (void)nanosleep(&pause, NULL);
+        cf_between_looks(c);
     }
 }
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The slave's state, what has to be configured on the way, process data. */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "engine.h"
 
@@ -167,12 +165,6 @@ static uint16_t al_status(cf_t *c, uint16_t *code)
     return ect_load_le16(bytes);
 }
 
-static void pause_us(unsigned int us)
-{
-    const struct timespec pause = {.tv_nsec = (long)us * 1000};
-    (void)nanosleep(&pause, NULL);
-}
-
 bool cf_wait_status(cf_t *c, uint16_t status, uint32_t ms, bool cyclic, uint16_t *last, uint16_t *code)
 {
     uint64_t until = cf_now_ns() + ms * UINT64_C(1000000);
@@ -184,7 +176,7 @@ bool cf_wait_status(cf_t *c, uint16_t status, uint32_t ms, bool cyclic, uint16_t
         now = al_status(c, &now_code);
         if ((now & 0x1F) == (status & 0x1F))
             break;
-        pause_us(500);
+        cf_between_looks(c);
     }
     if (last)
         *last = now;
@@ -223,7 +215,7 @@ static void write_al_control(cf_t *c, uint16_t al_control)
         if (cf_now_ns() >= until)
             cf_fail(c, "AL control: WKC expected 1, got 0 for %u ms: the slave does not take the request before",
                     init_ms(c));
-        pause_us(500);
+        cf_between_looks(c);
     }
     if ((c->facts.has & CF_EMULATION) == 0)
         (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, init_ms(c), NULL);
@@ -266,7 +258,7 @@ static uint16_t request(cf_t *c, uint16_t al_control, bool cyclic, uint16_t *cod
         now.status = al_status(c, &now.code);
         if (over || is_answered(al_control, before, now) || (settled && may_be_the_answer(al_control, before, now)))
             break;
-        pause_us(500);
+        cf_between_looks(c);
     }
     if (code)
         *code = now.code;

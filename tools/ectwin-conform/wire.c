@@ -148,8 +148,7 @@ bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint3
         value = cf_get8(c, address);
         if ((value & mask) == wanted || over)
             break;
-        const struct timespec pause = {.tv_nsec = 200000};
-        (void)nanosleep(&pause, NULL);
+        cf_between_looks(c);
     }
     if (last)
         *last = value;
