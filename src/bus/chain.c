@@ -67,6 +67,7 @@ static bool make_esc(twin_t *twin)
 static bool make_slave(twin_t *twin)
 {
     ect_slave_memory_t need = ect_slave_memory(twin->config.device);
+    const ect_plant_t *plant = twin->config.plant;
     if (!ect_slave_check(twin->config.device))
         return false;
     twin->pdi = ect_virtual_pdi(&twin->esc);
@@ -78,26 +79,16 @@ static bool make_slave(twin_t *twin)
         .instance = allocate(twin, need.instance),
         .mailbox = allocate(twin, need.mailbox),
         .process_data = allocate(twin, need.process_data),
+        .process_size = (uint16_t)need.process_data,
         .runs = allocate(twin, need.runs * sizeof(ect_pdo_run_t)),
         .run_count = (uint16_t)need.runs,
         .staging = allocate(twin, need.staging),
         .staging_size = (uint16_t)need.staging,
         .buffer = need.buffer > 0 ? allocate(twin, need.buffer) : NULL,
+        .outside_offset = plant ? plant->outside_offset : 0,
+        .outside_size = plant ? plant->outside_size : 0,
     };
     return true;
-}
-
-/* What the device remembers goes, what stands outside it stays. */
-static void power_off(const twin_t *twin, uint8_t *instance)
-{
-    const ect_plant_t *plant = twin->config.plant;
-    size_t size = twin->config.device->instance_size;
-    size_t from = plant && plant->outside_size > 0 ? plant->outside_offset : size;
-    size_t to = plant && plant->outside_size > 0 ? from + plant->outside_size : size;
-    if (twin->slave.config.buffer)
-        memset(twin->slave.config.buffer, 0, twin->config.device->buffer_size);
-    memset(instance, 0, from);
-    memset(instance + to, 0, size - to);
 }
 
 /* For the first time or again: what controller, stack and device are made of stays, all else starts anew. */
@@ -109,16 +100,9 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
     slave.device_id = twin->config.alias;
     if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
         return false;
-    uint16_t switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
-    if (switches != 0) {
-        uint8_t alias[2];
-        ect_store_le16(alias, switches);
-        (void)twin->pdi.write(twin->pdi.ctx, ECT_REG_STATION_ALIAS, alias, sizeof alias);
-        slave.device_id = switches;
-    }
+    slave.switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
     for (unsigned int port = 0; port < ECT_ENDS; port++)
         ect_esc_set_link(&twin->esc, port, twin->link[port]);
-    power_off(twin, slave.instance);
     twin->deadline_ns = now_ns;
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }

@@ -106,23 +106,27 @@ static window_t part(const window_t *w, uint32_t first_bit, uint32_t end_bit)
 }
 
 /* Moves what is left of a window when the bits that `taken` windows claim are cut out of it. */
-static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, window_t w, bool write, const window_t *taken,
+static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, const window_t *w, bool write, const window_t *taken,
                            unsigned int count)
 {
-    uint32_t end = w.first_bit + w.bit_count;
-    for (unsigned int i = 0; i < count; i++) {
-        uint32_t taken_end = taken[i].first_bit + taken[i].bit_count;
-        if (taken[i].first_bit >= end || taken_end <= w.first_bit)
-            continue;
-        bool any = false;
-        if (w.first_bit < taken[i].first_bit)
-            any |= move_unclaimed(esc, data, part(&w, w.first_bit, taken[i].first_bit), write, taken + i + 1,
-                                  count - i - 1);
-        if (taken_end < end)
-            any |= move_unclaimed(esc, data, part(&w, taken_end, end), write, taken + i + 1, count - i - 1);
-        return any;
+    uint32_t at = w->first_bit;
+    uint32_t end = at + w->bit_count;
+    bool any = false;
+    while (at < end) {
+        uint32_t free_end = end;
+        uint32_t claimed_end = at;
+        for (unsigned int i = 0; i < count; i++) {
+            uint32_t taken_end = taken[i].first_bit + taken[i].bit_count;
+            if (taken[i].first_bit > at)
+                free_end = taken[i].first_bit < free_end ? taken[i].first_bit : free_end;
+            else if (taken_end > claimed_end)
+                claimed_end = taken_end;
+        }
+        if (claimed_end == at)
+            any |= move(esc, data, part(w, at, free_end), write);
+        at = claimed_end == at ? free_end : claimed_end;
     }
-    return move(esc, data, w, write);
+    return any;
 }
 
 /* One direction through all FMMUs. Where two claim a bit the lowest number has it (data sheet I §7). */
@@ -136,7 +140,7 @@ static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t lengt
         uint8_t wanted = write ? WRITES : READS;
         if ((fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0 && (fmmu[ECT_FMMU_TYPE] & wanted) != 0 &&
             overlap(fmmu, logical, length, &taken[count])) {
-            any |= move_unclaimed(esc, data, taken[count], write, taken, count);
+            any |= move_unclaimed(esc, data, &taken[count], write, taken, count);
             count++;
         }
     }

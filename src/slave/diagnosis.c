@@ -99,10 +99,10 @@ static ect_reason_t write_history(ect_slave_t *s, const ect_download_t *w)
     return w->subindex != 3 || may_acknowledge(d, w->data[0]) ? ECT_OK : ECT_REASON_RANGE;
 }
 
-static ect_reason_t written_history(ect_slave_t *s, const ect_download_t *w)
+static ect_reason_t written_history(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete)
 {
-    ect_diagnosis_t *d = w->index == INDEX ? ect_services_data(s, INDEX) : NULL;
-    if (!d || (w->subindex != 3 && !w->complete))
+    ect_diagnosis_t *d = index == INDEX ? ect_services_data(s, INDEX) : NULL;
+    if (!d || (subindex != 3 && !complete))
         return ECT_OK;
     if (d->acknowledged == 0) { /* 0 clears the history */
         memset(d->messages, 0, sizeof d->messages);

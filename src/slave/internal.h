@@ -10,8 +10,9 @@
  *   services.c   the object services that the device names
  *   host.c       what the device asks for: notes that are acted on later
  *   syncman.c    SyncManagers: as described? on or off?
- *   mailbox.c    counters, repeat, error replies, dispatch to the protocols that the device names
  *   pdo.c        process image: mapping, outputs, inputs
+ *   cycle.c      the cyclic exchange, from an interrupt or from the poll
+ *   mailbox.c    counters, repeat, error replies, dispatch to the protocols that the device names
  *   coe.c        the CoE header
  *   sdo.c sdo_info.c emergency.c                 protocols, linked when a device names them
  *   pdo_config.c diagnosis.c store.c sync.c      object services, likewise
@@ -48,12 +49,12 @@ struct ect_service {
     void (*start)(ect_slave_t *s);
     /* A value is about to be stored; a reason refuses it. */
     ect_reason_t (*write)(ect_slave_t *s, const ect_download_t *d);
-    /* It is stored; a whole object by Complete Access: once, as sub-index 0, without data. A reason tells the master
-     * that what had to follow from it failed. */
-    ect_reason_t (*written)(ect_slave_t *s, const ect_download_t *d);
+    /* It is stored; a whole object by Complete Access: once, as sub-index 0. A reason tells the master that what had to
+     * follow from it failed. */
+    ect_reason_t (*written)(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete);
     /* A transition upwards has passed the other checks; a code refuses it. */
     uint16_t (*check_up)(ect_slave_t *s, uint8_t target);
-    /* Events have come in SAFEOP or OP. */
+    /* Events have come in SAFEOP or OP. Part of the exchange: perhaps in an interrupt. */
     void (*event)(ect_slave_t *s, uint32_t event);
     /* As ect_host_t::diagnose. */
     void (*diagnose)(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
@@ -61,7 +62,7 @@ struct ect_service {
 
 void ect_services_start(ect_slave_t *s);
 ect_reason_t ect_services_write(ect_slave_t *s, const ect_download_t *d);
-ect_reason_t ect_services_written(ect_slave_t *s, const ect_download_t *d);
+ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete);
 uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target);
 void ect_services_event(ect_slave_t *s, uint32_t event);
 void ect_services_diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
@@ -84,11 +85,12 @@ void ect_host_init(ect_slave_t *s);
 /* SyncManagers are given as masks, a bit each. */
 enum { ECT_SM_BLOCK = ECT_SMS * ECT_SM_SIZE, ECT_MAILBOX_SMS = 0x03 };
 
-/* The longest that a SyncManager may become. */
-static inline uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
+static inline uint16_t ect_sm_longest_mailbox(const ect_device_t *device, unsigned int sm)
 {
-    return device->sm[sm].maximum != 0 ? device->sm[sm].maximum : ect_device_sm_bytes(device, sm);
+    return device->sm[sm].maximum != 0 ? device->sm[sm].maximum : device->sm[sm].length;
 }
+/* The longest that a SyncManager may become; for process data without a maximum it adds up all PDOs of its default. */
+uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm);
 /* The events of SyncManagers. */
 static inline uint32_t ect_sm_events(unsigned int sms)
 {
@@ -109,6 +111,26 @@ void ect_sm_acknowledge_repeat(ect_slave_t *s, bool toggle);
 /* ... and this writes it. */
 bool ect_sm_flush(ect_slave_t *s);
 
+/* --- pdo.c ------------------------------------------------------------------------------------------------------ */
+/* Lays the images out: 0, or the AL status code that says which cannot be. */
+uint16_t ect_pdo_configure(ect_slave_t *s);
+/* Runs that the mapping of SyncManager `sm` falls into, where it is a constant one. */
+uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm);
+/* Takes the outputs of those SyncManagers that were written. */
+void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
+bool ect_pdo_inputs(ect_slave_t *s);
+
+/* --- cycle.c: the cyclic exchange, and how mainline keeps it out while it works --------------------------------------
+ */
+void ect_cycle_outputs(ect_slave_t *s, uint32_t event);
+void ect_cycle_inputs(ect_slave_t *s);
+/* Mainline holds while it works on what the exchange, or a function of the device, touches too. */
+void ect_cycle_hold(ect_slave_t *s);
+/* Between two steps: an exchange that came meanwhile is made up for. */
+void ect_cycle_yield(ect_slave_t *s);
+/* The same, and lets it in from now on. */
+void ect_cycle_release(ect_slave_t *s);
+
 /* --- mailbox.c (and seams/mailbox.h) ------------------------------------------------------------------------------ */
 enum { ECT_MAILBOX_HEADER = 6 };
 
@@ -122,18 +144,11 @@ static inline void ect_mailbox_stop(ect_slave_t *s)
     s->mailbox.running = false;
 }
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event);
+/* Something waits until the master has fetched the mail that stands in SM1. */
+bool ect_mailbox_waits(ect_slave_t *s);
 /* What the SyncManagers show while the mailbox runs: the repeat toggle, and whether our mail still stands there.
  * Returns whether they are still those that it was started with. */
 bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers);
-
-/* --- pdo.c ------------------------------------------------------------------------------------------------------ */
-/* Lays the images out: 0, or the AL status code that says which cannot be. */
-uint16_t ect_pdo_configure(ect_slave_t *s);
-/* Runs that the mapping of SyncManager `sm` falls into, where it is a constant one. */
-uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm);
-/* Takes the outputs of those SyncManagers that were written. */
-void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
-bool ect_pdo_inputs(ect_slave_t *s);
 
 /* --- coe.c ------------------------------------------------------------------------------------------------------ */
 enum {

@@ -46,15 +46,22 @@ static void outputs_off(ect_slave_t *s)
     s->outputs_seen = 0;
 }
 
+/* Its answer: 0, ECT_AL_PENDING, or an AL status code. */
+static uint16_t tell_device(ect_slave_t *s, uint8_t from, uint8_t to)
+{
+    const ect_device_t *device = s->config.device;
+    return device->state_change ? device->state_change(s->config.instance, from, to, s->now_ns)
+                                : (uint16_t)ECT_AL_NO_ERROR;
+}
+
 /* Downwards nothing can refuse. */
 static void go_down(ect_slave_t *s, uint8_t target)
 {
-    const ect_device_t *device = s->config.device;
     uint8_t from = s->state;
     outputs_off(s);
     if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
         s->inputs_due = false;
-        ect_sm_disable(s, ect_sm_process(device));
+        ect_sm_disable(s, ect_sm_process(s->config.device));
     }
     if (target == ECT_STATE_INIT && has_mailbox(s)) {
         ect_mailbox_stop(s);
@@ -63,8 +70,7 @@ static void go_down(ect_slave_t *s, uint8_t target)
     s->pending = 0;
     s->state = target;
     s->status_dirty = true;
-    if (device->state_change)
-        (void)device->state_change(s->config.instance, from, target, s->now_ns);
+    (void)tell_device(s, from, target);
     ect_slave_wake(s);
 }
 
@@ -178,14 +184,13 @@ static void agree(ect_slave_t *s, uint8_t target, uint16_t code)
 
 static void go_up(ect_slave_t *s, uint8_t target)
 {
-    const ect_device_t *device = s->config.device;
     s->pending = 0;
     s->pending_done = false;
     uint16_t code = check_all(s, target);
     if (s->failed)
         return;
-    if (code == ECT_AL_NO_ERROR && device->state_change)
-        code = device->state_change(s->config.instance, s->state, target, s->now_ns);
+    if (code == ECT_AL_NO_ERROR)
+        code = tell_device(s, s->state, target);
     if (code == ECT_AL_PENDING)
         wait_for(s, target, true);
     else

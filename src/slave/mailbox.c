@@ -10,9 +10,7 @@
 uint16_t ect_mailbox_sm_room(const ect_device_t *device, unsigned int sm)
 {
     uint16_t boot = sm == 0 ? device->boot_out.length : device->boot_in.length;
-    uint16_t room = 0;
-    if (device->sm_count >= 2 && device->mailbox_protocols != 0)
-        room = ect_sm_room(device, sm);
+    uint16_t room = ect_sm_longest_mailbox(device, sm);
     return room > boot ? room : boot;
 }
 
@@ -174,6 +172,7 @@ static void handle_request(ect_slave_t *s)
     ect_mailbox_t *m = &s->mailbox;
     if (!ect_slave_read(s, m->out_start, m->request, m->out_size))
         return;
+    ect_cycle_yield(s); /* a long access is behind us, and the answer's is to come */
     uint8_t counter = (m->request[5] >> 4) & 7u;
     if (counter != 0 && counter == m->request_counter) { /* a repetition: not carried out again */
         if (m->reply != NO_REPLY)
@@ -281,8 +280,17 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     if (requested && m->in_buffer)
         m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
     go_on(s);
-    if (may_build(m) && !speak(s, false, true) && requested)
+    if (may_build(m) && !speak(s, false, true) && requested) {
+        requested = false;
         handle_request(s);
+    }
     if (may_build(m))
         (void)speak(s, true, true);
+    m->request_waits = requested;
+}
+
+bool ect_mailbox_waits(ect_slave_t *s)
+{
+    const ect_mailbox_t *m = &s->mailbox;
+    return !may_build(m) && (m->request_waits || m->newest_waits || speak(s, false, false) || speak(s, true, false));
 }

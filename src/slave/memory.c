@@ -58,8 +58,9 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
         .instance = device->instance_size,
         .staging = device->mailbox_protocols != 0 ? longest_value(device) : 0,
         .buffer = device->buffer_size,
-        .mailbox = ect_mailbox_sm_room(device, 0) + 2u * ect_mailbox_sm_room(device, 1),
     };
+    if (device->mailbox_protocols != 0 && device->sm_count >= 2)
+        need.mailbox = ect_mailbox_sm_room(device, 0) + 2u * ect_mailbox_sm_room(device, 1);
     for (unsigned int n = 0; n < device->sm_count; n++) {
         if (!ect_device_sm_is_process(device, n))
             continue;

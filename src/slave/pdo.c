@@ -115,11 +115,12 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
         .od = &s->od, .runs = s->config.runs + first_run, .capacity = (uint16_t)(s->config.run_count - first_run)};
     if (!lay_out(&l, device, sm))
         return false;
+    uint16_t longest = device->sm[sm].maximum != 0 ? device->sm[sm].maximum : s->config.process_size;
     ect_sm_image_t *image = &s->image[sm];
     *image = (ect_sm_image_t){.bytes = (uint16_t)((l.bits + 7) / 8), .first_run = first_run, .runs = l.count};
     uint8_t *which = device->sm[sm].type == ECT_SM_OUTPUTS ? &s->outputs : &s->inputs;
     *which = (uint8_t)(*which | (image->bytes > 0 ? 1u << sm : 0u));
-    return image->bytes <= ect_sm_room(device, sm);
+    return image->bytes <= longest;
 }
 
 /* Lays out all process data. Returns 0 or the AL status code that says in which direction it cannot be. */

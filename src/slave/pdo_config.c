@@ -131,14 +131,15 @@ static ect_reason_t write_config(ect_slave_t *s, const ect_download_t *d)
 }
 
 /* A whole object that turns out not to fit becomes an empty one: never a mapping that nobody asked for. */
-static ect_reason_t written_config(ect_slave_t *s, const ect_download_t *d)
+static ect_reason_t written_config(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete)
 {
-    if (!d->complete || !is_config(s, d->index))
+    (void)subindex;
+    if (!complete || !is_config(s, index))
         return ECT_OK;
-    ect_reason_t reason = check_count(s, d->index, number(s, d->index, 0));
+    ect_reason_t reason = check_count(s, index, number(s, index, 0));
     if (reason != ECT_OK) {
         const uint8_t none = 0;
-        (void)ect_od_write(&s->od, ect_od_find(&s->od, d->index)->entries, 0, &none, 1);
+        (void)ect_od_write(&s->od, ect_od_find(&s->od, index)->entries, 0, &none, 1);
     }
     return reason;
 }

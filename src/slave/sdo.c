@@ -123,35 +123,45 @@ static bool flush_bits(ect_sdo_cursor_t *c, uint8_t *to)
     return true;
 }
 
-/* Fills `to` with the next `length` bytes; the caller asks for no more than are left. */
-static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t last_subindex)
+/* Bytes of the entry at the cursor, as many as there is room for. Returns how many. */
+static uint16_t read_piece(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *to, uint16_t room)
+{
+    uint16_t size = entry_size(s, c->entry);
+    uint16_t left = size > c->offset ? (uint16_t)(size - c->offset) : 0;
+    uint16_t piece = left < room ? left : room;
+    read_entry(s, c->entry, c->offset, to, piece);
+    c->offset = (uint16_t)(c->offset + piece);
+    return piece;
+}
+
+/* One step of an upload: at most `room` (1 or more) bytes, perhaps none. Returns how many. */
+static uint16_t read_step(ect_slave_t *s, uint8_t *to, uint16_t room, uint8_t last_subindex)
 {
     ect_sdo_cursor_t *c = &s->sdo.cursor;
-    const uint8_t *end = to + length;
-    while (to < end) {
-        if (c->pad) {
-            *to++ = 0;
-            c->pad = false;
-        } else if (!c->entry) {
-            to += flush_bits(c, to) ? 1 : 0;
-            memset(to, 0, (size_t)(end - to)); /* the object became shorter meanwhile: the size announced stands */
-            return;
-        } else if (s->sdo.complete && ect_od_is_bits(c->entry)) {
-            to += gather_bits(s, c, to) ? 1 : 0;
-            cursor_next(&s->sdo, last_subindex);
-        } else if (flush_bits(c, to)) {
-            to++;
-        } else {
-            uint16_t size = entry_size(s, c->entry);
-            uint16_t left = size > c->offset ? (uint16_t)(size - c->offset) : 0;
-            uint16_t piece = left < end - to ? left : (uint16_t)(end - to);
-            read_entry(s, c->entry, c->offset, to, piece);
-            to += piece;
-            c->offset = (uint16_t)(c->offset + piece);
-            if (piece == left)
-                cursor_next(&s->sdo, last_subindex);
-        }
+    if (c->pad) {
+        *to = 0;
+        c->pad = false;
+        return 1;
     }
+    if (!c->entry) {
+        (void)flush_bits(c, to); /* over zeros: the object became shorter meanwhile, the size announced stands */
+        return room;
+    }
+    bool bits = s->sdo.complete && ect_od_is_bits(c->entry);
+    if (!bits && flush_bits(c, to))
+        return 1;
+    uint16_t done = bits ? gather_bits(s, c, to) : read_piece(s, c, to, room);
+    if (bits || c->offset >= entry_size(s, c->entry))
+        cursor_next(&s->sdo, last_subindex);
+    return done;
+}
+
+/* Fills `to`, which is all 0, with the next `length` bytes; the caller asks for no more than are left. */
+static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t last_subindex)
+{
+    const uint8_t *end = to + length;
+    while (to < end)
+        to += read_step(s, to, (uint16_t)(end - to), last_subindex);
 }
 
 /* --- replies ----------------------------------------------------------------------------------------------------- */
@@ -336,14 +346,12 @@ static ect_reason_t written(ect_slave_t *s, const ect_entry_t *entry)
     if (device->sdo_written)
         device->sdo_written(s->config.instance, index, (uint8_t)entry->subindex, s->now_ns);
     ect_slave_wake(s);
-    const ect_download_t download = {.index = index, .subindex = (uint8_t)entry->subindex};
-    return s->sdo.complete ? ECT_OK : ect_services_written(s, &download);
+    return s->sdo.complete ? ECT_OK : ect_services_written(s, index, (uint8_t)entry->subindex, false);
 }
 
 static ect_reason_t whole_written(ect_slave_t *s)
 {
-    const ect_download_t download = {.index = s->sdo.object->index, .complete = true};
-    return s->sdo.complete ? ect_services_written(s, &download) : ECT_OK;
+    return s->sdo.complete ? ect_services_written(s, s->sdo.object->index, 0, true) : ECT_OK;
 }
 
 static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size,
@@ -366,7 +374,9 @@ static ect_reason_t take_bits(ect_slave_t *s, bool only_check)
     uint8_t value = (uint8_t)(c->byte & ((1u << c->entry->bit_length) - 1u));
     c->byte >>= c->entry->bit_length;
     c->bits -= c->entry->bit_length;
-    return store_value(s, c->entry, &value, 1, only_check);
+    ect_reason_t reason = store_value(s, c->entry, &value, 1, only_check);
+    cursor_next(&s->sdo, s->sdo.object->max_subindex);
+    return reason;
 }
 
 /* One step of a download into the entry at the cursor; consumes at least a byte, or finishes bit entries. */
@@ -393,31 +403,41 @@ static ect_reason_t download_step(ect_slave_t *s, const uint8_t **from, const ui
     return store_value(s, entry, value, total, only_check);
 }
 
+/* The byte that the cursor holds has all bits of the bit entry that comes next. */
+static bool has_bits(const ect_sdo_cursor_t *c)
+{
+    return c->entry && c->bits > 0 && c->bits >= c->entry->bit_length;
+}
+
+/* One step of a download: a byte at least, or a bit entry out of the one that the cursor holds. */
+static ect_reason_t write_step(ect_slave_t *s, const uint8_t **from, const uint8_t *end, bool only_check)
+{
+    ect_sdo_cursor_t *c = &s->sdo.cursor;
+    if (c->pad) {
+        (*from)++;
+        c->pad = false;
+        return ECT_OK;
+    }
+    if (!c->entry)
+        return ECT_REASON_TOO_LONG;
+    if (!s->sdo.complete || !ect_od_is_bits(c->entry)) {
+        c->bits = c->byte = 0;
+        return download_step(s, from, end, only_check);
+    }
+    if (has_bits(c))
+        return take_bits(s, only_check);
+    c->byte |= (uint32_t) * (*from)++ << c->bits;
+    c->bits += 8;
+    return ECT_OK;
+}
+
 /* Empties `length` bytes into the dictionary, or only checks them. */
 static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t length, bool only_check)
 {
-    ect_sdo_cursor_t *c = &s->sdo.cursor;
     const uint8_t *end = from + length;
     ect_reason_t reason = ECT_OK;
-    while (reason == ECT_OK && (from < end || (c->entry && c->bits >= c->entry->bit_length && c->bits > 0))) {
-        bool bits = c->entry && s->sdo.complete && ect_od_is_bits(c->entry);
-        if (c->pad) {
-            from++;
-            c->pad = false;
-        } else if (bits && c->bits >= c->entry->bit_length) {
-            reason = take_bits(s, only_check);
-            cursor_next(&s->sdo, s->sdo.object->max_subindex);
-        } else if (bits) {
-            c->byte |= (uint32_t)*from++ << c->bits;
-            c->bits += 8;
-        } else if (!c->entry) {
-            return ECT_REASON_TOO_LONG;
-        } else {
-            c->byte = 0;
-            c->bits = 0;
-            reason = download_step(s, &from, end, only_check);
-        }
-    }
+    while (reason == ECT_OK && (from < end || has_bits(&s->sdo.cursor)))
+        reason = write_step(s, &from, end, only_check);
     return reason;
 }
 

@@ -25,11 +25,11 @@ ect_reason_t ect_services_write(ect_slave_t *s, const ect_download_t *d)
     return ECT_OK;
 }
 
-ect_reason_t ect_services_written(ect_slave_t *s, const ect_download_t *d)
+ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete)
 {
     FOR_EACH_SERVICE(s, service)
     {
-        ect_reason_t reason = (*service)->written ? (*service)->written(s, d) : ECT_OK;
+        ect_reason_t reason = (*service)->written ? (*service)->written(s, index, subindex, complete) : ECT_OK;
         if (reason != ECT_OK)
             return reason;
     }

@@ -13,19 +13,59 @@ static int check(const ect_slave_config_t *config)
         return -1;
     const ect_device_t *d = config->device;
     bool has_mailbox = d->mailbox_protocols != 0;
-    bool has_process_data = false;
-    for (unsigned int n = 0; n < d->sm_count; n++)
-        has_process_data |= ect_device_sm_is_process(d, n);
-    if (!config->instance || (has_mailbox && !config->mailbox) || (has_process_data && !config->process_data) ||
+    if (!config->instance || (has_mailbox && !config->mailbox) || (ect_sm_process(d) != 0 && !config->process_data) ||
         (config->run_count > 0 && !config->runs))
         return -2;
     return 0;
+}
+
+/* The interrupt line is up while there is something to do, and only then: of the two events of the mailbox the one that
+ * it waits for, those of process data where they are dealt with. */
+static void set_line(ect_slave_t *s)
+{
+    uint32_t events = 0;
+    uint8_t mask[2];
+    if (!s->config.line_for_cycle) {
+        events = ECT_EVENT_AL_CONTROL | ECT_EVENT_SM_CHANGED | ECT_EVENT_WATCHDOG;
+        if (s->mailbox.running)
+            events |= ect_mailbox_waits(s) ? ECT_EVENT_SM1 : ECT_EVENT_SM0;
+    }
+    if (s->state >= ECT_STATE_SAFEOP) {
+        events |= ect_sm_events((unsigned int)s->outputs | s->inputs);
+        events |= (s->config.device->sync.supported & (1u << ECT_SYNC_DC_SYNC0)) != 0 ? ECT_EVENT_SYNC0 : 0u;
+    }
+    ect_store_le16(mask, (uint16_t)events);
+    if (events != s->line && ect_slave_write(s, ECT_REG_AL_EVENT_MASK, mask, sizeof mask))
+        s->line = (uint16_t)events;
+}
+
+/* What the device remembers goes, what stands outside it stays. */
+static void clear_instance(const ect_slave_config_t *config)
+{
+    uint8_t *instance = config->instance;
+    size_t end = config->outside_offset + config->outside_size;
+    memset(instance, 0, config->outside_offset);
+    memset(instance + end, 0, config->device->instance_size - end);
+    if (config->buffer)
+        memset(config->buffer, 0, config->device->buffer_size);
+}
+
+/* Address switches are the station alias and, in the place of what was configured, the device's id. */
+static void take_switches(ect_slave_t *s)
+{
+    uint8_t alias[2];
+    if (s->config.switches == 0)
+        return;
+    ect_store_le16(alias, s->config.switches);
+    s->config.device_id = s->config.switches;
+    (void)ect_slave_write(s, ECT_REG_STATION_ALIAS, alias, sizeof alias);
 }
 
 static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
+    clear_instance(&s->config);
     ect_standard_t *standard = s->config.instance;
     standard->device = device;
     standard->identity = *identity;
@@ -33,7 +73,6 @@ static void power_on(ect_slave_t *s)
     s->state = ECT_STATE_INIT;
     s->status_dirty = true;
     s->tick_ns = s->now_ns;
-    ect_mailbox_stop(s);
     ect_sm_disable(s, (1u << device->sm_count) - 1u);
     if (device->init)
         device->init(s->config.instance, &s->host, s->now_ns);
@@ -49,79 +88,90 @@ int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_
     slave->od = ect_device_od(config->device, config->instance);
     ect_host_init(slave);
     power_on(slave);
+    take_switches(slave);
     return ect_machine_report(slave) ? 0 : -3;
 }
 
 static void tick(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
-    if (!device->tick) {
-        s->tick_ns = ECT_NEVER;
+    if (!s->woken && s->now_ns < s->tick_ns)
         return;
-    }
-    if (s->now_ns < s->tick_ns)
+    s->woken = false;
+    s->tick_ns = ECT_NEVER;
+    if (!device->tick)
         return;
     s->tick_ns = device->tick(s->config.instance, s->now_ns);
     assert(s->tick_ns > s->now_ns);
     s->inputs_due = true;
 }
 
-static void take_outputs(ect_slave_t *s, uint32_t event)
-{
-    if (s->state < ECT_STATE_SAFEOP)
-        return;
-    ect_services_event(s, event);
-    unsigned int sms = (event / ECT_EVENT_SM0) & 0xFF;
-    if ((sms & s->outputs) != 0)
-        ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);
-    if ((sms & s->inputs) != 0 && s->config.device->inputs_read)
-        s->config.device->inputs_read(s->config.instance, s->now_ns);
-    if ((sms & (s->outputs | s->inputs)) != 0)
-        s->inputs_due = true;
-}
-
-static void give_inputs(ect_slave_t *s)
-{
-    if (s->state >= ECT_STATE_SAFEOP && s->inputs_due && ect_pdo_inputs(s))
-        s->inputs_due = false;
-}
-
 static void device_requests(ect_slave_t *s)
 {
-    if (s->drop_state != 0) {
-        uint8_t to = s->drop_state;
-        s->drop_state = 0;
-        if (to < s->state)
-            ect_machine_drop(s, to, s->drop_code, ECT_CAUSE_LOCAL);
-    }
+    uint8_t to = s->drop_state;
+    uint16_t code = s->drop_code;
+    s->drop_state = 0;
+    if (to != 0 && to < s->state)
+        ect_machine_drop(s, to, code, ECT_CAUSE_LOCAL);
+}
+
+/* What the master did to state machine, SyncManagers and watchdog. */
+static void control(ect_slave_t *s, uint32_t event)
+{
+    s->due |= event;
+    if ((s->due & ECT_EVENT_AL_CONTROL) != 0)
+        ect_machine_al_control(s);
+    if (s->request_due)
+        ect_machine_request(s);
+    if ((s->due & ECT_EVENT_SM_CHANGED) != 0)
+        ect_machine_sm_changed(s);
+    if ((s->due & ECT_EVENT_WATCHDOG) != 0)
+        ect_machine_watchdog(s);
+}
+
+/* When to come again, an event or not. Soon: the PDI failed, the device asked for something, or was told something. */
+static uint64_t next_time(const ect_slave_t *s)
+{
+    enum { SOON_NS = 100000 };
+    if (s->failed || s->woken || s->restart || s->drop_state != 0 || (s->pending != 0 && s->pending_done))
+        return s->now_ns + SOON_NS;
+    return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
+}
+
+/* The order in which things are done. */
+static uint64_t poll(ect_slave_t *s, uint64_t now_ns, bool with_exchange)
+{
+    uint32_t event = 0;
+    ect_cycle_hold(s);
+    if (s->now_ns < now_ns) /* an exchange may have come since the caller looked at its clock */
+        s->now_ns = now_ns;
+    if (ect_slave_read_event(s, &event))
+        control(s, event);
+    ect_cycle_yield(s);
+    if (with_exchange)
+        ect_cycle_outputs(s, event);
+    tick(s);
+    device_requests(s);
+    if (with_exchange)
+        ect_cycle_inputs(s);
+    ect_cycle_yield(s);
+    ect_machine_pending(s);
+    if (s->status_dirty || s->sm_due != 0)
+        (void)ect_machine_report(s);
+    ect_cycle_yield(s);
+    if (s->mailbox.running)
+        ect_mailbox_poll(s, event);
+    set_line(s);
+    ect_cycle_release(s);
+    return next_time(s);
 }
 
 uint64_t ect_slave_poll(ect_slave_t *s, uint64_t now_ns)
 {
-    enum { SOON_NS = 100000 };
-    uint32_t event = 0;
-    s->now_ns = now_ns;
-    if (ect_slave_read_event(s, &event)) {
-        s->due |= event;
-        if ((s->due & ECT_EVENT_AL_CONTROL) != 0)
-            ect_machine_al_control(s);
-        if (s->request_due)
-            ect_machine_request(s);
-        if ((s->due & ECT_EVENT_SM_CHANGED) != 0)
-            ect_machine_sm_changed(s);
-        if ((s->due & ECT_EVENT_WATCHDOG) != 0)
-            ect_machine_watchdog(s);
-    }
-    take_outputs(s, event);
-    tick(s);
-    device_requests(s);
-    give_inputs(s);
-    ect_machine_pending(s);
-    if (s->status_dirty || s->sm_due != 0)
-        (void)ect_machine_report(s);
-    if (s->mailbox.running)
-        ect_mailbox_poll(s, event);
-    if (s->failed || s->tick_ns == 0 || s->restart || s->drop_state != 0 || (s->pending != 0 && s->pending_done))
-        return now_ns + SOON_NS; /* the PDI failed, the device asked for something meanwhile, or was told something */
-    return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
+    return poll(s, now_ns, true);
+}
+
+uint64_t ect_slave_mainline(ect_slave_t *s, uint64_t now_ns)
+{
+    return poll(s, now_ns, false);
 }

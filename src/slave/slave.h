@@ -84,15 +84,27 @@ typedef struct ect_slave_config {
     const ect_pdi_t *pdi;
     const ect_identity_t *identity; /**< NULL: the description's */
     const ect_storage_t *storage;   /**< NULL: none */
-    void *instance;                 /**< ect_slave_memory().instance bytes, zero but for the plant's (plant.h) */
+    void *instance;                 /**< ect_slave_memory().instance bytes; the stack zeroes them at power-on ... */
+    size_t outside_offset;          /**< ... but for these: what stands outside the device (plant.h) ... */
+    size_t outside_size;            /**< ... so many bytes; 0: nothing */
     uint8_t *mailbox;               /**< ... mailbox bytes: one request, two replies; NULL without a mailbox */
     uint8_t *process_data;          /**< ... process_data bytes; NULL without process data */
+    uint16_t process_size;          /**< how many there are */
     ect_pdo_run_t *runs;            /**< ... runs elements */
     uint16_t run_count;             /**< how many there are */
     uint8_t *staging; /**< ... staging bytes: where an SDO value that comes in pieces is collected until it is whole */
-    uint16_t staging_size;          /**< how many there are; a longer value is refused as out of memory */
-    void *buffer;                   /**< ... buffer bytes, zero: what ect_host_t::buffer gives the device; NULL: none */
-    uint16_t device_id;             /**< explicit device identification (AL control bit 5); 0: not offered */
+    uint16_t staging_size; /**< how many there are; a longer value is refused as out of memory */
+    void *
+        buffer; /**< ... buffer bytes, zeroed like the instance: what ect_host_t::buffer gives the device; NULL: none */
+    uint16_t device_id; /**< explicit device identification (AL control bit 5); 0: not offered */
+    uint16_t switches;  /**< setting of the address switches: becomes the configured station alias (0x0012)
+                             and takes the place of `device_id`; 0: the alias is that of the SII */
+    /**
+     * What the interrupt line of the ESC is for. false: for everything that the stack deals with, each event while
+     * there is something to do about it. true: for process data and SYNC0 alone, and drives ::ect_slave_cycle; mainline
+     * then learns of the others by reading the register, whatever ect_pdi_t::al_event says.
+     */
+    bool line_for_cycle;
 } ect_slave_config_t;
 
 /* The structures below begin with their smallest members: those are used most, and a Thumb instruction reaches only the
@@ -112,6 +124,7 @@ typedef struct ect_mailbox {
     uint8_t shown;           /* which of them is, or was last, in SM1 */
     uint8_t mails;           /* how many of them hold a mail: 0..2 */
     uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
+    bool request_waits;      /* a request came and could not be looked at yet */
     uint8_t request_counter; /* of the last request, 0: none yet */
     uint8_t reply_counter;   /* of our last mail */
     uint16_t out_start;      /* SM0 */
@@ -169,7 +182,6 @@ typedef struct ect_slave {
     uint8_t cause;       /**< public, read only: ect_error_cause_t */
     bool status_dirty;   /* AL status has to be written */
     bool ident;          /* identification value stands in the status code */
-    bool failed;         /* a PDI access of this poll failed */
     uint8_t pending;     /* state that a delayed transition leads to, 0: none */
     bool pending_device; /* the device delays it; else it waits for outputs */
     bool pending_done;
@@ -184,21 +196,26 @@ typedef struct ect_slave {
     uint8_t outputs_seen; /* those of `outputs` that the master has written since SAFEOP */
     bool outputs_live;    /* they are being handed to the device */
     bool inputs_due;
+    bool woken;            /* the device's own time is due, whatever tick_ns says */
+    volatile bool held;    /* mainline is in a step */
+    bool failed;           /* a PDI access of this poll, or of this exchange, failed */
+    volatile bool missed;  /* an exchange came meanwhile */
     uint8_t emergency_put; /* counts modulo 256: queued, by the device */
     uint8_t emergency_got; /* ... and sent */
     bool sm_repeat_ack;    /* the repeat bit that SM1's PDI control shows */
-    uint16_t code;         /**< public, read only: AL status code */
-    uint16_t request;      /* AL control as read last */
+    uint16_t line;    /* AL event mask as written last, without its upper half: no ESC has more than 8 SyncManagers */
+    uint16_t code;    /**< public, read only: AL status code */
+    uint16_t request; /* AL control as read last */
     uint16_t pending_result;
     uint16_t drop_code;
-    ect_sm_image_t image[ECT_SMS];
     uint32_t due; /* AL events whose registers have yet to be read */
+    ect_sdo_t sdo;
     ect_slave_config_t config;
     ect_mailbox_t mailbox;
-    ect_sdo_t sdo;
-    ect_od_t od;
-    ect_sdo_info_t info;
     uint64_t now_ns;
+    ect_od_t od;
+    ect_sm_image_t image[ECT_SMS];
+    ect_sdo_info_t info;
     uint64_t tick_ns;
     uint64_t pending_until_ns;
     ect_host_t host;
@@ -219,7 +236,7 @@ int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_
  */
 static inline void ect_slave_wake(ect_slave_t *slave)
 {
-    slave->tick_ns = 0;
+    slave->woken = true;
 }
 
 /**
@@ -229,6 +246,11 @@ static inline void ect_slave_wake(ect_slave_t *slave)
  */
 uint64_t ect_slave_poll(ect_slave_t *slave, uint64_t now_ns);
 
+/** As ::ect_slave_poll but for process data, which ::ect_slave_cycle exchanges. */
+uint64_t ect_slave_mainline(ect_slave_t *slave, uint64_t now_ns);
+
+/** Outputs in, inputs out. May interrupt everything but itself. */
+void ect_slave_cycle(ect_slave_t *slave, uint64_t now_ns);
 ECT_C_END
 
 #endif

@@ -12,7 +12,7 @@ enum { ENTRY_HEADER = 5, PIECE = 32 };
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 
-static bool put_entry(const ect_slave_t *s, ect_record_t *r, uint16_t index, const ect_entry_t *entry)
+static bool put_entry(ect_slave_t *s, ect_record_t *r, uint16_t index, const ect_entry_t *entry)
 {
     uint8_t piece[PIECE];
     uint16_t size = ect_od_bytes(entry);
@@ -23,14 +23,16 @@ static bool put_entry(const ect_slave_t *s, ect_record_t *r, uint16_t index, con
         return false;
     for (uint16_t at = 0; at < size; at = (uint16_t)(at + PIECE)) {
         uint16_t part = size - at < PIECE ? (uint16_t)(size - at) : PIECE;
+        ect_cycle_hold(s);
         ect_od_read(&s->od, entry, at, piece, part);
+        ect_cycle_release(s);
         if (!ect_record_put(r, piece, part))
             return false;
     }
     return true;
 }
 
-static bool put_all(const ect_slave_t *s, ect_record_t *r)
+static bool put_all(ect_slave_t *s, ect_record_t *r)
 {
     for (uint16_t i = 0; i < s->od.count; i++) {
         const ect_object_t *object = &s->od.objects[i];
@@ -42,7 +44,7 @@ static bool put_all(const ect_slave_t *s, ect_record_t *r)
     return true;
 }
 
-static ect_reason_t store(const ect_slave_t *s, bool with_entries)
+static ect_reason_t store(ect_slave_t *s, bool with_entries)
 {
     const ect_storage_t *m = s->config.storage;
     ect_record_t newest, r;
@@ -93,23 +95,31 @@ static void load(ect_slave_t *s)
     }
 }
 
-static bool is_command(const ect_download_t *d)
+static bool is_command(uint16_t index)
 {
-    return d->index == INDEX_STORE || d->index == INDEX_RESTORE;
+    return index == INDEX_STORE || index == INDEX_RESTORE;
 }
 
 static ect_reason_t write_command(ect_slave_t *s, const ect_download_t *d)
 {
     uint32_t wanted = d->index == INDEX_STORE ? ECT_STORE_SIGNATURE : ECT_LOAD_SIGNATURE;
     (void)s;
-    if (!is_command(d) || d->subindex == 0)
+    if (!is_command(d->index) || d->subindex == 0)
         return ECT_OK;
     return d->size == 4 && ect_load_le32(d->data) == wanted ? ECT_OK : ECT_REASON_STORE;
 }
 
-static ect_reason_t written_command(ect_slave_t *s, const ect_download_t *d)
+/* The medium may take its time: process data go on meanwhile. */
+static ect_reason_t written_command(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete)
 {
-    return is_command(d) ? store(s, d->index == INDEX_STORE) : ECT_OK;
+    (void)subindex;
+    (void)complete;
+    if (!is_command(index))
+        return ECT_OK;
+    ect_cycle_release(s);
+    ect_reason_t reason = store(s, index == INDEX_STORE);
+    ect_cycle_hold(s);
+    return reason;
 }
 
 const ect_service_t ect_service_store = {.start = load, .write = write_command, .written = written_command};

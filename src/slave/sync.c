@@ -107,27 +107,32 @@ static bool sync0_lost(const ect_slave_t *s, const ect_sync_data_t *d)
     return d->error_limit != 0 && d->sync0_ns != 0 && patience_ns != 0 && s->now_ns - d->sync0_ns > patience_ns;
 }
 
-/* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. */
-static void on_event(ect_slave_t *s, uint32_t event)
+static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
 {
-    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
-    if (!d || d->dc == 0 || s->state != ECT_STATE_OP)
-        return;
+    bool sync0 = (event & ECT_EVENT_SYNC0) != 0; /* a level: an edge is a SYNC0 */
     if ((event & ect_sm_events(s->outputs)) != 0) {
         if (d->outputs_new != 0)
             count(&d->cycle_exceeded);
         d->outputs_new = 1;
     }
-    bool sync0 = (event & ECT_EVENT_SYNC0) != 0; /* a level: an edge is a SYNC0 */
     if (sync0 && d->sync0 == 0)
         on_sync0(s, d);
     d->sync0 = sync0;
-    if (sync0) {
+    if (sync0)
         d->sync0_ns = s->now_ns;
+    else if (sync0_lost(s, d))
+        ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_FATAL_SYNC);
+}
+
+/* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. The event goes either way: it
+ * must not keep the interrupt line up. */
+static void on_event(ect_slave_t *s, uint32_t event)
+{
+    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
+    if (d && d->dc != 0 && s->state == ECT_STATE_OP)
+        supervise(s, d, event);
+    if ((event & ECT_EVENT_SYNC0) != 0)
         acknowledge_sync0(s);
-    } else if (sync0_lost(s, d)) {
-        s->host.drop(s, ECT_STATE_SAFEOP, ECT_AL_FATAL_SYNC);
-    }
 }
 
 const ect_service_t ect_service_sync = {.start = start, .write = write_sync, .check_up = check_up, .event = on_event};

@@ -8,6 +8,11 @@
  * interrupt bit and the watchdog trigger are its business. */
 enum { CONTROL_COMPARED = ECT_SM_CONTROL_MODE | ECT_SM_CONTROL_DIRECTION | ECT_SM_CONTROL_AL_EVENT };
 
+uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
+{
+    return device->sm[sm].maximum != 0 ? device->sm[sm].maximum : ect_device_sm_bytes(device, sm);
+}
+
 bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK])
 {
     uint16_t size = (uint16_t)(s->config.device->sm_count * ECT_SM_SIZE);
@@ -36,7 +41,7 @@ bool ect_sm_mailbox_good(const ect_device_t *device, const uint8_t *block, bool 
         const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
         uint16_t start = boot ? mailbox->start : sm->start;
         uint16_t shortest = boot ? mailbox->length : sm->minimum != 0 ? sm->minimum : sm->length;
-        uint16_t longest = boot ? mailbox->length : ect_sm_room(device, n);
+        uint16_t longest = boot ? mailbox->length : ect_sm_longest_mailbox(device, n);
         if (!is_as_described(block + n * ECT_SM_SIZE, sm, start, shortest, longest))
             return false;
     }

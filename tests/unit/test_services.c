@@ -111,6 +111,7 @@ static void power_on_device(const ect_device_t *device, const ect_storage_t *med
                                       .instance = &t.device,
                                       .mailbox = t.mailbox,
                                       .process_data = t.process_data,
+                                      .process_size = sizeof t.process_data,
                                       .runs = t.runs,
                                       .run_count = (uint16_t)(sizeof t.runs / sizeof t.runs[0])};
     assert_int_equal(ect_slave_init(&t.slave, &slave, t.now_ns), 0);
