@@ -10,25 +10,35 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
-#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-/* Without a path the files have no name, and go with the process. They are read through a mapping and written by calls,
- * which say so when the disk is full. A thread of the C library waits for the disk. */
+#include "seams/record.h"
+
+/* A file is a head and a bank. The bank is kept in memory too and read from there: whatever others do to the file
+ * meanwhile, the twin knows what it has written. Without a path there is no file. A thread of the C library waits for
+ * the disk. */
+enum { HEAD = 32, FILE_SIZE = HEAD + ECT_MEMORY_BANK, NAME = ECT_MEMORY_PATH + 16, MOST_KEPT = 9 };
+
+static const uint8_t head[HEAD] = "ectwin store 1\n";
+
+typedef struct bank {
+    int fd; /* -1: none */
+    uint8_t *image;
+    bool written; /* since the last synchronisation began */
+    bool syncing;
+    struct aiocb sync;
+} bank_t;
+
 struct ect_memory {
     ect_storage_t storage;
-    bool on_disk;
-    int fd[2];
-    const uint8_t *image[2]; /* MAP_FAILED: none */
-    bool written[2];         /* since the last synchronisation began */
-    bool syncing[2];
-    struct aiocb sync[2];
+    bank_t banks[2];
 };
 
 static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
 {
     const ect_memory_t *m = ctx;
-    memcpy(buffer, m->image[bank] + offset, length);
+    memcpy(buffer, m->banks[bank].image + offset, length);
     return 0;
 }
 
@@ -43,91 +53,188 @@ static int bank_erase(void *ctx, unsigned int bank)
 static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length)
 {
     ect_memory_t *m = ctx;
-    m->written[bank] = m->on_disk;
-    return pwrite(m->fd[bank], data, length, offset) == (ssize_t)length ? 0 : -1;
+    bank_t *b = &m->banks[bank];
+    memcpy(b->image + offset, data, length);
+    if (b->fd < 0)
+        return 0;
+    b->written = true;
+    return pwrite(b->fd, data, length, HEAD + offset) == (ssize_t)length ? 0 : -1;
 }
 
-static int begin_sync(ect_memory_t *m, unsigned int bank)
+/* A file that was deleted, cut or put aside under our hands keeps nothing for the next time. */
+static bool still_there(const bank_t *b)
 {
-    m->sync[bank] = (struct aiocb){.aio_fildes = m->fd[bank], .aio_sigevent = {.sigev_notify = SIGEV_NONE}};
-    if (aio_fsync(O_DSYNC, &m->sync[bank]) < 0)
+    struct stat info;
+    return fstat(b->fd, &info) == 0 && info.st_nlink > 0 && info.st_size == FILE_SIZE;
+}
+
+static int begin_sync(bank_t *b)
+{
+    b->sync = (struct aiocb){.aio_fildes = b->fd, .aio_sigevent = {.sigev_notify = SIGEV_NONE}};
+    if (!still_there(b) || aio_fsync(O_DSYNC, &b->sync) < 0)
         return -1;
-    m->written[bank] = false;
-    m->syncing[bank] = true;
+    b->written = false;
+    b->syncing = true;
     return 0;
 }
 
 /* @return as ect_storage_t::flush, of the synchronisation that was begun */
-static int end_sync(ect_memory_t *m, unsigned int bank, bool wait)
+static int end_sync(bank_t *b, bool wait)
 {
-    const struct aiocb *const all[] = {&m->sync[bank]};
-    int error = aio_error(&m->sync[bank]);
+    const struct aiocb *const all[] = {&b->sync};
+    int error = aio_error(&b->sync);
     while (wait && error == EINPROGRESS) {
         (void)aio_suspend(all, 1, NULL);
-        error = aio_error(&m->sync[bank]);
+        error = aio_error(&b->sync);
     }
     if (error == EINPROGRESS)
         return ECT_STORAGE_BUSY;
-    m->syncing[bank] = false;
-    return aio_return(&m->sync[bank]) < 0 ? -1 : 0;
+    b->syncing = false;
+    return aio_return(&b->sync) < 0 ? -1 : 0;
 }
 
 static int bank_flush(void *ctx, unsigned int bank, bool wait)
 {
     ect_memory_t *m = ctx;
+    bank_t *b = &m->banks[bank];
     int result = 0;
-    while (result == 0 && (m->syncing[bank] || m->written[bank])) {
-        if (!m->syncing[bank] && begin_sync(m, bank) < 0)
+    while (result == 0 && (b->syncing || b->written)) {
+        if (!b->syncing && begin_sync(b) < 0)
             return -1;
-        result = end_sync(m, bank, wait);
+        result = end_sync(b, wait);
     }
     return result;
 }
 
-static int open_file(const char *path, int bank)
+/* --- opening ------------------------------------------------------------------------------------------------------ */
+
+/* The name of a new file is on the disk when its folder is. */
+static int sync_folder(const char *name)
 {
-    char name[ECT_MEMORY_PATH + 4];
-    if (!path)
-        return memfd_create("ectwin", MFD_CLOEXEC);
-    if (snprintf(name, sizeof name, "%s.%d", path, bank) >= (int)sizeof name) {
-        errno = ENAMETOOLONG;
-        return -1;
-    }
-    return open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    char folder[NAME];
+    const char *end = strrchr(name, '/');
+    snprintf(folder, sizeof folder, "%.*s", end ? (int)(end - name) : 1, end ? name : ".");
+    int fd = open(*folder ? folder : "/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int result = fd < 0 ? -1 : fsync(fd);
+    if (fd >= 0)
+        close(fd);
+    return result;
 }
 
-/* Two twins on one file would undo each other's records. */
-static bool open_bank(ect_memory_t *m, const char *path, int bank)
+static const char *make_empty(const bank_t *b, const char *name)
 {
-    m->fd[bank] = open_file(path, bank);
-    if (m->fd[bank] < 0 || flock(m->fd[bank], LOCK_EX | LOCK_NB) < 0 || ftruncate(m->fd[bank], ECT_MEMORY_BANK) < 0)
-        return false;
-    m->image[bank] = mmap(NULL, ECT_MEMORY_BANK, PROT_READ, MAP_SHARED, m->fd[bank], 0);
-    return m->image[bank] != MAP_FAILED;
+    bool done = ftruncate(b->fd, FILE_SIZE) == 0 && pwrite(b->fd, head, HEAD, 0) == HEAD && fsync(b->fd) == 0 &&
+                sync_folder(name) == 0;
+    return done ? NULL : strerror(errno);
+}
+
+/* What was never written to is not read: the banks of a thousand twins are nearly empty. */
+static bool read_image(const bank_t *b)
+{
+    for (off_t at = lseek(b->fd, HEAD, SEEK_DATA); at >= 0 && at < FILE_SIZE;) {
+        ssize_t got = pread(b->fd, b->image + (at - HEAD), (size_t)(FILE_SIZE - at), at);
+        if (got <= 0)
+            return false;
+        at = lseek(b->fd, at + got, SEEK_DATA);
+    }
+    return true;
+}
+
+/* Nothing but a file of our own is taken, and nothing else is changed. @return why not, NULL */
+static const char *open_file(bank_t *b, const char *name)
+{
+    struct stat info;
+    uint8_t found[HEAD];
+    b->fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+    if (b->fd < 0)
+        return errno == ELOOP ? "it is a link" : strerror(errno);
+    if (fstat(b->fd, &info) < 0 || !S_ISREG(info.st_mode))
+        return "it is not a regular file";
+    if (flock(b->fd, LOCK_EX | LOCK_NB) < 0) /* two twins on one file would undo each other's records */
+        return errno == EWOULDBLOCK ? "another twin uses it" : strerror(errno);
+    if (info.st_size == 0)
+        return make_empty(b, name);
+    if (info.st_size != FILE_SIZE || pread(b->fd, found, HEAD, 0) != HEAD || memcmp(found, head, HEAD) != 0)
+        return "it is not what a twin has saved; it stays as it is";
+    return read_image(b) ? NULL : strerror(errno);
+}
+
+/* What was never written is empty; what was is whole, or the last save was cut off, or it is damaged. */
+static bool is_whole(const ect_storage_t *storage, unsigned int bank)
+{
+    static const uint8_t empty[ECT_RECORD_HEADER];
+    uint8_t header[ECT_RECORD_HEADER];
+    ect_record_t record;
+    (void)storage->read(storage->ctx, bank, 0, header, sizeof header);
+    if (memcmp(header, empty, sizeof header) == 0)
+        return true;
+    return ect_record_header(storage, bank, ect_load_le32(header), &record) > 0 && ect_record_data_good(&record) > 0;
+}
+
+/* Under another name, for those who may mend it; an empty file takes its place. @return why not, NULL */
+static const char *keep_aside(ect_memory_t *m, unsigned int bank, const char *name, char *message)
+{
+    bank_t *b = &m->banks[bank];
+    char other[NAME + 32];
+    for (int n = 1; n <= MOST_KEPT; n++) {
+        snprintf(other, sizeof other, "%s.damaged%d", name, n);
+        if (link(name, other) == 0) {
+            size_t used = strlen(message);
+            snprintf(message + used, ECT_MEMORY_MESSAGE - used,
+                     "%s'%.200s' holds no whole record, it is kept as '%.30s'", used > 0 ? "; " : "", name,
+                     strrchr(other, '/') ? strrchr(other, '/') + 1 : other);
+            (void)unlink(name);
+            close(b->fd);
+            memset(b->image, 0, ECT_MEMORY_BANK);
+            return open_file(b, name);
+        }
+        if (errno != EEXIST)
+            return strerror(errno);
+    }
+    return "it is damaged, and so are nine others: look at them, and remove some";
+}
+
+static const char *open_bank(ect_memory_t *m, unsigned int bank, const char *path, char *message)
+{
+    char name[NAME];
+    m->banks[bank].image = calloc(1, ECT_MEMORY_BANK);
+    if (!m->banks[bank].image)
+        return "not enough memory";
+    if (!path)
+        return NULL;
+    snprintf(name, sizeof name, "%s.%u", path, bank);
+    const char *why = open_file(&m->banks[bank], name);
+    return why || is_whole(&m->storage, bank) ? why : keep_aside(m, bank, name, message);
 }
 
 ect_memory_t *ect_memory_open(const char *path, char *message)
 {
     ect_memory_t *m = calloc(1, sizeof *m);
+    const char *why = m ? NULL : "not enough memory";
+    *message = 0;
     if (m) {
-        m->fd[0] = m->fd[1] = -1;
-        m->image[0] = m->image[1] = MAP_FAILED;
-        m->on_disk = path != NULL;
+        m->banks[0].fd = m->banks[1].fd = -1;
+        m->storage = (ect_storage_t){.ctx = m,
+                                     .bank_size = ECT_MEMORY_BANK,
+                                     .read = bank_read,
+                                     .erase = bank_erase,
+                                     .write = bank_write,
+                                     .flush = bank_flush};
     }
-    if (!m || !open_bank(m, path, 0) || !open_bank(m, path, 1)) {
-        const char *why = errno == EWOULDBLOCK ? "another twin uses it" : strerror(errno);
-        snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%s.0' and '.1': %s", path ? path : "",
-                 why);
-        ect_memory_close(m);
-        return NULL;
+    if (path && strlen(path) >= ECT_MEMORY_PATH)
+        why = strerror(ENAMETOOLONG);
+    for (unsigned int bank = 0; bank < 2 && !why; bank++) {
+        why = open_bank(m, bank, path, message);
+        if (why)
+            snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%.400s.%u': %s", path ? path : "",
+                     bank, why);
     }
-    m->storage = (ect_storage_t){.ctx = m,
-                                 .bank_size = ECT_MEMORY_BANK,
-                                 .read = bank_read,
-                                 .erase = bank_erase,
-                                 .write = bank_write,
-                                 .flush = bank_flush};
-    return m;
+    if (!why)
+        return m;
+    if (*message == 0)
+        snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved: %s", why);
+    ect_memory_close(m);
+    return NULL;
 }
 
 void ect_memory_close(ect_memory_t *memory)
@@ -135,12 +242,12 @@ void ect_memory_close(ect_memory_t *memory)
     if (!memory)
         return;
     for (unsigned int bank = 0; bank < 2; bank++) {
-        if (memory->syncing[bank])
-            (void)end_sync(memory, bank, true);
-        if (memory->image[bank] != MAP_FAILED)
-            munmap((void *)(uintptr_t)memory->image[bank], ECT_MEMORY_BANK);
-        if (memory->fd[bank] >= 0)
-            close(memory->fd[bank]);
+        bank_t *b = &memory->banks[bank];
+        if (b->syncing)
+            (void)end_sync(b, true);
+        if (b->fd >= 0)
+            close(b->fd);
+        free(b->image);
     }
     free(memory);
 }

@@ -16,8 +16,11 @@ enum { ECT_MEMORY_BANK = 1024 * 1024, ECT_MEMORY_PATH = 512, ECT_MEMORY_MESSAGE 
 typedef struct ect_memory ect_memory_t;
 
 /**
- * Opens it. @param path  the files are PATH.0 and PATH.1, made when they are missing; NULL: in memory only
- * @param[out] message    on failure one line for the user; ECT_MEMORY_MESSAGE bytes
+ * Opens it. A file must be one that this has made, and no other twin's at present; anything else is refused, and left
+ * as it is. One whose record is not whole (seams/record.h) is kept under another name, and begun anew.
+ * @param path          the files are PATH.0 and PATH.1, made when they are missing; NULL: in memory only
+ * @param[out] message  ECT_MEMORY_MESSAGE bytes. On failure one line for the user; else "", or a line about a file that
+ *                      was put aside
  * @return the memory, to be closed with ::ect_memory_close, or NULL
  */
 ect_memory_t *ect_memory_open(const char *path, char *message);

@@ -205,6 +205,8 @@ static bool open_memories(twin_args_t *args, const char *who)
             fprintf(stderr, "%s: %s\n", who, message);
             return false;
         }
+        if (*message)
+            fprintf(stderr, "%s: %s\n", who, message);
         args->twins[i].storage = ect_memory_storage(args->memories[i]);
     }
     return args->memories != NULL;
