@@ -29,6 +29,14 @@ void print_text(FILE *stream, const char *text)
     }
 }
 
+void print_json(const char *text)
+{
+    for (; *text != 0; text++)
+        putchar(*text >= ' ' && *text <= '~' ? *text : '?');
+    putchar('\n');
+    fflush(stdout);
+}
+
 /* --- finding one -------------------------------------------------------------------------------------------------- */
 
 static const char *name_of(uid_t user, char room[32])
@@ -254,12 +262,8 @@ int connection_follow(FILE *connection, const char *who)
     char raw[LINE_ROOM];
     (void)setsockopt(fileno(connection), SOL_SOCKET, SO_RCVTIMEO, &for_ever, sizeof for_ever);
     while (!ferror(stdout) && fgets(raw, sizeof raw, connection)) {
-        for (char *c = raw; *c != 0; c++) {
-            if (*c != '\n' && (*c < ' ' || *c > '~'))
-                *c = '?';
-        }
-        fputs(raw, stdout);
-        fflush(stdout);
+        raw[strcspn(raw, "\n")] = 0;
+        print_json(raw);
     }
     return ferror(stdout) ? EXIT_RUN : no_answer(connection, who);
 }

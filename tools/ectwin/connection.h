@@ -39,4 +39,7 @@ const char *connection_text(const cJSON *line, const char *member, char room[32]
 /** Prints text from a twin; what could steer a terminal is printed as \xNN. */
 void print_text(FILE *stream, const char *text);
 
+/** Prints a line of JSON from a twin; it stays JSON. */
+void print_json(const char *text);
+
 #endif

@@ -95,9 +95,17 @@ static void print_value_of_slave(const cJSON *line)
     print_value(line);
 }
 
+static void print_column(const char *text, int width)
+{
+    print_text(stdout, text);
+    printf("%*s ", width > (int)strlen(text) ? width - (int)strlen(text) : 0, "");
+}
+
 static void print_signal(const char *name, const char *access, const char *range, const char *meaning)
 {
-    printf("%-22s %-2s %-34s ", name, access, range);
+    print_column(name, 22);
+    print_column(access, 2);
+    print_column(range, 34);
     print_text(stdout, meaning);
     putchar('\n');
 }
@@ -112,7 +120,7 @@ static void print_description(const cJSON *line)
 static void print_line(const cJSON *line)
 {
     char *text = cJSON_PrintUnformatted(line);
-    printf("%s\n", text ? text : "");
+    print_json(text ? text : "");
     cJSON_free(text);
 }
 

@@ -1,0 +1,193 @@
+#!/usr/bin/env bash
+# Those who talk to a running twin: get, set, watch, list-signals, files, the Python module; and whom they do not trust.
+# usage: control.sh ECTWIN [CASE]       Needs no root; what needs a second user is left out without it, and says so.
+set -u
+ectwin=$1
+only=${2:-}
+here=$(cd "$(dirname "$0")" && pwd)
+failed=0
+ran=0
+
+check() { # TITLE EXPECTED ACTUAL
+  if [ "$2" = "$3" ]; then return 0; fi
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$case_name"
+  failed=1
+}
+
+has() { # TITLE PART FILE
+  check "$1" "$2" "$(grep -qF -- "$2" "$3" && echo "$2" || cat "$3")"
+}
+
+# Runs a script with an FZM1 beside it; what it prints is in $work/out, what goes wrong in $work/err.
+beside_an_fzm1() {
+  "$ectwin" with fzm1 -- sh -c "$1" >"$work/out" 2>"$work/err"
+}
+
+all_or_nothing() {
+  beside_an_fzm1 "'$ectwin' set output_period=40 output_time=30 && '$ectwin' set output_time=300 output_period=400
+    '$ectwin' set data1=7 output_time=401; echo \$?; '$ectwin' set data1=7 nosuch=1; echo \$?; '$ectwin' get data1
+    '$ectwin' get 'output_[pt]*'; '$ectwin' set scene=010; '$ectwin' get scene"
+  check "set: all or nothing, in any order; decimal" "1 1 data1=0 output_period=400 output_time=300 scene=10" \
+    "$(xargs <"$work/out")"
+}
+
+tables() {
+  printf '\xef\xbb\xbf"row1";row_add\r\n 1,5 ;1\r\n' >"$work/comma.csv"
+  printf 'comment1;comment2\n"a; ""b""";  two words  \n\n' >"$work/semicolons.csv"
+  beside_an_fzm1 "'$ectwin' set --csv '$work/comma.csv'; echo \$?; '$ectwin' set --csv '$work/semicolons.csv'; echo \$?
+    '$ectwin' get 'comment[12]'; printf 'data1\tdata2\n1\t2\n' | '$ectwin' set --csv -; '$ectwin' get 'data[12]'"
+  check "set: --csv with semicolons, quotes, tabs, from standard input" \
+    '1|0|comment1=a; "b"|comment2=two words|data1=1|data2=2|' "$(tr '\n' '|' <"$work/out")"
+  has "set: --csv names the line that is refused" "line 2 of" "$work/err"
+}
+
+# Nothing is cut: a row is taken whole, or refused and nothing of it set.
+tables_that_are_refused() {
+  { printf 'data1'; printf ',ru%d' $(seq 200); echo; } >"$work/columns.csv"
+  { printf 'data1\n1'; head -c 20000 /dev/zero | tr '\0' '0'; echo; } >"$work/long.csv"
+  printf 'data1,data2\n1,2\n3,4,5\n' >"$work/more.csv"
+  printf 'data1\n1\0002\n' >"$work/zero.csv"
+  printf 'comment1\n"open\n' >"$work/quote.csv"
+  printf 'comment1\n"a"b\n' >"$work/behind.csv"
+  printf 'data1,busy\n9,1\n' >"$work/row.csv"
+  while read -r file want; do
+    beside_an_fzm1 "'$ectwin' set --csv '$file'; echo \$?; '$ectwin' get data1"
+    check "set: --csv $file is refused" "1 data1=${want%% *}" "$(xargs <"$work/out")"
+    has "set: --csv $file, and why" "${want#* }" "$work/err"
+  done <<EOF
+$work/columns.csv 0 more than 128 cells
+$work/long.csv 0 longer than 16383
+$work/more.csv 1 line 3
+$work/zero.csv 0 zero byte
+$work/quote.csv 0 not closed
+$work/behind.csv 0 follows a closing quote
+$work/row.csv 0 the twin's own
+/dev/zero 0 zero byte
+EOF
+}
+
+signals_of_a_device() {
+  "$ectwin" list-signals fzm1 >"$work/offline"
+  beside_an_fzm1 "'$ectwin' list-signals"
+  check "list-signals DEVICE: the same as of a running one" same \
+    "$(grep -v '^ecat.plug' "$work/out" | cmp -s - <(grep -v '^ecat.plug' "$work/offline") && echo same || diff "$work/out" "$work/offline")"
+  check "list-signals DEVICE PATTERN" "ru1.id ru8.id" "$("$ectwin" list-signals vr-bu-ect-map7 'ru[18].id' | awk '{print $1}' | xargs)"
+  "$ectwin" list-signals fzm1 'nosuch*' 2>"$work/err"
+  check "list-signals: nothing matches" 1 $?
+  has "list-signals: it says so" "no signal of fzm1 matches 'nosuch*'" "$work/err"
+}
+
+numbers_are_numbers() {
+  beside_an_fzm1 "timeout 1 '$ectwin' watch 'data1' | head -1; timeout 1 '$ectwin' watch comment1 | head -1"
+  check "watch: a number, and a text" 'int str' \
+    "$(python3 -c 'import json, sys; print(*(type(json.loads(l)["value"]).__name__ for l in sys.stdin))' <"$work/out")"
+}
+
+# A folder in which a name has brackets, and one whose sockets have longer paths than an address of a socket.
+odd_and_long_folders() {
+  local long="$work/a [b] c/$(printf 'x%.0s' $(seq 120))"
+  mkdir -p "$long"
+  check "get: a long path with brackets" "data1=0" "$(XDG_RUNTIME_DIR=$long "$ectwin" with fzm1 -- \
+    sh -c "unset ECTWIN_SOCKET; '$ectwin' get data1" 2>/dev/null)"
+  check "get: the name of the socket goes with the twin" "" "$(ls "$long/ectwin")"
+}
+
+no_twin() {
+  mkdir "$work/empty"
+  XDG_RUNTIME_DIR=$work/empty "$ectwin" get 2>"$work/err"
+  check "get: no twin" 2 $?
+  has "get: it says how to start one" "no twin of yours is running: start one with" "$work/err"
+}
+
+# What answers may be stopped, for good or for a while; a backlog may be full.
+a_stopped_twin() {
+  beside_an_fzm1 "kill -STOP \$PPID; '$ectwin' get data1; echo \$?; kill -CONT \$PPID; '$ectwin' get data1"
+  check "get: a stopped twin is not waited for, and answers when it goes on" "3 data1=0" "$(xargs <"$work/out")"
+  has "get: it says so" "the twin does not answer" "$work/err"
+}
+
+# A socket that somebody else serves: what it says must not steer the terminal.
+escapes() {
+  cat >"$work/hostile.py" <<'EOF'
+import json, socket, sys
+server = socket.socket(socket.AF_UNIX)
+server.bind(sys.argv[1])
+server.listen()
+print("ready", flush=True)
+for _ in range(3):
+    client, _ = server.accept()
+    request = json.loads(client.makefile().readline())
+    line = {"slave": 1, "name": "\x1b]0;owned\x07", "value": "\x9b31m\x7f", "time": 1}
+    client.sendall(json.dumps(line).encode() + b"\n")
+    if request["op"] == "watch":
+        client.sendall(b'{"ok":true}\n{"\x1b[31m":1}\n')
+    else:
+        client.sendall(json.dumps({"ok": False, "message": "\x1b[2Jno"}).encode() + b"\n")
+    client.close()
+EOF
+  python3 "$work/hostile.py" "$work/hostile.sock" >"$work/ready" &
+  local server=$!
+  for _ in $(seq 50); do [ -s "$work/ready" ] && break; sleep 0.1; done
+  for command in get list-signals watch; do
+    "$ectwin" $command -s "$work/hostile.sock" >>"$work/said" 2>&1
+  done
+  wait $server
+  check "what a twin says is printed without control characters" "" "$(LC_ALL=C grep -n "[^ -~]" "$work/said" | cat -v)"
+  has "and can still be read" '\x1b]0;owned\x07' "$work/said"
+}
+
+# Somebody has made the folder of a user's sockets before the user did, or serves a socket in it.
+squatters() {
+  if [ "$(id -u)" != 0 ] || ! setpriv --reuid 65534 --clear-groups /usr/bin/python3 -c '' 2>/dev/null; then
+    echo "squatters: left out, it needs root to play a second user, and python3 for that one"
+    return
+  fi
+  mkdir -p "$work/squatted/ectwin" && chown 65534 "$work/squatted/ectwin" && chmod 755 "$work" "$work/squatted"
+  XDG_RUNTIME_DIR=$work/squatted "$ectwin" get 2>"$work/err"
+  check "get: a folder of somebody else" 2 $?
+  has "get: it is not trusted" "belongs to somebody else" "$work/err"
+  XDG_RUNTIME_DIR=$work/squatted "$ectwin" with fzm1 -- true 2>"$work/err"
+  has "with: no socket in a folder of somebody else" "not a folder of your own" "$work/err"
+  XDG_RUNTIME_DIR=$work/squatted python3 -c "
+import sys; sys.path.insert(0, '$here/../../python')
+import ectwin
+try: ectwin.connect()
+except ectwin.Error as e: print(e)" >"$work/out" 2>&1
+  has "python: nor by the module" "belongs to somebody else" "$work/out"
+  mkdir -m 777 "$work/open"
+  setpriv --reuid 65534 --clear-groups /usr/bin/python3 -c "
+import os, socket, time
+s = socket.socket(socket.AF_UNIX); s.bind('$work/open/9.sock'); s.listen(); os.chmod('$work/open/9.sock', 0o777)
+print('ready', flush=True); time.sleep(20)" >"$work/ready2" &
+  local server=$!
+  for _ in $(seq 50); do [ -s "$work/ready2" ] && break; sleep 0.1; done
+  cp "$ectwin" "$work/open/ectwin"
+  setpriv --reuid 65533 --clear-groups "$work/open/ectwin" get -s "$work/open/9.sock" 2>"$work/err"
+  check "get: a socket that a third user serves" 2 $?
+  has "get: it is not trusted either" "not by you: not trusted" "$work/err"
+  kill $server
+  wait $server 2>/dev/null
+}
+
+# In a network of its own, as `run` needs an interface.
+python_module() {
+  "$ectwin" with fzm1 -- python3 "$here/test_python.py" --beside >"$work/out" 2>&1
+  check "python: beside a twin" 0 "$?$(grep -v '^{"event"' "$work/out" | grep -A20 -E '^(FAIL|ERROR)')"
+  unshare -Urn sh -c 'ip link add name tw0 type veth peer name tw1 && ip link set tw1 up && exec python3 "$1" --start "$2" tw0' \
+    sh "$here/test_python.py" "$ectwin" >"$work/out" 2>&1
+  check "python: start a twin" 0 "$?$(grep -A20 -E '^(FAIL|ERROR)' "$work/out")"
+}
+
+work=$(mktemp -d)
+export XDG_RUNTIME_DIR=$work/runtime
+mkdir "$XDG_RUNTIME_DIR"
+trap 'rm -rf "$work"' EXIT
+for case_name in all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers odd_and_long_folders \
+  no_twin a_stopped_twin escapes squatters python_module; do
+  [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
+  $case_name
+  ran=$((ran + 1))
+done
+echo "$ran cases"
+[ $ran -gt 0 ] || failed=1
+exit $failed

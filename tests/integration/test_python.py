@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The Python module over a running twin (docs/CONTROL.md).
+
+test_python.py --beside                 with an FZM1 that runs: ectwin with fzm1 -- test_python.py --beside
+test_python.py --start ECTWIN IFACE     starts twins itself on an interface
+"""
+
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+import ectwin  # noqa: E402
+
+
+class Beside(unittest.TestCase):
+    def setUp(self):
+        self.twin = ectwin.connect()
+        self.addCleanup(self.twin.close)
+
+    def test_values_have_their_types(self):
+        self.twin.set({"data1": 2.5, "timeout": 30, "run": True, "comment1": 'a "quoted" text'})
+        self.assertEqual(self.twin.get("timeout"), 30)
+        self.assertEqual(self.twin.get("comment1"), 'a "quoted" text')
+        self.assertEqual(self.twin.values("data[1-3]"), {"data1": 2.5, "data2": 0, "data3": 0})
+        self.assertEqual(self.twin.values("timeout", slave=0), {(1, "timeout"): 30})
+
+    def test_several_are_set_or_none(self):
+        self.twin.set({"output_time": 300, "output_period": 400})
+        with self.assertRaisesRegex(ectwin.Refused, "output_time: the output time must be shorter"):
+            self.twin.set({"data4": 7, "output_time": 500})
+        self.assertEqual(self.twin.get("data4"), 0)
+        with self.assertRaisesRegex(ectwin.Refused, "has no signal 'nosuch'"):
+            self.twin.set({"nosuch": 1})
+
+    def test_signals(self):
+        (signal,) = self.twin.signals("scene")
+        self.assertEqual((signal.slave, signal.name, signal.access), (1, "scene", "rw"))
+        self.assertGreater(len(self.twin.signals()), 100)
+
+    def test_one_or_several(self):
+        with self.assertRaisesRegex(ectwin.Error, "not one signal, but 2"):
+            self.twin.get("data[12]")
+        with self.assertRaisesRegex(ectwin.Refused, "no signal matches"):
+            self.twin.get("nosuch*")
+
+    def test_watch(self):
+        self.twin.set({"image_input": 100, "processing": 100})
+        with self.twin.watch("busy", every=True) as watch:
+            self.assertEqual(watch.values, {(1, "busy"): 0})
+            self.twin.set({"trigger": 1})
+            on, off = next(watch), next(watch)
+            self.assertEqual((on.slave, on.name, on.value, off.value), (1, "busy", 1, 0))
+            self.assertAlmostEqual(off.time - on.time, 200e-6, delta=2e-6)
+            self.assertIsNone(watch.next(0.05))
+
+    def test_wait_for(self):
+        self.twin.set({"image_input": 1000, "processing": 50000})
+        self.twin.set({"trigger": 1})
+        self.twin.wait_for("busy", 0)
+        with self.assertRaisesRegex(ectwin.Error, "busy is 0, not 1, after 0.05 s"):
+            self.twin.wait_for("busy", 1, timeout=0.05)
+
+    def test_many_at_once(self):
+        twins = [ectwin.connect() for _ in range(15)]
+        for twin in twins:
+            self.addCleanup(twin.close)
+        with self.assertRaisesRegex(ectwin.Error, "serves 16 connections"):
+            ectwin.connect().get("scene")
+        for twin in twins:
+            self.assertEqual(twin.get("busy"), 0)
+
+    def test_no_such_socket(self):
+        with self.assertRaisesRegex(ectwin.Error, "no twin answers at '/nowhere/at/all'"):
+            ectwin.connect("/nowhere/at/all")
+
+
+class Start(unittest.TestCase):
+    program = interface = None
+
+    def test_start_set_command_and_end(self):
+        with ectwin.start("vr-bu-ect-map7", self.interface, program=self.program) as twin:
+            path = twin.path
+            twin.set({"ru1.on": 1})
+            self.assertEqual(twin.get("ru1.on"), 1)
+            with self.assertRaises(ectwin.Refused):
+                twin.command("ru1", bytes(15))
+            self.assertEqual(twin.get("bu.state"), twin.values("bu.*")["bu.state"])
+        self.assertFalse(os.path.lexists(path))
+
+    def test_options_and_several_devices(self):
+        options = ["--set", "2:data1=5"]
+        with ectwin.start(["fzm1", "fzm1"], self.interface, options, self.program) as twin:
+            self.assertEqual(twin.values("data1", slave=0), {(1, "data1"): 0, (2, "data1"): 5})
+
+    def test_what_cannot_start(self):
+        with self.assertRaisesRegex(ectwin.Error, "ended with status 2"):
+            ectwin.start("fzm1", "nosuch0", program=self.program)
+        with self.assertRaisesRegex(ectwin.Error, "ended with status 1"):
+            ectwin.start("nosuch", self.interface, program=self.program)
+
+    def test_none_runs(self):
+        with self.assertRaisesRegex(ectwin.Error, "no twin of yours is running"):
+            ectwin.connect()
+
+
+if __name__ == "__main__":
+    mode = sys.argv.pop(1)
+    if mode == "--start":
+        Start.program, Start.interface = sys.argv[1:3]
+    loader = unittest.defaultTestLoader
+    suite = loader.loadTestsFromTestCase(Start if mode == "--start" else Beside)
+    sys.exit(not unittest.TextTestRunner().run(suite).wasSuccessful())
