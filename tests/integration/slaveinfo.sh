@@ -24,10 +24,10 @@ while read -r device input output entries gaps name; do
   expect "$device" "gaps" "$gaps" "$(grep -c 'index:1c3[23]\..* error:06090011' <<<"$sdo")"
   expect "$device" "last entry is listed" yes "$(grep -q 'End slaveinfo' <<<"$sdo" && grep -q "\"$name\"" <<<"$sdo" && echo yes)"
 done <<'TABLE'
-vr-bu-ect-map1     66  0   36  0  Input data
-vr-bu-ect-map3     66  24  43  0  Input data
-vr-bu-ect-map7     66  228 246 0  Input data
-vr-bu-ect-multiarm 142 228 294 0  Input data
+vr-bu-ect-map1     66  0   37  0  Input data
+vr-bu-ect-map3     66  24  45  0  Input data
+vr-bu-ect-map7     66  228 73  0  Input data
+vr-bu-ect-multiarm 142 228 121 0  Input data
 fzm1               48  20  17  48 Comment 8
 TABLE
 exit $failed
