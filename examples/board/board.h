@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/** @file What main.c needs of the board: a clock, the window of the ESC, a sensor, an output. Yours to write. */
+#ifndef BOARD_H
+#define BOARD_H
+
+#include <stdint.h>
+
+#include "ports/template/template.h"
+
+extern const ect_window_t board_window;
+
+/** Nanoseconds since power-on. Never goes back. */
+uint64_t board_now_ns(void);
+
+/** 0.1 °C */
+int16_t board_temperature(void);
+
+/** @param percent  0..100 */
+void board_heat(uint8_t percent);
+
+/** Tells the board's own watchdog that the main loop runs. */
+void board_alive(void);
+
+/** Resets the processor. */
+void board_reset(void);
+
+#endif

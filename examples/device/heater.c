@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "heater.h"
+
+enum { TICK_NS = 10000000, EMERGENCY_OVER = 0x0000, EMERGENCY_TEMPERATURE = 0x4000, ERROR_TEMPERATURE = 0x08 };
+
+/* --- the dictionary ------------------------------------------------------------------------------------------------
+ */
+
+static const ect_entry_t outputs_mapping[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_MAP(1, ECT_MAP(0x7000, 1, 16))};
+static const ect_entry_t inputs_mapping[] = {ECT_ENTRY_COUNT(2), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 1, 16)),
+                                             ECT_ENTRY_MAP(2, ECT_MAP(0x6000, 2, 8))};
+static const ect_entry_t outputs_assignment[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1600)};
+static const ect_entry_t inputs_assignment[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
+
+static const ect_entry_t inputs_6000[] = {
+    ECT_ENTRY_COUNT(2),
+    ECT_ENTRY(1, INTEGER16, 16, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "Temperature", 0, heater_t, temperature),
+    ECT_ENTRY(2, UNSIGNED8, 8, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "Power", 0, heater_t, power),
+};
+static const ect_entry_t outputs_7000[] = {
+    ECT_ENTRY_COUNT(1),
+    ECT_ENTRY(1, INTEGER16, 16, ECT_ACCESS_RO | ECT_ACCESS_RXPDO, "Set point", 0, heater_t, set_point),
+};
+static const ect_entry_t settings_8000[] = {
+    ECT_ENTRY_COUNT(1),
+    ECT_ENTRY(1, INTEGER16, 16, ECT_ACCESS_RW, "Highest temperature", 2000, heater_t, highest),
+};
+
+static const ect_object_t objects[] = {
+    ECT_OBJECT_DEVICE_TYPE,
+    ECT_OBJECT_ERROR_REGISTER,
+    ECT_OBJECT_DEVICE_NAME,
+    ECT_OBJECT_HARDWARE_VERSION,
+    ECT_OBJECT_SOFTWARE_VERSION,
+    ECT_OBJECT_IDENTITY,
+    ECT_RECORD(0x1600, "Outputs mapping", outputs_mapping),
+    ECT_RECORD(0x1A00, "Inputs mapping", inputs_mapping),
+    ECT_OBJECT_SM_TYPES(4),
+    ECT_ARRAY(0x1C12, "SM2 assignment", outputs_assignment),
+    ECT_ARRAY(0x1C13, "SM3 assignment", inputs_assignment),
+    ECT_RECORD(0x6000, "Inputs", inputs_6000),
+    ECT_RECORD(0x7000, "Outputs", outputs_7000),
+    ECT_RECORD(0x8000, "Settings", settings_8000),
+};
+static const ect_detail_t details[] = {ECT_LIMITS(0x8000, 1, 0, 0, 3000)};
+
+/* --- the behaviour -------------------------------------------------------------------------------------------------
+ */
+
+static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
+{
+    heater_t *h = instance;
+    (void)now_ns;
+    h->host = host;
+}
+
+static void outputs(void *instance, uint64_t now_ns)
+{
+    heater_t *h = instance;
+    (void)now_ns;
+    h->live = true;
+}
+
+static void safe_outputs(void *instance, uint64_t now_ns)
+{
+    heater_t *h = instance;
+    (void)now_ns;
+    h->live = false;
+    h->set_point = 0;
+}
+
+/* A sensor that breaks is told as an emergency, and so is its return. */
+static void watch_sensor(heater_t *h)
+{
+    static const uint8_t nothing[5] = {0};
+    if (h->broken && !h->told)
+        h->host->emergency(h->host->ctx, EMERGENCY_TEMPERATURE, ERROR_TEMPERATURE, nothing);
+    if (!h->broken && h->told)
+        h->host->emergency(h->host->ctx, EMERGENCY_OVER, 0, nothing);
+    h->told = h->broken;
+}
+
+static uint64_t tick(void *instance, uint64_t now_ns)
+{
+    heater_t *h = instance;
+    int goal = h->set_point < h->highest ? h->set_point : h->highest;
+    int missing = goal - h->sensed;
+    watch_sensor(h);
+    h->temperature = h->broken ? INT16_MAX : h->sensed;
+    if (!h->live || h->broken || missing < 0)
+        missing = 0;
+    h->power = (uint8_t)(missing < 100 ? missing : 100);
+    return now_ns + TICK_NS;
+}
+
+/* --- the description -----------------------------------------------------------------------------------------------
+ */
+
+static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
+                                                  NULL};
+
+const ect_device_t heater = {
+    .name = "heater",
+    .summary = "A heater with one sensor",
+    .vendor_name = "Example",
+    .type_name = "HEATER-1",
+    .group_type = "HEATERS",
+    .group_name = "Heaters",
+    .hardware_version = "1",
+    .software_version = "1.0.0",
+    .identity = {.vendor_id = 0x00000E57, .product_code = 0x4EA7, .revision = 0x00010000, .serial = 1},
+    .esc = "lan9252",
+    .sii_size = 2048,
+    .sm = {{.start = 0x1000, .length = 128, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},
+           {.start = 0x1080, .length = 128, .control = 0x22, .type = ECT_SM_MAILBOX_IN},
+           {.start = 0x1100, .control = 0x64, .type = ECT_SM_OUTPUTS},
+           {.start = 0x1180, .control = 0x20, .type = ECT_SM_INPUTS}},
+    .sm_count = 4,
+    .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
+    .fmmu_count = 3,
+    .mailbox_protocols = ECT_MAILBOX_COE,
+    .protocols = protocols,
+    .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS,
+    .physics = "YY",
+    .objects = objects,
+    .object_count = sizeof objects / sizeof objects[0],
+    .details = details,
+    .detail_count = sizeof details / sizeof details[0],
+    .instance_size = sizeof(heater_t),
+    .init = init,
+    .outputs = outputs,
+    .safe_outputs = safe_outputs,
+    .tick = tick,
+};

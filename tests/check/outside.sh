@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# Other projects against an installed ectwin: the device and the board of examples/, by CMake, by pkg-config, and for a Cortex-M4.
+# usage: outside.sh BUILD SLAVEINFO [FLAGS]     SLAVEINFO: of SOEM, if it is there; FLAGS: what BUILD was compiled with
+set -eu
+build=$1
+slaveinfo=$2
+flags="-Wall -Wextra -Wconversion -Wshadow -Werror ${3:-}"
+root=$(cd "$(dirname "$0")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+status=0
+
+check() { # TITLE EXPECTED ACTUAL
+  [ "$2" = "$3" ] && return 0
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
+  status=1
+}
+
+quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log"; echo "FAILED $*"; exit 1; }; }
+
+# project SOURCE NAME ARGUMENT...: configured and built below NAME
+project() {
+  local source=$1 name=$2
+  shift 2
+  quietly cmake -G Ninja -S "$source" -B "$work/$name" "$@"
+  quietly cmake --build "$work/$name"
+}
+
+quietly cmake --install "$build" --prefix "$work/prefix"
+
+# A device outside the tree: its own tests, and the whole command with it.
+cp -r "$root/examples" "$work/examples" # nothing beside it
+project "$work/examples/device" device -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_C_FLAGS="$flags"
+quietly "$work/device/test_heater"
+heater=$work/device/ectwin-heater
+check "list" "fzm1 heater" "$("$heater" list | awk '{print $1}' | grep -E '^(fzm1|heater)$' | xargs)"
+check "list: bytes" "3/2" "$("$heater" list | awk '$1 == "heater" {print $2}')"
+if [ -x "$slaveinfo" ]; then
+  map=$("$heater" with heater -- "$slaveinfo" '{}' -map 2>/dev/null)
+  check "with: SAFEOP" 4 "$(sed -n 's/ State: //p' <<<"$map")"
+  check "with: sizes" "16bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"
+  check "with: entries" "Set point Temperature Power" "$(sed -n 's/^  \[0x.*0x.. [A-Z0-9]* *//p' <<<"$map" | xargs)"
+fi
+check "set, get" "sensed=215" "$("$heater" with heater -- sh -c "'$heater' set sensed=215; '$heater' get sensed" 2>/dev/null)"
+check "sii" 2048 "$("$heater" sii heater | wc -c)"
+
+# By pkg-config.
+export PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig
+# shellcheck disable=SC2046,SC2086
+quietly ${CC:-cc} -std=c11 $flags "$work"/examples/device/{main,heater,heater_plant}.c $(pkg-config --cflags --libs ectwin-host) \
+  -o "$work/by-pkg-config"
+check "pkg-config: list" "3/2" "$("$work/by-pkg-config" list | awk '$1 == "heater" {print $2}')"
+
+# Two devices of one name are one too many.
+sed -i 's/\.name = "heater"/.name = "fzm1"/' "$work/examples/device/heater.c"
+quietly cmake --build "$work/device"
+check "a name that is taken" "3 ectwin: two devices have the name 'fzm1'; give this program's another one" \
+  "$("$heater" list >"$work/out" 2>&1; echo $? "$(cat "$work/out")")"
+
+# The core alone, and the board with the same device.
+arm="-DCMAKE_BUILD_TYPE=MinSizeRel -DCMAKE_TOOLCHAIN_FILE=$root/examples/board/cortex-m4.cmake"
+# shellcheck disable=SC2086
+project "$root" core $arm -DECTWIN_HOST=OFF
+quietly cmake --install "$work/core" --prefix "$work/arm"
+# shellcheck disable=SC2086
+project "$work/examples/board" board $arm -DCMAKE_PREFIX_PATH="$work/arm"
+check "the firmware is there" yes "$([ -s "$work/board/heater-firmware" ] && echo yes)"
+# shellcheck disable=SC2086
+cmake -G Ninja -S "$work/examples/device" -B "$work/no-host" $arm -DCMAKE_PREFIX_PATH="$work/arm" >"$work/log" 2>&1 || true
+check "find_package without the host part says so" yes "$(grep -q 'without its host part' "$work/log" && echo yes)"
+exit $status
