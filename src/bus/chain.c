@@ -11,6 +11,9 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
+/* From one time that an ESC asks for to the next one. Cycles in use go down to 31.25 us. */
+enum { REST_NS = 25000 };
+
 typedef struct twin {
     ect_twin_config_t config;
     ect_esc_t esc;
@@ -19,6 +22,7 @@ typedef struct twin {
     ect_wiring_t *wiring;
     bool link[ECT_ENDS];  /* what is known to its ESC: a link at port 0, at port 1 */
     uint32_t seen;        /* ESC activity that the slave has dealt with */
+    uint64_t esc_ns;      /* deadline of the ESC */
     uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
     uint64_t last_frame_ns;
     ect_lamps_t *lamps;
@@ -103,6 +107,7 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
     slave.switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
     for (unsigned int port = 0; port < ECT_ENDS; port++)
         ect_esc_set_link(&twin->esc, port, twin->link[port]);
+    twin->esc_ns = ECT_NEVER;
     twin->deadline_ns = now_ns;
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
@@ -234,12 +239,20 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
     return ect_chain_pass(chain, ECT_END_IN, frame, length, now_ns) == ECT_END_IN;
 }
 
+/* A master may ask its slave for a pulse every nanosecond. The chip gives them, but nobody can be woken by each. */
+static uint64_t tick_esc(twin_t *twin, uint64_t now_ns)
+{
+    bool woken = now_ns >= twin->esc_ns;
+    uint64_t next_ns = ect_esc_tick(&twin->esc, now_ns);
+    return woken && next_ns < now_ns + REST_NS ? now_ns + REST_NS : next_ns;
+}
+
 static void poll_twin(twin_t *twin, uint64_t now_ns)
 {
-    uint64_t esc_ns = ect_esc_tick(&twin->esc, now_ns);
+    twin->esc_ns = tick_esc(twin, now_ns);
     twin->seen = ect_esc_activity(&twin->esc);
     uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
-    twin->deadline_ns = esc_ns < slave_ns ? esc_ns : slave_ns;
+    twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
     if (twin->slave.restart)
         (void)power_on(twin, now_ns);
 }

@@ -37,8 +37,9 @@ static void show(ect_lamps_t *lamps, unsigned int lamp, ect_pattern_t pattern)
 /* All that the lamps depend on, never 0. */
 static uint64_t seen_of(const ect_slave_t *slave, bool in_link, bool out_link, bool traffic)
 {
-    return 1u | (uint64_t)in_link << 4 | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 | (uint64_t)traffic << 3 |
-           (uint64_t)slave->state << 8 | (uint64_t)slave->cause << 16 | (uint64_t)slave->code << 24;
+    return 1u | (uint64_t)in_link << 4 | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 |
+           (uint64_t)traffic << 3 | (uint64_t)slave->state << 8 | (uint64_t)slave->cause << 16 |
+           (uint64_t)slave->code << 24;
 }
 
 uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,

@@ -11,8 +11,8 @@
 #include <sched.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <string.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -121,8 +121,8 @@ static int map_from_outside(pid_t inside, int go)
     return mapped && write_file(path, map[1]) ? 0 : 1;
 }
 
-/* For root: all files stay as they are, but the rights end at this namespace. @return false with nothing changed, or with
- * the process in a namespace where it is nobody */
+/* For root: all files stay as they are, but the rights end at this namespace. @return false with nothing changed, or
+ * with the process in a namespace where it is nobody */
 static bool enter_as_root(bool *entered)
 {
     int go[2];

@@ -5,22 +5,24 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <linux/ethtool.h>
+#include <linux/filter.h>
+#include <linux/if_ether.h>
 #include <linux/if_packet.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <linux/sockios.h>
 #include <net/if.h>
 #include <net/if_arp.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { ETHERTYPE_ECAT = 0x88A4 };
+#include "wire/bytes.h"
+
+enum { ETHERTYPE_ECAT = 0x88A4, ETHERTYPE_VLAN = 0x8100, NOTHING = 0x10000 };
 
 /* A process that was held up finds frames that its master has long given up. Answered, they would be taken for answers
  * to newer ones (SOEM tells them apart by 4 bits), and the master would stay that far behind. A wire does not store
@@ -55,24 +57,6 @@ static bool set_flags(int fd, const char *iface, bool up)
     return ioctl(fd, SIOCSIFFLAGS, &request) == 0;
 }
 
-/* Two twins on one interface would both answer. Abstract socket names belong to the network namespace, as interfaces
- * do. */
-static int claim(ect_packet_t *port, char *message)
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX}; /* abstract: the name begins with 0 */
-    int length = snprintf(address.sun_path + 1, sizeof address.sun_path - 1, "ectwin-%s", port->iface);
-    socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)length);
-    port->claim_fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (port->claim_fd >= 0 && bind(port->claim_fd, (const struct sockaddr *)&address, size) == 0)
-        return 0;
-    if (errno == EADDRINUSE)
-        snprintf(message, ECT_PACKET_MESSAGE, "another ectwin answers on '%s' already: end that one first",
-                 port->iface);
-    else
-        snprintf(message, ECT_PACKET_MESSAGE, "claiming '%s' failed: %s", port->iface, strerror(errno));
-    return -1;
-}
-
 /* 0, or -1 with the message written. */
 static int check_interface(ect_packet_t *port, char *message)
 {
@@ -100,16 +84,45 @@ static int check_interface(ect_packet_t *port, char *message)
     return 0;
 }
 
+/* Of all frames those with this EtherType (where it stands once the kernel has taken a tag out), or none. */
+static int filter(int fd, uint32_t type)
+{
+    struct sock_filter program[] = {BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 12),
+                                    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, type, 0, 1),
+                                    BPF_STMT(BPF_RET | BPF_K, UINT32_MAX), BPF_STMT(BPF_RET | BPF_K, 0)};
+    const struct sock_fprog all = {.len = sizeof program / sizeof program[0], .filter = program};
+    return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &all, sizeof all);
+}
+
+/* A socket that receives nothing and stands in the kernel's list of those for EtherCAT. */
+static int claim(ect_packet_t *port)
+{
+    const struct sockaddr_ll address = {
+        .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = (int)port->index};
+    port->claim_fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
+    return port->claim_fd >= 0 && filter(port->claim_fd, NOTHING) == 0
+               ? bind(port->claim_fd, (const struct sockaddr *)&address, sizeof address)
+               : -1;
+}
+
+/* To all frames: one for EtherCAT alone gets tagged ones without their tags. */
 static int bind_to(ect_packet_t *port, char *message)
 {
     port->index = if_nametoindex(port->iface);
     int index = (int)port->index;
-    struct sockaddr_ll address = {.sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = index};
+    struct sockaddr_ll address = {.sll_family = AF_PACKET, .sll_protocol = htons(ETH_P_ALL), .sll_ifindex = index};
     struct packet_mreq promiscuous = {.mr_ifindex = index, .mr_type = PACKET_MR_PROMISC};
     int on = 1;
-    if (bind(port->fd, (const struct sockaddr *)&address, sizeof address) < 0 ||
+    if (claim(port) < 0 || filter(port->fd, ETHERTYPE_ECAT) < 0 ||
+        bind(port->fd, (const struct sockaddr *)&address, sizeof address) < 0 ||
         setsockopt(port->fd, SOL_PACKET, PACKET_ADD_MEMBERSHIP, &promiscuous, sizeof promiscuous) < 0) {
         snprintf(message, ECT_PACKET_MESSAGE, "binding to '%s' failed: %s", port->iface, strerror(errno));
+        return -1;
+    }
+    if (setsockopt(port->fd, SOL_PACKET, PACKET_AUXDATA, &on, sizeof on) < 0 ||
+        setsockopt(port->fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) < 0) {
+        snprintf(message, ECT_PACKET_MESSAGE, "asking for what is known of each frame on '%s' failed: %s", port->iface,
+                 strerror(errno));
         return -1;
     }
     if (setsockopt(port->fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0) {
@@ -120,9 +133,31 @@ static int bind_to(ect_packet_t *port, char *message)
     return 0;
 }
 
+/* Two that answer on one interface would destroy each other's frames. The kernel's list of packet sockets cannot be
+ * written into by those who may not open one, as a name that stands for the interface could. */
+static int only_one(const ect_packet_t *port, char *message)
+{
+    char line[160];
+    unsigned int type, protocol, index, user, count = 0;
+    FILE *list = fopen("/proc/self/net/packet", "re");
+    while (list && fgets(line, sizeof line, list)) {
+        if (sscanf(line, "%*s %*s %u %x %u %*s %*s %u", &type, &protocol, &index, &user) == 4 && type == SOCK_RAW &&
+            protocol == ETHERTYPE_ECAT && index == port->index)
+            count++;
+    }
+    if (list)
+        fclose(list);
+    if (count <= 1)
+        return 0;
+    snprintf(message, ECT_PACKET_MESSAGE,
+             "another program has '%s' open for EtherCAT already, a twin or a master: end that one first", port->iface);
+    return -1;
+}
+
 int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
 {
     memset(port, 0, sizeof *port);
+    port->claim_fd = -1;
     if (strlen(iface) >= sizeof port->iface) {
         snprintf(message, ECT_PACKET_MESSAGE, "'%s' is no interface name: they have at most 15 characters", iface);
         return -1;
@@ -133,7 +168,7 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
         explain_socket(iface, message);
         return -1;
     }
-    if (claim(port, message) < 0 || check_interface(port, message) < 0 || bind_to(port, message) < 0) {
+    if (check_interface(port, message) < 0 || bind_to(port, message) < 0 || only_one(port, message) < 0) {
         ect_packet_close(port);
         return -1;
     }
@@ -145,18 +180,18 @@ void ect_packet_close(ect_packet_t *port)
     if (port->was_down)
         (void)set_flags(port->fd, port->iface, false);
     close(port->fd);
-    close(port->claim_fd);
+    if (port->claim_fd >= 0)
+        close(port->claim_fd);
     port->fd = port->claim_fd = -1;
 }
 
-/* Nanoseconds that the frame received last has waited for us; 0 when the clock was set meanwhile. */
-static uint64_t age(int fd)
+/* Nanoseconds since then; 0 when the clock was set meanwhile. */
+static uint64_t age(const struct timespec *came)
 {
-    long long came[2]; /* seconds, nanoseconds */
     struct timespec now;
-    if (ioctl(fd, SIOCGSTAMPNS_NEW, came) < 0 || clock_gettime(CLOCK_REALTIME, &now) < 0)
+    if (clock_gettime(CLOCK_REALTIME, &now) < 0)
         return 0;
-    int64_t waited = (now.tv_sec - came[0]) * 1000000000 + (now.tv_nsec - came[1]);
+    int64_t waited = (now.tv_sec - came->tv_sec) * 1000000000 + (now.tv_nsec - came->tv_nsec);
     return waited > 0 ? (uint64_t)waited : 0;
 }
 
@@ -179,12 +214,39 @@ static ssize_t why_nothing(const ect_packet_t *port)
     return ECT_PACKET_GONE;
 }
 
+/* The kernel takes a VLAN tag out of a frame before it hands it over. It belongs into the answer. */
+static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame, size_t room, ssize_t length)
+{
+    enum { ADDRESSES = 12, TAG = 4 };
+    uint16_t type = (known->tp_status & TP_STATUS_VLAN_TPID_VALID) != 0 ? known->tp_vlan_tpid : ETHERTYPE_VLAN;
+    if ((known->tp_status & TP_STATUS_VLAN_VALID) == 0 || length < ADDRESSES || (size_t)length + TAG > room)
+        return length;
+    memmove(frame + ADDRESSES + TAG, frame + ADDRESSES, (size_t)length - ADDRESSES);
+    ect_store_be16(frame + ADDRESSES, type);
+    ect_store_be16(frame + ADDRESSES + 2, known->tp_vlan_tci);
+    return length + TAG;
+}
+
 ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room, uint64_t *waited_ns)
 {
-    ssize_t length = recv(port->fd, frame, room, MSG_TRUNC);
+    _Alignas(struct cmsghdr) char known[256];
+    struct iovec part = {.iov_base = frame, .iov_len = room};
+    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
+    struct tpacket_auxdata auxiliary;
+    struct timespec came;
+    ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC);
     if (length < 0)
         return why_nothing(port);
-    *waited_ns = age(port->fd);
+    *waited_ns = 0;
+    for (struct cmsghdr *one = CMSG_FIRSTHDR(&message); one; one = CMSG_NXTHDR(&message, one)) {
+        if (one->cmsg_level == SOL_PACKET && one->cmsg_type == PACKET_AUXDATA) {
+            memcpy(&auxiliary, CMSG_DATA(one), sizeof auxiliary);
+            length = put_tag_back(&auxiliary, frame, room, length);
+        } else if (one->cmsg_level == SOL_SOCKET && one->cmsg_type == SO_TIMESTAMPNS) {
+            memcpy(&came, CMSG_DATA(one), sizeof came);
+            *waited_ns = age(&came);
+        }
+    }
     return *waited_ns > STALE_NS && another_waits(port->fd) ? ECT_PACKET_STALE : length;
 }
 

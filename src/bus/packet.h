@@ -18,7 +18,7 @@ ECT_C_BEGIN
 /** An open port. Members are read only for others. */
 typedef struct ect_packet {
     int fd;
-    int claim_fd;       /**< held as long as the interface is ours */
+    int claim_fd;       /**< shows others that the interface is ours */
     unsigned int index; /**< of the interface */
     char iface[16];
     bool was_down; /**< we brought the interface up and take it down again */
@@ -32,7 +32,8 @@ enum { ECT_PACKET_NONE = 0, ECT_PACKET_GONE = -1, ECT_PACKET_STALE = -2 };
 
 /**
  * Opens `iface` for EtherCAT frames: bound to it, promiscuous while open, own frames not received. An interface that
- * is down is brought up. An interface on which another ectwin answers is refused.
+ * is down is brought up. An interface on which
+ * somebody else has opened a socket for them is refused.
  * @param[out] message  on failure one line for the user: what is missing and how to get it; ECT_PACKET_MESSAGE bytes
  * @return 0, or -1 with nothing changed
  */
@@ -42,8 +43,8 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message);
 void ect_packet_close(ect_packet_t *port);
 
 /**
- * Takes a frame that has arrived; does not wait. Frames that have waited for more than 5 ms while newer ones came are
- * dropped.
+ * Takes a frame that has arrived; does not wait. A VLAN tag stands in it as it was on the wire. Frames that have waited
+ * for more than 5 ms while newer ones came are dropped. One system call, and a look at the clock.
  * @param[out] waited_ns  how long ago it arrived; unchanged without a frame
  * @return its length on the wire, which may exceed `room` (the frame is then cut) · ECT_PACKET_NONE · ECT_PACKET_STALE
  * one was dropped · ECT_PACKET_GONE the interface is gone (errno)

@@ -106,6 +106,7 @@ bool ect_esc_dc_activate(ect_esc_t *esc, const ect_access_t *access, uint16_t ad
         stop_cyclic(esc);
     else if ((before & (CYCLIC | SYNC0)) != (CYCLIC | SYNC0))
         start_cyclic(esc);
+    esc->activity++; /* whoever waits for the time of the next pulse asks again */
     return true;
 }
 

@@ -127,7 +127,7 @@ one_twin_an_interface() {
     ip -br link show tw0 | grep -q "<.*UP.*>" && echo up
     kill $pid; wait $pid' sh "$ectwin" "$work/ready2" "$work/err" >"$work/out"
   check "run: a second one on the interface is refused, the first goes on" "2 up" "$(xargs <"$work/out")"
-  check "run: it says so" yes "$(grep -q "another ectwin answers on 'tw0'" "$work/err" && echo yes)"
+  check "run: it says so" yes "$(grep -q "another program has 'tw0' open for EtherCAT" "$work/err" && echo yes)"
 }
 
 with_ends_where_SIGCHLD_was_ignored() {

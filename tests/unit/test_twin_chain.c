@@ -121,6 +121,44 @@ static void deadlines(void **state)
     ect_chain_free(chain);
 }
 
+/* The slave in SAFEOP with SYNC0 as an event; then 0x0981 alone is written, as some masters do, and a cycle of 1 ns. */
+static void dense_sync0(void **state)
+{
+    const ect_product_t *product = ect_catalogue_find("fzm1");
+    ect_device_t device = *product->device;
+    ect_twin_config_t twin = ect_twin_default(&device, product->plant);
+    uint8_t bytes[8];
+    wire_t w;
+    (void)state;
+    device.esc_config[3] = 0x08; /* SYNC0 is an AL event */
+    wire_open_twins(&w, &twin, 1);
+    wire_go(&w, 0, ECT_STATE_SAFEOP);
+    w.manual_poll = true;
+    for (unsigned int cycle = 1; cycle <= 1000000; cycle *= 1000) {
+        assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 0), 1);
+        (void)ect_chain_poll(w.chain, w.now_ns);
+        assert_int_equal(wire_read(&w, 0, ECT_REG_DC_SYSTEM_TIME, bytes, 8), 1);
+        ect_store_le64(bytes, ect_load_le64(bytes) + 50000);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_START_TIME, bytes, 8), 1);
+        ect_store_le32(bytes, cycle);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_SYNC0_CYCLE, bytes, 4), 1);
+        (void)ect_chain_poll(w.chain, w.now_ns);
+        assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 3), 1);
+        uint64_t first = w.now_ns + 50000;
+        assert_true(ect_chain_poll(w.chain, w.now_ns) <= first); /* woken in time for the first pulse */
+        unsigned int polls = 0;
+        for (uint64_t at = first; at < first + 10 * MS; polls++) {
+            w.now_ns = at;
+            uint64_t next = ect_chain_poll(w.chain, at);
+            assert_true(next > at);
+            at = next;
+        }
+        assert_true(polls <= 10 * MS / 25000 + 10);
+        assert_true(polls >= 10);
+    }
+    wire_close(&w);
+}
+
 static void catalogue_names(void **state)
 {
     const ect_product_t *product;
@@ -169,6 +207,8 @@ int main(int argc, char **argv)
         {"CF-095: the source address has its bit set, or is kept if so wished", source_address, NULL, NULL, NULL},
         {"CF-013: a frame that is no EtherCAT does not come back", not_ethercat, NULL, NULL, NULL},
         {"CF-083: the poll tells the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
+        {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
+         NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices stand in the catalogue, behind ours", catalogue_grows, NULL, NULL, NULL},
     };
