@@ -72,8 +72,6 @@ static bool make_slave(twin_t *twin)
 {
     ect_slave_memory_t need = ect_slave_memory(twin->config.device);
     const ect_plant_t *plant = twin->config.plant;
-    if (!ect_slave_check(twin->config.device))
-        return false;
     twin->pdi = ect_virtual_pdi(&twin->esc);
     twin->slave.config = (ect_slave_config_t){
         .device = twin->config.device,

@@ -52,3 +52,8 @@ const ect_esc_personality_t *ect_esc_personality(const char *name)
     }
     return NULL;
 }
+
+const ect_esc_personality_t *ect_esc_personality_at(size_t i)
+{
+    return i < sizeof personalities / sizeof personalities[0] ? &personalities[i] : NULL;
+}

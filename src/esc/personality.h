@@ -6,6 +6,7 @@
 #ifndef ECT_ESC_PERSONALITY_H
 #define ECT_ESC_PERSONALITY_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "wire/linkage.h"
@@ -43,6 +44,9 @@ typedef struct ect_esc_personality {
  * @return constant data, or NULL when there is none of that name.
  */
 const ect_esc_personality_t *ect_esc_personality(const char *name);
+
+/** Those that there are, i from 0. @return NULL after the last */
+const ect_esc_personality_t *ect_esc_personality_at(size_t i);
 
 ECT_C_END
 

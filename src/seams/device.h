@@ -244,6 +244,8 @@ typedef struct ect_device {
     /* --- what it offers -------------------------------------------------------------------------------------- */
     const ect_object_t *objects;
     uint16_t object_count;
+    bool addresses; /**< `data` of their entries are addresses, as in a SOES list: for one instance, and one twin, only
+                     */
     const ect_detail_t *details; /**< units, limits, long defaults of entries */
     uint16_t detail_count;
     const ect_pdo_t *pdos; /**< of those PDOs for which the rule of ::ect_pdo_t does not do, in any order */
@@ -319,7 +321,7 @@ static inline ect_od_t ect_device_od(const ect_device_t *device, void *instance)
                       .count = device->object_count,
                       .details = device->details,
                       .detail_count = device->detail_count,
-                      .base = instance,
+                      .base = device->addresses ? NULL : instance,
                       .description = device};
 }
 

@@ -32,6 +32,9 @@ typedef enum ect_signal_type {
 /** What a user may do with it. A signal that may be written is an input of the plant, the others are the twin's. */
 typedef enum ect_signal_access { ECT_SIGNAL_READ, ECT_SIGNAL_WRITE } ect_signal_access_t;
 
+/** The longest that a TEXT and a BYTES signal may be. */
+enum { ECT_SIGNAL_LONGEST_TEXT = 127, ECT_SIGNAL_LONGEST_BYTES = 63 };
+
 typedef struct ect_signal {
     const char *name;    /**< lower case, digits, `_`; what follows the group's prefix and dot */
     const char *meaning; /**< one line for a reader of the device's manual */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a description asks for, and whether it may: for those who find it out at run time. A firmware does not link
- * this. */
+/* What a description asks for: for those who find it out at run time. */
 #include "seams/standard.h"
 #include "slave/internal.h"
 
@@ -70,23 +69,4 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
             mapping_is_constant(device, n) ? ect_pdo_count_runs(device, n) : most_runs(device, device->sm[n].type);
     }
     return need;
-}
-
-/* Below the shortest not every reply has room, and above the longest no datagram reaches the last byte. */
-static bool mailboxes_good(const ect_device_t *d)
-{
-    enum { SHORTEST = 34, LONGEST = 1486 };
-    for (unsigned int n = 0; n < 2; n++) {
-        uint16_t shortest = d->sm[n].minimum != 0 ? d->sm[n].minimum : d->sm[n].length;
-        if (shortest < SHORTEST || ect_mailbox_sm_room(d, n) > LONGEST)
-            return false;
-    }
-    return (d->boot_out.length == 0 && d->boot_in.length == 0) ||
-           (d->boot_out.length >= SHORTEST && d->boot_in.length >= SHORTEST);
-}
-
-bool ect_slave_check(const ect_device_t *d)
-{
-    return d->sm_count > 0 && d->sm_count <= ECT_SMS && d->instance_size >= sizeof(ect_standard_t) &&
-           (d->mailbox_protocols == 0 || (d->sm_count >= 2 && mailboxes_good(d)));
 }

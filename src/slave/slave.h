@@ -72,12 +72,6 @@ typedef struct ect_slave_memory {
  */
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device);
 
-/**
- * Whether a description is usable: 1 to 8 SyncManagers, an instance that begins with ect_standard_t, mailboxes (and
- * those of BOOT, both or none) of 34 to 1486 bytes. Pure; to be asked once, where descriptions are tested or chosen.
- */
-bool ect_slave_check(const ect_device_t *device);
-
 /** What a slave is made of. Checked once by ::ect_slave_init. */
 typedef struct ect_slave_config {
     const ect_device_t *device;
@@ -226,7 +220,7 @@ typedef struct ect_slave {
 
 /**
  * Power-on: initialises the device, switches all SyncManagers off from the PDI side, reports INIT.
- * The description must be one that ::ect_slave_check accepts.
+ * The description must be one that `ect_device_check` (check/check.h) accepts.
  * @return 0 · -1 device or PDI missing · -2 a buffer missing that ::ect_slave_memory asks for · -3 the PDI failed.
  *         Unless 0, the slave must not be used.
  */

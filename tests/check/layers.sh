@@ -33,5 +33,6 @@ for device in "$src"/devices/*/; do
 done
 check ports/virtual wire seams esc
 check ports/template wire seams
+check check wire seams od esc sii
 check bus wire seams od esc slave sii devices ports
 exit $status

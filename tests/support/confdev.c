@@ -99,6 +99,7 @@ static const ect_dc_mode_t dc_modes[] = {{.name = "DC", .description = "DC SYNC0
 const ect_device_t confdev = {
     .name = "confdev",
     .summary = "A device with every object service",
+    .vendor_name = ECTWIN_VENDOR_NAME,
     .type_name = "ectwin services device",
     .group_type = "TEST",
     .group_name = "Test devices",

@@ -150,6 +150,7 @@ static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_
 const ect_device_t testdev = {
     .name = "testdev",
     .summary = "A device for tests",
+    .vendor_name = ECTWIN_VENDOR_NAME,
     .type_name = "ectwin test device",
     .group_type = "TEST",
     .group_name = "Test devices",

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "bus/catalogue.h"
+#include "check/check.h"
 #include "commands.h"
 #include "ectwin.h"
 
@@ -60,12 +61,18 @@ static void check_output(void)
     _exit(EXIT_OPEN);
 }
 
-/* The program's own devices, found by their names. */
+/* The program's own devices: described well, and found by their names. */
 static bool take_products(const ect_product_t *products, size_t count)
 {
     ect_catalogue_add(products, count);
     for (size_t i = 0; i < count; i++) {
+        char text[ECT_CHECK_TEXT];
         const char *name = products[i].device->name;
+        if (!ect_device_check(products[i].device, text, sizeof text) ||
+            !ect_plant_check(products[i].plant, products[i].device, text, sizeof text)) {
+            fprintf(stderr, "ectwin: the description of '%s' is wrong: %s\n", name ? name : "a device", text);
+            return false;
+        }
         if (ect_catalogue_find(name) != &products[i]) {
             fprintf(stderr, "ectwin: two devices have the name '%s'; give this program's another one\n", name);
             return false;

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT */
+/* The ESC and what is laid out in it. */
+#include <stdio.h>
+#include <string.h>
+
+#include "check/internal.h"
+#include "esc/personality.h"
+#include "wire/registers.h"
+
+enum { RAM = 0x1000, SHORTEST_MAILBOX = 34, LONGEST_DATAGRAM = 1486, BUFFERS = 3 };
+
+static bool has_mailbox(const report_t *r)
+{
+    return r->device->mailbox_protocols != 0;
+}
+
+static bool is_mailbox(const ect_sm_t *sm)
+{
+    return sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_MAILBOX_IN;
+}
+
+/* Bytes that SyncManager n may come to. */
+static unsigned int room_of(const report_t *r, unsigned int n)
+{
+    unsigned int bytes = ect_device_sm_bytes(r->device, n);
+    return r->device->sm[n].maximum > bytes ? r->device->sm[n].maximum : bytes;
+}
+
+/* Bytes of the ESC's memory that it takes: three buffers, or one in mailbox mode. */
+static unsigned int memory_of(const report_t *r, unsigned int n)
+{
+    bool one = (r->device->sm[n].control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
+    return room_of(r, n) * (one ? 1u : (unsigned int)BUFFERS);
+}
+
+static bool roles_good(const report_t *r, unsigned int n)
+{
+    static const uint8_t mailboxes[] = {ECT_SM_MAILBOX_OUT, ECT_SM_MAILBOX_IN};
+    const ect_sm_t *sm = &r->device->sm[n];
+    if (sm->type > ECT_SM_INPUTS)
+        return wrong(r, "SM%u: there is no type %u", n, sm->type);
+    if (has_mailbox(r) && n < 2 && sm->type != mailboxes[n])
+        return wrong(r, "SM%u: with a mailbox its type is %u, not %u", n, mailboxes[n], sm->type);
+    if (is_mailbox(sm) && (!has_mailbox(r) || n >= 2))
+        return wrong(r, "SM%u: a mailbox stands in SM0 and SM1, and only with mailbox_protocols", n);
+    return true;
+}
+
+static bool control_good(const report_t *r, unsigned int n)
+{
+    const ect_sm_t *sm = &r->device->sm[n];
+    bool writes = (sm->control & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
+    bool reads = (sm->control & ECT_SM_CONTROL_DIRECTION) == 0;
+    uint8_t mode = sm->control & ECT_SM_CONTROL_MODE;
+    if (sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_OUTPUTS ? !writes : !reads)
+        return wrong(r, "SM%u: control %02Xh has the direction of the other way", n, sm->control);
+    if (is_mailbox(sm) ? mode != ECT_SM_CONTROL_MAILBOX : mode != 0 && mode != ECT_SM_CONTROL_MAILBOX)
+        return wrong(r, "SM%u: control %02Xh has the wrong mode", n, sm->control);
+    return true;
+}
+
+static bool mailbox_length_good(const report_t *r, unsigned int n)
+{
+    const ect_sm_t *sm = &r->device->sm[n];
+    if (sm->minimum > sm->length || (sm->maximum != 0 && sm->maximum < sm->length))
+        return wrong(r, "SM%u: its length %u is not from its minimum %u to its maximum %u", n, sm->length, sm->minimum,
+                     sm->maximum);
+    unsigned int shortest = sm->minimum != 0 ? sm->minimum : sm->length;
+    if (shortest < SHORTEST_MAILBOX || room_of(r, n) > LONGEST_DATAGRAM)
+        return wrong(r, "SM%u: a mailbox has %d to %d bytes, not %u to %u", n, SHORTEST_MAILBOX, LONGEST_DATAGRAM,
+                     shortest, room_of(r, n));
+    return true;
+}
+
+static bool lengths_good(const report_t *r, unsigned int n)
+{
+    const ect_sm_t *sm = &r->device->sm[n];
+    if (is_mailbox(sm))
+        return mailbox_length_good(r, n);
+    if (sm->length != 0 || sm->minimum != 0)
+        return wrong(r, "SM%u: length and minimum are a mailbox's; those of process data follow from their PDOs", n);
+    if (room_of(r, n) > LONGEST_DATAGRAM)
+        return wrong(r, "SM%u: %u bytes are more than a datagram holds, %d", n, room_of(r, n), LONGEST_DATAGRAM);
+    return true;
+}
+
+static bool in_memory(const report_t *r, unsigned int kilobytes, const char *what, unsigned int n, unsigned int start,
+                      unsigned int bytes)
+{
+    unsigned int end = RAM + 1024u * kilobytes;
+    if (bytes == 0 || (start >= RAM && start + bytes <= end))
+        return true;
+    return wrong(r, "%s%u: %04Xh to %04Xh are not in the memory of the ESC '%s', 1000h to %04Xh", what, n, start,
+                 start + bytes - 1, r->device->esc, end - 1);
+}
+
+static bool apart(const report_t *r, unsigned int n)
+{
+    const ect_sm_t *sm = r->device->sm;
+    for (unsigned int m = 0; m < n; m++) {
+        unsigned int end = sm[m].start + memory_of(r, m), other_end = sm[n].start + memory_of(r, n);
+        if (memory_of(r, m) > 0 && memory_of(r, n) > 0 && sm[n].start < end && sm[m].start < other_end)
+            return wrong(r, "SM%u: it overlaps SM%u (process data in three buffers take three times their length)", n,
+                         m);
+    }
+    return true;
+}
+
+static bool sm_good(const report_t *r, unsigned int n, unsigned int kilobytes)
+{
+    if (!roles_good(r, n))
+        return false;
+    if (r->device->sm[n].type == ECT_SM_UNUSED)
+        return true;
+    return control_good(r, n) && lengths_good(r, n) &&
+           in_memory(r, kilobytes, "SM", n, r->device->sm[n].start, memory_of(r, n)) && apart(r, n);
+}
+
+static bool boot_good(const report_t *r, unsigned int kilobytes)
+{
+    const ect_boot_mailbox_t *out = &r->device->boot_out, *in = &r->device->boot_in;
+    if (out->length == 0 && in->length == 0)
+        return true;
+    if (!has_mailbox(r))
+        return wrong(r, "BOOT: without a mailbox there is no mailbox of the BOOT state");
+    if (out->length < SHORTEST_MAILBOX || in->length < SHORTEST_MAILBOX || out->length > LONGEST_DATAGRAM ||
+        in->length > LONGEST_DATAGRAM)
+        return wrong(r, "BOOT: its mailboxes have %d to %d bytes both, not %u and %u", SHORTEST_MAILBOX,
+                     LONGEST_DATAGRAM, out->length, in->length);
+    if (out->start < in->start + in->length && in->start < out->start + out->length)
+        return wrong(r, "BOOT: its two mailboxes overlap");
+    return in_memory(r, kilobytes, "BOOT mailbox SM", 0, out->start, out->length) &&
+           in_memory(r, kilobytes, "BOOT mailbox SM", 1, in->start, in->length);
+}
+
+static bool counts_good(const report_t *r, const ect_esc_personality_t *esc)
+{
+    const ect_device_t *d = r->device;
+    unsigned int sms = esc->sm_count < ECT_SMS ? esc->sm_count : ECT_SMS;
+    unsigned int fmmus = esc->fmmu_count < ECT_FMMUS ? esc->fmmu_count : ECT_FMMUS;
+    if (d->sm_count > sms)
+        return wrong(r, "sm_count: %u SyncManagers are more than the ESC '%s' has, %u", d->sm_count, d->esc, sms);
+    if (d->fmmu_count > fmmus)
+        return wrong(r, "fmmu_count: %u FMMUs are more than the ESC '%s' has, %u", d->fmmu_count, d->esc, fmmus);
+    if (has_mailbox(r) && d->sm_count < 2)
+        return wrong(r, "sm_count: a mailbox needs SM0 and SM1");
+    for (unsigned int n = 0; n < d->fmmu_count; n++) {
+        if (d->fmmu[n] > ECT_FMMU_MAILBOX_STATE)
+            return wrong(r, "FMMU%u: there is no role %u", n, d->fmmu[n]);
+    }
+    return true;
+}
+
+static bool unknown_esc(const report_t *r)
+{
+    char known[100] = "";
+    for (size_t i = 0; ect_esc_personality_at(i); i++) {
+        size_t used = strlen(known);
+        (void)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", ect_esc_personality_at(i)->name);
+    }
+    return wrong(r, "esc: there is no ESC '%.40s'; there are: %s", r->device->esc ? r->device->esc : "", known);
+}
+
+bool check_esc(const report_t *r)
+{
+    const ect_device_t *d = r->device;
+    const ect_esc_personality_t *esc = d->esc ? ect_esc_personality(d->esc) : NULL;
+    if (!esc)
+        return unknown_esc(r);
+    if (!d->physics || strlen(d->physics) > 4 || strspn(d->physics, "YKH ") != strlen(d->physics))
+        return wrong(r, "physics: a letter a port, Y (MII), K (E-bus), H (fast hot connect) or space, at most 4");
+    return counts_good(r, esc);
+}
+
+bool check_layout(const report_t *r)
+{
+    unsigned int kilobytes = ect_esc_personality(r->device->esc)->ram_kb;
+    for (unsigned int n = 0; n < r->device->sm_count; n++) {
+        if (!sm_good(r, n, kilobytes))
+            return false;
+    }
+    return boot_good(r, kilobytes);
+}

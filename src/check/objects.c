@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+/* Objects and entries: what the dictionary's functions rely on. */
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "check/internal.h"
+#include "seams/standard.h"
+
+enum { KNOWN_ACCESS = ECT_ACCESS_WIRE | ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION | ECT_ACCESS_COMMAND };
+
+/* Lengths that types have; 0: whole bytes, any number of them. */
+static const struct {
+    uint16_t type;
+    uint8_t bits;
+    bool is_integer, is_signed;
+} types[] = {
+    {ECT_TYPE_BOOLEAN, 1, true, false},
+    {ECT_TYPE_INTEGER8, 8, true, true},
+    {ECT_TYPE_INTEGER16, 16, true, true},
+    {ECT_TYPE_INTEGER32, 32, true, true},
+    {ECT_TYPE_INTEGER64, 64, true, true},
+    {ECT_TYPE_UNSIGNED8, 8, true, false},
+    {ECT_TYPE_UNSIGNED16, 16, true, false},
+    {ECT_TYPE_UNSIGNED32, 32, true, false},
+    {ECT_TYPE_UNSIGNED64, 64, true, false},
+    {ECT_TYPE_REAL32, 32, false, false},
+    {ECT_TYPE_REAL64, 64, false, false},
+    {ECT_TYPE_BITARR8, 8, true, false},
+    {ECT_TYPE_BITARR16, 16, true, false},
+    {ECT_TYPE_BITARR32, 32, true, false},
+    {ECT_TYPE_BIT1, 1, true, false},
+    {ECT_TYPE_BIT1 + 1, 2, true, false},
+    {ECT_TYPE_BIT1 + 2, 3, true, false},
+    {ECT_TYPE_BIT1 + 3, 4, true, false},
+    {ECT_TYPE_BIT1 + 4, 5, true, false},
+    {ECT_TYPE_BIT1 + 5, 6, true, false},
+    {ECT_TYPE_BIT1 + 6, 7, true, false},
+    {ECT_TYPE_BIT8, 8, true, false},
+    {ECT_TYPE_VISIBLE_STRING, 0, false, false},
+    {ECT_TYPE_OCTET_STRING, 0, false, false},
+};
+enum { TYPES = sizeof types / sizeof types[0] };
+
+static size_t find_type(uint16_t type)
+{
+    size_t i = 0;
+    while (i < TYPES && types[i].type != type)
+        i++;
+    return i;
+}
+
+bool is_integer_type(uint16_t type)
+{
+    size_t i = find_type(type);
+    return i < TYPES && types[i].is_integer;
+}
+
+bool is_signed_type(uint16_t type)
+{
+    size_t i = find_type(type);
+    return i < TYPES && types[i].is_signed;
+}
+
+size_t storage_of(const ect_entry_t *entry)
+{
+    return ect_od_is_bits(entry) ? 1 : ect_od_bytes(entry);
+}
+
+typedef struct place {
+    const report_t *r;
+    const ect_object_t *object;
+    const ect_entry_t *entry;
+} place_t;
+
+__attribute__((format(printf, 2, 3))) static bool wrong_at(const place_t *p, const char *format, ...)
+{
+    char line[ECT_CHECK_TEXT];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    return wrong(p->r, "%04Xh:%u: %s", p->object->index, p->entry->subindex, line);
+}
+
+static bool type_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    size_t i = find_type(e->data_type);
+    if (e->data_type == ECT_TYPE_NONE && !e->data)
+        return true; /* a gap in a record */
+    if (i == TYPES)
+        return wrong_at(p, "its data type %04Xh is none that an entry can have", e->data_type);
+    if (types[i].bits != 0 && types[i].bits != e->bit_length)
+        return wrong_at(p, "its data type %04Xh has %u bits, not %u", e->data_type, types[i].bits, e->bit_length);
+    if (e->bit_length % 8 != 0 && types[i].bits == 0)
+        return wrong_at(p, "%u bits are not whole bytes", e->bit_length);
+    if (e->bit_length == 0 && (e->data || !p->r->device->sdo_read))
+        return wrong_at(p, "only an entry without memory whose data sdo_read supplies has no length");
+    return true;
+}
+
+static bool described_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    size_t size = ect_od_is_string(e) ? sizeof(const char *) : storage_of(e);
+    size_t offset = (uintptr_t)e->data;
+    if (!e->data || offset + size > sizeof(ect_device_t) || (ect_od_is_string(e) && offset % sizeof(const char *) != 0))
+        return wrong_at(p, "it is no member of the description");
+    const void *text = ect_od_is_string(e) ? ect_od_data(&p->r->od, e) : "";
+    return text ? true : wrong_at(p, "the description has no such text");
+}
+
+/* Inside the instance, and not over what the stack keeps at its beginning. */
+static bool offset_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    size_t offset = (uintptr_t)e->data;
+    bool writable = (e->access & (ECT_ACCESS_WO | ECT_ACCESS_RXPDO)) != 0;
+    size_t first = writable ? sizeof(ect_standard_t) : offsetof(ect_standard_t, identity);
+    if (offset < first)
+        return wrong_at(p, "it lies in what belongs to the stack, ect_standard_t");
+    if (offset > p->r->device->instance_size || storage_of(e) > p->r->device->instance_size - offset)
+        return wrong_at(p, "it ends at byte %zu, beyond the instance of %zu", offset + storage_of(e),
+                        p->r->device->instance_size);
+    return true;
+}
+
+static bool place_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    bool constant = (e->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
+    if ((e->access & ECT_ACCESS_DESCRIPTION) != 0)
+        return described_good(p);
+    if (!e->data || constant || p->r->device->addresses)
+        return true;
+    return offset_good(p);
+}
+
+static bool access_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    bool constant = !e->data || (e->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
+    bool writable = (e->access & ECT_ACCESS_WO) != 0;
+    if ((e->access & ~(unsigned int)KNOWN_ACCESS) != 0)
+        return wrong_at(p, "there is no access %04Xh", e->access & ~(unsigned int)KNOWN_ACCESS);
+    if ((e->access & ECT_ACCESS_SHARED) != 0 && (e->access & ECT_ACCESS_DESCRIPTION) != 0)
+        return wrong_at(p, "it is either shared or of the description");
+    if (writable && constant && (e->access & ECT_ACCESS_COMMAND) == 0)
+        return wrong_at(p, "it can be written, but has no memory and is no command");
+    if ((e->access & ECT_ACCESS_COMMAND) != 0 && !writable)
+        return wrong_at(p, "a command has to be writable");
+    if ((e->access & ECT_ACCESS_BACKUP) != 0 && constant)
+        return wrong_at(p, "what is stored has to be in memory");
+    return true;
+}
+
+/* Without memory it reads as its value, and with it starts with it. */
+static bool value_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    unsigned int bits = e->bit_length;
+    if (e->value == 0 || bits >= 32)
+        return true;
+    bool fits = e->value >> bits == 0;
+    bool negative = bits > 0 && is_signed_type(e->data_type) && e->value >> (bits - 1) == UINT32_MAX >> (bits - 1);
+    return fits || negative ? true : wrong_at(p, "its default %Xh does not fit into %u bits", e->value, bits);
+}
+
+static bool entry_good(const place_t *p)
+{
+    if (!p->entry->name)
+        return wrong_at(p, "it has no name");
+    return type_good(p) && access_good(p) && place_good(p) && value_good(p);
+}
+
+/* Its own number of elements, or where it may change, one up to that. */
+static bool count_good(const place_t *p)
+{
+    const ect_entry_t *e = p->entry;
+    uint32_t count = (e->access & ECT_ACCESS_DESCRIPTION) != 0 ? p->object->max_subindex : e->value;
+    bool list = p->object->index >= 0x1600 && p->object->index < 0x1C40;
+    if (e->subindex != 0 || e->data_type != ECT_TYPE_UNSIGNED8)
+        return wrong(p->r, "%04Xh: a record or array begins with sub-index 0, UNSIGNED8", p->object->index);
+    if (count > p->object->max_subindex || (count < p->object->max_subindex && !list && !e->data))
+        return wrong_at(p, "it says %u elements, but the last is %u", count, p->object->max_subindex);
+    return true;
+}
+
+static bool object_head_good(const report_t *r, const ect_object_t *o)
+{
+    bool var = o->object_code == ECT_OBJECT_VAR;
+    if (!var && o->object_code != ECT_OBJECT_ARRAY && o->object_code != ECT_OBJECT_RECORD &&
+        o->object_code != ECT_OBJECT_DOMAIN)
+        return wrong(r, "%04Xh: there is no object code %u", o->index, o->object_code);
+    if (!o->name || !o->entries)
+        return wrong(r, "%04Xh: it has no %s", o->index, o->name ? "entries" : "name");
+    if (var && (o->max_subindex != 0 || o->last != 0))
+        return wrong(r, "%04Xh: a VAR has one entry, sub-index 0", o->index);
+    if (!var && o->max_subindex > 0 && o->last == 0 && !r->device->addresses)
+        return wrong(r, "%04Xh: its entries are not counted; ECT_RECORD, ECT_ARRAY and ECT_SPARSE do", o->index);
+    return true;
+}
+
+static bool object_good(const report_t *r, const ect_object_t *o)
+{
+    if (!object_head_good(r, o))
+        return false;
+    place_t p = {.r = r, .object = o, .entry = o->entries};
+    bool list = o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
+    if (list && !count_good(&p))
+        return false;
+    for (unsigned int i = 0;; i++) {
+        const ect_entry_t *next = ect_od_next(o, p.entry);
+        if (!entry_good(&p))
+            return false;
+        if (!next)
+            break;
+        if (next->subindex <= p.entry->subindex || next->subindex > o->max_subindex)
+            return wrong(r, "%04Xh: its entries are not in ascending order, or not up to %u: %u comes after %u",
+                         o->index, o->max_subindex, next->subindex, p.entry->subindex);
+        p.entry = next;
+    }
+    if (p.entry->subindex != o->max_subindex || (o->last != 0 && p.entry != &o->entries[o->last]))
+        return wrong(r, "%04Xh: its last sub-index is %u, max_subindex says %u", o->index, p.entry->subindex,
+                     o->max_subindex);
+    return true;
+}
+
+bool check_objects(const report_t *r)
+{
+    const ect_device_t *d = r->device;
+    if (d->instance_size < sizeof(ect_standard_t))
+        return wrong(r, "instance_size: an instance begins with ect_standard_t, %zu bytes", sizeof(ect_standard_t));
+    if (d->object_count > 0 && !d->objects)
+        return wrong(r, "objects: they are missing");
+    for (unsigned int i = 0; i < d->object_count; i++) {
+        if (i > 0 && d->objects[i].index <= d->objects[i - 1].index)
+            return wrong(r, "%04Xh: objects are in ascending order, each once, but it comes after %04Xh",
+                         d->objects[i].index, d->objects[i - 1].index);
+        if (!object_good(r, &d->objects[i]))
+            return false;
+    }
+    return true;
+}
