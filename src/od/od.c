@@ -65,15 +65,11 @@ const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex)
 ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex, const ect_object_t **object,
                            const ect_entry_t **entry)
 {
-    const ect_object_t *found = ect_od_find(od, index);
-    if (!found)
-        return ECT_REASON_NO_OBJECT;
-    const ect_entry_t *e = ect_od_entry(found, subindex);
-    if (!e)
-        return ECT_REASON_NO_SUBINDEX;
-    *object = found;
-    *entry = e;
-    return ECT_OK;
+    *object = ect_od_find(od, index);
+    *entry = *object ? ect_od_entry(*object, subindex) : NULL;
+    if (*entry)
+        return ECT_OK;
+    return *object ? ECT_REASON_NO_SUBINDEX : ECT_REASON_NO_OBJECT;
 }
 
 ect_reason_t ect_od_check_access(const ect_entry_t *entry, ect_direction_t direction, uint8_t al_state)

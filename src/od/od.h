@@ -217,7 +217,7 @@ static inline const ect_entry_t *ect_od_next(const ect_object_t *object, const e
 
 /**
  * Resolves index and sub-index.
- * @param[out] object, entry  set on ECT_OK, else unchanged
+ * @param[out] object, entry  each NULL when there is none: no object, or no entry of it
  * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX
  */
 ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex, const ect_object_t **object,

@@ -291,6 +291,12 @@ typedef struct ect_device {
     uint64_t (*tick)(void *instance, uint64_t now_ns);
 
     /**
+     * A master's request for an SDO upload or download has come, and nothing of it is checked yet.
+     * @return ECT_OK to go on with it, or the reason to refuse it.
+     */
+    ect_reason_t (*sdo_request)(void *instance, uint16_t index, uint8_t subindex);
+
+    /**
      * A master wants to read an entry by SDO, or a whole object (ECT_WHOLE_OBJECT); its rights are fine already. Data
      * that is kept for such readers is to be brought up to date.
      * @param[in,out] instead  empty; set, its bytes are sent in place of the entry's (wire form), and must stay as they

@@ -5,10 +5,6 @@
 
 #include <stdint.h>
 
-#include "wire/linkage.h"
-
-ECT_C_BEGIN
-
 /** The next number, 1 to 2^32 - 1. @param state  the seed, then the number before; 0 counts as 1 */
 static inline uint32_t ect_random_next(uint32_t *state)
 {
@@ -19,7 +15,5 @@ static inline uint32_t ect_random_next(uint32_t *state)
     *state = x;
     return x;
 }
-
-ECT_C_END
 
 #endif

@@ -225,12 +225,17 @@ static ect_reason_t open_transfer(ect_slave_t *s, const uint8_t *request, ect_di
 {
     uint16_t index = ect_load_le16(request + 1);
     ect_sdo_t *sdo = &s->sdo;
+    const ect_device_t *device = s->config.device;
     *sdo = (ect_sdo_t){.state = ECT_SDO_IDLE, .subindex = request[3], .complete = (request[0] & COMPLETE) != 0};
+    ect_reason_t reason =
+        device->sdo_request ? device->sdo_request(s->config.instance, index, sdo->subindex) : (ect_reason_t)ECT_OK;
+    if (reason != ECT_OK)
+        return reason;
     sdo->object = ect_od_find(&s->od, index);
     if (!sdo->object)
         return ECT_REASON_NO_OBJECT;
     if (sdo->complete) {
-        if ((s->config.device->coe_details & ECT_COE_COMPLETE_ACCESS) == 0)
+        if ((device->coe_details & ECT_COE_COMPLETE_ACCESS) == 0)
             return ECT_REASON_UNSUPPORTED;
         return open_complete(s, direction, first);
     }

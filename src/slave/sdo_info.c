@@ -204,12 +204,18 @@ static void put_details(const ect_slave_t *s, description_t *d, uint16_t index, 
     }
 }
 
+/* A gap, a sub-index below the last one without an entry, is described as nothing: who scans an object goes on. */
 static void describe_entry(ect_slave_t *s, const uint8_t *request)
 {
+    static const ect_entry_t gap;
     uint16_t index = ect_load_le16(request);
     const ect_object_t *object;
     const ect_entry_t *entry;
     ect_reason_t reason = ect_od_lookup(&s->od, index, request[2], &object, &entry);
+    if (reason == ECT_REASON_NO_SUBINDEX && request[2] < object->max_subindex) {
+        reason = ECT_OK;
+        entry = &gap;
+    }
     if (reason != ECT_OK) {
         send_error(s, reason);
         return;

@@ -219,6 +219,32 @@ static void natural_aborts(void **state)
     assert_int_equal(wire_sdo_download(&w, 0, 0x2400, 0, true, data, 8), 0x06010000);
 }
 
+/* What SDO information says of each sub-index of 1C32h, up to the last: gaps are described as nothing. */
+static void gaps(void **state)
+{
+    (void)state;
+    wire_go(&w, 0, PREOP);
+    for (uint16_t index = 0x1C32; index <= 0x1C33; index++) {
+        for (uint8_t sub = 0; sub <= 33; sub++) {
+            uint8_t request[] = {0, 0x80, 5, 0, 0, 0, (uint8_t)index, (uint8_t)(index >> 8), sub, 0};
+            uint8_t reply[64] = {0};
+            uint32_t value;
+            int length = wire_coe(&w, 0, request, sizeof request, reply, sizeof reply);
+            bool exists = upload(index, sub, &value) == 0;
+            if (sub == 33) {
+                assert_int_equal(reply[2], 7); /* beyond the last one there is nothing */
+                assert_int_equal(ect_load_le32(reply + 6), 0x06090011);
+                continue;
+            }
+            assert_int_equal(reply[2], 6);
+            assert_int_equal(reply[8], sub);
+            bool described = ect_load_le16(reply + 10) != 0 && ect_load_le16(reply + 12) != 0;
+            if (described != exists || (!described && (length != 16 || ect_load_le32(reply + 10) != 0)))
+                fail_msg("%04Xh:%u: readable %d, described %d", index, sub, exists, described);
+        }
+    }
+}
+
 static void all_aborts(void **state)
 {
     static const uint32_t codes[] = {0x05030000, 0x05040000, 0x05040001, 0x05040005, 0x06010000, 0x06010001, 0x06010002,
@@ -237,6 +263,28 @@ static void all_aborts(void **state)
         if (got != codes[i])
             fail_msg("expected abort %08X, got %08X", codes[i], got);
         assert_int_equal(download(0x2400, 4, 50, 2), 0); /* once */
+    }
+    static const struct {
+        uint16_t index;
+        uint8_t subindex;
+        bool write;
+        size_t size;
+        uint32_t otherwise;
+    } requests[] = {{0x2400, 4, false, 0, 0},          {0x6040, 0, false, 0, 0x06020000},
+                    {0x2400, 9, false, 0, 0x06090011}, {0x2401, 0, false, 0, 0x06010001},
+                    {0x6040, 0, true, 2, 0x06020000},  {0x2100, 1, true, 4, 0x06010002},
+                    {0x2400, 4, true, 4, 0x06070012},  {0x2400, 1, true, 1, 0x06090030}};
+    for (size_t i = 0; i < COUNT(requests); i++) { /* whatever else would be wrong with the request */
+        for (unsigned int with = 0; with < 2; with++) {
+            uint32_t value;
+            signal_set(&w, "sdo_abort", with ? "0x08000021" : "0");
+            uint32_t got = requests[i].write ? download(requests[i].index, requests[i].subindex, 9, requests[i].size)
+                                             : upload(requests[i].index, requests[i].subindex, &value);
+            uint32_t want = with ? 0x08000021 : requests[i].otherwise;
+            if (got != want)
+                fail_msg("%04Xh:%u, sdo_abort %u: expected %08X, got %08X", requests[i].index, requests[i].subindex,
+                         with, want, got);
+        }
     }
     for (size_t i = 0; i < COUNT(foreign); i++) {
         snprintf(text, sizeof text, "0x%08X", foreign[i]);
@@ -403,7 +451,10 @@ int main(int argc, char **argv)
         TEST("FZM-026 FZM-027 FZM-028 FZM-029 FZM-031 OM-C12: factory settings", defaults),
         TEST("FZM-010 FZM-030: a comment on each output, by SDO", comments),
         TEST("FZM-009 FZM-010 FZM-012 OM-C9: what a request asks wrong, it is told", natural_aborts),
-        TEST("FZM-011 FZM-013 FZM-014: each of the 26 abort codes can be had, and no other", all_aborts),
+        TEST("FZM-009 FZM-010: gaps of 1C32h and 1C33h have data type 0 and 0 bits in SDO information", gaps),
+        TEST(
+            "FZM-011 FZM-012 FZM-013 FZM-014: each of the 26 abort codes can be had, and no other, for any SDO request",
+            all_aborts),
         TEST("FZM-015 OM-C10 CF-092: DC cycles of 250, 500 us, 1, 2, 4 ms and no others", cycles),
         TEST("FZM-015 CF-092: a cycle time that comes in SAFEOP is checked on the way to OP", cycles_before_op),
         TEST("FZM-016 OM-C10: the measurement does not depend on SYNC0", asynchronous),

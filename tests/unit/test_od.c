@@ -184,7 +184,7 @@ static void lookup_of_entries(void **state)
                                 : there                          ? ECT_OK
                                                                  : ECT_REASON_NO_SUBINDEX;
             ect_reason_t got = ect_od_lookup(&od, index, (uint8_t)sub, &object, &entry);
-            if (got != want || (entry != NULL) != there || (object != NULL) != there ||
+            if (got != want || (entry != NULL) != there || (object != NULL) != (want != ECT_REASON_NO_OBJECT) ||
                 (there && entry->subindex != sub))
                 fail_msg("%04Xh:%u: expected reason %d, got %d", index, sub, (int)want, (int)got);
             assert_int_equal(ect_od_number(&od, index, (uint8_t)sub, &number), want);

@@ -4,8 +4,8 @@
 
 #include "devices/fzm1/instance.h"
 
-#define PRODUCT_CODE     0x00F20001 /* a placeholder of ours */
-#define REVISION         0x00010000
+#define PRODUCT_CODE 0x00F20001 /* a placeholder of ours */
+#define REVISION     0x00010000
 
 enum {
     IN = ECT_ACCESS_RO | ECT_ACCESS_TXPDO,
@@ -15,10 +15,10 @@ enum {
 
 #define S8(sub, name, initial, member)  ECT_ENTRY(sub, UNSIGNED8, 8, SETTING, name, initial, fzm1_t, member)
 #define S16(sub, name, initial, member) ECT_ENTRY(sub, UNSIGNED16, 16, SETTING, name, initial, fzm1_t, member)
-#define U32(sub, access, name, member) ECT_ENTRY(sub, UNSIGNED32, 32, access, name, 0, fzm1_t, member)
-#define I32(sub, access, name, member) ECT_ENTRY(sub, INTEGER32, 32, access, name, 0, fzm1_t, member)
-#define COMMENT(sub, name, member)     ECT_ENTRY(sub, VISIBLE_STRING, 8 * FZM1_TEXT, SETTING, name, 0, fzm1_t, member)
-#define MAP(sub, index)                ECT_ENTRY_MAP(sub, ECT_MAP(index, sub, 32))
+#define U32(sub, access, name, member)  ECT_ENTRY(sub, UNSIGNED32, 32, access, name, 0, fzm1_t, member)
+#define I32(sub, access, name, member)  ECT_ENTRY(sub, INTEGER32, 32, access, name, 0, fzm1_t, member)
+#define COMMENT(sub, name, member)      ECT_ENTRY(sub, VISIBLE_STRING, 8 * FZM1_TEXT, SETTING, name, 0, fzm1_t, member)
+#define MAP(sub, index)                 ECT_ENTRY_MAP(sub, ECT_MAP(index, sub, 32))
 
 static const ect_entry_t sync[] = ECT_ENTRIES_SYNC(fzm1_t, sync);
 
@@ -161,6 +161,7 @@ const ect_device_t ect_fzm1 = {
     .state_change = fzm1_state_change,
     .outputs = fzm1_outputs,
     .tick = fzm1_tick,
+    .sdo_request = fzm1_sdo_request,
     .sdo_write = fzm1_sdo_write,
     .sdo_written = fzm1_sdo_written,
 };

@@ -167,7 +167,7 @@ typedef struct fzm1_plant {
     fzm1_row_t row; /* the next one to be added */
     uint16_t rows;
     fzm1_row_t table[FZM1_TABLE];
-    uint32_t sdo_abort;   /* the next SDO download is refused with it */
+    uint32_t sdo_abort;   /* the next SDO request is refused with it */
     fzm1_prepared_t edit; /* the scene that the user works on */
     fzm1_prepared_t prepared[FZM1_PREPARED];
     uint16_t prepared_count;
@@ -259,7 +259,7 @@ static inline bool fzm1_time_fits(uint16_t output_time, uint16_t output_period)
 {
     return output_time < output_period;
 }
-ect_reason_t fzm1_reason_of(uint32_t abort_code); /* ECT_OK: there is no such code */
+ect_reason_t fzm1_sdo_request(void *instance, uint16_t index, uint8_t subindex);
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 

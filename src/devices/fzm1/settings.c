@@ -20,25 +20,20 @@ static ect_reason_t check_setting(const fzm1_t *u, uint8_t subindex, const uint8
     }
 }
 
-ect_reason_t fzm1_reason_of(uint32_t abort_code)
+ect_reason_t fzm1_sdo_request(void *instance, uint16_t index, uint8_t subindex)
 {
-    for (unsigned int reason = ECT_REASON_TOGGLE; reason < ECT_REASON_COUNT; reason++) {
-        if (ect_abort_code((ect_reason_t)reason) == abort_code)
-            return (ect_reason_t)reason;
-    }
-    return ECT_OK;
+    fzm1_t *u = instance;
+    ect_reason_t code = u->plant.sdo_abort;
+    (void)index;
+    (void)subindex;
+    u->plant.sdo_abort = 0;
+    return code;
 }
 
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
 {
-    fzm1_t *u = instance;
     (void)size;
-    if (u->plant.sdo_abort != 0) {
-        ect_reason_t reason = fzm1_reason_of(u->plant.sdo_abort);
-        u->plant.sdo_abort = 0;
-        return reason;
-    }
-    return index == 0x2400 && data ? check_setting(u, subindex, data) : ECT_OK;
+    return index == 0x2400 && data ? check_setting(instance, subindex, data) : (ect_reason_t)ECT_OK;
 }
 
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)

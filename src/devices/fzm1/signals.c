@@ -92,7 +92,7 @@ static const ect_signal_t signals[] = {
     W(plant.switch_us, "switch_time", U32, 0, FZM1_MINUTE_US, "us",
       "how long switching a scene or group keeps BUSY on"),
     W(plant.start_ms, "start_time", U32, 1, 600000, "ms", "how long a restart keeps the slave off the bus"),
-    W(plant.sdo_abort, "sdo_abort", U32, 0, INT32_MAX, NULL, "abort code that refuses the next SDO download; 0 none"),
+    W(plant.sdo_abort, "sdo_abort", U32, 0, INT32_MAX, NULL, "abort code that refuses the next SDO request; 0 none"),
     W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit: `saves` or `saves_failed` tells when it is safe"),
     W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 restarts the controller"),
 
@@ -145,14 +145,18 @@ static const ect_signal_group_t groups[] = {
 
 #define IS(signal, member) ((signal)->offset == offsetof(fzm1_t, member))
 
-/* Of the codes that an FZM1 knows (Q179 §1-1) those are missing that came later or belong to objects it has not. */
+/* The codes that an FZM1 knows (Q179 §1-1). */
 static bool known_abort(uint32_t code)
 {
-    static const uint8_t foreign[] = {ECT_REASON_SUBINDEX0, ECT_REASON_VARIABLE_LENGTH, ECT_REASON_MAILBOX_SIZE,
-                                      ECT_REASON_MAPPED,    ECT_REASON_MODULES,         ECT_REASON_RESOURCE,
-                                      ECT_REASON_NO_DATA};
-    ect_reason_t reason = fzm1_reason_of(code);
-    return code == 0 || (reason != ECT_OK && !memchr(foreign, (int)reason, sizeof foreign));
+    static const uint32_t codes[] = {0x05030000, 0x05040000, 0x05040001, 0x05040005, 0x06010000, 0x06010001, 0x06010002,
+                                     0x06020000, 0x06040041, 0x06040042, 0x06040043, 0x06040047, 0x06060000, 0x06070010,
+                                     0x06070012, 0x06070013, 0x06090011, 0x06090030, 0x06090031, 0x06090032, 0x06090036,
+                                     0x08000000, 0x08000020, 0x08000021, 0x08000022, 0x08000023};
+    for (unsigned int i = 0; i < sizeof codes / sizeof codes[0]; i++) {
+        if (codes[i] == code)
+            return true;
+    }
+    return code == 0;
 }
 
 static const char *add_row(fzm1_t *u)
