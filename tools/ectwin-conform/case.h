@@ -110,7 +110,7 @@ enum {
     CF_COMPLETE = 1u << 3,     /**< Complete Access */
     CF_FOE = 1u << 4,          /**< file access */
     CF_EOE = 1u << 5,          /**< Ethernet */
-    CF_BOOTSTRAP = 1u << 6,    /**< bootstrap mailboxes in the SII */
+    CF_BOOTSTRAP = 1u << 6,    /**< BOOT: bootstrap mailboxes and FoE in the SII */
     CF_DC = 1u << 7,           /**< distributed clocks, beyond receive times */
     CF_OUTPUTS = 1u << 8,      /**< process data from the master */
     CF_INPUTS = 1u << 9,       /**< process data to the master */

@@ -22,7 +22,7 @@ const char *cf_need_text(uint32_t bit)
         "the slave has no Complete Access",
         "the slave has no FoE",
         "the slave has no EoE",
-        "the slave has no bootstrap mailbox",
+        "the SII names no bootstrap mailbox, or no FoE",
         "the chip has no distributed clocks",
         "the slave has no outputs",
         "the slave has no inputs",

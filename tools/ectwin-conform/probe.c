@@ -138,8 +138,8 @@ static void take_head(cf_t *c)
     bool fits = c->mailbox.out_size <= CF_MAX_MAIL && c->mailbox.in_size <= CF_MAX_MAIL;
     if (f->protocols != 0 && c->mailbox.out_size > 0 && c->mailbox.in_size > 0 && fits)
         f->has |= CF_MAILBOX;
-    if (f->boot.out_size > 0 && f->boot.in_size > 0)
-        f->has |= CF_BOOTSTRAP;
+    if (f->boot.out_size > 0 && f->boot.in_size > 0 && (f->protocols & CF_PROTO_FOE) != 0)
+        f->has |= CF_BOOTSTRAP; /* sizes alone stand in many images; BOOT is for files */
     if ((f->has & CF_MAILBOX) != 0)
         f->has |= ((f->protocols & CF_PROTO_COE) != 0 ? CF_COE : 0) |
                   ((f->protocols & CF_PROTO_FOE) != 0 ? CF_FOE : 0) | ((f->protocols & CF_PROTO_EOE) != 0 ? CF_EOE : 0);
