@@ -241,21 +241,24 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
+static bool is_for_one_slave(const char *op)
+{
+    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0;
+}
+
 static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];
     const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
     long slave = slave_of(request, chain);
-    bool is_set = op && strcmp(op, "set") == 0;
-    bool is_data = op && strcmp(op, "data") == 0;
+    bool one = op && is_for_one_slave(op);
     const char *why = "a request is a line {\"op\":\"get|list|set|watch|data\",...}";
-    if (slave < 0 || ((is_set || is_data) && slave == 0)) {
+    if (slave < 0 || (one && slave == 0)) {
         why = "there is no such slave in this chain";
-    } else if (is_data) {
-        ect_client_result(client, give_piece(client, chain, (size_t)slave, request));
-        return;
-    } else if (is_set) {
-        ect_client_result(client, set(chain, (size_t)slave, request, now_ns, message));
+    } else if (one) {
+        why = strcmp(op, "set") == 0 ? set(chain, (size_t)slave, request, now_ns, message)
+                                     : give_piece(client, chain, (size_t)slave, request);
+        ect_client_result(client, why);
         return;
     } else if (op && is_visit(&client->visit, op)) {
         why = begin(client, chain, (size_t)slave, request);

@@ -41,16 +41,21 @@ static const struct fault {
     [EC_CAO] = {ECLINK_LINK_DATA_ERROR, "EC: Bad data", "CAO does not acknowledge a command"},
 };
 
+static uint8_t why_silent(const eclink_t *unit)
+{
+    if (unit->config_refused)
+        return EC_CONFIGURATION;
+    return unit->in_op && !eclink_has(unit, ECLINK_FMAP_COMMANDS) ? EC_NOT_READ : EC_NO_DATA;
+}
+
 static uint8_t present_fault(const eclink_t *unit)
 {
     if (!unit->bu.enabled)
         return EC_DISABLED;
     if (unit->bu.module_error)
         return EC_MODULE;
-    if (!unit->exchanging && unit->config_refused)
-        return EC_CONFIGURATION;
     if (!unit->exchanging)
-        return unit->in_op && !eclink_has(unit, ECLINK_FMAP_COMMANDS) ? EC_NOT_READ : EC_NO_DATA;
+        return why_silent(unit);
     if (eclink_has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
         return EC_PCO;
     return unit->cao_late ? EC_CAO : EC_GOOD;
