@@ -392,6 +392,30 @@ static void fallback_is_a_matter_of_each_remote(void **state)
     wire_close(&r.w);
 }
 
+/* What waits for a remote on fallback is gone with it: commands and a set of periodic data. */
+static void nothing_waits_for_the_lost(void **state)
+{
+    (void)state;
+    bu_rig_t r;
+    bu_start(&r, &bu_nodes[2]);
+    bu_set_number(&r, "ru1.on", 1);
+    bu_set_number(&r, "ru1.g_link_lost", 1);
+    send_command(&r, 1);
+    send_command(&r, 1);
+    r.out[CCO]++;
+    periodic_set(&r);
+    bu_update(&r);
+    bu_set_number(&r, "ru1.on", 0);
+    bu_set_number(&r, "ru1.on", 1);
+    bu_set_number(&r, "ru1.g_link_lost", 0);
+    for (unsigned int n = 0; n < 5; n++)
+        bu_update(&r);
+    if (bu_number(&r, "ru1.received_count") != 0 || bu_number(&r, "ru1.periodic_count") != 0)
+        fail_msg("a remote that was off meanwhile got %ld commands and %ld sets from before",
+                 bu_number(&r, "ru1.received_count"), bu_number(&r, "ru1.periodic_count"));
+    wire_close(&r.w);
+}
+
 /* What a remote wanted to say on fallback before it was lost holds nothing up when it is back. */
 static void lost_on_fallback(void **state)
 {
@@ -442,6 +466,7 @@ int main(int argc, char **argv)
              fallback_priorities),
         TEST("ECL-063: on fallback all commands from the remote go before commands to it, those before periodic data",
              fallback_order),
+        TEST("ECL-060 ECL-062 ECL-063: what waits for a remote is gone when it is lost", nothing_waits_for_the_lost),
         TEST("ECL-063: commands that a remote could not send before it was lost hold up none to it", lost_on_fallback),
         TEST("ECL-063: a remote on fallback is not held up by another's commands", fallback_is_a_matter_of_each_remote),
     };

@@ -488,6 +488,26 @@ static void block_0_begins_a_set(void **state)
     }
 }
 
+/* A block of a set of another size: the set that was coming in is given up, also when its size comes again. */
+static void block_of_another_size(void **state)
+{
+    (void)state;
+    rig_t r;
+    uint8_t *a = new_set(1), *b = new_set(2);
+    start(&r, nodes[0]);
+    give_block(&r, a, 600, 0);
+    give_block(&r, b, 400, 1);
+    give_block(&r, b, 600, 1);
+    give_block(&r, b, 600, 2);
+    expect_set(&r, "a0, then blocks of others", NULL, 0);
+    assert_int_equal(number(&r, "bu.periodic_skipped"), 3);
+    assert_int_equal(number(&r, "bu.periodic_unfinished"), 1);
+    assert_int_equal(number(&r, "bu.periodic_lost"), 2);
+    free(a);
+    free(b);
+    wire_close(&r.w);
+}
+
 static void expect_pending(rig_t *r, const char *when, unsigned int size, unsigned int missing)
 {
     if (number(r, "bu.periodic_pending") != size || number(r, "bu.periodic_missing") != missing)
@@ -675,6 +695,7 @@ int main(int argc, char **argv)
         TEST("ECL-054 ECL-059: after another size in between the first set begins anew", size_changes_and_returns),
         TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored",
              impossible),
+        TEST("ECL-054 ECL-059: a block of another size ends the set that is coming in", block_of_another_size),
         TEST("ECL-054 ECL-059: the size of the set that is coming in and its missing blocks are told",
              what_is_coming_in),
         TEST("ECL-059: the old set stands until the new one is complete", hand_over_is_atomic),

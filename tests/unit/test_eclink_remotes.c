@@ -158,6 +158,9 @@ static void replaced(void **state)
     bu_set_number(&r, "ru1.on", 0);
     bu_arm(&r, 4);
     bu_expect_blocks(&r, "two of three lost, the first replaced", "34", BLOCKED);
+    char cause[ECT_SIGNAL_TEXT_ROOM];
+    bu_get(&r, "bu.cause", cause);
+    assert_string_equal(cause, "ru1: communication is lost; turn it on and rearm it");
     bu_arm(&r, 2);
     bu_expect_blocks(&r, "the other is replaced by the one that was replaced", "342", ARMED);
     wire_close(&r.w);
@@ -169,6 +172,25 @@ static void replaced(void **state)
     bu_expect_blocks(&r, "there was a place beside it", "23", BLOCKED);
     bu_arm(&r, 1);
     bu_expect_blocks(&r, "rearmed", "231", ARMED);
+    wire_close(&r.w);
+}
+
+/* Several signals of one request: the twin is not polled in between. */
+static void on_and_armed_at_once(void **state)
+{
+    static const char *const settings[][2] = {
+        {"ru1.on", "1"}, {"ru1.armed", "1"}, {"ru1.command", "00112233445566778899aabbccddeeff"}};
+    (void)state;
+    bu_rig_t r;
+    bu_start(&r, &bu_nodes[2]);
+    for (size_t i = 0; i < COUNT(settings); i++) {
+        ect_signal_ref_t ref;
+        char message[ECT_SIGNAL_MESSAGE] = "";
+        signal_find(&r.w, settings[i][0], &ref);
+        if (!ect_signal_write(&ref, settings[i][1], r.w.now_ns, message))
+            fail_msg("%s", message);
+    }
+    bu_expect_blocks(&r, "armed", "1", ARMED);
     wire_close(&r.w);
 }
 
@@ -473,6 +495,7 @@ int main(int argc, char **argv)
         TEST("ECL-028: an armed remote that is lost blocks the BU until it is on and rearmed", blocked_until_rearmed),
         TEST("ECL-028 ECL-047: with MultiArm each lost remote must be rearmed", blocked_with_three),
         TEST("ECL-028 ECL-048: a lost remote that never comes back is replaced by another in its place", replaced),
+        TEST("ECL-048: switched on, armed and at work in one go", on_and_armed_at_once),
         TEST("ECL-036 ECL-051: ids are unique", ids_are_unique),
         TEST(
             "ECL-037 ECL-038 ECL-039 ECL-040 ECL-041 ECL-043 EC-C10: RU state and BU state follow stop, shock, failure "

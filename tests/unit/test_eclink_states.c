@@ -188,6 +188,13 @@ static void errors_that_stay(void **state)
     bu_set(&r, "bu.module_error", "1");
     bu_set(&r, "bu.module_error", "0");
     bu_expect(&r, "another error takes its place", LINK_ERROR, MODULE_ERROR);
+    bu_set(&r, "bu.enabled", "0");
+    bu_expect(&r, "what is not used has no errors", DISARMED, UNUSED);
+    bu_set(&r, "bu.enabled", "1");
+    bu_expect(&r, "used again", DISARMED, OPERATIONAL);
+    bu_set(&r, "bu.module_error", "1");
+    bu_set(&r, "bu.module_error", "0");
+    bu_expect(&r, "and locked again", LINK_ERROR, MODULE_ERROR);
     bu_set(&r, "bu.restart", "1");
     bu_expect(&r, "power was off", INITIAL, NO_LINK);
     assert_int_equal(bu_number(&r, "bu.lock_errors"), 1);

@@ -376,6 +376,13 @@ static void deadlines_end_with_op(void **state)
     bu_expect(&r, "a new 2000 ms for the acknowledge", good, OPERATIONAL);
     bu_run(&r, 600 * MS);
     bu_expect(&r, "not acknowledged", LINK_ERROR, DATA_ERROR);
+    assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    bu_cycle(&r);
+    assert_int_equal(wire_al(&r.w, 0, ECT_STATE_OP, NULL), ECT_STATE_OP);
+    bu_run(&r, 1900 * MS);
+    bu_expect(&r, "late before, and a new 2000 ms again", good, OPERATIONAL);
+    bu_run(&r, 100 * MS);
+    bu_expect(&r, "still not acknowledged", LINK_ERROR, DATA_ERROR);
     wire_close(&r.w);
 }
 

@@ -235,7 +235,7 @@ void eclink_inputs_read(void *instance, uint64_t now_ns)
 {
     eclink_t *unit = instance;
     bool silent = !unit->exchanging;
-    if (!unit->in_op || eclink_has(unit, ECLINK_FMAP_COMMANDS))
+    if (!unit->in_op)
         return;
     begin_exchange(unit, now_ns);
     if (silent)

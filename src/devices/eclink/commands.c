@@ -40,7 +40,7 @@ static void watch_cao(eclink_t *unit, uint64_t now_ns)
     if (!unit->cci_waits) {
         unit->cao_late = false;
         unit->cao_deadline_ns = ECT_NEVER;
-    } else if (unit->cao_deadline_ns == ECT_NEVER && !unit->cao_late) {
+    } else if (unit->cao_deadline_ns == ECT_NEVER) {
         unit->cao_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
     }
 }

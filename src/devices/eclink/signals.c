@@ -225,7 +225,7 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
         host->off_bus(host->ctx, !on);
     if (IS(signal, eclink_bu_t, restart) && on)
         host->restart(host->ctx);
-    return IS(signal, eclink_bu_t, restart) ? "" : NULL;
+    return NULL;
 }
 
 static ect_bulk_t bulk(const void *instance)
