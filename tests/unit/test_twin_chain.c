@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bus/catalogue.h"
+#include "slave/indicator.h"
 #include "devices/eclink/eclink.h"
 #include "support/testdev.h"
 #include "support/wire.h"
@@ -121,6 +122,30 @@ static void deadlines(void **state)
     ect_chain_free(chain);
 }
 
+/* Nothing else asks for time here, and no frame comes: without the lamps' own deadline they would flicker for ever. */
+static void lamps_deadline(void **state)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    ect_signal_ref_t lamp;
+    uint8_t data = 0;
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 1);
+    uint64_t quiet = w.now_ns + ECT_INDICATOR_TRAFFIC_NS;
+    assert_true(ect_chain_signal(w.chain, 0, "ecat.link_in", &lamp));
+    assert_true(ect_chain_poll(w.chain, w.now_ns) == quiet);
+    ect_signal_read(&lamp, text);
+    assert_string_equal(text, "flickering");
+    assert_true(ect_chain_poll(w.chain, quiet - 1) == quiet);
+    ect_signal_read(&lamp, text);
+    assert_string_equal(text, "flickering");
+    assert_true(ect_chain_poll(w.chain, quiet) == ECT_NEVER);
+    ect_signal_read(&lamp, text);
+    assert_string_equal(text, "on");
+    wire_close(&w);
+}
+
 /* The slave in SAFEOP with SYNC0 as an event; then 0x0981 alone is written, as some masters do, and a cycle of 1 ns. */
 static void dense_sync0(void **state)
 {
@@ -209,6 +234,7 @@ int main(int argc, char **argv)
         {"CF-083: the poll tells the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
         {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
          NULL, NULL},
+        {"the poll tells when the link lamps stop to flicker", lamps_deadline, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices stand in the catalogue, behind ours", catalogue_grows, NULL, NULL, NULL},
     };
