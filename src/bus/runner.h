@@ -48,8 +48,8 @@ uint64_t ect_runner_now(void);
 
 /**
  * Runs until `on_signal` stops it, and at most two seconds longer for what a user has had saved (ect_chain_unfinished).
- * Cost: one wait and three system calls (receive, its age, send) a frame; nothing while the bus is quiet but the
- * devices' timers.
+ * Frames first: a client of the control socket is served when none waits, or after eight in a row.
+ * Cost: one wait and two system calls (receive, send) a frame; nothing while the bus is quiet but the devices' timers.
  * @return 0 · -1 an interface went away (errno)
  */
 int ect_runner_run(ect_runner_t *runner);
