@@ -226,7 +226,7 @@ static long slave_of(const cJSON *request, const ect_chain_t *chain)
 {
     const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
     double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
-    bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && floor(slave) == slave;
+    bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && (double)(long)slave == slave;
     return exists ? (long)slave : -1;
 }
 

@@ -44,7 +44,8 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
         fds[end] = (struct pollfd){.fd = r->ports[end] ? r->ports[end]->fd : -1, .events = POLLIN};
     fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
-    fds[CONTROL_FD] = (struct pollfd){.fd = r->control ? ect_control_fd(r->control) : -1, .events = POLLIN};
+    fds[CONTROL_FD] =
+        (struct pollfd){.fd = r->control && !r->resting ? ect_control_fd(r->control) : -1, .events = POLLIN};
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -181,6 +182,9 @@ static uint64_t run_devices(ect_runner_t *r)
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
     poll_devices(r, now_ns);
     uint64_t control_ns = r->control ? ect_control_due(r->control) : ECT_NEVER;
+    r->resting = r->control && now_ns < r->rested_ns;
+    if (r->resting)
+        control_ns = r->rested_ns;
     uint64_t late_ns = earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
     return earlier(r->deadline_ns, earlier(control_ns, late_ns));
 }
@@ -188,12 +192,13 @@ static uint64_t run_devices(ect_runner_t *r)
 /* Frames first: a client is served when none came, or too many have come one after another. */
 static void serve_control(ect_runner_t *r, bool frame, bool readable)
 {
-    if (!r->control || (!readable && ect_runner_now() < ect_control_due(r->control)))
+    if (!r->control || r->resting || (!readable && ect_runner_now() < ect_control_due(r->control)))
         return;
     if (frame && ++r->frames_first < FRAMES_FIRST)
         return;
     r->frames_first = 0;
     ect_control_serve(r->control, r->chain, chain_now(r));
+    r->rested_ns = ect_runner_now() + r->control_rest_ns;
 }
 
 /* @param ready  whether something has come, and `fds` says what @return 1: go on; 0: stop; -1: an interface is gone */

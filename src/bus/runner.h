@@ -24,6 +24,8 @@ typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: nothing is plugged in there */
     ect_chain_t *chain;
     ect_control_t *control; /**< NULL: none */
+    /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
+    uint32_t control_rest_ns;
     ect_faults_t *faults;   /**< NULL: none */
     int signal_fd;          /**< a signalfd */
     int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
@@ -40,8 +42,13 @@ typedef struct ect_runner {
     uint64_t polled_ns;   /* the latest time that the chain has seen */
     uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */
     unsigned int frames_first;
+    uint64_t rested_ns; /* when a client may be served again */
+    bool resting;
     bool linked[ECT_ENDS];
 } ect_runner_t;
+
+/** What ect_runner_t::control_rest_ns should be: with it clients get less than half of a processor. */
+enum { ECT_RUNNER_REST_NS = 50000 };
 
 /** Monotonic time, nanoseconds. */
 uint64_t ect_runner_now(void);

@@ -233,6 +233,31 @@ static void once_between_frames(void **state)
     close_bench(&b);
 }
 
+/* Between two pieces of work the loop rests: clients alone never keep the processor busy. */
+static void until_frames_are_over(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    if (n > 0 && strchr(b->order, 'C'))
+        assert_non_null(limit); /* it will look at the clients again */
+    one_frame_at_a_time(b, n, limit);
+}
+
+static void rests(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
+    int fd = connect_client(&b);
+    say(fd, "{\"op\":\"list\"}\n");
+    run(&b, until_frames_are_over);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    const char *once = strchr(b.order, 'C');
+    assert_non_null(once);
+    assert_null(strchr(once + 1, 'C'));
+    close(fd);
+    close_bench(&b);
+}
+
 /* --- watching ----------------------------------------------------------------------------------------------------- */
 
 static int watcher;
@@ -339,6 +364,8 @@ int main(int argc, char **argv)
         {"Attack: 100 frames and 640 requests wait: 8 frames are answered before a client is served", frames_first,
          NULL, NULL, NULL},
         {"Attack: a client is served once between two frames", once_between_frames, NULL, NULL, NULL},
+        {"Attack: clients do not keep the processor busy: there is a rest after each piece of work", rests, NULL, NULL,
+         NULL},
         {"Who watches wakes the loop every 10 ms, nobody else", report_deadline, NULL, NULL, NULL},
         {"A late loop runs the devices at the times they asked for: every change is told", late_loop, NULL, NULL, NULL},
     };

@@ -85,6 +85,7 @@ int command_run(int argc, char **argv)
     int status = session_open(&session, ends);
     if (status == EXIT_CLEAN) {
         session.runner.control = open_control("ectwin run");
+        session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
         status = session_power_on(&session);
     }
     if (status == EXIT_CLEAN) {

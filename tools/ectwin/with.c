@@ -268,6 +268,7 @@ int command_with(int argc, char **argv)
     session_init(&session, "ectwin with", &args.twins);
     session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
     session.runner.control = open_control("ectwin with"); /* outside: where its user will look for it */
+    session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
     int status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
     if (status == EXIT_CLEAN)
         status = enter_network(&args);
