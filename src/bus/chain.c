@@ -23,6 +23,7 @@ typedef struct twin {
     bool link[ECT_ENDS];  /* what is known to its ESC: a link at port 0, at port 1 */
     uint32_t seen;        /* ESC activity that the slave has dealt with */
     uint64_t esc_ns;      /* deadline of the ESC */
+    uint32_t sii_seen;    /* writes to its EEPROM that were told */
     uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
     uint64_t last_frame_ns;
     ect_lamps_t *lamps;
@@ -58,6 +59,8 @@ static bool make_esc(twin_t *twin)
     uint8_t *sii = allocate(twin, c->device->sii_size);
     if (!memory || !sii || ect_sii_write(c->device, &c->identity, c->alias, sii, c->device->sii_size) < 0)
         return false;
+    if (c->sii)
+        memcpy(sii, c->sii, c->device->sii_size);
     twin->esc.config = (ect_esc_config_t){
         .personality = personality,
         .memory = memory,
@@ -255,6 +258,15 @@ static void poll_twin(twin_t *twin, uint64_t now_ns)
         (void)power_on(twin, now_ns);
 }
 
+static void tell_sii(twin_t *twin)
+{
+    if (twin->sii_seen == ect_esc_sii_writes(&twin->esc))
+        return;
+    twin->sii_seen = ect_esc_sii_writes(&twin->esc);
+    if (twin->config.sii_written)
+        twin->config.sii_written(twin->config.sii_ctx, twin->esc.config.sii, twin->esc.config.sii_size);
+}
+
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
 {
     uint64_t next = ECT_NEVER;
@@ -262,6 +274,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         twin_t *twin = &chain->twins[i];
         if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns)
             poll_twin(twin, now_ns);
+        tell_sii(twin);
         next = twin->deadline_ns < next ? twin->deadline_ns : next;
     }
     follow_links(chain);

@@ -27,7 +27,12 @@ typedef struct ect_twin_config {
     ect_identity_t identity;      /**< who it says it is; copied */
     uint16_t alias;               /**< configured station alias and explicit device id; 0 none */
     const ect_storage_t *storage; /**< its non-volatile memory, must outlive the chain; NULL: none */
-    bool keep_source_mac;         /**< do not set the bit that an ESC sets in the source address */
+    /** Content of its EEPROM, of the description's sii_size; copied. NULL: as the description makes it. */
+    const uint8_t *sii;
+    /** The master has written to the EEPROM: all of its content as it is now, at the next poll. NULL: nobody cares. */
+    void (*sii_written)(void *sii_ctx, const uint8_t *sii, uint32_t size);
+    void *sii_ctx;
+    bool keep_source_mac; /**< do not set the bit that an ESC sets in the source address */
 } ect_twin_config_t;
 
 typedef struct ect_chain ect_chain_t;

@@ -70,6 +70,7 @@ typedef struct ect_esc {
     bool sii_valid;
     uint8_t sm_changed; /* SyncManagers whose activate register the PDI has yet to look at */
     uint32_t activity;
+    uint32_t sii_writes;
     uint8_t scratch[ECT_ESC_MAX_FRAME]; /* what a datagram brought, or is about to be given: one user at a time */
 } ect_esc_t;
 
@@ -147,6 +148,13 @@ uint32_t ect_esc_al_event(const ect_esc_t *esc);
 static inline uint32_t ect_esc_activity(const ect_esc_t *esc)
 {
     return esc->activity;
+}
+
+/** A counter that moves whenever a write command has changed the SII content (ect_esc_config_t::sii); 0 after a reset.
+ */
+static inline uint32_t ect_esc_sii_writes(const ect_esc_t *esc)
+{
+    return esc->sii_writes;
 }
 
 ECT_C_END

@@ -91,6 +91,7 @@ static void finish(ect_esc_t *esc)
             if (offset + i < esc->config.sii_size)
                 esc->config.sii[offset + i] = data[i];
         }
+        esc->sii_writes++;
     } else {
         ect_esc_sii_load(esc, false);
     }

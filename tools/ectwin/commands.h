@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 #include "bus/chain.h"
+#include "bus/eeprom.h"
 #include "bus/memory.h"
 #include "bus/runner.h"
 
@@ -43,6 +44,7 @@ typedef struct twin_args {
     const char *store;     /* folder of the twins' non-volatile memory, NULL: none */
     const char **settings; /* "[N:]NAME=VALUE" */
     size_t setting_count;
+    ect_eeprom_t **eeproms;  /* one a twin, where there is a store */
     ect_memory_t **memories; /* one a twin, once they are powered on */
 } twin_args_t;
 

@@ -10,6 +10,7 @@
 #include "bus/rights.h"
 #include "bus/signals.h"
 #include "commands.h"
+#include "sii/sii.h"
 
 enum {
     KEY_VENDOR_ID = 0x100,
@@ -212,6 +213,40 @@ static bool open_memories(twin_args_t *args, const char *who)
     return args->memories != NULL;
 }
 
+static bool open_eeprom(twin_args_t *args, size_t i, char *message)
+{
+    ect_twin_config_t *twin = &args->twins[i];
+    uint32_t size = twin->device->sii_size;
+    char path[ECT_EEPROM_PATH];
+    uint8_t *factory = malloc(size > 0 ? size : 1);
+    int length = snprintf(path, sizeof path, "%s/%s-%zu.sii", args->store, twin->device->name, i + 1);
+    if (length >= (int)sizeof path)
+        snprintf(message, ECT_EEPROM_MESSAGE, "the folder's name is too long");
+    else if (!factory || ect_sii_write(twin->device, &twin->identity, twin->alias, factory, size) < 0)
+        snprintf(message, ECT_EEPROM_MESSAGE, "the EEPROM of '%s' cannot be made", twin->device->name);
+    else
+        args->eeproms[i] = ect_eeprom_open(path, factory, size, message);
+    free(factory);
+    if (!args->eeproms[i])
+        return false;
+    twin->sii = ect_eeprom_image(args->eeproms[i]);
+    twin->sii_written = ect_eeprom_write;
+    twin->sii_ctx = args->eeproms[i];
+    return true;
+}
+
+static bool open_eeproms(twin_args_t *args, const char *who)
+{
+    char message[ECT_EEPROM_MESSAGE] = "out of memory";
+    args->eeproms = calloc(args->count, sizeof(ect_eeprom_t *));
+    bool done = args->eeproms != NULL;
+    for (size_t i = 0; done && args->store && i < args->count; i++)
+        done = open_eeprom(args, i, message);
+    if (!done)
+        fprintf(stderr, "%s: %s\n", who, message);
+    return done;
+}
+
 /* Which twin a setting is for: what stands before its colon, else the first. Sets `setting` to what follows. */
 static size_t twin_of(const char **setting)
 {
@@ -270,7 +305,7 @@ static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *w
 int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain)
 {
     *chain = NULL;
-    if (!open_memories(args, who))
+    if (!open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
     *chain = ect_chain_new(args->twins, args->count, ect_runner_now());
     if (!*chain) {
@@ -289,6 +324,9 @@ void twin_args_free(twin_args_t *args)
     for (size_t i = 0; args->memories && i < args->count; i++)
         ect_memory_close(args->memories[i]);
     free(args->memories);
+    for (size_t i = 0; args->eeproms && i < args->count; i++)
+        ect_eeprom_close(args->eeproms[i]);
+    free(args->eeproms);
     free(args->settings);
     free(args->twins);
     args->twins = NULL;
