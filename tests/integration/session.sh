@@ -98,6 +98,10 @@ with --iface 1234567890123456 fzm1 -- true
 with --iface a,a fzm1 -- true
 with --iface a,b,c fzm1 -- true
 with --iface ectwin1 fzm1 -- true
+with --serial 3:5 fzm1,fzm1 -- true
+with --serial 0:5 fzm1 -- true
+with --alias 65535 fzm1,fzm1 -- true
+with --alias 1:0 fzm1 -- true
 END
 }
 
@@ -152,6 +156,29 @@ children_of_the_command() {
   done
   "$ectwin" with --leave-children fzm1 -- sh -c 'sleep 300 >/dev/null 2>&1 & echo $! >"$1"' sh "$work/pids" 2>/dev/null
   check "with: --leave-children" yes "$(kill "$(cat "$work/pids")" && echo yes)"
+}
+
+# Words 4 alias, 8 vendor, 0xA product code, 0xC revision, 0xE serial number.
+each_twin_its_identity() {
+  check "identity: for all, then for one" "0005 0e57 0007 000a | 0100 1234 0009 004d | 0007 0e57 0007 000c" \
+    "$("$ectwin" with --vendor-id 2:0x1234 --revision 7 --revision 2:9 --serial 010 --serial 2:77 --alias 5 --alias 2:0x100 \
+      fzm1,fzm1,fzm1 -- python3 "$here/eeprom.py" {} 1:4 1:8 1:0xC 1:0xE 2:4 2:8 2:0xC 2:0xE 3:4 3:8 3:0xC 3:0xE 2>/dev/null |
+      sed 's/ /&| /8; s/ /&| /4')"
+}
+
+what_a_master_writes_to_the_eeprom() {
+  local store="$work/eeprom"
+  "$ectwin" with --store "$store" fzm1,fzm1 -- python3 "$here/eeprom.py" {} 2:4=0x1234 2:0x3F0=0xBEEF 2>/dev/null
+  check "--store: the EEPROM is as the master left it" "0000 1234 beef" \
+    "$("$ectwin" with --store "$store" fzm1,fzm1 -- python3 "$here/eeprom.py" {} 1:4 2:4 2:0x3F0 2>/dev/null)"
+  check "--store: an option that is new is the newer wish" "0042 beef" \
+    "$("$ectwin" with --store "$store" --alias 2:0x42 fzm1,fzm1 -- python3 "$here/eeprom.py" {} 2:4 2:0x3F0 2>/dev/null)"
+  check "--store: without it the EEPROM is as made" 0000 \
+    "$("$ectwin" with fzm1,fzm1 -- python3 "$here/eeprom.py" {} 2:4 2>/dev/null)"
+  echo nonsense >"$store/fzm1-1.sii"
+  "$ectwin" with --store "$store" fzm1 -- true 2>"$work/err"
+  check "--store: a file that is no EEPROM content" 2 $?
+  says "--store" "no EEPROM content"
 }
 
 # What a twin may do once it runs: nothing, or take its interface down again.
@@ -218,7 +245,7 @@ print(policy, os.sched_getparam(parent).sched_priority, os.sched_getscheduler(0)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
-  two_ends_that_answer names_of_the_private_network children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
+  two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

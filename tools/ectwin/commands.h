@@ -30,14 +30,19 @@ int command_list_signals(int argc, char **argv);
 int command_command(int argc, char **argv);
 int command_periodic(int argc, char **argv);
 
+/** "[N:]VALUE" of an identity option. */
+typedef struct identity_wish {
+    int key;     /**< of the option */
+    size_t twin; /**< from 1; 0: all */
+    uint32_t value;
+} identity_wish_t;
+
 /** The twins that a command line asks for: devices and the options that shape them. */
 typedef struct twin_args {
     ect_twin_config_t *twins;
     size_t count;
-    struct {
-        bool given;
-        uint32_t value;
-    } vendor_id, product_code, revision, serial, alias;
+    identity_wish_t *wishes;
+    size_t wish_count;
     bool keep_source_mac;
     ect_faults_t faults;
     int realtime;          /* priority, 0: as any process */

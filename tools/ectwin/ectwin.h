@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The whole `ectwin` command as a function, for a program that brings devices of its own: `list`, `run`, `with`, `get`, `set`
- * and all others know them by name, beside those of ectwin. docs/DEVICE.md shows such a program.
+ * The whole `ectwin` command as a function, for a program that brings devices of its own: `list`, `run`, `with`, `get`,
+ * `set` and all others know them by name, beside those of ectwin. docs/DEVICE.md shows such a program.
  */
 #ifndef ECTWIN_H
 #define ECTWIN_H

@@ -29,11 +29,16 @@ enum {
 };
 
 static const struct argp_option options[] = {
-    {"vendor-id", KEY_VENDOR_ID, "N", 0, "Vendor id, 0..0xFFFFFFFF (default: the device's placeholder)", 1},
-    {"product-code", KEY_PRODUCT_CODE, "N", 0, "Product code, 0..0xFFFFFFFF", 1},
-    {"revision", KEY_REVISION, "N", 0, "Revision number, 0..0xFFFFFFFF", 1},
-    {"serial", KEY_SERIAL, "N", 0, "Serial number of the first twin, the others count up (default 1)", 1},
-    {"alias", KEY_ALIAS, "N", 0, "Station alias and device id of the first twin, 1..65535, the others count up", 1},
+    {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
+     "Vendor id, 0..0xFFFFFFFF (default: the device's placeholder); of twin N, without N of all. May be repeated, as "
+     "may the next four",
+     1},
+    {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0, "Product code, 0..0xFFFFFFFF", 1},
+    {"revision", KEY_REVISION, "[N:]NUMBER", 0, "Revision number, 0..0xFFFFFFFF", 1},
+    {"serial", KEY_SERIAL, "[N:]NUMBER", 0,
+     "Serial number; without N of the first twin, the others count up (default 1)", 1},
+    {"alias", KEY_ALIAS, "[N:]ALIAS", 0,
+     "Station alias and device id, 1..65535; without N of the first twin, the others count up", 1},
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
     {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
@@ -51,7 +56,8 @@ static uint32_t parse_number(const struct argp_state *state, const char *option,
 {
     char *end;
     errno = 0;
-    unsigned long long value = strtoull(text, &end, 0);
+    bool hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
+    unsigned long long value = strtoull(text, &end, hexadecimal ? 16 : 10); /* 010 is ten */
     if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
         argp_error(state, "%s takes a number from 0 to 0x%X, not '%s'", option, maximum, text);
     return (uint32_t)value;
@@ -80,32 +86,109 @@ static void add_setting(twin_args_t *args, const struct argp_state *state, const
     args->settings[args->setting_count++] = text;
 }
 
+/* --- who the twins say they are ----------------------------------------------------------------------------------- */
+
+typedef struct identity_option {
+    int key;
+    const char *name;
+    uint32_t minimum, maximum;
+    bool counts_up; /* from one twin to the next, when it is for all */
+} identity_option_t;
+
+static const identity_option_t *identity_option(int key)
+{
+    static const identity_option_t known[] = {
+        {KEY_VENDOR_ID, "--vendor-id", 0, UINT32_MAX, false},
+        {KEY_PRODUCT_CODE, "--product-code", 0, UINT32_MAX, false},
+        {KEY_REVISION, "--revision", 0, UINT32_MAX, false},
+        {KEY_SERIAL, "--serial", 0, UINT32_MAX, true},
+        {KEY_ALIAS, "--alias", 1, UINT16_MAX, true},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (known[i].key == key)
+            return &known[i];
+    }
+    return NULL;
+}
+
+static void add_wish(twin_args_t *args, const struct argp_state *state, int key, const char *text)
+{
+    const identity_option_t *option = identity_option(key);
+    const char *colon = strchr(text, ':');
+    identity_wish_t *grown = realloc(args->wishes, (args->wish_count + 1) * sizeof *grown);
+    if (!grown)
+        argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
+    args->wishes = grown;
+    identity_wish_t *wish = &args->wishes[args->wish_count++];
+    *wish = (identity_wish_t){.key = key};
+    if (colon) {
+        char number[16];
+        snprintf(number, sizeof number, "%.*s", (int)(colon - text), text);
+        wish->twin = parse_number(state, "N in N:VALUE", number, UINT16_MAX);
+        if (wish->twin == 0)
+            argp_error(state, "%s %s: twins are counted from 1", option->name, text);
+    }
+    wish->value = parse_number(state, option->name, colon ? colon + 1 : text, option->maximum);
+    if (wish->value < option->minimum)
+        argp_error(state, "%s takes a number from %u to %u", option->name, option->minimum, option->maximum);
+}
+
+static void fulfil(const identity_wish_t *wish, ect_twin_config_t *twin, uint32_t value)
+{
+    switch (wish->key) {
+    case KEY_VENDOR_ID:
+        twin->identity.vendor_id = value;
+        return;
+    case KEY_PRODUCT_CODE:
+        twin->identity.product_code = value;
+        return;
+    case KEY_REVISION:
+        twin->identity.revision = value;
+        return;
+    case KEY_SERIAL:
+        twin->identity.serial = value;
+        return;
+    default:
+        twin->alias = (uint16_t)value;
+    }
+}
+
+/* In their order: what is for one twin after what is for all. */
+static void fulfil_wishes(twin_args_t *args, const struct argp_state *state)
+{
+    for (size_t w = 0; w < args->wish_count; w++) {
+        const identity_wish_t *wish = &args->wishes[w];
+        const identity_option_t *option = identity_option(wish->key);
+        if (wish->twin > args->count)
+            argp_error(state, "%s %zu:…: there are %zu twins", option->name, wish->twin, args->count);
+        for (size_t i = 0; i < args->count; i++) {
+            uint64_t value = (uint64_t)wish->value + (option->counts_up && wish->twin == 0 ? i : 0);
+            if (value > option->maximum)
+                argp_error(state, "%s %u is too high for %zu twins: it counts up", option->name, wish->value,
+                           args->count);
+            if (wish->twin == 0 || wish->twin == i + 1)
+                fulfil(wish, &args->twins[i], (uint32_t)value);
+        }
+    }
+}
+
+/* --- options ------------------------------------------------------------------------------------------------------ */
+
+static void check_faults(const twin_args_t *args, const struct argp_state *state)
+{
+    if (args->faults.drop_percent + args->faults.delay_percent > 100)
+        argp_error(state, "--drop %u and --delay %u are more than 100 together: a frame that is lost is not late",
+                   args->faults.drop_percent, args->faults.delay_percent);
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
+    if (identity_option(key)) {
+        add_wish(args, state, key, text);
+        return 0;
+    }
     switch (key) {
-    case KEY_VENDOR_ID:
-        args->vendor_id.value = parse_number(state, "--vendor-id", text, UINT32_MAX);
-        args->vendor_id.given = true;
-        return 0;
-    case KEY_PRODUCT_CODE:
-        args->product_code.value = parse_number(state, "--product-code", text, UINT32_MAX);
-        args->product_code.given = true;
-        return 0;
-    case KEY_REVISION:
-        args->revision.value = parse_number(state, "--revision", text, UINT32_MAX);
-        args->revision.given = true;
-        return 0;
-    case KEY_SERIAL:
-        args->serial.value = parse_number(state, "--serial", text, UINT32_MAX);
-        args->serial.given = true;
-        return 0;
-    case KEY_ALIAS:
-        args->alias.value = parse_number(state, "--alias", text, UINT16_MAX);
-        if (args->alias.value == 0)
-            argp_error(state, "--alias takes a number from 1 to 65535");
-        args->alias.given = true;
-        return 0;
     case KEY_DROP:
         args->faults.drop_percent = (uint8_t)parse_number(state, "--drop", text, 100);
         return 0;
@@ -133,9 +216,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
         return 0;
     case ARGP_KEY_END:
-        if (args->faults.drop_percent + args->faults.delay_percent > 100)
-            argp_error(state, "--drop %u and --delay %u are more than 100 together: a frame that is lost is not late",
-                       args->faults.drop_percent, args->faults.delay_percent);
+        check_faults(args, state);
         return 0;
     case KEY_KEEP_MAC:
         args->keep_source_mac = true;
@@ -173,17 +254,11 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
         args->twins[args->count++] = ect_twin_default(product->device, product->plant);
     }
     free(copy);
-    if (args->alias.given && args->alias.value + args->count - 1 > UINT16_MAX)
-        argp_error(state, "--alias %u is too high for %zu twins: the aliases count up", args->alias.value, args->count);
     for (size_t i = 0; i < args->count; i++) {
-        ect_twin_config_t *twin = &args->twins[i];
-        twin->keep_source_mac = args->keep_source_mac;
-        twin->identity.vendor_id = args->vendor_id.given ? args->vendor_id.value : twin->identity.vendor_id;
-        twin->identity.product_code = args->product_code.given ? args->product_code.value : twin->identity.product_code;
-        twin->identity.revision = args->revision.given ? args->revision.value : twin->identity.revision;
-        twin->identity.serial = (args->serial.given ? args->serial.value : 1) + (uint32_t)i;
-        twin->alias = args->alias.given ? (uint16_t)(args->alias.value + i) : 0;
+        args->twins[i].keep_source_mac = args->keep_source_mac;
+        args->twins[i].identity.serial = 1 + (uint32_t)i;
     }
+    fulfil_wishes(args, state);
 }
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */
@@ -328,6 +403,7 @@ void twin_args_free(twin_args_t *args)
         ect_eeprom_close(args->eeproms[i]);
     free(args->eeproms);
     free(args->settings);
+    free(args->wishes);
     free(args->twins);
     args->twins = NULL;
 }
