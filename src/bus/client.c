@@ -4,6 +4,7 @@
 
 #include <cjson/cJSON.h>
 #include <fnmatch.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -219,6 +220,69 @@ static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, si
     return NULL;
 }
 
+/* --- stats -------------------------------------------------------------------------------------------------------- */
+
+static void put_counters(ect_client_t *client, uint64_t now_ns)
+{
+    const ect_stats_t *s = client->stats;
+    const struct {
+        const char *name;
+        uint64_t value;
+    } counters[] = {
+        {"frames", s->frames},
+        {"answered", s->answered},
+        {"unanswered", s->unanswered},
+        {"stale", s->stale},
+        {"circling", s->circling},
+        {"dropped", s->dropped},
+        {"delayed", s->delayed},
+        {"p50_us", ect_stats_quantile_us(s, 500)},
+        {"p99_us", ect_stats_quantile_us(s, 990)},
+        {"longest_us", s->longest_answer_ns / 1000},
+        {"polls", s->polls},
+        {"late_polls", s->late_polls},
+        {"latest_poll_us", s->latest_poll_ns / 1000},
+    };
+    ect_line_t line;
+    ect_line_begin(&line);
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
+        ect_line_number(&line, counters[i].name, counters[i].value);
+    ect_line_time(&line, now_ns - s->start_ns);
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+static void put_histogram(ect_client_t *client)
+{
+    char list[24 * ECT_STATS_STEPS] = "";
+    size_t used = 0;
+    ect_line_t line;
+    ect_line_begin(&line);
+    for (size_t step = 0; step < ECT_STATS_STEPS; step++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu64, step > 0 ? "," : "[",
+                                 client->stats->answers[step]);
+    snprintf(list + used, sizeof list - used, "]");
+    ect_line_plain(&line, "answers", list);
+    used = 0;
+    for (size_t step = 0; step + 1 < ECT_STATS_STEPS; step++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu32, step > 0 ? "," : "[",
+                                 ect_stats_edge_us(step));
+    snprintf(list + used, sizeof list - used, "]");
+    ect_line_plain(&line, "edges_us", list);
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+/* @return why not, NULL */
+static const char *give_stats(ect_client_t *client, uint64_t now_ns)
+{
+    if (!client->stats)
+        return "nothing is counted here";
+    put_counters(client, now_ns);
+    put_histogram(client);
+    return NULL;
+}
+
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
 /* @return the slave that a request is for, from 1; 0: all of them; -1: there is no such slave */
@@ -252,7 +316,11 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
     long slave = slave_of(request, chain);
     bool one = op && is_for_one_slave(op);
-    const char *why = "a request is a line {\"op\":\"get|list|set|watch|data\",...}";
+    const char *why = "a request is a line {\"op\":\"get|list|set|watch|data|stats\",...}";
+    if (op && strcmp(op, "stats") == 0) {
+        ect_client_result(client, give_stats(client, now_ns));
+        return;
+    }
     if (slave < 0 || (one && slave == 0)) {
         why = "there is no such slave in this chain";
     } else if (one) {

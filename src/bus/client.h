@@ -16,6 +16,7 @@
 #include "bus/chain.h"
 #include "bus/endpoint.h"
 #include "bus/line.h"
+#include "bus/stats.h"
 #include "bus/watch.h"
 #include "wire/linkage.h"
 
@@ -50,7 +51,8 @@ typedef struct ect_client {
     size_t line; /**< length of the first request that was received whole, 0: none */
     char request[ECT_ENDPOINT_REQUEST];
     size_t unsent;
-    char *answer; /**< ECT_CLIENT_ANSWER bytes */
+    char *answer;             /**< ECT_CLIENT_ANSWER bytes */
+    const ect_stats_t *stats; /**< NULL: none are shown */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: nothing is watched */
 } ect_client_t;

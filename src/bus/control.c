@@ -22,6 +22,7 @@ struct ect_control {
     uint64_t round_ns; /* when the watched values are compared next; ECT_NEVER: nobody wants that */
     size_t turn;       /* who is served next */
     ect_client_t clients[ECT_CONTROL_CLIENTS];
+    const ect_stats_t *stats;
     char path[ECT_ENDPOINT_PATH];
     ino_t identity; /* of its file */
 };
@@ -84,6 +85,11 @@ void ect_control_close(ect_control_t *c)
     free(c);
 }
 
+void ect_control_show(ect_control_t *c, const ect_stats_t *stats)
+{
+    c->stats = stats;
+}
+
 const char *ect_control_path(const ect_control_t *c)
 {
     return c->path;
@@ -139,6 +145,7 @@ static void let_in(ect_control_t *c, uint64_t now_ns)
         }
         client->fd = fd;
         client->events = EPOLLIN;
+        client->stats = c->stats;
         return;
     }
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");

@@ -19,6 +19,7 @@
 
 #include "bus/chain.h"
 #include "bus/endpoint.h"
+#include "bus/stats.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -36,6 +37,9 @@ typedef struct ect_control ect_control_t;
  */
 ect_control_t *ect_control_open(char *message);
 void ect_control_close(ect_control_t *control);
+
+/** What the request `stats` tells. @param stats  must outlive the control; NULL (as at first): nothing is told */
+void ect_control_show(ect_control_t *control, const ect_stats_t *stats);
 
 /** Path of the socket, valid until it is closed. */
 const char *ect_control_path(const ect_control_t *control);

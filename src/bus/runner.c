@@ -235,6 +235,9 @@ int ect_runner_run(ect_runner_t *r)
 {
     int going = 1;
     r->deadline_ns = r->touched_ns = ECT_NEVER;
+    r->stats.start_ns = ect_runner_now();
+    if (r->control)
+        ect_control_show(r->control, &r->stats);
     follow_cables(r);
     while (going > 0) {
         struct pollfd fds[WAITABLE];

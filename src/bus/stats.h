@@ -19,6 +19,7 @@ enum { ECT_STATS_STEPS = 20 };
 
 /** Counters since the start. All zero: nothing has happened yet. */
 typedef struct ect_stats {
+    uint64_t start_ns;   /**< when the run began */
     uint64_t frames;     /**< that came, at either end */
     uint64_t answered;   /**< that went back, or out at the other end */
     uint64_t unanswered; /**< no EtherCAT, malformed, or without a way back */

@@ -181,6 +181,25 @@ what_a_master_writes_to_the_eeprom() {
   says "--store" "no EEPROM content"
 }
 
+what_was_counted() {
+  # shellcheck disable=SC2016
+  "$ectwin" with --drop 50 --seed 3 fzm1 -- sh -c 'python3 "$2/frames.py" {} 40 20 2 | wc -l; "$1" stats --json; "$1" stats' \
+    sh "$ectwin" "$here" >"$work/out" 2>/dev/null
+  check "stats: what came, what went back, what was dropped" yes "$(python3 - "$work/out" <<'END'
+import json
+import sys
+
+back, counters, histogram = [json.loads(line) for line in open(sys.argv[1]).readlines()[:3]]
+whole = counters["frames"] == 40 and counters["answered"] == back == sum(histogram["answers"])
+rest = counters["dropped"] + counters["stale"] == 40 - back and 0 < back < 40
+print("yes" if whole and rest and len(histogram["edges_us"]) + 1 == len(histogram["answers"]) else (back, counters, histogram))
+END
+)"
+  check "stats: for people" "40 frames" "$(grep -o '40  frames' "$work/out" | xargs)"
+  "$ectwin" stats -s /no/such/socket 2>"$work/err"
+  check "stats: without a twin" 2 $?
+}
+
 # What a twin may do once it runs: nothing, or take its interface down again.
 rights_of_a_running_twin() {
   in_network '
@@ -245,7 +264,7 @@ print(policy, os.sched_getparam(parent).sched_priority, os.sched_getscheduler(0)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
-  two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
+  two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

@@ -15,11 +15,12 @@ static const struct command {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"list", command_list},       {"run", command_run},
-    {"with", command_with},       {"sii", command_sii},
-    {"get", command_get},         {"set", command_set},
-    {"watch", command_watch},     {"list-signals", command_list_signals},
-    {"command", command_command}, {"periodic", command_periodic},
+    {"list", command_list},         {"run", command_run},
+    {"with", command_with},         {"sii", command_sii},
+    {"get", command_get},           {"set", command_set},
+    {"watch", command_watch},       {"list-signals", command_list_signals},
+    {"command", command_command},   {"stats", command_stats},
+    {"periodic", command_periodic},
 };
 
 static int usage(FILE *stream, int status)
@@ -34,6 +35,8 @@ static int usage(FILE *stream, int status)
           "       ectwin watch [PATTERN] [--every]              one line of JSON for what has changed, until Ctrl-C\n"
           "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
           "       ectwin periodic [-o FILE]                     the last set of periodic data that remotes were shown\n"
+          "       ectwin stats [--json]                         frames, answer times and what came late, since the "
+          "start\n"
           "       ectwin --version\n"
           "'ectwin COMMAND --help' tells more of each.\n",
           stream);

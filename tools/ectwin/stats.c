@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+/* What a running twin has counted: frames, how long answers took, what came late. */
+#include <argp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "connection.h"
+
+typedef struct stats_args {
+    const char *socket;
+    bool json;
+} stats_args_t;
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    stats_args_t *args = state->input;
+    switch (key) {
+    case 's':
+        args->socket = text;
+        return 0;
+    case 'j':
+        args->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        argp_error(state, "it takes no argument");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static double number(const cJSON *line, const char *name)
+{
+    const cJSON *member = cJSON_GetObjectItemCaseSensitive(line, name);
+    return cJSON_IsNumber(member) ? member->valuedouble : 0;
+}
+
+static void print_counters(const cJSON *line)
+{
+    static const struct {
+        const char *name, *meaning;
+    } counters[] = {
+        {"frames", "came"},
+        {"answered", "went back, or out at the other end"},
+        {"unanswered", "no EtherCAT, malformed, or without a way back"},
+        {"stale", "had waited too long to be answered: this machine was busy"},
+        {"circling", "answers that something else answered again"},
+        {"dropped", "lost on purpose"},
+        {"delayed", "late on purpose, not in the times below"},
+    };
+    printf("in %.1f s:\n", number(line, "time"));
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
+        printf("%12.0f  %-10s  %s\n", number(line, counters[i].name), counters[i].name, counters[i].meaning);
+    printf("%12.0f  %-10s  runs of the devices, %.0f of them more than 1 ms late, the latest by %.0f us\n",
+           number(line, "polls"), "polls", number(line, "late_polls"), number(line, "latest_poll_us"));
+    printf("answers, from the arrival of a frame: half below %.0f us, 99 %% below %.0f us, the longest %.0f us\n",
+           number(line, "p50_us"), number(line, "p99_us"), number(line, "longest_us"));
+}
+
+/* A bar a step, from the first that is not empty to the last. */
+static void print_histogram(const cJSON *answers, const cJSON *edges)
+{
+    enum { WIDTH = 50 };
+    int first = -1;
+    int last = -1;
+    double most = 1;
+    for (int i = 0; i < cJSON_GetArraySize(answers); i++) {
+        double count = cJSON_GetArrayItem(answers, i)->valuedouble;
+        first = first < 0 && count > 0 ? i : first;
+        last = count > 0 ? i : last;
+        most = count > most ? count : most;
+    }
+    for (int i = first; i >= 0 && i <= last; i++) {
+        double count = cJSON_GetArrayItem(answers, i)->valuedouble;
+        const cJSON *edge = cJSON_GetArrayItem(edges, i);
+        char bar[WIDTH + 1] = "";
+        memset(bar, '#', (size_t)(count / most * WIDTH));
+        if (edge)
+            printf("   < %7.0f us %12.0f  %s\n", edge->valuedouble, count, bar);
+        else
+            printf("       longer %13.0f  %s\n", count, bar);
+    }
+}
+
+static void print_stats(const cJSON *line)
+{
+    const cJSON *answers = cJSON_GetObjectItemCaseSensitive(line, "answers");
+    if (cJSON_IsArray(answers))
+        print_histogram(answers, cJSON_GetObjectItemCaseSensitive(line, "edges_us"));
+    else
+        print_counters(line);
+}
+
+static void print_json(const cJSON *line)
+{
+    char *text = cJSON_PrintUnformatted(line);
+    printf("%s\n", text ? text : "");
+    cJSON_free(text);
+}
+
+int command_stats(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},
+        {"json", 'j', NULL, 0, "As the twin gives it (docs/CONTROL.md)", 0},
+        {0}};
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .doc = "Prints what a running twin has counted since its start: frames, answer times, what came late."};
+    stats_args_t args = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    FILE *connection = connection_open(args.socket, argv[0]);
+    if (!connection)
+        return EXIT_OPEN;
+    cJSON *request = cJSON_CreateObject();
+    cJSON_AddStringToObject(request, "op", "stats");
+    int status = connection_ask(connection, request, argv[0])
+                     ? connection_answer(connection, argv[0], args.json ? print_json : print_stats)
+                     : EXIT_USAGE;
+    fclose(connection);
+    return status;
+}
