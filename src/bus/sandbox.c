@@ -75,6 +75,8 @@ static const int running[] = {
     SCMP_SYS(rt_sigaction),
     SCMP_SYS(rt_sigprocmask),
     SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(sched_getparam), /* the C library, before it starts the thread that waits for the disk */
+    SCMP_SYS(sched_getscheduler),
     SCMP_SYS(sched_yield),
     SCMP_SYS(send),
     SCMP_SYS(sendmsg),

@@ -92,7 +92,7 @@ static void print_stats(const cJSON *line)
         print_counters(line);
 }
 
-static void print_json(const cJSON *line)
+static void print_as_given(const cJSON *line)
 {
     char *text = cJSON_PrintUnformatted(line);
     printf("%s\n", text ? text : "");
@@ -117,7 +117,7 @@ int command_stats(int argc, char **argv)
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "stats");
     int status = connection_ask(connection, request, argv[0])
-                     ? connection_answer(connection, argv[0], args.json ? print_json : print_stats)
+                     ? connection_answer(connection, argv[0], args.json ? print_as_given : print_stats)
                      : EXIT_USAGE;
     fclose(connection);
     return status;
