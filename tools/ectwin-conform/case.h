@@ -431,5 +431,7 @@ void cf_sii_write(cf_t *c, uint16_t word, uint16_t value);
 uint16_t cf_sii_wait(cf_t *c);
 /** A category of the image in the facts. @return its data, NULL: there is none; *length in bytes */
 const uint8_t *cf_sii_category(const cf_t *c, uint16_t category, size_t *length);
+/** The same for the nth of several of that type, from 0: some images have one for each PDO. */
+const uint8_t *cf_sii_block(const cf_t *c, uint16_t category, unsigned int nth, size_t *length);
 
 #endif

@@ -461,6 +461,15 @@ static void frames(cf_t *c)
     cf_expect(c, "station address afterwards", c->facts.station, cf_get16(c, ECT_REG_STATION_ADDRESS));
 }
 
+/* A frame that must pass; one of two may get lost on a machine that is held up. */
+static void must_pass(cf_t *c, const char *what, const uint8_t *frame, size_t length, uint8_t *reply)
+{
+    size_t got = 0;
+    for (int tries = 0; got == 0 && tries < 5; tries++)
+        got = cf_raw_frame(c, frame, length, reply);
+    cf_expect_that(c, got >= ETHERNET + 18, "%s: expected to pass, got no answer", what);
+}
+
 /* The flag that tells a frame in a cut-off part of a ring: with port 0 open nobody sets it and nobody minds it. */
 static void circulating(cf_t *c)
 {
@@ -468,12 +477,10 @@ static void circulating(cf_t *c)
     size_t length = odd_frame(frame, 1, 4);
     cf_step(c, "a frame with the circulating flag, port 0 open");
     frame[ETHERNET + 9] |= 0x40;
-    size_t got = cf_raw_frame(c, frame, length, reply);
-    cf_expect_that(c, got >= ETHERNET + 18, "a frame with the circulating flag: expected to pass, got no answer");
+    must_pass(c, "a frame with the circulating flag", frame, length, reply);
     cf_expect_bits(c, "the circulating flag of a frame that had it", 0x40, 0x40, reply[ETHERNET + 9]);
     frame[ETHERNET + 9] &= 0xBF;
-    got = cf_raw_frame(c, frame, length, reply);
-    cf_expect_that(c, got >= ETHERNET + 18, "a plain frame: expected to pass, got no answer");
+    must_pass(c, "a plain frame", frame, length, reply);
     cf_expect_bits(c, "the circulating flag of a frame that had it not", 0x40, 0, reply[ETHERNET + 9]);
     cf_note(c, "with port 0 open; what a closed port 0 does needs a ring");
 }

@@ -187,17 +187,26 @@ static void take_categories(cf_t *c)
     }
 }
 
-/* Bits that the PDO categories assign to a SyncManager. */
-static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
+/* Bits that one block of PDOs assigns to a SyncManager. */
+static size_t block_bits(const uint8_t *data, size_t length, unsigned int sm)
 {
-    size_t length, at = 0, bits = 0;
-    const uint8_t *data = cf_sii_category(c, category, &length);
-    while (data && at + 8 <= length) {
+    size_t at = 0, bits = 0;
+    while (at + 8 <= length) {
         size_t entries = data[at + 2];
         for (size_t i = 0; i < entries && at + 16 + 8 * i <= length && data[at + 3] == sm; i++)
             bits += data[at + 8 + 8 * i + 5];
         at += 8 + 8 * entries;
     }
+    return bits;
+}
+
+/* Bits that the PDO categories assign to a SyncManager. */
+static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
+{
+    size_t length, bits = 0;
+    const uint8_t *data;
+    for (unsigned int nth = 0; (data = cf_sii_block(c, category, nth, &length)) != NULL; nth++)
+        bits += block_bits(data, length, sm);
     return bits;
 }
 

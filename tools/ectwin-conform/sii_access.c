@@ -81,7 +81,24 @@ void cf_sii_write(cf_t *c, uint16_t word, uint16_t value)
     cf_sii_write_word(c, word, value);
 }
 
+const uint8_t *cf_sii_block(const cf_t *c, uint16_t category, unsigned int nth, size_t *length)
+{
+    const cf_facts_t *f = &c->facts;
+    size_t at = ECT_SII_CATEGORIES;
+    while (f->sii && at + 4 <= f->sii_size && ect_load_le16(f->sii + at) != ECT_SII_END) {
+        size_t bytes = 2 * (size_t)ect_load_le16(f->sii + at + 2);
+        if (bytes > f->sii_size - at - 4)
+            return NULL; /* cut off */
+        if (ect_load_le16(f->sii + at) == category && nth-- == 0) {
+            *length = bytes;
+            return f->sii + at + 4;
+        }
+        at += 4 + bytes;
+    }
+    return NULL;
+}
+
 const uint8_t *cf_sii_category(const cf_t *c, uint16_t category, size_t *length)
 {
-    return c->facts.sii ? ect_sii_category(c->facts.sii, c->facts.sii_size, category, length) : NULL;
+    return cf_sii_block(c, category, 0, length);
 }
