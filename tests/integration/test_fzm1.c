@@ -201,8 +201,15 @@ static void sdo(void **state)
     assert_int_equal(read_number(0x2401, 0, &value), 0x06010001);
     plant_set("sdo_abort", "0x06060000");
     assert_int_equal(write_number(0x2400, 4, 100, 2), 0x06060000);
-    soem_map(&master); /* SAFEOP: settings can be written there too */
+    plant_set("sdo_abort", "0x08000021"); /* an upload too, of whatever object */
+    assert_int_equal(read_number(0x6040, 0, &value), 0x08000021);
+    assert_int_equal(read_number(0x6040, 0, &value), 0x06020000);
+    soem_map(&master); /* settings can be written in SAFEOP and OP too */
     assert_int_equal(write_number(0x2400, 4, 100, 2), 0);
+    soem_operational(&master);
+    assert_int_equal(write_number(0x2400, 4, 99, 2), 0);
+    assert_int_equal(read_number(0x2400, 4, &value), 0);
+    assert_int_equal(value, 99);
 }
 
 static void every_object(void **state)
@@ -237,6 +244,10 @@ static void every_object(void **state)
         assert_true(ecx_readOEsingle(&master.context, i, 0, &list, &entries) > 0);
         uint8 value[64];
         int size = sizeof value;
+        for (uint16 sub = 1; sub <= list.MaxSub[i]; sub++) /* gaps are described too: no error ends a scan */
+            assert_true(ecx_readOEsingle(&master.context, i, (uint8)sub, &list, &entries) > 0);
+        bool gap = list.Index[i] == 0x1C32 || list.Index[i] == 0x1C33;
+        assert_int_equal(gap ? entries.DataType[3] | entries.BitLength[3] : 0, 0);
         bool write_only = list.Index[i] == 0x2401;
         assert_int_equal(soem_read(&master, 1, list.Index[i], 0, false, value, &size), write_only ? 0x06010001 : 0);
     }
@@ -501,6 +512,57 @@ static void no_dsa(void **state)
     AWAIT(data_count == 1);
 }
 
+/* Nobody fetches: sixteen results wait, one more is lost, and commands are answered all the same. */
+static void full_queue(void **state)
+{
+    (void)state;
+    plc.handshaking = plc.dsa = false; /* DSA stays off */
+    AWAIT(plant_number("dsa") == 0);
+    plant_set_all("timeout=1200 image_input=100 processing=100");
+    long long lost = plant_number("lost");
+    for (int n = 0; n < 17; n++) {
+        measure();
+        AWAIT((plc.signals & (PLC_READY | PLC_BUSY)) == PLC_READY);
+    }
+    AWAIT((plc.signals & PLC_ERR) != 0);
+    assert_int_equal(plant_number("pending"), 16);
+    assert_int_equal(plant_number("lost"), lost + 1);
+    assert_string_equal(plant_get("error_cause"), "results lost: 16 wait already");
+    assert_int_equal(command(PLC_GET_SCENE, 0, 0, 0), 0);
+    assert_int_equal(command(PLC_START_CONTINUOUS, 0, 0, 0), 0);
+    assert_int_equal(command(PLC_CLEAR, 0, 0, 0), 0); /* while a continuous measurement runs */
+    assert_int_equal(command(PLC_END_CONTINUOUS, 0, 0, 0), 0);
+    AWAIT((plc.signals & PLC_BUSY) == 0);
+    assert_int_equal(command(PLC_CLEAR, 0, 0, 0), 0);
+    AWAIT((plc.signals & PLC_ERR) == 0);
+    assert_int_equal(plant_number("pending"), 0);
+}
+
+/* A result waits, and DSA is on when OP begins: no request, and no time-out before OP. */
+static void dsa_when_op_begins(void **state)
+{
+    (void)state;
+    soem_go(&master, 1, EC_STATE_SAFE_OP);
+    plant_set_all("timeout=5 trigger=1");
+    osal_usleep(800000);
+    assert_int_equal(plant_number("pending"), 1);
+    assert_int_equal(plant_number("err"), 0);
+    plant_set("timeout", "1200");
+    memset(out, 0, FZM1_PLC_OUT);
+    out[2] = 1;
+    soem_operational(&master);
+    for (int i = 0; i < 50; i++) {
+        soem_cycle(&master);
+        assert_int_equal(in[2] & 1, 0);
+    }
+    for (int on = 0; on < 2; on++) {
+        out[2] = (uint8)on;
+        for (int i = 0; i < 50; i++)
+            soem_cycle(&master);
+    }
+    assert_int_equal(in[2] & 1, 1);
+}
+
 /* The program pauses while the sensor waits for DSA to fall: the sensor gives GATE back, and both find together again.
  */
 static void paused_program(void **state)
@@ -558,6 +620,47 @@ static void held_up(void **state)
     for (; !plc.done && cycles < 1000; cycles++)
         cycle();
     assert_in_range(cycles, 1, 100);
+}
+
+/* EXE that comes while BUSY gets no FLG, and -1 is an answer: both are told with their causes. */
+static void why_not(void **state)
+{
+    (void)state;
+    plant_set_all("image_input=300000 processing=300000");
+    long long ignored = plant_number("exes_ignored"), refused = plant_number("commands_refused");
+    measure();
+    memset(out, 0, FZM1_PLC_OUT);
+    out[0] = PLC_EXE;
+    for (int i = 0; i < 20; i++)
+        soem_cycle(&master);
+    assert_int_equal(plant_number("exes_ignored"), ignored + 1);
+    assert_string_equal(plant_get("exe_ignored_cause"), "BUSY is on: a measurement runs");
+    out[0] = 0;
+    for (int i = 0; i < 20; i++)
+        soem_cycle(&master);
+    AWAIT((plc.signals & PLC_BUSY) == 0);
+    assert_int_equal(command(PLC_SWITCH_SCENE, 128, 0, 0), -1);
+    assert_int_equal(plant_number("commands_refused"), refused + 1);
+    assert_string_equal(plant_get("command_refused_cause"), "there is no such scene");
+}
+
+/* A scene of another group, with an expression, before the program switches to it; then one by hand. */
+static void scenes(void **state)
+{
+    (void)state;
+    plant_set_all("switch_time=200000 edit.group=2 edit.scene=5 edit.data1=21 edit.expression3=2*D1+JG");
+    assert_int_equal(command(PLC_SWITCH_GROUP, 2, 0, 0), 0);
+    assert_int_equal(command(PLC_SWITCH_SCENE, 5, 0, 0), 0);
+    data_count = 0;
+    measure();
+    AWAIT(data_count == 1);
+    assert_int_equal(data[0][0], 21000);
+    assert_int_equal(data[0][2], 43000);
+    plant_set("scene", "6");
+    AWAIT((plc.signals & (PLC_READY | PLC_BUSY)) == PLC_BUSY);
+    AWAIT((plc.signals & (PLC_READY | PLC_BUSY)) == PLC_READY);
+    plant_set_all("edit.clear=1 switch_time=100000");
+    assert_int_equal(command(PLC_SWITCH_GROUP, 0, 0, 0), 0);
 }
 
 /* --- restart ------------------------------------------------------------------------------------------------------ */
@@ -667,9 +770,17 @@ int main(int argc, char **argv)
         TEST("FZM-026 FZM-027 FZM-028 FZM-073: without handshaking each STEP is one output", one_output_a_step),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: DSA fetches each result once, in order", fetched_by_dsa),
         HANDSHAKING("FZM-045 FZM-072: a program that pauses while GATE is on finds back", paused_program),
+        HANDSHAKING(
+            "FZM-043 FZM-048 FZM-055 FZM-066 FZM-069: with sixteen results waiting commands are answered, one more is "
+            "lost",
+            full_queue),
+        HANDSHAKING("FZM-004 FZM-071 FZM-072: DSA that is on when OP begins is no request", dsa_when_op_begins),
         TEST("FZM-043 FZM-044 FZM-069: commands against triggers at the sensor: each has its answer at last",
              trigger_against_commands),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA: time-out and ERR, and back", no_dsa),
+        TEST("FZM-040 FZM-062: EXE that begins nothing and -1 are told, with their causes", why_not),
+        TEST("FZM-030 FZM-044 FZM-058 FZM-059: a scene prepared before, with an expression; BUSY when switched by hand",
+             scenes),
         TEST("FZM-075: handshakes in cycles as fast as they get", fast_cycles),
         TEST("a twin that was held up does not leave the master behind", held_up),
         TEST("FZM-019 FZM-024 FZM-052 FZM-056 FZM-077: Restart: off the bus, INIT, node address, what was saved",
