@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Draws a timing chart of a recorded exchange.  usage: chart.py [--svg] [--from S] [--to S] [--width N] [RECORDING]
+"""Draws a timing chart of a recorded exchange.  usage: chart.py [--svg] [--zero SIGNAL[:N]] [--from MS] [--to MS] [--width N] [RECORDING]
 
 A recording is what `ectwin watch --every` prints. Without --signals the signals of an FZM1's handshakes are drawn, those that
-change. Signals that are not 0 or 1 are drawn as values. Times count from the first change, in milliseconds.
+change. Signals that are not 0 or 1 are drawn as values. Times count in milliseconds, from the first change or from where --zero
+says: exe:2 is where exe rises for the second time.
 """
 import argparse
 import html
@@ -12,9 +13,20 @@ import sys
 HANDSHAKES = "exe,flg,step,ready,busy,dsa,gate,output1"
 
 
-def read(lines, wanted, slave):
+def rise(changes, zero):
+    """When a signal rises for the N-th time: SIGNAL or SIGNAL:N."""
+    name, _, count = zero.partition(":")
+    if count and not count.isdigit() or count == "0":
+        sys.exit(f"chart.py: --zero takes SIGNAL or SIGNAL:N, N from 1, not '{zero}'")
+    rises = [t for t, value in changes[name][1:] if value == "1"]
+    if len(rises) < int(count or 1):
+        sys.exit(f"chart.py: {name} rises {len(rises)} times in this recording, not {count or 1}")
+    return rises[int(count or 1) - 1]
+
+
+def read(lines, wanted, slave, zero):
     """Per signal its changes, (time, value), the first one its value at the beginning; times in ms."""
-    changes = {name: [] for name in wanted}
+    changes = {name: [] for name in wanted + ([zero.partition(":")[0]] if zero else [])}
     for number, line in enumerate(lines, 1):
         try:
             entry = json.loads(line)
@@ -25,11 +37,13 @@ def read(lines, wanted, slave):
             sys.exit(f"chart.py: line {number} is not one of 'ectwin watch'")
         if entry.get("slave", slave) == slave and entry.get("name") in changes:
             changes[entry["name"]].append((entry["time"] * 1000, str(entry["value"])))
-    changes = {name: c for name, c in changes.items() if len(c) > 1}
+    start = rise(changes, zero) if zero else None
+    changes = {name: changes[name] for name in wanted if len(changes[name]) > 1}
     if not changes:
         sys.exit("chart.py: none of these signals changes in this recording: " + ", ".join(wanted))
-    zero = min(c[1][0] for c in changes.values())
-    return {name: [(round(t - zero, 3), v) for t, v in c] for name, c in changes.items()}
+    if start is None:
+        start = min(c[1][0] for c in changes.values())
+    return {name: [(round(t - start, 3), v) for t, v in c] for name, c in changes.items()}
 
 
 def window(changes, first, last):
@@ -126,6 +140,7 @@ def main():
     parser.add_argument("--svg", action="store_true", help="a picture instead of text")
     parser.add_argument("--signals", default=HANDSHAKES, help="which, in this order, separated by commas")
     parser.add_argument("--slave", type=int, default=1, help="of the chain, from 1 (default 1)")
+    parser.add_argument("--zero", metavar="SIGNAL[:N]", help="where times count from: SIGNAL rises for the N-th time")
     parser.add_argument("--from", dest="first", type=float, help="milliseconds")
     parser.add_argument("--to", dest="last", type=float, help="milliseconds")
     parser.add_argument("--width", type=int, help="characters (default 100) or pixels (default 760)")
@@ -136,7 +151,7 @@ def main():
         lines = (open(args.recording) if args.recording else sys.stdin).read().splitlines()
     except OSError as error:
         sys.exit(f"chart.py: {error}")
-    changes = read(lines, args.signals.split(","), args.slave)
+    changes = read(lines, args.signals.split(","), args.slave, args.zero)
     start, end = window(changes, args.first, args.last)
     draw = svg if args.svg else text
     sys.stdout.write(draw(changes, start, end, args.width or (760 if args.svg else 100)))

@@ -13,8 +13,8 @@
  * Each wait has its end: EXE that was ignored (the sensor got BUSY at the same moment, by a trigger of its own) falls
  * and rises again; DSA that the sensor has given up waiting for (ERR) falls and rises again.
  *
- * The sensor ignores EXE that rises while it is BUSY, and STEP while it switches scenes: so a command is not begun
- * while a STEP is on, nor a STEP during a command.
+ * The sensor ignores EXE that rises while it is BUSY (but of Clear, End continuous and Restart), and STEP while it
+ * switches scenes: so a command is not begun while a STEP is on, nor a STEP during a command.
  *
  * Without handshaking of the data output DSA stays off, and data are read when GATE rises.
  */
