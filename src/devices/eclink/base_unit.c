@@ -72,11 +72,6 @@ static uint8_t fault_of(eclink_t *unit)
     return unit->locked != EC_GOOD ? unit->locked : fault;
 }
 
-static bool eg_link_bad(const eclink_t *unit)
-{
-    return unit->bu.eg_link >= ECLINK_LINK_NONE && unit->bu.eg_link <= ECLINK_LINK_DATA_ERROR;
-}
-
 /* The first armed remote that stops the machine, or NULL. */
 static const eclink_ru_t *stopped(const eclink_t *unit)
 {
@@ -94,7 +89,7 @@ static uint8_t bu_state(const eclink_t *unit, bool ec_link_bad)
         return ECLINK_BU_FAILED;
     if (ec_link_bad && !unit->good_once)
         return ECLINK_BU_INITIAL;
-    if (ec_link_bad || eg_link_bad(unit))
+    if (ec_link_bad || eclink_is_error(unit->bu.eg_link))
         return ECLINK_BU_LINK_ERROR;
     if (unit->lost.count > 0)
         return ECLINK_BU_BLOCKED;

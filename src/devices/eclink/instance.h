@@ -246,6 +246,12 @@ typedef struct eclink {
     eclink_periodic_t periodic;
 } eclink_t;
 
+/* A link status that tells of an error: 2 to 5 of §8.2. */
+static inline bool eclink_is_error(int link_status)
+{
+    return link_status >= ECLINK_LINK_NONE && link_status <= ECLINK_LINK_DATA_ERROR;
+}
+
 /* What this mode has: ECLINK_FMAP_... */
 static inline bool eclink_has(const eclink_t *unit, unsigned int function)
 {

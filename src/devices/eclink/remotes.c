@@ -125,17 +125,12 @@ static bool take(unsigned int *vlaps)
     return true;
 }
 
-static bool is_error(int status)
-{
-    return status >= ECLINK_LINK_NONE && status <= ECLINK_LINK_DATA_ERROR;
-}
-
 /* A status that is forced is also what the radio is then like. */
 static bool g_link_works(const eclink_ru_t *ru)
 {
     if (ru->forced_g_link == ECLINK_NOT_FORCED)
         return !ru->g_link_lost;
-    return !is_error(ru->forced_g_link) && ru->forced_g_link != ECLINK_LINK_FALLBACK;
+    return !eclink_is_error(ru->forced_g_link) && ru->forced_g_link != ECLINK_LINK_FALLBACK;
 }
 
 /* An armed remote reserves a VLAP, in the order of arming; an unarmed one needs it only on fallback. */
@@ -149,7 +144,7 @@ static eclink_path_t path_of(const eclink_ru_t *ru, unsigned int *vlaps)
     bool has_vlap = (ru->armed || !works) && take(vlaps);
     if (works)
         return ECLINK_PATH_FULL;
-    return has_vlap && !is_error(ru->forced_c_link) ? ECLINK_PATH_C_LINK : ECLINK_PATH_NONE;
+    return has_vlap && !eclink_is_error(ru->forced_c_link) ? ECLINK_PATH_C_LINK : ECLINK_PATH_NONE;
 }
 
 static uint8_t c_link(const eclink_ru_t *ru)
