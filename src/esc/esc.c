@@ -106,3 +106,8 @@ uint32_t ect_esc_al_event(const ect_esc_t *esc)
 {
     return ect_load_le32(esc->memory + ECT_REG_AL_EVENT);
 }
+
+bool ect_esc_line(const ect_esc_t *esc)
+{
+    return (ect_esc_al_event(esc) & ect_load_le32(esc->memory + ECT_REG_AL_EVENT_MASK)) != 0;
+}

@@ -141,6 +141,9 @@ void ect_esc_set_link(ect_esc_t *esc, unsigned int port, bool link);
 /** The AL event request word as the PDI sees it, without the side effects of reading registers. */
 uint32_t ect_esc_al_event(const ect_esc_t *esc);
 
+/** Level of the interrupt line to the microcontroller: an AL event that the AL event mask (0x0204) lets through. */
+bool ect_esc_line(const ect_esc_t *esc);
+
 /**
  * A counter that moves whenever the ECAT side did something that the slave's software may have to look at: an AL
  * event, new outputs, inputs fetched, a repeat request. Equal to the last value: nothing to do.

@@ -18,8 +18,9 @@
  * - **Errors**: 0 is success; any negative value means the access did not happen or cannot be trusted (bus error,
  *   time-out, chip in reset). The stack then abandons what it was doing, keeps its state, counts the error and tries
  *   again at its next poll: nothing is half-applied. A port that can't fail returns 0 always.
- * - **Context**: mainline and the cycle context of the stack, never both at once for one instance; a port with a
- *   shared bus does its own locking. No call is made from inside another.
+ * - **Context**: mainline, and the interrupt in which ::ect_slave_cycle runs, never both at once for one instance: the
+ *   stack holds the exchange out of its accesses, so a port needs no lock against it. One whose bus serves other things
+ *   than this ESC locks against those. No call is made from inside another.
  * - **Side effects** are those of the ESC for its PDI side: reading 0x0120 releases the AL control lock, reading a
  *   SyncManager's last byte empties a mailbox, and so on.
  */
@@ -45,9 +46,17 @@ typedef struct ect_pdi {
     int (*write)(void *ctx, uint16_t address, const void *buffer, uint16_t length);
 
     /**
-     * The AL event request word (0x0220..0x0223), for ports that learn it without an access of its own: an interrupt
-     * flag that is down (no event: store 0), the status bytes that an ET1100 sends in front of each SPI transfer.
-     * NULL: the stack reads the register, one access a poll.
+     * The AL event request word (0x0220..0x0223), for ports that learn it without an access of its own: the status
+     * bytes that an ET1100 sends in front of each SPI transfer, or the interrupt line. NULL: the stack reads the
+     * register, one access a poll.
+     *
+     * With the line: while it is inactive there is no event, store 0; while it is active read the register. That misses
+     * nothing, because the stack keeps the AL event mask (0x0204) so that the line is active exactly while there is
+     * something that the stack has yet to do: AL control, SyncManager changes, the watchdog, process data from SAFEOP
+     * on, a request, and the fetching of a mail only when another waits for it. Two conditions: look at the level of
+     * the pin now, not at a flag that an edge has set, for a second event raises no second edge; and poll once after
+     * ect_slave_init, which leaves the mask to the first poll. A line that wakes the processor may be level triggered:
+     * it goes down when the poll has done its work, in at most a few polls.
      * @return 0 and *event set, or negative as above.
      */
     int (*al_event)(void *ctx, uint32_t *event);

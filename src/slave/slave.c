@@ -72,6 +72,7 @@ static void power_on(ect_slave_t *s)
     ect_od_set_defaults(&s->od);
     s->state = ECT_STATE_INIT;
     s->status_dirty = true;
+    s->line = UINT16_MAX; /* whatever it is */
     s->tick_ns = s->now_ns;
     ect_sm_disable(s, (1u << device->sm_count) - 1u);
     if (device->init)

@@ -93,11 +93,11 @@ static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
         ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
 }
 
-/* In acknowledge mode the event stays until its status is read. */
-static void acknowledge_sync0(ect_slave_t *s)
+/* In acknowledge mode the event stays until its status is read. Returns whether that was it: the next event is another. */
+static bool acknowledge_sync0(ect_slave_t *s)
 {
-    uint8_t status;
-    (void)ect_slave_read(s, ECT_REG_DC_SYNC0_STATUS, &status, 1);
+    uint8_t status = 0;
+    return ect_slave_read(s, ECT_REG_DC_SYNC0_STATUS, &status, 1) && (status & 1u) != 0;
 }
 
 /* It came, and then no more: whatever waits for it would wait for ever. */
@@ -131,8 +131,8 @@ static void on_event(ect_slave_t *s, uint32_t event)
     ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
     if (d && d->dc != 0 && s->state == ECT_STATE_OP)
         supervise(s, d, event);
-    if ((event & ECT_EVENT_SYNC0) != 0)
-        acknowledge_sync0(s);
+    if ((event & ECT_EVENT_SYNC0) != 0 && acknowledge_sync0(s) && d)
+        d->sync0 = 0;
 }
 
 const ect_service_t ect_service_sync = {.start = start, .write = write_sync, .check_up = check_up, .event = on_event};

@@ -15,6 +15,9 @@ ECT_C_BEGIN
 /** The PDI of `esc`, which must outlive its use. Reading the event word is free of charge. */
 ect_pdi_t ect_virtual_pdi(ect_esc_t *esc);
 
+/** The same with the interrupt line of a board: while it is down there is no event, else the register is read. */
+ect_pdi_t ect_virtual_line_pdi(ect_esc_t *esc);
+
 ECT_C_END
 
 #endif
