@@ -28,6 +28,7 @@ static bool ram_access(ect_esc_t *esc, const ect_access_t *access, uint32_t addr
         return false;
     bool any = false;
     uint32_t end = address + length;
+    ECT_ASSERT(address >= ECT_RAM);
     if (end > esc->memory_size)
         end = esc->memory_size;
     uint32_t at = address;

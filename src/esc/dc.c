@@ -17,6 +17,7 @@ static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
 
 static uint64_t local_time(const ect_esc_t *esc)
 {
+    ECT_ASSERT(esc->now_ns >= esc->power_on_ns);
     return esc->now_ns - esc->power_on_ns;
 }
 
@@ -81,6 +82,7 @@ bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t
 /* A start time that has passed is 2^64 ns away. */
 static void start_cyclic(ect_esc_t *esc)
 {
+    ECT_ASSERT(ect_esc_dc_present(esc));
     uint64_t start = ect_load_le64(reg(esc, ECT_REG_DC_START_TIME));
     uint64_t now = system_time(esc);
     esc->sync0_ns = start > now && start - now < UINT64_MAX - esc->now_ns ? esc->now_ns + (start - now) : UINT64_MAX;

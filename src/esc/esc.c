@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Power-on reset, time, and the side of the slave's microcontroller. */
-#include <assert.h>
 #include <string.h>
 
 #include "esc/internal.h"
@@ -91,7 +90,7 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
 
 uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)
 {
-    assert(now_ns >= esc->now_ns);
+    ECT_ASSERT(now_ns >= esc->now_ns);
     esc->now_ns = now_ns;
     ect_esc_watchdog_tick(esc);
     ect_esc_sii_tick(esc);

@@ -57,6 +57,7 @@ static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool wri
     uint8_t buffer[PIECE] = {0};
     uint8_t mask[PIECE] = {0};
     uint32_t shift = w->physical_bit % 8;
+    ECT_ASSERT(w->bit_count > 0 && shift + w->bit_count <= PIECE * 8);
     uint32_t first = w->physical_bit / 8;
     uint32_t bytes = inside(first, (shift + w->bit_count + 7) / 8);
     if (bytes == 0)
@@ -100,6 +101,7 @@ static bool move(ect_esc_t *esc, uint8_t *data, window_t w, bool write)
 
 static window_t part(const window_t *w, uint32_t first_bit, uint32_t end_bit)
 {
+    ECT_ASSERT(first_bit >= w->first_bit && first_bit < end_bit && end_bit <= w->first_bit + w->bit_count);
     return (window_t){.first_bit = first_bit,
                       .bit_count = end_bit - first_bit,
                       .physical_bit = w->physical_bit + (first_bit - w->first_bit)};
@@ -151,6 +153,7 @@ unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data
                                  bool write)
 {
     unsigned int done = 0;
+    ECT_ASSERT(length <= ECT_ESC_MAX_FRAME);
     uint8_t *incoming = data;
     if (read && write) {
         incoming = esc->scratch;

@@ -126,6 +126,7 @@ static bool write_physical(ect_esc_t *esc, uint8_t *from, uint16_t address, uint
 static unsigned int exchange_physical(ect_esc_t *esc, uint8_t *data, uint16_t address, uint16_t length, bool or_read)
 {
     uint8_t *scratch = esc->scratch;
+    ECT_ASSERT(length > 0 && length <= ECT_ESC_MAX_FRAME);
     uint16_t write_address = (uint16_t)(address + ect_load_le16(esc->memory + ECT_REG_RW_OFFSET));
     if (or_read)
         memset(scratch, 0, length);
@@ -175,6 +176,7 @@ static bool is_logical(uint8_t command)
 static unsigned int execute(ect_esc_t *esc, uint8_t *d)
 {
     uint16_t features = esc->config.personality->features;
+    ECT_ASSERT(data_length(d) <= ECT_ESC_MAX_FRAME);
     if (data_length(d) == 0)
         return 0;
     if (is_logical(d[COMMAND]))

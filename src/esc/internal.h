@@ -21,6 +21,7 @@
 #define ECT_ESC_INTERNAL_H
 
 #include "esc/esc.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 

@@ -7,6 +7,7 @@
 void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length)
 {
     uint8_t *data = access->data + offset;
+    ECT_ASSERT(access->data && memory);
     uint8_t *to = access->write ? memory : data;
     const uint8_t *from = access->write ? data : memory;
     if (!access->mask) {
@@ -21,6 +22,7 @@ void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, 
 /* A word of events that is not zero: the datagrams carry it on. */
 void ect_esc_raise(ect_esc_t *esc, uint32_t al_event)
 {
+    ECT_ASSERT(al_event != 0);
     uint8_t *event = esc->memory + ECT_REG_AL_EVENT;
     ect_store_le32(event, ect_load_le32(event) | al_event);
     esc->activity++;
@@ -46,6 +48,7 @@ void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event)
 
 void ect_esc_count(ect_esc_t *esc, uint16_t counter_register)
 {
+    ECT_ASSERT(counter_register >= ECT_REG_RX_ERROR && counter_register <= ECT_REG_WD_COUNTER_PD + 1);
     uint8_t *counter = esc->memory + counter_register;
     if (*counter < 0xFF)
         (*counter)++;

@@ -11,6 +11,7 @@ static bool has_link(const ect_esc_t *esc, unsigned int port)
 static unsigned int loop_state(const ect_esc_t *esc, unsigned int port)
 {
     enum { FORCED_OPEN = 2, FORCED_CLOSED = 3 };
+    ECT_ASSERT(port < ECT_ESC_PORTS);
     bool link = has_link(esc, port);
     unsigned int control = ((unsigned int)esc->memory[ECT_REG_DL_CONTROL + 1] >> (2 * port)) & 3u;
     if (control == FORCED_CLOSED && port != 0) /* port 0 is the way back to the master */
@@ -33,6 +34,7 @@ void ect_esc_update_dl_status(ect_esc_t *esc)
 
 void ect_esc_set_link(ect_esc_t *esc, unsigned int port, bool link)
 {
+    ECT_ASSERT(port < ECT_ESC_PORTS);
     unsigned int mask = 1u << port;
     esc->config.open_ports = (uint8_t)(link ? esc->config.open_ports | mask : esc->config.open_ports & ~mask);
     ect_esc_update_dl_status(esc);

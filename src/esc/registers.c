@@ -228,6 +228,7 @@ static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t 
 static bool block_access(ect_esc_t *esc, const block_t *b, const ect_access_t *part, uint16_t from, uint16_t last)
 {
     uint16_t size = (uint16_t)(last - from + 1);
+    ECT_ASSERT(from >= b->first && from <= last && last < b->first + b->size);
     write_fn write = part->side == ECT_SIDE_ECAT ? b->ecat_write : b->pdi_write;
     if (part->write)
         return write && write(esc, part, from, size);
@@ -240,6 +241,7 @@ bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_
 {
     if (length == 0)
         return false;
+    ECT_ASSERT((uint32_t)address + length <= ECT_RAM);
     uint16_t last = (uint16_t)(address + length - 1);
     bool any = access->write ? false : read_registers(esc, access, address, length);
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0] && blocks[i].first <= last; i++) {

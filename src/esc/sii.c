@@ -80,6 +80,7 @@ static void finish(ect_esc_t *esc)
     uint64_t offset = (uint64_t)ect_load_le32(reg(esc, ECT_REG_SII_ADDRESS)) * 2u;
     uint8_t *data = reg(esc, ECT_REG_SII_DATA);
     uint8_t command = esc->sii_command;
+    ECT_ASSERT(command == COMMAND_READ || command == COMMAND_WRITE || command == COMMAND_RELOAD);
     esc->sii_command = COMMAND_IDLE;
     esc->sii_done_ns = 0;
     set_status(esc, status(esc) & ~(unsigned int)(BUSY | COMMAND));
@@ -116,6 +117,7 @@ static unsigned int refusal(const ect_esc_t *esc, uint8_t command, bool write_en
 static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
 {
     const ect_esc_personality_t *p = esc->config.personality;
+    ECT_ASSERT(esc->sii_command == COMMAND_IDLE);
     unsigned int flags = status(esc) & ~(unsigned int)(COMMAND | COMMAND_ERROR | WRITE_ENABLE_ERROR);
     unsigned int error = command == COMMAND_IDLE ? 0 : refusal(esc, command, write_enabled);
     if (command == COMMAND_IDLE || error != 0) {

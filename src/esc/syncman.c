@@ -31,6 +31,7 @@ bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
 
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
 {
+    ECT_ASSERT(n < esc->config.personality->sm_count);
     uint8_t *sm = ect_esc_sm_registers(esc, n);
     bool enabled = ect_esc_sm_enabled(esc, n);
     sm[ECT_SM_STATUS] = enabled && is_mailbox(sm) ? 0 : ECT_SM_STATUS_BUFFER;
@@ -94,6 +95,7 @@ static bool open_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
 
 static uint8_t free_buffer(uint8_t latest, uint8_t reading)
 {
+    ECT_ASSERT(latest < NO_BUFFER && reading <= NO_BUFFER);
     uint8_t candidate = 0;
     while (candidate == latest || candidate == reading)
         candidate++;
@@ -149,6 +151,7 @@ static uint32_t buffer_address(const ect_esc_t *esc, unsigned int n, bool write,
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
     uint32_t buffer = write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
+    ECT_ASSERT(is_mailbox(sm) || buffer < NO_BUFFER);
     uint32_t first = is_mailbox(sm) ? 0 : buffer * sm_length(sm);
     return ect_load_le16(sm + ECT_SM_START) + first + offset;
 }
@@ -171,6 +174,7 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
     uint16_t size = sm_length(sm);
+    ECT_ASSERT(ect_esc_sm_enabled(esc, n) && length > 0 && offset + length <= size);
     if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
         return false;
     if (size == 1)

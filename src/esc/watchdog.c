@@ -22,6 +22,7 @@ void ect_esc_watchdog_time_written(ect_esc_t *esc)
 
 void ect_esc_watchdog_tick(ect_esc_t *esc)
 {
+    ECT_ASSERT(esc->watchdog_ns != 0);
     if (esc->now_ns < esc->watchdog_ns)
         return;
     esc->watchdog_ns = UINT64_MAX;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "od/od.h"
 
-#include <assert.h>
 #include <string.h>
 
+#include "wire/assert.h"
 #include "wire/bytes.h"
 
 /* An abort code is 0x0h0l00cc: three numbers that fit 16 bits. */
@@ -39,6 +39,7 @@ uint32_t ect_abort_code(ect_reason_t reason)
 
 const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index)
 {
+    ECT_ASSERT(od->objects || od->count == 0);
     uint16_t low = 0;
     uint16_t high = od->count;
     while (low < high) {
@@ -57,6 +58,7 @@ const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index)
 const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex)
 {
     const ect_entry_t *entry = object->entries;
+    ECT_ASSERT(entry != NULL);
     while (entry && entry->subindex < subindex)
         entry = ect_od_next(object, entry);
     return entry && entry->subindex == subindex ? entry : NULL;
@@ -161,7 +163,7 @@ static void copy_number(uint8_t *to, const uint8_t *from, uint16_t width)
 
 void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, void *buffer, uint16_t length)
 {
-    assert((uint32_t)offset + length <= ect_od_bytes(entry));
+    ECT_ASSERT((uint32_t)offset + length <= ect_od_bytes(entry));
     const uint8_t *data = ect_od_data(od, entry);
     uint16_t width = number_width(entry);
     uint8_t wire[8] = {0};
@@ -187,13 +189,13 @@ ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t
                           uint16_t length)
 {
     uint16_t room = ect_od_bytes(entry);
-    assert((uint32_t)offset + length <= room);
+    ECT_ASSERT((uint32_t)offset + length <= room);
     uint8_t *data = ect_od_data(od, entry);
     if (!data || is_constant(entry))
         return ECT_REASON_READ_ONLY;
     uint16_t width = number_width(entry);
     if (width > 0) {
-        assert(offset == 0 && length == width);
+        ECT_ASSERT(offset == 0 && length == width);
         copy_number(data, buffer, width);
         return ECT_OK;
     }

@@ -12,12 +12,14 @@ static bool fail(ect_slave_t *s)
 bool ect_slave_read(ect_slave_t *s, uint16_t address, void *buffer, uint16_t length)
 {
     const ect_pdi_t *pdi = s->config.pdi;
+    ECT_ASSERT(buffer && length > 0);
     return (!s->failed && pdi->read(pdi->ctx, address, buffer, length) >= 0) || fail(s);
 }
 
 bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint16_t length)
 {
     const ect_pdi_t *pdi = s->config.pdi;
+    ECT_ASSERT(buffer && length > 0);
     return (!s->failed && pdi->write(pdi->ctx, address, buffer, length) >= 0) || fail(s);
 }
 

@@ -11,6 +11,7 @@ uint16_t ect_coe_expect(const uint8_t *data, uint16_t length, uint8_t kind)
 
 uint8_t *ect_coe_build(ect_slave_t *s, uint8_t kind)
 {
+    ECT_ASSERT(kind <= 0x0F);
     uint8_t *coe = ect_mailbox_build(s);
     ect_store_le16(coe, (uint16_t)(kind << 12));
     return coe + ECT_COE_HEADER;
@@ -23,5 +24,6 @@ uint16_t ect_coe_room(const ect_slave_t *s)
 
 void ect_coe_send(ect_slave_t *s, uint16_t length)
 {
+    ECT_ASSERT(length > ECT_COE_HEADER);
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_COE, length);
 }

@@ -14,6 +14,7 @@ void ect_cycle_outputs(ect_slave_t *s, uint32_t event)
         return;
     ect_services_event(s, event);
     unsigned int sms = (event / ECT_EVENT_SM0) & 0xFF;
+    ECT_ASSERT((s->outputs & s->inputs) == 0);
     if ((sms & s->outputs) != 0)
         ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);
     if ((sms & s->inputs) != 0 && s->config.device->inputs_read)
@@ -63,6 +64,7 @@ void ect_cycle_hold(ect_slave_t *s)
 
 void ect_cycle_yield(ect_slave_t *s)
 {
+    ECT_ASSERT(s->held);
     if (s->missed)
         exchange(s);
 }

@@ -8,6 +8,7 @@ static bool next(const ect_protocol_t *self, ect_slave_t *s, bool send)
 {
     const ect_emergency_t *e = &s->emergency[s->emergency_got % ECT_EMERGENCY_QUEUE];
     (void)self;
+    ECT_ASSERT((uint8_t)(s->emergency_put - s->emergency_got) <= ECT_EMERGENCY_QUEUE);
     if (s->emergency_got == s->emergency_put)
         return false;
     if (!send)

@@ -8,6 +8,8 @@
 void ect_host_drop(void *slave, uint8_t state, uint16_t al_status_code)
 {
     ect_slave_t *s = slave;
+    ECT_ASSERT(state >= ECT_STATE_INIT && state <= ECT_STATE_OP);
+    ECT_ASSERT(al_status_code != ECT_AL_NO_ERROR);
     s->drop_code = al_status_code;
     s->drop_state = state;
 }
@@ -15,6 +17,7 @@ void ect_host_drop(void *slave, uint8_t state, uint16_t al_status_code)
 void ect_host_emergency(void *slave, uint16_t code, uint8_t error_register, const uint8_t data[5])
 {
     ect_slave_t *s = slave;
+    ECT_ASSERT((uint8_t)(s->emergency_put - s->emergency_got) <= ECT_EMERGENCY_QUEUE);
     ((ect_standard_t *)s->config.instance)->error_register = error_register;
     if ((uint8_t)(s->emergency_put - s->emergency_got) == ECT_EMERGENCY_QUEUE) {
         s->emergencies_lost++;

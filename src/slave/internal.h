@@ -25,6 +25,7 @@
 #define ECT_SLAVE_INTERNAL_H
 
 #include "slave/slave.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 

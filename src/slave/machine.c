@@ -14,6 +14,8 @@ bool ect_machine_report(ect_slave_t *s)
 {
     uint8_t code[2];
     uint8_t status[2] = {s->state, 0};
+    ECT_ASSERT(s->error == (s->code != ECT_AL_NO_ERROR));
+    ECT_ASSERT(!s->ident || !s->error);
     ect_store_le16(code, s->ident ? s->config.device_id : s->code);
     status[0] |= s->error ? ECT_AL_ERROR : 0;
     status[0] |= s->ident ? ECT_AL_IDENT : 0;
@@ -28,6 +30,7 @@ bool ect_machine_report(ect_slave_t *s)
 static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
 {
     const ect_device_t *device = s->config.device;
+    ECT_ASSERT((code == ECT_AL_NO_ERROR) == (cause == ECT_CAUSE_NONE));
     s->error = code != ECT_AL_NO_ERROR;
     s->cause = (uint8_t)cause;
     s->ident = false;
@@ -58,6 +61,7 @@ static uint16_t tell_device(ect_slave_t *s, uint8_t from, uint8_t to)
 static void go_down(ect_slave_t *s, uint8_t target)
 {
     uint8_t from = s->state;
+    ECT_ASSERT(target < from);
     outputs_off(s);
     if (target < ECT_STATE_SAFEOP && from >= ECT_STATE_SAFEOP) {
         s->inputs_due = false;
@@ -132,6 +136,7 @@ static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
 /* What must run before the new state is reported. */
 static void enter(ect_slave_t *s, uint8_t target)
 {
+    ECT_ASSERT(target < ECT_STATE_SAFEOP || !has_mailbox(s) || s->mailbox.running);
     if (target == ECT_STATE_PREOP || target == ECT_STATE_BOOT) {
         if (has_mailbox(s)) {
             ect_mailbox_start(s);
@@ -152,6 +157,7 @@ static void enter(ect_slave_t *s, uint8_t target)
 /* A PDI access that failed on the way leaves the request due: the next poll begins it anew. */
 static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
 {
+    ECT_ASSERT(target > s->state && !s->outputs_live);
     if (code == ECT_AL_NO_ERROR && !s->failed)
         enter(s, target);
     if (s->failed)
@@ -167,6 +173,7 @@ static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
 
 static void wait_for(ect_slave_t *s, uint8_t target, bool device)
 {
+    ECT_ASSERT(target > s->state);
     s->pending = target;
     s->pending_device = device;
     s->pending_until_ns = s->now_ns + timeout_ns(s, target);
@@ -184,6 +191,7 @@ static void agree(ect_slave_t *s, uint8_t target, uint16_t code)
 
 static void go_up(ect_slave_t *s, uint8_t target)
 {
+    ECT_ASSERT(target > s->state);
     s->pending = 0;
     s->pending_done = false;
     uint16_t code = check_all(s, target);
@@ -204,6 +212,7 @@ void ect_machine_pending(ect_slave_t *s)
     uint8_t target = s->pending;
     if (target == 0)
         return;
+    ECT_ASSERT(target > s->state);
     if (s->pending_device && s->pending_done) {
         s->pending_done = false;
         agree(s, target, s->pending_result != ECT_AL_NO_ERROR ? s->pending_result : check_all(s, target));
@@ -240,6 +249,7 @@ void ect_machine_request(ect_slave_t *s)
     uint16_t request = s->request;
     bool has_boot = s->config.device->boot_out.length > 0;
     ect_al_decision_t d = ect_al_decide(s->state, s->error, request, has_boot);
+    ECT_ASSERT(d.action != ECT_AL_REFUSE || d.code != ECT_AL_NO_ERROR);
     if (d.clear_error)
         set_error(s, ECT_AL_NO_ERROR, ECT_CAUSE_NONE);
     switch (d.action) {

@@ -22,6 +22,7 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
     uint8_t *memory = s->config.mailbox;
     uint16_t out_room = ect_mailbox_sm_room(s->config.device, 0);
     uint16_t in_room = ect_mailbox_sm_room(s->config.device, 1);
+    ECT_ASSERT(memory && s->config.device->mailbox_protocols != 0);
     s->mailbox = (ect_mailbox_t){
         .out_start = ect_load_le16(sm_registers + ECT_SM_START),
         .in_start = ect_load_le16(sm1 + ECT_SM_START),
@@ -33,6 +34,8 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
         .toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0,
     };
     s->sm_repeat_ack = s->mailbox.toggle;
+    ECT_ASSERT(s->mailbox.out_size > ECT_MAILBOX_HEADER && s->mailbox.out_size <= out_room);
+    ECT_ASSERT(s->mailbox.in_size > ECT_MAILBOX_HEADER && s->mailbox.in_size <= in_room);
 }
 
 /* The protocols that the device names. */
@@ -40,6 +43,7 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
 
 void ect_mailbox_start(ect_slave_t *s)
 {
+    ECT_ASSERT(s->mailbox.request && !s->mailbox.running);
     s->mailbox.running = true;
     FOR_EACH_PROTOCOL(s, p)
     {
@@ -75,6 +79,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
     uint8_t *mail = m->mail[build_slot(m)];
+    ECT_ASSERT(m->running && may_build(m));
     if (m->reply == build_slot(m))
         m->reply = NO_REPLY;
     memset(mail, 0, m->in_size);
@@ -85,6 +90,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
 static void write_shown(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
+    ECT_ASSERT(m->to_write && m->shown < m->mails);
     if (!ect_slave_write(s, m->in_start, m->mail[m->shown], m->in_size))
         return;
     m->to_write = false;
@@ -93,6 +99,7 @@ static void write_shown(ect_slave_t *s)
 
 static void acknowledge_repeat(ect_slave_t *s)
 {
+    ECT_ASSERT(s->mailbox.ack_due && s->sm_repeat_ack != s->mailbox.toggle);
     s->mailbox.ack_due = false;
     ect_sm_acknowledge_repeat(s, s->mailbox.toggle);
     (void)ect_sm_flush(s);
@@ -100,6 +107,7 @@ static void acknowledge_repeat(ect_slave_t *s)
 
 static void show(ect_slave_t *s, uint8_t slot)
 {
+    ECT_ASSERT(slot < s->mailbox.mails && !s->mailbox.in_buffer);
     s->mailbox.shown = slot;
     s->mailbox.repeated = false;
     s->mailbox.to_write = true;
@@ -110,6 +118,8 @@ void ect_mailbox_send(ect_slave_t *s, uint8_t type, uint16_t length)
 {
     ect_mailbox_t *m = &s->mailbox;
     uint8_t slot = build_slot(m);
+    ECT_ASSERT(m->running && may_build(m));
+    ECT_ASSERT(type <= 0x0F && length > 0 && length <= ect_mailbox_room(s));
     uint8_t *mail = m->mail[slot];
     m->reply_counter = (uint8_t)(m->reply_counter % 7 + 1);
     ect_store_le16(mail, length);
@@ -182,6 +192,7 @@ static void handle_request(ect_slave_t *s)
     m->request_counter = counter;
     uint8_t before = m->reply_counter;
     uint16_t error = dispatch(s);
+    ECT_ASSERT(error == ECT_MAILBOX_OK || m->reply_counter == before);
     if (error != ECT_MAILBOX_OK)
         send_error(s, error);
     m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
@@ -217,6 +228,7 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 static bool bring_back(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
+    ECT_ASSERT(m->mails == 2 && m->in_buffer);
     ect_sm_disable(s, SM1);
     if (!ect_sm_flush(s))
         return false;
@@ -274,6 +286,7 @@ static bool speak(ect_slave_t *s, bool takes_requests, bool send)
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
 {
     ect_mailbox_t *m = &s->mailbox;
+    ECT_ASSERT(m->running);
     bool requested = (event & ECT_EVENT_SM0) != 0;
     if ((event & ECT_EVENT_SM1) != 0)
         m->in_buffer = false;

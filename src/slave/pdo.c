@@ -42,6 +42,7 @@ static bool extend(layout_t *l, uint8_t *data, uint16_t bits)
 static bool add_entry(layout_t *l, const ect_entry_t *entry, uint16_t bits)
 {
     uint8_t *data = ect_od_data(l->od, entry);
+    ECT_ASSERT(bits > 0 && bits <= entry->bit_length);
     bool plain = is_plain(entry, data) && l->bits % 8 == 0 && bits == entry->bit_length;
     if (!plain || !extend(l, data, bits)) {
         if (l->count == l->capacity)
@@ -117,9 +118,11 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
         return false;
     uint16_t longest = device->sm[sm].maximum != 0 ? device->sm[sm].maximum : s->config.process_size;
     ect_sm_image_t *image = &s->image[sm];
+    ECT_ASSERT(l.count <= l.capacity && l.bits <= LARGEST_IMAGE_BITS);
     *image = (ect_sm_image_t){.bytes = (uint16_t)((l.bits + 7) / 8), .first_run = first_run, .runs = l.count};
     uint8_t *which = device->sm[sm].type == ECT_SM_OUTPUTS ? &s->outputs : &s->inputs;
     *which = (uint8_t)(*which | (image->bytes > 0 ? 1u << sm : 0u));
+    ECT_ASSERT(longest <= s->config.process_size);
     return image->bytes <= longest;
 }
 
@@ -143,6 +146,7 @@ uint16_t ect_pdo_configure(ect_slave_t *s)
 static uint16_t wire_bytes(const ect_pdo_run_t *run)
 {
     uint16_t whole = ect_od_bytes(run->entry);
+    ECT_ASSERT((run->bits + 7) / 8 <= WIRE);
     return whole <= WIRE ? whole : (uint16_t)((run->bits + 7) / 8);
 }
 
@@ -150,6 +154,7 @@ static void unpack(ect_slave_t *s, const ect_sm_image_t *of)
 {
     const uint8_t *image = s->config.process_data;
     const ect_pdo_run_t *run = s->config.runs + of->first_run;
+    ECT_ASSERT(of->bytes <= s->config.process_size && of->first_run + of->runs <= s->config.run_count);
     for (const ect_pdo_run_t *end = run + of->runs; run < end; run++) {
         uint8_t wire[WIRE];
         if (run->entry) {
@@ -166,6 +171,7 @@ static void pack(ect_slave_t *s, const ect_sm_image_t *of)
 {
     uint8_t *image = s->config.process_data;
     const ect_pdo_run_t *run = s->config.runs + of->first_run;
+    ECT_ASSERT(of->bytes <= s->config.process_size && of->first_run + of->runs <= s->config.run_count);
     memset(image, 0, of->bytes);
     for (const ect_pdo_run_t *end = run + of->runs; run < end; run++) {
         uint8_t wire[WIRE];
@@ -182,6 +188,7 @@ static void pack(ect_slave_t *s, const ect_sm_image_t *of)
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply)
 {
     const ect_device_t *device = s->config.device;
+    ECT_ASSERT(sms != 0 && (sms & ~(unsigned int)s->outputs) == 0);
     for (unsigned int sm = 0; sm < device->sm_count; sm++) {
         if ((sms & 1u << sm) == 0)
             continue;

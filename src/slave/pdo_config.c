@@ -104,6 +104,7 @@ static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t c
 {
     uint32_t room_bits = room_of(s, index);
     const ect_object_t *object = ect_od_find(&s->od, index);
+    ECT_ASSERT(object != NULL);
     if (count > object->max_subindex)
         return ECT_REASON_TOO_HIGH;
     for (uint32_t i = 1; i <= count; i++) {

@@ -43,6 +43,7 @@ static uint8_t present(const ect_slave_t *s, const ect_object_t *object)
 
 static void cursor_begin(ect_slave_t *s, const ect_entry_t *first)
 {
+    ECT_ASSERT(s->sdo.object != NULL);
     s->sdo.cursor = (ect_sdo_cursor_t){.entry = first};
 }
 
@@ -127,6 +128,7 @@ static bool flush_bits(ect_sdo_cursor_t *c, uint8_t *to)
 static uint16_t read_piece(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *to, uint16_t room)
 {
     uint16_t size = entry_size(s, c->entry);
+    ECT_ASSERT(room > 0);
     uint16_t left = size > c->offset ? (uint16_t)(size - c->offset) : 0;
     uint16_t piece = left < room ? left : room;
     read_entry(s, c->entry, c->offset, to, piece);
@@ -138,6 +140,7 @@ static uint16_t read_piece(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *t
 static uint16_t read_step(ect_slave_t *s, uint8_t *to, uint16_t room, uint8_t last_subindex)
 {
     ect_sdo_cursor_t *c = &s->sdo.cursor;
+    ECT_ASSERT(room > 0 && c->bits < 8);
     if (c->pad) {
         *to = 0;
         c->pad = false;
@@ -187,6 +190,7 @@ static uint8_t *build_response(ect_slave_t *s, uint8_t command)
 static uint8_t *build_initiate(ect_slave_t *s, unsigned int command)
 {
     const ect_sdo_t *sdo = &s->sdo;
+    ECT_ASSERT(sdo->object != NULL);
     uint8_t *reply = build_response(s, (uint8_t)(command | (sdo->complete ? (unsigned int)COMPLETE : 0u)));
     ect_store_le16(reply + 1, sdo->object->index);
     reply[3] = sdo->subindex;
@@ -290,6 +294,7 @@ static void upload(ect_slave_t *s, const uint8_t *request)
 static bool segment_expected(ect_slave_t *s, const uint8_t *request, uint8_t state)
 {
     ect_sdo_t *sdo = &s->sdo;
+    ECT_ASSERT(sdo->state <= ECT_SDO_DOWNLOADING);
     bool active = sdo->state != ECT_SDO_IDLE;
     if (sdo->state == state && (request[0] & TOGGLE) == sdo->toggle) {
         sdo->toggle ^= TOGGLE;
@@ -307,6 +312,7 @@ static void upload_segment(ect_slave_t *s, const uint8_t *request)
         return;
     uint16_t room = (uint16_t)(ect_coe_room(s) - 1);
     uint32_t left = sdo->size - sdo->done;
+    ECT_ASSERT(sdo->object && sdo->done < sdo->size);
     uint16_t piece = left < room ? (uint16_t)left : room;
     unsigned int command = request[0] & TOGGLE;
     command |= piece == left ? (unsigned int)LAST_SEGMENT : 0u;
@@ -390,6 +396,7 @@ static ect_reason_t download_step(ect_slave_t *s, const uint8_t **from, const ui
     ect_sdo_t *sdo = &s->sdo;
     ect_sdo_cursor_t *c = &sdo->cursor;
     const ect_entry_t *entry = c->entry;
+    ECT_ASSERT(entry && *from < end);
     const uint8_t *value = *from;
     uint16_t total = sdo->complete ? ect_od_bytes(entry) : (uint16_t)sdo->size;
     uint16_t left = (uint16_t)(total - c->offset);

@@ -83,6 +83,7 @@ static void send_lengths(ect_slave_t *s)
 static void send_fragment(ect_slave_t *s)
 {
     ect_sdo_info_t *info = &s->info;
+    ECT_ASSERT(info->list >= 1 && info->list <= LIST_TYPES && info->fragments > 0);
     uint8_t *data = build(s, LIST_RESPONSE);
     uint16_t used = 0;
     if (!info->started) {
@@ -128,6 +129,7 @@ static void start_list(ect_slave_t *s, uint16_t list)
 static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, const char *name)
 {
     size_t length = name ? strlen(name) : 0;
+    ECT_ASSERT(used <= room(s));
     if (length > (size_t)(room(s) - used))
         length = (size_t)(room(s) - used);
     if (length > 0)

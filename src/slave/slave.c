@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "slave/slave.h"
 
-#include <assert.h>
 #include <string.h>
 
 #include "seams/standard.h"
@@ -44,6 +43,8 @@ static void clear_instance(const ect_slave_config_t *config)
 {
     uint8_t *instance = config->instance;
     size_t end = config->outside_offset + config->outside_size;
+    ECT_ASSERT(end <= config->device->instance_size);
+    ECT_ASSERT(config->outside_size == 0 || config->outside_offset >= sizeof(ect_standard_t));
     memset(instance, 0, config->outside_offset);
     memset(instance + end, 0, config->device->instance_size - end);
     if (config->buffer)
@@ -65,6 +66,7 @@ static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
+    ECT_ASSERT(device->sm_count > 0 && device->sm_count <= ECT_SMS && device->instance_size >= sizeof(ect_standard_t));
     clear_instance(&s->config);
     ect_standard_t *standard = s->config.instance;
     standard->device = device;
@@ -82,6 +84,7 @@ static void power_on(ect_slave_t *s)
 
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
 {
+    ECT_ASSERT(slave && config);
     int error = check(config);
     if (error != 0)
         return error;
@@ -103,7 +106,7 @@ static void tick(ect_slave_t *s)
     if (!device->tick)
         return;
     s->tick_ns = device->tick(s->config.instance, s->now_ns);
-    assert(s->tick_ns > s->now_ns);
+    ECT_ASSERT(s->tick_ns > s->now_ns);
     s->inputs_due = true;
 }
 
@@ -143,6 +146,7 @@ static uint64_t next_time(const ect_slave_t *s)
 static uint64_t poll(ect_slave_t *s, uint64_t now_ns, bool with_exchange)
 {
     uint32_t event = 0;
+    ECT_ASSERT(!s->held && s->state != 0);
     ect_cycle_hold(s);
     if (s->now_ns < now_ns) /* an exchange may have come since the caller looked at its clock */
         s->now_ns = now_ns;
@@ -164,6 +168,7 @@ static uint64_t poll(ect_slave_t *s, uint64_t now_ns, bool with_exchange)
         ect_mailbox_poll(s, event);
     set_line(s);
     ect_cycle_release(s);
+    ECT_ASSERT(!s->outputs_live || s->state == ECT_STATE_OP);
     return next_time(s);
 }
 

@@ -93,7 +93,8 @@ static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
         ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
 }
 
-/* In acknowledge mode the event stays until its status is read. Returns whether that was it: the next event is another. */
+/* In acknowledge mode the event stays until its status is read. Returns whether that was it: the next event is another.
+ */
 static bool acknowledge_sync0(ect_slave_t *s)
 {
     uint8_t status = 0;

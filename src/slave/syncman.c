@@ -16,6 +16,7 @@ uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
 bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK])
 {
     uint16_t size = (uint16_t)(s->config.device->sm_count * ECT_SM_SIZE);
+    ECT_ASSERT(s->config.device->sm_count > 0 && size <= ECT_SM_BLOCK);
     memset(block, 0, ECT_SM_BLOCK);
     if (!ect_slave_read(s, ECT_REG_SM, block, size))
         return false;
@@ -36,6 +37,8 @@ static bool is_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16
 
 bool ect_sm_mailbox_good(const ect_device_t *device, const uint8_t *block, bool boot)
 {
+    ECT_ASSERT(device->mailbox_protocols != 0 && device->sm_count >= 2);
+    ECT_ASSERT(!boot || (device->boot_out.length > 0 && device->boot_in.length > 0));
     for (unsigned int n = 0; n < 2; n++) {
         const ect_sm_t *sm = &device->sm[n];
         const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
@@ -53,6 +56,7 @@ static bool process_good(const ect_slave_t *s, const uint8_t *registers, unsigne
 {
     const ect_sm_t *sm = &s->config.device->sm[n];
     uint16_t bytes = s->image[n].bytes;
+    ECT_ASSERT(ect_device_sm_is_process(s->config.device, n));
     if (bytes == 0)
         return (registers[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) == 0 ||
                ect_load_le16(registers + ECT_SM_LENGTH) == 0;
@@ -81,12 +85,14 @@ unsigned int ect_sm_process(const ect_device_t *device)
 
 void ect_sm_disable(ect_slave_t *s, unsigned int sms)
 {
+    ECT_ASSERT(sms >> s->config.device->sm_count == 0);
     s->sm_off = (uint8_t)(s->sm_off | sms);
     s->sm_due = (uint8_t)(s->sm_due | sms);
 }
 
 void ect_sm_enable(ect_slave_t *s, unsigned int sms)
 {
+    ECT_ASSERT(sms >> s->config.device->sm_count == 0);
     s->sm_off = (uint8_t)(s->sm_off & ~sms);
     s->sm_due = (uint8_t)(s->sm_due | sms);
 }
@@ -99,6 +105,7 @@ void ect_sm_acknowledge_repeat(ect_slave_t *s, bool toggle)
 
 bool ect_sm_flush(ect_slave_t *s)
 {
+    ECT_ASSERT(s->sm_due >> s->config.device->sm_count == 0);
     for (unsigned int n = 0; s->sm_due != 0; n++) {
         if ((s->sm_due & (1u << n)) == 0)
             continue;
