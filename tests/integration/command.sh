@@ -66,6 +66,8 @@ start_values_and_memory() {
     "$ectwin" get rows 2>/dev/null)"
   check "with: a store belongs to one twin" 2 "$("$ectwin" with --store "$work/store" fzm1 -- sh -c \
     "'$ectwin' with --store '$work/store' fzm1 -- true; echo \$?" 2>/dev/null)"
+  check "with: --set in any order" "output_period=40 output_time=30" "$("$ectwin" with --set output_period=40 --set output_time=30 \
+    fzm1 -- "$ectwin" get 'output_[pt]*' 2>/dev/null | xargs)"
   for setting in data1 nosuch=1 node_address=10 2:data1=1; do
     "$ectwin" with --set $setting fzm1 -- true 2>"$work/err"
     check "with: --set $setting is refused" 1 $?

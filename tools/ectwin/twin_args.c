@@ -8,7 +8,7 @@
 
 #include "bus/catalogue.h"
 #include "bus/rights.h"
-#include "bus/signals.h"
+#include "bus/settings.h"
 #include "commands.h"
 #include "sii/sii.h"
 
@@ -30,11 +30,11 @@ enum {
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
-     "Vendor id, 0..0xFFFFFFFF (default: the device's placeholder); of twin N, without N of all. May be repeated, as "
+     "Vendor id, 0..4294967295 (default: the device's placeholder); of twin N, without N of all. May be repeated, as "
      "may the next four",
      1},
-    {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0, "Product code, 0..0xFFFFFFFF", 1},
-    {"revision", KEY_REVISION, "[N:]NUMBER", 0, "Revision number, 0..0xFFFFFFFF", 1},
+    {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0, "Product code, 0..4294967295", 1},
+    {"revision", KEY_REVISION, "[N:]NUMBER", 0, "Revision number, 0..4294967295", 1},
     {"serial", KEY_SERIAL, "[N:]NUMBER", 0,
      "Serial number; without N of the first twin, the others count up (default 1)", 1},
     {"alias", KEY_ALIAS, "[N:]ALIAS", 0,
@@ -59,7 +59,7 @@ static uint32_t parse_number(const struct argp_state *state, const char *option,
     bool hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
     unsigned long long value = strtoull(text, &end, hexadecimal ? 16 : 10); /* 010 is ten */
     if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
-        argp_error(state, "%s takes a number from 0 to 0x%X, not '%s'", option, maximum, text);
+        argp_error(state, "%s takes a number from 0 to %u, not '%s'", option, maximum, text);
     return (uint32_t)value;
 }
 
@@ -339,37 +339,56 @@ static bool outlasts_power(const ect_signal_ref_t *ref)
     return (size_t)(ref->value - instance) - ref->plant->outside_offset < ref->plant->outside_size;
 }
 
-/* @return why not, NULL when it was done */
-static const char *apply(const char *setting, ect_chain_t *chain, bool plant_only, char message[ECT_SIGNAL_MESSAGE])
+/* Of one twin: all that the command line asks for, or only what outlasts the power. @return whether it was done */
+static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool plant_only, const char *who)
 {
-    char name[ECT_SIGNAL_NAME];
-    ect_signal_ref_t ref;
-    size_t slave = twin_of(&setting);
-    const char *value = strchr(setting, '=');
-    snprintf(name, sizeof name, "%.*s", (int)(value - setting), setting);
-    if (slave < 1 || slave > ect_chain_count(chain))
-        return "there is no such twin";
-    if (!ect_chain_signal(chain, slave - 1, name, &ref))
-        return "there is no such signal; 'ectwin list-signals' names those of a running twin";
-    if (plant_only && !outlasts_power(&ref))
-        return NULL;
-    if (!ect_signal_write(&ref, value + 1, ect_runner_now(), message))
-        return message;
-    ect_chain_wake(chain, slave - 1);
-    return NULL;
+    char message[ECT_SIGNAL_MESSAGE] = "out of memory";
+    char(*names)[ECT_SIGNAL_NAME] = calloc(args->setting_count, sizeof *names);
+    ect_setting_t *settings = calloc(args->setting_count, sizeof *settings);
+    size_t count = 0;
+    for (size_t i = 0; names && settings && i < args->setting_count; i++) {
+        const char *setting = args->settings[i];
+        ect_signal_ref_t ref;
+        if (twin_of(&setting) != slave)
+            continue;
+        const char *value = strchr(setting, '=');
+        snprintf(names[count], sizeof names[count], "%.*s", (int)(value - setting), setting);
+        if (plant_only && !(ect_chain_signal(chain, slave - 1, names[count], &ref) && outlasts_power(&ref)))
+            continue;
+        settings[count] = (ect_setting_t){.name = names[count], .value = value + 1};
+        count++;
+    }
+    bool done = names && settings &&
+                (count == 0 || ect_settings_apply(chain, slave - 1, settings, count, ect_runner_now(), message));
+    if (!done)
+        fprintf(stderr, "%s: --set: %s\n", who, message);
+    free(names);
+    free(settings);
+    return done;
 }
 
-/* First what stands outside the devices, which they see when they are powered on, then everything in its order. */
+static bool all_for_a_twin(const twin_args_t *args, const char *who)
+{
+    for (size_t i = 0; i < args->setting_count; i++) {
+        const char *setting = args->settings[i];
+        size_t slave = twin_of(&setting);
+        if (slave < 1 || slave > args->count) {
+            fprintf(stderr, "%s: --set %.80s: there is no such twin\n", who, args->settings[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* First what stands outside the devices, which they see when they are powered on, then everything. */
 static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
 {
+    if (!all_for_a_twin(args, who))
+        return false;
     for (unsigned int round = 0; round < 2 && args->setting_count > 0; round++) {
-        for (size_t i = 0; i < args->setting_count; i++) {
-            char message[ECT_SIGNAL_MESSAGE];
-            const char *why = apply(args->settings[i], chain, round == 0, message);
-            if (why) {
-                fprintf(stderr, "%s: --set %.80s: %s\n", who, args->settings[i], why);
+        for (size_t slave = 1; slave <= args->count; slave++) {
+            if (!apply(args, chain, slave, round == 0, who))
                 return false;
-            }
         }
         if (round == 0)
             ect_chain_power_cycle(chain, ect_runner_now());
