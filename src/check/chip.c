@@ -26,11 +26,11 @@ static unsigned int room_of(const report_t *r, unsigned int n)
     return r->device->sm[n].maximum > bytes ? r->device->sm[n].maximum : bytes;
 }
 
-/* Bytes of the ESC's memory that it takes: three buffers, or one in mailbox mode. */
+/* Bytes of the ESC's memory that it takes: three buffers, or one in mailbox mode and of a single byte. */
 static unsigned int memory_of(const report_t *r, unsigned int n)
 {
     bool one = (r->device->sm[n].control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
-    return room_of(r, n) * (one ? 1u : (unsigned int)BUFFERS);
+    return room_of(r, n) * (one || room_of(r, n) == 1 ? 1u : (unsigned int)BUFFERS);
 }
 
 static bool roles_good(const report_t *r, unsigned int n)

@@ -102,8 +102,8 @@ typedef struct ect_sm {
 enum { ECT_PDO_MANDATORY = 0x0001, ECT_PDO_FIXED = 0x0010, ECT_PDO_VIRTUAL = 0x0020 };
 
 /**
- * What ESI and SII say of a PDO and its objects do not. Without it, a PDO is fixed when no entry of its mapping can be
- * written, and mandatory when it is fixed and so is the assignment that it stands in.
+ * What ESI and SII say of a PDO and its objects do not. Without it, a PDO is fixed when its mapping is constant (no
+ * entry has memory), and mandatory when it is fixed and so is the assignment that it stands in.
  */
 typedef struct ect_pdo {
     uint16_t index;           /**< of the mapping object */

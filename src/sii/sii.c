@@ -108,10 +108,11 @@ static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo)
     return 0xFF;
 }
 
+/* Nothing of it is in memory, so nobody changes it. */
 static bool is_constant(const ect_object_t *object)
 {
     for (const ect_entry_t *e = object ? object->entries : NULL; e; e = ect_od_next(object, e)) {
-        if ((e->access & ECT_ACCESS_WO) != 0)
+        if (e->data)
             return false;
     }
     return true;

@@ -153,7 +153,7 @@ typedef struct row {
     X(below_memory, gauge, D.sm[3].start = 0x0FF8, "SM3: 0FF8h to 1027h are not in the memory of the ESC 'et1100'")    \
     X(beyond_memory, gauge, D.sm[3].start = 0x2FD1, "SM3: 2FD1h to 3000h are not in the memory of the ESC 'et1100'")   \
     X(overlap, gauge, D.sm[1].start = 0x103F, "SM1: it overlaps SM0")                                                  \
-    X(overlap_of_buffers, terminal, D.sm[1].start = 0x1002, "SM1: it overlaps SM0 (process data in three buffers")     \
+    X(overlap_of_buffers, terminal, D.sm[1].start = 0x1205, "SM2: it overlaps SM1 (process data in three buffers")     \
     X(boot_one, gauge, D.boot_out = ((ect_boot_mailbox_t){0x1400, 64}), "BOOT: its mailboxes have 34 to 1486 bytes")   \
     X(boot_overlap, gauge,                                                                                             \
       (D.boot_out = (ect_boot_mailbox_t){0x1400, 64}, D.boot_in = (ect_boot_mailbox_t){0x143F, 64}),                   \

@@ -200,25 +200,24 @@ static void device_is_told(void **state)
 static void sms_follow_state(void **state)
 {
     (void)state;
-    static const struct {
-        uint8_t state;
-        uint8_t off; /* SMs switched off from the PDI side, a bit each */
-    } want[] = {{INIT, 0x0F}, {PREOP, 0x0C}, {SAFEOP, 0}, {OP, 0}, {SAFEOP, 0}, {PREOP, 0x0C}, {INIT, 0x0F}};
+    static const uint8_t walk[] = {INIT, PREOP, SAFEOP, OP, SAFEOP, PREOP, INIT};
     for (size_t i = 0; every_device(i); i++) {
+        const ect_device_t *device = every_device(i);
+        unsigned int process = process_sms_of(device), mailbox = mailbox_sms_of(device);
         wire_t w;
-        wire_open_one(&w, every_device(i));
+        wire_open_one(&w, device);
         wire_configure_mailbox(&w, 0);
-        for (size_t n = 0; n < COUNT(want); n++) {
-            if (want[n].state == SAFEOP && n < 3)
+        for (size_t n = 0; n < COUNT(walk); n++) {
+            unsigned int on = (walk[n] >= PREOP ? mailbox : 0) | (walk[n] >= SAFEOP ? process : 0);
+            if (walk[n] == SAFEOP && n < 3)
                 wire_configure_process_data(&w, 0);
-            if (want[n].state == OP)
+            if (walk[n] == OP)
                 outputs(&w, 0);
-            ask(&w, "walk", want[n].state, want[n].state, 0);
-            for (unsigned int sm = 0; sm < 4; sm++) {
+            ask(&w, "walk", walk[n], walk[n], 0);
+            for (unsigned int sm = 0; sm < device->sm_count; sm++) {
                 uint8_t off = wire_read8(&w, 0, (uint16_t)(ECT_REG_SM + 8 * sm + ECT_SM_PDI_CONTROL)) & 1;
-                if (off != ((want[n].off >> sm) & 1))
-                    fail_msg("%s, step %zu, state %u: SM%u off is %u", every_device(i)->name, n, want[n].state, sm,
-                             off);
+                if (off == (on >> sm & 1))
+                    fail_msg("%s, step %zu, state %u: SM%u off is %u", device->name, n, walk[n], sm, off);
             }
         }
         wire_close(&w);
@@ -266,7 +265,7 @@ static void mailbox_checked(void **state)
 {
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
-        for (unsigned int n = 0; n < 2; n++) {
+        for (unsigned int n = 0; n < 2 && mailbox_sms_of(every_device(i)) != 0; n++) {
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
                 bool allowed = sm_faults[f].allowed;
                 bool in_limits =
@@ -320,19 +319,22 @@ static void process_sm_checked(void **state)
 {
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
-        for (unsigned int n = 2; n < 4; n++) {
+        const ect_device_t *device = every_device(i);
+        for (unsigned int n = 0; n < device->sm_count; n++) {
+            uint16_t code = device->sm[n].type == ECT_SM_OUTPUTS ? 0x001D : 0x001E;
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
-                if (ect_device_sm_bytes(every_device(i), n) == 0 && sm_faults[f].length < 0)
+                bool impossible = ect_device_sm_bytes(device, n) == 0 && sm_faults[f].length < 0;
+                if (impossible || (process_sms_of(device) >> n & 1) == 0)
                     continue;
                 wire_t w;
-                wire_open_one(&w, every_device(i));
+                wire_open_one(&w, device);
                 wire_go(&w, 0, PREOP);
                 wire_configure_process_data(&w, 0);
                 set_sm(&w, n, &sm_faults[f]);
-                if (process_fault_allowed(every_device(i), n, &sm_faults[f]))
+                if (process_fault_allowed(device, n, &sm_faults[f]))
                     ask(&w, sm_faults[f].what, SAFEOP, SAFEOP, 0);
                 else
-                    ask(&w, sm_faults[f].what, SAFEOP, PREOP | ERR, n == 2 ? 0x001D : 0x001E);
+                    ask(&w, sm_faults[f].what, SAFEOP, PREOP | ERR, code);
                 ask(&w, "back", PREOP | ACK, PREOP, 0);
                 wire_configure_process_data(&w, 0);
                 ask(&w, "then right", SAFEOP, SAFEOP, 0);
@@ -1687,10 +1689,11 @@ static const struct CMUnitTest tests[] = {
       every_pair),
     T("CF-035: an unknown state is refused with 0x0012 in every state", unknown_states),
     T("CF-033: the device is told of every transition, from where and to where", device_is_told),
-    T("CF-033: SM0/SM1 are on from PREOP, SM2/SM3 from SAFEOP, and off again below", sms_follow_state),
+    T("CF-033: the mailbox is on from PREOP, process data from SAFEOP, and off again below", sms_follow_state),
     T("CF-036: anything wrong with SM0 or SM1 keeps INIT with 0x0016; put right, PREOP is reached", mailbox_checked),
     T("CF-027 CF-036: a mailbox may have any length from its minimum to its maximum", mailbox_length_limits),
-    T("CF-037: anything wrong with SM2 gives 0x001D, with SM3 0x001E; put right, SAFEOP is reached",
+    T("CF-037: anything wrong with a SyncManager of outputs gives 0x001D, of inputs 0x001E; put right, SAFEOP is "
+      "reached",
       process_sm_checked),
     T("CF-037: both wrong gives 0x001D, then 0x001E", both_wrong),
     T("CF-037: an output-only device wants SM3 off and goes to OP with outputs", output_only),

@@ -171,7 +171,8 @@ static void no_data_below_safeop(void **state)
 typedef struct spy {
     ect_pdi_t real;
     ect_pdi_t pdi;
-    unsigned int buffer;   /* of SM3 that holds inputs then, 3 none */
+    unsigned int sm;       /* the first one with inputs */
+    unsigned int buffer;   /* of it that holds inputs then, 3 none */
     uint16_t first_inputs; /* the first two bytes of it */
     bool seen;
 } spy_t;
@@ -188,7 +189,7 @@ static int spy_write(void *ctx, uint16_t address, const void *buffer, uint16_t l
     const ect_esc_t *esc = spy->real.ctx;
     if (address == ECT_REG_AL_STATUS && (((const uint8_t *)buffer)[0] & 0x0F) == SAFEOP && !spy->seen) {
         spy->seen = true;
-        const uint8_t *sm = esc->memory + ECT_REG_SM + 3 * ECT_SM_SIZE;
+        const uint8_t *sm = esc->memory + ECT_REG_SM + spy->sm * ECT_SM_SIZE;
         spy->buffer = (unsigned int)(sm[ECT_SM_STATUS] >> 4) & 3u;
         if (spy->buffer < 3)
             spy->first_inputs =
@@ -201,11 +202,14 @@ static void inputs_before_safeop(void **state)
 {
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
+        const ect_device_t *device = every_device(i);
         wire_t w;
-        wire_open_one(&w, every_device(i));
+        wire_open_one(&w, device);
         wire_go(&w, 0, PREOP);
         wire_configure_process_data(&w, 0);
-        spy_t spy = {.real = *slave_of(&w)->config.pdi};
+        spy_t spy = {.real = *slave_of(&w)->config.pdi, .sm = first_sm_of(device, ECT_SM_INPUTS)};
+        while (ect_device_sm_bytes(device, spy.sm) == 1) /* that one has no buffers */
+            spy.sm++;
         spy.pdi = (ect_pdi_t){.ctx = &spy, .read = spy_read, .write = spy_write};
         slave_of(&w)->config.pdi = &spy.pdi;
         if (i == 0)
@@ -213,12 +217,11 @@ static void inputs_before_safeop(void **state)
         wire_write16(&w, 0, ECT_REG_AL_CONTROL, SAFEOP);
         assert_true(spy.seen);
         if (spy.buffer == 3)
-            fail_msg("%s: no inputs in SM3 when SAFEOP is confirmed", every_device(i)->name);
+            fail_msg("%s: no inputs in SM%u when SAFEOP is confirmed", device->name, spy.sm);
         if (i == 0)
             assert_int_equal(spy.first_inputs, 0x7788);
         uint8_t image[256];
-        assert_int_equal(wire_read(&w, 0, every_device(i)->sm[3].start, image, ect_device_sm_bytes(every_device(i), 3)),
-                         1);
+        assert_int_equal(wire_read(&w, 0, device->sm[spy.sm].start, image, ect_device_sm_bytes(device, spy.sm)), 1);
         wire_close(&w);
     }
 }
@@ -264,19 +267,34 @@ static void map(wire_t *w, size_t position, uint32_t out, uint32_t in)
     wire_set_fmmu(w, position, 1, in, ect_device_sm_bytes(device, 3), 0, 7, device->sm[3].start, 0, 1);
 }
 
+/* All process data one behind the other, an FMMU each; @return bytes */
+static uint16_t map_all(wire_t *w, uint32_t logical)
+{
+    const ect_device_t *device = wire_device(w, 0);
+    uint16_t at = 0;
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        uint16_t bytes = ect_device_sm_bytes(device, n);
+        if ((process_sms_of(device) >> n & 1) == 0 || bytes == 0)
+            continue;
+        wire_set_fmmu(w, 0, n, logical + at, bytes, 0, 7, device->sm[n].start, 0,
+                      device->sm[n].type == ECT_SM_OUTPUTS ? 2 : 1);
+        at = (uint16_t)(at + bytes);
+    }
+    return at;
+}
+
 static void lrw_counts(void **state)
 {
     (void)state;
     for (size_t i = 0; every_device(i); i++) {
         const ect_device_t *device = every_device(i);
-        int outputs = ect_device_sm_bytes(device, 2) > 0;
-        uint16_t length = (uint16_t)(ect_device_sm_bytes(device, 2) + ect_device_sm_bytes(device, 3));
+        int outputs = ect_device_bytes(device, ECT_SM_OUTPUTS) > 0;
         uint8_t data[512] = {0};
         wire_t w;
         wire_open_one(&w, device);
         wire_go(&w, 0, PREOP);
         wire_configure_process_data(&w, 0);
-        map(&w, 0, 0x10000, 0x10000u + ect_device_sm_bytes(device, 2));
+        uint16_t length = map_all(&w, 0x10000);
         assert_int_equal(wire_logical(&w, LRW, 0x10000, data, length), 0);
         wire_write16(&w, 0, ECT_REG_AL_CONTROL, SAFEOP);
         for (unsigned int n = 0; n < 3; n++) {
@@ -935,7 +953,7 @@ int main(int argc, char **argv)
         T("CF-048: in SAFEOP SM2 is read but nothing applied; OP applies the newest; leaving OP makes outputs safe",
           outputs_rest_in_safeop),
         T("CF-048: below SAFEOP neither SM2 nor SM3 can be accessed", no_data_below_safeop),
-        T("CF-048 L11: inputs stand in SM3 before SAFEOP is confirmed", inputs_before_safeop),
+        T("CF-048 L11: inputs stand in their SyncManager before SAFEOP is confirmed", inputs_before_safeop),
         T("CF-048: inputs follow the device's own time in SAFEOP and OP, not in PREOP", inputs_follow_time),
         T("CF-005 CF-048: LRW counts 3 in SAFEOP and OP, 1 for an input-only device, 0 below", lrw_counts),
         T("CF-048: LRW carries outputs and inputs in any layout, and touches nothing else", lrw_data),

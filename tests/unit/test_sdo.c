@@ -1245,36 +1245,60 @@ static void upload_text(wire_t *w, const char *name, uint16_t index, const char 
         fail_msg("%s %04Xh: expected \"%s\", got abort %08X, %zu characters", name, index, want, code, size);
 }
 
+static void identity_of(wire_t *w, const ect_device_t *device)
+{
+    const ect_identity_t *id = &device->identity;
+    const uint32_t identity[] = {id->vendor_id, id->product_code, id->revision, id->serial};
+    upload_number(w, device->name, 0x1018, 0, 1, 4);
+    for (uint8_t n = 1; n <= 4; n++)
+        upload_number(w, device->name, 0x1018, n, 4, identity[n - 1]);
+    upload_number(w, device->name, 0x1000, 0, 4, device == &testdev ? 0x12345678 : device->device_type);
+}
+
+static void texts_of(wire_t *w, const ect_device_t *device)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    const struct {
+        uint16_t index;
+        const char *text;
+    } texts[] = {{0x1008, device->type_name}, {0x1009, device->hardware_version}, {0x100A, device->software_version}};
+    for (size_t i = 0; i < 3; i++) {
+        if (ect_od_find(&od, texts[i].index))
+            upload_text(w, device->name, texts[i].index, texts[i].text);
+    }
+}
+
+static void sms_of(wire_t *w, const ect_device_t *device)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    upload_number(w, device->name, 0x1C00, 0, 1, device->sm_count);
+    for (uint8_t n = 0; n < device->sm_count; n++) {
+        uint16_t assignment = (uint16_t)(0x1C10 + n);
+        upload_number(w, device->name, 0x1C00, (uint8_t)(n + 1), 1, device->sm[n].type);
+        if ((process_sms_of(device) >> n & 1) == 0)
+            continue;
+        uint32_t pdos = ect_od_element(ect_od_find(&od, assignment), 0);
+        upload_number(w, device->name, assignment, 0, 1, pdos);
+        for (uint8_t k = 0; k < pdos; k++) /* each assigns its PDOs from the first on */
+            upload_number(w, device->name, assignment, (uint8_t)(k + 1), 2,
+                          (device->sm[n].type == ECT_SM_OUTPUTS ? 0x1600u : 0x1A00u) + k);
+    }
+}
+
 static void mandatory_objects_of(const ect_device_t *device)
 {
     wire_t w;
     wire_open_one(&w, device);
     wire_go(&w, 0, ECT_STATE_PREOP);
-    const ect_identity_t *id = &device->identity;
-    const uint32_t identity[] = {id->vendor_id, id->product_code, id->revision, id->serial};
-    upload_number(&w, device->name, 0x1018, 0, 1, 4);
-    for (uint8_t n = 1; n <= 4; n++)
-        upload_number(&w, device->name, 0x1018, n, 4, identity[n - 1]);
-    upload_number(&w, device->name, 0x1C00, 0, 1, 4);
-    for (uint8_t n = 1; n <= 4; n++)
-        upload_number(&w, device->name, 0x1C00, n, 1, n);
-    upload_number(&w, device->name, 0x1C12, 0, 1, ect_device_sm_bytes(device, 2) > 0 ? 1 : 0);
-    if (ect_device_sm_bytes(device, 2) > 0)
-        upload_number(&w, device->name, 0x1C12, 1, 2, 0x1600);
-    const ect_od_t od = {.objects = device->objects, .count = device->object_count};
-    uint8_t pdos = 0;
-    while (ect_od_find(&od, (uint16_t)(0x1A00 + pdos))) {
-        upload_number(&w, device->name, 0x1C13, (uint8_t)(pdos + 1), 2, 0x1A00u + pdos);
-        pdos++;
-    }
-    upload_number(&w, device->name, 0x1C13, 0, 1, pdos);
-    upload_number(&w, device->name, 0x1000, 0, 4, device == &testdev ? 0x12345678 : 0);
-    upload_text(&w, device->name, 0x1008, device->type_name);
-    if (device != &testdev) {
-        upload_text(&w, device->name, 0x1009, device->hardware_version);
-        upload_text(&w, device->name, 0x100A, device->software_version);
-    }
+    identity_of(&w, device);
+    texts_of(&w, device);
+    sms_of(&w, device);
     wire_close(&w);
+}
+
+static uint32_t count_of(const ect_device_t *device, const ect_object_t *o)
+{
+    return o->index == 0x1C00 ? device->sm_count : o->entries->value;
 }
 
 static void subindices_of(const ect_device_t *device)
@@ -1284,8 +1308,9 @@ static void subindices_of(const ect_device_t *device)
     wire_go(&w, 0, ECT_STATE_PREOP);
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *o = &device->objects[i];
-        if (o->object_code != ECT_OBJECT_VAR)
-            upload_number(&w, device->name, o->index, 0, 1, o->max_subindex);
+        bool fixed = o->index < 0x1600 || o->index >= 0x2000 || !o->entries->data;
+        if (o->object_code != ECT_OBJECT_VAR) /* of a mapping that can be changed not all elements need be there */
+            upload_number(&w, device->name, o->index, 0, 1, fixed ? o->max_subindex : count_of(device, o));
         for (unsigned int n = o->max_subindex + 1u; n <= 255; n += n < 250 ? 9 : 1) {
             uint8_t data[4];
             size_t size = sizeof data;
@@ -1300,15 +1325,19 @@ static void subindices_of(const ect_device_t *device)
 static void mandatory_objects(void **state)
 {
     (void)state;
-    for (size_t i = 0; every_device(i); i++)
-        mandatory_objects_of(every_device(i));
+    for (size_t i = 0; every_device(i); i++) {
+        if (has_coe(every_device(i)))
+            mandatory_objects_of(every_device(i));
+    }
 }
 
 static void subindices(void **state)
 {
     (void)state;
-    for (size_t i = 0; every_device(i); i++)
-        subindices_of(every_device(i));
+    for (size_t i = 0; every_device(i); i++) {
+        if (has_coe(every_device(i)))
+            subindices_of(every_device(i));
+    }
 }
 
 /* --- a random session against a model ----------------------------------------------------------------------------- */

@@ -139,7 +139,6 @@ static void checksums(void **state)
 static void check_header(const image_t *image)
 {
     const ect_device_t *d = image->device;
-    const ect_sm_t *sm = d->sm;
     assert_memory_equal(image->bytes, d->esc_config, 8);
     assert_memory_equal(image->bytes + 10, d->esc_config + 10, 4);
     assert_int_equal(word(image, 4), 0);
@@ -148,6 +147,8 @@ static void check_header(const image_t *image)
     assert_int_equal(two_words(image, 0xA), d->identity.product_code);
     assert_int_equal(two_words(image, 0xC), d->identity.revision);
     assert_int_equal(two_words(image, 0xE), d->identity.serial);
+    static const ect_sm_t none[2];
+    const ect_sm_t *sm = mailbox_sms_of(d) != 0 ? d->sm : none;
     const unsigned int mailbox[] = {d->boot_out.start, d->boot_out.length, d->boot_in.start,
                                     d->boot_in.length, sm[0].start,        sm[0].length,
                                     sm[1].start,       sm[1].length,       d->mailbox_protocols};
@@ -292,6 +293,9 @@ static uint32_t number(wire_t *w, uint16_t index, unsigned int subindex)
 {
     uint8_t data[8] = {0};
     size_t size = sizeof data;
+    const ect_od_t od = ect_device_od(wire_device(w, 0), NULL);
+    if (!has_coe(wire_device(w, 0)))
+        return ect_od_element(ect_od_find(&od, index), subindex); /* nobody else tells */
     uint32_t code = wire_sdo_upload(w, 0, index, (uint8_t)subindex, false, data, &size);
     if (code != 0)
         fail_msg("%04Xh:%u: abort %08X", index, subindex, code);
@@ -315,7 +319,9 @@ static uint32_t check_pdo(const image_t *image, wire_t *w, const uint8_t *pdo, c
     assert_int_equal(pdo[2], number(w, index, 0));
     assert_int_equal(pdo[4], 0);
     expect_text(image, "PDO", pdo[5], name);
-    assert_int_equal(ect_load_le16(pdo + 6), 0x0011); /* mandatory, fixed */
+    const ect_od_t od = ect_device_od(image->device, NULL);
+    bool changes = ect_od_find(&od, index)->entries->data != NULL;
+    assert_int_equal(ect_load_le16(pdo + 6), changes ? 0 : 0x0011); /* mandatory, fixed */
     for (unsigned int n = 1; n <= pdo[2]; n++) {
         const uint8_t *e = pdo + 8 * n;
         uint32_t mapping = number(w, index, n);
@@ -332,29 +338,49 @@ static uint32_t check_pdo(const image_t *image, wire_t *w, const uint8_t *pdo, c
     return bits;
 }
 
+/* SyncManager that lists a PDO; 0xFF: none does. */
+static uint8_t sm_of(wire_t *w, uint16_t pdo)
+{
+    const ect_device_t *d = wire_device(w, 0);
+    for (uint8_t n = 0; n < d->sm_count; n++) {
+        bool process = (process_sms_of(d) >> n & 1) != 0;
+        for (unsigned int k = 1; process && k <= number(w, (uint16_t)(0x1C10 + n), 0); k++) {
+            if (number(w, (uint16_t)(0x1C10 + n), k) == pdo)
+                return n;
+        }
+    }
+    return 0xFF;
+}
+
 static void check_pdos(const image_t *image)
 {
     const ect_device_t *d = image->device;
+    const ect_od_t od = ect_device_od(d, NULL);
+    uint32_t bits[ECT_SMS] = {0};
     wire_t w;
     wire_open_one(&w, d);
     wire_go(&w, 0, ECT_STATE_PREOP);
     for (unsigned int direction = 0; direction < 2; direction++) {
-        uint16_t assignment = direction == 0 ? 0x1C12 : 0x1C13;
         const category_t *c = category(image, direction == 0 ? 51 : 50);
-        unsigned int count = number(&w, assignment, 0);
-        uint32_t bits = 0;
         size_t at = 0;
-        assert_int_equal(c != NULL, count > 0);
-        for (unsigned int n = 1; n <= count; n++) {
-            const ect_od_t od = {.objects = d->objects, .count = d->object_count};
+        for (uint16_t index = direction == 0 ? 0x1600 : 0x1A00; index % 0x200 != 0x1FF; index++) {
+            const ect_object_t *object = ect_od_find(&od, index);
+            if (!object)
+                continue;
+            assert_non_null(c);
             const uint8_t *pdo = c->data + at;
-            assert_int_equal(ect_load_le16(pdo), number(&w, assignment, n));
-            assert_int_equal(pdo[3], 2 + direction);
-            bits += check_pdo(image, &w, pdo, ect_od_find(&od, ect_load_le16(pdo))->name);
+            assert_int_equal(ect_load_le16(pdo), index);
+            assert_int_equal(pdo[3], sm_of(&w, index));
+            uint32_t length = check_pdo(image, &w, pdo, object->name);
+            if (pdo[3] < ECT_SMS)
+                bits[pdo[3]] += length;
             at += 8u + 8u * pdo[2];
         }
         assert_int_equal(at, c ? c->length : 0);
-        assert_int_equal((bits + 7) / 8, ect_load_le16(category(image, 41)->data + (size_t)8 * (2 + direction) + 2));
+    }
+    for (unsigned int n = 0; n < d->sm_count; n++) {
+        if ((process_sms_of(d) >> n & 1) != 0)
+            assert_int_equal((bits[n] + 7) / 8, ect_load_le16(category(image, 41)->data + (size_t)8 * n + 2));
     }
     wire_close(&w);
 }
@@ -383,8 +409,9 @@ static ect_device_t rich_device(void)
     static const ect_entry_t spare[] = {ECT_ENTRY_COUNT(2), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 1, 16)),
                                         ECT_ENTRY_MAP(2, ECT_MAP(0x6666, 1, 8))};
     static const ect_entry_t free_entries[] = {
-        {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW_PREOP, "Count", 1, NULL},
-        {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW_PREOP, "Mapped object", ECT_MAP(0x6000, 1, 16), NULL}};
+        {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW_PREOP, "Count", 1, ECT_OFFSET(testdev_t, record_ro)},
+        {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW_PREOP, "Mapped object", ECT_MAP(0x6000, 1, 16),
+         ECT_OFFSET(testdev_t, u32)}};
     static const ect_entry_t assign[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00)};
     static const ect_pdo_t properties[] = {{.index = 0x1A02, .flags = ECT_PDO_VIRTUAL | ECT_PDO_MANDATORY}};
     static ect_object_t objects[5];
@@ -701,6 +728,8 @@ static void over_the_bus(void **state)
 
 static void check_protocols(const image_t *image)
 {
+    if (mailbox_sms_of(image->device) == 0)
+        return;
     static const struct {
         uint8_t type, bit;
     } protocols[] = {{1, 0x01}, {2, 0x02}, {3, 0x04}, {4, 0x08}, {5, 0x10}, {15, 0x20}};
@@ -730,6 +759,8 @@ static void protocols_answer(void **state)
 
 static void check_identity_object(const image_t *image)
 {
+    if (!has_coe(image->device))
+        return;
     wire_t w;
     wire_open_one(&w, image->device);
     wire_go(&w, 0, ECT_STATE_PREOP);
