@@ -25,7 +25,7 @@ wait_for() { # FILE: until there is something in it, 10 s at most
 
 # in_network SCRIPT: with a veth pair tw0, tw1; $ectwin, $work and $here are there.
 in_network() {
-  ectwin=$ectwin work=$work here=$here unshare -Urn bash -c '
+  ectwin=$ectwin work=$work here=$here master=${master:-} unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     wait_for() { for _ in $(seq 100); do [ -s "$1" ] && return; sleep 0.1; done; }
     '"$1"
@@ -200,6 +200,31 @@ END
   check "stats: without a twin" 2 $?
 }
 
+# The example masters: a device that is not theirs, an interface that is none, a wire on which nobody answers.
+example_masters_at_the_wrong_place() {
+  local masters
+  masters=$(dirname "$ectwin")
+  [ -x "$masters/ectwin-plc" ] || { echo "SKIPPED example masters: not built"; return; }
+  "$ectwin" with fzm1 -- "$masters/ectwin-controller" {} >/dev/null 2>"$work/err"
+  check "controller: a sensor" 3 $?
+  says "controller" "no base unit"
+  "$ectwin" with vr-bu-ect-map7 -- "$masters/ectwin-plc" {} >/dev/null 2>"$work/err"
+  check "plc: a base unit" 3 $?
+  says "plc" "is no FZM1"
+  for master in "ectwin-controller --seconds 1" ectwin-plc; do
+    # shellcheck disable=SC2086
+    "$masters"/$master nosuch 2>"$work/err"
+    check "$master: an interface that is not there" 2 $?
+    says "$master" "no network interface 'nosuch'"
+    unshare -U "$masters"/$master lo 2>"$work/err"
+    check "$master: without the right" 2 $?
+    says "$master" "CAP_NET_RAW"
+    master="$masters/$master" in_network '$master tw0 >/dev/null 2>"$work/err"; echo $?' >"$work/out"
+    check "$master: nobody answers" 3 "$(cat "$work/out")"
+    says "$master" "no slave answers on 'tw0'"
+  done
+}
+
 # What a twin may do once it runs: nothing, or take its interface down again.
 rights_of_a_running_twin() {
   in_network '
@@ -264,7 +289,7 @@ print(policy, os.sched_getparam(parent).sched_priority, os.sched_getscheduler(0)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
-  two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
+  two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command rights_of_a_running_twin root_is_contained before_others; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

@@ -14,7 +14,9 @@
  */
 #include <argp.h>
 #include <inttypes.h>
+#include <net/if.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,6 +66,14 @@ static void on_command(void *ctx, uint16_t ru, const uint8_t *command)
     print_hex(command);
     printf("\"}\n");
     fflush(stdout);
+}
+
+/* Whether what was found can be a base unit, by its sizes: product codes may be anybody's. 0 in: not known yet. */
+static bool maybe_base_unit(void)
+{
+    uint32 in = ec_slave[1].Ibytes;
+    uint32 out = ec_slave[1].Obytes;
+    return in == 0 || (in == 66 && (out == 0 || out == 24 || out == 228)) || (in == 142 && out == 228);
 }
 
 /* INIT to OP. Frames may be lost on the way: it is tried again until the bus is there. */
@@ -184,7 +194,10 @@ static int control(const settings_t *s)
     recall(s, &c);
     uint64_t end_ns = now() + (uint64_t)s->seconds * 1000000000u;
     while (!ended && now() < end_ns) {
-        if (to_op()) {
+        bool found = to_op();
+        if (!maybe_base_unit())
+            break;
+        if (found) {
             c.output_bytes = ec_slave[1].Obytes;
             reached = 1;
             printf("{\"event\":\"operational\",\"name\":\"%s\"}\n", ec_slave[1].name);
@@ -201,7 +214,30 @@ static int control(const settings_t *s)
     printf("{\"event\":\"end\",\"commands_received\":%" PRIu32 ",\"commands_sent\":%" PRIu32 ",\"sets_sent\":%" PRIu32
            ",\"starts\":%" PRIu32 ",\"lost_cycles\":%" PRIu32 ",\"cco\":%u,\"cao\":%u}\n",
            received, sent, c.sets_sent, restarts, lost_cycles, c.cco, c.cao);
+    if (ec_slavecount > 0 && !maybe_base_unit())
+        fprintf(stderr, "the first slave on '%s' is '%s' with %u bytes in and %u out: no base unit\n", s->iface,
+                ec_slave[1].name, (unsigned int)ec_slave[1].Ibytes, (unsigned int)ec_slave[1].Obytes);
+    else if (!reached)
+        fprintf(stderr, "%s on '%s'\n", ec_slavecount < 1 ? "no slave answers" : "the base unit did not reach OP",
+                s->iface);
     return reached ? 0 : EXIT_RUN;
+}
+
+/* SOEM says only that it did not work. */
+static bool open_bus(const char *program, const char *iface)
+{
+    if (if_nametoindex(iface) == 0)
+        fprintf(stderr, "%s: there is no network interface '%s': 'ip -br link' lists those there are\n", program,
+                iface);
+    else if (ec_init(iface))
+        return true;
+    else
+        fprintf(
+            stderr,
+            "%s: cannot open '%s' as an EtherCAT master's: that needs CAP_NET_RAW (sudo, or run it by 'ectwin with') "
+            "and an Ethernet interface\n",
+            program, iface);
+    return false;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -248,10 +284,8 @@ int main(int argc, char **argv)
         screen[i] = (uint8_t)(i * 7);
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);
-    if (!ec_init(s.iface)) {
-        fprintf(stderr, "%s: cannot open '%s': it needs CAP_NET_RAW\n", argv[0], s.iface);
+    if (!open_bus(argv[0], s.iface))
         return EXIT_OPEN;
-    }
     int status = control(&s);
     ec_slave[0].state = EC_STATE_INIT;
     ec_writestate(0);

@@ -8,6 +8,8 @@
  */
 #define _DEFAULT_SOURCE
 #include <argp.h>
+#include <net/if.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -141,8 +143,10 @@ static int run(const settings_t *s)
                        .on_data = on_data,
                        .ctx = (void *)(uintptr_t)s};
     if (!to_op(s)) {
-        if (ec_slavecount < 1)
-            fprintf(stderr, "there is no slave\n");
+        if (ec_slavecount < 1) {
+            fprintf(stderr, "no slave answers on '%s'\n", s->iface);
+            return EXIT_FAILED;
+        }
         bool sensor = ec_slave[1].Obytes == FZM1_PLC_OUT && ec_slave[1].Ibytes == FZM1_PLC_IN;
         fail(sensor || ec_slave[1].Obytes == 0 ? "the FZM1 does not reach OP" : "the first slave is no FZM1");
         return EXIT_FAILED;
@@ -162,6 +166,23 @@ static unsigned int number(const struct argp_state *state, const char *text)
     if (end == text || *end != 0 || *text == '-' || value > 4000000000u)
         argp_error(state, "'%s' is not a number", text);
     return (unsigned int)value;
+}
+
+/* SOEM says only that it did not work. */
+static bool open_bus(const char *program, const char *iface)
+{
+    if (if_nametoindex(iface) == 0)
+        fprintf(stderr, "%s: there is no network interface '%s': 'ip -br link' lists those there are\n", program,
+                iface);
+    else if (ec_init(iface))
+        return true;
+    else
+        fprintf(
+            stderr,
+            "%s: cannot open '%s' as an EtherCAT master's: that needs CAP_NET_RAW (sudo, or run it by 'ectwin with') "
+            "and an Ethernet interface\n",
+            program, iface);
+    return false;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -213,11 +234,8 @@ int main(int argc, char **argv)
     argp_err_exit_status = EXIT_USAGE;
     setvbuf(stdout, NULL, _IOLBF, 0); /* an event is told when it happens */
     argp_parse(&argp, argc, argv, 0, NULL, &s);
-    if (!ec_init(s.iface)) {
-        fprintf(stderr, "%s: cannot open '%s': there is no such interface, or CAP_NET_RAW is missing\n", argv[0],
-                s.iface);
+    if (!open_bus(argv[0], s.iface))
         return EXIT_OPEN;
-    }
     int status = run(&s);
     ec_slave[0].state = EC_STATE_INIT;
     ec_writestate(0);
