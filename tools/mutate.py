@@ -1,0 +1,247 @@
+#!/usr/bin/env python3
+"""Breaks the core in small ways, one at a time, and asks the unit tests whether they notice.
+
+usage: tools/mutate.py [--seconds N] [--seed N] [ROOM...]      (default 600 s, seed 1, rooms od esc slave sii)
+
+A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
+compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. What no test notices
+is printed with its file and line. Mutants are drawn by lot for as long as the time lasts; those that change nothing that could be
+seen stand, each with the reason, in tests/budget/equivalent and do not count.
+
+Needs what tools/test.sh needs. Works below build/mutate; the tree stays as it is.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import random
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BUILD = ROOT / "build/mutate"
+EQUIVALENT = ROOT / "tests/budget/equivalent"
+
+SWAPS = {
+    " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",
+    " || ": " && ", " + ": " - ", " - ": " + ", " & ": " | ", " | ": " & ", " << ": " >> ", " >> ": " << ",
+    " ^ ": " | ", "++": "--", "--": "++", " += ": " -= ", " -= ": " += ", " |= ": " &= ", " &= ": " |= ",
+    "true": "false", "false": "true",
+}
+SWAP = re.compile("|".join(rf"\b{k}\b" if k.isalpha() else re.escape(k) for k in sorted(SWAPS, key=len, reverse=True)))
+NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
+CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
+STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
+HIDDEN = re.compile(r'/\*[\s\S]*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
+
+
+# --- mutants ------------------------------------------------------------------------------------------------------------
+
+
+def function_lines(text):
+    """Which lines (from 0) stand in the body of a function. The layout is clang-format's."""
+    inside, lines = False, set()
+    before = ""
+    for number, line in enumerate(text.split("\n")):
+        if line == "{" and before.rstrip().endswith(")"):
+            inside = True
+        elif line == "}":
+            inside = False
+        elif inside:
+            lines.add(number)
+        before = line
+    return lines
+
+
+def changes(line, hidden):
+    """Each way to change one line: (begin, end, replacement). `hidden` has comments and literals blanked."""
+    for match in SWAP.finditer(hidden):
+        yield match.start(), match.end(), SWAPS[match[0]]
+    for match in NUMBER.finditer(hidden):
+        value = int(match[0], 0)
+        yield match.start(), match.end(), str(value + 1)
+        if value > 1:
+            yield match.start(), match.end(), str(value - 1)
+    match = CONDITION.search(hidden)
+    if match:
+        yield match.start(1), match.end(1), f"!({line[match.start(1):match.end(1)]})"
+    if STATEMENT.match(hidden) and not hidden.lstrip().startswith(("return", "break", "continue", "goto", "assert")):
+        indent = len(line) - len(line.lstrip())
+        yield indent, len(line), ";"
+
+
+def mutants(source):
+    text = source.read_text()
+    hidden = HIDDEN.sub(lambda m: re.sub(r"[^\n]", "~", m[0]), text).split("\n")
+    lines = text.split("\n")
+    for number in sorted(function_lines("\n".join(hidden))):
+        for begin, end, replacement in changes(lines[number], hidden[number]):
+            changed = lines[number][:begin] + replacement + lines[number][end:]
+            yield {"source": source, "line": number, "from": lines[number].strip(), "to": changed.strip(), "text": changed}
+
+
+# --- what is built once ---------------------------------------------------------------------------------------------------
+
+
+def run(*command, **options):
+    return subprocess.run(command, check=True, stdout=subprocess.DEVNULL, **options)
+
+
+class Program:
+    """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object."""
+
+    def __init__(self):
+        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
+            "-DCMAKE_C_FLAGS_DEBUG=", cwd=ROOT)
+        run("cmake", "--build", str(BUILD))
+        entries = json.loads((BUILD / "compile_commands.json").read_text())
+        self.commands, self.objects, self.tests = {}, {}, {}
+        for entry in entries:
+            source = pathlib.Path(entry["file"])
+            command = shlex.split(entry["command"])
+            if pathlib.Path(command[0]).name == "ccache":
+                command = command[1:]
+            at = command.index("-o") + 1
+            self.objects[source] = pathlib.Path(entry["directory"]) / command[at]
+            self.commands[source] = command[:at - 1] + command[at + 1:]
+        self.core = {s: o for s, o in self.objects.items() if ROOT / "src" in s.parents}
+        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "cmocka"], check=True,
+                                        capture_output=True, text=True).stdout.split() + ["-lm"]
+        if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
+            self.libraries.append("-lseccomp")
+        self.link(BUILD / "libcore.so", {})
+        support = [str(o) for s, o in self.objects.items() if s.parent == ROOT / "tests/support" and s.stem != "fzm1_record"]
+        for source in sorted((ROOT / "tests/unit").glob("test_*.c")):
+            program = BUILD / source.stem
+            run("cc", "--coverage", "-o", str(program), str(self.objects[source]), *support, f"-L{BUILD}", "-lcore",
+                *self.libraries)
+            self.tests[source.stem] = program
+
+    def link(self, library, instead):
+        objects = [str(instead.get(s, o)) for s, o in sorted(self.core.items())]
+        run("cc", "--coverage", "-shared", "-o", str(library), *objects, *self.libraries)
+
+    def measure(self, sources):
+        """Runs each test once: how long it takes, and which lines of the sources it reaches."""
+        self.seconds, reached = {}, {}
+        for name, program in self.tests.items():
+            for data in BUILD.rglob("*.gcda"):
+                data.unlink()
+            begin = time.monotonic()
+            ended = subprocess.run([program], cwd=ROOT, env=environment(BUILD), capture_output=True, check=False, timeout=120)
+            if ended.returncode != 0:
+                print(f"{name} fails without a mutant: left out", file=sys.stderr)
+                continue
+            self.seconds[name] = time.monotonic() - begin
+            for source in sources:
+                for line in lines_reached(self.objects[source], source):
+                    reached.setdefault((source, line), []).append(name)
+        for names in reached.values():
+            names.sort(key=self.seconds.get)
+        return reached
+
+
+def environment(library_folder, **more):
+    return {**os.environ, "LD_LIBRARY_PATH": str(library_folder), **more}
+
+
+def lines_reached(built, source):
+    """Lines (from 0) that gcov saw executed."""
+    data = built.with_suffix(built.suffix + "").parent / (built.name.removesuffix(".o") + ".gcda")
+    if not data.exists():
+        return []
+    out = subprocess.run(["gcov", "--stdout", "--json-format", str(data)], cwd=BUILD, check=True, capture_output=True).stdout
+    files = json.loads(out)["files"]
+    return [line["line_number"] - 1 for f in files if (ROOT / f["file"]).resolve() == source or f["file"] == str(source)
+            for line in f["lines"] if line["count"] > 0]
+
+
+# --- one mutant -------------------------------------------------------------------------------------------------------------
+
+
+def verdict(program, reached, mutant):
+    """Who notices: a test's name; None: nobody; "" : it does not compile."""
+    source = mutant["source"]
+    with tempfile.TemporaryDirectory(dir=BUILD) as work:
+        lines = source.read_text().split("\n")
+        lines[mutant["line"]] = mutant["text"]
+        changed = pathlib.Path(work) / source.name
+        changed.write_text("\n".join(lines))
+        command = [a if a != str(source) else str(changed) for a in program.commands[source] if a != "--coverage"]
+        command += ["-Werror=implicit-function-declaration", f"-I{source.parent}", "-o", f"{work}/mutant.o"]
+        if subprocess.run(command, cwd=BUILD, capture_output=True, check=False).returncode != 0:
+            return ""
+        program.link(pathlib.Path(work) / "libcore.so", {source: pathlib.Path(work) / "mutant.o"})
+        for name in reached.get((source, mutant["line"]), []):
+            limit = 2 + 10 * program.seconds[name]
+            try:
+                ended = subprocess.run([program.tests[name]], cwd=ROOT, timeout=limit, capture_output=True, check=False,
+                                       env=environment(work, GCOV_PREFIX=work))
+            except subprocess.TimeoutExpired:
+                return name
+            if ended.returncode != 0:
+                return name
+    return None
+
+
+def equivalents():
+    """What is known to change nothing: (file, line before, line after)."""
+    known, name = set(), None
+    for line in EQUIVALENT.read_text().splitlines() if EQUIVALENT.exists() else []:
+        if line.startswith("src/"):
+            name = line.strip()
+        elif line.startswith("  - "):
+            before = line[4:]
+        elif line.startswith("  + "):
+            known.add((name, before, line[4:]))
+    return known
+
+
+def judge(arguments):
+    sources = [s for room in arguments.rooms for s in sorted((ROOT / "src" / room).glob("*.c"))]
+    program = Program()
+    reached = program.measure(sources)
+    known = equivalents()
+    todo = [m for s in sources for m in mutants(s) if (str(s.relative_to(ROOT)), m["from"], m["to"]) not in known]
+    random.Random(arguments.seed).shuffle(todo)
+    end = time.monotonic() + arguments.seconds
+    counts = {room: [0, 0] for room in arguments.rooms}
+
+    def one(mutant):
+        return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end else (mutant, "")
+
+    survivors = []
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for mutant, noticed in pool.map(one, todo):
+            if noticed == "":
+                continue
+            room = mutant["source"].relative_to(ROOT / "src").parts[0]
+            counts[room][0] += 1
+            counts[room][1] += noticed is not None
+            if noticed is None:
+                survivors.append(mutant)
+    return counts, survivors, len(todo)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seconds", type=float, default=600)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"])
+    counts, survivors, possible = judge(parser.parse_args())
+    for mutant in sorted(survivors, key=lambda m: (m["source"], m["line"])):
+        print(f"{mutant['source'].relative_to(ROOT)}:{mutant['line'] + 1}\n  - {mutant['from']}\n  + {mutant['to']}")
+    tried = sum(c[0] for c in counts.values())
+    for room, (made, noticed) in counts.items():
+        print(f"{room:6} {noticed} of {made} noticed" + (f", {100 * noticed / made:.1f} %" if made else ""))
+    print(f"in all {tried} of {possible} possible mutants tried, {len(survivors)} survived")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
