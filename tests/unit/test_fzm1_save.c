@@ -407,6 +407,30 @@ static void other_layout(void **state)
     expect_text("data1", "5");
 }
 
+/* Numbers that are none, or beyond the limits, in a record: the scene is as from the factory, its neighbour as saved.
+ */
+static void no_numbers(void **state)
+{
+    static const uint64_t bits[] = {0x7FF8000000000000, 0xFFF8000000000000, 0x7FF0000000000000, 0xFFF0000000000000,
+                                    0x41CDCD6500000000 /* 1e9 */};
+    (void)state;
+    signal_set(&s.w, "data1", "1");
+    signal_set(&s.w, "scene", "1");
+    signal_set(&s.w, "data1", "2");
+    assert_true(save());
+    unsigned int bank = ect_load_le32(memory.bank[0]) == 0x314D5A46 ? 0 : 1;
+    uint8_t *first = memory.bank[bank] + ECT_RECORD_HEADER + 14 + 4; /* system data, the entry's header */
+    assert_int_equal(ect_load_le64(first), 0x3FF0000000000000);
+    for (size_t i = 0; i < sizeof bits / sizeof bits[0]; i++) {
+        ect_store_le64(first, bits[i]);
+        seal(bank);
+        power_cycle();
+        expect_text("data1", "2");
+        signal_set(&s.w, "scene", "0");
+        expect_text("data1", "0");
+    }
+}
+
 /* Cut short with a check value that is right: what is there is used. */
 static void cut_short(void **state)
 {
@@ -545,6 +569,7 @@ int main(int argc, char **argv)
              unreadable_at_power_on),
         TEST("FZM-056: a record with nonsense in it breaks nothing", nonsense),
         TEST("FZM-056: a record of another layout is not used, and is replaced", other_layout),
+        TEST("FZM-034 FZM-056: a record with values that are no numbers", no_numbers),
         TEST("FZM-056: a record that is cut short breaks nothing", cut_short),
         TEST("FZM-056: a memory without room: -1 and the cause", no_room),
         TEST("FZM-056: a disk with a cache: the power may be cut at any step of a Save, and what is acknowledged is "

@@ -73,7 +73,10 @@ enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16, FZM1_TABLE = 256 };
 
 enum { FZM1_SHORTEST_US = 100, FZM1_MINUTE_US = 60000000 };
 
-/** Scenes of a scene group, and scenes that can be prepared; a firmware that needs fewer may define it so. */
+/**
+ * Scenes of a scene group (1..128), and scenes that can be prepared (1 or more). A scene takes some 620 bytes, each of
+ * a group twice: a firmware that needs fewer defines it so.
+ */
 #ifndef FZM1_SCENES
 #define FZM1_SCENES 128
 #endif
