@@ -208,7 +208,7 @@ typedef struct cf_section {
 #define CF_SECTION(symbol, its_letter, its_title, its_cases)                                                           \
     const cf_section_t symbol = {its_letter, its_title, its_cases, sizeof(its_cases) / sizeof((its_cases)[0])}
 
-/* --- verdicts ---------------------------------------------------------------------------------------------------- */
+/* --- verdicts ----------------------------------------------------------------------------------------------------- */
 
 #define CF_PRINTF(text, first) __attribute__((format(printf, text, first)))
 

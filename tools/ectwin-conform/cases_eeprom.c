@@ -35,8 +35,7 @@ static void checksum(cf_t *c)
     cf_expect_bits(c, "EEPROM status: check sum error", BAD_CHECK, 0, cf_get16(c, ECT_REG_SII_CONTROL));
 }
 
-/* --- the interface
- * ---------------------------------------------------------------------------------------------------- */
+/* --- the interface ------------------------------------------------------------------------------------------------ */
 
 /* Control and address in one write. @return the status when it is done */
 static uint16_t command(cf_t *c, uint16_t control, uint16_t address)
@@ -128,8 +127,7 @@ static void writing(cf_t *c)
     enabled_write(c);
 }
 
-/* --- is it true?
- * -------------------------------------------------------------------------------------------------------- */
+/* --- is it true? -------------------------------------------------------------------------------------------------- */
 
 static void identity(cf_t *c)
 {
@@ -204,8 +202,7 @@ static void size(cf_t *c)
         cf_warn(c, "word 0x3E says %u bytes, the chip addresses its EEPROM with one byte: up to 2048", f->eeprom_bytes);
 }
 
-/* --- is it consistent?
- * ---------------------------------------------------------------------------------------------------- */
+/* --- is it consistent? -------------------------------------------------------------------------------------------- */
 
 static void check_sm(cf_t *c, unsigned int n, const uint8_t *entry)
 {

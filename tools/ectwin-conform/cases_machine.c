@@ -111,8 +111,7 @@ static void unknown(cf_t *c)
     cf_expect_refused(c, CF_BOOT, CF_INIT, NO_BOOT);
 }
 
-/* --- wrong SyncManagers
- * ------------------------------------------------------------------------------------------------ */
+/* --- wrong SyncManagers ------------------------------------------------------------------------------------------- */
 
 /* One way to get a SyncManager wrong. */
 typedef struct defect {
@@ -203,8 +202,7 @@ static void wrong_process_data(cf_t *c)
     cf_go(c, CF_SAFEOP);
 }
 
-/* --- errors
- * ------------------------------------------------------------------------------------------------------------- */
+/* --- errors ------------------------------------------------------------------------------------------------------- */
 
 static void error_in_preop(cf_t *c)
 {
@@ -272,8 +270,7 @@ static void repeated(cf_t *c)
     cf_expect_state(c, CF_OP, CF_OP);
 }
 
-/* --- watchdog
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- watchdog ----------------------------------------------------------------------------------------------------- */
 
 static unsigned int watched_sm(cf_t *c)
 {
@@ -325,8 +322,7 @@ static void long_absence(cf_t *c)
     cf_note(c, "counted through instead of waiting for an hour");
 }
 
-/* --- synchronisation
- * ------------------------------------------------------------------------------------------------------ */
+/* --- synchronisation ---------------------------------------------------------------------------------------------- */
 
 /* The first mode of the SII with SYNC0. @return AssignActivate; *cycle_ns */
 static uint16_t dc_mode(cf_t *c, uint32_t *cycle_ns)
@@ -418,8 +414,7 @@ static void emulation(cf_t *c)
     }
 }
 
-/* --- identification, process data
- * ------------------------------------------------------------------------------------------ */
+/* --- identification, process data --------------------------------------------------------------------------------- */
 
 static bool wait_ident(cf_t *c, bool set)
 {

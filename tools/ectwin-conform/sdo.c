@@ -86,7 +86,7 @@ static void check_object(cf_t *c, const cf_mail_t *mail, uint16_t index, uint8_t
     cf_expect(c, "sub-index of the reply", sub, mail->data[SUB]);
 }
 
-/* --- upload ------------------------------------------------------------------------------------------------------ */
+/* --- upload ------------------------------------------------------------------------------------------------------- */
 
 typedef struct transfer {
     uint16_t index;
@@ -162,7 +162,7 @@ uint32_t cf_upload(cf_t *c, uint16_t index, uint8_t sub, bool complete, void *da
     return code;
 }
 
-/* --- download ---------------------------------------------------------------------------------------------------- */
+/* --- download ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t download_segments(cf_t *c, const transfer_t *t, size_t done)
 {

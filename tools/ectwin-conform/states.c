@@ -23,7 +23,7 @@ const char *cf_state_name(uint16_t al_status)
     return names[(al_status & ECT_AL_ERROR) != 0][al_status & ECT_AL_STATE_MASK];
 }
 
-/* --- configuration ----------------------------------------------------------------------------------------------- */
+/* --- configuration ------------------------------------------------------------------------------------------------ */
 
 void cf_set_sm(cf_t *c, unsigned int n, uint16_t start, uint16_t length, uint8_t control)
 {
@@ -125,7 +125,7 @@ unsigned int cf_spare_sm(cf_t *c)
     cf_skip(c, "the slave's software holds all %u SyncManagers disabled in INIT", c->facts.sms);
 }
 
-/* --- process data ------------------------------------------------------------------------------------------------ */
+/* --- process data ------------------------------------------------------------------------------------------------- */
 
 uint16_t cf_cycle_wkc(const cf_t *c)
 {
@@ -154,7 +154,7 @@ uint16_t cf_cycle(cf_t *c, const uint8_t *outputs, uint8_t *inputs)
     return (uint16_t)(d[0].wkc + d[1].wkc);
 }
 
-/* --- requests ---------------------------------------------------------------------------------------------------- */
+/* --- requests ----------------------------------------------------------------------------------------------------- */
 
 static uint16_t al_status(cf_t *c, uint16_t *code)
 {
@@ -288,7 +288,7 @@ void cf_expect_state(cf_t *c, uint16_t al_control, uint8_t state)
                    cf_state_name(state), cf_state_name(got), got_code);
 }
 
-/* --- ordinary ways ----------------------------------------------------------------------------------------------- */
+/* --- ordinary ways ------------------------------------------------------------------------------------------------ */
 
 static void step_to(cf_t *c, uint8_t state)
 {

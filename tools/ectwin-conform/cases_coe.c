@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: MIT */
+/* G. CoE, part one: objects, transfers, aborts, Complete Access. */
+#include "coe_walk.h"
+
+#include <string.h>
+
+enum { PLENTY = 65536 };
+enum {
+    TOGGLE_ERROR = 0x05030000,
+    UNKNOWN_COMMAND = 0x05040001,
+    WRITE_ONLY = 0x06010001,
+    READ_ONLY = 0x06010002,
+    NO_OBJECT = 0x06020000,
+    TYPE_LENGTH = 0x06070010,
+    TOO_LONG = 0x06070012,
+    TOO_SHORT = 0x06070013,
+    NO_SUBINDEX = 0x06090011,
+};
+
+/* One upload at a time; too large for a stack. */
+static uint8_t value[PLENTY];
+
+/* --- objects ------------------------------------------------------------------------------------------------------ */
+
+static void must_exist(cf_t *c, uint16_t index, uint8_t sub)
+{
+    uint32_t code;
+    if (!cf_object_exists(c, index, sub, &code))
+        cf_fail(c, "%04Xh:%02X: expected to exist, got abort 0x%08X", index, sub, code);
+}
+
+/* Whether the SII names a clock mode, which 1C32h and 1C33h have to describe. */
+static bool claims_sync(const cf_t *c)
+{
+    size_t length;
+    const uint8_t *data = cf_sii_category(c, 60, &length);
+    for (size_t at = 0; data && at + 24 <= length; at += 24) {
+        if (ect_load_le16(data + at + 14) != 0)
+            return true;
+    }
+    return false;
+}
+
+static void mandatory(cf_t *c)
+{
+    static const uint16_t names[] = {0x1008, 0x1009, 0x100A};
+    uint32_t code;
+    cf_go(c, CF_PREOP);
+    must_exist(c, 0x1000, 0);
+    cf_expect_range(c, "entries of 1018h", 4, 4, cf_upload_number(c, 0x1018, 0));
+    for (uint8_t sub = 1; sub <= 4; sub++)
+        must_exist(c, 0x1018, sub);
+    uint64_t sms = cf_upload_number(c, 0x1C00, 0);
+    cf_expect_range(c, "entries of 1C00h", c->facts.sm_count, c->facts.sms, sms);
+    for (uint8_t n = 0; n < c->facts.sm_count; n++) {
+        cf_expect(c, "type of a SyncManager in 1C00h", c->facts.sm[n].type,
+                  cf_upload_number(c, 0x1C00, (uint8_t)(n + 1)));
+        if (c->facts.sm[n].type >= 3 && c->facts.sm[n].length > 0)
+            must_exist(c, (uint16_t)(0x1C10 + n), 1);
+    }
+    if (claims_sync(c)) {
+        must_exist(c, 0x1C32, 1);
+        must_exist(c, 0x1C33, 1);
+    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (!cf_object_exists(c, names[i], 0, &code))
+            cf_warn(c, "%04Xh: usual, got abort 0x%08X", names[i], code);
+    }
+}
+
+static void check_count(cf_t *c, const coe_object_t *o)
+{
+    uint64_t count = 0;
+    if (o->code != COE_VAR) {
+        size_t size = sizeof value;
+        uint32_t code = cf_upload(c, o->index, 0, false, value, &size);
+        cf_expect_that(c, code == 0 && size == 1, "%04Xh:00: expected one byte, got %zu, abort 0x%08X", o->index, size,
+                       code);
+        count = value[0];
+        cf_expect_that(c, count <= o->most, "%04Xh:00: expected at most %u as its description says, got %u", o->index,
+                       o->most, (unsigned int)count);
+    }
+    if (o->most == 0xFF)
+        return;
+    size_t size = sizeof value;
+    uint32_t code = cf_upload(c, o->index, (uint8_t)(o->most + 1), false, value, &size);
+    cf_expect_that(c, code == NO_SUBINDEX, "%04Xh:%02X, behind the last: expected abort 0x06090011, got 0x%08X",
+                   o->index, o->most + 1u, code);
+}
+
+static void counts(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    unsigned int objects = coe_walk(c, check_count);
+    cf_note(c, "%u objects", objects);
+}
+
+/* --- transfers ---------------------------------------------------------------------------------------------------- */
+
+static unsigned int entries_seen;
+
+static void check_size(cf_t *c, const coe_object_t *o)
+{
+    for (unsigned int sub = 0; sub <= o->most && entries_seen < COE_ENTRIES_MOST; sub++) {
+        coe_entry_t e;
+        size_t size = sizeof value;
+        if (!coe_entry(c, o, (uint8_t)sub, &e) || (e.access & COE_READ_PREOP) == 0)
+            continue;
+        uint32_t code = cf_upload(c, o->index, (uint8_t)sub, false, value, &size);
+        entries_seen++;
+        if (code != 0)
+            continue; /* may be momentary; whether it is there at all is another case */
+        bool text = e.type >= COE_VISIBLE_STRING && e.type <= COE_UNICODE_STRING;
+        size_t bytes = (e.bits + 7u) / 8;
+        cf_expect_that(c, size == bytes || (text && size <= bytes) || e.bits == 0,
+                       "upload of %04Xh:%02X: expected %zu bytes as its description says, got %zu", o->index, sub,
+                       bytes, size);
+    }
+}
+
+/* The size bits of a reply, looked at byte by byte. */
+static void check_expedited(cf_t *c)
+{
+    cf_mail_t mail;
+    cf_step(c, "4 bytes, and 1 byte, expedited");
+    cf_send_sdo(c, 0x40, 0x1000, 0, 0);
+    cf_receive_coe(c, &mail);
+    cf_expect_that(c, mail.data[2] == 0x43 || (mail.data[2] == 0x41 && ect_load_le32(mail.data + 6) == 4),
+                   "command of an upload of 4 bytes: expected 0x43, got 0x%02X", mail.data[2]);
+    cf_send_sdo(c, 0x40, 0x1018, 0, 0);
+    cf_receive_coe(c, &mail);
+    cf_expect_that(c, mail.data[2] == 0x4F || (mail.data[2] == 0x41 && ect_load_le32(mail.data + 6) == 1),
+                   "command of an upload of 1 byte: expected 0x4F, got 0x%02X", mail.data[2]);
+}
+
+static void uploads(cf_t *c)
+{
+    entries_seen = 0;
+    cf_go(c, CF_PREOP);
+    check_expedited(c);
+    (void)coe_walk(c, check_size);
+    cf_note(c, "%u entries", entries_seen);
+}
+
+/* A writable number, or a write-only entry. */
+typedef struct found {
+    uint16_t index;
+    uint8_t sub;
+    size_t bytes;
+} found_t;
+static found_t writable, write_only;
+
+static void find_entries(cf_t *c, const coe_object_t *o)
+{
+    const uint16_t commands[] = {0x1010, 0x1011, 0x10F3};
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        if (o->index == commands[i])
+            return; /* these act */
+    }
+    for (unsigned int sub = 0; sub <= o->most && (writable.index == 0 || write_only.index == 0); sub++) {
+        coe_entry_t e;
+        if (!coe_entry(c, o, (uint8_t)sub, &e) || (e.access & COE_WRITE_PREOP) == 0)
+            continue;
+        const found_t f = {o->index, (uint8_t)sub, (e.bits + 7u) / 8};
+        bool number = e.type >= 2 && e.type <= 7 && f.bytes >= 2 && f.bytes <= 4 && e.bits % 8 == 0;
+        bool mapping = (o->index >= 0x1600 && o->index < 0x1C40) || (sub == 0 && o->code != COE_VAR);
+        if ((e.access & COE_READ_PREOP) == 0 && write_only.index == 0)
+            write_only = f;
+        else if (number && !mapping && writable.index == 0)
+            writable = f;
+    }
+}
+
+static void wrong_length(cf_t *c, size_t length)
+{
+    uint8_t old[8] = {0};
+    size_t size = sizeof old;
+    (void)cf_upload(c, writable.index, writable.sub, false, old, &size);
+    cf_step(c, "%zu bytes into %04Xh:%02X of %zu", length, writable.index, writable.sub, writable.bytes);
+    uint32_t code = cf_change(c, writable.index, writable.sub, old, length);
+    cf_expect_that(c, code == TYPE_LENGTH || code == TOO_LONG || code == TOO_SHORT,
+                   "download of %zu bytes into %04Xh:%02X of %zu: expected abort 0x06070010, 12 or 13, got 0x%08X",
+                   length, writable.index, writable.sub, writable.bytes, code);
+}
+
+static uint32_t try_upload(cf_t *c, uint16_t index, uint8_t sub)
+{
+    size_t size = sizeof value;
+    return cf_upload(c, index, sub, false, value, &size);
+}
+
+static uint16_t missing_index(cf_t *c)
+{
+    static const uint16_t candidates[] = {0x0FFF, 0x6FFF, 0x5FFE, 0x3ABC};
+    for (size_t i = 0; i < sizeof candidates / sizeof candidates[0]; i++) {
+        if (try_upload(c, candidates[i], 0) != 0)
+            return candidates[i];
+    }
+    cf_skip(c, "every index that was tried exists");
+}
+
+static void refusals(cf_t *c)
+{
+    uint8_t data[8] = {1, 2, 3, 4};
+    writable = write_only = (found_t){0};
+    cf_go(c, CF_PREOP);
+    uint16_t none = missing_index(c);
+    cf_expect(c, "abort of an upload of an index that does not exist", NO_OBJECT, try_upload(c, none, 0));
+    cf_expect(c, "abort of a download to it", NO_OBJECT, cf_download(c, none, 0, false, data, 4));
+    cf_expect(c, "abort of an upload of 1018h:05", NO_SUBINDEX, try_upload(c, 0x1018, 5));
+    cf_expect(c, "abort of a download to 1018h:05", NO_SUBINDEX, cf_download(c, 0x1018, 5, false, data, 4));
+    cf_expect(c, "abort of a download to 1000h, which is read-only", READ_ONLY,
+              cf_download(c, 0x1000, 0, false, data, 4));
+    cf_expect(c, "abort of a download to 1018h:01", READ_ONLY, cf_download(c, 0x1018, 1, false, data, 4));
+    if ((c->facts.has & CF_SDO_INFO) != 0)
+        (void)coe_walk(c, find_entries);
+    if (write_only.index != 0)
+        cf_expect(c, "abort of an upload of what is write-only", WRITE_ONLY,
+                  try_upload(c, write_only.index, write_only.sub));
+    if (writable.index == 0) {
+        cf_note(c, "without wrong lengths: no writable number was found");
+        return;
+    }
+    wrong_length(c, writable.bytes + 4);
+    wrong_length(c, writable.bytes - 1);
+}
+
+static void aborts(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    uint16_t none = missing_index(c);
+    cf_send_sdo(c, 0x40, none, 3, 0);
+    cf_expect_abort(c, none, 3, NO_OBJECT);
+    cf_send_sdo(c, 0x40, 0x1018, 0x55, 0);
+    cf_expect_abort(c, 0x1018, 0x55, NO_SUBINDEX);
+    cf_send_sdo(c, 0x23, 0x1000, 0, 0);
+    cf_expect_abort(c, 0x1000, 0, READ_ONLY);
+}
+
+/* --- the protocol of transfers ------------------------------------------------------------------------------------ */
+
+static found_t longest;
+
+static void find_longest(cf_t *c, const coe_object_t *o)
+{
+    for (unsigned int sub = 0; sub <= o->most; sub++) {
+        coe_entry_t e;
+        if (coe_entry(c, o, (uint8_t)sub, &e) && (e.access & COE_READ_PREOP) != 0 && (e.bits + 7u) / 8 > longest.bytes)
+            longest = (found_t){o->index, (uint8_t)sub, (e.bits + 7u) / 8};
+    }
+}
+
+static void good_upload(cf_t *c)
+{
+    cf_expect(c, "the next transfer, 1018h:01", c->facts.vendor, cf_upload_number(c, 0x1018, 1));
+}
+
+/* An upload in segments, begun. @return false: nothing is that long */
+static bool begin_segments(cf_t *c)
+{
+    cf_mail_t mail;
+    cf_send_sdo(c, 0x40, longest.index, longest.sub, 0);
+    cf_receive_coe(c, &mail);
+    return (mail.data[2] & 0xE3) == 0x41 && mail.length - 10u < ect_load_le32(mail.data + 6);
+}
+
+static void toggles(cf_t *c)
+{
+    cf_mail_t mail;
+    longest = (found_t){0};
+    if ((c->facts.has & CF_SDO_INFO) != 0)
+        (void)coe_walk(c, find_longest);
+    if (longest.bytes + 16 <= c->mailbox.in_size || !begin_segments(c)) {
+        cf_note(c, "without segments: no object is longer than the mailbox");
+        return;
+    }
+    cf_step(c, "the first segment asked for with the toggle of the second");
+    cf_send_sdo(c, 0x70, 0, 0, 0);
+    cf_receive_coe(c, &mail);
+    cf_expect(c, "SDO command after a wrong toggle", 0x80, mail.data[2]);
+    cf_expect(c, "abort code after a wrong toggle", TOGGLE_ERROR, ect_load_le32(mail.data + 6));
+    cf_step(c, "the master aborts in the middle");
+    cf_expect_that(c, begin_segments(c), "upload of %04Xh:%02X: expected in segments, got at once", longest.index,
+                   longest.sub);
+    cf_send_sdo(c, 0x80, longest.index, longest.sub, 0x08000000);
+    good_upload(c);
+}
+
+static void protocol(cf_t *c)
+{
+    uint8_t data[8] = {0x40, 0x18, 0x10, 1};
+    cf_mail_t mail;
+    cf_go(c, CF_PREOP);
+    cf_step(c, "an SDO command that does not exist");
+    cf_send_sdo(c, 0xE0, 0x1018, 1, 0);
+    cf_expect_abort(c, 0x1018, 1, UNKNOWN_COMMAND);
+    good_upload(c);
+    cf_step(c, "a segment of a transfer that was not begun");
+    cf_send_sdo(c, 0x60, 0, 0, 0);
+    cf_receive_coe(c, &mail);
+    cf_expect(c, "SDO command after a segment out of the blue", 0x80, mail.data[2]);
+    good_upload(c);
+    cf_step(c, "a CoE service that does not exist");
+    cf_send_coe(c, 15, data, sizeof data);
+    if (cf_receive_mail(c, &mail, 200))
+        cf_expect_that(c, mail.type == CF_MBX_ERROR || mail.data[2] == 0x80,
+                       "a service that does not exist: expected an error, got mailbox type %u", mail.type);
+    good_upload(c);
+    toggles(c);
+}
+
+/* --- complete access ---------------------------------------------------------------------------------------------- */
+
+/* What Complete Access must give: sub-index 0 as 16 bits, then each entry. Bits are left to other tools. @return bytes,
+ * 0: not of whole bytes, or an entry that cannot be read alone */
+static size_t put_together(cf_t *c, const coe_object_t *o, uint8_t *all)
+{
+    size_t used = 2;
+    uint8_t count = (uint8_t)cf_upload_number(c, o->index, 0);
+    ect_store_le16(all, count);
+    for (unsigned int sub = 1; sub <= count; sub++) {
+        coe_entry_t e;
+        size_t size = 256;
+        if (!coe_entry(c, o, (uint8_t)sub, &e))
+            continue;
+        if (e.bits % 8 != 0 || used + size > PLENTY ||
+            cf_upload(c, o->index, (uint8_t)sub, false, all + used, &size) != 0 || size != e.bits / 8)
+            return 0;
+        used += size;
+    }
+    return used;
+}
+
+static unsigned int compared;
+static uint8_t before[PLENTY], after[PLENTY];
+
+/* Bytes that were the same before and after; inputs and counters may have changed meanwhile. */
+static void compare(cf_t *c, const coe_object_t *o, const uint8_t *got, size_t first, size_t bytes)
+{
+    for (size_t i = first; i < bytes; i++) {
+        if (before[i] == after[i] && got[i - first] != before[i])
+            cf_fail(c, "complete upload of %04Xh: byte %zu: expected 0x%02X as entry by entry, got 0x%02X", o->index,
+                    i - first, before[i], got[i - first]);
+    }
+}
+
+static void check_complete(cf_t *c, const coe_object_t *o)
+{
+    static uint8_t from_1[PLENTY];
+    if (o->code == COE_VAR || o->index < 0x1018 || compared >= COE_OBJECTS_MOST / 8)
+        return;
+    if (o->index == 0x10F3 || o->index == 0x1C32 || o->index == 0x1C33)
+        return; /* gaps, and messages that come meanwhile */
+    size_t bytes = put_together(c, o, before), size = sizeof value, size_1 = sizeof from_1;
+    if (bytes == 0)
+        return;
+    uint32_t code = cf_upload(c, o->index, 0, true, value, &size);
+    uint32_t code_1 = cf_upload(c, o->index, 1, true, from_1, &size_1);
+    cf_expect_that(c, code == 0 && size == bytes, "complete upload of %04Xh: expected %zu bytes, got %zu, abort 0x%08X",
+                   o->index, bytes, size, code);
+    cf_expect_that(c, code_1 == 0 && size_1 == bytes - 2,
+                   "complete upload of %04Xh from sub-index 1: expected %zu bytes, got %zu, abort 0x%08X", o->index,
+                   bytes - 2, size_1, code_1);
+    if (put_together(c, o, after) != bytes)
+        return;
+    compare(c, o, value, 0, bytes);
+    compare(c, o, from_1, 2, bytes);
+    compared++;
+}
+
+static void complete(cf_t *c)
+{
+    uint8_t data[64] = {0};
+    size_t size = sizeof value;
+    compared = 0;
+    cf_go(c, CF_PREOP);
+    (void)coe_walk(c, check_complete);
+    cf_step(c, "from sub-index 2, of a read-only object, of one that does not exist");
+    uint32_t code = cf_upload(c, 0x1018, 2, true, value, &size);
+    cf_expect_that(c, code != 0, "complete upload from sub-index 2: expected an abort, got %zu bytes", size);
+    code = cf_download(c, 0x1018, 0, true, data, 18);
+    cf_expect_that(c, code != 0, "complete download to 1018h, read-only: expected an abort, got an answer");
+    size = sizeof value;
+    cf_expect(c, "abort of a complete upload of an index that does not exist", NO_OBJECT,
+              cf_upload(c, missing_index(c), 0, true, value, &size));
+    cf_note(c, "%u objects", compared);
+}
+
+static const cf_case_t cases[] = {
+    {"CF-067", "The mandatory objects are there", 'F', CF_COE, 0, mandatory},
+    {"CF-068", "Sub-index 0 counts the entries; behind the last is abort 0x06090011", 'F', CF_COE, 60000, counts},
+    {"CF-069", "Uploads have the sizes of their descriptions, expedited, normal and in segments", 'F',
+     CF_COE | CF_SDO_INFO, 60000, uploads},
+    {"CF-070", "Wrong lengths, rights, indices and sub-indices are refused with their codes", 'F', CF_COE, 60000,
+     refusals},
+    {"CF-071", "An abort is command 0x80 in service 2 with index, sub-index and code", 'R', CF_COE, 0, aborts},
+    {"CF-072", "Wrong toggles, commands and services are refused, and the next transfer works", 'R', CF_COE, 60000,
+     protocol},
+    {"CF-073", "Complete Access gives what the entries give one by one", 'F', CF_COE | CF_COMPLETE, 60000, complete},
+};
+
+CF_SECTION(cf_coe, 'G', "CoE: objects and transfers", cases);

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+#include "coe_walk.h"
+
+enum { DESCRIBE_OBJECT = 3, DESCRIBE_ENTRY = 5, OBJECT_BYTES = 6, ENTRY_BYTES = 10, ANSWER = 512, ACCESS_INFO = 7 };
+
+static bool describe(cf_t *c, uint16_t index, coe_object_t *object)
+{
+    uint8_t request[2], answer[ANSWER];
+    uint32_t code;
+    ect_store_le16(request, index);
+    int bytes = cf_info(c, DESCRIBE_OBJECT, request, sizeof request, answer, sizeof answer, &code);
+    if (bytes < 0)
+        cf_fail(c, "%04Xh of the list of objects: expected a description, got info error 0x%08X", index, code);
+    cf_expect_that(c, bytes >= OBJECT_BYTES, "description of %04Xh: expected at least 6 bytes, got %d", index, bytes);
+    cf_expect(c, "index of an object description", index, ect_load_le16(answer));
+    *object = (coe_object_t){.index = index, .type = ect_load_le16(answer + 2), .most = answer[4], .code = answer[5]};
+    return true;
+}
+
+bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *entry)
+{
+    uint8_t request[4] = {0}, answer[ANSWER];
+    uint32_t code;
+    if ((c->facts.has & CF_SDO_INFO) == 0)
+        return false;
+    ect_store_le16(request, object->index);
+    request[2] = sub;
+    request[3] = ACCESS_INFO;
+    int bytes = cf_info(c, DESCRIBE_ENTRY, request, sizeof request, answer, sizeof answer, &code);
+    if (bytes < 0)
+        return false;
+    cf_expect_that(c, bytes >= ENTRY_BYTES, "description of %04Xh:%02X: expected at least 10 bytes, got %d",
+                   object->index, sub, bytes);
+    cf_expect(c, "index of an entry description", object->index, ect_load_le16(answer));
+    cf_expect(c, "sub-index of an entry description", sub, answer[2]);
+    *entry = (coe_entry_t){
+        .type = ect_load_le16(answer + 4), .bits = ect_load_le16(answer + 6), .access = ect_load_le16(answer + 8)};
+    return true;
+}
+
+/* Without descriptions: what every slave with CoE has. */
+static unsigned int walk_usual(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object))
+{
+    static const coe_object_t usual[] = {{0x1000, 7, 0, COE_VAR}, {0x1018, 0x23, 4, COE_RECORD}};
+    for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++)
+        visit(c, &usual[i]);
+    return sizeof usual / sizeof usual[0];
+}
+
+unsigned int coe_walk(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object))
+{
+    static uint16_t indices[COE_OBJECTS_MOST];
+    if ((c->facts.has & CF_SDO_INFO) == 0)
+        return walk_usual(c, visit);
+    size_t count = cf_object_list(c, 1, indices, COE_OBJECTS_MOST);
+    for (size_t i = 0; i < count; i++) {
+        coe_object_t object;
+        if (describe(c, indices[i], &object))
+            visit(c, &object);
+    }
+    return (unsigned int)count;
+}
