@@ -2,7 +2,7 @@
 /* Beyond the checklist, on request: much at once, nonsense, and how long things take. All random, all seeded. */
 #include <string.h>
 
-#include "case.h"
+#include "beyond.h"
 
 enum { CONSTANTS_MOST = 8, CONSTANT_BYTES = 128, LIMIT_MS = 3600000 };
 
@@ -221,36 +221,46 @@ static uint64_t start_up(cf_t *c)
     return vendor;
 }
 
-static void fuzz(cf_t *c)
+static void throw_one(cf_t *c)
 {
-    unsigned long thrown = 0, rounds = 0;
-    const uint64_t vendor = start_up(c);
-    for (uint64_t end = end_ns(c); cf_now_ns() < end; rounds++) {
-        cf_step(c, "round %lu", rounds + 1);
-        for (int i = 0; i < ROUND; i++, thrown++) {
-            switch (cf_random(c, 8)) {
-            case 0:
-                random_datagrams(c);
-                break;
-            case 1:
-                random_frame(c);
-                break;
-            case 2:
-                random_request(c);
-                break;
-            default:
-                if ((c->facts.has & CF_MAILBOX) != 0)
-                    random_mail(c);
-                if (cf_random(c, 4) == 0 && (c->facts.has & CF_MAILBOX) != 0) {
-                    uint8_t mail[CF_MAX_MAIL];
-                    (void)cf_read(c, c->mailbox.in_start, mail, c->mailbox.in_size);
-                }
-                break;
-            }
-        }
+    uint8_t mail[CF_MAX_MAIL];
+    bool mailbox = (c->facts.has & CF_MAILBOX) != 0;
+    switch (cf_random(c, 8)) {
+    case 0:
+        random_datagrams(c);
+        break;
+    case 1:
+        random_frame(c);
+        break;
+    case 2:
+        random_request(c);
+        break;
+    default:
+        if (mailbox)
+            random_mail(c);
+        if (mailbox && cf_random(c, 4) == 0)
+            (void)cf_read(c, c->mailbox.in_start, mail, c->mailbox.in_size);
+        break;
+    }
+}
+
+unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds)
+{
+    const uint64_t vendor = start_up(c), end = end_ns(c);
+    unsigned long thrown = 0;
+    for (unsigned int round = 1; rounds != 0 ? round <= rounds : cf_now_ns() < end; round++) {
+        cf_step(c, "round %u", round);
+        for (int i = 0; i < ROUND; i++, thrown++)
+            throw_one(c);
         cf_expect(c, "vendor id, 1018h:01", vendor, start_up(c));
     }
-    cf_note(c, "%lu mails, frames and requests in %lu rounds, a good start-up after each", thrown, rounds);
+    return thrown;
+}
+
+static void fuzz(cf_t *c)
+{
+    unsigned long thrown = cf_fuzz_rounds(c, 0);
+    cf_note(c, "%lu mails, frames and requests, a good start-up after each %d", thrown, (int)ROUND);
 }
 
 /* --- timing ---------------------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <net/if.h>
 #include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -15,6 +16,7 @@
 #include "wire/bytes.h"
 
 enum { ETHERNET = 14, DATAGRAM_HEADER = 10, WKC = 2, TYPE_DATAGRAMS = 0x1000, MORE = 0x8000 };
+enum { SOEM_IMAGE = 65536, SOEM_STATE_US = 5000000, SOEM_CYCLES = 5000, SOEM_CYCLE_US = 500 };
 
 volatile sig_atomic_t cf_interrupted;
 
@@ -30,6 +32,7 @@ struct cf_port {
     ec_idxstackT index_stack;
     boolean error;
     int64 dc_time;
+    uint8 image[SOEM_IMAGE];
     ec_SMcommtypet sm_types[EC_MAX_MAPT];
     ec_PDOassignt assignments[EC_MAX_MAPT];
     ec_PDOdesct descriptions[EC_MAX_MAPT];
@@ -64,7 +67,7 @@ void cf_port_close(cf_port_t *port)
     free(port);
 }
 
-struct ecx_context *cf_port_soem(cf_port_t *p)
+static ecx_contextt *soem_context(cf_port_t *p)
 {
     p->context = (ecx_contextt){
         .port = &p->port,
@@ -209,4 +212,50 @@ ssize_t cf_port_raw(cf_port_t *holder, const void *frame, size_t length, uint8_t
             memcpy(reply, got, (size_t)size < room ? (size_t)size : room);
     }
     return -1;
+}
+
+/* --- SOEM by itself -------------------------------------------------------------------------------------------------
+ */
+
+static bool soem_reached(ecx_contextt *soem, uint16_t slave, uint16_t state, char *what, size_t room)
+{
+    if (ecx_statecheck(soem, slave, state, SOEM_STATE_US) == state)
+        return true;
+    ecx_readstate(soem);
+    snprintf(what, room, "expected state %u, got 0x%02X with code 0x%04X", state, soem->slavelist[slave].state,
+             soem->slavelist[slave].ALstatuscode);
+    return false;
+}
+
+static bool soem_operational(ecx_contextt *soem, uint16_t slave, char *what, size_t room)
+{
+    ecx_send_processdata(soem);
+    (void)ecx_receive_processdata(soem, EC_TIMEOUTRET);
+    soem->slavelist[slave].state = EC_STATE_OPERATIONAL;
+    ecx_writestate(soem, slave);
+    for (int i = 0; i < SOEM_CYCLES && cf_interrupted == 0; i++) {
+        ecx_send_processdata(soem);
+        (void)ecx_receive_processdata(soem, EC_TIMEOUTRET);
+        if (ecx_statecheck(soem, slave, EC_STATE_OPERATIONAL, SOEM_CYCLE_US) == EC_STATE_OPERATIONAL)
+            return true;
+    }
+    return soem_reached(soem, slave, EC_STATE_OPERATIONAL, what, room);
+}
+
+bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room)
+{
+    ecx_contextt *soem = soem_context(port);
+    int found = ecx_config_init(soem, FALSE);
+    if (found < slave) {
+        snprintf(what, room, "expected at least %u slaves, got %d", slave, found);
+        return false;
+    }
+    soem->slavelist[slave].state = EC_STATE_PRE_OP | EC_STATE_ACK;
+    ecx_writestate(soem, slave);
+    if (!soem_reached(soem, slave, EC_STATE_PRE_OP, what, room))
+        return false;
+    (void)ecx_config_map_group(soem, port->image, 0);
+    soem->slavelist[slave].state = EC_STATE_SAFE_OP | EC_STATE_ACK;
+    ecx_writestate(soem, slave);
+    return soem_reached(soem, slave, EC_STATE_SAFE_OP, what, room) && soem_operational(soem, slave, what, room);
 }

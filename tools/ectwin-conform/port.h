@@ -45,7 +45,11 @@ bool cf_port_exchange(cf_port_t *port, cf_datagram_t *d, size_t count, uint32_t 
  */
 ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *reply, size_t room,
                     uint32_t timeout_ms);
-/** SOEM's context over this port, for its own functions. */
-struct ecx_context *cf_port_soem(cf_port_t *port);
+/**
+ * SOEM's own way over this port: all slaves configured and mapped, process data, one of them to OP.
+ * @param slave     its number, from 1
+ * @param[out] what  on failure: how far it came
+ */
+bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room);
 
 #endif

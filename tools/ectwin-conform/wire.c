@@ -4,6 +4,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "beyond.h"
 #include "engine.h"
 
 /* A wire answers in microseconds; a machine under load may keep the process waiting for long. */
@@ -29,6 +30,18 @@ size_t cf_raw_frame(cf_t *c, const void *frame, size_t length, uint8_t *reply)
         cf_fail(c, "no answer: a plain datagram behind the frame did not come back within %d ms", (int)ANSWER_MS);
     }
     return (size_t)answered;
+}
+
+/* SOEM waits 2 ms for a frame; a machine under load takes longer now and then, so it has three goes. */
+bool cf_soem_to_op(cf_t *c, char *what, size_t room)
+{
+    for (int tries = 0; tries < 3; tries++) {
+        cf_check_time(c);
+        if (cf_port_soem_to_op(c->engine->port, (uint16_t)(c->facts.position + 1), what, room))
+            return true;
+    }
+    cf_check_time(c);
+    return false;
 }
 
 /* --- shorthands ----------------------------------------------------------------------------------------------------

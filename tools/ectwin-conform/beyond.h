@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/** @file Larger steps that more than one section takes. */
+#ifndef ECTWIN_CONFORM_BEYOND_H
+#define ECTWIN_CONFORM_BEYOND_H
+
+#include "case.h"
+
+/**
+ * Throws malformed mails, frames and requests at the slave, of which none orders what lasts; a standard start-up after
+ * each round must succeed. Rounds end early when the case's seconds are over and `rounds` is 0.
+ * @param rounds  0: for the seconds of --fuzz
+ * @return how much was thrown
+ */
+unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds);
+
+/**
+ * Lets SOEM, unmodified and on its own, configure all slaves and take the one under test to OP with process data.
+ * @param[out] what  on failure: how far it came
+ */
+bool cf_soem_to_op(cf_t *c, char *what, size_t room);
+
+#endif

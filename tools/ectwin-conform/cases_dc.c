@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT */
+/* I. Distributed clocks, as far as a master without a clock of its own can look at them. */
+#include <string.h>
+
+#include "case.h"
+
+enum { DELAY_NS = 50000000, CYCLE_NS = 1000000, SHORT_CYCLE_NS = 1000, ACTIVE_SYNC0 = 3, SII_DC = 60 };
+enum { SPEED_START = 0x1000 };
+
+static uint64_t system_time(cf_t *c)
+{
+    return cf_get64(c, ECT_REG_DC_SYSTEM_TIME);
+}
+
+/* --- times -------------------------------------------------------------------------------------------------------- */
+
+static uint32_t latch(cf_t *c, uint64_t *unit)
+{
+    cf_put32(c, ECT_REG_DC_RECEIVE_TIME, 0);
+    uint32_t port = cf_get32(c, ECT_REG_DC_RECEIVE_TIME);
+    *unit = cf_get64(c, ECT_REG_DC_RECEIVE_TIME_UNIT);
+    return port;
+}
+
+static void receive_times(cf_t *c)
+{
+    uint64_t first_unit, second_unit;
+    uint64_t begun = cf_now_ns();
+    uint32_t first = latch(c, &first_unit);
+    cf_expect(c, "receive time of port 0, read again", first, cf_get32(c, ECT_REG_DC_RECEIVE_TIME));
+    cf_sleep_ms(c, 5);
+    uint32_t second = latch(c, &second_unit);
+    uint64_t most = cf_now_ns() - begun + (cf_now_ns() - begun) / 10 + 1000000;
+    uint32_t passed = second - first;
+    cf_expect_that(c, passed >= 4500000 && passed <= most,
+                   "receive times of two writes 5 ms apart: expected 4.5 ms to %llu us between them, got %u us",
+                   (unsigned long long)(most / 1000), passed / 1000);
+    bool wide = (c->facts.features & 0x0008) != 0;
+    cf_expect_that(c, !wide || second_unit - first_unit == passed || second_unit - first_unit <= most,
+                   "receive times of the processing unit: expected as of port 0, %u us, got %llu us", passed / 1000,
+                   (unsigned long long)((second_unit - first_unit) / 1000));
+    cf_step(c, "a read does not latch");
+    (void)cf_get32(c, ECT_REG_DC_RECEIVE_TIME);
+    cf_expect(c, "receive time of port 0 after reads", second, cf_get32(c, ECT_REG_DC_RECEIVE_TIME));
+}
+
+static void compare(cf_t *c, int64_t ahead_ns, bool local_later)
+{
+    uint8_t received[4];
+    cf_put16(c, ECT_REG_DC_SPEED_START, SPEED_START); /* the filter begins anew */
+    ect_store_le32(received, (uint32_t)(system_time(c) + (uint64_t)ahead_ns));
+    cf_put(c, ECT_REG_DC_SYSTEM_TIME, received, sizeof received);
+    uint32_t difference = cf_get32(c, ECT_REG_DC_DIFFERENCE);
+    cf_put16(c, ECT_REG_DC_SPEED_START, SPEED_START);
+    cf_expect_bits(
+        c, local_later ? "sign of the difference (0x092C), the slave ahead" : "sign of the difference (0x092C), behind",
+        0x80000000u, local_later ? 0x80000000u : 0, difference);
+    cf_expect_range(c, "magnitude of the difference, ns", 1, 0x3FFFFFFF, difference & 0x7FFFFFFF);
+}
+
+static void offset_and_loop(cf_t *c)
+{
+    const uint64_t offset = UINT64_C(3000000000);
+    cf_put64(c, ECT_REG_DC_OFFSET, 0);
+    uint64_t before = system_time(c), begun = cf_now_ns();
+    cf_put64(c, ECT_REG_DC_OFFSET, offset);
+    uint64_t after = system_time(c), took = cf_now_ns() - begun;
+    cf_put64(c, ECT_REG_DC_OFFSET, 0);
+    uint64_t most = offset + took + took / 10 + 1000000;
+    cf_expect_that(c, after - before >= offset && after - before <= most,
+                   "system time after an offset of 3 s: expected 3 s later, got %llu us",
+                   (unsigned long long)((after - before) / 1000));
+    cf_step(c, "a reference that is half a second ahead, then behind");
+    compare(c, 500000000, false);
+    compare(c, -500000000, true);
+    cf_step(c, "FRMW of its own time: read, and not compared");
+    uint8_t time[4] = {0};
+    cf_expect_range(c, "WKC of FRMW of the system time: this slave, and others with clocks", 1, c->facts.slaves,
+                    cf_command(c, CF_FRMW, c->facts.station, ECT_REG_DC_SYSTEM_TIME, time, sizeof time));
+}
+
+/* --- SYNC0 -------------------------------------------------------------------------------------------------------- */
+
+static void start(cf_t *c, uint64_t start_ns, uint32_t cycle_ns)
+{
+    cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
+    cf_put32(c, ECT_REG_DC_SYNC0_CYCLE, cycle_ns);
+    cf_put64(c, ECT_REG_DC_START_TIME, start_ns);
+    cf_put8(c, ECT_REG_DC_ACTIVATION, ACTIVE_SYNC0);
+}
+
+/* Time and next SYNC0 of one frame. */
+static void look(cf_t *c, uint64_t *now, uint64_t *next)
+{
+    uint8_t time[8] = {0}, pulse[8] = {0};
+    cf_datagram_t d[2] = {{.command = CF_FPRD,
+                           .address = CF_AT(c->facts.station, ECT_REG_DC_SYSTEM_TIME),
+                           .length = sizeof time,
+                           .data = time},
+                          {.command = CF_FPRD,
+                           .address = CF_AT(c->facts.station, ECT_REG_DC_START_TIME),
+                           .length = sizeof pulse,
+                           .data = pulse}};
+    cf_exchange(c, d, 2);
+    *now = ect_load_le64(time);
+    *next = ect_load_le64(pulse);
+}
+
+static void check_grid(cf_t *c, uint64_t start_ns)
+{
+    uint64_t now, next;
+    for (int i = 0; i < 10; i++) {
+        look(c, &now, &next);
+        cf_expect_that(c, next + CYCLE_NS > now && next <= now + 2 * CYCLE_NS,
+                       "next SYNC0 (0x0990): expected within a cycle of 1 ms, got %lld us from now",
+                       (long long)(int64_t)(next - now) / 1000);
+        cf_expect_that(c, (next - start_ns) % CYCLE_NS == 0,
+                       "next SYNC0: expected whole cycles behind the start, got %llu ns beside",
+                       (unsigned long long)((next - start_ns) % CYCLE_NS));
+        cf_sleep_ms(c, 1);
+    }
+}
+
+static void sync0(cf_t *c)
+{
+    uint64_t now, next, start_ns = system_time(c) + DELAY_NS;
+    if ((c->facts.features & 0x0008) == 0)
+        cf_skip(c, "the clocks have 32 bits: this case reads 64");
+    cf_step(c, "SYNC0 every ms, from 50 ms ahead");
+    start(c, start_ns, CYCLE_NS);
+    look(c, &now, &next);
+    cf_expect_that(c, now >= start_ns || next == start_ns,
+                   "next SYNC0 before the start: expected the start time, got %lld us beside",
+                   (long long)(int64_t)(next - start_ns) / 1000);
+    while (system_time(c) <= start_ns + CYCLE_NS)
+        cf_sleep_ms(c, 1);
+    check_grid(c, start_ns);
+    cf_step(c, "off, and on with a start time in the past: none comes");
+    start_ns = system_time(c) - DELAY_NS;
+    start(c, start_ns, CYCLE_NS);
+    cf_sleep_ms(c, 5);
+    look(c, &now, &next);
+    cf_expect_that(c, next == start_ns || next < now || next > now + DELAY_NS,
+                   "SYNC0 with a start in the past: expected not to run, got the next one %lld us from now",
+                   (long long)(int64_t)(next - now) / 1000);
+    cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
+}
+
+static void jitter(cf_t *c)
+{
+    cf_skip(c, "a PC's clock cannot judge jitter; what the loss of SYNC0 does is CF-043");
+}
+
+static void latches(cf_t *c)
+{
+    cf_skip(c, "somebody would have to give the board's latch pins an edge");
+}
+
+/* The first mode of the SII with SYNC0; skips the case when there is none. */
+static uint16_t sync_mode(cf_t *c)
+{
+    size_t length;
+    const uint8_t *data = cf_sii_category(c, SII_DC, &length);
+    for (size_t at = 0; data && at + 24 <= length; at += 24) {
+        uint16_t activate = ect_load_le16(data + at + 14);
+        if ((activate & 0x0200) != 0)
+            return activate;
+    }
+    cf_skip(c, "the SII names no mode with SYNC0");
+}
+
+static void cycle_refused(cf_t *c)
+{
+    static const uint16_t codes[] = {0x002E, 0x0030, 0x0035, 0x0036, 0x0037};
+    const uint16_t activate = sync_mode(c);
+    uint16_t code = 0, got;
+    bool known = false;
+    cf_go(c, CF_PREOP);
+    cf_set_process_data(c);
+    cf_step(c, "SYNC0 every microsecond, for which no application has the time");
+    cf_put8(c, ECT_REG_DC_ACTIVATION - 1, (uint8_t)activate);
+    cf_put32(c, ECT_REG_DC_SYNC0_CYCLE, SHORT_CYCLE_NS);
+    cf_put64(c, ECT_REG_DC_START_TIME, system_time(c) + DELAY_NS);
+    cf_put8(c, ECT_REG_DC_ACTIVATION, (uint8_t)(activate >> 8));
+    got = cf_request(c, CF_SAFEOP, &code);
+    if ((got & 0x1F) == CF_SAFEOP) /* some look on the way to OP only */
+        got = cf_request(c, CF_OP, &code);
+    cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
+        known |= code == codes[i];
+    cf_expect_that(c, (got & ECT_AL_ERROR) != 0 && known,
+                   "a cycle of 1 us: expected a refusal with code 0x0035 or its like, got %s with code 0x%04X",
+                   cf_state_name(got), code);
+}
+
+static const cf_case_t cases[] = {
+    {"CF-087", "A write to 0x0900 latches the receive times, a read does not", 'R', CF_DC, 0, receive_times},
+    {"CF-088", "The offset moves the system time; the difference has the right sign", 'R', CF_DC, 0, offset_and_loop},
+    {"CF-089", "SYNC0 begins at its start time and keeps its grid; from the past it does not begin", 'R', CF_DC, 0,
+     sync0},
+    {"CF-090", "SYNC0 and SYNC1 keep their distance to the frames", 'T', CF_DC, 0, jitter},
+    {"CF-091", "Latches take the time of an edge", 'R', CF_DC, 0, latches},
+    {"CF-092", "A cycle that is not supported is refused", 'F', CF_DC | CF_APPLICATION | CF_SII, 0, cycle_refused},
+};
+
+CF_SECTION(cf_dc, 'I', "Distributed clocks", cases);
