@@ -123,6 +123,17 @@ static void go_on(ect_client_t *client, const ect_chain_t *chain, size_t every_r
     }
 }
 
+static const char *begin_watch(ect_client_t *client, const cJSON *request)
+{
+    if (!client->watch)
+        client->watch = ect_watch_new();
+    if (!client->watch)
+        return "not enough memory";
+    if (cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "every")))
+        ect_watch_every(client->watch);
+    return NULL;
+}
+
 /* @return why not, NULL when it begins */
 static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
 {
@@ -131,19 +142,13 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
     ect_visit_t *v = &client->visit;
     if (!pattern || strlen(pattern) >= sizeof v->pattern)
         return "\"pattern\" is a text of at most 127 characters";
-    if (v->op == ECT_VISIT_WATCH && !client->watch)
-        client->watch = ect_watch_new();
-    if (v->op == ECT_VISIT_WATCH && !client->watch)
-        return "not enough memory";
-    if (v->op == ECT_VISIT_WATCH && cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "every")))
-        ect_watch_every(client->watch);
     v->cursor = (ect_chain_cursor_t){0};
     v->matched = 0;
     v->slave = slave > 0 ? slave - 1 : 0;
     v->last = slave > 0 ? slave - 1 : ect_chain_count(chain) - 1;
     v->literal = strpbrk(pattern, "*?[\\") == NULL;
     strcpy(v->pattern, pattern);
-    return NULL;
+    return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
 }
 
 /* --- set ---------------------------------------------------------------------------------------------------------- */
@@ -197,6 +202,7 @@ static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, u
 static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
 {
     enum { PIECE = 400 };
+    static const char digits[] = "0123456789abcdef";
     char hex[2 * PIECE + 1] = "";
     ect_bulk_t bulk = ect_chain_bulk(chain, slave - 1);
     const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
@@ -206,8 +212,10 @@ static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, si
     if ((json && !cJSON_IsNumber(json)) || !(offset >= 0 && offset <= bulk.size))
         return "\"offset\" is a number from 0 to the size of the data";
     uint32_t at = (uint32_t)offset;
-    for (unsigned int i = 0; i < PIECE && at + i < bulk.size; i++)
-        snprintf(hex + 2 * (size_t)i, 3, "%02x", bulk.data[at + i]);
+    for (unsigned int i = 0; i < PIECE && at + i < bulk.size; i++) {
+        hex[2 * i] = digits[bulk.data[at + i] >> 4];
+        hex[2 * i + 1] = digits[bulk.data[at + i] & 15];
+    }
     ect_line_t line;
     ect_line_begin(&line);
     ect_line_number(&line, "slave", slave);
@@ -305,33 +313,44 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
-static bool is_for_one_slave(const char *op)
+static bool is_answered_at_once(const char *op)
 {
-    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0;
+    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0 || strcmp(op, "stats") == 0;
+}
+
+/* @return why not, NULL when it is done */
+static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *op, size_t slave, const cJSON *request,
+                          uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
+{
+    if (strcmp(op, "set") == 0)
+        return set(chain, slave, request, now_ns, message);
+    if (strcmp(op, "data") == 0)
+        return give_piece(client, chain, slave, request);
+    return give_stats(client, now_ns);
+}
+
+static const char *op_of(const cJSON *request)
+{
+    const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
+    return op ? op : "";
 }
 
 static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];
-    const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
+    const char *op = op_of(request);
     long slave = slave_of(request, chain);
-    bool one = op && is_for_one_slave(op);
-    const char *why = "a request is a line {\"op\":\"get|list|set|watch|data|stats\",...}";
-    if (op && strcmp(op, "stats") == 0) {
-        ect_client_result(client, give_stats(client, now_ns));
-        return;
-    }
-    if (slave < 0 || (one && slave == 0)) {
+    bool visit = is_visit(&client->visit, op);
+    const char *why;
+    if (!visit && !is_answered_at_once(op))
+        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats\",...}";
+    else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
-    } else if (one) {
-        why = strcmp(op, "set") == 0 ? set(chain, (size_t)slave, request, now_ns, message)
-                                     : give_piece(client, chain, (size_t)slave, request);
-        ect_client_result(client, why);
-        return;
-    } else if (op && is_visit(&client->visit, op)) {
+    else if (visit)
         why = begin(client, chain, (size_t)slave, request);
-    }
-    if (why)
+    else
+        why = answer(client, chain, op, (size_t)slave, request, now_ns, message);
+    if (!visit || why)
         end_visit(client, why);
 }
 

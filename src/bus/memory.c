@@ -141,13 +141,10 @@ static bool read_image(const bank_t *b)
 }
 
 /* Nothing but a file of our own is taken, and nothing else is changed. @return why not, NULL */
-static const char *open_file(bank_t *b, const char *name)
+static const char *take_file(const bank_t *b, const char *name)
 {
     struct stat info;
     uint8_t found[HEAD];
-    b->fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-    if (b->fd < 0)
-        return errno == ELOOP ? "it is a link" : strerror(errno);
     if (fstat(b->fd, &info) < 0 || !S_ISREG(info.st_mode))
         return "it is not a regular file";
     if (flock(b->fd, LOCK_EX | LOCK_NB) < 0) /* two twins on one file would undo each other's records */
@@ -157,6 +154,14 @@ static const char *open_file(bank_t *b, const char *name)
     if (info.st_size != FILE_SIZE || pread(b->fd, found, HEAD, 0) != HEAD || memcmp(found, head, HEAD) != 0)
         return "it is not what a twin has saved; it stays as it is";
     return read_image(b) ? NULL : strerror(errno);
+}
+
+static const char *open_file(bank_t *b, const char *name)
+{
+    b->fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+    if (b->fd < 0)
+        return errno == ELOOP ? "it is a link" : strerror(errno);
+    return take_file(b, name);
 }
 
 /* What was never written is empty; what was is whole, or the last save was cut off, or it is damaged. */
@@ -207,32 +212,35 @@ static const char *open_bank(ect_memory_t *m, unsigned int bank, const char *pat
     return why || is_whole(&m->storage, bank) ? why : keep_aside(m, bank, name, message);
 }
 
-ect_memory_t *ect_memory_open(const char *path, char *message)
+static ect_memory_t *make_memory(void)
 {
     ect_memory_t *m = calloc(1, sizeof *m);
-    const char *why = m ? NULL : "not enough memory";
+    if (!m)
+        return NULL;
+    m->banks[0].fd = m->banks[1].fd = -1;
+    m->storage = (ect_storage_t){.ctx = m,
+                                 .bank_size = ECT_MEMORY_BANK,
+                                 .read = bank_read,
+                                 .erase = bank_erase,
+                                 .write = bank_write,
+                                 .flush = bank_flush};
+    return m;
+}
+
+ect_memory_t *ect_memory_open(const char *path, char *message)
+{
+    ect_memory_t *m = make_memory();
+    const char *why = !m                                        ? "not enough memory"
+                      : path && strlen(path) >= ECT_MEMORY_PATH ? strerror(ENAMETOOLONG)
+                                                                : NULL;
+    unsigned int bank = 0;
     *message = 0;
-    if (m) {
-        m->banks[0].fd = m->banks[1].fd = -1;
-        m->storage = (ect_storage_t){.ctx = m,
-                                     .bank_size = ECT_MEMORY_BANK,
-                                     .read = bank_read,
-                                     .erase = bank_erase,
-                                     .write = bank_write,
-                                     .flush = bank_flush};
-    }
-    if (path && strlen(path) >= ECT_MEMORY_PATH)
-        why = strerror(ENAMETOOLONG);
-    for (unsigned int bank = 0; bank < 2 && !why; bank++) {
+    for (; bank < 2 && !why; bank++)
         why = open_bank(m, bank, path, message);
-        if (why)
-            snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%.400s.%u': %s", path ? path : "",
-                     bank, why);
-    }
     if (!why)
         return m;
-    if (*message == 0)
-        snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved: %s", why);
+    snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%.400s.%u': %s", path ? path : "",
+             bank > 0 ? bank - 1 : 0, why);
     ect_memory_close(m);
     return NULL;
 }

@@ -38,6 +38,7 @@ static uint64_t later(uint64_t a_ns, uint64_t b_ns)
     return a_ns > b_ns ? a_ns : b_ns;
 }
 
+/* Also where it is interrupted, `fds` says what has come: nothing. */
 static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++)
@@ -201,22 +202,22 @@ static void serve_control(ect_runner_t *r, bool frame, bool readable)
     r->rested_ns = ect_runner_now() + r->control_rest_ns;
 }
 
-/* @param ready  whether something has come, and `fds` says what @return 1: go on; 0: stop; -1: an interface is gone */
-static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE], bool ready)
+/* @return 1: go on; 0: stop; -1: an interface is gone */
+static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
 {
     bool frame = false;
-    for (unsigned int end = 0; ready && end < ECT_ENDS; end++) {
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
         frame |= fds[end].revents != 0;
         if (fds[end].revents != 0 && answer(r, end) < 0)
             return -1;
     }
-    if (ready && fds[LINK_FD].revents != 0) {
+    if (fds[LINK_FD].revents != 0) {
         ect_packet_links_seen(r->link_fd);
         follow_cables(r);
     }
-    if (ready && fds[SIGNAL_FD].revents != 0 && !take_signal(r))
+    if (fds[SIGNAL_FD].revents != 0 && !take_signal(r))
         return 0;
-    serve_control(r, frame, ready && fds[CONTROL_FD].revents != 0);
+    serve_control(r, frame, fds[CONTROL_FD].revents != 0);
     return 1;
 }
 
@@ -243,7 +244,7 @@ int ect_runner_run(ect_runner_t *r)
         struct pollfd fds[WAITABLE];
         uint64_t wake_ns = run_devices(r);
         int ready = wait_for(r, fds, wake_ns);
-        going = ready < 0 && errno != EINTR ? -1 : serve(r, fds, ready > 0);
+        going = ready < 0 && errno != EINTR ? -1 : serve(r, fds);
     }
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         ect_late_clear(&r->late[end]);

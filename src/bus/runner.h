@@ -26,9 +26,9 @@ typedef struct ect_runner {
     ect_control_t *control; /**< NULL: none */
     /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
     uint32_t control_rest_ns;
-    ect_faults_t *faults;   /**< NULL: none */
-    int signal_fd;          /**< a signalfd */
-    int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
+    ect_faults_t *faults; /**< NULL: none */
+    int signal_fd;        /**< a signalfd */
+    int link_fd;          /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
     /** A signal has come, from the terminal or from a process. Not NULL. @return true: go on; false: stop. */
     bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
     /** Something else at the other end of the wire answers as well. Not NULL; called once. */

@@ -62,8 +62,8 @@ static bool write_all(step_t *steps, size_t count, uint64_t now_ns, char *messag
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                         uint64_t now_ns, char *message)
 {
-    step_t *steps = calloc(count, sizeof *steps);
-    bool kept = steps && (count == 1 || ect_chain_keep(chain, position));
+    step_t *steps = calloc(count > 0 ? count : 1, sizeof *steps);
+    bool kept = steps && (count <= 1 || ect_chain_keep(chain, position));
     bool done = false;
     snprintf(message, ECT_SIGNAL_MESSAGE, "not enough memory");
     if (kept && prepare(chain, position, settings, count, steps, message)) {

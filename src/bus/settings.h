@@ -24,6 +24,7 @@ typedef struct ect_setting {
  * Sets signals of the twin at a position, in the order given; one that is refused because of another is tried again
  * after each that follows, so that limits which depend on each other can be given in any order. Wakes the twin.
  * Cost: one write a setting and try; with more than one, the twin's instance is copied first.
+ * @param count         0: nothing is to be done
  * @param[out] message  on failure why the first one is not taken; ECT_SIGNAL_MESSAGE bytes
  * @return whether all were set; if not, the twin is as it was. What a setting has sent off (a save, a restart) is not
  *         called back: name those last.

@@ -444,6 +444,36 @@ static void slow_reader(void **state)
     close_bench(&b);
 }
 
+/* A step by itself, without a socket. */
+static void one_step(void **state)
+{
+    static const char *const requests[] = {"{\"op\":\"list\"}\n", "{\"op\":\"get\",\"pattern\":\"*\",\"slave\":0}\n",
+                                           "{\"op\":\"watch\",\"every\":true}\n"};
+    static char answer[ECT_CLIENT_ANSWER];
+    static ect_client_t client;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 2);
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        client = (ect_client_t){.fd = -1, .received = strlen(requests[i]), .answer = answer};
+        strcpy(client.request, requests[i]);
+        ect_client_received(&client);
+        for (unsigned int steps = 0; ect_client_busy(&client); steps++) {
+            work.matches = 0;
+            client.unsent = 0;
+            assert_true(ect_client_room(&client));
+            ect_client_step(&client, b.wire.chain, ECT_CONTROL_EVERY, b.wire.now_ns);
+            answer[client.unsent] = 0;
+            assert_true(count_of(answer, "\n") <= ECT_CLIENT_LINES + 1);
+            assert_true(work.matches <= ECT_CLIENT_LOOKS);
+            assert_true(steps < 1000);
+        }
+        assert_non_null(strstr(answer, OK));
+    }
+    ect_watch_free(client.watch);
+    close_bench(&b);
+}
+
 /* --- connections -------------------------------------------------------------------------------------------------- */
 
 static void half_closed(void **state)
@@ -854,6 +884,7 @@ int main(int argc, char **argv)
         {"What is too large for a signal is given in pieces", data_in_pieces, NULL, NULL, NULL},
         {"Attack: 4 x everything from 16 clients is served in bounded pieces, and whole", pipelined_lists, NULL, NULL,
          NULL},
+        {"A step writes at most eight lines and its result, and compares at most 32 names", one_step, NULL, NULL, NULL},
         {"Everybody's turn comes, whatever the others ask", everybody_in_turn, NULL, NULL, NULL},
         {"Attack: a client that does not read costs nothing, and gets everything later", slow_reader, NULL, NULL, NULL},
         {"A client that has ended sending gets its answer", half_closed, NULL, NULL, NULL},

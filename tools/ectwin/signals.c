@@ -278,22 +278,29 @@ static int set_row(FILE *connection, const client_args_t *args, const char *who,
     return status;
 }
 
+static int set_rows(FILE *connection, const client_args_t *args, const char *who, csv_t *csv)
+{
+    int status = EXIT_CLEAN;
+    size_t rows = 0;
+    for (; status == EXIT_CLEAN && csv_next(csv); rows++)
+        status = set_row(connection, args, who, csv);
+    if (rows == 0 && !csv->why)
+        csv->why = "no line with values follows";
+    if (!csv->why)
+        return status;
+    fprintf(stderr, "%s: line %u of '%s': %s\n", who, csv->line, args->csv, csv->why);
+    return status != EXIT_CLEAN ? status : EXIT_USAGE;
+}
+
 static int set_from_csv(FILE *connection, const client_args_t *args, const char *who)
 {
     csv_t *csv = calloc(1, sizeof *csv);
-    int status = EXIT_CLEAN;
-    size_t rows = 0;
-    if (!csv || !csv_open(csv, args->csv)) {
+    int status = EXIT_OPEN;
+    if (csv && csv_open(csv, args->csv)) {
+        status = set_rows(connection, args, who, csv);
+    } else {
         fprintf(stderr, "%s: cannot read '%s': %s\n", who, args->csv, csv ? csv->why : strerror(errno));
-        status = csv && csv->line > 0 ? EXIT_USAGE : EXIT_OPEN;
-    }
-    for (; status == EXIT_CLEAN && csv_next(csv); rows++)
-        status = set_row(connection, args, who, csv);
-    if (status == EXIT_CLEAN && !csv->why && rows == 0)
-        csv->why = "no line with values follows";
-    if (csv && csv->why && csv->file && csv->columns > 0) {
-        fprintf(stderr, "%s: line %u of '%s': %s\n", who, csv->line, args->csv, csv->why);
-        status = status != EXIT_CLEAN ? status : EXIT_USAGE;
+        status = csv && csv->file ? EXIT_USAGE : EXIT_OPEN;
     }
     if (csv)
         csv_close(csv);

@@ -339,30 +339,46 @@ static bool outlasts_power(const ect_signal_ref_t *ref)
     return (size_t)(ref->value - instance) - ref->plant->outside_offset < ref->plant->outside_size;
 }
 
+/* A setting of one twin, its name by itself. */
+typedef struct named {
+    char name[ECT_SIGNAL_NAME];
+    const char *value;
+} named_t;
+
+/* Whether a setting is for this twin; then it is taken apart. */
+static bool take_apart(const char *setting, size_t slave, named_t *named)
+{
+    if (twin_of(&setting) != slave)
+        return false;
+    const char *value = strchr(setting, '=');
+    snprintf(named->name, sizeof named->name, "%.*s", (int)(value - setting), setting);
+    named->value = value + 1;
+    return true;
+}
+
+static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
+{
+    ect_signal_ref_t ref;
+    return ect_chain_signal(chain, slave - 1, name, &ref) && outlasts_power(&ref);
+}
+
 /* Of one twin: all that the command line asks for, or only what outlasts the power. @return whether it was done */
-static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool plant_only, const char *who)
+static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who)
 {
     char message[ECT_SIGNAL_MESSAGE] = "out of memory";
-    char(*names)[ECT_SIGNAL_NAME] = calloc(args->setting_count, sizeof *names);
+    named_t *named = calloc(args->setting_count, sizeof *named);
     ect_setting_t *settings = calloc(args->setting_count, sizeof *settings);
     size_t count = 0;
-    for (size_t i = 0; names && settings && i < args->setting_count; i++) {
-        const char *setting = args->settings[i];
-        ect_signal_ref_t ref;
-        if (twin_of(&setting) != slave)
+    for (size_t i = 0; named && settings && i < args->setting_count; i++) {
+        named_t *one = &named[count];
+        if (!take_apart(args->settings[i], slave, one) || (outside_only && !is_outside(chain, slave, one->name)))
             continue;
-        const char *value = strchr(setting, '=');
-        snprintf(names[count], sizeof names[count], "%.*s", (int)(value - setting), setting);
-        if (plant_only && !(ect_chain_signal(chain, slave - 1, names[count], &ref) && outlasts_power(&ref)))
-            continue;
-        settings[count] = (ect_setting_t){.name = names[count], .value = value + 1};
-        count++;
+        settings[count++] = (ect_setting_t){.name = one->name, .value = one->value};
     }
-    bool done = names && settings &&
-                (count == 0 || ect_settings_apply(chain, slave - 1, settings, count, ect_runner_now(), message));
+    bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, ect_runner_now(), message);
     if (!done)
         fprintf(stderr, "%s: --set: %s\n", who, message);
-    free(names);
+    free(named);
     free(settings);
     return done;
 }
