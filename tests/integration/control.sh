@@ -167,6 +167,14 @@ print('ready', flush=True); time.sleep(20)" >"$work/ready2" &
   has "get: it is not trusted either" "not by you: not trusted" "$work/err"
   kill $server
   wait $server 2>/dev/null
+  unset XDG_RUNTIME_DIR
+  mkdir -m 700 /tmp/ectwin-64999 && chown 64999 /tmp/ectwin-64999
+  setpriv --reuid 64998 --clear-groups "$work/open/ectwin" get 2>"$work/err"
+  check "get: no twin of one's own" 2 $?
+  rmdir /tmp/ectwin-64999
+  export XDG_RUNTIME_DIR=$work/runtime
+  has "get: it says whose there may be" "user 64999 may have some, in /tmp/ectwin-64999: ask as that user, or with sudo" \
+    "$work/err"
 }
 
 # In a network of its own, as `run` needs an interface.

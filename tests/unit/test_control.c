@@ -87,7 +87,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
     for (size_t i = 0; i < count; i++)
         twins[i] = ect_twin_default(product->device, product->plant);
     wire_open_twins(&b->wire, twins, count);
-    strcpy(b->folder, "/tmp/ectwin-test-XXXXXX");
+    strcpy(b->folder, "/tmp/test-ectwin-XXXXXX");
     assert_non_null(mkdtemp(b->folder));
     setenv("XDG_RUNTIME_DIR", b->folder, 1);
     b->control = ect_control_open(message);

@@ -26,7 +26,7 @@ static char work[64];
 static int make_work(void **state)
 {
     (void)state;
-    strcpy(work, "/tmp/ectwin-test-XXXXXX");
+    strcpy(work, "/tmp/test-ectwin-XXXXXX");
     return mkdtemp(work) && chdir(work) == 0 ? 0 : -1;
 }
 

@@ -104,7 +104,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
         twins[i] = ect_twin_default(product->device, product->plant);
     b->wire.now_ns = ect_runner_now();
     b->wire.chain = ect_chain_new(twins, count, b->wire.now_ns);
-    strcpy(b->folder, "/tmp/ectwin-test-XXXXXX");
+    strcpy(b->folder, "/tmp/test-ectwin-XXXXXX");
     assert_non_null(mkdtemp(b->folder));
     setenv("XDG_RUNTIME_DIR", b->folder, 1);
     assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, wire), 0);

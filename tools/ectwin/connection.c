@@ -119,16 +119,21 @@ static bool tell_of(void *ctx, const char *path)
     return true;
 }
 
-/* Other users' folders: what is in them can only be told by root and by them. */
+/* Other users' folders: what is in them can only be told by root and by them. The pattern's star stands for a user's
+ * number. */
 static void tell_of_others(const char *pattern)
 {
     glob_t found = {0};
     (void)glob(pattern, 0, NULL, &found);
     for (size_t i = 0; i < found.gl_pathc; i++) {
         struct stat info;
-        char room[32];
+        char room[32], theirs[64];
         bool told = false;
         if (lstat(found.gl_pathv[i], &info) < 0 || !S_ISDIR(info.st_mode) || info.st_uid == geteuid())
+            continue;
+        snprintf(theirs, sizeof theirs, "%.*s%u%s", (int)strcspn(pattern, "*"), pattern, info.st_uid,
+                 strchr(pattern, '*') + 1);
+        if (strcmp(theirs, found.gl_pathv[i]) != 0)
             continue;
         each_socket(found.gl_pathv[i], tell_of, &told);
         if (!told && access(found.gl_pathv[i], R_OK) < 0)
