@@ -66,7 +66,7 @@ static void power_on(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     const ect_identity_t *identity = s->config.identity ? s->config.identity : &device->identity;
-    ECT_ASSERT(device->sm_count > 0 && device->sm_count <= ECT_SMS && device->instance_size >= sizeof(ect_standard_t));
+    ECT_ASSERT(device->sm_count <= ECT_SMS && device->instance_size >= sizeof(ect_standard_t));
     clear_instance(&s->config);
     ect_standard_t *standard = s->config.instance;
     standard->device = device;

@@ -2,6 +2,7 @@
 /* Devices whose SyncManagers are not the usual four: a terminal without a mailbox, a sensor without outputs. */
 #include <string.h>
 
+#include "check/check.h"
 #include "support/gauge.h"
 #include "support/terminal.h"
 #include "support/wire.h"
@@ -156,6 +157,28 @@ static void gauge_chooses(void **state)
     wire_close(&w);
 }
 
+/* Neither SyncManagers nor objects: a coupler. */
+static void coupler_runs(void **state)
+{
+    char text[ECT_CHECK_TEXT];
+    ect_device_t coupler = terminal;
+    wire_t w;
+    (void)state;
+    coupler.sm_count = coupler.fmmu_count = 0;
+    coupler.object_count = 0;
+    coupler.objects = NULL;
+    if (!ect_device_check(&coupler, text, sizeof text))
+        fail_msg("%s", text);
+    wire_open_one(&w, &coupler);
+    ask(&w, "to PREOP", PREOP, PREOP, 0);
+    ask(&w, "to SAFEOP", SAFEOP, SAFEOP, 0);
+    ask(&w, "to OP", OP, OP, 0);
+    wire_set_sm(&w, 0, 0, SM0, 1, 0x64); /* nobody's business */
+    wire_advance(&w, 1000 * MS);
+    ask(&w, "back", INIT, INIT, 0);
+    wire_close(&w);
+}
+
 static void memory(void **state)
 {
     (void)state;
@@ -182,6 +205,7 @@ int main(void)
         T("CF-033 CF-042: it waits for its outputs, and its watchdog leaves OP", terminal_waits),
         T("OPT-006 OPT-009: a sensor without outputs, SM2 unused, runs from INIT to OP", gauge_runs),
         T("OPT-010: the process data that were chosen are sent in their order", gauge_chooses),
+        T("CF-033: a coupler, without any SyncManager or object, runs from INIT to OP", coupler_runs),
         T("the memory that they need", memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

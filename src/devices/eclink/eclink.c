@@ -11,73 +11,74 @@
 enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM };
 #define REVISION 0x00020000 /* Visionlinkserver 2.0 */
 
-/* --- fields: F(sub-index, offset, kind, name) ------------------------------------------------------------------- */
+/* --- fields: F(sub-index, offset as in instance.h, kind, name)
+ * ------------------------------------------------------------------- */
 
 #define COMMON_INPUT_FIELDS(F)                                                                                         \
-    F(1, 0, U8, "PCI")                                                                                                 \
-    F(2, 1, U8, "CCI")                                                                                                 \
-    F(3, 2, U8, "PAI")                                                                                                 \
-    F(4, 3, U8, "CAI")                                                                                                 \
-    F(5, 4, U16, "Command RU ID")                                                                                      \
-    F(6, 6, HALF, "Command from RU 0..7")                                                                              \
-    F(7, 14, HALF, "Command from RU 8..15")                                                                            \
-    F(8, 22, U8, "BU state")                                                                                           \
-    F(9, 23, U8, "VLAPs")                                                                                              \
-    F(10, 24, U8, "Unarmed RUs")                                                                                       \
-    F(11, 25, U8, "EG-Link status")                                                                                    \
-    F(12, 26, U8, "EC-Link status")                                                                                    \
-    F(13, 27, U8, "Spare")
+    F(1, ECLINK_IN_PCI, U8, "PCI")                                                                                     \
+    F(2, ECLINK_IN_CCI, U8, "CCI")                                                                                     \
+    F(3, ECLINK_IN_PAI, U8, "PAI")                                                                                     \
+    F(4, ECLINK_IN_CAI, U8, "CAI")                                                                                     \
+    F(5, ECLINK_IN_COMMAND_RU, U16, "Command RU ID")                                                                   \
+    F(6, ECLINK_IN_COMMAND, HALF, "Command from RU 0..7")                                                              \
+    F(7, ECLINK_IN_COMMAND + 8, HALF, "Command from RU 8..15")                                                         \
+    F(8, ECLINK_IN_BU_STATE, U8, "BU state")                                                                           \
+    F(9, ECLINK_IN_VLAPS, U8, "VLAPs")                                                                                 \
+    F(10, ECLINK_IN_UNARMED, U8, "Unarmed RUs")                                                                        \
+    F(11, ECLINK_IN_EG_LINK, U8, "EG-Link status")                                                                     \
+    F(12, ECLINK_IN_EC_LINK, U8, "EC-Link status")                                                                     \
+    F(13, ECLINK_IN_SPARE, U8, "Spare")
 
 /* One remote unit: its first sub-index is s, its first byte o, R is how it is called. */
 #define RU_FIELDS(F, s, o, R)                                                                                          \
-    F((s) + 0, (o) + 0, U16, "Armed " R)                                                                               \
-    F((s) + 1, (o) + 2, U8, R " state")                                                                                \
-    F((s) + 2, (o) + 3, U8, R " battery")                                                                              \
-    F((s) + 3, (o) + 4, U8, R " C-Link RSSI")                                                                          \
-    F((s) + 4, (o) + 5, U8, R " cable")                                                                                \
-    F((s) + 5, (o) + 6, U8, R " docked")                                                                               \
-    F((s) + 6, (o) + 7, U8, R " disabled")                                                                             \
-    F((s) + 7, (o) + 8, U8, R " C-Link status")                                                                        \
-    F((s) + 8, (o) + 9, U8, R " G-Link status")                                                                        \
-    F((s) + 9, (o) + 10, I16, R " joystick 1")                                                                         \
-    F((s) + 10, (o) + 12, I16, R " joystick 2")                                                                        \
-    F((s) + 11, (o) + 14, I16, R " joystick 3")                                                                        \
-    F((s) + 12, (o) + 16, I16, R " joystick 4")                                                                        \
-    F((s) + 13, (o) + 18, I16, R " switch 1")                                                                          \
-    F((s) + 14, (o) + 20, I16, R " switch 2")                                                                          \
-    F((s) + 15, (o) + 22, I16, R " switch 3")                                                                          \
-    F((s) + 16, (o) + 24, I16, R " switch 4")                                                                          \
-    F((s) + 17, (o) + 26, I16, R " switch 5")                                                                          \
-    F((s) + 18, (o) + 28, I16, R " switch 6")                                                                          \
-    F((s) + 19, (o) + 30, I16, R " switch 7")                                                                          \
-    F((s) + 20, (o) + 32, I16, R " switch 8")                                                                          \
-    F((s) + 21, (o) + 34, U8, R " encoder value")                                                                      \
-    F((s) + 22, (o) + 35, U8, R " encoder switch")                                                                     \
-    F((s) + 23, (o) + 36, U16, R " spare")
+    F((s) + 0, (o) + ECLINK_RU_ID, U16, "Armed " R)                                                                    \
+    F((s) + 1, (o) + ECLINK_RU_STATE, U8, R " state")                                                                  \
+    F((s) + 2, (o) + ECLINK_RU_BATTERY, U8, R " battery")                                                              \
+    F((s) + 3, (o) + ECLINK_RU_RSSI, U8, R " C-Link RSSI")                                                             \
+    F((s) + 4, (o) + ECLINK_RU_CABLE, U8, R " cable")                                                                  \
+    F((s) + 5, (o) + ECLINK_RU_DOCKED, U8, R " docked")                                                                \
+    F((s) + 6, (o) + ECLINK_RU_DISABLED, U8, R " disabled")                                                            \
+    F((s) + 7, (o) + ECLINK_RU_C_LINK, U8, R " C-Link status")                                                         \
+    F((s) + 8, (o) + ECLINK_RU_G_LINK, U8, R " G-Link status")                                                         \
+    F((s) + 9, (o) + ECLINK_RU_JOYSTICK, I16, R " joystick 1")                                                         \
+    F((s) + 10, (o) + ECLINK_RU_JOYSTICK + 2, I16, R " joystick 2")                                                    \
+    F((s) + 11, (o) + ECLINK_RU_JOYSTICK + 4, I16, R " joystick 3")                                                    \
+    F((s) + 12, (o) + ECLINK_RU_JOYSTICK + 6, I16, R " joystick 4")                                                    \
+    F((s) + 13, (o) + ECLINK_RU_SWITCH, I16, R " switch 1")                                                            \
+    F((s) + 14, (o) + ECLINK_RU_SWITCH + 2, I16, R " switch 2")                                                        \
+    F((s) + 15, (o) + ECLINK_RU_SWITCH + 4, I16, R " switch 3")                                                        \
+    F((s) + 16, (o) + ECLINK_RU_SWITCH + 6, I16, R " switch 4")                                                        \
+    F((s) + 17, (o) + ECLINK_RU_SWITCH + 8, I16, R " switch 5")                                                        \
+    F((s) + 18, (o) + ECLINK_RU_SWITCH + 10, I16, R " switch 6")                                                       \
+    F((s) + 19, (o) + ECLINK_RU_SWITCH + 12, I16, R " switch 7")                                                       \
+    F((s) + 20, (o) + ECLINK_RU_SWITCH + 14, I16, R " switch 8")                                                       \
+    F((s) + 21, (o) + ECLINK_RU_ENCODER, U8, R " encoder value")                                                       \
+    F((s) + 22, (o) + ECLINK_RU_ENCODER_SWITCH, U8, R " encoder switch")                                               \
+    F((s) + 23, (o) + ECLINK_RU_SPARE, U16, R " spare")
 
 #define INPUT_FIELDS(F)                                                                                                \
     COMMON_INPUT_FIELDS(F)                                                                                             \
-    RU_FIELDS(F, 14, 28, "RU")
-#define RU2_FIELDS(F) RU_FIELDS(F, 38, 66, "RU2")
-#define RU3_FIELDS(F) RU_FIELDS(F, 62, 104, "RU3")
+    RU_FIELDS(F, 14, ECLINK_IN_RU, "RU")
+#define RU2_FIELDS(F) RU_FIELDS(F, 38, ECLINK_IN_RU + ECLINK_IN_RU_STRIDE, "RU2")
+#define RU3_FIELDS(F) RU_FIELDS(F, 62, ECLINK_IN_RU + 2 * ECLINK_IN_RU_STRIDE, "RU3")
 #define MULTIARM_INPUT_FIELDS(F)                                                                                       \
     INPUT_FIELDS(F)                                                                                                    \
     RU2_FIELDS(F)                                                                                                      \
     RU3_FIELDS(F)
 
 #define COMMAND_FIELDS(F)                                                                                              \
-    F(1, 0, U8, "PCO")                                                                                                 \
-    F(2, 1, U8, "CCO")                                                                                                 \
-    F(3, 2, U8, "PAO")                                                                                                 \
-    F(4, 3, U8, "CAO")                                                                                                 \
-    F(5, 4, U16, "Command RU ID")                                                                                      \
-    F(6, 6, HALF, "Command to RU 0..7")                                                                                \
-    F(7, 14, HALF, "Command to RU 8..15")                                                                              \
-    F(8, 22, U16, "Spare")
+    F(1, ECLINK_OUT_PCO, U8, "PCO")                                                                                    \
+    F(2, ECLINK_OUT_CCO, U8, "CCO")                                                                                    \
+    F(3, ECLINK_OUT_PAO, U8, "PAO")                                                                                    \
+    F(4, ECLINK_OUT_CAO, U8, "CAO")                                                                                    \
+    F(5, ECLINK_OUT_COMMAND_RU, U16, "Command RU ID")                                                                  \
+    F(6, ECLINK_OUT_COMMAND, HALF, "Command to RU 0..7")                                                               \
+    F(7, ECLINK_OUT_COMMAND + 8, HALF, "Command to RU 8..15")                                                          \
+    F(8, ECLINK_OUT_SPARE, U16, "Spare")
 #define PERIODIC_FIELDS(F)                                                                                             \
-    F(9, 24, U16, "Periodic data size")                                                                                \
-    F(10, 26, U8, "Periodic data block")                                                                               \
-    F(11, 27, U8, "Spare")
+    F(9, ECLINK_OUT_PERIODIC_SIZE, U16, "Periodic data size")                                                          \
+    F(10, ECLINK_OUT_PERIODIC_BLOCK, U8, "Periodic data block")                                                        \
+    F(11, ECLINK_OUT_PERIODIC_SPARE, U8, "Spare")
 
 /* The 200 periodic bytes in eights: F(sub-index, first byte, last byte). */
 #define PERIODIC_EIGHTS(F)                                                                                             \

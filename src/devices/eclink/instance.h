@@ -25,6 +25,7 @@ enum {
     ECLINK_IN_UNARMED = 24,
     ECLINK_IN_EG_LINK = 25,
     ECLINK_IN_EC_LINK = 26,
+    ECLINK_IN_SPARE = 27,
     ECLINK_IN_RU = 28, /* first remote; the second and third follow at this stride */
     ECLINK_IN_RU_STRIDE = 38,
 };
@@ -44,6 +45,7 @@ enum {
     ECLINK_RU_SWITCH = 18,
     ECLINK_RU_ENCODER = 34,
     ECLINK_RU_ENCODER_SWITCH = 35,
+    ECLINK_RU_SPARE = 36,
 };
 
 /** Offsets in the output data (TS-0007 §9). */
@@ -54,8 +56,10 @@ enum {
     ECLINK_OUT_CAO = 3,
     ECLINK_OUT_COMMAND_RU = 4,
     ECLINK_OUT_COMMAND = 6,
+    ECLINK_OUT_SPARE = 22,
     ECLINK_OUT_PERIODIC_SIZE = 24,
     ECLINK_OUT_PERIODIC_BLOCK = 26,
+    ECLINK_OUT_PERIODIC_SPARE = 27,
     ECLINK_OUT_PERIODIC = 28,
 };
 
