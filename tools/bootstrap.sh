@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|test
 #
-#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, and SOEM for the demo's master
+#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, and SOEM for the demo's master
 #   test  the same, and what the tests need: CMocka, clang for the fuzz targets, gcovr, an ARM compiler and its C library for
 #         the budget, iproute2 for interfaces of their own
 #
@@ -10,7 +10,7 @@
 # hash and built below ~/.cache/ectwin. Safe to run again; does nothing when nothing is missing.
 set -eu
 
-run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev"
+run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi libnewlib-arm-none-eabi iproute2"
 

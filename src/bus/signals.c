@@ -12,10 +12,14 @@
 /* A value in its own type. The room is that of the longest text or byte string that a signal may have. */
 typedef union value {
     uint8_t u8;
+    int8_t i8;
     int16_t i16;
     uint16_t u16;
     int32_t i32;
     uint32_t u32;
+    int64_t i64;
+    uint64_t u64;
+    float real32;
     double real;
     char text[ECT_SIGNAL_TEXT_ROOM];
     uint8_t bytes[ECT_SIGNAL_TEXT_ROOM / 2];
@@ -26,15 +30,19 @@ size_t ect_signal_size(const ect_signal_t *signal)
     switch (signal->type) {
     case ECT_SIGNAL_BOOL:
     case ECT_SIGNAL_U8:
+    case ECT_SIGNAL_I8:
         return 1;
     case ECT_SIGNAL_I16:
     case ECT_SIGNAL_U16:
         return 2;
     case ECT_SIGNAL_I32:
     case ECT_SIGNAL_U32:
+    case ECT_SIGNAL_REAL32:
         return 4;
+    case ECT_SIGNAL_I64:
+    case ECT_SIGNAL_U64:
     case ECT_SIGNAL_REAL:
-        return sizeof(double);
+        return 8;
     case ECT_SIGNAL_TEXT:
         return (size_t)signal->maximum + 1;
     case ECT_SIGNAL_BYTES:
@@ -151,6 +159,9 @@ void ect_signal_text(const ect_signal_t *signal, const void *value, char *text)
     case ECT_SIGNAL_U8:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%u", v.u8);
         return;
+    case ECT_SIGNAL_I8:
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%d", v.i8);
+        return;
     case ECT_SIGNAL_I16:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%d", v.i16);
         return;
@@ -162,6 +173,15 @@ void ect_signal_text(const ect_signal_t *signal, const void *value, char *text)
         return;
     case ECT_SIGNAL_U32:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRIu32, v.u32);
+        return;
+    case ECT_SIGNAL_I64:
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64, v.i64);
+        return;
+    case ECT_SIGNAL_U64:
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRIu64, v.u64);
+        return;
+    case ECT_SIGNAL_REAL32:
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%.7g", (double)v.real32);
         return;
     case ECT_SIGNAL_REAL:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%.15g", v.real);
@@ -187,6 +207,8 @@ void ect_signal_range(const ect_signal_t *signal, char *text)
     else if (signal->type == ECT_SIGNAL_BYTES)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64 " bytes, %" PRId64 " hexadecimal digits", signal->maximum,
                  2 * signal->maximum);
+    else if (signal->minimum == INT64_MIN && signal->maximum == INT64_MAX)
+        snprintf(text, ECT_SIGNAL_TEXT_ROOM, "any number%s%s", space, unit);
     else
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64 "..%" PRId64 "%s%s", signal->minimum, signal->maximum, space,
                  unit);
@@ -219,11 +241,19 @@ static bool parse_integer(const ect_signal_t *signal, const char *text, value_t 
     case 2:
         v->u16 = (uint16_t)number;
         break;
-    default:
+    case 4:
         v->u32 = (uint32_t)number;
+        break;
+    default:
+        v->i64 = number;
         break;
     }
     return true;
+}
+
+static bool in_range(const ect_signal_t *signal, double value)
+{
+    return value >= (double)signal->minimum && value <= (double)signal->maximum;
 }
 
 static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
@@ -237,9 +267,12 @@ static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
             return false;
         strcpy(v->text, text);
         return true;
+    case ECT_SIGNAL_REAL32:
+        v->real32 = strtof(text, &end);
+        return end != text && *end == 0 && in_range(signal, (double)v->real32);
     case ECT_SIGNAL_REAL:
         v->real = strtod(text, &end);
-        return end != text && *end == 0 && v->real >= (double)signal->minimum && v->real <= (double)signal->maximum;
+        return end != text && *end == 0 && in_range(signal, v->real);
     default:
         return parse_integer(signal, text, v);
     }

@@ -26,11 +26,19 @@ static unsigned int room_of(const report_t *r, unsigned int n)
     return r->device->sm[n].maximum > bytes ? r->device->sm[n].maximum : bytes;
 }
 
-/* Bytes of the ESC's memory that it takes: three buffers, or one in mailbox mode and of a single byte. */
+/* Whether it lies over the registers of the digital outputs, which have no buffers. */
+static bool in_output_registers(const report_t *r, unsigned int n)
+{
+    unsigned int start = r->device->sm[n].start;
+    return start >= ECT_REG_DIGITAL_OUTPUT && start + room_of(r, n) <= RAM;
+}
+
+/* Bytes of the ESC's memory that it takes: three buffers, or one in mailbox mode, and of a single byte. */
 static unsigned int memory_of(const report_t *r, unsigned int n)
 {
-    bool one = (r->device->sm[n].control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
-    return room_of(r, n) * (one || room_of(r, n) == 1 ? 1u : (unsigned int)BUFFERS);
+    bool one = (r->device->sm[n].control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX || room_of(r, n) == 1 ||
+               in_output_registers(r, n);
+    return room_of(r, n) * (one ? 1u : (unsigned int)BUFFERS);
 }
 
 static bool roles_good(const report_t *r, unsigned int n)
@@ -112,8 +120,9 @@ static bool sm_good(const report_t *r, unsigned int n, unsigned int kilobytes)
         return false;
     if (r->device->sm[n].type == ECT_SM_UNUSED)
         return true;
-    return control_good(r, n) && lengths_good(r, n) &&
-           in_memory(r, kilobytes, "SM", n, r->device->sm[n].start, memory_of(r, n)) && apart(r, n);
+    bool placed =
+        in_output_registers(r, n) || in_memory(r, kilobytes, "SM", n, r->device->sm[n].start, memory_of(r, n));
+    return placed && control_good(r, n) && lengths_good(r, n) && apart(r, n);
 }
 
 static bool boot_good(const report_t *r, unsigned int kilobytes)

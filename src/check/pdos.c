@@ -30,7 +30,7 @@ static bool mapping_good(const report_t *r, const ect_object_t *pdo, uint32_t n)
     if ((entry->access & direction) == 0)
         return wrong(r, "%04Xh:%u: %04Xh:%u must not be mapped in that direction", pdo->index, n, mapping >> 16,
                      mapping >> 8 & 0xFF);
-    if (entry->bit_length != bits)
+    if (entry->bit_length < bits)
         return wrong(r, "%04Xh:%u: %04Xh:%u has %u bits, not %u", pdo->index, n, mapping >> 16, mapping >> 8 & 0xFF,
                      entry->bit_length, bits);
     return true;

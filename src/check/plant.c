@@ -24,8 +24,9 @@ static bool wrong_signal(const signal_place_t *p, const char *why)
 static size_t size_of(const ect_signal_t *signal)
 {
     static const uint8_t sizes[] = {
-        [ECT_SIGNAL_BOOL] = 1, [ECT_SIGNAL_U8] = 1,  [ECT_SIGNAL_I16] = 2, [ECT_SIGNAL_U16] = 2,
-        [ECT_SIGNAL_I32] = 4,  [ECT_SIGNAL_U32] = 4, [ECT_SIGNAL_REAL] = 8};
+        [ECT_SIGNAL_BOOL] = 1, [ECT_SIGNAL_U8] = 1,     [ECT_SIGNAL_I16] = 2, [ECT_SIGNAL_U16] = 2,
+        [ECT_SIGNAL_I32] = 4,  [ECT_SIGNAL_U32] = 4,    [ECT_SIGNAL_I8] = 1,  [ECT_SIGNAL_I64] = 8,
+        [ECT_SIGNAL_U64] = 8,  [ECT_SIGNAL_REAL32] = 4, [ECT_SIGNAL_REAL] = 8};
     if (signal->type == ECT_SIGNAL_TEXT)
         return (size_t)signal->maximum + 1;
     return signal->type == ECT_SIGNAL_BYTES ? (size_t)signal->maximum : sizes[signal->type];
@@ -47,7 +48,11 @@ static bool range_good(const signal_place_t *p)
                   [ECT_SIGNAL_U16] = {0, UINT16_MAX},
                   [ECT_SIGNAL_I32] = {INT32_MIN, INT32_MAX},
                   [ECT_SIGNAL_U32] = {0, UINT32_MAX},
-                  [ECT_SIGNAL_REAL] = {INT32_MIN, INT32_MAX},
+                  [ECT_SIGNAL_I8] = {INT8_MIN, INT8_MAX},
+                  [ECT_SIGNAL_I64] = {INT64_MIN, INT64_MAX},
+                  [ECT_SIGNAL_U64] = {0, INT64_MAX},
+                  [ECT_SIGNAL_REAL32] = {INT64_MIN, INT64_MAX},
+                  [ECT_SIGNAL_REAL] = {INT64_MIN, INT64_MAX},
                   [ECT_SIGNAL_TEXT] = {0, ECT_SIGNAL_LONGEST_TEXT},
                   [ECT_SIGNAL_BYTES] = {0, ECT_SIGNAL_LONGEST_BYTES}};
     const ect_signal_t *s = p->signal;

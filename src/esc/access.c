@@ -21,8 +21,19 @@ static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
     return -1;
 }
 
-/* RAM: the parts inside a SyncManager go by its rules, the rest is plain memory. */
-static bool ram_access(ect_esc_t *esc, const ect_access_t *access, uint32_t address, uint16_t length)
+/* Where SyncManagers rule, that is from the RAM on, or from the registers of the digital outputs on when one lies there. */
+static uint16_t first_managed(const ect_esc_t *esc)
+{
+    for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
+        uint16_t start = ect_load_le16(ect_esc_sm_registers(esc, n) + ECT_SM_START);
+        if (start >= ECT_REG_DIGITAL_OUTPUT && start < ECT_RAM && ect_esc_sm_enabled(esc, n))
+            return ECT_REG_DIGITAL_OUTPUT;
+    }
+    return ECT_RAM;
+}
+
+/* The parts inside a SyncManager go by its rules, the rest is plain memory, or registers. */
+static bool managed_access(ect_esc_t *esc, const ect_access_t *access, uint32_t address, uint16_t length)
 {
     if (!esc->sii_valid)
         return false;
@@ -34,12 +45,16 @@ static bool ram_access(ect_esc_t *esc, const ect_access_t *access, uint32_t addr
     uint32_t at = address;
     while (at < end) {
         uint32_t limit = end;
+        if (at < ECT_RAM && limit > ECT_RAM)
+            limit = ECT_RAM;
         int n = find_sm(esc, at, &limit);
         if (limit > end)
             limit = end;
         uint16_t part = (uint16_t)(limit - at);
         ect_access_t piece = ect_esc_slice(access, (uint16_t)(at - address));
-        if (n < 0) {
+        if (n < 0 && at < ECT_RAM) {
+            any |= ect_esc_register_access(esc, &piece, (uint16_t)at, part);
+        } else if (n < 0) {
             ect_esc_copy(&piece, esc->memory + at, 0, part);
             any = true;
         } else {
@@ -55,15 +70,17 @@ bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address
 {
     bool any = false;
     uint16_t in_registers = 0;
-    if (address < ECT_RAM) {
-        in_registers = (uint16_t)(ECT_RAM - address);
+    uint32_t end = (uint32_t)address + length;
+    uint16_t first = address < ECT_RAM && end > ECT_REG_DIGITAL_OUTPUT ? first_managed(esc) : ECT_RAM;
+    if (address < first) {
+        in_registers = (uint16_t)(first - address);
         if (in_registers > length)
             in_registers = length;
         any = ect_esc_register_access(esc, access, address, in_registers);
     }
     if (length > in_registers) {
         ect_access_t rest = ect_esc_slice(access, in_registers);
-        any |= ram_access(esc, &rest, (uint32_t)address + in_registers, (uint16_t)(length - in_registers));
+        any |= managed_access(esc, &rest, (uint32_t)address + in_registers, (uint16_t)(length - in_registers));
     }
     return any;
 }

@@ -37,6 +37,7 @@ static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_
     write_plain(esc, access, address, length);
     if (emulation(esc)) {
         memcpy(esc->memory + ECT_REG_AL_STATUS, esc->memory + ECT_REG_AL_CONTROL, 2);
+        esc->activity++; /* no event, but what stands for its logic wants to follow */
         return true;
     }
     esc->al_control_locked = true;

@@ -129,16 +129,29 @@ static void close_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
     notify(esc, n, side);
 }
 
-/* A SyncManager of one byte has no buffers: plain memory with events (data sheet I §8.5). */
-static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t start)
+/* A SyncManager of one byte has no buffers, and neither has one over the registers of the digital outputs: plain memory
+ * with events (data sheet I §8.5). */
+static bool is_transparent(const uint8_t *sm)
 {
-    if ((uint32_t)start >= esc->memory_size)
+    return sm_length(sm) == 1 || ect_load_le16(sm + ECT_SM_START) < ECT_RAM;
+}
+
+static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset,
+                               uint16_t length)
+{
+    uint8_t *sm = ect_esc_sm_registers(esc, n);
+    uint32_t at = (uint32_t)ect_load_le16(sm + ECT_SM_START) + offset;
+    if (at + length > esc->memory_size)
         return false;
-    ect_esc_copy(access, esc->memory + start, 0, 1);
-    const uint8_t *sm = ect_esc_sm_registers(esc, n);
+    ect_esc_copy(access, esc->memory + at, 0, length);
+    if (offset + length < sm_length(sm))
+        return true; /* the last byte tells the other side */
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
     if (producer != access->write)
         return true; /* looking at it against its direction means nothing to anybody */
+    unsigned int done = access->write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
+    sm[ECT_SM_STATUS] &= (uint8_t) ~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
+    sm[ECT_SM_STATUS] |= (uint8_t)done;
     if (access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
         ect_esc_watchdog_trigger(esc);
     quiet(esc, n, access->side);
@@ -177,8 +190,8 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
     ECT_ASSERT(ect_esc_sm_enabled(esc, n) && length > 0 && offset + length <= size);
     if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
         return false;
-    if (size == 1)
-        return access_transparent(esc, n, access, ect_load_le16(sm + ECT_SM_START));
+    if (is_transparent(sm))
+        return access_transparent(esc, n, access, offset, length);
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
     if (producer != access->write)
         return false;

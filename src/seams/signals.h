@@ -24,6 +24,10 @@ typedef enum ect_signal_type {
     ECT_SIGNAL_U16,   /**< uint16_t */
     ECT_SIGNAL_I32,   /**< int32_t */
     ECT_SIGNAL_U32,   /**< uint32_t */
+    ECT_SIGNAL_I8,    /**< int8_t */
+    ECT_SIGNAL_I64,   /**< int64_t */
+    ECT_SIGNAL_U64,   /**< uint64_t; up to INT64_MAX can be set */
+    ECT_SIGNAL_REAL32, /**< float */
     ECT_SIGNAL_REAL,  /**< double */
     ECT_SIGNAL_TEXT,  /**< char[maximum + 1], zero-terminated */
     ECT_SIGNAL_BYTES, /**< uint8_t[maximum]; written and read as hexadecimal digits */

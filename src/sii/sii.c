@@ -18,6 +18,7 @@ typedef struct pen {
     size_t at;
     size_t category; /* where the present category begins */
     size_t strings;  /* data of the string category */
+    bool entry_names; /* the least important texts: written while there is room for them */
     bool overflow;
 } pen_t;
 
@@ -77,7 +78,7 @@ static void intern(pen_t *p, const char *text)
     if (length == 0 || p->overflow || string_index(p, text) != 0)
         return;
     uint8_t *count = p->image + p->strings;
-    if (*count == 255 || length > LONGEST_STRING || p->at + 1 + length > p->size) {
+    if (*count == UINT8_MAX || length > LONGEST_STRING || p->at + 1 + length > p->size) {
         p->overflow = true;
         return;
     }
@@ -131,18 +132,30 @@ static uint16_t pdo_flags(const ect_device_t *device, const ect_object_t *pdo, u
     return mandatory ? ECT_PDO_FIXED | ECT_PDO_MANDATORY : ECT_PDO_FIXED;
 }
 
+static void intern_entries(pen_t *p, const ect_object_t *pdo)
+{
+    ect_od_t od = ect_device_od(p->device, NULL);
+    for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++) {
+        const ect_entry_t *entry = ect_od_mapped(&od, ect_od_element(pdo, n));
+        bool table_full = !p->overflow && p->image[p->strings] == UINT8_MAX;
+        if (entry && entry->name && strlen(entry->name) <= LONGEST_STRING && !table_full)
+            intern(p, entry->name);
+    }
+}
+
+/* First the names of all PDOs: they are few. */
 static void intern_pdos(pen_t *p)
 {
     const ect_device_t *device = p->device;
-    ect_od_t od = ect_device_od(device, NULL);
-    for (uint16_t i = 0; i < device->object_count; i++) {
-        const ect_object_t *object = &device->objects[i];
-        if (!is_pdo(object, true) && !is_pdo(object, false))
-            continue;
-        intern(p, object->name);
-        for (uint32_t n = 1; n <= ect_od_element(object, 0); n++) {
-            const ect_entry_t *entry = ect_od_mapped(&od, ect_od_element(object, n));
-            intern(p, entry ? entry->name : NULL);
+    for (unsigned int round = 0; round < (p->entry_names ? 2u : 1u); round++) {
+        for (uint16_t i = 0; i < device->object_count; i++) {
+            const ect_object_t *object = &device->objects[i];
+            if (!is_pdo(object, true) && !is_pdo(object, false))
+                continue;
+            if (round == 0)
+                intern(p, object->name);
+            else
+                intern_entries(p, object);
         }
     }
 }
@@ -246,11 +259,11 @@ static void put_strings(pen_t *p)
     intern(p, device->type_name);
     intern(p, device->group_type);
     intern(p, device->group_name);
-    intern_pdos(p);
     for (unsigned int i = 0; i < device->dc_mode_count; i++) {
         intern(p, device->dc_modes[i].name);
         intern(p, device->dc_modes[i].description);
     }
+    intern_pdos(p); /* last: of the names it is theirs that may not fit */
     end(p, 0);
 }
 
@@ -333,19 +346,12 @@ static void put_dc(pen_t *p)
     end(p, 0);
 }
 
-int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
-                      size_t size)
+/* @return whether everything found room */
+static bool write_image(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
+                        bool entry_names)
 {
-    if (size < device->sii_size || device->sii_size < ECT_SII_CATEGORIES)
-        return -1;
-    pen_t pen = {.device = device, .image = image, .size = device->sii_size};
-    memset(image, 0xFF, size);
-    identity = identity ? identity : &device->identity;
-    if (device->sii) {
-        memcpy(image, device->sii, device->sii_size);
-        put_identity(image, identity, alias);
-        return device->sii_size;
-    }
+    pen_t pen = {.device = device, .image = image, .size = device->sii_size, .entry_names = entry_names};
+    memset(image, 0xFF, device->sii_size);
     put_header(&pen, identity, alias);
     put_strings(&pen);
     put_general(&pen, alias);
@@ -355,7 +361,24 @@ int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity
     put_pdos(&pen, true);
     put_dc(&pen);
     put16(&pen, ECT_SII_END);
-    return pen.overflow ? -2 : (int32_t)device->sii_size;
+    return !pen.overflow;
+}
+
+int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
+                      size_t size)
+{
+    if (size < device->sii_size || device->sii_size < ECT_SII_CATEGORIES)
+        return -1;
+    memset(image, 0xFF, size);
+    identity = identity ? identity : &device->identity;
+    if (device->sii) {
+        memcpy(image, device->sii, device->sii_size);
+        put_identity(image, identity, alias);
+        return device->sii_size;
+    }
+    if (write_image(device, identity, alias, image, true) || write_image(device, identity, alias, image, false))
+        return device->sii_size;
+    return -2;
 }
 
 /* --- reading ----------------------------------------------------------------------------------------------------- */

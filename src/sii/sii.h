@@ -36,6 +36,7 @@ enum { ECT_SII_CATEGORIES = 0x80 };
  * Writes the image of a device: identity, mailboxes, strings, general, FMMUs, SyncManagers, PDOs with all entries,
  * distributed clocks, and 0xFF up to the end of the EEPROM. Of an image that the description brings along
  * (::ect_device_t::sii) only identity and alias are renewed.
+ * Names of PDO entries are left out when the EEPROM has no room for them, and those beyond the 255 that a table takes.
  * @param identity  NULL: the description's
  * @param alias     configured station alias, word 4; not 0: it is the explicit device id too, and the image says so
  * @param[out] image  `size` bytes; undefined on failure

@@ -13,7 +13,7 @@ void ect_cycle_outputs(ect_slave_t *s, uint32_t event)
     if (s->state < ECT_STATE_SAFEOP)
         return;
     ect_services_event(s, event);
-    unsigned int sms = (event / ECT_EVENT_SM0) & 0xFF;
+    unsigned int sms = ((event / ECT_EVENT_SM0) & 0xFF) | ect_pdo_written(s);
     ECT_ASSERT((s->outputs & s->inputs) == 0);
     if ((sms & s->outputs) != 0)
         ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);

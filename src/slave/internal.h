@@ -117,6 +117,8 @@ bool ect_sm_flush(ect_slave_t *s);
 uint16_t ect_pdo_configure(ect_slave_t *s);
 /* Runs that the mapping of SyncManager `sm` falls into, where it is a constant one. */
 uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm);
+/* Outputs that were written and whose SyncManagers raise no event. */
+unsigned int ect_pdo_written(ect_slave_t *s);
 /* Takes the outputs of those SyncManagers that were written. */
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
 bool ect_pdo_inputs(ect_slave_t *s);

@@ -184,6 +184,22 @@ static void pack(ect_slave_t *s, const ect_sm_image_t *of)
     }
 }
 
+/* A SyncManager without an event tells in its status that it was written and not read since. */
+unsigned int ect_pdo_written(ect_slave_t *s)
+{
+    const ect_device_t *device = s->config.device;
+    unsigned int sms = 0;
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        uint8_t status = 0;
+        if ((s->outputs & 1u << sm) == 0 || (device->sm[sm].control & ECT_SM_CONTROL_AL_EVENT) != 0)
+            continue;
+        uint16_t address = (uint16_t)(ECT_REG_SM + ECT_SM_SIZE * sm + ECT_SM_STATUS);
+        if (ect_slave_read(s, address, &status, 1) && (status & ECT_SM_STATUS_WRITTEN) != 0)
+            sms |= 1u << sm;
+    }
+    return sms;
+}
+
 /* Not applied (SAFEOP), they are fetched all the same: the event goes, the buffer is free. */
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply)
 {

@@ -119,11 +119,17 @@ static void device_requests(ect_slave_t *s)
         ect_machine_drop(s, to, code, ECT_CAUSE_LOCAL);
 }
 
+/* A chip that answers AL control by itself (0x0141 bit 0) raises no event: the request is looked at each time. */
+static bool emulated(const ect_slave_t *s)
+{
+    return (s->config.device->esc_config[1] & 1u) != 0;
+}
+
 /* What the master did to state machine, SyncManagers and watchdog. */
 static void control(ect_slave_t *s, uint32_t event)
 {
     s->due |= event;
-    if ((s->due & ECT_EVENT_AL_CONTROL) != 0)
+    if ((s->due & ECT_EVENT_AL_CONTROL) != 0 || emulated(s))
         ect_machine_al_control(s);
     if (s->request_due)
         ect_machine_request(s);

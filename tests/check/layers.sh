@@ -34,5 +34,6 @@ done
 check ports/virtual wire seams esc
 check ports/template wire seams
 check check wire seams od esc sii
+check esi wire seams od esc slave sii check
 check bus wire seams od esc slave sii devices ports
 exit $status

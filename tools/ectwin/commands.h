@@ -14,6 +14,7 @@
 #include "bus/chain.h"
 #include "bus/eeprom.h"
 #include "bus/memory.h"
+#include "esi/twin.h"
 #include "bus/runner.h"
 
 /** Exit codes: a contract (README). */
@@ -39,6 +40,12 @@ typedef struct identity_wish {
 } identity_wish_t;
 
 /** The twins that a command line asks for: devices and the options that shape them. */
+/* What stands in a slot of a modular twin; `twin` counts from 1. */
+typedef struct twin_module {
+    size_t twin;
+    ect_module_choice_t choice;
+} twin_module_t;
+
 typedef struct twin_args {
     ect_twin_config_t *twins;
     size_t count;
@@ -50,6 +57,8 @@ typedef struct twin_args {
     const char *store;     /* folder of the twins' non-volatile memory, NULL: none */
     const char **settings; /* "[N:]NAME=VALUE" */
     size_t setting_count;
+    twin_module_t *modules;
+    size_t module_count;
     ect_eeprom_t **eeproms;  /* one a twin, where there is a store */
     ect_memory_t **memories; /* one a twin, once they are powered on */
 } twin_args_t;

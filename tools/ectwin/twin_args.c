@@ -6,10 +6,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "bus/catalogue.h"
 #include "bus/rights.h"
 #include "bus/settings.h"
 #include "commands.h"
+#include "products.h"
 #include "sii/sii.h"
 
 enum {
@@ -25,7 +25,8 @@ enum {
     KEY_SEED,
     KEY_STORE,
     KEY_SET,
-    KEY_REALTIME
+    KEY_REALTIME,
+    KEY_MODULE
 };
 
 static const struct argp_option options[] = {
@@ -42,6 +43,7 @@ static const struct argp_option options[] = {
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
     {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
+    {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
     {"drop", KEY_DROP, "PERCENT", 0, "Lose so many frames, 0 to 100, half of them on the way back (default 0)", 1},
     {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
@@ -84,6 +86,28 @@ static void add_setting(twin_args_t *args, const struct argp_state *state, const
         argp_error(state, "--set takes NAME=VALUE, not '%s'", text);
     args->settings = grown;
     args->settings[args->setting_count++] = text;
+}
+
+/* A number and a colon in front of a setting name a twin; without them it is the first. Sets `text` to what follows. */
+static size_t twin_of(const char **text)
+{
+    char *end;
+    unsigned long number = strtoul(*text, &end, 10);
+    if (end == *text || *end != ':')
+        return 1;
+    *text = end + 1;
+    return number <= UINT16_MAX ? number : 0;
+}
+
+static void add_module(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char *rest = text;
+    twin_module_t module = {.twin = twin_of(&rest)};
+    twin_module_t *grown = realloc(args->modules, (args->module_count + 1) * sizeof *grown);
+    if (!grown || module.twin == 0 || !product_parse_module(rest, &module.choice))
+        argp_error(state, "--module takes SLOT=IDENT, as in 1=0x00000120, not '%s'", text);
+    args->modules = grown;
+    args->modules[args->module_count++] = module;
 }
 
 /* --- who the twins say they are ----------------------------------------------------------------------------------- */
@@ -209,6 +233,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_REALTIME:
         args->realtime = parse_priority(state, text);
         return 0;
+    case KEY_MODULE:
+        add_module(args, state, text);
+        return 0;
     case KEY_SET:
         add_setting(args, state, text);
         return 0;
@@ -228,15 +255,18 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 const struct argp twin_argp = {.options = options, .parser = parse};
 
-static void unknown_device(const struct argp_state *state, const char *name)
+/* The product of a name at a place in the chain, with the modules for that place; NULL and a message. */
+static const ect_product_t *find_product(const twin_args_t *args, const char *name, size_t place, char *message)
 {
-    char known[512] = "";
-    const ect_product_t *product;
-    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", product->device->name);
+    ect_module_choice_t *choices = calloc(args->module_count + 1, sizeof *choices);
+    size_t count = 0;
+    for (size_t i = 0; choices && i < args->module_count; i++) {
+        if (args->modules[i].twin == place)
+            choices[count++] = args->modules[i].choice;
     }
-    argp_failure(state, EXIT_USAGE, 0, "there is no device '%s'; there are: %s", name, known);
+    const ect_product_t *product = choices ? product_find(name, choices, count, message) : NULL;
+    free(choices);
+    return product;
 }
 
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
@@ -244,9 +274,10 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     char *copy = strdup(list);
     char *rest = copy;
     for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
-        const ect_product_t *product = ect_catalogue_find(name);
+        char message[PRODUCT_MESSAGE] = "out of memory";
+        const ect_product_t *product = find_product(args, name, args->count + 1, message);
         if (!product)
-            unknown_device(state, name);
+            argp_failure(state, EXIT_USAGE, 0, "%s", message);
         ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
         if (!grown)
             argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
@@ -320,17 +351,6 @@ static bool open_eeproms(twin_args_t *args, const char *who)
     if (!done)
         fprintf(stderr, "%s: %s\n", who, message);
     return done;
-}
-
-/* Which twin a setting is for: what stands before its colon, else the first. Sets `setting` to what follows. */
-static size_t twin_of(const char **setting)
-{
-    char *end;
-    unsigned long number = strtoul(*setting, &end, 10);
-    if (end == *setting || *end != ':')
-        return 1;
-    *setting = end + 1;
-    return number <= UINT16_MAX ? number : 0;
 }
 
 static bool outlasts_power(const ect_signal_ref_t *ref)
@@ -439,6 +459,7 @@ void twin_args_free(twin_args_t *args)
     free(args->eeproms);
     free(args->settings);
     free(args->wishes);
+    free(args->modules);
     free(args->twins);
     args->twins = NULL;
 }

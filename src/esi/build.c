@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+#include "esi/internal.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *print(ect_build_t *build, const char *format, va_list arguments)
+{
+    char line[400];
+    (void)vsnprintf(line, sizeof line, format, arguments);
+    return ect_arena_copy(build->arena, line, strlen(line));
+}
+
+void ect_build_note(ect_build_t *build, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const char *line = print(build, format, arguments);
+    va_end(arguments);
+    for (size_t i = 0; i < build->note_count; i++) {
+        if (strcmp(build->notes[i], line) == 0)
+            return;
+    }
+    build->notes = ect_arena_grow(build->arena, build->notes, build->note_count, sizeof *build->notes);
+    build->notes[build->note_count++] = line;
+}
+
+void ect_build_fail(ect_build_t *build, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    if (build->failure == NULL)
+        build->failure = print(build, format, arguments);
+    va_end(arguments);
+}
+
+/* Characters beyond ISO 646 that names in these files have, and what is written for them. */
+static const struct {
+    const char *utf8, *plain;
+} spellings[] = {
+    {"\u00E4", "ae"},  {"\u00F6", "oe"}, {"\u00FC", "ue"},  {"\u00C4", "Ae"}, {"\u00D6", "Oe"},
+    {"\u00DC", "Ue"},  {"\u00DF", "ss"}, {"\u00B5", "u"},   {"\u03BC", "u"},  {"\u00B0", "deg"},
+    {"\u03A9", "Ohm"}, {"\u2013", "-"},  {"\u00B1", "+/-"}, {"\u00B2", "2"},  {"\u00B3", "3"},
+};
+
+/* @return bytes of the character at `text`; *plain is what to write for it */
+static size_t spell(const char *text, const char **plain)
+{
+    for (size_t i = 0; i < sizeof spellings / sizeof spellings[0]; i++) {
+        size_t length = strlen(spellings[i].utf8);
+        if (strncmp(text, spellings[i].utf8, length) == 0) {
+            *plain = spellings[i].plain;
+            return length;
+        }
+    }
+    size_t length = 1;
+    while (((unsigned char)text[length] & 0xC0) == 0x80)
+        length++;
+    *plain = (unsigned char)*text < 0x80 ? " " : "?"; // control characters, such as the end of a line, part words
+    return length;
+}
+
+const char *ect_build_text(ect_build_t *build, const char *text, size_t longest)
+{
+    char *result = ect_arena_alloc(build->arena, longest + 1);
+    size_t length = 0;
+    while (*text != '\0' && length < longest) {
+        const char *plain = NULL;
+        if (*text >= ' ' && *text <= '~') {
+            result[length++] = *text++;
+            continue;
+        }
+        text += spell(text, &plain);
+        for (; *plain != '\0' && length < longest; plain++)
+            result[length++] = *plain;
+    }
+    return result;
+}
+
+ect_build_object_t *ect_build_find(const ect_build_t *build, uint16_t index)
+{
+    for (size_t i = 0; i < build->object_count; i++) {
+        if (build->objects[i].index == index)
+            return &build->objects[i];
+    }
+    return NULL;
+}
+
+ect_build_object_t *ect_build_object(ect_build_t *build, uint16_t index, uint16_t code, const char *name)
+{
+    build->objects = ect_arena_grow(build->arena, build->objects, build->object_count, sizeof *build->objects);
+    ect_build_object_t *object = &build->objects[build->object_count++];
+    *object = (ect_build_object_t){.index = index, .code = code, .name = ect_build_text(build, name, ECT_BUILD_TEXT)};
+    return object;
+}
+
+ect_build_entry_t *ect_build_entry(const ect_build_object_t *object, uint8_t subindex)
+{
+    for (size_t i = 0; i < object->count; i++) {
+        if (object->entries[i].subindex == subindex)
+            return &object->entries[i];
+    }
+    return NULL;
+}
+
+ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object, uint8_t subindex, uint16_t data_type,
+                                 uint32_t bits, uint16_t access, const char *name)
+{
+    object->entries = ect_arena_grow(build->arena, object->entries, object->count, sizeof *object->entries);
+    ect_build_entry_t *entry = &object->entries[object->count++];
+    *entry = (ect_build_entry_t){.subindex = subindex,
+                                 .data_type = data_type,
+                                 .bits = (uint16_t)(bits <= UINT16_MAX ? bits : UINT16_MAX / 8 * 8),
+                                 .access = access,
+                                 .name = ect_build_text(build, name, ECT_BUILD_TEXT)};
+    if (bits > UINT16_MAX)
+        ect_build_note(build, "object %04X:%u has %u bytes; the twin has its first %u", (unsigned int)object->index,
+                       (unsigned int)subindex, (unsigned int)(bits / 8), (unsigned int)entry->bits / 8);
+    return entry;
+}
+
+void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t value)
+{
+    size_t length = (entry->bits + 7u) / 8u;
+    uint8_t *bytes = ect_arena_alloc(build->arena, 8);
+    for (unsigned int i = 0; i < 8; i++)
+        bytes[i] = (uint8_t)(value >> 8 * i);
+    entry->initial = (ect_esi_bytes_t){.bytes = bytes, .length = length < 8 ? length : 8};
+}
+
+uint64_t ect_build_number(const ect_build_entry_t *entry)
+{
+    uint64_t value = 0;
+    size_t length = entry->initial.length < 8 ? entry->initial.length : 8;
+    for (size_t i = length; i-- > 0;)
+        value = value << 8 | entry->initial.bytes[i];
+    return value;
+}
+
+ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const char *name, const char *element,
+                                      uint16_t data_type, uint16_t access, const uint32_t *values, size_t count,
+                                      size_t capacity)
+{
+    uint32_t bits = data_type == ECT_TYPE_UNSIGNED8 ? 8 : data_type == ECT_TYPE_UNSIGNED16 ? 16 : 32;
+    ect_build_object_t *object = ect_build_find(build, index);
+    if (object == NULL)
+        object = ect_build_object(build, index, ECT_OBJECT_ARRAY, name);
+    if (*name != '\0')
+        object->name = ect_build_text(build, name, ECT_BUILD_TEXT);
+    object->code = data_type == ECT_TYPE_UNSIGNED32 ? ECT_OBJECT_RECORD : ECT_OBJECT_ARRAY;
+    object->entries = NULL;
+    object->count = 0;
+    object->complete = true;
+    ect_build_entry_t *entry = ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED8, 8, access, "Number of entries");
+    ect_build_initial(build, entry, count);
+    for (size_t i = 0; i < capacity; i++) {
+        entry = ect_build_add(build, object, (uint8_t)(i + 1), data_type, bits, access, element);
+        ect_build_initial(build, entry, i < count ? values[i] : 0);
+    }
+    return object;
+}
+
+static int compare_objects(const void *a, const void *b)
+{
+    return (int)((const ect_build_object_t *)a)->index - (int)((const ect_build_object_t *)b)->index;
+}
+
+static int compare_entries(const void *a, const void *b)
+{
+    return (int)((const ect_build_entry_t *)a)->subindex - (int)((const ect_build_entry_t *)b)->subindex;
+}
+
+void ect_build_sort(ect_build_t *build)
+{
+    for (size_t i = 0; i < build->object_count; i++) {
+        ect_build_object_t *object = &build->objects[i];
+        if (object->code != ECT_OBJECT_VAR && !object->complete) {
+            uint8_t highest = 0;
+            for (size_t k = 0; k < object->count; k++)
+                highest = object->entries[k].subindex > highest ? object->entries[k].subindex : highest;
+            ect_build_entry_t *zero =
+                ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries");
+            ect_build_initial(build, zero, highest);
+        }
+        qsort(object->entries, object->count, sizeof *object->entries, compare_entries);
+    }
+    if (build->object_count > 0)
+        qsort(build->objects, build->object_count, sizeof *build->objects, compare_objects);
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/* Modular devices: a module brings PDOs and objects, whose indices move with the slot in which it stands. */
+#include <string.h>
+
+#include "esi/internal.h"
+
+/* Without CoE the index of a PDO means nothing to a master, and may be that of something else (SoE: S-0-0016). It gets
+ * one that a mapping object can have. */
+static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo_shift)
+{
+    uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? pdo_shift : 0));
+    uint16_t first = model->tx ? 0x1A00 : 0x1600;
+    if (build->model->mailbox.coe || (index >= first && index < first + 0x200))
+        return index;
+    uint16_t substitute = first;
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (build->pdos[i].index == substitute)
+            substitute++;
+    }
+    ect_build_note(build, "line %d: PDO %04X is PDO %04X in the SII of the twin", model->line, (unsigned int)index,
+                   (unsigned int)substitute);
+    return substitute;
+}
+
+static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo_shift, uint32_t index_shift)
+{
+    uint16_t index = index_of(build, model, pdo_shift);
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (build->pdos[i].index == index && build->pdos[i].model->tx == model->tx) {
+            ect_build_note(build, "line %d: PDO %04X is there twice: the first one counts", model->line,
+                           (unsigned int)index);
+            return;
+        }
+    }
+    build->pdos = ect_arena_grow(build->arena, build->pdos, build->pdo_count, sizeof *build->pdos);
+    build->pdos[build->pdo_count++] =
+        (ect_build_pdo_t){.model = model, .index = index, .pdo_shift = pdo_shift, .index_shift = index_shift};
+}
+
+static const ect_esi_module_t *find_module(const ect_esi_device_t *model, uint32_t ident)
+{
+    for (size_t i = 0; i < model->module_count; i++) {
+        if (model->modules[i].ident == ident)
+            return &model->modules[i];
+    }
+    return NULL;
+}
+
+static bool slot_takes(const ect_esi_slot_t *slot, const ect_esi_module_t *module)
+{
+    for (size_t i = 0; i < slot->ident_count; i++) {
+        if (slot->idents[i] == module->ident)
+            return true;
+    }
+    for (size_t i = 0; i < slot->class_count; i++) {
+        if (strcmp(slot->classes[i], module->module_class) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* One place for a module. */
+typedef struct place {
+    const ect_esi_slot_t *slot;
+    unsigned int number;   /* in the device, from 0 */
+    unsigned int instance; /* of that slot, from 0 */
+} place_t;
+
+static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
+{
+    const ect_esi_module_t *module = find_module(build->model, ident);
+    if (module == NULL || !slot_takes(place->slot, module)) {
+        ect_build_fail(build, "slot %u (%s) takes no module 0x%08X", place->number + 1, place->slot->name,
+                       (unsigned int)ident);
+        return;
+    }
+    unsigned int steps = place->slot->own_increments ? place->instance : place->number;
+    uint32_t index_shift = steps * place->slot->index_increment;
+    for (size_t i = 0; i < module->pdo_count; i++)
+        add_pdo(build, &module->pdos[i], steps * place->slot->pdo_increment, index_shift);
+    ect_build_objects(build, &module->dictionary, index_shift);
+}
+
+/* What stands in a place: what the user chose, else what the file presets in as many as must be there. */
+static uint32_t ident_in(const place_t *place, const ect_module_choice_t *choices, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (choices[i].slot == place->number)
+            return choices[i].ident;
+    }
+    unsigned int preset = place->slot->instances_min > 0 ? place->slot->instances_min : 1;
+    return place->instance < preset ? place->slot->preset : 0;
+}
+
+void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count)
+{
+    const ect_esi_device_t *model = build->model;
+    place_t place = {.number = 0};
+    for (size_t i = 0; i < model->pdo_count; i++)
+        add_pdo(build, &model->pdos[i], 0, 0);
+    for (size_t i = 0; i < model->slot_count; i++) {
+        place.slot = &model->slots[i];
+        for (place.instance = 0; place.instance < place.slot->instances_max; place.instance++, place.number++) {
+            uint32_t ident = ident_in(&place, choices, count);
+            if (ident != 0)
+                insert(build, &place, ident);
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (choices[i].slot >= place.number)
+            ect_build_fail(build, "there is no slot %u; the device has %u", choices[i].slot + 1, place.number);
+    }
+}

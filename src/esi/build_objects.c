@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+/* Objects of the dictionary: a type with sub-items is a record, one whose sub-items hold an array is an array. */
+#include <string.h>
+#include <strings.h>
+
+#include "esi/internal.h"
+
+/* In which states an access is allowed; what a file says otherwise means all. */
+static uint16_t states(const char *restriction, uint16_t preop, uint16_t safeop, uint16_t op)
+{
+    const struct {
+        const char *name;
+        unsigned int bits;
+    } known[] = {
+        {"PreOP", preop},   {"PreOP_SafeOP", (unsigned int)preop | safeop}, {"PreOP_OP", (unsigned int)preop | op},
+        {"SafeOP", safeop}, {"SafeOP_OP", (unsigned int)safeop | op},       {"OP", op},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strcasecmp(known[i].name, restriction) == 0)
+            return (uint16_t)known[i].bits;
+    }
+    return (uint16_t)(preop | safeop | op);
+}
+
+/* A sub-item says it itself, or its object does. */
+static const char *either(const char *own, const char *inherited)
+{
+    return *own != '\0' ? own : inherited;
+}
+
+static uint16_t access_of(const ect_esi_flags_t *own, const ect_esi_flags_t *object)
+{
+    const char *access = either(own->access, object->access);
+    const char *mapping = either(own->mapping, object->mapping);
+    uint16_t bits = 0;
+    if (strcmp(access, "wo") != 0)
+        bits = (uint16_t)(bits | states(either(own->read_in, object->read_in), ECT_ACCESS_R_PREOP, ECT_ACCESS_R_SAFEOP,
+                                        ECT_ACCESS_R_OP));
+    if (strcmp(access, "rw") == 0 || strcmp(access, "wo") == 0)
+        bits = (uint16_t)(bits | states(either(own->write_in, object->write_in), ECT_ACCESS_W_PREOP,
+                                        ECT_ACCESS_W_SAFEOP, ECT_ACCESS_W_OP));
+    if (strpbrk(mapping, "tT") != NULL)
+        bits |= ECT_ACCESS_TXPDO;
+    if (strpbrk(mapping, "rR") != NULL)
+        bits |= ECT_ACCESS_RXPDO;
+    if (own->backup || object->backup)
+        bits |= ECT_ACCESS_BACKUP;
+    if (own->setting || object->setting)
+        bits |= ECT_ACCESS_SETTING;
+    return bits;
+}
+
+static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
+{
+    size_t room = (entry->bits + 7u) / 8u;
+    if (info->initial.bytes != NULL) {
+        entry->initial = info->initial;
+        if (entry->initial.length > room)
+            entry->initial.length = room; /* a number of 8 bytes for a shorter entry, or a text that is too long */
+    }
+    if (info->minimum.given)
+        entry->minimum = info->minimum;
+    if (info->maximum.given)
+        entry->maximum = info->maximum;
+}
+
+/* One object while its entries are added. */
+typedef struct maker {
+    ect_build_t *build;
+    const ect_esi_dictionary_t *dictionary;
+    const ect_esi_object_t *model;
+    ect_build_object_t *object;
+} maker_t;
+
+/* What the object says of an entry: by the sub-item's name, or by its place among the entries. */
+static const ect_esi_info_t *info_of(const ect_esi_object_t *model, const char *name, size_t place)
+{
+    if (place < model->item_count && strcmp(model->items[place].name, name) == 0)
+        return &model->items[place];
+    for (size_t i = 0; i < model->item_count; i++) {
+        if (strcmp(model->items[i].name, name) == 0)
+            return &model->items[i];
+    }
+    return place < model->item_count ? &model->items[place] : NULL;
+}
+
+static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *item, const char *name,
+                      const char *type_name, uint32_t bits)
+{
+    ect_esi_basic_t basic;
+    if (subindex > UINT8_MAX || ect_build_entry(m->object, (uint8_t)subindex) != NULL ||
+        !ect_esi_resolve(m->dictionary, type_name, bits, &basic)) {
+        ect_build_note(m->build, "line %d: object %04X: sub-index %u of type %s is left out: %s", item->line,
+                       (unsigned int)m->object->index, subindex, type_name,
+                       subindex > UINT8_MAX                                    ? "255 is the highest"
+                       : ect_build_entry(m->object, (uint8_t)subindex) != NULL ? "it is there already"
+                                                                               : "its length is not known");
+        return;
+    }
+    size_t place = m->object->count;
+    ect_build_entry_t *entry = ect_build_add(m->build, m->object, (uint8_t)subindex, basic.code, basic.bits,
+                                             access_of(&item->flags, &m->model->flags), name);
+    entry->minimum = basic.minimum;
+    entry->maximum = basic.maximum;
+    take_info(entry, &item->info);
+    const ect_esi_info_t *info = info_of(m->model, name, place);
+    if (info != NULL)
+        take_info(entry, info);
+}
+
+/* A sub-item without a number holds the elements of an array. */
+static void add_elements(maker_t *m, const ect_esi_item_t *item, const ect_esi_type_t *array)
+{
+    uint32_t bits = array->elements.value > 0 ? array->bits / (uint32_t)array->elements.value : 0;
+    unsigned int first = array->first.given && array->first.value > 0 ? (unsigned int)array->first.value : 1;
+    m->object->code = ECT_OBJECT_ARRAY;
+    for (unsigned int i = 0; i < array->elements.value && first + i <= UINT8_MAX; i++) {
+        const char *name = ect_arena_print(m->build->arena, "SubIndex %03u", first + i);
+        add_entry(m, first + i, item, name, array->base, bits);
+    }
+}
+
+static void add_items(maker_t *m, const ect_esi_type_t *type)
+{
+    unsigned int next = 0;
+    for (size_t i = 0; i < type->item_count; i++) {
+        const ect_esi_item_t *item = &type->items[i];
+        const ect_esi_type_t *array = ect_esi_find_type(m->dictionary, item->type);
+        if (item->subindex < 0 && array != NULL && array->elements.given) {
+            add_elements(m, item, array);
+            continue;
+        }
+        unsigned int subindex = item->subindex >= 0 ? (unsigned int)item->subindex : next;
+        add_entry(m, subindex, item, item->name, item->type, item->bits);
+        next = subindex + 1;
+    }
+}
+
+/* Sub-index 0 says how many there are: where the file does not, they are counted. */
+static void count_entries(ect_build_t *build, ect_build_object_t *object)
+{
+    ect_build_entry_t *zero = ect_build_entry(object, 0);
+    uint8_t highest = 0;
+    for (size_t i = 0; i < object->count; i++)
+        highest = object->entries[i].subindex > highest ? object->entries[i].subindex : highest;
+    object->complete = zero != NULL;
+    if (zero != NULL && (zero->data_type != ECT_TYPE_UNSIGNED8 || zero->bits != 8)) {
+        ect_build_note(build, "object %04X: its sub-index 0 is no USINT in the file; it is one",
+                       (unsigned int)object->index);
+        zero->data_type = ECT_TYPE_UNSIGNED8;
+        zero->bits = 8;
+        zero->initial.length = zero->initial.length > 0 ? 1 : 0;
+    }
+    if (zero != NULL && (zero->initial.bytes == NULL || ect_build_number(zero) > highest))
+        ect_build_initial(build, zero, highest);
+}
+
+static bool is_mapping(uint16_t index)
+{
+    return (index >= 0x1600 && index < 0x1800) || (index >= 0x1A00 && index < 0x1C00);
+}
+
+static bool has_pdo(const ect_esi_pdo_t *pdos, size_t count, uint16_t index)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (pdos[i].index == index && !pdos[i].virtual_pdo)
+            return true;
+    }
+    return false;
+}
+
+static bool is_pdo_of(const ect_esi_device_t *model, uint16_t index)
+{
+    for (size_t i = 0; i < model->module_count; i++) {
+        if (has_pdo(model->modules[i].pdos, model->modules[i].pdo_count, index))
+            return true;
+    }
+    return has_pdo(model->pdos, model->pdo_count, index);
+}
+
+static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionary, const ect_esi_object_t *model,
+                       uint32_t shift)
+{
+    uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? shift : 0));
+    if (is_mapping(index) && !is_pdo_of(build->model, model->index)) {
+        ect_build_note(build, "line %d: object %04X is none of the file's PDOs: it is left out", model->line,
+                       (unsigned int)index);
+        return;
+    }
+    if (ect_build_find(build, index) != NULL) {
+        ect_build_note(build, "line %d: object %04X is there twice: the first one counts", model->line,
+                       (unsigned int)index);
+        return;
+    }
+    const ect_esi_type_t *type = ect_esi_find_type(dictionary, model->type);
+    bool record = type != NULL && type->item_count > 0;
+    maker_t maker = {.build = build, .dictionary = dictionary, .model = model};
+    maker.object = ect_build_object(build, index, record ? ECT_OBJECT_RECORD : ECT_OBJECT_VAR, model->name);
+    if (record) {
+        add_items(&maker, type);
+        count_entries(build, maker.object);
+    } else {
+        const ect_esi_item_t alone = {.info = model->info,
+                                      .line = model->line,
+                                      .flags = {.access = "", .read_in = "", .write_in = "", .mapping = ""}};
+        add_entry(&maker, 0, &alone, model->name, model->type, model->bits);
+    }
+    if (maker.object->count == 0)
+        build->object_count--; /* nothing of it could be read; a note says why */
+}
+
+void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift)
+{
+    for (size_t i = 0; i < dictionary->object_count; i++)
+        add_object(build, dictionary, &dictionary->objects[i], shift);
+}

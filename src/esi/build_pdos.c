@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT */
+/* PDOs become mapping objects, what they map becomes mappable, and what is assigned by default is. */
+#include <string.h>
+
+#include "esi/internal.h"
+
+enum { LONGEST_MAPPING = 254, LONGEST_ENTRY = 255, ASSIGNMENT = 0x1C10 };
+
+static bool is_input_sm(const ect_esi_sm_t *sm)
+{
+    return strstr(sm->type, "Inputs") != NULL; // also "DynamicInputs"
+}
+
+static bool is_output_sm(const ect_esi_sm_t *sm)
+{
+    return strstr(sm->type, "Outputs") != NULL;
+}
+
+static bool sm_takes(const ect_esi_device_t *model, int sm, const ect_esi_pdo_t *pdo)
+{
+    if (sm < 0 || (size_t)sm >= model->sm_count || model->sms[sm].virtual_sm)
+        return false;
+    return pdo->tx ? is_input_sm(&model->sms[sm]) : is_output_sm(&model->sms[sm]);
+}
+
+/* --- what is mapped ---------------------------------------------------------------------------------------------- */
+
+/* A value that the dictionary has without sub-indices, and a PDO with: the PDO is what masters go by. */
+static void make_record(ect_build_t *build, ect_build_object_t *object)
+{
+    ect_build_note(build, "object %04X is a single value in the dictionary and a record in a PDO: it is a record",
+                   (unsigned int)object->index);
+    object->code = ECT_OBJECT_RECORD;
+    object->complete = false;
+    object->count = 0;
+}
+
+static ect_build_entry_t *entry_for(ect_build_t *build, const ect_esi_entry_t *model, uint16_t index)
+{
+    ect_build_object_t *object = ect_build_find(build, index);
+    if (object == NULL)
+        object = ect_build_object(build, index, model->subindex == 0 ? ECT_OBJECT_VAR : ECT_OBJECT_RECORD, model->name);
+    else if (object->code == ECT_OBJECT_VAR && model->subindex != 0)
+        make_record(build, object);
+    ect_build_entry_t *entry = ect_build_entry(object, model->subindex);
+    if (entry != NULL)
+        return entry;
+    ect_build_entry_t *zero = ect_build_entry(object, 0);
+    if (object->code != ECT_OBJECT_VAR && zero != NULL && ect_build_number(zero) < model->subindex)
+        ect_build_initial(build, zero, model->subindex);
+    return ect_build_add(build, object, model->subindex, ECT_TYPE_NONE, 0, ECT_ACCESS_RO, model->name);
+}
+
+/* Two PDOs may map an entry at different lengths: it is as long as the longest. */
+static void widen(ect_build_t *build, ect_build_entry_t *entry, const ect_esi_entry_t *model)
+{
+    ect_esi_basic_t basic;
+    if (entry->bits >= model->bits || !ect_esi_resolve(&build->model->dictionary, model->type, model->bits, &basic))
+        return;
+    entry->data_type = basic.code;
+    entry->bits = (uint16_t)basic.bits;
+}
+
+static bool map_entry(ect_build_t *build, const ect_build_pdo_t *pdo, const ect_esi_entry_t *model, uint16_t index)
+{
+    if (index >= 0x1600 && index < 0x1C00) {
+        ect_build_note(build, "line %d: PDO %04X maps %04X:%u, which is a mapping itself: it is a gap", model->line,
+                       (unsigned int)pdo->index, (unsigned int)index, (unsigned int)model->subindex);
+        return false;
+    }
+    const ect_build_object_t *object = ect_build_find(build, index);
+    if (object != NULL && object->code != ECT_OBJECT_VAR && model->subindex == 0 && model->bits > 8) {
+        ect_build_note(build, "line %d: PDO %04X maps %u bits of %04X:0, which has 8: they are a gap", model->line,
+                       (unsigned int)pdo->index, (unsigned int)model->bits, (unsigned int)index);
+        return false;
+    }
+    ect_build_entry_t *entry = entry_for(build, model, index);
+    widen(build, entry, model);
+    entry->access |= pdo->model->tx ? ECT_ACCESS_TXPDO : ECT_ACCESS_RXPDO;
+    return true;
+}
+
+/* --- mapping objects --------------------------------------------------------------------------------------------- */
+
+static size_t mapping_values(ect_build_t *build, const ect_build_pdo_t *pdo, uint32_t *values)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < pdo->model->entry_count; i++) {
+        const ect_esi_entry_t *entry = &pdo->model->entries[i];
+        uint16_t index = (uint16_t)(entry->index + (entry->depends_on_slot ? pdo->index_shift : 0));
+        uint32_t bits = entry->bits;
+        if (entry->index == 0 || !map_entry(build, pdo, entry, index)) {
+            for (; bits > 0 && count < LONGEST_MAPPING; bits -= bits < LONGEST_ENTRY ? bits : LONGEST_ENTRY)
+                values[count++] = bits < LONGEST_ENTRY ? bits : LONGEST_ENTRY;
+        } else if (count < LONGEST_MAPPING) {
+            values[count++] = (uint32_t)index << 16 | (uint32_t)entry->subindex << 8 | bits;
+        }
+    }
+    return count;
+}
+
+static const char *why_not(const ect_build_pdo_t *pdo)
+{
+    const ect_esi_pdo_t *model = pdo->model;
+    uint16_t first = model->tx ? 0x1A00 : 0x1600;
+    if (model->virtual_pdo)
+        return "it maps registers of the controller";
+    if (pdo->index < first || pdo->index >= first + 0x200)
+        return "its index is none of a PDO";
+    if (model->entry_count > LONGEST_MAPPING)
+        return "a mapping object has at most 254 entries";
+    for (size_t i = 0; i < model->entry_count; i++) {
+        if (model->entries[i].index != 0 && model->entries[i].bits > LONGEST_ENTRY)
+            return "an entry can map at most 255 bits";
+    }
+    return NULL;
+}
+
+static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
+{
+    uint32_t values[LONGEST_MAPPING];
+    const char *why = why_not(pdo);
+    pdo->usable = why == NULL;
+    if (why != NULL) {
+        ect_build_note(build, "line %d: PDO %04X (%s) is left out: %s", pdo->model->line, (unsigned int)pdo->index,
+                       pdo->model->name, why);
+        return;
+    }
+    size_t count = mapping_values(build, pdo, values);
+    const ect_build_object_t *described = ect_build_find(build, pdo->index);
+    bool changeable = build->model->mailbox.pdo_config && !pdo->model->fixed;
+    size_t capacity = described != NULL && described->count > count + 1 ? described->count - 1 : count;
+    (void)ect_build_numbers(build, pdo->index, pdo->model->name, "Mapped object", ECT_TYPE_UNSIGNED32,
+                            changeable ? ECT_ACCESS_RW_PREOP : ECT_ACCESS_RO, values, count, capacity);
+}
+
+/* --- assignment -------------------------------------------------------------------------------------------------- */
+
+static bool excludes(const ect_build_pdo_t *a, const ect_build_pdo_t *b)
+{
+    for (size_t i = 0; i < a->model->exclude_count; i++) {
+        if (a->model->exclude[i] + (a->model->depends_on_slot ? a->pdo_shift : 0) == b->index)
+            return true;
+    }
+    return false;
+}
+
+static const ect_build_pdo_t *rival(const ect_build_t *build, const ect_build_pdo_t *pdo)
+{
+    for (const ect_build_pdo_t *other = build->pdos; other < pdo; other++) {
+        if (other->assigned && (excludes(other, pdo) || excludes(pdo, other)))
+            return other;
+    }
+    return NULL;
+}
+
+static void assign(ect_build_t *build, ect_build_pdo_t *pdo)
+{
+    const ect_esi_pdo_t *model = pdo->model;
+    if (!pdo->usable || model->sm < 0)
+        return;
+    const ect_build_pdo_t *other = rival(build, pdo);
+    if (!sm_takes(build->model, model->sm, model)) {
+        ect_build_note(build, "line %d: PDO %04X is assigned to SyncManager %d, which is not one for %s", model->line,
+                       (unsigned int)pdo->index, model->sm, model->tx ? "inputs" : "outputs");
+    } else if (other != NULL) {
+        ect_build_note(build, "line %d: PDO %04X is assigned beside %04X, which it excludes: it is not", model->line,
+                       (unsigned int)pdo->index, (unsigned int)other->index);
+    } else {
+        pdo->assigned = true;
+        if (model->samples > 1)
+            ect_build_note(build, "line %d: PDO %04X has %u samples in a cycle with the file's default; the twin has 1",
+                           model->line, (unsigned int)pdo->index, (unsigned int)model->samples);
+    }
+}
+
+uint32_t ect_build_pdo_bits(const ect_build_pdo_t *pdo)
+{
+    uint32_t bits = 0;
+    for (size_t i = 0; i < pdo->model->entry_count; i++)
+        bits += pdo->model->entries[i].bits;
+    return bits;
+}
+
+uint32_t ect_build_assigned_bits(const ect_build_t *build, int sm)
+{
+    uint32_t bits = 0;
+    for (size_t i = 0; i < build->pdo_count; i++)
+        bits += build->pdos[i].assigned && build->pdos[i].model->sm == sm ? ect_build_pdo_bits(&build->pdos[i]) : 0;
+    return bits;
+}
+
+/* Whether a master may assign it there: by default, or because the file leaves it free. */
+static bool may_be_assigned(const ect_build_t *build, const ect_build_pdo_t *pdo, int sm)
+{
+    return pdo->usable && (pdo->model->sm == sm || pdo->model->sm < 0) && sm_takes(build->model, sm, pdo->model);
+}
+
+uint32_t ect_build_largest_bits(const ect_build_t *build, int sm)
+{
+    uint32_t bits = 0;
+    for (size_t i = 0; i < build->pdo_count; i++)
+        bits += may_be_assigned(build, &build->pdos[i], sm) ? ect_build_pdo_bits(&build->pdos[i]) : 0;
+    return bits;
+}
+
+static void add_assignment(ect_build_t *build, int sm)
+{
+    uint32_t values[LONGEST_MAPPING];
+    size_t count = 0;
+    size_t capacity = 0;
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        const ect_build_pdo_t *pdo = &build->pdos[i];
+        capacity += may_be_assigned(build, pdo, sm) && capacity < LONGEST_MAPPING ? 1 : 0;
+        if (pdo->assigned && pdo->model->sm == sm && count < LONGEST_MAPPING)
+            values[count++] = pdo->index;
+    }
+    bool changeable = build->model->mailbox.pdo_assign;
+    (void)ect_build_numbers(build, (uint16_t)(ASSIGNMENT + sm), "", "Assigned PDO", ECT_TYPE_UNSIGNED16,
+                            changeable ? ECT_ACCESS_RW_PREOP : ECT_ACCESS_RO, values, count,
+                            changeable ? capacity : count);
+    ect_build_object_t *object = ect_build_find(build, (uint16_t)(ASSIGNMENT + sm));
+    if (*object->name == '\0')
+        object->name = ect_arena_print(build->arena, "SyncManager %d PDO assignment", sm);
+}
+
+void ect_build_pdos(ect_build_t *build)
+{
+    const ect_esi_device_t *model = build->model;
+    for (size_t i = 0; i < build->pdo_count; i++)
+        add_mapping(build, &build->pdos[i]);
+    for (size_t i = 0; i < build->pdo_count; i++)
+        assign(build, &build->pdos[i]);
+    for (size_t sm = 0; sm < model->sm_count; sm++) {
+        if (!model->sms[sm].virtual_sm && (is_input_sm(&model->sms[sm]) || is_output_sm(&model->sms[sm])))
+            add_assignment(build, (int)sm);
+    }
+}

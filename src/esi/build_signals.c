@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Signals: what each assigned PDO maps, as `pdo_name.entry_name`, and every other value of the dictionary as
+ * `od.8000_01`. What the device would measure can be set, what it would drive can be read.
+ */
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "esi/internal.h"
+
+/* Of a name: the prefix and the dot take room too, and a number that makes it unique. */
+enum { LONGEST_PART = 28, LONGEST_VALUE = 60 };
+
+/* Lower case, digits and `_`, beginning with a letter: what the names of signals are made of. */
+static const char *plain_name(ect_build_t *build, const char *text, const char *otherwise)
+{
+    char name[LONGEST_PART + 1];
+    size_t length = 0;
+    for (; *text != '\0' && length < LONGEST_PART; text++) {
+        bool good = isalnum((unsigned char)*text) && (unsigned char)*text < 0x80;
+        if (good)
+            name[length++] = (char)tolower((unsigned char)*text);
+        else if (length > 0 && name[length - 1] != '_')
+            name[length++] = '_';
+    }
+    while (length > 0 && name[length - 1] == '_')
+        length--;
+    if (length == 0)
+        return otherwise;
+    name[length] = '\0';
+    return ect_arena_print(build->arena, "%s%s", isdigit((unsigned char)name[0]) ? "n" : "", name);
+}
+
+static ect_signal_type_t type_of(const ect_build_entry_t *entry)
+{
+    switch (entry->data_type) {
+    case ECT_TYPE_INTEGER8:
+        return ECT_SIGNAL_I8;
+    case ECT_TYPE_INTEGER16:
+        return ECT_SIGNAL_I16;
+    case ECT_TYPE_INTEGER32:
+        return ECT_SIGNAL_I32;
+    case ECT_TYPE_INTEGER64:
+        return ECT_SIGNAL_I64;
+    case ECT_TYPE_UNSIGNED16:
+    case ECT_TYPE_BITARR16:
+        return ECT_SIGNAL_U16;
+    case ECT_TYPE_UNSIGNED32:
+    case ECT_TYPE_BITARR32:
+        return ECT_SIGNAL_U32;
+    case ECT_TYPE_UNSIGNED64:
+        return ECT_SIGNAL_U64;
+    case ECT_TYPE_REAL32:
+        return ECT_SIGNAL_REAL32;
+    case ECT_TYPE_REAL64:
+        return ECT_SIGNAL_REAL;
+    case ECT_TYPE_VISIBLE_STRING:
+        return ECT_SIGNAL_TEXT;
+    case ECT_TYPE_OCTET_STRING:
+        return ECT_SIGNAL_BYTES;
+    case ECT_TYPE_BOOLEAN:
+        return ECT_SIGNAL_BOOL;
+    default:
+        return ECT_SIGNAL_U8;
+    }
+}
+
+static void set_range(const ect_build_entry_t *entry, ect_signal_t *signal)
+{
+    unsigned int bits = entry->bits;
+    bool is_signed = signal->type == ECT_SIGNAL_I8 || signal->type == ECT_SIGNAL_I16 ||
+                     signal->type == ECT_SIGNAL_I32 || signal->type == ECT_SIGNAL_I64;
+    bool has_limits = is_signed || (signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES &&
+                                    signal->type != ECT_SIGNAL_REAL && signal->type != ECT_SIGNAL_REAL32);
+    if (signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_BYTES) {
+        signal->maximum = (entry->bits + 7) / 8;
+        return;
+    }
+    signal->minimum = INT64_MIN;
+    signal->maximum = INT64_MAX;
+    if (!has_limits)
+        return;
+    if (is_signed && bits < 64) {
+        signal->minimum = -(INT64_C(1) << (bits - 1));
+        signal->maximum = (INT64_C(1) << (bits - 1)) - 1;
+    } else if (!is_signed) {
+        signal->minimum = 0;
+        signal->maximum = bits < 63 ? (INT64_C(1) << bits) - 1 : INT64_MAX;
+    }
+    if (entry->minimum.given && entry->minimum.value > signal->minimum && entry->minimum.value <= signal->maximum)
+        signal->minimum = entry->minimum.value;
+    if (entry->maximum.given && entry->maximum.value < signal->maximum && entry->maximum.value >= signal->minimum)
+        signal->maximum = entry->maximum.value;
+}
+
+/* A group while it grows. */
+typedef struct list {
+    ect_build_t *build;
+    ect_signal_t *signals;
+    uint16_t count;
+} list_t;
+
+static bool is_taken(const list_t *list, const char *name)
+{
+    for (uint16_t i = 0; i < list->count; i++) {
+        if (strcmp(list->signals[i].name, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+static void add_signal(list_t *list, const ect_build_entry_t *entry, const char *name, const char *meaning)
+{
+    ect_build_t *build = list->build;
+    bool bytes = entry->data_type == ECT_TYPE_VISIBLE_STRING || entry->data_type == ECT_TYPE_OCTET_STRING;
+    if (bytes && (entry->bits + 7u) / 8u > LONGEST_VALUE)
+        return; // more than a line of the control socket shows; SDO reaches it
+    const char *unique = name;
+    for (unsigned int n = 2; is_taken(list, unique); n++)
+        unique = ect_arena_print(build->arena, "%s_%u", name, n);
+    list->signals = ect_arena_grow(build->arena, list->signals, list->count, sizeof *list->signals);
+    ect_signal_t *signal = &list->signals[list->count++];
+    signal->name = unique;
+    signal->meaning = ect_build_text(build, meaning, ECT_BUILD_TEXT);
+    signal->type = type_of(entry);
+    signal->access = (entry->access & ECT_ACCESS_RXPDO) != 0 ? ECT_SIGNAL_READ : ECT_SIGNAL_WRITE;
+    signal->offset = (uint32_t)entry->offset;
+    set_range(entry, signal);
+}
+
+static void add_group(ect_build_t *build, ect_plant_t *plant, const char *prefix, const list_t *list)
+{
+    ect_signal_group_t *groups = (ect_signal_group_t *)(uintptr_t)plant->signal_groups; // ours, growing
+    if (list->count == 0)
+        return;
+    const char *unique = prefix;
+    for (unsigned int n = 2, i = 0; i < plant->signal_group_count; i++) {
+        if (strcmp(groups[i].prefix, unique) == 0) {
+            unique = ect_arena_print(build->arena, "%s_%u", prefix, n++);
+            i = (unsigned int)-1;
+        }
+    }
+    groups = ect_arena_grow(build->arena, groups, plant->signal_group_count, sizeof *groups);
+    groups[plant->signal_group_count++] =
+        (ect_signal_group_t){.prefix = unique, .signal_count = list->count, .signals = list->signals};
+    plant->signal_groups = groups;
+}
+
+/* What was named by a PDO is not named again, by another PDO or as an object. */
+static bool *seen_flag(const ect_build_t *build, bool *seen, uint16_t index, uint8_t subindex)
+{
+    const ect_build_object_t *object = ect_build_find(build, index);
+    size_t at = 0;
+    for (const ect_build_object_t *o = build->objects; object != NULL && o < object; o++)
+        at += o->count;
+    for (size_t i = 0; object != NULL && i < object->count; i++) {
+        if (object->entries[i].subindex == subindex)
+            return &seen[at + i];
+    }
+    return NULL;
+}
+
+static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_t *pdo, bool *seen)
+{
+    list_t list = {.build = build};
+    for (size_t i = 0; i < pdo->model->entry_count; i++) {
+        const ect_esi_entry_t *model = &pdo->model->entries[i];
+        uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? pdo->index_shift : 0));
+        bool *flag = model->index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
+        if (flag == NULL || *flag)
+            continue;
+        *flag = true;
+        const ect_build_entry_t *entry = ect_build_entry(ect_build_find(build, index), model->subindex);
+        const char *otherwise =
+            ect_arena_print(build->arena, "n%04x_%02x", (unsigned int)index, (unsigned int)model->subindex);
+        add_signal(&list, entry, plain_name(build, model->name, otherwise),
+                   ect_arena_print(build->arena, "%04X:%02X %s", (unsigned int)index, (unsigned int)model->subindex,
+                                   model->name));
+    }
+    const char *otherwise = ect_arena_print(build->arena, "pdo_%04x", (unsigned int)pdo->index);
+    add_group(build, plant, plain_name(build, pdo->model->name, otherwise), &list);
+}
+
+static bool is_of_the_stack(uint16_t index)
+{
+    return index >= 0x1000 && index < 0x2000;
+}
+
+static void add_objects(ect_build_t *build, ect_plant_t *plant, const bool *seen)
+{
+    list_t list = {.build = build};
+    size_t at = 0;
+    for (size_t o = 0; o < build->object_count; o++) {
+        const ect_build_object_t *object = &build->objects[o];
+        for (size_t i = 0; i < object->count; i++, at++) {
+            const ect_build_entry_t *entry = &object->entries[i];
+            bool count = object->code != ECT_OBJECT_VAR && entry->subindex == 0;
+            if (seen[at] || count || is_of_the_stack(object->index))
+                continue;
+            const char *name =
+                ect_arena_print(build->arena, "%04x_%02x", (unsigned int)object->index, (unsigned int)entry->subindex);
+            add_signal(
+                &list, entry, name,
+                ect_arena_print(build->arena, "%s%s%s", object->name, *entry->name != '\0' ? ", " : "", entry->name));
+        }
+    }
+    add_group(build, plant, "od", &list);
+}
+
+void ect_build_signals(ect_build_t *build, ect_plant_t *plant)
+{
+    size_t entries = 0;
+    for (size_t i = 0; i < build->object_count; i++)
+        entries += build->objects[i].count;
+    bool *seen = ect_arena_alloc(build->arena, entries + 1);
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (build->pdos[i].assigned)
+            add_pdo(build, plant, &build->pdos[i], seen);
+    }
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (!build->pdos[i].assigned && build->pdos[i].usable)
+            add_pdo(build, plant, &build->pdos[i], seen);
+    }
+    add_objects(build, plant, seen);
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the files of esi/ know of each other. Nobody else includes this.
+ *
+ * From the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
+ *
+ *   arena.c            memory that is freed together
+ *   number.c, types.c  numbers and data types
+ *   xml.c              an element's parts, the first mistake kept
+ *   read_dictionary.c  types and objects of a file
+ *   read_device.c      the model of a device
+ *   read.c             files, and which device of them
+ *   build.c            the list of objects while it grows; notes
+ *   build_objects.c    objects of the dictionary
+ *   build_modules.c    which module stands in which slot
+ *   build_pdos.c       PDOs, what they map, which are assigned
+ *   build_signals.c    signals from PDO entries and objects
+ *   twin.c             the description and its behaviour
+ *
+ * Reading goes on after a mistake with zeros and empty texts, so that no reader needs an error path of its own; whoever
+ * began asks ::ect_esi_xml_t::failed at the end. Building goes on after a failure likewise (::ect_build_t::failure).
+ */
+#ifndef ECT_ESI_INTERNAL_H
+#define ECT_ESI_INTERNAL_H
+
+#include <libxml/tree.h>
+
+#include "esi/arena.h"
+#include "esi/number.h"
+#include "esi/twin.h"
+#include "esi/types.h"
+#include "seams/standard.h"
+
+/** Appends a zeroed element to an array of an arena's owner (`->arena`) and names it. */
+#define ECT_APPEND(owner, array, count, element)                                                                       \
+    (array) = ect_arena_grow((owner)->arena, (array), (count), sizeof *(array));                                       \
+    (element) = &(array)[(count)++]
+
+/* --- reading ----------------------------------------------------------------------------------------------------- */
+
+/** Where memory comes from and the first mistake goes to. */
+typedef struct ect_esi_xml {
+    ect_arena_t *arena;
+    const char *file;
+    char *text;
+    size_t room;
+    bool failed;
+} ect_esi_xml_t;
+
+/** Takes note of a mistake at an element's line, unless there was one before. */
+__attribute__((format(printf, 3, 4))) void ect_esi_fail(ect_esi_xml_t *xml, const xmlNode *node, const char *format,
+                                                        ...);
+
+/** @return the element's line in the file */
+int ect_esi_line(const xmlNode *node);
+
+/** @return true for an element of this name, in any namespace */
+bool ect_esi_is(const xmlNode *node, const char *name);
+
+/** @return the first child of this name, or NULL; a NULL parent has none */
+const xmlNode *ect_esi_child(const xmlNode *parent, const char *name);
+
+/** @return the next sibling of this name, or NULL */
+const xmlNode *ect_esi_next(const xmlNode *node, const char *name);
+
+/** Runs over the children of a name. */
+#define ECT_ESI_EACH(node, parent, name)                                                                               \
+    for (const xmlNode *node = ect_esi_child(parent, name); node != NULL; node = ect_esi_next(node, name))
+
+/** @return the text of an element without blanks around it; "" for NULL or an empty one */
+const char *ect_esi_text(ect_esi_xml_t *xml, const xmlNode *node);
+
+/** @return the text of a child in English when there are several languages, "" when there is none */
+const char *ect_esi_name(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
+
+/** @return an attribute's text without blanks around it, "" when it is absent */
+const char *ect_esi_attribute(ect_esi_xml_t *xml, const xmlNode *node, const char *name);
+
+/** @return true when the attribute is there and says 1 or true */
+bool ect_esi_flag(ect_esi_xml_t *xml, const xmlNode *node, const char *name);
+
+/** A child's number between two limits, both inclusive; 0 and a mistake noted when it is another; `none` if absent. */
+int64_t ect_esi_number(ect_esi_xml_t *xml, const xmlNode *parent, const char *name, int64_t minimum, int64_t maximum,
+                       int64_t none);
+
+/** The element's own number. */
+int64_t ect_esi_value(ect_esi_xml_t *xml, const xmlNode *node, int64_t minimum, int64_t maximum);
+
+/** An attribute's number. */
+int64_t ect_esi_attribute_number(ect_esi_xml_t *xml, const xmlNode *node, const char *name, int64_t minimum,
+                                 int64_t maximum, int64_t none);
+
+/** A child's number, or that there is none. */
+ect_esi_number_t ect_esi_optional(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
+
+/** A child's hexadecimal bytes; blanks between them are allowed. */
+ect_esi_bytes_t ect_esi_hex(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
+
+/** @param root  the file's EtherCATInfo; @param node  the `<Device>` */
+const ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node);
+
+/** @param profile  `<Profile>` or NULL: then the dictionary is empty; @param[out] dictionary appended to */
+void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary);
+
+/* --- building ---------------------------------------------------------------------------------------------------- */
+
+/** An entry while it is built. */
+typedef struct ect_build_entry {
+    uint8_t subindex;
+    uint16_t data_type;
+    uint16_t bits;
+    uint16_t access;
+    const char *name;
+    ect_esi_bytes_t initial; /**< as on the wire; shorter than the entry: the rest is zero */
+    ect_esi_number_t minimum, maximum;
+    size_t offset; /**< in the instance, once it is laid out */
+    bool identity; /**< its data is a member of ect_standard_t at `offset` */
+} ect_build_entry_t;
+
+/** An object while it is built; its entries in any order. */
+typedef struct ect_build_object {
+    uint16_t index;
+    uint16_t code;
+    const char *name;
+    ect_build_entry_t *entries;
+    size_t count;
+    bool complete; /**< from the dictionary: sub-index 0 is among the entries */
+} ect_build_object_t;
+
+/** A PDO that takes part: the device's, or a module's in its slot. */
+typedef struct ect_build_pdo {
+    const ect_esi_pdo_t *model;
+    uint16_t index; /**< moved with the slot */
+    uint32_t pdo_shift;
+    uint32_t index_shift;
+    bool assigned;
+    bool usable;
+} ect_build_pdo_t;
+
+/** The whole thing. */
+typedef struct ect_build {
+    ect_arena_t *arena;
+    const ect_esi_device_t *model;
+    ect_build_object_t *objects; /**< ascending once ::ect_build_sort was called */
+    size_t object_count;
+    ect_build_pdo_t *pdos;
+    size_t pdo_count;
+    const char **notes; /**< what is not represented, a line each */
+    size_t note_count;
+    const char *failure; /**< why it cannot be built, NULL while it can */
+} ect_build_t;
+
+/** Tells the user that something of the file is not represented. The same line is told once. */
+__attribute__((format(printf, 2, 3))) void ect_build_note(ect_build_t *build, const char *format, ...);
+
+/** Room for a type's name, and for other texts, in a description. */
+enum { ECT_BUILD_NAME = 40, ECT_BUILD_TEXT = 255 };
+
+/** @return the text as a description has texts: visible characters of ISO 646, at most `longest`; umlauts are spelt out
+ */
+const char *ect_build_text(ect_build_t *build, const char *text, size_t longest);
+
+/** Gives up, for a reason that is kept unless there was one before. */
+__attribute__((format(printf, 2, 3))) void ect_build_fail(ect_build_t *build, const char *format, ...);
+
+/** @return the object of that index, or NULL */
+ect_build_object_t *ect_build_find(const ect_build_t *build, uint16_t index);
+
+/** @return a new object without entries; the caller has made sure that there is none of that index */
+ect_build_object_t *ect_build_object(ect_build_t *build, uint16_t index, uint16_t code, const char *name);
+
+/** @return the entry of that sub-index, or NULL */
+ect_build_entry_t *ect_build_entry(const ect_build_object_t *object, uint8_t subindex);
+
+/** @return a new entry; the caller has made sure that there is none of that sub-index */
+ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object, uint8_t subindex, uint16_t data_type,
+                                 uint32_t bits, uint16_t access, const char *name);
+
+/** Gives an entry a number of 1 to 8 bytes as its default. */
+void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t value);
+
+/** @return an entry's default as a number, its first 8 bytes */
+uint64_t ect_build_number(const ect_build_entry_t *entry);
+
+/**
+ * Makes a record of numbers: sub-index 0 with their count, and `capacity` elements of which `count` have values.
+ * An object of that index that was there is replaced, but for its name if `name` is empty.
+ */
+ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const char *name, const char *element,
+                                      uint16_t data_type, uint16_t access, const uint32_t *values, size_t count,
+                                      size_t capacity);
+
+/** Brings objects and entries into ascending order and gives records a sub-index 0 that is right. */
+void ect_build_sort(ect_build_t *build);
+
+/** build_objects.c: adds the objects of a dictionary, moved by `shift` where they depend on a slot. */
+void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift);
+
+/** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
+void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
+
+/** build_pdos.c: the mapping objects, the objects that are mapped, the assignments. */
+void ect_build_pdos(ect_build_t *build);
+
+/** @return how many bits are assigned to a SyncManager */
+uint32_t ect_build_assigned_bits(const ect_build_t *build, int sm);
+
+/** @return the most that can be assigned to it: all PDOs that it may have */
+uint32_t ect_build_largest_bits(const ect_build_t *build, int sm);
+
+/** build_signals.c: fills the plant's signals; entries have their offsets. */
+void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
+
+#endif

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Model: what an ESI file says of one device, as plain structures.
+ *
+ * Made by esi/read.h from a file, used by esi/twin.h to build a device that runs, and by `ectwin verify` to compare.
+ * Nothing is interpreted here: a default is what the file says, not what follows from it. All memory belongs to the
+ * ::ect_esi_t that it came from. Texts are UTF-8 and never NULL unless said otherwise; where a file has a name in
+ * several languages it is the English one (LcId 1033), else the first.
+ *
+ * Clauses: ETG.2000 and its schema 1.17.
+ */
+#ifndef ECT_ESI_MODEL_H
+#define ECT_ESI_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** A value that may be absent. */
+typedef struct ect_esi_number {
+    bool given;
+    int64_t value;
+} ect_esi_number_t;
+
+/** Bytes in the order of the wire (`<Data>`, `<DefaultData>`, `<ConfigData>`). */
+typedef struct ect_esi_bytes {
+    const uint8_t *bytes; /**< NULL when absent */
+    size_t length;
+} ect_esi_bytes_t;
+
+/** `<Entry>` of a PDO; index 0 is a gap. */
+typedef struct ect_esi_entry {
+    uint16_t index;
+    uint8_t subindex;
+    uint16_t bits;
+    const char *name;
+    const char *type;     /**< `<DataType>`, "" when absent */
+    bool depends_on_slot; /**< `DependOnSlot`: the index moves with the module's slot */
+    int line;
+} ect_esi_entry_t;
+
+/** `<RxPdo>` or `<TxPdo>`. */
+typedef struct ect_esi_pdo {
+    uint16_t index;
+    const char *name;
+    bool tx;                 /**< inputs: from the slave to the master */
+    bool fixed;              /**< content cannot be changed */
+    bool mandatory;          /**< is always assigned */
+    bool virtual_pdo;        /**< maps registers, not a SyncManager */
+    int sm;                  /**< assigned by default to this SyncManager, -1 to none */
+    uint16_t samples;        /**< `OSFac`, 1 when absent */
+    const uint16_t *exclude; /**< PDOs that cannot be assigned beside it */
+    size_t exclude_count;
+    const ect_esi_entry_t *entries;
+    size_t entry_count;
+    bool depends_on_slot;
+    int line;
+} ect_esi_pdo_t;
+
+/** `<Sm>`; the array index is the number. */
+typedef struct ect_esi_sm {
+    const char *type; /**< "MBoxOut", "MBoxIn", "Outputs", "Inputs", "" … */
+    uint16_t start;
+    uint8_t control;
+    ect_esi_number_t size;     /**< `DefaultSize` */
+    uint16_t minimum, maximum; /**< 0 when absent */
+    bool enable;
+    bool op_only;
+    bool virtual_sm;
+    int line;
+} ect_esi_sm_t;
+
+/** `<InitCmd>` of CoE: what a master writes at a transition. */
+typedef struct ect_esi_init {
+    const char *transitions; /**< "PS", several separated by a blank */
+    uint16_t index;
+    uint8_t subindex;
+    bool complete;
+    ect_esi_bytes_t data;
+} ect_esi_init_t;
+
+/** `<OpMode>`. */
+typedef struct ect_esi_dc {
+    const char *name;
+    const char *description;
+    uint16_t assign_activate;
+    int64_t cycle_sync0_ns, shift_sync0_ns, cycle_sync1_ns, shift_sync1_ns;
+    int sync0_factor, sync1_factor;
+} ect_esi_dc_t;
+
+/** Rights and abilities of an entry of the dictionary, `<Flags>`. */
+typedef struct ect_esi_flags {
+    const char *access;   /**< "ro", "rw", "wo"; "" when absent */
+    const char *read_in;  /**< `ReadRestrictions`, "" for none */
+    const char *write_in; /**< `WriteRestrictions`: "PreOP", "PreOP_SafeOP", …, "" for none */
+    const char *mapping;  /**< `<PdoMapping>`: "", "T", "R", "TR" … */
+    const char *category;
+    bool backup;
+    bool setting;
+} ect_esi_flags_t;
+
+/** A type's or an object's default and limits. */
+typedef struct ect_esi_info {
+    ect_esi_bytes_t initial; /**< `DefaultData`, or `DefaultString`, or `DefaultValue` as 8 bytes little endian */
+    bool initial_is_number;  /**< from `DefaultValue`: only the first bytes that the type has count */
+    ect_esi_number_t minimum, maximum;
+    const char *name; /**< the sub-item's; "" for the object itself */
+} ect_esi_info_t;
+
+/** `<SubItem>` of a data type. */
+typedef struct ect_esi_item {
+    int subindex; /**< -1: not given, it holds the elements of an array */
+    const char *name;
+    const char *type;
+    uint32_t bits;
+    uint32_t offset;
+    ect_esi_flags_t flags;
+    ect_esi_info_t info;
+    int line;
+} ect_esi_item_t;
+
+/** `<DataType>`. */
+typedef struct ect_esi_type {
+    const char *name;
+    const char *base; /**< "" when absent */
+    uint32_t bits;
+    ect_esi_number_t first, elements; /**< of `<ArrayInfo>` */
+    const ect_esi_item_t *items;
+    size_t item_count;
+    bool is_enum;
+    int64_t lowest, highest; /**< of the enumeration */
+    int line;
+} ect_esi_type_t;
+
+/** `<Object>`. */
+typedef struct ect_esi_object {
+    uint16_t index;
+    const char *name;
+    const char *type;
+    uint32_t bits;
+    ect_esi_flags_t flags;
+    ect_esi_info_t info;
+    const ect_esi_info_t *items; /**< `<Info><SubItem>`: by name, or in order */
+    size_t item_count;
+    bool depends_on_slot;
+    int line;
+} ect_esi_object_t;
+
+/** `<Dictionary>`; empty when there is none. */
+typedef struct ect_esi_dictionary {
+    const ect_esi_type_t *types;
+    size_t type_count;
+    const ect_esi_object_t *objects;
+    size_t object_count;
+} ect_esi_dictionary_t;
+
+/** `<Slot>` and what may stand in it. */
+typedef struct ect_esi_slot {
+    const char *name;
+    unsigned int instances_min, instances_max;
+    uint32_t pdo_increment, index_increment; /**< for each slot that a module stands behind the first one */
+    bool own_increments;    /**< counted from this slot's first instance, else from the device's first slot */
+    const uint32_t *idents; /**< `<ModuleIdent>` */
+    size_t ident_count;
+    uint32_t preset;            /**< the ident with `Default`, 0 none */
+    const char *const *classes; /**< `<ModuleClass>` */
+    size_t class_count;
+} ect_esi_slot_t;
+
+/** `<Module>`. */
+typedef struct ect_esi_module {
+    uint32_t ident;
+    const char *type;
+    const char *module_class;
+    const char *name;
+    const ect_esi_pdo_t *pdos;
+    size_t pdo_count;
+    ect_esi_dictionary_t dictionary;
+    const ect_esi_init_t *inits;
+    size_t init_count;
+    int line;
+} ect_esi_module_t;
+
+/** Mailbox protocols and abilities, `<Mailbox>`. */
+typedef struct ect_esi_mailbox {
+    bool given;
+    bool aoe, eoe, coe, foe, soe, voe;
+    bool sdo_info, pdo_assign, pdo_config, pdo_upload, complete_access;
+    const ect_esi_init_t *inits;
+    size_t init_count;
+} ect_esi_mailbox_t;
+
+/** A device of an ESI file. */
+typedef struct ect_esi_device {
+    uint32_t vendor_id;
+    const char *vendor_name;
+    const char *type;
+    uint32_t product_code;
+    uint32_t revision;
+    const char *name;
+    const char *group_type;
+    const char *group_name; /**< "" when the group is not in the file */
+    const char *physics;
+    int line;
+
+    uint32_t preop_ms, safeop_op_ms, back_to_init_ms, back_to_safeop_ms; /**< 0 when absent */
+    uint32_t request_ms, response_ms;
+    int ebus_current_ma;
+    bool identification_134, alias_supported;
+    ect_esi_number_t identification_ado;
+    uint16_t profile; /**< `<ProfileNo>`, the first; 0 none */
+
+    const char *const *fmmus; /**< "Outputs", "Inputs", "MBoxState", … */
+    size_t fmmu_count;
+    const ect_esi_sm_t *sms;
+    size_t sm_count;
+    const ect_esi_pdo_t *pdos; /**< in the order of the file, outputs first */
+    size_t pdo_count;
+    ect_esi_mailbox_t mailbox;
+    const ect_esi_dc_t *dcs;
+    size_t dc_count;
+    ect_esi_dictionary_t dictionary;
+    const char *dictionary_file; /**< "" when the dictionary is not in a file of its own */
+
+    uint32_t eeprom_size;      /**< bytes, 0 when absent */
+    ect_esi_bytes_t eeprom;    /**< `<Data>`: the whole image */
+    ect_esi_bytes_t config;    /**< `<ConfigData>` */
+    ect_esi_bytes_t bootstrap; /**< `<BootStrap>` */
+
+    const ect_esi_slot_t *slots;
+    size_t slot_count;
+    uint32_t slot_pdo_increment, slot_index_increment, slots_max;
+    const ect_esi_module_t *modules; /**< all of the file */
+    size_t module_count;
+} ect_esi_device_t;
+
+#endif

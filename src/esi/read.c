@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+#include "esi/read.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <libxml/parser.h>
+#include <libxml/parserInternals.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "esi/internal.h"
+
+enum { FILE_MAXIMUM = 64 * 1024 * 1024 };
+
+struct ect_esi {
+    ect_arena_t arena;
+    xmlDocPtr document;
+    const char *file;
+    const xmlNode *root;
+    ect_esi_head_t *heads;
+    const xmlNode **nodes; // of the heads
+    size_t count;
+};
+
+static ect_esi_xml_t context(ect_esi_t *esi, char *text, size_t room)
+{
+    return (ect_esi_xml_t){.arena = &esi->arena, .file = esi->file, .text = text, .room = room};
+}
+
+/* A document type definition is where entities come from: the parser is stopped before it reads one. */
+static void refuse_dtd(void *parser, const xmlChar *name, const xmlChar *external, const xmlChar *system)
+{
+    (void)name;
+    (void)external;
+    (void)system;
+    xmlParserCtxtPtr ctxt = parser;
+    ctxt->_private = ctxt;
+    xmlStopParser(ctxt);
+}
+
+static void say_why(xmlParserCtxtPtr parser, const char *name, char *text, size_t room)
+{
+    if (parser->_private != NULL) {
+        (void)snprintf(text, room, "%s: has a document type definition, which no ESI file has: refused", name);
+        return;
+    }
+    const xmlError *error = xmlCtxtGetLastError(parser);
+    const char *message = error != NULL && error->message != NULL ? error->message : "not XML";
+    (void)snprintf(text, room, "%s:%d: no well-formed XML: %.*s", name, error != NULL ? error->line : 1,
+                   (int)strcspn(message, "\n"), message);
+}
+
+static xmlDocPtr parse(const char *name, const void *data, size_t length, char *text, size_t room)
+{
+    xmlParserCtxtPtr parser = xmlNewParserCtxt();
+    if (parser == NULL) {
+        (void)snprintf(text, room, "%s: no memory left", name);
+        return NULL;
+    }
+    parser->sax->internalSubset = refuse_dtd;
+    xmlDocPtr document = xmlCtxtReadMemory(parser, data, (int)length, name, NULL,
+                                           XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING |
+                                               XML_PARSE_NOBLANKS | XML_PARSE_BIG_LINES | XML_PARSE_COMPACT);
+    if (document == NULL || parser->_private != NULL) {
+        say_why(parser, name, text, room);
+        xmlFreeDoc(document);
+        document = NULL;
+    }
+    xmlFreeParserCtxt(parser);
+    return document;
+}
+
+static void read_heads(ect_esi_t *esi, ect_esi_xml_t *xml, const xmlNode *devices)
+{
+    ECT_ESI_EACH(node, devices, "Device")
+    {
+        const xmlNode *type = ect_esi_child(node, "Type");
+        if (type == NULL) {
+            ect_esi_fail(xml, node, "Device has no Type");
+            return;
+        }
+        esi->heads = ect_arena_grow(&esi->arena, esi->heads, esi->count, sizeof *esi->heads);
+        esi->nodes = ect_arena_grow(&esi->arena, esi->nodes, esi->count, sizeof *esi->nodes);
+        esi->nodes[esi->count] = node;
+        ect_esi_head_t *head = &esi->heads[esi->count++];
+        head->type = ect_esi_text(xml, type);
+        head->name = ect_esi_name(xml, node, "Name");
+        head->product_code = (uint32_t)ect_esi_attribute_number(xml, type, "ProductCode", 0, UINT32_MAX, 0);
+        head->revision = (uint32_t)ect_esi_attribute_number(xml, type, "RevisionNo", 0, UINT32_MAX, 0);
+        head->line = ect_esi_line(node);
+    }
+}
+
+ect_esi_t *ect_esi_parse(const char *name, const void *data, size_t length, char *text, size_t room)
+{
+    if (length > FILE_MAXIMUM) {
+        (void)snprintf(text, room, "%s: larger than %d MiB", name, FILE_MAXIMUM / 1024 / 1024);
+        return NULL;
+    }
+    xmlDocPtr document = parse(name, data, length, text, room);
+    if (document == NULL)
+        return NULL;
+    ect_esi_t *esi = calloc(1, sizeof *esi);
+    if (esi == NULL) {
+        (void)snprintf(text, room, "%s: no memory left", name);
+        xmlFreeDoc(document);
+        return NULL;
+    }
+    esi->document = document;
+    esi->file = ect_arena_copy(&esi->arena, name, strlen(name));
+    esi->root = xmlDocGetRootElement(document);
+
+    ect_esi_xml_t xml = context(esi, text, room);
+    const xmlNode *descriptions = ect_esi_child(esi->root, "Descriptions");
+    if (!ect_esi_is(esi->root, "EtherCATInfo") || descriptions == NULL)
+        ect_esi_fail(&xml, esi->root, "no ESI file: the root is %s, not EtherCATInfo with Descriptions",
+                     (const char *)esi->root->name);
+    read_heads(esi, &xml, ect_esi_child(descriptions, "Devices"));
+    if (esi->count == 0)
+        ect_esi_fail(&xml, esi->root, "there is no device in it");
+    if (xml.failed) {
+        ect_esi_close(esi);
+        return NULL;
+    }
+    return esi;
+}
+
+/* The whole file in memory, to be freed; NULL and a line when that cannot be. */
+static char *load(const char *path, size_t *length, char *text, size_t room)
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe must not hold the command up
+    struct stat status;
+    char *data = NULL;
+    if (file < 0 || fstat(file, &status) != 0) {
+        (void)snprintf(text, room, "%s: %s", path, strerror(errno));
+    } else if (!S_ISREG(status.st_mode) || status.st_size > FILE_MAXIMUM) {
+        (void)snprintf(text, room, "%s: not a file of at most %d MiB", path, FILE_MAXIMUM / 1024 / 1024);
+    } else if ((data = malloc((size_t)status.st_size + 1)) != NULL) {
+        *length = 0;
+        ssize_t got;
+        while (*length < (size_t)status.st_size &&
+               (got = read(file, data + *length, (size_t)status.st_size - *length)) > 0)
+            *length += (size_t)got;
+    }
+    if (file >= 0)
+        (void)close(file);
+    return data;
+}
+
+ect_esi_t *ect_esi_open(const char *path, char *text, size_t room)
+{
+    size_t length = 0;
+    char *data = load(path, &length, text, room);
+    if (data == NULL)
+        return NULL;
+    ect_esi_t *esi = ect_esi_parse(path, data, length, text, room);
+    free(data);
+    return esi;
+}
+
+const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count)
+{
+    *count = esi->count;
+    return esi->heads;
+}
+
+/* What a user asked for: a type, or numbers. */
+typedef struct wish {
+    const char *type; // NULL: any
+    bool product_given, revision_given;
+    int64_t product, revision;
+} wish_t;
+
+static bool parse_wish(const char *selector, wish_t *wish)
+{
+    *wish = (wish_t){.type = NULL};
+    if (*selector == '\0')
+        return true;
+    if (*selector != '@') {
+        wish->type = selector;
+        return true;
+    }
+    char number[64];
+    const char *slash = strchr(selector, '/');
+    size_t length = slash != NULL ? (size_t)(slash - selector) - 1 : strlen(selector) - 1;
+    if (length >= sizeof number)
+        return false;
+    memcpy(number, selector + 1, length);
+    number[length] = '\0';
+    wish->product_given = true;
+    wish->revision_given = slash != NULL;
+    return ect_esi_parse_number(number, &wish->product) &&
+           (slash == NULL || ect_esi_parse_number(slash + 1, &wish->revision));
+}
+
+static bool fits(const wish_t *wish, const ect_esi_head_t *head)
+{
+    return (wish->type == NULL || strcmp(wish->type, head->type) == 0) &&
+           (!wish->product_given || wish->product == head->product_code) &&
+           (!wish->revision_given || wish->revision == head->revision);
+}
+
+/* The newest that fits; `other` is one that fits and is another type. */
+static size_t choose(const ect_esi_t *esi, const wish_t *wish, size_t *other)
+{
+    size_t best = esi->count;
+    *other = esi->count;
+    for (size_t i = 0; i < esi->count; i++) {
+        if (!fits(wish, &esi->heads[i]))
+            continue;
+        if (best != esi->count && *other == esi->count && strcmp(esi->heads[best].type, esi->heads[i].type) != 0)
+            *other = i;
+        if (best == esi->count || esi->heads[i].revision > esi->heads[best].revision)
+            best = i;
+    }
+    return best;
+}
+
+const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, char *text, size_t room)
+{
+    wish_t wish;
+    if (!parse_wish(selector, &wish)) {
+        (void)snprintf(text, room, "%s: \"%s\" is not TYPE, @PRODUCT or @PRODUCT/REVISION", esi->file, selector);
+        return NULL;
+    }
+    size_t other;
+    size_t chosen = choose(esi, &wish, &other);
+    if (chosen == esi->count) {
+        (void)snprintf(text, room, "%s: no device \"%s\" in it; `ectwin list esi:%s` shows what there is", esi->file,
+                       selector, esi->file);
+        return NULL;
+    }
+    if (other != esi->count) {
+        (void)snprintf(text, room, "%s: %s and %s both fit: name one, as in esi:%s#%s", esi->file,
+                       esi->heads[chosen].type, esi->heads[other].type, esi->file, esi->heads[chosen].type);
+        return NULL;
+    }
+    ect_esi_xml_t xml = context(esi, text, room);
+    const ect_esi_device_t *device = ect_esi_read_device(&xml, esi->root, esi->nodes[chosen]);
+    return xml.failed ? NULL : device;
+}
+
+void ect_esi_close(ect_esi_t *esi)
+{
+    if (esi == NULL)
+        return;
+    xmlFreeDoc(esi->document);
+    ect_arena_free(&esi->arena);
+    free(esi);
+}

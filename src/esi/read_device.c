@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: MIT */
+#include "esi/internal.h"
+
+#include <string.h>
+
+static uint16_t index_of(ect_esi_xml_t *xml, const xmlNode *parent, bool *depends_on_slot)
+{
+    const xmlNode *node = ect_esi_child(parent, "Index");
+    *depends_on_slot = node != NULL && ect_esi_flag(xml, node, "DependOnSlot");
+    if (node == NULL) {
+        ect_esi_fail(xml, parent, "%s has no Index", (const char *)parent->name);
+        return 0;
+    }
+    return (uint16_t)ect_esi_value(xml, node, 0, UINT16_MAX);
+}
+
+static void read_entry(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_entry_t *entry)
+{
+    entry->index = index_of(xml, node, &entry->depends_on_slot);
+    entry->subindex = (uint8_t)ect_esi_number(xml, node, "SubIndex", 0, UINT8_MAX, 0);
+    entry->bits = (uint16_t)ect_esi_number(xml, node, "BitLen", 0, UINT16_MAX, 0);
+    entry->name = ect_esi_name(xml, node, "Name");
+    entry->type = ect_esi_text(xml, ect_esi_child(node, "DataType"));
+    entry->line = ect_esi_line(node);
+    if (ect_esi_child(node, "BitLen") == NULL)
+        ect_esi_fail(xml, node, "Entry has no BitLen");
+}
+
+static void read_pdo(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_pdo_t *pdo)
+{
+    ect_esi_entry_t *entries = NULL;
+    ect_esi_entry_t *entry;
+    uint16_t *exclude = NULL;
+    uint16_t *excluded;
+    pdo->tx = ect_esi_is(node, "TxPdo");
+    pdo->index = index_of(xml, node, &pdo->depends_on_slot);
+    pdo->name = ect_esi_name(xml, node, "Name");
+    pdo->fixed = ect_esi_flag(xml, node, "Fixed");
+    pdo->mandatory = ect_esi_flag(xml, node, "Mandatory");
+    pdo->virtual_pdo = ect_esi_flag(xml, node, "Virtual");
+    pdo->sm = (int)ect_esi_attribute_number(xml, node, "Sm", 0, UINT8_MAX, -1);
+    pdo->samples = (uint16_t)ect_esi_attribute_number(xml, node, "OSFac", 1, UINT16_MAX, 1);
+    pdo->line = ect_esi_line(node);
+    ECT_ESI_EACH(child, node, "Exclude")
+    {
+        ECT_APPEND(xml, exclude, pdo->exclude_count, excluded);
+        *excluded = (uint16_t)ect_esi_value(xml, child, 0, UINT16_MAX);
+    }
+    ECT_ESI_EACH(child, node, "Entry")
+    {
+        ECT_APPEND(xml, entries, pdo->entry_count, entry);
+        read_entry(xml, child, entry);
+    }
+    pdo->exclude = exclude;
+    pdo->entries = entries;
+}
+
+static const ect_esi_pdo_t *read_pdos(ect_esi_xml_t *xml, const xmlNode *node, size_t *count)
+{
+    ect_esi_pdo_t *pdos = NULL;
+    ect_esi_pdo_t *pdo;
+    ECT_ESI_EACH(child, node, "RxPdo")
+    {
+        ECT_APPEND(xml, pdos, *count, pdo);
+        read_pdo(xml, child, pdo);
+    }
+    ECT_ESI_EACH(child, node, "TxPdo")
+    {
+        ECT_APPEND(xml, pdos, *count, pdo);
+        read_pdo(xml, child, pdo);
+    }
+    return pdos;
+}
+
+static void read_sms(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
+{
+    ect_esi_sm_t *sms = NULL;
+    ect_esi_sm_t *sm;
+    ECT_ESI_EACH(child, node, "Sm")
+    {
+        ECT_APPEND(xml, sms, device->sm_count, sm);
+        sm->type = ect_esi_text(xml, child);
+        sm->start = (uint16_t)ect_esi_attribute_number(xml, child, "StartAddress", 0, UINT16_MAX, 0);
+        sm->control = (uint8_t)ect_esi_attribute_number(xml, child, "ControlByte", 0, UINT8_MAX, 0);
+        sm->size.given = *ect_esi_attribute(xml, child, "DefaultSize") != '\0';
+        sm->size.value = ect_esi_attribute_number(xml, child, "DefaultSize", 0, UINT16_MAX, 0);
+        sm->minimum = (uint16_t)ect_esi_attribute_number(xml, child, "MinSize", 0, UINT16_MAX, 0);
+        sm->maximum = (uint16_t)ect_esi_attribute_number(xml, child, "MaxSize", 0, UINT16_MAX, 0);
+        // Enable is a number of bits; absent means on, as masters read it.
+        sm->enable = (ect_esi_attribute_number(xml, child, "Enable", 0, UINT8_MAX, 1) & 1) != 0;
+        sm->op_only = ect_esi_flag(xml, child, "OpOnly");
+        sm->virtual_sm = ect_esi_flag(xml, child, "Virtual");
+        sm->line = ect_esi_line(child);
+    }
+    device->sms = sms;
+}
+
+static void read_fmmus(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
+{
+    const char **fmmus = NULL;
+    const char **fmmu;
+    ECT_ESI_EACH(child, node, "Fmmu")
+    {
+        ECT_APPEND(xml, fmmus, device->fmmu_count, fmmu);
+        *fmmu = ect_esi_text(xml, child);
+    }
+    device->fmmus = fmmus;
+}
+
+static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, size_t *count)
+{
+    ect_esi_init_t *inits = NULL;
+    ect_esi_init_t *init;
+    ECT_ESI_EACH(node, coe, "InitCmd")
+    {
+        ECT_APPEND(xml, inits, *count, init);
+        init->transitions = "";
+        ECT_ESI_EACH(transition, node, "Transition")
+        init->transitions = ect_arena_print(xml->arena, "%s%s%s", init->transitions,
+                                            *init->transitions != '\0' ? " " : "", ect_esi_text(xml, transition));
+        init->index = (uint16_t)ect_esi_number(xml, node, "Index", 0, UINT16_MAX, 0);
+        init->subindex = (uint8_t)ect_esi_number(xml, node, "SubIndex", 0, UINT8_MAX, 0);
+        init->complete = ect_esi_flag(xml, node, "CompleteAccess");
+        init->data = ect_esi_hex(xml, node, "Data");
+    }
+    return inits;
+}
+
+static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbox_t *mailbox)
+{
+    const xmlNode *coe = ect_esi_child(node, "CoE");
+    mailbox->given = node != NULL;
+    mailbox->aoe = ect_esi_child(node, "AoE") != NULL;
+    mailbox->eoe = ect_esi_child(node, "EoE") != NULL;
+    mailbox->coe = coe != NULL;
+    mailbox->foe = ect_esi_child(node, "FoE") != NULL;
+    mailbox->soe = ect_esi_child(node, "SoE") != NULL;
+    mailbox->voe = ect_esi_child(node, "VoE") != NULL;
+    if (coe == NULL)
+        return;
+    mailbox->sdo_info = ect_esi_flag(xml, coe, "SdoInfo");
+    mailbox->pdo_assign = ect_esi_flag(xml, coe, "PdoAssign");
+    mailbox->pdo_config = ect_esi_flag(xml, coe, "PdoConfig");
+    mailbox->pdo_upload = ect_esi_flag(xml, coe, "PdoUpload");
+    mailbox->complete_access = ect_esi_flag(xml, coe, "CompleteAccess");
+    mailbox->inits = read_inits(xml, coe, &mailbox->init_count);
+}
+
+static int factor_of(ect_esi_xml_t *xml, const xmlNode *mode, const char *name)
+{
+    const xmlNode *node = ect_esi_child(mode, name);
+    return node != NULL ? (int)ect_esi_attribute_number(xml, node, "Factor", INT16_MIN, INT16_MAX, 0) : 0;
+}
+
+static void read_dcs(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
+{
+    ect_esi_dc_t *dcs = NULL;
+    ect_esi_dc_t *dc;
+    ECT_ESI_EACH(mode, node, "OpMode")
+    {
+        ECT_APPEND(xml, dcs, device->dc_count, dc);
+        dc->name = ect_esi_name(xml, mode, "Name");
+        dc->description = ect_esi_name(xml, mode, "Desc");
+        dc->assign_activate = (uint16_t)ect_esi_number(xml, mode, "AssignActivate", 0, UINT16_MAX, 0);
+        dc->cycle_sync0_ns = ect_esi_number(xml, mode, "CycleTimeSync0", INT32_MIN, UINT32_MAX, 0);
+        dc->shift_sync0_ns = ect_esi_number(xml, mode, "ShiftTimeSync0", INT32_MIN, UINT32_MAX, 0);
+        dc->cycle_sync1_ns = ect_esi_number(xml, mode, "CycleTimeSync1", INT32_MIN, UINT32_MAX, 0);
+        dc->shift_sync1_ns = ect_esi_number(xml, mode, "ShiftTimeSync1", INT32_MIN, UINT32_MAX, 0);
+        dc->sync0_factor = factor_of(xml, mode, "CycleTimeSync0");
+        dc->sync1_factor = factor_of(xml, mode, "CycleTimeSync1");
+    }
+    device->dcs = dcs;
+}
+
+static void read_info(ect_esi_xml_t *xml, const xmlNode *info, ect_esi_device_t *device)
+{
+    const xmlNode *timeout = ect_esi_child(ect_esi_child(info, "StateMachine"), "Timeout");
+    device->preop_ms = (uint32_t)ect_esi_number(xml, timeout, "PreopTimeout", 0, UINT32_MAX, 0);
+    device->safeop_op_ms = (uint32_t)ect_esi_number(xml, timeout, "SafeopOpTimeout", 0, UINT32_MAX, 0);
+    device->back_to_init_ms = (uint32_t)ect_esi_number(xml, timeout, "BackToInitTimeout", 0, UINT32_MAX, 0);
+    device->back_to_safeop_ms = (uint32_t)ect_esi_number(xml, timeout, "BackToSafeopTimeout", 0, UINT32_MAX, 0);
+    timeout = ect_esi_child(ect_esi_child(info, "Mailbox"), "Timeout");
+    device->request_ms = (uint32_t)ect_esi_number(xml, timeout, "RequestTimeout", 0, UINT32_MAX, 0);
+    device->response_ms = (uint32_t)ect_esi_number(xml, timeout, "ResponseTimeout", 0, UINT32_MAX, 0);
+    device->ebus_current_ma =
+        (int)ect_esi_number(xml, ect_esi_child(info, "Electrical"), "EBusCurrent", INT16_MIN, INT16_MAX, 0);
+    const char *identification = ect_esi_text(xml, ect_esi_child(info, "IdentificationReg134"));
+    device->identification_134 = strcmp(identification, "1") == 0 || strcmp(identification, "true") == 0;
+    device->identification_ado = ect_esi_optional(xml, info, "IdentificationAdo");
+}
+
+static void read_eeprom(ect_esi_xml_t *xml, const xmlNode *eeprom, ect_esi_device_t *device)
+{
+    device->eeprom = ect_esi_hex(xml, eeprom, "Data");
+    device->eeprom_size = (uint32_t)ect_esi_number(xml, eeprom, "ByteSize", 0, 4 * 1024 * 1024, 0);
+    device->config = ect_esi_hex(xml, eeprom, "ConfigData");
+    device->bootstrap = ect_esi_hex(xml, eeprom, "BootStrap");
+}
+
+static void read_slot(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device, ect_esi_slot_t *slot)
+{
+    uint32_t *idents = NULL;
+    uint32_t *ident;
+    const char **classes = NULL;
+    const char **module_class;
+    slot->name = ect_esi_name(xml, node, "Name");
+    slot->instances_min = (unsigned int)ect_esi_attribute_number(xml, node, "MinInstances", 0, UINT16_MAX, 0);
+    slot->instances_max = (unsigned int)ect_esi_attribute_number(xml, node, "MaxInstances", 0, UINT16_MAX, 1);
+    slot->pdo_increment =
+        (uint32_t)ect_esi_attribute_number(xml, node, "SlotPdoIncrement", 0, UINT16_MAX, device->slot_pdo_increment);
+    slot->index_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotIndexIncrement", 0, UINT16_MAX,
+                                                               device->slot_index_increment);
+    slot->own_increments = *ect_esi_attribute(xml, node, "SlotPdoIncrement") != '\0' ||
+                           *ect_esi_attribute(xml, node, "SlotIndexIncrement") != '\0';
+    ECT_ESI_EACH(child, node, "ModuleIdent")
+    {
+        ECT_APPEND(xml, idents, slot->ident_count, ident);
+        *ident = (uint32_t)ect_esi_value(xml, child, 0, UINT32_MAX);
+        if (ect_esi_flag(xml, child, "Default"))
+            slot->preset = *ident;
+    }
+    ECT_ESI_EACH(child, node, "ModuleClass")
+    {
+        const xmlNode *name = ect_esi_child(child, "Class");
+        ECT_APPEND(xml, classes, slot->class_count, module_class);
+        *module_class = ect_esi_text(xml, name != NULL ? name : child);
+    }
+    slot->idents = idents;
+    slot->classes = classes;
+}
+
+static void read_slots(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
+{
+    if (node == NULL)
+        return;
+    ect_esi_slot_t *slots = NULL;
+    ect_esi_slot_t *slot;
+    device->slots_max = (uint32_t)ect_esi_attribute_number(xml, node, "MaxSlotCount", 0, UINT16_MAX, 0);
+    device->slot_pdo_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotPdoIncrement", 0, UINT16_MAX, 0);
+    device->slot_index_increment =
+        (uint32_t)ect_esi_attribute_number(xml, node, "SlotIndexIncrement", 0, UINT16_MAX, 0);
+    ECT_ESI_EACH(child, node, "Slot")
+    {
+        ECT_APPEND(xml, slots, device->slot_count, slot);
+        read_slot(xml, child, device, slot);
+    }
+    device->slots = slots;
+}
+
+static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
+{
+    ect_esi_module_t *modules = NULL;
+    ect_esi_module_t *module;
+    ECT_ESI_EACH(child, node, "Module")
+    {
+        const xmlNode *type = ect_esi_child(child, "Type");
+        if (type == NULL)
+            continue; // a module that no slot can name
+        ECT_APPEND(xml, modules, device->module_count, module);
+        module->ident = (uint32_t)ect_esi_attribute_number(xml, type, "ModuleIdent", 0, UINT32_MAX, 0);
+        module->module_class = ect_esi_attribute(xml, type, "ModuleClass");
+        module->type = ect_esi_text(xml, type);
+        module->name = ect_esi_name(xml, child, "Name");
+        module->pdos = read_pdos(xml, child, &module->pdo_count);
+        module->inits = read_inits(xml, ect_esi_child(ect_esi_child(child, "Mailbox"), "CoE"), &module->init_count);
+        ect_esi_read_dictionary(xml, ect_esi_child(child, "Profile"), &module->dictionary);
+        module->line = ect_esi_line(child);
+    }
+    device->modules = modules;
+}
+
+static const char *group_name(ect_esi_xml_t *xml, const xmlNode *descriptions, const char *type)
+{
+    ECT_ESI_EACH(group, ect_esi_child(descriptions, "Groups"), "Group")
+    {
+        if (strcmp(ect_esi_text(xml, ect_esi_child(group, "Type")), type) == 0)
+            return ect_esi_name(xml, group, "Name");
+    }
+    return "";
+}
+
+static void read_identity(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node, ect_esi_device_t *device)
+{
+    const xmlNode *vendor = ect_esi_child(root, "Vendor");
+    const xmlNode *type = ect_esi_child(node, "Type"); // there is one: read_heads
+    device->vendor_id = (uint32_t)ect_esi_number(xml, vendor, "Id", INT32_MIN, UINT32_MAX, 0);
+    device->vendor_name = ect_esi_name(xml, vendor, "Name");
+    device->type = ect_esi_text(xml, type);
+    device->product_code = (uint32_t)ect_esi_attribute_number(xml, type, "ProductCode", 0, UINT32_MAX, 0);
+    device->revision = (uint32_t)ect_esi_attribute_number(xml, type, "RevisionNo", 0, UINT32_MAX, 0);
+    device->name = ect_esi_name(xml, node, "Name");
+    device->group_type = ect_esi_text(xml, ect_esi_child(node, "GroupType"));
+    device->group_name = group_name(xml, ect_esi_child(root, "Descriptions"), device->group_type);
+    device->physics = ect_esi_attribute(xml, node, "Physics");
+    device->line = ect_esi_line(node);
+    if (ect_esi_child(vendor, "Id") == NULL)
+        ect_esi_fail(xml, vendor != NULL ? vendor : root, "there is no Vendor with an Id");
+}
+
+const ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node)
+{
+    ect_esi_device_t *device = ect_arena_alloc(xml->arena, sizeof *device);
+    read_identity(xml, root, node, device);
+    read_info(xml, ect_esi_child(node, "Info"), device);
+    read_fmmus(xml, node, device);
+    read_sms(xml, node, device);
+    device->pdos = read_pdos(xml, node, &device->pdo_count);
+    read_mailbox(xml, ect_esi_child(node, "Mailbox"), &device->mailbox);
+    read_dcs(xml, ect_esi_child(node, "Dc"), device);
+    read_eeprom(xml, ect_esi_child(node, "Eeprom"), device);
+    device->dictionary_file = "";
+    ECT_ESI_EACH(profile, node, "Profile")
+    {
+        ect_esi_read_dictionary(xml, profile, &device->dictionary);
+        const xmlNode *file = ect_esi_child(profile, "DictionaryFile");
+        if (file != NULL)
+            device->dictionary_file = ect_esi_text(xml, file);
+        if (device->profile == 0)
+            device->profile = (uint16_t)ect_esi_number(xml, profile, "ProfileNo", 0, UINT16_MAX, 0);
+    }
+    read_slots(xml, ect_esi_child(node, "Slots"), device);
+    if (device->slot_count > 0)
+        read_modules(xml, ect_esi_child(ect_esi_child(root, "Descriptions"), "Modules"), device);
+    return device;
+}

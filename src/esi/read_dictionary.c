@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "esi/internal.h"
+
+/* Backup and Setting are numbers with a meaning of their own; every one but 0 means yes. */
+static bool is_set(ect_esi_xml_t *xml, const xmlNode *parent, const char *name)
+{
+    const char *text = ect_esi_text(xml, ect_esi_child(parent, name));
+    return *text != '\0' && strcmp(text, "0") != 0 && strcmp(text, "false") != 0;
+}
+
+static void read_flags(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_flags_t *flags)
+{
+    const xmlNode *access = ect_esi_child(node, "Access");
+    flags->access = ect_esi_text(xml, access);
+    flags->read_in = access != NULL ? ect_esi_attribute(xml, access, "ReadRestrictions") : "";
+    flags->write_in = access != NULL ? ect_esi_attribute(xml, access, "WriteRestrictions") : "";
+    flags->mapping = ect_esi_text(xml, ect_esi_child(node, "PdoMapping"));
+    flags->category = ect_esi_text(xml, ect_esi_child(node, "Category"));
+    flags->backup = is_set(xml, node, "Backup");
+    flags->setting = is_set(xml, node, "Setting");
+}
+
+static ect_esi_bytes_t from_number(ect_esi_xml_t *xml, int64_t value)
+{
+    uint8_t *bytes = ect_arena_alloc(xml->arena, 8);
+    for (unsigned int i = 0; i < 8; i++)
+        bytes[i] = (uint8_t)((uint64_t)value >> 8 * i);
+    return (ect_esi_bytes_t){.bytes = bytes, .length = 8};
+}
+
+/* A limit is a number or bytes (MinData); what is neither (a REAL as text) gives none. */
+static ect_esi_number_t limit_of(ect_esi_xml_t *xml, const xmlNode *info, const char *value, const char *data)
+{
+    ect_esi_number_t limit = {.given = false};
+    const xmlNode *node = ect_esi_child(info, value);
+    if (node != NULL) {
+        limit.given = ect_esi_parse_number(ect_esi_text(xml, node), &limit.value);
+        return limit;
+    }
+    ect_esi_bytes_t bytes = ect_esi_hex(xml, info, data);
+    if (bytes.bytes == NULL || bytes.length == 0 || bytes.length > 8)
+        return limit;
+    uint64_t number = 0;
+    for (size_t i = bytes.length; i-- > 0;)
+        number = number << 8 | bytes.bytes[i];
+    limit.given = true;
+    limit.value = (int64_t)number;
+    return limit;
+}
+
+static void read_info(ect_esi_xml_t *xml, const xmlNode *info, ect_esi_info_t *result)
+{
+    const xmlNode *text = ect_esi_child(info, "DefaultString");
+    const xmlNode *value = ect_esi_child(info, "DefaultValue");
+    int64_t number;
+    if (ect_esi_child(info, "DefaultData") != NULL) {
+        result->initial = ect_esi_hex(xml, info, "DefaultData");
+    } else if (text != NULL) {
+        const char *string = ect_esi_text(xml, text);
+        result->initial = (ect_esi_bytes_t){.bytes = (const uint8_t *)string, .length = strlen(string)};
+    } else if (value != NULL && ect_esi_parse_number(ect_esi_text(xml, value), &number)) {
+        result->initial = from_number(xml, number);
+        result->initial_is_number = true;
+    }
+    result->minimum = limit_of(xml, info, "MinValue", "MinData");
+    result->maximum = limit_of(xml, info, "MaxValue", "MaxData");
+    result->name = "";
+}
+
+static void read_item(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_item_t *item)
+{
+    item->subindex = (int)ect_esi_number(xml, node, "SubIdx", 0, UINT8_MAX, -1);
+    item->name = ect_esi_name(xml, node, "Name");
+    item->type = ect_esi_text(xml, ect_esi_child(node, "Type"));
+    item->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
+    item->offset = (uint32_t)ect_esi_number(xml, node, "BitOffs", 0, UINT32_MAX, 0);
+    item->line = ect_esi_line(node);
+    read_flags(xml, ect_esi_child(node, "Flags"), &item->flags);
+    read_info(xml, node, &item->info);
+}
+
+static void read_enum(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_type_t *type)
+{
+    ECT_ESI_EACH(child, node, "EnumInfo")
+    {
+        int64_t value = ect_esi_number(xml, child, "Enum", INT64_MIN, INT64_MAX, 0);
+        if (!type->is_enum || value < type->lowest)
+            type->lowest = value;
+        if (!type->is_enum || value > type->highest)
+            type->highest = value;
+        type->is_enum = true;
+    }
+}
+
+static void read_type(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_type_t *type)
+{
+    ect_esi_item_t *items = NULL;
+    ect_esi_item_t *item;
+    const xmlNode *array = ect_esi_child(node, "ArrayInfo");
+    type->name = ect_esi_text(xml, ect_esi_child(node, "Name"));
+    type->base = ect_esi_text(xml, ect_esi_child(node, "BaseType"));
+    type->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
+    type->line = ect_esi_line(node);
+    if (array != NULL) {
+        type->first = (ect_esi_number_t){true, ect_esi_number(xml, array, "LBound", 0, UINT16_MAX, 0)};
+        type->elements = (ect_esi_number_t){true, ect_esi_number(xml, array, "Elements", 0, UINT16_MAX, 0)};
+    }
+    read_enum(xml, node, type);
+    ECT_ESI_EACH(child, node, "SubItem")
+    {
+        ECT_APPEND(xml, items, type->item_count, item);
+        read_item(xml, child, item);
+    }
+    type->items = items;
+}
+
+static void read_object(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_object_t *object)
+{
+    ect_esi_info_t *items = NULL;
+    ect_esi_info_t *item;
+    const xmlNode *index = ect_esi_child(node, "Index");
+    const xmlNode *info = ect_esi_child(node, "Info");
+    object->index = (uint16_t)ect_esi_number(xml, node, "Index", 0, UINT16_MAX, 0);
+    object->depends_on_slot = index != NULL && ect_esi_flag(xml, index, "DependOnSlot");
+    object->name = ect_esi_name(xml, node, "Name");
+    object->type = ect_esi_text(xml, ect_esi_child(node, "Type"));
+    object->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
+    object->line = ect_esi_line(node);
+    read_flags(xml, ect_esi_child(node, "Flags"), &object->flags);
+    read_info(xml, info, &object->info);
+    ECT_ESI_EACH(child, info, "SubItem")
+    {
+        ECT_APPEND(xml, items, object->item_count, item);
+        read_info(xml, ect_esi_child(child, "Info"), item);
+        item->name = ect_esi_name(xml, child, "Name");
+    }
+    object->items = items;
+    if (index == NULL)
+        ect_esi_fail(xml, node, "Object has no Index");
+}
+
+void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary)
+{
+    const xmlNode *node = ect_esi_child(profile, "Dictionary");
+    ect_esi_type_t *types = (ect_esi_type_t *)(uintptr_t)dictionary->types; // ours: made by the last call
+    ect_esi_type_t *type;
+    ect_esi_object_t *objects = (ect_esi_object_t *)(uintptr_t)dictionary->objects;
+    ect_esi_object_t *object;
+    ECT_ESI_EACH(child, ect_esi_child(node, "DataTypes"), "DataType")
+    {
+        ECT_APPEND(xml, types, dictionary->type_count, type);
+        read_type(xml, child, type);
+    }
+    ECT_ESI_EACH(child, ect_esi_child(node, "Objects"), "Object")
+    {
+        ECT_APPEND(xml, objects, dictionary->object_count, object);
+        read_object(xml, child, object);
+    }
+    dictionary->types = types;
+    dictionary->objects = objects;
+}

@@ -1,0 +1,644 @@
+/* SPDX-License-Identifier: MIT */
+#include "esi/internal.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check/check.h"
+#include "sii/sii.h"
+
+/* What a chip of ours can be at most: the registers of digital outputs, and 8 KB or 60 KB of RAM. */
+enum {
+    OUTPUT_REGISTERS = 0x0F00,
+    RAM_START = 0x1000,
+    RAM_END_SMALL = 0x3000,
+    SMALLEST_EEPROM = 1024,
+    LARGEST_EEPROM = 0xFF80
+};
+
+/* What an Ethernet frame takes of process data in one datagram. */
+enum { LONGEST_IMAGE = 1486 };
+
+struct ect_esi_twin {
+    ect_arena_t arena;
+    ect_esi_t *esi;
+    ect_build_t build;
+    ect_device_t device;
+    ect_plant_t plant;
+    ect_product_t product;
+};
+
+/* --- controller and layout --------------------------------------------------------------------------------------- */
+
+static uint8_t role_of(const ect_esi_sm_t *sm)
+{
+    if (sm->virtual_sm)
+        return ECT_SM_UNUSED;
+    if (strcmp(sm->type, "MBoxOut") == 0)
+        return ECT_SM_MAILBOX_OUT;
+    if (strcmp(sm->type, "MBoxIn") == 0)
+        return ECT_SM_MAILBOX_IN;
+    if (strstr(sm->type, "Outputs") != NULL)
+        return ECT_SM_OUTPUTS;
+    return strstr(sm->type, "Inputs") != NULL ? ECT_SM_INPUTS : ECT_SM_UNUSED;
+}
+
+static bool has_protocols(const ect_esi_device_t *model)
+{
+    const ect_esi_mailbox_t *m = &model->mailbox;
+    return m->aoe || m->eoe || m->coe || m->foe || m->soe || m->voe;
+}
+
+/* How long a SyncManager's data may become before they, or their three buffers, reach what lies behind them. */
+static uint32_t gap_behind(const ect_build_t *build, size_t n)
+{
+    const ect_esi_sm_t *sms = build->model->sms;
+    uint32_t next = 0x10000;
+    for (size_t i = 0; i < build->model->sm_count; i++) {
+        if (!sms[i].virtual_sm && sms[i].start > sms[n].start && sms[i].start < next)
+            next = sms[i].start;
+    }
+    bool one_buffer = (sms[n].control & 3u) == 2;
+    return (next - sms[n].start) / (one_buffer ? 1 : 3);
+}
+
+static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
+{
+    uint32_t now = (ect_build_assigned_bits(build, (int)n) + 7) / 8;
+    uint32_t most = (ect_build_largest_bits(build, (int)n) + 7) / 8;
+    const ect_esi_sm_t *model = &build->model->sms[n];
+    if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign) {
+        most = most > model->maximum ? most : model->maximum;
+        most = most > model->size.value ? most : (uint32_t)model->size.value;
+    }
+    uint32_t gap = gap_behind(build, n);
+    most = most < gap ? most : gap;
+    most = most > now ? most : now;
+    if (now > LONGEST_IMAGE)
+        ect_build_fail(build, "SyncManager %zu has %u bytes by default; a frame takes %u", n, (unsigned int)now,
+                       (unsigned int)LONGEST_IMAGE);
+    sm->maximum = (uint16_t)(most < LONGEST_IMAGE ? most : LONGEST_IMAGE);
+}
+
+static void set_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
+{
+    const ect_esi_sm_t *model = &build->model->sms[n];
+    *sm = (ect_sm_t){.start = model->start, .control = model->control, .type = role_of(model)};
+    if (model->virtual_sm) {
+        ect_build_note(build, "line %d: SyncManager %zu stands for registers of the controller: it is unused",
+                       model->line, n);
+        return;
+    }
+    if (sm->type == ECT_SM_OUTPUTS || sm->type == ECT_SM_INPUTS) {
+        set_process_sm(build, n, sm);
+    } else if (sm->type != ECT_SM_UNUSED && !has_protocols(build->model)) {
+        ect_build_note(build, "line %d: SyncManager %zu is for a mailbox, and the device has none: it is unused",
+                       model->line, n);
+        sm->type = ECT_SM_UNUSED;
+    } else if (sm->type != ECT_SM_UNUSED) {
+        sm->length = (uint16_t)model->size.value;
+        sm->minimum = model->minimum;
+        uint32_t most = model->maximum < gap_behind(build, n) ? model->maximum : gap_behind(build, n);
+        sm->maximum = (uint16_t)(most > sm->length ? most : sm->length);
+    }
+    bool in_registers = sm->start >= OUTPUT_REGISTERS && sm->start < RAM_START;
+    if (sm->start < RAM_START && !in_registers && sm->maximum > 0)
+        ect_build_fail(build, "line %d: SyncManager %zu begins at 0x%04X, where there are registers", model->line, n,
+                       (unsigned int)sm->start);
+}
+
+static void set_sms(ect_build_t *build, ect_device_t *device)
+{
+    size_t count = build->model->sm_count;
+    if (count > ECT_SMS) {
+        ect_build_fail(build, "it has %zu SyncManagers; the chips here have at most %u", count, (unsigned int)ECT_SMS);
+        return;
+    }
+    device->sm_count = (uint8_t)count;
+    for (size_t i = 0; i < count; i++)
+        set_sm(build, i, &device->sm[i]);
+}
+
+static void set_fmmus(ect_build_t *build, ect_device_t *device)
+{
+    for (size_t i = 0; i < build->model->fmmu_count; i++) {
+        const char *role = build->model->fmmus[i];
+        uint8_t code = strcmp(role, "Outputs") == 0     ? ECT_FMMU_OUTPUTS
+                       : strcmp(role, "Inputs") == 0    ? ECT_FMMU_INPUTS
+                       : strcmp(role, "MBoxState") == 0 ? ECT_FMMU_MAILBOX_STATE
+                                                        : ECT_FMMU_UNUSED;
+        if (i < ECT_FMMUS)
+            device->fmmu[device->fmmu_count++] = code;
+        else
+            ect_build_note(build, "it has %zu FMMUs; the twin has %u", build->model->fmmu_count,
+                           (unsigned int)ECT_FMMUS);
+    }
+}
+
+/* The smallest chip that has the memory. */
+static const char *esc_of(const ect_device_t *device)
+{
+    for (unsigned int i = 0; i < device->sm_count; i++) {
+        const ect_sm_t *sm = &device->sm[i];
+        uint32_t buffers = sm->type == ECT_SM_OUTPUTS || sm->type == ECT_SM_INPUTS ? 3 : 1;
+        if (sm->type != ECT_SM_UNUSED && sm->start + buffers * sm->maximum > RAM_END_SMALL)
+            return "ipcore";
+    }
+    return "et1100";
+}
+
+/* A text that a description must have and a file left out. */
+static const char *or_unnamed(const char *text)
+{
+    return *text != '\0' ? text : "unnamed";
+}
+
+/* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
+
+/* What a file names and the twin does not serve: an entry that wants no request, so that it is answered as unsupported.
+ */
+#define UNSERVED(name)                                                                                                 \
+    {                                                                                                                  \
+        .type = ECT_MAILBOX_TYPE_##name, .states = ECT_IN_PREOP_AND_ABOVE                                              \
+    }
+static const ect_protocol_t aoe = UNSERVED(AOE), eoe = UNSERVED(EOE), foe = UNSERVED(FOE), soe = UNSERVED(SOE),
+                            voe = UNSERVED(VOE);
+
+static void add_protocol(ect_device_t *device, const ect_protocol_t **list, bool named, const ect_protocol_t *protocol)
+{
+    size_t count = 0;
+    while (list[count] != NULL)
+        count++;
+    if (named)
+        list[count] = protocol;
+    device->protocols = list;
+}
+
+static void set_protocols(ect_build_t *build, ect_device_t *device)
+{
+    enum { MOST = 9 };
+    const ect_esi_mailbox_t *m = &build->model->mailbox;
+    const ect_protocol_t **list = ect_arena_alloc(build->arena, MOST * sizeof *list);
+    add_protocol(device, list, m->coe, &ect_protocol_emergency);
+    add_protocol(device, list, m->coe, &ect_protocol_sdo);
+    add_protocol(device, list, m->coe && m->sdo_info, &ect_protocol_sdo_info);
+    add_protocol(device, list, m->aoe, &aoe);
+    add_protocol(device, list, m->eoe, &eoe);
+    add_protocol(device, list, m->foe, &foe);
+    add_protocol(device, list, m->soe, &soe);
+    add_protocol(device, list, m->voe, &voe);
+}
+
+static void set_mailbox(ect_build_t *build, ect_device_t *device)
+{
+    const ect_esi_mailbox_t *m = &build->model->mailbox;
+    device->mailbox_protocols =
+        (uint8_t)((m->aoe ? ECT_MAILBOX_AOE : 0) | (m->eoe ? ECT_MAILBOX_EOE : 0) | (m->coe ? ECT_MAILBOX_COE : 0) |
+                  (m->foe ? ECT_MAILBOX_FOE : 0) | (m->soe ? ECT_MAILBOX_SOE : 0) | (m->voe ? ECT_MAILBOX_VOE : 0));
+    if (m->coe)
+        device->coe_details =
+            (uint8_t)(ECT_COE_SDO | (m->sdo_info ? ECT_COE_SDO_INFO : 0) | (m->pdo_assign ? ECT_COE_PDO_ASSIGN : 0) |
+                      (m->pdo_config ? ECT_COE_PDO_CONFIG : 0) | (m->pdo_upload ? ECT_COE_PDO_UPLOAD : 0) |
+                      (m->complete_access ? ECT_COE_COMPLETE_ACCESS : 0));
+    bool has_sms =
+        device->sm_count >= 2 && device->sm[0].type == ECT_SM_MAILBOX_OUT && device->sm[1].type == ECT_SM_MAILBOX_IN;
+    if (device->mailbox_protocols != 0 && !has_sms) {
+        ect_build_note(build, "it has mailbox protocols and no mailbox SyncManagers 0 and 1: it has no mailbox");
+        device->mailbox_protocols = 0;
+        device->coe_details = 0;
+    }
+    if (device->mailbox_protocols != 0)
+        set_protocols(build, device);
+    if ((device->mailbox_protocols & ~ECT_MAILBOX_COE) != 0)
+        ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe ? "AoE " : "",
+                       m->eoe ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "", m->voe ? "VoE " : "");
+    if (*build->model->dictionary_file != '\0')
+        ect_build_note(build, "the dictionary in the file %s is not read", build->model->dictionary_file);
+}
+
+static void set_boot(const ect_esi_device_t *model, ect_device_t *device)
+{
+    const uint8_t *b = model->bootstrap.bytes;
+    if (model->bootstrap.length != 8 || (b[2] | b[3]) == 0)
+        return;
+    device->boot_out = (ect_boot_mailbox_t){(uint16_t)(b[0] | b[1] << 8), (uint16_t)(b[2] | b[3] << 8)};
+    device->boot_in = (ect_boot_mailbox_t){(uint16_t)(b[4] | b[5] << 8), (uint16_t)(b[6] | b[7] << 8)};
+}
+
+static void set_dc(ect_build_t *build, ect_device_t *device)
+{
+    const ect_esi_device_t *model = build->model;
+    size_t count = model->dc_count < UINT8_MAX ? model->dc_count : UINT8_MAX;
+    ect_dc_mode_t *modes = ect_arena_alloc(build->arena, (count + 1) * sizeof *modes);
+    for (size_t i = 0; i < count; i++) {
+        const ect_esi_dc_t *dc = &model->dcs[i];
+        modes[i] = (ect_dc_mode_t){
+            .name = ect_build_text(build, or_unnamed(dc->name), ECT_BUILD_TEXT),
+            .description = ect_build_text(build, dc->description, ECT_BUILD_TEXT),
+            .assign_activate = dc->assign_activate,
+            .cycle_sync0_ns = (uint32_t)dc->cycle_sync0_ns,
+            .factor_sync0 = (int16_t)dc->sync0_factor,
+            .factor_sync1 = (int16_t)dc->sync1_factor,
+            .shift_sync0_ns = (int32_t)dc->shift_sync0_ns,
+            .shift_sync1_ns = (int32_t)dc->shift_sync1_ns,
+        };
+    }
+    device->dc_modes = modes;
+    device->dc_mode_count = (uint8_t)count;
+}
+
+static void set_eeprom(ect_build_t *build, ect_device_t *device)
+{
+    const ect_esi_device_t *model = build->model;
+    size_t length = model->config.length < sizeof device->esc_config ? model->config.length : sizeof device->esc_config;
+    if (length > 0)
+        memcpy(device->esc_config, model->config.bytes, length);
+    uint32_t size = model->eeprom_size > model->eeprom.length ? model->eeprom_size : (uint32_t)model->eeprom.length;
+    size = size > SMALLEST_EEPROM ? (size + 127) / 128 * 128 : SMALLEST_EEPROM;
+    if (size > LARGEST_EEPROM) {
+        ect_build_note(build, "its EEPROM has %u bytes; the twin's has %u", (unsigned int)size,
+                       (unsigned int)LARGEST_EEPROM);
+        size = LARGEST_EEPROM;
+    }
+    device->sii_size = (uint16_t)size;
+    if (model->eeprom.bytes == NULL)
+        return;
+    uint8_t *image = ect_arena_alloc(build->arena, size);
+    memset(image, 0xFF, size);
+    memcpy(image, model->eeprom.bytes, model->eeprom.length < size ? model->eeprom.length : size);
+    device->sii = image;
+}
+
+/* The image is written from the description: where it does not fit the size that the file says, the chip is larger. */
+static void grow_eeprom(ect_build_t *build, ect_device_t *device)
+{
+    uint16_t said = device->sii_size;
+    for (;; device->sii_size = (uint16_t)(2 * device->sii_size)) {
+        uint8_t *image = malloc(device->sii_size);
+        bool fits = image != NULL && ect_sii_write(device, NULL, 0, image, device->sii_size) >= 0;
+        free(image);
+        if (fits)
+            break;
+        if (device->sii_size > LARGEST_EEPROM / 2) {
+            ect_build_fail(build, "its SII does not fit an EEPROM of %u bytes", (unsigned int)device->sii_size);
+            return;
+        }
+    }
+    if (device->sii_size != said)
+        ect_build_note(build, "its SII does not fit %u bytes; the twin's EEPROM has %u", (unsigned int)said,
+                       (unsigned int)device->sii_size);
+}
+
+/* --- who it is --------------------------------------------------------------------------------------------------- */
+
+/* What a file does not say is the standard's default (ETG.2000). */
+static uint16_t timeout(uint32_t said_ms, uint16_t default_ms)
+{
+    return said_ms == 0 ? default_ms : (uint16_t)(said_ms < UINT16_MAX ? said_ms : UINT16_MAX);
+}
+
+/* A letter a port; what is none is left out. */
+static const char *physics_of(ect_build_t *build)
+{
+    char ports[5] = "";
+    size_t count = 0;
+    for (const char *letter = build->model->physics; *letter != '\0'; letter++) {
+        if (strchr("YKH ", *letter) != NULL && count < 4)
+            ports[count++] = *letter;
+        else
+            ect_build_note(build, "its Physics \"%s\" has something else than Y, K, H for at most 4 ports",
+                           build->model->physics);
+    }
+    return count > 0 ? ect_arena_copy(build->arena, ports, count) : "YY";
+}
+
+/* A name as the command's own devices have: what files of the twin are named after. */
+static const char *command_name(ect_build_t *build, const char *type)
+{
+    char *name = ect_arena_alloc(build->arena, strlen(type) + 4);
+    size_t length = 0;
+    for (; *type != '\0'; type++) {
+        if (isalnum((unsigned char)*type) && (unsigned char)*type < 0x80)
+            name[length++] = (char)tolower((unsigned char)*type);
+        else if (length > 0 && name[length - 1] != '-')
+            name[length++] = '-';
+    }
+    while (length > 0 && name[length - 1] == '-')
+        name[--length] = '\0';
+    return length > 0 ? name : "esi";
+}
+
+static void set_identity(ect_build_t *build, ect_device_t *device)
+{
+    const ect_esi_device_t *model = build->model;
+    device->identity = (ect_identity_t){
+        .vendor_id = model->vendor_id, .product_code = model->product_code, .revision = model->revision};
+    device->type_name = ect_build_text(build, model->type, ECT_BUILD_NAME);
+    device->full_name = *model->name != '\0' ? ect_build_text(build, model->name, ECT_BUILD_TEXT) : NULL;
+    device->vendor_name = ect_build_text(build, or_unnamed(model->vendor_name), ECT_BUILD_TEXT);
+    device->group_type = ect_build_text(build, or_unnamed(model->group_type), ECT_BUILD_TEXT);
+    device->group_name = ect_build_text(build, or_unnamed(model->group_name), ECT_BUILD_TEXT);
+    device->physics = physics_of(build);
+    device->ebus_ma = (int16_t)model->ebus_current_ma;
+    device->name = command_name(build, model->type);
+    device->summary = ect_build_text(build, *model->name != '\0' ? model->name : model->type, ECT_BUILD_TEXT);
+    device->timeouts = (ect_timeouts_t){
+        .preop_ms = timeout(model->preop_ms, 3000),
+        .safeop_op_ms = timeout(model->safeop_op_ms, 10000),
+        .back_to_init_ms = timeout(model->back_to_init_ms, 5000),
+        .back_to_safeop_ms = timeout(model->back_to_safeop_ms, 200),
+        .mailbox_request_ms = timeout(model->request_ms, 100),
+        .mailbox_response_ms = timeout(model->response_ms, 2000),
+    };
+}
+
+static void add_text(ect_build_t *build, uint16_t index, const char *name, const char *text)
+{
+    if (ect_build_find(build, index) != NULL || *text == '\0')
+        return;
+    ect_build_object_t *object = ect_build_object(build, index, ECT_OBJECT_VAR, name);
+    ect_build_entry_t *entry =
+        ect_build_add(build, object, 0, ECT_TYPE_VISIBLE_STRING, (uint32_t)(8 * strlen(text)), ECT_ACCESS_RO, name);
+    entry->initial = (ect_esi_bytes_t){.bytes = (const uint8_t *)text, .length = strlen(text)};
+}
+
+/* The objects that every CoE slave has, where the file does not bring them. */
+static void add_mandatory(ect_build_t *build)
+{
+    const ect_esi_device_t *model = build->model;
+    uint32_t types[ECT_SMS];
+    if (ect_build_find(build, 0x1000) == NULL) {
+        ect_build_object_t *object = ect_build_object(build, 0x1000, ECT_OBJECT_VAR, "Device type");
+        ect_build_entry_t *entry =
+            ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type");
+        ect_build_initial(build, entry, model->profile);
+    }
+    add_text(build, 0x1008, "Device name", model->type);
+    for (size_t i = 0; i < model->sm_count && i < ECT_SMS; i++)
+        types[i] = role_of(&model->sms[i]);
+    (void)ect_build_numbers(build, 0x1C00, "SyncManager type", "Type", ECT_TYPE_UNSIGNED8, ECT_ACCESS_RO, types,
+                            model->sm_count < ECT_SMS ? model->sm_count : ECT_SMS,
+                            model->sm_count < ECT_SMS ? model->sm_count : ECT_SMS);
+}
+
+/* 1018h is who the twin says it is, which a user may override: its values are the instance's. */
+static void add_identity(ect_build_t *build)
+{
+    static const struct {
+        const char *name;
+        size_t offset;
+    } members[] = {
+        {"Vendor ID", offsetof(ect_standard_t, identity.vendor_id)},
+        {"Product code", offsetof(ect_standard_t, identity.product_code)},
+        {"Revision number", offsetof(ect_standard_t, identity.revision)},
+        {"Serial number", offsetof(ect_standard_t, identity.serial)},
+    };
+    ect_build_object_t *object =
+        ect_build_numbers(build, 0x1018, "Identity", "", ECT_TYPE_UNSIGNED32, ECT_ACCESS_RO, NULL, 0, 4);
+    ect_build_initial(build, &object->entries[0], 4);
+    for (size_t i = 0; i < 4; i++) {
+        object->entries[i + 1].name = members[i].name;
+        object->entries[i + 1].offset = members[i].offset;
+        object->entries[i + 1].identity = true;
+    }
+}
+
+/* --- the object list --------------------------------------------------------------------------------------------- */
+
+/* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
+static size_t lay_out(ect_build_t *build)
+{
+    size_t at = sizeof(ect_standard_t);
+    for (size_t i = 0; i < build->object_count; i++) {
+        for (size_t k = 0; k < build->objects[i].count; k++) {
+            ect_build_entry_t *entry = &build->objects[i].entries[k];
+            size_t bytes = (entry->bits + 7u) / 8u;
+            if (entry->identity)
+                continue;
+            size_t alignment = bytes >= 8 ? 8 : bytes >= 4 ? 4 : bytes >= 2 ? 2 : 1;
+            at = (at + alignment - 1) / alignment * alignment;
+            entry->offset = at;
+            at += bytes + (entry->data_type == ECT_TYPE_VISIBLE_STRING ? 1 : 0);
+        }
+    }
+    return at;
+}
+
+/* The range of an integer type; false for what is none. */
+static bool range_of(const ect_build_entry_t *entry, int64_t *minimum, int64_t *maximum)
+{
+    switch (entry->data_type) {
+    case ECT_TYPE_INTEGER8:
+    case ECT_TYPE_INTEGER16:
+    case ECT_TYPE_INTEGER32:
+    case ECT_TYPE_INTEGER64:
+        *minimum = entry->bits < 64 ? -(INT64_C(1) << (entry->bits - 1)) : INT64_MIN;
+        *maximum = entry->bits < 64 ? (INT64_C(1) << (entry->bits - 1)) - 1 : INT64_MAX;
+        return true;
+    case ECT_TYPE_REAL32:
+    case ECT_TYPE_REAL64:
+    case ECT_TYPE_VISIBLE_STRING:
+    case ECT_TYPE_OCTET_STRING:
+        return false;
+    default:
+        *minimum = 0;
+        *maximum = entry->bits < 63 ? (INT64_C(1) << entry->bits) - 1 : INT64_MAX;
+        return true;
+    }
+}
+
+/* What a file says of limits, as far as the type can have them. */
+static bool limits_of(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry,
+                      int64_t *minimum, int64_t *maximum)
+{
+    if ((!entry->minimum.given && !entry->maximum.given) || !range_of(entry, minimum, maximum))
+        return false;
+    int64_t lowest = *minimum;
+    int64_t highest = *maximum;
+    if (entry->minimum.given)
+        *minimum = entry->minimum.value;
+    if (entry->maximum.given)
+        *maximum = entry->maximum.value;
+    if (*minimum >= lowest && *maximum <= highest && *minimum < *maximum)
+        return true;
+    ect_build_note(build, "object %04X:%u: its limits %lld to %lld are none for its type: left out",
+                   (unsigned int)object->index, (unsigned int)entry->subindex, (long long)*minimum,
+                   (long long)*maximum);
+    return false;
+}
+
+/* Limits and long defaults: what an entry itself has no room for. */
+static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build_object_t *object,
+                       const ect_build_entry_t *entry)
+{
+    bool long_default = entry->initial.length > 4;
+    int64_t minimum;
+    int64_t maximum;
+    bool limited = limits_of(build, object, entry, &minimum, &maximum);
+    if (!long_default && !limited)
+        return;
+    ect_detail_t *details = (ect_detail_t *)(uintptr_t)device->details; // ours, growing
+    details = ect_arena_grow(build->arena, details, device->detail_count, sizeof *details);
+    ect_detail_t *detail = &details[device->detail_count++];
+    detail->index = object->index;
+    detail->subindex = entry->subindex;
+    if (limited) {
+        detail->minimum = minimum;
+        detail->maximum = maximum;
+    }
+    if (long_default) {
+        uint8_t *bytes = ect_arena_alloc(build->arena, (entry->bits + 7u) / 8u);
+        memcpy(bytes, entry->initial.bytes, entry->initial.length);
+        detail->initial = bytes;
+    }
+    device->details = details;
+}
+
+static void set_objects(ect_build_t *build, ect_device_t *device)
+{
+    ect_object_t *objects = ect_arena_alloc(build->arena, (build->object_count + 1) * sizeof *objects);
+    for (size_t i = 0; i < build->object_count; i++) {
+        const ect_build_object_t *from = &build->objects[i];
+        ect_entry_t *entries = ect_arena_alloc(build->arena, from->count * sizeof *entries);
+        for (size_t k = 0; k < from->count; k++) {
+            const ect_build_entry_t *entry = &from->entries[k];
+            entries[k] = (ect_entry_t){
+                .subindex = entry->subindex,
+                .data_type = entry->data_type,
+                .bit_length = entry->bits,
+                .access = entry->access,
+                .name = entry->name,
+                .value = entry->initial.length <= 4 ? (uint32_t)ect_build_number(entry) : 0,
+                .data = (void *)entry->offset,
+            };
+            add_detail(build, device, from, entry);
+        }
+        objects[i] = (ect_object_t){.index = from->index,
+                                    .object_code = from->code,
+                                    .max_subindex = from->entries[from->count - 1].subindex,
+                                    .last = (uint8_t)(from->count - 1),
+                                    .name = from->name,
+                                    .entries = entries};
+    }
+    device->objects = objects;
+    device->object_count = (uint16_t)build->object_count;
+}
+
+/* --- behaviour --------------------------------------------------------------------------------------------------- */
+
+/* Outputs that nobody commands any more are what they are after power-on. What can be mapped has at most 255 bits. */
+static void safe_outputs(void *instance, uint64_t now_ns)
+{
+    const ect_standard_t *standard = instance;
+    const ect_device_t *device = standard->device;
+    const ect_build_t *build = &((const ect_esi_twin_t *)device->context)->build;
+    ect_od_t od = ect_device_od(device, instance);
+    (void)now_ns;
+    for (size_t i = 0; i < build->object_count; i++) {
+        const ect_build_object_t *from = &build->objects[i];
+        for (size_t k = 0; k < from->count; k++) {
+            uint8_t wire[32] = {0};
+            const ect_build_entry_t *entry = &from->entries[k];
+            if ((entry->access & ECT_ACCESS_RXPDO) == 0 || entry->bits > 8 * sizeof wire)
+                continue;
+            if (entry->initial.length > 0)
+                memcpy(wire, entry->initial.bytes, entry->initial.length);
+            (void)ect_od_write(&od, &device->objects[i].entries[k], 0, wire, (uint16_t)((entry->bits + 7u) / 8u));
+        }
+    }
+}
+
+/* It has no time of its own; being asked at all means that a signal was set, and the inputs are sent anew. */
+static uint64_t tick(void *instance, uint64_t now_ns)
+{
+    (void)instance;
+    (void)now_ns;
+    return ECT_NEVER;
+}
+
+/* --- the whole --------------------------------------------------------------------------------------------------- */
+
+static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size_t module_count)
+{
+    static const ect_service_t *const services[] = {&ect_service_pdo_config, NULL};
+    ect_build_t *b = &twin->build;
+    ect_device_t *device = &twin->device;
+    ect_build_objects(b, &b->model->dictionary, 0);
+    ect_build_modules(b, modules, module_count);
+    ect_build_pdos(b);
+    if (b->model->mailbox.coe)
+        add_mandatory(b);
+    add_identity(b);
+    ect_build_sort(b);
+    set_identity(b, device);
+    set_sms(b, device);
+    set_fmmus(b, device);
+    set_mailbox(b, device);
+    set_boot(b->model, device);
+    set_dc(b, device);
+    set_eeprom(b, device);
+    device->esc = esc_of(device);
+    device->instance_size = lay_out(b);
+    set_objects(b, device);
+    if (b->model->mailbox.pdo_assign || b->model->mailbox.pdo_config)
+        device->services = services;
+    device->safe_outputs = safe_outputs;
+    device->tick = tick;
+    device->context = twin;
+    if (device->sii == NULL && b->failure == NULL)
+        grow_eeprom(b, device);
+    ect_build_signals(b, &twin->plant);
+    twin->product = (ect_product_t){.device = device, .plant = &twin->plant};
+}
+
+ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
+                                  size_t module_count, char *text, size_t room)
+{
+    ect_esi_twin_t *twin = calloc(1, sizeof *twin);
+    if (twin == NULL) {
+        (void)snprintf(text, room, "%s: no memory left", path);
+        return NULL;
+    }
+    twin->esi = ect_esi_open(path, text, room);
+    const ect_esi_device_t *model = twin->esi != NULL ? ect_esi_select(twin->esi, selector, text, room) : NULL;
+    if (model != NULL) {
+        twin->build = (ect_build_t){.arena = &twin->arena, .model = model};
+        build(twin, modules, module_count);
+        char why[200];
+        if (twin->build.failure == NULL && (!ect_device_check(&twin->device, why, sizeof why) ||
+                                            !ect_plant_check(&twin->plant, &twin->device, why, sizeof why)))
+            ect_build_fail(&twin->build, "%s", why);
+        if (twin->build.failure == NULL)
+            return twin;
+        (void)snprintf(text, room, "%s:%d: %s: %s", path, model->line, model->type, twin->build.failure);
+    }
+    ect_esi_twin_free(twin);
+    return NULL;
+}
+
+const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin)
+{
+    return &twin->product;
+}
+
+const char *const *ect_esi_twin_notes(const ect_esi_twin_t *twin, size_t *count)
+{
+    *count = twin->build.note_count;
+    return twin->build.notes;
+}
+
+const ect_esi_device_t *ect_esi_twin_model(const ect_esi_twin_t *twin)
+{
+    return twin->build.model;
+}
+
+void ect_esi_twin_free(ect_esi_twin_t *twin)
+{
+    if (twin == NULL)
+        return;
+    ect_esi_close(twin->esi);
+    ect_arena_free(&twin->arena);
+    free(twin);
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Twin: a device of an ESI file as one that runs. Nothing in stack, chain or command knows that it was made at run
+ * time.
+ *
+ * The twin has the identity, layout, PDOs, dictionary and clocks of the file, and no behaviour of its own: inputs are
+ * what somebody sets through signals (or a master by SDO), outputs are shown, and go to their defaults when OP is left.
+ * What the file has and the twin cannot be is told in notes; nothing is left out silently.
+ *
+ * Host only. Context: mainline.
+ */
+#ifndef ECT_ESI_TWIN_H
+#define ECT_ESI_TWIN_H
+
+#include "esi/read.h"
+#include "seams/plant.h"
+#include "wire/linkage.h"
+
+/** What a user wants to stand in which slot. */
+typedef struct ect_module_choice {
+    unsigned int slot; /**< from 0 */
+    uint32_t ident;
+} ect_module_choice_t;
+
+ECT_C_BEGIN
+
+/** A product made from a file; owns all that it hands out. */
+typedef struct ect_esi_twin ect_esi_twin_t;
+
+/**
+ * Makes a twin.
+ * @param path, selector  see ::ect_esi_open and ::ect_esi_select
+ * @param modules, module_count  which module stands in which slot; where nothing is said, what the file presets
+ * @param[out] text, room  the line that says why not
+ * @return the twin, or NULL: the file cannot be read, or it describes something that no ESC of ours can be
+ */
+ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
+                                  size_t module_count, char *text, size_t room);
+
+/** The product, valid until the twin is freed. */
+const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin);
+
+/** What of the file is not represented, a line each. @param[out] count  may be 0 */
+const char *const *ect_esi_twin_notes(const ect_esi_twin_t *twin, size_t *count);
+
+/** The model that it was made from. */
+const ect_esi_device_t *ect_esi_twin_model(const ect_esi_twin_t *twin);
+
+/** Frees it; no chain may use its product any more. NULL is allowed. */
+void ect_esi_twin_free(ect_esi_twin_t *twin);
+
+ECT_C_END
+
+#endif
