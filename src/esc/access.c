@@ -39,7 +39,7 @@ static bool managed_access(ect_esc_t *esc, const ect_access_t *access, uint32_t 
         return false;
     bool any = false;
     uint32_t end = address + length;
-    ECT_ASSERT(address >= ECT_RAM);
+    ECT_ASSERT(address >= ECT_REG_DIGITAL_OUTPUT);
     if (end > esc->memory_size)
         end = esc->memory_size;
     uint32_t at = address;
