@@ -75,10 +75,13 @@ static void end_visit(ect_client_t *client, const char *message)
     ect_client_result(client, message);
 }
 
+static const char too_many[] =
+    "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out";
+
 /* @return whether the walk may go on */
-static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref, size_t every_room)
+static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref)
 {
-    if (ect_watch_is_every(client->watch) && ect_watch_count(client->watch) >= every_room) {
+    if (ect_watch_is_every(client->watch) && ect_watch_count(client->watch) >= client->every_room) {
         end_visit(client,
                   "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out");
         return false;
@@ -99,7 +102,7 @@ static bool next_signal(ect_visit_t *v, const ect_chain_t *chain, ect_signal_ref
     return first && ect_chain_signal(chain, v->slave, v->pattern, ref);
 }
 
-static void go_on(ect_client_t *client, const ect_chain_t *chain, size_t every_room, uint64_t now_ns)
+static void go_on(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     ect_visit_t *v = &client->visit;
     unsigned int lines = 0;
@@ -108,7 +111,7 @@ static void go_on(ect_client_t *client, const ect_chain_t *chain, size_t every_r
         if (next_signal(v, chain, &ref)) {
             if (!v->literal && fnmatch(v->pattern, ref.name, 0) != 0)
                 continue;
-            if (v->op == ECT_VISIT_WATCH && !watch_one(client, &ref, every_room))
+            if (v->op == ECT_VISIT_WATCH && !watch_one(client, &ref))
                 return;
             describe(client, &ref, now_ns);
             v->matched++;
@@ -129,8 +132,11 @@ static const char *begin_watch(ect_client_t *client, const cJSON *request)
         client->watch = ect_watch_new();
     if (!client->watch)
         return "not enough memory";
-    if (cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "every")))
-        ect_watch_every(client->watch);
+    if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "every")))
+        return NULL;
+    if (ect_watch_count(client->watch) > client->every_room)
+        return too_many;
+    ect_watch_every(client->watch);
     return NULL;
 }
 
@@ -378,10 +384,11 @@ static void tell_changes(ect_client_t *client, uint64_t now_ns)
 
 void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns)
 {
+    client->every_room = every_room;
     if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
         serve_line(client, chain, now_ns);
     if (client->visit.op != ECT_VISIT_NONE)
-        go_on(client, chain, every_room, now_ns);
+        go_on(client, chain, now_ns);
     else if (client->watch)
         tell_changes(client, now_ns);
     if (client->watch && ect_watch_lost(client->watch) && !client->closing) {

@@ -55,6 +55,7 @@ typedef struct ect_client {
     const ect_stats_t *stats; /**< NULL: none are shown */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: nothing is watched */
+    size_t every_room;  /**< signals that it may watch at every change */
 } ect_client_t;
 
 /** Whether there is room for what a step may write. */
@@ -68,7 +69,7 @@ void ect_client_received(ect_client_t *client);
 
 /**
  * Does one step. Only with ect_client_room().
- * @param every_room  signals that may still be watched at every change
+ * @param every_room  signals that this client may watch at every change
  */
 void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns);
 

@@ -789,6 +789,11 @@ static void too_much_watched(void **state)
         assert_non_null(strstr(got, i == 0 ? "a connection watches at most 4096 signals" : "4096"));
     }
     expect_part(&b, "{\"op\":\"watch\",\"every\":true}\n", "too many signals are watched at every change");
+    /* Nor by asking for every change of what is watched already. */
+    say(fds[0], "{\"op\":\"watch\",\"pattern\":\"bu.state\",\"every\":true}\n");
+    serve(&b);
+    hear(fds[0], got, sizeof got);
+    assert_non_null(strstr(got, "too many signals are watched at every change"));
     for (size_t i = 0; i < 2; i++)
         close(fds[i]);
     serve(&b);
