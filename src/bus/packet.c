@@ -22,7 +22,12 @@
 
 #include "wire/bytes.h"
 
-enum { ETHERTYPE_ECAT = 0x88A4, ETHERTYPE_VLAN = 0x8100, NOTHING = 0x10000 };
+enum {
+    ETHERTYPE_ECAT = 0x88A4,
+    ETHERTYPE_CLAIM = 0x88B5, /* for local experiments (IEEE 802) */
+    ETHERTYPE_VLAN = 0x8100,
+    NOTHING = 0x10000
+};
 
 /* A process that was held up finds frames that its master has long given up. Answered, they would be taken for answers
  * to newer ones (SOEM tells them apart by 4 bits), and the master would stay that far behind. A wire does not store
@@ -94,11 +99,12 @@ static int filter(int fd, uint32_t type)
     return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &all, sizeof all);
 }
 
-/* A socket that receives nothing and stands in the kernel's list of those for EtherCAT. */
+/* A socket that stands in the kernel's list and receives nothing: nobody sends frames of its type, and with one more
+ * that is asked about each EtherCAT frame the kernel would copy them. */
 static int claim(ect_packet_t *port)
 {
     const struct sockaddr_ll address = {
-        .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_ECAT), .sll_ifindex = (int)port->index};
+        .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_CLAIM), .sll_ifindex = (int)port->index};
     port->claim_fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
     return port->claim_fd >= 0 && filter(port->claim_fd, NOTHING) == 0
                ? bind(port->claim_fd, (const struct sockaddr *)&address, sizeof address)
@@ -142,7 +148,7 @@ static int only_one(const ect_packet_t *port, char *message)
     FILE *list = fopen("/proc/self/net/packet", "re");
     while (list && fgets(line, sizeof line, list)) {
         if (sscanf(line, "%*s %*s %u %x %u %*s %*s %u", &type, &protocol, &index, &user) == 4 && type == SOCK_RAW &&
-            protocol == ETHERTYPE_ECAT && index == port->index)
+            (protocol == ETHERTYPE_ECAT || protocol == ETHERTYPE_CLAIM) && index == port->index)
             count++;
     }
     if (list)
