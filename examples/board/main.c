@@ -4,19 +4,20 @@
 #include "heater.h"
 #include "slave/slave.h"
 
-enum { MAILBOX = 3 * 128, PROCESS_DATA = 2 + 3, RUNS = 3 };
+enum { MAILBOX = 3 * 128, PROCESS_DATA = 3, RUNS = 2, STAGING = 2 };
 
 static ect_slave_t slave;
 static heater_t instance;
 static uint8_t mailbox[MAILBOX];
 static uint8_t process_data[PROCESS_DATA];
 static ect_pdo_run_t runs[RUNS];
+static uint8_t staging[STAGING];
 
 static bool enough(void)
 {
     ect_slave_memory_t need = ect_slave_memory(&heater);
     return need.instance <= sizeof instance && need.mailbox <= sizeof mailbox &&
-           need.process_data <= sizeof process_data && need.runs <= RUNS;
+           need.process_data <= sizeof process_data && need.runs <= RUNS && need.staging <= sizeof staging;
 }
 
 int main(void)
@@ -28,8 +29,11 @@ int main(void)
         .instance = &instance,
         .mailbox = mailbox,
         .process_data = process_data,
+        .process_size = PROCESS_DATA,
         .runs = runs,
         .run_count = RUNS,
+        .staging = staging,
+        .staging_size = STAGING,
     };
     if (!enough()) /* the description has grown and the arrays above have not */
         return 1;

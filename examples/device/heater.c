@@ -122,6 +122,7 @@ const ect_device_t heater = {
     .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS,
     .physics = "YY",
+    .timeouts = {.preop_ms = 2000, .safeop_op_ms = 2000},
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
     .details = details,

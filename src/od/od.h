@@ -8,8 +8,19 @@
  * `data` of an entry is an address; in a list with a base (::ect_od_t::base) it is an offset into that instance, so
  * one table in flash serves one instance in a firmware and a thousand in a process.
  *
- * Nothing in here allocates, blocks, or keeps a pointer. All functions may be called from any context that owns the
- * instance data; the stack calls them from mainline, and from the cycle context for process data.
+ * Ownership: the list, its entries, its names and the second table are constant and belong to the device; the instance
+ * belongs to the caller. Nothing in here allocates, blocks or keeps a pointer; what is returned points into the list or
+ * into the instance and lives as long as they do. Pointers that are handed in must not be NULL unless that is said.
+ *
+ * Context: any that owns the instance data; the stack calls from mainline, and from the cyclic exchange for process
+ * data (docs/CONCURRENCY.md). Functions over a list alone are pure.
+ *
+ * Cost: finding an object or a detail takes log2(n) + 1 comparisons, an entry of an object its position, a transfer its
+ * bytes; nothing in here reaches the PDI.
+ *
+ * Errors: what a master did wrong is an ::ect_reason_t and ends as an abort code; a slice beyond an entry is the
+ * caller's own mistake and is asserted. On any result but ECT_OK nothing was written, neither to the instance nor to a
+ * result, unless it is said.
  *
  * Clauses: ETG.1000.6 §5.6 (CoE), ETG.1020 (data types, object codes), CiA 301 (abort codes).
  */
@@ -120,10 +131,7 @@ typedef struct ect_detail {
 } ect_detail_t;
 
 /** An element of the second table: unit and limits of a number. */
-#define ECT_LIMITS(index, subindex, unit, minimum, maximum)                                                            \
-    {                                                                                                                  \
-        index, subindex, unit, minimum, maximum, NULL                                                                  \
-    }
+#define ECT_LIMITS(index, subindex, unit, minimum, maximum) {index, subindex, unit, minimum, maximum, NULL}
 
 /** An object list together with the instance that it describes. A small value: copy it freely. */
 typedef struct ect_od {
@@ -131,7 +139,7 @@ typedef struct ect_od {
     uint16_t count;
     const ect_detail_t *details; /**< may be NULL */
     uint16_t detail_count;
-    void *base; /**< the instance that `data` offsets count from; NULL: `data` are addresses */
+    void *base;              /**< the instance that `data` offsets count from; NULL: `data` are addresses */
     const void *description; /**< what those of ECT_ACCESS_DESCRIPTION count from; NULL: no entry has it */
 } ect_od_t;
 
@@ -140,9 +148,7 @@ typedef struct ect_od {
 
 /** An entry whose value lies in `member` of the instance type: ECT_ENTRY(1, UNSIGNED8, 8, ECT_ACCESS_RO, ...). */
 #define ECT_ENTRY(subindex, kind, bits, access, name, value, type, member)                                             \
-    {                                                                                                                  \
-        subindex, ECT_TYPE_##kind, bits, access, name, value, ECT_OFFSET(type, member)                                 \
-    }
+    {subindex, ECT_TYPE_##kind, bits, access, name, value, ECT_OFFSET(type, member)}
 
 /**
  * Why a request to the dictionary is refused: one reason, one abort code (::ect_abort_code). Hooks of a device
@@ -197,14 +203,16 @@ enum {
 uint32_t ect_abort_code(ect_reason_t reason);
 
 /**
- * Finds an object by binary search: at most log2(count)+1 comparisons.
- * @return the object, or NULL when the list has no such index. The pointer lives as long as the list.
+ * Finds an object.
+ * @param index  0..0xFFFF
+ * @return the object, or NULL when the list has no such index
  */
 const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index);
 
 /**
- * Finds an entry of an object; a gap in the sub-indices is allowed.
- * @return the entry, or NULL when the object has no such sub-index.
+ * Finds an entry of an object, from its first on; a gap in the sub-indices is allowed.
+ * @param subindex  0..255
+ * @return the entry, or NULL when the object has no such sub-index
  */
 const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex);
 
@@ -216,7 +224,7 @@ static inline const ect_entry_t *ect_od_next(const ect_object_t *object, const e
 }
 
 /**
- * Resolves index and sub-index.
+ * Resolves index and sub-index (ETG.1000.6 §5.6.2).
  * @param[out] object, entry  each NULL when there is none: no object, or no entry of it
  * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX
  */
@@ -248,19 +256,22 @@ static inline bool ect_od_is_string(const ect_entry_t *entry)
     return entry->data_type == ECT_TYPE_VISIBLE_STRING;
 }
 
-/** The memory of an entry, or NULL when it has none and reads as `value`. Owned by the instance. */
+/**
+ * Where the value of an entry lies: in the instance, in the description, or at the entry's own address.
+ * @return NULL: it has no memory and reads as `value`
+ */
 void *ect_od_data(const ect_od_t *od, const ect_entry_t *entry);
 
 /** Its length as SDO information tells it: `bit_length`; of a text of the description the text's own. */
 uint16_t ect_od_bits(const ect_od_t *od, const ect_entry_t *entry);
 
-/** Bytes that an upload of this entry transfers now (strings: their present length). */
+/** Bytes that an upload of this entry transfers now: ect_od_bytes(entry), of a string its present length. */
 uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry);
 
 /**
- * Copies a slice of an entry's wire form (little-endian) to a buffer.
+ * Copies a slice of an entry's wire form (little-endian) to a buffer. Rights are not checked here.
  * @param offset, length  bytes; offset + length <= ect_od_bytes(entry) (asserted)
- * @param[out] buffer     length bytes, the caller's
+ * @param[out] buffer     `length` bytes, the caller's; of BOOLEAN and BITn the bits above the entry's own are 0
  */
 void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, void *buffer, uint16_t length);
 
@@ -268,7 +279,9 @@ void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, 
  * Writes a slice of an entry's wire form into the instance. Rights and limits are not checked here. Numbers of 2, 4
  * and 8 bytes must come whole (asserted), strings and octets in any pieces; a string that ends short of its room is
  * terminated when its last piece says so by being shorter.
- * @return ECT_OK · ECT_REASON_READ_ONLY when the entry has no memory
+ * @param offset, length  bytes; offset + length <= ect_od_bytes(entry) (asserted)
+ * @param buffer          `length` bytes, only read
+ * @return ECT_OK · ECT_REASON_READ_ONLY: the entry has no memory, nothing is changed
  */
 ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, const void *buffer,
                           uint16_t length);
@@ -279,7 +292,7 @@ ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t
  */
 void ect_od_set_defaults(const ect_od_t *od);
 
-/** What the second table says of an entry, or NULL. Binary search. */
+/** What the second table says of an entry; NULL: nothing. */
 const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t subindex);
 
 /**

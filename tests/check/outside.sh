@@ -65,6 +65,33 @@ quietly cmake --install "$work/core" --prefix "$work/arm"
 # shellcheck disable=SC2086
 project "$work/examples/board" board $arm -DCMAKE_PREFIX_PATH="$work/arm"
 check "the firmware is there" yes "$([ -s "$work/board/heater-firmware" ] && echo yes)"
+
+# Its buffers are as large as the description asks for: on an imagined board it gets as far as the ESC.
+cat >"$work/board.c" <<'BOARD'
+#include <stdlib.h>
+#include "board.h"
+static uint32_t load(void *ctx, unsigned int reg)
+{
+    (void)ctx;
+    exit(reg == ECT_WINDOW_COMMAND ? 42 : 2);
+}
+static void store(void *ctx, unsigned int reg, uint32_t value)
+{
+    (void)ctx;
+    exit(reg == value ? 3 : 4);
+}
+const ect_window_t board_window = {.load = load, .store = store, .patience = 1};
+uint64_t board_now_ns(void) { return 0; }
+int16_t board_temperature(void) { return 0; }
+void board_heat(uint8_t percent) { (void)percent; }
+void board_alive(void) { }
+void board_reset(void) { }
+BOARD
+# shellcheck disable=SC2046,SC2086
+quietly ${CC:-cc} -std=c11 $flags -I"$work/examples/device" -I"$work/examples/board" "$work"/examples/{board/main,device/heater}.c \
+  "$work/board.c" $(pkg-config --cflags --libs ectwin-core) -o "$work/firmware"
+check "the firmware reaches the ESC" 42 "$("$work/firmware"; echo $?)"
+
 # shellcheck disable=SC2086
 cmake -G Ninja -S "$work/examples/device" -B "$work/no-host" $arm -DCMAKE_PREFIX_PATH="$work/arm" >"$work/log" 2>&1 || true
 check "find_package without the host part says so" yes "$(grep -q 'without its host part' "$work/log" && echo yes)"
