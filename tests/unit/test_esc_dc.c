@@ -189,6 +189,9 @@ static void start_in_the_past(void **state)
     assert_int_equal(tick_at(r, 3600000000000), UINT64_MAX);
     expect_event(r, "never", false);
     assert_int_equal(read_number(r, 0x0984, 1), 1);
+    start(r, 3600000000000, 1000); /* this very nanosecond */
+    assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), UINT64_MAX);
+    expect_event(r, "now is past", false);
     start(r, UINT64_MAX, 1000); /* 584 years */
     assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), UINT64_MAX);
     assert_int_equal(read_number(r, 0x0984, 1), 1);

@@ -466,6 +466,16 @@ static void dl_status_change(void **state)
         fail_msg("DL status changed, event request 0x0210 is 0x%04X: expected bit 2 set", ecat_event(r));
 }
 
+static void dl_status_same(void **state)
+{
+    rig_t *r = *state;
+    uint8_t control[4];
+    memcpy(control, r->memory + ECT_REG_DL_CONTROL, sizeof control);
+    ect_store_le16(r->memory + ECT_REG_ECAT_EVENT, 0);
+    assert_int_equal(send(r, APWR, ECT_REG_DL_CONTROL, control, sizeof control), 1);
+    assert_int_equal(ecat_event(r) & ECT_ECAT_EVENT_DL_STATUS, 0);
+}
+
 static void sm_changed_event(void **state)
 {
     rig_t *r = *state;
@@ -730,6 +740,7 @@ static void pdi_extremes(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        TEST("CF-005: DL control that changes nothing raises no DL status event", dl_status_same),
         TEST("CF-001: 0x0000..0x0009 read as the personality says and no side can write them", identity),
         TEST("CF-001 CF-047: after power-on all registers have their reset values, reserved ones read 0", reset_state),
         TEST("CF-009: each register byte is written by the sides that may: WKC 1, else WKC 0 and nothing changes",

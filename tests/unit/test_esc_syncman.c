@@ -751,6 +751,27 @@ static void interleaving_buffered(void **state)
     interleaving(*state, false);
 }
 
+static void off_empties(void **state)
+{
+    rig_t *r = *state;
+    for (unsigned int pdi = 0; pdi < 2; pdi++) {
+        uint8_t data[8] = {1};
+        set_sm(r, 0, START, 8, 0x26);
+        assert_int_equal(send(r, APWR, START, data, 8), 1);
+        assert_int_equal(send(r, APWR, START, data, 8), 0);
+        assert_int_equal(ect_esc_al_event(&r->esc) & ECT_EVENT_SM0, ECT_EVENT_SM0);
+        for (uint8_t on = 0; on < 2; on++) {
+            if (pdi)
+                pdi_write(r, 0x0807, on ^ 1);
+            else
+                ecat_write(r, 0x0806, on);
+            assert_int_equal(ect_esc_al_event(&r->esc) & ECT_EVENT_SM0, 0);
+            assert_int_equal(status_of(r, 0) & ECT_SM_STATUS_FULL, 0);
+        }
+        assert_int_equal(send(r, APWR, START, data, 8), 1);
+    }
+}
+
 #define TEST(title, function)                                                                                          \
     {                                                                                                                  \
         title, function, setup, teardown, NULL                                                                         \
@@ -759,6 +780,7 @@ static void interleaving_buffered(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        TEST("CF-009: a mailbox that either side switches off and on again is empty, its event gone", off_empties),
         TEST("CF-016 CF-017 CF-018 CF-020: a mailbox the master writes: taken when empty, full with the last byte, "
              "empty with the last byte read",
              mailbox_out),

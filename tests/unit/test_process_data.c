@@ -551,6 +551,27 @@ static void to_safeop(wire_t *w, mapped_t *m)
     wire_write16(w, 0, ECT_REG_AL_CONTROL, SAFEOP);
 }
 
+/* Side by side in the instance, but not in the image: two pieces. */
+static void gap_between_neighbours(void **state)
+{
+    static mapped_t m;
+    wire_t w;
+    const uint8_t image[] = {0x11, 0x22, 0x33, 0x44, 0x55, 0x66};
+    (void)state;
+    memset(&m, 0, sizeof m);
+    make_mapped(&m);
+    add(&m, 0, ECT_MAP(0x2007, 1, 16));
+    add(&m, 0, ECT_MAP(0, 0, 16));
+    add(&m, 0, ECT_MAP(0x2007, 2, 16));
+    open_mapped(&w, &m);
+    to_safeop(&w, &m);
+    assert_int_equal(wire_write(&w, 0, SM2, image, sizeof image), 1);
+    assert_int_equal(wire_al(&w, 0, OP, NULL), OP);
+    assert_int_equal(testdev_of(&w, 0)->array[0], 0x2211);
+    assert_int_equal(testdev_of(&w, 0)->array[1], 0x6655);
+    wire_close(&w);
+}
+
 /* The objects that the layouts are made of: where they are kept, how many bytes as a number (1: as bytes). */
 static const struct {
     uint16_t index;
@@ -961,6 +982,7 @@ int main(int argc, char **argv)
         T("CF-048: an input-only device runs in OP without outputs, its inputs renewed by its own time", input_only),
         T("CF-052: only a complete write of SM2 feeds the watchdog and reaches the device", partial_outputs),
         T("CF-052: LRW feeds the watchdog, LRD does not", lrw_feeds),
+        T("CF-037: a gap in the image between two entries that are neighbours in memory", gap_between_neighbours),
         T("CF-037: any layout of objects and gaps, at any bit, is packed and unpacked right", random_layouts),
         T("CF-037: a mapping that cannot be gives 0x0025 for outputs, 0x0024 for inputs", bad_mappings),
         T("CF-037: an object mapped in the direction that it does not allow is refused", wrong_direction),

@@ -489,6 +489,22 @@ static void value_info(void **state)
     wire_close(&s.w);
 }
 
+static void no_unit(void **state)
+{
+    static const ect_detail_t limits[] = {ECT_LIMITS(0x2005, 0, 0, -100, 200)};
+    ect_device_t device = testdev;
+    session_t s;
+    (void)state;
+    device.details = limits;
+    device.detail_count = 1;
+    open_session(&s, &device, 128);
+    assert_true(ask(&s, 5, 0x2005, 0, 0x68) >= 20); /* unit, minimum, maximum */
+    assert_int_equal(s.mail[9], 0x60);
+    assert_int_equal((int16_t)ect_load_le16(s.mail + 16), -100);
+    assert_int_equal((int16_t)ect_load_le16(s.mail + 18), 200);
+    wire_close(&s.w);
+}
+
 /* Fields that do not fit are left out and not announced; the mail never exceeds the mailbox. */
 static void value_info_in_a_small_mailbox(void **state)
 {
@@ -640,6 +656,7 @@ int main(int argc, char **argv)
         {"CF-076: descriptions byte by byte", descriptions_by_hand, NULL, NULL, NULL},
         {"CF-076: an entry description carries the unit, default, minimum and maximum that were asked for", value_info,
          NULL, NULL, NULL},
+        {"CF-076: an entry without a unit describes none, though it has limits", no_unit, NULL, NULL, NULL},
         {"CF-076: value info that the mailbox has no room for is left out", value_info_in_a_small_mailbox, NULL, NULL,
          NULL},
         {"CF-076: names are cut where the mailbox ends", names_are_cut_at_the_mailbox, NULL, NULL, NULL},
