@@ -273,6 +273,13 @@ static ect_frame_result_t invalid(ect_esc_t *esc)
     return ECT_FRAME_DESTROYED;
 }
 
+/* The chip makes the source address a locally administered one, so that a frame on its way back is known by it. */
+static void mark_source(const ect_esc_t *esc, uint8_t *frame)
+{
+    if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
+        frame[6] |= 0x02;
+}
+
 static void process_datagrams(ect_esc_t *esc, uint8_t *datagram)
 {
     bool more = true;
@@ -289,11 +296,7 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
     if (length > ECT_ESC_MAX_FRAME || length < ETHERNET_HEADER)
         return invalid(esc);
     size_t at = find_header(frame, length);
-    if (at == 0)
-        return not_ours(esc);
-    if (length < at + 2)
-        return invalid(esc);
-    if (ect_load_le16(frame + at) >> 12 != TYPE_DATAGRAMS)
+    if (at == 0 || (length >= at + 2 && ect_load_le16(frame + at) >> 12 != TYPE_DATAGRAMS))
         return not_ours(esc);
     if (!datagrams_fit(frame, at + 2, length))
         return invalid(esc);
@@ -301,8 +304,7 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         clear_udp_checksum(frame, at);
     if (!mark_circulating(esc, frame, at + 2))
         return ECT_FRAME_DESTROYED;
-    if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
-        frame[6] |= 0x02;
+    mark_source(esc, frame);
     process_datagrams(esc, frame + at + 2);
     ect_esc_sii_end_of_frame(esc);
     return ECT_FRAME_FORWARD;

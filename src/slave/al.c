@@ -25,6 +25,16 @@ static bool legal(uint8_t from, uint8_t to)
     return to == from * 2;
 }
 
+/* Why a request for another state cannot be, or 0. */
+static uint16_t refusal(uint8_t state, uint8_t target, bool has_boot)
+{
+    if (!known(target))
+        return ECT_AL_UNKNOWN_STATE;
+    if (target == ECT_STATE_BOOT && state == ECT_STATE_INIT && !has_boot)
+        return ECT_AL_NO_BOOT;
+    return target == state || legal(state, target) ? ECT_AL_NO_ERROR : ECT_AL_INVALID_CHANGE;
+}
+
 ect_al_decision_t ect_al_decide(uint8_t state, bool error, uint16_t request, bool has_boot)
 {
     uint8_t target = request & ECT_AL_STATE_MASK;
@@ -32,17 +42,10 @@ ect_al_decision_t ect_al_decide(uint8_t state, bool error, uint16_t request, boo
     if (error && !acknowledge && target != ECT_STATE_INIT)
         return (ect_al_decision_t){.action = ECT_AL_IGNORE, .target = state};
     ect_al_decision_t d = {.action = ECT_AL_REFUSE, .target = state, .clear_error = error};
-    if (!known(target)) {
-        d.code = ECT_AL_UNKNOWN_STATE;
-    } else if (target == state) {
-        d.action = ECT_AL_STAY;
-    } else if (target == ECT_STATE_BOOT && state == ECT_STATE_INIT && !has_boot) {
-        d.code = ECT_AL_NO_BOOT;
-    } else if (!legal(state, target)) {
-        d.code = ECT_AL_INVALID_CHANGE;
-    } else {
-        d.action = target > state ? ECT_AL_UP : ECT_AL_DOWN;
-        d.target = target;
-    }
+    d.code = refusal(state, target, has_boot);
+    if (d.code != ECT_AL_NO_ERROR)
+        return d;
+    d.action = target == state ? ECT_AL_STAY : target > state ? ECT_AL_UP : ECT_AL_DOWN;
+    d.target = target;
     return d;
 }

@@ -256,16 +256,33 @@ static uint8_t last_of(const ect_slave_t *s)
     return s->sdo.complete ? present(s, s->sdo.object) : s->sdo.subindex;
 }
 
+/* The device may refuse, or give other bytes instead. */
+static ect_reason_t ask_device(ect_slave_t *s)
+{
+    const ect_device_t *device = s->config.device;
+    ect_sdo_t *sdo = &s->sdo;
+    if (!device->sdo_read)
+        return ECT_OK;
+    return device->sdo_read(s->config.instance, sdo->object->index,
+                            sdo->complete ? (uint16_t)ECT_WHOLE_OBJECT : sdo->subindex,
+                            sdo->complete ? NULL : &sdo->instead);
+}
+
+static void send_expedited(ect_slave_t *s, uint8_t last_subindex)
+{
+    unsigned int unused = EXPEDITED_ROOM - (unsigned int)s->sdo.size;
+    uint8_t *reply = build_initiate(s, UPLOAD | EXPEDITED | SIZE_SPECIFIED | (unused << 2));
+    cursor_read(s, reply + 4, (uint16_t)s->sdo.size, last_subindex);
+    ect_coe_send(s, ECT_SDO_LENGTH);
+}
+
 static void upload(ect_slave_t *s, const uint8_t *request)
 {
     ect_sdo_t *sdo = &s->sdo;
-    const ect_device_t *device = s->config.device;
     const ect_entry_t *first = NULL;
     ect_reason_t reason = open_transfer(s, request, ECT_UPLOAD, &first);
-    if (reason == ECT_OK && device->sdo_read)
-        reason = device->sdo_read(s->config.instance, sdo->object->index,
-                                  sdo->complete ? (uint16_t)ECT_WHOLE_OBJECT : sdo->subindex,
-                                  sdo->complete ? NULL : &sdo->instead);
+    if (reason == ECT_OK)
+        reason = ask_device(s);
     if (reason != ECT_OK) {
         send_abort(s, ect_load_le16(request + 1), request[3], reason);
         return;
@@ -274,10 +291,7 @@ static void upload(ect_slave_t *s, const uint8_t *request)
     sdo->size = sdo->complete ? packed_size(s, first, last) : entry_size(s, first);
     cursor_begin(s, first->subindex <= last ? first : NULL);
     if (sdo->size > 0 && sdo->size <= EXPEDITED_ROOM) {
-        unsigned int unused = EXPEDITED_ROOM - (unsigned int)sdo->size;
-        uint8_t *reply = build_initiate(s, UPLOAD | EXPEDITED | SIZE_SPECIFIED | (unused << 2));
-        cursor_read(s, reply + 4, (uint16_t)sdo->size, last);
-        ect_coe_send(s, ECT_SDO_LENGTH);
+        send_expedited(s, last);
         return;
     }
     uint16_t room = (uint16_t)(ect_coe_room(s) - INITIATE);
@@ -522,6 +536,15 @@ static void download(ect_slave_t *s, const uint8_t *request, uint16_t length)
     finish_download(s, reason, true, UPLOAD_SEGMENT);
 }
 
+/* What a segment brings must be no more than is left, and the last one all of it. */
+static ect_reason_t check_segment(const ect_sdo_t *sdo, uint16_t available, bool last)
+{
+    uint32_t left = sdo->size - sdo->done;
+    if (available > left)
+        return ECT_REASON_TOO_LONG;
+    return last && available < left ? ECT_REASON_TOO_SHORT : ECT_OK;
+}
+
 static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t length)
 {
     ect_sdo_t *sdo = &s->sdo;
@@ -531,12 +554,7 @@ static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t le
     if (available == SEGMENT_MINIMUM)
         available = (uint16_t)(available - ((request[0] >> 1) & 7u));
     bool last = (request[0] & LAST_SEGMENT) != 0;
-    uint32_t left = sdo->size - sdo->done;
-    ect_reason_t reason = ECT_OK;
-    if (available > left)
-        reason = ECT_REASON_TOO_LONG;
-    else if (last && available < left)
-        reason = ECT_REASON_TOO_SHORT;
+    ect_reason_t reason = check_segment(sdo, available, last);
     if (reason == ECT_OK)
         reason = cursor_write(s, request + 1, available, false);
     if (reason == ECT_OK && last)

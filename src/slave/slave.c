@@ -6,16 +6,18 @@
 #include "seams/standard.h"
 #include "slave/internal.h"
 
+static bool has_memory(const ect_slave_config_t *config)
+{
+    const ect_device_t *d = config->device;
+    return config->instance && (d->mailbox_protocols == 0 || config->mailbox) &&
+           (ect_sm_process(d) == 0 || config->process_data) && (config->run_count == 0 || config->runs);
+}
+
 static int check(const ect_slave_config_t *config)
 {
     if (!config->device || !config->pdi || !config->pdi->read || !config->pdi->write)
         return -1;
-    const ect_device_t *d = config->device;
-    bool has_mailbox = d->mailbox_protocols != 0;
-    if (!config->instance || (has_mailbox && !config->mailbox) || (ect_sm_process(d) != 0 && !config->process_data) ||
-        (config->run_count > 0 && !config->runs))
-        return -2;
-    return 0;
+    return has_memory(config) ? 0 : -2;
 }
 
 /* The interrupt line is up while there is something to do, and only then: of the two events of the mailbox the one that

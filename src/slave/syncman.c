@@ -38,8 +38,7 @@ static bool is_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16
 
 bool ect_sm_mailbox_good(const ect_device_t *device, const uint8_t *block, bool boot)
 {
-    ECT_ASSERT(device->mailbox_protocols != 0 && device->sm_count >= 2);
-    ECT_ASSERT(!boot || (device->boot_out.length > 0 && device->boot_in.length > 0));
+    ECT_ASSERT(device->sm_count >= 2);
     for (unsigned int n = 0; n < 2; n++) {
         const ect_sm_t *sm = &device->sm[n];
         const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
