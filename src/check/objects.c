@@ -99,12 +99,32 @@ static bool type_good(const place_t *p)
     return true;
 }
 
+/* Whether there is a text at this place of the description. */
+static bool is_text_member(size_t offset)
+{
+    static const uint16_t members[] = {offsetof(ect_device_t, name),
+                                       offsetof(ect_device_t, summary),
+                                       offsetof(ect_device_t, vendor_name),
+                                       offsetof(ect_device_t, type_name),
+                                       offsetof(ect_device_t, full_name),
+                                       offsetof(ect_device_t, group_type),
+                                       offsetof(ect_device_t, group_name),
+                                       offsetof(ect_device_t, hardware_version),
+                                       offsetof(ect_device_t, software_version)};
+    for (size_t i = 0; i < sizeof members / sizeof members[0]; i++) {
+        if (members[i] == offset)
+            return true;
+    }
+    return false;
+}
+
 static bool described_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
-    size_t size = ect_od_is_string(e) ? sizeof(const char *) : storage_of(e);
     size_t offset = (uintptr_t)e->data;
-    if (!e->data || offset + size > sizeof(ect_device_t) || (ect_od_is_string(e) && offset % sizeof(const char *) != 0))
+    if (!e->data ||
+        (ect_od_is_string(e) ? !is_text_member(offset)
+                             : offset + storage_of(e) > sizeof(ect_device_t) || offset > sizeof(ect_device_t)))
         return wrong_at(p, "it is no member of the description");
     const void *text = ect_od_is_string(e) ? ect_od_data(&p->r->od, e) : "";
     return text ? true : wrong_at(p, "the description has no such text");
