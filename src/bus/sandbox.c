@@ -123,17 +123,22 @@ static int allow(scmp_filter_ctx filter, const int *calls, size_t count)
     return error;
 }
 
+static int allow_if(scmp_filter_ctx filter, int call, struct scmp_arg_cmp condition)
+{
+    return seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, 1, &condition);
+}
+
 /* Threads but no processes; local sockets, which cannot connect; files, but only to read them. */
 static int allow_in_part(scmp_filter_ctx filter)
 {
-    int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
-                                 SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD));
-    if (error == 0)
-        error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(socket), 1, SCMP_A0(SCMP_CMP_EQ, AF_UNIX));
-    if (error == 0)
-        error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
-                                 SCMP_A2(SCMP_CMP_MASKED_EQ, O_ACCMODE | O_CREAT, O_RDONLY));
-    return error;
+    const struct scmp_arg_cmp threads = {
+        .arg = 0, .op = SCMP_CMP_MASKED_EQ, .datum_a = CLONE_THREAD, .datum_b = CLONE_THREAD};
+    const struct scmp_arg_cmp local = {.arg = 0, .op = SCMP_CMP_EQ, .datum_a = AF_UNIX};
+    const struct scmp_arg_cmp reading = {
+        .arg = 2, .op = SCMP_CMP_MASKED_EQ, .datum_a = O_ACCMODE | O_CREAT, .datum_b = O_RDONLY};
+    int error = allow_if(filter, SCMP_SYS(clone), threads);
+    error = error != 0 ? error : allow_if(filter, SCMP_SYS(socket), local);
+    return error != 0 ? error : allow_if(filter, SCMP_SYS(openat), reading);
 }
 
 int ect_sandbox_enter(bool children)

@@ -186,6 +186,18 @@ static uint64_t next_restart(const settings_t *s, uint64_t end_ns)
     return at < end_ns ? at : end_ns;
 }
 
+/* Why OP was never reached. */
+static void say_why(const settings_t *s)
+{
+    if (ec_slavecount < 1)
+        fprintf(stderr, "no slave answers on '%s'\n", s->iface);
+    else if (!maybe_base_unit())
+        fprintf(stderr, "the first slave on '%s' is '%s' with %u bytes in and %u out: no base unit\n", s->iface,
+                ec_slave[1].name, (unsigned int)ec_slave[1].Ibytes, (unsigned int)ec_slave[1].Obytes);
+    else
+        fprintf(stderr, "the base unit did not reach OP on '%s'\n", s->iface);
+}
+
 static int control(const settings_t *s)
 {
     bu_controller_t c = {.on_command = on_command, .periodic = screen, .periodic_size = (uint16_t)s->periodic};
@@ -214,12 +226,8 @@ static int control(const settings_t *s)
     printf("{\"event\":\"end\",\"commands_received\":%" PRIu32 ",\"commands_sent\":%" PRIu32 ",\"sets_sent\":%" PRIu32
            ",\"starts\":%" PRIu32 ",\"lost_cycles\":%" PRIu32 ",\"cco\":%u,\"cao\":%u}\n",
            received, sent, c.sets_sent, restarts, lost_cycles, c.cco, c.cao);
-    if (ec_slavecount > 0 && !maybe_base_unit())
-        fprintf(stderr, "the first slave on '%s' is '%s' with %u bytes in and %u out: no base unit\n", s->iface,
-                ec_slave[1].name, (unsigned int)ec_slave[1].Ibytes, (unsigned int)ec_slave[1].Obytes);
-    else if (!reached)
-        fprintf(stderr, "%s on '%s'\n", ec_slavecount < 1 ? "no slave answers" : "the base unit did not reach OP",
-                s->iface);
+    if (!reached)
+        say_why(s);
     return reached ? 0 : EXIT_RUN;
 }
 
