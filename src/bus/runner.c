@@ -103,13 +103,24 @@ static uint64_t chain_now(ect_runner_t *r)
     return r->touched_ns;
 }
 
+static ect_end_t through(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    const ect_filter_t *filter = r->filter;
+    if (filter)
+        filter->before(filter->ctx, r->chain, frame, length);
+    ect_end_t out = ect_chain_pass(r->chain, in, frame, length, now_ns);
+    if (filter && out != ECT_END_NONE)
+        filter->after(filter->ctx, r->chain, frame, length);
+    return out;
+}
+
 static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
 {
     uint64_t came_ns = chain_now(r);
     ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
     ect_end_t out = ECT_END_NONE;
     if (verdict != ECT_VERDICT_LOSE_REQUEST)
-        out = ect_chain_pass(r->chain, in, frame, length, came_ns);
+        out = through(r, in, frame, length, came_ns);
     if (verdict == ECT_VERDICT_LOSE_REQUEST || (verdict == ECT_VERDICT_LOSE_ANSWER && out != ECT_END_NONE)) {
         r->stats.dropped++;
     } else if (out == ECT_END_NONE) {

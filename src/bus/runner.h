@@ -20,15 +20,25 @@
 
 ECT_C_BEGIN
 
+/** Stands between the wire and the chain and may change what passes, in place, the length never. */
+typedef struct ect_filter {
+    /** Before the chain sees a frame. Not NULL. */
+    void (*before)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);
+    /** Before the answer to that frame leaves; not called when there is none. Not NULL. */
+    void (*after)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);
+    void *ctx;
+} ect_filter_t;
+
 typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: nothing is plugged in there */
     ect_chain_t *chain;
     ect_control_t *control; /**< NULL: none */
     /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
     uint32_t control_rest_ns;
-    ect_faults_t *faults; /**< NULL: none */
-    int signal_fd;        /**< a signalfd */
-    int link_fd;          /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
+    ect_faults_t *faults;       /**< NULL: none */
+    const ect_filter_t *filter; /**< NULL: none */
+    int signal_fd;              /**< a signalfd */
+    int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
     /** A signal has come, from the terminal or from a process. Not NULL. @return true: go on; false: stop. */
     bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
     /** Something else at the other end of the wire answers as well. Not NULL; called once. */

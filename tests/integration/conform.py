@@ -3,6 +3,7 @@
 
 usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what applies to it, as the table says
        conform.py command ECTWIN CONFORM [TEST]      the runner's own command line
+       conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and only that
 """
 import concurrent.futures
 import json
@@ -82,6 +83,44 @@ def devices(ectwin, conform, write):
                 print(f"  - {old}\n  + {new}")
         failed += 1
     return failed
+
+
+# --- defects --------------------------------------------------------------------------------------------------------
+
+# Cases that a defect breaks besides its own, because they rest on the same thing.
+FOLLOW = {
+    "CF-004": ["CF-096"], "CF-015": ["CF-013"], "CF-025": ["CF-016"], "CF-027": ["CF-095"], "CF-029": ["CF-031"],
+    "CF-030": ["CF-020"], "CF-031": ["CF-005"], "CF-036": ["CF-022"], "CF-037": ["CF-022"], "CF-039": ["CF-022"],
+    "CF-058": ["CF-026", "CF-086"], "CF-060": ["CF-027", "CF-095"], "CF-065": ["CF-004"], "CF-086": ["CF-058"],
+}
+# Where the usual twin, an FZM1, has nothing to break.
+DEFECT_TWINS = {"CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
+DEFECTS_LEAST = 60
+
+
+def defect(ectwin, conform, id_):
+    """@return nothing, or what is wrong"""
+    twins = ["--break", id_, *DEFECT_TWINS.get(id_, ["fzm1"])]
+    done = call(ectwin, conform, twins, ["--format", "json"])
+    alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}}"
+    try:
+        cases = json.loads(done.stdout)["cases"]
+    except json.JSONDecodeError:
+        return f"{id_}: no report; exit code {done.returncode}\n{done.stderr}  alone: {alone}"
+    failed = [c["id"] for c in cases if c["verdict"] == "fail"]
+    expected = sorted([id_, *FOLLOW.get(id_, [])])
+    return "" if failed == expected else f"{id_}: expected to fail {expected}, got {failed}\n  alone: {alone}"
+
+
+def defects(ectwin, conform, only):
+    listed = subprocess.run([ectwin, "run", "--break", "help"], capture_output=True, text=True, check=True).stdout
+    ids = [line.split()[0] for line in listed.splitlines() if not only or line.split()[0] == only]
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        wrong = [text for text in pool.map(lambda id_: defect(ectwin, conform, id_), ids) if text]
+    if not only and len(ids) < DEFECTS_LEAST:
+        wrong.append(f"expected at least {DEFECTS_LEAST} defects, got {len(ids)}")
+    print(*wrong, f"{len(ids)} defects, each found by its case" if not wrong else "", sep="\n")
+    return len(wrong)
 
 
 # --- command line -----------------------------------------------------------------------------------------------------
@@ -230,9 +269,10 @@ def command(ectwin, conform, only):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command"):
+    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "defects"):
         sys.exit(__doc__)
     paths = [os.path.abspath(p) for p in sys.argv[2:4]]
     if sys.argv[1] == "devices":
         sys.exit(devices(*paths, "--write" in sys.argv) != 0)
-    sys.exit(command(*paths, sys.argv[4] if len(sys.argv) > 4 else None) != 0)
+    run = command if sys.argv[1] == "command" else defects
+    sys.exit(run(*paths, sys.argv[4] if len(sys.argv) > 4 else None) != 0)

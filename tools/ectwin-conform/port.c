@@ -16,7 +16,7 @@
 #include "wire/bytes.h"
 
 enum { ETHERNET = 14, DATAGRAM_HEADER = 10, WKC = 2, TYPE_DATAGRAMS = 0x1000, MORE = 0x8000 };
-enum { SOEM_IMAGE = 65536, SOEM_STATE_US = 5000000, SOEM_CYCLES = 5000, SOEM_CYCLE_US = 500 };
+enum { SOEM_IMAGE = 65536, SOEM_STATE_US = 3000000, SOEM_CYCLES = 5000, SOEM_CYCLE_US = 500 };
 
 volatile sig_atomic_t cf_interrupted;
 

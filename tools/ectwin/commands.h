@@ -16,6 +16,7 @@
 #include "bus/memory.h"
 #include "esi/twin.h"
 #include "bus/runner.h"
+#include "defects.h"
 
 /** Exit codes: a contract (README). */
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
@@ -53,6 +54,8 @@ typedef struct twin_args {
     size_t wish_count;
     bool keep_source_mac;
     ect_faults_t faults;
+    defect_t defect; /* --break */
+    ect_filter_t filter;
     int realtime;          /* priority, 0: as any process */
     const char *store;     /* folder of the twins' non-volatile memory, NULL: none */
     const char **settings; /* "[N:]NAME=VALUE" */

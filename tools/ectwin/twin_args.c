@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -26,6 +27,7 @@ enum {
     KEY_STORE,
     KEY_SET,
     KEY_REALTIME,
+    KEY_BREAK,
     KEY_MODULE
 };
 
@@ -43,12 +45,15 @@ static const struct argp_option options[] = {
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
     {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
-    {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file", 1},
+    {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file",
+     1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
     {"drop", KEY_DROP, "PERCENT", 0, "Lose so many frames, 0 to 100, half of them on the way back (default 0)", 1},
     {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
     {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
     {"seed", KEY_SEED, "N", 0, "Of the lot that decides which (default 1)", 1},
+    {"break", KEY_BREAK, "CF-NNN", 0,
+     "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists them", 1},
     {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,
      "Run before all ordinary processes (SCHED_FIFO), 1 to 99 (default 50), with the memory locked", 1},
     {0},
@@ -205,6 +210,23 @@ static void check_faults(const twin_args_t *args, const struct argp_state *state
                    args->faults.drop_percent, args->faults.delay_percent);
 }
 
+static void print_defect(void *ctx, const char *id, const char *what)
+{
+    (void)ctx;
+    printf("%s %s\n", id, what);
+}
+
+static void choose_defect(twin_args_t *args, const struct argp_state *state, const char *id)
+{
+    if (strcmp(id, "help") == 0) {
+        defect_list(print_defect, NULL);
+        exit(EXIT_CLEAN);
+    }
+    if (!defect_choose(&args->defect, id))
+        argp_error(state, "there is no defect for '%s'; '--break help' lists those there are", id);
+    args->filter = (ect_filter_t){.before = defect_before, .after = defect_after, .ctx = &args->defect};
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
@@ -229,6 +251,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         if (*text == 0)
             argp_error(state, "--store takes a folder");
         args->store = text;
+        return 0;
+    case KEY_BREAK:
+        choose_defect(args, state, text);
         return 0;
     case KEY_REALTIME:
         args->realtime = parse_priority(state, text);
