@@ -22,7 +22,7 @@ enum {
     COUNTER_ROUNDS = 270,
     FALLBACK_MS = 5000,
     SHORT_MS = 100,
-    SYNC0_DELAY_NS = 20000000,
+    SYNC0_DELAY_NS = 200000000,
     SYNC0_CYCLE_NS = 1000000,
     SYNC0_SEEN = 0x0C, /* of 0x0151: a pin, an AL event */
 };
