@@ -80,7 +80,9 @@ struct ect_protocol {
     uint16_t (*request)(const ect_protocol_t *self, ect_slave_t *slave, const uint8_t *data, uint16_t length);
 
     /**
-     * A mail of its own: the rest of a list, an incoming frame, an emergency. Asked whenever the mailbox is free. An
+     * A mail of its own: the rest of a list, an incoming frame, an emergency. From a call of
+     * ::ect_mailbox_wake on it is asked whenever the mailbox is free, until no entry has a mail any more; and so when the
+     * mailbox starts. An
      * entry without `request` speaks before a waiting request is answered, others after: a request may end what it was
      * about to say.
      * @param send  true: build and send it now, if there is one · false: only tell
@@ -103,6 +105,12 @@ extern const ect_protocol_t ect_protocol_sdo_info;
 
 /** CoE emergencies (ETG.1000.6 §5.6.4): sends what ::ect_host_t::emergency queues. */
 extern const ect_protocol_t ect_protocol_emergency;
+
+/**
+ * A protocol has, or is about to have, mails of its own: `next` will be asked. Once for any number of mails. From the
+ * protocol's own functions, and from those of the device; costs a byte.
+ */
+void ect_mailbox_wake(ect_slave_t *slave);
 
 /* --- what a protocol may call, from its own functions only -----------------------------------------------------------
  */

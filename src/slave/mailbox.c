@@ -45,6 +45,7 @@ void ect_mailbox_start(ect_slave_t *s)
 {
     ECT_ASSERT(s->mailbox.request && !s->mailbox.running);
     s->mailbox.running = true;
+    ect_mailbox_wake(s); /* something may have been waiting for this */
     FOR_EACH_PROTOCOL(s, p)
     {
         if ((*p)->reset)
@@ -293,13 +294,19 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     if (requested && m->in_buffer)
         m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
     go_on(s);
-    if (may_build(m) && !speak(s, false, true) && requested) {
+    uint8_t wakes = m->wakes;
+    if (may_build(m) && !(m->heard != wakes && speak(s, false, true)) && requested) {
         requested = false;
         handle_request(s);
     }
-    if (may_build(m))
-        (void)speak(s, true, true);
+    if (may_build(m) && m->heard != m->wakes && !speak(s, true, true))
+        m->heard = wakes; /* nobody has anything more, unless woken since */
     m->request_waits = requested;
+}
+
+void ect_mailbox_wake(ect_slave_t *s)
+{
+    s->mailbox.wakes++;
 }
 
 bool ect_mailbox_waits(ect_slave_t *s)

@@ -119,6 +119,7 @@ static void start_list(ect_slave_t *s, uint16_t list)
     }
     uint16_t per_fragment = room(s) / 2;
     uint16_t elements = (uint16_t)(list_length(s, list) + 1);
+    ect_mailbox_wake(s);
     s->info = (ect_sdo_info_t){.list = list, .fragments = (uint16_t)((elements + per_fragment - 1) / per_fragment)};
     send_fragment(s);
 }

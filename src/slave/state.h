@@ -27,6 +27,8 @@ typedef struct ect_mailbox {
     uint8_t mails;           /* how many of them hold a mail: 0..2 */
     uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
     bool request_waits;      /* a request came and could not be looked at yet */
+    uint8_t wakes;           /* counts modulo 256: a protocol has a mail of its own */
+    uint8_t heard;           /* ... up to here all have been asked until they had none */
     uint8_t request_counter; /* of the last request, 0: none yet */
     uint8_t reply_counter;   /* of our last mail */
     uint16_t out_start;      /* SM0 */

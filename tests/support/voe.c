@@ -15,8 +15,10 @@ uint16_t voe_request(const ect_protocol_t *self, ect_slave_t *slave, const uint8
 {
     if (length < 2)
         return ECT_MAILBOX_ERROR_TOO_SHORT;
-    if (length > 6 && memcmp(data, "again ", 6) == 0)
+    if (length > 6 && memcmp(data, "again ", 6) == 0) {
         state_of(self, slave)->again = data[6];
+        ect_mailbox_wake(slave);
+    }
     uint8_t *answer = ect_mailbox_build(slave);
     uint16_t size = length < ect_mailbox_room(slave) ? length : ect_mailbox_room(slave);
     for (uint16_t i = 0; i < size; i++)
