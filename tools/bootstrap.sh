@@ -13,6 +13,7 @@ set -eu
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi libnewlib-arm-none-eabi iproute2"
+lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
 soem_package="pyecm==0.0.3"
@@ -33,7 +34,7 @@ as_root() {
 # A package counts as there when dpkg says so, or when the command it is for comes from elsewhere.
 is_there() {
   case "$1" in
-    gcc | cmake | clang | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
+    gcc | cmake | clang | clang-format-19 | clang-tidy-19 | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
     ninja-build) command -v ninja >/dev/null && return 0 ;;
     binutils) command -v objdump >/dev/null && return 0 ;;
     pkg-config) command -v pkg-config >/dev/null && return 0 ;;
@@ -112,6 +113,8 @@ case "$job" in
     # shellcheck disable=SC2086
     install_packages $run_packages $test_packages
     install_clang_runtime
+    # shellcheck disable=SC2086
+    (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
     ;;
   *) die "usage: tools/bootstrap.sh run|test" ;;
 esac
