@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the demo's master and the tests use of SOEM 1.4, compiled and linked, never run: SOEM 2 has other headers, another
- * context and other arguments.
+ * What the demo's master and the tests use of SOEM 1.4, compiled and linked, never run: SOEM 2 has other headers,
+ * another context and other arguments.
  */
 #include <stddef.h>
 

@@ -2,7 +2,8 @@
 /**
  * @file
  * The catalogue: every product that can be put on a bus, by name. Adding a device of this tree is adding one line to
- * catalogue.c; a program with devices of its own adds them when it starts (tools/ectwin/ectwin.h does so for a command).
+ * catalogue.c; a program with devices of its own adds them when it starts (tools/ectwin/ectwin.h does so for a
+ * command).
  */
 #ifndef ECT_BUS_CATALOGUE_H
 #define ECT_BUS_CATALOGUE_H

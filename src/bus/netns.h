@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A private network for twins and a master: user, network and mount namespaces of this process's own, with one veth pair
- * or two.
+ * A private network for twins and a master: user, network and mount namespaces of this process's own, with one veth
+ * pair or two.
  */
 #ifndef ECT_BUS_NETNS_H
 #define ECT_BUS_NETNS_H

@@ -200,7 +200,7 @@ bool ect_watch_next(ect_watch_t *watch, unsigned int *budget, uint64_t now_ns, e
 {
     if (watch->every)
         return next_note(watch, line);
-    for (; watch->round<watch->count && * budget> 0; --*budget) {
+    for (; watch->round < watch->count && *budget > 0; --*budget) {
         size_t i = watch->round++;
         const peek_t *peek = &watch->peeks[i];
         if (changed(watch, peek)) {

@@ -2,9 +2,7 @@
 #include "bus/wiring.h"
 
 #define PLUG(member, meaning)                                                                                          \
-    {                                                                                                                  \
-#member, meaning, NULL, ECT_SIGNAL_BOOL, ECT_SIGNAL_WRITE, offsetof(ect_wiring_t, member), 0, 1                \
-    }
+    {#member, meaning, NULL, ECT_SIGNAL_BOOL, ECT_SIGNAL_WRITE, offsetof(ect_wiring_t, member), 0, 1}
 
 static const ect_signal_t signals[] = {
     PLUG(plug_in, "Plug of the input: 0 pulls it, the wire to the slave before is cut"),

@@ -21,7 +21,8 @@ static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
     return -1;
 }
 
-/* Where SyncManagers rule, that is from the RAM on, or from the registers of the digital outputs on when one lies there. */
+/* Where SyncManagers rule, that is from the RAM on, or from the registers of the digital outputs on when one lies
+ * there. */
 static uint16_t first_managed(const ect_esc_t *esc)
 {
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {

@@ -159,10 +159,7 @@ static const char *or_unnamed(const char *text)
 
 /* What a file names and the twin does not serve: an entry that wants no request, so that it is answered as unsupported.
  */
-#define UNSERVED(name)                                                                                                 \
-    {                                                                                                                  \
-        .type = ECT_MAILBOX_TYPE_##name, .states = ECT_IN_PREOP_AND_ABOVE                                              \
-    }
+#define UNSERVED(name) {.type = ECT_MAILBOX_TYPE_##name, .states = ECT_IN_PREOP_AND_ABOVE}
 static const ect_protocol_t aoe = UNSERVED(AOE), eoe = UNSERVED(EOE), foe = UNSERVED(FOE), soe = UNSERVED(SOE),
                             voe = UNSERVED(VOE);
 

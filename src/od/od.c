@@ -7,7 +7,7 @@
 #include "wire/bytes.h"
 
 /* An abort code is 0x0h0l00cc: three numbers that fit 16 bits. */
-#define CODE(high, low) ((((high)&0x0F00u) << 4) | (((high)&0x000Fu) << 8) | (low))
+#define CODE(high, low) ((((high) & 0x0F00u) << 4) | (((high) & 0x000Fu) << 8) | (low))
 
 static const uint16_t abort_codes[ECT_REASON_COUNT] = {
     [ECT_REASON_TOGGLE] = CODE(0x0503, 0x00),          [ECT_REASON_TIMEOUT] = CODE(0x0504, 0x00),

@@ -208,12 +208,12 @@ enum { ECT_WHOLE_OBJECT = 0x100 };
  */
 typedef struct ect_device {
     /* --- who it is ------------------------------------------------------------------------------------------- */
-    const char *name;       /**< command-line name: lower case, digits, hyphen */
-    const char *summary;    /**< one line for `ectwin list` */
+    const char *name;        /**< command-line name: lower case, digits, hyphen */
+    const char *summary;     /**< one line for `ectwin list` */
     const char *vendor_name; /**< ESI `<Vendor>` */
     const char *type_name;   /**< 1008h, ESI `<Type>`, SII order code; at most 40 characters */
     const char *full_name;   /**< ESI `<Name>`, SII name; NULL: `type_name` */
-    const char *group_type; /**< ESI and SII group */
+    const char *group_type;  /**< ESI and SII group */
     const char *group_name;
     uint32_t device_type;         /**< 1000h */
     const char *hardware_version; /**< 1009h */
@@ -232,10 +232,11 @@ typedef struct ect_device {
     ect_boot_mailbox_t boot_out; /**< length 0: no BOOT state */
     ect_boot_mailbox_t boot_in;
     uint8_t mailbox_protocols; /**< ECT_MAILBOX_...: what the SII says; 0: no mailbox */
-    const ect_protocol_t *const *protocols; /**< NULL-terminated list of those that are served (mailbox.h); NULL: none */
-    uint8_t coe_details;       /**< ECT_COE_... */
-    const char *physics;       /**< ESI `Physics`, a letter a port: "YY" */
-    int16_t ebus_ma;           /**< what it takes from the E-bus, negative: what it feeds */
+    const ect_protocol_t *const
+        *protocols;      /**< NULL-terminated list of those that are served (mailbox.h); NULL: none */
+    uint8_t coe_details; /**< ECT_COE_... */
+    const char *physics; /**< ESI `Physics`, a letter a port: "YY" */
+    int16_t ebus_ma;     /**< what it takes from the E-bus, negative: what it feeds */
     const ect_dc_mode_t *dc_modes;
     uint8_t dc_mode_count;
     ect_sync_t sync;

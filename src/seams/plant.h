@@ -38,8 +38,8 @@ typedef struct ect_plant {
     uint16_t (*station_alias)(const void *instance);
 
     /**
-     * Whether something is under way that must not be cut off (what a user had saved): who wants to end the device polls
-     * on, for a second or two, until it is done.
+     * Whether something is under way that must not be cut off (what a user had saved): who wants to end the device
+     * polls on, for a second or two, until it is done.
      */
     bool (*unfinished)(const void *instance);
 

@@ -69,14 +69,19 @@ typedef struct ect_diagnosis {
 #define ECT_ENTRIES_DIAGNOSIS(t, m)                                                                                    \
     {                                                                                                                  \
         ECT_ENTRY_COUNT(5 + ECT_DIAGNOSIS_MESSAGES),                                                                   \
-            ECT_ENTRY(1, UNSIGNED8, 8, ECT_ACCESS_RO, "Maximum messages", ECT_DIAGNOSIS_MESSAGES, t, m.maximum),       \
-            ECT_ENTRY(2, UNSIGNED8, 8, ECT_ACCESS_RO, "Newest message", 0, t, m.newest),                               \
-            ECT_ENTRY(3, UNSIGNED8, 8, ECT_ACCESS_RW, "Newest acknowledged message", 0, t, m.acknowledged),            \
-            ECT_ENTRY(4, BOOLEAN, 1, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "New messages available", 0, t, m.available),   \
-            ECT_ENTRY(5, UNSIGNED16, 16, ECT_ACCESS_RW, "Flags", 0, t, m.flags), ECT_ENTRY_DIAGNOSIS(t, m, 0),         \
-            ECT_ENTRY_DIAGNOSIS(t, m, 1), ECT_ENTRY_DIAGNOSIS(t, m, 2), ECT_ENTRY_DIAGNOSIS(t, m, 3),                  \
-            ECT_ENTRY_DIAGNOSIS(t, m, 4), ECT_ENTRY_DIAGNOSIS(t, m, 5), ECT_ENTRY_DIAGNOSIS(t, m, 6),                  \
-            ECT_ENTRY_DIAGNOSIS(t, m, 7),                                                                              \
+        ECT_ENTRY(1, UNSIGNED8, 8, ECT_ACCESS_RO, "Maximum messages", ECT_DIAGNOSIS_MESSAGES, t, m.maximum),           \
+        ECT_ENTRY(2, UNSIGNED8, 8, ECT_ACCESS_RO, "Newest message", 0, t, m.newest),                                   \
+        ECT_ENTRY(3, UNSIGNED8, 8, ECT_ACCESS_RW, "Newest acknowledged message", 0, t, m.acknowledged),                \
+        ECT_ENTRY(4, BOOLEAN, 1, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "New messages available", 0, t, m.available),       \
+        ECT_ENTRY(5, UNSIGNED16, 16, ECT_ACCESS_RW, "Flags", 0, t, m.flags),                                           \
+        ECT_ENTRY_DIAGNOSIS(t, m, 0),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 1),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 2),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 3),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 4),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 5),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 6),                                                                                  \
+        ECT_ENTRY_DIAGNOSIS(t, m, 7),                                                                                  \
     }
 #define ECT_ENTRY_DIAGNOSIS(t, m, n)                                                                                   \
     ECT_ENTRY(6 + (n), OCTET_STRING, 8 * ECT_DIAGNOSIS_BYTES, ECT_ACCESS_RO, "Diagnosis message", 0, t, m.messages[n])
@@ -107,22 +112,23 @@ typedef struct ect_sync_data {
 /** Entries of 1C32h or 1C33h for an instance type with a member of type ect_sync_data_t. */
 #define ECT_ENTRIES_SYNC(t, m)                                                                                         \
     {                                                                                                                  \
-        ECT_ENTRY_COUNT(32), ECT_ENTRY(1, UNSIGNED16, 16, ECT_ACCESS_RW_PREOP, "Synchronization type", 0, t, m.type),  \
-            ECT_ENTRY(2, UNSIGNED32, 32, ECT_ACCESS_RO, "Cycle time", 0, t, m.cycle_ns),                               \
-            ECT_ENTRY(4, UNSIGNED16, 16, ECT_ACCESS_RO, "Synchronization types supported", 0, t, m.supported),         \
-            ECT_ENTRY(5, UNSIGNED32, 32, ECT_ACCESS_RO, "Minimum cycle time", 0, t, m.minimum_ns),                     \
-            {6, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Calc and copy time", 0, NULL},                                \
-            ECT_ENTRY(11, UNSIGNED16, 16, ECT_ACCESS_RO, "SM event missed", 0, t, m.sm_missed),                        \
-            ECT_ENTRY(12, UNSIGNED16, 16, ECT_ACCESS_RO, "Cycle time too small", 0, t, m.cycle_exceeded),              \
-            ECT_ENTRY(32, BOOLEAN, 1, ECT_ACCESS_RO, "Sync error", 0, t, m.sync_error),                                \
+        ECT_ENTRY_COUNT(32),                                                                                           \
+        ECT_ENTRY(1, UNSIGNED16, 16, ECT_ACCESS_RW_PREOP, "Synchronization type", 0, t, m.type),                       \
+        ECT_ENTRY(2, UNSIGNED32, 32, ECT_ACCESS_RO, "Cycle time", 0, t, m.cycle_ns),                                   \
+        ECT_ENTRY(4, UNSIGNED16, 16, ECT_ACCESS_RO, "Synchronization types supported", 0, t, m.supported),             \
+        ECT_ENTRY(5, UNSIGNED32, 32, ECT_ACCESS_RO, "Minimum cycle time", 0, t, m.minimum_ns),                         \
+        {6, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Calc and copy time", 0, NULL},                                    \
+        ECT_ENTRY(11, UNSIGNED16, 16, ECT_ACCESS_RO, "SM event missed", 0, t, m.sm_missed),                            \
+        ECT_ENTRY(12, UNSIGNED16, 16, ECT_ACCESS_RO, "Cycle time too small", 0, t, m.cycle_exceeded),                  \
+        ECT_ENTRY(32, BOOLEAN, 1, ECT_ACCESS_RO, "Sync error", 0, t, m.sync_error),                                    \
     }
 
 /** Entries of 10F1h. */
 #define ECT_ENTRIES_ERROR_SETTINGS(t, m)                                                                               \
     {                                                                                                                  \
         ECT_ENTRY_COUNT(2),                                                                                            \
-            ECT_ENTRY(1, UNSIGNED32, 32, ECT_ACCESS_RW, "Local error reaction", 1, t, m.error_reaction),               \
-            ECT_ENTRY(2, UNSIGNED16, 16, ECT_ACCESS_RW, "Sync error counter limit", 4, t, m.error_limit),              \
+        ECT_ENTRY(1, UNSIGNED32, 32, ECT_ACCESS_RW, "Local error reaction", 1, t, m.error_reaction),                   \
+        ECT_ENTRY(2, UNSIGNED16, 16, ECT_ACCESS_RW, "Sync error counter limit", 4, t, m.error_limit),                  \
     }
 
 /* --- 1010h, 1011h ------------------------------------------------------------------------------------------------ */
@@ -134,7 +140,8 @@ typedef struct ect_sync_data {
 /** Entries of 1010h (save) and 1011h (load): :1 reads as 1, "on command". */
 #define ECT_ENTRIES_STORE(name)                                                                                        \
     {                                                                                                                  \
-        ECT_ENTRY_COUNT(1), {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_COMMAND, name, 1, NULL},           \
+        ECT_ENTRY_COUNT(1),                                                                                            \
+        {1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_COMMAND, name, 1, NULL},                               \
     }
 
 ECT_C_END

@@ -18,19 +18,19 @@
 
 /** How the value is kept in the instance. */
 typedef enum ect_signal_type {
-    ECT_SIGNAL_BOOL,  /**< uint8_t, 0 or 1 */
-    ECT_SIGNAL_U8,    /**< uint8_t */
-    ECT_SIGNAL_I16,   /**< int16_t */
-    ECT_SIGNAL_U16,   /**< uint16_t */
-    ECT_SIGNAL_I32,   /**< int32_t */
-    ECT_SIGNAL_U32,   /**< uint32_t */
-    ECT_SIGNAL_I8,    /**< int8_t */
-    ECT_SIGNAL_I64,   /**< int64_t */
-    ECT_SIGNAL_U64,   /**< uint64_t; up to INT64_MAX can be set */
+    ECT_SIGNAL_BOOL,   /**< uint8_t, 0 or 1 */
+    ECT_SIGNAL_U8,     /**< uint8_t */
+    ECT_SIGNAL_I16,    /**< int16_t */
+    ECT_SIGNAL_U16,    /**< uint16_t */
+    ECT_SIGNAL_I32,    /**< int32_t */
+    ECT_SIGNAL_U32,    /**< uint32_t */
+    ECT_SIGNAL_I8,     /**< int8_t */
+    ECT_SIGNAL_I64,    /**< int64_t */
+    ECT_SIGNAL_U64,    /**< uint64_t; up to INT64_MAX can be set */
     ECT_SIGNAL_REAL32, /**< float */
-    ECT_SIGNAL_REAL,  /**< double */
-    ECT_SIGNAL_TEXT,  /**< char[maximum + 1], zero-terminated */
-    ECT_SIGNAL_BYTES, /**< uint8_t[maximum]; written and read as hexadecimal digits */
+    ECT_SIGNAL_REAL,   /**< double */
+    ECT_SIGNAL_TEXT,   /**< char[maximum + 1], zero-terminated */
+    ECT_SIGNAL_BYTES,  /**< uint8_t[maximum]; written and read as hexadecimal digits */
 } ect_signal_type_t;
 
 /** What a user may do with it. A signal that may be written is an input of the plant, the others are the twin's. */

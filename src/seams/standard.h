@@ -32,46 +32,30 @@ typedef struct ect_standard {
 #define ECT_STANDARD(member) ECT_OFFSET(ect_standard_t, member)
 
 /** A constant of a VAR object. */
-#define ECT_ENTRY_CONST(type, bits, access, name, value)                                                               \
-    {                                                                                                                  \
-        0, type, bits, access, name, value, NULL                                                                       \
-    }
+#define ECT_ENTRY_CONST(type, bits, access, name, value) {0, type, bits, access, name, value, NULL}
 
 /** Position of the last element of an array. */
 #define ECT_LAST(entries) (sizeof(entries) / sizeof((entries)[0]) - 1)
 
 /** An element of an object list: one value, or a record or array whose `entries` is the array itself, sub-index 0
  * first, without gaps. */
-#define ECT_VAR(index, name, entries)                                                                                  \
-    {                                                                                                                  \
-        index, ECT_OBJECT_VAR, 0, 0, name, entries                                                                     \
-    }
+#define ECT_VAR(index, name, entries)    {index, ECT_OBJECT_VAR, 0, 0, name, entries}
 #define ECT_RECORD(index, name, entries) ECT_SPARSE(index, RECORD, ECT_LAST(entries), name, entries)
 #define ECT_ARRAY(index, name, entries)  ECT_SPARSE(index, ARRAY, ECT_LAST(entries), name, entries)
 /** One whose sub-indices have gaps: `max_subindex` is that of its last element. */
 #define ECT_SPARSE(index, code, max_subindex, name, entries)                                                           \
-    {                                                                                                                  \
-        index, ECT_OBJECT_##code, max_subindex, ECT_LAST(entries), name, entries                                       \
-    }
+    {index, ECT_OBJECT_##code, max_subindex, ECT_LAST(entries), name, entries}
 
 /** A constant text of a VAR object; `text` must be a literal or an array. */
 #define ECT_ENTRY_TEXT(name, text)                                                                                     \
-    {                                                                                                                  \
-        0, ECT_TYPE_VISIBLE_STRING, 8 * (sizeof(text) - 1), ECT_ACCESS_RO | ECT_ACCESS_SHARED, name, 0,                \
-            (void *)(uintptr_t)(text)                                                                                  \
-    }
+    {0, ECT_TYPE_VISIBLE_STRING,  8 * (sizeof(text) - 1), ECT_ACCESS_RO | ECT_ACCESS_SHARED, name,                     \
+     0, (void *)(uintptr_t)(text)}
 
 /** Sub-index 0: the number of entries. */
-#define ECT_ENTRY_COUNT(count)                                                                                         \
-    {                                                                                                                  \
-        0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries", count, NULL                                      \
-    }
+#define ECT_ENTRY_COUNT(count) {0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries", count, NULL}
 
 /** One constant 32-bit element, e.g. of a fixed mapping. */
-#define ECT_ENTRY_MAP(subindex, value)                                                                                 \
-    {                                                                                                                  \
-        subindex, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Mapped object", value, NULL                                 \
-    }
+#define ECT_ENTRY_MAP(subindex, value) {subindex, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Mapped object", value, NULL}
 
 /** A mapping value: index, sub-index, length in bits (1..255). */
 #define ECT_MAP(index, subindex, bits) (((uint32_t)(index) << 16) | ((uint32_t)(subindex) << 8) | (uint32_t)(bits))
@@ -81,10 +65,7 @@ typedef struct ect_standard {
 enum { ECT_TEXT_BITS = 8 * 40 /* the longest text of a description */ };
 
 #define ECT_ENTRY_DESCRIBED(subindex, kind, bits, name, member)                                                        \
-    {                                                                                                                  \
-        subindex, ECT_TYPE_##kind, bits, ECT_ACCESS_RO | ECT_ACCESS_DESCRIPTION, name, 0,                              \
-            ECT_OFFSET(ect_device_t, member)                                                                           \
-    }
+    {subindex, ECT_TYPE_##kind, bits, ECT_ACCESS_RO | ECT_ACCESS_DESCRIPTION, name, 0, ECT_OFFSET(ect_device_t, member)}
 
 static const ect_entry_t ect_entries_1000[] = {ECT_ENTRY_DESCRIBED(0, UNSIGNED32, 32, "Device type", device_type)};
 static const ect_entry_t ect_entries_1001[] = {
@@ -123,15 +104,9 @@ static const ect_entry_t ect_entries_1c00[] = {
 /** 1018h: as the installation has it. */
 #define ECT_OBJECT_IDENTITY ECT_RECORD(0x1018, "Identity", ect_entries_1018)
 /** 1C00h for the `count` SyncManagers of the description. */
-#define ECT_OBJECT_SM_TYPES(count)                                                                                     \
-    {                                                                                                                  \
-        0x1C00, ECT_OBJECT_ARRAY, count, count, "SyncManager type", ect_entries_1c00                                   \
-    }
+#define ECT_OBJECT_SM_TYPES(count) {0x1C00, ECT_OBJECT_ARRAY, count, count, "SyncManager type", ect_entries_1c00}
 
 /** A fixed element of 1C12h / 1C13h. */
-#define ECT_ENTRY_ASSIGN(subindex, pdo)                                                                                \
-    {                                                                                                                  \
-        subindex, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Assigned PDO", pdo, NULL                                    \
-    }
+#define ECT_ENTRY_ASSIGN(subindex, pdo) {subindex, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Assigned PDO", pdo, NULL}
 
 #endif

@@ -8,8 +8,8 @@
  * an EEPROM and two files all qualify. The layer above writes a record's data to the older bank and its header last,
  * and reads the newest record whose check value is right, so a cut at any moment leaves the previous record.
  *
- * What was written is safe, that is, survives a power failure, when `flush` says so; before, any part of it may be on the
- * medium and any not. So the layer above flushes the data before it writes the header, and again before it tells
+ * What was written is safe, that is, survives a power failure, when `flush` says so; before, any part of it may be on
+ * the medium and any not. So the layer above flushes the data before it writes the header, and again before it tells
  * anybody. On a host the medium takes long to be sure (a disk's cache) and a thread waits for it; a loop that must not
  * be held up asks again later.
  *
@@ -47,7 +47,8 @@ typedef struct ect_storage {
     int (*write)(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length);
 
     /**
-     * Begins, or goes on, to make safe what was written to bank 0 or 1 until now. NULL: a write is safe when it returns.
+     * Begins, or goes on, to make safe what was written to bank 0 or 1 until now. NULL: a write is safe when it
+     * returns.
      * @param wait  block until it is
      * @return 0 all of it is safe · ECT_STORAGE_BUSY not yet, ask again (never with `wait`) · negative: it will not be;
      *         the bank's content is then undefined, the other bank's unchanged.

@@ -16,8 +16,8 @@ typedef struct pen {
     uint8_t *image;
     size_t size;
     size_t at;
-    size_t category; /* where the present category begins */
-    size_t strings;  /* data of the string category */
+    size_t category;  /* where the present category begins */
+    size_t strings;   /* data of the string category */
     bool entry_names; /* the least important texts: written while there is room for them */
     bool overflow;
 } pen_t;

@@ -452,7 +452,7 @@ static ect_reason_t write_step(ect_slave_t *s, const uint8_t **from, const uint8
     }
     if (has_bits(c))
         return take_bits(s, only_check);
-    c->byte |= (uint32_t) * (*from)++ << c->bits;
+    c->byte |= (uint32_t)*(*from)++ << c->bits;
     c->bits += 8;
     return ECT_OK;
 }

@@ -114,7 +114,7 @@ bool ect_sm_flush(ect_slave_t *s)
         uint8_t value = (uint8_t)((off ? ECT_SM_PDI_DISABLE : 0) | (acknowledged ? ECT_SM_PDI_REPEAT_ACK : 0));
         if (!ect_slave_write(s, (uint16_t)(ECT_REG_SM + n * ECT_SM_SIZE + ECT_SM_PDI_CONTROL), &value, 1))
             return false;
-        s->sm_due &= (uint8_t) ~(1u << n);
+        s->sm_due &= (uint8_t)~(1u << n);
     }
     return true;
 }

@@ -37,10 +37,7 @@ typedef struct member {
     uint8_t size;
 } member_t;
 
-#define MEMBER(type, member)                                                                                           \
-    {                                                                                                                  \
-        offsetof(type, member), sizeof(((type *)0)->member)                                                            \
-    }
+#define MEMBER(type, member)              {offsetof(type, member), sizeof(((type *)0)->member)}
 #define CHANGE(members, at, which, value) change(members, sizeof members / sizeof members[0], at, which, value)
 
 static void change(const member_t *members, size_t count, void *at, uint8_t which, uint32_t value)

@@ -272,10 +272,7 @@ static void sdo_traffic_under_process_data(void **state)
     }
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, open_master, close_master, NULL                                                               \
-    }
+#define TEST(title, function) {title, function, open_master, close_master, NULL}
 
 int main(int argc, char **argv)
 {

@@ -688,14 +688,8 @@ static void lamps(void **state)
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-#define POWER_ON(title, function)                                                                                      \
-    {                                                                                                                  \
-        title, function, open_master, close_master, NULL                                                               \
-    }
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, open_in_order, close_master, NULL                                                             \
-    }
+#define POWER_ON(title, function) {title, function, open_master, close_master, NULL}
+#define TEST(title, function)     {title, function, open_in_order, close_master, NULL}
 
 /* The first of each mode must be the first after power-on. */
 static const struct CMUnitTest map1_tests[] = {

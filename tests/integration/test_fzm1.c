@@ -732,18 +732,9 @@ static void lamps(void **state)
     lamps_follow(&master);
 }
 
-#define FROM_PREOP(title, function)                                                                                    \
-    {                                                                                                                  \
-        title, function, open_master, close_master, NULL                                                               \
-    }
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, open_operational, close_master, NULL                                                          \
-    }
-#define HANDSHAKING(title, function)                                                                                   \
-    {                                                                                                                  \
-        title, function, open_handshaking, close_master, NULL                                                          \
-    }
+#define FROM_PREOP(title, function)  {title, function, open_master, close_master, NULL}
+#define TEST(title, function)        {title, function, open_operational, close_master, NULL}
+#define HANDSHAKING(title, function) {title, function, open_handshaking, close_master, NULL}
 
 int main(int argc, char **argv)
 {

@@ -1,25 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/confdev.h"
 
-#define AT(member) ECT_OFFSET(confdev_t, member)
-#define CONFIG     ECT_ACCESS_RW_PREOP
-#define BACKED_UP  (ECT_ACCESS_RW | ECT_ACCESS_BACKUP)
-#define COUNT(value, member)                                                                                           \
-    {                                                                                                                  \
-        0, ECT_TYPE_UNSIGNED8, 8, CONFIG, "Number of entries", value, AT(member)                                       \
-    }
-#define MAP(sub, value, member)                                                                                        \
-    {                                                                                                                  \
-        sub, ECT_TYPE_UNSIGNED32, 32, CONFIG, "Mapped object", value, AT(member)                                       \
-    }
-#define ASSIGN(sub, value, member)                                                                                     \
-    {                                                                                                                  \
-        sub, ECT_TYPE_UNSIGNED16, 16, CONFIG, "Assigned PDO", value, AT(member)                                        \
-    }
+#define AT(member)                 ECT_OFFSET(confdev_t, member)
+#define CONFIG                     ECT_ACCESS_RW_PREOP
+#define BACKED_UP                  (ECT_ACCESS_RW | ECT_ACCESS_BACKUP)
+#define COUNT(value, member)       {0, ECT_TYPE_UNSIGNED8, 8, CONFIG, "Number of entries", value, AT(member)}
+#define MAP(sub, value, member)    {sub, ECT_TYPE_UNSIGNED32, 32, CONFIG, "Mapped object", value, AT(member)}
+#define ASSIGN(sub, value, member) {sub, ECT_TYPE_UNSIGNED16, 16, CONFIG, "Assigned PDO", value, AT(member)}
 #define MAPPING(n, count, v1, v2)                                                                                      \
     {                                                                                                                  \
-        COUNT(count, count_##n), MAP(1, v1, map_##n[0]), MAP(2, v2, map_##n[1]), MAP(3, 0, map_##n[2]),                \
-            MAP(4, 0, map_##n[3]),                                                                                     \
+        COUNT(count, count_##n), MAP(1, v1, map_##n[0]), MAP(2, v2, map_##n[1]),                                       \
+        MAP(3, 0, map_##n[2]),   MAP(4, 0, map_##n[3]),                                                                \
     }
 
 static const ect_entry_t e1000[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO, "Device type", 0)};

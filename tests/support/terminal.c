@@ -4,9 +4,7 @@
 #include <string.h>
 
 #define BIT(sub, access, name, member)                                                                                 \
-    {                                                                                                                  \
-        sub, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO | (access), name, 0, ECT_OFFSET(terminal_t, member)                    \
-    }
+    {sub, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO | (access), name, 0, ECT_OFFSET(terminal_t, member)}
 #define OUT(n)        BIT(n, ECT_ACCESS_RXPDO, "Output " #n, out[n - 1])
 #define IN(n)         BIT(n, ECT_ACCESS_TXPDO, "Input " #n, in[n - 1])
 #define MAP(n, index) ECT_ENTRY_MAP(n, ECT_MAP(index, n, 1))

@@ -314,10 +314,7 @@ static void each_plant_wrong(void **state)
 
 int main(int argc, char **argv)
 {
-#define T(title, test)                                                                                                 \
-    {                                                                                                                  \
-        title, test, NULL, NULL, NULL                                                                                  \
-    }
+#define T(title, test) {title, test, NULL, NULL, NULL}
     const struct CMUnitTest tests[] = {
         T("every device, and what stands around it, is described well", every_good),
         T("CF-057 CF-067 CF-077: each member of a description that can be wrong is found, and named in a line",

@@ -175,19 +175,22 @@ static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64
 }
 
 #define PIECE(sub, kind, bits, direction, member)                                                                      \
-    {                                                                                                                  \
-        sub, ECT_TYPE_##kind, bits, ECT_ACCESS_RO | (direction), "Piece", 0, ECT_OFFSET(device_t, member)              \
-    }
+    {sub, ECT_TYPE_##kind, bits, ECT_ACCESS_RO | (direction), "Piece", 0, ECT_OFFSET(device_t, member)}
 #define PIECES_OF(member, direction)                                                                                   \
     {                                                                                                                  \
-        ECT_ENTRY_COUNT(PIECES), PIECE(1, UNSIGNED8, 8, direction, member.a),                                          \
-            PIECE(2, UNSIGNED16, 16, direction, member.b), PIECE(3, UNSIGNED32, 32, direction, member.c),              \
-            PIECE(4, OCTET_STRING, 40, direction, member.d),                                                           \
+        ECT_ENTRY_COUNT(PIECES),                                                                                       \
+        PIECE(1, UNSIGNED8, 8, direction, member.a),                                                                   \
+        PIECE(2, UNSIGNED16, 16, direction, member.b),                                                                 \
+        PIECE(3, UNSIGNED32, 32, direction, member.c),                                                                 \
+        PIECE(4, OCTET_STRING, 40, direction, member.d),                                                               \
     }
 #define MAPPING(index)                                                                                                 \
     {                                                                                                                  \
-        ECT_ENTRY_COUNT(PIECES), ECT_ENTRY_MAP(1, ECT_MAP(index, 1, 8)), ECT_ENTRY_MAP(2, ECT_MAP(index, 2, 16)),      \
-            ECT_ENTRY_MAP(3, ECT_MAP(index, 3, 32)), ECT_ENTRY_MAP(4, ECT_MAP(index, 4, 40)),                          \
+        ECT_ENTRY_COUNT(PIECES),                                                                                       \
+        ECT_ENTRY_MAP(1, ECT_MAP(index, 1, 8)),                                                                        \
+        ECT_ENTRY_MAP(2, ECT_MAP(index, 2, 16)),                                                                       \
+        ECT_ENTRY_MAP(3, ECT_MAP(index, 3, 32)),                                                                       \
+        ECT_ENTRY_MAP(4, ECT_MAP(index, 4, 40)),                                                                       \
     }
 
 static const ect_entry_t e1010[] = ECT_ENTRIES_STORE("Save all");

@@ -810,10 +810,7 @@ static void soak(void **state)
     }
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

@@ -674,10 +674,7 @@ static void shown_by_the_remotes_that_are_on(void **state)
     wire_close(&r.w);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

@@ -479,10 +479,7 @@ static void nothing_armed(void **state)
     }
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

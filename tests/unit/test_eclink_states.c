@@ -504,10 +504,7 @@ static void late_polls(void **state)
     wire_close(&r.w);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

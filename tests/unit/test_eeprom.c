@@ -208,10 +208,7 @@ static void written_by_a_master(void **state)
 
 int main(int argc, char **argv)
 {
-#define EEPROM_TEST(title, function)                                                                                   \
-    {                                                                                                                  \
-        title, function, NULL, remove_file, NULL                                                                       \
-    }
+#define EEPROM_TEST(title, function) {title, function, NULL, remove_file, NULL}
     const struct CMUnitTest tests[] = {
         EEPROM_TEST("EEPROM file: what was written is there again", survives),
         EEPROM_TEST("EEPROM file: a newer factory's words win, the master's others stay, the check value is right",

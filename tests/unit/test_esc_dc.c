@@ -221,10 +221,7 @@ static void reference_clock(void **state)
     assert_int_equal(read_number(r, ECT_REG_DC_DIFFERENCE, 4), 0x80000000);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -732,10 +732,7 @@ static void pdi_extremes(void **state)
     assert_int_equal(r->memory[0x0FEF], 0);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

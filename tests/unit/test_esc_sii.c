@@ -527,10 +527,7 @@ static void many_commands_in_a_frame(void **state)
     assert_memory_equal(r->sii + 0x60, "\x77\x66", 2);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -772,10 +772,7 @@ static void off_empties(void **state)
     }
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

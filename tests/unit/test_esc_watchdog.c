@@ -365,10 +365,7 @@ static void pdi_watchdog_expires(void **state)
                  r->memory[0x0443], r->memory[ECT_REG_DL_STATUS]);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -452,10 +452,7 @@ static void scene_by_hand(void **state)
     assert_non_null(strstr(message, "BUSY"));
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -632,10 +632,7 @@ static void clear(void **state)
     assert_int_equal(sensor_data(&s, 1), 5000);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -571,14 +571,8 @@ static void commands_with_a_full_queue(void **state)
     expect_cause("");
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
-#define HANDSHAKING(title, function)                                                                                   \
-    {                                                                                                                  \
-        title, function, setup_handshaking, teardown, NULL                                                             \
-    }
+#define TEST(title, function)        {title, function, setup, teardown, NULL}
+#define HANDSHAKING(title, function) {title, function, setup_handshaking, teardown, NULL}
 
 int main(int argc, char **argv)
 {

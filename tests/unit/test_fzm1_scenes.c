@@ -230,10 +230,7 @@ static void memory_is_silent(void **state)
     signal_set(&s.w, "edit.group", "5");
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -433,10 +433,7 @@ static void sii(void **state)
     assert_int_equal(ect_load_le16(image + 8), 5);
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {

@@ -188,10 +188,7 @@ static void buffer(void **state)
 
 int main(int argc, char **argv)
 {
-#define T(title, test)                                                                                                 \
-    {                                                                                                                  \
-        title, test, NULL, NULL, NULL                                                                                  \
-    }
+#define T(title, test) {title, test, NULL, NULL, NULL}
     const struct CMUnitTest tests[] = {
         T("CF-070: a device refuses a read, of an entry and of a whole object, with a reason or its own code",
           read_refused),

@@ -1677,10 +1677,7 @@ static void slow_walk(void **state)
     }
 }
 
-#define T(title, function)                                                                                             \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define T(title, function) {title, function, NULL, NULL, NULL}
 
 static const struct CMUnitTest tests[] = {
     T("CF-047: after power-up the state is INIT, no code, all SyncManagers off from the PDI side", power_up),

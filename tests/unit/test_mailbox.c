@@ -1292,10 +1292,7 @@ static void bad_line(void **state)
     }
 }
 
-#define T(title, function)                                                                                             \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define T(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

@@ -800,10 +800,7 @@ static void identity_default(void **state)
     rig_close(&r);
 }
 
-#define T(title, function)                                                                                             \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define T(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

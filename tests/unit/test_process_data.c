@@ -105,7 +105,7 @@ static void inputs_bit_by_bit(void **state)
         open_in(&w, states[s]);
         for (unsigned int bit = 0; bit < 16; bit++) {
             expect_inputs(&w, (uint16_t)(1u << bit), 0);
-            expect_inputs(&w, (uint16_t) ~(1u << bit), 7);
+            expect_inputs(&w, (uint16_t)~(1u << bit), 7);
         }
         for (unsigned int bits = 0; bits < 256; bits++)
             expect_inputs(&w, 0, (uint8_t)bits);
@@ -782,7 +782,7 @@ static void wrong_direction(void **state)
         mapped_t m = {0};
         make_mapped(&m);
         for (size_t i = 0; i < COUNT(m.entries); i++)
-            m.entries[i].access &= (uint16_t) ~(d == 0 ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO);
+            m.entries[i].access &= (uint16_t)~(d == 0 ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO);
         add(&m, d, ECT_MAP(0x2000, 0, 32));
         open_mapped(&w, &m);
         to_safeop(&w, &m);
@@ -959,10 +959,7 @@ static void part_of_a_long_object(void **state)
     }
 }
 
-#define T(title, function)                                                                                             \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define T(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

@@ -194,10 +194,7 @@ static void memory(void **state)
 
 int main(void)
 {
-#define T(title, test)                                                                                                 \
-    {                                                                                                                  \
-        title, test, NULL, NULL, NULL                                                                                  \
-    }
+#define T(title, test) {title, test, NULL, NULL, NULL}
     const struct CMUnitTest tests[] = {
         T("CF-033 CF-037: a terminal without a mailbox, outputs in SM0, inputs in SM1 and SM2, runs from INIT to OP",
           terminal_runs),

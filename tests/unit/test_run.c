@@ -37,7 +37,8 @@ static void late_answers(void **state)
     static const struct {
         uint64_t came_ns, late_ns, leaves_ns;
     } frames[] = {
-        {0, 3 * MS, 3 * MS}, {1 * MS, 3 * MS, 4 * MS}, {2 * MS, 0, 4 * MS}, {2 * MS, 3 * MS, 5 * MS}, {9 * MS, 0, 9 * MS},
+        {0, 3 * MS, 3 * MS},      {1 * MS, 3 * MS, 4 * MS}, {2 * MS, 0, 4 * MS},
+        {2 * MS, 3 * MS, 5 * MS}, {9 * MS, 0, 9 * MS},
     };
     enum { COUNT = sizeof frames / sizeof frames[0] };
     ect_late_t late = {0};
@@ -106,9 +107,8 @@ static void answer_times(void **state)
     static const struct {
         uint64_t took_ns;
         size_t step;
-    } cases[] = {{0, 0},          {999, 0},        {1 * US, 1},          {1999, 1},   {2 * US, 2},
-                 {49999, 5},      {50 * US, 6},    {999999 * US, 18},    {1000 * MS, 19},
-                 {5000 * MS, 19}, {UINT64_MAX, 19}};
+    } cases[] = {{0, 0},       {999, 0},          {1 * US, 1},     {1999, 1},       {2 * US, 2},     {49999, 5},
+                 {50 * US, 6}, {999999 * US, 18}, {1000 * MS, 19}, {5000 * MS, 19}, {UINT64_MAX, 19}};
     (void)state;
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         ect_stats_t stats = {0};

@@ -889,10 +889,7 @@ static void diagnosis_wraps(void **state)
     }
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, NULL, NULL, NULL                                                                              \
-    }
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {

@@ -251,10 +251,7 @@ static void image(void **state)
 
 int main(int argc, char **argv)
 {
-#define T(title, test)                                                                                                 \
-    {                                                                                                                  \
-        title, test, NULL, NULL, NULL                                                                                  \
-    }
+#define T(title, test) {title, test, NULL, NULL, NULL}
     const struct CMUnitTest tests[] = {
         T("a SOES object list is a good description", described),
         T("CF-037: its process data go to and come from its addresses", process_data),

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "bus/catalogue.h"
-#include "slave/indicator.h"
 #include "devices/eclink/eclink.h"
+#include "slave/indicator.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 

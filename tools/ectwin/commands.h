@@ -14,9 +14,9 @@
 #include "bus/chain.h"
 #include "bus/eeprom.h"
 #include "bus/memory.h"
-#include "esi/twin.h"
 #include "bus/runner.h"
 #include "defects.h"
+#include "esi/twin.h"
 
 /** Exit codes: a contract (README). */
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };

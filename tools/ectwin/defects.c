@@ -359,22 +359,10 @@ static void uncounted_hidden(defect_t *d, datagram_t *g)
 
 /* --- all of them -------------------------------------------------------------------------------------------------- */
 
-#define ANY(w, b)                                                                                                      \
-    {                                                                                                                  \
-        .width = (w), .becomes = (b)                                                                                   \
-    }
-#define FROM(w, a, b)                                                                                                  \
-    {                                                                                                                  \
-        .width = (w), .mask = (w) == 4 ? 0xFFFFFFFFu : (1u << 8 * (w)) - 1, .was = (a), .becomes = (b)                 \
-    }
-#define BITS(m, a, b)                                                                                                  \
-    {                                                                                                                  \
-        .width = 1, .mask = (m), .was = (a), .becomes = (b)                                                            \
-    }
-#define CLEARED(m)                                                                                                     \
-    {                                                                                                                  \
-        .width = 1, .mask = (m), .was = (m), .becomes = 0                                                              \
-    }
+#define ANY(w, b)     {.width = (w), .becomes = (b)}
+#define FROM(w, a, b) {.width = (w), .mask = (w) == 4 ? 0xFFFFFFFFu : (1u << 8 * (w)) - 1, .was = (a), .becomes = (b)}
+#define BITS(m, a, b) {.width = 1, .mask = (m), .was = (a), .becomes = (b)}
+#define CLEARED(m)    {.width = 1, .mask = (m), .was = (m), .becomes = 0}
 
 #define AL_CODE(a, b)                                                                                                  \
     .kind = ANSWER, .command = FPRD, .address = ECT_REG_AL_STATUS_CODE, .length = 6, .change = FROM(2, a, b)

@@ -24,9 +24,7 @@ typedef struct client_args {
 
 #define COMMON_OPTIONS                                                                                                 \
     {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},                \
-    {                                                                                                                  \
-        "slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0                                      \
-    }
+        {"slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0}
 
 static const struct argp_option options[] = {COMMON_OPTIONS, {0}};
 static const struct argp_option set_options[] = {

@@ -137,8 +137,8 @@ enum {
           outputs[ECLINK_OUT_PERIODIC + (first)])
 
 #define INPUT_MAP(sub, offset, kind, name)  ECT_ENTRY_MAP(sub, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
-#define RU2_MAP(sub, offset, kind, name)    ECT_ENTRY_MAP((sub)-37, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
-#define RU3_MAP(sub, offset, kind, name)    ECT_ENTRY_MAP((sub)-61, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
+#define RU2_MAP(sub, offset, kind, name)    ECT_ENTRY_MAP((sub) - 37, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
+#define RU3_MAP(sub, offset, kind, name)    ECT_ENTRY_MAP((sub) - 61, ECT_MAP(0x2001, sub, 8 * BYTES_##kind)),
 #define OUTPUT_MAP(sub, offset, kind, name) ECT_ENTRY_MAP(sub, ECT_MAP(0x2002, sub, 8 * BYTES_##kind)),
 #define PERIODIC_MAP(sub, first, last)      ECT_ENTRY_MAP(11 + (sub), ECT_MAP(0x2003, sub, 8 * BYTES_HALF)),
 
@@ -235,24 +235,42 @@ static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_
 /* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
 #define BASE_UNIT(cli_name, what, node_name, product, object_list, buffer_bytes)                                       \
     {                                                                                                                  \
-        .name = cli_name, .summary = what, .vendor_name = ECTWIN_VENDOR_NAME, .type_name = node_name,                  \
-        .group_type = "VR-BU", .group_name = "Vision Remote base units", .hardware_version = "1.00",                   \
+        .name = cli_name,                                                                                              \
+        .summary = what,                                                                                               \
+        .vendor_name = ECTWIN_VENDOR_NAME,                                                                             \
+        .type_name = node_name,                                                                                        \
+        .group_type = "VR-BU",                                                                                         \
+        .group_name = "Vision Remote base units",                                                                      \
+        .hardware_version = "1.00",                                                                                    \
         .software_version = "2.0.0",                                                                                   \
         .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = product, .revision = REVISION, .serial = 1},       \
-        .esc = "np40", .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01}, .sii_size = 4096,                           \
+        .esc = "np40",                                                                                                 \
+        .esc_config = {0x80, 0x36, 0x00, 0x46, 0xF4, 0x01},                                                            \
+        .sii_size = 4096,                                                                                              \
         .sm = {{.start = 0x4000, .length = 276, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},                          \
                {.start = 0x4800, .length = 276, .control = 0x22, .type = ECT_SM_MAILBOX_IN},                           \
                {.start = 0x1000, .control = 0x64, .type = ECT_SM_OUTPUTS},                                             \
                {.start = 0x2800, .control = 0x20, .type = ECT_SM_INPUTS}},                                             \
-        .sm_count = 4, .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}, .fmmu_count = 3,           \
-        .mailbox_protocols = ECT_MAILBOX_COE, .protocols = protocols,                                                  \
-        .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS, .physics = "YY", \
+        .sm_count = 4,                                                                                                 \
+        .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},                                           \
+        .fmmu_count = 3,                                                                                               \
+        .mailbox_protocols = ECT_MAILBOX_COE,                                                                          \
+        .protocols = protocols,                                                                                        \
+        .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_PDO_UPLOAD | ECT_COE_COMPLETE_ACCESS,                  \
+        .physics = "YY",                                                                                               \
         .sync = {.supported = 0x0001, .minimum_cycle_ns = 100000},                                                     \
         .timeouts = {.preop_ms = 1000, .safeop_op_ms = 5000, .back_to_init_ms = 1000, .back_to_safeop_ms = 200},       \
-        .objects = object_list, .object_count = sizeof(object_list) / sizeof((object_list)[0]),                        \
-        .instance_size = sizeof(eclink_t), .buffer_size = buffer_bytes, .init = eclink_init,                           \
-        .state_change = eclink_state_change, .outputs = eclink_outputs, .inputs_read = eclink_inputs_read,             \
-        .tick = eclink_tick, .sdo_read = eclink_sdo_read, .al_error = eclink_al_error,                                 \
+        .objects = object_list,                                                                                        \
+        .object_count = sizeof(object_list) / sizeof((object_list)[0]),                                                \
+        .instance_size = sizeof(eclink_t),                                                                             \
+        .buffer_size = buffer_bytes,                                                                                   \
+        .init = eclink_init,                                                                                           \
+        .state_change = eclink_state_change,                                                                           \
+        .outputs = eclink_outputs,                                                                                     \
+        .inputs_read = eclink_inputs_read,                                                                             \
+        .tick = eclink_tick,                                                                                           \
+        .sdo_read = eclink_sdo_read,                                                                                   \
+        .al_error = eclink_al_error,                                                                                   \
     }
 
 const ect_device_t ect_eclink_map1 =

@@ -8,9 +8,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 #define SIGNAL(type, access, member, name, kind, minimum, maximum, unit, meaning)                                      \
-    {                                                                                                                  \
-        name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(type, member), minimum, maximum          \
-    }
+    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(type, member), minimum, maximum}
 #define BU(access, member, name, kind, minimum, maximum, unit, meaning)                                                \
     SIGNAL(eclink_bu_t, access, member, name, kind, minimum, maximum, unit, meaning)
 #define RU(access, member, name, kind, minimum, maximum, unit, meaning)                                                \
