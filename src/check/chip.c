@@ -125,6 +125,11 @@ static bool sm_good(const report_t *r, unsigned int n, unsigned int kilobytes)
     return placed && control_good(r, n) && lengths_good(r, n) && apart(r, n);
 }
 
+static bool is_mailbox_length(unsigned int length)
+{
+    return length >= SHORTEST_MAILBOX && length <= LONGEST_DATAGRAM;
+}
+
 static bool boot_good(const report_t *r, unsigned int kilobytes)
 {
     const ect_boot_mailbox_t *out = &r->device->boot_out, *in = &r->device->boot_in;
@@ -132,8 +137,7 @@ static bool boot_good(const report_t *r, unsigned int kilobytes)
         return true;
     if (!has_mailbox(r))
         return wrong(r, "BOOT: without a mailbox there is no mailbox of the BOOT state");
-    if (out->length < SHORTEST_MAILBOX || in->length < SHORTEST_MAILBOX || out->length > LONGEST_DATAGRAM ||
-        in->length > LONGEST_DATAGRAM)
+    if (!is_mailbox_length(out->length) || !is_mailbox_length(in->length))
         return wrong(r, "BOOT: its mailboxes have %d to %d bytes both, not %u and %u", SHORTEST_MAILBOX,
                      LONGEST_DATAGRAM, out->length, in->length);
     if (out->start < in->start + in->length && in->start < out->start + out->length)

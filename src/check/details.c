@@ -38,6 +38,20 @@ static int64_t default_of(const ect_entry_t *entry, const ect_detail_t *detail)
     return (int64_t)(negative ? value | UINT64_MAX << bits : value);
 }
 
+static bool default_good(const report_t *r, const ect_detail_t *d, const ect_entry_t *e)
+{
+    int64_t initial = default_of(e, d);
+    if ((e->access & ECT_ACCESS_RO) == 0 || (e->access & ECT_ACCESS_COMMAND) != 0)
+        return true;
+    if (initial < d->minimum)
+        return wrong(r, "%04Xh:%u: its default %" PRId64 " is below its minimum %" PRId64, d->index, d->subindex,
+                     initial, d->minimum);
+    if (initial > d->maximum)
+        return wrong(r, "%04Xh:%u: its default %" PRId64 " is above its maximum %" PRId64, d->index, d->subindex,
+                     initial, d->maximum);
+    return true;
+}
+
 static bool limits_good(const report_t *r, const ect_detail_t *d, const ect_entry_t *e)
 {
     if (d->minimum == d->maximum)
@@ -50,15 +64,7 @@ static bool limits_good(const report_t *r, const ect_detail_t *d, const ect_entr
     if (d->minimum < lowest_of(e) || d->maximum > highest_of(e))
         return wrong(r, "%04Xh:%u: its limits %" PRId64 " to %" PRId64 " are beyond its type", d->index, d->subindex,
                      d->minimum, d->maximum);
-    int64_t initial = default_of(e, d);
-    bool readable = (e->access & ECT_ACCESS_RO) != 0 && (e->access & ECT_ACCESS_COMMAND) == 0;
-    if (readable && initial < d->minimum)
-        return wrong(r, "%04Xh:%u: its default %" PRId64 " is below its minimum %" PRId64, d->index, d->subindex,
-                     initial, d->minimum);
-    if (readable && initial > d->maximum)
-        return wrong(r, "%04Xh:%u: its default %" PRId64 " is above its maximum %" PRId64, d->index, d->subindex,
-                     initial, d->maximum);
-    return true;
+    return default_good(r, d, e);
 }
 
 static bool initial_good(const report_t *r, const ect_detail_t *d, const ect_entry_t *e)

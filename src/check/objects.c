@@ -82,21 +82,28 @@ __attribute__((format(printf, 2, 3))) static bool wrong_at(const place_t *p, con
     return wrong(p->r, "%04Xh:%u: %s", p->object->index, p->entry->subindex, line);
 }
 
-static bool type_good(const place_t *p)
+static bool length_good(const place_t *p, unsigned int bits)
 {
     const ect_entry_t *e = p->entry;
-    size_t i = find_type(e->data_type);
-    if (e->data_type == ECT_TYPE_NONE && !e->data)
-        return true; /* a gap in a record */
-    if (i == TYPES)
-        return wrong_at(p, "its data type %04Xh is none that an entry can have", e->data_type);
-    if (types[i].bits != 0 && types[i].bits != e->bit_length)
-        return wrong_at(p, "its data type %04Xh has %u bits, not %u", e->data_type, types[i].bits, e->bit_length);
-    if (e->bit_length % 8 != 0 && types[i].bits == 0)
+    if (bits != 0)
+        return bits == e->bit_length
+                   ? true
+                   : wrong_at(p, "its data type %04Xh has %u bits, not %u", e->data_type, bits, e->bit_length);
+    if (e->bit_length % 8 != 0)
         return wrong_at(p, "%u bits are not whole bytes", e->bit_length);
     if (e->bit_length == 0 && (e->data || !p->r->device->sdo_read))
         return wrong_at(p, "only an entry without memory whose data sdo_read supplies has no length");
     return true;
+}
+
+static bool type_good(const place_t *p)
+{
+    size_t i = find_type(p->entry->data_type);
+    if (p->entry->data_type == ECT_TYPE_NONE && !p->entry->data)
+        return true; /* a gap in a record */
+    if (i == TYPES)
+        return wrong_at(p, "its data type %04Xh is none that an entry can have", p->entry->data_type);
+    return length_good(p, types[i].bits);
 }
 
 /* Whether there is a text at this place of the description. */
@@ -156,22 +163,28 @@ static bool place_good(const place_t *p)
     return offset_good(p);
 }
 
-static bool access_good(const place_t *p)
+/* What can be changed has to lie somewhere. */
+static bool memory_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
     bool constant = !e->data || (e->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
     bool writable = (e->access & ECT_ACCESS_WO) != 0;
-    if ((e->access & ~(unsigned int)KNOWN_ACCESS) != 0)
-        return wrong_at(p, "there is no access %04Xh", e->access & ~(unsigned int)KNOWN_ACCESS);
-    if ((e->access & ECT_ACCESS_SHARED) != 0 && (e->access & ECT_ACCESS_DESCRIPTION) != 0)
-        return wrong_at(p, "it is either shared or of the description");
-    if (writable && constant && (e->access & ECT_ACCESS_COMMAND) == 0)
+    bool command = (e->access & ECT_ACCESS_COMMAND) != 0;
+    if (writable && constant && !command)
         return wrong_at(p, "it can be written, but has no memory and is no command");
-    if ((e->access & ECT_ACCESS_COMMAND) != 0 && !writable)
+    if (command && !writable)
         return wrong_at(p, "a command has to be writable");
-    if ((e->access & ECT_ACCESS_BACKUP) != 0 && constant)
-        return wrong_at(p, "what is stored has to be in memory");
-    return true;
+    return (e->access & ECT_ACCESS_BACKUP) == 0 || !constant ? true : wrong_at(p, "what is stored has to be in memory");
+}
+
+static bool access_good(const place_t *p)
+{
+    unsigned int access = p->entry->access;
+    if ((access & ~(unsigned int)KNOWN_ACCESS) != 0)
+        return wrong_at(p, "there is no access %04Xh", access & ~(unsigned int)KNOWN_ACCESS);
+    if ((access & ECT_ACCESS_SHARED) != 0 && (access & ECT_ACCESS_DESCRIPTION) != 0)
+        return wrong_at(p, "it is either shared or of the description");
+    return memory_good(p);
 }
 
 /* Without memory it reads as its value, and with it starts with it. */
@@ -206,40 +219,57 @@ static bool count_good(const place_t *p)
     return true;
 }
 
-static bool object_head_good(const report_t *r, const ect_object_t *o)
+static bool is_object_code(uint16_t code)
 {
-    bool var = o->object_code == ECT_OBJECT_VAR;
-    if (!var && o->object_code != ECT_OBJECT_ARRAY && o->object_code != ECT_OBJECT_RECORD &&
-        o->object_code != ECT_OBJECT_DOMAIN)
-        return wrong(r, "%04Xh: there is no object code %u", o->index, o->object_code);
-    if (!o->name || !o->entries)
-        return wrong(r, "%04Xh: it has no %s", o->index, o->name ? "entries" : "name");
-    if (var && (o->max_subindex != 0 || o->last != 0))
+    return code == ECT_OBJECT_VAR || code == ECT_OBJECT_ARRAY || code == ECT_OBJECT_RECORD || code == ECT_OBJECT_DOMAIN;
+}
+
+/* One with more than one entry. */
+static bool several_good(const report_t *r, const ect_object_t *o)
+{
+    if (o->object_code == ECT_OBJECT_VAR)
         return wrong(r, "%04Xh: a VAR has one entry, sub-index 0", o->index);
-    if (!var && o->max_subindex > 0 && o->last == 0 && !r->device->addresses)
+    if (o->last == 0 && !r->device->addresses)
         return wrong(r, "%04Xh: its entries are not counted; ECT_RECORD, ECT_ARRAY and ECT_SPARSE do", o->index);
     return true;
 }
 
-static bool object_good(const report_t *r, const ect_object_t *o)
+static bool object_head_good(const report_t *r, const ect_object_t *o)
 {
-    if (!object_head_good(r, o))
-        return false;
-    place_t p = {.r = r, .object = o, .entry = o->entries};
-    bool list = o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
-    if (list && !count_good(&p))
-        return false;
-    for (unsigned int i = 0;; i++) {
-        const ect_entry_t *next = ect_od_next(o, p.entry);
-        if (!entry_good(&p))
+    if (!is_object_code(o->object_code))
+        return wrong(r, "%04Xh: there is no object code %u", o->index, o->object_code);
+    if (!o->name)
+        return wrong(r, "%04Xh: it has no name", o->index);
+    if (!o->entries)
+        return wrong(r, "%04Xh: it has no entries", o->index);
+    return (o->max_subindex == 0 && o->last == 0) || several_good(r, o);
+}
+
+/* Each entry, and that the next one comes behind it. Leaves `p` at the last. */
+static bool entries_good(place_t *p)
+{
+    const ect_object_t *o = p->object;
+    for (;;) {
+        const ect_entry_t *next = ect_od_next(o, p->entry);
+        if (!entry_good(p))
             return false;
         if (!next)
-            break;
-        if (next->subindex <= p.entry->subindex || next->subindex > o->max_subindex)
-            return wrong(r, "%04Xh: its entries are not in ascending order, or not up to %u: %u comes after %u",
-                         o->index, o->max_subindex, next->subindex, p.entry->subindex);
-        p.entry = next;
+            return true;
+        if (next->subindex <= p->entry->subindex || next->subindex > o->max_subindex)
+            return wrong(p->r, "%04Xh: its entries are not in ascending order, or not up to %u: %u comes after %u",
+                         o->index, o->max_subindex, next->subindex, p->entry->subindex);
+        p->entry = next;
     }
+}
+
+static bool object_good(const report_t *r, const ect_object_t *o)
+{
+    place_t p = {.r = r, .object = o, .entry = o->entries};
+    if (!object_head_good(r, o))
+        return false;
+    bool list = o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
+    if ((list && !count_good(&p)) || !entries_good(&p))
+        return false;
     if (p.entry->subindex != o->max_subindex || (o->last != 0 && p.entry != &o->entries[o->last]))
         return wrong(r, "%04Xh: its last sub-index is %u, max_subindex says %u", o->index, p.entry->subindex,
                      o->max_subindex);

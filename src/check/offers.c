@@ -14,18 +14,26 @@ enum { LONGEST_NAME = 40, LONGEST_TEXT = 255 };
 bool check_names(const report_t *r)
 {
     const ect_device_t *d = r->device;
-    if (!text_good(r, "name", d->name, LONGEST_NAME))
-        return false;
+    const struct {
+        const char *what, *text;
+        size_t most;
+        bool needed;
+    } texts[] = {{"name", d->name, LONGEST_NAME, true},
+                 {"summary", d->summary, LONGEST_TEXT, true},
+                 {"vendor_name", d->vendor_name, LONGEST_TEXT, true},
+                 {"type_name", d->type_name, LONGEST_NAME, true},
+                 {"full_name", d->full_name, LONGEST_TEXT, false},
+                 {"group_type", d->group_type, LONGEST_TEXT, true},
+                 {"group_name", d->group_name, LONGEST_TEXT, true},
+                 {"hardware_version", d->hardware_version, LONGEST_NAME, false},
+                 {"software_version", d->software_version, LONGEST_NAME, false}};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        if ((texts[i].needed || texts[i].text) && !text_good(r, texts[i].what, texts[i].text, texts[i].most))
+            return false;
+    }
     if (strspn(d->name, "abcdefghijklmnopqrstuvwxyz0123456789-") != strlen(d->name))
         return wrong(r, "name: '%.40s' has something else than lower case, digits and hyphens", d->name);
-    return text_good(r, "summary", d->summary, LONGEST_TEXT) &&
-           text_good(r, "vendor_name", d->vendor_name, LONGEST_TEXT) &&
-           text_good(r, "type_name", d->type_name, LONGEST_NAME) &&
-           (!d->full_name || text_good(r, "full_name", d->full_name, LONGEST_TEXT)) &&
-           text_good(r, "group_type", d->group_type, LONGEST_TEXT) &&
-           text_good(r, "group_name", d->group_name, LONGEST_TEXT) &&
-           (!d->hardware_version || text_good(r, "hardware_version", d->hardware_version, LONGEST_NAME)) &&
-           (!d->software_version || text_good(r, "software_version", d->software_version, LONGEST_NAME));
+    return true;
 }
 
 /* --- protocols ---------------------------------------------------------------------------------------------------- */
@@ -176,18 +184,24 @@ static bool services_good(const report_t *r)
 
 /* --- clocks ------------------------------------------------------------------------------------------------------- */
 
+static bool mode_good(const report_t *r, const ect_dc_mode_t *mode)
+{
+    const char *esc = r->device->esc;
+    if (!text_good(r, "dc_modes: a name", mode->name, LONGEST_TEXT))
+        return false;
+    if (mode->assign_activate != 0 && (ect_esc_personality(esc)->features & ECT_FEATURE_DC) == 0)
+        return wrong(r, "dc_modes: '%.40s' needs distributed clocks, which the ESC '%s' has not", mode->name, esc);
+    return true;
+}
+
 static bool clocks_good(const report_t *r)
 {
     const ect_device_t *d = r->device;
-    const ect_esc_personality_t *esc = ect_esc_personality(d->esc);
     if ((d->dc_mode_count > 0 && !d->dc_modes) || (d->sync.dc_cycle_count > 0 && !d->sync.dc_cycles_ns))
         return wrong(r, "dc_modes: they, or their cycles, are missing");
     for (unsigned int i = 0; i < d->dc_mode_count; i++) {
-        if (!text_good(r, "dc_modes: a name", d->dc_modes[i].name, LONGEST_TEXT))
+        if (!mode_good(r, &d->dc_modes[i]))
             return false;
-        if (d->dc_modes[i].assign_activate != 0 && (esc->features & ECT_FEATURE_DC) == 0)
-            return wrong(r, "dc_modes: '%.40s' needs distributed clocks, which the ESC '%s' has not",
-                         d->dc_modes[i].name, d->esc);
     }
     if ((d->sync.supported & (1u << ECT_SYNC_DC_SYNC0)) != 0 && d->dc_mode_count == 0)
         return wrong(r, "sync: SYNC0 is supported, but no mode of dc_modes starts it");

@@ -98,22 +98,32 @@ static bool all_assignments_good(const report_t *r)
     return true;
 }
 
+static bool is_pdo(uint16_t index)
+{
+    return ect_od_is_rxpdo(index) || ect_od_is_txpdo(index);
+}
+
+static bool property_good(const report_t *r, const ect_pdo_t *p)
+{
+    const unsigned int unknown = p->flags & ~(unsigned int)(ECT_PDO_MANDATORY | ECT_PDO_FIXED | ECT_PDO_VIRTUAL);
+    if (!is_pdo(p->index) || !ect_od_find(&r->od, p->index))
+        return wrong(r, "pdos: there is no PDO %04Xh", p->index);
+    if (unknown != 0)
+        return wrong(r, "pdos: %04Xh has the unknown property %04Xh", p->index, unknown);
+    for (const uint16_t *other = p->excludes; other && *other != 0; other++) {
+        if (!ect_od_find(&r->od, *other) || *other == p->index)
+            return wrong(r, "pdos: %04Xh excludes %04Xh, which is no other PDO", p->index, *other);
+    }
+    return true;
+}
+
 static bool properties_good(const report_t *r)
 {
-    const ect_device_t *d = r->device;
-    const unsigned int known = ECT_PDO_MANDATORY | ECT_PDO_FIXED | ECT_PDO_VIRTUAL;
-    if (d->pdo_count > 0 && !d->pdos)
+    if (r->device->pdo_count > 0 && !r->device->pdos)
         return wrong(r, "pdos: they are missing");
-    for (unsigned int i = 0; i < d->pdo_count; i++) {
-        const ect_pdo_t *p = &d->pdos[i];
-        if ((!ect_od_is_rxpdo(p->index) && !ect_od_is_txpdo(p->index)) || !ect_od_find(&r->od, p->index))
-            return wrong(r, "pdos: there is no PDO %04Xh", p->index);
-        if ((p->flags & ~known) != 0)
-            return wrong(r, "pdos: %04Xh has the unknown property %04Xh", p->index, p->flags & ~known);
-        for (const uint16_t *other = p->excludes; other && *other != 0; other++) {
-            if (!ect_od_find(&r->od, *other) || *other == p->index)
-                return wrong(r, "pdos: %04Xh excludes %04Xh, which is no other PDO", p->index, *other);
-        }
+    for (unsigned int i = 0; i < r->device->pdo_count; i++) {
+        if (!property_good(r, &r->device->pdos[i]))
+            return false;
     }
     return true;
 }
@@ -123,7 +133,7 @@ bool check_pdos(const report_t *r)
     const ect_device_t *d = r->device;
     for (unsigned int i = 0; i < d->object_count; i++) {
         const ect_object_t *o = &d->objects[i];
-        if ((ect_od_is_rxpdo(o->index) || ect_od_is_txpdo(o->index)) && !pdo_good(r, o))
+        if (is_pdo(o->index) && !pdo_good(r, o))
             return false;
     }
     return all_assignments_good(r) && properties_good(r);

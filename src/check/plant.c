@@ -83,18 +83,29 @@ static bool signal_good(const signal_place_t *p)
     return true;
 }
 
-static bool group_place_good(const report_t *r, const ect_signal_group_t *g)
+static const char *prefix_of(const ect_signal_group_t *g)
+{
+    return g->prefix ? g->prefix : "";
+}
+
+/* All of its structures are in the instance. */
+static bool is_inside(const report_t *r, const ect_signal_group_t *g)
 {
     size_t whole = r->device->instance_size;
-    size_t last = g->count > 1 ? (size_t)(g->count - 1) * g->stride : 0;
+    size_t more = g->count > 1 ? (size_t)g->count * g->stride : 0;
+    return g->offset <= whole && more <= whole - g->offset;
+}
+
+static bool group_place_good(const report_t *r, const ect_signal_group_t *g)
+{
     if (g->prefix && !name_good(g->prefix))
         return wrong(r, "signals: a prefix has lower case, digits and '_', at most 40");
     if (g->count > 0 && !g->prefix)
         return wrong(r, "signals: numbered ones need a prefix");
     if (!g->signals && g->signal_count > 0)
-        return wrong(r, "signals: those of '%.40s' are missing", g->prefix ? g->prefix : "");
-    if (g->offset > whole || last > whole - g->offset || (g->count > 1 && g->stride > whole - g->offset - last))
-        return wrong(r, "signals: the structures of '%.40s' are not inside the instance", g->prefix ? g->prefix : "");
+        return wrong(r, "signals: those of '%.40s' are missing", prefix_of(g));
+    if (!is_inside(r, g))
+        return wrong(r, "signals: the structures of '%.40s' are not inside the instance", prefix_of(g));
     return true;
 }
 
