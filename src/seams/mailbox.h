@@ -81,10 +81,9 @@ struct ect_protocol {
 
     /**
      * A mail of its own: the rest of a list, an incoming frame, an emergency. From a call of
-     * ::ect_mailbox_wake on it is asked whenever the mailbox is free, until no entry has a mail any more; and so when the
-     * mailbox starts. An
-     * entry without `request` speaks before a waiting request is answered, others after: a request may end what it was
-     * about to say.
+     * ::ect_mailbox_wake on it is asked whenever the mailbox is free, until no entry has a mail any more; and so when
+     * the mailbox starts. An entry without `request` speaks before a waiting request is answered, others after: a
+     * request may end what it was about to say.
      * @param send  true: build and send it now, if there is one · false: only tell
      * @return whether there is, or was, one
      */

@@ -142,26 +142,43 @@ static void fill(cf_t *c, uint8_t *bytes, size_t length)
         bytes[i] = (uint8_t)cf_random(c, 256);
 }
 
-/* A mail that may be wrong anywhere, but orders nothing that lasts: no download of an object, no file. */
+/* What would last: a download of an object, a file, an IP address, writes of other protocols. */
+static void disarm(const cf_t *c, uint8_t *mail)
+{
+    switch (mail[5] & 0x0F) {
+    case CF_MBX_COE:
+        mail[8] |= mail[8] >> 5 == 1 ? 0x40 : 0; /* a download becomes a segment request */
+        break;
+    case CF_MBX_FOE:
+        mail[6] = mail[6] == FOE_WRITE ? 0x7F : mail[6];
+        break;
+    case CF_MBX_ERROR:
+        break;
+    default:
+        if ((c->facts.protocols & ~(CF_PROTO_COE | CF_PROTO_FOE)) != 0)
+            mail[5] = CF_MBX_ERROR;
+        break;
+    }
+}
+
+/* Often enough a good header with a bad inside. */
+static void likely_header(cf_t *c, uint8_t *mail)
+{
+    ect_store_le16(mail, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 12) : 10));
+    ect_store_le16(mail + 2, 0);
+    mail[4] = 0;
+    mail[5] = (uint8_t)(cf_random(c, 8) << 4 | (cf_random(c, 3) == 0 ? cf_random(c, 16) : CF_MBX_COE));
+    ect_store_le16(mail + 6, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 16) << 12 : CF_COE_REQUEST << 12));
+}
+
+/* A mail that may be wrong anywhere, but orders nothing that lasts. */
 static void random_mail(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL] = {0};
-    uint16_t length = (uint16_t)(cf_random(c, 4) == 0 ? c->mailbox.out_size : 16u);
-    fill(c, mail, length);
-    if (cf_random(c, 4) != 0) { /* often enough with a good header and a bad inside */
-        ect_store_le16(mail, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 12) : 10));
-        ect_store_le16(mail + 2, 0);
-        mail[4] = 0;
-        mail[5] = (uint8_t)(cf_random(c, 8) << 4 | (cf_random(c, 3) == 0 ? cf_random(c, 16) : CF_MBX_COE));
-        ect_store_le16(mail + 6, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 16) << 12 : CF_COE_REQUEST << 12));
-    }
-    uint8_t type = mail[5] & 0x0F;
-    if (type == CF_MBX_COE && mail[8] >> 5 == 1)
-        mail[8] |= 0x40; /* a download becomes a segment request */
-    if (type != CF_MBX_COE && type != CF_MBX_ERROR)
-        mail[6] = mail[6] == FOE_WRITE ? 0x7F : mail[6];
-    if ((type == CF_MBX_EOE || type == CF_MBX_AOE || type == CF_MBX_SOE) && (c->facts.protocols & 0x13) != 0)
-        mail[5] = CF_MBX_COE; /* set-IP and writes of other protocols last as well */
+    fill(c, mail, cf_random(c, 4) == 0 ? c->mailbox.out_size : 16u);
+    if (cf_random(c, 4) != 0)
+        likely_header(c, mail);
+    disarm(c, mail);
     (void)cf_write(c, c->mailbox.out_start, mail, c->mailbox.out_size);
 }
 

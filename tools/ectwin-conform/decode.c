@@ -155,6 +155,18 @@ static void say_head(const cf_t *c, out_t *o, const uint8_t *d, size_t length)
     say(o, ", %zu byte%s", length, length == 1 ? "" : "s");
 }
 
+/* AL control and AL status in words. */
+static void say_state(out_t *o, uint16_t address, const uint8_t *data, size_t length)
+{
+    if (address == ECT_REG_AL_CONTROL && length > 0)
+        say(o, " | %s%s", cf_state_name(data[0] & ECT_AL_STATE_MASK),
+            (data[0] & ECT_AL_ACKNOWLEDGE) != 0 ? ", acknowledge" : "");
+    else if (address == ECT_REG_AL_STATUS && length > 0)
+        say(o, " | %s", cf_state_name(data[0]));
+    if (address == ECT_REG_AL_STATUS && length >= 6)
+        say(o, ", code 0x%04X", ect_load_le16(data + 4));
+}
+
 static void say_datagram(const cf_t *c, out_t *o, const uint8_t *d, size_t length, bool sent)
 {
     uint16_t address = ect_load_le16(d + 4);
@@ -172,6 +184,8 @@ static void say_datagram(const cf_t *c, out_t *o, const uint8_t *d, size_t lengt
     }
     say(o, ":");
     say_bytes(o, d + HEADER, length);
+    if (!logical)
+        say_state(o, address, d + HEADER, length);
 }
 
 static void say_frame(const cf_t *c, out_t *o, const cf_item_t *item)

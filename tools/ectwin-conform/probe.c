@@ -122,6 +122,21 @@ static void read_image(cf_t *c)
     f->has |= CF_SII;
 }
 
+static void take_protocols(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    const cf_mailbox_t *m = &c->mailbox;
+    bool fits = m->out_size > 0 && m->in_size > 0 && m->out_size <= CF_MAX_MAIL && m->in_size <= CF_MAX_MAIL;
+    if (f->protocols == 0 || !fits)
+        return;
+    f->has |= CF_MAILBOX;
+    f->has |= (f->protocols & CF_PROTO_COE) != 0 ? CF_COE : 0;
+    f->has |= (f->protocols & CF_PROTO_FOE) != 0 ? CF_FOE : 0;
+    f->has |= (f->protocols & CF_PROTO_EOE) != 0 ? CF_EOE : 0;
+    if (f->boot.out_size > 0 && f->boot.in_size > 0 && (f->has & CF_FOE) != 0)
+        f->has |= CF_BOOTSTRAP; /* sizes alone stand in many images; BOOT is for files */
+}
+
 static void take_head(cf_t *c)
 {
     cf_facts_t *f = &c->facts;
@@ -135,14 +150,7 @@ static void take_head(cf_t *c)
         (cf_mailbox_t){word(f, WORD_BOOT), word(f, WORD_BOOT + 1), word(f, WORD_BOOT + 2), word(f, WORD_BOOT + 3)};
     c->mailbox = (cf_mailbox_t){word(f, WORD_MAILBOX), word(f, WORD_MAILBOX + 1), word(f, WORD_MAILBOX + 2),
                                 word(f, WORD_MAILBOX + 3)};
-    bool fits = c->mailbox.out_size <= CF_MAX_MAIL && c->mailbox.in_size <= CF_MAX_MAIL;
-    if (f->protocols != 0 && c->mailbox.out_size > 0 && c->mailbox.in_size > 0 && fits)
-        f->has |= CF_MAILBOX;
-    if (f->boot.out_size > 0 && f->boot.in_size > 0 && (f->protocols & CF_PROTO_FOE) != 0)
-        f->has |= CF_BOOTSTRAP; /* sizes alone stand in many images; BOOT is for files */
-    if ((f->has & CF_MAILBOX) != 0)
-        f->has |= ((f->protocols & CF_PROTO_COE) != 0 ? CF_COE : 0) |
-                  ((f->protocols & CF_PROTO_FOE) != 0 ? CF_FOE : 0) | ((f->protocols & CF_PROTO_EOE) != 0 ? CF_EOE : 0);
+    take_protocols(c);
 }
 
 static void take_sm(cf_facts_t *f, unsigned int n, const uint8_t *entry)
@@ -159,6 +167,31 @@ static void take_sm(cf_facts_t *f, unsigned int n, const uint8_t *entry)
     }
 }
 
+static void take_fmmus(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    size_t length;
+    const uint8_t *data = cf_sii_category(c, ECT_SII_FMMU, &length);
+    for (unsigned int n = 0; data && n < CF_MAX_FMMUS && n < length && data[n] != 0xFF; n++) {
+        f->fmmu_use[n] = data[n];
+        f->fmmu_count = (uint8_t)(n + 1);
+    }
+}
+
+static void take_general(cf_t *c)
+{
+    cf_facts_t *f = &c->facts;
+    size_t length;
+    uint8_t size;
+    const uint8_t *data = cf_sii_category(c, ECT_SII_GENERAL, &length);
+    if (!data || length <= GENERAL_COE)
+        return;
+    const char *name = ect_sii_string(f->sii, f->sii_size, data[3], &size);
+    f->coe_details = data[GENERAL_COE];
+    if (name)
+        snprintf(f->name, sizeof f->name, "%.*s", (int)size, name);
+}
+
 static void take_categories(cf_t *c)
 {
     cf_facts_t *f = &c->facts;
@@ -168,19 +201,8 @@ static void take_categories(cf_t *c)
         take_sm(f, n, data + 8 * (size_t)n);
         f->sm_count = (uint8_t)(n + 1);
     }
-    data = cf_sii_category(c, ECT_SII_FMMU, &length);
-    for (unsigned int n = 0; data && n < CF_MAX_FMMUS && n < length && data[n] != 0xFF; n++) {
-        f->fmmu_use[n] = data[n];
-        f->fmmu_count = (uint8_t)(n + 1);
-    }
-    data = cf_sii_category(c, ECT_SII_GENERAL, &length);
-    if (data && length > GENERAL_COE) {
-        uint8_t size;
-        const char *name = ect_sii_string(f->sii, f->sii_size, data[3], &size);
-        f->coe_details = data[GENERAL_COE];
-        if (name)
-            snprintf(f->name, sizeof f->name, "%.*s", (int)size, name);
-    }
+    take_fmmus(c);
+    take_general(c);
     if ((f->has & CF_MAILBOX) != 0 && f->sm_count < 2) { /* an image without the category: what everybody uses */
         f->sm[0].control = ECT_SM_CONTROL_MAILBOX | ECT_SM_CONTROL_ECAT_WRITES | ECT_SM_CONTROL_AL_EVENT;
         f->sm[1].control = ECT_SM_CONTROL_MAILBOX | ECT_SM_CONTROL_AL_EVENT;

@@ -17,7 +17,7 @@ static const char head[] =
     ".skip,.interrupted{color:#666}\n.case{margin:.35rem 0;break-inside:avoid}\n.case .t{display:flex;gap:.7rem}\n"
     ".case .t .v{width:3.4rem}.case .id{white-space:nowrap;font-variant-numeric:tabular-nums}\n"
     ".why,.frames{margin-left:9.1rem;color:#444}.frames{font-size:.85rem;color:#666}\n"
-    ".failed{border-left:4px solid #b00020;padding-left:.7rem;break-inside:auto}.failed "
+    ".failed{border-left:4px solid #b00020;padding-left:.7rem;margin-left:-.95rem;break-inside:auto}.failed "
     ".why{color:#b00020;font-weight:600}\n"
     "pre{font:12px/1.4 ui-monospace,monospace;background:#f5f5f3;padding:.6rem;overflow-x:auto;white-space:pre-wrap;"
     "overflow-wrap:anywhere;margin:.4rem 0}\n"

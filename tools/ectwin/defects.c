@@ -8,7 +8,7 @@
 #include "wire/registers.h"
 
 enum { NOP, APRD, APWR, APRW, FPRD, FPWR, FPRW, BRD, BWR, BRW, LRD, LWR, LRW, ARMW, FRMW };
-enum { ETHERNET = 14, HEADER = 10, TRAILER = 2, MAIL_HEADER = 6, FULL = 0x08, UNKNOWN_COMMAND = 99 };
+enum { ETHERNET = 14, HEADER = 10, TRAILER = 2, MAIL_HEADER = 6, FULL = 0x08, UNKNOWN_COMMAND = 99, ANY_MAIL = 0xFFFF };
 enum { SM_0 = ECT_REG_SM, SM_1 = ECT_REG_SM + ECT_SM_SIZE, SM_2 = SM_1 + ECT_SM_SIZE };
 
 /* One datagram of the frame that came, as it came and as it is now. */
@@ -360,7 +360,7 @@ static void uncounted_hidden(defect_t *d, datagram_t *g)
 /* --- all of them -------------------------------------------------------------------------------------------------- */
 
 #define ANY(w, b)     {.width = (w), .becomes = (b)}
-#define FROM(w, a, b) {.width = (w), .mask = (w) == 4 ? 0xFFFFFFFFu : (1u << 8 * (w)) - 1, .was = (a), .becomes = (b)}
+#define FROM(w, a, b) {.width = (w), .mask = 0xFFFFFFFFu >> (32 - 8 * (w)), .was = (a), .becomes = (b)}
 #define BITS(m, a, b) {.width = 1, .mask = (m), .was = (a), .becomes = (b)}
 #define CLEARED(m)    {.width = 1, .mask = (m), .was = (m), .becomes = 0}
 
@@ -396,7 +396,7 @@ static const defect_row_t rows[] = {
     {"CF-022", "SM1 switched off is not noticed", CUSTOM, .before = off_is_not_seen, .after = give_back_hidden},
     {"CF-023", "a repeat is acknowledged and not done", CUSTOM, .before = repeat_is_not_seen,
      .after = repeat_is_acknowledged},
-    {"CF-024", "the counter of mails comes by 0", MAIL, .length = 0xFFFF, .at = 5, .change = BITS(0x70, 0x70, 0)},
+    {"CF-024", "the counter of mails comes by 0", MAIL, .length = ANY_MAIL, .at = 5, .change = BITS(0x70, 0x70, 0)},
     {"CF-025", "a request while a reply waits is lost", CUSTOM, .before = second_is_lost, .after = give_back_hidden},
     {"CF-026", "a length beyond the mailbox is taken for good", CUSTOM, .before = length_is_believed},
     {"CF-027", "SM0 has no length in the SyncManager category", CATEGORY, .address = ECT_SII_SYNCM, .length = 2,
@@ -436,7 +436,7 @@ static const defect_row_t rows[] = {
     {"CF-056", "a write without enable makes no error", ANSWER, FPRD, ECT_REG_SII_CONTROL + 1, 2,
      .change = CLEARED(0x40)},
     {"CF-057", "the serial number of the SII is another", SII_WORD, .address = 14, .change = ANY(2, 0x4711)},
-    {"CF-058", "a protocol that is not there gets error 0x0004", MAIL, .length = 0xFFFF, .at = 6,
+    {"CF-058", "a protocol that is not there gets error 0x0004", MAIL, .length = ANY_MAIL, .at = 6,
      .change = FROM(4, 0x00020001, 0x00040001)},
     {"CF-059", "the SII has version 9", SII_WORD, .address = 0x3F, .change = ANY(2, 9)},
     {"CF-060", "SM0 reaches into SM1 in the SyncManager category", CATEGORY, .address = ECT_SII_SYNCM, .length = 3,
@@ -462,7 +462,7 @@ static const defect_row_t rows[] = {
      .change = ANY(1, 3)},
     {"CF-074", "a fixed assignment is refused for no reason", SDO(0x1C12, 0, 12), .command = 0x80,
      .change = ANY(4, 0x08000000)},
-    {"CF-076", "list 0 says one object too many", MAIL, .length = 0xFFFF, .at = 6, .command = 2,
+    {"CF-076", "list 0 says one object too many", MAIL, .length = ANY_MAIL, .at = 6, .command = 2,
      .change = {.width = 0}},
     {"CF-078", "a write in the wrong state is a general error", SDO(0x1C32, 1, 12), .state = 4, .command = 0x80,
      .change = ANY(4, 0x08000000)},
@@ -526,24 +526,29 @@ static bool concerns(const defect_row_t *row, const datagram_t *g)
     return g->command == row->command && (row->length == 0 || row->length == g->length) && covers(g, row->address, 1);
 }
 
-/* A CoE mail about an object, or any mail. */
+/* Whether a mail is about the object of a row, and with its command. */
+static bool about(const defect_row_t *row, const uint8_t *mail)
+{
+    unsigned int service = mail[7] >> 4;
+    return (mail[5] & 0x0F) == 3 && (service == 2 || service == 3) && ect_load_le16(mail + 9) == row->address &&
+           mail[11] == row->length && (row->command == 0 || mail[8] == row->command);
+}
+
+/* The first reply of the information service about list 0. */
+static bool first_of_lengths(const defect_row_t *row, const uint8_t *mail)
+{
+    return mail[7] >> 4 == 8 && (mail[8] & 0x7F) == row->command && ect_load_le16(mail + 12) == 0;
+}
+
 static void change_mail(const defect_row_t *row, const datagram_t *g)
 {
     uint8_t *mail = data(g);
     if (!is_mail(g, false) || counter(g) == 0 || (row->state != 0 && row->state != al_status(g)))
         return;
-    if (row->length != 0xFFFF) {
-        bool sdo = (mail[5] & 0x0F) == 3 && (mail[7] >> 4 == 2 || mail[7] >> 4 == 3);
-        if (!sdo || ect_load_le16(mail + 9) != row->address || mail[11] != row->length)
-            return;
-        if (row->command != 0 && mail[8] != row->command)
-            return;
-    } else if (row->command != 0) { /* information: the first of list 0 */
-        if (mail[7] >> 4 == 8 && (mail[8] & 0x7F) == row->command && ect_load_le16(mail + 12) == 0)
-            mail[14]++;
-        return;
-    }
-    apply(&row->change, mail + row->at);
+    if (row->length == ANY_MAIL && row->command != 0)
+        mail[14] = (uint8_t)(mail[14] + first_of_lengths(row, mail));
+    else if (row->length == ANY_MAIL || about(row, mail))
+        apply(&row->change, mail + row->at);
 }
 
 static void change_sii(const defect_row_t *row, const datagram_t *g, uint32_t byte)
