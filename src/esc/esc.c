@@ -51,6 +51,7 @@ static int check(const ect_esc_config_t *config)
 
 int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns)
 {
+    ECT_ASSERT(esc && config);
     int error = check(config);
     if (error != 0)
         return error;
@@ -74,6 +75,7 @@ int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns
 
 int ect_esc_pdi_read(void *esc, uint16_t address, void *buffer, uint16_t length)
 {
+    ECT_ASSERT(esc && buffer);
     ect_access_t access = {.side = ECT_SIDE_PDI, .write = false, .data = buffer};
     memset(buffer, 0, length);
     (void)ect_esc_access(esc, &access, address, length);
@@ -82,6 +84,7 @@ int ect_esc_pdi_read(void *esc, uint16_t address, void *buffer, uint16_t length)
 
 int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t length)
 {
+    ECT_ASSERT(esc && buffer);
     /* A write only reads through `data` (internal.h). */
     ect_access_t access = {.side = ECT_SIDE_PDI, .write = true, .data = (uint8_t *)(uintptr_t)buffer};
     (void)ect_esc_access(esc, &access, address, length);

@@ -111,6 +111,7 @@ static window_t part(const window_t *w, uint32_t first_bit, uint32_t end_bit)
 static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, const window_t *w, bool write, const window_t *taken,
                            unsigned int count)
 {
+    ECT_ASSERT(w->bit_count > 0 && count < ECT_ESC_MAX_FMMU);
     uint32_t at = w->first_bit;
     uint32_t end = at + w->bit_count;
     bool any = false;

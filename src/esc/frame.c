@@ -112,12 +112,14 @@ static void or_into(uint8_t *to, const uint8_t *from, uint16_t length)
 
 static bool read_physical(ect_esc_t *esc, uint8_t *to, uint16_t address, uint16_t length)
 {
+    ECT_ASSERT(length > 0);
     ect_access_t access = {.side = ECT_SIDE_ECAT, .write = false, .data = to};
     return ect_esc_access(esc, &access, address, length);
 }
 
 static bool write_physical(ect_esc_t *esc, uint8_t *from, uint16_t address, uint16_t length)
 {
+    ECT_ASSERT(length > 0);
     ect_access_t access = {.side = ECT_SIDE_ECAT, .write = true, .data = from};
     return ect_esc_access(esc, &access, address, length);
 }
@@ -204,6 +206,7 @@ static void process_datagram(ect_esc_t *esc, uint8_t *d)
 /* Where the EtherCAT header begins; 0: this is no EtherCAT frame. */
 static size_t find_header(const uint8_t *frame, size_t length)
 {
+    ECT_ASSERT(length >= ETHERNET_HEADER);
     size_t at = ETHERNET_HEADER - 2;
     if (ect_load_be16(frame + at) == ETHERTYPE_VLAN)
         at += 4;

@@ -36,6 +36,7 @@ void ect_esc_clear(ect_esc_t *esc, uint32_t al_event)
 
 void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event)
 {
+    ECT_ASSERT(ecat_event != 0);
     uint8_t *event = esc->memory + ECT_REG_ECAT_EVENT;
     ect_store_le16(event, (uint16_t)(ect_load_le16(event) | ecat_event));
 }

@@ -99,6 +99,7 @@ static bool write_dl_control(ect_esc_t *esc, const ect_access_t *access, uint16_
 /* Any write to one of a group of counters clears the group; the value does not matter. */
 static bool clear_counters(ect_esc_t *esc, uint16_t first, uint16_t last)
 {
+    ECT_ASSERT(first <= last && last < ECT_RAM);
     memset(esc->memory + first, 0, (size_t)(last - first) + 1u);
     return true;
 }

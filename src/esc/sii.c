@@ -157,6 +157,7 @@ static bool write_ownership(ect_esc_t *esc, ect_side_t side, uint16_t address, u
 /* The command is looked at when all bytes of the access have been stored: address and command come in one datagram. */
 static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
+    ECT_ASSERT(address >= ECT_REG_SII_CONTROL && length > 0);
     if (pdi_owns(esc) != (access->side == ECT_SIDE_PDI) || (status(esc) & BUSY) != 0)
         return false;
     bool has_high = false;

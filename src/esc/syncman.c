@@ -69,6 +69,7 @@ static uint8_t latest_buffer(const uint8_t *sm)
 
 static bool open_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
 {
+    ECT_ASSERT(esc->sm[n].write_buffer < NO_BUFFER);
     uint8_t *sm = ect_esc_sm_registers(esc, n);
     if (is_mailbox(sm) && (sm[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0)
         return false;
@@ -104,6 +105,7 @@ static uint8_t free_buffer(uint8_t latest, uint8_t reading)
 
 static void close_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
 {
+    ECT_ASSERT(esc->sm[n].write_buffer < NO_BUFFER);
     uint8_t *sm = ect_esc_sm_registers(esc, n);
     uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~ECT_SM_STATUS_WRITE_OPEN);
     if (is_mailbox(sm)) {

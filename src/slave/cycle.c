@@ -32,6 +32,7 @@ void ect_cycle_inputs(ect_slave_t *s)
 /* What mainline was about is not touched: whether its accesses failed, above all. */
 static void exchange(ect_slave_t *s)
 {
+    ECT_ASSERT(s->state != 0);
     bool failed = s->failed;
     uint32_t event = 0;
     s->missed = false;

@@ -54,6 +54,7 @@ static void diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_
     if (!d || !is_recorded(d, type))
         return;
     uint8_t slot = after(d->newest);
+    ECT_ASSERT(slot >= FIRST && slot <= LAST);
     if (full(d, slot)) {
         d->flags |= ECT_DIAGNOSIS_LOST;
         if ((d->flags & ECT_DIAGNOSIS_ACKNOWLEDGE) != 0)

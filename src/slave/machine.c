@@ -42,6 +42,7 @@ static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
 
 static void outputs_off(ect_slave_t *s)
 {
+    ECT_ASSERT(!s->outputs_live || s->state == ECT_STATE_OP);
     const ect_device_t *device = s->config.device;
     if (s->outputs_live && device->safe_outputs)
         device->safe_outputs(s->config.instance, s->now_ns);
@@ -52,6 +53,7 @@ static void outputs_off(ect_slave_t *s)
 /* Its answer: 0, ECT_AL_PENDING, or an AL status code. */
 static uint16_t tell_device(ect_slave_t *s, uint8_t from, uint8_t to)
 {
+    ECT_ASSERT(from != to);
     const ect_device_t *device = s->config.device;
     return device->state_change ? device->state_change(s->config.instance, from, to, s->now_ns)
                                 : (uint16_t)ECT_AL_NO_ERROR;
@@ -88,6 +90,7 @@ void ect_machine_drop(ect_slave_t *s, uint8_t state, uint16_t code, ect_error_ca
 
 static uint16_t check_mailbox(ect_slave_t *s, uint8_t target, const uint8_t *block)
 {
+    ECT_ASSERT(!s->mailbox.running && s->state == ECT_STATE_INIT);
     bool boot = target == ECT_STATE_BOOT;
     if (!ect_sm_mailbox_good(s->config.device, block, boot))
         return boot ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
@@ -97,6 +100,7 @@ static uint16_t check_mailbox(ect_slave_t *s, uint8_t target, const uint8_t *blo
 
 static uint16_t check_process_data(ect_slave_t *s, const uint8_t *block)
 {
+    ECT_ASSERT(s->state == ECT_STATE_PREOP && !s->outputs_live);
     uint8_t cyclic_unit = 0;
     uint16_t code = ect_pdo_configure(s);
     if (code == ECT_AL_NO_ERROR)
@@ -182,6 +186,7 @@ static void wait_for(ect_slave_t *s, uint8_t target, bool device)
 /* The device and the checks agree; only the first outputs may still be missing. */
 static void agree(ect_slave_t *s, uint8_t target, uint16_t code)
 {
+    ECT_ASSERT(target > s->state);
     bool outputs_missing = target == ECT_STATE_OP && s->outputs_seen != s->outputs;
     if (code == ECT_AL_NO_ERROR && outputs_missing)
         wait_for(s, target, false);

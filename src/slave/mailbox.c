@@ -18,6 +18,7 @@ enum { NO_REPLY = 0xFF, SM1 = 1 << 1 };
 
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
 {
+    ECT_ASSERT(!s->mailbox.running);
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     uint8_t *memory = s->config.mailbox;
     uint16_t out_room = ect_mailbox_sm_room(s->config.device, 0);
@@ -62,6 +63,7 @@ void *ect_mailbox_instance(const ect_slave_t *s)
 
 uint16_t ect_mailbox_room(const ect_slave_t *s)
 {
+    ECT_ASSERT(s->mailbox.in_size > ECT_MAILBOX_HEADER);
     return (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER);
 }
 
@@ -132,6 +134,7 @@ void ect_mailbox_send(ect_slave_t *s, uint8_t type, uint16_t length)
 
 static void send_error(ect_slave_t *s, uint16_t detail)
 {
+    ECT_ASSERT(detail >= ECT_MAILBOX_ERROR_SYNTAX && detail <= ECT_MAILBOX_ERROR_SIZE);
     uint8_t *data = ect_mailbox_build(s);
     ect_store_le16(data, 1);
     ect_store_le16(data + 2, detail);
@@ -180,6 +183,7 @@ static uint16_t dispatch(ect_slave_t *s)
 
 static void handle_request(ect_slave_t *s)
 {
+    ECT_ASSERT(may_build(&s->mailbox));
     ect_mailbox_t *m = &s->mailbox;
     if (!ect_slave_read(s, m->out_start, m->request, m->out_size))
         return;
@@ -211,6 +215,7 @@ static bool is_unchanged(const ect_slave_t *s, const uint8_t *sm_registers)
 
 bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 {
+    ECT_ASSERT(s->mailbox.running);
     ect_mailbox_t *m = &s->mailbox;
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
@@ -245,6 +250,7 @@ static bool bring_back(ect_slave_t *s)
 
 static void repeat(ect_slave_t *s)
 {
+    ECT_ASSERT(s->mailbox.repeat_due);
     ect_mailbox_t *m = &s->mailbox;
     if (m->mails > 0 && !m->in_buffer)
         m->to_write = true;

@@ -171,6 +171,7 @@ static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t la
 
 static void send_abort(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_reason_t reason)
 {
+    ECT_ASSERT(reason != ECT_OK);
     s->sdo.state = ECT_SDO_IDLE;
     uint8_t *reply = ect_coe_build(s, ECT_COE_MAIL_SDO_REQUEST);
     reply[0] = ABORT;
@@ -270,6 +271,7 @@ static ect_reason_t ask_device(ect_slave_t *s)
 
 static void send_expedited(ect_slave_t *s, uint8_t last_subindex)
 {
+    ECT_ASSERT(s->sdo.size > 0 && s->sdo.size <= EXPEDITED_ROOM);
     unsigned int unused = EXPEDITED_ROOM - (unsigned int)s->sdo.size;
     uint8_t *reply = build_initiate(s, UPLOAD | EXPEDITED | SIZE_SPECIFIED | (unused << 2));
     cursor_read(s, reply + 4, (uint16_t)s->sdo.size, last_subindex);
@@ -376,6 +378,7 @@ static ect_reason_t written(ect_slave_t *s, const ect_entry_t *entry)
 
 static ect_reason_t whole_written(ect_slave_t *s)
 {
+    ECT_ASSERT(s->sdo.object != NULL);
     return s->sdo.complete ? ect_services_written(s, s->sdo.object->index, 0, true) : ECT_OK;
 }
 
@@ -494,6 +497,7 @@ static ect_reason_t store_whole(ect_slave_t *s, const ect_entry_t *first, const 
 
 static void finish_download(ect_slave_t *s, ect_reason_t reason, bool initiate, unsigned int command)
 {
+    ECT_ASSERT(s->sdo.object != NULL);
     if (reason != ECT_OK) {
         send_abort(s, s->sdo.object->index, s->sdo.subindex, reason);
         return;
@@ -539,6 +543,7 @@ static void download(ect_slave_t *s, const uint8_t *request, uint16_t length)
 /* What a segment brings must be no more than is left, and the last one all of it. */
 static ect_reason_t check_segment(const ect_sdo_t *sdo, uint16_t available, bool last)
 {
+    ECT_ASSERT(sdo->object && sdo->done <= sdo->size);
     uint32_t left = sdo->size - sdo->done;
     if (available > left)
         return ECT_REASON_TOO_LONG;

@@ -38,11 +38,13 @@ static uint8_t *build(ect_slave_t *s, uint8_t opcode)
 
 static void send(ect_slave_t *s, uint16_t data_length)
 {
+    ECT_ASSERT(data_length <= room(s));
     ect_coe_send(s, (uint16_t)(ECT_COE_HEADER + INFO_HEADER + data_length));
 }
 
 static void send_error(ect_slave_t *s, ect_reason_t reason)
 {
+    ECT_ASSERT(reason != ECT_OK);
     uint8_t *data = build(s, ERROR_RESPONSE);
     ect_store_le32(data, ect_abort_code(reason));
     send(s, 4);

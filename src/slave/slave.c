@@ -24,6 +24,7 @@ static int check(const ect_slave_config_t *config)
  * it waits for, those of process data where they are dealt with. */
 static void set_line(ect_slave_t *s)
 {
+    ECT_ASSERT(s->state != 0);
     uint32_t events = 0;
     uint8_t mask[2];
     if (!s->config.line_for_cycle) {

@@ -80,6 +80,7 @@ static void count(uint16_t *counter)
 
 static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
 {
+    ECT_ASSERT(d->dc != 0 && s->state == ECT_STATE_OP);
     bool missed = d->outputs_new == 0;
     d->outputs_new = 0;
     d->sync_error = missed;
