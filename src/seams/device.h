@@ -11,8 +11,10 @@
  * dictionary entries, time is an argument (nanoseconds of any monotonic clock, 64 bit), and what it wants from its
  * surroundings it asks of ::ect_host_t.
  *
- * All functions run in mainline, one at a time for an instance, must not block, and may not call back into the stack
- * except through ::ect_host_t. Any function pointer may be NULL: the device then has nothing to do there.
+ * All functions run one at a time for an instance, must not block, and may not call back into the stack except through
+ * ::ect_host_t. They run in mainline; `outputs`, `inputs` and `inputs_read` also in the interrupt of ::ect_slave_cycle,
+ * where a firmware has one (docs/CONCURRENCY.md). Any function pointer may be NULL: the device then has nothing to do
+ * there.
  */
 #ifndef ECT_SEAMS_DEVICE_H
 #define ECT_SEAMS_DEVICE_H
