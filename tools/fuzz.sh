@@ -8,7 +8,7 @@ tools/bootstrap.sh test
 cmake --preset clang >/dev/null
 cmake --build --preset clang >/dev/null
 cd build/clang
-for target in frame mailbox sii fzm1 check; do
+for target in frame mailbox sii fzm1 check esi; do
   mkdir -p "corpus/$target"
   echo "fuzz_$target: $seconds s"
   tests/fuzz/fuzz_$target -max_total_time="$seconds" -max_len=4096 -print_final_stats=1 "corpus/$target" \

@@ -27,7 +27,7 @@ tests/check/coverage.sh build/coverage
 
 build clang
 ctest --test-dir build/clang -L 'unit|fuzz' -j "$jobs"
-for target in frame mailbox sii fzm1 check; do
+for target in frame mailbox sii fzm1 check esi; do
   echo "fuzz_$target: 5 s"
   build/clang/tests/fuzz/fuzz_$target -max_total_time=5 -max_len=4096 -artifact_prefix=build/clang/ \
     >build/clang/fuzz_$target.log 2>&1 || { tail -40 build/clang/fuzz_$target.log; exit 1; }

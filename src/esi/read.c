@@ -161,6 +161,11 @@ ect_esi_t *ect_esi_open(const char *path, char *text, size_t room)
     return esi;
 }
 
+const char *ect_esi_file(const ect_esi_t *esi)
+{
+    return esi->file;
+}
+
 const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count)
 {
     *count = esi->count;

@@ -45,6 +45,9 @@ ect_esi_t *ect_esi_open(const char *path, char *text, size_t room);
  */
 ect_esi_t *ect_esi_parse(const char *name, const void *data, size_t length, char *text, size_t room);
 
+/** What stands in front of messages: the path, or the name that was given. */
+const char *ect_esi_file(const ect_esi_t *esi);
+
 /** The devices in the order of the file. @param[out] count at least 1 */
 const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count);
 

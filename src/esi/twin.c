@@ -523,6 +523,43 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
     device->object_count = (uint16_t)build->object_count;
 }
 
+/* --- PDOs: what their objects do not say ------------------------------------------------------------------------ */
+
+/* Those that there are: a file may exclude PDOs that it has not. */
+static const uint16_t *excludes_of(ect_build_t *build, const ect_build_pdo_t *pdo)
+{
+    const ect_esi_pdo_t *model = pdo->model;
+    uint16_t *excludes = ect_arena_alloc(build->arena, (model->exclude_count + 1) * sizeof *excludes);
+    size_t count = 0;
+    for (size_t i = 0; i < model->exclude_count; i++) {
+        uint16_t other = (uint16_t)(model->exclude[i] + (model->depends_on_slot ? pdo->pdo_shift : 0));
+        if (other != pdo->index && ect_build_find(build, other) != NULL)
+            excludes[count++] = other;
+    }
+    return count > 0 ? excludes : NULL;
+}
+
+static void set_pdos(ect_build_t *build, ect_device_t *device)
+{
+    ect_pdo_t *pdos = ect_arena_alloc(build->arena, (build->pdo_count + 1) * sizeof *pdos);
+    size_t count = 0;
+    for (size_t i = 0; i < build->pdo_count && count < UINT8_MAX; i++) {
+        const ect_build_pdo_t *pdo = &build->pdos[i];
+        const ect_esi_pdo_t *model = pdo->model;
+        if (pdo->usable)
+            pdos[count++] = (ect_pdo_t){
+                .index = pdo->index,
+                .flags = (uint16_t)((model->mandatory ? ECT_PDO_MANDATORY : 0) | (model->fixed ? ECT_PDO_FIXED : 0)),
+                .excludes = excludes_of(build, pdo),
+            };
+    }
+    if (build->pdo_count > UINT8_MAX)
+        ect_build_note(build, "it has %zu PDOs; what is fixed, mandatory and excluded is known of the first %u",
+                       build->pdo_count, (unsigned int)UINT8_MAX);
+    device->pdos = pdos;
+    device->pdo_count = (uint8_t)count;
+}
+
 /* --- behaviour --------------------------------------------------------------------------------------------------- */
 
 /* Outputs that nobody commands any more are what they are after power-on. What can be mapped has at most 255 bits. */
@@ -579,6 +616,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     device->esc = esc_of(device);
     device->instance_size = lay_out(b);
     set_objects(b, device);
+    set_pdos(b, device);
     if (b->model->mailbox.pdo_assign || b->model->mailbox.pdo_config)
         device->services = services;
     device->safe_outputs = safe_outputs;
@@ -590,16 +628,17 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     twin->product = (ect_product_t){.device = device, .plant = &twin->plant};
 }
 
-ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
-                                  size_t module_count, char *text, size_t room)
+ect_esi_twin_t *ect_esi_twin_of(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
+                                size_t module_count, char *text, size_t room)
 {
     ect_esi_twin_t *twin = calloc(1, sizeof *twin);
     if (twin == NULL) {
-        (void)snprintf(text, room, "%s: no memory left", path);
+        (void)snprintf(text, room, "%s: no memory left", ect_esi_file(esi));
+        ect_esi_close(esi);
         return NULL;
     }
-    twin->esi = ect_esi_open(path, text, room);
-    const ect_esi_device_t *model = twin->esi != NULL ? ect_esi_select(twin->esi, selector, text, room) : NULL;
+    twin->esi = esi;
+    const ect_esi_device_t *model = ect_esi_select(esi, selector, text, room);
     if (model != NULL) {
         twin->build = (ect_build_t){.arena = &twin->arena, .model = model};
         build(twin, modules, module_count);
@@ -609,10 +648,17 @@ ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const 
             ect_build_fail(&twin->build, "%s", why);
         if (twin->build.failure == NULL)
             return twin;
-        (void)snprintf(text, room, "%s:%d: %s: %s", path, model->line, model->type, twin->build.failure);
+        (void)snprintf(text, room, "%s:%d: %s: %s", ect_esi_file(esi), model->line, model->type, twin->build.failure);
     }
     ect_esi_twin_free(twin);
     return NULL;
+}
+
+ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
+                                  size_t module_count, char *text, size_t room)
+{
+    ect_esi_t *esi = ect_esi_open(path, text, room);
+    return esi != NULL ? ect_esi_twin_of(esi, selector, modules, module_count, text, room) : NULL;
 }
 
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin)

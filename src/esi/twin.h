@@ -38,6 +38,13 @@ typedef struct ect_esi_twin ect_esi_twin_t;
 ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
                                   size_t module_count, char *text, size_t room);
 
+/**
+ * The same of a file that is open, perhaps from memory.
+ * @param esi  the twin's from now on, also when there will be none
+ */
+ect_esi_twin_t *ect_esi_twin_of(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
+                                size_t module_count, char *text, size_t room);
+
 /** The product, valid until the twin is freed. */
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin);
 

@@ -25,6 +25,7 @@ int command_list(int argc, char **argv);
 int command_run(int argc, char **argv);
 int command_with(int argc, char **argv);
 int command_sii(int argc, char **argv);
+int command_verify(int argc, char **argv);
 int command_stats(int argc, char **argv);
 int command_get(int argc, char **argv);
 int command_set(int argc, char **argv);

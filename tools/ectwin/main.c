@@ -20,7 +20,7 @@ static const struct command {
     {"get", command_get},           {"set", command_set},
     {"watch", command_watch},       {"list-signals", command_list_signals},
     {"command", command_command},   {"stats", command_stats},
-    {"periodic", command_periodic},
+    {"periodic", command_periodic}, {"verify", command_verify},
 };
 
 static int usage(FILE *stream, int status)
@@ -29,6 +29,8 @@ static int usage(FILE *stream, int status)
           "       ectwin run  -i IFACE DEVICE[,DEVICE...]       answer on IFACE as this chain of devices\n"
           "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
           "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
+          "       ectwin verify A B...                          in what ESI files, EEPROM images, devices, slaves "
+          "differ\n"
           "       ectwin list-signals [DEVICE] [PATTERN]        the signals of a running twin, or of a device\n"
           "       ectwin get   [PATTERN]                        their values\n"
           "       ectwin set   NAME=VALUE... [--csv FILE]       set some, all of them or none\n"

@@ -94,6 +94,15 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
     return NULL;
 }
 
+const ect_esi_twin_t *product_twin(const ect_product_t *product)
+{
+    for (const made_t *made = all; made; made = made->next) {
+        if (ect_esi_twin_product(made->twin) == product)
+            return made->twin;
+    }
+    return NULL;
+}
+
 bool product_list_file(const char *path, char *message)
 {
     ect_esi_t *esi = ect_esi_open(path, message, PRODUCT_MESSAGE);

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * ESI files with anything in them. Each device of a file becomes a twin or is refused with a line; one that is taken is
+ * powered on, its EEPROM is written and every entry of its dictionary read.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bus/chain.h"
+#include "esi/twin.h"
+#include "sii/sii.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+enum { DEVICES_MOST = 4, MESSAGE = 300 };
+
+static void read_all(const ect_od_t *od)
+{
+    for (uint16_t i = 0; i < od->count; i++) {
+        for (const ect_entry_t *e = od->objects[i].entries; e != NULL; e = ect_od_next(&od->objects[i], e)) {
+            uint8_t *bytes = malloc(ect_od_bytes(e) + 1u);
+            if (bytes != NULL)
+                ect_od_read(od, e, 0, bytes, ect_od_upload_size(od, e));
+            free(bytes);
+        }
+    }
+}
+
+static void run(const ect_product_t *product)
+{
+    ect_twin_config_t config = ect_twin_default(product->device, product->plant);
+    uint8_t *image = malloc(product->device->sii_size);
+    if (image == NULL || ect_sii_write(product->device, NULL, 0, image, product->device->sii_size) < 0)
+        abort(); /* it was written once when the twin was made */
+    free(image);
+    ect_chain_t *chain = ect_chain_new(&config, 1, 1);
+    if (chain == NULL)
+        return;
+    (void)ect_chain_poll(chain, 2);
+    read_all(&ect_chain_slave(chain, 0)->od);
+    ect_chain_free(chain);
+}
+
+/* Opened anew for each device: a twin owns its file. */
+static size_t try_device(const uint8_t *data, size_t size, size_t number)
+{
+    char text[MESSAGE] = "";
+    char selector[32];
+    size_t count;
+    ect_esi_t *esi = ect_esi_parse("input", data, size, text, sizeof text);
+    if (esi == NULL)
+        return 0;
+    const ect_esi_head_t *head = &ect_esi_heads(esi, &count)[number];
+    (void)snprintf(selector, sizeof selector, "@%" PRIu32 "/%" PRIu32, head->product_code, head->revision);
+    ect_esi_twin_t *twin = ect_esi_twin_of(esi, selector, NULL, 0, text, sizeof text);
+    if (twin != NULL)
+        run(ect_esi_twin_product(twin));
+    else if (text[0] == '\0')
+        abort(); /* refused without a word */
+    ect_esi_twin_free(twin);
+    return count;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    size_t count = 1;
+    for (size_t i = 0; i < count && i < DEVICES_MOST; i++)
+        count = try_device(data, size, i);
+    return 0;
+}

@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# verify: description, EEPROM image and running twin of each device say the same, ours and those of ESI files; and an old
+# image that is still in a chip is found (CF-054, CF-066).
+# usage: verify.sh ECTWIN ECTWIN-PROBE ESI-FOLDER
+set -u
+ectwin=$1
+probe=$2
+esi=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+expect() { # WHAT EXPECTED ACTUAL
+  [ "$2" = "$3" ] && return 0
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
+  failed=1
+}
+
+for device in $("$ectwin" list | awk '{print $1}'); do
+  "$ectwin" sii "$device" -o "$work/$device.bin"
+  expect "$device, its image and its twin" "" \
+    "$("$ectwin" with "$device" -- "$ectwin" verify "$device" "$work/$device.bin" slave:{} 2>&1 >"$work/out" | grep verify; cat "$work/out")"
+done
+
+for one in analog.xml#AI2 analog.xml#DRIVE digital.xml#DI4 digital.xml#DO16 digital.xml#COUPLER modular.xml; do
+  "$ectwin" with "esi:$esi/$one" -- "$ectwin" verify "$esi/$one" slave:{} >"$work/out" 2>"$work/err"
+  expect "$one and its twin: exit code" 0 $?
+  expect "$one and its twin" "" "$(cat "$work/out")"
+done
+
+# The third of four slaves, and a chip with the image of another product.
+"$ectwin" with fzm1,fzm1,vr-bu-ect-map3,fzm1 -- "$ectwin" verify vr-bu-ect-map3 slave:{}:3 >"$work/out" 2>/dev/null
+expect "the third slave: exit code" 0 $?
+expect "the third slave" "" "$(cat "$work/out")"
+"$ectwin" with fzm1 -- "$ectwin" verify "$work/vr-bu-ect-map1.bin" slave:{} >"$work/out" 2>/dev/null
+expect "another product: exit code" 1 $?
+expect "another product: its type" \
+  "slave:ecat0 EEPROM: device type: expected \"VR-BU-ECT-Map1\" ($work/vr-bu-ect-map1.bin), found \"FZM1\"" \
+  "$(grep -i 'EEPROM: device type' "$work/out")"
+
+# The probe alone, and its mistakes.
+"$ectwin" with fzm1 -- "$probe" -i {} --sii "$work/read.bin" --od "$work/read.json" 2>/dev/null >&2
+expect "probe: exit code" 0 $?
+expect "probe: the image" 0 "$(cmp "$work/read.bin" "$work/fzm1.bin" >&2; echo $?)"
+expect "probe: 1018h:1" 1 "$(python3 -c "import json,sys
+objects = {o['index']: o for o in json.load(open('$work/read.json'))['objects']}
+print(sum(e['subindex'] == 1 and e['bits'] == 32 for e in objects[0x1018]['entries']))")"
+"$ectwin" with fzm1 -- "$probe" -i {} -n 2 >/dev/null 2>"$work/err"
+expect "probe: no such slave: exit code" 3 $?
+expect "probe: no such slave" "ectwin-probe: there are 1 slaves on 'ecat0', none with number 2" "$(grep probe "$work/err")"
+"$ectwin" verify slave:nowhere0 fzm1 >/dev/null 2>"$work/err"
+expect "no such interface: exit code" 2 $?
+expect "no such interface" "ectwin verify: slave:nowhere0:1 could not be read" "$(grep verify "$work/err")"
+"$ectwin" verify "$work/nothing.bin" fzm1 2>"$work/err"
+expect "no such file: exit code" 2 $?
+expect "no such file" "ectwin verify: $work/nothing.bin: No such file or directory" "$(cat "$work/err")"
+exit $failed

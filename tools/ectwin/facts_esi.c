@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* What an ESI file says beyond the twin that is made of it. */
+#include <inttypes.h>
+
+#include "facts.h"
+
+static bool has_object(const ect_esi_dictionary_t *dictionary, uint16_t index)
+{
+    for (size_t i = 0; i < dictionary->object_count; i++) {
+        if (dictionary->objects[i].index == index)
+            return true;
+    }
+    return false;
+}
+
+/* An object that the twin has and the file has not, made because a PDO maps it or every slave has it. */
+static bool is_made(const fact_t *fact, const ect_esi_device_t *model)
+{
+    return fact->kind >= FACT_OBJECT && fact->kind <= FACT_ENTRY_UNIT && !has_object(&model->dictionary, fact->index);
+}
+
+/* A module's objects move with the slot: then nobody knows here which are all. */
+static void mark_made(facts_t *facts, const ect_esi_device_t *model)
+{
+    for (size_t i = 0; i < facts->count; i++) {
+        fact_t *fact = &facts->list[i];
+        if (is_made(fact, model)) {
+            fact->made = true;
+            fact->text = NULL;
+        }
+    }
+    bool whole = model->dictionary.object_count > 0 && *model->dictionary_file == '\0' && model->slot_count == 0;
+    facts->complete[FACT_OBJECT] = whole;
+    facts->complete[FACT_ENTRY] = whole;
+}
+
+/* What a twin puts in the place of what a file leaves out is no fact of the file. */
+static void forget_unsaid(facts_t *facts, const ect_esi_device_t *model)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < facts->count; i++) {
+        const fact_t *fact = &facts->list[i];
+        bool unsaid = (fact->kind == FACT_GROUP && *model->group_type == '\0') ||
+                      (fact->kind == FACT_GROUP_NAME && *model->group_name == '\0') ||
+                      (fact->kind == FACT_VENDOR_NAME && *model->vendor_name == '\0') ||
+                      (fact->kind == FACT_PORTS && *model->physics == '\0') ||
+                      (fact->kind == FACT_EEPROM_SIZE && model->eeprom_size == 0) ||
+                      (fact->kind == FACT_CONFIG && fact->index * 2u + 2u > model->config.length);
+        if (!unsaid)
+            facts->list[kept++] = *fact;
+    }
+    facts->count = kept;
+}
+
+static void add_sm(facts_t *facts, unsigned int number, const ect_esi_sm_t *sm)
+{
+    if (sm->size.given)
+        (void)facts_add(facts, FACT_SM_DEFAULT, number, 0, "%" PRId64, sm->size.value);
+    (void)facts_add(facts, FACT_SM_MINIMUM, number, 0, "%u", sm->minimum);
+    (void)facts_add(facts, FACT_SM_MAXIMUM, number, 0, "%u", sm->maximum);
+}
+
+static void add_pdo(facts_t *facts, const ect_esi_pdo_t *pdo)
+{
+    char excludes[300] = "none";
+    size_t used = 0;
+    for (size_t i = 0; i < pdo->exclude_count && used < sizeof excludes - 8; i++)
+        used += (size_t)snprintf(excludes + used, sizeof excludes - used, "%s%04X", i > 0 ? " " : "", pdo->exclude[i]);
+    (void)facts_add(facts, FACT_PDO_FIXED, pdo->index, 0, "%s", pdo->fixed ? "yes" : "no");
+    (void)facts_add(facts, FACT_PDO_MANDATORY, pdo->index, 0, "%s", pdo->mandatory ? "yes" : "no");
+    (void)facts_add(facts, FACT_PDO_EXCLUDES, pdo->index, 0, "%s", excludes);
+}
+
+void facts_of_esi(facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model)
+{
+    facts_of_device(facts, device);
+    forget_unsaid(facts, model);
+    mark_made(facts, model);
+    for (size_t i = 0; i < model->sm_count; i++)
+        add_sm(facts, (unsigned int)i, &model->sms[i]);
+    for (size_t i = 0; i < model->pdo_count; i++) {
+        if (!model->pdos[i].virtual_pdo)
+            add_pdo(facts, &model->pdos[i]);
+    }
+}
