@@ -446,6 +446,13 @@ static bool range_of(const ect_build_entry_t *entry, int64_t *minimum, int64_t *
     }
 }
 
+static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
+{
+    uint64_t value = ect_build_number(entry);
+    uint64_t sign = entry->bits > 0 && entry->bits < 64 ? UINT64_C(1) << (entry->bits - 1) : 0;
+    return is_signed && (value & sign) != 0 ? (int64_t)(value | ~(2 * sign - 1)) : (int64_t)value;
+}
+
 /* What a file says of limits, as far as the type can have them. */
 static bool limits_of(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry,
                       int64_t *minimum, int64_t *maximum)
@@ -458,8 +465,16 @@ static bool limits_of(ect_build_t *build, const ect_build_object_t *object, cons
         *minimum = entry->minimum.value;
     if (entry->maximum.given)
         *maximum = entry->maximum.value;
-    if (*minimum >= lowest && *maximum <= highest && *minimum < *maximum)
+    int64_t initial = default_of(entry, lowest < 0);
+    bool in_range = initial >= *minimum && initial <= *maximum;
+    if (*minimum >= lowest && *maximum <= highest && *minimum < *maximum && in_range)
         return true;
+    if (!in_range) {
+        ect_build_note(build, "object %04X:%u: its default %lld is not within its limits %lld to %lld: no limits",
+                       (unsigned int)object->index, (unsigned int)entry->subindex, (long long)initial,
+                       (long long)*minimum, (long long)*maximum);
+        return false;
+    }
     ect_build_note(build, "object %04X:%u: its limits %lld to %lld are none for its type: left out",
                    (unsigned int)object->index, (unsigned int)entry->subindex, (long long)*minimum,
                    (long long)*maximum);
@@ -493,6 +508,17 @@ static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build
     device->details = details;
 }
 
+/* A default of a few bits: what of it lies beyond them is left out. */
+static uint32_t short_default(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry)
+{
+    uint32_t value = entry->initial.length <= 4 ? (uint32_t)ect_build_number(entry) : 0;
+    if (entry->bits == 0 || entry->bits >= 8 || value >> entry->bits == 0)
+        return value;
+    ect_build_note(build, "object %04X:%u: of its default 0x%X only %u bits are there", (unsigned int)object->index,
+                   (unsigned int)entry->subindex, (unsigned int)value, (unsigned int)entry->bits);
+    return value & ((1u << entry->bits) - 1);
+}
+
 static void set_objects(ect_build_t *build, ect_device_t *device)
 {
     ect_object_t *objects = ect_arena_alloc(build->arena, (build->object_count + 1) * sizeof *objects);
@@ -507,7 +533,7 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
                 .bit_length = entry->bits,
                 .access = entry->access,
                 .name = entry->name,
-                .value = entry->initial.length <= 4 ? (uint32_t)ect_build_number(entry) : 0,
+                .value = short_default(build, from, entry),
                 .data = (void *)entry->offset,
             };
             add_detail(build, device, from, entry);

@@ -267,12 +267,12 @@ static void put_strings(pen_t *p)
     end(p, 0);
 }
 
-/* Port types of the physics letters, four bits a port: Y is MII, K is EBUS, H is fast hot connect. */
+/* Port types of the physics letters, four bits a port: Y is MII, K is EBUS. */
 static unsigned int ports(const char *physics)
 {
     unsigned int value = 0;
     for (unsigned int i = 0; i < 4 && physics[i] != 0; i++)
-        value |= (physics[i] == 'Y' ? 1u : physics[i] == 'K' ? 3u : physics[i] == 'H' ? 4u : 0u) << (4 * i);
+        value |= (physics[i] == 'Y' ? 1u : physics[i] == 'K' ? 3u : 0u) << (4 * i);
     return value;
 }
 

@@ -12,6 +12,16 @@ static void add_text(facts_t *facts, fact_kind_t kind, unsigned int index, unsig
     facts_add_text(facts, kind, index, element, text, text ? strlen(text) : 0);
 }
 
+/* As an EEPROM tells them: MII, EBUS, or something else. */
+static void add_ports(facts_t *facts, const char *physics)
+{
+    char ports[4];
+    size_t count = 0;
+    for (; count < sizeof ports && physics[count] != '\0'; count++)
+        ports[count] = physics[count] == 'Y' || physics[count] == 'K' ? physics[count] : ' ';
+    facts_add_text(facts, FACT_PORTS, 0, 0, ports, count);
+}
+
 static void add_identity(facts_t *facts, const ect_device_t *device)
 {
     (void)facts_add(facts, FACT_VENDOR, 0, 0, "0x%08" PRIX32, device->identity.vendor_id);
@@ -22,7 +32,7 @@ static void add_identity(facts_t *facts, const ect_device_t *device)
     add_text(facts, FACT_VENDOR_NAME, 0, 0, device->vendor_name);
     add_text(facts, FACT_GROUP, 0, 0, device->group_type);
     add_text(facts, FACT_GROUP_NAME, 0, 0, device->group_name);
-    add_text(facts, FACT_PORTS, 0, 0, device->physics);
+    add_ports(facts, device->physics ? device->physics : "");
     (void)facts_add(facts, FACT_EBUS, 0, 0, "%d mA", device->ebus_ma);
 }
 
