@@ -291,6 +291,69 @@ static void notes(void **state)
     ect_esi_twin_free(twin);
 }
 
+/* The flags that a master's tool needs: of the description, and thereby of the EEPROM. */
+static void flags(void **state)
+{
+    static const struct {
+        uint16_t index, flags, excludes;
+    } table[] = {{0x1600, ECT_PDO_FIXED | ECT_PDO_MANDATORY, 0},
+                 {0x1A00, ECT_PDO_FIXED, 0x1A01},
+                 {0x1A01, ECT_PDO_FIXED, 0x1A00},
+                 {0x1A02, ECT_PDO_FIXED, 0}};
+    (void)state;
+    ect_esi_twin_t *twin = make("analog.xml", "AI2", NULL, 0);
+    const ect_device_t *device = ect_esi_twin_product(twin)->device;
+    assert_int_equal(device->pdo_count, sizeof table / sizeof table[0]);
+    for (size_t i = 0; i < device->pdo_count; i++) {
+        const ect_pdo_t *pdo = &device->pdos[i];
+        uint16_t excludes = pdo->excludes != NULL ? pdo->excludes[0] : 0;
+        if (pdo->index != table[i].index || pdo->flags != table[i].flags || excludes != table[i].excludes)
+            fail_msg("PDO %zu: expected %04X flags %02X excludes %04X, got %04X flags %02X excludes %04X", i,
+                     table[i].index, table[i].flags, table[i].excludes, pdo->index, pdo->flags, excludes);
+    }
+    ect_esi_twin_free(twin);
+}
+
+/* Files contradict themselves: the twin runs, and says what it left out. */
+static void contradictions(void **state)
+{
+    static const char text[] =
+        "<EtherCATInfo><Vendor><Id>1</Id></Vendor><Descriptions><Devices><Device>"
+        "<Type ProductCode='1' RevisionNo='1'>D</Type><Profile><Dictionary><DataTypes>"
+        "<DataType><Name>BIT2</Name><BitSize>2</BitSize></DataType>"
+        "<DataType><Name>INT</Name><BitSize>16</BitSize></DataType></DataTypes><Objects>"
+        "<Object><Index>#x2000</Index><Name>A</Name><Type>BIT2</Type><BitSize>2</BitSize><Info>"
+        "<DefaultData>FF</DefaultData></Info></Object>"
+        "<Object><Index>#x2001</Index><Name>B</Name><Type>INT</Type><BitSize>16</BitSize><Info>"
+        "<MinValue>-5</MinValue><MaxValue>5</MaxValue><DefaultValue>-6</DefaultValue></Info></Object>"
+        "<Object><Index>#x2002</Index><Name>C</Name><Type>INT</Type><BitSize>16</BitSize><Info>"
+        "<MinValue>-6</MinValue><MaxValue>5</MaxValue><DefaultValue>-6</DefaultValue></Info></Object>"
+        "</Objects></Dictionary></Profile>"
+        "<Sm StartAddress='#x1000' DefaultSize='128' ControlByte='#x26'>MBoxOut</Sm>"
+        "<Sm StartAddress='#x1080' DefaultSize='128' ControlByte='#x22'>MBoxIn</Sm><Mailbox><CoE/></Mailbox>"
+        "</Device></Devices></Descriptions></EtherCATInfo>";
+    static const char *const expected[] = {"object 2000:0: of its default 0xFF only 2 bits are there",
+                                           "object 2001:0: its default -6 is not within its limits -5 to 5: no limits"};
+    char message[300] = "";
+    size_t count;
+    (void)state;
+    ect_esi_t *esi = ect_esi_parse("contradictions.xml", text, strlen(text), message, sizeof message);
+    ect_esi_twin_t *twin = esi != NULL ? ect_esi_twin_of(esi, "", NULL, 0, message, sizeof message) : NULL;
+    if (twin == NULL)
+        fail_msg("expected a twin, got: %s", message);
+    const char *const *lines = ect_esi_twin_notes(twin, &count);
+    for (size_t i = 0; i < 2; i++) {
+        if (count != 2 || strcmp(lines[i], expected[i]) != 0)
+            fail_msg("note %zu of 2: expected \"%s\", got \"%s\" of %zu", i + 1, expected[i],
+                     i < count ? lines[i] : "none", count);
+    }
+    ect_od_t od = ect_device_od(ect_esi_twin_product(twin)->device, NULL);
+    assert_null(ect_od_detail(&od, 0x2001, 0));
+    assert_int_equal(ect_od_detail(&od, 0x2002, 0)->minimum, -6);
+    assert_int_equal(ect_od_find(&od, 0x2000)->entries[0].value, 3);
+    ect_esi_twin_free(twin);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -304,6 +367,8 @@ int main(void)
          NULL, NULL, NULL},
         {"a module's PDOs and objects move with its slot", modules, NULL, NULL, NULL},
         {"what the twin cannot be is told in a line", notes, NULL, NULL, NULL},
+        {"PDOs are fixed, mandatory and exclude each other as the file says", flags, NULL, NULL, NULL},
+        {"a default outside of its limits or its length is told, and the twin runs", contradictions, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "connection.h"
 #include "csv.h"
+#include "products.h"
 
 typedef struct client_args {
     const char *socket;
@@ -224,7 +225,13 @@ int command_list_signals(int argc, char **argv)
         .doc = "Lists the signals of a running twin, or of a device that need not run: name, r or rw, range, meaning."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    const ect_product_t *product = args.count > 0 ? ect_catalogue_find(args.arguments[0]) : NULL;
+    char message[PRODUCT_MESSAGE];
+    bool from_file = args.count > 0 && product_file(args.arguments[0]);
+    const ect_product_t *product = args.count > 0 ? product_find(args.arguments[0], NULL, 0, message) : NULL;
+    if (from_file && !product) {
+        fprintf(stderr, "%s: %s\n", argv[0], message);
+        return EXIT_OPEN;
+    }
     if (product && args.count <= 2)
         return list_device(product, argv[0], args.count > 1 ? args.arguments[1] : "*");
     const char *pattern = pattern_of(&args, argv[0]);
