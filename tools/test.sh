@@ -2,6 +2,7 @@
 # All tests: installs what is missing, builds, runs.  usage: tools/test.sh
 #
 #   asan      unit and integration tests under AddressSanitizer and UBSan
+#   tidy      clang-tidy has nothing to say of the core
 #   coverage  unit tests again, for the branch coverage of the core; fails below the floor in tests/budget/coverage
 #   clang     unit tests with the second compiler; each fuzz target over its committed seeds and 5 s beyond
 set -eu
@@ -20,6 +21,8 @@ build() {
 build asan
 ctest --test-dir build/asan -L unit -j "$jobs"
 ctest --test-dir build/asan -L integration -j 4 # most of it waits
+
+tests/check/tidy.sh build/asan || [ $? -eq 77 ]
 
 build coverage
 ctest --test-dir build/coverage -L unit -j "$jobs" >/dev/null

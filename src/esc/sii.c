@@ -57,7 +57,7 @@ void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
         flags |= CHECKSUM_ERROR | NOT_LOADED;
     set_status(esc, flags | (status(esc) & WRITE_ENABLE));
     ect_esc_update_dl_status(esc);
-    if (!esc->sii_valid)
+    if (!sii || !esc->sii_valid)
         return;
     memcpy(reg(esc, ECT_REG_PDI_CONTROL), sii, 2);
     memcpy(reg(esc, ECT_REG_PDI_CONFIG), sii + 2, 2);

@@ -29,7 +29,7 @@ static bool is_plain(const ect_entry_t *entry, const uint8_t *data)
            (one_byte || ect_host_is_little_endian());
 }
 
-static bool extend(layout_t *l, uint8_t *data, uint16_t bits)
+static bool extend(layout_t *l, const uint8_t *data, uint16_t bits)
 {
     ect_pdo_run_t *last = &l->last;
     if (l->count == 0 || last->entry || last->first_bit + last->bits != (uint16_t)l->bits ||

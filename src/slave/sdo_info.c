@@ -76,7 +76,7 @@ static uint16_t list_length(const ect_slave_t *s, uint16_t list)
 static void send_lengths(ect_slave_t *s)
 {
     uint8_t *data = build(s, LIST_RESPONSE);
-    for (uint16_t list = 1; list <= LIST_TYPES; list++)
+    for (uint16_t list = 1; list <= (uint16_t)LIST_TYPES; list++)
         ect_store_le16(data + (size_t)2 * list, list_length(s, list));
     send(s, 2 + 2 * LIST_TYPES);
 }
@@ -131,12 +131,12 @@ static void start_list(ect_slave_t *s, uint16_t list)
 /* The rest of the mail is the name, cut where the mailbox ends. */
 static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, const char *name)
 {
-    size_t length = name ? strlen(name) : 0;
     ECT_ASSERT(used <= room(s));
+    size_t length = name ? strlen(name) : 0;
     if (length > (size_t)(room(s) - used))
         length = (size_t)(room(s) - used);
     if (length > 0)
-        memcpy(data + used, name, length);
+        memcpy(data + used, name, length); /* NOLINT(clang-analyzer-core.NonNullParamChecker): without a name it is 0 */
     return (uint16_t)(used + length);
 }
 

@@ -307,7 +307,7 @@ static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *sc
 /* Scenes of a group into `scenes`, that of number n into element n - first. @return whether the memory answers */
 static bool read_scenes(const fzm1_t *u, uint8_t group, unsigned int first, unsigned int count, fzm1_scene_t *scenes)
 {
-    entry_t e;
+    entry_t e = {0};
     int there = u->record_found;
     for (uint32_t from = SYSTEM; there > 0; from = e.at + e.size) {
         there = read_entry(&u->record, from, &e);
