@@ -7,11 +7,17 @@
 #include "esc/personality.h"
 #include "wire/registers.h"
 
-enum { RAM = 0x1000, SHORTEST_MAILBOX = 34, LONGEST_DATAGRAM = 1486, BUFFERS = 3 };
+enum { RAM = 0x1000, SHORTEST_MAILBOX = 16, SHORTEST_WITH_INFO = 34, LONGEST_DATAGRAM = 1486, BUFFERS = 3 };
 
 static bool has_mailbox(const report_t *r)
 {
     return r->device->mailbox_protocols != 0;
+}
+
+/* An SDO and an emergency need 16 bytes; below 34 not every reply of SDO information has room. */
+static unsigned int shortest_mailbox(const report_t *r)
+{
+    return (r->device->coe_details & ECT_COE_SDO_INFO) != 0 ? SHORTEST_WITH_INFO : SHORTEST_MAILBOX;
 }
 
 static bool is_mailbox(const ect_sm_t *sm)
@@ -74,8 +80,8 @@ static bool mailbox_length_good(const report_t *r, unsigned int n)
         return wrong(r, "SM%u: its length %u is not from its minimum %u to its maximum %u", n, sm->length, sm->minimum,
                      sm->maximum);
     unsigned int shortest = sm->minimum != 0 ? sm->minimum : sm->length;
-    if (shortest < SHORTEST_MAILBOX || room_of(r, n) > LONGEST_DATAGRAM)
-        return wrong(r, "SM%u: a mailbox has %d to %d bytes, not %u to %u", n, SHORTEST_MAILBOX, LONGEST_DATAGRAM,
+    if (shortest < shortest_mailbox(r) || room_of(r, n) > LONGEST_DATAGRAM)
+        return wrong(r, "SM%u: a mailbox has %u to %d bytes, not %u to %u", n, shortest_mailbox(r), LONGEST_DATAGRAM,
                      shortest, room_of(r, n));
     return true;
 }
@@ -125,9 +131,9 @@ static bool sm_good(const report_t *r, unsigned int n, unsigned int kilobytes)
     return placed && control_good(r, n) && lengths_good(r, n) && apart(r, n);
 }
 
-static bool is_mailbox_length(unsigned int length)
+static bool is_mailbox_length(const report_t *r, unsigned int length)
 {
-    return length >= SHORTEST_MAILBOX && length <= LONGEST_DATAGRAM;
+    return length >= shortest_mailbox(r) && length <= LONGEST_DATAGRAM;
 }
 
 static bool boot_good(const report_t *r, unsigned int kilobytes)
@@ -137,8 +143,8 @@ static bool boot_good(const report_t *r, unsigned int kilobytes)
         return true;
     if (!has_mailbox(r))
         return wrong(r, "BOOT: without a mailbox there is no mailbox of the BOOT state");
-    if (!is_mailbox_length(out->length) || !is_mailbox_length(in->length))
-        return wrong(r, "BOOT: its mailboxes have %d to %d bytes both, not %u and %u", SHORTEST_MAILBOX,
+    if (!is_mailbox_length(r, out->length) || !is_mailbox_length(r, in->length))
+        return wrong(r, "BOOT: its mailboxes have %u to %d bytes both, not %u and %u", shortest_mailbox(r),
                      LONGEST_DATAGRAM, out->length, in->length);
     if (out->start < in->start + in->length && in->start < out->start + out->length)
         return wrong(r, "BOOT: its two mailboxes overlap");

@@ -233,12 +233,11 @@ typedef struct ect_device {
     uint8_t fmmu_count;
     ect_boot_mailbox_t boot_out; /**< length 0: no BOOT state */
     ect_boot_mailbox_t boot_in;
-    uint8_t mailbox_protocols; /**< ECT_MAILBOX_...: what the SII says; 0: no mailbox */
-    const ect_protocol_t *const
-        *protocols;      /**< NULL-terminated list of those that are served (mailbox.h); NULL: none */
-    uint8_t coe_details; /**< ECT_COE_... */
-    const char *physics; /**< ESI `Physics`, a letter a port: "YY" */
-    int16_t ebus_ma;     /**< what it takes from the E-bus, negative: what it feeds */
+    uint8_t mailbox_protocols;              /**< ECT_MAILBOX_...: what the SII says; 0: no mailbox */
+    const ect_protocol_t *const *protocols; /**< those that are served, NULL at the end (mailbox.h); NULL: none */
+    uint8_t coe_details;                    /**< ECT_COE_... */
+    const char *physics;                    /**< ESI `Physics`, a letter a port: "YY" */
+    int16_t ebus_ma;                        /**< what it takes from the E-bus, negative: what it feeds */
     const ect_dc_mode_t *dc_modes;
     uint8_t dc_mode_count;
     ect_sync_t sync;
@@ -247,8 +246,7 @@ typedef struct ect_device {
     /* --- what it offers -------------------------------------------------------------------------------------- */
     const ect_object_t *objects;
     uint16_t object_count;
-    bool addresses; /**< `data` of their entries are addresses, as in a SOES list: for one instance, and one twin, only
-                     */
+    bool addresses; /**< `data` of entries are addresses, as in a SOES list: for one instance, one twin, only */
     const ect_detail_t *details; /**< units, limits, long defaults of entries */
     uint16_t detail_count;
     const ect_pdo_t *pdos; /**< of those PDOs for which the rule of ::ect_pdo_t does not do, in any order */

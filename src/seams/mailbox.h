@@ -117,7 +117,7 @@ void ect_mailbox_wake(ect_slave_t *slave);
 /** The instance of the slave's device. */
 void *ect_mailbox_instance(const ect_slave_t *slave);
 
-/** Bytes that a mail may carry behind its header, in the layout that the master chose: 28 to 1480. */
+/** Bytes that a mail may carry behind its header, in the layout that the master chose: 10 to 1480. */
 uint16_t ect_mailbox_room(const ect_slave_t *slave);
 
 /**

@@ -144,6 +144,8 @@ typedef struct row {
     X(mailbox_mode, gauge, D.sm[0].control = 0x24, "SM0: control 24h has the wrong mode")                              \
     X(process_mode, terminal, D.sm[1].control = 0x21, "SM1: control 21h has the wrong mode")                           \
     X(mailbox_short, gauge, D.sm[0].length = 33, "SM0: a mailbox has 34 to 1486 bytes, not 33 to 33")                  \
+    X(mailbox_of_sdo, gauge, (D.coe_details = ECT_COE_SDO, D.protocols = sdo_only, D.sm[0].length = 15),               \
+      "SM0: a mailbox has 16 to 1486 bytes, not 15 to 15")                                                             \
     X(mailbox_minimum_short, gauge, D.sm[0].minimum = 16, "SM0: a mailbox has 34 to 1486 bytes, not 16 to 64")         \
     X(mailbox_long, gauge, D.sm[1].maximum = 1487, "SM1: a mailbox has 34 to 1486 bytes, not 64 to 1487")              \
     X(mailbox_minimum, gauge, D.sm[0].minimum = 65, "SM0: its length 64 is not from its minimum 65")                   \
@@ -187,6 +189,8 @@ typedef struct row {
     X(sii_odd, confdev, D.sii_size = 2000, "sii_size: 2000 is not a multiple of 128")                                  \
     X(sii_none, confdev, D.sii_size = 0, "sii_size: 0 is not a multiple of 128")                                       \
     X(sii_small, confdev, D.sii_size = 256, "sii_size: the SII does not fit into 256 bytes")
+
+static const ect_protocol_t *const sdo_only[] = {&ect_protocol_sdo, NULL};
 
 #define AT(offset) ((void *)(uintptr_t)(offset))
 #define FUNCTION(name, of, statement, want)                                                                            \

@@ -157,6 +157,37 @@ static void gauge_chooses(void **state)
     wire_close(&w);
 }
 
+/* The shortest mailbox in which an SDO has room, as a drive of the field has it: everything longer comes in segments.
+ */
+static void shortest_mailbox(void **state)
+{
+    static const ect_protocol_t *const sdo_only[] = {&ect_protocol_sdo, NULL};
+    char text[ECT_CHECK_TEXT];
+    ect_device_t small = gauge;
+    wire_t w;
+    (void)state;
+    small.sm[0].length = small.sm[1].length = 16;
+    small.protocols = sdo_only;
+    small.coe_details = ECT_COE_SDO | ECT_COE_COMPLETE_ACCESS;
+    small.type_name = "A name of two dozen chars";
+    if (!ect_device_check(&small, text, sizeof text))
+        fail_msg("%s", text);
+    wire_open_one(&w, &small);
+    wire_go(&w, 0, PREOP);
+    char name[64] = "";
+    size_t size = sizeof name;
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x1008, 0, false, name, &size), 0);
+    assert_int_equal(size, strlen(small.type_name));
+    assert_memory_equal(name, small.type_name, size);
+    uint8_t identity[32];
+    size = sizeof identity;
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x1018, 0, true, identity, &size), 0);
+    assert_int_equal(size, 18);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x21B0, 3, false, "\1", 1), 0);
+    assert_int_equal(((gauge_t *)instance_of(&w))->chosen[2], 1);
+    wire_close(&w);
+}
+
 /* Neither SyncManagers nor objects: a coupler. */
 static void coupler_runs(void **state)
 {
@@ -202,6 +233,7 @@ int main(void)
         T("CF-033 CF-042: it waits for its outputs, and its watchdog leaves OP", terminal_waits),
         T("OPT-006 OPT-009: a sensor without outputs, SM2 unused, runs from INIT to OP", gauge_runs),
         T("OPT-010: the process data that were chosen are sent in their order", gauge_chooses),
+        T("PLZ-027 CF-069: a mailbox of 16 bytes serves SDOs", shortest_mailbox),
         T("CF-033: a coupler, without any SyncManager or object, runs from INIT to OP", coupler_runs),
         T("the memory that they need", memory),
     };
