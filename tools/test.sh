@@ -20,7 +20,7 @@ build() {
 
 build asan
 ctest --test-dir build/asan -L unit -j "$jobs"
-ctest --test-dir build/asan -L integration -j 4 # most of it waits
+ctest --test-dir build/asan -L integration -j "$jobs"
 
 tests/check/tidy.sh build/asan || [ $? -eq 77 ]
 
