@@ -9,9 +9,11 @@ cmake --preset clang >/dev/null
 cmake --build --preset clang >/dev/null
 cd build/clang
 for target in frame mailbox sii fzm1 check esi; do
+  words=()
+  [ -f ../../tests/fuzz/$target.dict ] && words=("-dict=../../tests/fuzz/$target.dict")
   mkdir -p "corpus/$target"
   echo "fuzz_$target: $seconds s"
-  tests/fuzz/fuzz_$target -max_total_time="$seconds" -max_len=4096 -print_final_stats=1 "corpus/$target" \
+  tests/fuzz/fuzz_$target -max_total_time="$seconds" -max_len=4096 "${words[@]}" -print_final_stats=1 "corpus/$target" \
     "../../tests/fuzz/seeds/$target" >"fuzz_$target.log" 2>&1 || { tail -40 "fuzz_$target.log"; exit 1; }
   grep -E 'stat::(number_of_executed_units|new_units_added)|cov:' "fuzz_$target.log" | tail -3
 done

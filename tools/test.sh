@@ -31,8 +31,10 @@ tests/check/coverage.sh build/coverage
 build clang
 ctest --test-dir build/clang -L 'unit|fuzz' -j "$jobs"
 for target in frame mailbox sii fzm1 check esi; do
+  words=()
+  [ -f tests/fuzz/$target.dict ] && words=("-dict=tests/fuzz/$target.dict")
   echo "fuzz_$target: 5 s"
-  build/clang/tests/fuzz/fuzz_$target -max_total_time=5 -max_len=4096 -artifact_prefix=build/clang/ \
+  build/clang/tests/fuzz/fuzz_$target -max_total_time=5 -max_len=4096 "${words[@]}" -artifact_prefix=build/clang/ \
     >build/clang/fuzz_$target.log 2>&1 || { tail -40 build/clang/fuzz_$target.log; exit 1; }
 done
 

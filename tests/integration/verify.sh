@@ -28,6 +28,17 @@ for one in analog.xml#AI2 analog.xml#DRIVE digital.xml#DI4 digital.xml#DO16 digi
   expect "$one and its twin" "" "$(cat "$work/out")"
 done
 
+# The files that are ours to give away, the EEPROM, and the twin.
+for file in "$esi"/../../esi/*.xml; do
+  [ -e "$file" ] || continue
+  while read -r type _; do
+    device=${type,,}
+    "$ectwin" with "$device" -- "$ectwin" verify "$file#$type" "$work/$device.bin" "$device" slave:{} >"$work/out" 2>"$work/err"
+    expect "$file#$type, its image and its twin: exit code" 0 $?
+    expect "$file#$type, its image and its twin" "" "$(cat "$work/out")"
+  done < <("$ectwin" list "esi:$file")
+done
+
 # The third of four slaves, and a chip with the image of another product.
 "$ectwin" with fzm1,fzm1,vr-bu-ect-map3,fzm1 -- "$ectwin" verify vr-bu-ect-map3 slave:{}:3 >"$work/out" 2>/dev/null
 expect "the third slave: exit code" 0 $?

@@ -301,6 +301,40 @@ static void missing(void **state)
     facts_free(&found);
 }
 
+/* Names that are none, and texts that each tool spells its own way, are nobody's facts. */
+static void texts(void **state)
+{
+    static const struct {
+        const char *text;
+        size_t length;
+        const char *fact; /* NULL: none */
+    } table[] = {
+        {"Gain", 4, "\"Gain\""},
+        {"Gain  ", 6, "\"Gain\""},
+        {"Gainful", 4, "\"Gain\""},
+        {"SubIndex 001", 12, NULL},
+        {"SubIndex 0015", 12, NULL},
+        {"SubIndex 1 a", 12, "\"SubIndex 1 a\""},
+        {"", 0, NULL},
+        {"Verst\xC3\xA4rkung", 11, NULL},
+        {"SubInde", 7, "\"SubInde\""},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        facts_t facts = {.source = "texts"};
+        char *exact = malloc(table[i].length > 0 ? table[i].length : 1); /* not terminated, as in an image */
+        assert_non_null(exact);
+        memcpy(exact, table[i].text, table[i].length);
+        facts_add_text(&facts, FACT_NAME, 0, 0, exact, table[i].length);
+        const char *fact = facts.count > 0 ? facts.list[0].text : NULL;
+        if ((fact == NULL) != (table[i].fact == NULL) || (fact != NULL && strcmp(fact, table[i].fact) != 0))
+            fail_msg("\"%s\": expected %s, got %s", table[i].text, table[i].fact != NULL ? table[i].fact : "no fact",
+                     fact != NULL ? fact : "no fact");
+        facts_free(&facts);
+        free(exact);
+    }
+}
+
 /* Any bytes are an image; those that are cut off say less. */
 static void cut_images(void **state)
 {
@@ -366,6 +400,7 @@ int main(void)
         {"verify names each of 24 changes of an EEPROM image (CF-054)", sii_mutations, NULL, NULL, NULL},
         {"verify is silent of a description and its EEPROM image (CF-054)", silent, NULL, NULL, NULL},
         {"what is missing as a whole is one line", missing, NULL, NULL, NULL},
+        {"placeholders and letters beyond ISO 646 are not compared", texts, NULL, NULL, NULL},
         {"an image that is cut off anywhere is read as far as it goes", cut_images, NULL, NULL, NULL},
         {"EEPROM images as bytes and as Intel HEX", intel_hex, NULL, NULL, NULL},
     };

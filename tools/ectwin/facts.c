@@ -87,6 +87,18 @@ fact_t *facts_add(facts_t *facts, fact_kind_t kind, unsigned int index, unsigned
     return fact;
 }
 
+/* What tools write where they have no name, or no room for it: an array in an ESI file has none for its elements. */
+static bool is_placeholder(const char *text, size_t length)
+{
+    static const char word[] = "SubIndex ";
+    size_t at = sizeof word - 1;
+    if (length < at || memcmp(text, word, at) != 0)
+        return false;
+    while (at < length && text[at] >= '0' && text[at] <= '9')
+        at++;
+    return at == length;
+}
+
 void facts_add_text(facts_t *facts, fact_kind_t kind, unsigned int index, unsigned int element, const char *text,
                     size_t length)
 {
@@ -96,7 +108,7 @@ void facts_add_text(facts_t *facts, fact_kind_t kind, unsigned int index, unsign
         if (text[i] < ' ' || text[i] > '~')
             return;
     }
-    if (length > 0)
+    if (length > 0 && !is_placeholder(text, length))
         (void)facts_add(facts, kind, index, element, "\"%.*s\"", (int)length, text);
 }
 

@@ -40,8 +40,10 @@ static void add_timeouts(facts_t *facts, const ect_timeouts_t *t)
 {
     const uint16_t values[] = {t->preop_ms,          t->safeop_op_ms,       t->back_to_init_ms,
                                t->back_to_safeop_ms, t->mailbox_request_ms, t->mailbox_response_ms};
-    for (unsigned int i = 0; i < sizeof values / sizeof values[0]; i++)
-        (void)facts_add(facts, FACT_TIMEOUT, i, 0, "%u ms", values[i]);
+    for (unsigned int i = 0; i < sizeof values / sizeof values[0]; i++) {
+        if (values[i] != 0)
+            (void)facts_add(facts, FACT_TIMEOUT, i, 0, "%u ms", values[i]);
+    }
 }
 
 /* Word 4 is the alias: every installation's own. */

@@ -34,6 +34,20 @@ static void mark_made(facts_t *facts, const ect_esi_device_t *model)
     facts->complete[FACT_ENTRY] = whole;
 }
 
+static bool is_default_timeout(const fact_t *fact, const ect_esi_device_t *m)
+{
+    const uint32_t said[] = {m->preop_ms,          m->safeop_op_ms, m->back_to_init_ms,
+                             m->back_to_safeop_ms, m->request_ms,   m->response_ms};
+    return fact->kind == FACT_TIMEOUT && said[fact->index % 6] == 0;
+}
+
+/* The twin has names of its own there. */
+static bool is_own_name(const fact_t *fact)
+{
+    return fact->kind == FACT_ENTRY_NAME &&
+           (fact->index == 0x1018 || fact->index == 0x1C00 || facts_are_of_pdos(fact->index));
+}
+
 /* What a twin puts in the place of what a file leaves out is no fact of the file. */
 static void forget_unsaid(facts_t *facts, const ect_esi_device_t *model)
 {
@@ -45,7 +59,8 @@ static void forget_unsaid(facts_t *facts, const ect_esi_device_t *model)
                       (fact->kind == FACT_VENDOR_NAME && *model->vendor_name == '\0') ||
                       (fact->kind == FACT_PORTS && *model->physics == '\0') ||
                       (fact->kind == FACT_EEPROM_SIZE && model->eeprom_size == 0) ||
-                      (fact->kind == FACT_CONFIG && fact->index * 2u + 2u > model->config.length);
+                      (fact->kind == FACT_CONFIG && fact->index * 2u + 2u > model->config.length) ||
+                      is_default_timeout(fact, model) || is_own_name(fact);
         if (!unsaid)
             facts->list[kept++] = *fact;
     }
