@@ -12,7 +12,7 @@ set -eu
 
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
-test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi libnewlib-arm-none-eabi iproute2"
+test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi libnewlib-arm-none-eabi iproute2 libxml2-utils"
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"

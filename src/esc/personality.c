@@ -42,6 +42,18 @@ static const ect_esc_personality_t personalities[] = {
      .sii_read = 4,
      .sii_read_ns = 0,
      .sii_write_ns = 0},
+    {.name = "ipcore",
+     .type = 0x04,
+     .revision = 0x02,
+     .build = 0x0043,
+     .fmmu_count = 8,
+     .sm_count = 8,
+     .ram_kb = 60,
+     .port_types = 0x0F,
+     .features = ECT_FEATURE_DC | ECT_FEATURE_DC64,
+     .sii_read = 8,
+     .sii_read_ns = 0,
+     .sii_write_ns = 0},
 };
 
 const ect_esc_personality_t *ect_esc_personality(const char *name)

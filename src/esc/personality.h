@@ -40,7 +40,7 @@ typedef struct ect_esc_personality {
 
 /**
  * Looks a personality up by name: "np40" (HMS NP40: 4 FMMUs, 4 SyncManagers, 16 KB), "et1100" (8/8, 8 KB),
- * "lan9252" (3/4, 4 KB).
+ * "lan9252" (3/4, 4 KB), "ipcore" (a customer's IP core at its largest: 8/8, 60 KB).
  * @return constant data, or NULL when there is none of that name.
  */
 const ect_esc_personality_t *ect_esc_personality(const char *name);

@@ -139,6 +139,13 @@ uint64_t ect_build_number(const ect_build_entry_t *entry)
     return value;
 }
 
+/* The name that the file gave an element, NULL: none but that of its place. */
+static const char *said_name(const ect_build_object_t *object, uint8_t subindex)
+{
+    const ect_build_entry_t *entry = ect_build_entry(object, subindex);
+    return entry != NULL && strncmp(entry->name, "SubIndex ", 9) != 0 ? entry->name : NULL;
+}
+
 ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const char *name, const char *element,
                                       uint16_t data_type, uint16_t access, const uint32_t *values, size_t count,
                                       size_t capacity)
@@ -149,6 +156,7 @@ ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const 
         object = ect_build_object(build, index, ECT_OBJECT_ARRAY, name);
     if (*name != '\0')
         object->name = ect_build_text(build, name, ECT_BUILD_TEXT);
+    ect_build_object_t before = *object;
     object->code = data_type == ECT_TYPE_UNSIGNED32 ? ECT_OBJECT_RECORD : ECT_OBJECT_ARRAY;
     object->entries = NULL;
     object->count = 0;
@@ -156,7 +164,8 @@ ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const 
     ect_build_entry_t *entry = ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED8, 8, access, "Number of entries");
     ect_build_initial(build, entry, count);
     for (size_t i = 0; i < capacity; i++) {
-        entry = ect_build_add(build, object, (uint8_t)(i + 1), data_type, bits, access, element);
+        const char *said = said_name(&before, (uint8_t)(i + 1));
+        entry = ect_build_add(build, object, (uint8_t)(i + 1), data_type, bits, access, said != NULL ? said : element);
         ect_build_initial(build, entry, i < count ? values[i] : 0);
     }
     return object;

@@ -62,6 +62,8 @@ static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
         entry->minimum = info->minimum;
     if (info->maximum.given)
         entry->maximum = info->maximum;
+    if (info->unit != 0)
+        entry->unit = (uint16_t)(info->unit >> 16); // prefix and numerator; what it is divided by has no room
 }
 
 /* One object while its entries are added. */
@@ -84,6 +86,14 @@ static const ect_esi_info_t *info_of(const ect_esi_object_t *model, const char *
     return place < model->item_count ? &model->items[place] : NULL;
 }
 
+/* What it is called where names need not differ: names of a type's sub-items must, so that many are "SubIndex 001". */
+static const char *display_of(const ect_esi_item_t *item, const ect_esi_info_t *info, const char *name)
+{
+    if (info != NULL && info->display != NULL && *info->display != '\0')
+        return info->display;
+    return item->display != NULL && *item->display != '\0' ? item->display : name;
+}
+
 static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *item, const char *name,
                       const char *type_name, uint32_t bits)
 {
@@ -98,12 +108,12 @@ static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *i
         return;
     }
     size_t place = m->object->count;
+    const ect_esi_info_t *info = info_of(m->model, name, place);
     ect_build_entry_t *entry = ect_build_add(m->build, m->object, (uint8_t)subindex, basic.code, basic.bits,
-                                             access_of(&item->flags, &m->model->flags), name);
+                                             access_of(&item->flags, &m->model->flags), display_of(item, info, name));
     entry->minimum = basic.minimum;
     entry->maximum = basic.maximum;
     take_info(entry, &item->info);
-    const ect_esi_info_t *info = info_of(m->model, name, place);
     if (info != NULL)
         take_info(entry, info);
 }

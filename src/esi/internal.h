@@ -17,6 +17,11 @@
  *   build_pdos.c       PDOs, what they map, which are assigned
  *   build_signals.c    signals from PDO entries and objects
  *   twin.c             the description and its behaviour
+ *   values.c           what a dictionary says before anybody has written to it
+ *   write_xml.c        elements and attributes, the first failure kept
+ *   write_dictionary.c  data types and objects
+ *   write_device.c     a device
+ *   write.c            a file
  *
  * Reading goes on after a mistake with zeros and empty texts, so that no reader needs an error path of its own; whoever
  * began asks ::ect_esi_xml_t::failed at the end. Building goes on after a failure likewise (::ect_build_t::failure).
@@ -25,11 +30,14 @@
 #define ECT_ESI_INTERNAL_H
 
 #include <libxml/tree.h>
+#include <libxml/xmlwriter.h>
 
 #include "esi/arena.h"
 #include "esi/number.h"
 #include "esi/twin.h"
 #include "esi/types.h"
+#include "esi/values.h"
+#include "esi/write.h"
 #include "seams/standard.h"
 
 /** Appends a zeroed element to an array of an arena's owner (`->arena`) and names it. */
@@ -114,6 +122,7 @@ typedef struct ect_build_entry {
     const char *name;
     ect_esi_bytes_t initial; /**< as on the wire; shorter than the entry: the rest is zero */
     ect_esi_number_t minimum, maximum;
+    uint16_t unit;
     size_t offset; /**< in the instance, once it is laid out */
     bool identity; /**< its data is a member of ect_standard_t at `offset` */
 } ect_build_entry_t;
@@ -211,5 +220,38 @@ uint32_t ect_build_largest_bits(const ect_build_t *build, int sm);
 
 /** build_signals.c: fills the plant's signals; entries have their offsets. */
 void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
+
+/* --- writing ----------------------------------------------------------------------------------------------------- */
+
+/** Where XML goes; what fails is noted and asked for at the end. */
+typedef struct ect_pen {
+    xmlTextWriterPtr writer;
+    ect_arena_t *arena;
+    bool failed;
+} ect_pen_t;
+
+void ect_pen_open(ect_pen_t *pen, const char *element);
+void ect_pen_close(ect_pen_t *pen);
+
+/** An attribute of the element that was opened last, as long as it has no content. */
+__attribute__((format(printf, 3, 4))) void ect_pen_attribute(ect_pen_t *pen, const char *name, const char *format, ...);
+
+/** The same with "true"; one that is false is left out. */
+void ect_pen_flag(ect_pen_t *pen, const char *name, bool value);
+
+/** The text of the open element, as CDATA when it has characters that mean something in XML. */
+void ect_pen_content(ect_pen_t *pen, const char *text);
+
+/** A whole element with a text, a decimal number, `#x` and digits, or bytes in hexadecimal. */
+void ect_pen_text(ect_pen_t *pen, const char *element, const char *text);
+void ect_pen_number(ect_pen_t *pen, const char *element, int64_t value);
+void ect_pen_hex(ect_pen_t *pen, const char *element, uint32_t value, int digits);
+void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, size_t length);
+
+/** `<Dictionary>` */
+void ect_pen_dictionary(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity);
+
+/** `<Device>` */
+void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part);
 
 #endif

@@ -105,13 +105,16 @@ typedef struct ect_esi_info {
     ect_esi_bytes_t initial; /**< `DefaultData`, or `DefaultString`, or `DefaultValue` as 8 bytes little endian */
     bool initial_is_number;  /**< from `DefaultValue`: only the first bytes that the type has count */
     ect_esi_number_t minimum, maximum;
-    const char *name; /**< the sub-item's; "" for the object itself */
+    uint32_t unit;       /**< ETG.1004, 0 when absent */
+    const char *name;    /**< the sub-item's; "" for the object itself */
+    const char *display; /**< `DisplayName`, "" when absent */
 } ect_esi_info_t;
 
 /** `<SubItem>` of a data type. */
 typedef struct ect_esi_item {
     int subindex; /**< -1: not given, it holds the elements of an array */
     const char *name;
+    const char *display; /**< `DisplayName`, "" when absent */
     const char *type;
     uint32_t bits;
     uint32_t offset;

@@ -66,13 +66,17 @@ static void read_info(ect_esi_xml_t *xml, const xmlNode *info, ect_esi_info_t *r
     }
     result->minimum = limit_of(xml, info, "MinValue", "MinData");
     result->maximum = limit_of(xml, info, "MaxValue", "MaxData");
+    if (ect_esi_parse_number(ect_esi_text(xml, ect_esi_child(info, "Unit")), &number))
+        result->unit = (uint32_t)number;
     result->name = "";
+    result->display = ect_esi_name(xml, info, "DisplayName");
 }
 
 static void read_item(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_item_t *item)
 {
     item->subindex = (int)ect_esi_number(xml, node, "SubIdx", 0, UINT8_MAX, -1);
     item->name = ect_esi_name(xml, node, "Name");
+    item->display = ect_esi_name(xml, node, "DisplayName");
     item->type = ect_esi_text(xml, ect_esi_child(node, "Type"));
     item->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
     item->offset = (uint32_t)ect_esi_number(xml, node, "BitOffs", 0, UINT32_MAX, 0);

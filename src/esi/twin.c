@@ -346,8 +346,8 @@ static void set_identity(ect_build_t *build, ect_device_t *device)
         .safeop_op_ms = timeout(model->safeop_op_ms, 10000),
         .back_to_init_ms = timeout(model->back_to_init_ms, 5000),
         .back_to_safeop_ms = timeout(model->back_to_safeop_ms, 200),
-        .mailbox_request_ms = timeout(model->request_ms, 100),
-        .mailbox_response_ms = timeout(model->response_ms, 2000),
+        .mailbox_request_ms = timeout(model->request_ms, 0),
+        .mailbox_response_ms = timeout(model->response_ms, 0),
     };
 }
 
@@ -481,7 +481,7 @@ static bool limits_of(ect_build_t *build, const ect_build_object_t *object, cons
     return false;
 }
 
-/* Limits and long defaults: what an entry itself has no room for. */
+/* Limits, units and long defaults: what an entry itself has no room for. */
 static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build_object_t *object,
                        const ect_build_entry_t *entry)
 {
@@ -489,13 +489,14 @@ static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build
     int64_t minimum;
     int64_t maximum;
     bool limited = limits_of(build, object, entry, &minimum, &maximum);
-    if (!long_default && !limited)
+    if (!long_default && !limited && entry->unit == 0)
         return;
     ect_detail_t *details = (ect_detail_t *)(uintptr_t)device->details; // ours, growing
     details = ect_arena_grow(build->arena, details, device->detail_count, sizeof *details);
     ect_detail_t *detail = &details[device->detail_count++];
     detail->index = object->index;
     detail->subindex = entry->subindex;
+    detail->unit = entry->unit;
     if (limited) {
         detail->minimum = minimum;
         detail->maximum = maximum;

@@ -95,8 +95,7 @@ static bool is_pdo(const ect_object_t *object, bool outputs)
     return outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index);
 }
 
-/* SyncManager that a PDO is assigned to by default; 0xFF: none. */
-static uint8_t assigned_sm(const ect_device_t *device, uint16_t pdo)
+uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo)
 {
     ect_od_t od = ect_device_od(device, NULL);
     for (unsigned int sm = 0; sm < device->sm_count; sm++) {
@@ -119,8 +118,9 @@ static bool is_constant(const ect_object_t *object)
     return true;
 }
 
-static uint16_t pdo_flags(const ect_device_t *device, const ect_object_t *pdo, uint8_t sm)
+uint16_t ect_sii_pdo_flags(const ect_device_t *device, const ect_object_t *pdo)
 {
+    uint8_t sm = ect_sii_pdo_sm(device, pdo->index);
     ect_od_t od = ect_device_od(device, NULL);
     for (unsigned int i = 0; i < device->pdo_count; i++) {
         if (device->pdos[i].index == pdo->index)
@@ -183,13 +183,13 @@ static void put_pdos(pen_t *p, bool outputs)
         if (!any)
             begin(p, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO);
         any = true;
-        uint8_t sm = assigned_sm(device, object->index);
+        uint8_t sm = ect_sii_pdo_sm(device, object->index);
         put16(p, object->index);
         put8(p, ect_od_element(object, 0));
         put8(p, sm);
         put8(p, 0);
         put8(p, string_index(p, object->name));
-        put16(p, pdo_flags(device, object, sm));
+        put16(p, ect_sii_pdo_flags(device, object));
         for (uint32_t n = 1; n <= ect_od_element(object, 0); n++)
             put_pdo_entry(p, ect_od_element(object, n));
     }

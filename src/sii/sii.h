@@ -47,6 +47,16 @@ enum { ECT_SII_CATEGORIES = 0x80 };
 int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
                       size_t size);
 
+/**
+ * Flags of a PDO as SII and ESI have them: what the description says (::ect_pdo_t), else by the rule given there.
+ * @param pdo  a mapping object of the device
+ * @return ECT_PDO_...
+ */
+uint16_t ect_sii_pdo_flags(const ect_device_t *device, const ect_object_t *pdo);
+
+/** @return the SyncManager that a PDO is assigned to by default; 0xFF: none */
+uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo);
+
 /** The check value of words 0..6: CRC-8, polynomial 0x07, start value 0xFF. `image`: at least 14 bytes. */
 uint8_t ect_sii_checksum(const uint8_t *image);
 

@@ -160,10 +160,25 @@ sii_writes_the_image() {
     "$(wc -c <"$work/a") $(cmp -s "$work/a" "$work/b" && echo same)"
 }
 
+files_agree() {
+  for device in $("$ectwin" list | awk '{print $1}'); do
+    "$ectwin" esi "$device" -o "$work/esi.xml" && "$ectwin" sii "$device" -o "$work/bin" && "$ectwin" sii "$device" --format hex -o "$work/sii.hex"
+    check "$device: description, ESI and SII say the same" 0 "$("$ectwin" verify "$device" "$work/esi.xml" "$work/sii.hex" >"$work/out" 2>&1; echo $?)"
+    "$ectwin" sii "$device" --format c | grep -o '0x[0-9A-F]*,' | sed 's/0x\(..\),/\1/' | tr -d '\n' >"$work/c"
+    check "$device: the array in C is the image" "$(od -An -v -tx1 "$work/bin" | tr -d ' \n' | tr a-f A-F)" "$(cat "$work/c")"
+    check "$device: the page of HTML is whole" "</body></html>" "$("$ectwin" doc "$device" --html | tail -1)"
+    "$ectwin" objects "$device" --soes -o "$work"
+    check "$device: an object list and options for SOES" "1 1" \
+      "$(grep -c '^const _objectlist SDOobjects' "$work/slave_objectlist.c") $(grep -c 'define MBX0_sma ' "$work/ecat_options.h")"
+  done
+  check "sii: a format that there is none" 1 "$("$ectwin" sii fzm1 --format elf >/dev/null 2>&1; echo $?)"
+  check "objects: nobody is named" 1 "$("$ectwin" objects fzm1 >/dev/null 2>&1; echo $?)"
+}
+
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
-  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image; do
+  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image files_agree; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

@@ -131,7 +131,7 @@ typedef struct row {
 
 #define CHIP(X)                                                                                                        \
     X(no_esc, confdev, D.esc = NULL, "there is no ESC ''")                                                             \
-    X(unknown_esc, confdev, D.esc = "et1101", "there is no ESC 'et1101'; there are: np40, et1100, lan9252")            \
+    X(unknown_esc, confdev, D.esc = "et1101", "there is no ESC 'et1101'; there are: np40, et1100, lan9252, ipcore")    \
     X(sms_too_many, confdev, D.sm_count = 9, "sm_count: 9 SyncManagers are more than the ESC 'et1100' has, 8")         \
     X(fmmus_too_many, gauge, (D.esc = "lan9252", D.fmmu_count = 4), "fmmu_count: 4 FMMUs are more than")               \
     X(fmmu_role, gauge, D.fmmu[1] = 4, "FMMU1: there is no role 4")                                                    \

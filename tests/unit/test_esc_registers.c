@@ -107,7 +107,8 @@ static void identity(void **state)
     static const struct {
         const char *name;
         uint8_t type, fmmus, sms, ram_kb;
-    } rows[] = {{"et1100", 0x11, 8, 8, 8}, {"lan9252", 0xC0, 3, 4, 4}, {"np40", 0x05, 4, 4, 16}};
+    } rows[] = {
+        {"et1100", 0x11, 8, 8, 8}, {"lan9252", 0xC0, 3, 4, 4}, {"np40", 0x05, 4, 4, 16}, {"ipcore", 0x04, 8, 8, 60}};
     static uint8_t memory[0x1000 + 60 * 1024];
     assert_null(ect_esc_personality("no such chip"));
     assert_null(ect_esc_personality(""));

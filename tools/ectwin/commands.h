@@ -26,6 +26,9 @@ int command_run(int argc, char **argv);
 int command_with(int argc, char **argv);
 int command_sii(int argc, char **argv);
 int command_verify(int argc, char **argv);
+int command_esi(int argc, char **argv);
+int command_doc(int argc, char **argv);
+int command_objects(int argc, char **argv);
 int command_stats(int argc, char **argv);
 int command_get(int argc, char **argv);
 int command_set(int argc, char **argv);
@@ -54,6 +57,7 @@ typedef struct twin_args {
     identity_wish_t *wishes;
     size_t wish_count;
     bool keep_source_mac;
+    bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
     ect_faults_t faults;
     defect_t defect; /* --break */
     ect_filter_t filter;

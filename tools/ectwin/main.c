@@ -21,6 +21,8 @@ static const struct command {
     {"watch", command_watch},       {"list-signals", command_list_signals},
     {"command", command_command},   {"stats", command_stats},
     {"periodic", command_periodic}, {"verify", command_verify},
+    {"esi", command_esi},           {"doc", command_doc},
+    {"objects", command_objects},
 };
 
 static int usage(FILE *stream, int status)
@@ -31,6 +33,9 @@ static int usage(FILE *stream, int status)
           "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
           "       ectwin verify A B...                          in what ESI files, EEPROM images, devices, slaves "
           "differ\n"
+          "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
+          "       ectwin doc  DEVICE [--html] [-o FILE]         write its dictionary and process data for people\n"
+          "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"
           "       ectwin list-signals [DEVICE] [PATTERN]        the signals of a running twin, or of a device\n"
           "       ectwin get   [PATTERN]                        their values\n"
           "       ectwin set   NAME=VALUE... [--csv FILE]       set some, all of them or none\n"

@@ -1,76 +1,99 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "sii/sii.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "commands.h"
+#include "output.h"
 
-typedef struct sii_args {
-    twin_args_t twins;
-    const char *device;
-    const char *output;
-} sii_args_t;
+static const char who[] = "ectwin sii";
+
+enum { KEY_FORMAT = 0x203, HEX_RECORD = 16 };
 
 static const struct argp_option options[] = {
     {"output", 'o', "FILE", 0, "Write to FILE (default: standard output)", 0},
+    {"format", KEY_FORMAT, "bin|hex|c", 0, "The image itself, Intel HEX, or an array in C (default: bin)", 0},
     {0},
 };
 
-static error_t parse(int key, char *text, struct argp_state *state)
+/* --- as text -------------------------------------------------------------------------------------------------------
+ */
+
+/* ":LLAAAATT...CC": length, address, type 0, data, and what makes the sum of all bytes zero. */
+static void put_record(FILE *file, uint16_t address, uint8_t type, const uint8_t *data, uint8_t length)
 {
-    sii_args_t *args = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &args->twins;
-        return 0;
-    case 'o':
-        args->output = text;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (args->device)
-            argp_error(state, "one device at a time");
-        args->device = text;
-        return 0;
-    case ARGP_KEY_END:
-        if (!args->device || strchr(args->device, ','))
-            argp_error(state, "name one device; 'ectwin list' lists those there are");
-        twin_args_devices(&args->twins, state, args->device);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    unsigned int sum = (unsigned int)length + (address >> 8) + (address & 0xFFu) + type;
+    fprintf(file, ":%02X%04X%02X", length, address, type);
+    for (unsigned int i = 0; i < length; i++) {
+        fprintf(file, "%02X", data[i]);
+        sum += data[i];
     }
+    fprintf(file, "%02X\n", (0x100u - (sum & 0xFF)) & 0xFF);
 }
 
-static int save(const char *path, const uint8_t *image, size_t size)
+static void put_hex(FILE *file, const ect_device_t *device, const uint8_t *image)
 {
-    FILE *file = path ? fopen(path, "wb") : stdout;
-    bool fine = file && fwrite(image, 1, size, file) == size;
-    fine = file && (path ? fclose(file) : fflush(file)) == 0 && fine;
-    if (fine)
-        return EXIT_CLEAN;
-    fprintf(stderr, "ectwin sii: cannot write '%s': %s\n", path ? path : "standard output", strerror(errno));
-    return EXIT_OPEN;
+    for (uint32_t at = 0; at < device->sii_size; at += HEX_RECORD)
+        put_record(file, (uint16_t)at, 0, image + at, HEX_RECORD);
+    put_record(file, 0, 1, NULL, 0);
+}
+
+static void put_c(FILE *file, const ect_device_t *device, const uint8_t *image)
+{
+    fprintf(file, "/* The SII of %s, written by ectwin from its description. */\n#include <stdint.h>\n\n",
+            device->type_name);
+    fprintf(file, "const uint8_t sii[%u] = {", device->sii_size);
+    for (uint32_t at = 0; at < device->sii_size; at++)
+        fprintf(file, "%s0x%02X,", at % 16 == 0 ? "\n    " : " ", image[at]);
+    fprintf(file, "\n};\n");
+}
+
+static int save_text(const char *path, const ect_device_t *device, const uint8_t *image,
+                     void (*put)(FILE *, const ect_device_t *, const uint8_t *))
+{
+    char *text = NULL;
+    size_t size = 0;
+    int status = EXIT_RUN;
+    FILE *file = open_memstream(&text, &size);
+    if (!file)
+        return status;
+    put(file, device, image);
+    if (fclose(file) == 0)
+        status = output_save(who, path, text, size);
+    free(text);
+    return status;
+}
+
+static int save(const output_args_t *args, const ect_device_t *device, const uint8_t *image)
+{
+    const char *format = args->given ? args->value : "bin";
+    if (strcmp(format, "hex") == 0)
+        return save_text(args->output, device, image, put_hex);
+    if (strcmp(format, "c") == 0)
+        return save_text(args->output, device, image, put_c);
+    if (strcmp(format, "bin") == 0)
+        return output_save(who, args->output, image, device->sii_size);
+    fprintf(stderr, "%s: --format takes bin, hex or c, not '%s'\n", who, format);
+    return EXIT_USAGE;
 }
 
 int command_sii(int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&twin_argp, 0, "The twin:", 1}, {0}};
     static const struct argp argp = {
         .options = options,
-        .parser = parse,
+        .parser = output_parse,
         .args_doc = "DEVICE",
         .doc = "Writes the SII (EEPROM) image of a device.",
-        .children = children,
+        .children = output_children,
     };
-    sii_args_t args = {0};
+    output_args_t args = {.key = KEY_FORMAT};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     const ect_twin_config_t *twin = &args.twins.twins[0];
     uint8_t *image = malloc(twin->device->sii_size);
     int status = EXIT_RUN;
     if (image && ect_sii_write(twin->device, &twin->identity, twin->alias, image, twin->device->sii_size) >= 0)
-        status = save(args.output, image, twin->device->sii_size);
+        status = save(&args, twin->device, image);
     free(image);
     twin_args_free(&args.twins);
     return status;

@@ -191,7 +191,7 @@ static void fulfil_wishes(twin_args_t *args, const struct argp_state *state)
         if (wish->twin > args->count)
             argp_error(state, "%s %zu:…: there are %zu twins", option->name, wish->twin, args->count);
         for (size_t i = 0; i < args->count; i++) {
-            uint64_t value = (uint64_t)wish->value + (option->counts_up && wish->twin == 0 ? i : 0);
+            uint64_t value = (uint64_t)wish->value + (option->counts_up && wish->twin == 0 && !args->kinds ? i : 0);
             if (value > option->maximum)
                 argp_error(state, "%s %u is too high for %zu twins: it counts up", option->name, wish->value,
                            args->count);
@@ -312,7 +312,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     free(copy);
     for (size_t i = 0; i < args->count; i++) {
         args->twins[i].keep_source_mac = args->keep_source_mac;
-        args->twins[i].identity.serial = 1 + (uint32_t)i;
+        args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
     }
     fulfil_wishes(args, state);
 }

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+#include "esi/write.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "esi/internal.h"
+
+static const ect_identity_t *identity_of(const ect_esi_part_t *part)
+{
+    return part->identity != NULL ? part->identity : &part->device->identity;
+}
+
+static bool agree(const ect_esi_part_t *parts, size_t count, char *text, size_t room)
+{
+    for (size_t i = 1; i < count; i++) {
+        const ect_identity_t *own = identity_of(&parts[i]);
+        if (own->vendor_id != identity_of(&parts[0])->vendor_id) {
+            (void)snprintf(text, room, "%s and %s have different vendors: a file has one", parts[0].device->type_name,
+                           parts[i].device->type_name);
+            return false;
+        }
+        for (size_t k = 0; k < i; k++) {
+            const ect_identity_t *other = identity_of(&parts[k]);
+            if (other->product_code != own->product_code || other->revision != own->revision)
+                continue;
+            (void)snprintf(text, room,
+                           "%s and %s both have product code 0x%08" PRIX32 " and revision 0x%08" PRIX32
+                           ": no tool can tell them apart",
+                           parts[k].device->type_name, parts[i].device->type_name, own->product_code, own->revision);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool group_is_new(const ect_esi_part_t *parts, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(parts[i].device->group_type, parts[n].device->group_type) == 0)
+            return false;
+    }
+    return true;
+}
+
+static void write_head(ect_pen_t *pen, const ect_esi_part_t *part)
+{
+    ect_pen_attribute(pen, "xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
+    ect_pen_attribute(pen, "xsi:noNamespaceSchemaLocation", "EtherCATInfo.xsd");
+    ect_pen_attribute(pen, "Version", "1.14");
+    ect_pen_open(pen, "Vendor");
+    ect_pen_hex(pen, "Id", identity_of(part)->vendor_id, 8);
+    ect_pen_text(pen, "Name", part->device->vendor_name);
+    ect_pen_close(pen);
+}
+
+static void write_descriptions(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
+{
+    ect_pen_open(pen, "Descriptions");
+    ect_pen_open(pen, "Groups");
+    for (size_t i = 0; i < count; i++) {
+        if (!group_is_new(parts, i))
+            continue;
+        ect_pen_open(pen, "Group");
+        ect_pen_text(pen, "Type", parts[i].device->group_type);
+        ect_pen_text(pen, "Name", parts[i].device->group_name);
+        ect_pen_close(pen);
+    }
+    ect_pen_close(pen);
+    ect_pen_open(pen, "Devices");
+    for (size_t i = 0; i < count; i++)
+        ect_pen_device(pen, &parts[i]);
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}
+
+static bool write_file(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
+{
+    bool fine = xmlTextWriterSetIndent(pen->writer, 1) >= 0 &&
+                xmlTextWriterSetIndentString(pen->writer, BAD_CAST "  ") >= 0 &&
+                xmlTextWriterStartDocument(pen->writer, "1.0", "UTF-8", NULL) >= 0;
+    ect_pen_open(pen, "EtherCATInfo");
+    write_head(pen, &parts[0]);
+    write_descriptions(pen, parts, count);
+    return xmlTextWriterEndDocument(pen->writer) >= 0 && fine && !pen->failed;
+}
+
+const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
+                          size_t room)
+{
+    if (!agree(parts, count, text, room))
+        return NULL;
+    const char *file = NULL;
+    xmlBufferPtr buffer = xmlBufferCreate();
+    ect_pen_t pen = {.writer = buffer != NULL ? xmlNewTextWriterMemory(buffer, 0) : NULL, .arena = arena};
+    bool fine = pen.writer != NULL && write_file(&pen, parts, count);
+    xmlFreeTextWriter(pen.writer);
+    if (fine) {
+        *length = (size_t)xmlBufferLength(buffer);
+        file = ect_arena_copy(arena, (const char *)xmlBufferContent(buffer), *length);
+    } else {
+        (void)snprintf(text, room, "the file could not be written: no memory left");
+    }
+    if (buffer != NULL)
+        xmlBufferFree(buffer);
+    return file;
+}

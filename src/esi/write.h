@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Writes ESI files from device descriptions: what an engineering tool imports (ETG.2000, its schema 1.14 and later).
+ *
+ * The same descriptions in the same order give the same bytes. Nothing is said that the description does not say;
+ * docs/ESI.md has the table of what ends up where, and why blocks of bytes look as they do. Attributes that the
+ * standard calls obsolete, or advises against, are not written.
+ *
+ * Host only. Context: mainline.
+ */
+#ifndef ECT_ESI_WRITE_H
+#define ECT_ESI_WRITE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "esi/arena.h"
+#include "seams/device.h"
+#include "wire/linkage.h"
+
+/** A device of a file. */
+typedef struct ect_esi_part {
+    const ect_device_t *device;     /**< one that ect_device_check() has no objection to */
+    const ect_identity_t *identity; /**< NULL: the description's */
+} ect_esi_part_t;
+
+ECT_C_BEGIN
+
+/**
+ * Writes a file with devices of one vendor.
+ * @param parts, count   at least one; the vendor is that of the first
+ * @param[out] length    bytes of the file, without the zero behind them
+ * @param[out] text, room  the line that says why not
+ * @return the file (UTF-8), as long as the arena; NULL: the devices have different vendors, two have the same product
+ *         code and revision, which no tool could tell apart, or there is no memory left
+ */
+const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
+                          size_t room);
+
+ECT_C_END
+
+#endif

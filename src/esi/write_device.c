@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: MIT */
+/* The elements of a device, in the order of the schema. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "esi/internal.h"
+#include "sii/sii.h"
+#include "wire/bytes.h"
+
+/* --- who it is --------------------------------------------------------------------------------------------------- */
+
+static void write_type(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
+{
+    ect_pen_open(pen, "Type");
+    ect_pen_attribute(pen, "ProductCode", "#x%08" PRIX32, identity->product_code);
+    ect_pen_attribute(pen, "RevisionNo", "#x%08" PRIX32, identity->revision);
+    if (identity->serial != 0)
+        ect_pen_attribute(pen, "SerialNo", "#x%08" PRIX32, identity->serial);
+    ect_pen_content(pen, device->type_name);
+    ect_pen_close(pen);
+}
+
+/* The standard's default for what a description leaves to the master; the schema wants all of them or none. */
+static void write_timeout(ect_pen_t *pen, const char *element, uint16_t said_ms, uint16_t default_ms)
+{
+    ect_pen_number(pen, element, said_ms != 0 ? said_ms : default_ms);
+}
+
+static void write_info(ect_pen_t *pen, const ect_device_t *device)
+{
+    const ect_timeouts_t *t = &device->timeouts;
+    ect_pen_open(pen, "Info");
+    if (device->ebus_ma != 0) {
+        ect_pen_open(pen, "Electrical");
+        ect_pen_number(pen, "EBusCurrent", device->ebus_ma);
+        ect_pen_close(pen);
+    }
+    ect_pen_open(pen, "StateMachine");
+    ect_pen_open(pen, "Timeout");
+    write_timeout(pen, "PreopTimeout", t->preop_ms, 3000);
+    write_timeout(pen, "SafeopOpTimeout", t->safeop_op_ms, 10000);
+    write_timeout(pen, "BackToInitTimeout", t->back_to_init_ms, 5000);
+    write_timeout(pen, "BackToSafeopTimeout", t->back_to_safeop_ms, 200);
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+    if (t->mailbox_request_ms != 0 || t->mailbox_response_ms != 0) {
+        ect_pen_open(pen, "Mailbox");
+        ect_pen_open(pen, "Timeout");
+        write_timeout(pen, "RequestTimeout", t->mailbox_request_ms, 100);
+        write_timeout(pen, "ResponseTimeout", t->mailbox_response_ms, 2000);
+        ect_pen_close(pen);
+        ect_pen_close(pen);
+    }
+    ect_pen_open(pen, "IdentificationReg134"); /* the whole stack answers a request for the device id there */
+    ect_pen_content(pen, "true");
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}
+
+/* A dictionary that no master can ask for is not told: what is in it of use stands among the PDOs. */
+static void write_profile(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
+{
+    if ((device->mailbox_protocols & ECT_MAILBOX_COE) == 0)
+        return;
+    ect_pen_open(pen, "Profile");
+    if (device->device_type != 0) {
+        ect_pen_number(pen, "ProfileNo", device->device_type & 0xFFFF);
+        ect_pen_number(pen, "AddInfo", device->device_type >> 16);
+    }
+    ect_pen_dictionary(pen, device, identity);
+    ect_pen_close(pen);
+}
+
+/* --- the controller ---------------------------------------------------------------------------------------------- */
+
+static void write_fmmus(ect_pen_t *pen, const ect_device_t *device)
+{
+    static const char *const roles[] = {"", "Outputs", "Inputs", "MBoxState"};
+    for (unsigned int i = 0; i < device->fmmu_count; i++)
+        ect_pen_text(pen, "Fmmu", device->fmmu[i] < 4 ? roles[device->fmmu[i]] : "");
+}
+
+/* A mailbox of one size says so twice; process data have the length of their PDOs, and a limit only if that varies. */
+static void write_limits(ect_pen_t *pen, const ect_sm_t *sm, unsigned int bytes)
+{
+    bool mailbox = sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_MAILBOX_IN;
+    if (mailbox)
+        ect_pen_attribute(pen, "MinSize", "%u", sm->minimum != 0 ? (unsigned int)sm->minimum : bytes);
+    if (sm->maximum > bytes || mailbox)
+        ect_pen_attribute(pen, "MaxSize", "%u", sm->maximum > bytes ? (unsigned int)sm->maximum : bytes);
+}
+
+static void write_sms(ect_pen_t *pen, const ect_device_t *device)
+{
+    static const char *const roles[] = {"", "MBoxOut", "MBoxIn", "Outputs", "Inputs"};
+    for (unsigned int i = 0; i < device->sm_count; i++) {
+        const ect_sm_t *sm = &device->sm[i];
+        uint16_t bytes = ect_device_sm_bytes(device, i);
+        ect_pen_open(pen, "Sm");
+        write_limits(pen, sm, bytes);
+        ect_pen_attribute(pen, "DefaultSize", "%u", (unsigned int)bytes);
+        ect_pen_attribute(pen, "StartAddress", "#x%04X", (unsigned int)sm->start);
+        ect_pen_attribute(pen, "ControlByte", "#x%02X", (unsigned int)sm->control);
+        ect_pen_attribute(pen, "Enable", "%d", bytes > 0 ? 1 : 0);
+        ect_pen_content(pen, sm->type < 5 ? roles[sm->type] : "");
+        ect_pen_close(pen);
+    }
+}
+
+/* --- PDOs -------------------------------------------------------------------------------------------------------- */
+
+static void write_entry(ect_pen_t *pen, const ect_od_t *od, uint32_t mapping)
+{
+    const ect_entry_t *entry = ect_od_mapped(od, mapping);
+    uint32_t bits = mapping & 0xFF;
+    ect_pen_open(pen, "Entry");
+    ect_pen_hex(pen, "Index", entry != NULL ? mapping >> 16 : 0, entry != NULL ? 4 : 1);
+    if (entry != NULL)
+        ect_pen_number(pen, "SubIndex", mapping >> 8 & 0xFF);
+    ect_pen_number(pen, "BitLen", bits);
+    if (entry != NULL) {
+        const char *type = ect_esi_type_of(pen->arena, entry->data_type, bits);
+        ect_pen_text(pen, "Name", entry->name != NULL ? entry->name : "");
+        if (type != NULL)
+            ect_pen_text(pen, "DataType", type);
+    }
+    ect_pen_close(pen);
+}
+
+static const uint16_t *excludes_of(const ect_device_t *device, uint16_t index)
+{
+    static const uint16_t none[] = {0};
+    for (unsigned int i = 0; i < device->pdo_count; i++) {
+        if (device->pdos[i].index == index && device->pdos[i].excludes != NULL)
+            return device->pdos[i].excludes;
+    }
+    return none;
+}
+
+static void write_pdo(ect_pen_t *pen, const ect_device_t *device, const ect_object_t *pdo)
+{
+    ect_od_t od = ect_device_od(device, NULL);
+    uint16_t flags = ect_sii_pdo_flags(device, pdo);
+    uint8_t sm = ect_sii_pdo_sm(device, pdo->index);
+    ect_pen_open(pen, ect_od_is_rxpdo(pdo->index) ? "RxPdo" : "TxPdo");
+    ect_pen_flag(pen, "Fixed", (flags & ECT_PDO_FIXED) != 0);
+    ect_pen_flag(pen, "Mandatory", (flags & ECT_PDO_MANDATORY) != 0);
+    ect_pen_flag(pen, "Virtual", (flags & ECT_PDO_VIRTUAL) != 0);
+    if (sm < ECT_SMS)
+        ect_pen_attribute(pen, "Sm", "%u", (unsigned int)sm);
+    ect_pen_hex(pen, "Index", pdo->index, 4);
+    ect_pen_text(pen, "Name", pdo->name != NULL ? pdo->name : "");
+    for (const uint16_t *other = excludes_of(device, pdo->index); *other != 0; other++)
+        ect_pen_hex(pen, "Exclude", *other, 4);
+    for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++)
+        write_entry(pen, &od, ect_od_element(pdo, n));
+    ect_pen_close(pen);
+}
+
+/* Those that are assigned in the order of the assignment, which is the order of the data; then the others. */
+static void write_assigned(ect_pen_t *pen, const ect_device_t *device, uint8_t role)
+{
+    ect_od_t od = ect_device_od(device, NULL);
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + sm));
+        for (uint32_t n = 1; device->sm[sm].type == role && n <= ect_od_element(assignment, 0); n++) {
+            const ect_object_t *pdo = ect_od_find(&od, (uint16_t)ect_od_element(assignment, n));
+            if (pdo != NULL)
+                write_pdo(pen, device, pdo);
+        }
+    }
+}
+
+static void write_pdos(ect_pen_t *pen, const ect_device_t *device, bool outputs)
+{
+    write_assigned(pen, device, outputs ? ECT_SM_OUTPUTS : ECT_SM_INPUTS);
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        bool wanted = outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index);
+        if (wanted && ect_sii_pdo_sm(device, object->index) >= ECT_SMS)
+            write_pdo(pen, device, object);
+    }
+}
+
+/* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
+
+static void write_coe(ect_pen_t *pen, const ect_device_t *device)
+{
+    ect_od_t od = ect_device_od(device, NULL);
+    uint8_t details = device->coe_details;
+    ect_pen_open(pen, "CoE");
+    ect_pen_flag(pen, "SdoInfo", (details & ECT_COE_SDO_INFO) != 0);
+    ect_pen_flag(pen, "PdoAssign", (details & ECT_COE_PDO_ASSIGN) != 0);
+    ect_pen_flag(pen, "PdoConfig", (details & ECT_COE_PDO_CONFIG) != 0);
+    ect_pen_flag(pen, "PdoUpload", (details & ECT_COE_PDO_UPLOAD) != 0);
+    ect_pen_flag(pen, "CompleteAccess", (details & ECT_COE_COMPLETE_ACCESS) != 0);
+    ect_pen_flag(pen, "SegmentedSdo", true);
+    ect_pen_flag(pen, "DiagHistory", ect_od_find(&od, 0x10F3) != NULL);
+    ect_pen_close(pen);
+}
+
+static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
+{
+    static const struct {
+        const char *element;
+        uint8_t bit;
+    } protocols[] = {
+        {"AoE", ECT_MAILBOX_AOE}, {"EoE", ECT_MAILBOX_EOE}, {"CoE", ECT_MAILBOX_COE},
+        {"FoE", ECT_MAILBOX_FOE}, {"SoE", ECT_MAILBOX_SOE}, {"VoE", ECT_MAILBOX_VOE},
+    };
+    if (device->mailbox_protocols == 0)
+        return;
+    ect_pen_open(pen, "Mailbox");
+    ect_pen_flag(pen, "DataLinkLayer", true); /* a lost answer is repeated: the stack does so */
+    for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
+        if ((device->mailbox_protocols & protocols[i].bit) == 0)
+            continue;
+        if (protocols[i].bit == ECT_MAILBOX_COE) {
+            write_coe(pen, device);
+        } else {
+            ect_pen_open(pen, protocols[i].element);
+            ect_pen_close(pen);
+        }
+    }
+    ect_pen_close(pen);
+}
+
+static void write_time(ect_pen_t *pen, const char *element, int64_t time_ns, int factor)
+{
+    if (time_ns == 0 && factor == 0)
+        return;
+    ect_pen_open(pen, element);
+    if (factor != 0)
+        ect_pen_attribute(pen, "Factor", "%d", factor);
+    char text[24];
+    (void)snprintf(text, sizeof text, "%" PRId64, time_ns);
+    ect_pen_content(pen, text);
+    ect_pen_close(pen);
+}
+
+static void write_dc(ect_pen_t *pen, const ect_device_t *device)
+{
+    if (device->dc_mode_count == 0)
+        return;
+    ect_pen_open(pen, "Dc");
+    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
+        const ect_dc_mode_t *mode = &device->dc_modes[i];
+        ect_pen_open(pen, "OpMode");
+        ect_pen_text(pen, "Name", mode->name);
+        if (mode->description != NULL && *mode->description != '\0')
+            ect_pen_text(pen, "Desc", mode->description);
+        ect_pen_hex(pen, "AssignActivate", mode->assign_activate, 4);
+        write_time(pen, "CycleTimeSync0", mode->cycle_sync0_ns, mode->factor_sync0);
+        write_time(pen, "ShiftTimeSync0", mode->shift_sync0_ns, 0);
+        write_time(pen, "CycleTimeSync1", 0, mode->factor_sync1);
+        write_time(pen, "ShiftTimeSync1", mode->shift_sync1_ns, 0);
+        ect_pen_close(pen);
+    }
+    ect_pen_close(pen);
+}
+
+static void write_boot(ect_pen_t *pen, const ect_device_t *device)
+{
+    uint8_t words[8];
+    if (device->boot_out.length == 0)
+        return;
+    ect_store_le16(words, device->boot_out.start);
+    ect_store_le16(words + 2, device->boot_out.length);
+    ect_store_le16(words + 4, device->boot_in.start);
+    ect_store_le16(words + 6, device->boot_in.length);
+    ect_pen_bytes(pen, "BootStrap", words, sizeof words);
+}
+
+/* A tool makes the image from these, or takes one that the description brings along. */
+static void write_eeprom(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
+{
+    ect_pen_open(pen, "Eeprom");
+    if (device->sii != NULL) {
+        uint8_t *image = ect_arena_alloc(pen->arena, device->sii_size);
+        pen->failed |= ect_sii_write(device, identity, 0, image, device->sii_size) < 0;
+        ect_pen_bytes(pen, "Data", image, device->sii_size);
+    } else {
+        ect_pen_number(pen, "ByteSize", device->sii_size);
+        ect_pen_bytes(pen, "ConfigData", device->esc_config, sizeof device->esc_config);
+        write_boot(pen, device);
+    }
+    ect_pen_close(pen);
+}
+
+void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part)
+{
+    const ect_device_t *device = part->device;
+    const ect_identity_t *identity = part->identity != NULL ? part->identity : &device->identity;
+    ect_pen_open(pen, "Device");
+    ect_pen_attribute(pen, "Physics", "%s", device->physics != NULL ? device->physics : "");
+    write_type(pen, device, identity);
+    ect_pen_text(pen, "Name", device->full_name != NULL ? device->full_name : device->type_name);
+    write_info(pen, device);
+    ect_pen_text(pen, "GroupType", device->group_type);
+    write_profile(pen, device, identity);
+    write_fmmus(pen, device);
+    write_sms(pen, device);
+    write_pdos(pen, device, true);
+    write_pdos(pen, device, false);
+    write_mailbox(pen, device);
+    write_dc(pen, device);
+    write_eeprom(pen, device, identity);
+    ect_pen_close(pen);
+}

@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: MIT */
+/* Types first: the basic ones that are used, then one a record (DT1018) and two an array (DT2003ARR, DT2003). */
+#include <stdio.h>
+#include <string.h>
+
+#include "esi/internal.h"
+
+/* What is written of. */
+typedef struct list {
+    ect_pen_t *pen;
+    ect_od_t od;
+    const char **names; /* basic types that are written already */
+    size_t count;
+} list_t;
+
+/* Room for "DT2003ARR". */
+typedef struct type_name {
+    char text[12];
+} type_name_t;
+
+static type_name_t record_type(const ect_object_t *object, const char *suffix)
+{
+    type_name_t name;
+    (void)snprintf(name.text, sizeof name.text, "DT%04X%s", (unsigned int)object->index, suffix);
+    return name;
+}
+
+static bool is_var(const ect_object_t *object)
+{
+    return object->object_code == ECT_OBJECT_VAR || object->object_code == ECT_OBJECT_DOMAIN;
+}
+
+/* What the whole dictionary writes of entries' types goes through here. */
+static const char *type_of(const list_t *list, const ect_entry_t *entry)
+{
+    uint16_t bits = ect_od_bits(&list->od, entry);
+    const char *name = ect_esi_type_of(list->pen->arena, entry->data_type, bits);
+    return name != NULL ? name : ect_esi_type_of(list->pen->arena, ECT_TYPE_OCTET_STRING, (bits + 7u) / 8u * 8u);
+}
+
+/* --- types ------------------------------------------------------------------------------------------------------- */
+
+static bool is_new(list_t *list, const char *name)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        if (strcmp(list->names[i], name) == 0)
+            return false;
+    }
+    list->names = ect_arena_grow(list->pen->arena, list->names, list->count, sizeof *list->names);
+    list->names[list->count++] = name;
+    return true;
+}
+
+static void write_array_info(ect_pen_t *pen, unsigned int first, unsigned int elements)
+{
+    ect_pen_open(pen, "ArrayInfo");
+    ect_pen_number(pen, "LBound", first);
+    ect_pen_number(pen, "Elements", elements);
+    ect_pen_close(pen);
+}
+
+static void write_basic_type(list_t *list, const char *name, unsigned int bits)
+{
+    ect_pen_t *pen = list->pen;
+    bool bytes = strncmp(name, "ARRAY ", 6) == 0;
+    if (!is_new(list, name))
+        return;
+    if (bytes && is_new(list, "BYTE")) {
+        ect_pen_open(pen, "DataType");
+        ect_pen_text(pen, "Name", "BYTE");
+        ect_pen_number(pen, "BitSize", 8);
+        ect_pen_close(pen);
+    }
+    ect_pen_open(pen, "DataType");
+    ect_pen_text(pen, "Name", name);
+    if (bytes)
+        ect_pen_text(pen, "BaseType", "BYTE");
+    ect_pen_number(pen, "BitSize", bits);
+    if (bytes)
+        write_array_info(pen, 0, bits / 8);
+    ect_pen_close(pen);
+}
+
+static void write_access(ect_pen_t *pen, uint16_t bits, bool restricted)
+{
+    const char *access = ect_esi_access(bits);
+    const char *read_in = ect_esi_states((bits & ECT_ACCESS_R_PREOP) != 0, (bits & ECT_ACCESS_R_SAFEOP) != 0,
+                                         (bits & ECT_ACCESS_R_OP) != 0);
+    const char *write_in = ect_esi_states((bits & ECT_ACCESS_W_PREOP) != 0, (bits & ECT_ACCESS_W_SAFEOP) != 0,
+                                          (bits & ECT_ACCESS_W_OP) != 0);
+    if (*access == '\0')
+        return;
+    ect_pen_open(pen, "Access");
+    if (restricted && *read_in != '\0')
+        ect_pen_attribute(pen, "ReadRestrictions", "%s", read_in);
+    if (restricted && *write_in != '\0')
+        ect_pen_attribute(pen, "WriteRestrictions", "%s", write_in);
+    ect_pen_content(pen, access);
+    ect_pen_close(pen);
+}
+
+/* Of a record as a whole only who may do anything with it, since its sub-items inherit what they do not say. */
+static void write_flags(ect_pen_t *pen, uint16_t index, uint16_t bits, bool whole_record)
+{
+    bool mandatory = index == 0x1000 || index == 0x1018 || index == 0x1C00; /* ETG.1000.6 §5.6.7 */
+    bool tx = (bits & ECT_ACCESS_TXPDO) != 0;
+    bool rx = (bits & ECT_ACCESS_RXPDO) != 0;
+    ect_pen_open(pen, "Flags");
+    write_access(pen, bits, !whole_record);
+    ect_pen_text(pen, "Category", mandatory ? "m" : "o");
+    if (!whole_record && (tx || rx))
+        ect_pen_text(pen, "PdoMapping", !rx ? "T" : !tx ? "R" : "TR");
+    if (!whole_record && (bits & ECT_ACCESS_BACKUP) != 0)
+        ect_pen_number(pen, "Backup", 1);
+    if (!whole_record && (bits & ECT_ACCESS_SETTING) != 0)
+        ect_pen_number(pen, "Setting", 1);
+    ect_pen_close(pen);
+}
+
+static void write_item(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
+{
+    ect_pen_t *pen = list->pen;
+    ect_item_name_t name = ect_esi_item_name(object, entry);
+    ect_pen_open(pen, "SubItem");
+    ect_pen_number(pen, "SubIdx", entry->subindex);
+    ect_pen_text(pen, "Name", *name.unique != '\0' ? name.unique : name.name);
+    if (*name.unique != '\0' && *name.name != '\0')
+        ect_pen_text(pen, "DisplayName", name.name);
+    ect_pen_text(pen, "Type", type_of(list, entry));
+    ect_pen_number(pen, "BitSize", ect_od_bits(&list->od, entry));
+    ect_pen_number(pen, "BitOffs", ect_esi_item_offset(object, entry));
+    write_flags(pen, object->index, entry->access, false);
+    ect_pen_close(pen);
+}
+
+static unsigned int element_bits(const ect_object_t *object)
+{
+    return (unsigned int)object->max_subindex * ect_od_entry(object, 1)->bit_length;
+}
+
+static void write_elements(list_t *list, const ect_object_t *object)
+{
+    ect_pen_t *pen = list->pen;
+    const ect_entry_t *first = ect_od_entry(object, 1);
+    ect_pen_open(pen, "SubItem");
+    ect_pen_text(pen, "Name", "Elements");
+    ect_pen_text(pen, "Type", record_type(object, "ARR").text);
+    ect_pen_number(pen, "BitSize", element_bits(object));
+    ect_pen_number(pen, "BitOffs", ect_esi_item_offset(object, first));
+    write_flags(pen, object->index, first->access, false);
+    ect_pen_close(pen);
+}
+
+static void write_array_type(list_t *list, const ect_object_t *object)
+{
+    ect_pen_t *pen = list->pen;
+    ect_pen_open(pen, "DataType");
+    ect_pen_text(pen, "Name", record_type(object, "ARR").text);
+    ect_pen_text(pen, "BaseType", type_of(list, ect_od_entry(object, 1)));
+    ect_pen_number(pen, "BitSize", element_bits(object));
+    write_array_info(pen, 1, object->max_subindex);
+    ect_pen_close(pen);
+}
+
+static void write_record_type(list_t *list, const ect_object_t *object)
+{
+    ect_pen_t *pen = list->pen;
+    bool array = ect_esi_is_array(object);
+    if (array)
+        write_array_type(list, object);
+    ect_pen_open(pen, "DataType");
+    ect_pen_text(pen, "Name", record_type(object, "").text);
+    ect_pen_number(pen, "BitSize", ect_esi_object_bits(&list->od, object));
+    for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e)) {
+        if (array && e->subindex == 1) {
+            write_elements(list, object);
+            break;
+        }
+        write_item(list, object, e);
+    }
+    ect_pen_close(pen);
+}
+
+static void write_types(list_t *list)
+{
+    for (uint16_t i = 0; i < list->od.count; i++) {
+        const ect_object_t *object = &list->od.objects[i];
+        for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e))
+            write_basic_type(list, type_of(list, e), ect_od_bits(&list->od, e));
+    }
+    for (uint16_t i = 0; i < list->od.count; i++) {
+        if (!is_var(&list->od.objects[i]))
+            write_record_type(list, &list->od.objects[i]);
+    }
+}
+
+/* --- objects ----------------------------------------------------------------------------------------------------- */
+
+/* A text that the blanks around it belong to would not come back from a file. */
+static bool is_plain(const uint8_t *text, size_t size)
+{
+    return size > 0 && text[0] != ' ' && text[size - 1] != ' ' && strlen((const char *)text) == size;
+}
+
+static int64_t number_of(const ect_entry_t *entry, const uint8_t *value, size_t size)
+{
+    uint64_t number = 0;
+    for (size_t i = size; i-- > 0;)
+        number = number << 8 | value[i];
+    bool is_signed = (entry->data_type >= ECT_TYPE_INTEGER8 && entry->data_type <= ECT_TYPE_INTEGER32) ||
+                     entry->data_type == ECT_TYPE_INTEGER64;
+    if (is_signed && size > 0 && size < 8 && (value[size - 1] & 0x80) != 0)
+        number |= UINT64_MAX << 8 * size;
+    return (int64_t)number;
+}
+
+static void write_default(list_t *list, const ect_entry_t *entry, const ect_detail_t *detail)
+{
+    ect_pen_t *pen = list->pen;
+    size_t size;
+    const uint8_t *value = ect_esi_entry_value(pen->arena, &list->od, entry, &size);
+    if (detail != NULL && detail->minimum != detail->maximum) {
+        ect_pen_number(pen, "MinValue", detail->minimum);
+        ect_pen_number(pen, "MaxValue", detail->maximum);
+        ect_pen_number(pen, "DefaultValue", number_of(entry, value, size));
+    } else if (!ect_esi_has_default(entry, value, size)) {
+        return;
+    } else if (ect_od_is_string(entry) && is_plain(value, size)) {
+        ect_pen_text(pen, "DefaultString", (const char *)value);
+    } else {
+        ect_pen_bytes(pen, "DefaultData", value, size);
+    }
+}
+
+/* A unit of ETG.1004 has 32 bits there: prefix, numerator, denominator and a byte that is reserved. */
+static void write_unit(ect_pen_t *pen, const ect_detail_t *detail)
+{
+    if (detail != NULL && detail->unit != 0)
+        ect_pen_hex(pen, "Unit", (uint32_t)detail->unit << 16, 8);
+}
+
+static void write_info(list_t *list, const ect_object_t *object, const ect_entry_t *entry, const char *display)
+{
+    const ect_detail_t *detail = ect_od_detail(&list->od, object->index, (uint8_t)entry->subindex);
+    ect_pen_open(list->pen, "Info");
+    write_default(list, entry, detail);
+    if (display != NULL)
+        ect_pen_text(list->pen, "DisplayName", display);
+    write_unit(list->pen, detail);
+    ect_pen_close(list->pen);
+}
+
+/* An array's type has one name for all elements: what each is called stands here. */
+static void write_item_info(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
+{
+    ect_item_name_t name = ect_esi_item_name(object, entry);
+    bool own_name = ect_esi_is_array(object) && entry->subindex != 0 && *name.name != '\0';
+    ect_pen_open(list->pen, "SubItem");
+    ect_pen_text(list->pen, "Name", *name.unique != '\0' ? name.unique : name.name);
+    write_info(list, object, entry, own_name ? name.name : NULL);
+    ect_pen_close(list->pen);
+}
+
+static uint16_t access_of_all(const ect_object_t *object)
+{
+    uint16_t bits = 0;
+    for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e))
+        bits |= e->access;
+    return bits;
+}
+
+static void write_object(list_t *list, const ect_object_t *object)
+{
+    ect_pen_t *pen = list->pen;
+    bool record = !is_var(object);
+    ect_pen_open(pen, "Object");
+    ect_pen_hex(pen, "Index", object->index, 4);
+    ect_pen_text(pen, "Name", object->name != NULL ? object->name : "");
+    ect_pen_text(pen, "Type", record ? record_type(object, "").text : type_of(list, object->entries));
+    ect_pen_number(pen, "BitSize", ect_esi_object_bits(&list->od, object));
+    if (record) {
+        ect_pen_open(pen, "Info");
+        for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e))
+            write_item_info(list, object, e);
+        ect_pen_close(pen);
+    } else {
+        write_info(list, object, object->entries, NULL);
+    }
+    write_flags(pen, object->index, access_of_all(object), record);
+    ect_pen_close(pen);
+}
+
+void ect_pen_dictionary(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
+{
+    list_t list = {.pen = pen, .od = ect_esi_values(pen->arena, device, identity)};
+    ect_pen_open(pen, "Dictionary");
+    ect_pen_open(pen, "DataTypes");
+    write_types(&list);
+    ect_pen_close(pen);
+    ect_pen_open(pen, "Objects");
+    for (uint16_t i = 0; i < list.od.count; i++)
+        write_object(&list, &list.od.objects[i]);
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "esi/write.h"
+#include "output.h"
+
+static const char who[] = "ectwin esi";
+
+static const struct argp_option options[] = {
+    {"output", 'o', "FILE", 0, "Write to FILE (default: standard output); with --all to that folder (default: here)",
+     0},
+    {"all", OUTPUT_KEY_ALL, NULL, 0, "All devices, one file a product family: ectwin-FAMILY.xml", 0},
+    {0},
+};
+
+static int write_parts(const ect_esi_part_t *parts, size_t count, const char *path)
+{
+    ect_arena_t arena = {0};
+    char why[200];
+    size_t length;
+    int status = EXIT_USAGE;
+    const char *file = ect_esi_write(&arena, parts, count, &length, why, sizeof why);
+    if (file)
+        status = output_save(who, path, file, length);
+    else
+        fprintf(stderr, "%s: %s\n", who, why);
+    ect_arena_free(&arena);
+    return status;
+}
+
+/* A family is a group: ESI/ectwin-vr-bu.xml */
+static int write_family(const ect_esi_part_t *parts, size_t count, const char *folder)
+{
+    char path[4096];
+    int length = snprintf(path, sizeof path, "%s/ectwin-%s.xml", folder, parts[0].device->group_type);
+    if (length >= (int)sizeof path) {
+        fprintf(stderr, "%s: the folder's name is too long\n", who);
+        return EXIT_OPEN;
+    }
+    for (char *letter = strrchr(path, '/'); *letter; letter++)
+        *letter = (char)(*letter == ' ' ? '-' : tolower((unsigned char)*letter));
+    return write_parts(parts, count, path);
+}
+
+static int write_families(ect_esi_part_t *parts, size_t count, const char *folder)
+{
+    int status = EXIT_CLEAN;
+    while (count > 0 && status == EXIT_CLEAN) {
+        size_t same = 0;
+        for (size_t i = 0; i < count; i++) {
+            ect_esi_part_t part = parts[i];
+            if (strcmp(part.device->group_type, parts[0].device->group_type) != 0)
+                continue;
+            memmove(&parts[same + 1], &parts[same], (i - same) * sizeof part); // the others keep their order
+            parts[same++] = part;
+        }
+        status = write_family(parts, same, folder);
+        parts += same;
+        count -= same;
+    }
+    return status;
+}
+
+int command_esi(int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = output_parse,
+        .args_doc = "DEVICE[,DEVICE...]\n--all",
+        .doc = "Writes the ESI file (EtherCAT Slave Information, XML) that engineering tools import.",
+        .children = output_children,
+    };
+    output_args_t args = {.several = true};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    int status = EXIT_RUN;
+    ect_esi_part_t *parts = calloc(args.twins.count, sizeof *parts);
+    for (size_t i = 0; parts && i < args.twins.count; i++)
+        parts[i] = (ect_esi_part_t){.device = args.twins.twins[i].device, .identity = &args.twins.twins[i].identity};
+    if (parts)
+        status = args.all ? write_families(parts, args.twins.count, args.output ? args.output : ".")
+                          : write_parts(parts, args.twins.count, args.output);
+    free(parts);
+    twin_args_free(&args.twins);
+    return status;
+}

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "output.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/catalogue.h"
+
+const struct argp_child output_children[] = {{&twin_argp, 0, "The twin:", 1}, {0}};
+
+int output_save(const char *who, const char *path, const void *data, size_t size)
+{
+    FILE *file = path ? fopen(path, "wb") : stdout;
+    bool fine = file && fwrite(data, 1, size, file) == size;
+    fine = file && (path ? fclose(file) : fflush(file)) == 0 && fine;
+    if (fine)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: cannot write '%s': %s\n", who, path ? path : "standard output", strerror(errno));
+    return EXIT_OPEN;
+}
+
+/* The names of the catalogue between commas; the caller's to free. */
+static char *all_names(void)
+{
+    char *names = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&names, &size);
+    const ect_product_t *product;
+    for (size_t i = 0; stream && (product = ect_catalogue_at(i)) != NULL; i++)
+        fprintf(stream, "%s%s", i > 0 ? "," : "", product->device->name);
+    if (!stream || fclose(stream) != 0)
+        return NULL;
+    return names;
+}
+
+static void take_devices(output_args_t *args, const struct argp_state *state)
+{
+    char *names = args->all ? all_names() : NULL;
+    if (args->all && args->devices)
+        argp_error(state, "--all is for all devices: name none beside it");
+    if (!args->all && (!args->devices || (!args->several && strchr(args->devices, ','))))
+        argp_error(state, "name %s; 'ectwin list' lists those there are", args->several ? "a device" : "one device");
+    args->twins.kinds = true;
+    if (args->all && !names)
+        argp_failure(state, EXIT_RUN, ENOMEM, "the devices");
+    twin_args_devices(&args->twins, state, names ? names : args->devices);
+    free(names);
+}
+
+error_t output_parse(int key, char *text, struct argp_state *state)
+{
+    output_args_t *args = state->input;
+    if (args->key != 0 && key == args->key) {
+        args->value = text;
+        args->given = true;
+        return 0;
+    }
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twins;
+        return 0;
+    case 'o':
+        args->output = text;
+        return 0;
+    case OUTPUT_KEY_ALL:
+        args->all = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (args->devices)
+            argp_error(state, "%s", args->several ? "put commas between devices" : "one device at a time");
+        args->devices = text;
+        return 0;
+    case ARGP_KEY_END:
+        take_devices(args, state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
