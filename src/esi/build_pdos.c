@@ -106,7 +106,7 @@ static const char *why_not(const ect_build_pdo_t *pdo)
     if (model->virtual_pdo)
         return "it maps registers of the controller";
     if (pdo->index < first || pdo->index >= first + 0x200)
-        return "its index is none of a PDO";
+        return model->tx ? "its index is none of a PDO of inputs" : "its index is none of a PDO of outputs";
     if (model->entry_count > LONGEST_MAPPING)
         return "a mapping object has at most 254 entries";
     for (size_t i = 0; i < model->entry_count; i++) {
@@ -116,11 +116,23 @@ static const char *why_not(const ect_build_pdo_t *pdo)
     return NULL;
 }
 
+/* Without it the process data would not be what the file says. */
+static bool counts_by_default(const ect_build_t *build, const ect_esi_pdo_t *model)
+{
+    return !model->virtual_pdo && model->sm >= 0 && (size_t)model->sm < build->model->sm_count &&
+           !build->model->sms[model->sm].virtual_sm;
+}
+
 static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
 {
     uint32_t values[LONGEST_MAPPING];
     const char *why = why_not(pdo);
     pdo->usable = why == NULL;
+    if (why != NULL && counts_by_default(build, pdo->model)) {
+        ect_build_fail(build, "line %d: PDO %04X (%s) is assigned to SyncManager %d, and %s", pdo->model->line,
+                       (unsigned int)pdo->index, pdo->model->name, pdo->model->sm, why);
+        return;
+    }
     if (why != NULL) {
         ect_build_note(build, "line %d: PDO %04X (%s) is left out: %s", pdo->model->line, (unsigned int)pdo->index,
                        pdo->model->name, why);

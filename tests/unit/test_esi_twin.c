@@ -354,6 +354,27 @@ static void contradictions(void **state)
     ect_esi_twin_free(twin);
 }
 
+/* A device whose process data would be others than the file says is refused, with the line. */
+static void no_hole(void **state)
+{
+    static const char text[] = "<EtherCATInfo><Vendor><Id>1</Id></Vendor><Descriptions><Devices><Device>\n"
+                               "<Type ProductCode='1' RevisionNo='1'>D</Type>\n"
+                               "<Sm StartAddress='#x1000' DefaultSize='128' ControlByte='#x26'>MBoxOut</Sm>"
+                               "<Sm StartAddress='#x1080' DefaultSize='128' ControlByte='#x22'>MBoxIn</Sm>"
+                               "<Sm StartAddress='#x1100' DefaultSize='1' ControlByte='#x24'>Outputs</Sm>\n"
+                               "<RxPdo Sm='2'><Index>#x1A00</Index><Name>O</Name><Entry><Index>#x7000</Index>"
+                               "<SubIndex>1</SubIndex><BitLen>8</BitLen></Entry></RxPdo>\n"
+                               "<Mailbox><CoE/></Mailbox></Device></Devices></Descriptions></EtherCATInfo>";
+    char message[300] = "";
+    (void)state;
+    ect_esi_t *esi = ect_esi_parse("hole.xml", text, strlen(text), message, sizeof message);
+    assert_non_null(esi);
+    assert_null(ect_esi_twin_of(esi, "", NULL, 0, message, sizeof message));
+    assert_string_equal(message,
+                        "hole.xml:1: D: line 4: PDO 1A00 (O) is assigned to SyncManager 2, and its index is none "
+                        "of a PDO of outputs");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -368,6 +389,7 @@ int main(void)
         {"a module's PDOs and objects move with its slot", modules, NULL, NULL, NULL},
         {"what the twin cannot be is told in a line", notes, NULL, NULL, NULL},
         {"PDOs are fixed, mandatory and exclude each other as the file says", flags, NULL, NULL, NULL},
+        {"a device whose assigned PDO cannot be is refused", no_hole, NULL, NULL, NULL},
         {"a default outside of its limits or its length is told, and the twin runs", contradictions, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
