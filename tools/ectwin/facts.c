@@ -159,6 +159,11 @@ bool facts_are_of_pdos(unsigned int index)
     return (index >= 0x1600 && index < 0x1C00) || (index >= 0x1C10 && index < 0x1C30);
 }
 
+bool facts_are_told_elsewhere(unsigned int index)
+{
+    return index == 0x1018 || index == 0x1C00;
+}
+
 void facts_add_sm(facts_t *facts, unsigned int sm, unsigned int type)
 {
     static const char *const names[] = {"unused", "mailbox to the slave", "mailbox from the slave", "outputs",

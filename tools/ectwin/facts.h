@@ -117,6 +117,9 @@ void facts_add_default(facts_t *facts, unsigned int index, unsigned int subindex
 /** True for mapping and assignment objects: what they hold are facts of PDOs, and a difference in it is told there. */
 bool facts_are_of_pdos(unsigned int index);
 
+/** True for identity and roles of SyncManagers: what they hold is told by other facts. */
+bool facts_are_told_elsewhere(unsigned int index);
+
 /** Adds the role of a SyncManager or FMMU: ECT_SM_..., ECT_FMMU_... */
 void facts_add_sm(facts_t *facts, unsigned int sm, unsigned int type);
 void facts_add_fmmus(facts_t *facts, const uint8_t *roles, size_t count);

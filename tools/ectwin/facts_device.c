@@ -132,7 +132,6 @@ static void add_pdo(facts_t *facts, const ect_device_t *device, const ect_od_t *
 
 /* --- dictionary -------------------------------------------------------------------------------------------------- */
 
-/* Who it says it is, which an installation may override, is said by the identity. */
 static void add_default(facts_t *facts, const ect_od_t *od, uint16_t index, const ect_entry_t *entry)
 {
     const ect_detail_t *detail = ect_od_detail(od, index, (uint8_t)entry->subindex);
@@ -151,7 +150,7 @@ static void add_default(facts_t *facts, const ect_od_t *od, uint16_t index, cons
         else
             ect_store_le32(wire, entry->value);
         facts_add_default(facts, index, entry->subindex, wire, length);
-    } else if (index != 0x1018 && !constant && size > 0 && size <= 8 && !ect_od_is_string(entry)) {
+    } else if (!facts_are_told_elsewhere(index) && !constant && size > 0 && size <= 8 && !ect_od_is_string(entry)) {
         if (detail && detail->initial)
             memcpy(wire, detail->initial, size);
         else

@@ -85,8 +85,9 @@ static void add_entry(facts_t *facts, unsigned int index, const cJSON *entry)
     (void)facts_add(facts, FACT_ENTRY_TYPE, index, subindex, "0x%04X", type);
     facts_add_access(facts, index, subindex, number_of(entry, "access"));
     facts_add_text(facts, FACT_ENTRY_NAME, index, subindex, text_of(entry, "name"), strlen(text_of(entry, "name")));
-    bool told = index == 0x1000 || index == 0x1008 ? bytes_of(entry, "value", &value)
-                                                   : index != 0x1018 && bytes_of(entry, "default", &value);
+    bool told = index == 0x1000 || index == 0x1008
+                    ? bytes_of(entry, "value", &value)
+                    : !facts_are_told_elsewhere(index) && bytes_of(entry, "default", &value);
     if (told && !facts_are_of_pdos(index))
         facts_add_default(facts, index, subindex, value.bytes, value.length);
     if (bytes_of(entry, "minimum", &value) && bytes_of(entry, "maximum", &maximum))
