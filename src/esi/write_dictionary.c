@@ -99,21 +99,27 @@ static void write_access(ect_pen_t *pen, uint16_t bits, bool restricted)
     ect_pen_close(pen);
 }
 
+static void write_entry_flags(ect_pen_t *pen, uint16_t bits)
+{
+    static const char *const directions[] = {"", "R", "T", "TR"};
+    unsigned int mapping = ((bits & ECT_ACCESS_RXPDO) != 0 ? 1u : 0u) | ((bits & ECT_ACCESS_TXPDO) != 0 ? 2u : 0u);
+    if (mapping != 0)
+        ect_pen_text(pen, "PdoMapping", directions[mapping]);
+    if ((bits & ECT_ACCESS_BACKUP) != 0)
+        ect_pen_number(pen, "Backup", 1);
+    if ((bits & ECT_ACCESS_SETTING) != 0)
+        ect_pen_number(pen, "Setting", 1);
+}
+
 /* Of a record as a whole only who may do anything with it, since its sub-items inherit what they do not say. */
 static void write_flags(ect_pen_t *pen, uint16_t index, uint16_t bits, bool whole_record)
 {
     bool mandatory = index == 0x1000 || index == 0x1018 || index == 0x1C00; /* ETG.1000.6 §5.6.7 */
-    bool tx = (bits & ECT_ACCESS_TXPDO) != 0;
-    bool rx = (bits & ECT_ACCESS_RXPDO) != 0;
     ect_pen_open(pen, "Flags");
     write_access(pen, bits, !whole_record);
     ect_pen_text(pen, "Category", mandatory ? "m" : "o");
-    if (!whole_record && (tx || rx))
-        ect_pen_text(pen, "PdoMapping", !rx ? "T" : !tx ? "R" : "TR");
-    if (!whole_record && (bits & ECT_ACCESS_BACKUP) != 0)
-        ect_pen_number(pen, "Backup", 1);
-    if (!whole_record && (bits & ECT_ACCESS_SETTING) != 0)
-        ect_pen_number(pen, "Setting", 1);
+    if (!whole_record)
+        write_entry_flags(pen, bits);
     ect_pen_close(pen);
 }
 
