@@ -3,6 +3,7 @@
 
 usage: esi.py FILE...
        esi.py --committed ECTWIN FOLDER   regenerates the files of FOLDER and wants no difference, then checks them
+       esi.py --write ECTWIN FOLDER       regenerates them: ESI of each family, SII of each device
        esi.py --schema FILE...            against the schema that $ECTWIN_ESI_SCHEMA names; 77 without one
        esi.py --self FILE                 makes one mistake after another in a copy and wants each to be found
 """
@@ -207,17 +208,27 @@ def check(path):
     return File(str(path), ET.parse(path).getroot()).wrong
 
 
+def generate(ectwin, folder):
+    """The ESI of each product family, and the SII image of each device as Intel HEX."""
+    subprocess.run([ectwin, "esi", "--all", "-o", folder], check=True)
+    listed = subprocess.run([ectwin, "list"], check=True, capture_output=True, text=True).stdout
+    for device in (line.split()[0] for line in listed.splitlines()):
+        image = str(pathlib.Path(folder) / f"{device}.hex")
+        subprocess.run([ectwin, "sii", device, "--format", "hex", "-o", image], check=True)
+    return []
+
+
 def committed(ectwin, folder):
     wrong = []
     with tempfile.TemporaryDirectory() as work:
-        subprocess.run([ectwin, "esi", "--all", "-o", work], check=True)
+        generate(ectwin, work)
         ours, theirs = sorted(os.listdir(folder)), sorted(os.listdir(work))
         if ours != theirs:
             wrong.append(f"{folder} has {ours}, expected {theirs}")
         for name in set(ours) & set(theirs):
             if (pathlib.Path(folder) / name).read_bytes() != (pathlib.Path(work) / name).read_bytes():
-                wrong.append(f"{folder}/{name} is not what the devices say now: run 'ectwin esi --all -o esi'")
-            wrong += check(pathlib.Path(work) / name)
+                wrong.append(f"{folder}/{name} is not what the devices say now: run tests/check/esi.py --write ECTWIN esi")
+            wrong += check(pathlib.Path(work) / name) if name.endswith(".xml") else []
     return wrong
 
 
@@ -258,7 +269,8 @@ def schema(files):
 
 def main():
     arguments = sys.argv[1:]
-    modes = {"--committed": lambda rest: committed(*rest), "--schema": schema, "--self": lambda rest: self_test(*rest)}
+    modes = {"--committed": lambda rest: committed(*rest), "--write": lambda rest: generate(*rest), "--schema": schema,
+             "--self": lambda rest: self_test(*rest)}
     if arguments[0] in modes:
         wrong = modes[arguments[0]](arguments[1:])
     else:
