@@ -279,7 +279,9 @@ static void grow_eeprom(ect_build_t *build, ect_device_t *device)
         if (fits)
             break;
         if (device->sii_size > LARGEST_EEPROM / 2) {
-            ect_build_fail(build, "its SII does not fit an EEPROM of %u bytes", (unsigned int)device->sii_size);
+            ect_build_fail(
+                build, "its SII does not fit an EEPROM of %u bytes, or needs more than the 255 texts that it can have",
+                (unsigned int)device->sii_size);
             return;
         }
     }
