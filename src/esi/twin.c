@@ -101,6 +101,11 @@ static void set_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
         sm->length = (uint16_t)model->size.value;
         sm->minimum = model->minimum;
         uint32_t most = model->maximum < gap_behind(build, n) ? model->maximum : gap_behind(build, n);
+        if (most > LONGEST_IMAGE) {
+            ect_build_note(build, "line %d: a mailbox of %u bytes does not fit a frame; the twin's has at most %u",
+                           model->line, (unsigned int)most, (unsigned int)LONGEST_IMAGE);
+            most = LONGEST_IMAGE;
+        }
         sm->maximum = (uint16_t)(most > sm->length ? most : sm->length);
     }
     bool in_registers = sm->start >= OUTPUT_REGISTERS && sm->start < RAM_START;
