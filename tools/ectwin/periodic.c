@@ -72,7 +72,7 @@ static void take_piece(const cJSON *line)
     char room[32];
     double serial = number_of(line, "serial"), size = number_of(line, "size");
     if (!set.known || serial != set.serial) {
-        set.known = size >= 0 && size <= MOST_BYTES;
+        set.known = size >= 0 && size <= (double)MOST_BYTES;
         set.serial = serial;
         set.size = set.known ? (size_t)size : 0;
         set.have = 0;

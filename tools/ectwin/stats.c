@@ -75,7 +75,7 @@ static void print_histogram(const cJSON *answers, const cJSON *edges)
         double count = cJSON_GetArrayItem(answers, i)->valuedouble;
         const cJSON *edge = cJSON_GetArrayItem(edges, i);
         char bar[WIDTH + 1] = "";
-        memset(bar, '#', (size_t)(count / most * WIDTH));
+        memset(bar, '#', (size_t)(count / most * (double)WIDTH));
         if (edge)
             printf("   < %7.0f us %12.0f  %s\n", edge->valuedouble, count, bar);
         else

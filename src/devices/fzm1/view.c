@@ -68,9 +68,9 @@ static uint32_t time_us(fzm1_plant_t *p, uint32_t set, uint32_t spread, uint32_t
     if (p->time_source != FZM1_SOURCE_RANDOM)
         return set;
     double us = (double)set + (double)spread * normal_step(&p->time_random);
-    if (us < FZM1_SHORTEST_US)
+    if (us < (double)FZM1_SHORTEST_US)
         return FZM1_SHORTEST_US;
-    return us > FZM1_MINUTE_US ? FZM1_MINUTE_US : (uint32_t)us;
+    return us > (double)FZM1_MINUTE_US ? FZM1_MINUTE_US : (uint32_t)us;
 }
 
 uint64_t fzm1_image_input_ns(fzm1_t *u)
