@@ -573,12 +573,13 @@ static void random_times(void **state)
         }
     }
     for (unsigned int which = 0; which < 2; which++) {
-        double sum = 0, squares = 0;
+        double sum = 0, squares = 0, shots = SHOTS;
         for (unsigned int n = 0; n < SHOTS; n++)
             sum += (double)times[n][which];
+        double mean = sum / shots;
         for (unsigned int n = 0; n < SHOTS; n++)
-            squares += ((double)times[n][which] - sum / SHOTS) * ((double)times[n][which] - sum / SHOTS);
-        double mean = sum / SHOTS, deviation = sqrt(squares / SHOTS);
+            squares += ((double)times[n][which] - mean) * ((double)times[n][which] - mean);
+        double deviation = sqrt(squares / shots);
         if (fabs(mean - want[which][0]) > want[which][1] / 10 || fabs(deviation / want[which][1] - 1) > 0.1)
             fail_msg("expected %.0f +- %.0f us, got %.0f +- %.0f", want[which][0], want[which][1], mean, deviation);
     }
