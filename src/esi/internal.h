@@ -11,6 +11,7 @@
  *   read_dictionary.c  types and objects of a file
  *   read_device.c      the model of a device
  *   read.c             files, and which device of them
+ *   lint.c             what of a file is not as files should be
  *   build.c            the list of objects while it grows; notes
  *   build_objects.c    objects of the dictionary
  *   build_modules.c    which module stands in which slot
@@ -55,6 +56,17 @@ typedef struct ect_esi_xml {
     size_t room;
     bool failed;
 } ect_esi_xml_t;
+
+/** An open file. */
+struct ect_esi {
+    ect_arena_t arena;
+    xmlDocPtr document;
+    const char *file;
+    const xmlNode *root;
+    ect_esi_head_t *heads;
+    const xmlNode **nodes; /**< of the heads */
+    size_t count;
+};
 
 /** Takes note of a mistake at an element's line, unless there was one before. */
 __attribute__((format(printf, 3, 4))) void ect_esi_fail(ect_esi_xml_t *xml, const xmlNode *node, const char *format,

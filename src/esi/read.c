@@ -15,16 +15,6 @@
 
 enum { FILE_MAXIMUM = 64 * 1024 * 1024 };
 
-struct ect_esi {
-    ect_arena_t arena;
-    xmlDocPtr document;
-    const char *file;
-    const xmlNode *root;
-    ect_esi_head_t *heads;
-    const xmlNode **nodes; // of the heads
-    size_t count;
-};
-
 static ect_esi_xml_t context(ect_esi_t *esi, char *text, size_t room)
 {
     return (ect_esi_xml_t){.arena = &esi->arena, .file = esi->file, .text = text, .room = room};
@@ -159,6 +149,19 @@ ect_esi_t *ect_esi_open(const char *path, char *text, size_t room)
     ect_esi_t *esi = ect_esi_parse(path, data, length, text, room);
     free(data);
     return esi;
+}
+
+const char *ect_esi_selector(const char *operand)
+{
+    const char *first = access(operand, F_OK) != 0 ? strchr(operand, '#') : NULL;
+    for (const char *hash = first; hash != NULL; hash = strchr(hash + 1, '#')) {
+        char *path = strndup(operand, (size_t)(hash - operand));
+        bool there = path != NULL && access(path, F_OK) == 0;
+        free(path);
+        if (there)
+            return hash;
+    }
+    return first;
 }
 
 const char *ect_esi_file(const ect_esi_t *esi)

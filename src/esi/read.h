@@ -31,6 +31,14 @@ typedef struct ect_esi_head {
 } ect_esi_head_t;
 
 /**
+ * Splits what a user names, `FILE` or `FILE#SELECTOR`. Files and folders may have a '#' in their names too, and a
+ * number is written #x1234: a file that is there is one, else the selector begins at the first one behind a file that
+ * is there.
+ * @return where the '#' stands in `operand`, or NULL: it names a file alone
+ */
+const char *ect_esi_selector(const char *operand);
+
+/**
  * Opens a file.
  * @param path  a regular file of at most 64 MiB
  * @param[out] text, room  the line that says what is wrong

@@ -35,5 +35,6 @@ check ports/virtual wire seams esc
 check ports/template wire seams
 check check wire seams od esc sii
 check esi wire seams od esc slave sii check
+check facts wire seams od sii esi
 check bus wire seams od esc slave sii devices ports
 exit $status

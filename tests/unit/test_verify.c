@@ -13,7 +13,7 @@
 
 #include "bus/catalogue.h"
 #include "esi/twin.h"
-#include "facts.h"
+#include "facts/facts.h"
 #include "sii/sii.h"
 #include "sii_file.h"
 #include "wire/bytes.h"
@@ -58,23 +58,23 @@ static ect_esi_twin_t *twin_of(const char *text, const char *selector)
     return twin;
 }
 
-static void facts_of_twin(facts_t *facts, const ect_esi_twin_t *twin)
+static void facts_of_twin(ect_facts_t *facts, const ect_esi_twin_t *twin)
 {
-    facts_of_esi(facts, ect_esi_twin_product(twin)->device, ect_esi_twin_model(twin));
+    ect_facts_of_esi(facts, ect_esi_twin_product(twin)->device, ect_esi_twin_model(twin));
 }
 
 /* The lines that a comparison of two sources prints, to be freed. */
-static char *lines_of(const facts_t *expected, const facts_t *found)
+static char *lines_of(const ect_facts_t *expected, const ect_facts_t *found)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
-    facts_t known = {.source = expected->source};
-    assert_int_equal(facts_compare(&known, expected, out), 0);
-    size_t lines = facts_compare(&known, found, out);
+    ect_facts_t known = {.source = expected->source};
+    assert_int_equal(ect_facts_compare(&known, expected, out), 0);
+    size_t lines = ect_facts_compare(&known, found, out);
     (void)fclose(out);
-    facts_free(&known);
+    ect_facts_free(&known);
     size_t ends = 0;
     for (const char *c = text; *c != '\0'; c++)
         ends += *c == '\n';
@@ -169,8 +169,8 @@ static void esi_mutations(void **state)
         char *after = changed(table[i].file, table[i].after, table[i].text, table[i].change);
         ect_esi_twin_t *old = twin_of(before, table[i].selector);
         ect_esi_twin_t *new = twin_of(after, strncmp(table[i].line, "identity", 8) == 0 ? "AI2" : table[i].selector);
-        facts_t expected = {.source = "old"};
-        facts_t found = {.source = "new"};
+        ect_facts_t expected = {.source = "old"};
+        ect_facts_t found = {.source = "new"};
         facts_of_twin(&expected, old);
         facts_of_twin(&found, new);
         char *lines = lines_of(&expected, &found);
@@ -180,8 +180,8 @@ static void esi_mutations(void **state)
         (void)snprintf(title, sizeof title, "%s: %s for %s", table[i].selector, table[i].change, table[i].text);
         expect_line(title, lines, line);
         free(lines);
-        facts_free(&expected);
-        facts_free(&found);
+        ect_facts_free(&expected);
+        ect_facts_free(&found);
         ect_esi_twin_free(old);
         ect_esi_twin_free(new);
         free(before);
@@ -240,10 +240,10 @@ static void sii_mutations(void **state)
         at[table[i].offset] ^= table[i].flip;
         if (table[i].category == HEADER && table[i].offset < 0x0E)
             image[0x0E] = ect_sii_checksum(image);
-        facts_t expected = {.source = "old"};
-        facts_t found = {.source = "new"};
-        facts_of_device(&expected, device);
-        facts_of_sii(&found, image, device->sii_size);
+        ect_facts_t expected = {.source = "old"};
+        ect_facts_t found = {.source = "new"};
+        ect_facts_of_device(&expected, device);
+        ect_facts_of_sii(&found, image, device->sii_size);
         char *lines = lines_of(&expected, &found);
         char line[300];
         (void)snprintf(line, sizeof line, "new: %s", table[i].line);
@@ -251,8 +251,8 @@ static void sii_mutations(void **state)
             fail_msg("category %u, byte %zu\n  expected: %s...\n  got:      %s", table[i].category, table[i].offset,
                      line, lines);
         free(lines);
-        facts_free(&expected);
-        facts_free(&found);
+        ect_facts_free(&expected);
+        ect_facts_free(&found);
         free(image);
     }
 }
@@ -268,15 +268,15 @@ static void silent(void **state)
         uint8_t *image = malloc(device->sii_size);
         assert_non_null(image);
         assert_true(ect_sii_write(device, NULL, 0, image, device->sii_size) > 0);
-        facts_t expected = {.source = "description"};
-        facts_t found = {.source = "image"};
-        facts_of_device(&expected, device);
-        facts_of_sii(&found, image, device->sii_size);
+        ect_facts_t expected = {.source = "description"};
+        ect_facts_t found = {.source = "image"};
+        ect_facts_of_device(&expected, device);
+        ect_facts_of_sii(&found, image, device->sii_size);
         char *lines = lines_of(&expected, &found);
         expect_line(device->name, lines, "");
         free(lines);
-        facts_free(&expected);
-        facts_free(&found);
+        ect_facts_free(&expected);
+        ect_facts_free(&found);
         free(image);
     }
 }
@@ -285,20 +285,20 @@ static void silent(void **state)
 static void missing(void **state)
 {
     (void)state;
-    facts_t expected = {.source = "old"};
-    facts_t found = {.source = "new"};
-    (void)facts_add(&expected, FACT_OBJECT, 0x2000, 0, "code %u", 9u);
-    (void)facts_add(&expected, FACT_ENTRY, 0x2000, 1, "%u bits", 8u);
-    expected.complete[FACT_OBJECT] = expected.complete[FACT_ENTRY] = true;
-    found.complete[FACT_OBJECT] = found.complete[FACT_ENTRY] = true;
+    ect_facts_t expected = {.source = "old"};
+    ect_facts_t found = {.source = "new"};
+    (void)ect_facts_add(&expected, ECT_FACT_OBJECT, 0x2000, 0, "code %u", 9u);
+    (void)ect_facts_add(&expected, ECT_FACT_ENTRY, 0x2000, 1, "%u bits", 8u);
+    expected.complete[ECT_FACT_OBJECT] = expected.complete[ECT_FACT_ENTRY] = true;
+    found.complete[ECT_FACT_OBJECT] = found.complete[ECT_FACT_ENTRY] = true;
     char *lines = lines_of(&expected, &found);
     expect_line("an object is missing", lines, "new: object 2000: expected code 9 (old), found nothing");
     free(lines);
     lines = lines_of(&found, &expected);
     expect_line("an object is more", lines, "old: object 2000: expected nothing (new), found code 9");
     free(lines);
-    facts_free(&expected);
-    facts_free(&found);
+    ect_facts_free(&expected);
+    ect_facts_free(&found);
 }
 
 /* Names that are none, and texts that each tool spells its own way, are nobody's facts. */
@@ -321,16 +321,16 @@ static void texts(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        facts_t facts = {.source = "texts"};
+        ect_facts_t facts = {.source = "texts"};
         char *exact = malloc(table[i].length > 0 ? table[i].length : 1); /* not terminated, as in an image */
         assert_non_null(exact);
         memcpy(exact, table[i].text, table[i].length);
-        facts_add_text(&facts, FACT_NAME, 0, 0, exact, table[i].length);
+        ect_facts_add_text(&facts, ECT_FACT_NAME, 0, 0, exact, table[i].length);
         const char *fact = facts.count > 0 ? facts.list[0].text : NULL;
         if ((fact == NULL) != (table[i].fact == NULL) || (fact != NULL && strcmp(fact, table[i].fact) != 0))
             fail_msg("\"%s\": expected %s, got %s", table[i].text, table[i].fact != NULL ? table[i].fact : "no fact",
                      fact != NULL ? fact : "no fact");
-        facts_free(&facts);
+        ect_facts_free(&facts);
         free(exact);
     }
 }
@@ -347,10 +347,10 @@ static void cut_images(void **state)
         uint8_t *part = malloc(size + 1);
         assert_non_null(part);
         memcpy(part, image, size);
-        facts_t facts = {.source = "part"};
-        facts_of_sii(&facts, part, size);
+        ect_facts_t facts = {.source = "part"};
+        ect_facts_of_sii(&facts, part, size);
         assert_true(facts.count > 0);
-        facts_free(&facts);
+        ect_facts_free(&facts);
         free(part);
     }
     free(image);

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "bus/catalogue.h"
 #include "esi/number.h"
@@ -46,24 +45,10 @@ const char *product_file(const char *name)
     return strncmp(name, "esi:", 4) == 0 ? name + 4 : NULL;
 }
 
-/* Where the selector begins, at a '#'; a folder may have one in its name too, and a number is written #x1234. */
-static const char *selector_of(const char *file)
-{
-    const char *first = strchr(file, '#');
-    for (const char *hash = first; hash; hash = strchr(hash + 1, '#')) {
-        char *path = strndup(file, (size_t)(hash - file));
-        bool there = path && access(path, F_OK) == 0;
-        free(path);
-        if (there)
-            return hash;
-    }
-    return first;
-}
-
 static const ect_product_t *from_file(const char *file, const ect_module_choice_t *modules, size_t module_count,
                                       char *message)
 {
-    const char *hash = selector_of(file);
+    const char *hash = ect_esi_selector(file);
     char *path = strndup(file, hash ? (size_t)(hash - file) : strlen(file));
     ect_esi_twin_t *twin =
         path ? ect_esi_twin_make(path, hash ? hash + 1 : "", modules, module_count, message, PRODUCT_MESSAGE) : NULL;

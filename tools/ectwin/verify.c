@@ -10,7 +10,7 @@
 
 #include "bus/catalogue.h"
 #include "commands.h"
-#include "facts.h"
+#include "facts/facts.h"
 #include "products.h"
 #include "sii/sii.h"
 #include "sii_file.h"
@@ -23,15 +23,15 @@ enum { SETS_MOST = 64 };
 
 typedef struct verify {
     ect_arena_t arena; /* names of sources */
-    facts_t sets[SETS_MOST];
+    ect_facts_t sets[SETS_MOST];
     size_t count;
     char message[PRODUCT_MESSAGE];
 } verify_t;
 
-static facts_t *new_set(verify_t *v, const char *operand, const char *part)
+static ect_facts_t *new_set(verify_t *v, const char *operand, const char *part)
 {
-    facts_t *set = &v->sets[v->count++];
-    *set = (facts_t){.source = ect_arena_print(&v->arena, "%s%s", operand, part)};
+    ect_facts_t *set = &v->sets[v->count++];
+    *set = (ect_facts_t){.source = ect_arena_print(&v->arena, "%s%s", operand, part)};
     return set;
 }
 
@@ -42,7 +42,7 @@ static bool add_image(verify_t *v, const char *operand, const char *part, const 
     uint8_t *image = malloc(SII_FILE_MOST);
     long size = image != NULL ? sii_file_read(path, image, v->message, sizeof v->message) : -1;
     if (size >= 0)
-        facts_of_sii(new_set(v, operand, part), image, (size_t)size);
+        ect_facts_of_sii(new_set(v, operand, part), image, (size_t)size);
     free(image);
     return size >= 0;
 }
@@ -52,7 +52,7 @@ static bool add_written_image(verify_t *v, const char *operand, const ect_device
     uint8_t *image = malloc(device->sii_size);
     bool fine = image != NULL && ect_sii_write(device, NULL, 0, image, device->sii_size) >= 0;
     if (fine)
-        facts_of_sii(new_set(v, operand, " EEPROM"), image, device->sii_size);
+        ect_facts_of_sii(new_set(v, operand, " EEPROM"), image, device->sii_size);
     else
         (void)snprintf(v->message, sizeof v->message, "%s: its EEPROM cannot be written", operand);
     free(image);
@@ -66,11 +66,11 @@ static bool add_device(verify_t *v, const char *operand, const char *name, bool 
     if (product == NULL)
         return false;
     const ect_esi_twin_t *twin = product_twin(product);
-    facts_t *set = new_set(v, operand, "");
+    ect_facts_t *set = new_set(v, operand, "");
     if (twin != NULL)
-        facts_of_esi(set, product->device, ect_esi_twin_model(twin));
+        ect_facts_of_esi(set, product->device, ect_esi_twin_model(twin));
     else
-        facts_of_device(set, product->device);
+        ect_facts_of_device(set, product->device);
     return (only_said && product->device->sii == NULL) || add_written_image(v, operand, product->device);
 }
 
@@ -121,7 +121,7 @@ static bool add_dictionary(verify_t *v, const char *operand, const char *path)
     char *json = NULL;
     size_t room = 0;
     bool fine = file != NULL && getdelim(&json, &room, '\0', file) > 0 &&
-                facts_of_dictionary(new_set(v, operand, " dictionary"), json);
+                ect_facts_of_dictionary(new_set(v, operand, " dictionary"), json);
     if (!fine)
         (void)snprintf(v->message, sizeof v->message, "%s: its dictionary is not what ectwin-probe writes", operand);
     free(json);
@@ -203,11 +203,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static int compare(verify_t *v)
 {
-    facts_t known = {.source = v->sets[0].source};
+    ect_facts_t known = {.source = v->sets[0].source};
     size_t lines = 0;
     for (size_t i = 0; i < v->count; i++)
-        lines += facts_compare(&known, &v->sets[i], stdout);
-    facts_free(&known);
+        lines += ect_facts_compare(&known, &v->sets[i], stdout);
+    ect_facts_free(&known);
     return lines > 0 ? DIFFERENT : SAME;
 }
 
@@ -244,7 +244,7 @@ int command_verify(int argc, char **argv)
     else
         fprintf(stderr, "ectwin verify: %s\n", v->message);
     for (size_t i = 0; i < v->count; i++)
-        facts_free(&v->sets[i]);
+        ect_facts_free(&v->sets[i]);
     ect_arena_free(&v->arena);
     free(operands.names);
     free(v);

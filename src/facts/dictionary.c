@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "facts.h"
+#include "facts/facts.h"
 #include "od/pdo.h"
 #include "wire/bytes.h"
 
@@ -74,75 +74,78 @@ static bool element(const cJSON *object, unsigned int subindex, uint32_t *number
     return true;
 }
 
-static void add_entry(facts_t *facts, unsigned int index, const cJSON *entry)
+static void add_entry(ect_facts_t *facts, unsigned int index, const cJSON *entry)
 {
     unsigned int subindex = number_of(entry, "subindex");
     unsigned int type = number_of(entry, "type");
     value_t value;
     value_t maximum;
-    if (!facts_are_of_pdos(index))
-        (void)facts_add(facts, FACT_ENTRY, index, subindex, "%u bits", number_of(entry, "bits"));
-    (void)facts_add(facts, FACT_ENTRY_TYPE, index, subindex, "0x%04X", type);
-    facts_add_access(facts, index, subindex, number_of(entry, "access"));
-    facts_add_text(facts, FACT_ENTRY_NAME, index, subindex, text_of(entry, "name"), strlen(text_of(entry, "name")));
+    if (!ect_facts_are_of_pdos(index))
+        (void)ect_facts_add(facts, ECT_FACT_ENTRY, index, subindex, "%u bits", number_of(entry, "bits"));
+    (void)ect_facts_add(facts, ECT_FACT_ENTRY_TYPE, index, subindex, "0x%04X", type);
+    ect_facts_add_access(facts, index, subindex, number_of(entry, "access"));
+    ect_facts_add_text(facts, ECT_FACT_ENTRY_NAME, index, subindex, text_of(entry, "name"),
+                       strlen(text_of(entry, "name")));
     bool told = index == 0x1000 || index == 0x1008
                     ? bytes_of(entry, "value", &value)
-                    : !facts_are_told_elsewhere(index) && bytes_of(entry, "default", &value);
-    if (told && !facts_are_of_pdos(index))
-        facts_add_default(facts, index, subindex, value.bytes, value.length);
+                    : !ect_facts_are_told_elsewhere(index) && bytes_of(entry, "default", &value);
+    if (told && !ect_facts_are_of_pdos(index))
+        ect_facts_add_default(facts, index, subindex, value.bytes, value.length);
     if (bytes_of(entry, "minimum", &value) && bytes_of(entry, "maximum", &maximum))
-        (void)facts_add(facts, FACT_ENTRY_LIMITS, index, subindex, "%" PRId64 " to %" PRId64, integer_of(&value, type),
-                        integer_of(&maximum, type));
+        (void)ect_facts_add(facts, ECT_FACT_ENTRY_LIMITS, index, subindex, "%" PRId64 " to %" PRId64,
+                            integer_of(&value, type), integer_of(&maximum, type));
     if (bytes_of(entry, "unit", &value))
-        (void)facts_add(facts, FACT_ENTRY_UNIT, index, subindex, "0x%04X",
-                        (unsigned int)integer_of(&value, ECT_TYPE_UNSIGNED16));
+        (void)ect_facts_add(facts, ECT_FACT_ENTRY_UNIT, index, subindex, "0x%04X",
+                            (unsigned int)integer_of(&value, ECT_TYPE_UNSIGNED16));
 }
 
-static void add_object(facts_t *facts, const cJSON *object)
+static void add_object(ect_facts_t *facts, const cJSON *object)
 {
     unsigned int index = number_of(object, "index");
     const cJSON *entry;
-    (void)facts_add(facts, FACT_OBJECT, index, 0, "code %u", number_of(object, "code"));
-    if (!facts_are_of_pdos(index))
-        facts_add_text(facts, FACT_OBJECT_NAME, index, 0, text_of(object, "name"), strlen(text_of(object, "name")));
+    (void)ect_facts_add(facts, ECT_FACT_OBJECT, index, 0, "code %u", number_of(object, "code"));
+    if (!ect_facts_are_of_pdos(index))
+        ect_facts_add_text(facts, ECT_FACT_OBJECT_NAME, index, 0, text_of(object, "name"),
+                           strlen(text_of(object, "name")));
     cJSON_ArrayForEach(entry, cJSON_GetObjectItemCaseSensitive(object, "entries")) add_entry(facts, index, entry);
 }
 
-static void add_pdo(facts_t *facts, const cJSON *object)
+static void add_pdo(ect_facts_t *facts, const cJSON *object)
 {
     unsigned int index = number_of(object, "index");
     uint32_t count;
     uint32_t mapping;
     if (!element(object, 0, &count))
         return;
-    (void)facts_add(facts, FACT_PDO, index, 0, "%s", ect_od_is_rxpdo((uint16_t)index) ? "outputs" : "inputs");
-    facts_add_text(facts, FACT_PDO_NAME, index, 0, text_of(object, "name"), strlen(text_of(object, "name")));
+    (void)ect_facts_add(facts, ECT_FACT_PDO, index, 0, "%s", ect_od_is_rxpdo((uint16_t)index) ? "outputs" : "inputs");
+    ect_facts_add_text(facts, ECT_FACT_PDO_NAME, index, 0, text_of(object, "name"), strlen(text_of(object, "name")));
     for (unsigned int n = 1; n <= count && n <= 255 && element(object, n, &mapping); n++)
-        facts_add_mapping(facts, index, n, mapping >> 16, mapping >> 8 & 0xFF, mapping & 0xFF);
-    facts->complete[FACT_PDO_ENTRY] = true;
+        ect_facts_add_mapping(facts, index, n, mapping >> 16, mapping >> 8 & 0xFF, mapping & 0xFF);
+    facts->complete[ECT_FACT_PDO_ENTRY] = true;
 }
 
-static void add_assignment(facts_t *facts, const cJSON *object)
+static void add_assignment(ect_facts_t *facts, const cJSON *object)
 {
     uint32_t count;
     uint32_t pdo;
     if (!element(object, 0, &count))
         return;
     for (unsigned int n = 1; n <= count && n <= 255 && element(object, n, &pdo); n++)
-        (void)facts_add(facts, FACT_PDO_SM, pdo & 0xFFFF, 0, "%u", number_of(object, "index") - ECT_OD_ASSIGNMENT);
+        (void)ect_facts_add(facts, ECT_FACT_PDO_SM, pdo & 0xFFFF, 0, "%u",
+                            number_of(object, "index") - ECT_OD_ASSIGNMENT);
 }
 
-static void add_identity(facts_t *facts, const cJSON *object)
+static void add_identity(ect_facts_t *facts, const cJSON *object)
 {
-    static const fact_kind_t kinds[] = {FACT_VENDOR, FACT_PRODUCT, FACT_REVISION};
+    static const ect_fact_kind_t kinds[] = {ECT_FACT_VENDOR, ECT_FACT_PRODUCT, ECT_FACT_REVISION};
     uint32_t number;
     for (unsigned int i = 0; i < 3; i++) {
         if (element(object, i + 1, &number))
-            (void)facts_add(facts, kinds[i], 0, 0, "0x%08" PRIX32, number);
+            (void)ect_facts_add(facts, kinds[i], 0, 0, "0x%08" PRIX32, number);
     }
 }
 
-static void add_values(facts_t *facts, const cJSON *object)
+static void add_values(ect_facts_t *facts, const cJSON *object)
 {
     unsigned int index = number_of(object, "index");
     if (index == 0x1018)
@@ -153,7 +156,7 @@ static void add_values(facts_t *facts, const cJSON *object)
         add_assignment(facts, object);
 }
 
-static bool has(const facts_t *facts, fact_kind_t kind, uint16_t index)
+static bool has(const ect_facts_t *facts, ect_fact_kind_t kind, uint16_t index)
 {
     for (size_t i = 0; i < facts->count; i++) {
         if (facts->list[i].kind == kind && facts->list[i].index == index)
@@ -163,7 +166,7 @@ static bool has(const facts_t *facts, fact_kind_t kind, uint16_t index)
 }
 
 /* What no assignment names is assigned nowhere, if the slave has assignments. */
-static void add_unassigned(facts_t *facts, const cJSON *objects)
+static void add_unassigned(ect_facts_t *facts, const cJSON *objects)
 {
     const cJSON *object;
     bool assigns = false;
@@ -175,12 +178,12 @@ static void add_unassigned(facts_t *facts, const cJSON *objects)
     }
     for (size_t i = 0, count = facts->count; assigns && i < count; i++) {
         uint16_t index = facts->list[i].index;
-        if (facts->list[i].kind == FACT_PDO && !has(facts, FACT_PDO_SM, index))
-            (void)facts_add(facts, FACT_PDO_SM, index, 0, "none");
+        if (facts->list[i].kind == ECT_FACT_PDO && !has(facts, ECT_FACT_PDO_SM, index))
+            (void)ect_facts_add(facts, ECT_FACT_PDO_SM, index, 0, "none");
     }
 }
 
-bool facts_of_dictionary(facts_t *facts, const char *json)
+bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json)
 {
     cJSON *root = cJSON_Parse(json);
     const cJSON *objects = cJSON_GetObjectItemCaseSensitive(root, "objects");
@@ -193,8 +196,8 @@ bool facts_of_dictionary(facts_t *facts, const char *json)
         add_values(facts, object);
     }
     add_unassigned(facts, objects);
-    facts->complete[FACT_OBJECT] = described;
-    facts->complete[FACT_ENTRY] = described;
+    facts->complete[ECT_FACT_OBJECT] = described;
+    facts->complete[ECT_FACT_ENTRY] = described;
     bool fine = cJSON_IsArray(objects);
     cJSON_Delete(root);
     return fine;

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT */
+/* What an ESI file says beyond the twin that is made of it. */
+#include <inttypes.h>
+
+#include "facts/facts.h"
+
+static bool has_object(const ect_esi_dictionary_t *dictionary, uint16_t index)
+{
+    for (size_t i = 0; i < dictionary->object_count; i++) {
+        if (dictionary->objects[i].index == index)
+            return true;
+    }
+    return false;
+}
+
+/* An object that the twin has and the file has not, made because a PDO maps it or every slave has it. */
+static bool is_made(const ect_fact_t *fact, const ect_esi_device_t *model)
+{
+    return fact->kind >= ECT_FACT_OBJECT && fact->kind <= ECT_FACT_ENTRY_UNIT &&
+           !has_object(&model->dictionary, fact->index);
+}
+
+/* A module's objects move with the slot: then nobody knows here which are all. */
+static void mark_made(ect_facts_t *facts, const ect_esi_device_t *model)
+{
+    for (size_t i = 0; i < facts->count; i++) {
+        ect_fact_t *fact = &facts->list[i];
+        if (is_made(fact, model)) {
+            fact->made = true;
+            fact->text = NULL;
+        }
+    }
+    bool whole = model->dictionary.object_count > 0 && *model->dictionary_file == '\0' && model->slot_count == 0;
+    facts->complete[ECT_FACT_OBJECT] = whole;
+    facts->complete[ECT_FACT_ENTRY] = whole;
+}
+
+static bool is_default_timeout(const ect_fact_t *fact, const ect_esi_device_t *m)
+{
+    const uint32_t said[] = {m->preop_ms,          m->safeop_op_ms, m->back_to_init_ms,
+                             m->back_to_safeop_ms, m->request_ms,   m->response_ms};
+    return fact->kind == ECT_FACT_TIMEOUT && said[fact->index % 6] == 0;
+}
+
+/* The twin has names of its own there. */
+static bool is_own_name(const ect_fact_t *fact)
+{
+    return fact->kind == ECT_FACT_ENTRY_NAME &&
+           (fact->index == 0x1018 || fact->index == 0x1C00 || ect_facts_are_of_pdos(fact->index));
+}
+
+/* What a twin puts in the place of what a file leaves out is no fact of the file. */
+static void forget_unsaid(ect_facts_t *facts, const ect_esi_device_t *model)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < facts->count; i++) {
+        const ect_fact_t *fact = &facts->list[i];
+        bool unsaid = (fact->kind == ECT_FACT_GROUP && *model->group_type == '\0') ||
+                      (fact->kind == ECT_FACT_GROUP_NAME && *model->group_name == '\0') ||
+                      (fact->kind == ECT_FACT_VENDOR_NAME && *model->vendor_name == '\0') ||
+                      (fact->kind == ECT_FACT_PORTS && *model->physics == '\0') ||
+                      (fact->kind == ECT_FACT_EEPROM_SIZE && model->eeprom_size == 0) ||
+                      (fact->kind == ECT_FACT_CONFIG && fact->index * 2u + 2u > model->config.length) ||
+                      is_default_timeout(fact, model) || is_own_name(fact);
+        if (!unsaid)
+            facts->list[kept++] = *fact;
+    }
+    facts->count = kept;
+}
+
+static void add_sm(ect_facts_t *facts, unsigned int number, const ect_esi_sm_t *sm)
+{
+    if (sm->size.given)
+        (void)ect_facts_add(facts, ECT_FACT_SM_DEFAULT, number, 0, "%" PRId64, sm->size.value);
+    (void)ect_facts_add(facts, ECT_FACT_SM_MINIMUM, number, 0, "%u", sm->minimum);
+    (void)ect_facts_add(facts, ECT_FACT_SM_MAXIMUM, number, 0, "%u", sm->maximum);
+}
+
+static void add_pdo(ect_facts_t *facts, const ect_esi_pdo_t *pdo)
+{
+    char excludes[300] = "none";
+    size_t used = 0;
+    for (size_t i = 0; i < pdo->exclude_count && used < sizeof excludes - 8; i++)
+        used += (size_t)snprintf(excludes + used, sizeof excludes - used, "%s%04X", i > 0 ? " " : "", pdo->exclude[i]);
+    (void)ect_facts_add(facts, ECT_FACT_PDO_FIXED, pdo->index, 0, "%s", pdo->fixed ? "yes" : "no");
+    (void)ect_facts_add(facts, ECT_FACT_PDO_MANDATORY, pdo->index, 0, "%s", pdo->mandatory ? "yes" : "no");
+    (void)ect_facts_add(facts, ECT_FACT_PDO_EXCLUDES, pdo->index, 0, "%s", excludes);
+}
+
+void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model)
+{
+    ect_facts_of_device(facts, device);
+    forget_unsaid(facts, model);
+    mark_made(facts, model);
+    for (size_t i = 0; i < model->sm_count; i++)
+        add_sm(facts, (unsigned int)i, &model->sms[i]);
+    for (size_t i = 0; i < model->pdo_count; i++) {
+        if (!model->pdos[i].virtual_pdo)
+            add_pdo(facts, &model->pdos[i]);
+    }
+}

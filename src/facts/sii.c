@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/* What an EEPROM's image says, of any origin. */
+#include <inttypes.h>
+#include <string.h>
+
+#include "facts/facts.h"
+#include "sii/sii.h"
+#include "wire/bytes.h"
+
+typedef struct image {
+    ect_facts_t *facts;
+    const uint8_t *bytes;
+    size_t size;
+} image_t;
+
+static void add_string(const image_t *image, ect_fact_kind_t kind, unsigned int index, unsigned int element,
+                       uint8_t number)
+{
+    uint8_t length = 0;
+    const char *text = ect_sii_string(image->bytes, image->size, number, &length);
+    if (text != NULL)
+        ect_facts_add_text(image->facts, kind, index, element, text, length);
+}
+
+static void add_header(const image_t *image)
+{
+    ect_facts_t *facts = image->facts;
+    const uint8_t *w = image->bytes;
+    for (unsigned int word = 0; word < 7; word++) {
+        if (word != 4)
+            (void)ect_facts_add(facts, ECT_FACT_CONFIG, word, 0, "0x%04X", ect_load_le16(w + 2 * word));
+    }
+    uint8_t right = ect_sii_checksum(w);
+    if (w[14] == right)
+        (void)ect_facts_add(facts, ECT_FACT_CHECKSUM, 0, 0, "right");
+    else
+        (void)ect_facts_add(facts, ECT_FACT_CHECKSUM, 0, 0, "0x%02X, wrong: words 0 to 6 come to 0x%02X", w[14], right);
+    (void)ect_facts_add(facts, ECT_FACT_VENDOR, 0, 0, "0x%08" PRIX32, ect_load_le32(w + 0x10));
+    (void)ect_facts_add(facts, ECT_FACT_PRODUCT, 0, 0, "0x%08" PRIX32, ect_load_le32(w + 0x14));
+    (void)ect_facts_add(facts, ECT_FACT_REVISION, 0, 0, "0x%08" PRIX32, ect_load_le32(w + 0x18));
+    ect_facts_add_mailbox(facts, ECT_FACT_BOOT_OUT, ect_load_le16(w + 0x28), ect_load_le16(w + 0x2A));
+    ect_facts_add_mailbox(facts, ECT_FACT_BOOT_IN, ect_load_le16(w + 0x2C), ect_load_le16(w + 0x2E));
+    ect_facts_add_mailbox(facts, ECT_FACT_MAILBOX_OUT, ect_load_le16(w + 0x30), ect_load_le16(w + 0x32));
+    ect_facts_add_mailbox(facts, ECT_FACT_MAILBOX_IN, ect_load_le16(w + 0x34), ect_load_le16(w + 0x36));
+    (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%u bytes", (ect_load_le16(w + 0x7C) + 1u) * 128u);
+}
+
+static void add_general(const image_t *image)
+{
+    static const char letters[] = " Y K            "; /* MII and EBUS; of others nobody tells the letter */
+    size_t length = 0;
+    const uint8_t *g = ect_sii_category(image->bytes, image->size, ECT_SII_GENERAL, &length);
+    if (g == NULL || length < 18)
+        return;
+    add_string(image, ECT_FACT_GROUP, 0, 0, g[0]);
+    add_string(image, ECT_FACT_TYPE, 0, 0, g[2]);
+    add_string(image, ECT_FACT_NAME, 0, 0, g[3]);
+    ect_facts_add_protocols(image->facts, ect_load_le16(image->bytes + 0x38), g[5]);
+    (void)ect_facts_add(image->facts, ECT_FACT_EBUS, 0, 0, "%d mA", (int16_t)ect_load_le16(g + 12));
+    add_string(image, ECT_FACT_GROUP_NAME, 0, 0, g[14]);
+    char ports[5] = "";
+    for (unsigned int i = 0; i < 4; i++)
+        ports[i] = letters[ect_load_le16(g + 16) >> (4 * i) & 0xF];
+    ect_facts_add_text(image->facts, ECT_FACT_PORTS, 0, 0, ports, 4);
+}
+
+static void add_layout(const image_t *image)
+{
+    size_t length = 0;
+    const uint8_t *fmmus = ect_sii_category(image->bytes, image->size, ECT_SII_FMMU, &length);
+    if (fmmus != NULL)
+        ect_facts_add_fmmus(image->facts, fmmus, length);
+    const uint8_t *sms = ect_sii_category(image->bytes, image->size, ECT_SII_SYNCM, &length);
+    for (unsigned int i = 0; sms != NULL && i < length / 8; i++) {
+        const uint8_t *sm = sms + 8 * (size_t)i;
+        uint16_t bytes = ect_load_le16(sm + 2);
+        ect_facts_add_sm(image->facts, i, sm[7]);
+        (void)ect_facts_add(image->facts, ECT_FACT_SM_START, i, 0, "0x%04X", ect_load_le16(sm));
+        (void)ect_facts_add(image->facts, ECT_FACT_SM_CONTROL, i, 0, "0x%02X", sm[4]);
+        if (sm[7] == ECT_SM_UNUSED)
+            continue;
+        (void)ect_facts_add(image->facts, ECT_FACT_SM_LENGTH, i, 0, "%u bytes", bytes);
+        if (bytes > 0)
+            (void)ect_facts_add(image->facts, ECT_FACT_SM_ENABLED, i, 0, "%s", (sm[6] & 1u) != 0 ? "yes" : "no");
+    }
+    image->facts->complete[ECT_FACT_SM] = sms != NULL;
+}
+
+static void add_pdo_entries(const image_t *image, uint16_t pdo, const uint8_t *entries, unsigned int count)
+{
+    for (unsigned int n = 1; n <= count; n++, entries += 8) {
+        ect_facts_add_mapping(image->facts, pdo, n, ect_load_le16(entries),
+                              ect_load_le16(entries) != 0 ? entries[2] : 0, entries[5]);
+        add_string(image, ECT_FACT_PDO_ENTRY_NAME, pdo, n, entries[3]);
+        if (entries[4] != 0)
+            (void)ect_facts_add(image->facts, ECT_FACT_PDO_ENTRY_TYPE, pdo, n, "0x%02X", entries[4]);
+    }
+}
+
+static void add_pdos(const image_t *image, uint16_t category)
+{
+    size_t length = 0;
+    const uint8_t *pdo = ect_sii_category(image->bytes, image->size, category, &length);
+    while (pdo != NULL && length >= 8) {
+        uint16_t index = ect_load_le16(pdo);
+        size_t bytes = 8 + 8 * (size_t)pdo[2];
+        if (index == 0 || bytes > length)
+            return;
+        uint16_t flags = ect_load_le16(pdo + 6);
+        (void)ect_facts_add(image->facts, ECT_FACT_PDO, index, 0, "%s",
+                            category == ECT_SII_RXPDO ? "outputs" : "inputs");
+        (void)(pdo[3] == 0xFF ? ect_facts_add(image->facts, ECT_FACT_PDO_SM, index, 0, "none")
+                              : ect_facts_add(image->facts, ECT_FACT_PDO_SM, index, 0, "%u", pdo[3]));
+        add_string(image, ECT_FACT_PDO_NAME, index, 0, pdo[5]);
+        (void)ect_facts_add(image->facts, ECT_FACT_PDO_FIXED, index, 0, "%s",
+                            (flags & ECT_PDO_FIXED) != 0 ? "yes" : "no");
+        (void)ect_facts_add(image->facts, ECT_FACT_PDO_MANDATORY, index, 0, "%s",
+                            (flags & ECT_PDO_MANDATORY) != 0 ? "yes" : "no");
+        add_pdo_entries(image, index, pdo + 8, pdo[2]);
+        pdo += bytes;
+        length -= bytes;
+    }
+}
+
+static void add_clocks(const image_t *image)
+{
+    size_t length = 0;
+    const uint8_t *dc = ect_sii_category(image->bytes, image->size, ECT_SII_DC, &length);
+    for (unsigned int i = 0; dc != NULL && i < length / 24; i++, dc += 24) {
+        size_t before = image->facts->count;
+        add_string(image, ECT_FACT_DC, i, 0, dc[18]);
+        if (image->facts->count == before)
+            (void)ect_facts_add(image->facts, ECT_FACT_DC, i, 0, NULL);
+        (void)ect_facts_add(image->facts, ECT_FACT_DC_ACTIVATE, i, 0, "0x%04X", ect_load_le16(dc + 14));
+        (void)ect_facts_add(image->facts, ECT_FACT_DC_SYNC0, i, 0, "%" PRIu32 " ns, factor %d, shift %" PRId32 " ns",
+                            ect_load_le32(dc), (int16_t)ect_load_le16(dc + 16), (int32_t)ect_load_le32(dc + 4));
+        (void)ect_facts_add(image->facts, ECT_FACT_DC_SYNC1, i, 0, "factor %d, shift %" PRId32 " ns",
+                            (int16_t)ect_load_le16(dc + 12), (int32_t)ect_load_le32(dc + 8));
+    }
+}
+
+void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size)
+{
+    image_t image = {.facts = facts, .bytes = bytes, .size = size};
+    if (size < ECT_SII_CATEGORIES) {
+        (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%zu bytes, less than its header", size);
+        return;
+    }
+    add_header(&image);
+    add_general(&image);
+    add_layout(&image);
+    add_pdos(&image, ECT_SII_TXPDO);
+    add_pdos(&image, ECT_SII_RXPDO);
+    facts->complete[ECT_FACT_PDO] = true;
+    facts->complete[ECT_FACT_PDO_ENTRY] = true;
+    add_clocks(&image);
+    facts->complete[ECT_FACT_DC] = true;
+}
