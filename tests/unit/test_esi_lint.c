@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/* CF-063: what of an ESI file is not as a file should be, found with its line. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "esi/lint.h"
+
+/* A bitmap's header of that many points; what follows it does not matter. */
+#define BITMAP(width, height)                                                                                          \
+    "424D000000000000000036000000"                                                                                     \
+    "28000000" width height "0100"
+
+#define VENDOR "<Vendor>\n<Id>#x1</Id><Name>V</Name></Vendor>"
+#define GROUP  "<Group><Type>G</Type><Name>Group</Name></Group>"
+#define BODY                                                                                                           \
+    "<Type ProductCode='#x1' RevisionNo='1'>A</Type><Name>Device A</Name><GroupType>G</GroupType>\n"                   \
+    "<Fmmu>Inputs</Fmmu><Sm DefaultSize='1' StartAddress='#x1000' ControlByte='#x20' Enable='1'>Inputs</Sm>\n"         \
+    "<TxPdo Sm='0'><Index>#x1A00</Index><Name>P</Name><Entry><Index>#x6000</Index><SubIndex>1</SubIndex>"              \
+    "<BitLen>8</BitLen><Name>E</Name><DataType>USINT</DataType></Entry></TxPdo>\n"                                     \
+    "<Eeprom><ByteSize>2048</ByteSize><ConfigData>050C</ConfigData></Eeprom>"
+#define FILE_OF(vendor, group, device)                                                                                 \
+    "<EtherCATInfo>\n" vendor "\n<Descriptions><Groups>" group "</Groups><Devices>\n" device                           \
+    "\n</Devices></Descriptions></EtherCATInfo>"
+#define DEVICE(body) "<Device Physics='YY'>" body "</Device>"
+#define GOOD         FILE_OF(VENDOR, GROUP, DEVICE(BODY))
+
+static const struct mistake {
+    const char *what, *from, *to; /* `from` in GOOD becomes `to` */
+    bool wrong;
+    const char *told; /* NULL: nothing */
+} mistakes[] = {
+    {"the file as it is", "", "", false, NULL},
+    {"a picture of 16 x 14", "</Eeprom>",
+     "</Eeprom><ImageData16x14>" BITMAP("10000000", "0E000000") "</ImageData16x14>", false, NULL},
+    {"a picture from top to bottom", "</Eeprom>",
+     "</Eeprom><ImageData16x14>" BITMAP("10000000", "F2FFFFFF") "</ImageData16x14>", false, NULL},
+    {"inputs before outputs", "<TxPdo",
+     "<TxPdo><Index>#x1A01</Index><Name>Q</Name></TxPdo><RxPdo><Index>#x1600</Index>"
+     "<Name>R</Name></RxPdo><TxPdo",
+     false, NULL},
+
+    {"no vendor's name", "<Name>V</Name>", "", true, "f.xml:2: Vendor has no Name"},
+    {"an empty vendor's name", "<Name>V</Name>", "<Name/>", true, "f.xml:2: Vendor has no Name"},
+    {"no device's name", "<Name>Device A</Name>", "", true, "f.xml:5: Device has no Name"},
+    {"no ports", " Physics='YY'", "", true, "f.xml:5: Device has no Physics"},
+    {"no group", "<GroupType>G</GroupType>", "", true, "f.xml:5: Device has no GroupType"},
+    {"a group of another file", "<GroupType>G<", "<GroupType>H<", false, "f.xml:5: GroupType H is no group"},
+    {"a group without a name", "<Name>Group</Name>", "", false, "f.xml:5: GroupType G is no group with a name"},
+    {"no EEPROM", "<Eeprom><ByteSize>2048</ByteSize><ConfigData>050C</ConfigData></Eeprom>", "", false,
+     "f.xml:5: Device has no Eeprom"},
+    {"an EEPROM without a size", "<ByteSize>2048</ByteSize>", "", true,
+     "f.xml:8: Eeprom has neither Data nor ByteSize"},
+    {"first words that are too many", "050C<", "050C00000000000000000000000000<", true,
+     "f.xml:8: ConfigData has 15 bytes, more than the 14"},
+
+    {"the SyncManager before the FMMU", "<Fmmu>Inputs</Fmmu>", "<Sm>Inputs</Sm><Fmmu>Inputs</Fmmu>", true,
+     "f.xml:6: Fmmu behind Sm in Device"},
+    {"an element that nobody knows", "<Eeprom>", "<Eprom/><Eeprom>", true,
+     "f.xml:8: Eprom in Device, where there is no"},
+    {"modules before groups", "<Groups>", "<Modules/><Groups>", true, "f.xml:4: Groups behind Modules in Descriptions"},
+    {"the size behind the first words", "<ByteSize>2048</ByteSize><ConfigData>050C</ConfigData>",
+     "<ConfigData>050C</ConfigData><ByteSize>2048</ByteSize>", true, "f.xml:8: ByteSize behind ConfigData in Eeprom"},
+
+    {"a product code of C", "ProductCode='#x1'", "ProductCode='0x1'", true,
+     "f.xml:5: ProductCode 0x1: a hexadecimal number is written #x1"},
+    {"an index of C", "<Index>#x1A00<", "<Index>0x1A00<", true, "f.xml:7: Index 0x1A00: a hexadecimal"},
+    {"a vendor id of C", "<Id>#x1<", "<Id>0x1<", true, "f.xml:3: Id 0x1: a hexadecimal"},
+
+    {"OneByteMode", "<Sm ", "<Sm OneByteMode='1' ", true, "f.xml:6: OneByteMode of Sm is obsolete"},
+    {"TcCfgModeSafeOp", "<Type Prod", "<Type TcCfgModeSafeOp='1' Prod", true,
+     "f.xml:5: TcCfgModeSafeOp of Type is obsolete"},
+    {"OpOnly of an FMMU", "<Fmmu>", "<Fmmu OpOnly='1'>", true, "f.xml:6: OpOnly of Fmmu is obsolete"},
+    {"OpOnly of a SyncManager", "<Sm ", "<Sm OpOnly='1' ", false, "f.xml:6: OpOnly of Sm: many masters"},
+    {"a picture as a text", "</Eeprom>", "</Eeprom><Image16x14>A</Image16x14>", true,
+     "f.xml:8: Image16x14 is obsolete"},
+
+    {"a picture that is none", "</Eeprom>", "</Eeprom><ImageData16x14>00112233</ImageData16x14>", true,
+     "f.xml:8: ImageData16x14 of Device is not a bitmap"},
+    {"a picture that is not hexadecimal", "</Eeprom>", "</Eeprom><ImageData16x14>QM</ImageData16x14>", true,
+     "f.xml:8: ImageData16x14 of Device is empty or not hexadecimal"},
+    {"a picture of another size", "</Eeprom>",
+     "</Eeprom><ImageData16x14>" BITMAP("20000000", "0E000000") "</ImageData16x14>", true,
+     "f.xml:8: ImageData16x14 of Device is a bitmap of 32 x 14"},
+    {"a group's picture that is none", "</Name></Group>", "</Name><ImageData16x14>00</ImageData16x14></Group>", true,
+     "f.xml:4: ImageData16x14 of Group is not a bitmap"},
+};
+
+typedef struct heard {
+    unsigned int wrong, words;
+    char first[300];
+} heard_t;
+
+static void hear(void *ctx, bool wrong, const char *line)
+{
+    heard_t *heard = ctx;
+    if (heard->wrong + heard->words == 0)
+        (void)snprintf(heard->first, sizeof heard->first, "%s", line);
+    heard->wrong += wrong;
+    heard->words += !wrong;
+}
+
+static char *changed(const struct mistake *m)
+{
+    const char *at = strstr(GOOD, m->from);
+    char *text = calloc(1, sizeof GOOD + strlen(m->to));
+    assert_non_null(at);
+    assert_non_null(text);
+    (void)sprintf(text, "%.*s%s%s", (int)(at - GOOD), GOOD, m->to, at + strlen(m->from));
+    return text;
+}
+
+static heard_t heard_of(const char *text, const char *selector)
+{
+    char why[300] = "";
+    heard_t heard = {.wrong = 0};
+    ect_esi_t *esi = ect_esi_parse("f.xml", text, strlen(text), why, sizeof why);
+    const ect_esi_device_t *device = esi != NULL ? ect_esi_select(esi, selector, why, sizeof why) : NULL;
+    if (device == NULL)
+        fail_msg("expected a device, got: %s", why);
+    ect_esi_lint(esi, device, hear, &heard);
+    ect_esi_close(esi);
+    return heard;
+}
+
+static void each_mistake(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof mistakes / sizeof mistakes[0]; i++) {
+        const struct mistake *m = &mistakes[i];
+        char *text = changed(m);
+        heard_t heard = heard_of(text, "");
+        bool as_expected = m->told == NULL ? heard.wrong + heard.words == 0
+                                           : heard.wrong == m->wrong && heard.words == !m->wrong &&
+                                                 strncmp(heard.first, m->told, strlen(m->told)) == 0;
+        if (!as_expected)
+            fail_msg("%s: expected %s \"%s\", got %u wrong, %u words, first \"%s\"", m->what,
+                     m->told == NULL ? "nothing"
+                     : m->wrong      ? "wrong"
+                                     : "a word",
+                     m->told ? m->told : "", heard.wrong, heard.words, heard.first);
+        free(text);
+    }
+}
+
+/* Of a file of many devices only the one that was selected counts. */
+static void other_devices(void **state)
+{
+    static const char two[] =
+        FILE_OF(VENDOR, GROUP,
+                DEVICE(BODY) "<Device><Sm OneByteMode='1'/><Type ProductCode='0x2' RevisionNo='1'>B</Type></Device>");
+    (void)state;
+    heard_t good = heard_of(two, "A"), bad = heard_of(two, "B");
+    assert_int_equal(good.wrong + good.words, 0);
+    assert_true(bad.wrong >= 4);
+}
+
+/* A schema of our own, for the ETG's is not ours to carry. */
+static const char *write_schema(const char *text)
+{
+    static char path[] = "/tmp/ectwin-lint-XXXXXX";
+    (void)strcpy(path, "/tmp/ectwin-lint-XXXXXX");
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    FILE *stream = fdopen(file, "w");
+    assert_non_null(stream);
+    (void)fputs(text, stream);
+    (void)fclose(stream);
+    return path;
+}
+
+#define SCHEMA(type)                                                                                                   \
+    "<xs:schema xmlns:xs='http://www.w3.org/2001/XMLSchema'><xs:element name='EtherCATInfo' type='" type               \
+    "'/></xs:schema>"
+
+static void schemas(void **state)
+{
+    static const struct {
+        const char *what, *schema;
+        bool read;
+        unsigned int wrong;
+        const char *told;
+    } table[] = {
+        {"one that allows all", SCHEMA("xs:anyType"), true, 0, ""},
+        {"one that wants a number", SCHEMA("xs:int"), true, 2, "f.xml:1: Element 'EtherCATInfo'"},
+        {"none", "hello", false, 0, ""},
+    };
+    char why[300] = "";
+    (void)state;
+    ect_esi_t *esi = ect_esi_parse("f.xml", GOOD, strlen(GOOD), why, sizeof why);
+    assert_non_null(esi);
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        heard_t heard = {.wrong = 0};
+        const char *path = write_schema(table[i].schema);
+        bool read = ect_esi_validate(esi, path, hear, &heard, why, sizeof why);
+        (void)remove(path);
+        if (read != table[i].read || heard.wrong != table[i].wrong ||
+            strncmp(heard.first, table[i].told, strlen(table[i].told)) != 0)
+            fail_msg("%s: expected %d, %u wrong \"%s\", got %d, %u wrong \"%s\"", table[i].what, table[i].read,
+                     table[i].wrong, table[i].told, read, heard.wrong, heard.first);
+    }
+    ect_esi_close(esi);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-063: each mistake of a file is told, with its line, and how bad it is", each_mistake, NULL, NULL, NULL},
+        {"CF-063: what is wrong with other devices of a file does not matter", other_devices, NULL, NULL, NULL},
+        {"CF-063: a file is validated against the schema that the user has", schemas, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
