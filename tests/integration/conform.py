@@ -14,10 +14,11 @@ import sys
 import tempfile
 import xml.dom.minidom
 
-DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "docs/conformance.md"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+DOCUMENT = ROOT / "docs/conformance.md"
 BEGIN, END = "<!-- written by tests/integration/conform.py -->\n", "<!-- end -->\n"
 CHAIN = "in a chain"
-CHAIN_ARGUMENTS = (["--alias", "7", "vr-bu-ect-map7,fzm1,vr-bu-ect-map3"], ["--slave", "2"])
+CHAIN_ARGUMENTS = (["--alias", "7", "vr-bu-ect-map7,fzm1,vr-bu-ect-map3"], ["--slave", "2"]) # and without an ESI file
 
 
 def call(ectwin, conform, twins, arguments):
@@ -25,12 +26,21 @@ def call(ectwin, conform, twins, arguments):
                           timeout=300, check=False)
 
 
+def esi_of(device):
+    """What a run compares a device of ours with: the file of its family, and the schema where there is one."""
+    files = [path for path in sorted((ROOT / "esi").glob("*.xml")) if device.startswith(path.stem.removeprefix("ectwin-"))]
+    if len(files) != 1:
+        sys.exit(f"{device}: expected one file of its family in esi/, got {[path.name for path in files]}")
+    schema = os.environ.get("ECTWIN_ESI_SCHEMA")
+    return ["--esi", str(files[0]), *(["--schema", schema] if schema else [])]
+
+
 # --- devices --------------------------------------------------------------------------------------------------------
 
 
 def report(ectwin, conform, name):
     """One run. @return its JSON, and how to run it alone"""
-    twins, arguments = CHAIN_ARGUMENTS if name == CHAIN else ([name], [])
+    twins, arguments = CHAIN_ARGUMENTS if name == CHAIN else ([name], esi_of(name))
     done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
     alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
     try:
@@ -89,7 +99,7 @@ def devices(ectwin, conform, write):
 
 # Cases that a defect breaks besides its own, because they rest on the same thing.
 FOLLOW = {
-    "CF-004": ["CF-096"], "CF-015": ["CF-013"], "CF-025": ["CF-016"], "CF-027": ["CF-095"], "CF-029": ["CF-031"],
+    "CF-004": ["CF-096"], "CF-015": ["CF-013"], "CF-025": ["CF-016"], "CF-027": ["CF-060", "CF-095"], "CF-029": ["CF-031"],
     "CF-030": ["CF-020"], "CF-031": ["CF-005"], "CF-036": ["CF-022"], "CF-037": ["CF-022"], "CF-039": ["CF-022"],
     "CF-058": ["CF-026", "CF-086"], "CF-060": ["CF-027", "CF-095"], "CF-065": ["CF-004"], "CF-086": ["CF-058"],
 }
@@ -100,9 +110,10 @@ DEFECTS_LEAST = 60
 
 def defect(ectwin, conform, id_):
     """@return nothing, or what is wrong"""
-    twins = ["--break", id_, *DEFECT_TWINS.get(id_, ["fzm1"])]
-    done = call(ectwin, conform, twins, ["--format", "json"])
-    alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}}"
+    devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
+    twins, arguments = ["--break", id_, *devices_], esi_of(devices_[-1].split(",")[0])
+    done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
+    alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
     try:
         cases = json.loads(done.stdout)["cases"]
     except json.JSONDecodeError:
@@ -222,6 +233,71 @@ def on_request(ectwin, conform):
     contains("text", "INIT to PREOP: 20 times", call(ectwin, conform, ["fzm1"], timing).stdout)
 
 
+# What is wrong in the file: the mistake behind a text, and the cases that find it.
+MISTAKES = {
+    "another product code": ("<Device ", 'ProductCode="#x00F20001"', 'ProductCode="#x00F20009"', "CF-057"),
+    "a revision that the slave is too old for": ("<Device ", 'RevisionNo="#x00010000"', 'RevisionNo="#x00020000"', "CF-057"),
+    "a protocol that is not there": ("<Fmmu>", "</Mailbox>", "<FoE/></Mailbox>", "CF-058"),
+    "another size of the EEPROM": ("<Eeprom>", "<ByteSize>2048<", "<ByteSize>4096<", "CF-059"),
+    "another PDI": ("<Eeprom>", "<ConfigData>08", "<ConfigData>80", "CF-059"),
+    "a mailbox elsewhere": ("<Fmmu>", 'StartAddress="#x1000"', 'StartAddress="#x1F00"', "CF-060"),
+    "another order of mapped entries": ("<RxPdo", "<SubIndex>1<", "<SubIndex>2<", "CF-061"),
+    "a PDO of another name, which is an object's too": ("<RxPdo", "<Name>Command area", "<Name>Command", "CF-061,CF-077"),
+    "another clock mode": ("<Dc>", "<AssignActivate>#x0300<", "<AssignActivate>#x0700<", "CF-062"),
+    "an attribute that is obsolete": ("<Fmmu>", "<Sm ", '<Sm OneByteMode="1" ', "CF-063"),
+    "another name of the device": ("<Device ", "<Name>FZM1<", "<Name>FZM2<", "CF-064"),
+    "an object of another name": ("<Objects>", "<Name>Device type<", "<Name>Type of device<", "CF-077"),
+}
+COMPARED = "CF-05[4-9],CF-06*,CF-07[67]"
+
+
+def wrong_file(ectwin, conform):
+    """--esi: the file of the device passes all cases that compare with it, and each mistake in it fails just its cases"""
+    def failed(path):
+        done = call(ectwin, conform, ["fzm1"], ["--esi", str(path), "--only", COMPARED, "--format", "json"])
+        return [c["id"] for c in json.loads(done.stdout)["cases"] if c["verdict"] == "fail"]
+    whole = (ROOT / "esi/ectwin-fzm1.xml").read_text()
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "changed#1.xml"
+        path.write_text(whole)
+        expect("the file as it is", [], failed(path))
+        for what, (after, text, change, ids) in MISTAKES.items():
+            at = whole.find(text, whole.find(after))
+            expect(f"{what}: {text} is in the file", True, at > 0)
+            path.write_text(whole[:at] + change + whole[at + len(text):])
+            expect(what, ids.split(","), failed(path))
+
+
+def files_named(ectwin, conform):
+    """--esi: what cannot be read ends with 2 and a line; without a file, cases that need one are skipped; reports name it"""
+    fzm1, lot = str(ROOT / "esi/ectwin-fzm1.xml"), str(ROOT / "tests/esi/digital.xml")
+    for arguments, code, text in ((["--esi", "/no/such.xml"], 2, "/no/such.xml: No such file"),
+                                  (["--esi", f"{lot}#DI5"], 2, 'no device "DI5" in it'),
+                                  (["--esi", lot], 2, "both fit: name one"),
+                                  (["--esi", fzm1, "--schema", "/no/such.xsd"], 2, "/no/such.xsd: no schema"),
+                                  (["--schema", "a.xsd"], 64, "name it with --esi")):
+        done = call(ectwin, conform, ["fzm1"], [*arguments, "--only", "CF-057"])
+        expect(" ".join(arguments), code, done.returncode)
+        contains(" ".join(arguments), text, done.stderr)
+    without = json.loads(call(ectwin, conform, ["fzm1"], ["--only", "CF-063,CF-077", "--format", "json"]).stdout)
+    expect("without a file", [("skip", "no ESI file was given (--esi FILE)")] * 2,
+           [(c["verdict"], c["reason"]) for c in without["cases"]])
+    another = call(ectwin, conform, ["fzm1"], ["--esi", f"{lot}#DO16", "--only", "CF-057"])
+    expect("another device's file", 1, another.returncode)
+    contains("another device's file", f"ESI file: {lot}, DO16 revision 0x00010000", another.stdout)
+
+
+def power(ectwin, conform):
+    """--power: the slave is switched off and on by that command and found again; one that does not do it is noticed"""
+    chosen = ["--only", "CF-047,CF-096", "--format", "json"]
+    cases = json.loads(call(ectwin, conform, ["fzm1"], [*chosen, "--power", f"{ectwin} set restart=1 >&2"]).stdout)["cases"]
+    expect("with it", [("pass", ""), ("pass", "address lost; plug pulled; power off and on")],
+           [(c["verdict"], c["reason"]) for c in cases])
+    cases = json.loads(call(ectwin, conform, ["fzm1"], [*chosen, "--only", "CF-047", "--power", "exit 3"]).stdout)["cases"]
+    expect("one that fails", [("fail", "--power 'exit 3': expected exit code 0, got 3")],
+           [(c["verdict"], c["reason"]) for c in cases])
+
+
 def in_the_middle(ectwin, conform, arguments, what):
     """Runs the shell commands `what` when a run, $run, has come to CF-016: its capture says so"""
     with tempfile.TemporaryDirectory() as folder:
@@ -254,7 +330,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [exit_codes, listing, formats, capture, on_request, interrupted, dead_slave]
+    tests = [exit_codes, listing, formats, capture, on_request, wrong_file, files_named, power, interrupted, dead_slave]
     failed = 0
     for test in tests:
         if only and test.__name__ != only:

@@ -9,9 +9,10 @@
  * Throws malformed mails, frames and requests at the slave, of which none orders what lasts; a standard start-up after
  * each round must succeed. Rounds end early when the case's seconds are over and `rounds` is 0.
  * @param rounds  0: for the seconds of --fuzz
+ * @param each    how much is thrown before a start-up
  * @return how much was thrown
  */
-unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds);
+unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each);
 
 /**
  * Lets SOEM, unmodified and on its own, configure all slaves and take the one under test to OP with process data.

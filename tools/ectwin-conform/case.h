@@ -121,7 +121,8 @@ enum {
     CF_LRW_OK = 1u << 14,      /**< the chip offers LRW */
     CF_SII = 1u << 15,         /**< an EEPROM with a readable image */
     CF_WRITES_SII = 1u << 16,  /**< the user allows what writes the EEPROM (--destructive); put back what was there */
-    CF_NEEDS_COUNT = 17,
+    CF_ESI = 1u << 17,         /**< the user names its ESI file (--esi) */
+    CF_NEEDS_COUNT = 18,
 
     /* Not of the slave but of the user: who does not ask for such a case does not see it. */
     CF_STRESS = 1u << 24, /**< --stress */
@@ -179,9 +180,12 @@ typedef struct cf {
     cf_facts_t facts;
     cf_mailbox_t mailbox; /**< the standard mailbox, in force from PREOP on */
     bool destructive;     /**< --destructive was given */
+    bool whole;           /**< --long was given: what takes long is done as long as the checklist says */
+    const char *power;    /**< --power: the command that switches the slave off and on; NULL: there is none */
     uint32_t seconds;     /**< that --stress or --fuzz takes */
     uint64_t random;      /**< state of ::cf_random, from --seed; begins anew with each case */
     uint8_t mail_counter; /**< of the last mail sent, 1..7; 0 none yet */
+    struct cf_esi *esi;   /**< what esi.h compares with; NULL: the user named no file */
     struct cf_engine *engine;
 } cf_t;
 
@@ -287,6 +291,27 @@ enum { CF_SERIES_MOST = 16 };
 void cf_sleep_ms(cf_t *c, uint32_t ms);
 /** Reads a byte until (value & mask) == wanted. @return whether that came within `ms`; *last: the last value */
 bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint32_t ms, uint8_t *last);
+
+/** Gives the case so much more time. For one that takes longer when the user wants it (--long). */
+void cf_extend(cf_t *c, uint32_t ms);
+
+/* --- a slave that goes and comes -----------------------------------------------------------------------------------
+ */
+
+/**
+ * Cuts the slave off the wire for a while, as if its plug were pulled: by the port of the slave before it, or, when it
+ * is the first one, by taking this PC's interface down. Leaves the case when the slave is not found again.
+ * @param[out] why  when it cannot be done here: constant text, nothing has happened
+ * @return whether it was done
+ */
+bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why);
+/**
+ * Switches the slave off and on with the user's command (--power) and gives it its station address again. Leaves the
+ * case when the command fails or the slave is not found again; so does a slave that still has its address.
+ */
+void cf_power_cycle(cf_t *c);
+/** How long a slave may take from power-on or a link until it answers. */
+enum { CF_FOUND_MS = 30000 };
 
 /* --- SyncManagers and FMMUs --------------------------------------------------------------------------------------- */
 

@@ -261,13 +261,13 @@ static void throw_one(cf_t *c)
     }
 }
 
-unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds)
+unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each)
 {
     const uint64_t vendor = start_up(c), end = end_ns(c);
     unsigned long thrown = 0;
     for (unsigned int round = 1; rounds != 0 ? round <= rounds : cf_now_ns() < end; round++) {
         cf_step(c, "round %u", round);
-        for (int i = 0; i < ROUND; i++, thrown++)
+        for (unsigned int i = 0; i < each; i++, thrown++)
             throw_one(c);
         cf_expect(c, "vendor id, 1018h:01", vendor, start_up(c));
     }
@@ -276,7 +276,7 @@ unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds)
 
 static void fuzz(cf_t *c)
 {
-    unsigned long thrown = cf_fuzz_rounds(c, 0);
+    unsigned long thrown = cf_fuzz_rounds(c, 0, ROUND);
     cf_note(c, "%lu mails, frames and requests, a good start-up after each %d", thrown, (int)ROUND);
 }
 

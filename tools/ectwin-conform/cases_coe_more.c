@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "coe_walk.h"
+#include "esi.h"
 
 enum {
     NO_SUBINDEX_WRITE = 0x06010003,
@@ -184,6 +185,20 @@ static void information(cf_t *c)
     cf_expect_that(c, cf_info(c, 5, request, 4, reply, sizeof reply, &code) < 0 && code == NO_SUBINDEX,
                    "description of 1018h:77: expected info error 0x06090011, got 0x%08X", code);
     cf_note(c, "%u objects", objects);
+}
+
+static void as_in_file(cf_t *c)
+{
+    const ect_esi_device_t *model = cf_esi_model(c);
+    if (!model)
+        cf_skip(c, "the ESI file describes no device that can be: see CF-063");
+    if (model->dictionary.object_count == 0)
+        cf_skip(c, "the ESI file has no dictionary%s%s", *model->dictionary_file ? ": it is in " : "",
+                model->dictionary_file);
+    cf_go(c, CF_PREOP);
+    cf_esi_expect_objects(c);
+    cf_note(c, "%zu objects of the file%s", model->dictionary.object_count,
+            model->slot_count > 0 ? "; those of modules are not compared" : "");
 }
 
 /* --- rights ------------------------------------------------------------------------------------------------------- */
@@ -373,6 +388,8 @@ static const cf_case_t cases[] = {
     {"CF-075", "A PDO entry longer than its object is refused", 'F', CF_COE, 0, too_large},
     {"CF-076", "The information service lists and describes what there is", 'F', CF_COE | CF_SDO_INFO, 60000,
      information},
+    {"CF-077", "The dictionary is that of the ESI: objects, types, lengths, rights, names, defaults", 'S',
+     CF_COE | CF_SDO_INFO | CF_ESI, 120000, as_in_file},
     {"CF-078", "An entry that may be written in PREOP only is refused in SAFEOP", 'F', CF_COE | CF_SDO_INFO, 60000,
      by_state},
     {"CF-079", "An emergency has its code and form, and none comes below PREOP", 'F', CF_COE | CF_APPLICATION, 0,

@@ -2,7 +2,7 @@
 /* F. The EEPROM: its interface, and whether what stands in it is consistent and true. */
 #include <string.h>
 
-#include "case.h"
+#include "esi.h"
 #include "wire/crc.h"
 
 enum { STRINGS = 10, GENERAL = 30, FMMU = 40, SYNCM = 41, TXPDO = 50, RXPDO = 51, DC = 60 };
@@ -17,6 +17,7 @@ enum {
 enum { BUSY = 0x8000, WRITE_REFUSED = 0x4000, NO_ACK = 0x2000, BAD_CHECK = 0x0800, WIDE = 0x0080, WRITE_ENABLE = 1 };
 enum { COMMAND_READ = 0x0100, COMMAND_WRITE = 0x0200, COMMAND_RELOAD = 0x0400, COMMAND_NONE = 0x0300 };
 enum { SM_MAILBOX_OUT = 1, SM_MAILBOX_IN = 2, SM_OUTPUTS = 3, SM_INPUTS = 4 };
+enum { FINDINGS_SHOWN = 20 };
 enum { ERROR_PROTOCOL = 2, FOE_READ = 1, EOE_GET_IP = 6 };
 
 static uint16_t word(const cf_t *c, size_t n)
@@ -129,6 +130,18 @@ static void writing(cf_t *c)
 
 /* --- is it true? -------------------------------------------------------------------------------------------------- */
 
+/* A device may be newer than its file, not older. */
+static void identity_in_file(cf_t *c)
+{
+    const ect_esi_device_t *model = cf_esi_model(c);
+    cf_esi_expect_sii(c, ECT_FACT_VENDOR, ECT_FACT_PRODUCT);
+    if (model && c->facts.revision_no > model->revision)
+        cf_warn(c, "revision: 0x%08X, newer than the 0x%08X of the ESI file", c->facts.revision_no, model->revision);
+    cf_expect_that(c, !model || c->facts.revision_no >= model->revision,
+                   "revision: expected 0x%08X as in the ESI file or newer, got 0x%08X", model ? model->revision : 0,
+                   c->facts.revision_no);
+}
+
 static void identity(cf_t *c)
 {
     static const char *const names[] = {"vendor id", "product code", "revision", "serial number"};
@@ -136,6 +149,7 @@ static void identity(cf_t *c)
     cf_expect_that(c, c->facts.vendor != 0 && c->facts.product != 0,
                    "vendor id and product code of the SII: expected not 0, got 0x%08X and 0x%08X", c->facts.vendor,
                    c->facts.product);
+    identity_in_file(c);
     if ((c->facts.has & CF_COE) == 0)
         return;
     cf_go(c, CF_PREOP);
@@ -183,6 +197,7 @@ static void offered(cf_t *c)
     cf_go(c, CF_PREOP);
     for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++)
         try_protocol(c, &protocols[i]);
+    cf_esi_expect_sii(c, ECT_FACT_PROTOCOLS, ECT_FACT_COE);
 }
 
 static void size(cf_t *c)
@@ -200,6 +215,7 @@ static void size(cf_t *c)
     bool wide = (cf_get16(c, ECT_REG_SII_CONTROL) & WIDE) != 0;
     if (f->eeprom_bytes > SMALL_EEPROM && !wide)
         cf_warn(c, "word 0x3E says %u bytes, the chip addresses its EEPROM with one byte: up to 2048", f->eeprom_bytes);
+    cf_esi_expect_sii(c, ECT_FACT_EEPROM_SIZE, ECT_FACT_CONFIG);
 }
 
 /* --- is it consistent? -------------------------------------------------------------------------------------------- */
@@ -236,6 +252,16 @@ static uint32_t span(const cf_t *c, unsigned int n)
     return sm->type >= SM_OUTPUTS && sm->length > 1 ? 3u * sm->length : sm->length;
 }
 
+static void no_overlap(cf_t *c)
+{
+    for (unsigned int a = 0; a < c->facts.sm_count; a++) {
+        for (unsigned int b = a + 1; b < c->facts.sm_count; b++)
+            cf_expect_that(c, !overlap(c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b)),
+                           "SM%u and SM%u: expected apart, three buffers included, got 0x%04X+%u and 0x%04X+%u", a, b,
+                           c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b));
+    }
+}
+
 static void categories(cf_t *c)
 {
     size_t length;
@@ -251,12 +277,9 @@ static void categories(cf_t *c)
                    length);
     for (unsigned int n = 0; n < length / 8; n++)
         check_sm(c, n, data + (size_t)8 * n);
-    for (unsigned int a = 0; a < c->facts.sm_count; a++) {
-        for (unsigned int b = a + 1; b < c->facts.sm_count; b++)
-            cf_expect_that(c, !overlap(c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b)),
-                           "SM%u and SM%u: expected apart, three buffers included, got 0x%04X+%u and 0x%04X+%u", a, b,
-                           c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b));
-    }
+    no_overlap(c);
+    cf_esi_expect_sii(c, ECT_FACT_PORTS, ECT_FACT_EBUS);
+    cf_esi_expect_sii(c, ECT_FACT_MAILBOX_OUT, ECT_FACT_FMMU);
 }
 
 /* A PDO of the SII against the object of its index. */
@@ -279,26 +302,45 @@ static void compare_pdo(cf_t *c, const uint8_t *pdo)
     }
 }
 
-static unsigned int compare_pdos(cf_t *c, uint16_t category)
+static void compare_pdos(cf_t *c, uint16_t category)
+{
+    size_t length;
+    const uint8_t *data;
+    for (unsigned int nth = 0; (data = cf_sii_block(c, category, nth, &length)) != NULL; nth++) {
+        for (size_t at = 0; at + 8 <= length; at += 8 + (size_t)8 * data[at + 2])
+            compare_pdo(c, data + at);
+    }
+}
+
+/* A PDO that is cut off ends the case. */
+static unsigned int count_pdos(cf_t *c, uint16_t category)
 {
     unsigned int pdos = 0;
     size_t length;
     const uint8_t *data;
     for (unsigned int nth = 0; (data = cf_sii_block(c, category, nth, &length)) != NULL; nth++) {
-        for (size_t at = 0; at + 8 <= length; at += 8 + (size_t)8 * data[at + 2], pdos++) {
+        for (size_t at = 0; at + 8 <= length; at += 8 + (size_t)8 * data[at + 2], pdos++)
             cf_expect_that(c, at + 8 + (size_t)8 * data[at + 2] <= length, "a PDO of the SII is cut off");
-            compare_pdo(c, data + at);
-        }
     }
     return pdos;
 }
 
 static void mapping(cf_t *c)
 {
-    cf_go(c, CF_PREOP);
-    unsigned int pdos = compare_pdos(c, RXPDO) + compare_pdos(c, TXPDO);
-    if (pdos == 0)
-        cf_skip(c, "the SII lists no PDOs: masters take them from CoE");
+    const bool coe = (c->facts.has & CF_COE) != 0, file = cf_esi_model(c) != NULL;
+    unsigned int pdos = count_pdos(c, RXPDO) + count_pdos(c, TXPDO);
+    if (pdos == 0 && !(file && coe))
+        cf_skip(c, "the SII lists no PDOs%s", coe ? ": masters take them from CoE" : "");
+    if (!file && !coe)
+        cf_skip(c, "the slave has no CoE, and no ESI file was given (--esi FILE)");
+    if (pdos > 0)
+        cf_esi_expect_sii(c, ECT_FACT_PDO, ECT_FACT_PDO_ENTRY_TYPE);
+    if (coe) {
+        cf_go(c, CF_PREOP);
+        compare_pdos(c, RXPDO);
+        compare_pdos(c, TXPDO);
+        cf_esi_expect_assigned(c);
+    }
     cf_note(c, "%u PDOs", pdos);
 }
 
@@ -319,6 +361,12 @@ static void clocks(cf_t *c)
 {
     size_t length;
     const uint8_t *data = cf_sii_category(c, DC, &length);
+    const ect_esi_device_t *model = cf_esi_model(c);
+    if (!data && model && model->dc_count > 0) {
+        cf_warn(c, "the ESI file has %zu clock modes, the SII none: masters without the file do not know them",
+                model->dc_count);
+        return;
+    }
     if (!data)
         cf_skip(c, "the SII has no clock modes");
     cf_expect_that(c, length % 24 == 0, "clock modes: expected 24 bytes each, got %zu in all", length);
@@ -334,6 +382,44 @@ static void clocks(cf_t *c)
         expect_string(c, "name of a clock mode", data[at + 18]);
         expect_string(c, "description of a clock mode", data[at + 19]);
     }
+    cf_esi_expect_sii(c, ECT_FACT_DC, ECT_FACT_DC_SYNC1);
+}
+
+/* --- the file itself -----------------------------------------------------------------------------------------------
+ */
+
+typedef struct findings {
+    cf_t *c;
+    size_t wrong, words;
+    char first_wrong[300], first_word[300];
+} findings_t;
+
+static void find(void *ctx, bool wrong, const char *line)
+{
+    findings_t *f = ctx;
+    size_t *count = wrong ? &f->wrong : &f->words;
+    if (*count == 0)
+        snprintf(wrong ? f->first_wrong : f->first_word, sizeof f->first_wrong, "%s", line);
+    if (++*count <= FINDINGS_SHOWN)
+        cf_step(f->c, "%s", line);
+}
+
+/* Nothing of the slave: what it says is compared with this file by other cases. */
+static void file(cf_t *c)
+{
+    char text[CF_ESI_TEXT];
+    findings_t f = {.c = c};
+    if (!c->esi->twin)
+        cf_fail(c, "%.350s", c->esi->why);
+    ect_esi_lint(c->esi->file, c->esi->device, find, &f);
+    if (c->esi->schema && !ect_esi_validate(c->esi->file, c->esi->schema, find, &f, text, sizeof text))
+        cf_fail(c, "%.350s", text);
+    if (f.wrong > 0)
+        cf_fail(c, "%s%s", f.first_wrong, f.wrong > 1 ? ", and more" : "");
+    if (f.words > 0)
+        cf_warn(c, "%s%s", f.first_word, f.words > 1 ? ", and more" : "");
+    cf_note(c, "%s",
+            c->esi->schema ? "valid against the schema" : "not validated: --schema names the schema of the ETG");
 }
 
 static void pdo_strings(cf_t *c, uint16_t category)
@@ -366,6 +452,7 @@ static void strings(cf_t *c)
         expect_string(c, "a string of the General category", general[n]);
     pdo_strings(c, RXPDO);
     pdo_strings(c, TXPDO);
+    cf_esi_expect_sii(c, ECT_FACT_TYPE, ECT_FACT_GROUP_NAME);
 }
 
 static void alias(cf_t *c)
@@ -400,14 +487,19 @@ static const cf_case_t cases[] = {
      reading},
     {"CF-056", "A write needs its enable bit, commands need ownership; reload changes nothing", 'R', CF_SII, 0,
      writing},
-    {"CF-057", "Identity in the SII and in 1018h is the same", 'S', CF_SII, 0, identity},
-    {"CF-058", "Each protocol that the SII names answers, each other gets mailbox error 0x0002", 'S',
+    {"CF-057", "Identity in the SII, in 1018h and in the ESI is the same", 'S', CF_SII, 0, identity},
+    {"CF-058", "Each protocol that the SII names (as the ESI does) answers, each other gets mailbox error 0x0002", 'S',
      CF_SII | CF_MAILBOX, 0, offered},
-    {"CF-059", "The image ends within the size that it names", 'S', CF_SII, 0, size},
-    {"CF-060", "General, FMMU and SyncManager categories fit each other and the chip", 'S', CF_SII, 0, categories},
-    {"CF-061", "PDOs of the SII are those of the dictionary, entry by entry", 'S', CF_SII | CF_COE, 60000, mapping},
-    {"CF-062", "Clock modes fit the chip", 'S', CF_SII, 0, clocks},
-    {"CF-064", "Every string that is referred to exists and is whole", 'S', CF_SII, 0, strings},
+    {"CF-059", "The image ends within the size that it names; size and first words are those of the ESI", 'S', CF_SII,
+     0, size},
+    {"CF-060", "General, FMMU and SyncManager categories fit each other, the chip and the ESI", 'S', CF_SII, 0,
+     categories},
+    {"CF-061", "PDOs of the SII are those of the dictionary and of the ESI, entry by entry", 'S', CF_SII, 60000,
+     mapping},
+    {"CF-062", "Clock modes fit the chip and are those of the ESI", 'S', CF_SII, 0, clocks},
+    {"CF-063", "The ESI file is as a file should be, and describes a device that can be", 'S', CF_ESI, 0, file},
+    {"CF-064", "Every string that is referred to exists and is whole; names are those of the ESI", 'S', CF_SII, 0,
+     strings},
     {"CF-065", "Alias of EEPROM and register agree; identification is declared once", 'S', CF_SII, 0, alias},
     {"CF-066", "The image reads the same a second time", 'F', CF_SII, 60000, again},
 };

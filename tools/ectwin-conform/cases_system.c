@@ -2,7 +2,8 @@
 /* J. The slave as a whole. */
 #include "beyond.h"
 
-enum { LED_RUN_ON = 0x0F, LED_RUN_BLINKS = 0x0D, LED_RUN_FLASHES = 0x01, FUZZ_ROUNDS = 40 };
+enum { LED_RUN_ON = 0x0F, LED_RUN_BLINKS = 0x0D, LED_RUN_FLASHES = 0x01, FUZZ_ROUNDS = 40, FUZZ_ROUND = 32 };
+enum { LONG_ROUNDS = 1000, LONG_ROUND = 1000, LONG_MS = 3600000, PULLED_MS = 300, WATCHDOG_TICKS = 1000 };
 
 /* RUN as the chip shows it, where it has the register: off, blinking, single flash, on. */
 static void indicators(cf_t *c)
@@ -24,8 +25,11 @@ static void indicators(cf_t *c)
 
 static void survives(cf_t *c)
 {
-    unsigned long thrown = cf_fuzz_rounds(c, FUZZ_ROUNDS);
-    cf_note(c, "%lu mails, frames and requests; --fuzz throws for longer", thrown);
+    if (c->whole)
+        cf_extend(c, LONG_MS);
+    unsigned long thrown =
+        c->whole ? cf_fuzz_rounds(c, LONG_ROUNDS, LONG_ROUND) : cf_fuzz_rounds(c, FUZZ_ROUNDS, FUZZ_ROUND);
+    cf_note(c, "%lu mails, frames and requests%s", thrown, c->whole ? "" : "; --long throws a million");
 }
 
 /* SOEM knows nothing but the SII and CoE. */
@@ -52,19 +56,69 @@ static void lose_address(cf_t *c, uint8_t state)
     cf_expect(c, "AL status afterwards", state, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
 }
 
+/* What a slave may be in that was not heard of for a while: as before, or lower, and then it says so. */
+static void expect_kept_or_told(cf_t *c, uint8_t state)
+{
+    uint8_t bytes[6] = {0};
+    uint16_t wkc = cf_command(c, CF_APRD, c->facts.ring, ECT_REG_AL_STATUS, bytes, sizeof bytes);
+    const uint16_t status = ect_load_le16(bytes) & 0x1F, code = ect_load_le16(bytes + 4);
+    cf_expect_wkc(c, "AL status, by position", 1, wkc);
+    cf_expect_that(c, status == state || ((status & ECT_AL_ERROR) != 0 && code != 0),
+                   "AL status with the plug back: expected %s, or an error with its code, got %s with code 0x%04X",
+                   cf_state_name(state), cf_state_name(status), code);
+}
+
+/* @return whether it can be done here */
+static bool pulled_in(cf_t *c, uint8_t state, const char **why)
+{
+    cf_go(c, state);
+    cf_step(c, "the plug is pulled in %s for %d ms", cf_state_name(state), (int)PULLED_MS);
+    if (state == CF_OP) {
+        cf_put16(c, ECT_REG_WD_TIME_PD, WATCHDOG_TICKS); /* 100 ms: what a controller has */
+        (void)cf_cycle(c, NULL, NULL);
+    }
+    if (!cf_pull_plug(c, PULLED_MS, why))
+        return false;
+    expect_kept_or_told(c, state);
+    cf_step(c, "configured again");
+    cf_known_state(c);
+    cf_go(c, state);
+    return true;
+}
+
+static void switched_off_in(cf_t *c, uint8_t state)
+{
+    cf_go(c, state);
+    cf_power_cycle(c);
+    cf_expect(c, "AL status after power-on", CF_INIT, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
+    cf_known_state(c);
+    cf_go(c, state);
+}
+
 static void found_again(cf_t *c)
 {
     static const uint8_t states[] = {CF_INIT, CF_PREOP, CF_SAFEOP, CF_OP};
+    const char *why = NULL;
     for (size_t i = 0; i < sizeof states; i++)
         lose_address(c, states[i]);
-    cf_note(c, "address loss; pulling the plug needs a hand");
+    for (size_t i = 0; i < sizeof states && !why; i++) {
+        cf_known_state(c);
+        (void)pulled_in(c, states[i], &why);
+    }
+    for (size_t i = 0; i < sizeof states && c->power; i++) {
+        cf_known_state(c);
+        switched_off_in(c, states[i]);
+    }
+    cf_note(c, "address lost; plug pulled%s%s%s", why ? " not: " : "", why ? why : "",
+            c->power ? "; power off and on" : "; power off and on: --power names the command for it");
 }
 
 static const cf_case_t cases[] = {
     {"CF-093", "The RUN indicator shows the state", 'T', 0, 0, indicators},
     {"CF-094", "After random datagrams and mails a standard start-up succeeds", 'F', 0, 60000, survives},
     {"CF-095", "SOEM brings it to OP from SII and CoE alone", 'F', CF_SII, 60000, soem},
-    {"CF-096", "A slave that lost its address is found again in every state", 'F', 0, 0, found_again},
+    {"CF-096", "A slave that lost its address, its wire or its power is found again in every state", 'F', 0, 60000,
+     found_again},
 };
 
 CF_SECTION(cf_system, 'J', "System", cases);

@@ -41,6 +41,7 @@ const char *cf_need_text(uint32_t bit)
         "the chip has no LRW",
         "there is no EEPROM that can be read",
         "it writes the EEPROM: only with --destructive",
+        "no ESI file was given (--esi FILE)",
     };
     for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++) {
         if ((bit & (1u << n)) != 0)

@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "coe_walk.h"
 
-enum { DESCRIBE_OBJECT = 3, DESCRIBE_ENTRY = 5, OBJECT_BYTES = 6, ENTRY_BYTES = 10, ANSWER = 512, ACCESS_INFO = 7 };
+#include <stdio.h>
+
+enum { DESCRIBE_OBJECT = 3, DESCRIBE_ENTRY = 5, OBJECT_BYTES = 6, HEADERS = 12, ACCESS_INFO = 7 };
+
+bool coe_is_full(const cf_t *c, int bytes)
+{
+    return bytes + HEADERS >= c->mailbox.in_size;
+}
 
 static bool describe(cf_t *c, uint16_t index, coe_object_t *object)
 {
-    uint8_t request[2], answer[ANSWER];
+    uint8_t request[2], answer[COE_ANSWER];
     uint32_t code;
     ect_store_le16(request, index);
     int bytes = cf_info(c, DESCRIBE_OBJECT, request, sizeof request, answer, sizeof answer, &code);
@@ -14,25 +21,33 @@ static bool describe(cf_t *c, uint16_t index, coe_object_t *object)
     cf_expect_that(c, bytes >= OBJECT_BYTES, "description of %04Xh: expected at least 6 bytes, got %d", index, bytes);
     cf_expect(c, "index of an object description", index, ect_load_le16(answer));
     *object = (coe_object_t){.index = index, .type = ect_load_le16(answer + 2), .most = answer[4], .code = answer[5]};
+    if (!coe_is_full(c, bytes))
+        snprintf(object->name, sizeof object->name, "%.*s", bytes - OBJECT_BYTES, (const char *)answer + OBJECT_BYTES);
     return true;
+}
+
+int coe_describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t value_info, uint8_t *answer)
+{
+    uint8_t request[4] = {0};
+    uint32_t code;
+    ect_store_le16(request, index);
+    request[2] = sub;
+    request[3] = value_info;
+    int bytes = cf_info(c, DESCRIBE_ENTRY, request, sizeof request, answer, COE_ANSWER, &code);
+    if (bytes < 0)
+        return -1;
+    cf_expect_that(c, bytes >= COE_ENTRY_BYTES, "description of %04Xh:%02X: expected at least 10 bytes, got %d", index,
+                   sub, bytes);
+    cf_expect(c, "index of an entry description", index, ect_load_le16(answer));
+    cf_expect(c, "sub-index of an entry description", sub, answer[2]);
+    return bytes;
 }
 
 bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *entry)
 {
-    uint8_t request[4] = {0}, answer[ANSWER];
-    uint32_t code;
-    if ((c->facts.has & CF_SDO_INFO) == 0)
+    uint8_t answer[COE_ANSWER];
+    if ((c->facts.has & CF_SDO_INFO) == 0 || coe_describe_entry(c, object->index, sub, ACCESS_INFO, answer) < 0)
         return false;
-    ect_store_le16(request, object->index);
-    request[2] = sub;
-    request[3] = ACCESS_INFO;
-    int bytes = cf_info(c, DESCRIBE_ENTRY, request, sizeof request, answer, sizeof answer, &code);
-    if (bytes < 0)
-        return false;
-    cf_expect_that(c, bytes >= ENTRY_BYTES, "description of %04Xh:%02X: expected at least 10 bytes, got %d",
-                   object->index, sub, bytes);
-    cf_expect(c, "index of an entry description", object->index, ect_load_le16(answer));
-    cf_expect(c, "sub-index of an entry description", sub, answer[2]);
     *entry = (coe_entry_t){
         .type = ect_load_le16(answer + 4), .bits = ect_load_le16(answer + 6), .access = ect_load_le16(answer + 8)};
     return true;
@@ -41,7 +56,8 @@ bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *en
 /* Without descriptions: what every slave with CoE has. */
 static unsigned int walk_usual(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object))
 {
-    static const coe_object_t usual[] = {{0x1000, 7, 0, COE_VAR}, {0x1018, 0x23, 4, COE_RECORD}};
+    static const coe_object_t usual[] = {{.index = 0x1000, .type = 7, .code = COE_VAR},
+                                         {.index = 0x1018, .type = 0x23, .most = 4, .code = COE_RECORD}};
     for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++)
         visit(c, &usual[i]);
     return sizeof usual / sizeof usual[0];

@@ -15,12 +15,22 @@ enum {
     COE_WRITE_SAFEOP = 0x10,
     COE_WRITE_OP = 0x20,
 };
-enum { COE_OBJECTS_MOST = 1024, COE_ENTRIES_MOST = 600 };
+enum { COE_OBJECTS_MOST = 1024, COE_ENTRIES_MOST = 600, COE_NAME = 64, COE_ANSWER = 512 };
+/** What a description of an entry is asked for beside its type, length and rights, and where that begins. */
+enum {
+    COE_INFO_UNIT = 0x08,
+    COE_INFO_DEFAULT = 0x10,
+    COE_INFO_MINIMUM = 0x20,
+    COE_INFO_MAXIMUM = 0x40,
+    COE_INFO_ALL = 0x7F
+};
+enum { COE_ENTRY_BYTES = 10 };
 
 typedef struct coe_object {
     uint16_t index, type;
-    uint8_t most; /**< the last sub-index */
-    uint8_t code; /**< COE_VAR ... */
+    uint8_t most;        /**< the last sub-index */
+    uint8_t code;        /**< COE_VAR ... */
+    char name[COE_NAME]; /**< "" none, or perhaps cut off by the end of the mailbox */
 } coe_object_t;
 
 typedef struct coe_entry {
@@ -34,5 +44,14 @@ typedef struct coe_entry {
 unsigned int coe_walk(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object));
 /** @return false: the slave says that there is no such entry, or has no information service */
 bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *entry);
+/**
+ * The whole description of an entry.
+ * @param value_info  COE_INFO_...: what the slave may add
+ * @param[out] answer  COE_ANSWER bytes: index, sub-index, what was added (at 3), type, length, rights, then the rest
+ * @return bytes, at least COE_ENTRY_BYTES; -1: the slave says that there is no such entry
+ */
+int coe_describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t value_info, uint8_t *answer);
+/** Whether an answer of that many bytes fills the mailbox to its end: a name at its end may be cut off. */
+bool coe_is_full(const cf_t *c, int bytes);
 
 #endif

@@ -10,7 +10,7 @@
 #include <time.h>
 
 /* What stays of a case: of one that passed the end, of others enough to see why. */
-enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 20000, LOOK_NS = 200000 };
+enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 40000, LOOK_NS = 200000 };
 
 /* --- the way out of a case -----------------------------------------------------------------------------------------
  */
@@ -33,6 +33,12 @@ void cf_check_time(cf_t *c)
         return;
     snprintf(text, sizeof text, "time limit: not done within %u ms", c->engine->limit_ms);
     cf_leave(c, CF_FAIL, text);
+}
+
+void cf_extend(cf_t *c, uint32_t ms)
+{
+    c->engine->deadline_ns += ms * UINT64_C(1000000);
+    c->engine->limit_ms += ms;
 }
 
 #define FORMATTED(text, format)                                                                                        \
@@ -251,6 +257,7 @@ static void put_back(cf_t *c)
 {
     cf_engine_t *e = c->engine;
     bool sdo = false;
+    cf_put_plug_back(c);
     cf_known_state(c);
     for (size_t i = 0; i < e->undo_count; i++)
         sdo |= !e->undo[i].sii;
@@ -282,7 +289,7 @@ static void restore(cf_t *c, cf_result_t *result)
 
 static uint32_t missing(const cf_t *c, const cf_case_t *entry)
 {
-    uint32_t has = c->facts.has | (c->destructive ? CF_WRITES_SII : 0);
+    uint32_t has = c->facts.has | (c->destructive ? CF_WRITES_SII : 0) | (c->esi ? CF_ESI : 0);
     return entry->needs & ~(has | CF_ON_REQUEST);
 }
 

@@ -60,14 +60,19 @@ typedef struct cf_engine {
     uint64_t seed;
     cf_series_t series[CF_SERIES_MOST];
     size_t series_count;
-    bool silent; /**< the last frame did not come back: the next is not waited for as long */
-    bool lame;   /**< the slave could not be brought back to INIT: it is not waited for as long */
+    bool pulled;          /**< the slave's plug is pulled, to be put back */
+    uint8_t port_control; /**< of the slave before it, as it was (0x0101); of the first slave: not used */
+    bool silent;          /**< the last frame did not come back: the next is not waited for as long */
+    bool lame;            /**< the slave could not be brought back to INIT: it is not waited for as long */
 } cf_engine_t;
 
 /** Looks what is on the segment and gives all slaves their addresses. @return how many; 0 none */
 uint16_t cf_scan(cf_t *c);
 /** Fills the facts and the mailbox. Leaves by the engine's jump when the slave cannot be read. */
 void cf_probe(cf_t *c);
+
+/** Puts the plug back if it is pulled, and waits until all slaves are found. */
+void cf_put_plug_back(cf_t *c);
 
 /** Ends what runs with that verdict. */
 _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
@@ -93,6 +98,7 @@ typedef struct cf_run {
     size_t count;
     size_t planned;
     const char *iface;
+    const char *esi;  /**< the ESI file, and which device of it; NULL: none */
     char started[32]; /**< local time, ISO 8601 */
     uint64_t duration_ns;
 } cf_run_t;

@@ -14,6 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "esi.h"
 #include "report.h"
 
 enum { EXIT_CLEAN = 0, EXIT_FAILED = 1, EXIT_NOTHING = 2, EXIT_USAGE = 64, EXIT_INTERRUPTED = 130 };
@@ -21,6 +22,8 @@ enum {
     OPTION_ONLY = 256,
     OPTION_SKIP,
     OPTION_SLAVE,
+    OPTION_ESI,
+    OPTION_SCHEMA,
     OPTION_LIST,
     OPTION_FORMAT,
     OPTION_PCAP,
@@ -28,21 +31,26 @@ enum {
     OPTION_STRESS,
     OPTION_FUZZ,
     OPTION_TIMING,
-    OPTION_SEED
+    OPTION_SEED,
+    OPTION_LONG,
+    OPTION_POWER
 };
 enum { PROBE_MS = 60000, MOST_SECONDS = 3000 };
 
 typedef struct args {
-    const char *iface, *only, *skip, *output, *pcap;
+    const char *iface, *only, *skip, *output, *pcap, *esi, *schema, *power;
     unsigned long slave, seconds, seed;
     uint32_t asked; /* of CF_ON_REQUEST */
     cf_report_t report;
-    bool list, destructive;
+    bool list, destructive, whole;
 } args_t;
 
 static const struct argp_option options[] = {
     {"interface", 'i', "IFACE", 0, "The network interface that the slave is on", 0},
     {"slave", OPTION_SLAVE, "N", 0, "Which slave of the segment, from 1; default 1", 0},
+    {"esi", OPTION_ESI, "FILE[#TYPE]", 0,
+     "Compare the slave with its ESI file too; without #TYPE with the device of its product code and revision", 0},
+    {"schema", OPTION_SCHEMA, "FILE.xsd", 0, "Validate the ESI file against the ETG's EtherCATInfo.xsd", 0},
     {"only", OPTION_ONLY, "IDS", 0, "Run these cases only: CF-033,CF-04*", 0},
     {"skip", OPTION_SKIP, "IDS", 0, "Leave these cases out", 0},
     {"list", OPTION_LIST, NULL, 0, "List the cases (with --only, --skip: those chosen) and end", 0},
@@ -51,6 +59,9 @@ static const struct argp_option options[] = {
     {"pcap", OPTION_PCAP, "FILE", 0, "Write the whole exchange to FILE (pcapng, for Wireshark)", 0},
     {"destructive", OPTION_DESTRUCTIVE, NULL, 0,
      "Also run cases that write the EEPROM or firmware; they put back what was there", 0},
+    {"power", OPTION_POWER, "COMMAND", 0, "A shell command that switches the slave off and on, for cases that need it",
+     0},
+    {"long", OPTION_LONG, NULL, 0, "Do what takes long in full: an hour without a master, a million frames", 0},
     {"stress", OPTION_STRESS, "SECONDS", OPTION_ARG_OPTIONAL,
      "Also SDO traffic, process data and changes of state at once, 10 s or so long", 1},
     {"fuzz", OPTION_FUZZ, "SECONDS", OPTION_ARG_OPTIONAL, "Also malformed mails and frames, 10 s or so long", 1},
@@ -128,15 +139,29 @@ static void check(struct argp_state *state, const args_t *args)
         argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
     if (count_chosen(args) == 0)
         argp_error(state, "no case is left to run: --list shows their ids");
+    if (args->schema && !args->esi)
+        argp_error(state, "--schema validates an ESI file: name it with --esi FILE");
 }
 
-/* Those about what is tried. @return whether it was one of them */
+/* Those about what is tried, and with what it is compared. @return whether it was one of them */
 static bool parse_more(int key, char *text, struct argp_state *state)
 {
     args_t *args = state->input;
     switch (key) {
+    case OPTION_ESI:
+        args->esi = text;
+        return true;
+    case OPTION_SCHEMA:
+        args->schema = text;
+        return true;
     case OPTION_DESTRUCTIVE:
         args->destructive = true;
+        return true;
+    case OPTION_LONG:
+        args->whole = true;
+        return true;
+    case OPTION_POWER:
+        args->power = text;
         return true;
     case OPTION_STRESS:
         ask(state, args, CF_STRESS, text);
@@ -316,17 +341,32 @@ static void started(cf_run_t *run)
     (void)strftime(run->started, sizeof run->started, "%Y-%m-%dT%H:%M:%S", localtime_r(&now, &local));
 }
 
+/* Which device of the file it is only the slave can tell. */
+static bool choose_device(cf_run_t *run)
+{
+    char text[CF_ESI_TEXT];
+    if (!run->c.esi)
+        return true;
+    bool chosen = cf_esi_choose(run->c.esi, &run->c.facts, text);
+    if (!chosen)
+        fprintf(stderr, "ectwin-conform: %s\n", text);
+    run->esi = run->c.esi->title;
+    return chosen;
+}
+
 static int examine(const args_t *args, cf_run_t *run)
 {
     uint64_t start_ns = cf_now_ns();
     if (!find_slave(run, args))
         return cf_interrupted != 0 ? EXIT_INTERRUPTED : EXIT_NOTHING;
+    if (!choose_device(run))
+        return EXIT_NOTHING;
     run_cases(run, args);
     run->duration_ns = cf_now_ns() - start_ns;
     return report(args, run);
 }
 
-static int run_all(const args_t *args)
+static int run_all(const args_t *args, cf_esi_t *esi)
 {
     static cf_run_t run;
     const char *error = cf_port_open(&run.engine.port, args->iface);
@@ -341,7 +381,10 @@ static int run_all(const args_t *args)
     }
     cf_record_open(pcap);
     run.c.engine = &run.engine;
+    run.c.esi = esi;
     run.c.destructive = args->destructive;
+    run.c.whole = args->whole;
+    run.c.power = args->power;
     run.c.seconds = (uint32_t)args->seconds;
     run.engine.seed = args->seed;
     run.iface = args->iface;
@@ -361,6 +404,19 @@ static int run_all(const args_t *args)
     return status;
 }
 
+static int run_with_esi(const args_t *args)
+{
+    static cf_esi_t esi;
+    char text[CF_ESI_TEXT];
+    int status = EXIT_NOTHING;
+    if (!args->esi || cf_esi_open(&esi, args->esi, args->schema, text))
+        status = run_all(args, args->esi ? &esi : NULL);
+    else
+        fprintf(stderr, "ectwin-conform: %s\n", text);
+    cf_esi_close(&esi);
+    return status;
+}
+
 int main(int argc, char **argv)
 {
     static const struct argp argp = {
@@ -371,7 +427,7 @@ int main(int argc, char **argv)
             "The "
             "slave is taken through all its states: nothing that moves may be connected to its outputs.\v"
             "Exit codes: 0 all cases pass, warn or are skipped; 1 one fails; 2 no interface, no slave, or a file that "
-            "cannot be written; 64 wrong usage; 130 interrupted (what ran is reported).",
+            "cannot be read or written; 64 wrong usage; 130 interrupted (what ran is reported).",
     };
     const struct sigaction action = {.sa_handler = on_signal};
     args_t args = {.slave = 1, .seconds = 10, .seed = 1, .report = cf_report_text};
@@ -381,5 +437,5 @@ int main(int argc, char **argv)
         return list(&args);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    return run_all(&args);
+    return run_with_esi(&args);
 }

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -22,6 +23,7 @@ volatile sig_atomic_t cf_interrupted;
 
 struct cf_port {
     ecx_portt port;
+    char iface[IF_NAMESIZE];
     ecx_contextt context;
     ec_slavet slaves[EC_MAXSLAVE];
     int slave_count;
@@ -53,6 +55,7 @@ const char *cf_port_open(cf_port_t **port, const char *iface)
     *port = calloc(1, sizeof **port);
     if (!*port)
         return strerror(ENOMEM);
+    snprintf((*port)->iface, sizeof(*port)->iface, "%s", iface);
     if (ecx_setupnic(&(*port)->port, iface, FALSE) > 0)
         return NULL;
     cf_port_close(*port);
@@ -65,6 +68,18 @@ void cf_port_close(cf_port_t *port)
     if (port)
         ecx_closenic(&port->port);
     free(port);
+}
+
+const char *cf_port_link(cf_port_t *port, bool up)
+{
+    struct ifreq request = {0};
+    snprintf(request.ifr_name, sizeof request.ifr_name, "%s", port->iface);
+    if (ioctl(port->port.sockhandle, SIOCGIFFLAGS, &request) != 0)
+        return strerror(errno);
+    request.ifr_flags = (short)(up ? request.ifr_flags | IFF_UP : request.ifr_flags & ~IFF_UP);
+    if (ioctl(port->port.sockhandle, SIOCSIFFLAGS, &request) != 0)
+        return errno == EPERM ? "it needs the capability CAP_NET_ADMIN to take the interface down" : strerror(errno);
+    return NULL;
 }
 
 static ecx_contextt *soem_context(cf_port_t *p)

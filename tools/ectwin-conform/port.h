@@ -36,6 +36,11 @@ uint64_t cf_now_ns(void);
 const char *cf_port_open(cf_port_t **port, const char *iface);
 /** @param port  may be NULL */
 void cf_port_close(cf_port_t *port);
+/**
+ * Takes the interface down, as if its cable were pulled, or up again.
+ * @return NULL, or why that is not possible (constant text, or errno's)
+ */
+const char *cf_port_link(cf_port_t *port, bool up);
 /** One frame there and back; sent once. @return false: it did not come back in time */
 bool cf_port_exchange(cf_port_t *port, cf_datagram_t *d, size_t count, uint32_t timeout_ms);
 /**

@@ -39,6 +39,9 @@ static void about(FILE *to, const cf_run_t *run)
             "SyncManagers, %u KB; %u bytes in, %u out.</p>\n",
             run->started, (double)run->duration_ns / 1e9, f->vendor, f->product, f->revision_no, f->serial, f->type,
             f->fmmus, f->sms, f->ram_kb, f->input_bytes, f->output_bytes);
+    fputs("<p>ESI file: ", to);
+    cf_put_escaped(to, run->esi ? run->esi : "none given");
+    fputs(".</p>\n", to);
     fputs(
         "<p>Written by ectwin-conform. Its numbers and words are its own: this is not the ETG's conformance test, and "
         "passing it gives no certificate.</p>\n",

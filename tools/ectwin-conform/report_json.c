@@ -79,6 +79,7 @@ void cf_report_json(FILE *to, const cf_run_t *run)
     cJSON_AddStringToObject(report, "started", run->started);
     cJSON_AddNumberToObject(report, "duration_us", (double)(run->duration_ns / 1000));
     cJSON_AddItemToObject(report, "slave", slave(run));
+    cJSON_AddItemToObject(report, "esi", run->esi ? cJSON_CreateString(run->esi) : cJSON_CreateNull());
     cJSON *summary = cJSON_AddObjectToObject(report, "summary");
     for (int v = 0; v <= CF_INTERRUPTED; v++)
         cJSON_AddNumberToObject(summary, cf_verdict_name((cf_verdict_t)v), (double)n.of[v]);

@@ -93,6 +93,7 @@ void cf_report_text(FILE *to, const cf_run_t *run)
     fprintf(to, "slave %u of %u on %s: %s, vendor 0x%08X product 0x%08X revision 0x%08X, ESC type 0x%02X\n",
             f->position + 1u, f->slaves, run->iface, f->name[0] != 0 ? f->name : "without a name", f->vendor,
             f->product, f->revision_no, f->type);
+    fprintf(to, "ESI file: %s\n", run->esi ? run->esi : "none given (--esi)");
     for (size_t i = 0; i < run->count; i++) {
         const cf_result_t *r = &run->results[i];
         if (r->section != section)

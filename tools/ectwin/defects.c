@@ -326,6 +326,15 @@ static void soe_is_known(defect_t *d, datagram_t *g)
         data(g)[8] = 4;
 }
 
+/* The reply of the information service that describes an object, its name behind index, type and codes. */
+static void name_differs(defect_t *d, datagram_t *g)
+{
+    const uint8_t *mail = data(g);
+    if (is_mail(g, false) && counter(g) == 1 && (mail[5] & 0x0F) == 3 && mail[7] >> 4 == 8 && mail[8] == 4 &&
+        ect_load_le16(mail + 12) == d->row->address)
+        data(g)[18] = 'X';
+}
+
 static void reads_latch(defect_t *d, datagram_t *g)
 {
     if (g->command == FPRD && g->ado == ECT_REG_DC_RECEIVE_TIME)
@@ -464,6 +473,7 @@ static const defect_row_t rows[] = {
      .change = ANY(4, 0x08000000)},
     {"CF-076", "list 0 says one object too many", MAIL, .length = ANY_MAIL, .at = 6, .command = 2,
      .change = {.width = 0}},
+    {"CF-077", "1018h has another name than in the ESI", CUSTOM, .address = 0x1018, .after = name_differs},
     {"CF-078", "a write in the wrong state is a general error", SDO(0x1C32, 1, 12), .state = 4, .command = 0x80,
      .change = ANY(4, 0x08000000)},
     {"CF-082", "no synchronisation type is supported", SDO(0x1C32, 4, 12), .command = 0x4B, .change = ANY(2, 0)},

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* A slave that goes and comes: its plug, its power. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include "engine.h"
+
+enum { PORT_CONTROL = ECT_REG_DL_CONTROL + 1, CLOSED = 3, PORTS = 4, PROBE_MS = 100, POWER_MS = 60000 };
+
+/* How many slaves answer; a wire that is cut answers nothing. */
+static uint16_t count(cf_t *c)
+{
+    uint8_t byte = 0;
+    cf_datagram_t look = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = &byte};
+    return cf_port_exchange(c->engine->port, &look, 1, PROBE_MS) ? look.wkc : 0;
+}
+
+static void wait_found(cf_t *c, const char *after)
+{
+    uint64_t until = cf_now_ns() + CF_FOUND_MS * UINT64_C(1000000);
+    uint16_t found;
+    while ((found = count(c)) != c->facts.slaves) {
+        cf_check_time(c);
+        if (cf_now_ns() >= until)
+            cf_fail(c, "%s: expected %u slaves on the segment within %d s, got %u", after, c->facts.slaves,
+                    (int)CF_FOUND_MS / 1000, found);
+        cf_between_looks(c);
+    }
+    c->engine->silent = false;
+}
+
+/* --- the plug -------------------------------------------------------------------------------------------------------
+ */
+
+static uint16_t before(const cf_t *c)
+{
+    return (uint16_t)(c->facts.ring + 1);
+}
+
+/* The register of the slave before: by position, for addresses are what may be lost. */
+static void set_ports(cf_t *c, uint8_t control)
+{
+    uint16_t wkc = cf_command(c, CF_APWR, before(c), PORT_CONTROL, &control, 1);
+    cf_expect_wkc(c, "the ports (0x0101) of the slave before", 1, wkc);
+}
+
+/* Which of its ports leads here shows when it is closed. */
+static bool close_port(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    uint16_t wkc = cf_command(c, CF_APRD, before(c), PORT_CONTROL, &e->port_control, 1);
+    cf_expect_wkc(c, "the ports (0x0101) of the slave before", 1, wkc);
+    for (unsigned int port = 1; port < PORTS; port++) {
+        e->pulled = true;
+        set_ports(c, (uint8_t)(e->port_control | CLOSED << 2 * port));
+        uint8_t byte;
+        if (cf_command(c, CF_APRD, c->facts.ring, ECT_REG_TYPE, &byte, 1) == 0)
+            return true;
+        set_ports(c, e->port_control);
+        e->pulled = false;
+    }
+    return false;
+}
+
+static bool pull(cf_t *c, const char **why)
+{
+    if (c->facts.position > 0)
+        *why = close_port(c) ? NULL : "no port of the slave before cuts it off";
+    else
+        *why = cf_port_link(c->engine->port, false);
+    c->engine->pulled = *why == NULL;
+    return *why == NULL;
+}
+
+void cf_put_plug_back(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    if (!e->pulled)
+        return;
+    e->pulled = false;
+    if (c->facts.position > 0) {
+        set_ports(c, e->port_control);
+    } else {
+        const char *error = cf_port_link(e->port, true);
+        if (error)
+            cf_fail(c, "the interface cannot be brought up again: %s", error);
+    }
+    wait_found(c, "the plug is back");
+}
+
+bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why)
+{
+    if (!pull(c, why))
+        return false;
+    cf_sleep_ms(c, ms);
+    cf_put_plug_back(c);
+    return true;
+}
+
+/* --- power ----------------------------------------------------------------------------------------------------------
+ */
+
+/* Whether a slave is there that has no longer the address it was given. It may vanish at any moment. */
+static bool is_fresh(cf_t *c)
+{
+    uint8_t address[2] = {0};
+    cf_datagram_t look = {.command = CF_APRD,
+                          .address = CF_AT(c->facts.ring, ECT_REG_STATION_ADDRESS),
+                          .length = sizeof address,
+                          .data = address};
+    return cf_port_exchange(c->engine->port, &look, 1, PROBE_MS) && look.wkc == 1 &&
+           ect_load_le16(address) != c->facts.station;
+}
+
+/* The command may return before the slave is back, or even before it is off. */
+static void wait_fresh(cf_t *c)
+{
+    uint64_t until = cf_now_ns() + CF_FOUND_MS * UINT64_C(1000000);
+    while (!is_fresh(c)) {
+        cf_check_time(c);
+        if (cf_now_ns() >= until)
+            cf_fail(c,
+                    "switched off and on: expected a slave without its station address within %d s: does --power "
+                    "switch this one?",
+                    (int)CF_FOUND_MS / 1000);
+        cf_between_looks(c);
+    }
+    wait_found(c, "switched off and on");
+}
+
+/* All slaves that are switched by it have lost their addresses. */
+static void address_all(cf_t *c)
+{
+    for (uint16_t n = 0; n < c->facts.slaves; n++) {
+        uint8_t address[2];
+        ect_store_le16(address, (uint16_t)(CF_STATION + n));
+        cf_expect_wkc(c, "a new station address, by position", 1,
+                      cf_command(c, CF_APWR, (uint16_t)-n, ECT_REG_STATION_ADDRESS, address, sizeof address));
+    }
+}
+
+void cf_power_cycle(cf_t *c)
+{
+    cf_extend(c, POWER_MS);
+    cf_step(c, "power off and on: %s", c->power);
+    (void)fflush(NULL);
+    int status = system(c->power); /* the user's own words, run with his rights */
+    if (status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        cf_fail(c, "--power '%s': expected exit code 0, got %d", c->power,
+                status != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+    wait_fresh(c);
+    address_all(c);
+}
