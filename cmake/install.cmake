@@ -1,9 +1,10 @@
 # What `cmake --install` leaves for other projects: libraries and headers in two components, `core` (what runs on a board:
-# dictionary, stack, SII, devices) and `host` (software ESC, buses, the command), for find_package(ectwin) and for pkg-config.
+# dictionary, stack, SII, devices, software ESC) and `host` (buses, the command), for find_package(ectwin) and for pkg-config.
 include(CMakePackageConfigHelpers)
 
 add_library(ectwin_core INTERFACE)
-target_link_libraries(ectwin_core INTERFACE ectwin_devices ectwin_template ectwin_sii ectwin_slave ectwin_od)
+target_link_libraries(ectwin_core INTERFACE ectwin_devices ectwin_template ectwin_virtual ectwin_esc
+  ectwin_sii ectwin_slave ectwin_od)
 ectwin_export(ectwin_core core)
 if(ECTWIN_HOST)
   add_library(ectwin_host INTERFACE)
@@ -32,11 +33,11 @@ function(install_headers room component)
     FILES_MATCHING PATTERN *.h PATTERN internal.h EXCLUDE PATTERN instance.h EXCLUDE)
 endfunction()
 
-foreach(room wire od seams slave sii devices ports/template)
+foreach(room wire od seams esc slave sii devices ports/template ports/virtual)
   install_headers(${room} core)
 endforeach()
 if(ECTWIN_HOST)
-  foreach(room esc check ports/virtual bus)
+  foreach(room check bus)
     install_headers(${room} host)
   endforeach()
   install(FILES tools/ectwin/ectwin.h DESTINATION ${ECTWIN_INCLUDEDIR} COMPONENT host)

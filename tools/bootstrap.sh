@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|test
+# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|test
 #
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, and SOEM for the demo's master
-#   test  the same, and what the tests need: CMocka, clang for the fuzz targets, gcovr, an ARM compiler and its C library for
-#         the budget, iproute2 for interfaces of their own
+#   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
+#         to see it run
+#   test  all of that, and what the tests need: CMocka, clang for the fuzz targets, gcovr
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
 # compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
@@ -12,7 +13,9 @@ set -eu
 
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
-test_packages="libcmocka-dev clang gcovr binutils gcc-arm-none-eabi libnewlib-arm-none-eabi iproute2 libxml2-utils"
+board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
+  gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
+test_packages="libcmocka-dev clang gcovr libxml2-utils"
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
@@ -39,6 +42,8 @@ is_there() {
     binutils) command -v objdump >/dev/null && return 0 ;;
     pkg-config) command -v pkg-config >/dev/null && return 0 ;;
     gcc-arm-none-eabi) command -v arm-none-eabi-gcc >/dev/null && return 0 ;;
+    gcc-riscv64-unknown-elf) command -v riscv64-unknown-elf-gcc >/dev/null && return 0 ;;
+    qemu-system-arm) command -v qemu-system-arm >/dev/null && return 0 ;;
     libnewlib-arm-none-eabi) echo '#include <assert.h>' | arm-none-eabi-gcc -E - >/dev/null 2>&1 && return 0 ;;
     iproute2) command -v ip >/dev/null && return 0 ;;
     python3-pip) python3 -m pip --version >/dev/null 2>&1 && return 0 ;;
@@ -109,13 +114,14 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 case "$job" in
   run) install_packages $run_packages ;;
+  board) install_packages $run_packages $board_packages ;;
   test)
     # shellcheck disable=SC2086
-    install_packages $run_packages $test_packages
+    install_packages $run_packages $board_packages $test_packages
     install_clang_runtime
     # shellcheck disable=SC2086
     (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
     ;;
-  *) die "usage: tools/bootstrap.sh run|test" ;;
+  *) die "usage: tools/bootstrap.sh run|board|test" ;;
 esac
 install_soem

@@ -7,7 +7,7 @@
 #include <time.h>
 
 /* A reply that a busy machine delivers late is not a lost one. */
-enum { STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 100000, CYCLE_US = 1000 };
+enum { STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 1000000, CYCLE_US = 1000 };
 
 uint64_t soem_now(void)
 {
@@ -66,12 +66,28 @@ void soem_close(soem_t *m)
     ecx_close(&m->context);
 }
 
+/* ecx_statecheck is content with a state whose error flag stands; a slave that is not in our process takes a while
+ * until it has seen the acknowledge, and until then its controller takes no other request. */
+static bool no_error(soem_t *m, uint16 slave)
+{
+    for (int tries = 0; tries < 1000; tries++) {
+        bool error = false;
+        ecx_readstate(&m->context);
+        for (int i = 1; i <= m->slave_count; i++)
+            error |= (slave == 0 || i == slave) && (m->slaves[i].state & EC_STATE_ERROR) != 0;
+        if (!error)
+            return true;
+        osal_usleep(1000);
+    }
+    return false;
+}
+
 void soem_go(soem_t *m, uint16 slave, uint16 state)
 {
     m->slaves[slave].state = state | EC_STATE_ACK;
     ecx_writestate(&m->context, slave);
     uint16 reached = ecx_statecheck(&m->context, slave, state, STATE_TIMEOUT_US);
-    if (reached != state) {
+    if (reached != state || !no_error(m, slave)) {
         ecx_readstate(&m->context);
         uint16 shown = slave == 0 ? 1 : slave;
         fail_msg("slave %u asked for state %u is in 0x%02X, AL status code 0x%04X", slave, state,
@@ -104,10 +120,15 @@ int soem_expected_wkc(const soem_t *m)
     return m->groups[0].outputsWKC * 2 + m->groups[0].inputsWKC;
 }
 
-int soem_cycle(soem_t *m)
+int soem_exchange(soem_t *m)
 {
     ecx_send_processdata(&m->context);
-    int wkc = ecx_receive_processdata(&m->context, REPLY_TIMEOUT_US);
+    return ecx_receive_processdata(&m->context, REPLY_TIMEOUT_US);
+}
+
+int soem_cycle(soem_t *m)
+{
+    int wkc = soem_exchange(m);
     osal_usleep(CYCLE_US);
     return wkc;
 }

@@ -50,7 +50,8 @@ void soem_close(soem_t *m);
 void soem_map(soem_t *m);
 /* All slaves to OP, with process data going; asserts that they get there. */
 void soem_operational(soem_t *m);
-/* One exchange of process data; @return working counter */
+/* One exchange of process data, and a pause after it as of a cycle; @return working counter */
+int soem_exchange(soem_t *m);
 int soem_cycle(soem_t *m);
 int soem_expected_wkc(const soem_t *m);
 /* Cycles until a predicate holds, `ms` at most; @return whether it did */

@@ -262,8 +262,7 @@ static void sdo_traffic_under_process_data(void **state)
         uint32 value = 0;
         int size = sizeof value;
         uint8 sub = (uint8)(1 + i % 3);
-        ecx_send_processdata(&master.context);
-        assert_int_equal(ecx_receive_processdata(&master.context, EC_TIMEOUTRET3), soem_expected_wkc(&master));
+        assert_int_equal(soem_exchange(&master), soem_expected_wkc(&master));
         assert_int_equal(soem_read(&master, 1, 0x1018, sub, false, &value, &size), 0);
         uint32 want = sub == 1   ? master.slaves[1].eep_man
                       : sub == 2 ? master.slaves[1].eep_id

@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The demo's master: takes whatever base units are on the wire from INIT to OP with SOEM, shows what it reads from
- * them, exchanges process data, sends one command and goes back to INIT.
+ * them, exchanges process data (for 3 s unless told otherwise), sends one command and goes back to INIT.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "ethercat.h"
 
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
-enum { CYCLE_US = 2000, STATE_TIMEOUT_US = 5000000, SHOW_CYCLES = 125, TOTAL_CYCLES = 1500, COMMAND_CYCLE = 500 };
+enum { CYCLE_US = 2000, STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 20000 };
+enum { PCO_CYCLES = 125, SHOWN = 12, COMMAND_CYCLE = 500, CYCLES_A_SECOND = 500, SECONDS = 3, LONGEST = 86400 };
 /* TS-0007 chapters 8 and 9. */
 enum { PCI = 0, CAI = 3, PCO = 0, CCO = 1, COMMAND = 6, COMMAND_BYTES = 16 };
 
 static uint8 image[4096];
+static int total_cycles = SECONDS * CYCLES_A_SECOND;
 
 static const char *state_name(uint16 state)
 {
@@ -66,7 +70,7 @@ static void show_slave(int i)
 static int cycle(void)
 {
     ec_send_processdata();
-    int wkc = ec_receive_processdata(EC_TIMEOUTRET);
+    int wkc = ec_receive_processdata(REPLY_TIMEOUT_US);
     osal_usleep(CYCLE_US);
     return wkc;
 }
@@ -83,7 +87,7 @@ static void show_counters(int n, int wkc)
 static int exchange(int expected)
 {
     int acknowledged = 0;
-    for (int n = 1; n <= TOTAL_CYCLES; n++) {
+    for (int n = 1; n <= total_cycles; n++) {
         if (n == COMMAND_CYCLE) {
             printf("sending a command to the remote units (CCO 0 -> 1)\n");
             for (int i = 1; i <= ec_slavecount; i++) {
@@ -92,13 +96,13 @@ static int exchange(int expected)
             }
         }
         for (int i = 1; i <= ec_slavecount; i++)
-            ec_slave[i].outputs[PCO] = (uint8)(n / SHOW_CYCLES);
+            ec_slave[i].outputs[PCO] = (uint8)(n / PCO_CYCLES);
         int wkc = cycle();
         if (wkc != expected) {
             printf("cycle %d: working counter %d instead of %d\n", n, wkc, expected);
             return -1;
         }
-        if (n % SHOW_CYCLES == 0)
+        if (n % (total_cycles / SHOWN) == 0)
             show_counters(n, wkc);
     }
     for (int i = 1; i <= ec_slavecount; i++)
@@ -147,11 +151,22 @@ static int run(void)
     return reached(EC_STATE_INIT) ? EXIT_CLEAN : EXIT_RUN;
 }
 
+/* How long process data are exchanged. @return false: that is no number of seconds */
+static bool set_seconds(const char *text)
+{
+    char *end;
+    long seconds = strtol(text, &end, 10);
+    if (*text == '\0' || *end != '\0' || seconds < SECONDS || seconds > LONGEST)
+        return false;
+    total_cycles = (int)seconds * CYCLES_A_SECOND;
+    return true;
+}
+
 int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
-    if (argc != 2) {
-        fprintf(stderr, "usage: %s IFACE\n", argv[0]);
+    if (argc < 2 || argc > 3 || (argc == 3 && !set_seconds(argv[2]))) {
+        fprintf(stderr, "usage: %s IFACE [SECONDS]     %d to %d seconds in OP\n", argv[0], SECONDS, LONGEST);
         return EXIT_USAGE;
     }
     if (!ec_init(argv[1])) {

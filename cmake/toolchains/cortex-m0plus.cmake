@@ -1,0 +1,5 @@
+set(CMAKE_SYSTEM_PROCESSOR arm)
+set(tools arm-none-eabi)
+set(cpu "-mcpu=cortex-m0plus -mthumb")
+set(libc "--specs=nano.specs")
+include(${CMAKE_CURRENT_LIST_DIR}/bare-metal.cmake)

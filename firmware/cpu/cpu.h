@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A processor from power-on to main(), without a vendor's kit, and the few things that C has no words for: cortex_m.c
+ * for the Cortex-M, riscv32.c for a RISC-V with 32 bits, memory.c and flash.ld for any.
+ */
+#ifndef FIRMWARE_CPU_H
+#define FIRMWARE_CPU_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** A register of the processor or of the chip. */
+#define REGISTER(address) (*(volatile uint32_t *)(uintptr_t)(address))
+
+/** What an entry of a vector table points to. */
+typedef void (*cpu_handler_t)(void);
+
+/**
+ * Cortex-M: interrupts of the chip, which the board knows. The table follows the processor's own vectors, from
+ * interrupt 0 on; one without a handler must not be enabled.
+ */
+#define CPU_VECTORS __attribute__((section(".vectors.board"), used))
+
+/** Cortex-M: SysTick. Defined by a board that starts it. */
+void cpu_systick(void);
+
+/** The processor has come upon a fault, or an interrupt without a handler. It stays here; a board may define another
+ * one. */
+void cpu_fault(void);
+
+/** Begins a piece that no interrupt comes into. @return what ::cpu_interrupts_restore takes to end it; they may be
+ * nested. */
+uint32_t cpu_interrupts_off(void);
+void cpu_interrupts_restore(uint32_t before);
+
+/**
+ * Sleeps until an interrupt is due. To be called with interrupts off, after a look at whether there is something to do:
+ * one that comes between the look and this ends the sleep all the same, and is taken when interrupts are on again.
+ */
+void cpu_sleep(void);
+
+/** Cortex-M: lets interrupt `number` of the chip through. */
+void cpu_interrupt_enable(unsigned int number);
+
+/** Resets the chip; on a processor that cannot, begins anew. */
+_Noreturn void cpu_reset(void);
+
+/** Bytes of the stack that have been used at most since power-on, and those that there are. */
+size_t cpu_stack_used(void);
+size_t cpu_stack_size(void);
+
+/** The stack and main(); from the processor's first instructions, on that stack. */
+_Noreturn void cpu_start(void);
+
+#endif
