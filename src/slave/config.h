@@ -95,6 +95,15 @@ typedef struct ect_slave_config {
      * then learns of the others by reading the register, whatever ect_pdi_t::al_event says.
      */
     bool line_for_cycle;
+
+    /**
+     * Values and process data are the caller's work. Entries keep what stands in their memory at ::ect_slave_init; the
+     * SyncManagers of process data are checked and switched, and no byte of theirs is moved; ::ect_slave_cycle does
+     * nothing. Mapped may then also be what the dictionary does not call mappable, OP is entered without waiting for
+     * outputs, and `process_data` and `runs` are not touched (their sizes still are the most that a mapping may come
+     * to).
+     */
+    bool exchange_is_callers;
 } ect_slave_config_t;
 
 ECT_C_END

@@ -24,6 +24,7 @@
 #ifndef ECT_SLAVE_INTERNAL_H
 #define ECT_SLAVE_INTERNAL_H
 
+#include "slave/service.h"
 #include "slave/slave.h"
 #include "wire/assert.h"
 #include "wire/bytes.h"
@@ -35,32 +36,7 @@ bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint1
 /* The AL event word; begins anew after a failure. */
 bool ect_slave_read_event(ect_slave_t *s, uint32_t *event);
 
-/* --- services.c: the object services (seams/services.h) that the device names; every member may be NULL ---------- */
-/* A value that a master writes. */
-typedef struct ect_download {
-    uint16_t index;
-    uint8_t subindex;
-    bool complete; /* by Complete Access: one of the values of a whole object */
-    const uint8_t *data;
-    uint16_t size;
-} ect_download_t;
-
-struct ect_service {
-    /* Power-on, after the device was initialised. */
-    void (*start)(ect_slave_t *s);
-    /* A value is about to be stored; a reason refuses it. */
-    ect_reason_t (*write)(ect_slave_t *s, const ect_download_t *d);
-    /* It is stored; a whole object by Complete Access: once, as sub-index 0. A reason tells the master that what had to
-     * follow from it failed. */
-    ect_reason_t (*written)(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete);
-    /* A transition upwards has passed the other checks; a code refuses it. */
-    uint16_t (*check_up)(ect_slave_t *s, uint8_t target);
-    /* Events have come in SAFEOP or OP. Part of the exchange: perhaps in an interrupt. */
-    void (*event)(ect_slave_t *s, uint32_t event);
-    /* As ect_host_t::diagnose. */
-    void (*diagnose)(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
-};
-
+/* --- services.c: the object services that the device names (slave/service.h) -------------------------------------- */
 void ect_services_start(ect_slave_t *s);
 ect_reason_t ect_services_write(ect_slave_t *s, const ect_download_t *d);
 ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete);

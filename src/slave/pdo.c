@@ -98,6 +98,8 @@ static bool lay_out(layout_t *l, const ect_device_t *device, unsigned int sm)
 {
     uint16_t assignment = (uint16_t)(ECT_OD_ASSIGNMENT + sm);
     l->access = device->sm[sm].type == ECT_SM_OUTPUTS ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
+    if (!l->runs) /* counting does not ask */
+        l->access = ECT_ACCESS_WIRE;
     return !ect_od_find(l->od, assignment) || for_each(l, assignment, add_pdo);
 }
 
@@ -112,8 +114,9 @@ uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm)
 static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
 {
     const ect_device_t *device = s->config.device;
-    layout_t l = {
-        .od = &s->od, .runs = s->config.runs + first_run, .capacity = (uint16_t)(s->config.run_count - first_run)};
+    layout_t l = {.od = &s->od, .capacity = (uint16_t)(s->config.run_count - first_run)};
+    if (!s->config.exchange_is_callers)
+        l.runs = s->config.runs + first_run;
     if (!lay_out(&l, device, sm))
         return false;
     uint16_t longest = device->sm[sm].maximum != 0 ? device->sm[sm].maximum : s->config.process_size;
@@ -121,7 +124,8 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
     ECT_ASSERT(l.count <= l.capacity && l.bits <= LARGEST_IMAGE_BITS);
     *image = (ect_sm_image_t){.bytes = (uint16_t)((l.bits + 7) / 8), .first_run = first_run, .runs = l.count};
     uint8_t *which = device->sm[sm].type == ECT_SM_OUTPUTS ? &s->outputs : &s->inputs;
-    *which = (uint8_t)(*which | (image->bytes > 0 ? 1u << sm : 0u));
+    if (image->bytes > 0 && l.runs) /* those that the caller moves are none to the stack */
+        *which = (uint8_t)(*which | 1u << sm);
     ECT_ASSERT(longest <= s->config.process_size);
     return image->bytes <= longest;
 }

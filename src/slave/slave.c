@@ -74,7 +74,8 @@ static void power_on(ect_slave_t *s)
     ect_standard_t *standard = s->config.instance;
     standard->device = device;
     standard->identity = *identity;
-    ect_od_set_defaults(&s->od);
+    if (!s->config.exchange_is_callers)
+        ect_od_set_defaults(&s->od);
     s->state = ECT_STATE_INIT;
     s->status_dirty = true;
     s->line = UINT16_MAX; /* whatever it is */

@@ -96,6 +96,24 @@ uint64_t ect_slave_mainline(ect_slave_t *slave, uint64_t now_ns);
  */
 void ect_slave_cycle(ect_slave_t *slave, uint64_t now_ns);
 
+/** What its device was given to ask with, for others who speak for the device; valid as long as the slave. */
+static inline const ect_host_t *ect_slave_host(const ect_slave_t *slave)
+{
+    return &slave->host;
+}
+
+/** Whether an SDO transfer is under way that takes more than one mail. Between polls, and in functions of a device. */
+static inline bool ect_slave_in_transfer(const ect_slave_t *slave)
+{
+    return slave->sdo.state != ECT_SDO_IDLE;
+}
+
+/** For ect_device_t::sdo_read: whether the transfer is one of a whole object. */
+static inline bool ect_slave_complete_access(const ect_slave_t *slave)
+{
+    return slave->sdo.complete;
+}
+
 /**
  * The device's own time is due at the next poll, whatever it said last: something about it was changed from outside.
  * Context: any. Cost: a byte.

@@ -7,7 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
 # In C++ a member that is left out of an initialiser is no more than in C: zero.
-flags="-Wall -Wextra -Wno-missing-field-initializers -Werror -I$src -fsyntax-only"
+flags="-Wall -Wextra -Wno-missing-field-initializers -Werror -I$src -I$src/soes -fsyntax-only"
 
 compiles() { # HEADER COMPILER ARGUMENT...
   local header=$1

@@ -28,11 +28,13 @@ check esc wire
 check seams wire od
 check slave wire seams od
 check sii wire seams od
+check soes wire seams od slave
 for device in "$src"/devices/*/; do
   check "devices/$(basename "$device")" wire seams od
 done
 check ports/virtual wire seams esc
 check ports/template wire seams
+check ports/soes_hal wire seams esc sii soes bus
 check check wire seams od esc sii
 check esi wire seams od esc slave sii check
 check facts wire seams od sii esi

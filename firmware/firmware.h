@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The device that this firmware was built for, towards its main loop: on_ectwin.c by our stack, on_soes.c by SOES's.
+ */
+#ifndef FIRMWARE_FIRMWARE_H
+#define FIRMWARE_FIRMWARE_H
+
+#include "ecat_slv.h"
+
+/** The configuration of the stack, for ecat_slv_init. After board_init. */
+esc_cfg_t *firmware_config(void);
+
+/** Once a turn, after ecat_slv: lamps, and what the device asks of the board. */
+void firmware_turn(void);
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/* An ordinary SOES application. What it is the slave of was chosen when it was configured. */
+#include "board.h"
+#include "firmware.h"
+
+int main(int argc, char **argv)
+{
+    board_init(argc, argv);
+    ecat_slv_init(firmware_config());
+    for (;;) {
+        ecat_slv();
+        firmware_turn();
+        board_turn();
+    }
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/* The device on our stack: its description is served as it is, in place of an object list (soes/internal.h). */
+#include <stddef.h>
+#include <string.h>
+
+#include FIRMWARE_DEVICE_HEADER
+#include "board.h"
+#include "firmware.h"
+#include "slave/indicator.h"
+#include "soes/describe.h"
+#include "soes/ect_soes.h"
+#include "soes/internal.h"
+#include "wire/assert.h"
+
+static const ect_device_t *const device = &FIRMWARE_DEVICE;
+static ect_identity_t identity;
+
+/* All that the slave needs, as its description asks for it; FIRMWARE_MEMORY is enough for it, or nothing starts. */
+static max_align_t memory[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
+static size_t used;
+
+static void stop(void)
+{
+    for (;;)
+        board_lamps(false, true); /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
+}
+
+static void *take(size_t bytes)
+{
+    size_t blocks = (bytes + sizeof memory[0] - 1) / sizeof memory[0];
+    void *taken = &memory[used];
+    if (used + blocks > sizeof memory / sizeof memory[0])
+        stop();
+    used += blocks;
+    return bytes > 0 ? taken : NULL;
+}
+
+ect_slave_config_t ect_soes_slave_config(void)
+{
+    ect_slave_memory_t need = ect_slave_memory(device);
+    identity = device->identity;
+    identity.serial = board_serial() != 0 ? board_serial() : identity.serial;
+    return (ect_slave_config_t){
+        .device = device,
+        .pdi = board_pdi(),
+        .identity = &identity,
+        .storage = board_storage(),
+        .instance = take(need.instance),
+        .mailbox = take(need.mailbox),
+        .process_data = take(need.process_data),
+        .process_size = (uint16_t)need.process_data,
+        .runs = take(need.runs * sizeof(ect_pdo_run_t)),
+        .run_count = (uint16_t)need.runs,
+        .staging = take(need.staging),
+        .staging_size = (uint16_t)need.staging,
+        .switches = board_switches(),
+    };
+}
+
+/* Both ways in one, as the stack has it. */
+void ect_soes_outputs(void)
+{
+    ect_slave_cycle(&ect_soes.slave, ect_soes_now());
+}
+
+void ect_soes_inputs(void)
+{
+}
+
+/* What a hardware file with a software ESC makes the EEPROM from. */
+void ect_soes_describe(ect_device_t *to)
+{
+    *to = *device;
+}
+
+esc_cfg_t *firmware_config(void)
+{
+    static esc_cfg_t config; /* the device's functions are its hooks, the ESC's watchdog is its watchdog */
+    ect_soes_clock(board_now_ns);
+    return &config;
+}
+
+void firmware_turn(void)
+{
+    const ect_slave_t *slave = &ect_soes.slave;
+    uint64_t now_ns = board_now_ns();
+    board_lamps(ect_pattern_lit(ect_indicator_run(slave), now_ns),
+                ect_pattern_lit(ect_indicator_err(slave, false), now_ns));
+    if (slave->restart)
+        board_reset();
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the files of soes/ know of each other, and what a firmware provides that serves a description of ours in place
+ * of an object list: the three functions of application.c.
+ *
+ * From the lowest to the highest (tests/check/order.py):
+ *
+ *   state.c                 variables, time
+ *   describe.c              the description of an application
+ *   esc.c                   registers, and leaving a state
+ *   esc_coe.c esc_eep.c     dictionary, emulated EEPROM
+ *   application.c           a slave out of SDOobjects and the hooks
+ *   ecat_slv.c              the loop
+ *
+ * SOES's API has one slave a program, and names that are variables: they live in here.
+ */
+#ifndef ECT_SOES_INTERNAL_H
+#define ECT_SOES_INTERNAL_H
+
+#include "slave/slave.h"
+#include "soes/ecat_slv.h"
+#include "soes/esc.h"
+
+typedef struct ect_soes {
+    ect_slave_t slave;
+    ect_pdi_t below; /* the way to the ESC: that of the slave's configuration, or ESC_read and ESC_write */
+    ect_pdi_t pdi;   /* the same, looked over: ESCvar shows what passes */
+    uint64_t (*clock)(void);
+    uint64_t now_ns; /* without a clock */
+    uint32_t esc_time;
+    volatile int watchdog;
+    uint16_t wanted;   /* AL events that there is something to do about */
+    bool outputs_safe; /* before the state machine came to it */
+} ect_soes_t;
+
+extern ect_soes_t ect_soes;
+
+/* --- state.c -------------------------------------------------------------------------------------------------------
+ */
+uint64_t ect_soes_now(void);
+/* What the ESC says, lower half. */
+void ect_soes_follow_time(uint32_t time);
+
+/* --- application.c, or the firmware --------------------------------------------------------------------------------
+ */
+/* What the slave is made of; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */
+ect_slave_config_t ect_soes_slave_config(void);
+/* The exchange, as DIG_process wants it. */
+void ect_soes_outputs(void);
+void ect_soes_inputs(void);
+
+#endif
