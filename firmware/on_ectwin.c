@@ -53,6 +53,7 @@ ect_slave_config_t ect_soes_slave_config(void)
         .run_count = (uint16_t)need.runs,
         .staging = take(need.staging),
         .staging_size = (uint16_t)need.staging,
+        .buffer = take(need.buffer),
         .switches = board_switches(),
     };
 }
