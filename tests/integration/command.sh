@@ -4,6 +4,7 @@
 set -u
 ectwin=$1
 only=${2:-}
+root=$(cd "$(dirname "$0")/../.." && pwd)
 failed=0
 ran=0
 
@@ -175,10 +176,29 @@ files_agree() {
   check "objects: nobody is named" 1 "$("$ectwin" objects fzm1 >/dev/null 2>&1; echo $?)"
 }
 
+# Whoever sets another identity gets it in each file; --serial only where a file is of one unit.
+identity_reaches_each_file() {
+  local who="--vendor-id=0x11223344 --product-code=0x55667788 --revision=0x99aabbcc --serial=0x12345678"
+  local source file
+  for source in fzm1 vr-bu-ect-map3 "esi:$root/tests/esi/analog.xml#AI2"; do
+    "$ectwin" sii "$source" $who -o "$work/who.bin" 2>/dev/null
+    check "sii $source: identity" "44332211 88776655 ccbbaa99 78563412" "$(od -An -v -tx1 -j16 -N16 "$work/who.bin" | tr -d ' \n' | sed 's/......../& /g; s/ $//')"
+    "$ectwin" esi "$source" $who -o "$work/who.xml" 2>/dev/null
+    check "esi $source: identity" "#x11223344 #x55667788 #x99AABBCC #x12345678" \
+      "$(xmllint --xpath 'concat(//Vendor/Id, " ", //Device/Type/@ProductCode, " ", //Device/Type/@RevisionNo, " ", //Device/Type/@SerialNo)' "$work/who.xml")"
+    "$ectwin" doc "$source" $who -o "$work/who.md" 2>/dev/null
+    check "doc $source: identity" "0x11223344 0x55667788 0x99AABBCC" \
+      "$(sed -n 's/.*|.*\(Vendor\|Product code\|Revision\) |.*\(0x[0-9A-F]*\) |$/\2/p' "$work/who.md" | head -3 | xargs)"
+    "$ectwin" objects "$source" --soes $who -o "$work" 2>/dev/null
+    check "objects $source: identity" "0x11223344 0x55667788 0x99AABBCC" \
+      "$(grep -o '0x11223344\|0x55667788\|0x99AABBCC' "$work/slave_objectlist.c" | head -3 | xargs)"
+  done
+}
+
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
-  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image files_agree; do
+  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image files_agree identity_reaches_each_file; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

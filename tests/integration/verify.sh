@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # verify: description, EEPROM image and running twin of each device say the same, ours and those of ESI files; and an old
 # image that is still in a chip is found (CF-054, CF-066).
-# usage: verify.sh ECTWIN ECTWIN-PROBE ESI-FOLDER
+# usage: verify.sh ECTWIN ECTWIN-PROBE ECTWIN-CONFORM ESI-FOLDER
 set -u
 ectwin=$1
 probe=$2
-esi=$3
+conform=$3
+esi=$4
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
@@ -36,6 +37,11 @@ for file in "$esi"/../../esi/*.xml; do
     "$ectwin" with "$device" -- "$ectwin" verify "$file#$type" "$work/$device.bin" "$device" slave:{} >"$work/out" 2>"$work/err"
     expect "$file#$type, its image and its twin: exit code" 0 $?
     expect "$file#$type, its image and its twin" "" "$(cat "$work/out")"
+    "$ectwin" with "esi:$file#$type" -- "$ectwin" verify "$device" slave:{} >"$work/out" 2>"$work/err"
+    expect "$device and the twin made from its ESI file: exit code" 0 $?
+    expect "$device and the twin made from its ESI file" "" "$(cat "$work/out")"
+    "$ectwin" with "esi:$file#$type" -- "$conform" -i {} --only CF-095 >"$work/out" 2>"$work/err"
+    expect "the twin made from $file#$type goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
   done < <("$ectwin" list "esi:$file")
 done
 

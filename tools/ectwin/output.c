@@ -35,16 +35,22 @@ static char *all_names(void)
     return names;
 }
 
-static void take_devices(output_args_t *args, const struct argp_state *state)
+/* Either --all or names, and one name where one file is of one device. */
+static void check_choice(const output_args_t *args, const struct argp_state *state)
 {
-    char *names = args->all ? all_names() : NULL;
     if (args->all && args->devices)
         argp_error(state, "--all is for all devices: name none beside it");
     if (!args->all && (!args->devices || (!args->several && strchr(args->devices, ','))))
         argp_error(state, "name %s; 'ectwin list' lists those there are", args->several ? "a device" : "one device");
-    args->twins.kinds = true;
+}
+
+static void take_devices(output_args_t *args, const struct argp_state *state)
+{
+    check_choice(args, state);
+    char *names = args->all ? all_names() : NULL;
     if (args->all && !names)
         argp_failure(state, EXIT_RUN, ENOMEM, "the devices");
+    args->twins.kinds = true;
     twin_args_devices(&args->twins, state, names ? names : args->devices);
     free(names);
 }
