@@ -37,6 +37,7 @@ SWAP = re.compile("|".join(rf"\b{k}\b" if k.isalpha() else re.escape(k) for k in
 NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
 CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
+ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$")  # of an array: more of it changes nothing
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
 
@@ -64,7 +65,8 @@ def changes(line, hidden):
         yield match.start(), match.end(), SWAPS[match[0]]
     for match in NUMBER.finditer(hidden):
         value = int(match[0], 0)
-        yield match.start(), match.end(), str(value + 1)
+        if not ROOM.search(hidden[:match.start()]):
+            yield match.start(), match.end(), str(value + 1)
         if value > 1:
             yield match.start(), match.end(), str(value - 1)
     match = CONDITION.search(hidden)
@@ -80,6 +82,8 @@ def mutants(source):
     hidden = HIDDEN.sub(lambda m: re.sub(r"[^\n]", "~", m[0]), text).split("\n")
     lines = text.split("\n")
     for number in sorted(function_lines("\n".join(hidden))):
+        if "ECT_ASSERT(" in hidden[number]:  # holds in every right program: nobody could notice
+            continue
         for begin, end, replacement in changes(lines[number], hidden[number]):
             changed = lines[number][:begin] + replacement + lines[number][end:]
             yield {"source": source, "line": number, "from": lines[number].strip(), "to": changed.strip(), "text": changed}
@@ -110,7 +114,7 @@ class Program:
             self.objects[source] = pathlib.Path(entry["directory"]) / command[at]
             self.commands[source] = command[:at - 1] + command[at + 1:]
         self.core = {s: o for s, o in self.objects.items() if ROOT / "src" in s.parents}
-        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "cmocka"], check=True,
+        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "cmocka"], check=True,
                                         capture_output=True, text=True).stdout.split() + ["-lm"]
         if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
             self.libraries.append("-lseccomp")
@@ -119,9 +123,11 @@ class Program:
         for source in sorted((ROOT / "tests/unit").glob("test_*.c")):
             program = BUILD / source.stem
             linked = subprocess.run(["cc", "--coverage", "-o", str(program), str(self.objects[source]), *support, f"-L{BUILD}",
-                                     "-lcore", *self.libraries], capture_output=True, check=False)
+                                     "-lcore", "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
             if linked.returncode == 0:  # else it wraps calls of the host, and has nothing to do with the core
                 self.tests[source.stem] = program
+        if not self.tests:
+            sys.exit(f"no test could be linked: {linked.stderr.decode().strip().splitlines()[-1]}")
 
     def link(self, library, instead):
         objects = [str(instead.get(s, o)) for s, o in sorted(self.core.items())]
@@ -216,7 +222,7 @@ def judge(arguments):
     def one(mutant):
         return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end else (mutant, "")
 
-    survivors = []
+    survivors = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for mutant, noticed in pool.map(one, todo):
             if noticed == "":
@@ -225,7 +231,8 @@ def judge(arguments):
             counts[room][0] += 1
             counts[room][1] += noticed is not None
             if noticed is None:
-                survivors.append(mutant)
+                survivors += 1
+                print(f"{mutant['source'].relative_to(ROOT)}:{mutant['line'] + 1}\n  - {mutant['from']}\n  + {mutant['to']}", flush=True)
     return counts, survivors, len(todo)
 
 
@@ -235,12 +242,10 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"])
     counts, survivors, possible = judge(parser.parse_args())
-    for mutant in sorted(survivors, key=lambda m: (m["source"], m["line"])):
-        print(f"{mutant['source'].relative_to(ROOT)}:{mutant['line'] + 1}\n  - {mutant['from']}\n  + {mutant['to']}")
     tried = sum(c[0] for c in counts.values())
     for room, (made, noticed) in counts.items():
         print(f"{room:6} {noticed} of {made} noticed" + (f", {100 * noticed / made:.1f} %" if made else ""))
-    print(f"in all {tried} of {possible} possible mutants tried, {len(survivors)} survived")
+    print(f"in all {tried} of {possible} possible mutants tried, {survivors} survived")
     return 0
 
 

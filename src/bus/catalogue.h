@@ -26,10 +26,10 @@ const ect_product_t *ect_catalogue_find(const char *name);
 
 /**
  * Adds the products of this program behind ours, in place of those that were added before.
- * @param products  `count` of them; kept, so they live as long as the catalogue is used
+ * @param more  `count` of them; kept, so they live as long as the catalogue is used
  * Context: while the program starts, before another thread uses the catalogue.
  */
-void ect_catalogue_add(const ect_product_t *products, size_t count);
+void ect_catalogue_add(const ect_product_t *more, size_t count);
 
 ECT_C_END
 

@@ -119,10 +119,11 @@ static void no_descriptor(ect_control_t *c, uint64_t now_ns)
     if (c->spare >= 0)
         close(c->spare);
     int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    bool nobody = fd < 0 && errno == EAGAIN;
     if (fd >= 0)
         turn_away(fd, "the twin has no descriptor left: 'ulimit -n' is too low for it");
     c->spare = open_spare();
-    if (fd < 0 && errno != EAGAIN && wait_for(c, EPOLL_CTL_MOD, c->fd, 0, ACCEPT))
+    if (fd < 0 && !nobody && wait_for(c, EPOLL_CTL_MOD, c->fd, 0, ACCEPT))
         c->retry_ns = now_ns + RETRY_NS;
 }
 
