@@ -67,7 +67,7 @@ static bool managed_access(ect_esc_t *esc, const ect_access_t *access, uint32_t 
     return any;
 }
 
-bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+static bool open_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     bool any = false;
     uint16_t in_registers = 0;
@@ -84,4 +84,24 @@ bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address
         any |= managed_access(esc, &rest, (uint32_t)address + in_registers, (uint16_t)(length - in_registers));
     }
     return any;
+}
+
+/* What protection lets through: write enables, and then the part from the first address that is not protected on. */
+static bool protected_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    bool any = ect_esc_unlock(esc, address, length);
+    uint32_t first = ect_esc_first_writable(esc);
+    if (first >= (uint32_t)address + length)
+        return any;
+    uint16_t skipped = (uint16_t)(first > address ? first - address : 0);
+    ect_access_t rest = ect_esc_slice(access, skipped);
+    return open_access(esc, &rest, (uint16_t)(address + skipped), (uint16_t)(length - skipped)) || any;
+}
+
+bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    const uint8_t *m = esc->memory;
+    bool guarded = access->write && access->side == ECT_SIDE_ECAT &&
+                   (m[ECT_REG_WRITE_PROTECTION] | m[ECT_REG_ESC_WRITE_PROTECTION]) != 0;
+    return guarded ? protected_write(esc, access, address, length) : open_access(esc, access, address, length);
 }

@@ -1,153 +1,199 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Distributed clocks (data sheet I §9). All clocks of a process are the same one, so nothing drifts and no cable takes
- * time: the control loop has nothing to do but to show the difference, and the receive times of all ports are equal.
- * SYNC0 wakes nobody unless the PDI configuration (0x0151 bit 3) makes it an AL event.
+ * Distributed clocks: receive times, system time, and the loop that makes the local clock follow another one (data
+ * sheet I §9.1, II §2.15.1, §2.15.2).
+ *
+ * How the chips regulate is not published; what is known of it is kept: the filters of 0x0934 and 0x0935, each so many
+ * powers of two of samples long; 0x092C as the mean difference; 0x0932, whose relation to the deviation is given; the
+ * bandwidth of 0x0930. Each sample takes an eighth of its difference away until the next one is due, as far as the
+ * bandwidth allows, and what has to be taken away again and again becomes a change of the clock's rate.
  */
 #include <string.h>
 
 #include "esc/internal.h"
 
-enum { CYCLIC = 0x01, SYNC0 = 0x02, TO_AL_EVENT = 0x08, PENDING = 0x01 };
+enum { PDI_CONTROLS_TIME = 0x04, SHARE = 8, LOWEST_SPEED = 0x7F, AHEAD = (int)0x80000000, SCALE = 16 };
+
+/* Beyond it the sign of a difference is not known. */
+enum { LOCK_LIMIT_NS = 1 << 30, GIGA = 1000000000 };
 
 static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
 {
     return esc->memory + address;
 }
 
-static uint64_t local_time(const ect_esc_t *esc)
+/* A frame asks what the time was when it passed the reference clock; the microcontroller, what it is. */
+static uint64_t time_for(const ect_esc_t *esc, ect_side_t side)
 {
-    ECT_ASSERT(esc->now_ns >= esc->power_on_ns);
-    return esc->now_ns - esc->power_on_ns;
+    if (side == ECT_SIDE_PDI)
+        return ect_esc_system_time(esc, esc->now_ns);
+    return ect_esc_frame_time(esc) + ect_load_le64(reg(esc, ECT_REG_DC_OFFSET)) -
+           ect_load_le32(reg(esc, ECT_REG_DC_DELAY));
 }
 
-static uint64_t system_time(const ect_esc_t *esc)
-{
-    return local_time(esc) + ect_load_le64(reg(esc, ECT_REG_DC_OFFSET));
-}
-
-bool ect_esc_dc_present(const ect_esc_t *esc)
-{
-    return (esc->config.personality->features & ECT_FEATURE_DC) != 0;
-}
-
-/* The frame's arrival, at every port that has a link: it has come back from the others in no time. */
+/* Ports that frames do not come back to keep what they had. An ET1200 takes them for every write, the others for those
+ * that address all or one by its station address; 0x0918 follows every write. */
 bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    (void)access;
-    (void)address;
     (void)length;
-    if (!ect_esc_dc_present(esc))
-        return true; /* a chip without them still counts the write */
-    for (unsigned int port = 0; port < ECT_ESC_PORTS; port++) {
+    if (!ect_esc_dc_present(esc) || address != ECT_REG_DC_RECEIVE_TIME)
+        return true; /* counts all the same */
+    bool ports = access->latches || ect_esc_has(esc, ECT_UNIT_LATCH_MODE);
+    for (unsigned int port = 0; ports && port < ECT_ESC_PORTS; port++) {
+        uint64_t time_ns = ect_esc_local_at(esc, esc->now_ns + esc->arrival.port_ns[port]);
         if (port == 0 || ect_esc_port_open(esc, port))
-            ect_store_le32(reg(esc, ECT_REG_DC_RECEIVE_TIME) + 4 * port, (uint32_t)local_time(esc));
+            ect_store_le32(reg(esc, ECT_REG_DC_RECEIVE_TIME) + 4 * port, (uint32_t)time_ns);
     }
-    ect_store_le64(reg(esc, ECT_REG_DC_RECEIVE_TIME_UNIT), local_time(esc));
+    ect_store_le64(reg(esc, ECT_REG_DC_RECEIVE_TIME_UNIT), ect_esc_frame_time(esc));
     return true;
 }
 
-bool ect_esc_dc_write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+/* --- the control loop ------------------------------------------------------------------------------------------- */
+
+static uint16_t speed_start(const ect_esc_t *esc)
 {
-    if (!ect_esc_dc_present(esc))
-        return false;
-    ect_esc_copy(access, reg(esc, address), 0, length);
-    return true;
+    uint16_t start = ect_load_le16(reg(esc, ECT_REG_DC_SPEED_START)) & 0x7FFF;
+    return start > LOWEST_SPEED ? start : LOWEST_SPEED + 1;
 }
 
-/* The reference clock's time: what remains of the difference once the propagation delay is taken off (bit 31: ahead).
+/* The deviation that a speed counter difference stands for, in ppb: difference / (5 (start + d + 2) (start - d + 2)).
  */
+static int32_t deviation(uint16_t start, uint16_t difference)
+{
+    uint64_t product = 5ull * (start + difference + 2u) * (start - difference + 2u);
+    return (int32_t)((uint64_t)difference * GIGA / product);
+}
+
+static int32_t bandwidth(const ect_esc_t *esc)
+{
+    uint16_t start = speed_start(esc);
+    return deviation(start, (uint16_t)(start - LOWEST_SPEED));
+}
+
+/* The difference for a deviation, by halving: it grows with it. */
+static uint16_t speed_difference(const ect_esc_t *esc, int32_t ppb)
+{
+    uint16_t start = speed_start(esc);
+    uint16_t low = 0, high = (uint16_t)(start - LOWEST_SPEED);
+    while (low < high) {
+        uint16_t middle = (uint16_t)((low + high + 1) / 2);
+        if (deviation(start, middle) <= ppb)
+            low = middle;
+        else
+            high = (uint16_t)(middle - 1);
+    }
+    return low;
+}
+
+static int64_t within(int64_t value, int64_t limit)
+{
+    return value > limit ? limit : value < -limit ? -limit : value;
+}
+
+static void show_difference(const ect_esc_t *esc)
+{
+    int64_t mean = esc->loop.mean_scaled / (1 << SCALE);
+    uint32_t shown = mean < 0 ? (uint32_t)-mean : (uint32_t)mean | (uint32_t)AHEAD;
+    ect_store_le32(reg(esc, ECT_REG_DC_DIFFERENCE), shown);
+}
+
+static void filter_difference(ect_esc_t *esc, int32_t ahead_ns)
+{
+    int64_t sample = (int64_t)ahead_ns * (1 << SCALE);
+    int64_t depth = 1 << (*reg(esc, ECT_REG_DC_FILTER) & 0x0F);
+    if (!esc->loop.sampled)
+        esc->loop.mean_scaled = sample;
+    else
+        esc->loop.mean_scaled += (sample - esc->loop.mean_scaled) / depth;
+    show_difference(esc);
+}
+
+/* Slower while it is ahead. The time from the last sample tells how long the next one will take. */
+static void regulate(ect_esc_t *esc, int32_t ahead_ns)
+{
+    uint64_t period_ns = esc->now_ns - esc->loop.last_ns;
+    if (period_ns == 0 || period_ns > GIGA)
+        return;
+    int64_t limit = bandwidth(esc);
+    int64_t slew = within(-(int64_t)ahead_ns * (GIGA / SHARE) / (int64_t)period_ns, limit);
+    int64_t depth = 1 << (*reg(esc, ECT_REG_DC_FILTER + 1) & 0x0F);
+    esc->loop.rate_scaled = within(esc->loop.rate_scaled + slew * (1 << SCALE) / depth, limit * (1 << SCALE));
+    int64_t rate = esc->loop.rate_scaled / (1 << SCALE);
+    slew = within(rate + slew, limit) - rate;
+    ect_esc_clock_trim(esc, (int32_t)rate, (int32_t)slew, period_ns);
+    ect_esc_sync_moved(esc);
+}
+
+static void reset_loop(ect_esc_t *esc)
+{
+    esc->loop = (ect_esc_loop_t){0};
+    ect_store_le32(reg(esc, ECT_REG_DC_DIFFERENCE), 0);
+    ect_esc_clock_trim(esc, 0, 0, 0);
+    ect_esc_sync_moved(esc);
+}
+
+static bool loop_is_of(const ect_esc_t *esc, ect_side_t side)
+{
+    bool pdi = (*reg(esc, ECT_REG_PDI_INFORMATION) & PDI_CONTROLS_TIME) != 0;
+    return ect_esc_dc_present(esc) && (side == ECT_SIDE_PDI) == pdi;
+}
+
+/* What a frame brings is compared with the time at which it came; what the PDI brings, with that of latch 0. */
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint8_t received[4];
-    if (!ect_esc_dc_present(esc))
+    if (!loop_is_of(esc, access->side))
         return false;
-    ect_store_le32(received, (uint32_t)system_time(esc));
+    uint32_t own = access->side == ECT_SIDE_PDI ? ect_load_le32(reg(esc, ECT_REG_DC_LATCH_TIME))
+                                                : (uint32_t)time_for(esc, access->side);
+    ect_store_le32(received, own);
     ect_esc_copy(access, received + (address - ECT_REG_DC_SYSTEM_TIME), 0, length);
-    uint32_t ahead = (uint32_t)system_time(esc) - ect_load_le32(reg(esc, ECT_REG_DC_DELAY)) - ect_load_le32(received);
-    bool behind = (int32_t)ahead < 0;
-    ect_store_le32(reg(esc, ECT_REG_DC_DIFFERENCE), behind ? 0u - ahead : ahead | 0x80000000u);
+    int32_t ahead_ns = (int32_t)(own - ect_load_le32(received));
+    filter_difference(esc, ahead_ns);
+    if (esc->loop.sampled && ahead_ns > -LOCK_LIMIT_NS && ahead_ns < LOCK_LIMIT_NS)
+        regulate(esc, ahead_ns);
+    esc->loop.sampled = true;
+    esc->loop.last_ns = esc->now_ns;
+    return true;
+}
+
+bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    if (!loop_is_of(esc, access->side))
+        return false;
+    ect_esc_copy(access, reg(esc, address), 0, length);
+    ect_esc_sync_moved(esc); /* the system time may be another one */
     return true;
 }
 
 /* Any write to it starts the filters anew. */
 bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (!ect_esc_dc_write_plain(esc, access, address, length))
+    if (!ect_esc_dc_write_loop(esc, access, address, length))
         return false;
-    memset(reg(esc, ECT_REG_DC_DIFFERENCE), 0, 4);
+    reset_loop(esc);
     return true;
 }
 
-/* A start time that has passed is 2^64 ns away. */
-static void start_cyclic(ect_esc_t *esc)
+/* --- reading ---------------------------------------------------------------------------------------------------- */
+
+static bool reads(uint16_t address, uint16_t end, uint16_t wanted)
 {
-    ECT_ASSERT(ect_esc_dc_present(esc));
-    uint64_t start = ect_load_le64(reg(esc, ECT_REG_DC_START_TIME));
-    uint64_t now = system_time(esc);
-    esc->sync0_ns = start > now && start - now < UINT64_MAX - esc->now_ns ? esc->now_ns + (start - now) : UINT64_MAX;
-    *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) = PENDING;
+    return address <= wanted && wanted < end;
 }
 
-static void stop_cyclic(ect_esc_t *esc)
-{
-    esc->sync0_ns = UINT64_MAX;
-    *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) = 0;
-    *reg(esc, ECT_REG_DC_SYNC0_STATUS) = 0;
-    ect_esc_clear(esc, ECT_EVENT_SYNC0);
-}
-
-bool ect_esc_dc_activate(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
-{
-    uint8_t before = *reg(esc, ECT_REG_DC_ACTIVATION);
-    if (!ect_esc_dc_write_plain(esc, access, address, length))
-        return false;
-    uint8_t after = *reg(esc, ECT_REG_DC_ACTIVATION);
-    bool runs = (after & (CYCLIC | SYNC0)) == (CYCLIC | SYNC0);
-    if (!runs)
-        stop_cyclic(esc);
-    else if ((before & (CYCLIC | SYNC0)) != (CYCLIC | SYNC0))
-        start_cyclic(esc);
-    esc->activity++; /* whoever waits for the time of the next pulse asks again */
-    return true;
-}
-
-void ect_esc_dc_acknowledge(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
-{
-    (void)address;
-    (void)length;
-    if (access->side != ECT_SIDE_PDI)
-        return;
-    *reg(esc, ECT_REG_DC_SYNC0_STATUS) = 0;
-    ect_esc_clear(esc, ECT_EVENT_SYNC0);
-}
-
-/* However many pulses there were since the last look, the next one is on the grid. */
-static void pass_sync0(ect_esc_t *esc)
-{
-    uint32_t cycle = ect_load_le32(reg(esc, ECT_REG_DC_SYNC0_CYCLE));
-    if (esc->now_ns < esc->sync0_ns)
-        return;
-    esc->sync0_ns = cycle == 0 ? UINT64_MAX : esc->sync0_ns + ((esc->now_ns - esc->sync0_ns) / cycle + 1) * cycle;
-    *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) = 0;
-    *reg(esc, ECT_REG_DC_SYNC0_STATUS) = 1;
-    if ((*reg(esc, ECT_REG_SYNC_CONFIG) & TO_AL_EVENT) != 0)
-        ect_esc_raise(esc, ECT_EVENT_SYNC0);
-}
-
-uint64_t ect_esc_dc_tick(ect_esc_t *esc)
-{
-    pass_sync0(esc);
-    return (*reg(esc, ECT_REG_SYNC_CONFIG) & TO_AL_EVENT) != 0 ? esc->sync0_ns : UINT64_MAX;
-}
-
-/* Brings the registers that follow the time up to date: somebody reads them. */
-void ect_esc_dc_refresh(ect_esc_t *esc)
+/* The bytes of a time belong together: it is taken when its first one is read. */
+void ect_esc_dc_refresh(ect_esc_t *esc, ect_side_t side, uint16_t address, uint16_t end)
 {
     if (!ect_esc_dc_present(esc))
         return;
-    pass_sync0(esc);
-    ect_store_le64(reg(esc, ECT_REG_DC_SYSTEM_TIME), system_time(esc));
-    if (esc->sync0_ns != UINT64_MAX)
-        ect_store_le64(reg(esc, ECT_REG_DC_START_TIME), system_time(esc) + (esc->sync0_ns - esc->now_ns));
+    if (reads(address, end, ECT_REG_DC_SYSTEM_TIME))
+        ect_store_le64(reg(esc, ECT_REG_DC_SYSTEM_TIME), time_for(esc, side));
+    if (reads(address, end, ECT_REG_DC_SPEED_DIFFERENCE)) {
+        int32_t rate = (int32_t)(esc->loop.rate_scaled / (1 << SCALE));
+        uint16_t difference = speed_difference(esc, rate < 0 ? -rate : rate);
+        ect_store_le16(reg(esc, ECT_REG_DC_SPEED_DIFFERENCE), rate > 0 ? (uint16_t)-difference : difference);
+    }
+    if (end > ECT_REG_DC_ACTIVATION)
+        ect_esc_sync_refresh(esc, address, end);
 }

@@ -18,24 +18,6 @@ static void write_identity(ect_esc_t *esc)
     ect_store_le16(m + ECT_REG_FEATURES, p->features);
 }
 
-static void reset_registers(ect_esc_t *esc)
-{
-    uint8_t *m = esc->memory;
-    ect_store_le32(m + ECT_REG_DL_CONTROL, 0x00070001);
-    ect_store_le16(m + ECT_REG_AL_CONTROL, 0x0001);
-    ect_store_le16(m + ECT_REG_AL_STATUS, 0x0001);
-    ect_store_le32(m + ECT_REG_AL_EVENT_MASK, 0x00FFFF0F);
-    ect_store_le16(m + ECT_REG_WD_DIVIDER, 0x09C2);
-    ect_store_le16(m + ECT_REG_WD_TIME_PDI, 0x03E8);
-    ect_store_le16(m + ECT_REG_WD_TIME_PD, 0x03E8);
-    if (ect_esc_dc_present(esc)) {
-        ect_store_le16(m + ECT_REG_DC_SPEED_START, 0x1000);
-        ect_store_le16(m + ECT_REG_DC_FILTER, 0x0C04);
-    }
-    for (unsigned int n = 0; n < esc->config.personality->sm_count; n++)
-        ect_esc_sm_reset(esc, n);
-}
-
 static int check(const ect_esc_config_t *config)
 {
     const ect_esc_personality_t *p = config->personality;
@@ -44,9 +26,39 @@ static int check(const ect_esc_config_t *config)
         return -1;
     if (!config->memory)
         return -2;
-    if (config->sii_size % 2 != 0 || (config->sii_size > 0) != (config->sii != NULL))
+    if (config->sii_size % 2 != 0 || (config->sii_size > 0) != (config->sii != NULL) ||
+        (config->sii_emulated && (config->sii || (p->units & ECT_UNIT_SII_EMULATION) == 0)))
         return -3;
     return 0;
+}
+
+/* What there is in the chip, but for its configuration and what counts over resets. */
+static void reset(ect_esc_t *esc, uint64_t now_ns)
+{
+    esc->now_ns = now_ns;
+    esc->next_ns = UINT64_MAX;
+    esc->watchdog_ns = UINT64_MAX;
+    esc->pdi_ns = UINT64_MAX;
+    esc->loops_revert_ns = UINT64_MAX;
+    memset(esc->memory, 0, esc->memory_size);
+    ect_esc_clock_reset(esc);
+    ect_esc_sync_reset(esc);
+    write_identity(esc);
+    ect_esc_registers_reset(esc);
+    for (unsigned int n = 0; n < esc->config.personality->sm_count; n++)
+        ect_esc_sm_reset(esc, n);
+    ect_esc_sii_load(esc, true);
+    ect_esc_led_state(esc);
+    ect_esc_clear_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
+}
+
+static void clear(ect_esc_t *esc, const ect_esc_config_t *config)
+{
+    memset(esc, 0, sizeof *esc);
+    esc->config = *config;
+    esc->config.open_ports |= 1u;
+    esc->memory = config->memory;
+    esc->memory_size = (uint32_t)ECT_ESC_MEMORY_SIZE(config->personality->ram_kb);
 }
 
 int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns)
@@ -56,21 +68,34 @@ int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns
     if (error != 0)
         return error;
     const ect_esc_config_t own = *config; /* it may be the one that lies in here */
-    memset(esc, 0, sizeof *esc);
-    esc->config = own;
-    esc->config.open_ports |= 1u;
-    esc->memory = own.memory;
-    esc->memory_size = (uint32_t)ECT_ESC_MEMORY_SIZE(own.personality->ram_kb);
-    esc->now_ns = now_ns;
-    esc->power_on_ns = now_ns;
-    esc->sync0_ns = UINT64_MAX;
-    esc->watchdog_ns = UINT64_MAX;
-    memset(esc->memory, 0, esc->memory_size);
-    write_identity(esc);
-    reset_registers(esc);
-    ect_esc_sii_load(esc, true);
-    ect_esc_clear_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
+    clear(esc, &own);
+    reset(esc, now_ns);
     return 0;
+}
+
+void ect_esc_access_ends(ect_esc_t *esc)
+{
+    if (!ect_esc_reset_due(esc))
+        return;
+    const ect_esc_config_t config = esc->config;
+    uint64_t now_ns = esc->now_ns;
+    uint32_t sii_writes = esc->sii_writes;
+    uint32_t resets = esc->resets;
+    uint32_t activity = esc->activity;
+    const ect_esc_arrival_t arrival = esc->arrival;
+    clear(esc, &config);
+    esc->arrival = arrival;
+    reset(esc, now_ns);
+    esc->sii_writes = sii_writes;
+    esc->resets = resets + 1;
+    esc->activity = activity + 1;
+}
+
+static void pdi_begins(ect_esc_t *esc)
+{
+    ect_esc_watchdog_pdi(esc);
+    if (esc->reset_step[ECT_SIDE_PDI] != 0)
+        ect_esc_protect_begins(esc, ECT_SIDE_PDI);
 }
 
 int ect_esc_pdi_read(void *esc, uint16_t address, void *buffer, uint16_t length)
@@ -78,6 +103,7 @@ int ect_esc_pdi_read(void *esc, uint16_t address, void *buffer, uint16_t length)
     ECT_ASSERT(esc && buffer);
     ect_access_t access = {.side = ECT_SIDE_PDI, .write = false, .data = buffer};
     memset(buffer, 0, length);
+    pdi_begins(esc);
     (void)ect_esc_access(esc, &access, address, length);
     return 0;
 }
@@ -87,7 +113,9 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
     ECT_ASSERT(esc && buffer);
     /* A write only reads through `data` (internal.h). */
     ect_access_t access = {.side = ECT_SIDE_PDI, .write = true, .data = (uint8_t *)(uintptr_t)buffer};
+    pdi_begins(esc);
     (void)ect_esc_access(esc, &access, address, length);
+    ect_esc_access_ends(esc);
     return 0;
 }
 
@@ -95,13 +123,19 @@ uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)
 {
     ECT_ASSERT(now_ns >= esc->now_ns);
     esc->now_ns = now_ns;
+    esc->next_ns = UINT64_MAX;
     ect_esc_watchdog_tick(esc);
     ect_esc_sii_tick(esc);
-    uint64_t next = esc->watchdog_ns;
-    if (esc->sii_command != 0 && esc->sii_done_ns < next)
-        next = esc->sii_done_ns;
-    uint64_t sync0_ns = ect_esc_dc_tick(esc);
-    return sync0_ns < next ? sync0_ns : next;
+    ect_esc_port_tick(esc);
+    ect_esc_sync_tick(esc);
+    return esc->next_ns;
+}
+
+void ect_esc_advance(ect_esc_t *esc, uint64_t now_ns)
+{
+    if (now_ns >= esc->next_ns)
+        (void)ect_esc_tick(esc, now_ns);
+    esc->now_ns = now_ns;
 }
 
 uint32_t ect_esc_al_event(const ect_esc_t *esc)

@@ -117,10 +117,10 @@ static bool read_physical(ect_esc_t *esc, uint8_t *to, uint16_t address, uint16_
     return ect_esc_access(esc, &access, address, length);
 }
 
-static bool write_physical(ect_esc_t *esc, uint8_t *from, uint16_t address, uint16_t length)
+static bool write_physical(ect_esc_t *esc, uint8_t *from, uint16_t address, uint16_t length, bool latches)
 {
     ECT_ASSERT(length > 0);
-    ect_access_t access = {.side = ECT_SIDE_ECAT, .write = true, .data = from};
+    ect_access_t access = {.side = ECT_SIDE_ECAT, .write = true, .latches = latches, .data = from};
     return ect_esc_access(esc, &access, address, length);
 }
 
@@ -135,7 +135,7 @@ static unsigned int exchange_physical(ect_esc_t *esc, uint8_t *data, uint16_t ad
     else
         memcpy(scratch, data, length);
     unsigned int gain = read_physical(esc, or_read ? scratch : data, address, length) ? 1 : 0;
-    gain += write_physical(esc, or_read ? data : scratch, write_address, length) ? 2 : 0;
+    gain += write_physical(esc, or_read ? data : scratch, write_address, length, false) ? 2 : 0;
     if (or_read)
         or_into(data, scratch, length);
     return gain;
@@ -151,7 +151,7 @@ static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, request_t reques
     if (request.read && request.write)
         return exchange_physical(esc, data, address, length, request.or_read);
     if (request.write)
-        return write_physical(esc, data, address, length) ? 1 : 0;
+        return write_physical(esc, data, address, length, d[COMMAND] == BWR || d[COMMAND] == FPWR) ? 1 : 0;
     if (!request.or_read)
         return read_physical(esc, data, address, length) ? 1 : 0;
     memset(scratch, 0, length);
@@ -271,8 +271,7 @@ static ect_frame_result_t not_ours(ect_esc_t *esc)
 
 static ect_frame_result_t invalid(ect_esc_t *esc)
 {
-    ect_esc_count(esc, ECT_REG_RX_ERROR);
-    ect_esc_count(esc, ECT_REG_PROCESSING_ERROR);
+    ect_esc_damaged(esc, 0, false);
     return ECT_FRAME_DESTROYED;
 }
 
@@ -293,9 +292,18 @@ static void process_datagrams(ect_esc_t *esc, uint8_t *datagram)
     }
 }
 
+static void frame_ends(ect_esc_t *esc)
+{
+    if ((esc->per_frame & ECT_FRAME_END_SII) != 0)
+        ect_esc_sii_end_of_frame(esc);
+    ect_esc_access_ends(esc);
+}
+
 ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
 {
-    (void)ect_esc_tick(esc, now_ns);
+    ect_esc_advance(esc, now_ns);
+    if ((esc->per_frame & ECT_FRAME_BEGINS) != 0)
+        ect_esc_protect_begins(esc, ECT_SIDE_ECAT);
     if (length > ECT_ESC_MAX_FRAME || length < ETHERNET_HEADER)
         return invalid(esc);
     size_t at = find_header(frame, length);
@@ -309,6 +317,7 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         return ECT_FRAME_DESTROYED;
     mark_source(esc, frame);
     process_datagrams(esc, frame + at + 2);
-    ect_esc_sii_end_of_frame(esc);
+    if (esc->per_frame != 0)
+        frame_ends(esc);
     return ECT_FRAME_FORWARD;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The registers as a table: which block each side may write, and what follows from a write or a read. An address that
- * stands in no row is read-only; one of an absent function answers nothing.
+ * The registers as a table: which chips have them, what they are after a reset, which side may write them, and what
+ * follows from a write or a read. An address that stands in no row is read-only, and 0 if nothing in the chip sets it;
+ * clocks that a chip has not do not answer at all.
  */
 #include <string.h>
 
@@ -13,6 +14,8 @@ typedef void (*read_fn)(ect_esc_t *esc, const ect_access_t *access, uint16_t add
 typedef struct block {
     uint16_t first;
     uint16_t size;
+    uint16_t unit;       /* ECT_UNIT_..., 0: every chip has it */
+    uint32_t reset;      /* of its first bytes, little-endian; those behind are 0 */
     write_fn ecat_write; /* NULL: read-only for that side */
     write_fn pdi_write;
     read_fn after_read;
@@ -24,19 +27,14 @@ static bool write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return true;
 }
 
-/* The chip answers AL control itself: a device without a microcontroller. */
-static bool emulation(const ect_esc_t *esc)
-{
-    return (esc->memory[ECT_REG_PDI_CONTROL + 1] & 0x01) != 0;
-}
-
 static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (esc->al_control_locked && !emulation(esc))
+    if (esc->al_control_locked && !ect_esc_emulates(esc))
         return false;
     write_plain(esc, access, address, length);
-    if (emulation(esc)) {
+    if (ect_esc_emulates(esc)) {
         memcpy(esc->memory + ECT_REG_AL_STATUS, esc->memory + ECT_REG_AL_CONTROL, 2);
+        ect_esc_led_state(esc);
         esc->activity++; /* no event, but what stands for its logic wants to follow */
         return true;
     }
@@ -57,13 +55,13 @@ static void read_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t
 
 static bool write_al_status(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (emulation(esc))
+    if (ect_esc_emulates(esc))
         return false;
     uint8_t before[2];
     memcpy(before, esc->memory + ECT_REG_AL_STATUS, sizeof before);
     write_plain(esc, access, address, length);
     if (memcmp(before, esc->memory + ECT_REG_AL_STATUS, sizeof before) != 0)
-        esc->memory[ECT_REG_LED_RUN] &= 0x0F;
+        ect_esc_led_state(esc);
     ect_esc_raise_ecat(esc, ECT_ECAT_EVENT_AL_STATUS);
     return true;
 }
@@ -86,13 +84,13 @@ static void read_dl_status(ect_esc_t *esc, const ect_access_t *access, uint16_t 
 
 static bool write_dl_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    static const uint8_t writable[4] = {0x03, 0xFF, 0x4F, 0x01};
-    for (uint16_t i = 0; i < length; i++) {
-        uint8_t mask = writable[address - ECT_REG_DL_CONTROL + i];
-        uint8_t *reg = esc->memory + address + i;
-        *reg = (uint8_t)((*reg & ~mask) | (access->data[i] & mask));
-    }
-    ect_esc_update_dl_status(esc);
+    ect_esc_port_control(esc, access, address, length);
+    return true;
+}
+
+static bool write_led(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    ect_esc_led_write(esc, access, address, length);
     return true;
 }
 
@@ -167,42 +165,68 @@ enum { FMMU_BYTES = ECT_FMMU_SIZE * ECT_ESC_MAX_FMMU, SM_BYTES = ECT_SM_SIZE * E
 
 /* Ascending, not overlapping. */
 static const block_t blocks[] = {
-    {ECT_REG_STATION_ADDRESS, 2, write_plain, NULL, NULL},
-    {ECT_REG_STATION_ALIAS, 2, NULL, write_plain, NULL},
-    {ECT_REG_DL_CONTROL, 4, write_dl_control, NULL, NULL},
-    {ECT_REG_RW_OFFSET, 2, write_plain, NULL, NULL},
-    {ECT_REG_DL_STATUS, 2, NULL, NULL, read_dl_status},
-    {ECT_REG_AL_CONTROL, 2, write_al_control, NULL, read_al_control},
-    {ECT_REG_AL_STATUS, 2, NULL, write_al_status, read_al_status},
-    {ECT_REG_AL_STATUS_CODE, 2, NULL, write_plain, NULL},
-    {ECT_REG_LED_RUN, 2, write_plain, write_plain, NULL},
-    {ECT_REG_ECAT_EVENT_MASK, 2, write_plain, NULL, NULL},
-    {ECT_REG_AL_EVENT_MASK, 4, NULL, write_plain, NULL},
-    {ECT_REG_RX_ERROR, 12, write_port_errors, NULL, NULL},
-    {ECT_REG_PROCESSING_ERROR, 2, write_processing_error, NULL, NULL},
-    {ECT_REG_LOST_LINK, 4, write_lost_link, NULL, NULL},
-    {ECT_REG_WD_DIVIDER, 2, write_plain, NULL, NULL},
-    {ECT_REG_WD_TIME_PDI, 2, write_plain, NULL, NULL},
-    {ECT_REG_WD_TIME_PD, 2, write_watchdog_time, NULL, NULL},
-    {ECT_REG_WD_STATUS_PD, 2, NULL, NULL, read_watchdog_status},
-    {ECT_REG_WD_COUNTER_PD, 3, write_watchdog_counter, NULL, NULL},
-    {ECT_REG_SII_CONFIG, 16, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
-    {ECT_REG_FMMU, FMMU_BYTES, write_fmmu, NULL, NULL},
-    {ECT_REG_SM, SM_BYTES, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
-    {ECT_REG_DC_RECEIVE_TIME, 4, ect_esc_dc_latch, NULL, NULL},
-    {ECT_REG_DC_SYSTEM_TIME, 4, ect_esc_dc_compare, NULL, NULL},
-    {ECT_REG_DC_OFFSET, 12, ect_esc_dc_write_plain, NULL, NULL},
-    {ECT_REG_DC_SPEED_START, 2, ect_esc_dc_write_speed, NULL, NULL},
-    {ECT_REG_DC_FILTER, 2, ect_esc_dc_write_plain, NULL, NULL},
-    {ECT_REG_DC_CYCLIC_CONTROL, 1, ect_esc_dc_write_plain, NULL, NULL},
-    {ECT_REG_DC_ACTIVATION, 1, ect_esc_dc_activate, NULL, NULL},
-    {ECT_REG_DC_SYNC0_STATUS, 1, NULL, NULL, ect_esc_dc_acknowledge},
-    {ECT_REG_DC_START_TIME, 8, ect_esc_dc_write_plain, NULL, NULL},
-    {ECT_REG_DC_SYNC0_CYCLE, 10, ect_esc_dc_write_plain, NULL, NULL},
-    {ECT_REG_DIGITAL_OUTPUT, 4, write_plain, NULL, NULL},
-    {ECT_REG_GENERAL_OUTPUT, 8, write_plain, write_plain, NULL},
-    {ECT_REG_USER_RAM, ECT_RAM - ECT_REG_USER_RAM, write_plain, write_plain, NULL},
+    {ECT_REG_STATION_ADDRESS, 2, 0, 0, write_plain, NULL, NULL},
+    {ECT_REG_STATION_ALIAS, 2, 0, 0, NULL, write_plain, NULL},
+    {ECT_REG_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL},
+    {ECT_REG_ESC_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL},
+    {ECT_REG_RESET_ECAT, 1, ECT_UNIT_RESET_ECAT, 0, ect_esc_reset_write, NULL, NULL},
+    {ECT_REG_RESET_PDI, 1, ECT_UNIT_RESET_PDI, 0, NULL, ect_esc_reset_write, NULL},
+    {ECT_REG_DL_CONTROL, 4, 0, 0x00070001, write_dl_control, NULL, NULL},
+    {ECT_REG_RW_OFFSET, 2, 0, 0, write_plain, NULL, NULL},
+    {ECT_REG_DL_STATUS, 2, 0, 0, NULL, NULL, read_dl_status},
+    {ECT_REG_AL_CONTROL, 2, 0, 1, write_al_control, NULL, read_al_control},
+    {ECT_REG_AL_STATUS, 2, 0, 1, NULL, write_al_status, read_al_status},
+    {ECT_REG_AL_STATUS_CODE, 2, 0, 0, NULL, write_plain, NULL},
+    {ECT_REG_LED_RUN, 1, ECT_UNIT_LED_RUN, 0, write_led, write_led, NULL},
+    {ECT_REG_LED_ERR, 1, ECT_UNIT_LED_ERR, 0, write_led, write_led, NULL},
+    {ECT_REG_ECAT_EVENT_MASK, 2, 0, 0, write_plain, NULL, NULL},
+    {ECT_REG_AL_EVENT_MASK, 4, 0, 0x00FFFF0F, NULL, write_plain, NULL},
+    {ECT_REG_RX_ERROR, 12, 0, 0, write_port_errors, NULL, NULL},
+    {ECT_REG_PROCESSING_ERROR, 2, 0, 0, write_processing_error, NULL, NULL},
+    {ECT_REG_LOST_LINK, 4, 0, 0, write_lost_link, NULL, NULL},
+    {ECT_REG_WD_DIVIDER, 2, 0, 0x09C2, write_watchdog_time, NULL, NULL},
+    {ECT_REG_WD_TIME_PDI, 2, 0, 0x03E8, write_watchdog_time, NULL, NULL},
+    {ECT_REG_WD_TIME_PD, 2, 0, 0x03E8, write_watchdog_time, NULL, NULL},
+    {ECT_REG_WD_STATUS_PD, 2, 0, 0, NULL, NULL, read_watchdog_status},
+    {ECT_REG_WD_COUNTER_PD, 3, 0, 0, write_watchdog_counter, NULL, NULL},
+    {ECT_REG_SII_CONFIG, 16, 0, 0, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
+    {ECT_REG_FMMU, FMMU_BYTES, 0, 0, write_fmmu, NULL, NULL},
+    {ECT_REG_SM, SM_BYTES, 0, 0, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
+    {ECT_REG_DC_RECEIVE_TIME, 4, 0, 0, ect_esc_dc_latch, NULL, NULL},
+    {ECT_REG_DC_SYSTEM_TIME, 4, 0, 0, ect_esc_dc_compare, ect_esc_dc_compare, NULL},
+    {ECT_REG_DC_OFFSET, 12, 0, 0, ect_esc_dc_write_loop, ect_esc_dc_write_loop, NULL},
+    {ECT_REG_DC_SPEED_START, 2, 0, 0x1000, ect_esc_dc_write_speed, ect_esc_dc_write_speed, NULL},
+    {ECT_REG_DC_FILTER, 2, 0, 0x0C04, ect_esc_dc_write_loop, ect_esc_dc_write_loop, NULL},
+    {ECT_REG_DC_LATCH_MODE, 1, ECT_UNIT_LATCH_MODE, 0, write_plain, NULL, NULL},
+    {ECT_REG_DC_CYCLIC_CONTROL, 1, 0, 0, ect_esc_sync_control, NULL, NULL},
+    {ECT_REG_DC_ACTIVATION, 1, 0, 0, ect_esc_sync_activate, ect_esc_sync_activate, NULL},
+    {ECT_REG_DC_SYNC0_STATUS, 2, 0, 0, NULL, NULL, ect_esc_sync_acknowledge},
+    {ECT_REG_DC_START_TIME, 8, 0, 0, ect_esc_sync_start, ect_esc_sync_start, NULL},
+    {ECT_REG_DC_SYNC0_CYCLE, 4, 0, 0, ect_esc_sync_cycle, ect_esc_sync_cycle, NULL},
+    {ECT_REG_DC_SYNC1_CYCLE, 4, 0, 0, ect_esc_sync_cycle, ect_esc_sync_cycle, NULL},
+    {ECT_REG_DC_LATCH_CONTROL, 2, 0, 0, ect_esc_latch_control, ect_esc_latch_control, NULL},
+    {ECT_REG_DC_LATCH_TIME, 32, 0, 0, NULL, NULL, ect_esc_latch_read},
+    {ECT_REG_DIGITAL_OUTPUT, 4, 0, 0, write_plain, NULL, NULL},
+    {ECT_REG_GENERAL_OUTPUT, 8, 0, 0, write_plain, write_plain, NULL},
+    {ECT_REG_USER_RAM, ECT_RAM - ECT_REG_USER_RAM, 0, 0, write_plain, write_plain, NULL},
 };
+
+enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
+
+static bool is_there(const ect_esc_t *esc, const block_t *b)
+{
+    bool clock = b->first >= ECT_REG_DC_SYSTEM_TIME && b->first < ECT_REG_DC_END;
+    return (b->unit == 0 || ect_esc_has(esc, b->unit)) && (!clock || ect_esc_dc_present(esc));
+}
+
+void ect_esc_registers_reset(ect_esc_t *esc)
+{
+    for (size_t i = 0; i < BLOCKS; i++) {
+        const block_t *b = &blocks[i];
+        for (unsigned int byte = 0; b->reset != 0 && is_there(esc, b) && byte < b->size && byte < 4; byte++)
+            esc->memory[b->first + byte] = (uint8_t)(b->reset >> (8 * byte));
+    }
+}
 
 /* The unit of distributed clocks, but for the receive times, is absent without the feature bit. */
 static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -214,7 +238,7 @@ static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t 
     uint16_t after = (uint16_t)(address > hole_end ? address : hole_end);
     bool any = false;
     if (end > ECT_REG_DC_SYSTEM_TIME && address < ECT_REG_DC_END)
-        ect_esc_dc_refresh(esc);
+        ect_esc_dc_refresh(esc, access->side, address, end);
     if (before > address) {
         ect_esc_copy(access, esc->memory + address, 0, (uint16_t)(before - address));
         any = true;
@@ -231,12 +255,28 @@ static bool block_access(ect_esc_t *esc, const block_t *b, const ect_access_t *p
 {
     uint16_t size = (uint16_t)(last - from + 1);
     ECT_ASSERT(from >= b->first && from <= last && last < b->first + b->size);
+    if (b->unit != 0 && !ect_esc_has(esc, b->unit))
+        return false;
     write_fn write = part->side == ECT_SIDE_ECAT ? b->ecat_write : b->pdi_write;
     if (part->write)
         return write && write(esc, part, from, size);
     if (b->after_read)
         b->after_read(esc, part, from, size);
     return false;
+}
+
+/* The first one that ends beyond an address. */
+static size_t first_block(uint16_t address)
+{
+    size_t low = 0, high = BLOCKS;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (blocks[middle].first + blocks[middle].size <= address)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
 }
 
 bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -246,7 +286,7 @@ bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_
     ECT_ASSERT((uint32_t)address + length <= ECT_RAM);
     uint16_t last = (uint16_t)(address + length - 1);
     bool any = access->write ? false : read_registers(esc, access, address, length);
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0] && blocks[i].first <= last; i++) {
+    for (size_t i = first_block(address); i < BLOCKS && blocks[i].first <= last; i++) {
         const block_t *b = &blocks[i];
         uint16_t block_last = (uint16_t)(b->first + b->size - 1);
         uint16_t from = b->first > address ? b->first : address;

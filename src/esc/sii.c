@@ -11,6 +11,7 @@
 enum {
     WRITE_ENABLE = 0x0001,
     NOT_PRESENT = 0x0008,
+    EMULATION = 0x0020,
     READ_8_BYTES = 0x0040,
     TWO_ADDRESS_BYTES = 0x0080,
     COMMAND = 0x0700,
@@ -45,28 +46,63 @@ static bool checksum_good(const uint8_t *sii)
     return ect_crc_sii(sii) == sii[ECT_SII_CHECKED_BYTES];
 }
 
+static bool reads_8(const ect_esc_t *esc)
+{
+    return esc->config.personality->sii_read == 8;
+}
+
+/* The configuration that the chip takes from the first seven words. */
+static void take_words(ect_esc_t *esc, const uint8_t *words, bool power_on)
+{
+    memcpy(reg(esc, ECT_REG_PDI_CONTROL), words, 2);
+    memcpy(reg(esc, ECT_REG_PDI_CONFIG), words + 2, 2);
+    memcpy(reg(esc, ECT_REG_DC_PULSE_LENGTH), words + 4, 2);
+    memcpy(reg(esc, ECT_REG_PDI_EXTENDED), words + 6, 2);
+    memcpy(reg(esc, ECT_REG_PDI_INFORMATION), words + 10, 2);
+    memcpy(reg(esc, ECT_REG_PDI_INFORMATION_2), words + 12, 2);
+    if (power_on)
+        memcpy(reg(esc, ECT_REG_STATION_ALIAS), words + 8, 2);
+}
+
+/* What follows for the rest of the chip once it is known whether there is a configuration. */
+static void loaded(ect_esc_t *esc, bool valid)
+{
+    enum { AREA_LOADED = 0x02, PDI_ACTIVE = 0x04 };
+    esc->sii_valid = valid;
+    if (ect_esc_has(esc, ECT_UNIT_PDI_INFORMATION))
+        *reg(esc, ECT_REG_PDI_STATE) = valid ? AREA_LOADED | PDI_ACTIVE : 0;
+    ect_esc_update_dl_status(esc);
+    ect_esc_led_errors(esc);
+}
+
+/* From power-on on the PDI is asked for what an EEPROM would have brought. */
+static void ask_for_reload(ect_esc_t *esc)
+{
+    esc->sii_command = COMMAND_RELOAD;
+    set_status(esc, (status(esc) & WRITE_ENABLE) | EMULATION | NOT_LOADED | BUSY |
+                        (reads_8(esc) ? (unsigned int)READ_8_BYTES : 0u) | (unsigned int)COMMAND_RELOAD << 8);
+    ect_esc_raise(esc, ECT_EVENT_SII);
+    loaded(esc, false);
+}
+
 void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
 {
     const uint8_t *sii = esc->config.sii;
-    unsigned int flags = (esc->config.personality->sii_read == 8 ? (unsigned int)READ_8_BYTES : 0u) |
+    unsigned int flags = (reads_8(esc) ? (unsigned int)READ_8_BYTES : 0u) |
                          (esc->config.sii_size >= 4096 ? (unsigned int)TWO_ADDRESS_BYTES : 0u);
-    esc->sii_valid = sii != NULL && esc->config.sii_size >= 16 && checksum_good(sii);
+    if (esc->config.sii_emulated) {
+        ask_for_reload(esc);
+        return;
+    }
+    bool valid = sii != NULL && esc->config.sii_size >= 16 && checksum_good(sii);
     if (!sii)
         flags |= NOT_PRESENT | NOT_LOADED;
-    else if (!esc->sii_valid)
+    else if (!valid)
         flags |= CHECKSUM_ERROR | NOT_LOADED;
     set_status(esc, flags | (status(esc) & WRITE_ENABLE));
-    ect_esc_update_dl_status(esc);
-    if (!sii || !esc->sii_valid)
-        return;
-    memcpy(reg(esc, ECT_REG_PDI_CONTROL), sii, 2);
-    memcpy(reg(esc, ECT_REG_PDI_CONFIG), sii + 2, 2);
-    memcpy(reg(esc, ECT_REG_DC_PULSE_LENGTH), sii + 4, 2);
-    memcpy(reg(esc, ECT_REG_PDI_EXTENDED), sii + 6, 2);
-    memcpy(reg(esc, ECT_REG_PDI_INFORMATION), sii + 10, 2);
-    memcpy(reg(esc, ECT_REG_PDI_INFORMATION_2), sii + 12, 2);
-    if (power_on)
-        memcpy(reg(esc, ECT_REG_STATION_ALIAS), sii + 8, 2);
+    if (valid)
+        take_words(esc, sii, power_on);
+    loaded(esc, valid);
 }
 
 /* Beyond the end an erased cell is read. */
@@ -98,10 +134,15 @@ static void finish(ect_esc_t *esc)
     }
 }
 
+/* One that the PDI has to carry out is done when it says so. */
 void ect_esc_sii_tick(ect_esc_t *esc)
 {
-    if (esc->sii_command != COMMAND_IDLE && esc->now_ns >= esc->sii_done_ns)
+    if (esc->sii_command == COMMAND_IDLE || esc->config.sii_emulated)
+        return;
+    if (esc->now_ns >= esc->sii_done_ns)
         finish(esc);
+    else
+        ect_esc_due(esc, esc->sii_done_ns);
 }
 
 /* The error bit with which a command is refused, or 0. */
@@ -111,7 +152,7 @@ static unsigned int refusal(const ect_esc_t *esc, uint8_t command, bool write_en
         return COMMAND_ERROR;
     if (command == COMMAND_WRITE && !write_enabled)
         return WRITE_ENABLE_ERROR;
-    return esc->config.sii ? 0 : COMMAND_ERROR;
+    return esc->config.sii || esc->config.sii_emulated ? 0 : COMMAND_ERROR;
 }
 
 static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
@@ -128,6 +169,8 @@ static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
     set_status(esc, flags | BUSY | ((unsigned int)command << 8));
     esc->sii_command = command;
     esc->sii_done_ns = esc->now_ns + (command == COMMAND_WRITE ? p->sii_write_ns : p->sii_read_ns);
+    if (esc->config.sii_emulated)
+        ect_esc_raise(esc, ECT_EVENT_SII);
     ect_esc_sii_tick(esc);
 }
 
@@ -154,10 +197,75 @@ static bool write_ownership(ect_esc_t *esc, ect_side_t side, uint16_t address, u
     return true;
 }
 
+/* Of a chip with 4 bytes of data only the alias comes from the PDI; with 8 the words do, four at a time. */
+static void take_reloaded(ect_esc_t *esc)
+{
+    if (reads_8(esc)) {
+        uint32_t first = ect_load_le32(reg(esc, ECT_REG_SII_ADDRESS));
+        if (first < 8)
+            memcpy(esc->reloaded + 2 * (first & 4), reg(esc, ECT_REG_SII_DATA), 8);
+        if (first < 4) { /* the event stays: the rest is asked for */
+            ect_store_le32(reg(esc, ECT_REG_SII_ADDRESS), 4);
+            return;
+        }
+    }
+    bool valid = !reads_8(esc) || checksum_good(esc->reloaded);
+    if (valid && reads_8(esc))
+        take_words(esc, esc->reloaded, !esc->alias_loaded);
+    else if (valid && !esc->alias_loaded)
+        memcpy(reg(esc, ECT_REG_STATION_ALIAS), reg(esc, ECT_REG_SII_DATA), 2);
+    esc->alias_loaded |= valid;
+    set_status(esc, (status(esc) & ~(unsigned int)(NOT_LOADED | CHECKSUM_ERROR | BUSY | COMMAND)) |
+                        (valid ? 0u : (unsigned int)(NOT_LOADED | CHECKSUM_ERROR)));
+    esc->sii_command = COMMAND_IDLE;
+    ect_esc_clear(esc, ECT_EVENT_SII);
+    loaded(esc, valid);
+}
+
+/* The PDI says how it has carried out the command that is under way. */
+static void acknowledge(ect_esc_t *esc, uint8_t control)
+{
+    unsigned int errors = ((unsigned int)control << 8) & (CHECKSUM_ERROR | COMMAND_ERROR);
+    if ((control & 7u) != esc->sii_command)
+        return;
+    if (esc->sii_command == COMMAND_RELOAD && errors == 0) {
+        take_reloaded(esc);
+        return;
+    }
+    bool reload = esc->sii_command == COMMAND_RELOAD;
+    set_status(esc, (status(esc) & ~(unsigned int)(BUSY | COMMAND)) | errors);
+    esc->sii_command = COMMAND_IDLE;
+    ect_esc_clear(esc, ECT_EVENT_SII);
+    if (reload)
+        loaded(esc, false);
+}
+
+/* While a command is under way the PDI that stands for the EEPROM writes what was read, and acknowledges. */
+static bool write_answer(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    bool acknowledged = false;
+    uint8_t control = 0;
+    for (uint16_t i = 0; i < length; i++) {
+        uint16_t at = (uint16_t)(address + i);
+        if (at == ECT_REG_SII_CONTROL + 1) {
+            acknowledged = true;
+            control = access->data[i];
+        } else if (at >= ECT_REG_SII_DATA && at < ECT_REG_SII_DATA + esc->config.personality->sii_read &&
+                   esc->sii_command != COMMAND_WRITE) {
+            *reg(esc, at) = access->data[i];
+        }
+    }
+    if (acknowledged)
+        acknowledge(esc, control);
+    return true;
+}
+
 /* The command is looked at when all bytes of the access have been stored: address and command come in one datagram. */
 static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     ECT_ASSERT(address >= ECT_REG_SII_CONTROL && length > 0);
+    if (esc->config.sii_emulated && access->side == ECT_SIDE_PDI && (status(esc) & BUSY) != 0)
+        return write_answer(esc, access, address, length);
     if (pdi_owns(esc) != (access->side == ECT_SIDE_PDI) || (status(esc) & BUSY) != 0)
         return false;
     bool has_high = false;
@@ -167,6 +275,7 @@ static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint1
         uint8_t value = access->data[i];
         if (at == ECT_REG_SII_CONTROL) {
             set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | (value & 1u));
+            esc->per_frame |= ECT_FRAME_END_SII;
         } else if (at == ECT_REG_SII_CONTROL + 1) {
             has_high = true;
             high = value;
@@ -200,6 +309,7 @@ bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint
 void ect_esc_sii_end_of_frame(ect_esc_t *esc)
 {
     unsigned int enabled = pdi_owns(esc) ? WRITE_ENABLE : 0u;
+    esc->per_frame &= (uint8_t)~ECT_FRAME_END_SII;
     if ((*reg(esc, ECT_REG_SII_CONTROL) & WRITE_ENABLE) != enabled)
         set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | enabled);
 }

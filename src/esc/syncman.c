@@ -40,26 +40,38 @@ void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
     ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
 }
 
+/* The local time of what has happened, for a master that wants to know how fast the other side is. */
+static void latch(ect_esc_t *esc, unsigned int n, uint8_t wanted, uint16_t time_register)
+{
+    if ((ect_esc_sm_registers(esc, n)[ECT_SM_ACTIVATE] & wanted) != 0 && ect_esc_has(esc, ECT_UNIT_SM_TIMES))
+        ect_store_le32(esc->memory + time_register, (uint32_t)ect_esc_frame_time(esc));
+}
+
 /* Tells the other side that `side` is through with the buffer. */
 static void notify(ect_esc_t *esc, unsigned int n, ect_side_t side)
 {
     uint8_t control = ect_esc_sm_registers(esc, n)[ECT_SM_CONTROL];
     if (side == ECT_SIDE_ECAT) {
         esc->activity++;
+        latch(esc, n, ECT_SM_ACTIVATE_LATCH_ECAT, ECT_REG_DC_SM_TIME_ECAT);
         if ((control & ECT_SM_CONTROL_AL_EVENT) != 0)
             ect_esc_raise(esc, (uint32_t)ECT_EVENT_SM0 << n);
-    } else if ((control & ECT_SM_CONTROL_ECAT_EVENT) != 0) {
-        ect_esc_raise_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+    } else {
+        latch(esc, n, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_CHANGE);
+        if ((control & ECT_SM_CONTROL_ECAT_EVENT) != 0)
+            ect_esc_raise_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
     }
 }
 
 /* The event for `side` has been noticed: it has begun to use the buffer. */
 static void quiet(ect_esc_t *esc, unsigned int n, ect_side_t side)
 {
-    if (side == ECT_SIDE_PDI)
+    if (side == ECT_SIDE_PDI) {
+        latch(esc, n, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_START);
         ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
-    else
+    } else {
         ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+    }
 }
 
 static uint8_t latest_buffer(const uint8_t *sm)
@@ -107,7 +119,12 @@ static void close_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
 {
     ECT_ASSERT(esc->sm[n].write_buffer < NO_BUFFER);
     uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~ECT_SM_STATUS_WRITE_OPEN);
+    uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~(ECT_SM_STATUS_WRITE_OPEN | ECT_SM_STATUS_VIOLATED));
+    if (esc->sm[n].violated) { /* the other side goes on with what it had */
+        esc->sm[n].violated = false;
+        sm[ECT_SM_STATUS] = status | ECT_SM_STATUS_VIOLATED;
+        return;
+    }
     if (is_mailbox(sm)) {
         status |= ECT_SM_STATUS_FULL;
     } else {
@@ -152,7 +169,7 @@ static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_
     if (producer != access->write)
         return true; /* looking at it against its direction means nothing to anybody */
     unsigned int done = access->write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
-    sm[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
+    sm[ECT_SM_STATUS] &= (uint8_t) ~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
     sm[ECT_SM_STATUS] |= (uint8_t)done;
     if (access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
         ect_esc_watchdog_trigger(esc);
@@ -185,6 +202,23 @@ static void close_buffer(ect_esc_t *esc, unsigned int n, const ect_access_t *acc
         close_read(esc, n, access->side);
 }
 
+/* A buffer that has to be written from start to end: what comes out of turn spoils it until it is opened anew. */
+static void follow_sequence(ect_esc_t *esc, unsigned int n, uint16_t offset, uint16_t length)
+{
+    ect_esc_sm_t *own = &esc->sm[n];
+    if (offset == 0)
+        own->violated = false;
+    else if (offset != own->next)
+        own->violated = true;
+    own->next = (uint16_t)(offset + length);
+}
+
+static bool is_sequential(const ect_esc_t *esc, const uint8_t *sm, const ect_access_t *access)
+{
+    return access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_SEQUENTIAL) != 0 &&
+           (esc->config.personality->features & ECT_FEATURE_SEQUENTIAL) != 0;
+}
+
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
@@ -204,6 +238,8 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
     uint32_t at = buffer_address(esc, n, access->write, offset);
     if (at + length > esc->memory_size)
         return false; /* a buffer of the three that lies beyond the RAM */
+    if (is_sequential(esc, sm, access))
+        follow_sequence(esc, n, offset, length);
     ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length == size)
         close_buffer(esc, n, access);

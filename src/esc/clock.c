@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The local clock: an oscillator that is a little too fast or too slow, and what the control loop of the distributed
+ * clocks does to it. Kept as a line from a point on: at `real_ns` it was `local_ns`, and it gains so many ns a second.
+ */
+#include "esc/internal.h"
+
+enum { GIGA = 1000000000 };
+
+/* How much a clock that gains `ppb` has gained after `elapsed`, rounded down; *fraction, in 1e-9 ns, is taken along. */
+static int64_t gained(uint64_t elapsed_ns, int32_t ppb, int64_t *fraction)
+{
+    int64_t rest = (int64_t)(elapsed_ns % GIGA) * ppb + *fraction;
+    int64_t whole = rest / GIGA;
+    if (rest % GIGA < 0)
+        whole--;
+    *fraction = rest - whole * GIGA;
+    return (int64_t)(elapsed_ns / GIGA) * ppb + whole;
+}
+
+/* A point of the clock's line at or after its first one. */
+static ect_esc_clock_t at(const ect_esc_clock_t *clock, uint64_t real_ns)
+{
+    ect_esc_clock_t c = *clock;
+    if (c.slew_ppb != 0 && real_ns >= c.slew_end_ns) {
+        uint64_t elapsed_ns = c.slew_end_ns - c.real_ns;
+        c.local_ns += elapsed_ns + (uint64_t)gained(elapsed_ns, c.drift_ppb + c.trim_ppb + c.slew_ppb, &c.fraction);
+        c.real_ns = c.slew_end_ns;
+        c.slew_ppb = 0;
+    }
+    uint64_t elapsed_ns = real_ns - c.real_ns;
+    c.local_ns += elapsed_ns + (uint64_t)gained(elapsed_ns, c.drift_ppb + c.trim_ppb + c.slew_ppb, &c.fraction);
+    c.real_ns = real_ns;
+    return c;
+}
+
+uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns)
+{
+    const ect_esc_clock_t *c = &esc->clock;
+    ECT_ASSERT(real_ns >= c->real_ns);
+    if (c->drift_ppb == 0 && c->trim_ppb == 0 && c->slew_ppb == 0)
+        return c->local_ns + (real_ns - c->real_ns);
+    return at(c, real_ns).local_ns;
+}
+
+bool ect_esc_dc_present(const ect_esc_t *esc)
+{
+    return (esc->config.personality->features & ECT_FEATURE_DC) != 0;
+}
+
+uint64_t ect_esc_system_time(const ect_esc_t *esc, uint64_t now_ns)
+{
+    return ect_esc_local_at(esc, now_ns) + ect_load_le64(esc->memory + ECT_REG_DC_OFFSET);
+}
+
+uint64_t ect_esc_frame_time(const ect_esc_t *esc)
+{
+    return ect_esc_local_at(esc, esc->now_ns + esc->arrival.unit_ns);
+}
+
+/* The clock's gain is small, so each step leaves a ten-thousandth of the error of the one before. */
+uint64_t ect_esc_real_at(const ect_esc_t *esc, uint64_t local_ns)
+{
+    uint64_t here_ns = ect_esc_local_at(esc, esc->now_ns);
+    if (local_ns <= here_ns)
+        return esc->now_ns;
+    uint64_t wait_ns = local_ns - here_ns;
+    uint64_t left_ns = wait_ns;
+    if (wait_ns > UINT64_MAX / 2 - esc->now_ns)
+        return UINT64_MAX;
+    for (unsigned int step = 0; step < 3; step++) {
+        uint64_t got_ns = ect_esc_local_at(esc, esc->now_ns + wait_ns) - here_ns;
+        wait_ns += left_ns - got_ns;
+    }
+    return esc->now_ns + wait_ns;
+}
+
+void ect_esc_clock_reset(ect_esc_t *esc)
+{
+    esc->clock = (ect_esc_clock_t){.real_ns = esc->now_ns, .drift_ppb = esc->config.drift_ppb};
+}
+
+void ect_esc_clock_trim(ect_esc_t *esc, int32_t trim_ppb, int32_t slew_ppb, uint64_t slew_for_ns)
+{
+    esc->clock = at(&esc->clock, esc->now_ns);
+    esc->clock.trim_ppb = trim_ppb;
+    esc->clock.slew_ppb = slew_ppb;
+    esc->clock.slew_end_ns = esc->now_ns + slew_for_ns;
+}
+
+void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb)
+{
+    ECT_ASSERT(ppb >= -ECT_ESC_MAX_DRIFT_PPB && ppb <= ECT_ESC_MAX_DRIFT_PPB);
+    esc->clock = at(&esc->clock, esc->now_ns);
+    esc->clock.drift_ppb = ppb;
+    esc->config.drift_ppb = ppb;
+    ect_esc_due(esc, esc->now_ns);
+}
+
+void ect_esc_clock_jump(ect_esc_t *esc, int64_t by_ns)
+{
+    esc->clock = at(&esc->clock, esc->now_ns);
+    esc->clock.local_ns += (uint64_t)by_ns;
+    ect_esc_due(esc, esc->now_ns);
+}
+
+void ect_esc_set_arrival(ect_esc_t *esc, const ect_esc_arrival_t *arrival)
+{
+    esc->arrival = *arrival;
+}
