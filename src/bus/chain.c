@@ -52,7 +52,7 @@ static void *allocate(twin_t *twin, size_t size)
 static bool make_esc(twin_t *twin)
 {
     const ect_twin_config_t *c = &twin->config;
-    const ect_esc_personality_t *personality = ect_esc_personality(c->device->esc);
+    const ect_esc_personality_t *personality = ect_esc_personality(c->esc ? c->esc : c->device->esc);
     if (!personality)
         return false;
     uint8_t *memory = allocate(twin, ECT_ESC_MEMORY_SIZE(personality->ram_kb));
@@ -254,7 +254,7 @@ static void poll_twin(twin_t *twin, uint64_t now_ns)
     twin->seen = ect_esc_activity(&twin->esc);
     uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
-    if (twin->slave.restart)
+    if (twin->slave.restart || ect_esc_resets(&twin->esc) != 0)
         (void)power_on(twin, now_ns);
 }
 

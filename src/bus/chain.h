@@ -32,6 +32,7 @@ typedef struct ect_twin_config {
     /** The master has written to the EEPROM: all of its content as it is now, at the next poll. NULL: nobody cares. */
     void (*sii_written)(void *sii_ctx, const uint8_t *sii, uint32_t size);
     void *sii_ctx;
+    const char *esc;      /**< its chip (esc/personality.h); NULL: the one that the description names */
     bool keep_source_mac; /**< do not set the bit that an ESC sets in the source address */
 } ect_twin_config_t;
 

@@ -58,21 +58,21 @@ uint64_t ect_esc_frame_time(const ect_esc_t *esc)
     return ect_esc_local_at(esc, esc->now_ns + esc->arrival.unit_ns);
 }
 
-/* The clock's gain is small, so each step leaves a ten-thousandth of the error of the one before. */
+/* The clock's gain is small, so each step leaves a thousandth of the error of the one before; then only roundings are
+ * left, and the clock must be there, not nearly. */
 uint64_t ect_esc_real_at(const ect_esc_t *esc, uint64_t local_ns)
 {
+    enum { STEPS = 6 };
     uint64_t here_ns = ect_esc_local_at(esc, esc->now_ns);
     if (local_ns <= here_ns)
         return esc->now_ns;
     uint64_t wait_ns = local_ns - here_ns;
-    uint64_t left_ns = wait_ns;
     if (wait_ns > UINT64_MAX / 2 - esc->now_ns)
         return UINT64_MAX;
-    for (unsigned int step = 0; step < 3; step++) {
-        uint64_t got_ns = ect_esc_local_at(esc, esc->now_ns + wait_ns) - here_ns;
-        wait_ns += left_ns - got_ns;
-    }
-    return esc->now_ns + wait_ns;
+    uint64_t at_ns = esc->now_ns + wait_ns;
+    for (unsigned int step = 0; step < STEPS; step++)
+        at_ns += local_ns - ect_esc_local_at(esc, at_ns);
+    return ect_esc_local_at(esc, at_ns) < local_ns ? at_ns + 1 : at_ns;
 }
 
 void ect_esc_clock_reset(ect_esc_t *esc)
@@ -80,31 +80,7 @@ void ect_esc_clock_reset(ect_esc_t *esc)
     esc->clock = (ect_esc_clock_t){.real_ns = esc->now_ns, .drift_ppb = esc->config.drift_ppb};
 }
 
-void ect_esc_clock_trim(ect_esc_t *esc, int32_t trim_ppb, int32_t slew_ppb, uint64_t slew_for_ns)
+void ect_esc_clock_rebase(ect_esc_t *esc)
 {
     esc->clock = at(&esc->clock, esc->now_ns);
-    esc->clock.trim_ppb = trim_ppb;
-    esc->clock.slew_ppb = slew_ppb;
-    esc->clock.slew_end_ns = esc->now_ns + slew_for_ns;
-}
-
-void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb)
-{
-    ECT_ASSERT(ppb >= -ECT_ESC_MAX_DRIFT_PPB && ppb <= ECT_ESC_MAX_DRIFT_PPB);
-    esc->clock = at(&esc->clock, esc->now_ns);
-    esc->clock.drift_ppb = ppb;
-    esc->config.drift_ppb = ppb;
-    ect_esc_due(esc, esc->now_ns);
-}
-
-void ect_esc_clock_jump(ect_esc_t *esc, int64_t by_ns)
-{
-    esc->clock = at(&esc->clock, esc->now_ns);
-    esc->clock.local_ns += (uint64_t)by_ns;
-    ect_esc_due(esc, esc->now_ns);
-}
-
-void ect_esc_set_arrival(ect_esc_t *esc, const ect_esc_arrival_t *arrival)
-{
-    esc->arrival = *arrival;
 }

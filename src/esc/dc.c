@@ -5,8 +5,8 @@
  *
  * How the chips regulate is not published; what is known of it is kept: the filters of 0x0934 and 0x0935, each so many
  * powers of two of samples long; 0x092C as the mean difference; 0x0932, whose relation to the deviation is given; the
- * bandwidth of 0x0930. Each sample takes an eighth of its difference away until the next one is due, as far as the
- * bandwidth allows, and what has to be taken away again and again becomes a change of the clock's rate.
+ * range that 0x0930 gives it. Each sample takes an eighth of its difference away until the next one is due, as far as
+ * that range allows, and what has to be taken away again and again becomes a change of the clock's rate.
  */
 #include <string.h>
 
@@ -64,7 +64,7 @@ static int32_t deviation(uint16_t start, uint16_t difference)
     return (int32_t)((uint64_t)difference * GIGA / product);
 }
 
-static int32_t bandwidth(const ect_esc_t *esc)
+static int32_t fastest(const ect_esc_t *esc)
 {
     uint16_t start = speed_start(esc);
     return deviation(start, (uint16_t)(start - LOWEST_SPEED));
@@ -108,28 +108,36 @@ static void filter_difference(ect_esc_t *esc, int32_t ahead_ns)
     show_difference(esc);
 }
 
+/* From now on the clock gains `rate_ppb` more than by itself, and for a while `slew_ppb` on top. */
+static void trim(ect_esc_t *esc, int32_t rate_ppb, int32_t slew_ppb, uint64_t slew_for_ns)
+{
+    ect_esc_clock_rebase(esc);
+    esc->clock.trim_ppb = rate_ppb;
+    esc->clock.slew_ppb = slew_ppb;
+    esc->clock.slew_end_ns = esc->now_ns + slew_for_ns;
+    ect_esc_sync_moved(esc);
+}
+
 /* Slower while it is ahead. The time from the last sample tells how long the next one will take. */
 static void regulate(ect_esc_t *esc, int32_t ahead_ns)
 {
     uint64_t period_ns = esc->now_ns - esc->loop.last_ns;
     if (period_ns == 0 || period_ns > GIGA)
         return;
-    int64_t limit = bandwidth(esc);
+    int64_t limit = fastest(esc);
     int64_t slew = within(-(int64_t)ahead_ns * (GIGA / SHARE) / (int64_t)period_ns, limit);
     int64_t depth = 1 << (*reg(esc, ECT_REG_DC_FILTER + 1) & 0x0F);
     esc->loop.rate_scaled = within(esc->loop.rate_scaled + slew * (1 << SCALE) / depth, limit * (1 << SCALE));
     int64_t rate = esc->loop.rate_scaled / (1 << SCALE);
     slew = within(rate + slew, limit) - rate;
-    ect_esc_clock_trim(esc, (int32_t)rate, (int32_t)slew, period_ns);
-    ect_esc_sync_moved(esc);
+    trim(esc, (int32_t)rate, (int32_t)slew, period_ns);
 }
 
 static void reset_loop(ect_esc_t *esc)
 {
     esc->loop = (ect_esc_loop_t){0};
     ect_store_le32(reg(esc, ECT_REG_DC_DIFFERENCE), 0);
-    ect_esc_clock_trim(esc, 0, 0, 0);
-    ect_esc_sync_moved(esc);
+    trim(esc, 0, 0, 0);
 }
 
 static bool loop_is_of(const ect_esc_t *esc, ect_side_t side)
@@ -173,6 +181,28 @@ bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t
         return false;
     reset_loop(esc);
     return true;
+}
+
+/* --- what happens to the oscillator ----------------------------------------------------------------------------- */
+
+void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb)
+{
+    ECT_ASSERT(ppb >= -ECT_ESC_MAX_DRIFT_PPB && ppb <= ECT_ESC_MAX_DRIFT_PPB);
+    ect_esc_clock_rebase(esc);
+    esc->clock.drift_ppb = esc->config.drift_ppb = ppb;
+    ect_esc_sync_moved(esc);
+}
+
+void ect_esc_clock_jump(ect_esc_t *esc, int64_t by_ns)
+{
+    ect_esc_clock_rebase(esc);
+    esc->clock.local_ns += (uint64_t)by_ns;
+    ect_esc_sync_moved(esc);
+}
+
+void ect_esc_set_arrival(ect_esc_t *esc, const ect_esc_arrival_t *arrival)
+{
+    esc->arrival = *arrival;
 }
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */

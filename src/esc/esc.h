@@ -38,7 +38,7 @@ enum { ECT_ESC_MAX_DRIFT_PPB = 1000000 };
 enum { ECT_ESC_MAX_FRAME = 2000 };
 
 /** Bytes of memory that an ESC of this personality needs: 4 KB of registers and its process RAM. */
-#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb)*1024u)
+#define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb) * 1024u)
 
 /** How an ESC is built and wired. Checked once by ::ect_esc_init. */
 typedef struct ect_esc_config {

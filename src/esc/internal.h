@@ -67,7 +67,7 @@ void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event);
 void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event);
 void ect_esc_count(ect_esc_t *esc, uint16_t counter_register);
 /* Something will happen by itself at that time. */
-static inline void ect_esc_due(ect_esc_t *esc, uint64_t at_ns)
+static inline void ect_esc_expect(ect_esc_t *esc, uint64_t at_ns)
 {
     if (at_ns < esc->next_ns)
         esc->next_ns = at_ns;
@@ -113,8 +113,8 @@ uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns);
 uint64_t ect_esc_frame_time(const ect_esc_t *esc);
 /* When the local clock will be there; now, if it is; UINT64_MAX: not in this life. */
 uint64_t ect_esc_real_at(const ect_esc_t *esc, uint64_t local_ns);
-/* From now on the clock gains `trim_ppb` more than by itself, and for a while `slew_ppb` on top. */
-void ect_esc_clock_trim(ect_esc_t *esc, int32_t trim_ppb, int32_t slew_ppb, uint64_t slew_for_ns);
+/* Begins its line anew at this moment, so that rates may be changed. */
+void ect_esc_clock_rebase(ect_esc_t *esc);
 
 /* --- syncman.c -------------------------------------------------------------------------------------------------- */
 static inline uint8_t *ect_esc_sm_registers(const ect_esc_t *esc, unsigned int n)

@@ -53,7 +53,7 @@ static void open_held(ect_esc_t *esc)
 {
     for (unsigned int port = 0; port < ECT_ESC_PORTS; port++) {
         if (has_link(esc, port) || control_of(esc, port) != AUTO_CLOSE)
-            esc->held_ports &= (uint8_t) ~(1u << port);
+            esc->held_ports &= (uint8_t)~(1u << port);
     }
 }
 
@@ -71,7 +71,7 @@ void ect_esc_port_control(ect_esc_t *esc, const ect_access_t *access, uint16_t a
         bool temporary = (control[0] & TEMPORARY) != 0;
         esc->kept_loops = loops;
         esc->loops_revert_ns = temporary ? esc->now_ns + TEMPORARY_NS : UINT64_MAX;
-        ect_esc_due(esc, esc->loops_revert_ns);
+        ect_esc_expect(esc, esc->loops_revert_ns);
         open_held(esc);
     }
     ect_esc_update_dl_status(esc);
@@ -81,7 +81,7 @@ void ect_esc_port_control(ect_esc_t *esc, const ect_access_t *access, uint16_t a
 void ect_esc_port_tick(ect_esc_t *esc)
 {
     if (esc->now_ns < esc->loops_revert_ns) {
-        ect_esc_due(esc, esc->loops_revert_ns);
+        ect_esc_expect(esc, esc->loops_revert_ns);
         return;
     }
     esc->loops_revert_ns = UINT64_MAX;

@@ -142,7 +142,7 @@ void ect_esc_sii_tick(ect_esc_t *esc)
     if (esc->now_ns >= esc->sii_done_ns)
         finish(esc);
     else
-        ect_esc_due(esc, esc->sii_done_ns);
+        ect_esc_expect(esc, esc->sii_done_ns);
 }
 
 /* The error bit with which a command is refused, or 0. */

@@ -76,14 +76,14 @@ static void pass(ect_esc_t *esc, unsigned int n, uint64_t now)
         return;
     uint64_t last = period == 0 ? sync->next : sync->next + (now - sync->next) / period * period;
     sync->next = period == 0 ? UINT64_MAX : last + period;
-    *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) &= (uint8_t) ~(PENDING << n);
+    *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) &= (uint8_t)~(PENDING << n);
     pulse(esc, n, last);
 }
 
 void ect_esc_sync_tick(ect_esc_t *esc)
 {
     if (esc->now_ns < esc->sync_ns) {
-        ect_esc_due(esc, esc->sync_ns);
+        ect_esc_expect(esc, esc->sync_ns);
         return;
     }
     uint64_t offset = ect_load_le64(reg(esc, ECT_REG_DC_OFFSET));
@@ -96,7 +96,7 @@ void ect_esc_sync_tick(ect_esc_t *esc)
     esc->sync_ns = next == UINT64_MAX || next - offset > next ? UINT64_MAX : ect_esc_real_at(esc, next - offset);
     if (next != UINT64_MAX && esc->sync_ns <= esc->now_ns)
         esc->sync_ns = esc->now_ns + 1; /* rounded: it is this nanosecond's fraction */
-    ect_esc_due(esc, esc->sync_ns);
+    ect_esc_expect(esc, esc->sync_ns);
 }
 
 /* Clock or grid have changed: the time of the next pulse has to be found anew. */
@@ -105,7 +105,7 @@ void ect_esc_sync_moved(ect_esc_t *esc)
     if (esc->sync[0].next == UINT64_MAX && esc->sync[1].next == UINT64_MAX)
         return;
     esc->sync_ns = esc->now_ns;
-    ect_esc_due(esc, esc->now_ns);
+    ect_esc_expect(esc, esc->now_ns);
 }
 
 /* --- activation ------------------------------------------------------------------------------------------------- */
@@ -135,7 +135,7 @@ static void start_cyclic(ect_esc_t *esc)
     *reg(esc, ECT_REG_DC_ACTIVATION_STATUS) =
         (uint8_t)(status | ((activation & SYNC0) != 0 ? PENDING : 0) | ((activation & SYNC1) != 0 ? PENDING << 1 : 0));
     esc->sync_ns = esc->now_ns;
-    ect_esc_due(esc, esc->now_ns);
+    ect_esc_expect(esc, esc->now_ns);
 }
 
 static void stop_cyclic(ect_esc_t *esc)
@@ -327,7 +327,7 @@ bool ect_esc_latch_control(ect_esc_t *esc, const ect_access_t *access, uint16_t 
         if (!is_of(esc, access->side, latch_by_pdi(esc, n)))
             continue;
         *reg(esc, (unsigned int)address + i) = access->data[i] & (POSITIVE | NEGATIVE);
-        *reg(esc, ECT_REG_DC_LATCH_STATUS + n) &= (uint8_t) ~(POSITIVE | NEGATIVE);
+        *reg(esc, ECT_REG_DC_LATCH_STATUS + n) &= (uint8_t)~(POSITIVE | NEGATIVE);
         follow_events(esc);
         any = true;
     }
@@ -344,7 +344,7 @@ void ect_esc_latch_read(ect_esc_t *esc, const ect_access_t *access, uint16_t add
         unsigned int n = edge / 2;
         bool touched = first < (unsigned int)address + length && address < first + 8;
         if (touched && is_of(esc, access->side, latch_by_pdi(esc, n)))
-            *reg(esc, ECT_REG_DC_LATCH_STATUS + n) &= (uint8_t) ~(edge % 2 == 0 ? POSITIVE : NEGATIVE);
+            *reg(esc, ECT_REG_DC_LATCH_STATUS + n) &= (uint8_t)~(edge % 2 == 0 ? POSITIVE : NEGATIVE);
     }
     follow_events(esc);
 }

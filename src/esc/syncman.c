@@ -169,7 +169,7 @@ static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_
     if (producer != access->write)
         return true; /* looking at it against its direction means nothing to anybody */
     unsigned int done = access->write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
-    sm[ECT_SM_STATUS] &= (uint8_t) ~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
+    sm[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
     sm[ECT_SM_STATUS] |= (uint8_t)done;
     if (access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
         ect_esc_watchdog_trigger(esc);

@@ -14,7 +14,7 @@ void ect_esc_watchdog_trigger(ect_esc_t *esc)
     uint64_t time_ns = time_of(esc, ECT_REG_WD_TIME_PD);
     esc->memory[ECT_REG_WD_STATUS_PD] = 1;
     esc->watchdog_ns = time_ns == 0 ? UINT64_MAX : esc->now_ns + time_ns;
-    ect_esc_due(esc, esc->watchdog_ns);
+    ect_esc_expect(esc, esc->watchdog_ns);
 }
 
 static void set_late(ect_esc_t *esc, bool late)
@@ -36,7 +36,7 @@ void ect_esc_watchdog_time_written(ect_esc_t *esc)
     if (ect_load_le16(esc->memory + ECT_REG_WD_TIME_PDI) == 0)
         set_late(esc, false);
     if (esc->pdi_ns != UINT64_MAX)
-        ect_esc_due(esc, esc->now_ns);
+        ect_esc_expect(esc, esc->now_ns);
     esc->activity++; /* whoever waits for the end of its time asks again */
 }
 
@@ -45,7 +45,7 @@ static void pdi_looked_in(ect_esc_t *esc)
     uint64_t time_ns = time_of(esc, ECT_REG_WD_TIME_PDI);
     esc->pdi_ns = esc->config.pdi_watched ? esc->now_ns : UINT64_MAX;
     if (esc->config.pdi_watched && time_ns != 0)
-        ect_esc_due(esc, esc->now_ns + time_ns);
+        ect_esc_expect(esc, esc->now_ns + time_ns);
     set_late(esc, false);
 }
 
@@ -67,7 +67,7 @@ static void tick_pdi(ect_esc_t *esc)
     if (time_ns == 0)
         return;
     if (esc->now_ns < esc->pdi_ns + time_ns) {
-        ect_esc_due(esc, esc->pdi_ns + time_ns);
+        ect_esc_expect(esc, esc->pdi_ns + time_ns);
         return;
     }
     esc->pdi_ns = UINT64_MAX;
@@ -79,7 +79,7 @@ static void tick_process_data(ect_esc_t *esc)
 {
     ECT_ASSERT(esc->watchdog_ns != 0);
     if (esc->now_ns < esc->watchdog_ns) {
-        ect_esc_due(esc, esc->watchdog_ns);
+        ect_esc_expect(esc, esc->watchdog_ns);
         return;
     }
     esc->watchdog_ns = UINT64_MAX;

@@ -223,7 +223,7 @@ typedef struct ect_device {
     ect_identity_t identity;      /**< default; an installation may override it */
 
     /* --- the controller and its layout ----------------------------------------------------------------------- */
-    const char *esc;        /**< personality of the ESC: "np40", "et1100", "lan9252", "ipcore" */
+    const char *esc;        /**< personality of the ESC: "np40", "et1100" … (esc/personality.h) */
     uint8_t esc_config[14]; /**< SII words 0..6, ESI ConfigData */
     uint16_t sii_size;      /**< bytes of the EEPROM: a multiple of 128 */
     const uint8_t *sii;     /**< the EEPROM's content, `sii_size` bytes; NULL: written from this description */

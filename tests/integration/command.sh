@@ -32,7 +32,8 @@ with_passes_status_and_interface() {
 
 wrong_usage_is_1() {
   for arguments in "" "nonsense" "run vr-bu-ect-map1" "run -i x" "run -i x nodevice" "with" "with vr-bu-ect-map1" \
-    "with nodevice -- true" "sii" "list extra" "run --vendor-id -5 -i x vr-bu-ect-map1"; do
+    "with nodevice -- true" "with --esc nochip fzm1 -- true" "with --esc 2:et1100 fzm1 -- true" "with --esc 0:et1100 fzm1 -- true" \
+    "with --esc et1200 vr-bu-ect-map7 -- true" "sii" "list extra" "run --vendor-id -5 -i x vr-bu-ect-map1"; do
     # shellcheck disable=SC2086
     "$ectwin" $arguments >/dev/null 2>"$work/err"
     check "usage: '$arguments'" 1 $?

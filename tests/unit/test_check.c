@@ -131,7 +131,7 @@ typedef struct row {
 
 #define CHIP(X)                                                                                                        \
     X(no_esc, confdev, D.esc = NULL, "there is no ESC ''")                                                             \
-    X(unknown_esc, confdev, D.esc = "et1101", "there is no ESC 'et1101'; there are: np40, et1100, lan9252, ipcore")    \
+    X(unknown_esc, confdev, D.esc = "et1101", "there is no ESC 'et1101'; there are: np40, et1100, et1200, lan9252")    \
     X(sms_too_many, confdev, D.sm_count = 9, "sm_count: 9 SyncManagers are more than the ESC 'et1100' has, 8")         \
     X(fmmus_too_many, gauge, (D.esc = "lan9252", D.fmmu_count = 4), "fmmu_count: 4 FMMUs are more than")               \
     X(fmmu_role, gauge, D.fmmu[1] = 4, "FMMU1: there is no role 4")                                                    \
@@ -183,7 +183,8 @@ typedef struct row {
     X(store_without, confdev, OBJECT(0x1010)->index = 0x100F, "ect_service_store needs 1010h:1 that can be written")   \
     X(modes_missing, confdev, D.dc_modes = NULL, "dc_modes: they, or their cycles, are missing")                       \
     X(cycles_missing, confdev, D.sync.dc_cycles_ns = NULL, "dc_modes: they, or their cycles, are missing")             \
-    X(no_clocks, confdev, D.esc = "lan9252", "'DC' needs distributed clocks, which the ESC 'lan9252' has not")         \
+    X(no_clocks, confdev, D.esc = "ipcore-small",                                                                      \
+      "'DC' needs distributed clocks, which the ESC 'ipcore-small' has not")                                           \
     X(sync0_without_mode, confdev, D.dc_mode_count = 0, "sync: SYNC0 is supported, but no mode of dc_modes starts it") \
     X(no_timeout, confdev, D.timeouts.safeop_op_ms = 0, "timeouts: preop_ms and safeop_op_ms are needed")              \
     X(sii_odd, confdev, D.sii_size = 2000, "sii_size: 2000 is not a multiple of 128")                                  \

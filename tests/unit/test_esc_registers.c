@@ -47,7 +47,8 @@ static int setup(void **state)
 {
     rig_t *r = calloc(1, sizeof *r);
     r->personality = *ect_esc_personality("et1100");
-    r->personality.features = 0; /* the clocks have a test of their own */
+    r->personality.features = 0; /* the clocks have a test of their own, and so has what other chips have */
+    r->personality.units = ECT_UNIT_LED_RUN | ECT_UNIT_LED_ERR;
     r->w.now_ns = 1000;
     make_sii(r);
     r->config = (ect_esc_config_t){

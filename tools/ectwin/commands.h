@@ -17,6 +17,7 @@
 #include "bus/runner.h"
 #include "defects.h"
 #include "esi/twin.h"
+#include "wiring_args.h"
 
 /** Exit codes: a contract (README). */
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
@@ -58,6 +59,7 @@ typedef struct twin_args {
     size_t wish_count;
     bool keep_source_mac;
     bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
+    wiring_args_t wiring;
     ect_faults_t faults;
     defect_t defect; /* --break */
     ect_filter_t filter;

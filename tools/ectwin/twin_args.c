@@ -265,6 +265,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         add_setting(args, state, text);
         return 0;
     case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->wiring;
         args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
         return 0;
     case ARGP_KEY_END:
@@ -278,7 +279,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-const struct argp twin_argp = {.options = options, .parser = parse};
+static const struct argp_child children[] = {{&wiring_argp, 0, NULL, 0}, {0}};
+
+const struct argp twin_argp = {.options = options, .parser = parse, .children = children};
 
 /* The product of a name at a place in the chain, with the modules for that place; NULL and a message. */
 static const ect_product_t *find_product(const twin_args_t *args, const char *name, size_t place, char *message)
@@ -315,6 +318,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
         args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
     }
     fulfil_wishes(args, state);
+    wiring_args_apply(&args->wiring, state, args->twins, args->count);
 }
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */
@@ -484,6 +488,7 @@ void twin_args_free(twin_args_t *args)
     free(args->eeproms);
     free(args->settings);
     free(args->wishes);
+    wiring_args_free(&args->wiring);
     free(args->modules);
     free(args->twins);
     args->twins = NULL;

@@ -1,0 +1,587 @@
+/* SPDX-License-Identifier: MIT */
+/* Clocks that drift and are regulated, receive times with the ways of frames, SYNC1, pulses, latch inputs (data sheet I
+ * section 9, II section 2.15). What needs no second clock is in test_esc_dc.c. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/chip.h"
+
+#define PPM    1000
+#define SECOND (1000 * MS)
+
+static uint64_t local_time(chip_t *c)
+{
+    return ect_esc_system_time(&c->esc, c->w.now_ns);
+}
+
+static void drift(void **state)
+{
+    static const struct {
+        int32_t ppb;
+        uint64_t after_ns, want_ns;
+    } rows[] = {{0, SECOND, SECOND},
+                {100 * PPM, SECOND, SECOND + 100000},
+                {-100 * PPM, SECOND, SECOND - 100000},
+                {1, SECOND, SECOND + 1},
+                {-1, SECOND - 1, SECOND - 2},
+                {ECT_ESC_MAX_DRIFT_PPB, 3600 * SECOND, 3600 * SECOND + 3600 * MS},
+                {-ECT_ESC_MAX_DRIFT_PPB, 100ull * 365 * 86400 * SECOND, 100ull * 365 * 86400 * 999 * MS}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        c->config.drift_ppb = rows[i].ppb;
+        chip_power_on(c);
+        uint64_t got = ect_esc_system_time(&c->esc, c->w.now_ns + rows[i].after_ns);
+        if (got != rows[i].want_ns)
+            fail_msg("drift %d ppb, after %llu ns: expected %llu, got %llu", rows[i].ppb,
+                     (unsigned long long)rows[i].after_ns, (unsigned long long)rows[i].want_ns,
+                     (unsigned long long)got);
+    }
+}
+
+/* However often one looks, and however often the drift changes: no fraction is lost. */
+static void drift_in_steps(void **state)
+{
+    chip_t *c = *state;
+    uint64_t before = local_time(c);
+    for (unsigned int i = 0; i < 100000; i++) {
+        c->w.now_ns += 10007;
+        (void)ect_esc_tick(&c->esc, c->w.now_ns);
+        ect_esc_set_drift(&c->esc, i % 2 == 0 ? 50 * PPM : -50 * PPM);
+        uint64_t now = local_time(c);
+        assert_true(now >= before);
+        before = now;
+    }
+    assert_in_range(before, 100000ull * 10007 - 1, 100000ull * 10007 + 1);
+    ect_esc_clock_jump(&c->esc, -5000);
+    assert_int_equal(local_time(c), before - 5000);
+}
+
+/* --- the control loop ------------------------------------------------------------------------------------------- */
+
+/* A reference clock that is exact. @return the greatest difference, true one, of the last tenth of the samples */
+static uint64_t follow(chip_t *c, unsigned int samples, uint64_t period_ns)
+{
+    uint64_t worst = 0;
+    for (unsigned int i = 0; i < samples; i++) {
+        c->w.now_ns += period_ns;
+        (void)ect_esc_tick(&c->esc, c->w.now_ns);
+        uint64_t true_ns = c->w.now_ns - 5000 * MS;
+        int64_t ahead = (int64_t)(local_time(c) - true_ns);
+        uint64_t size = (uint64_t)(ahead < 0 ? -ahead : ahead);
+        assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, true_ns, 4), 1);
+        if (i >= samples - samples / 10 && size > worst)
+            worst = size;
+    }
+    return worst;
+}
+
+static void loop_settles(void **state)
+{
+    static const struct {
+        int32_t ppb;
+        uint64_t period_ns;
+        unsigned int samples;
+        uint64_t within_ns;
+    } rows[] = {
+        {0, MS, 1000, 1},
+        {100 * PPM, MS, 3000, 1000},
+        {-100 * PPM, MS, 3000, 1000},
+        {200 * PPM, MS, 15000, 100},
+        {-200 * PPM, MS, 15000, 100},
+        {200 * PPM, MS / 4, 15000, 30},
+        {200 * PPM, 31250, 15000, 10},
+        {-200 * PPM, 10 * MS, 30000, 100},
+        {700 * PPM, MS, 30000, 100},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_t *c = chip_new("et1100");
+        ect_esc_set_drift(&c->esc, rows[i].ppb);
+        uint64_t worst = follow(c, rows[i].samples, rows[i].period_ns);
+        uint32_t shown = (uint32_t)chip_read(c, ECT_REG_DC_DIFFERENCE, 4) & 0x7FFFFFFF;
+        if (worst > rows[i].within_ns || shown > rows[i].within_ns)
+            fail_msg("%d ppb, a sample each %llu ns: after %u expected at most %llu ns, got %llu, 0x092C shows %u",
+                     rows[i].ppb, (unsigned long long)rows[i].period_ns, rows[i].samples,
+                     (unsigned long long)rows[i].within_ns, (unsigned long long)worst, shown);
+        free(c);
+    }
+}
+
+/* deviation = difference / (5 (start + difference + 2) (start - difference + 2)), data sheet II §2.15.2.6. */
+static void speed_difference(void **state)
+{
+    static const int32_t rates[] = {20, -20, 100, -100, 200};
+    (void)state;
+    for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+        chip_t *c = chip_new("et1100");
+        ect_esc_set_drift(&c->esc, rates[i] * PPM);
+        (void)follow(c, 30000, MS);
+        int16_t difference = (int16_t)chip_read(c, ECT_REG_DC_SPEED_DIFFERENCE, 2);
+        double start = 4096;
+        double ppm = 1e6 * difference / (5.0 * (start + difference + 2) * (start - difference + 2));
+        if (ppm < rates[i] - 1 || ppm > rates[i] + 1)
+            fail_msg("%d ppm: 0x0932 shows %d, which is %f ppm", rates[i], difference, ppm);
+        assert_int_equal(chip_write(c, ECT_REG_DC_SPEED_START, 0x1000, 2), 1);
+        assert_int_equal(chip_read(c, ECT_REG_DC_SPEED_DIFFERENCE, 2), 0);
+        assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0);
+        free(c);
+    }
+}
+
+/* A difference is taken away no faster than the range of the speed counter allows: 763 ppm at the reset value. */
+static void fastest(void **state)
+{
+    static const struct {
+        uint16_t start;
+        int64_t jump_ns, most_ns, least_ns; /* what is left after 100 ms */
+    } rows[] = {{0x1000, 1000000, 932000, 922000},
+                {0x1000, -1000000, 932000, 922000},
+                {0x0100, 1000000, 955000, 950000},
+                {0x3FFF, 1000000, 932000, 922000}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_t *c = chip_new("et1100");
+        assert_int_equal(chip_write(c, ECT_REG_DC_SPEED_START, rows[i].start, 2), 1);
+        (void)follow(c, 2, MS);
+        ect_esc_clock_jump(&c->esc, rows[i].jump_ns);
+        int64_t left = (int64_t)follow(c, 100, MS);
+        if (left < rows[i].least_ns || left > rows[i].most_ns)
+            fail_msg("speed counter start 0x%04X, jump %lld: expected %lld to %lld left, got %lld", rows[i].start,
+                     (long long)rows[i].jump_ns, (long long)rows[i].least_ns, (long long)rows[i].most_ns,
+                     (long long)left);
+        free(c);
+    }
+}
+
+static void lock_limit(void **state)
+{
+    chip_t *c = *state;
+    (void)follow(c, 2, MS);
+    ect_esc_clock_jump(&c->esc, 1 << 30);
+    (void)follow(c, 100, MS);
+    assert_in_range(local_time(c) - (c->w.now_ns - 5000 * MS), (1u << 30) - 1, (1u << 30) + 1);
+}
+
+static void filter(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        uint8_t depth;
+        uint32_t want; /* 1600 ns ahead after a sample without a difference */
+    } rows[] = {{0, 1600}, {1, 800}, {4, 100}, {15, 0}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_power_on(c);
+        assert_int_equal(chip_write(c, ECT_REG_DC_FILTER, rows[i].depth, 1), 1);
+        assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, local_time(c), 4), 1);
+        assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, local_time(c) - 1600, 4), 1);
+        uint32_t got = (uint32_t)chip_read(c, ECT_REG_DC_DIFFERENCE, 4);
+        if (got != (rows[i].want | 0x80000000))
+            fail_msg("filter depth %u: expected %u ns ahead, got 0x%08X", rows[i].depth, rows[i].want, got);
+    }
+}
+
+/* With 0x0142 bit 2 the microcontroller regulates, by the time of latch 0; the master may not. */
+static void loop_of_the_pdi(void **state)
+{
+    chip_t *c = *state;
+    c->sii[10] = 0x04;
+    chip_power_on(c);
+    c->w.now_ns += 5000;
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, 0, 4), 0);
+    assert_int_equal(chip_write(c, ECT_REG_DC_OFFSET, 0, 8), 0);
+    assert_int_equal(chip_write(c, ECT_REG_DC_SPEED_START, 0, 2), 0);
+    ect_esc_latch_input(&c->esc, 0, true);
+    c->w.now_ns += 9999;
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    chip_pdi_write(c, ECT_REG_DC_SYSTEM_TIME, 4900, 4);
+    assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80000000 + 100);
+    chip_pdi_write(c, ECT_REG_DC_OFFSET, 100000, 8);
+    assert_int_equal(chip_pdi_read(c, ECT_REG_DC_SYSTEM_TIME, 8), 114999);
+}
+
+/* --- ways of frames --------------------------------------------------------------------------------------------- */
+
+static void ways(void **state)
+{
+    chip_t *c = *state;
+    const ect_esc_arrival_t arrival = {.unit_ns = 1000, .port_ns = {1000, 5000, 6000, 7000}};
+    ect_esc_set_arrival(&c->esc, &arrival);
+    c->w.now_ns += 100;
+    uint8_t any[4] = {0};
+    assert_int_equal(chip_send(c, BWR, 0x0900, any, 1), 1);
+    c->w.now_ns += 100;
+    assert_int_equal(chip_read(c, 0x0900, 8), 1100 | 5100ull << 32);
+    assert_int_equal(chip_read(c, 0x0908, 8), 0); /* closed */
+    assert_int_equal(chip_read(c, 0x0918, 8), 1100);
+    assert_int_equal(chip_read(c, 0x0910, 8), 1200);
+    assert_int_equal(chip_write(c, ECT_REG_DC_DELAY, 1000, 4), 1);
+    assert_int_equal(chip_read(c, 0x0910, 8), 200); /* when this frame passed the reference clock */
+    assert_int_equal(chip_pdi_read(c, 0x0910, 8), 200);
+    assert_int_equal(chip_write(c, 0x0910, 200, 4), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80000000);
+}
+
+static void what_latches(void **state)
+{
+    static const struct {
+        uint8_t command;
+        uint16_t ado;
+        bool ports, unit;
+    } rows[] = {{BWR, 0x0900, true, true},   {FPWR, 0x0900, true, true},   {APWR, 0x0900, false, true},
+                {APRW, 0x0900, false, true}, {FPRW, 0x0900, false, true},  {BRW, 0x0900, false, true},
+                {BRD, 0x0900, false, false}, {BWR, 0x0901, false, false},  {ARMW, 0x0900, false, false},
+                {BWR, 0x0904, false, false}, {FPRD, 0x0900, false, false}, {NOP, 0x0900, false, false}};
+    (void)state;
+    for (unsigned int chip = 0; chip < 2; chip++) {
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+            chip_t *c = chip_new(chip == 0 ? "et1100" : "et1200");
+            uint8_t any[4] = {0};
+            c->w.now_ns += 4000;
+            (void)chip_send(c, rows[i].command, rows[i].ado, any, 1);
+            bool want = rows[i].ports || (chip == 1 && rows[i].unit);
+            if ((chip_read(c, 0x0900, 4) != 0) != want || (chip_read(c, 0x0918, 4) != 0) != rows[i].unit)
+                fail_msg("%s, command %u at 0x%04X: expected receive times %d, of the unit %d", c->personality.name,
+                         rows[i].command, rows[i].ado, want, rows[i].unit);
+            free(c);
+        }
+    }
+}
+
+/* The bytes of a time belong together, in whatever pieces they are read. */
+static void in_pieces(void **state)
+{
+    chip_t *c = *state;
+    c->w.now_ns += 0x123456789Aull;
+    assert_int_equal(chip_read(c, 0x0910, 1), 0x9A);
+    c->w.now_ns += 1000 * SECOND;
+    assert_int_equal(chip_read(c, 0x0911, 7), 0x12345678);
+}
+
+/* --- SYNC0 and SYNC1 -------------------------------------------------------------------------------------------- */
+
+static void start(chip_t *c, uint8_t activation, uint64_t first, uint32_t cycle0, uint32_t cycle1)
+{
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0, 1), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, first, 8), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_SYNC0_CYCLE, cycle0 | (uint64_t)cycle1 << 32, 8), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, activation, 1), 1);
+}
+
+static bool take(chip_t *c, unsigned int n)
+{
+    uint32_t event = n == 0 ? ECT_EVENT_SYNC0 : ECT_EVENT_SYNC1;
+    bool came = (ect_esc_al_event(&c->esc) & event) != 0;
+    if (came)
+        assert_int_equal(chip_pdi_read(c, (uint16_t)(ECT_REG_DC_SYNC0_STATUS + n), 1), 1);
+    assert_int_equal(ect_esc_al_event(&c->esc) & event, 0);
+    return came;
+}
+
+/* Lets the clock run in steps of 10 us and writes each pulse as a digit: which step, from the start time on. */
+static void record(chip_t *c, char pulses[2][32], unsigned int steps)
+{
+    memset(pulses, 0, 64);
+    for (unsigned int step = 0; step < steps; step++) {
+        for (unsigned int n = 0; n < 2; n++)
+            pulses[n][step] = take(c, n) ? '|' : '.';
+        chip_advance(c, 10000);
+    }
+}
+
+static void sync1(void **state)
+{
+    static const struct {
+        uint32_t cycle0, cycle1; /* us */
+        const char *sync0, *sync1;
+    } rows[] = {
+        {40, 0, "|...|...|...|...", "|...|...|...|..."},  {40, 10, "|...|...|...|...", ".|...|...|...|.."},
+        {40, 30, "|...|...|...|...", "...|...|...|...|"}, {40, 40, "|...|...|...|...", "....|.......|..."},
+        {40, 50, "|...|...|...|...", ".....|.......|.."}, {20, 60, "|.|.|.|.|.|.|.|.", "......|.......|."},
+        {0, 20, "|...............", "..|............."},  {0, 0, "|...............", "|..............."},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_t *c = chip_new("et1100");
+        char pulses[2][32];
+        c->sii[3] = 0x88; /* both are AL events */
+        chip_power_on(c);
+        start(c, 0x07, 100000, 1000 * rows[i].cycle0, 1000 * rows[i].cycle1);
+        assert_int_equal(chip_read(c, 0x0984, 1), 3);
+        chip_advance(c, 100000);
+        record(c, pulses, 16);
+        if (strcmp(pulses[0], rows[i].sync0) != 0 || strcmp(pulses[1], rows[i].sync1) != 0)
+            fail_msg("cycles %u and %u us: expected\n%s\n%s, got\n%s\n%s", rows[i].cycle0, rows[i].cycle1,
+                     rows[i].sync0, rows[i].sync1, pulses[0], pulses[1]);
+        assert_int_equal(chip_read(c, 0x0984, 1), 0);
+        free(c);
+    }
+}
+
+static void next_times(void **state)
+{
+    chip_t *c = *state;
+    start(c, 0x07, 100000, 40000, 10000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 100000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_NEXT_SYNC1, 8), 110000);
+    chip_advance(c, 150000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 180000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_NEXT_SYNC1, 8), 190000);
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x03, 1), 1); /* SYNC1 off: the unit begins anew */
+    assert_int_equal(chip_read(c, 0x0984, 1), 1);
+}
+
+static void pins(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        uint16_t pulse_length; /* 10 ns */
+        const char *levels;
+    } rows[] = {{1000, "-____-____-___"}, {2500, "---__---__---_"}, {0, "--------------"}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char levels[32] = "";
+        ect_store_le16(c->sii + 4, rows[i].pulse_length);
+        chip_power_on(c);
+        start(c, 0x03, 100000, 50000, 0);
+        chip_advance(c, 95000);
+        assert_false(ect_esc_sync_pin(&c->esc, 0));
+        chip_advance(c, 5000);
+        for (unsigned int step = 0; step < strlen(rows[i].levels); step++) {
+            levels[step] = ect_esc_sync_pin(&c->esc, 0) ? '-' : '_';
+            chip_advance(c, 10000);
+        }
+        if (strcmp(levels, rows[i].levels) != 0)
+            fail_msg("pulse length %u: expected %s, got %s", rows[i].pulse_length, rows[i].levels, levels);
+        (void)chip_pdi_read(c, ECT_REG_DC_SYNC0_STATUS, 1);
+        if (rows[i].pulse_length == 0)
+            assert_false(ect_esc_sync_pin(&c->esc, 0));
+        assert_false(ect_esc_sync_pin(&c->esc, 1));
+    }
+}
+
+/* A pulse comes when the clock of the chip is there, however wrong that is. */
+static void sync_with_drift(void **state)
+{
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    c->config.drift_ppb = 500 * PPM;
+    chip_power_on(c);
+    start(c, 0x03, SECOND, 1000000, 0);
+    for (unsigned int n = 0; n < 1000; n++) {
+        uint64_t at = ect_esc_tick(&c->esc, c->w.now_ns);
+        c->w.now_ns = at;
+        (void)ect_esc_tick(&c->esc, at);
+        if (!take(c, 0))
+            fail_msg("pulse %u: not there at the time that was told", n);
+        uint64_t want = SECOND + n * 1000000ull;
+        assert_in_range(local_time(c), want, want + 1);
+    }
+    ect_esc_clock_jump(&c->esc, 10 * (int64_t)MS); /* over ten of them */
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    assert_true(take(c, 0));
+    assert_int_equal(chip_write(c, ECT_REG_DC_OFFSET, 500000, 8), 1); /* half a cycle on */
+    uint64_t at = ect_esc_tick(&c->esc, c->w.now_ns) - c->w.now_ns;
+    assert_in_range(at, 499000, 501000);
+}
+
+/* --- activation of newer chips ---------------------------------------------------------------------------------- */
+
+static int modern(void **state)
+{
+    chip_t *c = chip_new("ipcore");
+    c->sii[3] = 0x88;
+    chip_power_on(c);
+    *state = c;
+    return 0;
+}
+
+static void auto_activation(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, ECT_REG_DC_SYNC0_CYCLE, 1000, 4), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x0A, 1), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 4), 1); /* half of it */
+    assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x0A);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 8), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x0B);
+    chip_advance(c, 50000);
+    assert_true(take(c, 0));
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0, 1), 1);
+    chip_advance(c, 5 * SECOND); /* 32 bits of the time have gone round */
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x1A, 1), 1);
+    uint64_t soon = local_time(c) + 100000;
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon, 4), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), soon);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon - 200000, 4), 1); /* gone: the next such time */
+    assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
+}
+
+static void plausibility(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        uint8_t activation;
+        uint64_t ahead_ns; /* 2^63 and more: it has passed */
+        bool at_once;
+    } rows[] = {{0x03, 3000000000, false}, {0x23, 3000000000, false},     {0x63, 3000000000, true},
+                {0x63, 2000000000, false}, {0x23, (uint64_t)-1000, true}, {0x03, (uint64_t)-1000, false}};
+    chip_advance(c, 10000);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        start(c, rows[i].activation, local_time(c) + rows[i].ahead_ns, 0, 0);
+        (void)ect_esc_tick(&c->esc, c->w.now_ns);
+        bool came = take(c, 0);
+        bool told = (chip_read(c, 0x0984, 1) & 4) != 0;
+        if (came != rows[i].at_once || told != rows[i].at_once)
+            fail_msg("0x0981 = 0x%02X, start in %lld ns: expected a pulse at once %d, got %d, told %d",
+                     rows[i].activation, (long long)rows[i].ahead_ns, rows[i].at_once, came, told);
+    }
+}
+
+static void debug_pulse(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x84, 1), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x04);
+    assert_true(take(c, 1));
+    assert_false(take(c, 0));
+    c->personality = *ect_esc_personality("et1100"); /* which does not know it */
+    chip_power_on(c);
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0xFC, 1), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x04);
+    assert_false(take(c, 1));
+}
+
+static void who_controls(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        uint8_t control;
+        uint16_t address;
+        bool pdi;
+    } rows[] = {{0x00, 0x0981, false}, {0x01, 0x0981, true}, {0x01, 0x0990, true},  {0x01, 0x09A0, true},
+                {0x00, 0x09A4, false}, {0x01, 0x09A4, true}, {0x02, 0x09A4, true},  {0x03, 0x09A4, false},
+                {0x00, 0x09A8, false}, {0x10, 0x09A8, true}, {0x10, 0x09A9, false}, {0x20, 0x09A9, true}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_power_on(c);
+        assert_int_equal(chip_write(c, ECT_REG_DC_CYCLIC_CONTROL, rows[i].control, 1), 1);
+        unsigned int wkc = chip_write(c, rows[i].address, 0x02, 1);
+        c->memory[rows[i].address] = 0;
+        chip_pdi_write(c, rows[i].address, 0x02, 1);
+        bool pdi = c->memory[rows[i].address] != 0;
+        if (wkc != (rows[i].pdi ? 0 : 1) || pdi != rows[i].pdi)
+            fail_msg("0x0980 = 0x%02X: 0x%04X: expected the PDI's %d, got WKC %u, PDI %d", rows[i].control,
+                     rows[i].address, rows[i].pdi, wkc, pdi);
+    }
+}
+
+/* --- latch inputs ----------------------------------------------------------------------------------------------- */
+
+static void edge(chip_t *c, unsigned int n, bool level, uint64_t at_ns)
+{
+    c->w.now_ns = 5000 * MS + at_ns;
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    ect_esc_latch_input(&c->esc, n, level);
+}
+
+static void continuous(void **state)
+{
+    chip_t *c = *state;
+    for (unsigned int n = 0; n < 2; n++) {
+        uint16_t times = (uint16_t)(ECT_REG_DC_LATCH_TIME + 16 * n);
+        uint64_t base = 10000 * n;
+        edge(c, n, true, base + 1000);
+        edge(c, n, true, base + 1100); /* no edge */
+        edge(c, n, false, base + 2000);
+        assert_int_equal(chip_read(c, times, 8), base + 1000);
+        assert_int_equal(chip_read(c, (uint16_t)(times + 8), 8), base + 2000);
+        edge(c, n, true, base + 3000);
+        assert_int_equal(chip_read(c, times, 8), base + 3000);
+        assert_int_equal(chip_read(c, (uint16_t)(ECT_REG_DC_LATCH_STATUS + n), 1) & 3, 0);
+        assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
+    }
+}
+
+static void single_event(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, ECT_REG_DC_LATCH_CONTROL, 0x03, 1), 1);
+    edge(c, 0, true, 1000);
+    edge(c, 0, false, 2000);
+    edge(c, 0, true, 3000);
+    edge(c, 0, false, 4000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 3);
+    assert_int_equal(chip_read(c, 0x0210, 2) & 1, 1);
+    assert_int_equal(chip_read(c, 0x09B0, 8), 1000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 2);
+    assert_int_equal(chip_read(c, 0x0210, 2) & 1, 1);
+    assert_int_equal(chip_read(c, 0x09B8, 8), 2000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 0);
+    assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
+    edge(c, 0, true, 5000);
+    assert_int_equal(chip_pdi_read(c, 0x09B0, 8), 5000); /* which is not the PDI's to take */
+    assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 1);
+}
+
+static void latch_of_the_pdi(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, ECT_REG_DC_CYCLIC_CONTROL, 0x20, 1), 1);
+    chip_pdi_write(c, ECT_REG_DC_LATCH_CONTROL + 1, 0x01, 1);
+    edge(c, 1, true, 1000);
+    assert_int_equal(ect_esc_al_event(&c->esc) & ECT_EVENT_LATCH, ECT_EVENT_LATCH);
+    assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
+    assert_int_equal(chip_read(c, 0x09C0, 8), 1000);
+    assert_int_equal(ect_esc_al_event(&c->esc) & ECT_EVENT_LATCH, ECT_EVENT_LATCH);
+    assert_int_equal(chip_pdi_read(c, 0x09C0, 8), 1000);
+    assert_int_equal(ect_esc_al_event(&c->esc) & ECT_EVENT_LATCH, 0);
+}
+
+static void pin_state(void **state)
+{
+    chip_t *c = *state;
+    edge(c, 0, true, 1000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 4);
+    edge(c, 0, false, 2000);
+    assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 0);
+    c->personality.features = 0;
+    chip_power_on(c);
+    edge(c, 0, true, 3000); /* a chip without clocks has no such input */
+    assert_int_equal(c->memory[ECT_REG_DC_LATCH_STATUS], 0);
+}
+
+#define TEST(title, function)   {title, function, chip_setup, chip_teardown, NULL}
+#define MODERN(title, function) {title, function, modern, chip_teardown, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("CF-087: a clock that drifts gains or loses so many ns a second, over a hundred years too", drift),
+        TEST("CF-087: a changing drift loses no fraction, and the clock never goes back", drift_in_steps),
+        TEST("CF-088: the control loop follows a clock that differs by up to 700 ppm, at any cycle", loop_settles),
+        TEST("CF-088: the speed counter difference shows the deviation by the data sheet's formula", speed_difference),
+        TEST("CF-088: a difference is taken away no faster than the range of the speed counter allows", fastest),
+        TEST("CF-088: a difference of 2^30 ns is shown and not regulated", lock_limit),
+        TEST("CF-088: 0x092C is a mean over the filter's depth", filter),
+        TEST("CF-088: a loop that belongs to the PDI compares with latch 0, and refuses the master", loop_of_the_pdi),
+        TEST("CF-087: receive and system times are those of the frame at this chip, less the delay", ways),
+        TEST("CF-087: which commands take receive times, on an ET1100 and on an ET1200", what_latches),
+        TEST("CF-087: a system time that is read in pieces is one time", in_pieces),
+        TEST("CF-089: SYNC1 follows SYNC0 by its cycle time, and then the first SYNC0 after itself", sync1),
+        TEST("CF-089: the times of the next pulses are read", next_times),
+        TEST("CF-089: a pin is active for the length of the pulse, or until it is acknowledged", pins),
+        TEST("CF-089 CF-090: SYNC0 comes by the chip's own clock, to the nanosecond", sync_with_drift),
+        MODERN("CF-089: a start time that is written activates by itself, and 32 bits of it are enough",
+               auto_activation),
+        MODERN("CF-089: a start time outside the near future may mean now", plausibility),
+        MODERN("CF-089: a debug pulse comes at once, on chips that know it", debug_pulse),
+        TEST("CF-089 CF-091: who controls SYNC0, SYNC1 and the latches is the master's to say", who_controls),
+        TEST("CF-091: continuous: each edge of a latch input is taken", continuous),
+        TEST("CF-091: single event: the first edge is kept until it is read", single_event),
+        TEST("CF-091: the event of a latch goes to the side that controls it, which acknowledges it by reading",
+             latch_of_the_pdi),
+        MODERN("CF-091: newer chips show the level of the latch inputs", pin_state),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("ESC clocks", tests, NULL, NULL);
+}

@@ -1,0 +1,508 @@
+/* SPDX-License-Identifier: MIT */
+/* Units of the ESC that masters rarely use: write protection, reset sequences, lamps, the PDI's watchdog, loops of the
+ * ports, damaged frames, an EEPROM that the PDI stands for, SyncManager events that latch times. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/chip.h"
+
+enum { LOST_LINK = 0x0310, DL_PORTS = 0x0111 };
+
+static int modern(void **state)
+{
+    *state = chip_new("ipcore");
+    return 0;
+}
+
+/* --- write protection ------------------------------------------------------------------------------------------- */
+
+static void protection(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        const char *what;
+        uint16_t protection, enable, target;
+        bool taken;
+    } rows[] = {
+        {"registers protected: a register", 0x0021, 0, 0x0010, false},
+        {"registers protected: the last one", 0x0021, 0, 0x0F00, false},
+        {"registers protected: user RAM", 0x0021, 0, 0x0F80, true},
+        {"registers protected: process RAM", 0x0021, 0, 0x1000, true},
+        {"registers protected: enabled", 0x0021, 0x0020, 0x0010, true},
+        {"registers protected: the other enable", 0x0021, 0x0030, 0x0010, false},
+        {"all protected: a register", 0x0031, 0, 0x0010, false},
+        {"all protected: user RAM", 0x0031, 0, 0x0FFF, false},
+        {"all protected: process RAM", 0x0031, 0, 0x1000, false},
+        {"all protected: enabled", 0x0031, 0x0030, 0x1000, true},
+        {"all protected: the other enable", 0x0031, 0x0020, 0x1000, false},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_power_on(c);
+        assert_int_equal(chip_write(c, rows[i].protection, 1, 1), 1);
+        wire_build(&c->w, rows[i].enable ? APWR : NOP, 0, rows[i].enable, "", 1);
+        wire_append(&c->w, APWR, 0, rows[i].target, "\x77", 1);
+        chip_transmit(c);
+        unsigned int wkc = wire_wkc(&c->w, 1);
+        if (wkc != (rows[i].taken ? 1 : 0) || (c->memory[rows[i].target] == 0x77) != rows[i].taken)
+            fail_msg("%s: expected taken %d, got WKC %u, 0x%02X", rows[i].what, rows[i].taken, wkc,
+                     c->memory[rows[i].target]);
+        assert_int_equal(chip_write(c, rows[i].target, 0x11, 1), /* in the next frame it is over */
+                         rows[i].target >= 0x0F80 && rows[i].protection == 0x0021 ? 1 : 0);
+    }
+}
+
+static void protection_ends(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, 0x0021, 0xFF, 1), 1);
+    assert_int_equal(chip_read(c, 0x0020, 2), 0x0100);
+    assert_int_equal(chip_write(c, 0x0021, 0, 1), 0);
+    assert_int_equal(chip_write(c, 0x0020, 0x0000, 2), 1); /* enables, and ends it in the same datagram */
+    assert_int_equal(chip_read(c, 0x0020, 2), 0);
+    assert_int_equal(chip_write(c, 0x0010, 5, 2), 1);
+    chip_pdi_write(c, 0x0021, 1, 1); /* is the master's */
+    assert_int_equal(c->memory[0x0021], 0);
+}
+
+static void protection_in_part(void **state)
+{
+    chip_t *c = *state;
+    uint8_t data[0x20] = {[0x0F] = 0xEE, [0x10] = 0x33, [0x11] = 1};
+    assert_int_equal(chip_write(c, 0x0021, 1, 1), 1);
+    assert_int_equal(chip_send(c, APWR, 0x0F70, data, sizeof data), 1);
+    assert_int_equal(c->memory[0x0F80], 0x33);
+    assert_int_equal(chip_send(c, APWR, 0x0010, data, sizeof data), 1); /* holds 0x0020: all of it is taken */
+    assert_int_equal(chip_send(c, APWR, 0x0F00, data, 4), 0);
+    assert_int_equal(chip_send(c, BWR, 0x0010, data, 2), 0);
+    chip_pdi_write(c, 0x0012, 0x1234, 2); /* the microcontroller is part of the device */
+    assert_int_equal(c->memory[0x0012], 0x34);
+}
+
+/* --- reset ------------------------------------------------------------------------------------------------------ */
+
+static unsigned int resets_after(chip_t *c, bool pdi, const char *bytes)
+{
+    uint32_t before = ect_esc_resets(&c->esc);
+    for (; *bytes != 0; bytes++) {
+        if (*bytes == '.' && pdi)
+            (void)chip_pdi_read(c, 0x0130, 2);
+        else if (*bytes == '.')
+            (void)chip_read(c, 0x0130, 2);
+        else if (pdi)
+            chip_pdi_write(c, 0x0041, (uint8_t)*bytes, 1);
+        else
+            assert_int_equal(chip_write(c, 0x0040, (uint8_t)*bytes, 1), 1);
+    }
+    return ect_esc_resets(&c->esc) - before;
+}
+
+static void reset_sequences(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        const char *bytes; /* '.' another frame, or access */
+        unsigned int resets;
+    } rows[] = {{"RES", 1},  {"RE", 0},   {"R.ES", 0}, {"RE.S", 0},   {"RERES", 1}, {"RRES", 1},
+                {"REXS", 0}, {"ES", 0},   {"SER", 0},  {"RESRES", 2}, {"R", 0},     {".RES.", 1},
+                {"RSE", 0},  {"RESS", 1}, {"REE", 0},  {"RR.RES", 1}};
+    for (unsigned int side = 0; side < 2; side++) {
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+            chip_power_on(c);
+            unsigned int got = resets_after(c, side == 1, rows[i].bytes);
+            if (got != rows[i].resets)
+                fail_msg("%s writes '%s': expected %u resets, got %u", side == 0 ? "the master" : "the PDI",
+                         rows[i].bytes, rows[i].resets, got);
+        }
+    }
+}
+
+static void reset_progress(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, 0x0040, 'R', 1), 1);
+    assert_int_equal(c->memory[0x0040], 1);
+    assert_int_equal(chip_write(c, 0x0040, 'E', 1), 1);
+    assert_int_equal(c->memory[0x0040], 2);
+    assert_int_equal(chip_read(c, 0x0040, 1), 2); /* this frame does not go on with it */
+    assert_int_equal(chip_read(c, 0x0040, 1), 0);
+    chip_pdi_write(c, 0x0041, 'R', 1);
+    assert_int_equal(chip_read(c, 0x0041, 1), 1); /* the PDI counts its own accesses */
+}
+
+static void reset_resets(void **state)
+{
+    chip_t *c = *state;
+    const ect_esc_arrival_t arrival = {.unit_ns = 70};
+    assert_int_equal(chip_write(c, 0x0010, 0x1234, 2), 1);
+    chip_set_sm(c, 0, 0x1000, 64, 0x26, 1);
+    chip_pdi_write(c, 0x0130, 2, 1);
+    ect_esc_set_link(&c->esc, 1, false);
+    ect_esc_set_arrival(&c->esc, &arrival);
+    c->w.now_ns += 777 * MS;
+    uint32_t activity = ect_esc_activity(&c->esc);
+    assert_int_equal(resets_after(c, false, "RES"), 1);
+    assert_int_not_equal(ect_esc_activity(&c->esc), activity);
+    assert_int_equal(chip_read(c, 0x0010, 2), 0);
+    assert_int_equal(chip_read(c, 0x0130, 2), 1);
+    assert_int_equal(chip_read(c, 0x0800, 8), 0x0000300000000000);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x56); /* the cable is still out */
+    assert_int_equal(chip_read(c, 0x0910, 8), 70);     /* and as long; the clock begins anew */
+}
+
+/* --- lamps ------------------------------------------------------------------------------------------------------ */
+
+static void run_lamp(void **state)
+{
+    chip_t *c = *state;
+    static const uint8_t rows[][2] = {{1, 0}, {2, 0xD}, {3, 0xE}, {4, 1}, {8, 0xF}, {0x12, 0xD}, {1, 0}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(chip_write(c, 0x0138, 0x15, 1), 1);
+        assert_int_equal(chip_read(c, 0x0138, 1), 0x15);
+        chip_pdi_write(c, 0x0130, 0x0F, 2);
+        chip_pdi_write(c, 0x0130, rows[i][0], 2);
+        if (chip_read(c, 0x0138, 1) != rows[i][1])
+            fail_msg("AL status 0x%02X: expected RUN 0x%02X, got 0x%02X", rows[i][0], rows[i][1], c->memory[0x0138]);
+    }
+    chip_pdi_write(c, 0x0138, 0x1D, 1); /* from the other side, and given back */
+    assert_int_equal(chip_read(c, 0x0138, 1), 0x1D);
+    assert_int_equal(chip_write(c, 0x0138, 0x07, 1), 1);
+    assert_int_equal(chip_read(c, 0x0138, 1), 0);
+}
+
+static void err_lamp(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_read(c, 0x0139, 1), 0);
+    chip_pdi_write(c, 0x0139, 0x13, 1);
+    chip_pdi_write(c, 0x0130, 0x12, 2); /* a local error takes it back */
+    assert_int_equal(chip_read(c, 0x0139, 1), 1);
+    chip_pdi_write(c, 0x0139, 0x13, 1); /* and what it has shown once does not do so again */
+    chip_pdi_write(c, 0x0134, 0x11, 2);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0x13);
+    chip_pdi_write(c, 0x0139, 0, 1);
+    assert_int_equal(chip_read(c, 0x0139, 1), 1);
+    chip_set_sm(c, 2, 0x1000, 4, 0x64, 1);
+    chip_pdi_write(c, 0x0130, 8, 2);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0);
+    assert_int_equal(chip_write(c, 0x1000, 0, 4), 1);
+    chip_advance(c, 200 * MS);
+    assert_int_equal(chip_read(c, 0x0139, 1), 2);
+    chip_pdi_write(c, 0x0130, 4, 2);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0);
+    c->sii[15] ^= 1; /* a reload that finds no configuration */
+    assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0x0E);
+}
+
+/* --- the PDI's watchdog ----------------------------------------------------------------------------------------- */
+
+static void expect_pdi(chip_t *c, const char *what, bool on_time, unsigned int count)
+{
+    bool shown = (c->memory[0x0110] & 2) != 0;
+    if (shown != on_time || c->memory[0x0443] != count)
+        fail_msg("%s: expected on time %d, %u expiries, got %d, %u", what, on_time, count, shown, c->memory[0x0443]);
+}
+
+static void pdi_watchdog(void **state)
+{
+    chip_t *c = *state;
+    ect_esc_watch_pdi(&c->esc, true);
+    chip_advance(c, 100 * MS - 1);
+    expect_pdi(c, "just under 100 ms", true, 0);
+    chip_advance(c, 100000);
+    expect_pdi(c, "100.1 ms", false, 1);
+    assert_int_equal(chip_read(c, 0x0210, 2) & 4, 4); /* DL status has changed */
+    assert_int_equal(chip_read(c, 0x0139, 1), 0x0F);
+    chip_advance(c, 1000 * MS);
+    expect_pdi(c, "a second later", false, 1);
+    (void)chip_pdi_read(c, 0x0120, 2);
+    expect_pdi(c, "it is back", true, 1);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0);
+    for (unsigned int i = 0; i < 20; i++) {
+        chip_advance(c, 99 * MS);
+        chip_pdi_write(c, 0x0134, 0, 2);
+    }
+    expect_pdi(c, "an access each 99 ms", true, 1);
+    assert_int_equal(chip_write(c, 0x0410, 100, 2), 1);
+    chip_advance(c, 10 * MS);
+    expect_pdi(c, "10 ms by the new time", false, 2);
+    assert_int_equal(chip_write(c, 0x0410, 0, 2), 1);
+    expect_pdi(c, "switched off", true, 2);
+    chip_advance(c, 10000 * MS);
+    expect_pdi(c, "switched off for 10 s", true, 2);
+    assert_int_equal(chip_write(c, 0x0442, 0, 1), 1);
+    expect_pdi(c, "counters cleared", true, 0);
+}
+
+static void pdi_unwatched(void **state)
+{
+    chip_t *c = *state;
+    ect_esc_watch_pdi(&c->esc, true);
+    chip_advance(c, 200 * MS);
+    expect_pdi(c, "watched", false, 1);
+    ect_esc_watch_pdi(&c->esc, false);
+    chip_advance(c, 3600000 * MS);
+    expect_pdi(c, "an hour, not watched", true, 1);
+}
+
+/* --- ports ------------------------------------------------------------------------------------------------------ */
+
+static void lost_link(void **state)
+{
+    chip_t *c = *state;
+    for (unsigned int i = 1; i <= 300; i++) {
+        ect_esc_set_link(&c->esc, 1, false);
+        ect_esc_set_link(&c->esc, 1, false);
+        ect_esc_set_link(&c->esc, 1, true);
+        if (c->memory[LOST_LINK + 1] != (i < 255 ? i : 255))
+            fail_msg("link lost %u times: expected %u, got %u", i, i < 255 ? i : 255, c->memory[LOST_LINK + 1]);
+    }
+    assert_int_equal(chip_read(c, LOST_LINK, 4), 0xFF00);
+    assert_int_equal(chip_write(c, LOST_LINK + 3, 0, 1), 1);
+    assert_int_equal(chip_write(c, 0x0101, 0x08, 1), 1); /* forced open: the chip does not look at the link */
+    ect_esc_set_link(&c->esc, 1, false);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x52);
+    ect_esc_set_link(&c->esc, 1, true);
+    assert_int_equal(chip_write(c, 0x0101, 0x0C, 1), 1); /* closed already */
+    ect_esc_set_link(&c->esc, 1, false);
+    assert_int_equal(chip_read(c, LOST_LINK, 4), 0);
+}
+
+static void auto_close(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+    ect_esc_set_link(&c->esc, 1, false);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x56);
+    ect_esc_set_link(&c->esc, 1, true);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E); /* link, and still closed */
+    assert_false(ect_esc_port_open(&c->esc, 1));
+    assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+    ect_esc_set_link(&c->esc, 1, false);
+    assert_false(ect_esc_frame_at(&c->esc, 1)); /* there cannot be one */
+    ect_esc_set_link(&c->esc, 1, true);
+    assert_true(ect_esc_frame_at(&c->esc, 1));
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+    assert_false(ect_esc_frame_at(&c->esc, 1));
+    ect_esc_set_link(&c->esc, 1, false);
+    ect_esc_set_link(&c->esc, 1, true);
+    assert_int_equal(chip_write(c, 0x0101, 0x00, 1), 1); /* plain auto opens at once */
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+}
+
+static void temporary_loops(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E);
+    chip_advance(c, 500 * MS);
+    assert_int_equal(chip_write(c, 0x0100, 0x0003, 2), 1); /* still temporary: the second begins anew */
+    chip_advance(c, 500 * MS);
+    assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
+    chip_advance(c, 999 * MS);
+    assert_int_equal(chip_read(c, 0x0100, 2), 0x0C03);
+    chip_advance(c, 1 * MS);
+    assert_int_equal(chip_read(c, 0x0100, 2), 0x0001);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+    assert_int_equal(chip_write(c, 0x0100, 0x0C01, 2), 1);
+    chip_advance(c, 5000 * MS);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E);
+}
+
+static void damaged_frames(void **state)
+{
+    chip_t *c = *state;
+    static const struct {
+        unsigned int port;
+        bool found_before;
+        uint16_t counter;
+    } rows[] = {{0, false, 0x0300}, {1, false, 0x0302}, {3, false, 0x0306}, {0, true, 0x0308}, {2, true, 0x030A}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_power_on(c);
+        for (unsigned int n = 1; n <= 256; n++)
+            ect_esc_damaged(&c->esc, rows[i].port, rows[i].found_before);
+        for (uint16_t at = 0x0300; at <= 0x030C; at++) {
+            unsigned int want = at == rows[i].counter || (at == 0x030C && rows[i].port == 0) ? 255 : 0;
+            if (c->memory[at] != want)
+                fail_msg("damaged at port %u, found before %d: 0x%04X: expected %u, got %u", rows[i].port,
+                         rows[i].found_before, at, want, c->memory[at]);
+        }
+        assert_int_equal(chip_write(c, 0x0305, 0, 1), 1);
+        assert_int_equal(chip_read(c, rows[i].counter, 1), 0);
+    }
+}
+
+/* --- an EEPROM that the PDI stands for -------------------------------------------------------------------------- */
+
+enum { BUSY = 0x8000, EMULATION = 0x20, SII_EVENT = 0x20 };
+
+static void emulate(chip_t *c, const char *chip)
+{
+    c->personality = *ect_esc_personality(chip);
+    c->config.sii = NULL;
+    c->config.sii_size = 0;
+    c->config.sii_emulated = true;
+    chip_power_on(c);
+}
+
+static void emulated_reload(void **state)
+{
+    chip_t *c = *state;
+    emulate(c, "ipcore");
+    assert_int_equal(chip_read(c, 0x0502, 2), BUSY | 0x1000 | 0x0400 | EMULATION | 0x40);
+    assert_int_equal(chip_read(c, 0x0110, 1) & 1, 0);
+    assert_int_equal(ect_esc_al_event(&c->esc) & SII_EVENT, SII_EVENT);
+    uint64_t words[] = {0x030203E800010C05ull, 0x88A4000000001234ull};
+    for (unsigned int part = 0; part < 2; part++) {
+        assert_int_equal(chip_pdi_read(c, 0x0504, 4), 4 * part);
+        chip_pdi_write(c, 0x0508, words[part], 8);
+        chip_pdi_write(c, 0x0503, 0x04, 1);
+    }
+    assert_int_equal(chip_read(c, 0x0502, 2), EMULATION | 0x40);
+    assert_int_equal(ect_esc_al_event(&c->esc) & SII_EVENT, 0);
+    assert_int_equal(chip_read(c, 0x0110, 1) & 1, 1);
+    assert_int_equal(chip_read(c, 0x0012, 2), 0x1234);
+    assert_int_equal(chip_read(c, 0x0140, 2), 0x0C05);
+    assert_int_equal(chip_read(c, 0x0982, 2), 0x03E8);
+    assert_int_equal(chip_read(c, 0x014E, 1), 6);
+}
+
+static void emulated_reload_short(void **state)
+{
+    chip_t *c = *state;
+    emulate(c, "xmc4800");
+    chip_pdi_write(c, 0x0503, 0x02, 1); /* not the command that is under way */
+    assert_int_equal(chip_read(c, 0x0502, 2) & BUSY, BUSY);
+    chip_pdi_write(c, 0x0508, 0x00004321, 4);
+    chip_pdi_write(c, 0x0502, 0x0400, 2);
+    assert_int_equal(chip_read(c, 0x0502, 2), EMULATION);
+    assert_int_equal(chip_read(c, 0x0012, 2), 0x4321);
+    assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1); /* the alias is taken once */
+    chip_pdi_write(c, 0x0508, 0x00001111, 4);
+    chip_pdi_write(c, 0x0502, 0x0400, 2);
+    assert_int_equal(chip_read(c, 0x0012, 2), 0x4321);
+    assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1);
+    chip_pdi_write(c, 0x0503, 0x04 | 0x08, 1); /* there is no good check sum */
+    assert_int_equal(chip_read(c, 0x0502, 2) & ~0x1000u, EMULATION | 0x0800);
+    assert_int_equal(chip_read(c, 0x0110, 1) & 1, 0);
+}
+
+static void emulated_commands(void **state)
+{
+    chip_t *c = *state;
+    emulate(c, "xmc4800");
+    chip_pdi_write(c, 0x0502, 0x0400, 2);
+    uint8_t read[6] = {0x00, 0x01, 0x40, 0, 0, 0};
+    assert_int_equal(chip_send(c, APWR, 0x0502, read, 6), 1);
+    assert_int_equal(ect_esc_al_event(&c->esc) & SII_EVENT, SII_EVENT);
+    chip_advance(c, 1000 * MS);
+    assert_int_equal(chip_read(c, 0x0502, 2), BUSY | 0x0100 | EMULATION);
+    assert_int_equal(chip_send(c, APWR, 0x0502, read, 6), 0);
+    assert_int_equal(chip_pdi_read(c, 0x0504, 4), 0x40);
+    chip_pdi_write(c, 0x0508, 0x11223344, 4);
+    chip_pdi_write(c, 0x0503, 0x01, 1);
+    assert_int_equal(chip_read(c, 0x0502, 2), EMULATION);
+    assert_int_equal(chip_read(c, 0x0508, 4), 0x11223344);
+    assert_int_equal(ect_esc_al_event(&c->esc) & SII_EVENT, 0);
+    uint8_t write[8] = {0x01, 0x02, 0x41, 0, 0, 0, 0xCD, 0xAB};
+    assert_int_equal(chip_send(c, APWR, 0x0502, write, 8), 1);
+    chip_pdi_write(c, 0x0508, 0, 4); /* the master's word is not the PDI's to change */
+    assert_int_equal(chip_pdi_read(c, 0x0508, 2), 0xABCD);
+    chip_pdi_write(c, 0x0503, 0x02 | 0x20, 1); /* could not be written now */
+    assert_int_equal(chip_read(c, 0x0502, 2), EMULATION | 0x2000);
+    chip_pdi_write(c, 0x0508, 0x55, 1); /* nothing is under way */
+    assert_int_equal(chip_read(c, 0x0508, 1), 0xCD);
+}
+
+static void emulation_refused(void **state)
+{
+    chip_t *c = *state;
+    c->config.sii_emulated = true; /* and an EEPROM */
+    assert_int_equal(ect_esc_init(&c->esc, &c->config, c->w.now_ns), -3);
+    c->config.sii = NULL;
+    c->config.sii_size = 0;
+    c->personality.units = 0;
+    assert_int_equal(ect_esc_init(&c->esc, &c->config, c->w.now_ns), -3);
+}
+
+/* --- SyncManagers ----------------------------------------------------------------------------------------------- */
+
+static void latched_times(void **state)
+{
+    chip_t *c = *state;
+    chip_set_sm(c, 2, 0x1000, 4, 0x24, 0xC1);
+    c->w.now_ns += 1000;
+    assert_int_equal(chip_write(c, 0x1000, 0, 4), 1);
+    c->w.now_ns += 1000;
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    (void)chip_pdi_read(c, 0x1000, 2);
+    c->w.now_ns += 1000;
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    (void)chip_pdi_read(c, 0x1002, 2);
+    c->w.now_ns += 1000;
+    assert_int_equal(chip_read(c, 0x09F0, 4), 1000);
+    assert_int_equal(chip_read(c, 0x09F8, 8), 2000 | 3000ull << 32);
+    chip_set_sm(c, 2, 0x1000, 4, 0x24, 0x01); /* none wanted */
+    assert_int_equal(chip_write(c, 0x1000, 0, 4), 1);
+    assert_int_equal(chip_read(c, 0x09F0, 4), 1000);
+}
+
+/* While it is enabled a SyncManager keeps its area; the lowest of those that overlap has the byte. */
+static void changes_and_overlaps(void **state)
+{
+    chip_t *c = *state;
+    chip_set_sm(c, 0, 0x1000, 16, 0x26, 1);
+    for (uint16_t reg = 0; reg < 5; reg++)
+        assert_int_equal(chip_write(c, (uint16_t)(0x0800 + reg), 0x55, 1), 0);
+    assert_int_equal(chip_read(c, 0x0800, 5), 0x2600101000ull);
+    chip_set_sm(c, 1, 0x1008, 16, 0x22, 1);
+    uint8_t data[24] = {0};
+    assert_int_equal(chip_send(c, APWR, 0x1000, data, 16), 1);
+    assert_int_equal(c->memory[0x0805] & 0x08, 0x08); /* all 16 bytes were its own */
+    assert_int_equal(c->memory[0x080D] & 0x08, 0);
+    ect_esc_pdi_write(&c->esc, 0x1008, data, 16); /* begins in the other one: the second is never opened */
+    assert_int_equal(c->memory[0x080D] & 0x08, 0);
+    assert_int_equal(chip_write(c, 0x0806, 0, 1), 1);
+    ect_esc_pdi_write(&c->esc, 0x1008, data, 16);
+    assert_int_equal(c->memory[0x080D] & 0x08, 0x08);
+}
+
+#define TEST(title, function)   {title, function, chip_setup, chip_teardown, NULL}
+#define MODERN(title, function) {title, function, modern, chip_teardown, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("CF-012: write protection: what is taken, with and without its enable in the same frame", protection),
+        TEST("CF-012: write protection is ended by the master, in a frame that enables writing", protection_ends),
+        TEST("CF-012: of a write that crosses what is protected the rest is taken; the PDI is free",
+             protection_in_part),
+        MODERN("CF-012: R, E, S in three frames, or PDI accesses, in a row reset the chip, nothing else does",
+               reset_sequences),
+        MODERN("CF-012: the progress of a reset sequence is read, and forgotten by the next frame", reset_progress),
+        TEST("CF-012 CF-047: a reset leaves registers and clock as power-on does, cables and counters as they were",
+             reset_resets),
+        MODERN("CF-093: the RUN lamp follows AL status; an override lasts until that changes", run_lamp),
+        MODERN("CF-093: the ERR lamp: local error, watchdog, no configuration; each takes an override back", err_lamp),
+        MODERN("CF-053: the PDI watchdog expires 100 ms after the last access, counts once, and shows", pdi_watchdog),
+        TEST("CF-053: a PDI that is taken to look in all the time is never late", pdi_unwatched),
+        TEST("CF-011: the lost-link counter counts links that end at an open port, to 255", lost_link),
+        TEST("CF-010: auto close: a port that has lost its link opens by DL control or by a frame", auto_close),
+        TEST("CF-010: temporary loop settings end after a second", temporary_loops),
+        TEST("CF-011: damaged frames count at their port, apart where another chip has found them", damaged_frames),
+        MODERN("CF-056: EEPROM emulation: from power-on the PDI is asked for the configuration, four words a time",
+               emulated_reload),
+        MODERN("CF-056: EEPROM emulation with 4 bytes of data: the alias, once; a bad check sum",
+               emulated_reload_short),
+        MODERN("CF-056: EEPROM emulation: read and write wait for the PDI, errors are its own", emulated_commands),
+        MODERN("CF-056: EEPROM emulation beside an EEPROM, or on a chip without it, is refused", emulation_refused),
+        TEST("CF-018: SyncManager events latch the local time where they are told to", latched_times),
+        TEST("CF-021: an enabled SyncManager keeps its registers; of overlapping ones the lowest has the byte",
+             changes_and_overlaps),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("ESC units", tests, NULL, NULL);
+}
