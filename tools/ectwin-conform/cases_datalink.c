@@ -378,13 +378,17 @@ static bool protection(cf_t *c)
     return true;
 }
 
-/* Two letters of the three: the chip counts them, and a wrong third one ends it. @return whether the chip offers it */
+/* Two letters of the three: the chip counts them, and a wrong third one ends it. A frame between two letters, such as one
+ * that reads the progress, ends it as well: so each time from the beginning, which a wrong letter makes sure of.
+ * @return whether the chip offers it */
 static bool reset_sequence(cf_t *c)
 {
-    uint8_t letters[3] = {'R', 'E', 'X'}, progress[3];
-    for (size_t i = 0; i < sizeof letters; i++) {
-        if (cf_write(c, REG_RESET, &letters[i], 1) != 1)
-            return false;
+    uint8_t letters[4] = {'X', 'R', 'E', 'X'}, progress[3];
+    for (size_t i = 0; i < sizeof progress; i++) {
+        for (size_t k = 0; k <= i + 1; k++) {
+            if (cf_write(c, REG_RESET, &letters[k], 1) != 1)
+                return false;
+        }
         progress[i] = cf_get8(c, REG_RESET) & 3;
     }
     if (progress[0] == 0)
