@@ -378,8 +378,8 @@ static bool protection(cf_t *c)
     return true;
 }
 
-/* Two letters of the three: the chip counts them, and a wrong third one ends it. A frame between two letters, such as one
- * that reads the progress, ends it as well: so each time from the beginning, which a wrong letter makes sure of.
+/* Two letters of the three: the chip counts them, and a wrong third one ends it. A frame between two letters, such as
+ * one that reads the progress, ends it as well: so each time from the beginning, which a wrong letter makes sure of.
  * @return whether the chip offers it */
 static bool reset_sequence(cf_t *c)
 {
