@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 add_library(ectwin_core INTERFACE)
-target_link_libraries(ectwin_core INTERFACE ectwin_devices ectwin_template ectwin_virtual ectwin_esc
+target_link_libraries(ectwin_core INTERFACE ectwin_devices ectwin_template ectwin_ports ectwin_virtual ectwin_esc
   ectwin_sii ectwin_slave ectwin_od)
 ectwin_export(ectwin_core core)
 if(ECTWIN_HOST)
@@ -33,7 +33,8 @@ function(install_headers room component)
     FILES_MATCHING PATTERN *.h PATTERN internal.h EXCLUDE PATTERN instance.h EXCLUDE)
 endfunction()
 
-foreach(room wire od seams esc slave sii soes devices ports/template ports/virtual)
+foreach(room wire od seams esc slave sii soes devices
+    ports/template ports/lan9252 ports/mmio ports/flash ports/virtual)
   install_headers(${room} core)
 endforeach()
 if(ECTWIN_HOST)

@@ -62,4 +62,19 @@ typedef struct ect_pdi {
     int (*al_event)(void *ctx, uint32_t *event);
 } ect_pdi_t;
 
+/**
+ * What a port cuts an access into: the most bytes that go at once, where a chip takes 1, 2, 4 … `widest` of them at an
+ * address that is a multiple of their number. Never more than are left: the last byte of a SyncManager's buffer is an
+ * event, and touching it early loses a mail.
+ * @param left    bytes of the access from `address` on, 1 or more
+ * @param widest  a power of two
+ */
+static inline unsigned int ect_pdi_part(uint32_t address, uint32_t left, unsigned int widest)
+{
+    unsigned int bytes = widest;
+    while (address % bytes != 0 || bytes > left)
+        bytes /= 2;
+    return bytes;
+}
+
 #endif

@@ -107,8 +107,8 @@ static uint16_t check_process_data(ect_slave_t *s, const uint8_t *block)
         code = ect_sm_check_process(s, block);
     if (code != ECT_AL_NO_ERROR)
         return code;
-    if (ect_slave_read(s, ECT_REG_DC_ACTIVATION, &cyclic_unit, 1) && (cyclic_unit & 1u) != 0 &&
-        s->config.device->dc_mode_count == 0)
+    if (s->config.device->dc_mode_count == 0 && ect_slave_read(s, ECT_REG_DC_ACTIVATION, &cyclic_unit, 1) &&
+        (cyclic_unit & 1u) != 0)
         return ECT_AL_DC_SYNC;
     return ECT_AL_NO_ERROR;
 }

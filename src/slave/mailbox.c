@@ -14,7 +14,8 @@ uint16_t ect_mailbox_sm_room(const ect_device_t *device, unsigned int sm)
     return room > boot ? room : boot;
 }
 
-enum { NO_REPLY = 0xFF, SM1 = 1 << 1 };
+/* A request is looked at in one access when it is no longer than this: the header and the smallest SDO. */
+enum { NO_REPLY = 0xFF, SM1 = 1 << 1, SHORT_MAIL = 16 };
 
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
 {
@@ -29,6 +30,7 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
         .in_start = ect_load_le16(sm1 + ECT_SM_START),
         .out_size = ect_load_le16(sm_registers + ECT_SM_LENGTH),
         .in_size = ect_load_le16(sm1 + ECT_SM_LENGTH),
+        .in_used = ect_load_le16(sm1 + ECT_SM_LENGTH),
         .request = memory,
         .mail = {memory + out_room, memory + out_room + in_room},
         .reply = NO_REPLY,
@@ -89,13 +91,29 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
     return mail + ECT_MAILBOX_HEADER;
 }
 
-/* SM1 as a whole, so that nothing of an older mail is left in it; the toggle is answered when the mail stands there. */
+/* Bytes of a mail that are used: its header says so, and may say too much. */
+static uint16_t used_bytes(const uint8_t *mail, uint16_t size)
+{
+    uint32_t used = ECT_MAILBOX_HEADER + (uint32_t)ect_load_le16(mail);
+    return (uint16_t)(used < size ? used : size);
+}
+
+/* What is used of the mail, or was of the one that stood there, so that nothing of that is left; and the last byte, with
+ * which the mailbox is full. The toggle is answered when the mail stands there. */
 static void write_shown(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->to_write && m->shown < m->mails);
-    if (!ect_slave_write(s, m->in_start, m->mail[m->shown], m->in_size))
+    const uint8_t *mail = m->mail[m->shown];
+    uint16_t used = used_bytes(mail, m->in_size);
+    uint16_t bytes = used > m->in_used ? used : m->in_used;
+    uint16_t last = (uint16_t)(m->in_size - 1);
+    m->in_used = m->in_size; /* should it fail, anything may stand there */
+    if (!ect_slave_write(s, m->in_start, mail, bytes))
         return;
+    if (bytes <= last && !ect_slave_write(s, (uint16_t)(m->in_start + last), mail + last, 1))
+        return;
+    m->in_used = used;
     m->to_write = false;
     m->in_buffer = true;
 }
@@ -181,12 +199,42 @@ static uint16_t dispatch(ect_slave_t *s)
     return error;
 }
 
+/* A request that could not be read to its end: its event went with its first byte. It is read anew, unless it is gone
+ * all the same. */
+static bool is_left(ect_slave_t *s)
+{
+    uint8_t status;
+    if (!s->mailbox.reading || !ect_slave_read(s, ECT_REG_SM + ECT_SM_STATUS, &status, 1))
+        return false;
+    s->mailbox.reading = (status & ECT_SM_STATUS_FULL) != 0;
+    return s->mailbox.reading;
+}
+
+/* What is used of it, and its last byte, with which the mailbox is empty. */
+static bool read_request(ect_slave_t *s)
+{
+    const ect_mailbox_t *m = &s->mailbox;
+    uint16_t last = (uint16_t)(m->out_size - 1);
+    uint16_t bytes = m->out_size < SHORT_MAIL ? m->out_size : SHORT_MAIL;
+    if (!ect_slave_read(s, m->out_start, m->request, bytes))
+        return false;
+    uint16_t used = used_bytes(m->request, m->out_size);
+    if (used > bytes) {
+        if (!ect_slave_read(s, (uint16_t)(m->out_start + bytes), m->request + bytes, (uint16_t)(used - bytes)))
+            return false;
+        bytes = used;
+    }
+    return bytes > last || ect_slave_read(s, (uint16_t)(m->out_start + last), m->request + last, 1);
+}
+
 static void handle_request(ect_slave_t *s)
 {
     ECT_ASSERT(may_build(&s->mailbox));
     ect_mailbox_t *m = &s->mailbox;
-    if (!ect_slave_read(s, m->out_start, m->request, m->out_size))
+    m->reading = true;
+    if (!read_request(s))
         return;
+    m->reading = false;
     ect_cycle_yield(s); /* a long access is behind us, and the answer's is to come */
     uint8_t counter = (m->request[5] >> 4) & 7u;
     if (counter != 0 && counter == m->request_counter) { /* a repetition: not carried out again */
@@ -221,6 +269,7 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
     if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
         m->in_buffer = false; /* fetched, or lost when the master switched SM1 off and on */
+    m->in_used = m->in_size;  /* and then wrote there */
     if (toggle != m->toggle) {
         m->toggle = toggle;
         m->repeat_due = true;
@@ -290,22 +339,29 @@ static bool speak(ect_slave_t *s, bool takes_requests, bool send)
     return false;
 }
 
+static bool has_news(const ect_mailbox_t *m)
+{
+    return may_build(m) && m->heard != m->wakes;
+}
+
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
 {
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->running);
-    bool requested = (event & ECT_EVENT_SM0) != 0;
+    bool requested = (event & ECT_EVENT_SM0) != 0 || is_left(s);
     if ((event & ECT_EVENT_SM1) != 0)
         m->in_buffer = false;
     if (requested && m->in_buffer)
         m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
     go_on(s);
     uint8_t wakes = m->wakes;
-    if (may_build(m) && !(m->heard != wakes && speak(s, false, true)) && requested) {
+    if (has_news(m))
+        (void)speak(s, false, true);
+    if (requested && may_build(m)) {
         requested = false;
         handle_request(s);
     }
-    if (may_build(m) && m->heard != m->wakes && !speak(s, true, true))
+    if (has_news(m) && !speak(s, true, true))
         m->heard = wakes; /* nobody has anything more, unless woken since */
     m->request_waits = requested;
 }

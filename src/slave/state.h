@@ -27,6 +27,7 @@ typedef struct ect_mailbox {
     uint8_t mails;           /* how many of them hold a mail: 0..2 */
     uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
     bool request_waits;      /* a request came and could not be looked at yet */
+    bool reading;            /* ... or not to its end */
     uint8_t wakes;           /* counts modulo 256: a protocol has a mail of its own */
     uint8_t heard;           /* ... up to here all have been asked until they had none */
     uint8_t request_counter; /* of the last request, 0: none yet */
@@ -35,6 +36,7 @@ typedef struct ect_mailbox {
     uint16_t out_size;
     uint16_t in_start; /* SM1 */
     uint16_t in_size;
+    uint16_t in_used; /* of it, what may not be 0 in the ESC's memory; the last byte aside */
     uint8_t *request;
     uint8_t *mail[2];
 } ect_mailbox_t;

@@ -39,8 +39,7 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
 {
     uint8_t activation = 0;
     uint8_t cycle[4] = {0};
-    if (!ect_slave_read(s, ECT_REG_DC_ACTIVATION, &activation, 1) ||
-        !ect_slave_read(s, ECT_REG_DC_SYNC0_CYCLE, cycle, sizeof cycle))
+    if (!ect_slave_read(s, ECT_REG_DC_ACTIVATION, &activation, 1))
         return ECT_AL_NO_ERROR;
     d->cycle_ns = 0;
     d->dc = 0;
@@ -48,6 +47,8 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
         return d->type == ECT_SYNC_DC_SYNC0 ? ECT_AL_DC_SYNC : ECT_AL_NO_ERROR;
     if ((s->config.device->sync.supported & (1u << ECT_SYNC_DC_SYNC0)) == 0)
         return ECT_AL_NO_SYNC;
+    if (!ect_slave_read(s, ECT_REG_DC_SYNC0_CYCLE, cycle, sizeof cycle))
+        return ECT_AL_NO_ERROR;
     if (!cycle_supported(&s->config.device->sync, ect_load_le32(cycle)))
         return ECT_AL_SYNC0_CYCLE;
     d->dc = 1;

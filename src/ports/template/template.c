@@ -1,14 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "ports/template/template.h"
 
-/* The largest part that is aligned and not longer than what is left. */
-static unsigned int part(uint32_t address, uint32_t left)
-{
-    if (address % 4 == 0 && left >= 4)
-        return 4;
-    return address % 2 == 0 && left >= 2 ? 2 : 1;
-}
-
 /* @return 0, or -1: not ready in time */
 static int wait(const ect_window_t *w)
 {
@@ -33,7 +25,7 @@ static int read(void *ctx, uint16_t address, void *buffer, uint16_t length)
     if (wait(w) < 0) /* still with an access that was given up */
         return -1;
     for (uint32_t done = 0, bytes; done < length; done += bytes) {
-        bytes = part(address + done, length - done);
+        bytes = ect_pdi_part(address + done, length - done, 4);
         if (command(w, address + done, bytes, ECT_WINDOW_READ) < 0)
             return -1;
         uint32_t data = w->load(w->ctx, ECT_WINDOW_DATA);
@@ -51,7 +43,7 @@ static int write(void *ctx, uint16_t address, const void *buffer, uint16_t lengt
         return -1;
     for (uint32_t done = 0, bytes; done < length; done += bytes) {
         uint32_t data = 0;
-        bytes = part(address + done, length - done);
+        bytes = ect_pdi_part(address + done, length - done, 4);
         for (unsigned int n = 0; n < bytes; n++)
             data |= (uint32_t)*from++ << (8 * n);
         w->store(w->ctx, ECT_WINDOW_DATA, data);

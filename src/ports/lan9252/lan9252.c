@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+#include "ports/lan9252/lan9252.h"
+
+#include <string.h>
+
+#include "wire/bytes.h"
+#include "wire/registers.h"
+
+/* A transfer: an instruction, an address, words. */
+enum { WRITE = 0x02, READ = 0x03, HEAD = 3, WORD = 4 };
+enum { NEXT = 0x4000 }; /* in the address: each further word goes to, or comes from, the next register */
+
+/* The chip's own registers. A FIFO has one address: each word of a transfer that stays there is its next. */
+enum {
+    READ_FIFO = 0x000,
+    WRITE_FIFO = 0x020,
+    ID_REV = 0x050,
+    IRQ_CFG = 0x054,
+    INT_EN = 0x05C,
+    BYTE_TEST = 0x064,
+    HW_CFG = 0x074,
+    RESET_CTL = 0x1F8,
+    CSR_DATA = 0x300, /* a register of the ESC: data, and behind it the command */
+    CSR_COMMAND = 0x304,
+    RAM_READ = 0x308, /* process RAM: address and length, and behind them the command */
+    RAM_READ_COMMAND = 0x30C,
+    RAM_WRITE = 0x310,
+    RAM_WRITE_COMMAND = 0x314,
+};
+
+enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000 };
+
+#define BUSY           0x80000000u /* write 1: begin; reads as 1 until it is done */
+#define CSR_READ       0x40000000u
+#define CSR_SIZE(n)    ((uint32_t)(n) << 16)
+#define RAM_ABORT      0x40000000u
+#define RAM_AVAILABLE  0x00000001u
+#define RAM_WORDS(v)   (((v) >> 8) & 0x1F)
+#define BYTE_TEST_GOOD 0x87654321u
+#define CHIP_ID        0x92520000u
+#define CHIP_READY     0x08000000u
+#define RESET_ALL      0x00000001u
+#define IRQ_ENABLE     0x00000100u
+#define IRQ_HIGH       0x00000010u
+#define IRQ_DRIVEN     0x00000001u
+#define INT_ESC        0x00000001u
+
+/* --- words on the SPI ---------------------------------------------------------------------------------------------
+ */
+
+/* `frame` has room for the head, and `words` words behind it. */
+static int transfer(const ect_lan9252_t *chip, uint8_t instruction, uint16_t address, uint8_t *frame,
+                    unsigned int words)
+{
+    frame[0] = instruction;
+    ect_store_be16(frame + 1, address);
+    return chip->spi->transfer(chip->spi->ctx, frame, (uint16_t)(HEAD + WORD * words));
+}
+
+static int load(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
+{
+    uint8_t frame[HEAD + WORD] = {0};
+    int result = transfer(chip, READ, address, frame, 1);
+    *value = ect_load_le32(frame + HEAD);
+    return result;
+}
+
+static int store(const ect_lan9252_t *chip, uint16_t address, uint32_t value)
+{
+    uint8_t frame[HEAD + WORD];
+    ect_store_le32(frame + HEAD, value);
+    return transfer(chip, WRITE, address, frame, 1);
+}
+
+/* A command, and in the register before it what it is about. */
+static int begin(const ect_lan9252_t *chip, uint16_t address, uint32_t about, uint32_t command)
+{
+    uint8_t frame[HEAD + 2 * WORD];
+    ect_store_le32(frame + HEAD, about);
+    ect_store_le32(frame + HEAD + WORD, command);
+    return transfer(chip, WRITE, address | NEXT, frame, 2);
+}
+
+/* Looks at a command register until it is not busy. @return -1: it stays so */
+static int wait(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
+{
+    for (unsigned int n = chip->patience != 0 ? chip->patience : DEFAULT_PATIENCE; n > 0; n--) {
+        if (load(chip, address, value) < 0)
+            return -1;
+        if ((*value & BUSY) == 0)
+            return 0;
+    }
+    return -1;
+}
+
+/* --- registers of the ESC ------------------------------------------------------------------------------------------
+ */
+
+/* The command stands there again when it is done: one that arrived as another is seen. */
+static int csr(const ect_lan9252_t *chip, uint32_t command)
+{
+    uint32_t done;
+    return wait(chip, CSR_COMMAND, &done) == 0 && done == command ? 0 : -1;
+}
+
+static int read_csr(const ect_lan9252_t *chip, uint16_t address, uint8_t *to, unsigned int bytes)
+{
+    uint8_t word[WORD];
+    uint32_t value;
+    uint32_t command = CSR_READ | CSR_SIZE(bytes) | address;
+    if (store(chip, CSR_COMMAND, BUSY | command) < 0 || csr(chip, command) < 0 || load(chip, CSR_DATA, &value) < 0)
+        return -1;
+    ect_store_le32(word, value);
+    memcpy(to, word, bytes);
+    return 0;
+}
+
+static int write_csr(const ect_lan9252_t *chip, uint16_t address, const uint8_t *from, unsigned int bytes)
+{
+    uint8_t word[WORD] = {0};
+    uint32_t command = CSR_SIZE(bytes) | address;
+    memcpy(word, from, bytes);
+    return begin(chip, CSR_DATA, ect_load_le32(word), BUSY | command) < 0 ? -1 : csr(chip, command);
+}
+
+/* --- process RAM --------------------------------------------------------------------------------------------------
+ */
+
+/* Waits until a FIFO has words, or room for words: how many, at most `wanted`; -1: it has none in time. */
+static int available(const ect_lan9252_t *chip, uint16_t command, unsigned int wanted)
+{
+    for (unsigned int n = chip->patience != 0 ? chip->patience : DEFAULT_PATIENCE; n > 0; n--) {
+        uint32_t value;
+        if (load(chip, command, &value) < 0)
+            return -1;
+        if ((value & RAM_AVAILABLE) == 0)
+            continue;
+        unsigned int words = RAM_WORDS(value);
+        if (words == 0 || words > FIFO_WORDS)
+            return -1; /* that is no status */
+        return (int)(words < wanted ? words : wanted);
+    }
+    return -1;
+}
+
+/* How an access lies in words: those of the FIFO are those of the memory, so the first one may begin in its middle. */
+typedef struct piece {
+    unsigned int skip;  /* bytes of the next word that lie before the access */
+    unsigned int words; /* that are still to come */
+    uint32_t left;      /* bytes */
+} piece_t;
+
+static piece_t whole(uint32_t address, uint32_t length)
+{
+    unsigned int skip = address % WORD;
+    return (piece_t){.skip = skip, .words = (skip + length + WORD - 1) / WORD, .left = length};
+}
+
+/* The bytes of so many words; the next ones begin with their first. */
+static uint32_t take(piece_t *p, unsigned int words)
+{
+    uint32_t bytes = WORD * words - p->skip;
+    bytes = bytes < p->left ? bytes : p->left;
+    p->skip = 0;
+    p->words -= words;
+    p->left -= bytes;
+    return bytes;
+}
+
+static int read_ram(const ect_lan9252_t *chip, uint16_t address, uint8_t *to, uint16_t length)
+{
+    if (begin(chip, RAM_READ, (uint32_t)length << 16 | address, BUSY) < 0)
+        return -1;
+    for (piece_t p = whole(address, length); p.words > 0;) {
+        uint8_t frame[HEAD + WORD * FIFO_WORDS] = {0};
+        const uint8_t *from = frame + HEAD + p.skip;
+        int words = available(chip, RAM_READ_COMMAND, p.words);
+        if (words < 0 || transfer(chip, READ, READ_FIFO, frame, (unsigned int)words) < 0)
+            return -1;
+        uint32_t bytes = take(&p, (unsigned int)words);
+        memcpy(to, from, bytes);
+        to += bytes;
+    }
+    return 0;
+}
+
+/* It is done when the chip has put the last byte into its memory, which may be what closes a buffer. */
+static int write_ram(const ect_lan9252_t *chip, uint16_t address, const uint8_t *from, uint16_t length)
+{
+    uint32_t done;
+    if (begin(chip, RAM_WRITE, (uint32_t)length << 16 | address, BUSY) < 0)
+        return -1;
+    for (piece_t p = whole(address, length); p.words > 0;) {
+        uint8_t frame[HEAD + WORD * FIFO_WORDS] = {0};
+        uint8_t *to = frame + HEAD + p.skip;
+        int words = available(chip, RAM_WRITE_COMMAND, p.words);
+        if (words < 0)
+            return -1;
+        uint32_t bytes = take(&p, (unsigned int)words);
+        memcpy(to, from, bytes);
+        from += bytes;
+        if (transfer(chip, WRITE, WRITE_FIFO, frame, (unsigned int)words) < 0)
+            return -1;
+    }
+    return wait(chip, RAM_WRITE_COMMAND, &done);
+}
+
+/* --- the seam -----------------------------------------------------------------------------------------------------
+ */
+
+/* Ends what an access that failed has left in the chip. */
+static int settle(ect_lan9252_t *chip)
+{
+    uint32_t status;
+    if (!chip->abandoned)
+        return 0;
+    if (store(chip, RAM_READ_COMMAND, RAM_ABORT) < 0 || store(chip, RAM_WRITE_COMMAND, RAM_ABORT) < 0 ||
+        wait(chip, RAM_READ_COMMAND, &status) < 0 || wait(chip, RAM_WRITE_COMMAND, &status) < 0 ||
+        wait(chip, CSR_COMMAND, &status) < 0)
+        return -1;
+    chip->abandoned = false;
+    return 0;
+}
+
+/* Bytes of an access that go in one command: to a register the widest that is aligned, to process RAM all. */
+static uint16_t part(uint32_t address, uint32_t left)
+{
+    return (uint16_t)(address >= ECT_RAM ? left : ect_pdi_part(address, left, WORD));
+}
+
+static int read(void *ctx, uint16_t address, void *buffer, uint16_t length)
+{
+    ect_lan9252_t *chip = ctx;
+    uint8_t *to = buffer;
+    int result = settle(chip);
+    for (uint32_t done = 0, bytes; done < length && result == 0; done += bytes) {
+        uint16_t at = (uint16_t)(address + done);
+        bytes = part(at, length - done);
+        result = at >= ECT_RAM ? read_ram(chip, at, to + done, (uint16_t)bytes) : read_csr(chip, at, to + done, bytes);
+    }
+    chip->abandoned = result < 0;
+    return result;
+}
+
+static int write(void *ctx, uint16_t address, const void *buffer, uint16_t length)
+{
+    ect_lan9252_t *chip = ctx;
+    const uint8_t *from = buffer;
+    int result = settle(chip);
+    for (uint32_t done = 0, bytes; done < length && result == 0; done += bytes) {
+        uint16_t at = (uint16_t)(address + done);
+        bytes = part(at, length - done);
+        result =
+            at >= ECT_RAM ? write_ram(chip, at, from + done, (uint16_t)bytes) : write_csr(chip, at, from + done, bytes);
+    }
+    chip->abandoned = result < 0;
+    return result;
+}
+
+static int al_event(void *ctx, uint32_t *event)
+{
+    const ect_lan9252_t *chip = ctx;
+    uint8_t bytes[4] = {0};
+    int result = chip->spi->line(chip->spi->ctx) ? read(ctx, ECT_REG_AL_EVENT, bytes, sizeof bytes) : 0;
+    *event = ect_load_le32(bytes);
+    return result;
+}
+
+ect_pdi_t ect_lan9252_pdi(ect_lan9252_t *chip)
+{
+    return (ect_pdi_t){.ctx = chip, .read = read, .write = write, .al_event = chip->spi->line ? al_event : NULL};
+}
+
+/* --- the start ----------------------------------------------------------------------------------------------------
+ */
+
+bool ect_lan9252_reset(const ect_lan9252_t *chip)
+{
+    const ect_spi_t *spi = chip->spi;
+    if (!spi->reset)
+        return store(chip, RESET_CTL, RESET_ALL) >= 0;
+    spi->reset(spi->ctx, true);
+    spi->pause(spi->ctx, 1000); /* the chip wants 200 us */
+    spi->reset(spi->ctx, false);
+    return true;
+}
+
+/* What the chip says of itself: ECT_LAN9252_READY, or what is wrong so far. */
+static int look(const ect_lan9252_t *chip)
+{
+    uint32_t order, id, state;
+    if (load(chip, BYTE_TEST, &order) < 0 || load(chip, ID_REV, &id) < 0 || load(chip, HW_CFG, &state) < 0)
+        return ECT_LAN9252_SPI;
+    if (order != BYTE_TEST_GOOD)
+        return ECT_LAN9252_SILENT;
+    if ((state & CHIP_READY) == 0)
+        return ECT_LAN9252_NOT_READY;
+    return (id & 0xFFFF0000u) == CHIP_ID ? ECT_LAN9252_READY : ECT_LAN9252_STRANGER;
+}
+
+static int look_at_esc(ect_lan9252_t *chip)
+{
+    uint8_t status;
+    if (read(chip, ECT_REG_DL_STATUS, &status, 1) < 0)
+        return ECT_LAN9252_SPI;
+    return (status & 1u) != 0 ? ECT_LAN9252_READY : ECT_LAN9252_NO_EEPROM;
+}
+
+static int set_interrupt(const ect_lan9252_t *chip)
+{
+    uint32_t pin = IRQ_ENABLE | (chip->interrupt_high ? IRQ_HIGH : 0) | (chip->interrupt_driven ? IRQ_DRIVEN : 0);
+    return store(chip, IRQ_CFG, pin) < 0 || store(chip, INT_EN, INT_ESC) < 0 ? ECT_LAN9252_SPI : ECT_LAN9252_READY;
+}
+
+int ect_lan9252_start(ect_lan9252_t *chip)
+{
+    const ect_spi_t *spi = chip->spi;
+    unsigned int patience_ms = chip->ready_ms != 0 ? chip->ready_ms : DEFAULT_READY_MS;
+    int result = look(chip);
+    for (unsigned int ms = 0; result != ECT_LAN9252_READY && ms < patience_ms; ms++) {
+        spi->pause(spi->ctx, 1000);
+        result = look(chip);
+    }
+    if (result != ECT_LAN9252_READY)
+        return result;
+    chip->abandoned = true; /* by whoever used it before */
+    result = look_at_esc(chip);
+    for (unsigned int ms = 0; result != ECT_LAN9252_READY && ms < patience_ms; ms++) {
+        spi->pause(spi->ctx, 1000);
+        result = look_at_esc(chip);
+    }
+    return result == ECT_LAN9252_READY ? set_interrupt(chip) : result;
+}
