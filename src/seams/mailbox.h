@@ -132,7 +132,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *slave);
  * itself.
  * @param type    ECT_MAILBOX_TYPE_...
  * @param length  data bytes, 1..ect_mailbox_room()
- * Cost: one PDI access of the mailbox's size.
+ * Cost: two PDI accesses: of what is used of this mail, or was of the one before, and of a byte.
  */
 void ect_mailbox_send(ect_slave_t *slave, uint8_t type, uint16_t length);
 

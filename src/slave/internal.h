@@ -31,8 +31,8 @@
 #include "wire/registers.h"
 
 /* --- access.c: false once an access of this poll has failed; nothing further is tried then ---------------------- */
-bool ect_slave_read(ect_slave_t *s, uint16_t address, void *buffer, uint16_t length);
-bool ect_slave_write(ect_slave_t *s, uint16_t address, const void *buffer, uint16_t length);
+bool ect_slave_read(ect_slave_t *s, unsigned int address, void *buffer, unsigned int length);
+bool ect_slave_write(ect_slave_t *s, unsigned int address, const void *buffer, unsigned int length);
 /* The AL event word; begins anew after a failure. */
 bool ect_slave_read_event(ect_slave_t *s, uint32_t *event);
 

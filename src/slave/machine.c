@@ -19,8 +19,9 @@ bool ect_machine_report(ect_slave_t *s)
     ect_store_le16(code, s->ident ? s->config.device_id : s->code);
     status[0] |= s->error ? ECT_AL_ERROR : 0;
     status[0] |= s->ident ? ECT_AL_IDENT : 0;
-    if (!ect_sm_flush(s) || !ect_slave_write(s, ECT_REG_AL_STATUS_CODE, code, sizeof code) ||
-        !ect_slave_write(s, ECT_REG_AL_STATUS, status, sizeof status))
+    (void)ect_sm_flush(s);
+    (void)ect_slave_write(s, ECT_REG_AL_STATUS_CODE, code, sizeof code);
+    if (!ect_slave_write(s, ECT_REG_AL_STATUS, status, sizeof status)) /* not, if one of those before failed */
         return false;
     s->status_dirty = false;
     return true;

@@ -30,7 +30,6 @@ void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
         .in_start = ect_load_le16(sm1 + ECT_SM_START),
         .out_size = ect_load_le16(sm_registers + ECT_SM_LENGTH),
         .in_size = ect_load_le16(sm1 + ECT_SM_LENGTH),
-        .in_used = ect_load_le16(sm1 + ECT_SM_LENGTH),
         .request = memory,
         .mail = {memory + out_room, memory + out_room + in_room},
         .reply = NO_REPLY,
@@ -69,9 +68,24 @@ uint16_t ect_mailbox_room(const ect_slave_t *s)
     return (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER);
 }
 
+/* What is not done yet, ect_mailbox_t::open. */
+enum {
+    TO_WRITE = 1,     /* `shown` has yet to be written to SM1 */
+    IN_BUFFER = 2,    /* `shown` stands in SM1, unread as far as we know */
+    NEWEST_WAITS = 4, /* after a repeat: `newest` must follow `shown` */
+    REPEAT_DUE = 8,   /* the master wants the last mail again */
+    ACK_DUE = 16,     /* ... and it is to be acknowledged once that mail stands in SM1 */
+    MAIL_OPEN = TO_WRITE | IN_BUFFER | NEWEST_WAITS,
+};
+
+static bool is(const ect_mailbox_t *m, unsigned int open)
+{
+    return (m->open & open) != 0;
+}
+
 static bool may_build(const ect_mailbox_t *m)
 {
-    return !m->in_buffer && !m->to_write && !m->newest_waits;
+    return !is(m, MAIL_OPEN);
 }
 
 /* The mail that is overwritten is the older one; with it may go the reply kept for a repeated request. */
@@ -91,47 +105,42 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
     return mail + ECT_MAILBOX_HEADER;
 }
 
-/* Bytes of a mail that are used: its header says so, and may say too much. */
-static uint16_t used_bytes(const uint8_t *mail, uint16_t size)
+/* How far a mail reaches into a buffer whose last byte is moved by itself. Its header says so, and may say too much. */
+static unsigned int end_of(const uint8_t *mail, unsigned int last)
 {
-    uint32_t used = ECT_MAILBOX_HEADER + (uint32_t)ect_load_le16(mail);
-    return (uint16_t)(used < size ? used : size);
+    unsigned int end = ECT_MAILBOX_HEADER + (unsigned int)ect_load_le16(mail);
+    return end < last ? end : last;
 }
 
-/* What is used of the mail, or was of the one that stood there, so that nothing of that is left; and the last byte, with
- * which the mailbox is full. The toggle is answered when the mail stands there. */
+/* What is used of the two mails, so that nothing of the other is left in SM1, and the last byte, with which it is full.
+ * The first one takes all: nobody knows what stands there. The toggle is answered when the mail does. */
 static void write_shown(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    ECT_ASSERT(m->to_write && m->shown < m->mails);
+    ECT_ASSERT(is(m, TO_WRITE) && m->shown < m->mails);
     const uint8_t *mail = m->mail[m->shown];
-    uint16_t used = used_bytes(mail, m->in_size);
-    uint16_t bytes = used > m->in_used ? used : m->in_used;
-    uint16_t last = (uint16_t)(m->in_size - 1);
-    m->in_used = m->in_size; /* should it fail, anything may stand there */
-    if (!ect_slave_write(s, m->in_start, mail, bytes))
-        return;
-    if (bytes <= last && !ect_slave_write(s, (uint16_t)(m->in_start + last), mail + last, 1))
-        return;
-    m->in_used = used;
-    m->to_write = false;
-    m->in_buffer = true;
+    unsigned int last = m->in_size - 1u;
+    unsigned int other = m->mails == 2 ? end_of(m->mail[m->shown ^ 1], last) : last;
+    unsigned int end = end_of(mail, last);
+    (void)ect_slave_write(s, m->in_start, mail, end > other ? end : other);
+    if (ect_slave_write(s, m->in_start + last, mail + last, 1)) /* not, if that before failed */
+        m->open ^= TO_WRITE | IN_BUFFER;
 }
 
 static void acknowledge_repeat(ect_slave_t *s)
 {
-    ECT_ASSERT(s->mailbox.ack_due && s->sm_repeat_ack != s->mailbox.toggle);
-    s->mailbox.ack_due = false;
+    ECT_ASSERT(is(&s->mailbox, ACK_DUE) && s->sm_repeat_ack != s->mailbox.toggle);
+    s->mailbox.open ^= ACK_DUE;
     ect_sm_acknowledge_repeat(s, s->mailbox.toggle);
     (void)ect_sm_flush(s);
 }
 
 static void show(ect_slave_t *s, uint8_t slot)
 {
-    ECT_ASSERT(slot < s->mailbox.mails && !s->mailbox.in_buffer);
+    ECT_ASSERT(slot < s->mailbox.mails && !is(&s->mailbox, IN_BUFFER));
     s->mailbox.shown = slot;
     s->mailbox.repeated = false;
-    s->mailbox.to_write = true;
+    s->mailbox.open |= TO_WRITE;
     write_shown(s);
 }
 
@@ -199,42 +208,27 @@ static uint16_t dispatch(ect_slave_t *s)
     return error;
 }
 
-/* A request that could not be read to its end: its event went with its first byte. It is read anew, unless it is gone
- * all the same. */
-static bool is_left(ect_slave_t *s)
-{
-    uint8_t status;
-    if (!s->mailbox.reading || !ect_slave_read(s, ECT_REG_SM + ECT_SM_STATUS, &status, 1))
-        return false;
-    s->mailbox.reading = (status & ECT_SM_STATUS_FULL) != 0;
-    return s->mailbox.reading;
-}
-
-/* What is used of it, and its last byte, with which the mailbox is empty. */
+/* What is used of it, and the last byte, with which SM0 is empty. Most are no longer than the first access. */
 static bool read_request(ect_slave_t *s)
 {
     const ect_mailbox_t *m = &s->mailbox;
-    uint16_t last = (uint16_t)(m->out_size - 1);
-    uint16_t bytes = m->out_size < SHORT_MAIL ? m->out_size : SHORT_MAIL;
-    if (!ect_slave_read(s, m->out_start, m->request, bytes))
-        return false;
-    uint16_t used = used_bytes(m->request, m->out_size);
-    if (used > bytes) {
-        if (!ect_slave_read(s, (uint16_t)(m->out_start + bytes), m->request + bytes, (uint16_t)(used - bytes)))
-            return false;
-        bytes = used;
-    }
-    return bytes > last || ect_slave_read(s, (uint16_t)(m->out_start + last), m->request + last, 1);
+    unsigned int last = m->out_size - 1u;
+    unsigned int first = last < SHORT_MAIL ? last : SHORT_MAIL;
+    (void)ect_slave_read(s, m->out_start, m->request, first);
+    unsigned int end = end_of(m->request, last);
+    if (end > first)
+        (void)ect_slave_read(s, m->out_start + first, m->request + first, end - first);
+    return ect_slave_read(s, m->out_start + last, m->request + last, 1); /* not, if one of those before failed */
 }
 
 static void handle_request(ect_slave_t *s)
 {
     ECT_ASSERT(may_build(&s->mailbox));
     ect_mailbox_t *m = &s->mailbox;
-    m->reading = true;
-    if (!read_request(s))
+    if (!read_request(s)) {
+        s->due |= ECT_EVENT_SM_CHANGED; /* its event went with its first byte: to be looked for */
         return;
-    m->reading = false;
+    }
     ect_cycle_yield(s); /* a long access is behind us, and the answer's is to come */
     uint8_t counter = (m->request[5] >> 4) & 7u;
     if (counter != 0 && counter == m->request_counter) { /* a repetition: not carried out again */
@@ -268,12 +262,11 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
     if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
-        m->in_buffer = false; /* fetched, or lost when the master switched SM1 off and on */
-    m->in_used = m->in_size;  /* and then wrote there */
+        m->open &= (uint8_t)~IN_BUFFER; /* fetched, or lost when the master switched SM1 off and on */
+    m->request_waits = (sm_registers[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0;
     if (toggle != m->toggle) {
         m->toggle = toggle;
-        m->repeat_due = true;
-        m->ack_due = true;
+        m->open |= REPEAT_DUE | ACK_DUE;
         s->sm_repeat_ack = !toggle; /* not before the mail stands there */
     }
     return is_unchanged(s, sm_registers);
@@ -283,30 +276,27 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 static bool bring_back(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    ECT_ASSERT(m->mails == 2 && m->in_buffer);
+    ECT_ASSERT(m->mails == 2 && is(m, IN_BUFFER));
     ect_sm_disable(s, SM1);
-    if (!ect_sm_flush(s))
-        return false;
+    (void)ect_sm_flush(s);
     ect_sm_enable(s, SM1);
-    if (!ect_sm_flush(s))
+    if (!ect_sm_flush(s)) /* neither, if that before failed */
         return false;
-    m->in_buffer = false;
-    m->newest_waits = true;
+    m->open ^= IN_BUFFER | NEWEST_WAITS | TO_WRITE;
     m->shown = m->newest ^ 1;
-    m->to_write = true;
     return true;
 }
 
 static void repeat(ect_slave_t *s)
 {
-    ECT_ASSERT(s->mailbox.repeat_due);
     ect_mailbox_t *m = &s->mailbox;
-    if (m->mails > 0 && !m->in_buffer)
-        m->to_write = true;
-    else if (m->in_buffer && !m->repeated && m->shown == m->newest && m->mails == 2 && !bring_back(s))
+    ECT_ASSERT(is(m, REPEAT_DUE));
+    if (m->mails > 0 && !is(m, IN_BUFFER))
+        m->open |= TO_WRITE;
+    else if (is(m, IN_BUFFER) && !m->repeated && m->shown == m->newest && m->mails == 2 && !bring_back(s))
         return;
     m->repeated = true;
-    m->repeat_due = false;
+    m->open ^= REPEAT_DUE;
 }
 
 /* --- the poll ---------------------------------------------------------------------------------------------------- */
@@ -315,22 +305,25 @@ static void repeat(ect_slave_t *s)
 static void go_on(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    if (m->repeat_due)
+    if (is(m, REPEAT_DUE))
         repeat(s);
-    if (m->to_write)
+    if (is(m, TO_WRITE))
         write_shown(s);
-    if (m->ack_due && !m->to_write && !m->repeat_due && !s->failed)
+    if ((m->open & (ACK_DUE | TO_WRITE | REPEAT_DUE)) == ACK_DUE && !s->failed)
         acknowledge_repeat(s);
-    if (m->newest_waits && !m->in_buffer && !m->to_write) {
-        m->newest_waits = false;
+    if ((m->open & MAIL_OPEN) == NEWEST_WAITS) {
+        m->open ^= NEWEST_WAITS;
         show(s, m->newest);
     }
 }
 
-/* Lets the protocols have a mail of their own: those without requests before a request is answered, the others after.
- */
+/* Lets the protocols have a mail of their own, or asks whether they have: those without requests before a request is
+ * answered, the others after. */
 static bool speak(ect_slave_t *s, bool takes_requests, bool send)
 {
+    const ect_mailbox_t *m = &s->mailbox;
+    if (send && (!may_build(m) || m->heard == m->wakes))
+        return false;
     FOR_EACH_PROTOCOL(s, p)
     {
         if ((*p)->next && ((*p)->request != NULL) == takes_requests && is_in_state(*p, s) && (*p)->next(*p, s, send))
@@ -339,29 +332,23 @@ static bool speak(ect_slave_t *s, bool takes_requests, bool send)
     return false;
 }
 
-static bool has_news(const ect_mailbox_t *m)
-{
-    return may_build(m) && m->heard != m->wakes;
-}
-
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
 {
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->running);
-    bool requested = (event & ECT_EVENT_SM0) != 0 || is_left(s);
+    bool requested = (event & ECT_EVENT_SM0) != 0 || m->request_waits;
     if ((event & ECT_EVENT_SM1) != 0)
-        m->in_buffer = false;
-    if (requested && m->in_buffer)
+        m->open &= (uint8_t)~IN_BUFFER;
+    if (requested && is(m, IN_BUFFER))
         m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
     go_on(s);
     uint8_t wakes = m->wakes;
-    if (has_news(m))
-        (void)speak(s, false, true);
+    (void)speak(s, false, true);
     if (requested && may_build(m)) {
         requested = false;
         handle_request(s);
     }
-    if (has_news(m) && !speak(s, true, true))
+    if (!speak(s, true, true) && may_build(m))
         m->heard = wakes; /* nobody has anything more, unless woken since */
     m->request_waits = requested;
 }
@@ -374,5 +361,6 @@ void ect_mailbox_wake(ect_slave_t *s)
 bool ect_mailbox_waits(ect_slave_t *s)
 {
     const ect_mailbox_t *m = &s->mailbox;
-    return !may_build(m) && (m->request_waits || m->newest_waits || speak(s, false, false) || speak(s, true, false));
+    return !may_build(m) &&
+           (m->request_waits || is(m, NEWEST_WAITS) || speak(s, false, false) || speak(s, true, false));
 }

@@ -88,11 +88,13 @@ static void power_on(ect_slave_t *s)
 
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
 {
-    ECT_ASSERT(slave && config);
+    ECT_ASSERT(slave && config && config != &slave->config);
     int error = check(config);
     if (error != 0)
         return error;
-    *slave = (ect_slave_t){.config = *config, .now_ns = now_ns};
+    memset(slave, 0, sizeof *slave);
+    slave->config = *config;
+    slave->now_ns = now_ns;
     slave->od = ect_device_od(config->device, config->instance);
     ect_host_init(slave);
     power_on(slave);

@@ -24,7 +24,8 @@
  * for a mailbox or for a medium. All else in here may be called from either.
  *
  * **Cost**, in PDI accesses: idle poll 1, or 0 where the port knows the events by itself; a cyclic exchange (outputs
- * in, inputs out) 3; an expedited SDO 5 over two polls; a state change 4 to 10. Stack and text: tests/budget.
+ * in, inputs out) 3; an expedited SDO 6 over two polls, of 42 bytes whatever the mailbox's size; a state change 4
+ * to 10. Stack and text: tests/budget.
  *
  * **Errors** are of three kinds. What the master does wrong is answered on the wire: AL status code, mailbox error, SDO
  * abort. When the PDI fails, the present step is abandoned and taken up again at the next poll; ect_slave_t::pdi_errors
@@ -56,7 +57,7 @@ typedef enum ect_error_cause {
  * AL event mask is left to the first poll.
  *
  * @param slave   any memory; its content does not matter. Not while another context uses it.
- * @param config  copied; what it points to must outlive the slave, and be nobody else's. The
+ * @param config  copied, so not in `slave`; what it points to must outlive the slave, and be nobody else's. The
  *                description must be one that `ect_device_check` (check/check.h) accepts (asserted in part).
  * @param now_ns  the time; the device's first tick is due at it
  * @return 0 · -1 device or PDI missing · -2 a buffer missing that ::ect_slave_memory asks for; nothing has been touched
@@ -73,7 +74,8 @@ int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_
  * @param now_ns  the time, not smaller than in an earlier call; all that happens in this poll happens at it
  * @return when to call again even without an event, > now_ns: the device's own time, a time-out, or soon when the PDI
  *         failed or the device asked for something. ECT_NEVER: only the bus can bring work.
- * Context: mainline. Cost: see above; the longest step is two accesses of a mailbox's size, and the device's functions.
+ * Context: mainline. Cost: see above; the longest step is fetching and answering a mail (of each what is used, and a
+ * byte), and the device's functions.
  */
 uint64_t ect_slave_poll(ect_slave_t *slave, uint64_t now_ns);
 

@@ -10,24 +10,20 @@
 #include "slave/config.h"
 
 /* The structures below begin with their smallest members: those are used most, and a Thumb instruction reaches only the
- * first 32 bytes of a structure, 62 for 16 bits, 124 for 32, without a longer encoding. */
+ * first 32 bytes of a structure, 62 for 16 bits, 124 for 32, without a longer encoding. So a slave begins with the
+ * bytes that it uses most, and then has those of the mailbox. */
 
 /** Mailbox of a slave. Private. */
 typedef struct ect_mailbox {
     bool running;
-    bool to_write;           /* `shown` has yet to be written to SM1 */
-    bool in_buffer;          /* `shown` stands in SM1, unread as far as we know */
+    uint8_t open;            /* what is not done yet, bits of mailbox.c */
     bool repeated;           /* `shown` stands there because of a repeat */
-    bool newest_waits;       /* after a repeat: `newest` must follow `shown` */
-    bool repeat_due;         /* the master wants the last mail again */
-    bool ack_due;            /* ... and it is to be acknowledged once that mail stands in SM1 */
     bool toggle;             /* the repeat toggle as the master set it last, and as we acknowledge it */
     uint8_t newest;          /* which of `mail` was built last */
     uint8_t shown;           /* which of them is, or was last, in SM1 */
     uint8_t mails;           /* how many of them hold a mail: 0..2 */
     uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
     bool request_waits;      /* a request came and could not be looked at yet */
-    bool reading;            /* ... or not to its end */
     uint8_t wakes;           /* counts modulo 256: a protocol has a mail of its own */
     uint8_t heard;           /* ... up to here all have been asked until they had none */
     uint8_t request_counter; /* of the last request, 0: none yet */
@@ -36,7 +32,6 @@ typedef struct ect_mailbox {
     uint16_t out_size;
     uint16_t in_start; /* SM1 */
     uint16_t in_size;
-    uint16_t in_used; /* of it, what may not be 0 in the ESC's memory; the last byte aside */
     uint8_t *request;
     uint8_t *mail[2];
 } ect_mailbox_t;
@@ -90,28 +85,29 @@ typedef struct ect_sm_image {
 
 /** One slave. Allocate it anywhere, initialise with ::ect_slave_init; members are private unless said otherwise. */
 typedef struct ect_slave {
-    uint8_t state;       /**< public, read only: AL state, 1 2 3 4 8 */
-    bool error;          /**< public, read only: error flag of AL status */
-    uint8_t cause;       /**< public, read only: ect_error_cause_t */
-    bool status_dirty;   /* AL status has to be written */
-    bool ident;          /* identification value stands in the status code */
-    uint8_t pending;     /* state that a delayed transition leads to, 0: none */
-    bool pending_device; /* the device delays it; else it waits for outputs */
-    bool pending_done;
-    bool request_due;     /* AL control has yet to be carried out: new, or its PDI accesses failed */
-    uint8_t drop_state;   /* wanted by the device, 0: none */
-    bool restart;         /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
-    bool off_bus;         /**< public, read only: the device wants to be off the bus */
-    uint8_t sm_off;       /* SyncManagers that are to be off from the PDI side, a bit each */
-    uint8_t sm_due;       /* those whose PDI control register has yet to be written */
+    uint8_t state;        /**< public, read only: AL state, 1 2 3 4 8 */
     uint8_t outputs;      /* SyncManagers with outputs, a bit each; set on the way to SAFEOP */
+    bool failed;          /* a PDI access of this poll, or of this exchange, failed */
+    uint8_t pending;      /* state that a delayed transition leads to, 0: none */
+    uint8_t sm_due;       /* those whose PDI control register has yet to be written */
+    bool status_dirty;    /* AL status has to be written */
+    bool outputs_live;    /* they are being handed to the device */
     uint8_t inputs;       /* those with inputs */
     uint8_t outputs_seen; /* those of `outputs` that the master has written since SAFEOP */
-    bool outputs_live;    /* they are being handed to the device */
     bool inputs_due;
+    bool error; /**< public, read only: error flag of AL status */
+    bool pending_done;
+    ect_mailbox_t mailbox;
+    uint8_t cause;         /**< public, read only: ect_error_cause_t */
+    bool ident;            /* identification value stands in the status code */
+    bool pending_device;   /* the device delays it; else it waits for outputs */
+    bool request_due;      /* AL control has yet to be carried out: new, or its PDI accesses failed */
+    uint8_t drop_state;    /* wanted by the device, 0: none */
+    bool restart;          /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
+    bool off_bus;          /**< public, read only: the device wants to be off the bus */
+    uint8_t sm_off;        /* SyncManagers that are to be off from the PDI side, a bit each */
     bool woken;            /* the device's own time is due, whatever tick_ns says */
     volatile bool held;    /* mainline is in a step */
-    bool failed;           /* a PDI access of this poll, or of this exchange, failed */
     volatile bool missed;  /* an exchange came meanwhile */
     uint8_t emergency_put; /* counts modulo 256: queued, by the device */
     uint8_t emergency_got; /* ... and sent */
@@ -124,7 +120,6 @@ typedef struct ect_slave {
     uint32_t due; /* AL events whose registers have yet to be read */
     ect_sdo_t sdo;
     ect_slave_config_t config;
-    ect_mailbox_t mailbox;
     uint64_t now_ns;
     ect_od_t od;
     ect_sm_image_t image[ECT_SMS];

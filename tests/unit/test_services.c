@@ -709,6 +709,8 @@ static void sync_read_fails(void **state)
         to_preop();
         set_sm(2, 1);
         set_sm(3, 3);
+        t.activation = 1;
+        t.cycle_ns = 2000000;
         t.failing = registers[i];
         assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_PREOP);
         t.failing = 0;

@@ -7,9 +7,9 @@
  * What flash asks for and the storage seam does not is done in here: bytes are gathered into units; the header of a
  * record (seams/record.h), which is written last, has units of its own; what was gathered is programmed by `flush`.
  *
- * On a processor that cannot run from the flash that it erases, an erase stops everything, the exchange in the interrupt
- * too: then the driver, and what must go on meanwhile, have to run from RAM. 1010h blocks mainline for an erase and the
- * programming; how long, the flash's data sheet says (some 10 ms to 2 s).
+ * On a processor that cannot run from the flash that it erases, an erase stops everything, the exchange in the
+ * interrupt too: then the driver, and what must go on meanwhile, have to run from RAM. 1010h blocks mainline for an
+ * erase and the programming; how long, the flash's data sheet says (some 10 ms to 2 s).
  *
  * Context: mainline only. One ::ect_flash_t for a device, owned by the caller.
  */
@@ -31,7 +31,7 @@ typedef struct ect_flash {
 
     /** The board's driver, all three; 0 is success, negative that the flash did not do it. NULL: `memory` is used. */
     int (*read)(void *ctx, uint32_t address, void *buffer, uint32_t length);
-    int (*erase)(void *ctx, uint32_t address, uint32_t length);          /**< one of the areas */
+    int (*erase)(void *ctx, uint32_t address, uint32_t length);                     /**< one of the areas */
     int (*program)(void *ctx, uint32_t address, const void *data, uint32_t length); /**< whole units, aligned */
     void *ctx;
 

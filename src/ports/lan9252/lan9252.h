@@ -21,12 +21,12 @@
  * follows for a device.
  *
  * **Bounds.** Every wait counts: an access of the ESC gives up after ect_lan9252_t::patience looks at the chip's status
- * (7 bytes each), the start after ect_lan9252_t::ready_ms. An access that was given up, or of which the SPI said that it
- * failed, is abandoned in the chip too before the next one begins.
+ * (7 bytes each), the start after ect_lan9252_t::ready_ms. An access that was given up, or of which the SPI said that
+ * it failed, is abandoned in the chip too before the next one begins.
  *
  * **What SPI hides.** There is no check value on this bus. The port sees a command of a register access that arrived
- * damaged (the chip shows it again), a status that cannot be, a FIFO that never fills; a bit that flips in data, or in an
- * address of process RAM, it cannot see. A board on which bits flip has to be mended.
+ * damaged (the chip shows it again), a status that cannot be, a FIFO that never fills; a bit that flips in data, or in
+ * an address of process RAM, it cannot see. A board on which bits flip has to be mended.
  *
  * **Context**: as seams/pdi.h says. One ::ect_lan9252_t for a chip, owned by the caller.
  */
@@ -41,12 +41,12 @@ ECT_C_BEGIN
 
 /** One chip: fill in `spi`; 0 is good for all others. */
 typedef struct ect_lan9252 {
-    const ect_spi_t *spi;   /**< required; must outlive the chip's use */
-    uint16_t patience;      /**< looks at the status of an access until it is given up; 0: 100 (280 us at 20 MHz) */
-    uint16_t ready_ms;      /**< how long a start may take; 0: 1000. The chip needs some 10 ms, and its EEPROM as much */
-    bool interrupt_high;    /**< polarity of the interrupt pin: true active high, false active low */
-    bool interrupt_driven;  /**< the pin is driven to both levels; false: open drain, the board pulls it up */
-    bool abandoned;         /* private: the last access failed, the chip may still be about it */
+    const ect_spi_t *spi;  /**< required; must outlive the chip's use */
+    uint16_t patience;     /**< looks at the status of an access until it is given up; 0: 100 (280 us at 20 MHz) */
+    uint16_t ready_ms;     /**< how long a start may take; 0: 1000. The chip needs some 10 ms, and its EEPROM as much */
+    bool interrupt_high;   /**< polarity of the interrupt pin: true active high, false active low */
+    bool interrupt_driven; /**< the pin is driven to both levels; false: open drain, the board pulls it up */
+    bool abandoned;        /* private: the last access failed, the chip may still be about it */
 } ect_lan9252_t;
 
 /** Results of ::ect_lan9252_start. */
@@ -56,7 +56,8 @@ enum {
     ECT_LAN9252_SILENT = -2,    /**< nothing answers as it should: not powered, in reset, or not wired so */
     ECT_LAN9252_STRANGER = -3,  /**< a chip answers, and it is no LAN9252 */
     ECT_LAN9252_NOT_READY = -4, /**< it did not get ready in time */
-    ECT_LAN9252_NO_EEPROM = -5, /**< the ESC has not loaded its EEPROM: empty, damaged, or not for a PDI on SPI (0x80) */
+    ECT_LAN9252_NO_EEPROM =
+        -5, /**< the ESC has not loaded its EEPROM: empty, damaged, or not for a PDI on SPI (0x80) */
 };
 
 /**
@@ -68,8 +69,9 @@ enum {
 bool ect_lan9252_reset(const ect_lan9252_t *chip);
 
 /**
- * Waits until the chip is ready and its ESC has loaded the EEPROM, ends what an earlier program may have left under way,
- * and sets the interrupt pin up. Once before ::ect_slave_init, and after each reset. Nothing of the ESC is changed.
+ * Waits until the chip is ready and its ESC has loaded the EEPROM, ends what an earlier program may have left under
+ * way, and sets the interrupt pin up. Once before ::ect_slave_init, and after each reset. Nothing of the ESC is
+ * changed.
  * @return ECT_LAN9252_READY, or what is wrong; then call it again, or tell somebody
  * Context: mainline. Cost: ect_lan9252_t::ready_ms at most for each of its two waits, looking once a millisecond.
  */

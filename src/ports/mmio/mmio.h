@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * An ESC that is mapped into memory: an ET1100 or LAN9253 on a parallel bus, an IP core on an FPGA's bus, the XMC4800's.
+ * An ESC that is mapped into memory: an ET1100 or LAN9253 on a parallel bus, an IP core on an FPGA's bus, the
+ * XMC4800's.
  *
  * Address n of the ESC stands at `base` + n. An access of the stack is cut into the widest ones that the bus can do,
  * aligned, in ascending order, and never wider than what was asked for. A processor that splits a wide access by itself
@@ -45,9 +46,9 @@ typedef struct ect_mmio {
 } ect_mmio_t;
 
 /**
- * Whether the ESC has loaded its EEPROM and lets its PDI work (0x0110 bit 0), and is there at all: a bus without anybody
- * on it reads as all ones or zeros. To be asked until it is, before ::ect_slave_init.
- * Context: mainline. Cost: two accesses.
+ * Whether the ESC has loaded its EEPROM and lets its PDI work (0x0110 bit 0), and is there at all: a bus without
+ * anybody on it reads as all ones or zeros. To be asked until it is, before ::ect_slave_init. Context: mainline. Cost:
+ * two accesses.
  */
 bool ect_mmio_ready(const ect_mmio_t *esc);
 

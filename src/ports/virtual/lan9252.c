@@ -29,7 +29,6 @@ static void power_on(chip_t *c)
     c->reading = c->writing = (ect_virtual_fifo_t){0};
     c->csr_left = c->ram_time = 0;
     c->starting = c->ready_after;
-    c->started = true;
     (void)ect_esc_init(c->esc, &config, c->esc->now_ns); /* what was possible once is again */
 }
 
@@ -346,8 +345,6 @@ int ect_virtual_lan9252_transfer(void *chip, uint8_t *bytes, uint16_t length)
 {
     chip_t *c = chip;
     spi_t t = {0};
-    if (!c->started)
-        power_on(c);
     c->transfers++;
     c->bytes += length;
     for (unsigned int n = 0; n < length; n++) {
@@ -371,6 +368,12 @@ void ect_virtual_lan9252_reset(void *chip, bool active)
     if (c->held && !active)
         power_on(c);
     c->held = active;
+}
+
+void ect_virtual_lan9252_pause(void *chip, uint32_t us)
+{
+    for (uint64_t bytes = us * 5ull / 2; bytes > 0; bytes--)
+        pass_time(chip);
 }
 
 bool ect_virtual_lan9252_line(void *chip)

@@ -5,12 +5,12 @@
  * driver for the chip, ours (ports/lan9252) or another, runs against it as on the board, under a real master.
  *
  * It was written from what the chip's data sheet says, not from a driver. It has: the instructions READ (0x03), FAST
- * READ (0x0B) and WRITE (0x02) with addresses that stay, go up or go down; the two FIFOs of 16 words with their windows;
- * ID_REV, IRQ_CFG, INT_STS, INT_EN, BYTE_TEST, HW_CFG, RESET_CTL, and the six registers that lead to the ESC. It has not:
- * SQI, the timers, GPIO, PHYs, and the chip's other bus interfaces.
+ * READ (0x0B) and WRITE (0x02) with addresses that stay, go up or go down; the two FIFOs of 16 words with their
+ * windows; ID_REV, IRQ_CFG, INT_STS, INT_EN, BYTE_TEST, HW_CFG, RESET_CTL, and the six registers that lead to the ESC.
+ * It has not: SQI, the timers, GPIO, PHYs, and the chip's other bus interfaces.
  *
- * Time is counted in bytes on the SPI: an access of the ESC lasts so many of them, and while it lasts the registers say
- * busy. So a test needs no clock, and a FIFO fills while its reader is on the way.
+ * Time is counted in bytes on the SPI, at 20 MHz 0.4 us each: an access of the ESC lasts so many of them, and while it
+ * lasts the registers say busy. So a test needs no clock, and a FIFO fills while its reader is on the way.
  *
  * **Faults** are members that may be set at any time, 0 for none: bits that flip on the wire, a chip that is late or
  * never ready, one that stays busy.
@@ -38,34 +38,33 @@ typedef struct ect_virtual_fifo {
     bool busy;
 } ect_virtual_fifo_t;
 
-/** One chip. Zero it, set `esc`, then what is wanted of the rest; what is not marked as private may be set or read at
- * any time. */
+/** One chip. Zeroed, with `esc` set, it is ready and has nothing under way; what is not marked as private may be set or
+ * read at any time. */
 typedef struct ect_virtual_lan9252 {
     ect_esc_t *esc; /**< initialised; required. Its config must say which ports have a link: a reset begins with that */
 
-    uint32_t ready_after;  /**< bytes on the SPI from a reset until READY */
-    uint32_t csr_lasts;    /**< ... that an access of a register of the ESC lasts */
-    uint32_t word_lasts;   /**< ... that the ESC takes for each word of process RAM */
-    bool never_ready;      /**< from the next reset on */
-    bool csr_stuck;        /**< an access of a register that begins from now on does not end */
-    bool ram_stuck;        /**< the ESC moves no word of process RAM from now on */
-    uint64_t flip_at;      /**< the bit that flips, counted from `bits`; 0 none: 16 a byte, 8 of them out, 8 in */
-    uint32_t flip_one_in;  /**< each bit flips with this probability; 0 none */
-    uint32_t flip_seed;    /**< of those; moves on with each */
+    uint32_t ready_after; /**< bytes on the SPI from a reset until READY */
+    uint32_t csr_lasts;   /**< ... that an access of a register of the ESC lasts */
+    uint32_t word_lasts;  /**< ... that the ESC takes for each word of process RAM */
+    bool never_ready;     /**< from now on */
+    bool csr_stuck;       /**< an access of a register that begins from now on does not end */
+    bool ram_stuck;       /**< the ESC moves no word of process RAM from now on */
+    uint64_t flip_at;     /**< the bit that flips, counted from `bits`; 0 none: 16 a byte, 8 of them out, 8 in */
+    uint32_t flip_one_in; /**< each bit flips with this probability; 0 none */
+    uint32_t flip_seed;   /**< of those; moves on with each */
 
-    uint64_t bits;         /**< that went over the SPI, both ways */
-    uint32_t transfers;    /**< since the caller set it to 0 */
-    uint32_t bytes;        /**< ... on the SPI */
-    uint32_t mistakes;     /**< of the driver */
-    const char *mistake;   /**< the last one, in words */
+    uint64_t bits;       /**< that went over the SPI, both ways */
+    uint32_t transfers;  /**< since the caller set it to 0 */
+    uint32_t bytes;      /**< ... on the SPI */
+    uint32_t mistakes;   /**< of the driver */
+    const char *mistake; /**< the last one, in words */
 
     uint32_t irq_cfg, int_en, csr_data, csr_command; /* private, and all below */
     ect_virtual_fifo_t reading, writing;
-    uint32_t starting;     /* bytes until READY */
-    uint32_t csr_left;     /* ... until a register access is done */
-    uint32_t ram_time;     /* ... that the ESC has not used */
-    bool started;          /* it has seen its first reset */
-    bool held;             /* by the reset pin */
+    uint32_t starting; /* bytes until READY */
+    uint32_t csr_left; /* ... until a register access is done */
+    uint32_t ram_time; /* ... that the ESC has not used */
+    bool held;         /* by the reset pin */
 } ect_virtual_lan9252_t;
 
 /**
@@ -80,6 +79,9 @@ void ect_virtual_lan9252_reset(void *chip, bool active);
 
 /** Whether its interrupt pin is at the active level, in the shape of ect_spi_t::line. */
 bool ect_virtual_lan9252_line(void *chip);
+
+/** Lets time pass, in the shape of ect_spi_t::pause. */
+void ect_virtual_lan9252_pause(void *chip, uint32_t us);
 
 ECT_C_END
 
