@@ -68,3 +68,24 @@ ect_pattern_t ect_indicator_link(bool link, uint64_t last_traffic_ns, uint64_t n
     return last_traffic_ns != 0 && now_ns - last_traffic_ns < ECT_INDICATOR_TRAFFIC_NS ? ECT_PATTERN_FLICKERING
                                                                                        : ECT_PATTERN_ON;
 }
+
+/* All flashes are made of these. */
+static uint64_t next_change(ect_pattern_t pattern, uint64_t now_ns)
+{
+    uint64_t step_ns = (pattern == ECT_PATTERN_FLICKERING ? 50 : 200) * MS;
+    bool steady = pattern == ECT_PATTERN_OFF || pattern == ECT_PATTERN_ON;
+    return steady ? ECT_NEVER : (now_ns / step_ns + 1) * step_ns;
+}
+
+uint64_t ect_indicator_drive(const ect_slave_t *slave, const ect_leds_t *leds, bool pdi_failing, uint64_t now_ns)
+{
+    ect_pattern_t run = ect_indicator_run(slave);
+    ect_pattern_t err = ect_indicator_err(slave, pdi_failing);
+    uint64_t run_ns = leds->run ? next_change(run, now_ns) : ECT_NEVER;
+    uint64_t err_ns = leds->err ? next_change(err, now_ns) : ECT_NEVER;
+    if (leds->run)
+        leds->run(leds->ctx, ect_pattern_lit(run, now_ns));
+    if (leds->err)
+        leds->err(leds->ctx, ect_pattern_lit(err, now_ns));
+    return run_ns < err_ns ? run_ns : err_ns;
+}

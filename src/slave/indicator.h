@@ -3,7 +3,7 @@
  * @file
  * RUN, ERR and Link/Activity indicators (ETG.1300): one piece of code for a board's LEDs and for a twin's display.
  *
- * All functions are pure and may be called from any context.
+ * All functions but ::ect_indicator_drive are pure and may be called from any context.
  */
 #ifndef ECT_SLAVE_INDICATOR_H
 #define ECT_SLAVE_INDICATOR_H
@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "seams/leds.h"
 #include "slave/slave.h"
 #include "wire/linkage.h"
 
@@ -47,6 +48,16 @@ ect_pattern_t ect_indicator_err(const ect_slave_t *slave, bool pdi_failing);
 
 /** L/A of a port: off no link; on a link; flickering with traffic (not at 0) in the last ECT_INDICATOR_TRAFFIC_NS. */
 ect_pattern_t ect_indicator_link(bool link, uint64_t last_traffic_ns, uint64_t now_ns);
+
+/**
+ * Lights the lamps of a board as its slave is: to be called after each poll, and at the time that it returned.
+ * @param leds         the pins; each is set at each call
+ * @param pdi_failing  as for ::ect_indicator_err
+ * @param now_ns       the time, as for the poll
+ * @return when a lamp changes by itself, > now_ns; ECT_NEVER: not before the slave does
+ * Context: mainline.
+ */
+uint64_t ect_indicator_drive(const ect_slave_t *slave, const ect_leds_t *leds, bool pdi_failing, uint64_t now_ns);
 
 ECT_C_END
 

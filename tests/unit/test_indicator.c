@@ -122,6 +122,61 @@ static void lamps_of_a_chain(void **state)
     wire_close(&w);
 }
 
+/* --- pins ----------------------------------------------------------------------------------------------------------
+ */
+
+typedef struct pins {
+    bool run, err;
+    unsigned int set;
+} pins_t;
+
+static void run_pin(void *ctx, bool lit)
+{
+    pins_t *p = ctx;
+    p->run = lit;
+    p->set++;
+}
+
+static void err_pin(void *ctx, bool lit)
+{
+    pins_t *p = ctx;
+    p->err = lit;
+    p->set++;
+}
+
+/* For five seconds of each pair of patterns: called only when it asked for it, the pins are right at every moment. */
+static void pins_follow(void **state)
+{
+    static const uint8_t states[] = {ECT_STATE_INIT, ECT_STATE_PREOP, ECT_STATE_BOOT, ECT_STATE_SAFEOP, ECT_STATE_OP};
+    static const uint8_t causes[] = {ECT_CAUSE_NONE, ECT_CAUSE_REQUEST, ECT_CAUSE_LOCAL, ECT_CAUSE_WATCHDOG};
+    (void)state;
+    for (size_t n = 0; n < sizeof states * sizeof causes; n++) {
+        const ect_slave_t slave = {.state = states[n / sizeof causes], .cause = causes[n % sizeof causes]};
+        pins_t pins = {0};
+        const ect_leds_t leds = {.ctx = &pins, .run = run_pin, .err = err_pin};
+        uint64_t next_ns = 0;
+        for (uint64_t now_ns = 0; now_ns < 5000 * MS; now_ns += 10 * MS) {
+            if (now_ns >= next_ns)
+                next_ns = ect_indicator_drive(&slave, &leds, false, now_ns);
+            assert_int_equal(pins.run, ect_pattern_lit(ect_indicator_run(&slave), now_ns));
+            assert_int_equal(pins.err, ect_pattern_lit(ect_indicator_err(&slave, false), now_ns));
+        }
+        assert_true(pins.set <= 2 * 101);
+    }
+}
+
+static void pins_that_are_not_there(void **state)
+{
+    const ect_slave_t slave = {.state = ECT_STATE_PREOP, .cause = ECT_CAUSE_REQUEST};
+    pins_t pins = {0};
+    const ect_leds_t none = {.ctx = &pins};
+    const ect_leds_t only_err = {.ctx = &pins, .err = err_pin};
+    (void)state;
+    assert_true(ect_indicator_drive(&slave, &none, false, 0) == ECT_NEVER);
+    assert_true(ect_indicator_drive(&slave, &only_err, true, 0) == ECT_NEVER); /* steady */
+    assert_true(pins.err && !pins.run && pins.set == 1);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
@@ -132,6 +187,8 @@ int main(int argc, char **argv)
         {"CF-093 FZM-021 ECL-015: ERR shows the cause", err_by_cause, NULL, NULL, NULL},
         {"CF-093 FZM-023: the patterns keep the times of ETG.1300", pattern_times, NULL, NULL, NULL},
         {"CF-093 FZM-022 ECL-016: Link/Activity shows link and traffic", link_activity, NULL, NULL, NULL},
+        {"CF-093: a board's pins follow, driven at no other times than asked for", pins_follow, NULL, NULL, NULL},
+        {"CF-093: a board without one of the lamps", pins_that_are_not_there, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("indicators", tests, NULL, NULL);
 }
