@@ -134,8 +134,10 @@ class Program:
         run("cc", "--coverage", "-shared", "-o", str(library), *objects, *self.libraries)
 
     def measure(self, sources):
-        """Runs each test once: how long it takes, and which lines of the sources it reaches."""
-        self.seconds, reached = {}, {}
+        """Runs each test once: how long it takes, and which lines of the sources it reaches.
+
+        A line without code of its own (a table, a constant) is reached with the next one that has some."""
+        self.seconds, reached, with_code = {}, {}, {}
         for name, program in self.tests.items():
             for data in BUILD.rglob("*.gcda"):
                 data.unlink()
@@ -146,10 +148,19 @@ class Program:
                 continue
             self.seconds[name] = time.monotonic() - begin
             for source in sources:
-                for line in lines_reached(self.objects[source], source):
-                    reached.setdefault((source, line), []).append(name)
+                for line, count in lines_with_code(self.objects[source], source):
+                    with_code.setdefault(source, set()).add(line)
+                    if count > 0:
+                        reached.setdefault((source, line), []).append(name)
         for names in reached.values():
             names.sort(key=self.seconds.get)
+        for source in sources:
+            last, lines = [], len(source.read_text().split("\n"))
+            for line in range(lines, -1, -1):
+                if line in with_code.get(source, set()):
+                    last = reached.get((source, line), [])
+                else:
+                    reached[source, line] = last
         return reached
 
 
@@ -157,15 +168,15 @@ def environment(library_folder, **more):
     return {**os.environ, "LD_LIBRARY_PATH": str(library_folder), **more}
 
 
-def lines_reached(built, source):
-    """Lines (from 0) that gcov saw executed."""
+def lines_with_code(built, source):
+    """(line from 0, how often gcov saw it executed)"""
     data = built.with_suffix(".gcda")
     if not data.exists():
         return []
     out = subprocess.run(["gcov", "--stdout", "--json-format", str(data)], cwd=BUILD, check=True, capture_output=True).stdout
     files = json.loads(out)["files"]
-    return [line["line_number"] - 1 for f in files if (BUILD / f["file"]).resolve() == source
-            for line in f["lines"] if line["count"] > 0]
+    return [(line["line_number"] - 1, line["count"]) for f in files if (BUILD / f["file"]).resolve() == source
+            for line in f["lines"]]
 
 
 # --- one mutant -------------------------------------------------------------------------------------------------------------

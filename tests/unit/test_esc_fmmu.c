@@ -238,6 +238,31 @@ static void bits_written_to_ram(void **state)
     }
 }
 
+/* A window of bits that is longer than what is moved at a time: all its bits, and no byte beside it. */
+static void many_bits_written_to_ram(void **state)
+{
+    rig_t *r = *state;
+    static const uint8_t fills[] = {0xFF, 0x00};
+    for (unsigned int row = 0; row < 2 * 8; row++) {
+        const uint8_t start_bit = (uint8_t)(row / 2), physical_bit = (uint8_t)(7 - row / 2);
+        const fmmu_t f = {0x400, 300, start_bit, 6, 0x1101, physical_bit, WRITES, 1};
+        unsigned int count = 299u * 8 + 7 - start_bit;
+        uint8_t data[300];
+        memset(data, fills[row % 2], sizeof data);
+        memset(r->memory[0] + 0x1100, 0x99, 310);
+        set_fmmu(r, 0, 0, &f);
+        assert_int_equal(send(r, 1, LWR, 0x400, data, sizeof data), 1);
+        for (unsigned int i = 0; i < count; i++) {
+            if (bit_of(r->memory[0] + 0x1101, physical_bit + i) != (fills[row % 2] != 0))
+                fail_msg("%u bits from bit %u to physical bit %u: bit %u was not written", count, start_bit,
+                         physical_bit, i);
+        }
+        if (r->memory[0][0x1100] != 0x99 || r->memory[0][0x1101 + (physical_bit + count + 7) / 8] != 0x99)
+            fail_msg("%u bits from bit %u to physical bit %u: bytes outside were changed", count, start_bit,
+                     physical_bit);
+    }
+}
+
 static void documented_example(void **state)
 {
     rig_t *r = *state;
@@ -568,6 +593,7 @@ int main(int argc, char **argv)
         TEST("CF-028: a datagram meets a window of bytes in every way: data, memory and WKC as mapped", whole_bytes),
         TEST("CF-029: every start, stop and physical bit of windows of 1 to 3 bytes", all_bits),
         TEST("CF-029: bits written to RAM arrive, bytes outside the window stay", bits_written_to_ram),
+        TEST("CF-029: 2400 bits written to RAM arrive, bytes outside the window stay", many_bits_written_to_ram),
         TEST("CF-029: the data sheet's example maps 14 bits", documented_example),
         TEST("CF-028 CF-029 CF-031: random windows and datagrams follow the bit-by-bit model", random_windows),
         TEST("CF-031: windows at the ends of both address spaces, of length 0, off or of no direction",
