@@ -11,10 +11,8 @@ const ect_entry_t *ect_od_mapped(const ect_od_t *od, uint32_t mapping)
 {
     const ect_object_t *object = NULL;
     const ect_entry_t *entry = NULL;
-    if (mapping >> 16 == 0 ||
-        ect_od_lookup(od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry) != ECT_OK)
-        return NULL;
-    return entry;
+    ect_reason_t found = ect_od_lookup(od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry);
+    return found == ECT_OK ? entry : NULL; /* a gap's index is 0, and there is no such object */
 }
 
 uint32_t ect_od_pdo_bits(const ect_object_t *pdo)

@@ -744,6 +744,14 @@ static void memory_needed(void **state)
     need = ect_slave_memory(&device);
     assert_int_equal(need.process_data, 50);
     device = testdev;
+    device.sm_count = 2; /* a mailbox and no process data; the longest of each direction counts, in BOOT too */
+    need = ect_slave_memory(&device);
+    assert_int_equal(need.mailbox, 128 + 2 * 256);
+    device.boot_out = (ect_boot_mailbox_t){0x1000, 300};
+    device.boot_in = (ect_boot_mailbox_t){0x1200, 400};
+    need = ect_slave_memory(&device);
+    assert_int_equal(need.mailbox, 300 + 2 * 400);
+    device = testdev;
     device.sm_count = 0;
     need = ect_slave_memory(&device);
     assert_int_equal(need.mailbox, 0);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Object services: changeable PDOs, diagnosis history, store and restore, synchronisation. */
+#include <inttypes.h>
 #include <string.h>
 
 #include "ports/virtual/virtual.h"
@@ -413,6 +414,20 @@ static void diagnosis_acknowledge_mode(void **state)
     assert_int_equal(ect_load_le16(t.device.diagnosis.messages[0] + 6), 100);
 }
 
+/* Acknowledge mode is chosen when the newest message does not stand in the last slot. */
+static void diagnosis_mode_changes(void **state)
+{
+    (void)state;
+    power_on(false);
+    to_preop();
+    for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES + 2; i++)
+        diagnose(ECT_DIAGNOSIS_INFO, 1, i);
+    assert_int_equal(write_number(0x10F3, 5, ECT_DIAGNOSIS_ACKNOWLEDGE, 2), 0);
+    diagnose(ECT_DIAGNOSIS_INFO, 1, 100);
+    assert_int_equal(t.device.diagnosis.newest, 7);
+    assert_int_equal(ect_load_le16(t.device.diagnosis.messages[2] + 6), 3);
+}
+
 static void diagnosis_filters(void **state)
 {
     static const uint16_t flags[] = {ECT_DIAGNOSIS_NO_INFO, ECT_DIAGNOSIS_NO_WARNING, ECT_DIAGNOSIS_NO_ERROR};
@@ -620,30 +635,59 @@ static void sync_missed(void **state)
     assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
 }
 
-static void sync_lost(void **state)
+/* The event is a level: as long as it is not acknowledged it is one SYNC0. */
+static void sync_level(void **state)
 {
     (void)state;
-    uint8_t output[1] = {0};
     power_on(false);
     to_preop();
-    t.activation = 0x03;
+    t.activation = 1;
     t.cycle_ns = 1000000;
     to_op(1, 3);
-    for (int ms = 0; ms < 20; ms++) { /* not yet begun: nothing is lost */
-        datagram(FPWR, confdev.sm[2].start, output, 1);
+    t.device.sync.sm_missed = 0;
+    t.device.sync.outputs_new = 0;
+    for (int i = 0; i < 3; i++) {
+        t.extra_event = ECT_EVENT_SYNC0;
         poll();
-        t.now_ns += MS;
     }
-    assert_int_equal(t.slave.state, ECT_STATE_OP);
+    assert_int_equal(t.device.sync.sm_missed, 1);
     sync0();
-    uint64_t last_ns = t.slave.now_ns;
-    while (t.slave.state == ECT_STATE_OP && t.now_ns < last_ns + 50000000) {
-        datagram(FPWR, confdev.sm[2].start, output, 1);
-        poll();
+    assert_int_equal(t.device.sync.sm_missed, 1); /* still the same one */
+    sync0();
+    assert_int_equal(t.device.sync.sm_missed, 2);
+}
+
+static void sync_lost(void **state)
+{
+    static const uint16_t limits[] = {4, 1, 2};
+    (void)state;
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+        uint8_t output[1] = {0};
+        power_on(false);
+        to_preop();
+        assert_int_equal(write_number(0x10F1, 2, limits[i], 2), 0);
+        t.activation = 0x03;
+        t.cycle_ns = 1000000;
+        to_op(1, 3);
+        for (int ms = 0; ms < 20; ms++) { /* not yet begun: nothing is lost */
+            datagram(FPWR, confdev.sm[2].start, output, 1);
+            poll();
+            t.now_ns += MS;
+        }
+        assert_int_equal(t.slave.state, ECT_STATE_OP);
+        sync0();
+        uint64_t last_ns = t.slave.now_ns;
+        while (t.slave.state == ECT_STATE_OP && t.now_ns < last_ns + 50000000) {
+            datagram(FPWR, confdev.sm[2].start, output, 1);
+            poll();
+        }
+        assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
+        assert_int_equal(t.slave.code, ECT_AL_FATAL_SYNC);
+        uint64_t patience_ns = (limits[i] + 1u) * 1000000u;
+        if (t.slave.now_ns - last_ns < patience_ns || t.slave.now_ns - last_ns > patience_ns + 300000)
+            fail_msg("limit %u: expected SAFEOP after %u cycles of 1 ms, got %" PRIu64 " ns", limits[i], limits[i] + 1u,
+                     t.slave.now_ns - last_ns);
     }
-    assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
-    assert_int_equal(t.slave.code, ECT_AL_FATAL_SYNC);
-    assert_in_range(t.slave.now_ns - last_ns, 5000000, 5300000); /* the limit of 4, and one more */
 }
 
 static void sync_abilities(void **state)
@@ -871,6 +915,11 @@ static void sync_next_master(void **state)
     t.counter = 0;
     to_preop();
     to_op(1, 3);
+    uint8_t output[1] = {0};
+    for (int i = 0; i < 10; i++)
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+    assert_int_equal(t.device.sync.cycle_exceeded, 0); /* no cycle is kept now, none is exceeded */
+    assert_int_equal(read_number(0x1C32, 2), 0);
 }
 
 static void diagnosis_wraps(void **state)
@@ -908,6 +957,7 @@ int main(int argc, char **argv)
         TEST("CF-080: a message stands in 10F3h with code, flags, text id, time and parameters", diagnosis_message),
         TEST("CF-080: overwrite mode keeps the newest messages; 0 to sub-index 3 clears", diagnosis_overwrites),
         TEST("CF-080: acknowledge mode keeps what is not acknowledged", diagnosis_acknowledge_mode),
+        TEST("CF-080: acknowledge mode keeps what came before it was chosen", diagnosis_mode_changes),
         TEST("CF-080: each type can be switched off; impossible values are refused", diagnosis_filters),
         TEST("CF-079 CF-080: with the flag set each message sends an emergency", diagnosis_emergency),
         TEST("CF-081: stored values survive power-off, others do not, restore brings the defaults", stored_survives),
@@ -918,6 +968,7 @@ int main(int argc, char **argv)
         TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
         TEST("CF-082 CF-092: what a device can do decides type and cycle times", sync_abilities),
         TEST("CF-043: SYNC0 that no longer comes leaves OP with 0x002C", sync_lost),
+        TEST("CF-082: a SYNC0 event that is seen several times counts once", sync_level),
         TEST("CF-082: limit 0 never leaves OP, counters saturate", sync_limit_off),
         TEST("CF-092: a read that fails on the way to SAFEOP is done again", sync_read_fails),
         TEST("CF-067: services without their objects do nothing", services_without_objects),

@@ -426,6 +426,8 @@ static ect_device_t rich_device(void)
     device.pdos = properties;
     device.pdo_count = 1;
     device.full_name = "A device with everything";
+    device.group_type = "G"; /* the shortest string there is, and the same one twice */
+    device.group_name = "G";
     device.ebus_ma = -130;
     device.mailbox_protocols = 0x0E;
     device.coe_details = 0x0F;

@@ -203,13 +203,15 @@ static int control(const settings_t *s)
     bu_controller_t c = {.on_command = on_command, .periodic = screen, .periodic_size = (uint16_t)s->periodic};
     uint32_t sent = 0;
     int reached = 0;
+    int strange = 0;
     recall(s, &c);
     uint64_t end_ns = now() + (uint64_t)s->seconds * 1000000000u;
     while (!ended && now() < end_ns) {
         bool found = to_op();
-        if (!maybe_base_unit())
+        strange = maybe_base_unit() ? 0 : strange + 1;
+        if (!reached && strange == 3) /* sizes from answers that came late are wrong once */
             break;
-        if (found) {
+        if (found && strange == 0) {
             c.output_bytes = ec_slave[1].Obytes;
             reached = 1;
             printf("{\"event\":\"operational\",\"name\":\"%s\"}\n", ec_slave[1].name);
