@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What an ESI file says beyond the twin that is made of it. */
 #include <inttypes.h>
+#include <string.h>
 
 #include "facts/facts.h"
 
@@ -45,8 +46,15 @@ static bool is_default_timeout(const ect_fact_t *fact, const ect_esi_device_t *m
 /* The twin has names of its own there. */
 static bool is_own_name(const ect_fact_t *fact)
 {
-    return fact->kind == ECT_FACT_ENTRY_NAME &&
-           (fact->index == 0x1018 || fact->index == 0x1C00 || ect_facts_are_of_pdos(fact->index));
+    bool standard = fact->index == 0x1018 || fact->index == 0x1C00;
+    return (fact->kind == ECT_FACT_OBJECT_NAME && standard) ||
+           (fact->kind == ECT_FACT_ENTRY_NAME && (standard || ect_facts_are_of_pdos(fact->index)));
+}
+
+/* The twin's PDOs come to some length; whether the file means that, it has not said. */
+static bool is_own_length(const ect_fact_t *fact, const ect_esi_device_t *model)
+{
+    return fact->kind == ECT_FACT_SM_LENGTH && fact->index < model->sm_count && !model->sms[fact->index].size.given;
 }
 
 /* What a twin puts in the place of what a file leaves out is no fact of the file. */
@@ -59,9 +67,9 @@ static void forget_unsaid(ect_facts_t *facts, const ect_esi_device_t *model)
                       (fact->kind == ECT_FACT_GROUP_NAME && *model->group_name == '\0') ||
                       (fact->kind == ECT_FACT_VENDOR_NAME && *model->vendor_name == '\0') ||
                       (fact->kind == ECT_FACT_PORTS && *model->physics == '\0') ||
-                      (fact->kind == ECT_FACT_EEPROM_SIZE && model->eeprom_size == 0) ||
+                      (fact->kind == ECT_FACT_EEPROM_SIZE) ||
                       (fact->kind == ECT_FACT_CONFIG && fact->index * 2u + 2u > model->config.length) ||
-                      is_default_timeout(fact, model) || is_own_name(fact);
+                      is_default_timeout(fact, model) || is_own_name(fact) || is_own_length(fact, model);
         if (!unsaid)
             facts->list[kept++] = *fact;
     }
@@ -74,6 +82,18 @@ static void add_sm(ect_facts_t *facts, unsigned int number, const ect_esi_sm_t *
         (void)ect_facts_add(facts, ECT_FACT_SM_DEFAULT, number, 0, "%" PRId64, sm->size.value);
     (void)ect_facts_add(facts, ECT_FACT_SM_MINIMUM, number, 0, "%u", sm->minimum);
     (void)ect_facts_add(facts, ECT_FACT_SM_MAXIMUM, number, 0, "%u", sm->maximum);
+}
+
+/* What the twin has in another form: an EEPROM with room for all that a twin's has, objects that every slave has. */
+static void add_own_words(ect_facts_t *facts, const ect_esi_device_t *model)
+{
+    if (model->eeprom_size != 0)
+        (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%" PRIu32 " bytes", model->eeprom_size);
+    for (size_t i = 0; i < model->dictionary.object_count; i++) {
+        const ect_esi_object_t *object = &model->dictionary.objects[i];
+        if (object->index == 0x1018 || object->index == 0x1C00)
+            ect_facts_add_text(facts, ECT_FACT_OBJECT_NAME, object->index, 0, object->name, strlen(object->name));
+    }
 }
 
 static void add_pdo(ect_facts_t *facts, const ect_esi_pdo_t *pdo)
@@ -92,6 +112,7 @@ void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_
     ect_facts_of_device(facts, device);
     forget_unsaid(facts, model);
     mark_made(facts, model);
+    add_own_words(facts, model);
     for (size_t i = 0; i < model->sm_count; i++)
         add_sm(facts, (unsigned int)i, &model->sms[i]);
     for (size_t i = 0; i < model->pdo_count; i++) {

@@ -226,6 +226,8 @@ void cf_warn(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
 void cf_note(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
 /** Says in the evidence, and in the capture, what the next frames are for. */
 void cf_step(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
+/** The same for what was found: a failure is told with the last step, not with a remark. */
+void cf_remark(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
 
 /** "`what`: expected 0x0016, got 0x0000". Both are printed as hexadecimal of the digits that the larger one needs. */
 void cf_expect(cf_t *c, const char *what, uint64_t expected, uint64_t got);

@@ -143,8 +143,11 @@ static void lists(cf_t *c)
     cf_expect_range(c, "lengths in list 0", 5, 5, types);
     size_t count = cf_object_list(c, 1, all, COE_OBJECTS_MOST);
     cf_expect_range(c, "indices in list 1", lengths[0], lengths[0], count);
-    for (size_t i = 1; i < count; i++)
-        cf_expect_that(c, all[i] > all[i - 1], "list 1: expected rising, got %04Xh behind %04Xh", all[i], all[i - 1]);
+    for (size_t i = 1; i < count; i++) { /* no clause asks for it; who searches by halves relies on it */
+        if (all[i] < all[i - 1])
+            cf_warn(c, "list 1: rising as a rule, got %04Xh behind %04Xh", all[i], all[i - 1]);
+        cf_expect_that(c, all[i] != all[i - 1], "list 1: expected each index once, got %04Xh twice", all[i]);
+    }
     for (uint16_t type = 2; type <= 5; type++) {
         size_t n = cf_object_list(c, type, some, COE_OBJECTS_MOST);
         cf_expect_that(c, n == lengths[type - 1], "list %u: expected %u indices as list 0 says, got %zu", type,

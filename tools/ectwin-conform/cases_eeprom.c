@@ -401,7 +401,7 @@ static void find(void *ctx, bool wrong, const char *line)
     if (*count == 0)
         snprintf(wrong ? f->first_wrong : f->first_word, sizeof f->first_wrong, "%s", line);
     if (++*count <= FINDINGS_SHOWN)
-        cf_step(f->c, "%s", line);
+        cf_remark(f->c, "%s", line);
 }
 
 /* Nothing of the slave: what it says is compared with this file by other cases. */

@@ -335,10 +335,13 @@ static void nobody_there(cf_t *c, uint32_t seconds)
     cf_extend(c, 1000 * seconds);
     cf_sleep_ms(c, 1000 * seconds);
     const uint16_t status = cf_get16(c, ECT_REG_AL_STATUS) & 0x1F, code = cf_get16(c, ECT_REG_AL_STATUS_CODE);
-    cf_expect_range(c, "watchdog counter after that", watched, watched, cf_get8(c, ECT_REG_WD_COUNTER_PD));
-    cf_expect_that(c, watched ? status == (CF_SAFEOP | ECT_AL_ERROR) && code == WATCHDOG : status == CF_OP,
-                   "AL status after %u s: expected %s, got %s with code 0x%04X", seconds,
-                   watched ? "SAFEOP + error with code 0x001B" : "OP", cf_state_name(status), code);
+    const bool fell = status == (CF_SAFEOP | ECT_AL_ERROR) && code == WATCHDOG;
+    if (watched)
+        cf_expect_range(c, "watchdog counter after that", 1, 1, cf_get8(c, ECT_REG_WD_COUNTER_PD));
+    /* A slave whose outputs do not trigger the chip's watchdog may have one of its own. */
+    cf_expect_that(c, fell || (!watched && status == CF_OP),
+                   "AL status after %u s: expected SAFEOP + error with code 0x001B%s, got %s with code 0x%04X", seconds,
+                   watched ? "" : ", or OP", cf_state_name(status), code);
     cf_step(c, "the master is back");
     cf_go(c, CF_SAFEOP);
     cf_put16(c, ECT_REG_WD_TIME_PD, 60000);

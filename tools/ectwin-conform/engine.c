@@ -79,6 +79,13 @@ void cf_note(cf_t *c, const char *format, ...)
 
 void cf_step(cf_t *c, const char *format, ...)
 {
+    FORMATTED(text, format);
+    snprintf(c->engine->step, sizeof c->engine->step, "%.*s", (int)sizeof c->engine->step - 1, text);
+    cf_record_step(text);
+}
+
+void cf_remark(cf_t *c, const char *format, ...)
+{
     (void)c;
     FORMATTED(text, format);
     cf_record_step(text);
@@ -299,14 +306,17 @@ static bool judge(cf_t *c, cf_result_t *result)
     cf_engine_t *e = c->engine;
     const cf_case_t *entry = result->entry;
     cf_record_begin(entry->id, entry->title);
+    e->step[0] = 0;
     bool ready = guarded(c, cf_known_state, RESTORE_MS, true);
     if (ready) {
         cf_step(c, "the case begins");
+        e->step[0] = 0;
         (void)guarded(c, entry->run, entry->limit_ms != 0 ? entry->limit_ms : CF_LIMIT_MS, true);
     }
     result->verdict = e->verdict;
     result->frame = e->frame;
     memcpy(result->reason, e->reason, sizeof result->reason);
+    memcpy(result->step, e->step, sizeof result->step);
     result->evidence = cf_record_end(e->verdict == CF_PASS || e->verdict == CF_SKIPPED ? KEEP_PASSED : KEEP_OTHERS);
     return ready || e->verdict == CF_INTERRUPTED;
 }

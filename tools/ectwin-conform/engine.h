@@ -10,7 +10,7 @@
 
 typedef enum cf_verdict { CF_PASS, CF_WARN, CF_FAIL, CF_SKIPPED, CF_INTERRUPTED } cf_verdict_t;
 
-enum { CF_REASON = 400 };
+enum { CF_REASON = 400, CF_STEP = 120 };
 
 /** What came of a case. */
 typedef struct cf_result {
@@ -18,6 +18,7 @@ typedef struct cf_result {
     const cf_case_t *entry;
     cf_verdict_t verdict;
     char reason[CF_REASON]; /**< why it failed, was skipped, is warned of; or the note of one that passed */
+    char step[CF_STEP];     /**< the last ::cf_step before that; "" none */
     uint32_t frame;         /**< the last one before the verdict */
     uint64_t duration_ns;
     cf_evidence_t evidence;
@@ -51,6 +52,7 @@ typedef struct cf_engine {
     uint32_t limit_ms;
     cf_verdict_t verdict;
     char reason[CF_REASON];
+    char step[CF_STEP];
     uint32_t frame;
     cf_undo_t undo[CF_UNDO_MOST]; /**< in the order of the changes */
     size_t undo_count;

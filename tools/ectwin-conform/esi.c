@@ -127,7 +127,7 @@ static void expect_same(cf_t *c)
         int length = (int)strcspn(line, "\n");
         if (count == 0)
             snprintf(first, sizeof first, "%.*s", length, line);
-        cf_step(c, "%.*s", length, line);
+        cf_remark(c, "%.*s", length, line);
         line += length + (line[length] == '\n');
     }
     free(lines);

@@ -117,6 +117,11 @@ static void one(FILE *to, const cf_run_t *run, const cf_result_t *r)
         cf_put_escaped(to, r->reason);
         fputs("</div>\n", to);
     }
+    if (r->verdict == CF_FAIL && r->step[0] != 0) {
+        fputs("<div class=\"frames\">at: ", to);
+        cf_put_escaped(to, r->step);
+        fputs("</div>\n", to);
+    }
     if (failed && frames[0] != 0)
         fprintf(to, "<div class=\"frames\">%s of the capture</div>\n", frames);
     if (r->evidence.count > 0) {

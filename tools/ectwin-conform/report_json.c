@@ -63,6 +63,7 @@ static cJSON *result(const cf_run_t *run, const cf_result_t *r)
     cJSON_AddStringToObject(o, "class", class);
     cJSON_AddStringToObject(o, "verdict", cf_verdict_name(r->verdict));
     cJSON_AddStringToObject(o, "reason", r->reason);
+    cJSON_AddStringToObject(o, "step", r->verdict == CF_FAIL ? r->step : "");
     cJSON_AddNumberToObject(o, "frame", r->frame);
     cJSON_AddNumberToObject(o, "first_frame", r->evidence.first_frame);
     cJSON_AddNumberToObject(o, "last_frame", r->evidence.last_frame);

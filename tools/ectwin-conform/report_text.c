@@ -81,6 +81,8 @@ static void one(FILE *to, const cf_run_t *run, const cf_result_t *r)
             r->entry->title, frames[0] != 0 ? "  (" : "", frames, frames[0] != 0 ? ")" : "");
     if (r->reason[0] != 0)
         fprintf(to, "               %s\n", r->reason);
+    if (r->verdict == CF_FAIL && r->step[0] != 0)
+        fprintf(to, "               at: %s\n", r->step);
     if (r->verdict == CF_FAIL)
         evidence(to, run, r);
 }
