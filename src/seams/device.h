@@ -285,8 +285,8 @@ typedef struct ect_device {
     void (*inputs_read)(void *instance, uint64_t now_ns);
 
     /**
-     * The device's own time. Called once after init, then at or after the time that the last call returned, and soon
-     * after outputs, a lower state, an SDO write or a signal was told to the device.
+     * The device's own time. Called once after init, then at or after the time that the last call returned, soon after
+     * outputs, a lower state, an SDO write or a signal was told to the device, and at times in between.
      * @return when to call again (> now_ns), or ECT_NEVER.
      */
     uint64_t (*tick)(void *instance, uint64_t now_ns);

@@ -105,6 +105,8 @@ extern const ect_protocol_t ect_protocol_sdo_info;
 /** CoE emergencies (ETG.1000.6 §5.6.4): sends what ::ect_host_t::emergency queues. */
 extern const ect_protocol_t ect_protocol_emergency;
 
+/* File access: seams/foe.h. */
+
 /**
  * A protocol has, or is about to have, mails of its own: `next` will be asked. Once for any number of mails. From the
  * protocol's own functions, and from those of the device; costs a byte.

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A master's life with the mailbox of one twin, from PREOP on. The input is a row of steps: what to do, and its bytes.
- * Every mail that comes back must be well-formed.
+ * A master's life with the mailbox of one twin, CoE and FoE, from PREOP on. The input is a row of steps: what to do,
+ * and its bytes. Every mail that comes back must be well-formed.
  */
 #include <assert.h>
 #include <string.h>
 
 #include "bus/chain.h"
-#include "support/testdev.h"
+#include "support/filedev.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
@@ -88,6 +88,26 @@ static void write_sdo(session_t *s, uint8_t service)
     (void)send(s, FPWR, testdev.sm[0].start, mail, MAILBOX);
 }
 
+/* Names that exist, packets in order, and anything else. */
+static void write_foe(session_t *s)
+{
+    static const char *const names[] = {"data", "secret", "constant", "checked"};
+    uint8_t mail[MAILBOX] = {0};
+    uint8_t operation = next(s), length = next(s) % (MAILBOX - 11);
+    mail[5] = (uint8_t)(4 | (next(s) & 0x70));
+    mail[6] = operation & 7;
+    mail[8] = next(s);
+    if ((operation & 0x80) != 0) {
+        const char *name = names[operation >> 5 & 3];
+        length = (uint8_t)strlen(name);
+        memcpy(mail + 12, name, length);
+    } else {
+        memset(mail + 12, next(s), length);
+    }
+    ect_store_le16(mail, (uint16_t)(6 + length));
+    (void)send(s, FPWR, testdev.sm[0].start, mail, MAILBOX);
+}
+
 static void read_mail(session_t *s)
 {
     uint8_t mail[MAILBOX] = {0};
@@ -101,7 +121,7 @@ static void read_mail(session_t *s)
     uint8_t type = mail[5] & 0x0F;
     assert(length >= 4 && length <= MAILBOX - 6);
     assert(counter >= 1 && counter <= 7);
-    assert(type == 0 || type == 3);
+    assert(type == 0 || type == 3 || type == 4);
     for (unsigned int i = 6u + length; i < MAILBOX; i++)
         assert(mail[i] == 0);
 }
@@ -109,7 +129,7 @@ static void read_mail(session_t *s)
 static void step(session_t *s)
 {
     uint8_t byte;
-    switch (next(s) % 10) {
+    switch (next(s) % 12) {
     case 0:
         write_mail(s);
         break;
@@ -134,6 +154,10 @@ static void step(session_t *s)
     case 8:
         set_sms(s);
         break;
+    case 10:
+    case 11:
+        write_foe(s);
+        break;
     default:
         s->now_ns += next(s) * 1000000ull;
         (void)ect_chain_poll(s->chain, s->now_ns);
@@ -143,7 +167,7 @@ static void step(session_t *s)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+    const ect_twin_config_t twin = ect_twin_default(filedev(), NULL);
     session_t s = {.now_ns = 1, .data = data, .size = size};
     s.chain = ect_chain_new(&twin, 1, s.now_ns);
     if (!s.chain)
@@ -153,7 +177,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     while (s.size > 0)
         step(&s);
     const ect_slave_t *slave = ect_chain_slave(s.chain, 0);
-    assert(slave->state == 1 || slave->state == 2 || slave->state == 4 || slave->state == 8);
+    assert(slave->state == 1 || slave->state == 2 || slave->state == 3 || slave->state == 4 || slave->state == 8);
     ect_chain_free(s.chain);
     return 0;
 }

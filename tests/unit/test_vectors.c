@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "support/testdev.h"
+#include "support/filedev.h"
 #include "support/wire.h"
 
 enum { MOST = 256, MAILBOX = 128, LINE = 1024 };
@@ -113,7 +113,7 @@ static void run_vector(void **state)
     unsigned int exchanges = 0;
     assert_non_null(file);
     assert_int_equal(fseek(file, v->at, SEEK_SET), 0);
-    wire_open_one(&w, &testdev);
+    wire_open_one(&w, strncmp(v->name, "foe:", 4) == 0 ? filedev() : &testdev);
     wire_go(&w, 0, ECT_STATE_PREOP);
     while (fgets(line, sizeof line, file) && strncmp(line, "vector ", 7) != 0) {
         w.now_ns += MS;

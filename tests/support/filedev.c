@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/filedev.h"
+
+#include <string.h>
+
+static const struct {
+    const char *name;
+    uint32_t password;
+    bool writable;
+} files[FILEDEV_FILES] = {
+    {"data", 0, true}, {"secret", FILEDEV_PASSWORD, true}, {"constant", 0, false}, {"checked", 0, true}};
+
+/* What the call before has begun, or that it is done. */
+static uint32_t begun(const filedev_t *d)
+{
+    return d->late > 0 ? ECT_FOE_LATER : ECT_FOE_OK;
+}
+
+static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
+{
+    filedev_t *d = instance;
+    uint8_t n = 0;
+    (void)foe;
+    while (n < FILEDEV_FILES &&
+           (strlen(files[n].name) != wish->length || memcmp(files[n].name, wish->name, wish->length) != 0))
+        n++;
+    if (n == FILEDEV_FILES) {
+        *text = "no such file";
+        return ECT_FOE_NOT_FOUND;
+    }
+    if (wish->password != files[n].password)
+        return ECT_FOE_ACCESS;
+    if (wish->write && !files[n].writable)
+        return ECT_FOE_NO_RIGHTS;
+    d->open = n;
+    d->draft_length = 0;
+    d->opened++;
+    return begun(d);
+}
+
+static uint32_t read_file(const ect_foe_t *foe, void *instance, uint32_t offset, void *data, uint16_t *length,
+                          const char **text)
+{
+    filedev_t *d = instance;
+    uint32_t left = d->length[d->open] - offset;
+    (void)foe;
+    (void)text;
+    if (d->late > 0)
+        return ECT_FOE_LATER;
+    *length = (uint16_t)(left < *length ? left : *length);
+    memcpy(data, d->content[d->open] + offset, *length);
+    return ECT_FOE_OK;
+}
+
+static uint32_t write_file(const ect_foe_t *foe, void *instance, uint32_t offset, const void *data, uint16_t length,
+                           bool last, const char **text)
+{
+    filedev_t *d = instance;
+    (void)foe;
+    if (offset + length > FILEDEV_ROOM)
+        return ECT_FOE_DISK_FULL;
+    memcpy(d->draft + offset, data, length);
+    d->draft_length = offset + length;
+    d->written++;
+    if (last && d->open == FILEDEV_CHECKED && d->draft_length > 0 && d->draft[0] == 0xFF) {
+        *text = "check value";
+        return ECT_FOE_CHECKSUM;
+    }
+    return begun(d);
+}
+
+static uint32_t ready(const ect_foe_t *foe, void *instance, const char **text)
+{
+    filedev_t *d = instance;
+    (void)foe;
+    d->asked++;
+    if (d->late > 0)
+        d->late--;
+    if (d->late > 0)
+        return ECT_FOE_LATER;
+    *text = d->ready_error != 0 ? "late error" : NULL;
+    return d->ready_error;
+}
+
+static void close_file(const ect_foe_t *foe, void *instance, bool whole)
+{
+    filedev_t *d = instance;
+    (void)foe;
+    d->closed_whole += whole;
+    d->closed_broken += !whole;
+    if (!whole || d->written == 0)
+        return;
+    memcpy(d->content[d->open], d->draft, d->draft_length);
+    d->length[d->open] = (uint16_t)d->draft_length;
+}
+
+const ect_device_t *filedev_in(uint16_t read_states, uint16_t write_states, uint32_t busy_ms)
+{
+    static ect_device_t device;
+    static ect_foe_t foe;
+    static const ect_protocol_t *protocols[8];
+    size_t count = 0;
+    foe = (ect_foe_t){.protocol = ECT_FOE_PROTOCOL,
+                      .offset = offsetof(filedev_t, transfer),
+                      .read_states = read_states,
+                      .write_states = write_states,
+                      .timeout_ms = 2000,
+                      .busy_ms = busy_ms,
+                      .open = open_file,
+                      .read = read_file,
+                      .write = write_file,
+                      .ready = ready,
+                      .close = close_file};
+    device = testdev;
+    while (testdev.protocols[count]) {
+        protocols[count] = testdev.protocols[count];
+        count++;
+    }
+    protocols[count] = &foe.protocol;
+    protocols[count + 1] = NULL;
+    device.name = "filedev";
+    device.protocols = protocols;
+    device.mailbox_protocols |= ECT_MAILBOX_FOE;
+    device.instance_size = sizeof(filedev_t);
+    device.boot_out = (ect_boot_mailbox_t){testdev.sm[0].start, testdev.sm[0].length};
+    device.boot_in = (ect_boot_mailbox_t){testdev.sm[1].start, testdev.sm[1].length};
+    return &device;
+}
+
+const ect_device_t *filedev(void)
+{
+    const uint16_t everywhere = ECT_IN_PREOP_AND_ABOVE | ECT_IN(ECT_STATE_BOOT);
+    return filedev_in(everywhere, everywhere, 0);
+}
