@@ -18,12 +18,13 @@ enum { ECT_RIGHTS_MESSAGE = 512, ECT_RIGHTS_LOWEST = 1, ECT_RIGHTS_HIGHEST = 99 
 typedef enum ect_rights {
     ECT_RIGHTS_LINK = 1,     /**< CAP_NET_ADMIN: to take an interface down again */
     ECT_RIGHTS_CHILDREN = 2, /**< to find, signal and await other processes */
+    ECT_RIGHTS_FILES = 4,    /**< to open files for writing, and to rename them */
 } ect_rights_t;
 
 /**
  * Gives up, for good, every right that running twins do not need: capabilities, also those that a program started from
  * here could get (no_new_privs), and, where ectwin was built with libseccomp, every system call but those of the loop.
- * After that no file can be opened for writing, no connection made, no program started.
+ * After that no file can be opened for writing (but with ECT_RIGHTS_FILES), no connection made, no program started.
  * @param keep          ORed ect_rights_t
  * @param[out] message  on failure one line for the user; ECT_RIGHTS_MESSAGE bytes
  * @return 0 · -1 some of it was not possible; the rest has been done

@@ -99,6 +99,9 @@ static const int with_children[] = {
     SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(kill), SCMP_SYS(wait4), SCMP_SYS(waitid), SCMP_SYS(waitpid),
 };
 
+/* Files that a master writes are opened and renamed. */
+static const int with_files[] = {SCMP_SYS(openat), SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2)};
+
 /* What the sanitizers' own code needs to tell of leaks at the end. */
 #ifdef __SANITIZE_ADDRESS__
 static const int sanitizers[] = {
@@ -128,7 +131,8 @@ static int allow_if(scmp_filter_ctx filter, int call, struct scmp_arg_cmp condit
     return seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, 1, &condition);
 }
 
-/* Threads but no processes; local sockets, which cannot connect; files, but only to read them. */
+/* Threads but no processes; local sockets, which cannot connect; files, but (without those of a master) only to read
+ * them. */
 static int allow_in_part(scmp_filter_ctx filter)
 {
     const struct scmp_arg_cmp threads = {
@@ -141,7 +145,7 @@ static int allow_in_part(scmp_filter_ctx filter)
     return error != 0 ? error : allow_if(filter, SCMP_SYS(openat), reading);
 }
 
-int ect_sandbox_enter(bool children)
+int ect_sandbox_enter(bool children, bool files)
 {
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(ENOSYS));
     if (!filter) {
@@ -152,6 +156,7 @@ int ect_sandbox_enter(bool children)
     error = error != 0 ? error : seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
     error = error != 0 ? error : allow(filter, running, COUNT(running));
     error = error != 0 ? error : allow(filter, with_children, children ? COUNT(with_children) : 0);
+    error = error != 0 ? error : allow(filter, with_files, files ? COUNT(with_files) : 0);
     error = error != 0 ? error : allow(filter, sanitizers, COUNT(sanitizers));
     error = error != 0 ? error : allow_in_part(filter);
     error = error != 0 ? error : seccomp_load(filter);

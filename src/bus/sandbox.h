@@ -15,9 +15,10 @@ ECT_C_BEGIN
 /**
  * From here on every thread of the process has only the system calls of a running twin; all others answer ENOSYS.
  * @param children  those to find, signal and await other processes as well
+ * @param files     those to open files for writing, and to rename them, as well
  * @return 0, also when ectwin was built without the filter · -1 the kernel refuses it (errno)
  */
-int ect_sandbox_enter(bool children);
+int ect_sandbox_enter(bool children, bool files);
 
 ECT_C_END
 

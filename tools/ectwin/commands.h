@@ -13,6 +13,7 @@
 
 #include "bus/chain.h"
 #include "bus/eeprom.h"
+#include "bus/files.h"
 #include "bus/memory.h"
 #include "bus/runner.h"
 #include "defects.h"
@@ -63,12 +64,15 @@ typedef struct twin_args {
     ect_faults_t faults;
     defect_t defect; /* --break */
     ect_filter_t filter;
-    int realtime;          /* priority, 0: as any process */
-    const char *store;     /* folder of the twins' non-volatile memory, NULL: none */
+    int realtime;      /* priority, 0: as any process */
+    const char *store; /* folder of the twins' non-volatile memory, NULL: none */
+    const char *files; /* folder that a master reads and writes by FoE, NULL: none */
+    uint32_t files_password;
     const char **settings; /* "[N:]NAME=VALUE" */
     size_t setting_count;
     twin_module_t *modules;
     size_t module_count;
+    ect_files_t **opened;    /* the folder, one a twin, where there is one */
     ect_eeprom_t **eeproms;  /* one a twin, where there is a store */
     ect_memory_t **memories; /* one a twin, once they are powered on */
 } twin_args_t;

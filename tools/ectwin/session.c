@@ -90,7 +90,7 @@ static int run_before_others(const session_t *s)
 void session_drop_rights(session_t *s, bool children)
 {
     char message[ECT_RIGHTS_MESSAGE];
-    unsigned int keep = children ? ECT_RIGHTS_CHILDREN : 0;
+    unsigned int keep = (children ? ECT_RIGHTS_CHILDREN : 0u) | (s->twins->files ? ECT_RIGHTS_FILES : 0u);
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         keep |= s->ports[end].was_down ? ECT_RIGHTS_LINK : 0;
     if (ect_rights_drop(keep, message) < 0)

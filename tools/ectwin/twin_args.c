@@ -28,7 +28,9 @@ enum {
     KEY_SET,
     KEY_REALTIME,
     KEY_BREAK,
-    KEY_MODULE
+    KEY_MODULE,
+    KEY_FILES,
+    KEY_FILES_PASSWORD
 };
 
 static const struct argp_option options[] = {
@@ -45,6 +47,8 @@ static const struct argp_option options[] = {
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
     {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
+    {"files", KEY_FILES, "DIR", 0, "Let the master read and write the files of this folder by FoE, in BOOT too", 1},
+    {"files-password", KEY_FILES_PASSWORD, "N", 0, "What it must give for them, 1..4294967295 (default: nothing)", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file",
      1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
@@ -252,6 +256,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
             argp_error(state, "--store takes a folder");
         args->store = text;
         return 0;
+    case KEY_FILES:
+        args->files = text;
+        return 0;
+    case KEY_FILES_PASSWORD:
+        args->files_password = parse_number(state, "--files-password", text, UINT32_MAX);
+        return 0;
     case KEY_BREAK:
         choose_defect(args, state, text);
         return 0;
@@ -346,6 +356,23 @@ static bool open_memories(twin_args_t *args, const char *who)
         args->twins[i].storage = ect_memory_storage(args->memories[i]);
     }
     return args->memories != NULL;
+}
+
+/* From here on each twin's device is one with files. */
+static bool open_files(twin_args_t *args, const char *who)
+{
+    char message[ECT_FILES_MESSAGE] = "out of memory";
+    args->opened = calloc(args->count, sizeof(ect_files_t *));
+    bool done = args->opened != NULL;
+    for (size_t i = 0; done && args->files && i < args->count; i++) {
+        args->opened[i] = ect_files_open(args->files, args->twins[i].device, args->files_password, message);
+        done = args->opened[i] != NULL;
+        if (done)
+            args->twins[i].device = ect_files_device(args->opened[i]);
+    }
+    if (!done)
+        fprintf(stderr, "%s: --files: %s\n", who, message);
+    return done;
 }
 
 static bool open_eeprom(twin_args_t *args, size_t i, char *message)
@@ -464,7 +491,7 @@ static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *w
 int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain)
 {
     *chain = NULL;
-    if (!open_memories(args, who) || !open_eeproms(args, who))
+    if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
     *chain = ect_chain_new(args->twins, args->count, ect_runner_now());
     if (!*chain) {
@@ -486,6 +513,9 @@ void twin_args_free(twin_args_t *args)
     for (size_t i = 0; args->eeproms && i < args->count; i++)
         ect_eeprom_close(args->eeproms[i]);
     free(args->eeproms);
+    for (size_t i = 0; args->opened && i < args->count; i++)
+        ect_files_close(args->opened[i]);
+    free(args->opened);
     free(args->settings);
     free(args->wishes);
     wiring_args_free(&args->wiring);
