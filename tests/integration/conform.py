@@ -6,6 +6,7 @@ usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what ap
        conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and only that
 """
 import concurrent.futures
+import contextlib
 import json
 import os
 import pathlib
@@ -17,7 +18,7 @@ import xml.dom.minidom
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCUMENT = ROOT / "docs/conformance.md"
 BEGIN, END = "<!-- written by tests/integration/conform.py -->\n", "<!-- end -->\n"
-CHAIN = "in a chain"
+CHAIN, FILES = "in a chain", "fzm1 with files"
 CHAIN_ARGUMENTS = (["--alias", "7", "vr-bu-ect-map7,fzm1,vr-bu-ect-map3"], ["--slave", "2"]) # and without an ESI file
 
 
@@ -38,9 +39,23 @@ def esi_of(device):
 # --- devices --------------------------------------------------------------------------------------------------------
 
 
+@contextlib.contextmanager
+def folder_with_a_file():
+    """Options of a twin that offers it, and of a runner that knows it."""
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "data").write_bytes(bytes(range(256)) * 3)
+        yield ["--files", folder, "--files-password", "7", "fzm1"], ["--file", "data", "--password", "7", "--destructive"]
+
+
 def report(ectwin, conform, name):
     """One run. @return its JSON, and how to run it alone"""
-    twins, arguments = CHAIN_ARGUMENTS if name == CHAIN else ([name], esi_of(name))
+    if name == FILES:
+        with folder_with_a_file() as (twins, arguments):
+            return run_report(ectwin, conform, name, twins, arguments)
+    return run_report(ectwin, conform, name, *(CHAIN_ARGUMENTS if name == CHAIN else ([name], esi_of(name))))
+
+
+def run_report(ectwin, conform, name, twins, arguments):
     done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
     alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
     try:
@@ -74,7 +89,7 @@ def print_failures(name, result, alone):
 
 def devices(ectwin, conform, write):
     listed = subprocess.run([ectwin, "list"], capture_output=True, text=True, check=True).stdout
-    names = [line.split()[0] for line in listed.splitlines()] + [CHAIN]
+    names = [line.split()[0] for line in listed.splitlines()] + [CHAIN, FILES]
     with concurrent.futures.ThreadPoolExecutor(4) as pool: # most of a run waits
         results = list(pool.map(lambda name: report(ectwin, conform, name), names))
     failed = 0
@@ -110,8 +125,14 @@ DEFECTS_LEAST = 60
 
 def defect(ectwin, conform, id_):
     """@return nothing, or what is wrong"""
+    if id_ == "CF-084":
+        with folder_with_a_file() as (twins, arguments):
+            return find_defect(ectwin, conform, id_, ["--break", id_, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    twins, arguments = ["--break", id_, *devices_], esi_of(devices_[-1].split(",")[0])
+    return find_defect(ectwin, conform, id_, ["--break", id_, *devices_], esi_of(devices_[-1].split(",")[0]))
+
+
+def find_defect(ectwin, conform, id_, twins, arguments):
     done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
     alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
     try:
@@ -287,6 +308,26 @@ def files_named(ectwin, conform):
     contains("another device's file", f"ESI file: {lot}, DO16 revision 0x00010000", another.stdout)
 
 
+def files(ectwin, conform):
+    """--file: what was in the file is in it afterwards; without --destructive it is read only"""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "data"
+        path.write_bytes(b"as before" * 100)
+        before = path.stat().st_mtime_ns
+        for arguments, reason in (([], "refusals; --file names a file to read"),
+                                  (["--file", "data"], "900 bytes read; written with --destructive only")):
+            done = call(ectwin, conform, ["--files", folder, "fzm1"], [*arguments, "--only", "CF-084", "--format", "json"])
+            expect("verdict", [("pass", reason)], [(c["verdict"], c["reason"]) for c in json.loads(done.stdout)["cases"]])
+        expect("not written", before, path.stat().st_mtime_ns)
+        done = call(ectwin, conform, ["--files", folder, "fzm1"], ["--file", "data", "--destructive", "--only", "CF-084"])
+        expect("written", 0, done.returncode)
+        expect("the file was written", True, path.stat().st_mtime_ns != before)
+        expect("its content", b"as before" * 100, path.read_bytes())
+        expect("what is left behind", ["data"], os.listdir(folder))
+        done = call(ectwin, conform, ["--files", folder, "fzm1"], ["--file", "date", "--only", "CF-084"])
+        contains("a file that is not there", "'date' in PREOP: expected data or error 0x8008, got error 0x8001", done.stdout)
+
+
 def power(ectwin, conform):
     """--power: the slave is switched off and on by that command and found again; one that does not do it is noticed"""
     chosen = ["--only", "CF-047,CF-096", "--format", "json"]
@@ -330,7 +371,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [exit_codes, listing, formats, capture, on_request, wrong_file, files_named, power, interrupted, dead_slave]
+    tests = [exit_codes, listing, formats, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
     failed = 0
     for test in tests:
         if only and test.__name__ != only:

@@ -182,6 +182,8 @@ typedef struct cf {
     bool destructive;     /**< --destructive was given */
     bool whole;           /**< --long was given: what takes long is done as long as the checklist says */
     const char *power;    /**< --power: the command that switches the slave off and on; NULL: there is none */
+    const char *file;     /**< --file: one that may be read by FoE; NULL: none is known */
+    uint32_t password;    /**< --password: for it */
     uint32_t seconds;     /**< that --stress or --fuzz takes */
     uint64_t random;      /**< state of ::cf_random, from --seed; begins anew with each case */
     uint8_t mail_counter; /**< of the last mail sent, 1..7; 0 none yet */
@@ -447,6 +449,31 @@ int cf_info(cf_t *c, uint8_t opcode, const void *request, uint16_t request_lengt
             uint32_t *code);
 /** List 1 of the information service. @return how many indices; at most `room` */
 size_t cf_object_list(cf_t *c, uint16_t type, uint16_t *indices, size_t room);
+
+/* --- FoE ------------------------------------------------------------------------------------------------------------
+ */
+
+enum { CF_FOE_READ = 1, CF_FOE_WRITE, CF_FOE_DATA, CF_FOE_ACK, CF_FOE_ERROR, CF_FOE_BUSY, CF_FOE_HEADER = 6 };
+enum { CF_FOE_LATER_MS = 10000, CF_FILE_MOST = 4 * 1024 * 1024 };
+
+/** Sends one FoE mail: operation, its number, what follows. */
+void cf_send_foe(cf_t *c, uint8_t operation, uint32_t number, const void *data, uint16_t length);
+/** The next FoE mail: @return its operation; *number its number, `mail->data + CF_FOE_HEADER` what follows */
+uint8_t cf_receive_foe(cf_t *c, cf_mail_t *mail, uint32_t *number);
+/** Bytes of a full packet to the slave (`write`) or from it, in the AL state that it is in. */
+uint16_t cf_foe_full(cf_t *c, bool write);
+/**
+ * Whole transfers of --file with a password. The protocol is checked on the way; what is wrong with it ends the case.
+ * @return 0, or the error code of the slave
+ * @param[in,out] size  room in, bytes out; more than fits ends the case
+ */
+uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size);
+uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size);
+/**
+ * From here on the case may write the file: this content is written again after the case, in the AL state that the
+ * slave is in now. @param data  copied
+ */
+void cf_keep_file(cf_t *c, const void *data, size_t size);
 
 /* --- SII ---------------------------------------------------------------------------------------------------------- */
 

@@ -251,25 +251,36 @@ cf_undo_t *cf_new_undo(cf_t *c)
 
 static void undo_one(cf_t *c, const cf_undo_t *u)
 {
-    if (u->sii) {
+    if (u->what == CF_UNDO_SII) {
         cf_sii_write_word(c, u->index, ect_load_le16(u->data));
-        return;
+    } else if (u->what == CF_UNDO_FILE) {
+        cf_go(c, u->state);
+        uint32_t code = cf_write_file(c, c->password, u->file, u->size);
+        if (code != 0)
+            cf_fail(c, "putting back the file: error 0x%08X", code);
+    } else {
+        cf_go(c, CF_PREOP);
+        uint32_t code = cf_download(c, u->index, u->sub, false, u->data, u->size);
+        if (code != 0)
+            cf_fail(c, "putting back %04Xh:%02X: abort 0x%08X", u->index, u->sub, code);
     }
-    uint32_t code = cf_download(c, u->index, u->sub, false, u->data, u->size);
-    if (code != 0)
-        cf_fail(c, "putting back %04Xh:%02X: abort 0x%08X", u->index, u->sub, code);
+}
+
+/* Also of those that could not be put back. */
+static void forget_changes(cf_engine_t *e)
+{
+    for (size_t i = 0; i < CF_UNDO_MOST; i++) {
+        free(e->undo[i].file);
+        e->undo[i].file = NULL;
+    }
+    e->undo_count = 0;
 }
 
 static void put_back(cf_t *c)
 {
     cf_engine_t *e = c->engine;
-    bool sdo = false;
     cf_put_plug_back(c);
     cf_known_state(c);
-    for (size_t i = 0; i < e->undo_count; i++)
-        sdo |= !e->undo[i].sii;
-    if (sdo)
-        cf_go(c, CF_PREOP);
     while (e->undo_count > 0)
         undo_one(c, &e->undo[--e->undo_count]);
     cf_known_state(c);
@@ -281,7 +292,7 @@ static void restore(cf_t *c, cf_result_t *result)
     cf_engine_t *e = c->engine;
     cf_record_begin(result->entry->id, "afterwards: back to INIT");
     bool back = guarded(c, put_back, RESTORE_MS, false);
-    e->undo_count = 0;
+    forget_changes(e);
     e->lame = !back;
     cf_evidence_t evidence = cf_record_end(KEEP_OTHERS);
     if (back || result->verdict == CF_INTERRUPTED || result->verdict == CF_FAIL) {

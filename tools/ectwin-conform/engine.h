@@ -26,11 +26,13 @@ typedef struct cf_result {
 
 /** What a case has changed for good, and what was there. */
 typedef struct cf_undo {
-    bool sii;       /**< a word of the EEPROM; else an entry of the dictionary */
-    uint16_t index; /**< or word */
+    enum { CF_UNDO_OBJECT, CF_UNDO_SII, CF_UNDO_FILE } what;
+    uint16_t index; /**< of the object, or the word */
     uint8_t sub;
-    uint8_t size;
+    uint8_t state; /**< in which the file is written */
+    size_t size;
     uint8_t data[CF_CHANGE_MOST];
+    uint8_t *file; /**< its content; freed with the change */
 } cf_undo_t;
 
 enum { CF_UNDO_MOST = 64 };

@@ -33,13 +33,15 @@ enum {
     OPTION_TIMING,
     OPTION_SEED,
     OPTION_LONG,
-    OPTION_POWER
+    OPTION_POWER,
+    OPTION_FILE,
+    OPTION_PASSWORD
 };
 enum { PROBE_MS = 60000, MOST_SECONDS = 3000 };
 
 typedef struct args {
-    const char *iface, *only, *skip, *output, *pcap, *esi, *schema, *power;
-    unsigned long slave, seconds, seed;
+    const char *iface, *only, *skip, *output, *pcap, *esi, *schema, *power, *file;
+    unsigned long slave, seconds, seed, password;
     uint32_t asked; /* of CF_ON_REQUEST */
     cf_report_t report;
     bool list, destructive, whole;
@@ -61,6 +63,9 @@ static const struct argp_option options[] = {
      "Also run cases that write the EEPROM or firmware; they put back what was there", 0},
     {"power", OPTION_POWER, "COMMAND", 0, "A shell command that switches the slave off and on, for cases that need it",
      0},
+    {"file", OPTION_FILE, "NAME", 0,
+     "A file that may be read by FoE, and with --destructive written and put back; for CF-084", 0},
+    {"password", OPTION_PASSWORD, "N", 0, "What the slave wants for it, 1..4294967295", 0},
     {"long", OPTION_LONG, NULL, 0, "Do what takes long in full: an hour without a master, a million frames", 0},
     {"stress", OPTION_STRESS, "SECONDS", OPTION_ARG_OPTIONAL,
      "Also SDO traffic, process data and changes of state at once, 10 s or so long", 1},
@@ -162,6 +167,12 @@ static bool parse_more(int key, char *text, struct argp_state *state)
         return true;
     case OPTION_POWER:
         args->power = text;
+        return true;
+    case OPTION_FILE:
+        args->file = text;
+        return true;
+    case OPTION_PASSWORD:
+        args->password = number(state, "--password", text, UINT32_MAX);
         return true;
     case OPTION_STRESS:
         ask(state, args, CF_STRESS, text);
@@ -385,6 +396,8 @@ static int run_all(const args_t *args, cf_esi_t *esi)
     run.c.destructive = args->destructive;
     run.c.whole = args->whole;
     run.c.power = args->power;
+    run.c.file = args->file;
+    run.c.password = (uint32_t)args->password;
     run.c.seconds = (uint32_t)args->seconds;
     run.engine.seed = args->seed;
     run.iface = args->iface;

@@ -335,6 +335,14 @@ static void name_differs(defect_t *d, datagram_t *g)
         data(g)[18] = 'X';
 }
 
+static void foe_error_differs(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    uint8_t *mail = data(g);
+    if (is_mail(g, false) && counter(g) == 1 && (mail[5] & 0x0F) == 4 && mail[6] == 5 && mail[8] == 5)
+        mail[8] = 4;
+}
+
 static void reads_latch(defect_t *d, datagram_t *g)
 {
     if (g->command == FPRD && g->ado == ECT_REG_DC_RECEIVE_TIME)
@@ -479,6 +487,7 @@ static const defect_row_t rows[] = {
      .change = ANY(4, 0x08000000)},
     {"CF-082", "no synchronisation type is supported", SDO(0x1C32, 4, 12), .command = 0x4B, .change = ANY(2, 0)},
     {"CF-083", "1018h:03 is another in OP", SDO(0x1018, 3, 12), .state = 8, .command = 0x43, .change = ANY(1, 0x99)},
+    {"CF-084", "a FoE packet out of order is refused as an illegal operation", CUSTOM, .after = foe_error_differs},
     {"CF-086", "SoE gets error 0x0004", CUSTOM, .after = soe_is_known},
     {"CF-087", "a read latches the receive time", CUSTOM, .after = reads_latch},
     {"CF-088", "the difference of the clocks has the other sign", ANSWER, FPRD, ECT_REG_DC_DIFFERENCE + 3, 4,

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Files of a twin's folder under SOEM: FOEread and FOEwrite, in PREOP, in OP, and in BOOT as SOEM's firm_update goes
+ * there. usage: test_foe_wire IFACE FOLDER    (the twin has --files FOLDER --files-password 0x77)
+ */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "soem.h"
+
+enum { SLAVE = 1, LONG = 100000, PASSWORD = 0x77, TIMEOUT_US = 2000000 };
+
+static const char *iface, *folder;
+static soem_t master;
+static uint8 sent[LONG], got[LONG + 1];
+
+static const char *in(const char *name)
+{
+    static char path[500];
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static int write_file(char *name, int size)
+{
+    return ecx_FOEwrite(&master.context, SLAVE, name, PASSWORD, size, sent, TIMEOUT_US);
+}
+
+static int read_file(char *name, int *size)
+{
+    *size = sizeof got;
+    memset(got, 0, sizeof got);
+    return ecx_FOEread(&master.context, SLAVE, name, PASSWORD, size, got, TIMEOUT_US);
+}
+
+static void expect_on_disk(const char *name, int size)
+{
+    static uint8 disk[LONG + 1];
+    FILE *file = fopen(in(name), "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(disk, 1, sizeof disk, file), size);
+    assert_memory_equal(disk, sent, (size_t)size);
+    (void)fclose(file);
+}
+
+static void there_and_back(int size)
+{
+    char name[] = "firmware.bin";
+    int length;
+    for (int i = 0; i < size; i++)
+        sent[i] = (uint8)(i * 31 + size);
+    assert_true(write_file(name, size) > 0);
+    expect_on_disk(name, size);
+    assert_true(read_file(name, &length) > 0);
+    assert_int_equal(length, size);
+    assert_memory_equal(got, sent, (size_t)size);
+    assert_int_equal(unlink(in(name)), 0);
+}
+
+static void in_preop(void **state)
+{
+    (void)state;
+    soem_open(&master, iface, 1);
+    assert_true((master.slaves[SLAVE].mbx_proto & ECT_MBXPROT_FOE) != 0);
+    const int full = master.slaves[SLAVE].mbx_l - 12;
+    const int sizes[] = {1, full - 1, full, full + 1, 7 * full, LONG};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++)
+        there_and_back(sizes[i]);
+    soem_close(&master);
+}
+
+static void refused(void **state)
+{
+    static char missing[] = "missing", above[] = "../firmware.bin", root[] = "/etc/passwd", good[] = "firmware.bin";
+    int length = sizeof got;
+    (void)state;
+    soem_open(&master, iface, 1);
+    assert_int_equal(read_file(missing, &length), -EC_ERR_TYPE_FOE_ERROR);
+    assert_int_equal(write_file(above, 5), -EC_ERR_TYPE_FOE_FILE_NOTFOUND);
+    assert_int_equal(write_file(root, 5), -EC_ERR_TYPE_FOE_FILE_NOTFOUND);
+    assert_int_equal(ecx_FOEwrite(&master.context, SLAVE, good, PASSWORD + 1, 5, sent, TIMEOUT_US),
+                     -EC_ERR_TYPE_FOE_ERROR);
+    assert_int_equal(access(in(good), F_OK), -1);
+    there_and_back(10);
+    soem_close(&master);
+}
+
+static void in_op(void **state)
+{
+    (void)state;
+    soem_open(&master, iface, 1);
+    soem_map(&master);
+    soem_operational(&master);
+    there_and_back(500);
+    soem_close(&master);
+}
+
+/* The mailboxes for BOOT are those of the SII. */
+static void set_boot_mailbox(unsigned int sm, uint16 word)
+{
+    ec_slavet *s = &master.slaves[SLAVE];
+    uint32 entry = ecx_readeeprom(&master.context, SLAVE, word, EC_TIMEOUTEEP);
+    s->SM[sm].StartAddr = htoes((uint16)(entry & 0xFFFF));
+    s->SM[sm].SMlength = htoes((uint16)(entry >> 16));
+    if (sm == 0) {
+        s->mbx_wo = (uint16)(entry & 0xFFFF);
+        s->mbx_l = (uint16)(entry >> 16);
+    } else {
+        s->mbx_ro = (uint16)(entry & 0xFFFF);
+        s->mbx_rl = (uint16)(entry >> 16);
+    }
+    assert_true(entry >> 16 > 0);
+    ecx_FPWR(&master.port, s->configadr, (uint16)(ECT_REG_SM0 + 8 * sm), sizeof(ec_smt), &s->SM[sm], EC_TIMEOUTRET3);
+}
+
+static void in_boot(void **state)
+{
+    (void)state;
+    soem_open(&master, iface, 1);
+    soem_go(&master, SLAVE, EC_STATE_INIT);
+    set_boot_mailbox(0, ECT_SII_BOOTRXMBX);
+    set_boot_mailbox(1, ECT_SII_BOOTTXMBX);
+    soem_go(&master, SLAVE, EC_STATE_BOOT);
+    there_and_back(LONG);
+    soem_go(&master, SLAVE, EC_STATE_INIT);
+    soem_close(&master);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"FoE over the wire: SOEM writes and reads files of any length in PREOP", in_preop, NULL, NULL, NULL},
+        {"FoE over the wire: what is not there, leads out of the folder, or has a password, is refused", refused, NULL,
+         NULL, NULL},
+        {"FoE over the wire: files beside process data in OP", in_op, NULL, NULL, NULL},
+        {"FoE over the wire: SOEM's way of a firmware update, in BOOT", in_boot, NULL, NULL, NULL},
+    };
+    if (argc < 3)
+        return 2;
+    iface = argv[1];
+    folder = argv[2];
+    if (argc > 3)
+        cmocka_set_test_filter(argv[3]);
+    return cmocka_run_group_tests_name("foe over the wire", tests, NULL, NULL);
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* Files by FoE, packet by packet. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine.h"
+
+enum { MAIL_HEADER = 6, BUSY_PAUSE_MS = 20 };
+
+uint16_t cf_foe_full(cf_t *c, bool write)
+{
+    bool boot = (cf_get8(c, ECT_REG_AL_STATUS) & ECT_AL_STATE_MASK) == CF_BOOT;
+    const cf_mailbox_t *m = boot ? &c->facts.boot : &c->mailbox;
+    return (uint16_t)((write ? m->out_size : m->in_size) - MAIL_HEADER - CF_FOE_HEADER);
+}
+
+void cf_send_foe(cf_t *c, uint8_t operation, uint32_t number, const void *data, uint16_t length)
+{
+    uint8_t mail[CF_MAX_MAIL] = {operation};
+    ect_store_le32(mail + 2, number);
+    memcpy(mail + CF_FOE_HEADER, data, length);
+    cf_send_mail(c, CF_MBX_FOE, mail, (uint16_t)(CF_FOE_HEADER + length));
+}
+
+uint8_t cf_receive_foe(cf_t *c, cf_mail_t *mail, uint32_t *number)
+{
+    uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
+    while (!cf_mail_waits(c) && cf_now_ns() < until) /* erasing takes longer than a mail */
+        cf_between_looks(c);
+    cf_receive(c, CF_MBX_FOE, mail);
+    cf_expect_that(c, mail->length >= CF_FOE_HEADER, "a FoE answer: expected at least 6 bytes, got %u", mail->length);
+    *number = ect_load_le32(mail->data + 2);
+    return mail->data[0];
+}
+
+/* Sends a mail again as long as the answer is BUSY. */
+static uint8_t ask(cf_t *c, uint8_t operation, uint32_t sent, const void *data, uint16_t length, cf_mail_t *mail,
+                   uint32_t *number)
+{
+    uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
+    for (;;) {
+        cf_send_foe(c, operation, sent, data, length);
+        uint8_t answer = cf_receive_foe(c, mail, number);
+        if (answer != CF_FOE_BUSY)
+            return answer;
+        cf_expect_that(c, cf_now_ns() < until, "FoE: expected an answer within %d s, got BUSY again and again",
+                       (int)CF_FOE_LATER_MS / 1000);
+        cf_sleep_ms(c, BUSY_PAUSE_MS);
+    }
+}
+
+static uint32_t error_of(cf_t *c, uint32_t number)
+{
+    cf_expect_bits(c, "error code: one of FoE", 0xFFFFFFE0u, 0x8000, number);
+    return number;
+}
+
+uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size)
+{
+    const uint16_t full = cf_foe_full(c, false);
+    cf_mail_t mail;
+    uint32_t number;
+    size_t got = 0;
+    uint8_t answer = ask(c, CF_FOE_READ, password, c->file, (uint16_t)strlen(c->file), &mail, &number);
+    for (uint32_t packet = 1;; packet++) {
+        if (answer == CF_FOE_ERROR)
+            return error_of(c, number);
+        const uint16_t length = (uint16_t)(mail.length - CF_FOE_HEADER);
+        cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, answer);
+        cf_expect_range(c, "number of the packet", packet, packet, number);
+        cf_expect_that(c, got + length <= *size, "the file: expected at most %zu bytes, got more", *size);
+        memcpy((uint8_t *)data + got, mail.data + CF_FOE_HEADER, length);
+        got += length;
+        if (length < full)
+            break;
+        answer = ask(c, CF_FOE_ACK, packet, "", 0, &mail, &number);
+    }
+    cf_send_foe(c, CF_FOE_ACK, number, "", 0); /* nothing answers the last one */
+    *size = got;
+    return 0;
+}
+
+uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size)
+{
+    const uint16_t full = cf_foe_full(c, true);
+    const uint8_t *from = data;
+    cf_mail_t mail;
+    uint32_t number, packet = 0;
+    uint8_t answer = ask(c, CF_FOE_WRITE, password, c->file, (uint16_t)strlen(c->file), &mail, &number);
+    for (bool last = false;;) {
+        if (answer == CF_FOE_ERROR)
+            return error_of(c, number);
+        cf_expect(c, "FoE operation after a packet", CF_FOE_ACK, answer);
+        cf_expect_range(c, "number that is acknowledged", packet, packet, number);
+        if (last)
+            return 0;
+        const uint16_t length = (uint16_t)(size < full ? size : full);
+        last = length < full;
+        answer = ask(c, CF_FOE_DATA, ++packet, from, length, &mail, &number);
+        from += length;
+        size -= length;
+    }
+}
+
+void cf_keep_file(cf_t *c, const void *data, size_t size)
+{
+    cf_undo_t *u = cf_new_undo(c);
+    *u = (cf_undo_t){.what = CF_UNDO_FILE, .size = size, .file = malloc(size + 1)};
+    u->state = cf_get8(c, ECT_REG_AL_STATUS) & ECT_AL_STATE_MASK;
+    if (!u->file) {
+        c->engine->undo_count--;
+        cf_fail(c, "out of memory");
+    }
+    memcpy(u->file, data, size);
+}
