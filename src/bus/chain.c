@@ -4,15 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/deadlines.h"
+#include "bus/fast.h"
 #include "bus/lamps.h"
 #include "bus/wiring.h"
+#include "esc/route.h"
 #include "ports/virtual/virtual.h"
 #include "sii/sii.h"
+#include "slave/indicator.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
 /* From one time that an ESC asks for to the next one. Cycles in use go down to 31.25 us. */
 enum { REST_NS = 25000 };
+
+enum { WORD = 64 };
 
 typedef struct twin {
     ect_twin_config_t config;
@@ -20,12 +26,12 @@ typedef struct twin {
     ect_pdi_t pdi;
     ect_slave_t slave;
     ect_wiring_t *wiring;
-    bool link[ECT_ENDS];  /* what is known to its ESC: a link at port 0, at port 1 */
-    uint32_t seen;        /* ESC activity that the slave has dealt with */
-    uint64_t esc_ns;      /* deadline of the ESC */
-    uint32_t sii_seen;    /* writes to its EEPROM that were told */
-    uint64_t deadline_ns; /* of the slave or of the ESC, whichever is first */
-    uint64_t last_frame_ns;
+    bool link[ECT_ENDS];    /* what is known to its ESC: a link at port 0, at port 1 */
+    uint32_t seen;          /* ESC activity that the slave has dealt with */
+    uint64_t esc_ns;        /* deadline of the ESC */
+    uint32_t sii_seen;      /* writes to its EEPROM that were told */
+    uint64_t deadline_ns;   /* of the slave or of the ESC, whichever is first */
+    uint64_t last_frame_ns; /* but for frames that the fast way took: see `fast_frame_ns` */
     ect_lamps_t *lamps;
     void *memory[10]; /* everything that was allocated for it */
     size_t blocks;
@@ -34,7 +40,15 @@ typedef struct twin {
 struct ect_chain {
     size_t count;
     bool link[ECT_ENDS]; /* a cable is in at this end */
-    void *kept;          /* the instance of a twin, as it was before its signals were set */
+    bool links_due;      /* plugs may have been pulled, or slaves have left */
+    ect_fast_t *fast;
+    ect_deadlines_t *deadlines; /* of twins; never later than what they and their ESCs want */
+    uint64_t *ready;            /* a bit a twin: something has happened to it since it was polled */
+    uint64_t now_ns;            /* the latest time that it has seen */
+    uint64_t frame_ns;          /* when the last frame came; 0 never */
+    uint64_t fast_frame_ns;     /* when the first `fast_reach` twins last had a frame the fast way */
+    size_t fast_reach;
+    void *kept; /* the instance of a twin, as it was before its signals were set */
     size_t kept_room;
     ect_wiring_t kept_wiring;
     bool kept_off_bus, kept_restart;
@@ -142,22 +156,44 @@ static bool wire_before(const ect_chain_t *chain, size_t i)
     return there && (behind ? on_bus(behind) && behind->wiring->plug_in != 0 : chain->link[ECT_END_OUT]);
 }
 
-static void follow_link(twin_t *twin, unsigned int port, bool link)
+static void follow_link(ect_chain_t *chain, size_t i, unsigned int port, bool link)
 {
+    twin_t *twin = &chain->twins[i];
     if (twin->link[port] == link)
         return;
     twin->link[port] = link;
     ect_esc_set_link(&twin->esc, port, link);
+    ect_fast_look(chain->fast, i);
 }
 
 static void follow_links(ect_chain_t *chain)
 {
     bool link = wire_before(chain, 0);
+    chain->links_due = false;
     for (size_t i = 0; i < chain->count; i++) {
-        follow_link(&chain->twins[i], 0, link);
+        follow_link(chain, i, 0, link);
         link = wire_before(chain, i + 1);
-        follow_link(&chain->twins[i], 1, link);
+        follow_link(chain, i, 1, link);
     }
+}
+
+static void make_ready(ect_chain_t *chain, size_t i)
+{
+    chain->ready[i / WORD] |= 1ull << (i % WORD);
+}
+
+static void powered_on(ect_chain_t *chain, size_t i)
+{
+    ect_fast_put(chain->fast, i, &chain->twins[i].esc);
+    make_ready(chain, i);
+}
+
+static bool make_lists(ect_chain_t *chain)
+{
+    chain->fast = ect_fast_new(chain->count);
+    chain->deadlines = ect_deadlines_new(chain->count);
+    chain->ready = calloc((chain->count + WORD - 1) / WORD, sizeof *chain->ready);
+    return chain->fast && chain->deadlines && chain->ready;
 }
 
 ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns)
@@ -167,23 +203,31 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
         return NULL;
     chain->count = count;
     chain->link[ECT_END_IN] = true;
-    for (size_t i = 0; i < count; i++) {
+    chain->links_due = true;
+    chain->now_ns = now_ns;
+    bool made = make_lists(chain);
+    for (size_t i = 0; i < count && made; i++) {
         twin_t *twin = &chain->twins[i];
         twin->config = twins[i];
         twin->link[0] = true;
         twin->link[1] = i + 1 < count;
-        if (!make_twin(twin, now_ns)) {
-            ect_chain_free(chain);
-            return NULL;
-        }
+        made = make_twin(twin, now_ns);
+        if (made)
+            powered_on(chain, i);
     }
-    return chain;
+    if (made)
+        return chain;
+    ect_chain_free(chain);
+    return NULL;
 }
 
 void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns)
 {
-    for (size_t i = 0; i < chain->count; i++)
+    chain->links_due = true;
+    for (size_t i = 0; i < chain->count; i++) {
         (void)power_on(&chain->twins[i], now_ns); /* what was possible once is again */
+        powered_on(chain, i);
+    }
 }
 
 void ect_chain_free(ect_chain_t *chain)
@@ -194,6 +238,9 @@ void ect_chain_free(ect_chain_t *chain)
         for (size_t b = 0; b < chain->twins[i].blocks; b++)
             free(chain->twins[i].memory[b]);
     }
+    ect_fast_free(chain->fast);
+    ect_deadlines_free(chain->deadlines);
+    free(chain->ready);
     free(chain->kept);
     free(chain);
 }
@@ -210,7 +257,7 @@ static bool may_enter(const ect_chain_t *chain, ect_end_t in)
 }
 
 /* Ends, for a frame that meets a port 0 without a link for the second time is destroyed there. */
-ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+static ect_end_t walk(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     size_t i = in == ECT_END_IN ? 0 : chain->count - 1;
     bool forward = in == ECT_END_IN; /* towards the processing unit of twin i, else towards its port 0 */
@@ -235,6 +282,78 @@ ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_
     }
 }
 
+/* Any of them may have been on the way. */
+static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    ect_end_t out = walk(chain, in, frame, length, now_ns);
+    for (size_t i = 0; i < chain->count; i++) {
+        ect_fast_look(chain->fast, i);
+        make_ready(chain, i);
+    }
+    return out;
+}
+
+/* Those whose controllers have something to do by themselves: it may be seen in a frame that does not go to them. */
+static void tick_due(ect_chain_t *chain, uint64_t now_ns)
+{
+    size_t i;
+    while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
+        ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
+        (void)ect_esc_tick(&chain->twins[i].esc, now_ns);
+        ect_fast_look(chain->fast, i);
+        make_ready(chain, i);
+    }
+}
+
+static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
+static void note_touched(ect_chain_t *chain)
+{
+    size_t count;
+    const uint32_t *touched = ect_fast_touched(chain->fast, &count);
+    for (size_t k = 0; k < count; k++) {
+        size_t i = touched[k];
+        uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
+        make_ready(chain, i);
+        if (due_ns < ect_deadlines_of(chain->deadlines, i))
+            ect_deadlines_set(chain->deadlines, i, due_ns);
+    }
+}
+
+static uint64_t last_frame(const ect_chain_t *chain, size_t i)
+{
+    uint64_t slow_ns = chain->twins[i].last_frame_ns;
+    return i < chain->fast_reach && chain->fast_frame_ns > slow_ns ? chain->fast_frame_ns : slow_ns;
+}
+
+/* Who is within reach from now on has its last frame at the same time as the others. */
+static void note_reach(ect_chain_t *chain, size_t reach)
+{
+    if (reach == chain->fast_reach)
+        return;
+    for (size_t i = 0; i < chain->fast_reach; i++)
+        chain->twins[i].last_frame_ns = last_frame(chain, i);
+    chain->fast_reach = reach;
+}
+
+ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    chain->now_ns = chain->frame_ns = now_ns;
+    if (in != ECT_END_IN || !chain->twins[0].link[0] || chain->count == 1)
+        return pass_slowly(chain, in, frame, length, now_ns);
+    tick_due(chain, now_ns);
+    note_reach(chain, ect_fast_reach(chain->fast));
+    ect_fast_result_t result = ect_fast_pass(chain->fast, frame, length, now_ns);
+    if (result == ECT_FAST_NOT_TAKEN)
+        return pass_slowly(chain, in, frame, length, now_ns);
+    chain->fast_frame_ns = now_ns;
+    note_touched(chain);
+    return result == ECT_FAST_OUT ? ECT_END_OUT : ECT_END_IN;
+}
+
 bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     return ect_chain_pass(chain, ECT_END_IN, frame, length, now_ns) == ECT_END_IN;
@@ -248,14 +367,17 @@ static uint64_t tick_esc(twin_t *twin, uint64_t now_ns)
     return woken && next_ns < now_ns + REST_NS ? now_ns + REST_NS : next_ns;
 }
 
-static void poll_twin(twin_t *twin, uint64_t now_ns)
+/* @return whether it begins anew */
+static bool poll_twin(twin_t *twin, uint64_t now_ns)
 {
     twin->esc_ns = tick_esc(twin, now_ns);
     twin->seen = ect_esc_activity(&twin->esc);
     uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
-    if (twin->slave.restart || ect_esc_resets(&twin->esc) != 0)
+    bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
+    if (restarts)
         (void)power_on(twin, now_ns);
+    return restarts;
 }
 
 static void tell_sii(twin_t *twin)
@@ -267,24 +389,57 @@ static void tell_sii(twin_t *twin)
         twin->config.sii_written(twin->config.sii_ctx, twin->esc.config.sii, twin->esc.config.sii_size);
 }
 
+/* Brings a twin up to date, and the time at which it has to be looked at again. */
+static void attend(ect_chain_t *chain, size_t i, uint64_t now_ns)
+{
+    twin_t *twin = &chain->twins[i];
+    bool off_bus = twin->slave.off_bus;
+    uint64_t due_ns = ECT_NEVER;
+    if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns) {
+        bool restarts = poll_twin(twin, now_ns);
+        if (restarts)
+            ect_fast_put(chain->fast, i, &twin->esc);
+    } else if (ect_esc_due(&twin->esc) < twin->deadline_ns) {
+        due_ns = ect_esc_due(&twin->esc);
+        due_ns = due_ns < now_ns + REST_NS ? now_ns + REST_NS : due_ns;
+    }
+    tell_sii(twin);
+    ect_fast_look(chain->fast, i);
+    chain->links_due |= off_bus != twin->slave.off_bus;
+    ect_deadlines_set(chain->deadlines, i, earlier(twin->deadline_ns, due_ns));
+}
+
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
 {
-    uint64_t next = ECT_NEVER;
-    for (size_t i = 0; i < chain->count; i++) {
-        twin_t *twin = &chain->twins[i];
-        if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns)
-            poll_twin(twin, now_ns);
-        tell_sii(twin);
-        next = twin->deadline_ns < next ? twin->deadline_ns : next;
+    size_t i;
+    chain->now_ns = now_ns;
+    while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
+        ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
+        make_ready(chain, i);
     }
-    follow_links(chain);
-    for (size_t i = 0; i < chain->count; i++) {
-        const twin_t *twin = &chain->twins[i];
-        uint64_t lamps_ns =
-            ect_lamps_update(twin->lamps, &twin->slave, twin->link[0], twin->link[1], twin->last_frame_ns, now_ns);
-        next = lamps_ns < next ? lamps_ns : next;
+    for (size_t word = 0; word < (chain->count + WORD - 1) / WORD; word++) {
+        uint64_t left = chain->ready[word];
+        chain->ready[word] = 0;
+        for (; left != 0; left &= left - 1)
+            attend(chain, word * WORD + (unsigned int)__builtin_ctzll(left), now_ns);
     }
-    return next;
+    if (chain->links_due)
+        follow_links(chain);
+    uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* then lamps change */
+    uint64_t next_ns = ect_deadlines_first(chain->deadlines, &i);
+    return chain->frame_ns != 0 && now_ns < quiet_ns ? earlier(next_ns, quiet_ns) : next_ns;
+}
+
+static void show_lamps(const ect_chain_t *chain, size_t i)
+{
+    const twin_t *twin = &chain->twins[i];
+    ect_lamps_update(twin->lamps, &twin->slave, twin->link[0], twin->link[1], last_frame(chain, i), chain->now_ns);
+}
+
+void ect_chain_show_lamps(const ect_chain_t *chain)
+{
+    for (size_t i = 0; i < chain->count; i++)
+        show_lamps(chain, i);
 }
 
 bool ect_chain_unfinished(const ect_chain_t *chain)
@@ -305,6 +460,7 @@ size_t ect_chain_count(const ect_chain_t *chain)
 bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
+    show_lamps(chain, position);
     return ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
            ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
            ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref);
@@ -313,6 +469,7 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
+    show_lamps(chain, position);
     return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
            ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
@@ -356,6 +513,8 @@ void ect_chain_wake(ect_chain_t *chain, size_t position)
 {
     ect_slave_wake(&chain->twins[position].slave);
     chain->twins[position].deadline_ns = 0;
+    chain->links_due = true;
+    make_ready(chain, position);
 }
 
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position)
@@ -365,5 +524,6 @@ const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position)
 
 ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position)
 {
+    make_ready(chain, position);
     return &chain->twins[position].esc;
 }

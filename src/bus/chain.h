@@ -93,6 +93,12 @@ bool ect_chain_unfinished(const ect_chain_t *chain);
 
 size_t ect_chain_count(const ect_chain_t *chain);
 
+/**
+ * Brings the lamps of all twins up to date, for those who hold on to their signals: they are made when they are looked
+ * for (::ect_chain_signal, ::ect_chain_next_signal), and when they are asked for here. Cost: a comparison a twin.
+ */
+void ect_chain_show_lamps(const ect_chain_t *chain);
+
 /** How far a walk through the signals of a twin has come. Zeroed: at its beginning. */
 typedef struct ect_chain_cursor {
     ect_signal_cursor_t device, lamps, wiring;
@@ -114,6 +120,7 @@ void ect_chain_put_back(ect_chain_t *chain, size_t position);
 /** Lets the slave at a position look at its device again at the next poll: a signal was set. */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);
+/** Its controller; whoever does something to it does so before the next poll. */
 ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position);
 
 ECT_C_END

@@ -374,10 +374,12 @@ static void serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns
     ect_client_received(client);
 }
 
-static void tell_changes(ect_client_t *client, uint64_t now_ns)
+static void tell_changes(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     unsigned int budget = ECT_CLIENT_COMPARES;
     ect_line_t line;
+    if (!ect_watch_is_every(client->watch))
+        ect_chain_show_lamps(chain);
     for (unsigned int i = 0; i < ECT_CLIENT_LINES && ect_watch_next(client->watch, &budget, now_ns, &line); i++)
         put(client, &line);
 }
@@ -390,7 +392,7 @@ void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
     if (client->visit.op != ECT_VISIT_NONE)
         go_on(client, chain, now_ns);
     else if (client->watch)
-        tell_changes(client, now_ns);
+        tell_changes(client, chain, now_ns);
     if (client->watch && ect_watch_lost(client->watch) && !client->closing) {
         ect_client_result(client, "changes were lost: they were not read in time");
         client->closing = true;

@@ -54,7 +54,7 @@ uint64_t ect_control_due(const ect_control_t *control);
 void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
 /** Notes what has changed, for those who want every change. After each poll. Cost: ECT_CONTROL_EVERY comparisons. */
-void ect_control_note(ect_control_t *control, uint64_t now_ns);
+void ect_control_note(ect_control_t *control, const ect_chain_t *chain, uint64_t now_ns);
 
 ECT_C_END
 

@@ -40,8 +40,8 @@ static uint64_t seen_of(const ect_slave_t *slave, bool in_link, bool out_link, b
            (uint64_t)slave->code << 24;
 }
 
-uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
-                          uint64_t last_frame_ns, uint64_t now_ns)
+void ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link, uint64_t last_frame_ns,
+                      uint64_t now_ns)
 {
     ect_pattern_t link = ect_indicator_link(true, last_frame_ns, now_ns);
     bool traffic = link == ECT_PATTERN_FLICKERING;
@@ -56,5 +56,4 @@ uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_
         show(lamps, IN, on && in_link ? link : ECT_PATTERN_OFF);
         show(lamps, OUT, on && out_link ? link : ECT_PATTERN_OFF);
     }
-    return traffic ? last_frame_ns + ECT_INDICATOR_TRAFFIC_NS : ECT_NEVER;
 }

@@ -31,11 +31,11 @@ extern const ect_plant_t ect_lamps_plant;
 /**
  * Brings the lamps up to date.
  * @param in_link, out_link  whether something is connected before and behind this slave
- * @param last_frame_ns  when a frame last came by, 0 never
- * @return when they change without an event, ECT_NEVER
+ * @param last_frame_ns  when a frame last came by, 0 never; without another one they change
+ *                       ECT_INDICATOR_TRAFFIC_NS later
  */
-uint64_t ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
-                          uint64_t last_frame_ns, uint64_t now_ns);
+void ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link, uint64_t last_frame_ns,
+                      uint64_t now_ns);
 
 ECT_C_END
 

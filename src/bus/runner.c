@@ -179,7 +179,7 @@ static void poll_devices(ect_runner_t *r, uint64_t now_ns)
         r->polled_ns = late ? later(next_ns, r->polled_ns) : now_ns;
         next_ns = ect_chain_poll(r->chain, r->polled_ns);
         if (r->control)
-            ect_control_note(r->control, r->polled_ns);
+            ect_control_note(r->control, r->chain, r->polled_ns);
         if (next_ns > now_ns)
             break;
     }

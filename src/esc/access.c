@@ -6,17 +6,13 @@
 static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
 {
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
-        if (!ect_esc_sm_enabled(esc, n))
-            continue;
-        const uint8_t *sm = ect_esc_sm_registers(esc, n);
-        uint32_t start = ect_load_le16(sm + ECT_SM_START);
-        uint32_t end = start + ect_load_le16(sm + ECT_SM_LENGTH);
-        if (address >= start && address < end) {
-            *limit = end;
+        const ect_esc_sm_t *sm = &esc->sm[n];
+        if (address - sm->start < sm->length) {
+            *limit = (uint32_t)sm->start + sm->length;
             return (int)n;
         }
-        if (start > address && start < *limit)
-            *limit = start;
+        if (sm->start > address && sm->start < *limit)
+            *limit = sm->start;
     }
     return -1;
 }
@@ -26,8 +22,8 @@ static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
 static uint16_t first_managed(const ect_esc_t *esc)
 {
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
-        uint16_t start = ect_load_le16(ect_esc_sm_registers(esc, n) + ECT_SM_START);
-        if (start >= ECT_REG_DIGITAL_OUTPUT && start < ECT_RAM && ect_esc_sm_enabled(esc, n))
+        uint16_t start = esc->sm[n].start;
+        if (start >= ECT_REG_DIGITAL_OUTPUT && start < ECT_RAM)
             return ECT_REG_DIGITAL_OUTPUT;
     }
     return ECT_RAM;
@@ -59,8 +55,7 @@ static bool managed_access(ect_esc_t *esc, const ect_access_t *access, uint32_t 
             ect_esc_copy(&piece, esc->memory + at, 0, part);
             any = true;
         } else {
-            uint16_t start = ect_load_le16(ect_esc_sm_registers(esc, (unsigned int)n) + ECT_SM_START);
-            any |= ect_esc_sm_access(esc, (unsigned int)n, &piece, (uint16_t)(at - start), part);
+            any |= ect_esc_sm_access(esc, (unsigned int)n, &piece, (uint16_t)(at - esc->sm[n].start), part);
         }
         at = limit;
     }
@@ -98,10 +93,8 @@ static bool protected_write(ect_esc_t *esc, const ect_access_t *access, uint16_t
     return open_access(esc, &rest, (uint16_t)(address + skipped), (uint16_t)(length - skipped)) || any;
 }
 
-bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    const uint8_t *m = esc->memory;
-    bool guarded = access->write && access->side == ECT_SIDE_ECAT &&
-                   (m[ECT_REG_WRITE_PROTECTION] | m[ECT_REG_ESC_WRITE_PROTECTION]) != 0;
-    return guarded ? protected_write(esc, access, address, length) : open_access(esc, access, address, length);
+    return ect_esc_guards(esc, access) ? protected_write(esc, access, address, length)
+                                       : open_access(esc, access, address, length);
 }

@@ -82,6 +82,7 @@ void ect_esc_access_ends(ect_esc_t *esc)
     uint32_t sii_writes = esc->sii_writes;
     uint32_t resets = esc->resets;
     uint32_t activity = esc->activity;
+    uint32_t routing = esc->routing;
     const ect_esc_arrival_t arrival = esc->arrival;
     clear(esc, &config);
     esc->arrival = arrival;
@@ -89,6 +90,7 @@ void ect_esc_access_ends(ect_esc_t *esc)
     esc->sii_writes = sii_writes;
     esc->resets = resets + 1;
     esc->activity = activity + 1;
+    esc->routing = routing + 1;
 }
 
 static void pdi_begins(ect_esc_t *esc)

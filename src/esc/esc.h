@@ -64,6 +64,8 @@ typedef struct ect_esc_sm {
     uint8_t read_buffer;  /**< owned by the consumer, 3 none */
     bool violated;        /**< sequential mode: a byte was left out since the buffer was opened */
     uint16_t next;        /**< sequential mode: the byte that has to come next */
+    uint16_t start;       /**< as in its registers; 0 while it is not enabled */
+    uint16_t length;      /**< 0: it is not enabled */
 } ect_esc_sm_t;
 
 /** The local clock, as a line from a point on. Private. */
@@ -127,8 +129,11 @@ typedef struct ect_esc {
     uint8_t held_ports;    /**< bit n: auto-close port n has lost its link and waits to be opened */
     uint8_t kept_loops;    /**< loop settings that come back after temporary ones */
     uint8_t err_code;      /**< what the ERR LED shows by itself */
+    uint8_t fmmu_reads;    /* FMMUs that are active and read through, a bit each */
+    uint8_t fmmu_writes;   /* those that are written through */
     uint8_t sm_changed;    /* SyncManagers whose activate register the PDI has yet to look at */
     uint32_t activity;
+    uint32_t routing; /* moves when what decides on the way of frames, or what they take along, does (route.h) */
     uint32_t sii_writes;
     uint32_t resets;
     uint8_t scratch[ECT_ESC_MAX_FRAME]; /* what a datagram brought, or is about to be given: one user at a time */
@@ -182,6 +187,12 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
  * @return the time at which something will happen next without an access, or UINT64_MAX.
  */
 uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);
+
+/** When ::ect_esc_tick has something to do, if nobody touches the controller before. */
+static inline uint64_t ect_esc_due(const ect_esc_t *esc)
+{
+    return esc->next_ns;
+}
 
 /**
  * Whether frames leave by a port (1..3): it has a link and DL control has not closed its loop. A frame that does not

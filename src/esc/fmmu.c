@@ -138,14 +138,13 @@ static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t lengt
     window_t taken[ECT_ESC_MAX_FMMU];
     unsigned int count = 0;
     bool any = false;
-    for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++) {
-        const uint8_t *fmmu = esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;
-        uint8_t wanted = write ? WRITES : READS;
-        if ((fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0 && (fmmu[ECT_FMMU_TYPE] & wanted) != 0 &&
-            overlap(fmmu, logical, length, &taken[count])) {
-            any |= move_unclaimed(esc, data, &taken[count], write, taken, count);
-            count++;
-        }
+    unsigned int active = write ? esc->fmmu_writes : esc->fmmu_reads;
+    for (unsigned int n = 0; active >> n != 0; n++) {
+        if ((active >> n & 1u) == 0 || !overlap(ect_esc_fmmu_registers(esc, n), logical, length, &taken[count]))
+            continue;
+        any |= count == 0 ? move(esc, data, taken[0], write)
+                          : move_unclaimed(esc, data, &taken[count], write, taken, count);
+        count++;
     }
     return any;
 }

@@ -3,24 +3,7 @@
 #include <string.h>
 
 #include "esc/internal.h"
-
-enum {
-    NOP = 0,
-    APRD,
-    APWR,
-    APRW,
-    FPRD,
-    FPWR,
-    FPRW,
-    BRD,
-    BWR,
-    BRW,
-    LRD,
-    LWR,
-    LRW,
-    ARMW,
-    FRMW,
-};
+#include "esc/route.h"
 
 enum {
     ETHERTYPE_ECAT = 0x88A4,
@@ -29,31 +12,16 @@ enum {
     UDP_PORT_ECAT = 0x88A4,
     ETHERNET_HEADER = 14,
     IP_AND_UDP = 28,
-    HEADER = 10, /* of a datagram */
-    TRAILER = 2, /* its working counter */
+    HEADER = ECT_DATAGRAM_DATA,
+    TRAILER = ECT_DATAGRAM_COUNTER,
     TYPE_DATAGRAMS = 1,
     CIRCULATING = 0x40, /* bit 14 of the length */
 };
 
-/* Offsets inside a datagram. */
-enum { COMMAND = 0, ADP = 2, ADO = 4, LENGTH = 6, IRQ = 8, DATA = 10 };
-
-static uint16_t data_length(const uint8_t *datagram)
-{
-    return ect_load_le16(datagram + LENGTH) & 0x07FF;
-}
-
 static bool more_follow(const uint8_t *datagram)
 {
-    return (datagram[LENGTH + 1] & 0x80) != 0;
+    return (datagram[ECT_DATAGRAM_LENGTH + 1] & 0x80) != 0;
 }
-
-/* What a datagram asks of this slave. */
-typedef struct request {
-    bool read;
-    bool write;
-    bool or_read; /* broadcast: the read is OR'ed into the frame */
-} request_t;
 
 static bool station_matches(const ect_esc_t *esc, uint16_t address)
 {
@@ -63,45 +31,44 @@ static bool station_matches(const ect_esc_t *esc, uint16_t address)
            (alias_enabled && address == ect_load_le16(m + ECT_REG_STATION_ALIAS));
 }
 
-/* Position commands come in groups of three: read, write, both. */
-static request_t by_position(unsigned int offset)
+/* Commands come in groups of three: read, write, both. */
+static unsigned int in_its_group(unsigned int offset)
 {
-    return (request_t){.read = offset != 1, .write = offset != 0};
+    static const uint8_t parts[] = {ECT_PART_READ, ECT_PART_WRITE, ECT_PART_READ | ECT_PART_WRITE};
+    return parts[offset];
 }
 
-static request_t decide(const ect_esc_t *esc, const uint8_t *d)
+/* What a datagram asks of this slave: ECT_PART_... */
+static unsigned int decide(const ect_esc_t *esc, const uint8_t *d)
 {
-    const request_t nothing = {0};
-    uint8_t command = d[COMMAND];
-    uint16_t adp = ect_load_le16(d + ADP);
-    request_t request;
+    uint8_t command = d[ECT_DATAGRAM_COMMAND];
+    uint16_t adp = ect_load_le16(d + ECT_DATAGRAM_ADP);
     switch (command) {
-    case APRD:
-    case APWR:
-    case APRW:
-        return adp == 0 ? by_position(command - APRD) : nothing;
-    case FPRD:
-    case FPWR:
-    case FPRW:
-        return station_matches(esc, adp) ? by_position(command - FPRD) : nothing;
-    case BRD:
-    case BWR:
-    case BRW:
-        request = by_position(command - BRD);
-        request.or_read = true;
-        return request;
-    case ARMW:
-        return (request_t){.read = adp == 0, .write = adp != 0};
-    case FRMW:
-        return (request_t){.read = station_matches(esc, adp), .write = !station_matches(esc, adp)};
+    case ECT_APRD:
+    case ECT_APWR:
+    case ECT_APRW:
+        return adp == 0 ? in_its_group(command - (unsigned int)ECT_APRD) : 0;
+    case ECT_FPRD:
+    case ECT_FPWR:
+    case ECT_FPRW:
+        return station_matches(esc, adp) ? in_its_group(command - (unsigned int)ECT_FPRD) : 0;
+    case ECT_BRD:
+    case ECT_BWR:
+    case ECT_BRW:
+        return in_its_group(command - (unsigned int)ECT_BRD) | ECT_PART_OR;
+    case ECT_ARMW:
+        return adp == 0 ? ECT_PART_READ : ECT_PART_WRITE;
+    case ECT_FRMW:
+        return station_matches(esc, adp) ? ECT_PART_READ : ECT_PART_WRITE;
     default:
-        return nothing;
+        return 0;
     }
 }
 
 static bool position_counts(uint8_t command)
 {
-    return (command >= APRD && command <= APRW) || (command >= BRD && command <= BRW) || command == ARMW;
+    return (command >= ECT_APRD && command <= ECT_APRW) || (command >= ECT_BRD && command <= ECT_BRW) ||
+           command == ECT_ARMW;
 }
 
 static void or_into(uint8_t *to, const uint8_t *from, uint16_t length)
@@ -141,18 +108,25 @@ static unsigned int exchange_physical(ect_esc_t *esc, uint8_t *data, uint16_t ad
     return gain;
 }
 
-/* Physical addressing. Returns what the working counter gains. */
-static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, request_t request)
+/* Of the writes these take the receive times (data sheet I §9.1.2). */
+static bool latches(const uint8_t *d)
 {
-    uint8_t *data = d + DATA;
+    return d[ECT_DATAGRAM_COMMAND] == ECT_BWR || d[ECT_DATAGRAM_COMMAND] == ECT_FPWR;
+}
+
+/* Physical addressing. Returns what the working counter gains. */
+static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, unsigned int part)
+{
+    uint8_t *data = d + ECT_DATAGRAM_DATA;
     uint8_t *scratch = esc->scratch;
-    uint16_t length = data_length(d);
-    uint16_t address = ect_load_le16(d + ADO);
-    if (request.read && request.write)
-        return exchange_physical(esc, data, address, length, request.or_read);
-    if (request.write)
-        return write_physical(esc, data, address, length, d[COMMAND] == BWR || d[COMMAND] == FPWR) ? 1 : 0;
-    if (!request.or_read)
+    uint16_t length = ect_datagram_length(d);
+    uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADO);
+    bool or_read = (part & ECT_PART_OR) != 0;
+    if ((part & ECT_PART_WRITE) != 0 && (part & ECT_PART_READ) != 0)
+        return exchange_physical(esc, data, address, length, or_read);
+    if ((part & ECT_PART_WRITE) != 0)
+        return write_physical(esc, data, address, length, latches(d)) ? 1 : 0;
+    if (!or_read)
         return read_physical(esc, data, address, length) ? 1 : 0;
     memset(scratch, 0, length);
     bool any = read_physical(esc, scratch, address, length);
@@ -162,45 +136,60 @@ static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, request_t reques
 
 static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
 {
-    uint8_t command = d[COMMAND];
-    unsigned int done =
-        ect_esc_fmmu_access(esc, ect_load_le32(d + ADP), d + DATA, data_length(d), command != LWR, command != LRD);
-    if (command == LRW)
+    uint8_t command = d[ECT_DATAGRAM_COMMAND];
+    unsigned int done = ect_esc_fmmu_access(esc, ect_load_le32(d + ECT_DATAGRAM_ADP), d + ECT_DATAGRAM_DATA,
+                                            ect_datagram_length(d), command != ECT_LWR, command != ECT_LRD);
+    if (command == ECT_LRW)
         return done; /* bit 0: +1 for the read, bit 1: +2 for the write */
     return done != 0 ? 1 : 0;
 }
 
 static bool is_logical(uint8_t command)
 {
-    return command >= LRD && command <= LRW;
+    return command >= ECT_LRD && command <= ECT_LRW;
 }
 
-static unsigned int execute(ect_esc_t *esc, uint8_t *d)
+static unsigned int execute(ect_esc_t *esc, uint8_t *d, unsigned int part)
 {
+    const unsigned int both = ECT_PART_READ | ECT_PART_WRITE;
     uint16_t features = esc->config.personality->features;
-    ECT_ASSERT(data_length(d) <= ECT_ESC_MAX_FRAME);
-    if (data_length(d) == 0)
+    ECT_ASSERT(ect_datagram_length(d) <= ECT_ESC_MAX_FRAME);
+    if (ect_datagram_length(d) == 0)
         return 0;
-    if (is_logical(d[COMMAND]))
-        return d[COMMAND] == LRW && (features & ECT_FEATURE_NO_LRW) != 0 ? 0 : access_logical(esc, d);
-    request_t request = decide(esc, d);
-    if (!request.read && !request.write)
-        return 0;
-    bool refused = request.read && request.write && (features & ECT_FEATURE_NO_RW) != 0;
-    return refused ? 0 : access_physical(esc, d, request);
+    if (is_logical(d[ECT_DATAGRAM_COMMAND])) {
+        bool refused = d[ECT_DATAGRAM_COMMAND] == ECT_LRW && (features & ECT_FEATURE_NO_LRW) != 0;
+        return refused ? 0 : access_logical(esc, d);
+    }
+    bool refused = (part & both) == both && (features & ECT_FEATURE_NO_RW) != 0;
+    return part == 0 || refused ? 0 : access_physical(esc, d, part);
+}
+
+unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part, uint64_t now_ns)
+{
+    ect_esc_advance(esc, now_ns);
+    return execute(esc, datagram, part);
+}
+
+void ect_esc_end_of_frame(ect_esc_t *esc)
+{
+    if (esc->per_frame == 0)
+        return;
+    if ((esc->per_frame & ECT_FRAME_END_SII) != 0)
+        ect_esc_sii_end_of_frame(esc);
+    ect_esc_access_ends(esc);
 }
 
 static void process_datagram(ect_esc_t *esc, uint8_t *d)
 {
-    uint8_t *counter = d + DATA + data_length(d);
+    uint8_t *counter = d + ECT_DATAGRAM_DATA + ect_datagram_length(d);
     /* The header passes before the data: an event that this datagram clears is still in it. */
     uint16_t events =
         ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
-    ect_store_le16(d + IRQ, (uint16_t)(ect_load_le16(d + IRQ) | events));
-    unsigned int gain = execute(esc, d);
+    ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | events));
+    unsigned int gain = execute(esc, d, decide(esc, d));
     ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + gain));
-    if (position_counts(d[COMMAND]))
-        ect_store_le16(d + ADP, (uint16_t)(ect_load_le16(d + ADP) + 1));
+    if (position_counts(d[ECT_DATAGRAM_COMMAND]))
+        ect_store_le16(d + ECT_DATAGRAM_ADP, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_ADP) + 1));
 }
 
 /* Where the EtherCAT header begins; 0: this is no EtherCAT frame. */
@@ -236,7 +225,7 @@ static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
     for (;;) {
         if (length < at + HEADER + TRAILER)
             return false;
-        size_t size = (size_t)HEADER + data_length(frame + at) + TRAILER;
+        size_t size = (size_t)HEADER + ect_datagram_length(frame + at) + TRAILER;
         if (length - at < size)
             return false;
         bool more = more_follow(frame + at);
@@ -246,13 +235,23 @@ static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
     }
 }
 
+size_t ect_frame_datagrams(const uint8_t *frame, size_t length)
+{
+    if (length > ECT_ESC_MAX_FRAME || length < ETHERNET_HEADER)
+        return 0;
+    size_t at = find_header(frame, length);
+    bool plain = at != 0 && at < ETHERNET_HEADER + IP_AND_UDP && length >= at + 2 &&
+                 ect_load_le16(frame + at) >> 12 == TYPE_DATAGRAMS;
+    return plain && datagrams_fit(frame, at + 2, length) ? at + 2 : 0;
+}
+
 /* @return false: the frame has been through here before and is to be destroyed */
 static bool mark_circulating(const ect_esc_t *esc, uint8_t *frame, size_t at)
 {
     if (!ect_esc_circulates(esc))
         return true;
-    for (bool more = true; more; at += (size_t)HEADER + data_length(frame + at) + TRAILER) {
-        uint8_t *flags = frame + at + LENGTH + 1;
+    for (bool more = true; more; at += (size_t)HEADER + ect_datagram_length(frame + at) + TRAILER) {
+        uint8_t *flags = frame + at + ECT_DATAGRAM_LENGTH + 1;
         if ((*flags & CIRCULATING) != 0)
             return false;
         *flags |= CIRCULATING;
@@ -278,7 +277,7 @@ static ect_frame_result_t invalid(ect_esc_t *esc)
 /* The chip makes the source address a locally administered one, so that a frame on its way back is known by it. */
 static void mark_source(const ect_esc_t *esc, uint8_t *frame)
 {
-    if ((esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac)
+    if (ect_esc_marks_source(esc))
         frame[6] |= 0x02;
 }
 
@@ -288,15 +287,8 @@ static void process_datagrams(ect_esc_t *esc, uint8_t *datagram)
     while (more) {
         more = more_follow(datagram);
         process_datagram(esc, datagram);
-        datagram += (size_t)HEADER + data_length(datagram) + TRAILER;
+        datagram += (size_t)HEADER + ect_datagram_length(datagram) + TRAILER;
     }
-}
-
-static void frame_ends(ect_esc_t *esc)
-{
-    if ((esc->per_frame & ECT_FRAME_END_SII) != 0)
-        ect_esc_sii_end_of_frame(esc);
-    ect_esc_access_ends(esc);
 }
 
 ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
@@ -317,7 +309,6 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         return ECT_FRAME_DESTROYED;
     mark_source(esc, frame);
     process_datagrams(esc, frame + at + 2);
-    if (esc->per_frame != 0)
-        frame_ends(esc);
+    ect_esc_end_of_frame(esc);
     return ECT_FRAME_FORWARD;
 }

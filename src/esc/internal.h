@@ -18,6 +18,7 @@
  *   registers.c  which registers there are, their reset values, rights and effects
  *   access.c     one access to the address space, from either side: registers or RAM
  *   fmmu.c       logical addresses
+ *   route.c      what a passing frame needs to know
  *   esc.c        reset, time, the PDI side
  *   frame.c      datagrams: addressing, working counter
  */
@@ -96,6 +97,7 @@ void ect_esc_led_write(ect_esc_t *esc, const ect_access_t *access, uint16_t addr
 void ect_esc_update_dl_status(ect_esc_t *esc);
 void ect_esc_port_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 void ect_esc_port_tick(ect_esc_t *esc);
+bool ect_esc_marks_source(const ect_esc_t *esc);
 
 /* --- watchdog.c ------------------------------------------------------------------------------------------------- */
 void ect_esc_watchdog_trigger(ect_esc_t *esc);
@@ -121,7 +123,10 @@ static inline uint8_t *ect_esc_sm_registers(const ect_esc_t *esc, unsigned int n
 {
     return esc->memory + ECT_REG_SM + ECT_SM_SIZE * n;
 }
-bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n);
+static inline bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
+{
+    return esc->sm[n].length > 0;
+}
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n);
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length);
 bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -174,8 +179,29 @@ void ect_esc_registers_reset(ect_esc_t *esc);
 bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* --- access.c --------------------------------------------------------------------------------------------------- */
-/* Whether at least one byte was accessible. */
-bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+/* Whether protection has a say in an access. */
+static inline bool ect_esc_guards(const ect_esc_t *esc, const ect_access_t *access)
+{
+    return access->write && access->side == ECT_SIDE_ECAT &&
+           (esc->memory[ECT_REG_WRITE_PROTECTION] | esc->memory[ECT_REG_ESC_WRITE_PROTECTION]) != 0;
+}
+bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+
+/* Whether at least one byte was accessible. Cyclic data, and those are most, stay inside one SyncManager. */
+static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    uint32_t end = (uint32_t)address + length;
+    bool managed = address >= ECT_RAM && esc->sii_valid && end <= esc->memory_size && !ect_esc_guards(esc, access);
+    for (unsigned int n = 0; managed && n < ECT_ESC_MAX_SM; n++) {
+        uint32_t offset = (uint32_t)address - esc->sm[n].start;
+        if (offset >= esc->sm[n].length)
+            continue;
+        if (offset + length > esc->sm[n].length)
+            break;
+        return ect_esc_sm_access(esc, n, access, (uint16_t)offset, length);
+    }
+    return ect_esc_any_access(esc, access, address, length);
+}
 
 /* --- esc.c ------------------------------------------------------------------------------------------------------ */
 /* As ect_esc_tick, and cheap while nothing is due. */
@@ -187,5 +213,9 @@ void ect_esc_access_ends(ect_esc_t *esc);
 /* Bit 0 read succeeded, bit 1 write succeeded. */
 unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
                                  bool write);
+static inline const uint8_t *ect_esc_fmmu_registers(const ect_esc_t *esc, unsigned int n)
+{
+    return esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;
+}
 
 #endif

@@ -34,17 +34,24 @@ void ect_esc_clear(ect_esc_t *esc, uint32_t al_event)
     ect_store_le32(event, ect_load_le32(event) & ~al_event);
 }
 
+static void change_ecat(ect_esc_t *esc, uint16_t events)
+{
+    uint8_t *event = esc->memory + ECT_REG_ECAT_EVENT;
+    if (events == ect_load_le16(event))
+        return;
+    ect_store_le16(event, events);
+    esc->routing++;
+}
+
 void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event)
 {
     ECT_ASSERT(ecat_event != 0);
-    uint8_t *event = esc->memory + ECT_REG_ECAT_EVENT;
-    ect_store_le16(event, (uint16_t)(ect_load_le16(event) | ecat_event));
+    change_ecat(esc, (uint16_t)(ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) | ecat_event));
 }
 
 void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event)
 {
-    uint8_t *event = esc->memory + ECT_REG_ECAT_EVENT;
-    ect_store_le16(event, (uint16_t)(ect_load_le16(event) & ~ecat_event));
+    change_ecat(esc, (uint16_t)(ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ~ecat_event));
 }
 
 void ect_esc_count(ect_esc_t *esc, uint16_t counter_register)

@@ -45,6 +45,7 @@ void ect_esc_update_dl_status(ect_esc_t *esc)
     }
     if (value != ect_load_le16(status))
         ect_esc_raise_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
+    esc->routing++;
     ect_store_le16(status, (uint16_t)value);
 }
 
@@ -131,4 +132,10 @@ void ect_esc_damaged(ect_esc_t *esc, unsigned int port, bool found_before)
     ect_esc_count(esc, (uint16_t)counter);
     if (port == 0)
         ect_esc_count(esc, ECT_REG_PROCESSING_ERROR);
+}
+
+/* The chip makes the source address a locally administered one, so that a frame on its way back is known by it. */
+bool ect_esc_marks_source(const ect_esc_t *esc)
+{
+    return (esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac;
 }

@@ -29,11 +29,18 @@ uint32_t ect_esc_first_writable(const ect_esc_t *esc)
     return locked(esc, ECT_REG_WRITE_PROTECTION, ECT_REG_WRITE_ENABLE) ? ECT_REG_USER_RAM : 0;
 }
 
+/* Also a frame that goes by without a word to this slave will be one. */
+static void await_frame(ect_esc_t *esc)
+{
+    esc->per_frame |= ECT_FRAME_BEGINS;
+    esc->routing++;
+}
+
 /* Whatever the value: it is enabled for this frame. Without protection there is nothing to enable. */
 static bool enable(ect_esc_t *esc, uint16_t enable_register, uint16_t protection)
 {
     esc->memory[enable_register] = on(esc, protection) ? 1 : 0;
-    esc->per_frame |= ECT_FRAME_BEGINS;
+    await_frame(esc);
     return true;
 }
 
@@ -78,7 +85,7 @@ bool ect_esc_reset_write(ect_esc_t *esc, const ect_access_t *access, uint16_t ad
         *step = value == sequence[0] ? 1 : 0;
     esc->memory[address] = *step;
     esc->reset_moved[side] = true;
-    esc->per_frame |= ECT_FRAME_BEGINS;
+    await_frame(esc);
     return true;
 }
 
@@ -98,6 +105,7 @@ void ect_esc_protect_begins(ect_esc_t *esc, ect_side_t side)
     esc->memory[ECT_REG_WRITE_ENABLE] = esc->memory[ECT_REG_ESC_WRITE_ENABLE] = 0;
     if (esc->reset_step[ECT_SIDE_ECAT] == 0)
         esc->per_frame &= (uint8_t)~ECT_FRAME_BEGINS;
+    esc->routing++;
 }
 
 bool ect_esc_reset_due(const ect_esc_t *esc)

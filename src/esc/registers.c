@@ -27,6 +27,13 @@ static bool write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return true;
 }
 
+/* What frames find their way by, or take along. */
+static bool write_routing(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    esc->routing++;
+    return write_plain(esc, access, address, length);
+}
+
 static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     if (esc->al_control_locked && !ect_esc_emulates(esc))
@@ -35,6 +42,7 @@ static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_
     if (ect_esc_emulates(esc)) {
         memcpy(esc->memory + ECT_REG_AL_STATUS, esc->memory + ECT_REG_AL_CONTROL, 2);
         ect_esc_led_state(esc);
+        esc->routing++;
         esc->activity++; /* no event, but what stands for its logic wants to follow */
         return true;
     }
@@ -62,6 +70,7 @@ static bool write_al_status(ect_esc_t *esc, const ect_access_t *access, uint16_t
     write_plain(esc, access, address, length);
     if (memcmp(before, esc->memory + ECT_REG_AL_STATUS, sizeof before) != 0)
         ect_esc_led_state(esc);
+    esc->routing++;
     ect_esc_raise_ecat(esc, ECT_ECAT_EVENT_AL_STATUS);
     return true;
 }
@@ -147,17 +156,31 @@ static void read_watchdog_status(ect_esc_t *esc, const ect_access_t *access, uin
         ect_esc_clear(esc, ECT_EVENT_WATCHDOG);
 }
 
+/* Which of the FMMUs a datagram has to be compared with. */
+static void sort_fmmus(ect_esc_t *esc)
+{
+    esc->fmmu_reads = esc->fmmu_writes = 0;
+    for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++) {
+        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
+        bool active = (fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0;
+        esc->fmmu_reads |= (uint8_t)(active && (fmmu[ECT_FMMU_TYPE] & 1u) != 0 ? 1u << n : 0u);
+        esc->fmmu_writes |= (uint8_t)(active && (fmmu[ECT_FMMU_TYPE] & 2u) != 0 ? 1u << n : 0u);
+    }
+}
+
 static bool write_fmmu(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     static const uint8_t writable[ECT_FMMU_SIZE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x07,
                                                     0xFF, 0xFF, 0x07, 0x03, 0x01, 0x00, 0x00, 0x00};
     unsigned int end = ECT_REG_FMMU + ECT_FMMU_SIZE * (unsigned int)esc->config.personality->fmmu_count;
     bool any = false;
+    esc->routing++;
     for (uint16_t i = 0; i < length && (unsigned int)address + i < end; i++) {
         uint8_t mask = writable[(unsigned int)(address + i) % ECT_FMMU_SIZE];
         esc->memory[address + i] = access->data[i] & mask;
         any |= mask != 0;
     }
+    sort_fmmus(esc);
     return any;
 }
 
@@ -165,8 +188,8 @@ enum { FMMU_BYTES = ECT_FMMU_SIZE * ECT_ESC_MAX_FMMU, SM_BYTES = ECT_SM_SIZE * E
 
 /* Ascending, not overlapping. */
 static const block_t blocks[] = {
-    {ECT_REG_STATION_ADDRESS, 2, 0, 0, write_plain, NULL, NULL},
-    {ECT_REG_STATION_ALIAS, 2, 0, 0, NULL, write_plain, NULL},
+    {ECT_REG_STATION_ADDRESS, 2, 0, 0, write_routing, NULL, NULL},
+    {ECT_REG_STATION_ALIAS, 2, 0, 0, NULL, write_routing, NULL},
     {ECT_REG_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL},
     {ECT_REG_ESC_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL},
     {ECT_REG_RESET_ECAT, 1, ECT_UNIT_RESET_ECAT, 0, ect_esc_reset_write, NULL, NULL},
@@ -179,7 +202,7 @@ static const block_t blocks[] = {
     {ECT_REG_AL_STATUS_CODE, 2, 0, 0, NULL, write_plain, NULL},
     {ECT_REG_LED_RUN, 1, ECT_UNIT_LED_RUN, 0, write_led, write_led, NULL},
     {ECT_REG_LED_ERR, 1, ECT_UNIT_LED_ERR, 0, write_led, write_led, NULL},
-    {ECT_REG_ECAT_EVENT_MASK, 2, 0, 0, write_plain, NULL, NULL},
+    {ECT_REG_ECAT_EVENT_MASK, 2, 0, 0, write_routing, NULL, NULL},
     {ECT_REG_AL_EVENT_MASK, 4, 0, 0x00FFFF0F, NULL, write_plain, NULL},
     {ECT_REG_RX_ERROR, 12, 0, 0, write_port_errors, NULL, NULL},
     {ECT_REG_PROCESSING_ERROR, 2, 0, 0, write_processing_error, NULL, NULL},

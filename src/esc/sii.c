@@ -286,6 +286,8 @@ static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint1
     bool write_enabled = access->side == ECT_SIDE_PDI || (status(esc) & WRITE_ENABLE) != 0;
     if (has_high)
         start(esc, high & 7u, write_enabled);
+    if (access->side == ECT_SIDE_PDI)
+        ect_esc_sii_end_of_frame(esc);
     return true;
 }
 

@@ -8,11 +8,6 @@
 
 enum { NO_BUFFER = 3 };
 
-static uint16_t sm_length(const uint8_t *sm)
-{
-    return ect_load_le16(sm + ECT_SM_LENGTH);
-}
-
 static bool is_mailbox(const uint8_t *sm)
 {
     return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
@@ -23,19 +18,23 @@ static bool ecat_writes(const uint8_t *sm)
     return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
 }
 
-bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
+/* Where it lies is decoded once: its registers cannot be written while it is enabled. */
+static void decode(ect_esc_t *esc, unsigned int n)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
-    return (sm[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 && sm_length(sm) > 0;
+    uint16_t length = ect_load_le16(sm + ECT_SM_LENGTH);
+    bool enabled = (sm[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 && length > 0;
+    esc->sm[n].start = enabled ? ect_load_le16(sm + ECT_SM_START) : 0;
+    esc->sm[n].length = enabled ? length : 0;
 }
 
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
 {
     ECT_ASSERT(n < esc->config.personality->sm_count);
     uint8_t *sm = ect_esc_sm_registers(esc, n);
-    bool enabled = ect_esc_sm_enabled(esc, n);
-    sm[ECT_SM_STATUS] = enabled && is_mailbox(sm) ? 0 : ECT_SM_STATUS_BUFFER;
     esc->sm[n] = (ect_esc_sm_t){.write_buffer = 0, .read_buffer = NO_BUFFER};
+    decode(esc, n);
+    sm[ECT_SM_STATUS] = ect_esc_sm_enabled(esc, n) && is_mailbox(sm) ? 0 : ECT_SM_STATUS_BUFFER;
     ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
     ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
 }
@@ -150,20 +149,20 @@ static void close_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
 
 /* A SyncManager of one byte has no buffers, and neither has one over the registers of the digital outputs: plain memory
  * with events (data sheet I §8.5). */
-static bool is_transparent(const uint8_t *sm)
+static bool is_transparent(const ect_esc_sm_t *sm)
 {
-    return sm_length(sm) == 1 || ect_load_le16(sm + ECT_SM_START) < ECT_RAM;
+    return sm->length == 1 || sm->start < ECT_RAM;
 }
 
 static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset,
                                uint16_t length)
 {
     uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint32_t at = (uint32_t)ect_load_le16(sm + ECT_SM_START) + offset;
+    uint32_t at = (uint32_t)esc->sm[n].start + offset;
     if (at + length > esc->memory_size)
         return false;
     ect_esc_copy(access, esc->memory + at, 0, length);
-    if (offset + length < sm_length(sm))
+    if (offset + length < esc->sm[n].length)
         return true; /* the last byte tells the other side */
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
     if (producer != access->write)
@@ -184,8 +183,8 @@ static uint32_t buffer_address(const ect_esc_t *esc, unsigned int n, bool write,
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
     uint32_t buffer = write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
     ECT_ASSERT(is_mailbox(sm) || buffer < NO_BUFFER);
-    uint32_t first = is_mailbox(sm) ? 0 : buffer * sm_length(sm);
-    return ect_load_le16(sm + ECT_SM_START) + first + offset;
+    uint32_t first = is_mailbox(sm) ? 0 : buffer * esc->sm[n].length;
+    return esc->sm[n].start + first + offset;
 }
 
 static bool open_buffer(ect_esc_t *esc, unsigned int n, const ect_access_t *access)
@@ -222,11 +221,11 @@ static bool is_sequential(const ect_esc_t *esc, const uint8_t *sm, const ect_acc
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint16_t size = sm_length(sm);
+    uint16_t size = esc->sm[n].length;
     ECT_ASSERT(ect_esc_sm_enabled(esc, n) && length > 0 && offset + length <= size);
     if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
         return false;
-    if (is_transparent(sm))
+    if (is_transparent(&esc->sm[n]))
         return access_transparent(esc, n, access, offset, length);
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
     if (producer != access->write)

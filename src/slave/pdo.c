@@ -126,6 +126,8 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
     uint8_t *which = device->sm[sm].type == ECT_SM_OUTPUTS ? &s->outputs : &s->inputs;
     if (image->bytes > 0 && l.runs) /* those that the caller moves are none to the stack */
         *which = (uint8_t)(*which | 1u << sm);
+    if ((device->sm[sm].control & ECT_SM_CONTROL_AL_EVENT) == 0)
+        s->outputs_silent = (uint8_t)(s->outputs_silent | (s->outputs & 1u << sm));
     ECT_ASSERT(longest <= s->config.process_size);
     return image->bytes <= longest;
 }
@@ -135,7 +137,7 @@ uint16_t ect_pdo_configure(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     uint16_t runs = 0;
-    s->outputs = s->inputs = 0;
+    s->outputs = s->outputs_silent = s->inputs = 0;
     for (unsigned int sm = 0; sm < device->sm_count; sm++) {
         if (!ect_device_sm_is_process(device, sm))
             continue;
@@ -191,11 +193,10 @@ static void pack(ect_slave_t *s, const ect_sm_image_t *of)
 /* A SyncManager without an event tells in its status that it was written and not read since. */
 unsigned int ect_pdo_written(ect_slave_t *s)
 {
-    const ect_device_t *device = s->config.device;
     unsigned int sms = 0;
-    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+    for (unsigned int sm = 0; s->outputs_silent >> sm != 0; sm++) {
         uint8_t status = 0;
-        if ((s->outputs & 1u << sm) == 0 || (device->sm[sm].control & ECT_SM_CONTROL_AL_EVENT) != 0)
+        if ((s->outputs_silent & 1u << sm) == 0)
             continue;
         uint16_t address = (uint16_t)(ECT_REG_SM + ECT_SM_SIZE * sm + ECT_SM_STATUS);
         if (ect_slave_read(s, address, &status, 1) && (status & ECT_SM_STATUS_WRITTEN) != 0)
@@ -209,7 +210,7 @@ void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply)
 {
     const ect_device_t *device = s->config.device;
     ECT_ASSERT(sms != 0 && (sms & ~(unsigned int)s->outputs) == 0);
-    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+    for (unsigned int sm = 0; sms >> sm != 0; sm++) {
         if ((sms & 1u << sm) == 0)
             continue;
         if (!ect_slave_read(s, device->sm[sm].start, s->config.process_data, s->image[sm].bytes))
@@ -232,7 +233,7 @@ bool ect_pdo_inputs(ect_slave_t *s)
         return true;
     if (device->inputs)
         device->inputs(s->config.instance, s->now_ns);
-    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+    for (unsigned int sm = 0; s->inputs >> sm != 0; sm++) {
         if ((s->inputs & 1u << sm) == 0)
             continue;
         pack(s, &s->image[sm]);

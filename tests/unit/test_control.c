@@ -731,7 +731,7 @@ static void every_change(void **state)
     for (unsigned int i = 1; i <= 3; i++) {
         b.wire.now_ns += 7000;
         set_encoder(&b, i % 2);
-        ect_control_note(b.control, b.wire.now_ns);
+        ect_control_note(b.control, b.wire.chain, b.wire.now_ns);
     }
     serve(&b);
     hear(fd, got, sizeof got);
@@ -813,7 +813,7 @@ static void changes_lost(void **state)
     serve(&b);
     for (unsigned int i = 1; i < 100000; i++) {
         set_encoder(&b, i % 256);
-        ect_control_note(b.control, b.wire.now_ns + i);
+        ect_control_note(b.control, b.wire.chain, b.wire.now_ns + i);
         if (i % 100 == 0)
             serve(&b);
     }

@@ -74,7 +74,7 @@ typedef struct fmmu {
 
 static void set_fmmu(rig_t *r, unsigned int slave, unsigned int n, const fmmu_t *f)
 {
-    uint8_t *m = r->memory[slave] + 0x0600 + 16 * n;
+    uint8_t m[13];
     ect_store_le32(m, f->logical);
     ect_store_le16(m + 4, f->length);
     m[6] = f->start_bit;
@@ -83,6 +83,8 @@ static void set_fmmu(rig_t *r, unsigned int slave, unsigned int n, const fmmu_t 
     m[10] = f->physical_bit;
     m[11] = f->type;
     m[12] = f->active;
+    wire_build(&r->w, APWR, 0, (uint16_t)(ECT_REG_FMMU + ECT_FMMU_SIZE * n), m, sizeof m);
+    assert_int_equal(ect_esc_process(&r->esc[slave], r->w.frame, r->w.frame_length, 1000), ECT_FRAME_FORWARD);
 }
 
 static void fill(rig_t *r, uint8_t *bytes, size_t count)

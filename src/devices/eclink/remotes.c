@@ -176,6 +176,9 @@ static void update_one(eclink_t *unit, unsigned int number)
 void eclink_remotes_update(eclink_t *unit)
 {
     unsigned int vlaps = unit->bu.vlaps;
+    if (!unit->user_acted)
+        return;
+    unit->user_acted = false;
     for (unsigned int i = 0; i < unit->armed.count; i++)
         unit->ru[unit->armed.numbers[i]].path = path_of(&unit->ru[unit->armed.numbers[i]], &vlaps);
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {

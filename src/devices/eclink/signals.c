@@ -210,20 +210,25 @@ static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned
     return NULL;
 }
 
-static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
-                                uint64_t now_ns)
+static const char *write_bu(eclink_t *unit, const ect_signal_t *signal, const void *value)
 {
-    eclink_t *unit = instance;
     const ect_host_t *host = unit->host;
     bool on = *(const uint8_t *)value != 0;
-    (void)now_ns;
-    if (number > 0)
-        return write_ru(unit, signal, number - 1u, value);
     if (IS(signal, eclink_bu_t, enabled) && host->off_bus)
         host->off_bus(host->ctx, !on);
     if (IS(signal, eclink_bu_t, restart) && on)
         host->restart(host->ctx);
     return NULL;
+}
+
+static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    (void)now_ns;
+    const char *answer = number > 0 ? write_ru(unit, signal, number - 1u, value) : write_bu(unit, signal, value);
+    unit->user_acted = true; /* also what the caller stores now is looked at by the next tick */
+    return answer;
 }
 
 static ect_bulk_t bulk(const void *instance)

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/* What a passing frame needs to know of a controller. */
+#include "esc/route.h"
+
+#include "esc/internal.h"
+
+static void add_window(const ect_esc_t *esc, unsigned int n, ect_esc_route_t *route)
+{
+    const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
+    ect_esc_window_t window = {.first = ect_load_le32(fmmu + ECT_FMMU_LOGICAL),
+                               .length = ect_load_le16(fmmu + ECT_FMMU_LENGTH),
+                               .direction = fmmu[ECT_FMMU_TYPE] & (ECT_PART_READ | ECT_PART_WRITE)};
+    if ((fmmu[ECT_FMMU_ACTIVATE] & 1u) == 0 || window.length == 0 || window.direction == 0)
+        return;
+    route->windows[route->window_count++] = window;
+    route->writes_registers |=
+        (window.direction & ECT_PART_WRITE) != 0 && ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) < ECT_RAM;
+}
+
+void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route)
+{
+    const uint8_t *m = esc->memory;
+    uint16_t events = ect_load_le16(m + ECT_REG_ECAT_EVENT);
+    bool alias = (m[ECT_REG_DL_CONTROL + 3] & 1u) != 0;
+    *route = (ect_esc_route_t){
+        .station = ect_load_le16(m + ECT_REG_STATION_ADDRESS),
+        .alias = ect_load_le16(m + (alias ? ECT_REG_STATION_ALIAS : ECT_REG_STATION_ADDRESS)),
+        .events = events & ect_load_le16(m + ECT_REG_ECAT_EVENT_MASK),
+        .al_status = ect_load_le16(m + ECT_REG_AL_STATUS),
+        .al_status_new = (events & ECT_ECAT_EVENT_AL_STATUS) != 0,
+        .open = ect_esc_port_open(esc, 1),
+        .circulates = ect_esc_circulates(esc),
+        .marks_source = ect_esc_marks_source(esc),
+        .awaits_frame = (esc->per_frame & ECT_FRAME_BEGINS) != 0,
+        .clock = ect_esc_dc_present(esc),
+    };
+    for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++)
+        add_window(esc, n, route);
+}
