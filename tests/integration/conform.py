@@ -3,6 +3,7 @@
 
 usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what applies to it, as the table says
        conform.py command ECTWIN CONFORM [TEST]      the runner's own command line
+       conform.py others ECTWIN_OF_TESTS CONFORM     devices that are made for tests, for what no product has
        conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and only that
 """
 import concurrent.futures
@@ -153,6 +154,23 @@ def defects(ectwin, conform, only):
         wrong.append(f"expected at least {DEFECTS_LEAST} defects, got {len(ids)}")
     print(*wrong, f"{len(ids)} defects, each found by its case" if not wrong else "", sep="\n")
     return len(wrong)
+
+
+# --- devices made for tests ---------------------------------------------------------------------------------------------
+
+
+def others(ectwin, conform, _):
+    """Ethernet over EtherCAT: a device that has it passes, one that puts together what does not belong together fails"""
+    wrong = 0
+    for device, expected in (("network", []), ("careless", ["CF-085"])):
+        done = call(ectwin, conform, [device], ["--only", "CF-02[34567],CF-058,CF-08[56]", "--format", "json"])
+        cases = json.loads(done.stdout)["cases"]
+        ethernet = next(c for c in cases if c["id"] == "CF-085")
+        failed = [c["id"] for c in cases if c["verdict"] == "fail"]
+        if failed != expected or ethernet["verdict"] == "skip":
+            print(f"{device}: expected to fail {expected}, got {failed}; CF-085: {ethernet['verdict']}, {ethernet['reason']}")
+            wrong += 1
+    return wrong
 
 
 # --- command line -----------------------------------------------------------------------------------------------------
@@ -386,10 +404,10 @@ def command(ectwin, conform, only):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "defects"):
+    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "others", "defects"):
         sys.exit(__doc__)
     paths = [os.path.abspath(p) for p in sys.argv[2:4]]
     if sys.argv[1] == "devices":
         sys.exit(devices(*paths, "--write" in sys.argv) != 0)
-    run = command if sys.argv[1] == "command" else defects
+    run = {"command": command, "others": others, "defects": defects}[sys.argv[1]]
     sys.exit(run(*paths, sys.argv[4] if len(sys.argv) > 4 else None) != 0)

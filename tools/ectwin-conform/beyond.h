@@ -20,4 +20,7 @@ unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each);
  */
 bool cf_soem_to_op(cf_t *c, char *what, size_t room);
 
+/** CF-085: Ethernet over EtherCAT. */
+void cf_ethernet(cf_t *c);
+
 #endif

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "case.h"
+#include "beyond.h"
 
 enum { FOE_NOT_FOUND = 0x8001, FOE_PACKET_NUMBER = 0x8005, FOE_BOOT_ONLY = 0x8008, FOE_NOT_IN_BOOT = 0x8009 };
 enum { FOE_ERRORS = 0x8000, UNKNOWN = 0x33, FAR = 77, ENDLESS_MOST = 1024 * 1024 };
-enum { EOE_GET_IP = 6, EOE_GOT_IP = 7, EOE_LAST = 0x01, ERROR_PROTOCOL = 2 };
+enum { ERROR_PROTOCOL = 2 };
 
 /* --- files ----------------------------------------------------------------------------------------------------------
  */
@@ -228,17 +228,6 @@ static void files(cf_t *c)
 /* --- others ----------------------------------------------------------------------------------------------------------
  */
 
-static void ethernet(cf_t *c)
-{
-    const uint8_t request[4] = {EOE_GET_IP, EOE_LAST, 0, 0};
-    cf_mail_t mail;
-    cf_go(c, CF_PREOP);
-    cf_send_mail(c, CF_MBX_EOE, request, sizeof request);
-    cf_receive(c, CF_MBX_EOE, &mail);
-    cf_expect_that(c, mail.length >= 4, "an EoE answer: expected at least 4 bytes, got %u", mail.length);
-    cf_expect_bits(c, "EoE type of the answer to 'get IP'", 0x0F, EOE_GOT_IP, mail.data[0]);
-}
-
 /* What is not offered is refused, and the mailbox goes on. */
 static void not_offered(cf_t *c)
 {
@@ -263,7 +252,8 @@ static void not_offered(cf_t *c)
 static const cf_case_t cases[] = {
     {"CF-084", "FoE: files are read and written whole; wrong names, passwords, packets are refused", 'F',
      CF_MAILBOX | CF_FOE, 60000, files},
-    {"CF-085", "EoE answers 'get IP'", 'F', CF_MAILBOX | CF_EOE, 0, ethernet},
+    {"CF-085", "EoE: address and filter are told; frames of any length pass in fragments, broken ones do no harm", 'F',
+     CF_MAILBOX | CF_EOE, 60000, cf_ethernet},
     {"CF-086", "AoE, SoE and VoE get a mailbox error where they are not offered", 'R', CF_MAILBOX, 0, not_offered},
 };
 
