@@ -97,22 +97,22 @@ typedef struct ect_slave {
     bool inputs_due;
     bool error; /**< public, read only: error flag of AL status */
     bool pending_done;
+    uint8_t sm_off;     /* SyncManagers that are to be off from the PDI side, a bit each */
+    bool sm_repeat_ack; /* the repeat bit that SM1's PDI control shows */
+    bool ident;         /* identification value stands in the status code */
+    volatile bool held; /* mainline is in a step */
     ect_mailbox_t mailbox;
     uint8_t cause;          /**< public, read only: ect_error_cause_t */
-    bool ident;             /* identification value stands in the status code */
     bool pending_device;    /* the device delays it; else it waits for outputs */
     bool request_due;       /* AL control has yet to be carried out: new, or its PDI accesses failed */
     uint8_t drop_state;     /* wanted by the device, 0: none */
     bool restart;           /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
     bool off_bus;           /**< public, read only: the device wants to be off the bus */
-    uint8_t sm_off;         /* SyncManagers that are to be off from the PDI side, a bit each */
     uint8_t outputs_silent; /* those of `outputs` that raise no event when they are written */
     bool woken;             /* the device's own time is due, whatever tick_ns says */
-    volatile bool held;     /* mainline is in a step */
     volatile bool missed;   /* an exchange came meanwhile */
     uint8_t emergency_put;  /* counts modulo 256: queued, by the device */
     uint8_t emergency_got;  /* ... and sent */
-    bool sm_repeat_ack;     /* the repeat bit that SM1's PDI control shows */
     uint16_t line;    /* AL event mask as written last, without its upper half: no ESC has more than 8 SyncManagers */
     uint16_t code;    /**< public, read only: AL status code */
     uint16_t request; /* AL control as read last */

@@ -34,7 +34,7 @@ for device in "$src"/devices/*/; do
 done
 check ports/virtual wire seams esc
 check ports/soes_hal wire seams esc sii soes bus
-for port in template lan9252 mmio flash; do
+for port in template lan9252 mmio flash linux; do
   check "ports/$port" wire seams
 done
 check check wire seams od esc sii

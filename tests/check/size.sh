@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Text that a firmware on a Cortex-M4 links of the slave stack, core and each service by itself, against tests/budget/size.
+# Text that a firmware on a Cortex-M4 links of the slave stack, core and each service and port by itself, against tests/budget/size.
 # usage: size.sh
 set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
@@ -7,7 +7,7 @@ root=$(dirname "$here")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
-for source in "$root"/src/{od,slave}/*.c; do
+for source in "$root"/src/{od,slave}/*.c "$root"/src/ports/{lan9252,mmio,flash}/*.c; do
   arm-none-eabi-gcc -std=c11 -mcpu=cortex-m4 -mthumb -Os -DNDEBUG -ffunction-sections -fdata-sections -Wall -Wextra -Werror \
     -I"$root/src" -c "$source" -o "$work/$(basename "$(dirname "$source")")_$(basename "$source" .c).o"
 done

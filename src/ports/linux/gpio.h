@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * One line of a GPIO chip on Linux, through the kernel's character device (`/dev/gpiochipN`, Linux 5.10 or later).
+ * `gpioinfo` of the package gpiod lists the lines there are.
+ */
+#ifndef ECT_PORTS_LINUX_GPIO_H
+#define ECT_PORTS_LINUX_GPIO_H
+
+#include <stdbool.h>
+
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+enum { ECT_LINUX_MESSAGE = 256 };
+
+/** What a line is for: one of the first two, and the others with it. */
+enum {
+    ECT_GPIO_INPUT = 1,  /**< becomes readable (poll) when it gets active */
+    ECT_GPIO_OUTPUT = 2, /**< inactive at first */
+    ECT_GPIO_LOW = 4,    /**< active is low */
+    ECT_GPIO_PULL_UP = 8,
+};
+
+/**
+ * Takes a line for this process alone.
+ * @param name          "CHIP:LINE", e.g. "gpiochip0:25"
+ * @param use           ECT_GPIO_...
+ * @param[out] message  on failure one line for the user; ECT_LINUX_MESSAGE bytes
+ * @return a descriptor, to be closed by the caller, or -1
+ */
+int ect_gpio_open(const char *name, unsigned int use, char *message);
+
+/** Whether the line is active now. One that cannot be read is taken as active: then somebody looks. */
+bool ect_gpio_get(int line);
+
+void ect_gpio_set(int line, bool active);
+
+/** Takes note of all that made an input readable. */
+void ect_gpio_seen(int line);
+
+ECT_C_END
+
+#endif

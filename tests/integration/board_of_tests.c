@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The whole command ectwin-board, on a Linux of its own: where it opens an SPI and GPIO lines, a virtual LAN9252
+ * answers, whose ESC is at a network interface.  usage: board_of_tests IFACE ARGUMENT...    (the device is the last
+ * one)
+ *
+ * Environment: LATE=BYTES until the chip is ready, CSR_LASTS=BYTES, WORD_LASTS=BYTES (ports/virtual/lan9252.h).
+ */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <linux/gpio.h>
+#include <linux/spi/spidev.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "board.h"
+#include "bus/catalogue.h"
+#include "bus/packet.h"
+#include "ports/virtual/lan9252.h"
+#include "sii/fit.h"
+#include "sii/sii.h"
+
+/* --- the chip, at the interface --------------------------------------------------------------------------------------
+ */
+
+/* The ESC is one thread's at a time, and who waits for it is next: a driver that looks at the chip without a pause does
+ * not keep frames waiting. */
+static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static ect_esc_t esc;
+static ect_virtual_lan9252_t chip = {.esc = &esc};
+static ect_packet_t port;
+static int spi_fd = -1, chip_fd = -1, reset_fd = -1;
+static int irq[2] = {-1, -1}; /* what was given out as the line, and where its edges are written to */
+static bool irq_level;
+
+static void enter(void)
+{
+    pthread_mutex_lock(&turn);
+    pthread_mutex_lock(&lock);
+    pthread_mutex_unlock(&turn);
+}
+
+static void leave(void)
+{
+    pthread_mutex_unlock(&lock);
+}
+
+static uint64_t now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000ull + (uint64_t)t.tv_nsec;
+}
+
+/* Tells an edge to who waits for the line. */
+static void follow_line(void)
+{
+    static const struct gpio_v2_line_event event = {.id = GPIO_V2_LINE_EVENT_RISING_EDGE};
+    bool level = ect_virtual_lan9252_line(&chip);
+    if (level && !irq_level && irq[1] >= 0 && write(irq[1], &event, sizeof event) < 0)
+        abort();
+    irq_level = level;
+}
+
+static void *answer(void *ctx)
+{
+    (void)ctx;
+    for (;;) {
+        uint8_t frame[2100];
+        uint64_t waited_ns;
+        struct pollfd readable = {.fd = port.fd, .events = POLLIN};
+        (void)poll(&readable, 1, 1);
+        enter();
+        (void)ect_esc_tick(&esc, now());
+        ssize_t length = ect_packet_receive(&port, frame, sizeof frame, &waited_ns);
+        if (length > 0 && ect_esc_process(&esc, frame, (size_t)length, now()) == ECT_FRAME_FORWARD)
+            ect_packet_send(&port, frame, (size_t)length);
+        follow_line();
+        leave();
+    }
+    return NULL;
+}
+
+static uint32_t from_environment(const char *name)
+{
+    const char *text = getenv(name);
+    return text ? (uint32_t)strtoul(text, NULL, 0) : 0;
+}
+
+static bool power_on(const char *iface, const char *device)
+{
+    static uint8_t memory[ECT_ESC_MEMORY_SIZE(4)];
+    static ect_device_t on;
+    const ect_product_t *product = ect_catalogue_find(device);
+    char message[ECT_PACKET_MESSAGE];
+    pthread_t thread;
+    sigset_t all;
+    if (!product || !ect_fit(product->device, &ect_fit_lan9252, &on))
+        return true; /* that is for the command to say */
+    uint8_t *sii = calloc(1, on.sii_size);
+    ect_esc_config_t config = {
+        .personality = ect_esc_personality("lan9252"), .memory = memory, .sii = sii, .sii_size = on.sii_size};
+    if (!sii || ect_sii_write(&on, &on.identity, 0, sii, on.sii_size) < 0 || ect_esc_init(&esc, &config, now()) != 0)
+        return false;
+    chip.starting = chip.ready_after = from_environment("LATE");
+    chip.csr_lasts = from_environment("CSR_LASTS");
+    chip.word_lasts = from_environment("WORD_LASTS");
+    if (ect_packet_open(&port, iface, message) < 0) {
+        fprintf(stderr, "%s\n", message);
+        return false;
+    }
+    sigfillset(&all); /* signals are for the command's thread */
+    (void)pthread_sigmask(SIG_BLOCK, &all, NULL);
+    return pthread_create(&thread, NULL, answer, NULL) == 0;
+}
+
+/* --- the calls of ports/linux
+ * ----------------------------------------------------------------------------------------- */
+
+int __real_open(const char *path, int flags, ...);
+int __wrap_open(const char *path, int flags, ...);
+int __real_ioctl(int fd, unsigned long request, ...);
+int __wrap_ioctl(int fd, unsigned long request, ...);
+
+int __wrap_open(const char *path, int flags, ...)
+{
+    va_list more;
+    va_start(more, flags);
+    int mode = (flags & O_CREAT) != 0 ? va_arg(more, int) : 0;
+    va_end(more);
+    if (strcmp(path, "/dev/spidev7.1") == 0)
+        return spi_fd = __real_open("/dev/null", flags);
+    if (strcmp(path, "/dev/gpiochip9") == 0)
+        return chip_fd = __real_open("/dev/null", flags);
+    return __real_open(path, flags, mode);
+}
+
+/* As the kernel: a line is a descriptor of its own. 25 is the interrupt, 24 the reset. */
+static int take_line(struct gpio_v2_line_request *request)
+{
+    int ends[2];
+    if (request->offsets[0] == 24 && (request->config.flags & GPIO_V2_LINE_FLAG_OUTPUT) != 0) {
+        request->fd = reset_fd = __real_open("/dev/null", O_RDWR);
+        return 0;
+    }
+    if (request->offsets[0] != 25 || (request->config.flags & GPIO_V2_LINE_FLAG_EDGE_RISING) == 0 ||
+        (request->config.flags & GPIO_V2_LINE_FLAG_ACTIVE_LOW) == 0 || pipe(ends) < 0)
+        return -1;
+    irq[0] = request->fd = ends[0];
+    irq[1] = ends[1];
+    return 0;
+}
+
+static int set_values(const struct gpio_v2_line_values *values)
+{
+    ect_virtual_lan9252_reset(&chip, (values->bits & 1) != 0);
+    return 0;
+}
+
+static int transfer(const struct spi_ioc_transfer *t)
+{
+    if (t->tx_buf != t->rx_buf || t->bits_per_word != 8 || t->speed_hz > 30000000)
+        return -1;
+    (void)ect_esc_tick(&esc, now());
+    (void)ect_virtual_lan9252_transfer(&chip, (uint8_t *)(uintptr_t)t->rx_buf, (uint16_t)t->len);
+    follow_line();
+    if (chip.mistakes != 0) {
+        fprintf(stderr, "a mistake of the driver: %s\n", chip.mistake);
+        abort();
+    }
+    return (int)t->len;
+}
+
+static int ours(int fd, unsigned long request, void *argument)
+{
+    if (fd == chip_fd && request == GPIO_V2_GET_LINE_IOCTL)
+        return take_line(argument);
+    if (fd == irq[0] && request == GPIO_V2_LINE_GET_VALUES_IOCTL) {
+        ((struct gpio_v2_line_values *)argument)->bits = ect_virtual_lan9252_line(&chip);
+        return 0;
+    }
+    if (fd == reset_fd && request == GPIO_V2_LINE_SET_VALUES_IOCTL)
+        return set_values(argument);
+    if (request == SPI_IOC_MESSAGE(1))
+        return transfer(argument);
+    return request == SPI_IOC_WR_MODE || request == SPI_IOC_WR_MAX_SPEED_HZ ? 0 : -1;
+}
+
+int __wrap_ioctl(int fd, unsigned long request, ...)
+{
+    va_list more;
+    va_start(more, request);
+    void *argument = va_arg(more, void *);
+    va_end(more);
+    if (fd < 0 || (fd != spi_fd && fd != chip_fd && fd != irq[0] && fd != reset_fd))
+        return __real_ioctl(fd, request, argument);
+    enter();
+    int result = ours(fd, request, argument);
+    leave();
+    return result;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 3 || !power_on(argv[1], argv[argc - 1]))
+        return 9;
+    argv[1] = argv[0];
+    return ectwin_board_main(argc - 1, argv + 1);
+}

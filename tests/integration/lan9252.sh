@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# ectwin-board with a virtual LAN9252 under it, driven by SOEM over a veth pair.
+# usage: lan9252.sh BOARD_OF_TESTS ECTWIN_BOARD TEST_BASE_UNIT
+set -u
+board=$1
+command=$2
+base_unit=$3
+here=$(cd "$(dirname "$0")" && pwd)
+failed=0
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+check() { # TITLE EXPECTED ACTUAL
+  if [ "$2" = "$3" ]; then return 0; fi
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s %s\n' "$1" "$2" "$3" "$0" "$board" "$command" "$base_unit"
+  cat "$work/err" "$work/master" 2>/dev/null
+  failed=1
+}
+
+# drive TITLE MODE INPUT_BYTES OUTPUT_BYTES ARGUMENT...: SOEM's tests of a base unit against the board; then the board ends well.
+drive() {
+  local title=$1 mode=$2 in=$3 out=$4
+  shift 4
+  board=$board work=$work base_unit=$base_unit mode=$mode in=$in out=$out unshare -Urn bash -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+    "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
+    for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
+    cat "$work/ready"
+    "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/master" 2>&1; echo "master $?"
+    kill $pid; wait $pid; echo "board $?"' bash "$@" >"$work/out"
+  check "$title" '{"event":"ready","spi":"/dev/spidev7.1","device":"vr-bu-ect-'"${mode,,}"'"} master 0 board 0' "$(xargs -0 <"$work/out" | tr '\n' ' ' | sed 's/ *$//')"
+}
+
+drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228
+drive "SOEM takes Map7 to OP and through its tests, by the interrupt pin" Map7 66 228 --irq gpiochip9:25
+CSR_LASTS=12 WORD_LASTS=9 LATE=20000 drive "a chip that is slow, late, and reset by its pin" Map3 66 24 \
+  --irq gpiochip9:25 --reset gpiochip9:24
+
+# alone STATUS PATTERN ARGUMENT...: the board with its virtual chip, and no master.
+alone() {
+  local status=$1 pattern=$2
+  shift 2
+  board=$board work=$work timeout 30 unshare -Urn bash -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+    "$board" tw0 --spi /dev/spidev7.1 "$@" fzm1 2>"$work/err"' bash "$@" >/dev/null
+  check "'$*' with a chip" "$status" $?
+  grep -q -- "$pattern" "$work/err" || check "'$*' with a chip: it says so" "$pattern" "$(cat "$work/err")"
+}
+alone 2 "'gpio25' names no GPIO line: CHIP:LINE" --irq gpio25
+alone 2 "cannot take line 3 of '/dev/gpiochip9'" --irq gpiochip9:3
+alone 2 "cannot take line 25 of '/dev/gpiochip77': No such file" --irq gpiochip77:25
+alone 2 "cannot keep what is saved" --store /dev/null/folder
+LATE=4000000000 alone 2 "does not get ready"
+CSR_LASTS=4000000000 alone 2 "does not do what it is told"
+
+# refuses STATUS PATTERN ARGUMENT...
+refuses() {
+  local status=$1 pattern=$2
+  shift 2
+  "$command" "$@" >/dev/null 2>"$work/err"
+  check "'$*'" "$status" $?
+  grep -q -- "$pattern" "$work/err" || check "'$*': it says so" "$pattern" "$(cat "$work/err")"
+}
+refuses 2 "config.txt" --spi /dev/no-such-spidev fzm1
+refuses 2 "no SPI device" --spi /dev/null fzm1
+refuses 1 "there is no device 'nosuch'; there are: vr-bu-ect-map1" nosuch
+refuses 1 "name the device"
+refuses 1 "a number from 100000 to 30000000" --speed 40000000 fzm1
+refuses 1 "a board is one device" fzm1 fzm1
+
+"$command" --eeprom "$work/image" --alias 5 --serial 7 fzm1
+check "--eeprom" 0 $?
+check "--eeprom: PDI control, alias, serial number" "80 05 07" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $1, $9, $29}')"
+refuses 2 "cannot write '/dev/full'" --eeprom /dev/full fzm1
+exit $failed

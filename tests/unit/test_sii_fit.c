@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/* A device on another controller: where its SyncManagers lie then, what its EEPROM says, and what does not fit. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/catalogue.h"
+#include "check/check.h"
+#include "seams/services.h"
+#include "sii/fit.h"
+#include "sii/sii.h"
+#include "support/confdev.h"
+#include "support/wire.h"
+
+/* Whatever lies in process RAM lies apart, and within it. */
+static void check_layout(const ect_device_t *on)
+{
+    uint32_t end = ECT_RAM;
+    for (unsigned int n = 0; n < on->sm_count; n++) {
+        uint32_t bytes =
+            ect_device_sm_bytes(on, n) > on->sm[n].maximum ? ect_device_sm_bytes(on, n) : on->sm[n].maximum;
+        assert_true(on->sm[n].start >= end && on->sm[n].start % 4 == 0);
+        end = on->sm[n].start + bytes * (ect_device_sm_is_process(on, n) ? 3 : 1);
+    }
+    assert_true(end <= ECT_RAM + 4096);
+}
+
+static void products(void **state)
+{
+    const ect_product_t *product;
+    (void)state;
+    for (size_t i = 0; (product = ect_catalogue_at(i)); i++) {
+        ect_device_t on;
+        char line[ECT_CHECK_TEXT];
+        if (!ect_fit(product->device, &ect_fit_lan9252, &on))
+            fail_msg("%s does not fit into a LAN9252", product->device->name);
+        check_layout(&on);
+        assert_string_equal(on.esc, "lan9252");
+        assert_int_equal(on.esc_config[0], 0x80);
+        assert_int_equal(on.esc_config[1] & 1, 0); /* AL status is the stack's */
+        if ((on.sync.supported & (1u << ECT_SYNC_DC_SYNC0)) != 0)
+            assert_int_equal(on.esc_config[3] & 0x08, 0x08); /* SYNC0 is an AL event */
+        if (!ect_device_check(&on, line, sizeof line))
+            fail_msg("%s on a LAN9252: %s", product->device->name, line);
+    }
+}
+
+/* And works there: SDO, process data both ways. */
+static void products_to_op(void **state)
+{
+    const ect_product_t *product;
+    (void)state;
+    for (size_t i = 0; (product = ect_catalogue_at(i)); i++) {
+        static ect_device_t on;
+        wire_t w;
+        assert_true(ect_fit(product->device, &ect_fit_lan9252, &on));
+        wire_open_one(&w, &on);
+        wire_go(&w, 0, ECT_STATE_OP);
+        assert_int_equal(wire_outputs(&w, 0, 0), 1);
+        assert_int_equal(wire_read8(&w, 0, ECT_REG_TYPE), 0xC0);
+        assert_int_equal(wire_read8(&w, 0, ECT_REG_PDI_CONTROL), 0x80);
+        wire_close(&w);
+    }
+}
+
+static void too_large(void **state)
+{
+    ect_device_t on, device = confdev;
+    (void)state;
+    ect_fit_t chip = ect_fit_lan9252;
+    assert_true(ect_fit(&device, &chip, &on));
+    uint32_t needed = 0;
+    for (uint16_t ram = 4; ram <= 4096; ram = (uint16_t)(ram + 4)) {
+        chip.ram_bytes = ram;
+        if (ect_fit(&device, &chip, &on)) {
+            needed = ram;
+            break;
+        }
+    }
+    assert_true(needed > 0 && on.sm[3].start < ECT_RAM + needed);
+    chip = ect_fit_lan9252;
+    chip.sm_count = (uint8_t)(device.sm_count - 1);
+    assert_false(ect_fit(&device, &chip, &on));
+    chip = ect_fit_lan9252;
+    chip.fmmu_count = (uint8_t)(device.fmmu_count - 1);
+    assert_false(ect_fit(&device, &chip, &on));
+    device.sm[0].maximum = 1486;
+    device.sm[1].maximum = 1486;
+    device.sm[2].maximum = 500;
+    assert_false(ect_fit(&device, &ect_fit_lan9252, &on));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"every product fits into a LAN9252, and is a description without a fault there", products, NULL, NULL, NULL},
+        {"every product goes to OP on one", products_to_op, NULL, NULL, NULL},
+        {"what does not fit is refused: SyncManagers, FMMUs, process RAM", too_large, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("sii_fit", tests, NULL, NULL);
+}
