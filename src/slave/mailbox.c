@@ -151,7 +151,7 @@ void ect_mailbox_send(ect_slave_t *s, uint8_t type, uint16_t length)
     ECT_ASSERT(m->running && may_build(m));
     ECT_ASSERT(type <= 0x0F && length > 0 && length <= ect_mailbox_room(s));
     uint8_t *mail = m->mail[slot];
-    m->reply_counter = (uint8_t)(m->reply_counter % 7 + 1);
+    m->reply_counter = m->reply_counter == 7 ? 1 : (uint8_t)(m->reply_counter + 1);
     ect_store_le16(mail, length);
     mail[5] = (uint8_t)(type | (m->reply_counter << 4));
     m->newest = slot;
@@ -163,8 +163,8 @@ static void send_error(ect_slave_t *s, uint16_t detail)
 {
     ECT_ASSERT(detail >= ECT_MAILBOX_ERROR_SYNTAX && detail <= ECT_MAILBOX_ERROR_SIZE);
     uint8_t *data = ect_mailbox_build(s);
-    ect_store_le16(data, 1);
-    ect_store_le16(data + 2, detail);
+    data[0] = 1; /* of words of 16 bits */
+    data[2] = (uint8_t)detail;
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_ERROR, 4);
 }
 
@@ -337,10 +337,10 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->running);
     bool requested = (event & ECT_EVENT_SM0) != 0 || m->request_waits;
-    if ((event & ECT_EVENT_SM1) != 0)
-        m->open &= (uint8_t)~IN_BUFFER;
     if (requested && is(m, IN_BUFFER))
         m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
+    if ((event & ECT_EVENT_SM1) != 0)
+        m->open &= (uint8_t)~IN_BUFFER;
     go_on(s);
     uint8_t wakes = m->wakes;
     (void)speak(s, false, true);

@@ -276,6 +276,29 @@ static void not_carried_out_again(void **state)
     }
 }
 
+/* A master that saw no answer to its write sends the mail again, and then fetches the reply; a slave that is slow, or
+ * far from its controller, sees both at once. One reply is enough: the second would be taken for that of the next
+ * request. */
+static void repeated_and_fetched_at_once(void **state)
+{
+    (void)state;
+    wire_t w;
+    uint8_t mail[SIZE];
+    open_preop(&w);
+    w.manual_poll = true;
+    for (unsigned int counter = 1; counter <= 7; counter++) {
+        assert_int_equal(send_write(&w, counter, counter), 1);
+        wire_poll(&w);
+        assert_int_equal(send_write(&w, counter, counter), 1);
+        expect_fetch(&w, "reply", mail);
+        for (unsigned int n = 0; n < 3; n++)
+            wire_poll(&w);
+        expect_empty(&w, "one reply for a request that came twice");
+        assert_int_equal(testdev_of(&w, 0)->written, counter);
+    }
+    wire_close(&w);
+}
+
 static void counter_zero(void **state)
 {
     (void)state;
@@ -1307,6 +1330,8 @@ int main(int argc, char **argv)
         T("CF-024: replies run 1..7 as the slave's own sequence, whatever the master's counter", own_counter),
         T("CF-024: a request with the counter of the last one is not carried out again, its reply is given again",
           not_carried_out_again),
+        T("CF-024: a request that came twice before its reply was fetched has one reply, though both are seen at once",
+          repeated_and_fetched_at_once),
         T("CF-024: counter 0 is never a repetition", counter_zero),
         T("CF-024: a counter older than the last is a new request", older_counter_is_new),
         T("CF-024 CF-025: a repetition that comes while the reply is unread is dropped: that reply answers it",
