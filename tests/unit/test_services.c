@@ -153,7 +153,7 @@ static void set_sm(unsigned int n, uint16_t length)
     datagram(FPWR, (uint16_t)(ECT_REG_SM + 8 * n + 6), &off, 1);
     ect_store_le16(registers, sm->start);
     ect_store_le16(registers + 2, length);
-    registers[4] = sm->control;
+    registers[4] = t.description.sm[n].control;
     registers[6] = length > 0 ? 1 : 0;
     datagram(FPWR, (uint16_t)(ECT_REG_SM + 8 * n), registers, 8);
 }
@@ -633,6 +633,10 @@ static void sync_missed(void **state)
     assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
     assert_int_equal(t.slave.code, ECT_AL_SYNC);
     assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
+    assert_int_equal(read_number(0x1C32, 32) & 0xFF, 1); /* "Sync error", until it begins anew */
+    assert_int_equal(request(ECT_STATE_PREOP), ECT_STATE_PREOP);
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_SAFEOP);
+    assert_int_equal(read_number(0x1C32, 32) & 0xFF, 0);
 }
 
 /* The event is a level: as long as it is not acknowledged it is one SYNC0. */
@@ -760,6 +764,60 @@ static void sync_read_fails(void **state)
         t.failing = 0;
         poll();
         assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
+    }
+}
+
+/* The interrupt line rises at SYNC0 for those only who run by it. */
+static void sync_event_mask(void **state)
+{
+    static const struct {
+        uint16_t supported;
+        uint32_t mask;
+    } rows[] = {{0x0007, ECT_EVENT_SYNC0}, {0x0004, ECT_EVENT_SYNC0}, {0x0003, 0}, {0, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = confdev;
+        uint8_t mask[4] = {0};
+        device.sync.supported = rows[i].supported;
+        power_on_device(&device, NULL);
+        to_preop();
+        t.device.sync.type = ECT_SYNC_SM;
+        set_sm(2, 1);
+        set_sm(3, 3);
+        assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_SAFEOP);
+        assert_true(ect_esc_pdi_read(&t.esc, ECT_REG_AL_EVENT_MASK, mask, sizeof mask) >= 0);
+        if ((ect_load_le32(mask) & ECT_EVENT_SYNC0) != rows[i].mask)
+            fail_msg("supported 0x%04X: expected 0x%02X of SYNC0 in 0x0204, got 0x%08X", rows[i].supported,
+                     rows[i].mask, ect_load_le32(mask));
+    }
+}
+
+static unsigned int outputs_taken;
+
+static void take_outputs(void *instance, uint64_t now_ns)
+{
+    (void)instance;
+    (void)now_ns;
+    outputs_taken++;
+}
+
+/* A SyncManager whose events are off shows in its status that it was written. */
+static void outputs_without_event(void **state)
+{
+    (void)state;
+    ect_device_t device = confdev;
+    uint8_t output[1] = {0};
+    device.sm[2].control &= (uint8_t)~ECT_SM_CONTROL_AL_EVENT;
+    device.outputs = take_outputs;
+    power_on_device(&device, NULL);
+    to_preop();
+    to_op(1, 3);
+    outputs_taken = 0;
+    for (unsigned int i = 1; i <= 3; i++) {
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+        poll();
+        poll();
+        assert_int_equal(outputs_taken, i);
     }
 }
 
@@ -969,6 +1027,9 @@ int main(int argc, char **argv)
         TEST("CF-082 CF-092: what a device can do decides type and cycle times", sync_abilities),
         TEST("CF-043: SYNC0 that no longer comes leaves OP with 0x002C", sync_lost),
         TEST("CF-082: a SYNC0 event that is seen several times counts once", sync_level),
+        TEST("CF-082: SYNC0 is in the AL event mask of a device that runs by it, and of no other", sync_event_mask),
+        TEST("CF-022: outputs of a SyncManager without an event are taken when they were written, once",
+             outputs_without_event),
         TEST("CF-082: limit 0 never leaves OP, counters saturate", sync_limit_off),
         TEST("CF-092: a read that fails on the way to SAFEOP is done again", sync_read_fails),
         TEST("CF-067: services without their objects do nothing", services_without_objects),
