@@ -220,6 +220,8 @@ static void check_strings(const image_t *image)
             assert_string_not_equal(string(image, m, other), text);
     }
     assert_int_equal(c->length, (used + 1) / 2 * 2);
+    if (used % 2 != 0)
+        assert_int_equal(c->data[used], 0);
     expect_text(image, "string 1", 1, image->device->full_name ? image->device->full_name : image->device->type_name);
 }
 
@@ -239,6 +241,8 @@ static void check_general(const image_t *image)
     expect_text(image, "order", c->data[2], d->type_name);
     expect_text(image, "name", c->data[3], d->full_name ? d->full_name : d->type_name);
     expect_text(image, "group name", c->data[14], d->group_name);
+    assert_int_equal(c->data[4], 0);
+    assert_int_equal(c->data[15], 0);
     assert_int_equal(c->data[5], d->coe_details);
     assert_int_equal(c->data[6], (d->mailbox_protocols & 0x08) != 0);
     assert_int_equal(c->data[7], (d->mailbox_protocols & 0x02) != 0);
@@ -682,6 +686,7 @@ static void damaged_string_tables(void **state)
     } rows[] = {
         {"sound", {2, 2, 'a', 'b', 1, 'c'}, 3, 2},
         {"empty", {0}, 0, 0},
+        {"more than are counted", {1, 2, 'a', 'b', 1, 'c'}, 3, 1},
         {"no strings", {0, 0}, 1, 0},
         {"count too large", {9, 2, 'a', 'b', 1, 'c'}, 3, 2},
         {"second one too long", {2, 2, 'a', 'b', 2, 'c'}, 3, 1},
