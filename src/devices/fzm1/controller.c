@@ -142,7 +142,6 @@ void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     fzm1_all_off(u);
     fzm1_save_reset(u);
     fzm1_load(u);
-    u->scene = u->scenes[u->scene_number];
     if (u->settings.fieldbus == 0)
         host->off_bus(host->ctx, true);
     publish(u);

@@ -11,10 +11,11 @@
  *   commands.c    EXE, FLG: the eleven commands
  *   restart.c     off, off the bus, power-on
  *   switch.c      switching scene and scene group; preparing scenes
- *   save.c        what "Save to unit" keeps
+ *   save.c        what "Save to unit" keeps, and the scenes of a group, wherever they are
  *   measure.c     STEP, READY, BUSY: image input, the queue of images, results
  *   output.c      DSA, GATE: the output area, with and without handshaking
  *   view.c        what the cameras see, and how long they take
+ *   group.c       scenes of the current group that stand in memory
  *   prepared.c    scenes that a user has prepared
  *   scene.c       a scene: from the factory, and what may stand in one
  *   expression.c  what one of the eight data is
@@ -66,22 +67,29 @@ enum { FZM1_OK = 0, FZM1_NG = -1 };
 enum { FZM1_NONE = 0, FZM1_HANDSHAKING = 1 };     /**< output control */
 enum { FZM1_FIXED_POINT = 0, FZM1_FLOATING = 1 }; /**< output format */
 enum { FZM1_DATA = 8, FZM1_UNITS = 8, FZM1_GROUPS = 32, FZM1_TEXT = 32 };
-enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16, FZM1_TABLE = 256 };
+enum { FZM1_IMAGES = 16, FZM1_OUTPUTS = 16 };
 
 /** Limits of the FZ family's values (OM-C6). */
 #define FZM1_LARGEST 999999999.9999
 
 enum { FZM1_SHORTEST_US = 100, FZM1_MINUTE_US = 60000000 };
 
+enum { FZM1_SCENES = 128 }; /**< of a scene group */
+
 /**
- * Scenes of a scene group (1..128), and scenes that can be prepared (1 or more). A scene takes some 620 bytes, each of
- * a group twice: a firmware that needs fewer defines it so.
+ * What takes memory, and may be less in a firmware; 1 or more of each. Scenes of the current group that stand in memory
+ * (some 620 bytes, twice): with fewer than FZM1_SCENES the others are read when they are switched to, and so many at
+ * most can be changed before they are saved. Scenes that can be prepared (620 bytes), and rows of the table (80 bytes):
+ * both are the plant's.
  */
-#ifndef FZM1_SCENES
-#define FZM1_SCENES 128
+#ifndef FZM1_KEPT
+#define FZM1_KEPT 128
 #endif
 #ifndef FZM1_PREPARED
 #define FZM1_PREPARED 256
+#endif
+#ifndef FZM1_TABLE
+#define FZM1_TABLE 256
 #endif
 
 /** Where a value comes from, on top of the scene's own; of the times FIXED, RANDOM and TABLE. */
@@ -115,6 +123,20 @@ typedef struct fzm1_scene {
     char comment[FZM1_DATA][FZM1_TEXT + 1];
     char expression[FZM1_DATA][FZM1_TEXT + 1]; /* "": what is measured under the same number */
 } fzm1_scene_t;
+
+/** A scene of the current group in memory. */
+typedef struct fzm1_place {
+    uint8_t number;
+    bool changed; /* other than saved or prepared */
+    fzm1_scene_t content;
+} fzm1_place_t;
+
+/** Scenes of a group. One that has no place is as from the factory; if `partial`, as it was prepared or saved. */
+typedef struct fzm1_group {
+    fzm1_place_t places[FZM1_KEPT];
+    uint8_t count;
+    bool partial;
+} fzm1_group_t;
 
 /** What one measurement found. */
 typedef struct fzm1_result {
@@ -203,9 +225,9 @@ typedef struct fzm1 {
     bool levels_known;
 
     fzm1_settings_t settings;
-    fzm1_scene_t scene; /* the current one, as it is worked on */
-    fzm1_scene_t scenes[FZM1_SCENES];
-    fzm1_scene_t loading[FZM1_SCENES]; /* another group, until all of it is there */
+    fzm1_scene_t scene;   /* the current one, as it is worked on */
+    fzm1_group_t group;   /* as it was when a scene was switched to last */
+    fzm1_group_t loading; /* another one, until all of it is there */
     uint8_t scene_number, scene_group;
     uint64_t switched_due_ns; /* by hand: BUSY until then */
 
@@ -295,9 +317,13 @@ bool fzm1_saving(const fzm1_t *u);
 void fzm1_save_due(fzm1_t *u);
 void fzm1_save_reset(fzm1_t *u); /* power-on: nothing is being written */
 void fzm1_load(fzm1_t *u);       /* at power-on */
-/* Into u->scenes, or *scene, as saved. @return false: the memory does not answer */
-bool fzm1_load_group(fzm1_t *u, uint8_t group);
+/* Into u->group, or *scene, as prepared or saved. @return false: the memory does not answer */
+/* ... and a scene of it */
+bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
+bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene); /* of the current group; the same */
+/* A scene of the current group is like that from now on. @return NULL, or why not */
+const char *fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content);
 
 /* measure.c */
 const char *fzm1_not_ready(const fzm1_t *u); /* why READY is off; NULL: it is on */
@@ -325,15 +351,21 @@ uint64_t fzm1_image_input_ns(fzm1_t *u); /* of the next image */
 uint64_t fzm1_processing_ns(fzm1_t *u, const fzm1_result_t *image);
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
 
+/* group.c */
+const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number); /* NULL: it has no place */
+void fzm1_group_add(fzm1_group_t *group, uint8_t number,
+                    const fzm1_scene_t *content); /* as it is; if there is a place for it */
+/* Changed, where that is what it is. @return false: all places are taken by changed ones */
+bool fzm1_group_change(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *before, const fzm1_scene_t *content);
+void fzm1_group_saved(fzm1_group_t *group);
+
 /* prepared.c */
 fzm1_prepared_t *fzm1_prepared_find(fzm1_t *u, uint8_t group, uint8_t scene);            /* NULL: it is not */
 bool fzm1_prepare(fzm1_t *u, uint8_t group, uint8_t scene, const fzm1_scene_t *content); /* false: no room */
-void fzm1_prepared_apply(const fzm1_t *u, uint8_t group, fzm1_scene_t *scenes);
 void fzm1_prepared_forget(fzm1_t *u, uint8_t group);
 
 /* scene.c */
 void fzm1_default_scene(fzm1_scene_t *scene);
-void fzm1_default_scenes(fzm1_scene_t *scenes);          /* FZM1_SCENES of them */
 const char *fzm1_scene_fault(const fzm1_scene_t *scene); /* NULL: all of it makes sense */
 
 /* expression.c */

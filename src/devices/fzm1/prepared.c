@@ -22,14 +22,6 @@ bool fzm1_prepare(fzm1_t *u, uint8_t group, uint8_t scene, const fzm1_scene_t *c
     return true;
 }
 
-void fzm1_prepared_apply(const fzm1_t *u, uint8_t group, fzm1_scene_t *scenes)
-{
-    for (unsigned int i = 0; i < u->plant.prepared_count; i++) {
-        if (u->plant.prepared[i].group == group)
-            scenes[u->plant.prepared[i].scene] = u->plant.prepared[i].content;
-    }
-}
-
 void fzm1_prepared_forget(fzm1_t *u, uint8_t group)
 {
     uint16_t kept = 0;

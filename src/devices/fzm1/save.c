@@ -171,6 +171,124 @@ static int read_entry(const ect_record_t *r, uint32_t from, entry_t *e)
     return e->size <= SCENE && e->at + e->size <= r->length;
 }
 
+/* --- reading ------------------------------------------------------------------------------------------------------ */
+
+/* A scene that makes no sense is as from the factory. @return whether the memory answers */
+static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *scene)
+{
+    uint8_t packed[SCENE];
+    if (!ect_record_get(r, e->at, packed, e->size))
+        return false;
+    if (!unpack_scene(scene, packed, e->size))
+        fzm1_default_scene(scene);
+    return true;
+}
+
+/* The next scene of a group at or behind `from`. 1 it is there, 0 there is none, -1 the memory does not answer */
+static int next_of_group(const fzm1_t *u, uint8_t group, uint32_t from, entry_t *e)
+{
+    int there = u->record_found;
+    while (there > 0) {
+        there = read_entry(&u->record, from, e);
+        if (there > 0 && e->group == group)
+            break;
+        from = e->at + e->size;
+    }
+    return there;
+}
+
+static bool read_group(const fzm1_t *u, uint8_t group, fzm1_group_t *to)
+{
+    entry_t e;
+    fzm1_scene_t scene;
+    int there = next_of_group(u, group, SYSTEM, &e);
+    for (; there > 0; there = next_of_group(u, group, e.at + e.size, &e)) {
+        if (!read_scene(&u->record, &e, &scene))
+            return false;
+        fzm1_group_add(to, e.scene, &scene);
+    }
+    return there == 0;
+}
+
+bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene)
+{
+    entry_t e;
+    const fzm1_prepared_t *prepared = fzm1_prepared_find(u, group, number);
+    fzm1_default_scene(scene);
+    if (prepared)
+        *scene = prepared->content;
+    if (prepared || !u->host->storage)
+        return true;
+    if (!know_record(u))
+        return false;
+    int there = next_of_group(u, group, SYSTEM, &e);
+    while (there > 0 && e.scene != number)
+        there = next_of_group(u, group, e.at + e.size, &e);
+    return there == 0 || (there > 0 && read_scene(&u->record, &e, scene));
+}
+
+static void add_prepared(const fzm1_t *u, uint8_t group, fzm1_group_t *to)
+{
+    for (unsigned int i = 0; i < u->plant.prepared_count; i++) {
+        if (u->plant.prepared[i].group == group)
+            fzm1_group_add(to, u->plant.prepared[i].scene, &u->plant.prepared[i].content);
+    }
+}
+
+/* A scene of a group, of which some stand in memory. */
+static bool scene_of(fzm1_t *u, const fzm1_group_t *in, uint8_t group, uint8_t number, fzm1_scene_t *scene)
+{
+    const fzm1_scene_t *found = fzm1_group_find(in, number);
+    if (!found && in->partial)
+        return fzm1_load_scene(u, group, number, scene);
+    fzm1_default_scene(scene);
+    if (found)
+        *scene = *found;
+    return true;
+}
+
+bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
+{
+    return scene_of(u, &u->group, u->scene_group, number, scene);
+}
+
+const char *fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content)
+{
+    fzm1_scene_t before;
+    if (!fzm1_scene(u, number, &before))
+        return "the memory does not answer";
+    if (!fzm1_group_change(&u->group, number, &before, content))
+        return "as many scenes are changed as there is room for: save them first";
+    return NULL;
+}
+
+bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene)
+{
+    fzm1_group_t *to = &u->loading;
+    to->count = 0;
+    to->partial = false;
+    if (u->host->storage && !(know_record(u) && read_group(u, group, to)))
+        return false;
+    add_prepared(u, group, to);
+    if (!scene_of(u, to, group, number, scene))
+        return false;
+    u->group = *to;
+    return true;
+}
+
+void fzm1_load(fzm1_t *u)
+{
+    uint8_t system[SYSTEM];
+    u->record_found = find_record(u);
+    if (u->record_found > 0 && ect_record_get(&u->record, 0, system, SYSTEM))
+        (void)unpack_system(u, system);
+    if (fzm1_load_group(u, u->scene_group, u->scene_number, &u->scene))
+        return;
+    add_prepared(u, u->scene_group, &u->group);
+    if (!fzm1_scene(u, u->scene_number, &u->scene))
+        fzm1_default_scene(&u->scene);
+}
+
 /* --- writing ------------------------------------------------------------------------------------------------------ */
 
 static bool put_scene(ect_record_t *to, uint8_t group, uint8_t number, const uint8_t *packed, uint16_t size)
@@ -189,7 +307,11 @@ static bool put_own(fzm1_t *u)
     fzm1_default_scene(&scene);
     uint16_t factory_size = pack_scene(&scene, factory);
     for (unsigned int n = 0; n < SCENES_A_STEP && s->scene < FZM1_SCENES; n++, s->scene++) {
-        uint16_t size = pack_scene(&u->scenes[s->scene], packed);
+        if (s->scene == u->scene_number)
+            scene = u->scene;
+        else if (!fzm1_scene(u, (uint8_t)s->scene, &scene))
+            return false;
+        uint16_t size = pack_scene(&scene, packed);
         bool as_factory = size == factory_size && memcmp(packed, factory, size) == 0;
         if (!as_factory && !put_scene(&s->to, u->scene_group, (uint8_t)s->scene, packed, size))
             return false;
@@ -237,6 +359,7 @@ static void sealed(fzm1_t *u)
     u->record = u->saving.to;
     u->record_found = 1;
     fzm1_prepared_forget(u, u->scene_group);
+    fzm1_group_saved(&u->group);
     end(u, NULL);
 }
 
@@ -277,7 +400,6 @@ const char *fzm1_save(fzm1_t *u)
 {
     fzm1_saving_t *s = &u->saving;
     uint8_t system[SYSTEM];
-    u->scenes[u->scene_number] = u->scene;
     pack_system(u, system);
     *s = (fzm1_saving_t){.phase = OWN, .from = SYSTEM, .due_ns = u->time_ns};
     if (know_record(u) && ect_record_begin(&s->to, &u->record) && ect_record_put(&s->to, system, SYSTEM))
@@ -289,59 +411,4 @@ const char *fzm1_save(fzm1_t *u)
 void fzm1_save_reset(fzm1_t *u)
 {
     u->saving = (fzm1_saving_t){.phase = IDLE, .due_ns = ECT_NEVER};
-}
-
-/* --- reading ------------------------------------------------------------------------------------------------------ */
-
-/* A scene that makes no sense is as from the factory. @return whether the memory answers */
-static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *scene)
-{
-    uint8_t packed[SCENE];
-    if (!ect_record_get(r, e->at, packed, e->size))
-        return false;
-    if (!unpack_scene(scene, packed, e->size))
-        fzm1_default_scene(scene);
-    return true;
-}
-
-/* Scenes of a group into `scenes`, that of number n into element n - first. @return whether the memory answers */
-static bool read_scenes(const fzm1_t *u, uint8_t group, unsigned int first, unsigned int count, fzm1_scene_t *scenes)
-{
-    entry_t e = {0};
-    int there = u->record_found;
-    for (uint32_t from = SYSTEM; there > 0; from = e.at + e.size) {
-        there = read_entry(&u->record, from, &e);
-        bool wanted = there > 0 && e.group == group && e.scene >= first && e.scene - first < count;
-        if (wanted && !read_scene(&u->record, &e, &scenes[e.scene - first]))
-            return false;
-    }
-    return there == 0;
-}
-
-bool fzm1_load_group(fzm1_t *u, uint8_t group)
-{
-    fzm1_default_scenes(u->loading);
-    if (u->host->storage && !(know_record(u) && read_scenes(u, group, 0, FZM1_SCENES, u->loading)))
-        return false;
-    fzm1_prepared_apply(u, group, u->loading);
-    memcpy(u->scenes, u->loading, sizeof u->scenes);
-    return true;
-}
-
-bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene)
-{
-    fzm1_default_scene(scene);
-    return !u->host->storage || (know_record(u) && read_scenes(u, group, number, 1, scene));
-}
-
-void fzm1_load(fzm1_t *u)
-{
-    uint8_t system[SYSTEM];
-    u->record_found = find_record(u);
-    if (u->record_found > 0 && ect_record_get(&u->record, 0, system, SYSTEM))
-        (void)unpack_system(u, system);
-    if (fzm1_load_group(u, u->scene_group))
-        return;
-    fzm1_default_scenes(u->scenes);
-    fzm1_prepared_apply(u, u->scene_group, u->scenes);
 }

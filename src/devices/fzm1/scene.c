@@ -11,12 +11,6 @@ void fzm1_default_scene(fzm1_scene_t *scene)
     *scene = factory;
 }
 
-void fzm1_default_scenes(fzm1_scene_t *scenes)
-{
-    for (unsigned int i = 0; i < FZM1_SCENES; i++)
-        fzm1_default_scene(&scenes[i]);
-}
-
 static const char *value_fault(const fzm1_scene_t *scene)
 {
     static const fzm1_result_t any;

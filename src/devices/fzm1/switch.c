@@ -6,9 +6,14 @@ const char *fzm1_switch_scene(fzm1_t *u, uint32_t number)
 {
     if (number >= FZM1_SCENES)
         return "there is no such scene";
-    u->scenes[u->scene_number] = u->scene;
+    fzm1_scene_t next;
+    const char *why = fzm1_keep_scene(u, u->scene_number, &u->scene);
+    if (why)
+        return why;
+    if (!fzm1_scene(u, (uint8_t)number, &next))
+        return "the memory does not answer";
     u->scene_number = (uint8_t)number;
-    u->scene = u->scenes[number];
+    u->scene = next;
     fzm1_clear(u);
     return NULL;
 }
@@ -19,11 +24,12 @@ const char *fzm1_switch_group(fzm1_t *u, uint32_t number)
 {
     if (number >= FZM1_GROUPS)
         return "there is no such scene group";
-    if (!fzm1_load_group(u, (uint8_t)number))
+    fzm1_scene_t first;
+    if (!fzm1_load_group(u, (uint8_t)number, 0, &first))
         return "the memory does not answer";
     u->scene_group = (uint8_t)number;
     u->scene_number = 0;
-    u->scene = u->scenes[0];
+    u->scene = first;
     fzm1_clear(u);
     return NULL;
 }
@@ -56,21 +62,17 @@ void fzm1_switch_due(fzm1_t *u)
 
 /* --- prepared ----------------------------------------------------------------------------------------------------- */
 
-static fzm1_scene_t *at_hand(fzm1_t *u, uint8_t group, uint8_t scene)
-{
-    if (group == u->scene_group)
-        return scene == u->scene_number ? &u->scene : &u->scenes[scene];
-    fzm1_prepared_t *prepared = fzm1_prepared_find(u, group, scene);
-    return prepared ? &prepared->content : NULL;
-}
-
 const char *fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene)
 {
-    const fzm1_scene_t *from = at_hand(u, group, scene);
-    fzm1_scene_t saved;
-    if (!from && !fzm1_load_scene(u, group, scene, &saved))
+    fzm1_scene_t content = u->scene;
+    bool there = true;
+    if (group != u->scene_group)
+        there = fzm1_load_scene(u, group, scene, &content);
+    else if (scene != u->scene_number)
+        there = fzm1_scene(u, scene, &content);
+    if (!there)
         return "the memory does not answer";
-    u->plant.edit = (fzm1_prepared_t){.group = group, .scene = scene, .content = from ? *from : saved};
+    u->plant.edit = (fzm1_prepared_t){.group = group, .scene = scene, .content = content};
     return NULL;
 }
 
@@ -83,7 +85,11 @@ const char *fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content)
         return "as many scenes are prepared as there is room for: 'save' keeps those of the current group, "
                "'edit.clear' forgets all";
     edit->content = *content;
-    fzm1_scene_t *at = at_hand(u, edit->group, edit->scene);
-    *at = *content;
+    if (edit->group != u->scene_group)
+        return NULL;
+    if (edit->scene == u->scene_number)
+        u->scene = *content;
+    else
+        fzm1_group_add(&u->group, edit->scene, content);
     return NULL;
 }

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenes of a group that stand in memory: all of it, or on a board with little memory some. */
+#include <stddef.h>
+#include <string.h>
+
+#include "devices/fzm1/instance.h"
+
+static fzm1_place_t *find(fzm1_group_t *group, uint8_t number)
+{
+    for (unsigned int i = 0; i < group->count; i++) {
+        if (group->places[i].number == number)
+            return &group->places[i];
+    }
+    return NULL;
+}
+
+const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number)
+{
+    for (unsigned int i = 0; i < group->count; i++) {
+        if (group->places[i].number == number)
+            return &group->places[i].content;
+    }
+    return NULL;
+}
+
+void fzm1_group_add(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *content)
+{
+    fzm1_place_t *place = find(group, number);
+    if (!place && group->count < FZM1_KEPT)
+        place = &group->places[group->count++];
+    if (place)
+        *place = (fzm1_place_t){.number = number, .content = *content};
+    else
+        group->partial = true;
+}
+
+/* A place that is free, or whose scene can be read again. */
+static fzm1_place_t *make_room(fzm1_group_t *group)
+{
+    if (group->count < FZM1_KEPT)
+        return &group->places[group->count++];
+    for (unsigned int i = 0; i < group->count; i++) {
+        if (!group->places[i].changed) {
+            group->partial = true;
+            return &group->places[i];
+        }
+    }
+    return NULL;
+}
+
+static bool same(const fzm1_scene_t *a, const fzm1_scene_t *b)
+{
+    return memcmp(a, b, offsetof(fzm1_scene_t, expression) + sizeof a->expression) == 0; /* what follows is padding */
+}
+
+bool fzm1_group_change(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *before, const fzm1_scene_t *content)
+{
+    fzm1_place_t *place = find(group, number);
+    if (same(before, content))
+        return true;
+    if (!place)
+        place = make_room(group);
+    if (place)
+        *place = (fzm1_place_t){.number = number, .changed = true, .content = *content};
+    return place != NULL;
+}
+
+void fzm1_group_saved(fzm1_group_t *group)
+{
+    for (unsigned int i = 0; i < group->count; i++)
+        group->places[i].changed = false;
+}

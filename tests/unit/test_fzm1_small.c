@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+/* The FZM1 of a board with little memory: two scenes of the current group stand in it, the others where they are saved.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "support/sensor.h"
+
+_Static_assert(FZM1_KEPT == 2 && FZM1_PREPARED == 1 && FZM1_TABLE == 1, "tests/CMakeLists.txt says so");
+
+enum { SAVED = 6 };
+
+static sensor_t s;
+static sensor_memory_t memory;
+
+static int setup(void **state)
+{
+    (void)state;
+    sensor_memory_open(&memory);
+    sensor_open_with(&s, &memory.storage);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    sensor_close(&s);
+    sensor_memory_close(&memory);
+    return 0;
+}
+
+static void expect_data(const char *want)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    signal_get(&s.w, "data1", text);
+    if (strcmp(text, want) != 0)
+        fail_msg("data1: expected %s, got %s", want, text);
+}
+
+static void save(void)
+{
+    assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0);
+}
+
+static void switch_to(int32_t scene)
+{
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, scene, 0, 0, NULL), 0);
+}
+
+static void expect_scene(int32_t scene, const char *want)
+{
+    switch_to(scene);
+    expect_data(want);
+}
+
+static void change(int32_t scene)
+{
+    char value[16];
+    snprintf(value, sizeof value, "%d", (int)scene + 1);
+    switch_to(scene);
+    signal_set(&s.w, "data1", value);
+}
+
+/* Scenes 0 to 5 hold 1 to 6, two at a time. */
+static void fill(void)
+{
+    for (int32_t scene = 0; scene < SAVED; scene++) {
+        change(scene);
+        if (scene % 2 == 1)
+            save();
+    }
+}
+
+static void from_storage(void **state)
+{
+    (void)state;
+    fill();
+    for (int round = 0; round < 2; round++) {
+        for (int32_t n = 0; n < SAVED; n++) {
+            char want[16];
+            int32_t scene = n * 5 % SAVED; /* there and back */
+            snprintf(want, sizeof want, "%d", (int)scene + 1);
+            expect_scene(scene, want);
+        }
+        expect_scene(100, "0");
+        sensor_close(&s);
+        sensor_open_with(&s, &memory.storage);
+    }
+}
+
+static void unsaved(void **state)
+{
+    (void)state;
+    fill();
+    switch_to(4);
+    signal_set(&s.w, "data1", "44");
+    switch_to(5);
+    signal_set(&s.w, "data1", "55");
+    for (int32_t scene = 0; scene < 4; scene++) {
+        char want[16];
+        snprintf(want, sizeof want, "%d", (int)scene + 1);
+        expect_scene(scene, want);
+    }
+    expect_scene(4, "44");
+    expect_scene(5, "55");
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, 1, 0, 0, NULL), 0);
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, 0, 0, 0, NULL), 0);
+    expect_scene(4, "5"); /* what was not saved is forgotten with its group */
+}
+
+static void no_room(void **state)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    (void)state;
+    for (int32_t scene = 0; scene < 3; scene++)
+        change(scene);
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, 3, 0, 0, NULL), 0xFFFFFFFF);
+    signal_get(&s.w, "command_refused_cause", text);
+    assert_non_null(strstr(text, "save them first"));
+    expect_data("3"); /* it is where it was, and the others too */
+    save();
+    expect_scene(3, "0");
+    expect_scene(0, "1");
+    expect_scene(2, "3");
+}
+
+static void silent_memory(void **state)
+{
+    (void)state;
+    fill();
+    expect_scene(1, "2");
+    memory.reads = 0;
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, 5, 0, 0, NULL), 0xFFFFFFFF);
+    expect_data("2");
+    memory.reads = UINT32_MAX;
+    expect_scene(5, "6");
+}
+
+#define TEST(title, function) {title, function, setup, teardown, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("FZM-056 FZM-058: scenes that were saved are there, whatever has a place in memory", from_storage),
+        TEST("FZM-056 FZM-058: scenes that were changed and not saved stay until another group is switched to",
+             unsaved),
+        TEST("FZM-058: more changed scenes than places: the switch is refused with the reason, nothing is lost",
+             no_room),
+        TEST("FZM-058: a scene that the memory does not give is not switched to", silent_memory),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("FZM1 with little memory", tests, NULL, NULL);
+}
