@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "seams/leds.h"
 #include "seams/pdi.h"
 #include "seams/storage.h"
 
@@ -26,8 +27,12 @@ uint64_t board_now_ns(void);
  */
 const ect_pdi_t *board_pdi(void);
 
-/** Once a turn of the main loop, after the slave: the board's own work, its watchdog, a MAC in place of an ESC. */
-void board_turn(void);
+/**
+ * Once a turn of the main loop, after the slave: the board's own work, its watchdog, a MAC in place of an ESC.
+ * @param until_ns  nothing is due before that time but what the ESC brings: a board that notices that may sleep until
+ * then
+ */
+void board_turn(uint64_t until_ns);
 
 /** Resets the processor, and the ESC if it can. Does not return. */
 _Noreturn void board_reset(void);
@@ -41,7 +46,7 @@ uint16_t board_switches(void);
 /** Serial number of the unit; 0: the description's. Asked once, after board_init. */
 uint32_t board_serial(void);
 
-/** The RUN and ERR lamps (ETG.1300), each turn. */
-void board_lamps(bool run, bool err);
+/** The pins of the RUN and ERR lamps, for ever. */
+const ect_leds_t *board_leds(void);
 
 #endif

@@ -6,12 +6,17 @@
 #ifndef FIRMWARE_FIRMWARE_H
 #define FIRMWARE_FIRMWARE_H
 
+#include <stdint.h>
+
 #include "ecat_slv.h"
 
 /** The configuration of the stack, for ecat_slv_init. After board_init. */
 esc_cfg_t *firmware_config(void);
 
-/** Once a turn, after ecat_slv: lamps, and what the device asks of the board. */
-void firmware_turn(void);
+/**
+ * Once a turn, after ecat_slv: lamps, and what the device asks of the board.
+ * @return when the next turn is due, unless the ESC has something before
+ */
+uint64_t firmware_turn(void);
 
 #endif

@@ -9,7 +9,6 @@ int main(int argc, char **argv)
     ecat_slv_init(firmware_config());
     for (;;) {
         ecat_slv();
-        firmware_turn();
-        board_turn();
+        board_turn(firmware_turn());
     }
 }

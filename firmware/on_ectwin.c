@@ -21,8 +21,11 @@ static size_t used;
 
 static void stop(void)
 {
-    for (;;)
-        board_lamps(false, true); /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
+    const ect_leds_t *leds = board_leds();
+    for (;;) { /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
+        if (leds->err)
+            leds->err(leds->ctx, true);
+    }
 }
 
 static void *take(size_t bytes)
@@ -33,6 +36,12 @@ static void *take(size_t bytes)
         stop();
     used += blocks;
     return bytes > 0 ? taken : NULL;
+}
+
+/* What it can do without. */
+static void *take_if_there(size_t bytes)
+{
+    return bytes <= (sizeof memory / sizeof memory[0] - used) * sizeof memory[0] ? take(bytes) : NULL;
 }
 
 ect_slave_config_t ect_soes_slave_config(void)
@@ -53,7 +62,7 @@ ect_slave_config_t ect_soes_slave_config(void)
         .run_count = (uint16_t)need.runs,
         .staging = take(need.staging),
         .staging_size = (uint16_t)need.staging,
-        .buffer = take(need.buffer),
+        .buffer = take_if_there(need.buffer),
         .switches = board_switches(),
     };
 }
@@ -81,12 +90,12 @@ esc_cfg_t *firmware_config(void)
     return &config;
 }
 
-void firmware_turn(void)
+uint64_t firmware_turn(void)
 {
     const ect_slave_t *slave = &ect_soes.slave;
-    uint64_t now_ns = board_now_ns();
-    board_lamps(ect_pattern_lit(ect_indicator_run(slave), now_ns),
-                ect_pattern_lit(ect_indicator_err(slave, false), now_ns));
+    uint64_t lamps_ns = ect_indicator_drive(slave, board_leds(), false, board_now_ns());
     if (slave->restart)
         board_reset();
+    uint64_t slave_ns = ect_soes_due();
+    return slave_ns < lamps_ns ? slave_ns : lamps_ns;
 }

@@ -22,6 +22,9 @@ typedef void (*cpu_handler_t)(void);
  */
 #define CPU_VECTORS __attribute__((section(".vectors.board"), used))
 
+/** A variable that a reset leaves as it is; after power-on it holds anything. */
+#define CPU_KEPT __attribute__((section(".kept")))
+
 /** Cortex-M: SysTick. Defined by a board that starts it. */
 void cpu_systick(void);
 
@@ -39,6 +42,12 @@ void cpu_interrupts_restore(uint32_t before);
  * one that comes between the look and this ends the sleep all the same, and is taken when interrupts are on again.
  */
 void cpu_sleep(void);
+
+/**
+ * Cycles of the processor's clock since the first call. Cortex-M: of SysTick, which is then not there for anything
+ * else, and to be called once in 2^24 cycles or more often. Mainline.
+ */
+uint64_t cpu_cycles(void);
 
 /** Cortex-M: lets interrupt `number` of the chip through. */
 void cpu_interrupt_enable(unsigned int number);

@@ -2,6 +2,8 @@
 /* Interrupts are in direct mode: all of them come to cpu_trap, which a board with interrupts defines. */
 #include "cpu.h"
 
+__asm(".option arch, +zicsr");
+
 enum { MSTATUS_MIE = 8 };
 
 __attribute__((weak)) void cpu_fault(void)
@@ -44,6 +46,17 @@ void cpu_interrupts_restore(uint32_t before)
 void cpu_sleep(void)
 {
     __asm volatile("wfi" ::: "memory");
+}
+
+uint64_t cpu_cycles(void)
+{
+    uint32_t high, low, again;
+    do {
+        __asm volatile("csrr %0, mcycleh" : "=r"(high));
+        __asm volatile("csrr %0, mcycle" : "=r"(low));
+        __asm volatile("csrr %0, mcycleh" : "=r"(again));
+    } while (high != again);
+    return (uint64_t)high << 32 | low;
 }
 
 /* There is no reset that all chips have: from the beginning, with interrupts off. */

@@ -131,7 +131,7 @@ static void step(void)
         ESCvar.Time = ect_load_le32(time);
         ect_soes_follow_time(ESCvar.Time);
     }
-    (void)ect_slave_mainline(&ect_soes.slave, ect_soes_now());
+    ect_soes.due_ns = ect_slave_mainline(&ect_soes.slave, ect_soes_now());
 }
 
 void ecat_slv_poll(void)

@@ -20,6 +20,13 @@ ECT_C_BEGIN
  */
 void ect_soes_clock(uint64_t (*now_ns)(void));
 
+/**
+ * When ecat_slv or ecat_slv_poll is to be called again even if the ESC has no event: what the last call of them found,
+ * as
+ * ::ect_slave_poll returns it. For a processor that sleeps. Context: mainline.
+ */
+uint64_t ect_soes_due(void);
+
 ECT_C_END
 
 #endif

@@ -28,6 +28,7 @@ typedef struct ect_soes {
     ect_pdi_t pdi;   /* the same, looked over: ESCvar shows what passes */
     uint64_t (*clock)(void);
     uint64_t now_ns; /* without a clock */
+    uint64_t due_ns;
     uint32_t esc_time;
     volatile int watchdog;
     uint16_t wanted;   /* AL events that there is something to do about */

@@ -16,6 +16,13 @@ uint64_t ect_soes_now(void)
     return ect_soes.clock ? ect_soes.clock() : ect_soes.now_ns;
 }
 
+/* The exchange comes after mainline, and may leave it something to do. */
+uint64_t ect_soes_due(void)
+{
+    const ect_slave_t *slave = &ect_soes.slave;
+    return slave->woken || slave->inputs_due ? ect_soes_now() : ect_soes.due_ns;
+}
+
 /* The master sets the ESC's time once, by any amount: what cannot be the time between two polls is not counted. */
 void ect_soes_follow_time(uint32_t time)
 {

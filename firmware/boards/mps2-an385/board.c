@@ -1,60 +1,111 @@
 /* SPDX-License-Identifier: MIT */
+/* What the firmware needs of this board (firmware/board.h). On its serial line it tells which device it is, and its AL
+ * states. */
 #include "board.h"
 
+#include "controller.h"
 #include "cpu.h"
+#include "mps2.h"
+#include "ports/flash/flash.h"
+#include "sii/sii.h"
+#include "soes/describe.h"
+#include "wire/registers.h"
 
-enum { CLOCK_HZ = 25000000, NS_PER_TICK = 40, BAUD = 115200 };
+enum { STORAGE = 0x80000 };
 
-#define UART_DATA       REGISTER(0x40004000)
-#define UART_STATE      REGISTER(0x40004004)
-#define UART_CONTROL    REGISTER(0x40004008)
-#define UART_DIVIDER    REGISTER(0x40004010)
-#define UART_FULL       1u
-#define UART_SEND       1u
-#define FPGA_COUNTER    REGISTER(0x40028018)
-#define FPGA_PRESCALE   REGISTER(0x4002801C)
-#define SYSTICK_CONTROL REGISTER(0xE000E010)
-#define SYSTICK_RELOAD  REGISTER(0xE000E014)
-#define SYSTICK_VALUE   REGISTER(0xE000E018)
-#define SYSTICK_ON      7u /* counts, interrupts, by the processor's clock */
-#define SYSTICK_LONGEST 0xFFFFFFu
-
-/* What a serial line can take for a character at most: it counts reads, so that a line that is stuck stops nobody. */
-enum { PATIENCE = 1000000 };
-
-void board_init(void)
+static _Noreturn void stop(const char *why)
 {
-    FPGA_PRESCALE = 0; /* it counts with 25 MHz */
-    UART_DIVIDER = CLOCK_HZ / BAUD;
-    UART_CONTROL = UART_SEND;
+    mps2_print(why);
+    for (;;)
+        cpu_sleep();
+}
+
+void board_init(int argc, char **argv)
+{
+    ect_device_t device;
+    (void)argc;
+    (void)argv;
+    mps2_init();
+    ect_soes_describe(&device);
+    if (ect_sii_write(&device, NULL, 0, controller_sii(), CONTROLLER_SII) < 0)
+        stop("the EEPROM is too small\n");
+    if (controller_init(ect_esc_personality(device.esc), device.sii_size) != CONTROLLER_OK)
+        stop("the Ethernet controller does not answer\n");
+    mps2_print(device.name);
+    mps2_print("\n");
 }
 
 uint64_t board_now_ns(void)
 {
-    static uint64_t ticks;
-    uint32_t before = cpu_interrupts_off();
-    ticks += (uint32_t)(FPGA_COUNTER - (uint32_t)ticks);
-    uint64_t now = ticks;
-    cpu_interrupts_restore(before);
-    return now * NS_PER_TICK;
+    return mps2_now_ns();
 }
 
-void board_alarm(uint64_t at_ns)
+const ect_pdi_t *board_pdi(void)
 {
-    uint64_t now = board_now_ns();
-    uint64_t ticks = at_ns > now ? (at_ns - now) / NS_PER_TICK : 0;
-    if (ticks > SYSTICK_LONGEST)
-        ticks = SYSTICK_LONGEST;
-    SYSTICK_RELOAD = ticks < 1 ? 1 : (uint32_t)ticks; /* 0 would stop it */
-    SYSTICK_VALUE = 0;
-    SYSTICK_CONTROL = SYSTICK_ON;
+    return controller_pdi();
 }
 
-void board_print(const char *text)
+static const char *state_name(uint8_t state)
 {
-    for (; *text != '\0'; text++) {
-        for (unsigned int n = 0; n < PATIENCE && (UART_STATE & UART_FULL) != 0; n++) {
-        }
-        UART_DATA = (uint8_t)*text;
+    static const char *const names[] = {[ECT_STATE_INIT] = "INIT\n",
+                                        [ECT_STATE_PREOP] = "PREOP\n",
+                                        [ECT_STATE_BOOT] = "BOOT\n",
+                                        [ECT_STATE_SAFEOP] = "SAFEOP\n",
+                                        [ECT_STATE_OP] = "OP\n"};
+    return state < sizeof names / sizeof names[0] && names[state] ? names[state] : "?\n";
+}
+
+void board_turn(uint64_t until_ns)
+{
+    static uint8_t told;
+    uint8_t status;
+    const ect_pdi_t *pdi = controller_pdi();
+    if (pdi->read(pdi->ctx, ECT_REG_AL_STATUS, &status, 1) >= 0 && (status & 0x0F) != told) {
+        told = status & 0x0F;
+        mps2_print(state_name(told));
     }
+    controller_wait(until_ns);
+}
+
+void board_reset(void)
+{
+    cpu_reset();
+}
+
+/* There is no flash on this board: memory that a reset leaves alone, and power-off does not. */
+const ect_storage_t *board_storage(void)
+{
+    static uint8_t kept[2 * STORAGE] CPU_KEPT;
+    static ect_flash_t flash = {.area = {0, STORAGE}, .area_size = STORAGE, .memory = kept};
+    static ect_storage_t storage;
+    storage = ect_flash_storage(&flash);
+    return &storage;
+}
+
+uint16_t board_switches(void)
+{
+    return 0;
+}
+
+uint32_t board_serial(void)
+{
+    return 0;
+}
+
+static void light_run(void *ctx, bool lit)
+{
+    (void)ctx;
+    mps2_led(0, lit);
+}
+
+static void light_err(void *ctx, bool lit)
+{
+    (void)ctx;
+    mps2_led(1, lit);
+}
+
+const ect_leds_t *board_leds(void)
+{
+    static const ect_leds_t leds = {.run = light_run, .err = light_err};
+    return &leds;
 }

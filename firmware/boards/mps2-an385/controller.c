@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "controller.h"
 
-#include "board.h"
 #include "cpu.h"
 #include "esc/esc.h"
 #include "lan9118.h"
+#include "mps2.h"
 #include "ports/virtual/virtual.h"
 
 static lan9118_t mac;
@@ -21,9 +21,9 @@ static uint64_t wake_ns; /* what mainline sleeps for */
 /* Lets the controller's own time pass, and asks to be called when it goes on. Mainline that is due is awake by now. */
 static void pass_time(void)
 {
-    uint64_t now_ns = board_now_ns();
+    uint64_t now_ns = mps2_now_ns();
     uint64_t next_ns = ect_esc_tick(&esc, now_ns);
-    board_alarm(wake_ns > now_ns && wake_ns < next_ns ? wake_ns : next_ns);
+    mps2_alarm(wake_ns > now_ns && wake_ns < next_ns ? wake_ns : next_ns);
 }
 
 static void ethernet(void)
@@ -31,7 +31,7 @@ static void ethernet(void)
     size_t length;
     lan9118_acknowledge(&mac);
     while ((length = lan9118_receive(&mac, frame, sizeof frame)) > 0) {
-        if (ect_esc_process(&esc, (uint8_t *)frame, length, board_now_ns()) == ECT_FRAME_FORWARD)
+        if (ect_esc_process(&esc, (uint8_t *)frame, length, mps2_now_ns()) == ECT_FRAME_FORWARD)
             (void)lan9118_send(&mac, frame, length);
     }
     pass_time();
@@ -42,8 +42,8 @@ void cpu_systick(void)
     pass_time();
 }
 
-CPU_VECTORS static const cpu_handler_t vectors[BOARD_INTERRUPT_ETHERNET + 1] = {
-    [BOARD_INTERRUPT_ETHERNET] = ethernet,
+CPU_VECTORS static const cpu_handler_t vectors[MPS2_INTERRUPT_ETHERNET + 1] = {
+    [MPS2_INTERRUPT_ETHERNET] = ethernet,
 };
 
 /* --- mainline -------------------------------------------------------------------------------------------------------
@@ -91,12 +91,12 @@ uint8_t *controller_sii(void)
 controller_result_t controller_init(const ect_esc_personality_t *personality, uint32_t sii_size)
 {
     const ect_esc_config_t config = {.personality = personality, .memory = memory, .sii = sii, .sii_size = sii_size};
-    if (sii_size > sizeof sii || ect_esc_init(&esc, &config, board_now_ns()) != 0)
+    if (sii_size > sizeof sii || ect_esc_init(&esc, &config, mps2_now_ns()) != 0)
         return CONTROLLER_BAD_SII;
     inner = ect_virtual_pdi(&esc);
-    if (!lan9118_init(&mac, BOARD_ETHERNET))
+    if (!lan9118_init(&mac, MPS2_ETHERNET))
         return CONTROLLER_NO_ETHERNET;
-    cpu_interrupt_enable(BOARD_INTERRUPT_ETHERNET);
+    cpu_interrupt_enable(MPS2_INTERRUPT_ETHERNET);
     return CONTROLLER_OK;
 }
 
@@ -105,7 +105,7 @@ void controller_wait(uint64_t until_ns)
     static uint32_t seen;
     uint32_t before = cpu_interrupts_off();
     wake_ns = until_ns;
-    if (seen == ect_esc_activity(&esc) && board_now_ns() < until_ns) {
+    if (seen == ect_esc_activity(&esc) && mps2_now_ns() < until_ns) {
         pass_time();
         cpu_sleep();
     }

@@ -27,8 +27,9 @@ const ect_pdi_t *board_pdi(void)
     return NULL;
 }
 
-void board_turn(void)
+void board_turn(uint64_t until_ns)
 {
+    (void)until_ns; /* the software ESC waits where it is read */
 }
 
 void board_reset(void)
@@ -52,8 +53,8 @@ uint32_t board_serial(void)
     return 0;
 }
 
-void board_lamps(bool run, bool err)
+const ect_leds_t *board_leds(void)
 {
-    (void)run;
-    (void)err;
+    static const ect_leds_t none;
+    return &none;
 }

@@ -23,13 +23,21 @@ const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number)
     return NULL;
 }
 
+/* Member by member: a whole place would lie on the stack before. */
+static void fill(fzm1_place_t *place, uint8_t number, bool changed, const fzm1_scene_t *content)
+{
+    place->number = number;
+    place->changed = changed;
+    place->content = *content;
+}
+
 void fzm1_group_add(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *content)
 {
     fzm1_place_t *place = find(group, number);
     if (!place && group->count < FZM1_KEPT)
         place = &group->places[group->count++];
     if (place)
-        *place = (fzm1_place_t){.number = number, .content = *content};
+        fill(place, number, false, content);
     else
         group->partial = true;
 }
@@ -61,7 +69,7 @@ bool fzm1_group_change(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *
     if (!place)
         place = make_room(group);
     if (place)
-        *place = (fzm1_place_t){.number = number, .changed = true, .content = *content};
+        fill(place, number, true, content);
     return place != NULL;
 }
 

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT */
+/* A chip with an ESC in its memory, as the CMake variables MMIO_... say. */
+#include "board.h"
+
+#include <string.h>
+
+#include "cpu.h"
+#include "ports/flash/flash.h"
+#include "ports/mmio/mmio.h"
+
+enum { NS_PER_CYCLE = 1000000000 / MMIO_CLOCK_HZ };
+
+static const ect_mmio_t esc = {.base = (volatile void *)MMIO_ESC, .width = MMIO_ESC_WIDTH};
+static ect_pdi_t pdi;
+
+void board_init(int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    while (!ect_mmio_ready(&esc)) {
+        /* it loads its EEPROM; without an ESC there is nothing to do */
+    }
+    pdi = ect_mmio_pdi(&esc);
+}
+
+uint64_t board_now_ns(void)
+{
+    return cpu_cycles() * NS_PER_CYCLE;
+}
+
+const ect_pdi_t *board_pdi(void)
+{
+    return &pdi;
+}
+
+void board_turn(uint64_t until_ns)
+{
+    (void)until_ns; /* the ESC is asked all the time */
+}
+
+void board_reset(void)
+{
+    cpu_reset();
+}
+
+/* --- what the device keeps: flash that is read as memory is; how it is written only the chip knows ------------------
+ */
+
+static int flash_read(void *ctx, uint32_t address, void *buffer, uint32_t length)
+{
+    (void)ctx;
+    memcpy(buffer, (const void *)(uintptr_t)address, length);
+    return 0;
+}
+
+/* To be written for the chip. Until then the device says that its memory does not answer. */
+static int flash_erase(void *ctx, uint32_t address, uint32_t length)
+{
+    (void)ctx;
+    (void)address;
+    (void)length;
+    return -1;
+}
+
+static int flash_program(void *ctx, uint32_t address, const void *data, uint32_t length)
+{
+    (void)ctx;
+    (void)address;
+    (void)data;
+    (void)length;
+    return -1;
+}
+
+const ect_storage_t *board_storage(void)
+{
+    static ect_flash_t flash = {.area = {MMIO_STORAGE, MMIO_STORAGE + MMIO_STORAGE_SIZE},
+                                .area_size = MMIO_STORAGE_SIZE,
+                                .unit = 8,
+                                .read = flash_read,
+                                .erase = flash_erase,
+                                .program = flash_program};
+    static ect_storage_t storage;
+    storage = ect_flash_storage(&flash);
+    return MMIO_STORAGE != 0 ? &storage : NULL;
+}
+
+/* --- switches and lamps ---------------------------------------------------------------------------------------------
+ */
+
+uint16_t board_switches(void)
+{
+    return 0;
+}
+
+uint32_t board_serial(void)
+{
+    return 0;
+}
+
+static void light(uint32_t bit, bool lit)
+{
+    const uintptr_t lamps = MMIO_LAMPS;
+    if (lamps != 0)
+        REGISTER(lamps) = lit ? REGISTER(lamps) | bit : REGISTER(lamps) & ~bit;
+}
+
+static void light_run(void *ctx, bool lit)
+{
+    (void)ctx;
+    light(1, lit);
+}
+
+static void light_err(void *ctx, bool lit)
+{
+    (void)ctx;
+    light(2, lit);
+}
+
+const ect_leds_t *board_leds(void)
+{
+    static const ect_leds_t leds = {.run = light_run, .err = light_err};
+    return &leds;
+}
