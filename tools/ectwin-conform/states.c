@@ -230,16 +230,18 @@ typedef struct al {
 static bool is_answered(uint16_t wanted, al_t before, al_t now)
 {
     if ((now.status & ECT_AL_ERROR) != 0)
-        return (before.status & ECT_AL_ERROR) == 0 || now.code != before.code || now.status != before.status;
+        return now.code != 0 &&
+               ((before.status & ECT_AL_ERROR) == 0 || now.code != before.code || now.status != before.status);
     return (now.status & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK) && now.code == 0;
 }
 
 /* What is judged only when it stays: an error that was there before and still is (not acknowledged, or refused again
- * for the same reason), and a code behind the state that it belongs to. */
+ * for the same reason), a code behind the state that it belongs to, and an error whose code is gone already or not
+ * there yet. */
 static bool may_be_the_answer(uint16_t wanted, al_t before, al_t now)
 {
     if ((now.status & ECT_AL_ERROR) != 0)
-        return (before.status & ECT_AL_ERROR) != 0;
+        return (before.status & ECT_AL_ERROR) != 0 || now.code == 0;
     return (now.status & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK);
 }
 
