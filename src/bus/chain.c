@@ -7,6 +7,7 @@
 #include "bus/deadlines.h"
 #include "bus/fast.h"
 #include "bus/lamps.h"
+#include "bus/topology.h"
 #include "bus/wiring.h"
 #include "esc/route.h"
 #include "ports/virtual/virtual.h"
@@ -18,6 +19,9 @@
 /* From one time that an ESC asks for to the next one. Cycles in use go down to 31.25 us. */
 enum { REST_NS = 25000 };
 
+/* Two PHYs, and a metre of cable. */
+enum { PHYS_NS = 400, METRE_NS = 5 };
+
 enum { WORD = 64 };
 
 typedef struct twin {
@@ -26,12 +30,13 @@ typedef struct twin {
     ect_pdi_t pdi;
     ect_slave_t slave;
     ect_wiring_t *wiring;
-    bool link[ECT_ENDS];    /* what is known to its ESC: a link at port 0, at port 1 */
-    uint32_t seen;          /* ESC activity that the slave has dealt with */
-    uint64_t esc_ns;        /* deadline of the ESC */
-    uint32_t sii_seen;      /* writes to its EEPROM that were told */
-    uint64_t deadline_ns;   /* of the slave or of the ESC, whichever is first */
-    uint64_t last_frame_ns; /* but for frames that the fast way took: see `fast_frame_ns` */
+    bool link[ECT_TOPOLOGY_PORTS]; /* what is known to its ESC */
+    uint32_t ports_seen;           /* changes of its loops that ways of frames have followed */
+    uint32_t seen;                 /* ESC activity that the slave has dealt with */
+    uint64_t esc_ns;               /* deadline of the ESC */
+    uint32_t sii_seen;             /* writes to its EEPROM that were told */
+    uint64_t deadline_ns;          /* of the slave or of the ESC, whichever is first */
+    uint64_t last_frame_ns;        /* but for frames that the fast way took: see `fast_frame_ns` */
     ect_lamps_t *lamps;
     void *memory[10]; /* everything that was allocated for it */
     size_t blocks;
@@ -41,6 +46,9 @@ struct ect_chain {
     size_t count;
     bool link[ECT_ENDS]; /* a cable is in at this end */
     bool links_due;      /* plugs may have been pulled, or slaves have left */
+    bool ways_due;       /* loops may be others */
+    ect_mishap_t mishap; /* of the next frame */
+    ect_topology_node_t *nodes;
     ect_fast_t *fast;
     ect_deadlines_t *deadlines; /* of twins; never later than what they and their ESCs want */
     uint64_t *ready;            /* a bit a twin: something has happened to it since it was polled */
@@ -81,6 +89,7 @@ static bool make_esc(twin_t *twin)
         .sii = sii,
         .sii_size = c->device->sii_size,
         .keep_source_mac = c->keep_source_mac,
+        .drift_ppb = c->drift_ppb,
     };
     return true;
 }
@@ -116,11 +125,13 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
     const ect_plant_t *plant = twin->config.plant;
     ect_esc_config_t esc = twin->esc.config;
     ect_slave_config_t slave = twin->slave.config;
+    const ect_esc_arrival_t arrival = twin->esc.arrival;
     slave.device_id = twin->config.alias;
     if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
         return false;
+    ect_esc_set_arrival(&twin->esc, &arrival);
     slave.switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
-    for (unsigned int port = 0; port < ECT_ENDS; port++)
+    for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++)
         ect_esc_set_link(&twin->esc, port, twin->link[port]);
     twin->esc_ns = ECT_NEVER;
     twin->deadline_ns = now_ns;
@@ -129,7 +140,7 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
 
 ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant)
 {
-    return (ect_twin_config_t){.device = device, .plant = plant, .identity = device->identity};
+    return (ect_twin_config_t){.device = device, .plant = plant, .identity = device->identity, .cable_m = 1};
 }
 
 static bool make_twin(twin_t *twin, uint64_t now_ns)
@@ -138,7 +149,7 @@ static bool make_twin(twin_t *twin, uint64_t now_ns)
     twin->wiring = allocate(twin, sizeof *twin->wiring);
     if (!twin->lamps || !twin->wiring || !make_esc(twin) || !make_slave(twin))
         return false;
-    *twin->wiring = (ect_wiring_t){.plug_in = 1, .plug_out = 1};
+    *twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = twin->config.drift_ppb};
     return power_on(twin, now_ns);
 }
 
@@ -147,33 +158,160 @@ static bool on_bus(const twin_t *twin)
     return !twin->slave.off_bus;
 }
 
-/* The wire before a twin; twin `count` stands for what is at the far end. */
-static bool wire_before(const ect_chain_t *chain, size_t i)
+static bool plugged(const ect_chain_t *chain, ect_topology_place_t at)
 {
-    const twin_t *before = i > 0 ? &chain->twins[i - 1] : NULL;
-    const twin_t *behind = i < chain->count ? &chain->twins[i] : NULL;
-    bool there = before ? on_bus(before) && before->wiring->plug_out != 0 : chain->link[ECT_END_IN];
-    return there && (behind ? on_bus(behind) && behind->wiring->plug_in != 0 : chain->link[ECT_END_OUT]);
+    const twin_t *twin = &chain->twins[at.slave];
+    return on_bus(twin) && twin->wiring->plug[at.port] != 0;
 }
 
-static void follow_link(ect_chain_t *chain, size_t i, unsigned int port, bool link)
+/* Whether a wire is in at both its ends. */
+static bool has_link(const ect_chain_t *chain, ect_topology_place_t at)
 {
-    twin_t *twin = &chain->twins[i];
-    if (twin->link[port] == link)
-        return;
-    twin->link[port] = link;
-    ect_esc_set_link(&twin->esc, port, link);
-    ect_fast_look(chain->fast, i);
+    ect_topology_place_t far;
+    switch (ect_topology_across(chain->nodes, chain->count, at, &far)) {
+    case ECT_TOPOLOGY_SLAVE:
+        return plugged(chain, at) && plugged(chain, far);
+    case ECT_TOPOLOGY_MASTER:
+        return plugged(chain, at) && chain->link[ECT_END_IN];
+    case ECT_TOPOLOGY_FAR:
+        return plugged(chain, at) && chain->link[ECT_END_OUT];
+    default:
+        return false;
+    }
 }
 
 static void follow_links(ect_chain_t *chain)
 {
-    bool link = wire_before(chain, 0);
     chain->links_due = false;
     for (size_t i = 0; i < chain->count; i++) {
-        follow_link(chain, i, 0, link);
-        link = wire_before(chain, i + 1);
-        follow_link(chain, i, 1, link);
+        twin_t *twin = &chain->twins[i];
+        for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++) {
+            bool link = has_link(chain, (ect_topology_place_t){i, port});
+            if (twin->link[port] == link)
+                continue;
+            twin->link[port] = link;
+            ect_esc_set_link(&twin->esc, port, link);
+            ect_fast_look(chain->fast, i);
+            chain->ways_due = true;
+        }
+    }
+}
+
+/* The wire over which a frame leaves, or has come: that of the slave whose input is at one of its ends. */
+static size_t wire_of(const ect_chain_t *chain, ect_topology_place_t at)
+{
+    if (at.port == 0)
+        return at.slave;
+    size_t down = chain->nodes[at.slave].down[at.port];
+    return down == ECT_TOPOLOGY_NONE ? chain->count : down;
+}
+
+static uint32_t wire_ns(const ect_chain_t *chain, size_t wire)
+{
+    uint32_t metres = wire < chain->count ? chain->twins[wire].config.cable_m : 0;
+    return PHYS_NS + METRE_NS * metres;
+}
+
+/* How far a way has been followed. */
+typedef struct way {
+    ect_topology_place_t at;
+    uint32_t ns;
+    uint8_t *seen; /* by twin: bit n port n, bit 4 the processing unit */
+} way_t;
+
+enum { UNIT = 4 };
+
+static void note_time(uint8_t *seen, unsigned int bit, uint32_t *time_ns, uint32_t now_ns)
+{
+    if ((*seen & (1u << bit)) == 0)
+        *time_ns = now_ns;
+    *seen = (uint8_t)(*seen | (1u << bit));
+}
+
+/* Through one controller. @return whether the frame leaves it; then at way->at */
+static bool through_one(ect_chain_t *chain, way_t *way)
+{
+    const ect_esc_t *esc = &chain->twins[way->at.slave].esc;
+    const ect_esc_personality_t *chip = esc->config.personality;
+    ect_esc_arrival_t arrival = esc->arrival;
+    uint8_t *seen = &way->seen[way->at.slave];
+    unsigned int port = way->at.port;
+    bool unit_seen = (*seen & (1u << UNIT)) != 0;
+    note_time(seen, port, &arrival.port_ns[port], way->ns);
+    unsigned int out = ect_esc_next_port(esc, port);
+    bool circulates = out == 0 && ect_esc_circulates(esc);
+    if (port != 0)
+        way->ns += chip->forwarding_ns;
+    if (port == 0 || circulates) {
+        note_time(seen, UNIT, &arrival.unit_ns, way->ns);
+        way->ns += chip->processing_ns;
+    }
+    ect_esc_set_arrival(&chain->twins[way->at.slave].esc, &arrival);
+    way->at.port = circulates ? ect_esc_next_port(esc, 0) : out;
+    return !(circulates && (unit_seen || way->at.port == 0)) && chain->twins[way->at.slave].link[way->at.port];
+}
+
+static void follow_way(ect_chain_t *chain, way_t way)
+{
+    ect_topology_place_t far;
+    while ((way.at.port == 0 || ect_esc_port_open(&chain->twins[way.at.slave].esc, way.at.port)) &&
+           through_one(chain, &way)) {
+        way.ns += wire_ns(chain, wire_of(chain, way.at));
+        if (ect_topology_across(chain->nodes, chain->count, way.at, &far) != ECT_TOPOLOGY_SLAVE)
+            return;
+        way.at = far;
+    }
+}
+
+/* When frames are where, from either end. Without memory for it the times stay as they were. */
+static void find_ways(ect_chain_t *chain)
+{
+    uint8_t *seen = calloc(chain->count, 1);
+    chain->ways_due = false;
+    if (!seen)
+        return;
+    if (chain->twins[0].link[0])
+        follow_way(chain, (way_t){.at = {0, 0}, .seen = seen});
+    if (chain->link[ECT_END_OUT])
+        follow_way(chain, (way_t){.at = {chain->count - 1, 1}, .seen = seen});
+    free(seen);
+}
+
+static bool chip_has_port(const void *ctx, size_t slave, unsigned int port)
+{
+    const ect_twin_config_t *twin = &((const ect_twin_config_t *)ctx)[slave];
+    const ect_esc_personality_t *chip = ect_esc_personality(twin->esc ? twin->esc : twin->device->esc);
+    return chip && (chip->ports & (1u << port)) != 0;
+}
+
+size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count)
+{
+    ect_topology_node_t *nodes = calloc(count, sizeof *nodes);
+    for (size_t i = 0; nodes && i < count; i++)
+        nodes[i] = (ect_topology_node_t){.up = twins[i].up, .up_port = twins[i].up_port};
+    size_t wrong = nodes ? ect_topology_lay(nodes, count, chip_has_port, twins) : count;
+    free(nodes);
+    return wrong;
+}
+
+static bool lay_wires(ect_chain_t *chain, const ect_twin_config_t *twins)
+{
+    chain->nodes = calloc(chain->count, sizeof *chain->nodes);
+    for (size_t i = 0; chain->nodes && i < chain->count; i++)
+        chain->nodes[i] = (ect_topology_node_t){.up = twins[i].up, .up_port = twins[i].up_port};
+    return chain->nodes && ect_topology_lay(chain->nodes, chain->count, chip_has_port, twins) == chain->count;
+}
+
+/* Before anything is powered on: who is connected to whom from the beginning on. */
+static void plug_all_in(ect_chain_t *chain)
+{
+    for (size_t i = 0; i < chain->count; i++) {
+        for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++) {
+            ect_topology_place_t far;
+            ect_topology_end_t end =
+                ect_topology_across(chain->nodes, chain->count, (ect_topology_place_t){i, port}, &far);
+            chain->twins[i].link[port] = end == ECT_TOPOLOGY_SLAVE || end == ECT_TOPOLOGY_MASTER;
+        }
     }
 }
 
@@ -205,25 +343,26 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
     chain->link[ECT_END_IN] = true;
     chain->links_due = true;
     chain->now_ns = now_ns;
-    bool made = make_lists(chain);
+    bool made = make_lists(chain) && lay_wires(chain, twins);
+    if (made)
+        plug_all_in(chain);
     for (size_t i = 0; i < count && made; i++) {
-        twin_t *twin = &chain->twins[i];
-        twin->config = twins[i];
-        twin->link[0] = true;
-        twin->link[1] = i + 1 < count;
-        made = make_twin(twin, now_ns);
+        chain->twins[i].config = twins[i];
+        made = make_twin(&chain->twins[i], now_ns);
         if (made)
             powered_on(chain, i);
     }
-    if (made)
+    if (made) {
+        find_ways(chain);
         return chain;
+    }
     ect_chain_free(chain);
     return NULL;
 }
 
 void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns)
 {
-    chain->links_due = true;
+    chain->links_due = chain->ways_due = true;
     for (size_t i = 0; i < chain->count; i++) {
         (void)power_on(&chain->twins[i], now_ns); /* what was possible once is again */
         powered_on(chain, i);
@@ -241,6 +380,7 @@ void ect_chain_free(ect_chain_t *chain)
     ect_fast_free(chain->fast);
     ect_deadlines_free(chain->deadlines);
     free(chain->ready);
+    free(chain->nodes);
     free(chain->kept);
     free(chain);
 }
@@ -249,34 +389,82 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
 {
     chain->link[end] = link;
     follow_links(chain);
+    if (chain->ways_due)
+        find_ways(chain);
 }
 
-static bool may_enter(const ect_chain_t *chain, ect_end_t in)
+void ect_chain_mishap(ect_chain_t *chain, const ect_mishap_t *mishap)
 {
-    return in == ECT_END_IN ? chain->twins[0].link[0] : ect_esc_port_open(&chain->twins[chain->count - 1].esc, 1);
+    chain->mishap = *mishap;
+}
+
+/* A frame on its way. */
+typedef struct passage {
+    uint8_t *frame;
+    size_t length;
+    uint64_t now_ns;
+    ect_mishap_t mishap;
+    bool damaged;
+    bool found; /* and a controller has noticed it */
+} passage_t;
+
+/* @return false: it ends here */
+static bool arrive(twin_t *twin, unsigned int port, passage_t *p)
+{
+    twin->last_frame_ns = p->now_ns;
+    if (port != 0 && !ect_esc_port_open(&twin->esc, port)) {
+        (void)ect_esc_frame_at(&twin->esc, port); /* the next one may pass */
+        return false;
+    }
+    if (p->damaged) {
+        ect_esc_damaged(&twin->esc, port, p->found);
+        p->found = true;
+        return !ect_esc_circulates(&twin->esc);
+    }
+    return port != 0 || ect_esc_process(&twin->esc, p->frame, p->length, p->now_ns) == ECT_FRAME_FORWARD;
 }
 
 /* Ends, for a frame that meets a port 0 without a link for the second time is destroyed there. */
-static ect_end_t walk(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+static bool depart(twin_t *twin, unsigned int *port, const passage_t *p)
 {
-    size_t i = in == ECT_END_IN ? 0 : chain->count - 1;
-    bool forward = in == ECT_END_IN; /* towards the processing unit of twin i, else towards its port 0 */
-    if (!may_enter(chain, in))
+    *port = ect_esc_next_port(&twin->esc, *port);
+    while (*port == 0 && ect_esc_circulates(&twin->esc)) {
+        if (ect_esc_process(&twin->esc, p->frame, p->length, p->now_ns) != ECT_FRAME_FORWARD)
+            return false;
+        *port = ect_esc_next_port(&twin->esc, 0);
+    }
+    return twin->link[*port]; /* a loop may be forced open where no wire is */
+}
+
+/* What happens to it on a wire. @return false: it is lost there */
+static bool over_wire(passage_t *p, size_t wire, bool back)
+{
+    const ect_mishap_t *mishap = &p->mishap;
+    if (mishap->kind == ECT_MISHAP_NONE || mishap->wire != wire || mishap->on_the_way_back != back)
+        return true;
+    p->damaged |= mishap->kind == ECT_MISHAP_DAMAGED;
+    return mishap->kind != ECT_MISHAP_LOST;
+}
+
+static ect_end_t walk(ect_chain_t *chain, ect_end_t in, passage_t *p)
+{
+    ect_topology_place_t at = {in == ECT_END_IN ? 0 : chain->count - 1, in == ECT_END_IN ? 0 : 1};
+    if (!chain->twins[at.slave].link[at.port] || !over_wire(p, wire_of(chain, at), in == ECT_END_OUT))
         return ECT_END_NONE; /* the cable ends in a dead socket */
     for (;;) {
-        twin_t *twin = &chain->twins[i];
-        twin->last_frame_ns = now_ns;
-        if (forward) {
-            if (ect_esc_process(&twin->esc, frame, length, now_ns) != ECT_FRAME_FORWARD)
-                return ECT_END_NONE;
-            forward = ect_esc_port_open(&twin->esc, 1);
-            if (forward && ++i == chain->count)
-                return ECT_END_OUT;
-        } else if (ect_esc_circulates(&twin->esc)) {
-            forward = true;
-        } else if (i == 0) {
-            return twin->link[0] ? ECT_END_IN : ECT_END_NONE;
-        } else if (!ect_esc_port_open(&chain->twins[--i].esc, 1)) {
+        ect_topology_place_t far;
+        twin_t *twin = &chain->twins[at.slave];
+        if (!arrive(twin, at.port, p) || !depart(twin, &at.port, p) || !over_wire(p, wire_of(chain, at), at.port == 0))
+            return ECT_END_NONE;
+        switch (ect_topology_across(chain->nodes, chain->count, at, &far)) {
+        case ECT_TOPOLOGY_SLAVE:
+            at = far;
+            break;
+        case ECT_TOPOLOGY_MASTER:
+            return p->damaged ? ECT_END_NONE : ECT_END_IN;
+        case ECT_TOPOLOGY_FAR:
+            return p->damaged ? ECT_END_NONE : ECT_END_OUT;
+        default:
             return ECT_END_NONE;
         }
     }
@@ -285,7 +473,9 @@ static ect_end_t walk(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t l
 /* Any of them may have been on the way. */
 static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
-    ect_end_t out = walk(chain, in, frame, length, now_ns);
+    passage_t passage = {.frame = frame, .length = length, .now_ns = now_ns, .mishap = chain->mishap};
+    chain->mishap = (ect_mishap_t){0};
+    ect_end_t out = walk(chain, in, &passage);
     for (size_t i = 0; i < chain->count; i++) {
         ect_fast_look(chain->fast, i);
         make_ready(chain, i);
@@ -342,7 +532,7 @@ static void note_reach(ect_chain_t *chain, size_t reach)
 ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     chain->now_ns = chain->frame_ns = now_ns;
-    if (in != ECT_END_IN || !chain->twins[0].link[0] || chain->count == 1)
+    if (in != ECT_END_IN || !chain->twins[0].link[0] || chain->count == 1 || chain->mishap.kind != ECT_MISHAP_NONE)
         return pass_slowly(chain, in, frame, length, now_ns);
     tick_due(chain, now_ns);
     note_reach(chain, ect_fast_reach(chain->fast));
@@ -367,10 +557,21 @@ static uint64_t tick_esc(twin_t *twin, uint64_t now_ns)
     return woken && next_ns < now_ns + REST_NS ? now_ns + REST_NS : next_ns;
 }
 
+/* What a user has done to its surroundings. */
+static void follow_wiring(twin_t *twin)
+{
+    const ect_wiring_t *wiring = twin->wiring;
+    for (unsigned int n = 0; n < 2; n++)
+        ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
+    if (twin->esc.config.drift_ppb != wiring->drift_ppb)
+        ect_esc_set_drift(&twin->esc, wiring->drift_ppb);
+}
+
 /* @return whether it begins anew */
 static bool poll_twin(twin_t *twin, uint64_t now_ns)
 {
     twin->esc_ns = tick_esc(twin, now_ns);
+    follow_wiring(twin);
     twin->seen = ect_esc_activity(&twin->esc);
     uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
@@ -406,6 +607,8 @@ static void attend(ect_chain_t *chain, size_t i, uint64_t now_ns)
     tell_sii(twin);
     ect_fast_look(chain->fast, i);
     chain->links_due |= off_bus != twin->slave.off_bus;
+    chain->ways_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
+    twin->ports_seen = ect_esc_port_changes(&twin->esc);
     ect_deadlines_set(chain->deadlines, i, earlier(twin->deadline_ns, due_ns));
 }
 
@@ -425,6 +628,8 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     }
     if (chain->links_due)
         follow_links(chain);
+    if (chain->ways_due)
+        find_ways(chain);
     uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* then lamps change */
     uint64_t next_ns = ect_deadlines_first(chain->deadlines, &i);
     return chain->frame_ns != 0 && now_ns < quiet_ns ? earlier(next_ns, quiet_ns) : next_ns;

@@ -32,7 +32,11 @@ typedef struct ect_twin_config {
     /** The master has written to the EEPROM: all of its content as it is now, at the next poll. NULL: nobody cares. */
     void (*sii_written)(void *sii_ctx, const uint8_t *sii, uint32_t size);
     void *sii_ctx;
-    const char *esc;      /**< its chip (esc/personality.h); NULL: the one that the description names */
+    size_t up;         /**< with up_port not 0: at which slave of the chain, one before it, its input is plugged in */
+    uint8_t up_port;   /**< at which port there: 1, 2, 3; 0: at port 1 of the one before */
+    uint16_t cable_m;  /**< length of the cable at its input, metres: distributed clocks see it */
+    int32_t drift_ppb; /**< what its oscillator is too fast by, up to ECT_ESC_MAX_DRIFT_PPB either way */
+    const char *esc;   /**< its chip (esc/personality.h); NULL: the one that the description names */
     bool keep_source_mac; /**< do not set the bit that an ESC sets in the source address */
 } ect_twin_config_t;
 
@@ -43,12 +47,21 @@ ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t
 
 /**
  * Builds a chain and powers it on at `now_ns`.
- * @param twins  `count` of them (1..65535), in the order of the wire; of devices that ::ect_device_check accepts
+ * @param twins  `count` of them (1..65535), in the order of the wire; of devices that ::ect_device_check accepts, and
+ * as
+ *               ::ect_chain_check_wires likes them
  * @return the chain, to be freed with ::ect_chain_free, or NULL when memory is short
  */
 ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns);
 
 void ect_chain_free(ect_chain_t *chain);
+
+/**
+ * Whether twins can be wired as their `up` and `up_port` say.
+ * @return count: yes; else the first one that cannot: it is plugged in at one that does not come before it, at a port
+ * that the chip has not, or where another one is
+ */
+size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count);
 
 /** Takes the power off all twins and puts it back: what stands outside them (ect_plant_t::outside_size) stays. */
 void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns);
@@ -78,6 +91,23 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link);
  * @return the end where to send the changed frame, at the same length; ECT_END_NONE: it is lost
  */
 ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/** What may happen to a frame on a wire. */
+typedef enum ect_mishap_kind { ECT_MISHAP_NONE, ECT_MISHAP_LOST, ECT_MISHAP_DAMAGED } ect_mishap_kind_t;
+
+/** A mishap on one wire: the one at the input of the slave at that position; `count`: the one behind the last slave. */
+typedef struct ect_mishap {
+    ect_mishap_kind_t kind;
+    size_t wire;
+    bool on_the_way_back; /**< towards the master, and not away from him */
+} ect_mishap_t;
+
+/**
+ * The next frame that passes meets with a mishap if it comes by that wire in that direction. One that is lost was
+ * processed by those before; so was one that is damaged, and those behind count it (0x0300, 0x0308, 0x030C) and do not
+ * execute it. It comes back to nobody.
+ */
+void ect_chain_mishap(ect_chain_t *chain, const ect_mishap_t *mishap);
 
 /** ::ect_chain_pass for a chain with one end. @return whether the frame comes back */
 bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The plugs of every slave, as signals `ecat.plug_*` beside those of its lamps: pull one, and the wire is cut there.
+ * What stands around the chip of every slave, as signals `ecat.*` beside those of its lamps: its plugs (pull one, and
+ * the wire is cut there), its latch inputs, its oscillator.
  */
 #ifndef ECT_BUS_WIRING_H
 #define ECT_BUS_WIRING_H
@@ -13,10 +14,11 @@
 
 ECT_C_BEGIN
 
-/** The plugs of one slave: 1 plugged in, 0 pulled. A wire has two, one at either end. */
+/** Of one slave. Plugs: 1 plugged in, 0 pulled; a wire has two, one at either end. */
 typedef struct ect_wiring {
-    uint8_t plug_in;  /**< port 0, towards the master */
-    uint8_t plug_out; /**< port 1 */
+    uint8_t plug[4];  /**< by port: 0 the input, towards the master; 1 the output; 2 and 3 of a junction */
+    uint8_t latch[2]; /**< level of the inputs LATCH0 and LATCH1 */
+    int32_t drift_ppb;
 } ect_wiring_t;
 
 /** A plant with nothing but the signals of an ect_wiring_t, which is its instance. */

@@ -127,11 +127,13 @@ typedef struct ect_esc {
     uint8_t reset_step[2]; /**< by side: how far its reset sequence has come */
     bool reset_moved[2];   /**< by side: this frame, or access, has moved it on */
     uint8_t held_ports;    /**< bit n: auto-close port n has lost its link and waits to be opened */
-    uint8_t kept_loops;    /**< loop settings that come back after temporary ones */
-    uint8_t err_code;      /**< what the ERR LED shows by itself */
-    uint8_t fmmu_reads;    /* FMMUs that are active and read through, a bit each */
-    uint8_t fmmu_writes;   /* those that are written through */
-    uint8_t sm_changed;    /* SyncManagers whose activate register the PDI has yet to look at */
+    uint8_t next_port[4];  /**< by port: where a frame leaves that has come in there */
+    uint32_t port_changes;
+    uint8_t kept_loops;  /**< loop settings that come back after temporary ones */
+    uint8_t err_code;    /**< what the ERR LED shows by itself */
+    uint8_t fmmu_reads;  /* FMMUs that are active and read through, a bit each */
+    uint8_t fmmu_writes; /* those that are written through */
+    uint8_t sm_changed;  /* SyncManagers whose activate register the PDI has yet to look at */
     uint32_t activity;
     uint32_t routing; /* moves when what decides on the way of frames, or what they take along, does (route.h) */
     uint32_t sii_writes;
@@ -199,6 +201,21 @@ static inline uint64_t ect_esc_due(const ect_esc_t *esc)
  * leave goes back to the master from here.
  */
 bool ect_esc_port_open(const ect_esc_t *esc, unsigned int port);
+
+/**
+ * Where a frame leaves that has come in at a port (0..3): the ports follow each other as 0, 3, 1, 2, and 0 again, those
+ * with a closed loop left out. A port whose loop was forced open without a link is not: frames vanish there.
+ */
+static inline unsigned int ect_esc_next_port(const ect_esc_t *esc, unsigned int port)
+{
+    return esc->next_port[port];
+}
+
+/** A counter that moves whenever links or loops have changed. */
+static inline uint32_t ect_esc_port_changes(const ect_esc_t *esc)
+{
+    return esc->port_changes;
+}
 
 /**
  * Whether port 0 has no link and its loop has closed itself: a frame that comes back from the slaves behind does not go

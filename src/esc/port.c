@@ -35,6 +35,25 @@ static unsigned int loop_state(const ect_esc_t *esc, unsigned int port)
     return link ? COMMUNICATES : control == OPEN ? OPEN_WITHOUT_LINK : SHUT;
 }
 
+static bool is_shut(const ect_esc_t *esc, unsigned int port)
+{
+    unsigned int state = loop_state(esc, port);
+    return state == SHUT || state == SHUT_IN_SPITE_OF_LINK || (esc->config.personality->ports & (1u << port)) == 0;
+}
+
+/* In the order in which frames come by the ports. */
+static void find_next_ports(ect_esc_t *esc)
+{
+    static const uint8_t after[ECT_ESC_PORTS] = {3, 2, 0, 1};
+    for (unsigned int port = 0; port < ECT_ESC_PORTS; port++) {
+        uint8_t next = after[port];
+        while (next != 0 && is_shut(esc, next))
+            next = after[next];
+        esc->next_port[port] = next;
+    }
+    esc->port_changes++;
+}
+
 void ect_esc_update_dl_status(ect_esc_t *esc)
 {
     uint8_t *status = esc->memory + ECT_REG_DL_STATUS;
@@ -43,8 +62,10 @@ void ect_esc_update_dl_status(ect_esc_t *esc)
         value |= has_link(esc, port) ? (unsigned int)FIRST_LINK << port : 0u;
         value |= loop_state(esc, port) << (8 + 2 * port);
     }
-    if (value != ect_load_le16(status))
+    if (value != ect_load_le16(status)) {
         ect_esc_raise_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
+        find_next_ports(esc);
+    }
     esc->routing++;
     ect_store_le16(status, (uint16_t)value);
 }

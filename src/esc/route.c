@@ -17,6 +17,13 @@ static void add_window(const ect_esc_t *esc, unsigned int n, ect_esc_route_t *ro
         (window.direction & ECT_PART_WRITE) != 0 && ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) < ECT_RAM;
 }
 
+/* From port 0 to port 1 and back, or back at once: no junction, and no loop that is open where no wire is. */
+static bool is_of_a_line(const ect_esc_t *esc)
+{
+    unsigned int next = ect_esc_next_port(esc, 0);
+    return next == 0 || (next == 1 && ect_esc_port_open(esc, 1) && ect_esc_next_port(esc, 1) == 0);
+}
+
 void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route)
 {
     const uint8_t *m = esc->memory;
@@ -29,7 +36,7 @@ void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route)
         .al_status = ect_load_le16(m + ECT_REG_AL_STATUS),
         .al_status_new = (events & ECT_ECAT_EVENT_AL_STATUS) != 0,
         .open = ect_esc_port_open(esc, 1),
-        .circulates = ect_esc_circulates(esc),
+        .goes_astray = ect_esc_circulates(esc) || !is_of_a_line(esc),
         .marks_source = ect_esc_marks_source(esc),
         .awaits_frame = (esc->per_frame & ECT_FRAME_BEGINS) != 0,
         .clock = ect_esc_dc_present(esc),

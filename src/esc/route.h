@@ -67,7 +67,7 @@ typedef struct ect_esc_route {
     uint16_t al_status;    /**< 0x0130 */
     bool al_status_new;    /**< it was written since it was read: reading it takes an event away */
     bool open;             /**< frames leave by port 1 */
-    bool circulates;       /**< ::ect_esc_circulates */
+    bool goes_astray;      /**< frames do not simply go to port 1 and come back: ::ect_esc_circulates, a junction */
     bool marks_source;     /**< frames get the "locally administered" bit here */
     bool awaits_frame;     /**< the next frame ends something here, to whomever its datagrams go */
     bool clock;            /**< there are distributed clocks */

@@ -297,6 +297,16 @@ static void build(rig_t *r)
 
 /* --- both chains -------------------------------------------------------------------------------------------------- */
 
+/* Back through those before: a loop that was forced open where no wire is loses the frame. */
+static ect_end_t back_from(rig_t *r, size_t i)
+{
+    while (i-- > 0) {
+        if (ect_esc_next_port(ect_chain_esc(r->slow, i), 1) != 0)
+            return ECT_END_NONE;
+    }
+    return ECT_END_IN;
+}
+
 /* One controller after the other, as far as the line goes. */
 static ect_end_t reference(rig_t *r, uint8_t *frame)
 {
@@ -306,8 +316,11 @@ static ect_end_t reference(rig_t *r, uint8_t *frame)
         ect_esc_t *esc = ect_chain_esc(r->slow, i);
         if (ect_esc_process(esc, frame, r->length, r->now_ns) != ECT_FRAME_FORWARD)
             return ECT_END_NONE;
-        if (!ect_esc_port_open(esc, 1))
-            return ECT_END_IN;
+        unsigned int next = ect_esc_next_port(esc, 0);
+        if (next == 0)
+            return back_from(r, i);
+        if (next != 1 || !ect_esc_port_open(esc, 1))
+            return ECT_END_NONE;
     }
     return ECT_END_OUT;
 }

@@ -38,6 +38,10 @@ int command_watch(int argc, char **argv);
 int command_list_signals(int argc, char **argv);
 int command_command(int argc, char **argv);
 int command_periodic(int argc, char **argv);
+int command_unplug(int argc, char **argv);
+int command_plug(int argc, char **argv);
+int command_cut(int argc, char **argv);
+int command_mend(int argc, char **argv);
 
 /** "[N:]VALUE" of an identity option. */
 typedef struct identity_wish {

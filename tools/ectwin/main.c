@@ -22,7 +22,9 @@ static const struct command {
     {"command", command_command},   {"stats", command_stats},
     {"periodic", command_periodic}, {"verify", command_verify},
     {"esi", command_esi},           {"doc", command_doc},
-    {"objects", command_objects},
+    {"objects", command_objects},   {"unplug", command_unplug},
+    {"plug", command_plug},         {"cut", command_cut},
+    {"mend", command_mend},
 };
 
 static int usage(FILE *stream, int status)
@@ -42,6 +44,8 @@ static int usage(FILE *stream, int status)
           "       ectwin watch [PATTERN] [--every]              one line of JSON for what has changed, until Ctrl-C\n"
           "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
           "       ectwin periodic [-o FILE]                     the last set of periodic data that remotes were shown\n"
+          "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, put them back\n"
+          "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
           "       ectwin stats [--json]                         frames, answer times and what came late, since the "
           "start\n"
           "       ectwin --version\n"

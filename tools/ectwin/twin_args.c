@@ -328,7 +328,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
         args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
     }
     fulfil_wishes(args, state);
-    wiring_args_apply(&args->wiring, state, args->twins, args->count);
+    wiring_args_apply(&args->wiring, state, args->twins, args->count, args->faults.seed);
 }
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */

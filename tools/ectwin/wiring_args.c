@@ -9,12 +9,21 @@
 #include "check/check.h"
 #include "commands.h"
 #include "esc/personality.h"
+#include "seams/random.h"
 
-enum { KEY_ESC = 0x200 };
+enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE };
 
 static const struct argp_option options[] = {
     {"esc", KEY_ESC, "[N:]NAME", 0,
      "Controller chip of twin N, without N of all (default: the device's own); 'help' lists them", 2},
+    {"drift", KEY_DRIFT, "[N:]PPM", 0,
+     "What the oscillator of twin N is too fast by, -1000 to 1000; without N of each, up to so much either way, by lot "
+     "from --seed (default 0)",
+     2},
+    {"cable", KEY_CABLE, "[N:]METRES", 0,
+     "Length of the cable at the input of twin N, without N of all, 0 to 1000 (default 1): clocks see it", 2},
+    {"wire", KEY_WIRE, "N:M.PORT", 0,
+     "The input of twin N is plugged in at port 1, 2 or 3 of twin M, before it (default: port 1 of the one before)", 2},
     {0},
 };
 
@@ -54,10 +63,18 @@ static void add(wiring_args_t *args, const struct argp_state *state, int key, co
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
-    if (key != KEY_ESC)
+    switch (key) {
+    case KEY_ESC:
+        if (strcmp(text, "help") == 0)
+            list_chips();
+        break;
+    case KEY_DRIFT:
+    case KEY_CABLE:
+    case KEY_WIRE:
+        break;
+    default:
         return ARGP_ERR_UNKNOWN;
-    if (strcmp(text, "help") == 0)
-        list_chips();
+    }
     add(state->input, state, key, text);
     return 0;
 }
@@ -78,18 +95,81 @@ static void set_esc(const struct argp_state *state, ect_twin_config_t *twin, siz
     twin->esc = name;
 }
 
+static double parse_within(const struct argp_state *state, const char *option, const char *text, double limit)
+{
+    char *end;
+    double value = strtod(text, &end);
+    if (end == text || *end != 0 || !(value >= -limit && value <= limit))
+        argp_error(state, "%s takes a number up to %.0f, not '%s'", option, limit, text);
+    return value;
+}
+
+/* Exactly so much for one twin, up to so much for all. */
+static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish,
+                      uint32_t *seed)
+{
+    int32_t ppb = (int32_t)(parse_within(state, "--drift", wish->text, ECT_ESC_MAX_DRIFT_PPB / 1000.0) * 1000.0);
+    uint32_t most = (uint32_t)(ppb < 0 ? -ppb : ppb);
+    twin->drift_ppb = wish->twin != 0 ? ppb : (int32_t)(ect_random_next(seed) % (2 * most + 1)) - (int32_t)most;
+}
+
+static void set_cable(const struct argp_state *state, ect_twin_config_t *twin, const char *text)
+{
+    double metres = parse_within(state, "--cable", text, 1000);
+    if (metres < 0)
+        argp_error(state, "--cable takes metres from 0 to 1000, not '%s'", text);
+    twin->cable_m = (uint16_t)metres;
+}
+
+static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish)
+{
+    char *end;
+    unsigned long up = strtoul(wish->text, &end, 10);
+    bool good = wish->twin > 1 && end != wish->text && *end == '.' && end[1] >= '1' && end[1] <= '3' && end[2] == 0;
+    if (!good || up == 0)
+        argp_error(state, "--wire takes N:M.PORT, as in 3:1.2 for twin 3 at port 2 of twin 1, not '%s'", wish->text);
+    twin->up = up - 1;
+    twin->up_port = (uint8_t)(end[1] - '0');
+}
+
+static void fulfil(const wiring_wish_t *wish, const struct argp_state *state, ect_twin_config_t *twins, size_t i,
+                   uint32_t *seed)
+{
+    switch (wish->key) {
+    case KEY_ESC:
+        set_esc(state, &twins[i], i + 1, wish->text);
+        return;
+    case KEY_DRIFT:
+        set_drift(state, &twins[i], wish, seed);
+        return;
+    case KEY_CABLE:
+        set_cable(state, &twins[i], wish->text);
+        return;
+    default:
+        set_wire(state, &twins[i], wish);
+    }
+}
+
 void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
-                       size_t count)
+                       size_t count, uint32_t seed)
 {
     for (size_t w = 0; w < args->count; w++) {
         const wiring_wish_t *wish = &args->wishes[w];
-        if (wish->twin > count)
-            argp_error(state, "--esc %zu:%s: there are %zu twins", wish->twin, wish->text, count);
+        if (wish->twin > count || (wish->key == KEY_WIRE && wish->twin == 0))
+            argp_error(state, "%zu:%s: twins are counted from 1 to %zu", wish->twin, wish->text, count);
         for (size_t i = 0; i < count; i++) {
             if (wish->twin == 0 || wish->twin == i + 1)
-                set_esc(state, &twins[i], i + 1, wish->text);
+                fulfil(wish, state, twins, i, &seed);
         }
     }
+    size_t wrong = ect_chain_check_wires(twins, count);
+    if (wrong < count)
+        argp_failure(
+            state, EXIT_USAGE, 0,
+            "twin %zu cannot be plugged in at port %u of twin %zu: that is not before it, has no such port, or "
+            "something else is there (port 1 is the next one's, unless --wire says otherwise)",
+            wrong + 1, twins[wrong].up_port ? twins[wrong].up_port : 1u,
+            twins[wrong].up_port ? twins[wrong].up + 1 : wrong);
 }
 
 void wiring_args_free(wiring_args_t *args)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Options of the command line that say what the twins are built of: their chips.
+ * Options of the command line that say what the twins are built of, and how they are wired: chips, oscillators, cables,
+ * junctions.
  */
 #ifndef ECTWIN_WIRING_ARGS_H
 #define ECTWIN_WIRING_ARGS_H
@@ -27,9 +28,12 @@ typedef struct wiring_args {
 /** Argp parser for these options; its input is a wiring_args_t. */
 extern const struct argp wiring_argp;
 
-/** Builds the twins as the options say; one that cannot be built so ends the program with a line that says why. */
+/**
+ * Builds the twins as the options say; one that cannot be built so ends the program with a line that says why.
+ * @param seed  of the lot by which drifts are drawn
+ */
 void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
-                       size_t count);
+                       size_t count, uint32_t seed);
 
 void wiring_args_free(wiring_args_t *args);
 

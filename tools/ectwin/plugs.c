@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* Pulling plugs of running twins and putting them back: a slave's, or those of one wire. They are signals
+ * (`ecat.plug_*`). */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "connection.h"
+
+enum { PORTS = 4 };
+
+static const char *const plugs[PORTS] = {"ecat.plug_in", "ecat.plug_out", "ecat.plug_2", "ecat.plug_3"};
+
+typedef struct plug_args {
+    const char *socket;
+    const char *what;
+    bool wire; /* N.PORT, not N */
+    unsigned long slave;
+    unsigned int port;
+} plug_args_t;
+
+static const struct argp_option options[] = {
+    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}, {0}};
+
+static void take_what(plug_args_t *args, const struct argp_state *state, const char *text)
+{
+    char *end;
+    if (args->what)
+        argp_error(state, "one is enough: '%s'", args->what);
+    args->what = text;
+    errno = 0;
+    args->slave = strtoul(text, &end, 10);
+    bool good = errno == 0 && *text >= '0' && *text <= '9' && args->slave > 0 && args->slave <= UINT16_MAX;
+    if (args->wire) {
+        good = good && end[0] == '.' && end[1] >= '0' && end[1] < '0' + PORTS && end[2] == 0;
+        args->port = good ? (unsigned int)(end[1] - '0') : 0;
+    } else {
+        good = good && *end == 0;
+    }
+    if (!good)
+        argp_error(state,
+                   args->wire ? "name the slave, from 1, and its port, as in 2.1, not '%s'"
+                              : "name the slave, from 1, not '%s'",
+                   text);
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    plug_args_t *args = state->input;
+    switch (key) {
+    case 's':
+        args->socket = text;
+        return 0;
+    case ARGP_KEY_ARG:
+        take_what(args, state, text);
+        return 0;
+    case ARGP_KEY_END:
+        if (!args->what)
+            argp_error(state, args->wire ? "name the slave, from 1, and its port: 2.1 is the output of the second"
+                                         : "name the slave, from 1");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int set_plugs(const plug_args_t *args, const char *who, bool in)
+{
+    FILE *connection = connection_open(args->socket, who);
+    if (!connection)
+        return EXIT_OPEN;
+    cJSON *request = cJSON_CreateObject();
+    cJSON *values = cJSON_AddObjectToObject(request, "values");
+    cJSON_AddStringToObject(request, "op", "set");
+    cJSON_AddNumberToObject(request, "slave", (double)args->slave);
+    for (unsigned int port = 0; port < PORTS; port++) {
+        if (!args->wire || port == args->port)
+            cJSON_AddNumberToObject(values, plugs[port], in ? 1 : 0);
+    }
+    int status = connection_ask(connection, request, who) ? connection_answer(connection, who, NULL) : EXIT_RUN;
+    fclose(connection);
+    return status;
+}
+
+static int command(int argc, char **argv, const char *doc, bool wire, bool in)
+{
+    const struct argp argp = {.options = options, .parser = parse, .args_doc = wire ? "N.PORT" : "N", .doc = doc};
+    plug_args_t args = {.wire = wire};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    return set_plugs(&args, argv[0], in);
+}
+
+int command_unplug(int argc, char **argv)
+{
+    return command(argc, argv, "Pulls all plugs of slave N: it is off the bus, and so is what is behind it.", false,
+                   false);
+}
+
+int command_plug(int argc, char **argv)
+{
+    return command(argc, argv, "Puts the plugs of slave N back.", false, true);
+}
+
+int command_cut(int argc, char **argv)
+{
+    return command(argc, argv,
+                   "Cuts the wire at a port of slave N: 0 its input, 1 its output, 2 and 3 those of a junction.", true,
+                   false);
+}
+
+int command_mend(int argc, char **argv)
+{
+    return command(argc, argv, "Mends the wire that 'ectwin cut' has cut.", true, true);
+}
