@@ -16,11 +16,11 @@ static uint32_t begun(const filedev_t *d)
     return d->late > 0 ? ECT_FOE_LATER : ECT_FOE_OK;
 }
 
-static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
+static uint32_t open_file(const ect_foe_t *self, void *instance, const ect_foe_wish_t *wish, const char **text)
 {
     filedev_t *d = instance;
     uint8_t n = 0;
-    (void)foe;
+    (void)self;
     while (n < FILEDEV_FILES &&
            (strlen(files[n].name) != wish->length || memcmp(files[n].name, wish->name, wish->length) != 0))
         n++;
@@ -38,25 +38,28 @@ static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wi
     return begun(d);
 }
 
-static uint32_t read_file(const ect_foe_t *foe, void *instance, uint32_t offset, void *data, uint16_t *length,
+static uint32_t read_file(const ect_foe_t *self, void *instance, uint32_t offset, void *data, uint16_t *length,
                           const char **text)
 {
     filedev_t *d = instance;
     uint32_t left = d->length[d->open] - offset;
-    (void)foe;
-    (void)text;
+    (void)self;
     if (d->late > 0)
         return ECT_FOE_LATER;
+    if (d->read_error != 0) {
+        *text = "torn";
+        return d->read_error;
+    }
     *length = (uint16_t)(left < *length ? left : *length);
     memcpy(data, d->content[d->open] + offset, *length);
     return ECT_FOE_OK;
 }
 
-static uint32_t write_file(const ect_foe_t *foe, void *instance, uint32_t offset, const void *data, uint16_t length,
+static uint32_t write_file(const ect_foe_t *self, void *instance, uint32_t offset, const void *data, uint16_t length,
                            bool last, const char **text)
 {
     filedev_t *d = instance;
-    (void)foe;
+    (void)self;
     if (offset + length > FILEDEV_ROOM)
         return ECT_FOE_DISK_FULL;
     memcpy(d->draft + offset, data, length);
@@ -69,10 +72,10 @@ static uint32_t write_file(const ect_foe_t *foe, void *instance, uint32_t offset
     return begun(d);
 }
 
-static uint32_t ready(const ect_foe_t *foe, void *instance, const char **text)
+static uint32_t ready(const ect_foe_t *self, void *instance, const char **text)
 {
     filedev_t *d = instance;
-    (void)foe;
+    (void)self;
     d->asked++;
     if (d->late > 0)
         d->late--;
@@ -82,10 +85,10 @@ static uint32_t ready(const ect_foe_t *foe, void *instance, const char **text)
     return d->ready_error;
 }
 
-static void close_file(const ect_foe_t *foe, void *instance, bool whole)
+static void close_file(const ect_foe_t *self, void *instance, bool whole)
 {
     filedev_t *d = instance;
-    (void)foe;
+    (void)self;
     d->closed_whole += whole;
     d->closed_broken += !whole;
     if (!whole || d->written == 0)
@@ -94,10 +97,16 @@ static void close_file(const ect_foe_t *foe, void *instance, bool whole)
     d->length[d->open] = (uint16_t)d->draft_length;
 }
 
+static ect_foe_t foe;
+
+ect_foe_t *filedev_entry(void)
+{
+    return &foe;
+}
+
 const ect_device_t *filedev_in(uint16_t read_states, uint16_t write_states, uint32_t busy_ms)
 {
     static ect_device_t device;
-    static ect_foe_t foe;
     static const ect_protocol_t *protocols[8];
     size_t count = 0;
     foe = (ect_foe_t){.protocol = ECT_FOE_PROTOCOL,

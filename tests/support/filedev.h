@@ -33,10 +33,13 @@ typedef struct filedev {
     /* what the device answers */
     unsigned int late;    /* the next call takes so many questions to `ready` */
     uint32_t ready_error; /* and ends with that */
+    uint32_t read_error;  /* what reading ends with, 0: data */
 } filedev_t;
 
 /** The description, with files at home in these states. Of one at a time. */
 const ect_device_t *filedev_in(uint16_t read_states, uint16_t write_states, uint32_t busy_ms);
+/** Its entry, to be changed before the device is opened. */
+ect_foe_t *filedev_entry(void);
 /** At home everywhere, never BUSY. */
 const ect_device_t *filedev(void);
 

@@ -358,6 +358,78 @@ static void late_answers(void **state)
     wire_close(&w);
 }
 
+/* In the middle of a file, where it is read that is late. */
+static void late_pieces(void **state)
+{
+    (void)state;
+    open_device(filedev(), ECT_STATE_PREOP);
+    fill(FILEDEV_DATA, 2 * FULL + 1);
+    begin(READ, "data", 0);
+    expect("the file", DATA, 1);
+    device()->late = 20;
+    send_mail(ACK, 1, "", 0);
+    expect("not yet", NOTHING, 0);
+    send_mail(ACK, 1, "", 0);
+    expect_error("an impatient master", ECT_FOE_PACKET_NUMBER, "");
+    device()->late = 0;
+    begin(READ, "data", 0);
+    expect("the file", DATA, 1);
+    device()->late = 20;
+    send_mail(ACK, 1, "", 0);
+    wire_advance(&w, 30 * MS);
+    expect("the next piece", DATA, 2);
+    device()->read_error = ECT_FOE_PROGRAM_ERROR;
+    send_mail(ACK, 2, "", 0);
+    expect_error("a file that cannot be read to its end", ECT_FOE_PROGRAM_ERROR, "torn");
+    send_mail(ACK, 2, "", 0);
+    expect_error("behind that", ECT_FOE_ILLEGAL, "");
+    wire_close(&w);
+}
+
+/* Offsets have 32 bits: what would be longer is refused, not begun anew. */
+static void four_gigabytes(void **state)
+{
+    uint8_t data[FULL] = {1};
+    (void)state;
+    open_device(filedev(), ECT_STATE_PREOP);
+    begin(WRITE, "data", 0);
+    expect("the name", ACK, 0);
+    device()->transfer.offset = UINT32_MAX - FULL + 1;
+    send_mail(DATA, 1, data, FULL);
+    expect_error("the byte too many", ECT_FOE_DISK_FULL, "");
+    assert_int_equal(device()->written, 0);
+    fill(FILEDEV_DATA, 3 * FULL);
+    begin(READ, "data", 0);
+    expect("the file", DATA, 1);
+    device()->transfer.offset = UINT32_MAX - FULL + 1;
+    send_mail(ACK, 1, "", 0);
+    expect_error("the byte too many", ECT_FOE_PROGRAM_ERROR, "");
+    wire_close(&w);
+}
+
+/* A device that reads only, in its own time, and does not care when it is over: ten seconds. */
+static void the_least(void **state)
+{
+    (void)state;
+    const ect_device_t *least = filedev();
+    filedev_entry()->write = NULL;
+    filedev_entry()->close = NULL;
+    filedev_entry()->timeout_ms = 0;
+    open_device(least, ECT_STATE_PREOP);
+    fill(FILEDEV_DATA, FULL + 3);
+    begin(WRITE, "data", 0);
+    expect_error("nothing can be written", ECT_FOE_ACCESS, "");
+    begin(READ, "data", 0);
+    expect("the file", DATA, 1);
+    wire_advance(&w, 9990 * MS);
+    send_mail(ACK, 1, "", 0);
+    expect("the rest", DATA, 2);
+    wire_advance(&w, 10010 * MS);
+    send_mail(ACK, 2, "", 0);
+    expect_error("ten seconds later", ECT_FOE_ILLEGAL, "");
+    wire_close(&w);
+}
+
 static void late_errors(void **state)
 {
     (void)state;
@@ -512,7 +584,10 @@ int main(void)
         {"FoE: packets and acknowledges that come again are answered again and not taken again", sent_again, NULL, NULL,
          NULL},
         {"FoE: a device that takes its time is waited for", late_answers, NULL, NULL, NULL},
+        {"FoE: so it is in the middle of a file, and when it cannot be read on", late_pieces, NULL, NULL, NULL},
         {"FoE: what fails late is told", late_errors, NULL, NULL, NULL},
+        {"FoE: a file of more than 4 GiB is refused", four_gigabytes, NULL, NULL, NULL},
+        {"FoE: a device needs no more than open and read", the_least, NULL, NULL, NULL},
         {"FoE: a master is told BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},
         {"FoE: without a word from master or device a transfer ends", timeouts, NULL, NULL, NULL},
         {"FoE: a file that was given up does not count", given_up, NULL, NULL, NULL},
