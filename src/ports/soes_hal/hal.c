@@ -283,16 +283,19 @@ static uint32_t event(void)
     return now;
 }
 
+/* SOES reads what a mail's header says that follows it, also when that is nothing. */
 uint32_t ect_soes_hal_read(uint16_t address, void *buffer, uint16_t length)
 {
     if (address == ECT_REG_DC_SYSTEM_TIME || address == ECT_REG_DL_STATUS)
         serve();
-    (void)ect_esc_pdi_read(&hal.esc, address, buffer, length);
+    if (length > 0)
+        (void)ect_esc_pdi_read(&hal.esc, address, buffer, length);
     return event();
 }
 
 uint32_t ect_soes_hal_write(uint16_t address, const void *buffer, uint16_t length)
 {
-    (void)ect_esc_pdi_write(&hal.esc, address, buffer, length);
+    if (length > 0)
+        (void)ect_esc_pdi_write(&hal.esc, address, buffer, length);
     return event();
 }
