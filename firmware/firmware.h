@@ -9,6 +9,10 @@
 #include <stdint.h>
 
 #include "ecat_slv.h"
+#include "seams/device.h"
+
+/** The device: as it is described, or with what the board adds (update.h). Constant from the first call on. */
+const ect_device_t *firmware_device(void);
 
 /** The configuration of the stack, for ecat_slv_init. After board_init. */
 esc_cfg_t *firmware_config(void);

@@ -3,7 +3,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include FIRMWARE_DEVICE_HEADER
 #include "board.h"
 #include "firmware.h"
 #include "slave/indicator.h"
@@ -12,7 +11,6 @@
 #include "soes/internal.h"
 #include "wire/assert.h"
 
-static const ect_device_t *const device = &FIRMWARE_DEVICE;
 static ect_identity_t identity;
 
 /* All that the slave needs, as its description asks for it; FIRMWARE_MEMORY is enough for it, or nothing starts. */
@@ -46,6 +44,7 @@ static void *take_if_there(size_t bytes)
 
 ect_slave_config_t ect_soes_slave_config(void)
 {
+    const ect_device_t *device = firmware_device();
     ect_slave_memory_t need = ect_slave_memory(device);
     identity = device->identity;
     identity.serial = board_serial() != 0 ? board_serial() : identity.serial;
@@ -80,7 +79,7 @@ void ect_soes_inputs(void)
 /* What a hardware file with a software ESC makes the EEPROM from. */
 void ect_soes_describe(ect_device_t *to)
 {
-    *to = *device;
+    *to = *firmware_device();
 }
 
 esc_cfg_t *firmware_config(void)

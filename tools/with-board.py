@@ -3,7 +3,7 @@
 
 usage: with-board.py [--serial FILE] [--tap|--no-tap] IMAGE.elf -- CMD ARG...
 
-IMAGE is a firmware of firmware/boards/mps2-an385. CMD runs in a private user and network namespace, where the interface ecat0 leads
+IMAGE is a firmware of firmware/boards/mps2-an385, with its loader.elf beside it. CMD runs in a private user and network namespace, where the interface ecat0 leads
 to the board; each {} in ARG becomes its name, and $ECTWIN_IFACE holds it. Exits with CMD's status; 77 when QEMU is not to be had,
 3 when the board does not start. What the board says on its serial line goes to FILE.
 
@@ -95,9 +95,10 @@ def wait_for_board(qemu, serial):
 def run(options, folder):
     serial = pathlib.Path(options.serial or f"{folder}/serial")
     serial.write_text("")
+    loader = pathlib.Path(options.image).with_name("loader.elf")
     wire = tap() if options.tap else veth(folder)
     with open(f"{folder}/qemu", "w+b") as log, \
-         subprocess.Popen([QEMU, "-M", "mps2-an385", "-kernel", options.image, "-display", "none", "-monitor", "none",
+         subprocess.Popen([QEMU, "-M", "mps2-an385", "-kernel", str(loader), "-device", f"loader,file={options.image}", "-display", "none", "-monitor", "none",
                            "-serial", f"file:{serial}", "-netdev", f"{wire},id=wire", "-net", "nic,model=lan9118,netdev=wire"],
                           stdin=subprocess.DEVNULL, stderr=log) as qemu:
         try:

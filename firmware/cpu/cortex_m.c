@@ -4,6 +4,7 @@
 extern uint32_t cpu_stack_top[]; /* from flash.ld */
 
 #define NVIC_ENABLE(n) REGISTER(0xE000E100 + 4 * (n))
+#define SCB_VTOR       REGISTER(0xE000ED08)
 #define SCB_AIRCR      REGISTER(0xE000ED0C)
 #define SYSTEM_RESET   0x05FA0004u
 
@@ -73,6 +74,14 @@ uint64_t cpu_cycles(void)
 void cpu_interrupt_enable(unsigned int number)
 {
     NVIC_ENABLE(number / 32) = UINT32_C(1) << (number % 32);
+}
+
+_Noreturn void cpu_run(uint32_t at)
+{
+    const uint32_t *first = (const uint32_t *)(uintptr_t)at;
+    SCB_VTOR = at;
+    __asm volatile("msr msp, %0\n\tbx %1" ::"r"(first[0]), "r"(first[1]) : "memory");
+    __builtin_unreachable();
 }
 
 _Noreturn void cpu_reset(void)

@@ -52,6 +52,9 @@ uint64_t cpu_cycles(void);
 /** Cortex-M: lets interrupt `number` of the chip through. */
 void cpu_interrupt_enable(unsigned int number);
 
+/** Begins the image whose vectors are at that address, as after a reset. Cortex-M3 and above. */
+_Noreturn void cpu_run(uint32_t vectors);
+
 /** Resets the chip; on a processor that cannot, begins anew. */
 _Noreturn void cpu_reset(void);
 

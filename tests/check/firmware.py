@@ -81,7 +81,8 @@ def sources(header):
     found = [path for room in rooms for path in sorted((ROOT / "src" / room).glob("*.c"))]
     unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "signals.c"} # an object list's; the plant
     return [path for path in found if path.name not in unused] + [ROOT / "firmware" / name for name in
-                                                                  ("main.c", "on_ectwin.c", "hal.c", "boards/mmio/board.c")]
+                                                                  ("main.c", "on_ectwin.c", "plain.c", "hal.c",
+                                                                  "boards/mmio/board.c")]
 
 
 # Who calls through pointers, and what that leads to, as `file:function`. What stays inside the stack stack.py knows.

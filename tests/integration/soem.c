@@ -109,6 +109,32 @@ uint16 soem_request(soem_t *m, uint16 slave, uint16 state, uint16 *code)
     return m->slaves[slave].state;
 }
 
+/* The mailboxes for BOOT are those of the SII. */
+static void set_boot_mailbox(soem_t *m, uint16 slave, unsigned int sm, uint16 word)
+{
+    ec_slavet *s = &m->slaves[slave];
+    uint32 entry = ecx_readeeprom(&m->context, slave, word, EC_TIMEOUTEEP);
+    s->SM[sm].StartAddr = htoes((uint16)(entry & 0xFFFF));
+    s->SM[sm].SMlength = htoes((uint16)(entry >> 16));
+    if (sm == 0) {
+        s->mbx_wo = (uint16)(entry & 0xFFFF);
+        s->mbx_l = (uint16)(entry >> 16);
+    } else {
+        s->mbx_ro = (uint16)(entry & 0xFFFF);
+        s->mbx_rl = (uint16)(entry >> 16);
+    }
+    assert_true(entry >> 16 > 0);
+    ecx_FPWR(&m->port, s->configadr, (uint16)(ECT_REG_SM0 + 8 * sm), sizeof(ec_smt), &s->SM[sm], EC_TIMEOUTRET3);
+}
+
+void soem_boot(soem_t *m, uint16 slave)
+{
+    soem_go(m, slave, EC_STATE_INIT);
+    set_boot_mailbox(m, slave, 0, ECT_SII_BOOTRXMBX);
+    set_boot_mailbox(m, slave, 1, ECT_SII_BOOTTXMBX);
+    soem_go(m, slave, EC_STATE_BOOT);
+}
+
 void soem_map(soem_t *m)
 {
     ecx_config_map_group(&m->context, m->image, 0);

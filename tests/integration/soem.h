@@ -46,6 +46,9 @@ void soem_open(soem_t *m, const char *iface, int expected);
 void soem_open_redundant(soem_t *m, const char *iface, const char *second, int expected);
 void soem_close(soem_t *m);
 
+/* Takes one to BOOT, with the mailboxes that its SII says for there. */
+void soem_boot(soem_t *m, uint16 slave);
+
 /* Maps all slaves (mapping from CoE) and takes them to SAFEOP. */
 void soem_map(soem_t *m);
 /* All slaves to OP, with process data going; asserts that they get there. */

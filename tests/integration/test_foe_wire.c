@@ -96,32 +96,11 @@ static void in_op(void **state)
     soem_close(&master);
 }
 
-/* The mailboxes for BOOT are those of the SII. */
-static void set_boot_mailbox(unsigned int sm, uint16 word)
-{
-    ec_slavet *s = &master.slaves[SLAVE];
-    uint32 entry = ecx_readeeprom(&master.context, SLAVE, word, EC_TIMEOUTEEP);
-    s->SM[sm].StartAddr = htoes((uint16)(entry & 0xFFFF));
-    s->SM[sm].SMlength = htoes((uint16)(entry >> 16));
-    if (sm == 0) {
-        s->mbx_wo = (uint16)(entry & 0xFFFF);
-        s->mbx_l = (uint16)(entry >> 16);
-    } else {
-        s->mbx_ro = (uint16)(entry & 0xFFFF);
-        s->mbx_rl = (uint16)(entry >> 16);
-    }
-    assert_true(entry >> 16 > 0);
-    ecx_FPWR(&master.port, s->configadr, (uint16)(ECT_REG_SM0 + 8 * sm), sizeof(ec_smt), &s->SM[sm], EC_TIMEOUTRET3);
-}
-
 static void in_boot(void **state)
 {
     (void)state;
     soem_open(&master, iface, 1);
-    soem_go(&master, SLAVE, EC_STATE_INIT);
-    set_boot_mailbox(0, ECT_SII_BOOTRXMBX);
-    set_boot_mailbox(1, ECT_SII_BOOTTXMBX);
-    soem_go(&master, SLAVE, EC_STATE_BOOT);
+    soem_boot(&master, SLAVE);
     there_and_back(LONG);
     soem_go(&master, SLAVE, EC_STATE_INIT);
     soem_close(&master);

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Two slots in memory, for there is no flash on this board: a reset leaves the second one alone, power-off does not. It
+ * lies in the PSRAM, the first one behind the loader. QEMU loads what it was started with at each reset anew, and the
+ * loader then the update.
+ */
+#include <string.h>
+
+#include "update.h"
+
+enum { RUN = 0x00004000, SECOND = 0x21000000, SIZE = 0x00400000 };
+
+static uint8_t *second(void)
+{
+    return (uint8_t *)(uintptr_t)SECOND;
+}
+
+static bool erase(void)
+{
+    memset(second(), 0xFF, UPDATE_HEADER);
+    return true;
+}
+
+static bool write(uint32_t offset, const void *data, uint32_t length)
+{
+    memcpy(second() + offset, data, length);
+    return true;
+}
+
+const update_slots_t *board_slots(void)
+{
+    static const update_slots_t slots = {
+        .run = RUN, .second = (const uint8_t *)SECOND, .size = SIZE, .erase = erase, .write = write};
+    return &slots;
+}
