@@ -301,6 +301,78 @@ static void missing(void **state)
     ect_facts_free(&found);
 }
 
+static const char *fact_of(const ect_facts_t *facts, ect_fact_kind_t kind, uint16_t index)
+{
+    for (size_t i = 0; i < facts->count; i++) {
+        if (facts->list[i].kind == kind && facts->list[i].index == index)
+            return facts->list[i].text;
+    }
+    return "not said";
+}
+
+/* The twin of a file has things its own way: room in its EEPROM, names of standard objects, lengths of what it maps. */
+static void as_the_file_says(void **state)
+{
+    static const struct {
+        const char *what, *after, *text, *change;
+        ect_fact_kind_t kind;
+        uint16_t index;
+        const char *fact;
+    } table[] = {
+        {"an EEPROM too small for the twin's", "AI2", "<ByteSize>2048<", "<ByteSize>256<", ECT_FACT_EEPROM_SIZE, 0,
+         "256 bytes"},
+        {"its size as it is", "AI2", "<ByteSize>2048<", "<ByteSize>2048<", ECT_FACT_EEPROM_SIZE, 0, "2048 bytes"},
+        {"no size at all", "AI2", "<ByteSize>2048</ByteSize>", "", ECT_FACT_EEPROM_SIZE, 0, "not said"},
+        {"process data without a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm ", ECT_FACT_SM_LENGTH, 2, "not said"},
+        {"process data with a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm DefaultSize=\"2\" ", ECT_FACT_SM_LENGTH, 2,
+         "2 bytes"},
+        {"another name of 1018h", "<Objects>", "<Object>",
+         "<Object><Index>#x1018</Index><Name>Identity "
+         "Object</Name><Type>UDINT</Type><BitSize>32</BitSize></Object><Object>",
+         ECT_FACT_OBJECT_NAME, 0x1018, "\"Identity Object\""},
+        {"no name of 1018h", "<Objects>", "<Object>", "<Object>", ECT_FACT_OBJECT_NAME, 0x1018, "not said"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char *text = changed("analog.xml", table[i].after, table[i].text, table[i].change);
+        ect_esi_twin_t *twin = twin_of(text, "AI2");
+        ect_facts_t facts = {.source = "file"};
+        facts_of_twin(&facts, twin);
+        const char *fact = fact_of(&facts, table[i].kind, table[i].index);
+        if (fact == NULL || strcmp(fact, table[i].fact) != 0)
+            fail_msg("%s: expected %s, got %s", table[i].what, table[i].fact, fact != NULL ? fact : "something");
+        ect_facts_free(&facts);
+        ect_esi_twin_free(twin);
+        free(text);
+    }
+}
+
+/* A part of what is said is compared alone. */
+static void parts(void **state)
+{
+    (void)state;
+    ect_facts_t said = {.source = "old"}, part = {.source = "old"}, found = {.source = "new"};
+    (void)ect_facts_add(&said, ECT_FACT_VENDOR, 0, 0, "1");
+    (void)ect_facts_add(&said, ECT_FACT_SM, 0, 0, "outputs");
+    (void)ect_facts_add(&found, ECT_FACT_VENDOR, 0, 0, "2");
+    (void)ect_facts_add(&found, ECT_FACT_SM, 1, 0, "inputs");
+    said.complete[ECT_FACT_SM] = found.complete[ECT_FACT_SM] = true;
+    ect_facts_take(&part, &said, ECT_FACT_VENDOR, ECT_FACT_REVISION);
+    char *lines = lines_of(&part, &found);
+    expect_line("the identity alone", lines, "new: identity vendor id: expected 1 (old), found 2");
+    free(lines);
+    ect_facts_free(&part);
+    part = (ect_facts_t){.source = "old"};
+    ect_facts_take(&part, &said, ECT_FACT_SM, ECT_FACT_SM);
+    FILE *nowhere = fopen("/dev/null", "w");
+    assert_non_null(nowhere);
+    assert_int_equal(ect_facts_compare(&part, &found, nowhere), 2); /* one is missing, one is more */
+    (void)fclose(nowhere);
+    ect_facts_free(&part);
+    ect_facts_free(&said);
+    ect_facts_free(&found);
+}
+
 /* Names that are none, and texts that each tool spells its own way, are nobody's facts. */
 static void texts(void **state)
 {
@@ -400,6 +472,8 @@ int main(void)
         {"verify names each of 24 changes of an EEPROM image (CF-054)", sii_mutations, NULL, NULL, NULL},
         {"verify is silent of a description and its EEPROM image (CF-054)", silent, NULL, NULL, NULL},
         {"what is missing as a whole is one line", missing, NULL, NULL, NULL},
+        {"a part of what is said is compared alone", parts, NULL, NULL, NULL},
+        {"what a twin has otherwise than its file is told as the file says it", as_the_file_says, NULL, NULL, NULL},
         {"placeholders and letters beyond ISO 646 are not compared", texts, NULL, NULL, NULL},
         {"an image that is cut off anywhere is read as far as it goes", cut_images, NULL, NULL, NULL},
         {"EEPROM images as bytes and as Intel HEX", intel_hex, NULL, NULL, NULL},
