@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Draws a timing chart of a recorded exchange.  usage: chart.py [--svg] [--zero SIGNAL[:N]] [--from MS] [--to MS] [--width N] [RECORDING]
+"""Draws a timing chart of a recorded exchange.
+usage: chart.py [--svg [--curve FACTOR]] [--zero SIGNAL[:N]] [--from MS] [--to MS] [--width N] [RECORDING]
 
 A recording is what `ectwin watch --every` prints. Without --signals the signals of an FZM1's handshakes are drawn, those that
-change. Signals that are not 0 or 1 are drawn as values. Times count in milliseconds, from the first change or from where --zero
+change. Signals that are not 0 or 1 are drawn as values, or as curves (numbers times FACTOR). Times count in milliseconds, from the first change or from where --zero
 says: exe:2 is where exe rises for the second time.
 """
 import argparse
 import html
 import json
+import math
 import sys
 
+ERRORS = 0x7FFFFFF5  # of an optoNCDT 2300: from here on there is no distance
 HANDSHAKES = "exe,flg,step,ready,busy,dsa,gate,output1"
 
 
@@ -96,8 +99,31 @@ def text(changes, start, end, width):
     return "\n".join(row.rstrip() for row in rows) + "\n"
 
 
-def svg(changes, start, end, width):
+def curve(change, start, end, factor, x, high, low):
+    """A curve from `high` to `low` (pixels), of the lowest to the highest number; an error (no distance) is a gap."""
+    steps = [(a, b, int(v) * factor if int(v) < ERRORS else None) for a, b, v in spans(change, start, end)]
+    numbers = [v for _, _, v in steps if v is not None]
+    least, most = min(numbers, default=0), max(numbers, default=1)
+    scale = (low - high) / ((most - least) or 1)
+    lines, out = [[]], []
+    for begin, stop, value in steps:
+        if value is None:
+            lines.append([])
+            out.append(f'<rect x="{x(begin)}" y="{high}" width="{float(x(stop)) - float(x(begin)):.1f}" '
+                       f'height="{low - high}" fill="#fde8e8"/>')
+        else:
+            y = f"{low - (value - least) * scale:.1f}"
+            lines[-1] += [f"{x(begin)},{y}", f"{x(stop)},{y}"]
+    out += [f'<polyline points="{" ".join(line)}" fill="none" stroke="#06c" stroke-width="1.5"/>' for line in lines if line]
+    out += [f'<text x="82" y="{y}" text-anchor="end" fill="#555">{value:g}</text>'
+            for y, value in ((high + 10, most), (low, least))]
+    return out
+
+
+def svg(changes, start, end, width, factor):
     left, row, height, top = 90, 34, 18, 14
+    if factor:
+        row, height = 104, 88
     scale = (width - left - 20) / (end - start)
     bottom = top + row * len(changes)
 
@@ -108,7 +134,11 @@ def svg(changes, start, end, width):
            'font-family="sans-serif" font-size="12">',
            f'<rect width="{width}" height="{bottom + 26}" fill="white"/>']
     at = -99.0
-    for t in sorted({t for c in changes.values() for t, _ in c[1:]}):
+    ticks = {t for c in changes.values() for t, _ in c[1:]}
+    if factor: # they change all the time
+        step = 10 ** math.floor(math.log10((end - start) / 4))
+        ticks = {n * step for n in range(math.ceil(start / step), math.floor(end / step) + 1)}
+    for t in sorted(ticks):
         if start <= t <= end:
             out.append(f'<line x1="{x(t)}" y1="{top - 6}" x2="{x(t)}" y2="{bottom}" stroke="#ccc" stroke-dasharray="2,3"/>')
             if float(x(t)) - at > 34:
@@ -117,13 +147,16 @@ def svg(changes, start, end, width):
     out.append(f'<text x="8" y="{bottom + 16}" fill="#555">ms</text>')
     for n, (name, change) in enumerate(changes.items()):
         high, low = top + n * row, top + n * row + height
-        out.append(f'<text x="8" y="{low - 3}">{html.escape(name.upper())}</text>')
+        out.append(f'<text x="8" y="{(high + low) / 2 if factor else low - 3}">{html.escape(name.upper())}</text>')
         if is_level(change):
             points = []
             for begin, stop, value in spans(change, start, end):
                 y = high if value == "1" else low
                 points += [f"{x(begin)},{y}", f"{x(stop)},{y}"]
             out.append(f'<polyline points="{" ".join(points)}" fill="none" stroke="#06c" stroke-width="2"/>')
+            continue
+        if factor:
+            out += curve(change, start, end, factor, x, high, low)
             continue
         for begin, stop, value in spans(change, start, end):
             out.append(f'<rect x="{x(begin)}" y="{high}" width="{(stop - begin) * scale:.1f}" height="{height}" '
@@ -138,6 +171,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recording", nargs="?", help="default: standard input")
     parser.add_argument("--svg", action="store_true", help="a picture instead of text")
+    parser.add_argument("--curve", type=float, metavar="FACTOR", help="numbers as curves, times FACTOR: 1e-6 for nm as mm")
     parser.add_argument("--signals", default=HANDSHAKES, help="which, in this order, separated by commas")
     parser.add_argument("--slave", type=int, default=1, help="of the chain, from 1 (default 1)")
     parser.add_argument("--zero", metavar="SIGNAL[:N]", help="where times count from: SIGNAL rises for the N-th time")
@@ -153,8 +187,12 @@ def main():
         sys.exit(f"chart.py: {error}")
     changes = read(lines, args.signals.split(","), args.slave, args.zero)
     start, end = window(changes, args.first, args.last)
-    draw = svg if args.svg else text
-    sys.stdout.write(draw(changes, start, end, args.width or (760 if args.svg else 100)))
+    if args.curve and not args.svg:
+        sys.exit("chart.py: curves are drawn with --svg")
+    if args.svg:
+        sys.stdout.write(svg(changes, start, end, args.width or 760, args.curve))
+    else:
+        sys.stdout.write(text(changes, start, end, args.width or 100))
 
 
 main()

@@ -27,6 +27,7 @@ PRODUCTS = [
         74: "how the master lays several sensors out in its own memory",
         76: "how many sensors a certain master takes",
     }, {23: "how long each flash takes: on the virtual clock only"}),
+    ("OPT", 14, {}, {}),
 ]
 
 

@@ -166,9 +166,19 @@ static bool can_be_configured(const report_t *r)
     return wrong(r, "services: ect_service_pdo_config has no assignment or mapping that can be written");
 }
 
+static bool has_outputs(const report_t *r)
+{
+    for (unsigned int n = 0; n < r->device->sm_count; n++) {
+        if (r->device->sm[n].type == ECT_SM_OUTPUTS)
+            return true;
+    }
+    return false;
+}
+
 static bool services_good(const report_t *r)
 {
-    if (names_service(r, &ect_service_sync) && !data_good(r, "ect_service_sync", 0x1C32, sizeof(ect_sync_data_t)))
+    uint16_t sync = has_outputs(r) ? 0x1C32 : 0x1C33;
+    if (names_service(r, &ect_service_sync) && !data_good(r, "ect_service_sync", sync, sizeof(ect_sync_data_t)))
         return false;
     if (names_service(r, &ect_service_diagnosis)) {
         const ect_object_t *history = ect_od_find(&r->od, 0x10F3);

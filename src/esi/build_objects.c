@@ -5,6 +5,8 @@
 
 #include "esi/internal.h"
 
+enum { ASSIGNMENTS = 32 /* 1C10h to 1C2Fh */ };
+
 /* In which states an access is allowed; what a file says otherwise means all. */
 static uint16_t states(const char *restriction, uint16_t preop, uint16_t safeop, uint16_t op)
 {
@@ -208,6 +210,8 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
     maker.object = ect_build_object(build, index, record ? ECT_OBJECT_RECORD : ECT_OBJECT_VAR, model->name);
     if (record) {
         add_items(&maker, type);
+        if (maker.object->count == 1 && index >= ECT_OD_ASSIGNMENT && index < ECT_OD_ASSIGNMENT + ASSIGNMENTS)
+            maker.object->code = ECT_OBJECT_ARRAY; /* an assignment is one without elements too */
         count_entries(build, maker.object);
     } else {
         const ect_esi_item_t alone = {.info = model->info,

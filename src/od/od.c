@@ -255,33 +255,35 @@ const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t su
     return NULL;
 }
 
+/* Types below 32, a bit each. */
+#define TYPE(name) (UINT32_C(1) << ECT_TYPE_##name)
+#define SIGNED     (TYPE(INTEGER8) | TYPE(INTEGER16) | TYPE(INTEGER32) | TYPE(INTEGER64))
+#define UNSIGNED   (TYPE(BOOLEAN) | TYPE(UNSIGNED8) | TYPE(UNSIGNED16) | TYPE(UNSIGNED32) | TYPE(UNSIGNED64))
+
 static bool is_signed(uint16_t data_type)
 {
-    return (data_type >= ECT_TYPE_INTEGER8 && data_type <= ECT_TYPE_INTEGER32) || data_type == ECT_TYPE_INTEGER64;
+    return data_type < 32 && (SIGNED >> data_type & 1) != 0;
 }
 
-static bool is_integer(const ect_entry_t *entry)
+static bool is_integer(uint16_t data_type)
 {
-    uint16_t type = entry->data_type;
-    return ect_od_is_bits(entry) || (type >= ECT_TYPE_INTEGER8 && type <= ECT_TYPE_UNSIGNED32) ||
-           type == ECT_TYPE_INTEGER64 || type == ECT_TYPE_UNSIGNED64 ||
-           (type >= ECT_TYPE_BITARR8 && type <= ECT_TYPE_BITARR32);
+    return data_type < 32 ? ((SIGNED | UNSIGNED) >> data_type & 1) != 0
+                          : data_type >= ECT_TYPE_BITARR8 && data_type <= ECT_TYPE_BIT8;
 }
 
 ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_entry_t *entry, const void *bytes)
 {
     const ect_detail_t *limit = ect_od_detail(od, index, (uint8_t)entry->subindex);
     uint16_t size = ect_od_bytes(entry);
-    if (!limit || limit->minimum == limit->maximum || !is_integer(entry))
+    bool with_sign = is_signed(entry->data_type);
+    if (!limit || limit->minimum == limit->maximum || !is_integer(entry->data_type))
         return ECT_OK;
     uint8_t wire[8] = {0};
     memcpy(wire, bytes, size);
-    if (is_signed(entry->data_type) && (wire[size - 1] & 0x80) != 0)
+    if (with_sign && (wire[size - 1] & 0x80) != 0)
         memset(wire + size, 0xFF, sizeof wire - size);
     int64_t value = (int64_t)ect_load_le64(wire);
-    if (value < 0 && !is_signed(entry->data_type)) /* beyond what a limit can say */
-        return ECT_REASON_TOO_HIGH;
-    if (value > limit->maximum)
+    if (value > limit->maximum || (value < 0 && !with_sign)) /* beyond what a limit can say */
         return ECT_REASON_TOO_HIGH;
     return value < limit->minimum ? ECT_REASON_TOO_LOW : ECT_OK;
 }

@@ -12,9 +12,9 @@
  * surroundings it asks of ::ect_host_t.
  *
  * All functions run one at a time for an instance, must not block, and may not call back into the stack except through
- * ::ect_host_t. They run in mainline; `outputs`, `inputs` and `inputs_read` also in the interrupt of ::ect_slave_cycle,
- * where a firmware has one (docs/CONCURRENCY.md). Any function pointer may be NULL: the device then has nothing to do
- * there.
+ * ::ect_host_t. They run in mainline; `outputs`, `inputs`, `inputs_packed` and `inputs_read` also in the interrupt of
+ * ::ect_slave_cycle, where a firmware has one (docs/CONCURRENCY.md). Any function pointer may be NULL: the device then
+ * has nothing to do there.
  */
 #ifndef ECT_SEAMS_DEVICE_H
 #define ECT_SEAMS_DEVICE_H
@@ -281,6 +281,13 @@ typedef struct ect_device {
     /** Input data of the dictionary is about to be sent: bring it up to date. SAFEOP and OP. */
     void (*inputs)(void *instance, uint64_t now_ns);
 
+    /**
+     * After `inputs`: the input data of SyncManager `sm` are packed as they will be sent, and may be changed. For what
+     * entries alone cannot say: PDOs that map the same ones and are samples of them (oversampling).
+     * @param image  `size` bytes, in wire form
+     */
+    void (*inputs_packed)(void *instance, unsigned int sm, uint8_t *image, uint16_t size);
+
     /** The master has read the input data since the last call. SAFEOP and OP. */
     void (*inputs_read)(void *instance, uint64_t now_ns);
 
@@ -308,7 +315,8 @@ typedef struct ect_device {
 
     /**
      * A master wants to write an entry; rights, length and limits are fine already. Nothing of it is stored yet,
-     * however long it is and in however many pieces it came.
+     * however long it is and in however many pieces it came. A question, which may be asked more than once: what
+     * follows from the value belongs to `sdo_written`.
      * @param data  `size` bytes in wire form
      * @return ECT_OK to let it be stored, or the reason to refuse.
      */

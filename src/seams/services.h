@@ -91,13 +91,13 @@ typedef struct ect_diagnosis {
 /** Synchronisation types, 1C32h:1. */
 enum { ECT_SYNC_FREE_RUN = 0, ECT_SYNC_SM = 1, ECT_SYNC_DC_SYNC0 = 2 };
 
-/** Data of 1C32h, 1C33h and 10F1h; the entry 1C32h:1 must point to `type`. */
+/** Data of 1C32h, 1C33h and 10F1h; the entry 1C32h:1, or of a device without outputs 1C33h:1, must point to `type`. */
 typedef struct ect_sync_data {
     uint16_t type;           /**< 1C32h:1, 1C33h:1 */
     uint32_t cycle_ns;       /**< :2 */
     uint16_t supported;      /**< :4 */
     uint32_t minimum_ns;     /**< :5 */
-    uint16_t sm_missed;      /**< :11 SYNC0 came and no new outputs had */
+    uint16_t sm_missed;      /**< :11 SYNC0 came and no new outputs had; never without outputs */
     uint16_t cycle_exceeded; /**< :12 outputs came twice within one SYNC0 */
     uint8_t sync_error;      /**< :32 the last cycle was not in order */
     uint32_t error_reaction; /**< 10F1h:1 */
@@ -106,7 +106,7 @@ typedef struct ect_sync_data {
     uint8_t outputs_new;     /**< since the last SYNC0; no object */
     uint8_t dc;              /**< SYNC0 runs, whatever `type` says; no object */
     uint8_t sync0;           /**< level of the SYNC0 event at the last look; no object */
-    uint64_t sync0_ns;       /**< when it came last; 0: not since SAFEOP; no object */
+    uint64_t sync0_ns;       /**< when it came last; 0: not in this OP; no object */
 } ect_sync_data_t;
 
 /** Entries of 1C32h or 1C33h for an instance type with a member of type ect_sync_data_t. */

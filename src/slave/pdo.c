@@ -237,6 +237,8 @@ bool ect_pdo_inputs(ect_slave_t *s)
         if ((s->inputs & 1u << sm) == 0)
             continue;
         pack(s, &s->image[sm]);
+        if (device->inputs_packed)
+            device->inputs_packed(s->config.instance, sm, s->config.process_data, s->image[sm].bytes);
         if (!ect_slave_write(s, device->sm[sm].start, s->config.process_data, s->image[sm].bytes))
             return false;
     }

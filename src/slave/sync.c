@@ -4,9 +4,16 @@
 
 enum { ERROR_SETTINGS = 0x10F1, OUTPUTS = 0x1C32, INPUTS = 0x1C33 };
 
-static void start(ect_slave_t *s)
+/* A device without outputs has 1C33h alone. */
+static ect_sync_data_t *data_of(const ect_slave_t *s)
 {
     ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
+    return d ? d : ect_services_data(s, INPUTS);
+}
+
+static void start(ect_slave_t *s)
+{
+    ect_sync_data_t *d = data_of(s);
     const ect_sync_t *ability = &s->config.device->sync;
     if (!d)
         return;
@@ -58,9 +65,10 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
 
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
-    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
+    ect_sync_data_t *d = data_of(s);
     if (!d || target < ECT_STATE_SAFEOP)
         return ECT_AL_NO_ERROR;
+    d->sync0_ns = 0; /* of an OP before this one it says nothing */
     if (target == ECT_STATE_OP)
         return check_dc(s, d); /* SYNC0 may have been started, or changed, meanwhile */
     d->sm_missed = 0;
@@ -69,7 +77,6 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
     d->errors = 0;
     d->outputs_new = 0;
     d->sync0 = 0;
-    d->sync0_ns = 0;
     return check_dc(s, d);
 }
 
@@ -82,7 +89,7 @@ static void count(uint16_t *counter)
 static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
 {
     ECT_ASSERT(d->dc != 0 && s->state == ECT_STATE_OP);
-    bool missed = d->outputs_new == 0;
+    bool missed = d->outputs_new == 0 && s->outputs != 0;
     d->outputs_new = 0;
     d->sync_error = missed;
     if (!missed) {
@@ -131,7 +138,7 @@ static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
  * must not keep the interrupt line up. */
 static void on_event(ect_slave_t *s, uint32_t event)
 {
-    ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
+    ect_sync_data_t *d = data_of(s);
     if (d && d->dc != 0 && s->state == ECT_STATE_OP)
         supervise(s, d, event);
     if ((event & ECT_EVENT_SYNC0) != 0 && acknowledge_sync0(s) && d)

@@ -694,6 +694,30 @@ static void sync_lost(void **state)
     }
 }
 
+/* What was missed while the slave was not in OP is none of its business: the last SYNC0 of the OP before is long ago.
+ */
+static void sync_again(void **state)
+{
+    (void)state;
+    uint8_t output[1] = {0};
+    power_on(false);
+    to_preop();
+    t.activation = 0x03;
+    t.cycle_ns = 1000000;
+    to_op(1, 3);
+    sync0();
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_SAFEOP);
+    t.now_ns += 1000 * MS;
+    datagram(FPWR, confdev.sm[2].start, output, 1);
+    assert_int_equal(request(ECT_STATE_OP), ECT_STATE_OP);
+    for (int ms = 0; ms < 20; ms++) {
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+        poll();
+        t.now_ns += MS;
+    }
+    assert_int_equal(t.slave.state, ECT_STATE_OP);
+}
+
 static void sync_abilities(void **state)
 {
     static const struct {
@@ -1039,6 +1063,7 @@ int main(int argc, char **argv)
         TEST("CF-073 CF-074: whole objects and counts are checked like single entries", refused_in_whole_objects),
         TEST("CF-080: unknown types, and overwriting what is acknowledged", diagnosis_types),
         TEST("CF-082: the next master comes without SYNC0 and is not held to the last one's", sync_next_master),
+        TEST("CF-043: the SYNC0 of an earlier OP is not missed in the next one", sync_again),
         TEST("CF-080: acknowledged messages are overwritten without loss, in both modes", diagnosis_wraps),
         TEST("CF-043 CF-082: missed and doubled events are counted; too many leave OP with 0x001A", sync_missed),
     };

@@ -358,18 +358,25 @@ static void long_absence(cf_t *c)
 
 /* --- synchronisation ---------------------------------------------------------------------------------------------- */
 
-/* The first mode of the SII with SYNC0. @return AssignActivate; *cycle_ns */
+/* The mode of the SII with SYNC0 that leaves a PC the most time: one whose cycle is the master's to choose, 0, else the
+ * longest. @return AssignActivate; *cycle_ns */
 static uint16_t dc_mode(cf_t *c, uint32_t *cycle_ns)
 {
     size_t length;
+    uint16_t best = 0;
     const uint8_t *data = cf_sii_category(c, SII_DC, &length);
     for (size_t at = 0; data && at + 24 <= length; at += 24) {
         uint16_t activate = ect_load_le16(data + at + 14);
-        *cycle_ns = ect_load_le32(data + at);
-        if ((activate & 0x0200) != 0)
-            return activate;
+        uint32_t cycle = ect_load_le32(data + at);
+        bool better = best == 0 || (*cycle_ns != 0 && (cycle == 0 || cycle > *cycle_ns));
+        if ((activate & 0x0200) == 0 || !better)
+            continue;
+        best = activate;
+        *cycle_ns = cycle;
     }
-    cf_skip(c, "the SII names no mode with SYNC0");
+    if (best == 0)
+        cf_skip(c, "the SII names no mode with SYNC0");
+    return best;
 }
 
 /* @return the system time at which SYNC0 has come a few times */
@@ -384,11 +391,13 @@ static uint64_t start_sync0(cf_t *c, uint16_t activate, uint32_t cycle_ns)
     return start_ns + UINT64_C(10) * cycle_ns;
 }
 
-/* The cycle that the SII names, else the shortest that 1C32h names, else 1 ms. */
+/* The cycle that the SII names: perhaps no other is accepted. Else the shortest that 1C32h names, 1 ms at least. */
 static uint32_t sync0_cycle(cf_t *c, uint32_t cycle_ns)
 {
     uint32_t code;
-    if (cycle_ns == 0 && (c->facts.has & CF_COE) != 0 && cf_object_exists(c, 0x1C32, 5, &code))
+    if (cycle_ns != 0)
+        return cycle_ns;
+    if ((c->facts.has & CF_COE) != 0 && cf_object_exists(c, 0x1C32, 5, &code))
         cycle_ns = (uint32_t)cf_upload_number(c, 0x1C32, 5);
     return cycle_ns < SYNC0_CYCLE_NS ? SYNC0_CYCLE_NS : cycle_ns;
 }

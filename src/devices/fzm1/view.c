@@ -4,36 +4,7 @@
 
 #include "devices/fzm1/instance.h"
 #include "seams/random.h"
-
-/* sin(2 pi x) for 0 <= x < 1, by its series around 0 (error below 1e-9): there is no libm on a bare board. */
-static double sine(double x)
-{
-    double sign = x >= 0.5 ? -1.0 : 1.0;
-    x -= x >= 0.5 ? 0.5 : 0.0;
-    x = x > 0.25 ? 0.5 - x : x;
-    double angle = 6.283185307179586 * x;
-    double term = angle, sum = angle;
-    for (unsigned int n = 1; n <= 7; n++) {
-        term *= -angle * angle / (double)(2 * n * (2 * n + 1));
-        sum += term;
-    }
-    return sign * sum;
-}
-
-/* -1 .. 1, the same ones for the same seed. */
-static double random_step(uint32_t *state)
-{
-    return (double)ect_random_next(state) / 2147483648.0 - 1.0;
-}
-
-/* Normal, with mean 0 and standard deviation 1: the sum of twelve, which goes no further than 6 (and needs no libm). */
-static double normal_step(uint32_t *state)
-{
-    double sum = 0;
-    for (unsigned int i = 0; i < 12; i++)
-        sum += random_step(state);
-    return sum / 2;
-}
+#include "seams/wave.h"
 
 static double value(fzm1_t *u, unsigned int n, const fzm1_row_t *row)
 {
@@ -43,9 +14,9 @@ static double value(fzm1_t *u, unsigned int n, const fzm1_row_t *row)
     case FZM1_SOURCE_RAMP:
         return u->scene.data[n] + p->amplitude[n] * phase;
     case FZM1_SOURCE_SINE:
-        return u->scene.data[n] + p->amplitude[n] * sine(phase);
+        return u->scene.data[n] + p->amplitude[n] * ect_wave_sine(phase);
     case FZM1_SOURCE_RANDOM:
-        return u->scene.data[n] + p->amplitude[n] * random_step(&p->random);
+        return u->scene.data[n] + p->amplitude[n] * ect_random_even(&p->random);
     case FZM1_SOURCE_TABLE:
         return row ? row->data[n] : 0;
     default:
@@ -67,7 +38,7 @@ static uint32_t time_us(fzm1_plant_t *p, uint32_t set, uint32_t spread, uint32_t
         return row != 0 ? row : set;
     if (p->time_source != FZM1_SOURCE_RANDOM)
         return set;
-    double us = (double)set + (double)spread * normal_step(&p->time_random);
+    double us = (double)set + (double)spread * ect_random_normal(&p->time_random);
     if (us < (double)FZM1_SHORTEST_US)
         return FZM1_SHORTEST_US;
     return us > (double)FZM1_MINUTE_US ? FZM1_MINUTE_US : (uint32_t)us;

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An optoNCDT 2300 in memory.
+ *
+ * Each file knows only those below it; `optoncdt2300.c`, the description, knows none but through its tables:
+ *
+ *   signals.c   the plant: the user's side
+ *   settings.c  what SDO writes ask for: user level, selection of measurements, measuring rate
+ *   samples.c   which records an exchange holds
+ *   sensor.c    time: a record at each period of the measuring rate, or at each SYNC0
+ *   record.c    what a record holds
+ *   target.c    what the laser finds
+ *
+ * All times are nanoseconds of the caller's clock.
+ */
+#ifndef ECT_DEVICES_OPTONCDT2300_INSTANCE_H
+#define ECT_DEVICES_OPTONCDT2300_INSTANCE_H
+
+#include <stdbool.h>
+
+#include "seams/services.h"
+#include "seams/standard.h"
+
+/** What may stand in place of a distance (manual §9.2). */
+enum {
+    OPTO_LASER_OFF = 0x7FFFFFF5,
+    OPTO_TOO_WIDE = 0x7FFFFFF6,
+    OPTO_NOT_EVALUATED = 0x7FFFFFF7,
+    OPTO_NOT_CALCULATED = 0x7FFFFFF8,
+    OPTO_BEHIND_RANGE = 0x7FFFFFF9,
+    OPTO_BEFORE_RANGE = 0x7FFFFFFA,
+    OPTO_NO_PEAK = 0x7FFFFFFB,
+    OPTO_ERRORS = OPTO_LASER_OFF, /* no distance is as large */
+};
+
+/** Measurements in the order of 1A00h (A 7.3.2.8); 21B0h:4 is the first one. */
+enum {
+    OPTO_EXPOSURE,  /* 12.5 ns */
+    OPTO_COUNTER,   /* 24 bits */
+    OPTO_TIMESTAMP, /* us */
+    OPTO_TEMPERATURE,
+    OPTO_INTENSITY_1,
+    OPTO_DISTANCE_1, /* nm, or an error */
+    OPTO_INTENSITY_2,
+    OPTO_DISTANCE_2,
+    OPTO_STATE,
+    OPTO_DIFFERENCE,
+    OPTO_MINIMUM, /* of distance 1 */
+    OPTO_MAXIMUM,
+    OPTO_PEAK_TO_PEAK,
+    OPTO_VALUES,
+    OPTO_FIRST_CHOICE = 4,
+};
+enum { OPTO_SURFACES = 2, OPTO_RATES = 7, OPTO_TABLE = 1024 };
+enum { OPTO_SAMPLES = 100 /* most of an exchange: 1A00h to 1A63h (A 7.6) */, OPTO_RING = 3 * OPTO_SAMPLES };
+enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 whole records; three buffers fit into any controller */ };
+
+enum { OPTO_USER = 0, OPTO_EXPERT = 1 };
+enum { OPTO_PASSWORD = 31 };
+enum { OPTO_FULL_POWER = 0, OPTO_REDUCED_POWER = 1, OPTO_NO_POWER = 2 };
+
+/** Where a surface is, on top of its distance; TABLE: instead. */
+enum { OPTO_SOURCE_FIXED, OPTO_SOURCE_RAMP, OPTO_SOURCE_SINE, OPTO_SOURCE_TABLE };
+
+enum { OPTO_ERROR_TEXT = 60 };
+
+/** One of each: a record, as 6065h shows it. */
+typedef struct opto_record {
+    int32_t value[OPTO_VALUES];
+} opto_record_t;
+
+/** What a user may have done to one surface. */
+typedef struct opto_surface {
+    uint8_t present;
+    double distance; /* mm, from the start of the measuring range */
+    uint8_t source;
+    double amplitude;   /* mm */
+    uint32_t period_us; /* of ramp and sine */
+    double noise;       /* mm, standard deviation */
+    double intensity;   /* % */
+    uint8_t fault;      /* 0 none, or the last digit of the error: 6, 7, 8 */
+    uint64_t origin_ns; /* where ramp, sine and table begin */
+} opto_surface_t;
+
+typedef struct opto_row {
+    double distance[OPTO_SURFACES];
+    uint8_t present;
+} opto_row_t;
+
+/** What stands outside, and what the sensor keeps without power. */
+typedef struct opto_plant {
+    bool known;
+    opto_surface_t surface[OPTO_SURFACES];
+    double range;       /* mm */
+    double exposure;    /* us */
+    double temperature; /* degC */
+    uint8_t laser;
+    uint32_t seed, random;
+    opto_row_t row; /* the next one to be added */
+    uint16_t rows;
+    uint32_t row_time_us;
+    opto_row_t table[OPTO_TABLE];
+    uint8_t default_user;
+    char password[OPTO_PASSWORD + 1];
+} opto_plant_t;
+
+typedef struct opto {
+    ect_standard_t standard;
+    ect_sync_data_t sync;
+
+    /* dictionary */
+    uint8_t mapped;
+    uint32_t mapping[OPTO_VALUES];
+    uint8_t assigned;
+    uint16_t assignment[OPTO_SAMPLES];
+    uint8_t chosen[OPTO_VALUES];
+    uint32_t rate_hz;
+    uint8_t laser_power;
+    float range;
+    uint16_t error_number;
+    char error_text[OPTO_ERROR_TEXT + 1];
+    opto_record_t record; /* the last one */
+
+    const ect_host_t *host;
+    uint64_t start_ns;
+    uint64_t next_ns; /* when the next record is taken */
+    uint8_t al_state;
+    bool synchronised;
+    opto_record_t ring[OPTO_RING];
+    uint64_t taken; /* records, also those that nobody could see any more */
+    uint64_t sent;  /* up to which the master has them */
+    uint64_t shown; /* up to which they stand in the process data */
+    bool statistic; /* minimum and maximum are some */
+    int32_t minimum, maximum;
+
+    uint8_t user;
+    uint8_t logout;
+    char login[OPTO_PASSWORD + 1]; /* as written, until they are looked at */
+    char password_old[OPTO_PASSWORD + 1], password_new[OPTO_PASSWORD + 1], password_repeat[OPTO_PASSWORD + 1];
+
+    /* as signals */
+    uint8_t synchronised_level, restart, statistic_reset, row_add, row_clear;
+    char why[OPTO_SURFACES][OPTO_ERROR_TEXT + 1];
+
+    opto_plant_t plant; /* outlasts power: see ect_plant_t */
+} opto_t;
+
+/* settings.c */
+void opto_choose(opto_t *u); /* 1A00h becomes what 21B0h says */
+bool opto_is_rate(uint32_t hz);
+ect_reason_t opto_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
+void opto_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
+
+/* samples.c: what the stack calls */
+void opto_inputs(void *instance, uint64_t now_ns);
+void opto_inputs_packed(void *instance, unsigned int sm, uint8_t *image, uint16_t size);
+void opto_inputs_read(void *instance, uint64_t now_ns);
+
+/* sensor.c: what the stack calls */
+void opto_init(void *instance, const ect_host_t *host, uint64_t now_ns);
+uint16_t opto_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
+uint64_t opto_tick(void *instance, uint64_t now_ns);
+/* Everything until now has happened. */
+void opto_advance(opto_t *u, uint64_t now_ns);
+void opto_new_rate(opto_t *u, uint64_t now_ns); /* the next record comes a period from now */
+
+/* record.c */
+void opto_take_record(opto_t *u, opto_record_t *record, uint64_t at_ns, uint64_t period_ns);
+void opto_reset_statistic(opto_t *u);
+
+/* target.c */
+typedef struct opto_peak {
+    int32_t distance; /* nm, or an error */
+    int32_t intensity;
+} opto_peak_t;
+opto_peak_t opto_find_peak(opto_t *u, unsigned int n, uint64_t at_ns);
+void opto_default_plant(opto_plant_t *p);
+
+#endif

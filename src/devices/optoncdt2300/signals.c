@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/* The user's side: what is in front of the sensor and around it, and what the sensor says, by name. */
+#include <string.h>
+
+#include "devices/optoncdt2300/instance.h"
+#include "devices/optoncdt2300/optoncdt2300.h"
+
+#define SIGNAL(structure, member, name, kind, access, minimum, maximum, unit, meaning)                                 \
+    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(structure, member), minimum, maximum}
+#define R(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(opto_t, member, name, kind, READ, minimum, maximum, unit, meaning)
+#define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(opto_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
+#define S(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(opto_surface_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
+#define VALUE(which, name, meaning)       R(record.value[OPTO_##which], name, I32, INT32_MIN, INT32_MAX, "nm", meaning)
+#define COUNT(which, name, unit, meaning) R(record.value[OPTO_##which], name, U32, 0, UINT32_MAX, unit, meaning)
+
+enum { FARTHEST = 2147, MINUTE_US = 60000000 };
+
+static const ect_signal_t signals[] = {
+    W(plant.laser, "laser", BOOL, 0, 1, NULL, "the laser is switched on, at its input"),
+    W(plant.range, "range", REAL, 1, 500, "mm", "measuring range"),
+    W(plant.exposure, "exposure", REAL, 0, 1310, "us", "exposure time; at most a period of the measuring rate"),
+    W(plant.temperature, "temperature", REAL, -55, 127, "degC", "of the sensor"),
+    W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "of the noise; writing it begins it anew"),
+    W(rate_hz, "rate", U32, 1500, 49140, "Hz", "measuring rate: 1500, 2500, 5000, 10000, 20000, 30000, 49140"),
+    W(laser_power, "laser_power", U8, 0, 2, NULL, "0 full, 1 reduced: half the intensity, 2 off"),
+    W(plant.default_user, "default_user", U8, 0, 1, NULL, "who is logged in after power-on: 0 user, 1 expert"),
+    W(user, "user", U8, 0, 1, NULL, "who is logged in: 0 user, 1 expert"),
+    W(error_number, "error_number", U16, 0, UINT16_MAX, NULL, "sensor error, as in 603Fh"),
+    W(error_text, "error_text", TEXT, 0, OPTO_ERROR_TEXT, NULL, "its description"),
+    W(statistic_reset, "statistic_reset", BOOL, 0, 1, NULL, "writing 1 begins minimum and maximum anew"),
+    W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 switches the sensor off and on again"),
+
+    W(plant.row.distance[0], "row1", REAL, -FARTHEST, FARTHEST, "mm", "surface 1 in the next row of the table"),
+    W(plant.row.distance[1], "row2", REAL, -FARTHEST, FARTHEST, "mm", "surface 2 in the next row"),
+    W(plant.row.present, "row_present", BOOL, 0, 1, NULL, "0: there is nothing in the next row"),
+    W(plant.row_time_us, "row_time", U32, 1, MINUTE_US, "us", "how long each row is in front of the sensor"),
+    W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds what stands in row1, row2, row_present to the table"),
+    W(row_clear, "row_clear", BOOL, 0, 1, NULL, "writing 1 empties the table"),
+    R(plant.rows, "rows", U16, 0, OPTO_TABLE, NULL, "rows of the table; they go by in a circle"),
+
+    VALUE(DISTANCE_1, "distance1", "distance 1 of the last record, or its error, from 2147483637 on"),
+    VALUE(DISTANCE_2, "distance2", "distance 2, or its error"),
+    R(why[0], "error1", TEXT, 0, OPTO_ERROR_TEXT, NULL, "why there is no distance 1"),
+    R(why[1], "error2", TEXT, 0, OPTO_ERROR_TEXT, NULL, "why there is no distance 2"),
+    VALUE(DIFFERENCE, "difference", "distance 2 less distance 1"),
+    VALUE(MINIMUM, "minimum", "the smallest distance 1 so far"),
+    VALUE(MAXIMUM, "maximum", "the largest one"),
+    VALUE(PEAK_TO_PEAK, "peak_to_peak", "their difference"),
+    COUNT(INTENSITY_1, "intensity1", NULL, "of surface 1, 0 to 1023"),
+    COUNT(INTENSITY_2, "intensity2", NULL, "of surface 2"),
+    COUNT(COUNTER, "counter", NULL, "number of the last record, modulo 2^24"),
+    COUNT(TIMESTAMP, "timestamp", "us", "when it was taken, from power-on"),
+    COUNT(STATE, "state", NULL, "last digit of the errors: bits 0 to 3 of distance 1, 4 to 7 of distance 2"),
+    R(synchronised_level, "synchronised", BOOL, 0, 1, NULL, "records are taken at SYNC0"),
+    R(assigned, "samples", U8, 0, OPTO_SAMPLES, NULL, "records in an exchange"),
+};
+
+static const ect_signal_t surface[] = {
+    S(present, "present", BOOL, 0, 1, NULL, "the laser meets this surface"),
+    S(distance, "distance", REAL, -FARTHEST, FARTHEST, "mm", "from the start of the measuring range"),
+    S(source, "source", U8, 0, 3, NULL, "0 as it is, plus 1 ramp, 2 sine; 3 from the table; writing it begins there"),
+    S(amplitude, "amplitude", REAL, -FARTHEST, FARTHEST, "mm", "of ramp and sine"),
+    S(period_us, "period", U32, 1, MINUTE_US, "us", "of ramp and sine"),
+    S(noise, "noise", REAL, 0, 100, "mm", "standard deviation of each record"),
+    S(intensity, "intensity", REAL, 0, 100, "%", "of the light that comes back; 0: no peak"),
+    S(fault, "fault", U8, 0, 8, NULL, "0 none, 6 peak too wide, 7 cannot be evaluated, 8 cannot be calculated"),
+};
+
+static const ect_signal_group_t groups[] = {
+    {.signal_count = sizeof signals / sizeof signals[0], .signals = signals},
+    {.prefix = "surface",
+     .count = OPTO_SURFACES,
+     .offset = offsetof(opto_t, plant.surface),
+     .stride = sizeof(opto_surface_t),
+     .signal_count = sizeof surface / sizeof surface[0],
+     .signals = surface},
+};
+
+/* --- from the user ------------------------------------------------------------------------------------------------ */
+
+static const char *add_row(opto_t *u)
+{
+    if (u->plant.rows == OPTO_TABLE)
+        return "the table is full: empty it with row_clear";
+    u->plant.table[u->plant.rows++] = u->plant.row;
+    return "";
+}
+
+static const char *clear_rows(opto_t *u)
+{
+    u->plant.rows = 0;
+    return "";
+}
+
+static const char *reset_statistic(opto_t *u)
+{
+    opto_reset_statistic(u);
+    return "";
+}
+
+static const char *restart(opto_t *u)
+{
+    u->host->restart(u->host->ctx);
+    return "";
+}
+
+/* Buttons: 1 presses, 0 is not a press. NULL: it is none of them. */
+static const char *press(opto_t *u, const ect_signal_t *signal, uint8_t value)
+{
+    static const struct {
+        uint32_t offset;
+        const char *(*action)(opto_t *u);
+    } buttons[] = {{offsetof(opto_t, row_add), add_row},
+                   {offsetof(opto_t, row_clear), clear_rows},
+                   {offsetof(opto_t, statistic_reset), reset_statistic},
+                   {offsetof(opto_t, restart), restart}};
+    for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
+        if (signal->offset == buttons[i].offset)
+            return value ? buttons[i].action(u) : "";
+    }
+    return NULL;
+}
+
+static const char *write_rate(opto_t *u, uint32_t hz, uint64_t now_ns)
+{
+    if (!opto_is_rate(hz))
+        return "not a measuring rate: 1500, 2500, 5000, 10000, 20000, 30000 or 49140";
+    u->rate_hz = hz;
+    opto_new_rate(u, now_ns);
+    return "";
+}
+
+static const char *write_surface(opto_surface_t *s, const ect_signal_t *signal, const void *value, uint64_t now_ns)
+{
+    if (signal->offset == offsetof(opto_surface_t, source))
+        s->origin_ns = now_ns;
+    if (signal->offset != offsetof(opto_surface_t, fault))
+        return NULL;
+    uint8_t fault = *(const uint8_t *)value;
+    return fault == 0 || fault >= 6 ? NULL : "0, 6, 7 or 8";
+}
+
+static const char *write_number(opto_t *u, const ect_signal_t *signal, const void *value, uint64_t now_ns)
+{
+    uint32_t number;
+    double real;
+    if (signal->offset == offsetof(opto_t, plant.range)) {
+        memcpy(&real, value, sizeof real);
+        u->range = (float)real;
+    }
+    if (signal->type != ECT_SIGNAL_U32)
+        return NULL;
+    memcpy(&number, value, sizeof number);
+    if (signal->offset == offsetof(opto_t, rate_hz))
+        return write_rate(u, number, now_ns);
+    if (signal->offset == offsetof(opto_t, plant.seed))
+        u->plant.random = number;
+    return NULL;
+}
+
+static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
+{
+    opto_t *u = instance;
+    opto_advance(u, now_ns);
+    if (number > 0)
+        return write_surface(&u->plant.surface[number - 1], signal, value, now_ns);
+    if (signal->type == ECT_SIGNAL_BOOL)
+        return press(u, signal, *(const uint8_t *)value);
+    return write_number(u, signal, value, now_ns);
+}
+
+const ect_plant_t ect_optoncdt2300_plant = {
+    .signal_groups = groups,
+    .signal_group_count = sizeof groups / sizeof groups[0],
+    .outside_offset = offsetof(opto_t, plant),
+    .outside_size = sizeof(opto_plant_t),
+    .signal_write = signal_write,
+};
