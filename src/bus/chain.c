@@ -31,6 +31,7 @@ typedef struct twin {
     ect_slave_t slave;
     ect_wiring_t *wiring;
     bool link[ECT_TOPOLOGY_PORTS]; /* what is known to its ESC */
+    bool hung;                     /* its microcontroller stands still */
     uint32_t ports_seen;           /* changes of its loops that ways of frames have followed */
     uint32_t seen;                 /* ESC activity that the slave has dealt with */
     uint64_t esc_ns;               /* deadline of the ESC */
@@ -151,6 +152,14 @@ static bool make_twin(twin_t *twin, uint64_t now_ns)
         return false;
     *twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = twin->config.drift_ppb};
     return power_on(twin, now_ns);
+}
+
+/* Somebody has put another one of its kind in its place, with the next product code. */
+static void change_identity(twin_t *twin)
+{
+    ect_esc_config_t *esc = &twin->esc.config;
+    twin->config.identity.product_code++;
+    (void)ect_sii_write(twin->config.device, &twin->config.identity, twin->config.alias, esc->sii, esc->sii_size);
 }
 
 static bool on_bus(const twin_t *twin)
@@ -393,6 +402,68 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
         find_ways(chain);
 }
 
+static void begin_anew(ect_chain_t *chain, size_t i, uint64_t now_ns)
+{
+    chain->twins[i].hung = false;
+    (void)power_on(&chain->twins[i], now_ns);
+    powered_on(chain, i);
+    chain->links_due = chain->ways_due = true;
+}
+
+static void hang(twin_t *twin, bool hung)
+{
+    twin->hung = hung;
+    ect_esc_watch_pdi(&twin->esc, hung);
+}
+
+static ect_sii_fault_t sii_fault_of(ect_fault_kind_t kind)
+{
+    switch (kind) {
+    case ECT_FAULT_EEPROM_BUSY:
+        return ECT_SII_BUSY;
+    case ECT_FAULT_EEPROM_NACK:
+        return ECT_SII_NO_ANSWER;
+    case ECT_FAULT_EEPROM_FLIP:
+        return ECT_SII_BIT_ERROR;
+    default:
+        return ECT_SII_GOOD;
+    }
+}
+
+static void do_fault(ect_chain_t *chain, size_t i, const ect_fault_t *fault, uint64_t now_ns)
+{
+    twin_t *twin = &chain->twins[i];
+    switch (fault->kind) {
+    case ECT_FAULT_HANG:
+    case ECT_FAULT_RESUME:
+        hang(twin, fault->kind == ECT_FAULT_HANG);
+        return;
+    case ECT_FAULT_IDENTITY:
+        change_identity(twin);
+        begin_anew(chain, i, now_ns);
+        return;
+    case ECT_FAULT_RESET:
+        begin_anew(chain, i, now_ns);
+        return;
+    case ECT_FAULT_LOSE_EVENT:
+        ect_esc_lose_al_event(&twin->esc);
+        return;
+    case ECT_FAULT_CLOCK:
+        ect_esc_clock_jump(&twin->esc, fault->amount);
+        return;
+    default:
+        ect_esc_sii_fault(&twin->esc, sii_fault_of(fault->kind), (unsigned int)fault->amount);
+    }
+}
+
+void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns)
+{
+    size_t i = fault->slave - 1u;
+    (void)ect_esc_tick(&chain->twins[i].esc, now_ns);
+    do_fault(chain, i, fault, now_ns);
+    ect_chain_wake(chain, i);
+}
+
 void ect_chain_mishap(ect_chain_t *chain, const ect_mishap_t *mishap)
 {
     chain->mishap = *mishap;
@@ -573,7 +644,7 @@ static bool poll_twin(twin_t *twin, uint64_t now_ns)
     twin->esc_ns = tick_esc(twin, now_ns);
     follow_wiring(twin);
     twin->seen = ect_esc_activity(&twin->esc);
-    uint64_t slave_ns = ect_slave_poll(&twin->slave, now_ns);
+    uint64_t slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
     if (restarts)

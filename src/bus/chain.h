@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/fault.h"
 #include "bus/signals.h"
 #include "esc/esc.h"
 #include "slave/slave.h"
@@ -108,6 +109,12 @@ typedef struct ect_mishap {
  * execute it. It comes back to nobody.
  */
 void ect_chain_mishap(ect_chain_t *chain, const ect_mishap_t *mishap);
+
+/**
+ * Does to a slave what a fault says, at once.
+ * @param fault  one that is not of frames (::ect_fault_is_of_frames), of a slave that there is
+ */
+void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns);
 
 /** ::ect_chain_pass for a chain with one end. @return whether the frame comes back */
 bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns);

@@ -319,9 +319,36 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
+/* One that is named is set, or done; without one those that are set are told: at most as many as lines are written. */
+static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
+                             char message[ECT_SIGNAL_MESSAGE])
+{
+    _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)ECT_CLIENT_LINES, "all of them are told at once");
+    _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
+    const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
+    char room[ECT_FAULT_TEXT];
+    ect_fault_t fault;
+    if (!client->scenario)
+        return "no faults can be set here";
+    for (size_t i = 0; !text && ect_scenario_show(client->scenario, i, room); i++) {
+        ect_line_t line;
+        ect_line_begin(&line);
+        ect_line_string(&line, "fault", room);
+        ect_line_end(&line);
+        put(client, &line);
+    }
+    if (!text)
+        return NULL;
+    if (!cJSON_IsString(text))
+        return "\"fault\" is a text, as in {\"op\":\"fault\",\"fault\":\"drop 5%\"}";
+    bool done = ect_fault_parse(text->valuestring, &fault, message) &&
+                ect_scenario_set(client->scenario, chain, &fault, now_ns, message);
+    return done ? NULL : message;
+}
+
 static bool is_answered_at_once(const char *op)
 {
-    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0 || strcmp(op, "stats") == 0;
+    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0 || strcmp(op, "stats") == 0 || strcmp(op, "fault") == 0;
 }
 
 /* @return why not, NULL when it is done */
@@ -332,6 +359,8 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
         return set(chain, slave, request, now_ns, message);
     if (strcmp(op, "data") == 0)
         return give_piece(client, chain, slave, request);
+    if (strcmp(op, "fault") == 0)
+        return set_fault(client, chain, request, now_ns, message);
     return give_stats(client, now_ns);
 }
 
@@ -349,7 +378,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     bool visit = is_visit(&client->visit, op);
     const char *why;
     if (!visit && !is_answered_at_once(op))
-        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats\",...}";
+        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)

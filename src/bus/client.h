@@ -16,6 +16,7 @@
 #include "bus/chain.h"
 #include "bus/endpoint.h"
 #include "bus/line.h"
+#include "bus/scenario.h"
 #include "bus/stats.h"
 #include "bus/watch.h"
 #include "wire/linkage.h"
@@ -53,6 +54,7 @@ typedef struct ect_client {
     size_t unsent;
     char *answer;             /**< ECT_CLIENT_ANSWER bytes */
     const ect_stats_t *stats; /**< NULL: none are shown */
+    ect_scenario_t *scenario; /**< NULL: no fault can be set */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: nothing is watched */
     size_t every_room;  /**< signals that it may watch at every change */

@@ -23,6 +23,7 @@ struct ect_control {
     size_t turn;       /* who is served next */
     ect_client_t clients[ECT_CONTROL_CLIENTS];
     const ect_stats_t *stats;
+    ect_scenario_t *scenario;
     char path[ECT_ENDPOINT_PATH];
     ino_t identity; /* of its file */
 };
@@ -85,8 +86,9 @@ void ect_control_close(ect_control_t *c)
     free(c);
 }
 
-void ect_control_show(ect_control_t *c, const ect_stats_t *stats)
+void ect_control_show(ect_control_t *c, const ect_stats_t *stats, ect_scenario_t *scenario)
 {
+    c->scenario = scenario;
     c->stats = stats;
 }
 
@@ -147,6 +149,7 @@ static void let_in(ect_control_t *c, uint64_t now_ns)
         client->fd = fd;
         client->events = EPOLLIN;
         client->stats = c->stats;
+        client->scenario = c->scenario;
         return;
     }
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");

@@ -19,6 +19,7 @@
 
 #include "bus/chain.h"
 #include "bus/endpoint.h"
+#include "bus/scenario.h"
 #include "bus/stats.h"
 #include "wire/linkage.h"
 
@@ -38,8 +39,12 @@ typedef struct ect_control ect_control_t;
 ect_control_t *ect_control_open(char *message);
 void ect_control_close(ect_control_t *control);
 
-/** What the request `stats` tells. @param stats  must outlive the control; NULL (as at first): nothing is told */
-void ect_control_show(ect_control_t *control, const ect_stats_t *stats);
+/**
+ * What the request `stats` tells, and where `fault` sets faults.
+ * @param stats, scenario  must outlive the control; NULL (as at first): there is nothing to tell, or no fault can be
+ * set
+ */
+void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scenario_t *scenario);
 
 /** Path of the socket, valid until it is closed. */
 const char *ect_control_path(const ect_control_t *control);

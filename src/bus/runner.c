@@ -114,23 +114,60 @@ static ect_end_t through(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t l
     return out;
 }
 
+/* Those that had to wait for it leave behind it. */
+static void send_with_others(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
+{
+    ect_late_frame_t *behind;
+    send_out(r, end, frame, length);
+    if (twice)
+        send_out(r, end, frame, length);
+    while ((behind = ect_late_take(&r->behind[end], UINT64_MAX))) {
+        send_out(r, end, behind->frame, behind->length);
+        r->stats.answered++;
+        free(behind);
+    }
+}
+
+/* An answer, on its way out: at once, late, or behind the next one. */
+static void answer_with(ect_runner_t *r, ect_end_t out, const uint8_t *frame, size_t length, const ect_fate_t *fate,
+                        uint64_t came_ns, uint64_t waited_ns)
+{
+    if (fate->behind_next) {
+        if (!ect_late_add(&r->behind[out], frame, length, 0))
+            r->stats.dropped++;
+    } else if (fate->delay_us > 0 || r->late[out].first) {
+        keep(r, out, frame, length, came_ns + 1000ull * fate->delay_us);
+    } else {
+        send_with_others(r, out, frame, length, fate->twice);
+        ect_stats_answer(&r->stats, waited_ns + (ect_runner_now() - came_ns));
+    }
+}
+
+/* What the lots say: of the faults that are set, and of --drop and --delay. */
+static ect_fate_t draw(ect_runner_t *r, uint8_t *frame, size_t *length, uint64_t now_ns)
+{
+    ect_fate_t fate = {0};
+    if (r->scenario)
+        fate = ect_scenario_frame(r->scenario, r->chain, frame, length, now_ns);
+    ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
+    fate.lose_request |= verdict == ECT_VERDICT_LOSE_REQUEST;
+    fate.lose_answer |= verdict == ECT_VERDICT_LOSE_ANSWER;
+    fate.delay_us += verdict == ECT_VERDICT_DELAY ? r->faults->delay_us : 0;
+    return fate;
+}
+
 static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
 {
     uint64_t came_ns = chain_now(r);
-    ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
-    ect_end_t out = ECT_END_NONE;
-    if (verdict != ECT_VERDICT_LOSE_REQUEST)
-        out = through(r, in, frame, length, came_ns);
-    if (verdict == ECT_VERDICT_LOSE_REQUEST || (verdict == ECT_VERDICT_LOSE_ANSWER && out != ECT_END_NONE)) {
+    ect_fate_t fate = draw(r, frame, &length, came_ns);
+    ect_end_t out = fate.lose_request ? ECT_END_NONE : through(r, in, frame, length, came_ns);
+    if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE)) {
         r->stats.dropped++;
     } else if (out == ECT_END_NONE) {
         r->stats.unanswered++;
-    } else if (verdict == ECT_VERDICT_DELAY || r->late[out].first) {
-        uint64_t wait_ns = verdict == ECT_VERDICT_DELAY ? 1000ull * r->faults->delay_us : 0;
-        keep(r, out, frame, length, came_ns + wait_ns);
     } else {
-        send_out(r, out, frame, length);
-        ect_stats_answer(&r->stats, waited_ns + (ect_runner_now() - came_ns));
+        ect_scenario_count(frame, length, fate.counter);
+        answer_with(r, out, frame, length, &fate, came_ns, waited_ns);
     }
 }
 
@@ -198,7 +235,8 @@ static uint64_t run_devices(ect_runner_t *r)
     if (r->resting)
         control_ns = r->rested_ns;
     uint64_t late_ns = earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
-    return earlier(r->deadline_ns, earlier(control_ns, late_ns));
+    uint64_t fault_ns = r->scenario ? ect_scenario_tick(r->scenario, r->chain, r->polled_ns) : ECT_NEVER;
+    return earlier(earlier(r->deadline_ns, fault_ns), earlier(control_ns, late_ns));
 }
 
 /* Frames first: a client is served when none came, or too many have come one after another. */
@@ -249,7 +287,7 @@ int ect_runner_run(ect_runner_t *r)
     r->deadline_ns = r->touched_ns = ECT_NEVER;
     r->stats.start_ns = ect_runner_now();
     if (r->control)
-        ect_control_show(r->control, &r->stats);
+        ect_control_show(r->control, &r->stats, r->scenario);
     follow_cables(r);
     while (going > 0) {
         struct pollfd fds[WAITABLE];
@@ -257,8 +295,10 @@ int ect_runner_run(ect_runner_t *r)
         int ready = wait_for(r, fds, wake_ns);
         going = ready < 0 && errno != EINTR ? -1 : serve(r, fds);
     }
-    for (unsigned int end = 0; end < ECT_ENDS; end++)
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
         ect_late_clear(&r->late[end]);
+        ect_late_clear(&r->behind[end]);
+    }
     finish(r);
     return going;
 }

@@ -15,6 +15,7 @@
 #include "bus/faults.h"
 #include "bus/late.h"
 #include "bus/packet.h"
+#include "bus/scenario.h"
 #include "bus/stats.h"
 #include "wire/linkage.h"
 
@@ -36,6 +37,7 @@ typedef struct ect_runner {
     /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
     uint32_t control_rest_ns;
     ect_faults_t *faults;       /**< NULL: none */
+    ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
     const ect_filter_t *filter; /**< NULL: none */
     int signal_fd;              /**< a signalfd */
     int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
@@ -47,6 +49,7 @@ typedef struct ect_runner {
     ect_stats_t stats; /**< may be read at any time; start at zero */
     /* The loop's own; start at zero. */
     ect_late_t late[ECT_ENDS];
+    ect_late_t behind[ECT_ENDS]; /* answers that leave behind the next one */
     ect_circle_t circles[ECT_ENDS];
     uint64_t deadline_ns; /* when the devices want to run */
     uint64_t polled_ns;   /* the latest time that the chain has seen */

@@ -116,6 +116,9 @@ typedef struct ect_esc {
     uint64_t watchdog_ns; /**< when the process-data watchdog expires; UINT64_MAX: not running */
     uint64_t sii_done_ns; /**< when the pending SII command finishes; 0: none pending */
     uint8_t sii_command;
+    uint8_t sii_fault; /**< ect_sii_fault_t */
+    uint8_t sii_fault_bit;
+    bool lose_al_event;
     uint8_t reloaded[16]; /**< what a PDI that stands for the EEPROM has delivered so far */
     bool alias_loaded;
     uint64_t pdi_ns;          /**< when the PDI last looked in; UINT64_MAX: its watchdog is not running */
@@ -266,6 +269,20 @@ bool ect_esc_sync_pin(ect_esc_t *esc, unsigned int n);
 
 /** Level of the input LATCH0 or LATCH1 (n 0 or 1), first low: an edge is latched at the time of the last call. */
 void ect_esc_latch_input(ect_esc_t *esc, unsigned int n, bool level);
+
+/** What may be wrong with the EEPROM. */
+typedef enum ect_sii_fault {
+    ECT_SII_GOOD,
+    ECT_SII_BUSY,      /**< a command does not end, until this is over */
+    ECT_SII_NO_ANSWER, /**< a command ends with the bit for a missing acknowledge (0x0502 bit 13) */
+    ECT_SII_BIT_ERROR, /**< one bit of each word that is read is wrong */
+} ect_sii_fault_t;
+
+/** From now on until a reset. @param bit  of a BIT_ERROR, 0..15 */
+void ect_esc_sii_fault(ect_esc_t *esc, ect_sii_fault_t fault, unsigned int bit);
+
+/** The next write to AL control raises no event: the microcontroller does not get to know of it. */
+void ect_esc_lose_al_event(ect_esc_t *esc);
 
 /** The AL event request word as the PDI sees it, without the side effects of reading registers. */
 uint32_t ect_esc_al_event(const ect_esc_t *esc);

@@ -47,8 +47,16 @@ static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_
         return true;
     }
     esc->al_control_locked = true;
-    ect_esc_raise(esc, ECT_EVENT_AL_CONTROL);
+    if (esc->lose_al_event)
+        esc->lose_al_event = false;
+    else
+        ect_esc_raise(esc, ECT_EVENT_AL_CONTROL);
     return true;
+}
+
+void ect_esc_lose_al_event(ect_esc_t *esc)
+{
+    esc->lose_al_event = true;
 }
 
 static void read_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)

@@ -111,6 +111,12 @@ static uint8_t sii_byte(const ect_esc_t *esc, uint64_t offset)
     return offset < esc->config.sii_size ? esc->config.sii[offset] : 0xFF;
 }
 
+static void spoil(ect_esc_t *esc, uint8_t *data)
+{
+    for (unsigned int i = 0; i < esc->config.personality->sii_read; i += 2)
+        data[i + esc->sii_fault_bit / 8] ^= (uint8_t)(1u << esc->sii_fault_bit % 8);
+}
+
 static void finish(ect_esc_t *esc)
 {
     uint64_t offset = (uint64_t)ect_load_le32(reg(esc, ECT_REG_SII_ADDRESS)) * 2u;
@@ -120,9 +126,15 @@ static void finish(ect_esc_t *esc)
     esc->sii_command = COMMAND_IDLE;
     esc->sii_done_ns = 0;
     set_status(esc, status(esc) & ~(unsigned int)(BUSY | COMMAND));
+    if (esc->sii_fault == ECT_SII_NO_ANSWER) {
+        set_status(esc, status(esc) | COMMAND_ERROR);
+        return;
+    }
     if (command == COMMAND_READ) {
         for (unsigned int i = 0; i < esc->config.personality->sii_read; i++)
             data[i] = sii_byte(esc, offset + i);
+        if (esc->sii_fault == ECT_SII_BIT_ERROR)
+            spoil(esc, data);
     } else if (command == COMMAND_WRITE) {
         for (unsigned int i = 0; i < 2; i++) {
             if (offset + i < esc->config.sii_size)
@@ -137,12 +149,21 @@ static void finish(ect_esc_t *esc)
 /* One that the PDI has to carry out is done when it says so. */
 void ect_esc_sii_tick(ect_esc_t *esc)
 {
-    if (esc->sii_command == COMMAND_IDLE || esc->config.sii_emulated)
+    if (esc->sii_command == COMMAND_IDLE || esc->config.sii_emulated || esc->sii_fault == ECT_SII_BUSY)
         return;
     if (esc->now_ns >= esc->sii_done_ns)
         finish(esc);
     else
         ect_esc_expect(esc, esc->sii_done_ns);
+}
+
+void ect_esc_sii_fault(ect_esc_t *esc, ect_sii_fault_t fault, unsigned int bit)
+{
+    ECT_ASSERT(bit < 16);
+    esc->sii_fault = (uint8_t)fault;
+    esc->sii_fault_bit = (uint8_t)bit;
+    if (esc->sii_command != COMMAND_IDLE && !esc->config.sii_emulated)
+        ect_esc_expect(esc, esc->now_ns);
 }
 
 /* The error bit with which a command is refused, or 0. */

@@ -38,6 +38,7 @@ int command_watch(int argc, char **argv);
 int command_list_signals(int argc, char **argv);
 int command_command(int argc, char **argv);
 int command_periodic(int argc, char **argv);
+int command_fault(int argc, char **argv);
 int command_unplug(int argc, char **argv);
 int command_plug(int argc, char **argv);
 int command_cut(int argc, char **argv);
@@ -66,7 +67,8 @@ typedef struct twin_args {
     bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
     wiring_args_t wiring;
     ect_faults_t faults;
-    defect_t defect; /* --break */
+    ect_scenario_t scenario; /* --fault, --faults; those that users set later */
+    defect_t defect;         /* --break */
     ect_filter_t filter;
     int realtime;      /* priority, 0: as any process */
     const char *store; /* folder of the twins' non-volatile memory, NULL: none */

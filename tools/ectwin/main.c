@@ -24,7 +24,7 @@ static const struct command {
     {"esi", command_esi},           {"doc", command_doc},
     {"objects", command_objects},   {"unplug", command_unplug},
     {"plug", command_plug},         {"cut", command_cut},
-    {"mend", command_mend},
+    {"mend", command_mend},         {"fault", command_fault},
 };
 
 static int usage(FILE *stream, int status)
@@ -46,6 +46,7 @@ static int usage(FILE *stream, int status)
           "       ectwin periodic [-o FILE]                     the last set of periodic data that remotes were shown\n"
           "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, put them back\n"
           "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
+          "       ectwin fault [FAULT]                          let something go wrong, or list what does\n"
           "       ectwin stats [--json]                         frames, answer times and what came late, since the "
           "start\n"
           "       ectwin --version\n"

@@ -51,6 +51,7 @@ void session_init(session_t *s, const char *who, twin_args_t *twins)
 {
     *s = (session_t){.who = who, .twins = twins};
     s->runner = (ect_runner_t){.faults = &twins->faults,
+                               .scenario = &twins->scenario,
                                .filter = twins->filter.ctx ? &twins->filter : NULL,
                                .signal_fd = -1,
                                .link_fd = -1,

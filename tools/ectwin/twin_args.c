@@ -29,6 +29,8 @@ enum {
     KEY_REALTIME,
     KEY_BREAK,
     KEY_MODULE,
+    KEY_FAULT,
+    KEY_FAULTS,
     KEY_FILES,
     KEY_FILES_PASSWORD
 };
@@ -55,6 +57,9 @@ static const struct argp_option options[] = {
     {"drop", KEY_DROP, "PERCENT", 0, "Lose so many frames, 0 to 100, half of them on the way back (default 0)", 1},
     {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
     {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
+    {"fault", KEY_FAULT, "FAULT", 0,
+     "Let something go wrong, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md); may be repeated", 1},
+    {"faults", KEY_FAULTS, "FILE", 0, "The same from a file, one a line", 1},
     {"seed", KEY_SEED, "N", 0, "Of the lot that decides which (default 1)", 1},
     {"break", KEY_BREAK, "CF-NNN", 0,
      "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists them", 1},
@@ -214,6 +219,30 @@ static void check_faults(const twin_args_t *args, const struct argp_state *state
                    args->faults.drop_percent, args->faults.delay_percent);
 }
 
+static void add_fault(twin_args_t *args, const struct argp_state *state, const char *text, const char *where)
+{
+    char message[ECT_FAULT_MESSAGE];
+    if (!ect_scenario_read(&args->scenario, text, message))
+        argp_failure(state, EXIT_USAGE, 0, "%s: %s", where, message);
+}
+
+static void read_faults(twin_args_t *args, const struct argp_state *state, const char *path)
+{
+    char *line = NULL;
+    size_t room = 0;
+    FILE *file = fopen(path, "re");
+    if (!file)
+        argp_failure(state, EXIT_OPEN, errno, "--faults %s", path);
+    for (unsigned int number = 1; file && getline(&line, &room, file) >= 0; number++) {
+        char where[64];
+        snprintf(where, sizeof where, "%.40s line %u", path, number);
+        add_fault(args, state, line, where);
+    }
+    free(line);
+    if (file)
+        fclose(file);
+}
+
 static void print_defect(void *ctx, const char *id, const char *what)
 {
     (void)ctx;
@@ -248,8 +277,15 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_DELAY_US:
         args->faults.delay_us = parse_number(state, "--delay-us", text, 10000000);
         return 0;
+    case KEY_FAULT:
+        add_fault(args, state, text, "--fault");
+        return 0;
+    case KEY_FAULTS:
+        read_faults(args, state, text);
+        return 0;
     case KEY_SEED:
         args->faults.seed = parse_number(state, "--seed", text, UINT32_MAX);
+        args->scenario.seed = args->faults.seed;
         return 0;
     case KEY_STORE:
         if (*text == 0)
@@ -277,6 +313,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &args->wiring;
         args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
+        args->scenario.seed = 1;
         return 0;
     case ARGP_KEY_END:
         check_faults(args, state);
@@ -328,6 +365,9 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
         args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
     }
     fulfil_wishes(args, state);
+    if (ect_scenario_highest_slave(&args->scenario) > args->count)
+        argp_error(state, "a fault names slave %u: there are %zu", ect_scenario_highest_slave(&args->scenario),
+                   args->count);
     wiring_args_apply(&args->wiring, state, args->twins, args->count, args->faults.seed);
 }
 

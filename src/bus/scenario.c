@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/scenario.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "seams/random.h"
+#include "wire/bytes.h"
+
+enum {
+    HEADER = 16,
+    TYPE = 12,
+    LENGTH = HEADER + 6,
+    DATA = HEADER + 10,
+    ETHERTYPE_ECAT = 0x88A4,
+    NS_PER_S = 1000000000
+};
+
+/* --- a script ----------------------------------------------------------------------------------------------------- */
+
+static bool state_of(const char *name, size_t length, uint64_t *state)
+{
+    static const struct {
+        const char *name;
+        uint8_t state;
+    } states[] = {{"INIT", 1}, {"PREOP", 2}, {"BOOT", 3}, {"SAFEOP", 4}, {"OP", 8}};
+    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
+        if (strlen(states[i].name) == length && strncmp(states[i].name, name, length) == 0) {
+            *state = states[i].state;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* "at ..." at the beginning of a line. @return what follows; NULL: it makes no sense */
+static const char *read_when(const char *text, ect_scenario_step_t *step)
+{
+    char *end = NULL;
+    if (strncmp(text, "at ", 3) != 0)
+        return text; /* at 0 s */
+    text += 3;
+    if (strncmp(text, "frame ", 6) == 0) {
+        step->when = ECT_STEP_AT_FRAME;
+        step->value = strtoull(text + 6, &end, 10);
+        return end != text + 6 && *end == ' ' ? end + 1 : NULL;
+    }
+    if (strncmp(text, "slave ", 6) == 0) {
+        unsigned long slave = strtoul(text + 6, &end, 10);
+        size_t length = *end == ' ' ? strcspn(end + 1, " ") : 0;
+        step->when = ECT_STEP_AT_STATE;
+        step->slave = (uint16_t)slave;
+        bool good = slave > 0 && slave <= UINT16_MAX && length > 0 && state_of(end + 1, length, &step->value);
+        return good && end[1 + length] == ' ' ? end + 2 + length : NULL;
+    }
+    double seconds = strtod(text, &end);
+    step->when = ECT_STEP_AT_TIME;
+    step->value = seconds > 0 ? (uint64_t)(seconds * NS_PER_S) : 0;
+    return end != text && seconds >= 0 && seconds < 1e9 && strncmp(end, "s ", 2) == 0 ? end + 2 : NULL;
+}
+
+bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message)
+{
+    char text[ECT_FAULT_TEXT + 64];
+    ect_scenario_step_t step = {.when = ECT_STEP_AT_TIME};
+    size_t length = strcspn(line, "#\r\n");
+    while (length > 0 && (line[length - 1] == ' ' || line[length - 1] == '\t'))
+        length--;
+    while (length > 0 && (*line == ' ' || *line == '\t')) {
+        line++;
+        length--;
+    }
+    if (length == 0)
+        return true;
+    snprintf(text, sizeof text, "%.*s", (int)(length < sizeof text ? length : sizeof text - 1), line);
+    const char *fault = read_when(text, &step);
+    if (!fault) {
+        snprintf(message, ECT_FAULT_MESSAGE,
+                 "expected 'at 2.5s', 'at frame 100' or 'at slave 1 OP', then a fault, not '%.60s'", text);
+        return false;
+    }
+    if (!ect_fault_parse(fault, &step.fault, message))
+        return false;
+    if (s->step_count == ECT_SCENARIO_STEPS) {
+        snprintf(message, ECT_FAULT_MESSAGE, "at most %d faults can be told in advance", ECT_SCENARIO_STEPS);
+        return false;
+    }
+    s->steps[s->step_count++] = step;
+    s->steps_left++;
+    return true;
+}
+
+uint16_t ect_scenario_highest_slave(const ect_scenario_t *s)
+{
+    uint16_t highest = 0;
+    for (size_t i = 0; i < s->step_count; i++) {
+        highest = s->steps[i].slave > highest ? s->steps[i].slave : highest;
+        highest = s->steps[i].fault.slave > highest ? s->steps[i].fault.slave : highest;
+    }
+    return highest;
+}
+
+/* --- setting ------------------------------------------------------------------------------------------------------ */
+
+bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
+{
+    if (fault->slave > ect_chain_count(chain)) {
+        snprintf(message, ECT_FAULT_MESSAGE, "there is no slave %u: the chain has %zu", fault->slave,
+                 ect_chain_count(chain));
+        return false;
+    }
+    if (fault->kind == ECT_FAULT_OFF) {
+        s->set_count = 0;
+        return true;
+    }
+    if (!ect_fault_is_of_frames(fault)) {
+        ect_chain_fault(chain, fault, now_ns);
+        return true;
+    }
+    if (s->set_count == ECT_SCENARIO_FAULTS) {
+        snprintf(message, ECT_FAULT_MESSAGE, "%d faults are set already: 'off' ends them", ECT_SCENARIO_FAULTS);
+        return false;
+    }
+    s->set[s->set_count].frames = 0;
+    s->set[s->set_count++].fault = *fault;
+    return true;
+}
+
+bool ect_scenario_show(const ect_scenario_t *s, size_t i, char *text)
+{
+    if (i >= s->set_count)
+        return false;
+    ect_fault_print(&s->set[i].fault, text);
+    return true;
+}
+
+static bool is_due(const ect_scenario_t *s, const ect_chain_t *chain, const ect_scenario_step_t *step, uint64_t now_ns)
+{
+    switch (step->when) {
+    case ECT_STEP_AT_TIME:
+        return now_ns - s->start_ns >= step->value;
+    case ECT_STEP_AT_FRAME:
+        return s->frames >= step->value;
+    default:
+        return step->slave <= ect_chain_count(chain) && ect_chain_slave(chain, step->slave - 1u)->state == step->value;
+    }
+}
+
+/* What a step cannot do (a slave that there is not) is not done: the script was told so when it began. */
+uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
+{
+    char message[ECT_FAULT_MESSAGE];
+    uint64_t next_ns = ECT_NEVER;
+    if (s->start_ns == 0)
+        s->start_ns = now_ns;
+    for (size_t i = 0; s->steps_left > 0 && i < s->step_count; i++) {
+        ect_scenario_step_t *step = &s->steps[i];
+        if (step->done)
+            continue;
+        if (is_due(s, chain, step, now_ns)) {
+            step->done = true;
+            s->steps_left--;
+            (void)ect_scenario_set(s, chain, &step->fault, now_ns, message);
+        } else if (step->when == ECT_STEP_AT_TIME && s->start_ns + step->value < next_ns) {
+            next_ns = s->start_ns + step->value;
+        }
+    }
+    return next_ns;
+}
+
+/* --- frames ------------------------------------------------------------------------------------------------------- */
+
+/* Whether a fault concerns this frame; the lot is drawn for each fault that has a share, so that none depends on
+ * others. */
+static bool concerns(ect_scenario_t *s, size_t i)
+{
+    const ect_fault_t *fault = &s->set[i].fault;
+    uint64_t frame = ++s->set[i].frames;
+    switch (fault->when) {
+    case ECT_FAULT_SHARE:
+        return ect_random_next(&s->seed) % 100u < fault->number;
+    case ECT_FAULT_EVERY:
+        return frame % fault->number == 0;
+    case ECT_FAULT_ONCE:
+        return frame == fault->number;
+    default:
+        return true;
+    }
+}
+
+/* One bit of the first datagram's data, or of what there is. */
+static void corrupt(ect_scenario_t *s, uint8_t *frame, size_t length)
+{
+    size_t from = length > DATA ? DATA : length > HEADER ? HEADER : 0;
+    if (length == 0)
+        return;
+    uint32_t lot = ect_random_next(&s->seed);
+    frame[from + lot / 8 % (length - from)] ^= (uint8_t)(1u << lot % 8);
+}
+
+static void drop(ect_scenario_t *s, const ect_fault_t *fault, ect_fate_t *fate)
+{
+    (void)fault;
+    if (ect_random_next(&s->seed) % 2 == 0)
+        fate->lose_request = true;
+    else
+        fate->lose_answer = true;
+}
+
+static void on_wire(ect_chain_t *chain, const ect_fault_t *fault)
+{
+    const ect_mishap_t mishap = {
+        .kind = fault->kind == ECT_FAULT_DROP ? ECT_MISHAP_LOST : ECT_MISHAP_DAMAGED,
+        .wire = fault->slave - 1u,
+        .on_the_way_back = fault->back,
+    };
+    ect_chain_mishap(chain, &mishap);
+}
+
+static void befall(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint8_t *frame, size_t *length,
+                   ect_fate_t *fate)
+{
+    switch (fault->kind) {
+    case ECT_FAULT_DROP:
+    case ECT_FAULT_DAMAGE:
+        if (fault->slave != 0)
+            on_wire(chain, fault);
+        else
+            drop(s, fault, fate);
+        return;
+    case ECT_FAULT_DELAY:
+        fate->delay_us += (uint32_t)fault->amount;
+        return;
+    case ECT_FAULT_DUPLICATE:
+        fate->twice = true;
+        return;
+    case ECT_FAULT_REORDER:
+        fate->behind_next = true;
+        return;
+    case ECT_FAULT_TRUNCATE:
+        *length -= (size_t)fault->amount < *length ? (size_t)fault->amount : *length;
+        return;
+    case ECT_FAULT_CORRUPT:
+        corrupt(s, frame, *length);
+        return;
+    default:
+        fate->counter += fault->amount;
+    }
+}
+
+ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length, uint64_t now_ns)
+{
+    ect_fate_t fate = {0};
+    s->frames++;
+    (void)ect_scenario_tick(s, chain, now_ns);
+    size_t kept = 0;
+    for (size_t i = 0; i < s->set_count; i++) {
+        const ect_fault_t *fault = &s->set[i].fault;
+        bool now = concerns(s, i);
+        if (now)
+            befall(s, chain, fault, frame, length, &fate);
+        if (!(now && fault->when == ECT_FAULT_ONCE))
+            s->set[kept++] = s->set[i];
+    }
+    s->set_count = kept;
+    return fate;
+}
+
+void ect_scenario_count(uint8_t *frame, size_t length, int32_t by)
+{
+    if (by == 0 || length < DATA + 2 || ect_load_be16(frame + TYPE) != ETHERTYPE_ECAT)
+        return;
+    size_t counter = DATA + (ect_load_le16(frame + LENGTH) & 0x07FFu);
+    if (counter + 2 <= length)
+        ect_store_le16(frame + counter, (uint16_t)(ect_load_le16(frame + counter) + by));
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* Faults of running twins: set one, or list those that are set. */
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "connection.h"
+
+typedef struct fault_args {
+    const char *socket;
+    char text[2 * ECT_FAULT_TEXT];
+} fault_args_t;
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    fault_args_t *args = state->input;
+    size_t used = strlen(args->text);
+    switch (key) {
+    case 's':
+        args->socket = text;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (snprintf(args->text + used, sizeof args->text - used, "%s%s", used > 0 ? " " : "", text) >=
+            (int)(sizeof args->text - used))
+            argp_error(state, "a fault is at most %d characters long", ECT_FAULT_TEXT - 1);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static void print_fault(const cJSON *line)
+{
+    char room[32];
+    print_text(stdout, connection_text(line, "fault", room));
+    putchar('\n');
+}
+
+int command_fault(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}, {0}};
+    static const struct argp argp = {.options = options,
+                                     .parser = parse,
+                                     .args_doc = "[FAULT]",
+                                     .doc = "Lets something go wrong, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
+                                            "'off' ends all faults of frames. "
+                                            "Without a fault: those of frames that are set."};
+    fault_args_t args = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    FILE *connection = connection_open(args.socket, argv[0]);
+    if (!connection)
+        return EXIT_OPEN;
+    cJSON *request = cJSON_CreateObject();
+    cJSON_AddStringToObject(request, "op", "fault");
+    if (args.text[0] != 0)
+        cJSON_AddStringToObject(request, "fault", args.text);
+    int status =
+        connection_ask(connection, request, argv[0]) ? connection_answer(connection, argv[0], print_fault) : EXIT_USAGE;
+    fclose(connection);
+    return status;
+}
