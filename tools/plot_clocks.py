@@ -39,7 +39,7 @@ def main():
     for second in range(0, last // 1000 + 1, max(1, last // 8000)):
         out.append(f'<text x="{x(1000 * second):.1f}" y="{HEIGHT - BOTTOM + 20}" text-anchor="middle">{second} s</text>')
     for points in clocks.values():
-        way = " ".join(f"{x(ms):.1f},{y(size):.1f}" for ms, size in points)
+        way = " ".join(f"{x(ms):.0f},{y(size):.0f}" for ms, size in points)
         out.append(f'<polyline points="{way}" fill="none" stroke="#26c" stroke-opacity="0.25"/>')
     worst = max(size for ms, _, size in rows if ms > last * 0.9)
     out.append(f'<text x="{WIDTH - 24}" y="{TOP + 16}" text-anchor="end">in the last tenth at most {worst} ns</text>')
