@@ -78,13 +78,19 @@ void ect_soes_inputs(void)
 /* --- states --------------------------------------------------------------------------------------------------------
  */
 
+/* A mapping that cannot be, or one of more bytes than there is room for. */
+static bool is_wrong(int mappings, uint32_t bytes, uint32_t room)
+{
+    return mappings < 0 || bytes > room;
+}
+
 static uint16_t check_sizes(void)
 {
     ESCvar.ESC_SM2_sml = sizeOfPDO(RX_PDO_OBJIDX, &ESCvar.sm2mappings, SMmap2, MAX_MAPPINGS_SM2);
-    if (ESCvar.sm2mappings < 0 || ESCvar.ESC_SM2_sml > OUTPUTS_ROOM)
+    if (is_wrong(ESCvar.sm2mappings, ESCvar.ESC_SM2_sml, OUTPUTS_ROOM))
         return ALERR_INVALIDOUTPUTMAPPING;
     ESCvar.ESC_SM3_sml = sizeOfPDO(TX_PDO_OBJIDX, &ESCvar.sm3mappings, SMmap3, MAX_MAPPINGS_SM3);
-    if (ESCvar.sm3mappings < 0 || ESCvar.ESC_SM3_sml > INPUTS_ROOM)
+    if (is_wrong(ESCvar.sm3mappings, ESCvar.ESC_SM3_sml, INPUTS_ROOM))
         return ALERR_INVALIDINPUTMAPPING;
     return ALERR_NONE;
 }

@@ -156,7 +156,10 @@ uint16_t wire_read16(wire_t *w, size_t position, uint16_t ado)
 
 void wire_poll(wire_t *w)
 {
-    (void)ect_chain_poll(w->chain, w->now_ns);
+    if (w->poll)
+        w->poll(w);
+    else
+        (void)ect_chain_poll(w->chain, w->now_ns);
 }
 
 void wire_advance(wire_t *w, uint64_t ns)

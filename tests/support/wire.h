@@ -32,6 +32,7 @@ typedef struct wire {
     uint8_t frame[2100]; /* the last frame, as it came back */
     size_t frame_length;
     uint8_t mail_counter;
+    void (*poll)(struct wire *w); /* in place of the chain's own slaves; NULL: they */
 } wire_t;
 
 /* A chain of twins, addresses assigned, clock at 1 s. */

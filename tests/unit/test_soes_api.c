@@ -1,0 +1,967 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * SOES's API over our stack: an application and a hardware file in SOES's manner (tests/soes), unchanged but for what a
+ * test sets in its configuration, behind a software ESC. docs/SOES.md says what the names mean.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "seams/standard.h"
+#include "soes/app.h"
+#include "soes/describe.h"
+#include "soes/ect_soes.h"
+#include "soes/esc_eep.h"
+#include "soes/esc_foe.h"
+#include "soes/hal.h"
+#include "support/wire.h"
+
+enum {
+    INIT = ECT_STATE_INIT,
+    PREOP = ECT_STATE_PREOP,
+    BOOT = ECT_STATE_BOOT,
+    SAFEOP = ECT_STATE_SAFEOP,
+    OP = ECT_STATE_OP
+};
+
+static wire_t w;
+static ect_device_t description;
+static esc_cfg_t config;
+static void (*turn)(void);
+
+/* --- what has been called ------------------------------------------------------------------------------------------
+ */
+
+static char calls[2000];
+
+__attribute__((format(printf, 1, 2))) static void note(const char *format, ...)
+{
+    va_list arguments;
+    size_t used = strlen(calls);
+    va_start(arguments, format);
+    (void)vsnprintf(calls + used, sizeof calls - used, format, arguments);
+    va_end(arguments);
+}
+
+static void expect_calls(const char *want)
+{
+    if (strcmp(calls, want) != 0)
+        fail_msg("expected the calls\n  %s\ngot\n  %s", want, calls);
+    calls[0] = '\0';
+}
+
+/* --- the bench -----------------------------------------------------------------------------------------------------
+ */
+
+static uint64_t now(void)
+{
+    return w.now_ns;
+}
+
+static void poll_application(wire_t *wire)
+{
+    (void)ect_esc_tick(hal.esc, wire->now_ns);
+    turn();
+}
+
+/* The application as the configuration has it, and a master who has not yet asked for anything. */
+static void power_on(void)
+{
+    memset(&w, 0, sizeof w);
+    memset(&hal, 0, sizeof hal);
+    app_outputs = app_inputs = 0;
+    calls[0] = '\0';
+    ect_soes_describe(&description);
+    description.instance_size = sizeof(ect_standard_t);
+    wire_open_one(&w, &description); /* its own slave will never be polled: this is about the chip */
+    hal.esc = ect_chain_esc(w.chain, 0);
+    w.poll = poll_application;
+    turn = ecat_slv;
+    ect_soes_clock(now);
+    ecat_slv_init(&config);
+}
+
+static void open_in(uint8_t state)
+{
+    power_on();
+    wire_go(&w, 0, state);
+    calls[0] = '\0';
+}
+
+static int plain(void **state)
+{
+    (void)state;
+    memset(&app, 0, sizeof app);
+    config = (esc_cfg_t){.watchdog_cnt = 100000};
+    return 0;
+}
+
+static int close_all(void **state)
+{
+    (void)state;
+    wire_close(&w);
+    return 0;
+}
+
+static void turns(unsigned int count)
+{
+    for (unsigned int n = 0; n < count; n++)
+        wire_poll(&w);
+}
+
+static uint32_t download(uint16_t index, uint8_t subindex, const void *data, size_t size)
+{
+    return wire_sdo_download(&w, 0, index, subindex, false, data, size);
+}
+
+static uint32_t download32(uint16_t index, uint8_t subindex, uint32_t value)
+{
+    uint8_t bytes[4];
+    ect_store_le32(bytes, value);
+    return download(index, subindex, bytes, sizeof bytes);
+}
+
+static void expect_upload(uint16_t index, uint8_t subindex, const void *want, size_t length)
+{
+    uint8_t got[300];
+    size_t size = sizeof got;
+    uint32_t abort = wire_sdo_upload(&w, 0, index, subindex, false, got, &size);
+    if (abort != 0 || size != length || memcmp(got, want, length) != 0)
+        fail_msg("%04Xh:%u: abort %08X, %zu bytes, or not as expected", index, subindex, abort, size);
+}
+
+static void expect_status(uint8_t status, uint16_t code)
+{
+    uint8_t bytes[6] = {0};
+    assert_int_equal(wire_read(&w, 0, ECT_REG_AL_STATUS, bytes, 6), 1);
+    if (bytes[0] != status || ect_load_le16(bytes + 4) != code)
+        fail_msg("expected AL status %02Xh, code %04Xh; got %02Xh, %04Xh", status, code, bytes[0],
+                 ect_load_le16(bytes + 4));
+}
+
+/* --- start ---------------------------------------------------------------------------------------------------------
+ */
+
+static void start(void **state)
+{
+    static int argument;
+    (void)state;
+    config.user_arg = &argument;
+    power_on();
+    assert_ptr_equal(hal.user_arg, &argument);
+    assert_int_equal(ESCvar.DLstatus & 1, 1);
+    expect_status(INIT, 0);
+    assert_int_equal(ESCvar.App.state, APPSTATE_IDLE);
+    assert_int_equal(app.gain, 1000);
+    assert_int_equal(app.bits[0], 7);
+    assert_int_equal(app.mapped_1601[0], 0x80000220);
+    hal.loading = 5; /* once more, with an ESC that is not ready yet */
+    ecat_slv_init(&config);
+    assert_int_equal(hal.loading, 0);
+}
+
+static void other_defaults(void)
+{
+    app.bits[1] = (uint8_t)(app.bits[0] + 1);
+}
+
+static void defaults(void **state)
+{
+    (void)state;
+    config.set_defaults_hook = other_defaults;
+    power_on();
+    assert_int_equal(app.bits[1], 8);
+    wire_close(&w);
+    app.gain = 5;
+    config.skip_default_initialization = true;
+    hal.esc = NULL;
+    power_on();
+    app.gain = 5;
+    ecat_slv_init(&config);
+    assert_int_equal(app.gain, 5);
+}
+
+/* --- process data --------------------------------------------------------------------------------------------------
+ */
+
+static void process_data(void **state)
+{
+    uint8_t out[3] = {0x02, 0x34, 0x12};
+    uint8_t in[3];
+    (void)state;
+    open_in(OP);
+    app.buttons[1] = 1;
+    assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
+    assert_int_equal(app.lamps[0], 0);
+    assert_int_equal(app.lamps[1], 1);
+    assert_int_equal(app.speed, 0x1234);
+    assert_true(app_outputs > 0);
+    assert_int_equal(wire_read(&w, 0, SM3_sma, in, sizeof in), 1);
+    assert_int_equal(in[0], 0x02);
+    assert_int_equal(ect_load_le16(in + 1) + 1, app.position);
+    assert_int_equal(ESCvar.ESC_SM2_sml, 3);
+    assert_int_equal(ESCvar.ESC_SM3_sml, 3);
+    assert_int_equal(ESCvar.App.state, APPSTATE_INPUT | APPSTATE_OUTPUT);
+}
+
+static void not_before_op(void **state)
+{
+    uint8_t out[3] = {0x01, 0x34, 0x12};
+    uint8_t in[3] = {0};
+    (void)state;
+    open_in(SAFEOP);
+    app_outputs = 0;
+    assert_int_equal(wire_read(&w, 0, SM3_sma, in, sizeof in), 1); /* from the beginning */
+    assert_true(app_inputs > 0);
+    assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
+    assert_int_equal(app_outputs, 0);
+    assert_int_equal(app.speed, 0);
+    assert_int_equal(ESCvar.ALevent & ESCREG_ALEVENT_SM2, 0); /* fetched all the same */
+    wire_go(&w, 0, PREOP);
+    app_inputs = 0;
+    turns(3);
+    assert_int_equal(app_inputs, 0);
+}
+
+static void read_outputs(void)
+{
+    uint8_t image[3];
+    ESC_read(SM2_sma, image, sizeof image);
+    note("outputs %02X; ", image[1]);
+}
+
+static void write_inputs(void)
+{
+    uint8_t image[3] = {0xA5, 0, 0};
+    ESC_write(SM3_sma, image, sizeof image);
+}
+
+static void overrides(void **state)
+{
+    uint8_t out[3] = {0x01, 0x34, 0x12};
+    uint8_t in[3];
+    (void)state;
+    config.rxpdo_override = read_outputs;
+    config.txpdo_override = write_inputs;
+    open_in(OP);
+    assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
+    expect_calls("outputs 34; ");
+    assert_int_equal(wire_read(&w, 0, SM3_sma, in, sizeof in), 1);
+    assert_int_equal(in[0], 0xA5);
+}
+
+/* --- the watchdog, and leaving a state on one's own account
+ * ----------------------------------------------------------- */
+
+static void safe(void)
+{
+    note("safe; ");
+}
+
+static void watchdog(void **state)
+{
+    uint8_t out[3] = {0};
+    (void)state;
+    config.watchdog_cnt = 20;
+    config.safeoutput_override = safe;
+    open_in(OP);
+    for (unsigned int n = 0; n < 30; n++)
+        assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
+    turns(18);
+    expect_status(OP, 0);
+    expect_calls("");
+    turns(4);
+    expect_status(SAFEOP | ECT_AL_ERROR, ALERR_WATCHDOG);
+    expect_calls("safe; ");
+    assert_int_equal(ESCvar.App.state, APPSTATE_INPUT);
+    assert_int_equal(ESCvar.ALerror, ALERR_WATCHDOG);
+    APP_setwatchdog(100000);
+    wire_go(&w, 0, OP);
+    turns(200);
+    expect_status(OP, 0);
+}
+
+static uint8_t wish;
+static uint16_t why;
+
+static void leave(void)
+{
+    if (wish != 0)
+        ESC_ALstatusgotoerror(wish, why);
+    wish = 0;
+}
+
+static void own_account(void **state)
+{
+    static const struct {
+        uint8_t from, wish, status;
+        uint16_t why, code;
+        const char *calls;
+    } rows[] = {
+        {OP, ESCsafeop | ESCerror, SAFEOP | ECT_AL_ERROR, ALERR_SYNCERROR, ALERR_SYNCERROR, "safe; "},
+        {OP, ESCpreop | ESCerror, PREOP | ECT_AL_ERROR, 0x8001, 0x8001, "safe; "},
+        {OP, ESCinit | ESCerror, INIT | ECT_AL_ERROR, 0, ALERR_UNSPECIFIEDERROR, "safe; "},
+        {SAFEOP, ESCpreop | ESCerror, PREOP | ECT_AL_ERROR, 0x8001, 0x8001, ""},
+        {OP, ESCop | ESCerror, OP, 0x8001, 0, ""},
+        {SAFEOP, ESCsafeop | ESCerror, SAFEOP, 0x8001, 0, ""},
+        {PREOP, ESCsafeop | ESCerror, PREOP, 0x8001, 0, ""},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        config.application_hook = leave;
+        config.safeoutput_override = safe;
+        open_in(rows[i].from);
+        wish = rows[i].wish;
+        why = rows[i].why;
+        turns(3);
+        expect_status(rows[i].status, rows[i].code);
+        expect_calls(rows[i].calls);
+        if (i + 1 < sizeof rows / sizeof rows[0])
+            wire_close(&w);
+    }
+}
+
+/* --- changes of state ----------------------------------------------------------------------------------------------
+ */
+
+static uint8_t refuse; /* the change that is refused, 0: none */
+static uint16_t refuse_with;
+
+static void before(uint8_t *as, uint8_t *an)
+{
+    note("%02X %u>", *as, *an);
+}
+
+static void after(uint8_t *as, uint8_t *an)
+{
+    note("%02X; ", *an);
+    if (*as == refuse) {
+        *an |= ESCerror;
+        if (refuse_with != 0)
+            ESC_ALerror(refuse_with);
+    }
+}
+
+static void state_hooks(void **state)
+{
+    (void)state;
+    config.pre_state_change_hook = before;
+    config.post_state_change_hook = after;
+    refuse = 0;
+    power_on();
+    wire_go(&w, 0, OP);
+    expect_calls("21 1>02; 42 2>04; 84 4>08; ");
+    assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+    assert_int_equal(wire_al(&w, 0, INIT, NULL), INIT);
+    expect_calls("28 8>02; 12 2>01; ");
+    assert_int_equal(ESCvar.ALcontrol, INIT);
+    assert_int_equal(ESCvar.ALstatus, INIT);
+    assert_int_equal(ESCvar.MBXrun, 0);
+}
+
+static void refused(void **state)
+{
+    static const struct {
+        uint8_t change, from, to;
+        uint16_t with, code;
+    } rows[] = {
+        {INIT_TO_PREOP, INIT, PREOP, ALERR_NOVALIDFIRMWARE, ALERR_NOVALIDFIRMWARE},
+        {PREOP_TO_SAFEOP, PREOP, SAFEOP, 0, ALERR_UNSPECIFIEDERROR},
+        {SAFEOP_TO_OP, SAFEOP, OP, ALERR_NOVALIDOUTPUTS, ALERR_NOVALIDOUTPUTS},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint16_t code = 0;
+        refuse = 0;
+        config.post_state_change_hook = after;
+        open_in(rows[i].from);
+        if (rows[i].to == PREOP)
+            wire_configure_mailbox(&w, 0);
+        if (rows[i].to == SAFEOP)
+            wire_configure_process_data(&w, 0);
+        refuse = rows[i].change;
+        refuse_with = rows[i].with;
+        assert_int_equal(wire_al(&w, 0, rows[i].to, &code), rows[i].from | ECT_AL_ERROR);
+        assert_int_equal(code, rows[i].code);
+        refuse = 0;
+        assert_int_equal(wire_al(&w, 0, rows[i].to | ECT_AL_ACKNOWLEDGE, &code), rows[i].to);
+        if (i + 1 < sizeof rows / sizeof rows[0])
+            wire_close(&w);
+    }
+}
+
+static void boot(void **state)
+{
+    (void)state;
+    open_in(INIT);
+    wire_set_sm(&w, 0, 0, MBX0_sma_b, MBX0_sml_b, MBX0_smc_b);
+    wire_set_sm(&w, 0, 1, MBX1_sma_b, MBX1_sml_b, MBX1_smc_b);
+    assert_int_equal(wire_al(&w, 0, BOOT, NULL), BOOT);
+    assert_int_equal(ESC_MBXSIZE, MBXSIZEBOOT);
+    assert_int_equal(ESC_MBX0_sma + ESC_MBX0_sml - 1, ESC_MBX0_sme);
+    assert_int_equal(ESC_MBX1_sma, MBX1_sma_b);
+    assert_int_equal(wire_al(&w, 0, INIT, NULL), INIT);
+    wire_go(&w, 0, PREOP);
+    assert_int_equal(ESC_MBXSIZE, MBXSIZE);
+    assert_int_equal(ESC_MBX0_smc, MBX0_smc);
+    assert_int_equal(ESC_MBX1_sml, MBX1_sml);
+    assert_int_equal(ESC_MBX1_smc, MBX1_smc);
+    assert_int_equal(ESC_MBX1_sme, MBX1_sme);
+    assert_int_equal(ESCvar.address, WIRE_STATION);
+}
+
+static int device_id(uint16_t *id)
+{
+    *id = 0x0BAD;
+    return 0;
+}
+
+static int no_device_id(uint16_t *id)
+{
+    *id = 0x0BAD;
+    return -1;
+}
+
+static void identification(void **state)
+{
+    uint8_t alias[2] = {0x23, 0x01};
+    uint16_t code = 0;
+    (void)state;
+    open_in(PREOP);
+    assert_int_equal(wire_al(&w, 0, PREOP | ECT_AL_IDENT, &code), PREOP); /* no alias, no identification */
+    ESC_write(ESCREG_CONF_STATION_ALIAS, alias, sizeof alias);
+    assert_int_equal(wire_al(&w, 0, PREOP | ECT_AL_IDENT, &code), PREOP | ECT_AL_IDENT);
+    assert_int_equal(code, 0x0123);
+    ESCvar.get_device_id = device_id;
+    assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+    assert_int_equal(wire_al(&w, 0, PREOP | ECT_AL_IDENT, &code), PREOP | ECT_AL_IDENT);
+    assert_int_equal(code, 0x0BAD);
+    ESCvar.get_device_id = no_device_id;
+    assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+    assert_int_equal(wire_al(&w, 0, PREOP | ECT_AL_IDENT, &code), PREOP);
+}
+
+/* --- by interrupt --------------------------------------------------------------------------------------------------
+ */
+
+static void enable(uint32_t mask)
+{
+    note("on %X; ", (unsigned int)mask);
+}
+
+static void disable(uint32_t mask)
+{
+    note("off %X; ", (unsigned int)mask);
+}
+
+static uint16_t dc_answer;
+
+static uint16_t check_dc(void)
+{
+    note("dc; ");
+    ESCvar.dcsync = 1;
+    return dc_answer;
+}
+
+static void start_sync0(void)
+{
+    uint8_t cycle[4];
+    ect_store_le32(cycle, 1000000);
+    assert_int_equal(wire_write(&w, 0, ECT_REG_DC_SYNC0_CYCLE, cycle, sizeof cycle), 1);
+    assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 0x03), 1);
+}
+
+static void interrupts(void **state)
+{
+    uint16_t code = 0;
+    (void)state;
+    config.use_interrupt = 1;
+    config.esc_hw_interrupt_enable = enable;
+    config.esc_hw_interrupt_disable = disable;
+    open_in(PREOP);
+    wire_configure_process_data(&w, 0);
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), SAFEOP);
+    expect_calls("on 400; ");
+    assert_int_equal(wire_al(&w, 0, OP, NULL), OP);
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), SAFEOP);
+    expect_calls("");
+    assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+    expect_calls("off C04; ");
+    start_sync0();
+    assert_int_equal(wire_al(&w, 0, SAFEOP, &code), PREOP | ECT_AL_ERROR);
+    assert_int_equal(code, ALERR_DCINVALIDSYNCCFG);
+    ESCvar.esc_check_dc_handler = check_dc;
+    dc_answer = ALERR_DCSYNC0CYCLETIME;
+    assert_int_equal(wire_al(&w, 0, SAFEOP | ECT_AL_ACKNOWLEDGE, &code), PREOP | ECT_AL_ERROR);
+    assert_int_equal(code, ALERR_DCSYNC0CYCLETIME);
+    dc_answer = 0;
+    assert_int_equal(wire_al(&w, 0, SAFEOP | ECT_AL_ACKNOWLEDGE, &code), SAFEOP);
+    expect_calls("dc; dc; on 404; ");
+}
+
+static void only_poll(void)
+{
+    ecat_slv_poll();
+}
+
+static void parts_of_the_exchange(void **state)
+{
+    uint8_t out[3] = {0x01, 0x34, 0x12};
+    (void)state;
+    config.application_hook = leave;
+    open_in(OP);
+    turn = only_poll;
+    app_outputs = app_inputs = 0;
+    assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
+    assert_int_equal(app_outputs + app_inputs, 0);
+    DIG_process(DIG_PROCESS_INPUTS_FLAG);
+    assert_int_equal(app_inputs, 1);
+    assert_int_equal(app_outputs, 0);
+    DIG_process(DIG_PROCESS_OUTPUTS_FLAG);
+    assert_int_equal(app_outputs, 1);
+    DIG_process(DIG_PROCESS_OUTPUTS_FLAG); /* there are no new ones */
+    assert_int_equal(app_outputs, 1);
+    wish = ESCpreop | ESCerror;
+    DIG_process(DIG_PROCESS_WD_FLAG);
+    assert_int_not_equal(wish, 0);
+    DIG_process(DIG_PROCESS_APP_HOOK_FLAG);
+    assert_int_equal(wish, 0);
+    assert_int_equal(app_inputs, 1);
+}
+
+static void no_turn(void)
+{
+}
+
+static const uint32_t worker_events =
+    ESCREG_ALEVENT_CONTROL | ESCREG_ALEVENT_SMCHANGE | ESCREG_ALEVENT_SM0 | ESCREG_ALEVENT_SM1 | ESCREG_ALEVENT_EEP;
+
+static void work(void)
+{
+    ecat_slv_worker(worker_events);
+}
+
+static void worker(void **state)
+{
+    (void)state;
+    power_on();
+    turn = work;
+    ESC_ALeventmaskwrite(ESCREG_ALEVENT_SM2);
+    wire_go(&w, 0, PREOP);
+    assert_int_equal(download32(0x8000, 2, 77), 0);
+    assert_int_equal(app.gain, 77);
+    /* It waits for requests, not for mails that were fetched; what others have let through stays. */
+    assert_int_equal(ESC_ALeventmaskread(), ESCREG_ALEVENT_SM2 | (worker_events & ~(uint32_t)ESCREG_ALEVENT_SM1));
+}
+
+static void in_pieces(void)
+{
+    ESC_state();
+    ESC_sm_act_event();
+    if (ESC_mbxprocess() != 0)
+        fail_msg("ESC_state leaves nothing to be done");
+    ESC_coeprocess();
+    ESC_foeprocess();
+    ESC_xoeprocess();
+    DIG_process(DIG_PROCESS_OUTPUTS_FLAG | DIG_PROCESS_INPUTS_FLAG);
+}
+
+static void pieces(void **state)
+{
+    (void)state;
+    power_on();
+    turn = in_pieces;
+    wire_go(&w, 0, OP);
+    assert_int_equal(download32(0x8000, 2, 78), 0);
+    assert_int_equal(app.gain, 78);
+}
+
+/* --- objects -------------------------------------------------------------------------------------------------------
+ */
+
+static uint32_t abort_before, abort_after;
+static size_t upload_size;
+
+static uint32_t before_download(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags)
+{
+    note("W%04X:%u %zu %02X%s>", index, subindex, size, *(uint8_t *)data,
+         (flags & COMPLETE_ACCESS_FLAG) != 0 ? " CA" : "");
+    return abort_before;
+}
+
+static uint32_t after_download(uint16_t index, uint8_t subindex, uint16_t flags)
+{
+    note("%04X:%u%s; ", index, subindex, (flags & COMPLETE_ACCESS_FLAG) != 0 ? " CA" : "");
+    return abort_after;
+}
+
+static uint32_t before_upload(uint16_t index, uint8_t subindex, void *data, size_t *size, uint16_t flags)
+{
+    note("R%04X:%u %zu%s>", index, subindex, *size, (flags & COMPLETE_ACCESS_FLAG) != 0 ? " CA" : "");
+    if (index == 0x8001) {
+        memset(data, 'x', 150);
+        *size = upload_size;
+    }
+    return abort_before;
+}
+
+static uint32_t after_upload(uint16_t index, uint8_t subindex, uint16_t flags)
+{
+    note("%04X:%u%s; ", index, subindex, (flags & COMPLETE_ACCESS_FLAG) != 0 ? " CA" : "");
+    return 0;
+}
+
+static int with_object_hooks(void **state)
+{
+    (void)plain(state);
+    config.pre_object_download_hook = before_download;
+    config.post_object_download_hook = after_download;
+    config.pre_object_upload_hook = before_upload;
+    config.post_object_upload_hook = after_upload;
+    abort_before = abort_after = 0;
+    upload_size = 150;
+    return 0;
+}
+
+static void uploads(void **state)
+{
+    static const uint8_t identity[] = {4, 0, 0x37, 0x13, 0, 0, 0xD2, 4, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0};
+    char text[150];
+    uint8_t got[32];
+    size_t size = sizeof got;
+    (void)state;
+    open_in(PREOP);
+    expect_upload(0x1008, 0, "test device", 11);
+    expect_upload(0x1009, 0, "1.0", 3);
+    expect_upload(0x8000, 2, "\xE8\x03\0\0", 4);
+    expect_calls("R1008:0 11>1008:0; R1009:0 3>1009:0; R8000:2 4>8000:2; ");
+    memset(text, 'x', sizeof text);
+    expect_upload(0x8001, 0, text, sizeof text);
+    expect_calls("R8001:0 200>8001:0; "); /* behind the last segment, once */
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x1018, 0, true, got, &size), 0);
+    assert_memory_equal(got, identity, sizeof identity);
+    expect_calls("R1018:0 1 CA>1018:0 CA; ");
+    abort_before = ABORT_DATA_STORE_LOCAL_ERROR;
+    size = sizeof got;
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x8000, 2, false, got, &size), ABORT_DATA_STORE_LOCAL_ERROR);
+    expect_calls("R8000:2 4>");
+    size = sizeof got;
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x8000, 3, false, got, &size), ABORT_NOSUBINDEX);
+    expect_calls("");
+}
+
+static void downloads(void **state)
+{
+    char text[193];
+    (void)state;
+    open_in(PREOP);
+    assert_int_equal(download32(0x8000, 2, 0x01020304), 0);
+    assert_int_equal(app.gain, 0x01020304);
+    expect_calls("W8000:2 4 04>8000:2; ");
+    memset(text, 'y', sizeof text);
+    assert_int_equal(download(0x8001, 0, text, 180), 0);
+    assert_int_equal(strlen(app.label), 180);
+    expect_calls("W8001:0 180 79>8001:0; ");
+    assert_int_equal(wire_sdo_download(&w, 0, 0x8002, 0, true, "\2\0\x11\x22", 4), 0);
+    assert_int_equal(app.bits[1], 0x22);
+    expect_calls("W8002:1 1 11 CA>W8002:2 1 22 CA>8002:0 CA; ");
+    abort_before = ABORT_VALUE_TOO_HIGH;
+    assert_int_equal(download32(0x8000, 2, 9), ABORT_VALUE_TOO_HIGH);
+    abort_before = 5; /* no abort code */
+    assert_int_equal(download32(0x8000, 2, 9), ABORT_GENERALERROR);
+    assert_int_equal(app.gain, 0x01020304);
+    expect_calls("W8000:2 4 09>W8000:2 4 09>");
+    abort_before = 0;
+    abort_after = ABORT_HARDWARE_ERROR;
+    assert_int_equal(download32(0x8000, 2, 9), ABORT_HARDWARE_ERROR);
+    assert_int_equal(app.gain, 9);
+    expect_calls("W8000:2 4 09>8000:2; ");
+    /* As long as PREALLOC_FACTOR mailboxes, a value in pieces may be. */
+    assert_int_equal(download(0x8001, 0, text, sizeof text), ABORT_OUT_OF_MEMORY);
+    assert_int_equal(download32(0x1000, 0, 0), ABORT_READONLY);
+}
+
+#ifndef APP_RAW
+/* --- dynamic process data
+ * --------------------------------------------------------------------------------------------- */
+
+static uint32_t download8(uint16_t index, uint8_t subindex, uint8_t value)
+{
+    return download(index, subindex, &value, 1);
+}
+
+static uint32_t download16(uint16_t index, uint8_t subindex, uint16_t value)
+{
+    uint8_t bytes[2];
+    ect_store_le16(bytes, value);
+    return download(index, subindex, bytes, sizeof bytes);
+}
+
+static void assign(uint16_t pdo, uint8_t count)
+{
+    assert_int_equal(download8(0x1C12, 0, 0), 0);
+    assert_int_equal(download16(0x1C12, 1, pdo), 0);
+    assert_int_equal(download8(0x1C12, 0, count), 0);
+}
+
+static void map(uint32_t first, uint32_t second, uint8_t count)
+{
+    assert_int_equal(download8(0x1601, 0, 0), 0);
+    assert_int_equal(download32(0x1601, 1, first), 0);
+    assert_int_equal(download32(0x1601, 2, second), 0);
+    assert_int_equal(download8(0x1601, 0, count), 0);
+}
+
+static void remapped(void **state)
+{
+    uint8_t out[6] = {0x78, 0x56, 0x34, 0x12, 0xFE, 0xFF};
+    (void)state;
+    open_in(PREOP);
+    assert_int_equal(download16(0x1C12, 1, 0x1601), ABORT_SUBINDEX0_NOT_ZERO);
+    assert_int_equal(download32(0x1601, 1, 0x70010010), ABORT_SUBINDEX0_NOT_ZERO);
+    map(0x80000220, 0x80000510, 2);
+    assign(0x1601, 1);
+    wire_set_sm(&w, 0, 2, SM2_sma, 6, SM2_smc);
+    wire_set_sm(&w, 0, 3, SM3_sma, 3, SM3_smc);
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), SAFEOP);
+    assert_int_equal(ESCvar.ESC_SM2_sml, 6);
+    assert_int_equal(ESCvar.sm2mappings, 2);
+    assert_ptr_equal(SMmap2[1].obj->data, &app.offset);
+    assert_int_equal(SMmap2[1].objectlistitem->index, 0x8000);
+    assert_int_equal(SMmap2[1].offset, 32);
+    assert_int_equal(wire_al(&w, 0, OP, NULL), OP);
+    assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
+    assert_int_equal(app.gain, 0x12345678);
+    assert_int_equal(app.offset, -2);
+}
+
+static void mapped_wrongly(void **state)
+{
+    static const struct {
+        const char *what;
+        uint32_t first, second;
+        uint8_t pdos;
+        uint16_t bytes, code;
+    } rows[] = {
+        {"an object that is not there", 0x90000020, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
+        {"an entry that is not there", 0x80000320, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
+        {"more entries than MAX_MAPPINGS_SM2", 0x70010010, 0x70010010, 2, 7, ALERR_INVALIDOUTPUTMAPPING},
+        {"more bytes than MAX_RXPDO_SIZE", 0x80000220, 0x80000220, 1, 8, ALERR_INVALIDOUTPUTMAPPING},
+        {"other bytes than the SyncManager", 0x80000220, 0x80000510, 1, 5, ALERR_INVALIDOUTPUTSM},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint16_t code = 0;
+        open_in(PREOP);
+        map(rows[i].first, rows[i].second, rows[i].second != 0 ? 2 : 1);
+        assert_int_equal(download8(0x1C12, 0, 0), 0);
+        assert_int_equal(download16(0x1C12, 1, 0x1601), 0);
+        assert_int_equal(download16(0x1C12, 2, 0x1600), 0);
+        assert_int_equal(download8(0x1C12, 0, rows[i].pdos), 0);
+        wire_set_sm(&w, 0, 2, SM2_sma, rows[i].bytes, SM2_smc);
+        wire_set_sm(&w, 0, 3, SM3_sma, 3, SM3_smc);
+        if (wire_al(&w, 0, SAFEOP, &code) != (PREOP | ECT_AL_ERROR) || code != rows[i].code)
+            fail_msg("%s: AL status code %04Xh, expected %04Xh", rows[i].what, code, rows[i].code);
+        if (i + 1 < sizeof rows / sizeof rows[0])
+            wire_close(&w);
+    }
+}
+
+#endif
+
+static void dictionary(void **state)
+{
+    uint8_t image[4] = {0};
+    _SMmap sm[4];
+    int count = 0;
+    (void)state;
+    open_in(PREOP);
+    assert_int_equal(SDO_findobject(0x1000), 0);
+    assert_int_equal(SDO_findobject(0x8002), 16);
+    assert_int_equal(SDO_findobject(0x1001), -1);
+    assert_int_equal(SDO_findobject(0xFFFF), -1);
+    assert_int_equal(SDO_findsubindex(SDO_findobject(0x8000), 5), 2);
+    assert_int_equal(SDO_findsubindex(SDO_findobject(0x8000), 3), -1);
+    assert_int_equal(COE_maxSub(0x1600), 4);
+    assert_int_equal(COE_maxSub(0x1601), 1);
+    assert_int_equal(COE_maxSub(0x1111), 0);
+    assert_int_equal(sizeOfPDO(TX_PDO_OBJIDX, &count, sm, 4), 3);
+    assert_int_equal(count, 4);
+    assert_null(sm[2].obj);
+    assert_int_equal(sizeOfPDO(RX_PDO_OBJIDX, &count, NULL, 0), 3);
+    assert_int_equal(count, 0);
+    assert_int_equal(sizeOfPDO(TX_PDO_OBJIDX, &count, sm, 3), 0);
+    assert_int_equal(count, -1);
+    assert_int_equal(sizeOfPDO(0x1C10, &count, sm, 4), 0);
+    assert_int_equal(sizeOfPDO(TX_PDO_OBJIDX, &count, sm, 4), 3);
+    app.buttons[0] = 1;
+    app.position = 0x1234;
+    COE_pdoPack(image, count, sm);
+    assert_memory_equal(image, "\x01\x34\x12\0", 4);
+    image[0] = 0x02;
+    COE_pdoUnpack(image, count, sm);
+    assert_int_equal(app.buttons[0], 0);
+    assert_int_equal(app.buttons[1], 1);
+    app.gain = 1;
+    COE_initDefaultValues();
+    assert_int_equal(app.gain, 1000);
+}
+
+/* --- registers -----------------------------------------------------------------------------------------------------
+ */
+
+static void registers(void **state)
+{
+    (void)state;
+    open_in(SAFEOP);
+    turn = no_turn;
+    ESC_ALeventmaskwrite(0x0F01);
+    assert_int_equal(ESC_ALeventmaskread(), 0x0F01);
+    assert_int_equal(wire_write8(&w, 0, SM2_sma, 0) + wire_write8(&w, 0, SM2_sma + 2, 0), 2);
+    assert_int_equal(ESC_ALeventread() & ESCREG_ALEVENT_SM2, ESCREG_ALEVENT_SM2);
+    ESC_ALeventwrite(0); /* which the chip does not take */
+    assert_int_equal(ESC_ALeventread() & ESCREG_ALEVENT_SM2, ESCREG_ALEVENT_SM2);
+    ESC_SMstatus(2);
+    assert_int_equal(ESCvar.SM[2].IntW, 1);
+    assert_int_equal(((_ESCsm2 *)&ESCvar.SM[2])->Status & ECT_SM_STATUS_WRITTEN, ECT_SM_STATUS_WRITTEN);
+    assert_int_equal(sizeof(_ESCsmCompact), 5);
+    assert_int_equal(ESC_WDstatus() & 1, 1);
+    ESC_ALerror(ALERR_PLLERROR);
+    ESC_ALstatus(SAFEOP | ESCerror);
+    expect_status(SAFEOP | ECT_AL_ERROR, ALERR_PLLERROR);
+    assert_int_equal(ESCvar.ALstatus, SAFEOP | ESCerror);
+    ESC_reset();
+    assert_int_equal(hal.resets, 1);
+    APP_safeoutput(); /* without an override there is nothing to do */
+}
+
+/* Without a clock the time is the ESC's, and a jump of it is none. */
+static void time_of_the_esc(void **state)
+{
+    uint8_t offset[8] = {0, 0, 0, 0x80, 0, 0, 0, 0};
+    (void)state;
+    power_on();
+    ect_soes_clock(NULL);
+    ecat_slv_poll();
+    uint32_t before_ns = ESCvar.Time;
+    w.now_ns += 5 * MS;
+    (void)ect_esc_tick(hal.esc, w.now_ns);
+    ecat_slv_poll();
+    assert_int_equal(ESCvar.Time - before_ns, 5 * MS);
+    assert_int_equal(wire_write(&w, 0, ECT_REG_DC_OFFSET, offset, sizeof offset), 1);
+    wire_go(&w, 0, OP);
+    expect_status(OP, 0);
+}
+
+/* --- an emulated EEPROM
+ * ------------------------------------------------------------------------------------------------ */
+
+static uint8_t eeprom[32];
+static int8_t eeprom_fails;
+
+void EEP_init(void)
+{
+    for (unsigned int n = 0; n < sizeof eeprom; n++)
+        eeprom[n] = (uint8_t)n;
+}
+
+int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size)
+{
+    memcpy(data, eeprom + addr, size);
+    return eeprom_fails;
+}
+
+int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t size)
+{
+    memcpy(eeprom + addr, data, size);
+    return eeprom_fails;
+}
+
+static void reload(eep_stat_t *stat)
+{
+    stat->contstat.bits.csumErr = 1;
+}
+
+static void command(uint8_t number, uint8_t word)
+{
+    hal.emulated = true;
+    hal.acknowledged = 0;
+    memset(hal.data, 0xEE, sizeof hal.data);
+    hal.control[0] = 0x20;
+    hal.control[1] = (uint8_t)(0x80 | 0x78 | number); /* busy, with all errors of the one before */
+    hal.control[2] = word;
+    turns(1);
+    assert_int_equal(hal.acknowledged, 1);
+    hal.emulated = false;
+}
+
+static void emulated_eeprom(void **state)
+{
+    (void)state;
+    assert_int_equal(sizeof(eep_config_t), 16);
+    assert_int_equal(EEP_CONFIG_ALIAS_WORD_OFFSET * 2, offsetof(eep_config_t, configured_station_alias));
+    EEP_init();
+    eeprom_fails = 0;
+    config.esc_hw_eep_handler = EEP_process;
+    power_on();
+    command(EEP_CMD_READ, 4);
+    assert_memory_equal(hal.data, eeprom + 8, 8);
+    assert_int_equal(hal.control[1], EEP_CMD_READ);
+    EEP_set_read_size(4);
+    EEP_set_read_size(5);
+    command(EEP_CMD_READ, 4);
+    assert_memory_equal(hal.data, "\x08\x09\x0A\x0B\xEE", 5);
+    command(EEP_CMD_RELOAD, 0);
+    assert_memory_equal(hal.data, "\x08\x09\xEE", 3);
+    EEP_set_read_size(8);
+    command(EEP_CMD_RELOAD, 1);
+    assert_memory_equal(hal.data, eeprom + 2, 8);
+    EEP_set_reload_function_pointer(reload);
+    command(EEP_CMD_RELOAD, 0);
+    assert_int_equal(hal.control[1], 0x08 | EEP_CMD_RELOAD);
+    EEP_set_reload_function_pointer(NULL);
+    command(EEP_CMD_WRITE, 3);
+    assert_memory_equal(eeprom + 6, "\xEE\xEE\x08", EEP_WRITE_SIZE + 1);
+    command(EEP_CMD_IDLE, 0);
+    assert_int_equal(hal.control[1], EEP_CMD_IDLE);
+    command(5, 0);
+    assert_int_equal(hal.control[1], 0x20 | 5);
+    eeprom_fails = -1;
+    command(EEP_CMD_WRITE, 3);
+    assert_int_equal(hal.control[1], 0x20 | EEP_CMD_WRITE);
+}
+
+int main(int argc, char **argv)
+{
+#define T(title, test)       {title, test, plain, close_all, NULL}
+#define T_HOOKS(title, test) {title, test, with_object_hooks, close_all, NULL}
+    const struct CMUnitTest tests[] = {
+        T("ecat_slv_init: the hardware file, the ESC's EEPROM, defaults, INIT", start),
+        T("set_defaults_hook and skip_default_initialization", defaults),
+        T("CF-037: cb_set_outputs and cb_get_inputs stand beside the process data", process_data),
+        T("SAFEOP has inputs and fetches outputs; PREOP has neither", not_before_op),
+        T("rxpdo_override and txpdo_override move them instead", overrides),
+        T("watchdog_cnt: so many turns without outputs leave OP with 0x001B, outputs safe once", watchdog),
+        T("ESC_ALstatusgotoerror leaves for a lower state, and for no other", own_account),
+        T("CF-033: hooks of state changes, each once, up and down", state_hooks),
+        T("a hook that sets ESCerror refuses the change, with the code of ESC_ALerror", refused),
+        T("BOOT has a mailbox of its own", boot),
+        T("CF-040: get_device_id, or the station alias, is the explicit identification", identification),
+        T("use_interrupt: what is enabled and disabled, and who has the word about DC", interrupts),
+        T("DIG_process does what its flags name", parts_of_the_exchange),
+        T("ecat_slv_worker serves events, and lets through those that concern it", worker),
+        T("a loop of the pieces: ESC_state does all of it", pieces),
+#ifndef APP_RAW
+        T("CF-074: dynamic process data", remapped),
+        T("CF-074: a mapping that cannot be is refused on the way to SAFEOP", mapped_wrongly),
+#endif
+        T_HOOKS("CF-067 CF-068: hooks of uploads: data, length, abort codes, each once", uploads),
+        T_HOOKS("CF-069 CF-070: hooks of downloads: data, length, abort codes, each once", downloads),
+        T("the object list as SOES's functions look at it", dictionary),
+        T("registers, by SOES's functions", registers),
+        T("without a clock the time is the ESC's", time_of_the_esc),
+        T("EEP_process: an emulated EEPROM", emulated_eeprom),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("SOES's API", tests, NULL, NULL);
+}
