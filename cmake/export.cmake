@@ -1,4 +1,5 @@
-# Which component of an installation a library belongs to: `core` (runs on a board too) or `host`.
+# Which component of an installation a library belongs to: `core` (runs on a board too), `soes_hal` (the software ESC for a SOES
+# firmware on a PC) or `host`.
 include(GNUInstallDirs)
 set(ECTWIN_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/ectwin)
 
@@ -9,5 +10,8 @@ function(ectwin_export target component)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   add_library(ectwin::${name} ALIAS ${target})
   install(TARGETS ${target} EXPORT ectwin-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
-  set_property(GLOBAL APPEND PROPERTY ECTWIN_LIBRARIES_${component} ${target})
+  get_target_property(type ${target} TYPE)
+  if(NOT type STREQUAL INTERFACE_LIBRARY) # which has no file
+    set_property(GLOBAL APPEND PROPERTY ECTWIN_LIBRARIES_${component} ${target})
+  endif()
 endfunction()

@@ -1,5 +1,6 @@
 # What `cmake --install` leaves for other projects: libraries and headers in two components, `core` (what runs on a board:
-# dictionary, stack, SII, devices, software ESC) and `host` (buses, the command), for find_package(ectwin) and for pkg-config.
+# dictionary, stack, SII, devices, software ESC, SOES's API), `soes_hal` (that of a SOES firmware on a PC) and `host` (buses, the
+# command), for find_package(ectwin) and for pkg-config.
 include(CMakePackageConfigHelpers)
 
 add_library(ectwin_core INTERFACE)
@@ -43,8 +44,10 @@ endforeach()
 if(TARGET ectwin_linux)
   install_headers(ports/linux core)
 endif()
+install(FILES src/soes/internal.h DESTINATION ${ECTWIN_INCLUDEDIR}/soes COMPONENT core) # for the sources beside it
 if(ECTWIN_HOST)
-  foreach(room check ports/soes_hal bus)
+  install_headers(ports/soes_hal soes_hal)
+  foreach(room check bus)
     install_headers(${room} host)
   endforeach()
   install(FILES tools/ectwin/ectwin.h DESTINATION ${ECTWIN_INCLUDEDIR} COMPONENT host)
@@ -53,7 +56,7 @@ endif()
 set(ECTWIN_CMAKEDIR ${CMAKE_INSTALL_LIBDIR}/cmake/ectwin)
 set(ECTWIN_COMPONENTS core)
 if(ECTWIN_HOST)
-  list(APPEND ECTWIN_COMPONENTS host)
+  list(APPEND ECTWIN_COMPONENTS soes_hal host)
 endif()
 packages_of(host ECTWIN_PACKAGES)
 configure_package_config_file(cmake/ectwinConfig.cmake.in ${CMAKE_BINARY_DIR}/ectwinConfig.cmake
@@ -65,14 +68,15 @@ install(FILES ${CMAKE_BINARY_DIR}/ectwinConfig.cmake ${CMAKE_BINARY_DIR}/ectwinC
 string(REGEX REPLACE "[^=;]+=" "" packages "${ECTWIN_PACKAGES}")
 list(JOIN packages " " packages)
 set(PC_REQUIRES_core "")
-set(PC_REQUIRES_host "ectwin-core ${packages}")
+set(PC_REQUIRES_soes_hal "ectwin-core")
+set(PC_REQUIRES_host "ectwin-soes_hal ${packages}")
+set(PC_WHAT_soes_hal "a SOES firmware as an EtherCAT twin on a PC")
 set(PC_WHAT_core "EtherCAT slave stack and devices, for a board or a host")
 set(PC_WHAT_host "EtherCAT device twins: software ESC, buses, the command as a library")
 file(RELATIVE_PATH PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 foreach(component IN LISTS ECTWIN_COMPONENTS)
   install(EXPORT ectwin-${component} NAMESPACE ectwin:: DESTINATION ${ECTWIN_CMAKEDIR} COMPONENT ${component})
   get_property(libraries GLOBAL PROPERTY ECTWIN_LIBRARIES_${component})
-  list(REMOVE_ITEM libraries ectwin_${component}) # no file: it only names the others
   list(REVERSE libraries) # a static library stands before those that it needs
   list(TRANSFORM libraries PREPEND -l)
   list(JOIN libraries " " PC_LIBRARIES)

@@ -17,29 +17,20 @@ static ect_identity_t identity;
 static max_align_t memory[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
 static size_t used;
 
-static void stop(void)
+static bool fits(size_t bytes)
 {
-    const ect_leds_t *leds = board_leds();
-    for (;;) { /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
-        if (leds->err)
-            leds->err(leds->ctx, true);
-    }
+    return bytes <= sizeof memory - used * sizeof memory[0];
 }
 
 static void *take(size_t bytes)
 {
-    size_t blocks = (bytes + sizeof memory[0] - 1) / sizeof memory[0];
     void *taken = &memory[used];
-    if (used + blocks > sizeof memory / sizeof memory[0])
-        stop();
-    used += blocks;
-    return bytes > 0 ? taken : NULL;
-}
-
-/* What it can do without. */
-static void *take_if_there(size_t bytes)
-{
-    return bytes <= (sizeof memory / sizeof memory[0] - used) * sizeof memory[0] ? take(bytes) : NULL;
+    if (bytes == 0)
+        return NULL;
+    if (!fits(bytes))
+        board_stop("FIRMWARE_MEMORY is too small for this device");
+    used += (bytes + sizeof memory[0] - 1) / sizeof memory[0];
+    return taken;
 }
 
 ect_slave_config_t ect_soes_slave_config(void)
@@ -61,7 +52,7 @@ ect_slave_config_t ect_soes_slave_config(void)
         .run_count = (uint16_t)need.runs,
         .staging = take(need.staging),
         .staging_size = (uint16_t)need.staging,
-        .buffer = take_if_there(need.buffer),
+        .buffer = fits(need.buffer) ? take(need.buffer) : NULL, /* which it can do without */
         .switches = board_switches(),
     };
 }

@@ -2,10 +2,12 @@
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <errno.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/signalfd.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -13,12 +15,17 @@
 #include "bus/netns.h"
 #include "commands.h"
 
-enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN };
+enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL };
 
 static const struct argp_option options[] = {
     {"iface", KEY_IFACE, "NAME[,NAME]", 0,
      "What CMD's end of the wire is called (default ecat0). Two names: a second wire, at the output of the last device "
      "(cable redundancy); {2} in ARG and $ECTWIN_IFACE2",
+     0},
+    {"external", KEY_EXTERNAL, "PROGRAM", 0,
+     "In place of DEVICE: a slave of your own, run by the shell with -i and its end of the wire behind it (a firmware "
+     "with "
+     "ectwin's soes_hal, docs/SOES.md)",
      0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
      "Let processes that CMD left behind live on when it has ended (default: they end too)", 0},
@@ -29,16 +36,20 @@ typedef struct with_args {
     twin_args_t twins;
     const char *devices;
     char *masters[ECT_NETNS_WIRES]; /* the master's ends */
+    char *external;                 /* the slave, NULL: twins of ours */
     bool leave_children;
     char **command;
 } with_args_t;
 
 typedef struct child {
     pid_t pid;
-    int status; /* of the command, as a shell would give it; -1: still running */
+    int status;       /* of the command, as a shell would give it; -1: still running */
+    pid_t slave;      /* of --external; 0: none */
+    int slave_status; /* as `status` */
 } child_t;
 
 enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126, STATUS_SIGNALLED = 128 };
+enum { ROOM_FOR_SLAVE = 4096 };
 
 static void take_names(with_args_t *args, const struct argp_state *state, char *names)
 {
@@ -51,6 +62,21 @@ static void take_names(with_args_t *args, const struct argp_state *state, char *
     }
     if (names || (args->masters[1] && strcmp(args->masters[0], args->masters[1]) == 0))
         argp_error(state, "--iface takes one name, or two that differ");
+}
+
+static void check_arguments(with_args_t *args, const struct argp_state *state)
+{
+    if (!args->devices && !args->external)
+        argp_error(state, "name a device; 'ectwin list' lists those there are");
+    if (args->devices && args->external)
+        argp_error(state, "either a device or --external");
+    if (args->external && args->masters[1])
+        argp_error(state, "--external has one wire: one name in --iface");
+    if (!args->command)
+        argp_error(state, "name the command to run: ectwin with %s -- CMD ARG...",
+                   args->devices ? args->devices : "--external PROGRAM");
+    if (args->devices)
+        twin_args_devices(&args->twins, state, args->devices);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -66,8 +92,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_LEAVE_CHILDREN:
         args->leave_children = true;
         return 0;
+    case KEY_EXTERNAL:
+        args->external = text;
+        return 0;
     case ARGP_KEY_ARG:
-        if (!args->devices) {
+        if (!args->devices && !args->external) {
             args->devices = text;
             return 0;
         }
@@ -75,11 +104,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->next = state->argc; /* the rest is the command's */
         return 0;
     case ARGP_KEY_END:
-        if (!args->devices)
-            argp_error(state, "name a device; 'ectwin list' lists those there are");
-        if (!args->command)
-            argp_error(state, "name the command to run: ectwin with %s -- CMD ARG...", args->devices);
-        twin_args_devices(&args->twins, state, args->devices);
+        check_arguments(args, state);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -140,6 +165,11 @@ static void run_command(const with_args_t *args, pid_t parent, const ect_control
     _exit(error == ENOENT ? STATUS_NOT_FOUND : STATUS_NOT_EXECUTABLE);
 }
 
+static int status_of(int status)
+{
+    return WIFEXITED(status) ? WEXITSTATUS(status) : STATUS_SIGNALLED + WTERMSIG(status);
+}
+
 /* What the command leaves behind becomes ours (a subreaper), so others may end too. @return whether the command has */
 static bool reap(child_t *child)
 {
@@ -147,7 +177,9 @@ static bool reap(child_t *child)
     pid_t pid;
     while ((pid = waitpid(-1, &status, WNOHANG)) > 0) {
         if (pid == child->pid)
-            child->status = WIFEXITED(status) ? WEXITSTATUS(status) : STATUS_SIGNALLED + WTERMSIG(status);
+            child->status = status_of(status);
+        if (pid == child->slave)
+            child->slave_status = status_of(status);
     }
     return child->status >= 0;
 }
@@ -249,13 +281,100 @@ static int enter_network(const with_args_t *args)
     return EXIT_CLEAN;
 }
 
+/* --- a slave that is not ours ------------------------------------------------------------------------------------- */
+
+/* Its output is not to be taken for CMD's; when it is ready it says so at a descriptor. */
+static void run_slave(const with_args_t *args, pid_t parent, const int ready[2])
+{
+    char command[ROOM_FOR_SLAVE], descriptor[12];
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent)
+        _exit(EXIT_RUN);
+    close(ready[0]);
+    snprintf(descriptor, sizeof descriptor, "%d", ready[1]);
+    setenv("ECTWIN_READY_FD", descriptor, 1);
+    (void)dup2(STDERR_FILENO, STDOUT_FILENO);
+    snprintf(command, sizeof command, "exec %s -i %s", args->external, ect_netns_twin[0]);
+    execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+    _exit(EXIT_RUN);
+}
+
+/* One that says nothing is not waited for longer than a firmware takes to start. */
+static void wait_until_ready(int ready)
+{
+    enum { PATIENCE_MS = 5000 };
+    char line[512];
+    struct pollfd fd = {.fd = ready, .events = POLLIN};
+    ssize_t length = poll(&fd, 1, PATIENCE_MS) > 0 ? read(ready, line, sizeof line) : 0;
+    if (length > 0)
+        (void)fwrite(line, 1, (size_t)length, stderr);
+    close(ready);
+}
+
+static bool start_slave(const with_args_t *args, child_t *child)
+{
+    int ready[2];
+    pid_t self = getpid();
+    if (pipe(ready) < 0)
+        return false;
+    child->slave = fork();
+    if (child->slave == 0)
+        run_slave(args, self, ready);
+    close(ready[1]);
+    wait_until_ready(ready[0]);
+    (void)reap(child);
+    return child->slave > 0 && child->slave_status < 0;
+}
+
+/* Until the command ends, or the slave does. */
+static void wait_for_end(child_t *child, int signal_fd)
+{
+    struct signalfd_siginfo info;
+    struct pollfd fd = {.fd = signal_fd, .events = POLLIN};
+    while (child->status < 0 && child->slave_status < 0 && poll(&fd, 1, -1) >= 0) {
+        if (read(signal_fd, &info, sizeof info) == (ssize_t)sizeof info)
+            (void)on_signal(child, (int)info.ssi_signo, info.ssi_code == SI_KERNEL);
+    }
+}
+
+static int serve_external(const with_args_t *args)
+{
+    child_t child = {.status = -1, .slave_status = -1};
+    pid_t self = getpid();
+    int signal_fd = open_signals();
+    if (signal_fd < 0 || enter_network(args) != EXIT_CLEAN)
+        return EXIT_OPEN;
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+    if (start_slave(args, &child)) {
+        fflush(NULL);
+        child.pid = fork();
+        if (child.pid == 0)
+            run_command(args, self, NULL);
+        wait_for_end(&child, signal_fd);
+    }
+    bool slave_ended = child.slave_status >= 0 && child.status < 0;
+    if (slave_ended)
+        fprintf(stderr, "ectwin with: '%s' has ended with status %d\n", args->external, child.slave_status);
+    if (child.pid > 0 && child.status < 0)
+        kill(child.pid, SIGTERM);
+    if (child.slave > 0 && child.slave_status < 0)
+        kill(child.slave, SIGTERM);
+    if (!args->leave_children)
+        end_children();
+    close(signal_fd);
+    return child.status >= 0 ? child.status : EXIT_RUN;
+}
+
 int command_with(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...",
+        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
         .doc = "Runs CMD on a private network with these devices at the other end of its wire. The interface's name "
                "is in $ECTWIN_IFACE and replaces {} in each ARG. Needs no root. Exits with CMD's status.",
         .children = children,
@@ -264,6 +383,8 @@ int command_with(int argc, char **argv)
     with_args_t args = {.masters = {master}};
     argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
 
+    if (args.external)
+        return serve_external(&args);
     session_t session;
     session_init(&session, "ectwin with", &args.twins);
     session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
