@@ -37,9 +37,6 @@ void board_turn(uint64_t until_ns);
 /** Resets the processor, and the ESC if it can. Does not return. */
 _Noreturn void board_reset(void);
 
-/** The firmware cannot run: shows it, and the reason where there is a way. Does not return. */
-_Noreturn void board_stop(const char *why);
-
 /** Non-volatile memory, for ever; NULL: none. */
 const ect_storage_t *board_storage(void);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The device that this firmware was built for, towards its main loop: on_ectwin.c by our stack, on_soes.c by SOES's.
+ * The device that this firmware was built for, towards its main loop: on_ectwin/ by our stack, on_soes/ by SOES's.
  */
 #ifndef FIRMWARE_FIRMWARE_H
 #define FIRMWARE_FIRMWARE_H

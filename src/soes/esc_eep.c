@@ -2,6 +2,27 @@
 /* An EEPROM that the microcontroller emulates for its ESC (ET1100 data sheet, 0x0502 bit 5). */
 #include "soes/esc_eep.h"
 
+/* Those of the hardware file take their place; a slave whose ESC has an EEPROM of its own has none. */
+__attribute__((weak)) void EEP_init(void)
+{
+}
+
+__attribute__((weak)) int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size)
+{
+    (void)addr;
+    (void)data;
+    (void)size;
+    return -1;
+}
+
+__attribute__((weak)) int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t size)
+{
+    (void)addr;
+    (void)data;
+    (void)size;
+    return -1;
+}
+
 enum { LARGEST_READ = 8, COMMANDS = 64 /* in a row; after them the loop goes on, for the event stays */ };
 
 static uint16_t read_size = LARGEST_READ;

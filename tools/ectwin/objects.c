@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The dictionary as C source for users of SOES: the three files that its stack is compiled with. The shapes are those
- * of its public headers (esc_coe.h, options.h).
+ * The dictionary as C source for users of SOES: the three files that its stack is compiled with, and the EEPROM that
+ * goes with them. The shapes are those of its public headers (esc_coe.h, options.h).
  */
 #define _GNU_SOURCE
 #include <stdlib.h>
@@ -9,6 +9,7 @@
 
 #include "esi/values.h"
 #include "output.h"
+#include "sii/sii.h"
 #include "wire/bytes.h"
 
 static const char who[] = "ectwin objects";
@@ -16,7 +17,8 @@ static const char who[] = "ectwin objects";
 enum { KEY_SOES = 0x201 };
 
 static const struct argp_option options[] = {
-    {"soes", KEY_SOES, NULL, 0, "As C source for SOES: slave_objectlist.c, utypes.h, ecat_options.h", 0},
+    {"soes", KEY_SOES, NULL, 0, "As C source for SOES: slave_objectlist.c, utypes.h, ecat_options.h, and eeprom.bin",
+     0},
     {"output", 'o', "FOLDER", 0, "Write the files to FOLDER (default: here)", 0},
     {0},
 };
@@ -62,6 +64,25 @@ static bool is_zero(const uint8_t *bytes, size_t size)
     return true;
 }
 
+/*
+ * SOES moves process data of up to 64 bits as numbers, and asserts that they are: bytes of such a length, mapped, are
+ * written as one.
+ */
+static ect_entry_t as_soes(const ect_entry_t *entry)
+{
+    static const struct {
+        uint16_t bits, type;
+    } types[] = {
+        {8, ECT_TYPE_UNSIGNED8}, {16, ECT_TYPE_UNSIGNED16}, {32, ECT_TYPE_UNSIGNED32}, {64, ECT_TYPE_UNSIGNED64}};
+    ect_entry_t soes = *entry;
+    bool mapped = (entry->access & (ECT_ACCESS_RXPDO | ECT_ACCESS_TXPDO)) != 0;
+    for (size_t i = 0; i < sizeof types / sizeof types[0] && mapped && is_bytes(entry); i++) {
+        if (types[i].bits == entry->bit_length)
+            soes.data_type = types[i].type;
+    }
+    return soes;
+}
+
 /* --- utypes.h ----------------------------------------------------------------------------------------------------- */
 
 static const char *c_type(const ect_entry_t *entry)
@@ -93,8 +114,9 @@ static void write_types(source_t *s)
         for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
             if (!is_variable(object, e))
                 continue;
-            fprintf(s->file, "  %s v%04X_%02X", c_type(e), object->index, e->subindex);
-            if (is_bytes(e))
+            const ect_entry_t soes = as_soes(e);
+            fprintf(s->file, "  %s v%04X_%02X", c_type(&soes), object->index, e->subindex);
+            if (is_bytes(&soes))
                 fprintf(s->file, "[%u]", ect_od_bytes(e));
             fprintf(s->file, ";\n");
         }
@@ -113,10 +135,12 @@ static uint32_t number_of(const uint8_t *bytes, size_t size)
     return value;
 }
 
-static void write_entry(source_t *s, const ect_object_t *object, const ect_entry_t *entry)
+static void write_entry(source_t *s, const ect_object_t *object, const ect_entry_t *from)
 {
     size_t size;
-    const uint8_t *value = ect_esi_entry_value(&s->arena, &s->od, entry, &size);
+    const uint8_t *value = ect_esi_entry_value(&s->arena, &s->od, from, &size);
+    const ect_entry_t soes = as_soes(from);
+    const ect_entry_t *entry = &soes;
     bool variable = is_variable(object, entry);
     bool bytes = ect_od_is_string(entry) || size > 4;
     fprintf(s->file, "  {0x%02X, 0x%04X, %u, 0x%03X, ", entry->subindex, entry->data_type, ect_od_bits(&s->od, entry),
@@ -157,10 +181,11 @@ static void write_initial(source_t *s)
         for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
             size_t size;
             const uint8_t *value = ect_esi_entry_value(&s->arena, &s->od, e, &size);
-            if (!is_variable(object, e) || is_zero(value, size) || (size <= 4 && !is_bytes(e)))
+            const ect_entry_t soes = as_soes(e);
+            if (!is_variable(object, e) || is_zero(value, size) || (size <= 4 && !is_bytes(&soes)))
                 continue;
             fprintf(s->file, "  .v%04X_%02X = ", object->index, e->subindex);
-            write_long(s->file, e, value, size);
+            write_long(s->file, &soes, value, size);
         }
     }
     fprintf(s->file, "  .unused = 0\n};\n\n");
@@ -192,6 +217,7 @@ static void write_list(source_t *s)
 
 /* --- ecat_options.h ----------------------------------------------------------------------------------------------- */
 
+/* Never 0: SOES would look for process data that are no entries. */
 static unsigned int most_mappings(const source_t *s, bool outputs)
 {
     unsigned int count = 0;
@@ -200,7 +226,7 @@ static unsigned int most_mappings(const source_t *s, bool outputs)
         if (outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index))
             count += object->max_subindex;
     }
-    return count;
+    return count > 0 ? count : 1;
 }
 
 static void write_mailboxes(FILE *file, const char *suffix, const uint16_t layout[4], const uint8_t controls[2])
@@ -211,6 +237,14 @@ static void write_mailboxes(FILE *file, const char *suffix, const uint16_t layou
         fprintf(file, "#define MBX%u_sme%s (MBX%u_sma%s + MBX%u_sml%s - 1)\n#define MBX%u_smc%s 0x%02X\n", n, suffix, n,
                 suffix, n, suffix, n, suffix, controls[n]);
     }
+}
+
+/* SOES moves process data in words of 64 bits: its buffer is touched up to the end of the last one. */
+static unsigned int room_for(const ect_device_t *device, unsigned int sm)
+{
+    unsigned int bytes = ect_device_sm_bytes(device, sm);
+    bytes = device->sm[sm].maximum > bytes ? device->sm[sm].maximum : bytes;
+    return bytes > 0 ? (bytes + 7) / 8 * 8 : 8;
 }
 
 static void write_options(source_t *s)
@@ -231,9 +265,8 @@ static void write_options(source_t *s)
                 n, d->sm[n].control, n, ect_device_sm_bytes(d, n) > 0);
     fprintf(s->file, "\n#define MAX_MAPPINGS_SM2 %u\n#define MAX_MAPPINGS_SM3 %u\n", most_mappings(s, true),
             most_mappings(s, false));
-    fprintf(s->file, "#define MAX_RXPDO_SIZE %u\n#define MAX_TXPDO_SIZE %u\n\n#endif\n",
-            d->sm[2].maximum > ect_device_sm_bytes(d, 2) ? d->sm[2].maximum : ect_device_sm_bytes(d, 2),
-            d->sm[3].maximum > ect_device_sm_bytes(d, 3) ? d->sm[3].maximum : ect_device_sm_bytes(d, 3));
+    fprintf(s->file, "#define MAX_RXPDO_SIZE %u\n#define MAX_TXPDO_SIZE %u\n\n#endif\n", room_for(d, 2),
+            room_for(d, 3));
 }
 
 /* --- the command -------------------------------------------------------------------------------------------------- */
@@ -262,6 +295,19 @@ static int write_source(source_t *s, const char *folder, const char *name, void 
     write(s);
     int status = fclose(s->file) == 0 ? output_save(who, path, text, size) : EXIT_RUN;
     free(text);
+    return status;
+}
+
+static int write_image(const ect_twin_config_t *twin, const char *folder)
+{
+    const ect_device_t *device = twin->device;
+    char path[4096];
+    uint8_t *image = calloc(1, device->sii_size);
+    int status = EXIT_RUN;
+    if (image && ect_sii_write(device, &twin->identity, twin->alias, image, device->sii_size) >= 0 &&
+        snprintf(path, sizeof path, "%s/eeprom.bin", folder) < (int)sizeof path)
+        status = output_save(who, path, (const char *)image, device->sii_size);
+    free(image);
     return status;
 }
 
@@ -299,6 +345,8 @@ int command_objects(int argc, char **argv)
         source_t source = {.device = device};
         source.od = ect_esi_values(&source.arena, device, &args.twins.twins[0].identity);
         status = write_all(&source, args.output ? args.output : ".");
+        if (status == EXIT_CLEAN)
+            status = write_image(&args.twins.twins[0], args.output ? args.output : ".");
         ect_arena_free(&source.arena);
     }
     twin_args_free(&args.twins);

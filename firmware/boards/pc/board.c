@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "board.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
@@ -37,12 +36,6 @@ void board_reset(void)
 {
     execv("/proc/self/exe", arguments);
     abort();
-}
-
-void board_stop(const char *why)
-{
-    fprintf(stderr, "%s: %s\n", arguments[0], why);
-    exit(EXIT_FAILURE);
 }
 
 const ect_storage_t *board_storage(void)

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The device on SOES's own stack: its functions behind SOES's hooks, its dictionary as an object list. What SOES's API
+ * has no words for is left out (docs/SOES.md): emergencies, object services, a transition that takes its time.
+ */
+#include FIRMWARE_DEVICE_HEADER
+
+#include <stddef.h>
+#include <string.h>
+
+#include "board.h"
+#include "firmware.h"
+#include "on_soes/objects.h"
+#include "seams/standard.h"
+#include "soes/describe.h"
+
+static const ect_device_t *const device = &FIRMWARE_DEVICE;
+static max_align_t instance[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
+static ect_od_t od;
+static uint64_t tick_ns;
+static bool restart;
+
+/* --- what the device asks for ----------------------------------------------------------------------------------------
+ */
+
+static void emergency(void *ctx, uint16_t code, uint8_t error_register, const uint8_t data[5])
+{
+    (void)ctx;
+    (void)code;
+    (void)data;
+    ((ect_standard_t *)instance)->error_register = error_register;
+}
+
+static void drop(void *ctx, uint8_t state, uint16_t al_status_code)
+{
+    (void)ctx;
+    ESC_ALstatusgotoerror(state | ESCerror, al_status_code);
+}
+
+static void transition_done(void *ctx, uint16_t al_status_code)
+{
+    (void)ctx;
+    (void)al_status_code;
+}
+
+static void off_bus(void *ctx, bool off)
+{
+    (void)ctx;
+    (void)off;
+}
+
+static void want_restart(void *ctx)
+{
+    (void)ctx;
+    restart = true;
+}
+
+/* --- hooks -----------------------------------------------------------------------------------------------------------
+ */
+
+static void state_changed(uint8_t *as, uint8_t *an)
+{
+    uint8_t from = *as & ESCREG_AL_ERRACKMASK;
+    uint8_t to = *as >> 4;
+    bool refused = to > from && (*an & ESCerror) != 0;
+    if (from == to || refused || !device->state_change)
+        return;
+    uint16_t code = device->state_change(instance, from, to, board_now_ns());
+    if (to < from || code == 0 || code == ECT_AL_PENDING)
+        return;
+    *an = from | ESCerror;
+    ESC_ALerror(code);
+}
+
+static void safe_outputs(void)
+{
+    if (device->safe_outputs)
+        device->safe_outputs(instance, board_now_ns());
+}
+
+static void tick(void)
+{
+    uint64_t now_ns = board_now_ns();
+    if ((ESCvar.ALevent & ESCREG_ALEVENT_SM3) != 0 && device->inputs_read)
+        device->inputs_read(instance, now_ns);
+    if (now_ns >= tick_ns && device->tick)
+        tick_ns = device->tick(instance, now_ns);
+}
+
+void cb_set_outputs(void)
+{
+    tick_ns = 0;
+    if (device->outputs)
+        device->outputs(instance, board_now_ns());
+}
+
+void cb_get_inputs(void)
+{
+    if (device->inputs)
+        device->inputs(instance, board_now_ns());
+}
+
+static uint32_t abort_code(ect_reason_t reason)
+{
+    return reason == ECT_OK ? 0 : ect_abort_code(reason);
+}
+
+static ect_reason_t may_write(uint16_t index, uint8_t subindex, const void *data, size_t size)
+{
+    const ect_object_t *object = NULL;
+    const ect_entry_t *entry = NULL;
+    ect_reason_t reason = device->sdo_request ? device->sdo_request(instance, index, subindex) : (ect_reason_t)ECT_OK;
+    if (reason == ECT_OK)
+        reason = ect_od_lookup(&od, index, subindex, &object, &entry);
+    if (reason == ECT_OK && size == ect_od_bytes(entry))
+        reason = ect_od_check_limit(&od, index, entry, data);
+    if (reason == ECT_OK && device->sdo_write)
+        reason = device->sdo_write(instance, index, subindex, data, (uint16_t)size);
+    return reason;
+}
+
+/* By Complete Access, entry by entry is not what SOES's hook is told. */
+static uint32_t before_download(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags)
+{
+    return (flags & COMPLETE_ACCESS_FLAG) != 0 ? 0 : abort_code(may_write(index, subindex, data, size));
+}
+
+static uint32_t after_download(uint16_t index, uint8_t subindex, uint16_t flags)
+{
+    (void)flags;
+    tick_ns = 0;
+    if (device->sdo_written)
+        device->sdo_written(instance, index, subindex, board_now_ns());
+    return 0;
+}
+
+static uint32_t before_upload(uint16_t index, uint8_t subindex, void *data, size_t *size, uint16_t flags)
+{
+    bool whole = (flags & COMPLETE_ACCESS_FLAG) != 0;
+    ect_span_t instead = {0};
+    ect_reason_t reason = device->sdo_request ? device->sdo_request(instance, index, subindex) : (ect_reason_t)ECT_OK;
+    if (reason == ECT_OK && device->sdo_read)
+        reason =
+            device->sdo_read(instance, index, whole ? (uint16_t)ECT_WHOLE_OBJECT : subindex, whole ? NULL : &instead);
+    if (instead.data && instead.size <= *size) {
+        memcpy(data, instead.data, instead.size);
+        *size = instead.size;
+    }
+    return abort_code(reason);
+}
+
+/* --- the device ------------------------------------------------------------------------------------------------------
+ */
+
+static void power_on(void)
+{
+    static ect_host_t host = {.emergency = emergency,
+                              .drop = drop,
+                              .transition_done = transition_done,
+                              .off_bus = off_bus,
+                              .restart = want_restart};
+    ect_standard_t *standard = (ect_standard_t *)instance;
+    host.storage = board_storage();
+    od = ect_device_od(device, instance);
+    if (device->instance_size > sizeof instance || !objects_make(device, instance))
+        board_stop("FIRMWARE_MEMORY, or the object list of firmware/on_soes, is too small for this device");
+    standard->device = device;
+    standard->identity = device->identity;
+    standard->identity.serial = board_serial() != 0 ? board_serial() : device->identity.serial;
+    ect_od_set_defaults(&od);
+    if (device->init)
+        device->init(instance, &host, board_now_ns());
+}
+
+/* What a hardware file with a software ESC makes the EEPROM from. */
+void ect_soes_describe(ect_device_t *to)
+{
+    *to = *device;
+}
+
+esc_cfg_t *firmware_config(void)
+{
+    static esc_cfg_t config = {.watchdog_cnt = 1000,
+                               .skip_default_initialization = true,
+                               .post_state_change_hook = state_changed,
+                               .application_hook = tick,
+                               .safeoutput_override = safe_outputs,
+                               .pre_object_download_hook = before_download,
+                               .post_object_download_hook = after_download,
+                               .pre_object_upload_hook = before_upload};
+    power_on();
+    return &config;
+}
+
+void firmware_turn(void)
+{
+    uint8_t state = ESCvar.ALstatus & ESCREG_AL_ERRACKMASK;
+    board_lamps(state == ESCop, (ESCvar.ALstatus & ESCerror) != 0);
+    if (restart)
+        board_reset();
+}
