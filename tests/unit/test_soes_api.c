@@ -149,6 +149,10 @@ static void start(void **state)
     power_on();
     assert_ptr_equal(hal.user_arg, &argument);
     assert_int_equal(ESCvar.DLstatus & 1, 1);
+    assert_int_equal(sizeof(_ESCvar) - offsetof(_ESCvar, mbxdata) >= PREALLOC_BUFFER_SIZE, 1);
+    assert_int_equal(ESCvar.mb[1].cfg_sma, MBX1_sma);
+    assert_int_equal(sizeof(sm_cfg_t), 8);
+    assert_int_equal(sizeof(_App), 1);
     expect_status(INIT, 0);
     assert_int_equal(ESCvar.App.state, APPSTATE_IDLE);
     assert_int_equal(app.gain, 1000);
@@ -200,6 +204,12 @@ static void process_data(void **state)
     assert_int_equal(ect_load_le16(in + 1) + 1, app.position);
     assert_int_equal(ESCvar.ESC_SM2_sml, 3);
     assert_int_equal(ESCvar.ESC_SM3_sml, 3);
+    assert_int_equal(wire_read8(&w, 0, ECT_REG_SM + 16 + ECT_SM_CONTROL), ESC_SM2_smc);
+    assert_int_equal(wire_read8(&w, 0, ECT_REG_SM + 24 + ECT_SM_CONTROL), ESC_SM3_smc);
+    assert_int_equal(wire_read16(&w, 0, ECT_REG_SM + 16), ESC_SM2_sma);
+    assert_int_equal(wire_read16(&w, 0, ECT_REG_SM + 24), ESC_SM3_sma);
+    assert_int_equal(ESC_SM2_act + ESC_SM3_act, 2);
+    assert_int_equal(ESC_MBXBUFFERS, MBXBUFFERS);
     assert_int_equal(ESCvar.App.state, APPSTATE_INPUT | APPSTATE_OUTPUT);
 }
 
@@ -681,6 +691,23 @@ static void downloads(void **state)
 }
 
 #ifndef APP_RAW
+/* The stack calls the hooks by these; so may a protocol of the application. */
+static void hooks_by_name(void **state)
+{
+    uint8_t data[4] = {0x42};
+    size_t size = 4;
+    (void)state;
+    open_in(PREOP);
+    abort_after = ABORT_GENERALERROR;
+    assert_int_equal(ESC_download_pre_objecthandler(0x8000, 2, data, 4, 0), 0);
+    assert_int_equal(ESC_download_post_objecthandler(0x8000, 2, 0), ABORT_GENERALERROR);
+    assert_int_equal(ESC_upload_pre_objecthandler(0x8000, 2, data, &size, 0), 0);
+    assert_int_equal(ESC_upload_post_objecthandler(0x8000, 2, 0), 0);
+    expect_calls("W8000:2 4 42>8000:2; R8000:2 4>8000:2; ");
+    assert_int_equal(ESC_download_pre_objecthandler(0x1601, 1, data, 4, 0), ABORT_SUBINDEX0_NOT_ZERO);
+    assert_int_equal(ESC_download_pre_objecthandler(0x1601, 1, data, 4, COMPLETE_ACCESS_FLAG), 0);
+}
+
 /* --- dynamic process data
  * --------------------------------------------------------------------------------------------- */
 
@@ -728,6 +755,7 @@ static void remapped(void **state)
     assert_ptr_equal(SMmap2[1].obj->data, &app.offset);
     assert_int_equal(SMmap2[1].objectlistitem->index, 0x8000);
     assert_int_equal(SMmap2[1].offset, 32);
+    assert_ptr_equal(SMmap3[3].obj->data, &app.position);
     assert_int_equal(wire_al(&w, 0, OP, NULL), OP);
     assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
     assert_int_equal(app.gain, 0x12345678);
@@ -775,6 +803,9 @@ static void dictionary(void **state)
     int count = 0;
     (void)state;
     open_in(PREOP);
+    config.get_device_id = device_id;
+    ESC_config(&config);
+    assert_ptr_equal(ESCvar.get_device_id, device_id);
     assert_int_equal(SDO_findobject(0x1000), 0);
     assert_int_equal(SDO_findobject(0x8002), 16);
     assert_int_equal(SDO_findobject(0x1001), -1);
@@ -823,6 +854,7 @@ static void registers(void **state)
     ESC_SMstatus(2);
     assert_int_equal(ESCvar.SM[2].IntW, 1);
     assert_int_equal(((_ESCsm2 *)&ESCvar.SM[2])->Status & ECT_SM_STATUS_WRITTEN, ECT_SM_STATUS_WRITTEN);
+    assert_int_equal(sizeof(_ESCsm), sizeof(_ESCsm2));
     assert_int_equal(sizeof(_ESCsmCompact), 5);
     assert_int_equal(ESC_WDstatus() & 1, 1);
     ESC_ALerror(ALERR_PLLERROR);
@@ -956,6 +988,7 @@ int main(int argc, char **argv)
 #endif
         T_HOOKS("CF-067 CF-068: hooks of uploads: data, length, abort codes, each once", uploads),
         T_HOOKS("CF-069 CF-070: hooks of downloads: data, length, abort codes, each once", downloads),
+        T_HOOKS("hooks of objects by their own names", hooks_by_name),
         T("the object list as SOES's functions look at it", dictionary),
         T("registers, by SOES's functions", registers),
         T("without a clock the time is the ESC's", time_of_the_esc),
