@@ -15,7 +15,6 @@ enum {
 };
 
 static ect_device_t device;
-static ect_standard_t instance;
 static uint8_t mailbox[OUT_ROOM + 2 * IN_ROOM];
 
 #if MAX_MAPPINGS_SM2 > 0
@@ -302,11 +301,12 @@ ect_slave_config_t ect_soes_slave_config(void)
     static const ect_protocol_t coe = {
         .type = ECT_MAILBOX_TYPE_COE, .states = ECT_IN_PREOP_AND_ABOVE, .request = coe_request, .reset = coe_reset};
     static const ect_protocol_t *const protocols[] = {&coe, &ect_protocol_sdo_info, NULL};
+    static const ect_protocol_t *const with_files[] = {&coe, &ect_protocol_sdo_info, &ect_soes_files.protocol, NULL};
     static const ect_service_t *const services[] = {&hooks, NULL};
     static ect_pdo_run_t no_runs[1];
     ect_soes_describe(&device);
-    device.protocols = protocols;
-    device.instance_size = sizeof instance;
+    device.protocols = USE_FOE && ect_soes_has_files() ? with_files : protocols;
+    device.instance_size = sizeof ect_soes_instance;
     device.init = init;
     device.state_change = state_change;
     device.safe_outputs = safe_outputs;
@@ -315,7 +315,7 @@ ect_slave_config_t ect_soes_slave_config(void)
     device.sdo_read = sdo_read;
     return (ect_slave_config_t){
         .device = &device,
-        .instance = &instance,
+        .instance = &ect_soes_instance,
         .mailbox = mailbox,
         .staging = ESCvar.mbxdata,
         .staging_size = sizeof ESCvar.mbxdata,

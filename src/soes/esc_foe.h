@@ -22,7 +22,7 @@ struct foe_file_cfg {
     uint32_t max_data;           /**< bytes that it may have */
     uint32_t dest_start_address; /**< the application's */
     uint32_t address_offset;     /**< bytes handed to write_function before this call */
-    uint32_t total_size;         /**< bytes that have come, with those that are handed over now */
+    uint32_t total_size;         /**< bytes that have come with earlier mails */
     uint32_t filepass;           /**< password that the master must give */
     uint8_t write_only_in_boot;  /**< 1: only in BOOT */
     uint32_t padding : 24;
@@ -37,7 +37,10 @@ typedef struct foe_cfg {
     foe_file_cfg_t *files;
 } foe_cfg_t;
 
-/** Which files there are. Before ecat_slv_init; `cfg` must live as long as the slave. */
+/**
+ * Which files there are, for masters to write; they cannot be read. Before ecat_slv_init; `cfg` must live as long as
+ * the slave. write_function is called when fbuffer is full, and with the rest, perhaps of 0 bytes, at the end.
+ */
 void FOE_config(foe_cfg_t *cfg);
 /** Forgets a transfer that is under way. */
 void FOE_init(void);

@@ -6,18 +6,20 @@
  *
  * From the lowest to the highest (tests/check/order.py):
  *
- *   state.c                 variables, time
- *   describe.c              the description of an application
- *   esc.c                   registers, and leaving a state
- *   esc_coe.c esc_eep.c     dictionary, emulated EEPROM
- *   application.c           a slave out of SDOobjects and the hooks
- *   ecat_slv.c              the loop
+ *   state.c                         variables, time
+ *   describe.c                      the description of an application
+ *   esc.c                           registers, and leaving a state
+ *   esc_coe.c esc_eep.c esc_foe.c   dictionary, emulated EEPROM, files
+ *   application.c                   a slave out of SDOobjects and the hooks
+ *   ecat_slv.c                      the loop
  *
  * SOES's API has one slave a program, and names that are variables: they live in here.
  */
 #ifndef ECT_SOES_INTERNAL_H
 #define ECT_SOES_INTERNAL_H
 
+#include "seams/foe.h"
+#include "seams/standard.h"
 #include "slave/slave.h"
 #include "soes/ecat_slv.h"
 #include "soes/esc.h"
@@ -42,6 +44,19 @@ extern ect_soes_t ect_soes;
 uint64_t ect_soes_now(void);
 /* What the ESC says, lower half. */
 void ect_soes_follow_time(uint32_t time);
+
+/* --- esc_foe.c -----------------------------------------------------------------------------------------------------
+ */
+/* The instance of an application's slave. */
+typedef struct ect_soes_instance {
+    ect_standard_t standard;
+    ect_foe_transfer_t transfer;
+} ect_soes_instance_t;
+extern ect_soes_instance_t ect_soes_instance;
+
+extern const ect_foe_t ect_soes_files;
+/* Whether FOE_config has been called. */
+bool ect_soes_has_files(void);
 
 /* --- application.c, or the firmware --------------------------------------------------------------------------------
  */

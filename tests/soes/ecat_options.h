@@ -3,7 +3,7 @@
 #ifndef APP_ECAT_OPTIONS_H
 #define APP_ECAT_OPTIONS_H
 
-#define USE_FOE     0
+#define USE_FOE     1
 #define USE_EOE     0
 #define MBXSIZE     64
 #define MBXSIZEBOOT 128

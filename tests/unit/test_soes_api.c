@@ -690,7 +690,6 @@ static void downloads(void **state)
     assert_int_equal(download32(0x1000, 0, 0), ABORT_READONLY);
 }
 
-#ifndef APP_RAW
 /* The stack calls the hooks by these; so may a protocol of the application. */
 static void hooks_by_name(void **state)
 {
@@ -708,6 +707,7 @@ static void hooks_by_name(void **state)
     assert_int_equal(ESC_download_pre_objecthandler(0x1601, 1, data, 4, COMPLETE_ACCESS_FLAG), 0);
 }
 
+#ifndef APP_RAW
 /* --- dynamic process data
  * --------------------------------------------------------------------------------------------- */
 
@@ -884,6 +884,110 @@ static void time_of_the_esc(void **state)
     expect_status(OP, 0);
 }
 
+/* --- files ---------------------------------------------------------------------------------------------------------
+ */
+
+static uint8_t stored[64];
+static uint32_t store_answer;
+
+static uint32_t store_file(foe_file_cfg_t *self, uint8_t *data, size_t length)
+{
+    note("%s %u+%zu of %u; ", self->name, (unsigned int)self->address_offset, length, (unsigned int)self->total_size);
+    memcpy(stored + self->address_offset, data, length);
+    return store_answer;
+}
+
+static uint8_t file_buffer[16];
+static foe_file_cfg_t file_list[] = {
+    {.name = "firmware", .max_data = 60, .filepass = 0x1234, .write_only_in_boot = 1, .write_function = store_file},
+    {.name = "notes", .max_data = 60, .write_function = store_file},
+};
+static foe_cfg_t file_config = {
+    .fbuffer = file_buffer, .buffer_size = sizeof file_buffer, .n_files = 2, .files = file_list};
+
+static int with_files(void **state)
+{
+    (void)plain(state);
+    store_answer = 0;
+    memset(stored, 0, sizeof stored);
+    FOE_config(&file_config);
+    return 0;
+}
+
+/* A mail of FoE there, the answer back. @return its operation; *answer: packet or error */
+static uint8_t foe(uint8_t operation, uint32_t number, const void *data, uint16_t length, uint32_t *answer)
+{
+    uint8_t mail[128] = {0};
+    w.mail_counter = (uint8_t)(w.mail_counter % 7 + 1);
+    ect_store_le16(mail, (uint16_t)(6 + length));
+    mail[5] = (uint8_t)(MBXFOE | w.mail_counter << 4);
+    mail[6] = operation;
+    ect_store_le32(mail + 8, number);
+    memcpy(mail + 12, data, length);
+    assert_int_equal(wire_mail_send(&w, 0, mail, (uint16_t)(12 + length)), 1);
+    assert_true(wire_mail_receive(&w, 0, mail, sizeof mail) >= 6);
+    *answer = ect_load_le32(mail + 8);
+    return mail[6];
+}
+
+enum { PACKET = MBXSIZE - 12 };
+
+static void file_written(void **state)
+{
+    uint8_t data[PACKET];
+    uint32_t answer = 0;
+    (void)state;
+    open_in(PREOP);
+    for (unsigned int n = 0; n < sizeof data; n++)
+        data[n] = (uint8_t)(n + 1);
+    assert_int_equal(foe(FOE_OP_WRQ, 0, "notes", 5, &answer), FOE_OP_ACK);
+    assert_int_equal(foe(FOE_OP_DATA, 1, data, PACKET, &answer), FOE_OP_ACK);
+    expect_calls("notes 0+16 of 0; notes 16+16 of 0; notes 32+16 of 0; ");
+    assert_int_equal(foe(FOE_OP_DATA, 2, "xyz", 3, &answer), FOE_OP_ACK);
+    expect_calls("notes 48+7 of 55; ");
+    assert_memory_equal(stored, data, PACKET);
+    assert_memory_equal(stored + PACKET, "xyz", 3);
+    FOE_init();
+    ESC_foeprocess();
+}
+
+static void file_refused(void **state)
+{
+    static const struct {
+        const char *name;
+        uint32_t password;
+        uint8_t operation;
+        uint32_t error;
+    } rows[] = {
+        {"firmware", 0x1234, FOE_OP_WRQ, FOE_ERR_NOTINBOOTSTRAP},
+        {"firmware", 0, FOE_OP_WRQ, FOE_ERR_NORIGHTS},
+        {"firmwar", 0x1234, FOE_OP_WRQ, FOE_ERR_NOTFOUND},
+        {"notes", 0, FOE_OP_RRQ, FOE_ERR_ACCESS},
+        {"nothing", 0, FOE_OP_WRQ, FOE_ERR_NOTFOUND},
+    };
+    uint8_t data[PACKET] = {0};
+    uint32_t answer = 0;
+    (void)state;
+    open_in(PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t got = foe(rows[i].operation, rows[i].password, rows[i].name, (uint16_t)strlen(rows[i].name), &answer);
+        if (got != FOE_OP_ERR || answer != rows[i].error)
+            fail_msg("%s: expected error %04Xh, got operation %u, %04Xh", rows[i].name, rows[i].error, got, answer);
+    }
+    assert_int_equal(foe(FOE_OP_WRQ, 0, "notes", 5, &answer), FOE_OP_ACK);
+    assert_int_equal(foe(FOE_OP_DATA, 1, data, PACKET, &answer), FOE_OP_ACK);
+    assert_int_equal(foe(FOE_OP_DATA, 2, data, PACKET, &answer), FOE_OP_ERR); /* longer than max_data */
+    assert_int_equal(answer, FOE_ERR_DISKFULL);
+    store_answer = 5; /* no error of FoE */
+    assert_int_equal(foe(FOE_OP_WRQ, 0, "notes", 5, &answer), FOE_OP_ACK);
+    assert_int_equal(foe(FOE_OP_DATA, 1, data, 3, &answer), FOE_OP_ERR);
+    assert_int_equal(answer, FOE_ERR_PROGERROR);
+    store_answer = FOE_ERR_CHECKSUM;
+    assert_int_equal(foe(FOE_OP_WRQ, 0, "notes", 5, &answer), FOE_OP_ACK);
+    assert_int_equal(foe(FOE_OP_DATA, 1, data, 3, &answer), FOE_OP_ERR);
+    assert_int_equal(answer, FOE_ERR_CHECKSUM);
+}
+
 /* --- an emulated EEPROM
  * ------------------------------------------------------------------------------------------------ */
 
@@ -966,6 +1070,7 @@ int main(int argc, char **argv)
 {
 #define T(title, test)       {title, test, plain, close_all, NULL}
 #define T_HOOKS(title, test) {title, test, with_object_hooks, close_all, NULL}
+#define T_FILES(title, test) {title, test, with_files, close_all, NULL}
     const struct CMUnitTest tests[] = {
         T("ecat_slv_init: the hardware file, the ESC's EEPROM, defaults, INIT", start),
         T("set_defaults_hook and skip_default_initialization", defaults),
@@ -992,6 +1097,8 @@ int main(int argc, char **argv)
         T("the object list as SOES's functions look at it", dictionary),
         T("registers, by SOES's functions", registers),
         T("without a clock the time is the ESC's", time_of_the_esc),
+        T_FILES("FOE_config: a file goes to its function by buffers", file_written),
+        T_FILES("FOE_config: names, passwords, states and lengths that are refused", file_refused),
         T("EEP_process: an emulated EEPROM", emulated_eeprom),
     };
     if (argc > 1)

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/* Files that a master may write, as SOES's API has them, over our FoE (seams/foe.h). They cannot be read. */
+#include "soes/esc_foe.h"
+
+#include <string.h>
+
+#include "soes/internal.h"
+
+ect_soes_instance_t ect_soes_instance;
+
+static foe_cfg_t *files;
+static foe_file_cfg_t *file; /* that is being written */
+static uint32_t collected;   /* bytes of it in the buffer */
+
+void FOE_config(foe_cfg_t *cfg)
+{
+    files = cfg;
+}
+
+bool ect_soes_has_files(void)
+{
+    return files != NULL;
+}
+
+void FOE_init(void)
+{
+    ect_soes_instance.transfer = (ect_foe_transfer_t){0};
+}
+
+static foe_file_cfg_t *find(const ect_foe_wish_t *wish)
+{
+    for (uint32_t n = 0; n < files->n_files; n++) {
+        const char *name = files->files[n].name;
+        if (strlen(name) == wish->length && memcmp(name, wish->name, wish->length) == 0)
+            return &files->files[n];
+    }
+    return NULL;
+}
+
+static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
+{
+    foe_file_cfg_t *found = find(wish);
+    (void)foe;
+    (void)instance;
+    (void)text;
+    if (!found)
+        return FOE_ERR_NOTFOUND;
+    if (wish->password != found->filepass)
+        return FOE_ERR_NORIGHTS;
+    if (!wish->write)
+        return FOE_ERR_ACCESS;
+    if (found->write_only_in_boot != 0 && wish->state != ESCboot)
+        return FOE_ERR_NOTINBOOTSTRAP;
+    file = found;
+    file->address_offset = 0;
+    file->total_size = 0;
+    collected = 0;
+    return ECT_FOE_OK;
+}
+
+/* What the application says beside the errors of FoE is one all the same. */
+static uint32_t hand_over(void)
+{
+    uint32_t error = file->write_function(file, files->fbuffer, collected);
+    file->address_offset += collected;
+    collected = 0;
+    return error == 0 || error >= FOE_ERR_NOTDEFINED ? error : FOE_ERR_PROGERROR;
+}
+
+static uint32_t write_file(const ect_foe_t *foe, void *instance, uint32_t offset, const void *data, uint16_t length,
+                           bool last, const char **text)
+{
+    const uint8_t *from = data;
+    uint32_t error = ECT_FOE_OK;
+    (void)foe;
+    (void)instance;
+    (void)text;
+    if (length > file->max_data - offset)
+        return FOE_ERR_DISKFULL;
+    for (uint16_t n = 0; n < length && error == ECT_FOE_OK; n++) {
+        files->fbuffer[collected++] = from[n];
+        if (collected == files->buffer_size)
+            error = hand_over();
+    }
+    file->total_size += length;
+    return error == ECT_FOE_OK && last ? hand_over() : error;
+}
+
+const ect_foe_t ect_soes_files = {
+    ECT_FOE_PROTOCOL,
+    .offset = offsetof(ect_soes_instance_t, transfer),
+    .read_states = ECT_IN_PREOP_AND_ABOVE | ECT_IN(ESCboot),
+    .write_states = ECT_IN_PREOP_AND_ABOVE | ECT_IN(ESCboot),
+    .open = open_file,
+    .write = write_file,
+};
