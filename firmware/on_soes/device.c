@@ -149,6 +149,15 @@ static uint32_t before_upload(uint16_t index, uint8_t subindex, void *data, size
     return abort_code(reason);
 }
 
+static void stop(void)
+{
+    const ect_leds_t *leds = board_leds();
+    for (;;) { /* FIRMWARE_MEMORY, or what objects.c has room for, is too small for this device */
+        if (leds->err)
+            leds->err(leds->ctx, true);
+    }
+}
+
 /* --- the device ------------------------------------------------------------------------------------------------------
  */
 
@@ -163,7 +172,7 @@ static void power_on(void)
     host.storage = board_storage();
     od = ect_device_od(device, instance);
     if (device->instance_size > sizeof instance || !objects_make(device, instance))
-        board_stop("FIRMWARE_MEMORY, or the object list of firmware/on_soes, is too small for this device");
+        stop();
     standard->device = device;
     standard->identity = device->identity;
     standard->identity.serial = board_serial() != 0 ? board_serial() : device->identity.serial;
@@ -192,10 +201,16 @@ esc_cfg_t *firmware_config(void)
     return &config;
 }
 
-void firmware_turn(void)
+/* SOES does not say when it wants to be called again. */
+uint64_t firmware_turn(void)
 {
+    const ect_leds_t *leds = board_leds();
     uint8_t state = ESCvar.ALstatus & ESCREG_AL_ERRACKMASK;
-    board_lamps(state == ESCop, (ESCvar.ALstatus & ESCerror) != 0);
+    if (leds->run)
+        leds->run(leds->ctx, state == ESCop);
+    if (leds->err)
+        leds->err(leds->ctx, (ESCvar.ALstatus & ESCerror) != 0);
     if (restart)
         board_reset();
+    return 0;
 }

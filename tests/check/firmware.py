@@ -79,9 +79,9 @@ def sources(header):
     folder = pathlib.Path(header).parent
     rooms = ["od", "slave", "soes", "ports/mmio", "ports/flash", str(folder)]
     found = [path for room in rooms for path in sorted((ROOT / "src" / room).glob("*.c"))]
-    unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "signals.c"} # an object list's; the plant
+    unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "esc_foe.c", "signals.c"} # an object list's; the plant
     return [path for path in found if path.name not in unused] + [ROOT / "firmware" / name for name in
-                                                                  ("main.c", "on_ectwin.c", "plain.c", "hal.c",
+                                                                  ("main.c", "on_ectwin/device.c", "plain.c", "hal.c",
                                                                   "boards/mmio/board.c")]
 
 
@@ -135,7 +135,7 @@ def firmware_stack(row):
     _, header, description, memory, _ = row
     mmio = [f"-DMMIO_{value}" for value in ("ESC=0x60000000", "ESC_WIDTH=2", "CLOCK_HZ=100000000", "LAMPS=0", "STORAGE=0",
                                             "STORAGE_SIZE=0x10000")]
-    flags = [*SMALL, *mmio, f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/cpu", f"-I{ROOT}/src/soes",
+    flags = [*SMALL, *mmio, f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/on_ectwin", f"-I{ROOT}/firmware/cpu", f"-I{ROOT}/src/soes",
              f"-DFIRMWARE_DEVICE={description}", f'-DFIRMWARE_DEVICE_HEADER="{header}"', f"-DFIRMWARE_MEMORY={memory}"]
     with tempfile.TemporaryDirectory() as work:
         frames, calls, files = stack.call_graph(work, sources(header), flags)

@@ -51,6 +51,29 @@ quietly ${CC:-cc} -std=c11 $flags "$work"/examples/device/{main,heater,heater_pl
   -o "$work/by-pkg-config"
 check "pkg-config: list" "3/2" "$("$work/by-pkg-config" list | awk '$1 == "heater" {print $2}')"
 
+# A SOES application outside the tree, over SOES's API and as a twin by our hardware file: by CMake, and by pkg-config.
+mkdir "$work/soes"
+cp "$root"/tests/soes/{app.c,app.h,ecat_options.h,main.c} "$work/soes"
+cat >"$work/soes/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.22)
+project(my_firmware LANGUAGES C)
+find_package(ectwin REQUIRED COMPONENTS soes soes_hal)
+add_executable(my_firmware main.c app.c)
+target_include_directories(my_firmware PRIVATE .)
+target_link_libraries(my_firmware PRIVATE ectwin::soes ectwin::soes_hal)
+CMAKE
+project "$work/soes" soes-by-cmake -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_C_FLAGS="$flags"
+api=$(pkg-config --variable=soes ectwin-core)
+# shellcheck disable=SC2046,SC2086
+quietly ${CC:-cc} -std=c11 $flags -I"$work/soes" -I"$api" "$work"/soes/{main,app}.c "$api"/*.c \
+  "$(pkg-config --variable=soes_hal ectwin-core)/esc_hw.c" $(pkg-config --cflags --libs ectwin-soes_hal) -o "$work/soes-by-pkg-config"
+for program in "$work/soes-by-cmake/my_firmware" "$work/soes-by-pkg-config"; do
+  [ -x "$slaveinfo" ] || continue
+  map=$("$heater" with --external "$program" -- "$slaveinfo" '{}' -map 2>/dev/null)
+  check "$program: SAFEOP" 4 "$(sed -n 's/ State: //p' <<<"$map")"
+  check "$program: sizes" "24bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"
+done
+
 # Two devices of one name are one too many.
 sed -i 's/\.name = "heater"/.name = "fzm1"/' "$work/examples/device/heater.c"
 quietly cmake --build "$work/device"
