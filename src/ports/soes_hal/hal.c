@@ -52,12 +52,9 @@ static char *value_of(const char *name, int argc, char **argv, int *n)
     if (strncmp(argv[*n], name, length) != 0)
         return NULL;
     char *rest = argv[*n] + length;
-    bool is_long = name[1] == '-';
     if (*rest == '\0')
         return *n + 1 < argc ? argv[++*n] : rest;
-    if (is_long)
-        return *rest == '=' ? rest + 1 : NULL;
-    return rest;
+    return *rest == '=' && name[1] == '-' ? rest + 1 : NULL;
 }
 
 static bool take_option(int argc, char **argv, int *n)
