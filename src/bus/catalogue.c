@@ -6,11 +6,16 @@
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
 #include "devices/optoncdt2300/optoncdt2300.h"
+#include "devices/pmctendo/pmctendo.h"
 
 static const ect_product_t products[] = {
-    {&ect_eclink_map1, &ect_eclink_plant}, {&ect_eclink_map3, &ect_eclink_plant},
-    {&ect_eclink_map7, &ect_eclink_plant}, {&ect_eclink_multiarm, &ect_eclink_plant},
-    {&ect_fzm1, &ect_fzm1_plant},          {&ect_optoncdt2300, &ect_optoncdt2300_plant},
+    {&ect_eclink_map1, &ect_eclink_plant},
+    {&ect_eclink_map3, &ect_eclink_plant},
+    {&ect_eclink_map7, &ect_eclink_plant},
+    {&ect_eclink_multiarm, &ect_eclink_plant},
+    {&ect_fzm1, &ect_fzm1_plant},
+    {&ect_optoncdt2300, &ect_optoncdt2300_plant},
+    {&ect_pmctendo_dd5, &ect_pmctendo_dd5_plant},
 };
 
 static const ect_product_t *added;

@@ -208,12 +208,47 @@ static bool may_be_assigned(const ect_build_t *build, const ect_build_pdo_t *pdo
     return pdo->usable && (pdo->model->sm == sm || pdo->model->sm < 0) && sm_takes(build->model, sm, pdo->model);
 }
 
+static bool shares(const ect_build_t *build, size_t i, size_t place)
+{
+    for (size_t k = place; k < i; k++) {
+        const ect_build_pdo_t *a = &build->pdos[k], *b = &build->pdos[i];
+        if (a->place == place && !excludes(a, b) && !excludes(b, a))
+            return false;
+    }
+    return build->pdos[place].place == place;
+}
+
+static void find_place(ect_build_t *build, size_t i)
+{
+    size_t place = 0;
+    while (place < i && !shares(build, i, place))
+        place++;
+    build->pdos[i].place = place;
+}
+
+/* All places taken, each by the longest PDO that it may have. */
 uint32_t ect_build_largest_bits(const ect_build_t *build, int sm)
 {
     uint32_t bits = 0;
-    for (size_t i = 0; i < build->pdo_count; i++)
-        bits += may_be_assigned(build, &build->pdos[i], sm) ? ect_build_pdo_bits(&build->pdos[i]) : 0;
+    for (size_t place = 0; place < build->pdo_count; place++) {
+        uint32_t most = 0;
+        for (size_t i = place; i < build->pdo_count; i++) {
+            const ect_build_pdo_t *pdo = &build->pdos[i];
+            bool counts = pdo->place == place && may_be_assigned(build, pdo, sm);
+            most = counts && ect_build_pdo_bits(pdo) > most ? ect_build_pdo_bits(pdo) : most;
+        }
+        bits += most;
+    }
     return bits;
+}
+
+static bool has_place(const ect_build_t *build, size_t place, int sm)
+{
+    for (size_t i = place; i < build->pdo_count; i++) {
+        if (build->pdos[i].place == place && may_be_assigned(build, &build->pdos[i], sm))
+            return true;
+    }
+    return false;
 }
 
 static void add_assignment(ect_build_t *build, int sm)
@@ -223,7 +258,7 @@ static void add_assignment(ect_build_t *build, int sm)
     size_t capacity = 0;
     for (size_t i = 0; i < build->pdo_count; i++) {
         const ect_build_pdo_t *pdo = &build->pdos[i];
-        capacity += may_be_assigned(build, pdo, sm) && capacity < LONGEST_MAPPING ? 1 : 0;
+        capacity += has_place(build, i, sm) && capacity < LONGEST_MAPPING ? 1 : 0;
         if (pdo->assigned && pdo->model->sm == sm && count < LONGEST_MAPPING)
             values[count++] = pdo->index;
     }
@@ -241,8 +276,10 @@ void ect_build_pdos(ect_build_t *build)
     const ect_esi_device_t *model = build->model;
     for (size_t i = 0; i < build->pdo_count; i++)
         add_mapping(build, &build->pdos[i]);
-    for (size_t i = 0; i < build->pdo_count; i++)
+    for (size_t i = 0; i < build->pdo_count; i++) {
         assign(build, &build->pdos[i]);
+        find_place(build, i);
+    }
     for (size_t sm = 0; sm < model->sm_count; sm++) {
         if (!model->sms[sm].virtual_sm && (is_input_sm(&model->sms[sm]) || is_output_sm(&model->sms[sm])))
             add_assignment(build, (int)sm);

@@ -157,6 +157,7 @@ typedef struct ect_build_pdo {
     uint32_t index_shift;
     bool assigned;
     bool usable;
+    size_t place; /**< in its assignment: those that exclude each other share one, the position of the first of them */
 } ect_build_pdo_t;
 
 /** The whole thing. */

@@ -212,7 +212,7 @@ typedef struct ect_esi_device {
     int ebus_current_ma;
     bool identification_134, alias_supported;
     ect_esi_number_t identification_ado;
-    uint16_t profile; /**< `<ProfileNo>`, the first; 0 none */
+    uint32_t profile; /**< `<ProfileNo>`, the first, and in the upper half its `<AddInfo>`: 1000h; 0 none */
 
     const char *const *fmmus; /**< "Outputs", "Inputs", "MBoxState", … */
     size_t fmmu_count;

@@ -297,6 +297,12 @@ static void read_identity(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode
         ect_esi_fail(xml, vendor != NULL ? vendor : root, "there is no Vendor with an Id");
 }
 
+static uint32_t read_profile(ect_esi_xml_t *xml, const xmlNode *profile)
+{
+    uint32_t number = (uint32_t)ect_esi_number(xml, profile, "ProfileNo", 0, UINT16_MAX, 0);
+    return number | (uint32_t)ect_esi_number(xml, profile, "AddInfo", 0, UINT16_MAX, 0) << 16;
+}
+
 const ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node)
 {
     ect_esi_device_t *device = ect_arena_alloc(xml->arena, sizeof *device);
@@ -316,7 +322,7 @@ const ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *r
         if (file != NULL)
             device->dictionary_file = ect_esi_text(xml, file);
         if (device->profile == 0)
-            device->profile = (uint16_t)ect_esi_number(xml, profile, "ProfileNo", 0, UINT16_MAX, 0);
+            device->profile = read_profile(xml, profile);
     }
     read_slots(xml, ect_esi_child(node, "Slots"), device);
     if (device->slot_count > 0)

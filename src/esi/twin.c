@@ -346,6 +346,7 @@ static void set_identity(ect_build_t *build, ect_device_t *device)
     device->group_name = ect_build_text(build, or_unnamed(model->group_name), ECT_BUILD_TEXT);
     device->physics = physics_of(build);
     device->ebus_ma = (int16_t)model->ebus_current_ma;
+    device->device_type = model->profile;
     device->name = command_name(build, model->type);
     device->summary = ect_build_text(build, *model->name != '\0' ? model->name : model->type, ECT_BUILD_TEXT);
     device->timeouts = (ect_timeouts_t){

@@ -12,7 +12,8 @@
  * surroundings it asks of ::ect_host_t.
  *
  * All functions run one at a time for an instance, must not block, and may not call back into the stack except through
- * ::ect_host_t. They run in mainline; `outputs`, `inputs`, `inputs_packed` and `inputs_read` also in the interrupt of
+ * ::ect_host_t. They run in mainline; `cyclic`, `outputs`, `inputs`, `inputs_packed` and `inputs_read` also in the
+ * interrupt of
  * ::ect_slave_cycle, where a firmware has one (docs/CONCURRENCY.md). Any function pointer may be NULL: the device then
  * has nothing to do there.
  */
@@ -70,6 +71,9 @@ enum {
 
 /** Role of an FMMU, as in the SII category FMMU. */
 enum { ECT_FMMU_UNUSED = 0, ECT_FMMU_OUTPUTS = 1, ECT_FMMU_INPUTS = 2, ECT_FMMU_MAILBOX_STATE = 3 };
+
+/** What ::ect_device_t::cyclic tells: the master has written outputs, SYNC0 has come. */
+enum { ECT_CYCLIC_OUTPUTS = 0x01, ECT_CYCLIC_SYNC0 = 0x02 };
 
 /** A deadline that never comes: what ::ect_device_t::tick returns when only the bus can wake the device. */
 #define ECT_NEVER UINT64_MAX
@@ -174,6 +178,13 @@ typedef struct ect_host {
      */
     void (*diagnose)(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
 
+    /**
+     * Stores all entries with ECT_ACCESS_BACKUP, as a master's write of "save" to 1010h:1 does, at the end of the
+     * present poll. From the exchange too. What the memory then says is told to nobody; nothing happens when the
+     * description does not name ect_service_store.
+     */
+    void (*store)(void *ctx);
+
     /** Takes the slave off the bus, as if its ports were unplugged, or puts it back. */
     void (*off_bus)(void *ctx, bool off);
 
@@ -272,6 +283,12 @@ typedef struct ect_device {
      */
     uint16_t (*state_change)(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 
+    /**
+     * The rhythm of the bus, SAFEOP and OP: `events` is a set of ECT_CYCLIC_... that have come since the last call.
+     * Outputs tell the rhythm in SAFEOP too, where they are not taken over. Before `outputs`; `tick` follows.
+     */
+    void (*cyclic)(void *instance, uint8_t events, uint64_t now_ns);
+
     /** Output data of the dictionary was renewed by the master. Only in OP. */
     void (*outputs)(void *instance, uint64_t now_ns);
 
@@ -327,6 +344,17 @@ typedef struct ect_device {
 
     /** AL status got its error flag, with this code; or lost it (code 0). */
     void (*al_error)(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
+
+    /* --- where the product is known to differ from the standard ---------------------------------------------- */
+
+    /**
+     * A mail to the master stands ready, as the standard wants it: `size` bytes, the whole mailbox, header first. What
+     * is changed here is what the master gets, also when it asks for it once more.
+     */
+    void (*mail)(void *instance, uint8_t *mail, uint16_t size);
+
+    /** The code that the master reads in the place of the standard's `code`, 0 in the place of 0. */
+    uint16_t (*al_code)(const void *instance, uint16_t code);
 } ect_device_t;
 
 /** Its object list over an instance; NULL: only the list is looked at. */

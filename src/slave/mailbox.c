@@ -154,6 +154,8 @@ void ect_mailbox_send(ect_slave_t *s, uint8_t type, uint16_t length)
     m->reply_counter = m->reply_counter == 7 ? 1 : (uint8_t)(m->reply_counter + 1);
     ect_store_le16(mail, length);
     mail[5] = (uint8_t)(type | (m->reply_counter << 4));
+    if (s->config.device->mail)
+        s->config.device->mail(s->config.instance, mail, m->in_size);
     m->newest = slot;
     m->mails = m->mails < 2 ? (uint8_t)(m->mails + 1) : 2;
     show(s, slot);

@@ -130,6 +130,7 @@ typedef struct ect_slave {
     ect_host_t host;
     uint32_t pdi_errors;       /**< public, read only: failed PDI accesses */
     uint32_t emergencies_lost; /**< public, read only */
+    bool store_due;            /* the device wants its parameters stored */
     ect_emergency_t emergency[ECT_EMERGENCY_QUEUE];
 } ect_slave_t;
 

@@ -110,16 +110,27 @@ static ect_reason_t write_command(ect_slave_t *s, const ect_download_t *d)
 }
 
 /* The medium may take its time: process data go on meanwhile. */
+static ect_reason_t store_meanwhile(ect_slave_t *s, bool with_entries)
+{
+    ect_cycle_release(s);
+    ect_reason_t reason = store(s, with_entries);
+    ect_cycle_hold(s);
+    return reason;
+}
+
 static ect_reason_t written_command(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete)
 {
     (void)subindex;
     (void)complete;
     if (!is_command(index))
         return ECT_OK;
-    ect_cycle_release(s);
-    ect_reason_t reason = store(s, index == INDEX_STORE);
-    ect_cycle_hold(s);
-    return reason;
+    return store_meanwhile(s, index == INDEX_STORE);
 }
 
-const ect_service_t ect_service_store = {.start = load, .write = write_command, .written = written_command};
+static void store_wanted(ect_slave_t *s)
+{
+    (void)store_meanwhile(s, true);
+}
+
+const ect_service_t ect_service_store = {
+    .start = load, .write = write_command, .written = written_command, .store = store_wanted};

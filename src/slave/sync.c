@@ -63,12 +63,20 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
     return ECT_AL_NO_ERROR;
 }
 
+/* It came, and then no more: whatever waits for it would wait for ever. */
+static bool sync0_lost(const ect_slave_t *s, const ect_sync_data_t *d)
+{
+    uint64_t patience_ns = (d->error_limit + 1ull) * d->cycle_ns;
+    return d->error_limit != 0 && d->sync0_ns != 0 && patience_ns != 0 && s->now_ns - d->sync0_ns > patience_ns;
+}
+
 static uint16_t check_up(ect_slave_t *s, uint8_t target)
 {
     ect_sync_data_t *d = data_of(s);
     if (!d || target < ECT_STATE_SAFEOP)
         return ECT_AL_NO_ERROR;
-    d->sync0_ns = 0; /* of an OP before this one it says nothing */
+    if (target == ECT_STATE_SAFEOP || sync0_lost(s, d))
+        d->sync0_ns = 0; /* of an OP before this one it says nothing */
     if (target == ECT_STATE_OP)
         return check_dc(s, d); /* SYNC0 may have been started, or changed, meanwhile */
     d->sm_missed = 0;
@@ -110,13 +118,6 @@ static bool acknowledge_sync0(ect_slave_t *s)
     return ect_slave_read(s, ECT_REG_DC_SYNC0_STATUS, &status, 1) && (status & 1u) != 0;
 }
 
-/* It came, and then no more: whatever waits for it would wait for ever. */
-static bool sync0_lost(const ect_slave_t *s, const ect_sync_data_t *d)
-{
-    uint64_t patience_ns = (d->error_limit + 1ull) * d->cycle_ns;
-    return d->error_limit != 0 && d->sync0_ns != 0 && patience_ns != 0 && s->now_ns - d->sync0_ns > patience_ns;
-}
-
 static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
 {
     bool sync0 = (event & ECT_EVENT_SYNC0) != 0; /* a level: an edge is a SYNC0 */
@@ -128,9 +129,7 @@ static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
     if (sync0 && d->sync0 == 0)
         on_sync0(s, d);
     d->sync0 = sync0;
-    if (sync0)
-        d->sync0_ns = s->now_ns;
-    else if (sync0_lost(s, d))
+    if (!sync0 && sync0_lost(s, d))
         ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_FATAL_SYNC);
 }
 
@@ -139,6 +138,8 @@ static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
 static void on_event(ect_slave_t *s, uint32_t event)
 {
     ect_sync_data_t *d = data_of(s);
+    if (d && (event & ECT_EVENT_SYNC0) != 0)
+        d->sync0_ns = s->now_ns; /* in SAFEOP too: it may stop before it has come in OP */
     if (d && d->dc != 0 && s->state == ECT_STATE_OP)
         supervise(s, d, event);
     if ((event & ECT_EVENT_SYNC0) != 0 && acknowledge_sync0(s) && d)

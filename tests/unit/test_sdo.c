@@ -1279,9 +1279,8 @@ static void sms_of(wire_t *w, const ect_device_t *device)
             continue;
         uint32_t pdos = ect_od_element(ect_od_find(&od, assignment), 0);
         upload_number(w, device->name, assignment, 0, 1, pdos);
-        for (uint8_t k = 0; k < pdos; k++) /* each assigns its PDOs from the first on */
-            upload_number(w, device->name, assignment, (uint8_t)(k + 1), 2,
-                          (device->sm[n].type == ECT_SM_OUTPUTS ? 0x1600u : 0x1A00u) + k);
+        for (uint8_t k = 1; k <= pdos; k++)
+            upload_number(w, device->name, assignment, k, 2, ect_od_element(ect_od_find(&od, assignment), k));
     }
 }
 

@@ -718,6 +718,30 @@ static void sync_again(void **state)
     assert_int_equal(t.slave.state, ECT_STATE_OP);
 }
 
+/* It has come in SAFEOP, and stops before it has come in OP. */
+static void sync_lost_early(void **state)
+{
+    (void)state;
+    uint8_t output[1] = {0};
+    power_on(false);
+    to_preop();
+    t.activation = 0x03;
+    t.cycle_ns = 1000000;
+    set_sm(2, 1);
+    set_sm(3, 3);
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_SAFEOP);
+    sync0();
+    assert_int_equal(datagram(FPWR, confdev.sm[2].start, output, 1), 1);
+    assert_int_equal(request(ECT_STATE_OP), ECT_STATE_OP);
+    for (int ms = 0; ms < 20 && t.slave.state == ECT_STATE_OP; ms++) {
+        datagram(FPWR, confdev.sm[2].start, output, 1);
+        poll();
+        t.now_ns += MS;
+    }
+    assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
+    assert_int_equal(t.slave.code, ECT_AL_FATAL_SYNC);
+}
+
 static void sync_abilities(void **state)
 {
     static const struct {
@@ -1050,6 +1074,7 @@ int main(int argc, char **argv)
         TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
         TEST("CF-082 CF-092: what a device can do decides type and cycle times", sync_abilities),
         TEST("CF-043: SYNC0 that no longer comes leaves OP with 0x002C", sync_lost),
+        TEST("CF-043: so does one that has come in SAFEOP last", sync_lost_early),
         TEST("CF-082: a SYNC0 event that is seen several times counts once", sync_level),
         TEST("CF-082: SYNC0 is in the AL event mask of a device that runs by it, and of no other", sync_event_mask),
         TEST("CF-022: outputs of a SyncManager without an event are taken when they were written, once",

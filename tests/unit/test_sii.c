@@ -325,7 +325,9 @@ static uint32_t check_pdo(const image_t *image, wire_t *w, const uint8_t *pdo, c
     expect_text(image, "PDO", pdo[5], name);
     const ect_od_t od = ect_device_od(image->device, NULL);
     bool changes = ect_od_find(&od, index)->entries->data != NULL;
-    assert_int_equal(ect_load_le16(pdo + 6), changes ? 0 : 0x0011); /* mandatory, fixed */
+    bool chosen = pdo[3] < ECT_SMS && ect_od_find(&od, (uint16_t)(0x1C10 + pdo[3]))->entries->data != NULL;
+    bool mandatory = pdo[3] < ECT_SMS && !chosen; /* ... and fixed */
+    assert_int_equal(ect_load_le16(pdo + 6), changes ? 0 : mandatory ? 0x0011 : 0x0010);
     for (unsigned int n = 1; n <= pdo[2]; n++) {
         const uint8_t *e = pdo + 8 * n;
         uint32_t mapping = number(w, index, n);

@@ -164,6 +164,8 @@ static void split(cf_t *c)
                    out_last = (uint16_t)(out + c->mailbox.out_size - 1);
     cf_go(c, CF_PREOP);
     uint16_t length = build(c, mail, 2);
+    if (length == c->mailbox.out_size) /* it fills SM0: its last byte is the other datagram */
+        last = mail[--length];
     cf_step(c, "the mail and the last byte of SM0 as two datagrams of a frame");
     cf_datagram_t write[2] = {{.command = CF_FPWR, .address = CF_AT(station, out), .length = length, .data = mail},
                               {.command = CF_FPWR, .address = CF_AT(station, out_last), .length = 1, .data = &last}};

@@ -1,0 +1,462 @@
+/* SPDX-License-Identifier: MIT */
+/* The drive's time and its process data: what the stack calls, and the order of things in a step of 250 us. */
+#include <string.h>
+
+#include "devices/pmctendo/instance.h"
+
+enum { MS_STEPS = PMC_STEPS_PER_S / 1000, RAMP_TOLERANCE_NS = 200000000 };
+
+/* --- the state machine -------------------------------------------------------------------------------------------- */
+
+static bool powered(const pmctendo_t *u)
+{
+    return u->action != DS402_OFF;
+}
+
+static bool quick_is_slow(const pmctendo_t *u)
+{
+    return u->quick_option == 1 || u->quick_option == 5;
+}
+
+static double stop_deceleration(const pmctendo_t *u)
+{
+    return u->state == DS402_QUICK_STOP && quick_is_slow(u) ? u->deceleration : u->quick_deceleration;
+}
+
+/* A ramp has its time: as long as it takes by its rate, half as much again and a little. */
+static void stop_begin(pmctendo_t *u)
+{
+    double speed = u->plant.speed < 0 ? -u->plant.speed : u->plant.speed;
+    u->stop_until_ns = u->time_ns + RAMP_TOLERANCE_NS + (uint64_t)(1.5e9 * speed / stop_deceleration(u));
+}
+
+static void begin(pmctendo_t *u)
+{
+    if (u->action != DS402_FOLLOW)
+        pmc_homing_abort(u);
+    switch (u->action) {
+    case DS402_OFF:
+        pmc_control_off(u);
+        break;
+    case DS402_HOLD:
+        pmc_hold_begin(u);
+        break;
+    case DS402_FOLLOW:
+        pmc_follow_begin(u);
+        break;
+    case DS402_STOP:
+        stop_begin(u);
+        pmc_brake_begin(u);
+        break;
+    case DS402_RAMP:
+        pmc_brake_begin(u);
+        break;
+    }
+}
+
+static void look_at_inputs(pmctendo_t *u, uint16_t rising)
+{
+    const pmc_plant_t *p = &u->plant;
+    bool in_time = u->action != DS402_STOP || u->time_ns < u->stop_until_ns || pmc_standing(u);
+    if (powered(u) && p->sto)
+        pmc_fault(u, PMC_F_STO);
+    if (powered(u) && !p->power)
+        pmc_fault(u, PMC_F_UNDERVOLTAGE);
+    if (u->state == DS402_QUICK_STOP && !in_time)
+        pmc_fault(u, PMC_F_STOP);
+    u->ds = (ds402_inputs_t){
+        .control = u->live ? u->set.control : 0,
+        .rising = rising,
+        .live = u->live,
+        .supplied = p->power && p->enable && !p->sto,
+        .fault = u->fault != 0,
+        .resettable = !pmc_fault_needs_restart(u->fault),
+        .can_brake = powered(u) && p->power && p->enable && !p->sto && pmc_fault_brakes(u->fault) && in_time,
+        .standing = pmc_standing(u) || (u->state == DS402_QUICK_STOP && u->quick_option == 0),
+        .stays = u->quick_option >= 5,
+    };
+}
+
+static bool decide(pmctendo_t *u, uint16_t rising)
+{
+    bool reset = false;
+    ds402_action_t before = u->action;
+    look_at_inputs(u, rising);
+    ds402_state_t next = ds402_next(u->state, &u->ds, &reset);
+    bool changed = next != u->state;
+    u->state = next;
+    if (reset) {
+        pmc_fault_reset(u);
+        u->ds.fault = false;
+    }
+    u->action = ds402_action(next, &u->ds);
+    if (u->action != before)
+        begin(u);
+    return changed;
+}
+
+/* As far as it leads without a new control word: an edge counts once. */
+static void settle(pmctendo_t *u, uint16_t rising)
+{
+    while (decide(u, rising))
+        rising = 0;
+}
+
+/* --- a step ------------------------------------------------------------------------------------------------------- */
+
+static void hand_out_edges(pmctendo_t *u)
+{
+    for (unsigned int i = 0; i < u->edges; i++) {
+        pmc_latch_edge(u, &u->edge[i]);
+        pmc_homing_edge(u, &u->edge[i]);
+    }
+    u->edges = 0;
+}
+
+static void move(pmctendo_t *u)
+{
+    switch (u->action) {
+    case DS402_FOLLOW:
+        pmc_follow(u);
+        break;
+    case DS402_RAMP:
+        pmc_brake(u, u->deceleration);
+        break;
+    case DS402_STOP:
+        pmc_brake(u, stop_deceleration(u));
+        break;
+    default:
+        break;
+    }
+    if (powered(u))
+        pmc_control(u);
+}
+
+static bool position_is_mapped(const pmctendo_t *u)
+{
+    return u->assigned_outs != 0 && u->assigned_out != PMC_PDO_SPEED && u->assigned_out != PMC_PDO_TORQUE;
+}
+
+static void step(pmctendo_t *u)
+{
+    u->time_ns += PMC_STEP_NS;
+    settle(u, 0);
+    move(u);
+    pmc_motor_step(u, powered(u));
+    hand_out_edges(u);
+    if (u->action != DS402_FOLLOW && !position_is_mapped(u))
+        u->set.position = u->set_position = pmc_counts(pmc_user(u, u->plant.position)); /* nobody cares for it yet */
+}
+
+static bool resting(const pmctendo_t *u)
+{
+    return !powered(u) && u->plant.speed == 0;
+}
+
+void pmc_advance(pmctendo_t *u, uint64_t now_ns)
+{
+    while (u->time_ns + PMC_STEP_NS <= now_ns) {
+        if (resting(u))
+            u->time_ns += (now_ns - u->time_ns) / PMC_STEP_NS * PMC_STEP_NS;
+        else
+            step(u);
+    }
+    settle(u, 0);
+}
+
+void pmc_look(pmctendo_t *u)
+{
+    u->edges = 0;
+    pmc_motor_levels(u);
+    hand_out_edges(u);
+    pmc_latch_control(u); /* shows the levels */
+    settle(u, 0);
+}
+
+/* --- what is shown ------------------------------------------------------------------------------------------------ */
+
+static uint16_t status_bit(bool on, uint16_t mask)
+{
+    return on ? mask : 0;
+}
+
+static uint16_t status(const pmctendo_t *u)
+{
+    bool soft = (u->warnings & (1u << (PMC_N_SOFT_NEGATIVE - 1) | 1u << (PMC_N_SOFT_POSITIVE - 1))) != 0;
+    bool stop = !u->level[PMC_PSTOP] || !u->level[PMC_NSTOP];
+    return (uint16_t)(ds402_status(u->state, &u->ds) | status_bit(u->plant.power, DS402_STATUS_VOLTAGE) |
+                      status_bit(u->warnings != 0, DS402_STATUS_WARNING) | status_bit(u->live, DS402_STATUS_REMOTE) |
+                      status_bit(pmc_target_reached(u), DS402_STATUS_TARGET) |
+                      status_bit(soft || stop, DS402_STATUS_LIMIT) |
+                      status_bit(u->homing.active, DS402_STATUS_REFERENCING) |
+                      status_bit(u->homing.error, DS402_STATUS_REFERENCE_ERROR) |
+                      status_bit(u->task, DS402_STATUS_TASK));
+}
+
+/* 60FDh as in CiA 402: limit switches and home, then the four inputs as they are. */
+static uint32_t digital_inputs(const pmctendo_t *u)
+{
+    uint32_t bits = (u->level[PMC_NSTOP] ? 0u : 1u) | (u->level[PMC_PSTOP] ? 0u : 2u) | (u->level[PMC_HOME] ? 4u : 0u);
+    for (unsigned int line = 0; line < PMC_INPUTS; line++)
+        bits |= (uint32_t)u->level[line] << (16 + line);
+    return bits;
+}
+
+/* Actual values, in SAFEOP and OP; below they stay as they were. */
+static void publish_actual(pmctendo_t *u)
+{
+    bool following = u->reference.loop == PMC_LOOP_POSITION && powered(u);
+    double position = pmc_user(u, u->plant.position);
+    double demand = following ? pmc_user(u, u->reference.position) : position;
+    u->status = status(u);
+    u->position = u->internal_position = pmc_counts(position);
+    u->demand = pmc_counts(demand);
+    u->following_error = pmc_counts(demand - position);
+    u->speed = pmc_counts(u->plant.speed);
+    u->torque = (int16_t)pmc_counts(u->torque_now / PMC_RATED_TORQUE * 1000);
+    u->inputs = digital_inputs(u);
+    u->analog = u->plant.analog;
+    u->feedback2 = u->plant.feedback2;
+    u->mode_display = pmc_mode(u);
+}
+
+static void put(char *to, const char *text)
+{
+    size_t length = strlen(text);
+    memset(to, 0, PMC_TEXT + 1);
+    memcpy(to, text, length < PMC_TEXT ? length : PMC_TEXT);
+}
+
+/* As on the front: the fault, else the first warning. */
+static void display(pmctendo_t *u)
+{
+    unsigned int number = u->fault;
+    char text[4] = {u->fault != 0 ? 'F' : 'n'};
+    for (unsigned int n = 1; n <= 32 && number == 0; n++)
+        number = (u->warnings >> (n - 1) & 1u) != 0 ? n : 0;
+    text[1] = (char)('0' + number / 10);
+    text[2] = (char)('0' + number % 10);
+    put(u->display, number != 0 ? text : "");
+}
+
+void pmc_publish(pmctendo_t *u)
+{
+    static const char *const states[DS402_STATES] = {
+        "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
+        "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
+    pmc_warn(u, PMC_N_PSTOP, !u->level[PMC_PSTOP]);
+    pmc_warn(u, PMC_N_NSTOP, !u->level[PMC_NSTOP]);
+    if (u->al >= ECT_STATE_SAFEOP)
+        publish_actual(u);
+    put(u->state_text, states[u->state]);
+    display(u);
+    u->position_turns = pmc_user(u, u->plant.position) / PMC_TURN;
+    u->speed_rpm = u->plant.speed * 60 / PMC_TURN;
+    u->torque_nm = u->torque_now;
+    u->synchronised = u->sync.synchronised;
+    u->homed_level = u->homed;
+    u->powered = powered(u);
+    u->do1 = u->outputs & 1u;
+    u->do2 = u->outputs >> 1 & 1u;
+}
+
+/* --- from the stack ----------------------------------------------------------------------------------------------- */
+
+static void plant_defaults(pmc_plant_t *p)
+{
+    *p = (pmc_plant_t){.known = true,
+                       .friction = 0.05,
+                       .input = {0, 0, 1, 1},
+                       .stop_negative = INT32_MIN,
+                       .stop_positive = INT32_MAX,
+                       .power = 1,
+                       .enable = 1,
+                       .sync_timeout_ms = 2000};
+}
+
+void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    u->host = host;
+    u->time_ns = now_ns;
+    u->al = ECT_STATE_INIT;
+    u->sync.op_until_ns = ECT_NEVER;
+    if (!u->plant.known)
+        plant_defaults(&u->plant);
+    pmc_motor_levels(u);
+    pmc_look(u);
+    pmc_publish(u);
+}
+
+/* The way to SAFEOP clears what needs no restart, without a control word. */
+static void clear_fault(pmctendo_t *u)
+{
+    if (u->state != DS402_FAULT || pmc_fault_needs_restart(u->fault))
+        return;
+    pmc_fault_reset(u);
+    u->state = DS402_SWITCH_ON_DISABLED;
+}
+
+/* Whose state changed: the rhythm, and what a change of state takes away by itself. */
+static void enter(pmctendo_t *u, uint8_t from, uint8_t to)
+{
+    bool up = to > from;
+    u->sync.op_until_ns = ECT_NEVER;
+    if ((up && to <= ECT_STATE_SAFEOP) || to < ECT_STATE_SAFEOP)
+        pmc_sync_lose(u);
+    if (up && to == ECT_STATE_SAFEOP) {
+        u->torque_ahead = 0;
+        clear_fault(u);
+    }
+    u->al = to;
+}
+
+uint16_t pmc_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    pmc_advance(u, now_ns);
+    if (to == ECT_STATE_OP && !u->sync.synchronised && pmc_sync_is_clocked(u)) {
+        pmc_sync_wait(u, now_ns);
+        return ECT_AL_PENDING;
+    }
+    enter(u, from, to);
+    settle(u, 0);
+    pmc_publish(u);
+    return ECT_AL_NO_ERROR;
+}
+
+void pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    bool sync =
+        code == ECT_AL_SYNC || code == ECT_AL_WATCHDOG || code == ECT_AL_FATAL_SYNC || code == ECT_AL_NO_OUTPUTS;
+    if (!sync || state != ECT_STATE_SAFEOP)
+        return;
+    pmc_advance(u, now_ns);
+    pmc_sync_lose(u);
+    pmc_fault(u, PMC_F_SYNC);
+    settle(u, 0);
+    pmc_publish(u);
+}
+
+static void take_values(pmctendo_t *u)
+{
+    u->set.position = u->set_position;
+    u->set.speed = u->set_speed;
+    u->set.torque = u->set_torque;
+    u->set.ahead = u->torque_ahead;
+}
+
+/* A control word counts, and the set values with it. */
+static void take(pmctendo_t *u)
+{
+    uint16_t rising = u->control_known ? u->control & (uint16_t)~u->set.control : 0;
+    u->control_known = true;
+    u->set.control = u->control;
+    take_values(u);
+    settle(u, rising);
+    pmc_set_values(u, rising);
+    if ((rising & DS402_SAVE) != 0) {
+        u->saves++;
+        u->host->store(u->host->ctx);
+    }
+}
+
+void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    pmc_advance(u, now_ns);
+    pmc_sync_event(u, events, now_ns);
+    if ((events & ECT_CYCLIC_SYNC0) != 0 && u->fresh) {
+        u->fresh = false;
+        take(u);
+    }
+    pmc_publish(u);
+}
+
+/* With SYNC0 they count from the next one on. */
+void pmc_outputs(void *instance, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    pmc_advance(u, now_ns);
+    u->live = true;
+    u->al = ECT_STATE_OP;
+    pmc_latch_control(u);
+    if (u->sync_data.dc != 0)
+        u->fresh = true;
+    else
+        take(u);
+    pmc_publish(u);
+}
+
+void pmc_safe_outputs(void *instance, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    pmc_advance(u, now_ns);
+    u->live = u->control_known = u->fresh = false;
+    u->outputs = 0;
+    settle(u, 0);
+    pmc_publish(u);
+}
+
+void pmc_inputs(void *instance, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    pmc_advance(u, now_ns);
+    pmc_publish(u);
+}
+
+uint64_t pmc_tick(void *instance, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    pmc_advance(u, now_ns);
+    pmc_sync_due(u, now_ns);
+    settle(u, 0);
+    pmc_publish(u);
+    uint64_t sync = pmc_sync_next(u);
+    uint64_t soon = u->time_ns + (uint64_t)MS_STEPS * PMC_STEP_NS;
+    return resting(u) || sync < soon ? sync : soon;
+}
+
+/* --- by mailbox --------------------------------------------------------------------------------------------------- */
+
+static bool one_of(int value, const int *values, unsigned int count)
+{
+    for (unsigned int i = 0; i < count; i++) {
+        if (values[i] == value)
+            return true;
+    }
+    return false;
+}
+
+ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
+{
+    static const int modes[] = {PMC_MODE_BY_PDO,       PMC_MODE_TASK,     PMC_MODE_SPEED_RAMP, PMC_MODE_HOMING,
+                                PMC_MODE_INTERPOLATED, PMC_MODE_POSITION, PMC_MODE_SPEED,      PMC_MODE_TORQUE};
+    static const int options[] = {0, 1, 2, 5, 6};
+    (void)instance;
+    (void)subindex;
+    if (size == 0 || !data)
+        return ECT_OK;
+    int8_t byte = *(const int8_t *)data;
+    bool good = true;
+    if (index == 0x6060)
+        good = one_of(byte, modes, sizeof modes / sizeof modes[0]);
+    else if (index == 0x605A)
+        good = one_of((int16_t)ect_load_le16(data), options, sizeof options / sizeof options[0]);
+    else if (index == 0x6098)
+        good = pmc_homing_known(byte);
+    return good ? ECT_OK : ECT_REASON_RANGE;
+}
+
+void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    (void)subindex;
+    pmc_advance(u, now_ns);
+    if (index == 0x20A4)
+        pmc_latch_control(u);
+    if (!u->fresh)
+        take_values(u);
+    pmc_publish(u);
+}

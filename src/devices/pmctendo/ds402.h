@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The state machine of a drive (CiA 402, manual 1002906 §4.4), as a decision over its inputs and nothing else.
+ *
+ * Pure and table-driven: no instance, no time. Who drives it keeps the state, calls it whenever something has changed,
+ * and does what it says. At most one transition a call.
+ */
+#ifndef ECT_DEVICES_PMCTENDO_DS402_H
+#define ECT_DEVICES_PMCTENDO_DS402_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+typedef enum ds402_state {
+    DS402_NOT_READY,
+    DS402_SWITCH_ON_DISABLED,
+    DS402_READY,
+    DS402_SWITCHED_ON,
+    DS402_OPERATION_ENABLED,
+    DS402_QUICK_STOP,
+    DS402_FAULT_REACTION,
+    DS402_FAULT,
+    DS402_STATES
+} ds402_state_t;
+
+/** Bits of the control word 6040h. */
+enum {
+    DS402_SWITCH_ON = 0x0001,
+    DS402_VOLTAGE = 0x0002,   /**< 0: disable voltage */
+    DS402_NO_QUICK = 0x0004,  /**< 0: quick stop */
+    DS402_ENABLE = 0x0008,    /**< its rising edge enables */
+    DS402_START = 0x0010,     /**< motion task, mode 1; reference run, mode 6 */
+    DS402_RELATIVE = 0x0040,  /**< motion task: the target counts from the present one */
+    DS402_RESET = 0x0080,     /**< its rising edge resets a fault */
+    DS402_HALT = 0x0100,      /**< stops on the ramp, stays enabled */
+    DS402_REFERENCE = 0x0800, /**< reference run, mode 8 */
+    DS402_SAVE = 0x1000,      /**< its rising edge stores the parameters */
+    DS402_COMMAND = 0x000F,   /**< what chooses a command */
+};
+
+/** Bits of the status word 6041h. */
+enum {
+    DS402_STATUS_VOLTAGE = 0x0010,
+    DS402_STATUS_NO_QUICK = 0x0020,
+    DS402_STATUS_WARNING = 0x0080,
+    DS402_STATUS_REMOTE = 0x0200,
+    DS402_STATUS_TARGET = 0x0400,
+    DS402_STATUS_LIMIT = 0x0800,
+    DS402_STATUS_REFERENCING = 0x1000,
+    DS402_STATUS_REFERENCE_ERROR = 0x2000,
+    DS402_STATUS_TASK = 0x8000,
+};
+
+/** What the control word asks for; the first one that fits counts. */
+typedef enum ds402_command {
+    DS402_DISABLE_VOLTAGE,
+    DS402_QUICK_STOP_NOW,
+    DS402_SHUTDOWN,
+    DS402_DISABLE_OPERATION, /**< the same bits as "switch on" */
+    DS402_ENABLE_OPERATION,
+} ds402_command_t;
+
+typedef struct ds402_inputs {
+    uint16_t control; /**< control word */
+    uint16_t rising;  /**< bits of it that were 0 before; an edge is handed over once */
+    bool live;        /**< the control word counts: OP. Else it stands for "quick stop" */
+    bool supplied;    /**< DC link, enable input, no STO: may be switched on */
+    bool fault;       /**< one is there, and not reset */
+    bool resettable;  /**< ... and may be reset */
+    bool can_brake;   /**< power stage is on and the fault leaves it under control */
+    bool standing;    /**< the shaft stands, or nobody waits for it */
+    bool stays;       /**< after a quick stop the drive stays in that state (605Ah: 5, 6) */
+} ds402_inputs_t;
+
+/** What the power stage and the set values do. */
+typedef enum ds402_action {
+    DS402_OFF,    /**< no torque */
+    DS402_HOLD,   /**< enabled, at a standstill */
+    DS402_FOLLOW, /**< set values count */
+    DS402_RAMP,   /**< to a standstill, on the ordinary ramp; set values are locked */
+    DS402_STOP,   /**< to a standstill, on the quick stop's ramp */
+} ds402_action_t;
+
+/** What a control word asks for, by the priority of its bits: 1, then 2, then 0, then 3. */
+ds402_command_t ds402_command(uint16_t control, bool live);
+
+/**
+ * The next state.
+ * @param[out] reset  NULL, or whether the transition is the reset of a fault (15): forget it
+ * @return `state` itself when nothing leads out of it
+ */
+ds402_state_t ds402_next(ds402_state_t state, const ds402_inputs_t *inputs, bool *reset);
+
+/** What a state means for power stage and set values. */
+ds402_action_t ds402_action(ds402_state_t state, const ds402_inputs_t *inputs);
+
+/** Bits 0 to 3, 5 and 6 of the status word. */
+uint16_t ds402_status(ds402_state_t state, const ds402_inputs_t *inputs);
+
+ECT_C_END
+
+#endif

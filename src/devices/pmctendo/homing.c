@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* Reference runs, 6098h: each method is a few legs, and a leg goes one way until an edge comes. */
+#include "devices/pmctendo/instance.h"
+
+enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: so long a run shows, however soon it is done */ };
+enum { UP = 1, DOWN = -1, NONE = 0 };
+#define STEP_S (1.0 / PMC_STEPS_PER_S)
+
+typedef struct leg {
+    int8_t direction; /* 0: no leg */
+    uint8_t line;
+    bool until; /* level; a limit switch that is hit is off */
+} leg_t;
+
+typedef struct method {
+    int8_t number;
+    leg_t legs[MOST_LEGS];
+} method_t;
+
+/* CiA 402's: 17 to 22 end at a switch, 1 to 6 at the index pulse behind it. */
+static const method_t methods[] = {
+    {1, {{DOWN, PMC_NSTOP, false}, {UP, PMC_NSTOP, true}, {UP, PMC_INDEX, true}}},
+    {2, {{UP, PMC_PSTOP, false}, {DOWN, PMC_PSTOP, true}, {DOWN, PMC_INDEX, true}}},
+    {3, {{UP, PMC_HOME, true}, {DOWN, PMC_HOME, false}, {DOWN, PMC_INDEX, true}}},
+    {4, {{DOWN, PMC_HOME, false}, {UP, PMC_HOME, true}, {UP, PMC_INDEX, true}}},
+    {5, {{DOWN, PMC_HOME, true}, {UP, PMC_HOME, false}, {UP, PMC_INDEX, true}}},
+    {6, {{UP, PMC_HOME, false}, {DOWN, PMC_HOME, true}, {DOWN, PMC_INDEX, true}}},
+    {17, {{DOWN, PMC_NSTOP, false}, {UP, PMC_NSTOP, true}}},
+    {18, {{UP, PMC_PSTOP, false}, {DOWN, PMC_PSTOP, true}}},
+    {19, {{UP, PMC_HOME, true}, {DOWN, PMC_HOME, false}}},
+    {20, {{DOWN, PMC_HOME, false}, {UP, PMC_HOME, true}}},
+    {21, {{DOWN, PMC_HOME, true}, {UP, PMC_HOME, false}}},
+    {22, {{UP, PMC_HOME, false}, {DOWN, PMC_HOME, true}}},
+    {33, {{DOWN, PMC_INDEX, true}}},
+    {34, {{UP, PMC_INDEX, true}}},
+    {35, {{NONE, 0, false}}},
+    {37, {{NONE, 0, false}}},
+};
+
+static const method_t *find(int8_t number)
+{
+    for (unsigned int i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        if (methods[i].number == number)
+            return &methods[i];
+    }
+    return NULL;
+}
+
+bool pmc_homing_known(int8_t method)
+{
+    return find(method) != NULL;
+}
+
+static const leg_t *leg_at(const pmctendo_t *u)
+{
+    const method_t *method = find(u->home_method);
+    const leg_t *leg = method && u->homing.leg < MOST_LEGS ? &method->legs[u->homing.leg] : NULL;
+    return leg && leg->direction != NONE ? leg : NULL;
+}
+
+/* The point is found: back to it, for the shaft has run past. */
+static void turn_back(pmctendo_t *u, double found)
+{
+    u->homing.returning = true;
+    u->homing.found = found;
+    u->reference = (pmc_reference_t){.loop = PMC_LOOP_POSITION, .position = u->plant.position, .speed = u->plant.speed};
+}
+
+static void next_leg(pmctendo_t *u, double at)
+{
+    u->homing.leg++;
+    if (!leg_at(u))
+        turn_back(u, at);
+}
+
+void pmc_homing_start(pmctendo_t *u)
+{
+    u->homing = (pmc_homing_t){.active = true};
+    u->homed = false;
+    u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = u->plant.speed};
+    if (!leg_at(u))
+        turn_back(u, u->plant.position);
+}
+
+static void fail(pmctendo_t *u)
+{
+    u->homing.active = false;
+    u->homing.error = true;
+}
+
+void pmc_homing_abort(pmctendo_t *u)
+{
+    if (u->homing.active)
+        fail(u);
+}
+
+/* Only on the way that the leg goes: the shaft may still be turning round. */
+void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge)
+{
+    const leg_t *leg = u->homing.active && !u->homing.returning ? leg_at(u) : NULL;
+    if (leg && edge->line == leg->line && edge->rising == leg->until && u->plant.speed * leg->direction > 0)
+        next_leg(u, edge->position);
+}
+
+static double approach(double speed, double goal, double most)
+{
+    if (speed < goal)
+        return speed + most < goal ? speed + most : goal;
+    return speed - most > goal ? speed - most : goal;
+}
+
+/* Into a limit switch that the leg is not looking for. */
+static bool stuck(const pmctendo_t *u, const leg_t *leg)
+{
+    unsigned int stop = leg->direction == UP ? PMC_PSTOP : PMC_NSTOP;
+    return leg->line != stop && !u->level[stop];
+}
+
+static void go(pmctendo_t *u)
+{
+    const leg_t *leg = leg_at(u);
+    if (leg->line != PMC_INDEX && u->level[leg->line] == leg->until && u->homing.leg == 0)
+        next_leg(u, u->plant.position); /* there already */
+    leg = leg_at(u);
+    if (stuck(u, leg)) {
+        fail(u);
+        return;
+    }
+    uint32_t speed = u->home_speed[u->homing.leg == 0 && leg->line != PMC_INDEX ? 0 : 1];
+    u->reference.loop = PMC_LOOP_SPEED;
+    u->reference.speed = approach(u->reference.speed, (double)leg->direction * speed, u->home_acceleration * STEP_S);
+}
+
+static void go_back(pmctendo_t *u)
+{
+    bool there =
+        pmc_profile(&u->reference, u->homing.found, u->home_speed[1], u->home_acceleration, u->home_acceleration);
+    double off = u->plant.position - u->homing.found;
+    if (!there || !pmc_standing(u) || off > u->position_window || -off > u->position_window ||
+        u->homing.steps < SHORTEST_STEPS)
+        return;
+    u->zero = u->homing.found - u->home_offset;
+    u->homing.active = false;
+    u->homing.done = true;
+    u->homed = true;
+}
+
+void pmc_homing_step(pmctendo_t *u)
+{
+    u->homing.steps++;
+    if (u->homing.returning)
+        go_back(u);
+    else
+        go(u);
+}

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A PMCtendo DD5 in memory.
+ *
+ * Each file knows only those below it; `pmctendo.c`, the description, knows none but through its tables:
+ *
+ *   signals.c    the plant: the user's side
+ *   drive.c      time, process data, AL states: what the stack calls
+ *   sync.c       the cyclic rhythm: warning n17, fault F28
+ *   modes.c      set values: what each mode of operation makes of them
+ *   homing.c     reference runs, as legs in a table
+ *   latch.c      latch control and status word
+ *   control.c    position and speed controller, limits
+ *   motor.c      motor, load, switches, index pulse
+ *   fault.c      faults F01 … F32 and warnings
+ *   quirks.c     replies and AL status codes as the manual prints them
+ *   ds402.c      the state machine
+ *
+ * Positions are counts, 2^20 a turn; speeds counts a second; torques Nm. Inside they are machine coordinates: where the
+ * shaft is, whatever the reference. What the master sees counts from `zero`. Time goes in steps of 250 us, the cycle of
+ * the position controller; each step is the same whenever it is taken, so a session has the same numbers every time.
+ */
+#ifndef ECT_DEVICES_PMCTENDO_INSTANCE_H
+#define ECT_DEVICES_PMCTENDO_INSTANCE_H
+
+#include <stdbool.h>
+
+#include "devices/pmctendo/ds402.h"
+#include "seams/standard.h"
+#include "wire/bytes.h"
+
+enum {
+    PMC_TURN = 1048576, /* counts */
+    PMC_STEP_NS = 250000,
+    PMC_STEPS_PER_S = 4000,
+    PMC_TEXT = 32,
+};
+
+/** Modes of operation 6060h; 0: as the assigned PDO says. */
+enum {
+    PMC_MODE_BY_PDO = 0,
+    PMC_MODE_TASK = 1,
+    PMC_MODE_SPEED_RAMP = 3,
+    PMC_MODE_HOMING = 6,
+    PMC_MODE_INTERPOLATED = 7,
+    PMC_MODE_POSITION = 8,
+    PMC_MODE_SPEED = 9,
+    PMC_MODE_TORQUE = 10,
+};
+
+/** The fixed PDOs: what they are is in pmctendo.c. */
+enum {
+    PMC_PDO_POSITION = 0x1701,
+    PMC_PDO_SPEED = 0x1702,
+    PMC_PDO_TORQUE = 0x1704,
+    PMC_PDO_POSITION_FULL = 0x1720,
+    PMC_PDO_POSITION_TORQUE = 0x1721,
+    PMC_PDO_POSITION_LIMIT = 0x1722,
+    PMC_PDO_ACTUAL = 0x1B01,
+    PMC_PDO_ACTUAL_FULL = 0x1B25,
+    PMC_PDO_ACTUAL_STATUS = 0x1B26,
+};
+
+/** Lines on which edges come: the four inputs, then the index pulse of the feedback. */
+enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INPUTS, PMC_INDEX = PMC_INPUTS, PMC_LINES };
+
+/** What the inputs are wired to (our assumption). */
+enum { PMC_LATCH1 = PMC_DI1, PMC_LATCH2 = PMC_DI2, PMC_HOME = PMC_DI2, PMC_PSTOP = PMC_DI3, PMC_NSTOP = PMC_DI4 };
+
+enum { PMC_EDGES = 10 /* of a step, at most: two a mark, one a stop, the index */ };
+
+typedef struct pmc_edge {
+    uint8_t line;
+    bool rising;
+    double position; /* machine */
+} pmc_edge_t;
+
+/** A strip on the machine that a switch sees: on from `at` on for `width` counts, 0: there is none. */
+typedef struct pmc_mark {
+    int32_t at, width;
+} pmc_mark_t;
+
+/** What stands outside. Outlasts a power cycle. */
+typedef struct pmc_plant {
+    bool known;
+    double position; /* of the shaft, machine coordinates */
+    double speed;
+    double load;         /* Nm, against the positive direction */
+    double load_inertia; /* kg cm2, beside the motor's own */
+    double friction;     /* Nm */
+    uint8_t input[PMC_INPUTS];
+    pmc_mark_t mark[2]; /* in front of DI1 and DI2 */
+    int32_t stop_negative, stop_positive;
+    int32_t index_at;
+    uint8_t power, enable, sto;
+    int16_t analog;
+    int32_t feedback2;
+    uint32_t sync_patience_ms, sync_tolerance_ppm, sync_timeout_ms;
+    uint8_t quirk_reply, quirk_al_codes;
+} pmc_plant_t;
+
+/** What the controllers are to follow. */
+typedef enum pmc_loop { PMC_LOOP_POSITION, PMC_LOOP_SPEED, PMC_LOOP_TORQUE } pmc_loop_t;
+typedef struct pmc_reference {
+    pmc_loop_t loop;
+    double position, speed, torque;
+} pmc_reference_t;
+
+/** Control word and set values that count now: those of the last SYNC0, or of the last outputs. */
+typedef struct pmc_set {
+    uint16_t control;
+    int32_t position, speed;
+    int16_t torque, ahead;
+} pmc_set_t;
+
+/** A reference run under way. */
+typedef struct pmc_homing {
+    uint8_t leg; /* of the method's */
+    bool active, error, done;
+    bool returning; /* to the point that was found */
+    uint32_t steps; /* taken so far */
+    double found;   /* machine */
+} pmc_homing_t;
+
+enum { PMC_LATCHES = 5 };
+typedef struct pmc_latch {
+    uint8_t armed, valid; /* a bit each */
+    int32_t value[PMC_LATCHES];
+} pmc_latch_t;
+
+typedef struct pmc_sync {
+    bool synchronised, warned;  /* n17 */
+    unsigned int good;          /* events in order, one after the other */
+    unsigned int measured;      /* of the mean that is being taken */
+    uint64_t last_ns, first_ns; /* the last event, 0: none; where the mean begins */
+    uint64_t op_until_ns;       /* SAFEOP to OP waits for synchronisation until then; ECT_NEVER: it does not */
+} pmc_sync_t;
+
+typedef struct pmctendo {
+    ect_standard_t standard;
+    ect_sync_data_t sync_data;
+
+    /* process data, and what a master sets */
+    uint16_t control;
+    uint16_t status;
+    uint16_t assigned_out, assigned_in;
+    uint8_t assigned_outs, assigned_ins; /* how many: 0 or 1 */
+    int32_t set_position;
+    int32_t set_speed;
+    int16_t set_torque;   /* per mille of the rated torque */
+    int16_t torque_ahead; /* feed-forward */
+    uint16_t max_torque;
+    uint16_t outputs; /* digital ones */
+    uint16_t latch_control, latch_status;
+    int32_t latch_position[2];
+    int32_t position, internal_position, speed, following_error, demand;
+    int16_t torque, analog;
+    uint32_t inputs; /* 60FDh */
+    int32_t feedback2;
+    int8_t mode, mode_display;
+    uint16_t error_code;
+    uint16_t fault;    /* 0, or n of Fn */
+    uint32_t warnings; /* bit n-1: nn */
+
+    /* parameters */
+    int32_t target;
+    uint32_t task_speed, acceleration, deceleration, quick_deceleration, speed_limit;
+    uint32_t error_window, position_window;
+    int16_t quick_option;
+    int8_t home_method;
+    int32_t home_offset;
+    uint32_t home_speed[2];
+    uint32_t home_acceleration;
+    int32_t limit[2]; /* software limit switches, lower and upper; equal: none */
+    uint8_t cycle_units;
+    int8_t cycle_power;
+
+    const ect_host_t *host;
+    uint64_t time_ns; /* up to when everything has happened: on the grid of steps */
+    uint8_t al;
+    bool live; /* OP, and outputs have come */
+
+    ds402_state_t state;
+    ds402_inputs_t ds;
+    ds402_action_t action, action_before;
+    pmc_set_t set;
+    bool control_known;     /* set.control is one of this OP: edges count from it */
+    bool fresh;             /* outputs wait for SYNC0 */
+    uint64_t stop_until_ns; /* a quick stop that is not over by then is given up (F30) */
+
+    /* set values */
+    pmc_reference_t reference;
+    int8_t mode_running;
+    uint32_t segment_steps; /* left of the way to the newest position set value */
+    double segment_target;
+    bool set_new;
+    bool task; /* under way */
+    double task_target;
+    bool task_reached;
+    pmc_homing_t homing;
+    bool homed;
+    double zero; /* machine coordinate of the reference's 0 */
+    double sum;  /* the speed controller's integral part, Nm */
+    double torque_now;
+    bool limited; /* something has been held back by a limit */
+
+    uint8_t level[PMC_INPUTS];
+    pmc_edge_t edge[PMC_EDGES];
+    unsigned int edges;
+    pmc_latch_t latch;
+    pmc_sync_t sync;
+
+    /* as signals */
+    double position_turns, speed_rpm, torque_nm;
+    char display[PMC_TEXT + 1];
+    char state_text[PMC_TEXT + 1];
+    uint8_t synchronised, homed_level, powered, do1, do2;
+    uint8_t provoke, restart, home_here;
+    uint32_t saves, telegrams;
+
+    pmc_plant_t plant; /* outlasts power: see ect_plant_t */
+} pmctendo_t;
+
+/* drive.c: what the stack calls */
+void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns);
+uint16_t pmc_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
+void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns);
+void pmc_outputs(void *instance, uint64_t now_ns);
+void pmc_safe_outputs(void *instance, uint64_t now_ns);
+void pmc_inputs(void *instance, uint64_t now_ns);
+uint64_t pmc_tick(void *instance, uint64_t now_ns);
+ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
+void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
+void pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
+/* ... and the plant: everything that is due happens; levels of the inputs are looked at anew. */
+void pmc_advance(pmctendo_t *u, uint64_t now_ns);
+void pmc_look(pmctendo_t *u);
+void pmc_publish(pmctendo_t *u);
+
+/* sync.c */
+bool pmc_sync_is_clocked(const pmctendo_t *u); /* the rate of the rhythm matters */
+void pmc_sync_lose(pmctendo_t *u);
+void pmc_sync_event(pmctendo_t *u, uint8_t events, uint64_t now_ns);
+void pmc_sync_wait(pmctendo_t *u, uint64_t now_ns); /* SAFEOP to OP */
+void pmc_sync_due(pmctendo_t *u, uint64_t now_ns);
+uint64_t pmc_sync_next(const pmctendo_t *u);
+/* Of the set values, 60C2h, in steps; 0: not one that the drive can have. */
+uint32_t pmc_cycle_steps(const pmctendo_t *u);
+
+/* modes.c */
+int8_t pmc_mode(const pmctendo_t *u);                /* the one that counts now */
+void pmc_set_values(pmctendo_t *u, uint16_t rising); /* new ones have come */
+void pmc_follow_begin(pmctendo_t *u);
+void pmc_follow(pmctendo_t *u); /* one step */
+void pmc_hold_begin(pmctendo_t *u);
+void pmc_brake_begin(pmctendo_t *u);
+void pmc_brake(pmctendo_t *u, double deceleration); /* one step of a ramp to a standstill */
+bool pmc_target_reached(const pmctendo_t *u);
+
+/* homing.c */
+void pmc_homing_start(pmctendo_t *u);
+void pmc_homing_abort(pmctendo_t *u);
+void pmc_homing_step(pmctendo_t *u);
+void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge);
+bool pmc_homing_known(int8_t method);
+
+/* latch.c */
+void pmc_latch_control(pmctendo_t *u);
+void pmc_latch_edge(pmctendo_t *u, const pmc_edge_t *edge);
+
+/* control.c */
+/* A step of the way to a standstill at `target`; @return whether it stands there. */
+bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration);
+void pmc_control(pmctendo_t *u); /* torque_now from the reference */
+void pmc_control_off(pmctendo_t *u);
+bool pmc_standing(const pmctendo_t *u);
+
+/* motor.c */
+#define PMC_RATED_TORQUE  3.0 /* Nm */
+#define PMC_PEAK_TORQUE   9.0
+#define PMC_MOTOR_INERTIA 3e-4 /* kg m2 */
+/* Counts/s2 of one Nm on so much inertia. */
+#define PMC_PER_NM(inertia) (PMC_TURN / 6.283185307179586 / (inertia))
+void pmc_motor_step(pmctendo_t *u, bool powered); /* with torque_now; fills in u->edge */
+void pmc_motor_levels(pmctendo_t *u);             /* the inputs, as they stand; edges where they are others */
+int32_t pmc_counts(double counts);                /* the nearest, within 32 bits */
+static inline double pmc_user(const pmctendo_t *u, double machine)
+{
+    return machine - u->zero;
+}
+
+/* fault.c */
+enum {
+    PMC_F_FOLLOWING = 3,
+    PMC_F_UNDERVOLTAGE = 5,
+    PMC_F_OVERSPEED = 8,
+    PMC_F_STO = 27,
+    PMC_F_SYNC = 28,
+    PMC_F_STOP = 30,
+    PMC_FAULTS = 32
+};
+enum { PMC_N_SOFT_NEGATIVE = 6, PMC_N_SOFT_POSITIVE = 7, PMC_N_PSTOP = 10, PMC_N_NSTOP = 11, PMC_N_SYNC = 17 };
+void pmc_fault(pmctendo_t *u, uint16_t number); /* the first one stays */
+void pmc_fault_reset(pmctendo_t *u);
+bool pmc_fault_known(uint16_t number);
+bool pmc_fault_needs_restart(uint16_t number);
+bool pmc_fault_brakes(uint16_t number); /* on the ramp; else the power stage goes off */
+void pmc_warn(pmctendo_t *u, unsigned int number, bool on);
+
+/* quirks.c */
+void pmc_mail(void *instance, uint8_t *mail, uint16_t size);
+uint16_t pmc_al_code(const void *instance, uint16_t code);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/* Latch control and status word (manual §4.9): arm, catch an edge, read the value. It does not wait for the cycle. */
+#include "devices/pmctendo/instance.h"
+
+enum { ALL = (1 << PMC_LATCHES) - 1, CODE_SHIFT = 8, CODE_MASK = 0x0F, INPUT_SHIFT = 15 };
+
+/* What each latch catches: the bit of both words; its read code is one more. */
+static const struct {
+    uint8_t line;
+    bool rising;
+    uint8_t shown; /* in latch position 1 or 2 */
+} latches[PMC_LATCHES] = {
+    {PMC_LATCH1, true, 0}, {PMC_LATCH1, false, 0}, {PMC_LATCH2, true, 1}, {PMC_LATCH2, false, 1}, {PMC_INDEX, true, 0},
+};
+
+static uint16_t inputs(const pmctendo_t *u)
+{
+    unsigned int bits = 0;
+    for (unsigned int line = 0; line < PMC_INPUTS; line++)
+        bits |= (unsigned int)u->level[line] << (INPUT_SHIFT - line);
+    return (uint16_t)bits;
+}
+
+/* A value that is wanted and there is shown, and that acknowledged. */
+static uint16_t answer(pmctendo_t *u)
+{
+    unsigned int code = u->latch_control >> CODE_SHIFT & CODE_MASK;
+    if (code == 0 || code > PMC_LATCHES || (u->latch.valid & 1u << (code - 1)) == 0)
+        return 0;
+    u->latch_position[latches[code - 1].shown] = u->latch.value[code - 1];
+    return (uint16_t)(code << CODE_SHIFT);
+}
+
+static void show(pmctendo_t *u)
+{
+    u->latch_status = (uint16_t)(u->latch.valid | answer(u) | inputs(u));
+}
+
+/* An enable bit arms when it rises; what it has caught is kept until it falls. */
+void pmc_latch_control(pmctendo_t *u)
+{
+    pmc_latch_t *l = &u->latch;
+    uint8_t enabled = u->latch_control & ALL;
+    l->valid &= enabled;
+    l->armed = enabled & (uint8_t)~l->valid;
+    show(u);
+}
+
+void pmc_latch_edge(pmctendo_t *u, const pmc_edge_t *edge)
+{
+    for (unsigned int i = 0; i < PMC_LATCHES; i++) {
+        if (latches[i].line != edge->line || latches[i].rising != edge->rising || (u->latch.armed & 1u << i) == 0)
+            continue;
+        u->latch.value[i] = pmc_counts(pmc_user(u, edge->position));
+        u->latch.valid |= (uint8_t)(1u << i);
+        u->latch.armed &= (uint8_t)~(1u << i);
+    }
+    show(u);
+}

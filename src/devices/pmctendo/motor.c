@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/* The motor and what it turns: inertia, load, friction; marks, limit switches and the index pulse along the way. */
+#include "devices/pmctendo/instance.h"
+
+#define STEP_S (1.0 / PMC_STEPS_PER_S)
+
+static double inertia(const pmctendo_t *u)
+{
+    return PMC_MOTOR_INERTIA + u->plant.load_inertia * 1e-4;
+}
+
+/* Friction holds a shaft that stands, slows one that turns, and turns none. */
+static double next_speed(const pmctendo_t *u, double torque)
+{
+    const pmc_plant_t *p = &u->plant;
+    double per_nm = PMC_PER_NM(inertia(u)) * STEP_S;
+    double free = p->speed + torque * per_nm;
+    double hold = p->friction * per_nm;
+    if (free > hold)
+        return free - hold;
+    return free < -hold ? free + hold : 0;
+}
+
+/* Without power the holding brake closes as soon as the shaft stands; until then load and friction have it. */
+static double unpowered_speed(const pmctendo_t *u)
+{
+    double now = u->plant.speed;
+    double next = next_speed(u, -u->plant.load);
+    return now == 0 || (now > 0) != (next > 0) ? 0 : next;
+}
+
+static int64_t whole(double x)
+{
+    int64_t n = (int64_t)x;
+    return (double)n > x ? n - 1 : n;
+}
+
+int32_t pmc_counts(double counts)
+{
+    if (counts >= INT32_MAX)
+        return INT32_MAX;
+    return counts <= INT32_MIN ? INT32_MIN : (int32_t)whole(counts + 0.5);
+}
+
+static void add_edge(pmctendo_t *u, unsigned int line, bool rising, double position)
+{
+    if (u->edges < PMC_EDGES)
+        u->edge[u->edges++] = (pmc_edge_t){.line = (uint8_t)line, .rising = rising, .position = position};
+}
+
+/* --- levels ------------------------------------------------------------------------------------------------------- */
+
+static bool on_mark(const pmc_mark_t *m, double x)
+{
+    return x >= m->at && x < (double)m->at + m->width;
+}
+
+static bool level(const pmctendo_t *u, unsigned int line)
+{
+    const pmc_plant_t *p = &u->plant;
+    bool by_hand = p->input[line] != 0;
+    switch (line) {
+    case PMC_PSTOP: /* closed unless the switch is hit: a broken wire counts as hit */
+        return by_hand && p->position < p->stop_positive;
+    case PMC_NSTOP:
+        return by_hand && p->position > p->stop_negative;
+    default:
+        return by_hand || on_mark(&p->mark[line], p->position);
+    }
+}
+
+void pmc_motor_levels(pmctendo_t *u)
+{
+    for (unsigned int line = 0; line < PMC_INPUTS; line++) {
+        bool now = level(u, line);
+        if (now != u->level[line])
+            add_edge(u, line, now, u->plant.position);
+        u->level[line] = now;
+    }
+}
+
+/* --- on the way --------------------------------------------------------------------------------------------------- */
+
+static bool crossed(double from, double to, double boundary)
+{
+    return (from < boundary) != (to < boundary);
+}
+
+/* A boundary where the level changes going up: on, or off. The edge stands exactly there, wherever the step ends. */
+static void pass(pmctendo_t *u, unsigned int line, double from, double boundary, bool on_upwards)
+{
+    double to = u->plant.position;
+    if (crossed(from, to, boundary))
+        add_edge(u, line, (to > from) == on_upwards, boundary);
+}
+
+static void pass_switches(pmctendo_t *u, double from)
+{
+    const pmc_plant_t *p = &u->plant;
+    for (unsigned int line = PMC_DI1; line <= PMC_DI2; line++) {
+        const pmc_mark_t *m = &p->mark[line];
+        if (p->input[line] || m->width == 0)
+            continue;
+        double end = (double)m->at + m->width;
+        bool upwards = p->position > from;
+        pass(u, line, from, upwards ? m->at : end, upwards);
+        pass(u, line, from, upwards ? end : m->at, !upwards);
+    }
+    if (p->input[PMC_PSTOP])
+        pass(u, PMC_PSTOP, from, p->stop_positive, false);
+    if (p->input[PMC_NSTOP])
+        pass(u, PMC_NSTOP, from, (double)p->stop_negative, true);
+}
+
+static void pass_index(pmctendo_t *u, double from)
+{
+    double to = u->plant.position;
+    int64_t before = whole((from - u->plant.index_at) / PMC_TURN);
+    int64_t after = whole((to - u->plant.index_at) / PMC_TURN);
+    if (before != after)
+        add_edge(u, PMC_INDEX, true, (double)(after > before ? after : before) * PMC_TURN + u->plant.index_at);
+}
+
+void pmc_motor_step(pmctendo_t *u, bool powered)
+{
+    pmc_plant_t *p = &u->plant;
+    double from = p->position;
+    double speed = powered ? next_speed(u, u->torque_now - p->load) : unpowered_speed(u);
+    p->position += (p->speed + speed) / 2 * STEP_S;
+    p->speed = speed;
+    u->edges = 0;
+    pass_switches(u, from);
+    pass_index(u, from);
+    for (unsigned int line = 0; line < PMC_INPUTS; line++)
+        u->level[line] = level(u, line);
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+/* The user's side: supply, inputs, load, switches along the way, faults; and what the drive does, by name. */
+#include <string.h>
+
+#include "devices/pmctendo/instance.h"
+#include "devices/pmctendo/pmctendo.h"
+
+#define SIGNAL(member, name, kind, access, minimum, maximum, unit, meaning)                                            \
+    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(pmctendo_t, member), minimum, maximum}
+#define R(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(member, name, kind, READ, minimum, maximum, unit, meaning)
+#define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
+    SIGNAL(member, name, kind, WRITE, minimum, maximum, unit, meaning)
+#define R_COUNTS(member, name, meaning) R(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
+#define W_COUNTS(member, name, meaning) W(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
+
+static const ect_signal_t signals[] = {
+    W(plant.power, "power", BOOL, 0, 1, NULL, "DC link; without it the drive cannot be switched on (F05 when it is)"),
+    W(plant.enable, "enable", BOOL, 0, 1, NULL, "enable input; without it there is no torque"),
+    W(plant.sto, "sto", BOOL, 0, 1, NULL, "safe torque off; F27 when the drive is enabled"),
+    W(plant.input[PMC_DI1], "di1", BOOL, 0, 1, NULL, "digital input 1, external latch 1; a mark may hold it on too"),
+    W(plant.input[PMC_DI2], "di2", BOOL, 0, 1, NULL, "digital input 2, external latch 2 and reference switch"),
+    W(plant.input[PMC_DI3], "di3", BOOL, 0, 1, NULL,
+      "digital input 3, PSTOP: 0 as if the positive limit switch was hit"),
+    W(plant.input[PMC_DI4], "di4", BOOL, 0, 1, NULL, "digital input 4, NSTOP: 0 as if the negative one was hit"),
+    W(provoke, "provoke", U8, 0, PMC_FAULTS, NULL, "writing n raises fault Fn"),
+    W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 switches the amplifier's supply off and on"),
+
+    W(plant.load, "load", REAL, -100, 100, "Nm", "torque that the load needs to turn in positive direction"),
+    W(plant.load_inertia, "load_inertia", REAL, 0, 1000, "kg cm2", "beside the motor's own 3"),
+    W(plant.friction, "friction", REAL, 0, 100, "Nm", "Coulomb friction"),
+    W(plant.analog, "analog", I16, INT16_MIN, INT16_MAX, "mV", "analogue input"),
+    W_COUNTS(plant.feedback2, "feedback2", "position of a second feedback"),
+
+    W_COUNTS(plant.mark[0].at, "probe_at", "where on the machine the switch at DI1 comes on"),
+    W(plant.mark[0].width, "probe_width", I32, 0, INT32_MAX, "counts", "for how far; 0: there is none"),
+    W_COUNTS(plant.mark[1].at, "home_at", "where on the machine the switch at DI2 comes on"),
+    W(plant.mark[1].width, "home_width", I32, 0, INT32_MAX, "counts", "for how far; 0: there is none"),
+    W_COUNTS(plant.stop_positive, "stop_positive", "from where on the positive limit switch is hit"),
+    W_COUNTS(plant.stop_negative, "stop_negative", "down from where the negative one is"),
+    W_COUNTS(plant.index_at, "index_at", "where the feedback has an index pulse: there and every turn from there"),
+
+    W(plant.sync_patience_ms, "sync_patience", U32, 0, 10000, "ms",
+      "how long the cyclic event may stay away; 0: that is left to the watchdog"),
+    W(plant.sync_timeout_ms, "sync_timeout", U32, 1, 9000, "ms", "how long SAFEOP to OP waits for synchronisation"),
+    W(plant.sync_tolerance_ppm, "sync_tolerance", U32, 0, 1000000, "ppm",
+      "mean deviation of the master's frames from 60C2h that is borne without SYNC0; 0: any. The manual: 1000"),
+    W(plant.quirk_reply, "quirk_pilz_reply", BOOL, 0, 1, NULL, "replies as the manual's example prints them"),
+    W(plant.quirk_al_codes, "quirk_pilz_codes", BOOL, 0, 1, NULL, "AL status codes 0011, 0017 and 001A alone"),
+
+    R(state_text, "state", TEXT, 0, PMC_TEXT, NULL, "of the CiA 402 state machine"),
+    R(display, "display", TEXT, 0, PMC_TEXT, NULL, "on the front: Fault, or the first warning"),
+    R(fault, "fault", U16, 0, PMC_FAULTS, NULL, "n of Fn, 0: none"),
+    R(warnings, "warnings", U32, 0, INT32_MAX, NULL, "bit n-1: warning nn"),
+    R(powered, "powered", BOOL, 0, 1, NULL, "the power stage is on"),
+    R(mode_display, "mode", I8, INT8_MIN, INT8_MAX, NULL, "mode of operation, 6061h"),
+    R(synchronised, "synchronised", BOOL, 0, 1, NULL, "with SYNC0, or the master's frames"),
+    R(homed_level, "homed", BOOL, 0, 1, NULL, "a reference run has found its point"),
+    R_COUNTS(position, "position", "actual position as the master sees it, 6064h"),
+    R_COUNTS(demand, "demand", "set position that the drive is at, 6062h"),
+    R_COUNTS(following_error, "following_error", "between these two, 60F4h"),
+    R(plant.position, "machine_position", REAL, INT32_MIN, INT32_MAX, "counts", "of the shaft, whatever the reference"),
+    R(position_turns, "turns", REAL, -2048, 2048, "turns", "actual position"),
+    R(speed_rpm, "speed", REAL, -100000, 100000, "1/min", "actual speed"),
+    R(torque_nm, "torque", REAL, -100, 100, "Nm", "of the motor"),
+    R(latch_status, "latch_status", U16, 0, UINT16_MAX, NULL, "20A5h"),
+    R_COUNTS(latch_position[0], "latch1", "latch position 1, 20A6h"),
+    R_COUNTS(latch_position[1], "latch2", "latch position 2, 20A7h"),
+    R(do1, "do1", BOOL, 0, 1, NULL, "digital output 1"),
+    R(do2, "do2", BOOL, 0, 1, NULL, "digital output 2"),
+    R(saves, "saves", U32, 0, INT32_MAX, NULL, "SAVE commands"),
+};
+
+static const ect_signal_group_t groups[] = {
+    {.signal_count = sizeof signals / sizeof signals[0], .signals = signals},
+};
+
+/* --- from the user ------------------------------------------------------------------------------------------------ */
+
+#define IS(signal, member) ((signal)->offset == offsetof(pmctendo_t, member))
+
+static const char *provoke(pmctendo_t *u, uint8_t number)
+{
+    if (!pmc_fault_known(number))
+        return "there is no such fault: 1 to 6, 8, 9, 14 to 16, 27, 28, 30, 32";
+    pmc_fault(u, number);
+    pmc_look(u);
+    pmc_publish(u);
+    return "";
+}
+
+static const char *restart(pmctendo_t *u, uint8_t wanted)
+{
+    if (wanted)
+        u->host->restart(u->host->ctx);
+    return "";
+}
+
+static size_t size_of(const ect_signal_t *signal)
+{
+    switch (signal->type) {
+    case ECT_SIGNAL_REAL:
+        return sizeof(double);
+    case ECT_SIGNAL_I32:
+    case ECT_SIGNAL_U32:
+        return sizeof(uint32_t);
+    case ECT_SIGNAL_I16:
+        return sizeof(int16_t);
+    default:
+        return 1;
+    }
+}
+
+/* What stands outside counts from this moment on: edges are caught where the shaft is now. */
+static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    (void)number;
+    pmc_advance(u, now_ns);
+    if (IS(signal, provoke))
+        return provoke(u, *(const uint8_t *)value);
+    if (IS(signal, restart))
+        return restart(u, *(const uint8_t *)value);
+    memcpy((uint8_t *)u + signal->offset, value, size_of(signal));
+    pmc_look(u);
+    pmc_publish(u);
+    return "";
+}
+
+const ect_plant_t ect_pmctendo_dd5_plant = {
+    .signal_groups = groups,
+    .signal_group_count = sizeof groups / sizeof groups[0],
+    .outside_offset = offsetof(pmctendo_t, plant),
+    .outside_size = sizeof(pmc_plant_t),
+    .signal_write = signal_write,
+};

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A master, an operator and a bus that do everything at random: control words, set values, modes, halts, faults, STO,
+ * supply, limit switches, changes of the AL state, cycles that are lost, masters that fall silent. What must hold is
+ * looked at whenever anything can have changed.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "seams/random.h"
+#include "support/drive.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+enum { SEEDS = 120, CYCLES = 1200 };
+
+static drive_t d;
+static uint32_t lot;
+static unsigned int seed;
+
+static uint32_t draw(uint32_t below)
+{
+    return ect_random_next(&lot) % below;
+}
+
+/* What was before, and since when. */
+static struct {
+    ds402_state_t state;
+    double free_speed;    /* when set values ceased to count */
+    uint64_t stopping_ns; /* since when the drive stops on its ramp, 0: it does not */
+    uint64_t stop_limit_ns;
+} seen;
+
+static void refuse(const char *what)
+{
+    const pmctendo_t *u = drive_instance(&d);
+    fail_msg("seed %u, %.3f s: %s: state %s (was %d), control word %04X, AL %02X, %.0f counts/s; run: %s", seed,
+             (double)d.w.now_ns / 1e9, what, u->state_text, (int)seen.state, u->set.control,
+             wire_read8(&d.w, 0, ECT_REG_AL_STATUS), u->plant.speed, "test_pmctendo_random SEED");
+}
+
+/* How far up the sequence a state is. */
+static unsigned int rank(ds402_state_t state)
+{
+    static const unsigned int ranks[DS402_STATES] = {[DS402_READY] = 1,
+                                                     [DS402_SWITCHED_ON] = 2,
+                                                     [DS402_OPERATION_ENABLED] = 3,
+                                                     [DS402_QUICK_STOP] = 3,
+                                                     [DS402_FAULT_REACTION] = 3};
+    return ranks[state];
+}
+
+static void judge_power(const pmctendo_t *u)
+{
+    bool may = rank(u->state) >= 2;
+    bool supplied = u->plant.power && u->plant.enable && !u->plant.sto;
+    if (u->torque_now != 0 && (!may || !supplied))
+        refuse("torque without being enabled, or without supply");
+    bool follow = u->state == DS402_OPERATION_ENABLED && u->al == ECT_STATE_OP && (u->set.control & 0x10F) == 0x0F;
+    if (u->action == DS402_FOLLOW && !follow)
+        refuse("set values are followed outside Operation Enabled");
+    if (u->outputs != 0 && u->al != ECT_STATE_OP)
+        refuse("digital outputs are on outside OP");
+}
+
+/* Nothing accelerates the shaft but set values: there is no load. */
+static void judge_speed(const pmctendo_t *u)
+{
+    double speed = fabs(u->plant.speed);
+    if (u->action == DS402_FOLLOW)
+        seen.free_speed = speed;
+    else if (speed > seen.free_speed + 3.0 * PMC_TURN) /* two steps with all the torque: 2.4 turns a second */
+        refuse("it gets faster though no set value counts");
+}
+
+static void judge_stop(const pmctendo_t *u)
+{
+    bool stopping = u->state == DS402_QUICK_STOP || u->state == DS402_FAULT_REACTION;
+    if (!stopping || pmc_standing(u)) {
+        seen.stopping_ns = 0;
+        return;
+    }
+    if (seen.stopping_ns == 0) {
+        double rate = u->quick_option == 1 || u->quick_option == 5 ? u->deceleration : u->quick_deceleration;
+        seen.stopping_ns = d.w.now_ns;
+        seen.stop_limit_ns = (uint64_t)(1.5e9 * fabs(u->plant.speed) / rate) + 205 * MS;
+    }
+    if (d.w.now_ns - seen.stopping_ns > seen.stop_limit_ns)
+        refuse("a stop does not end in its time");
+}
+
+static void judge(bool new_word, uint16_t before, uint16_t word)
+{
+    const pmctendo_t *u = drive_instance(&d);
+    unsigned int up = rank(u->state), was = rank(seen.state);
+    bool edge = (word & 0x08) != 0 && (before & 0x08) == 0;
+    bool reaction = u->state == DS402_FAULT_REACTION || u->state == DS402_QUICK_STOP;
+    if (up > was && !reaction) {
+        bool one_up = up == was + 1 && u->al == ECT_STATE_OP;
+        bool ready = up == 1 && (u->set.control & 7) == 6; /* its word may have waited for the supply */
+        bool higher = up >= 2 && new_word && (word & 7) == 7 && (up == 2 || edge);
+        if (!one_up || !(ready || higher))
+            refuse("a step of the sequence was left out");
+    }
+    if (reaction && was < 2 && u->action != DS402_OFF)
+        refuse("power comes on with a fault");
+    if (seen.state == DS402_FAULT && u->state != DS402_FAULT && u->fault != 0)
+        refuse("out of Fault with the fault still there");
+    seen.state = u->state;
+    judge_power(u);
+    judge_speed(u);
+    judge_stop(u);
+}
+
+static void pass(uint64_t ns)
+{
+    uint64_t end = d.w.now_ns + ns;
+    while (d.w.now_ns < end) {
+        uint64_t next = ect_chain_poll(d.w.chain, d.w.now_ns);
+        next = next > d.w.now_ns + PMC_STEP_NS ? d.w.now_ns + PMC_STEP_NS : next;
+        wire_advance(&d.w, (next < end ? next : end) - d.w.now_ns);
+        judge(false, 0, 0);
+    }
+}
+
+static void exchange(void)
+{
+    uint16_t before = drive_instance(&d)->set.control;
+    bool known = drive_instance(&d)->control_known;
+    if (wire_write(&d.w, 0, 0x1100, d.out, d.layout.out_bytes) != 1)
+        return; /* below SAFEOP */
+    judge(known, before, drive_controlled(&d));
+}
+
+/* Mostly what leads somewhere, at times anything. */
+static void next_outputs(void)
+{
+    static const uint16_t words[] = {0x06, 0x07, 0x0F, 0x0F, 0x0F, 0x0B, 0x0D, 0x80, 0x10F, 0x80F, 0x1F, 0x00};
+    if (draw(6) == 0)
+        drive_control(&d, draw(8) == 0 ? (uint16_t)draw(0x10000) : words[draw(COUNT(words))]);
+    else if (draw(4) == 0) { /* on the way up */
+        static const uint16_t way[] = {0x06, 0x07, 0x0F};
+        unsigned int r = rank(drive_instance(&d)->state);
+        drive_control(&d, drive_instance(&d)->state == DS402_FAULT ? 0x80 : way[r < 3 ? r : 2]);
+    }
+    if (d.layout.out == PMC_PDO_SPEED && draw(10) == 0)
+        drive_set(&d, (int32_t)draw(40 * PMC_TURN) - 20 * PMC_TURN);
+    else if (d.layout.out == PMC_PDO_TORQUE && draw(10) == 0)
+        drive_set(&d, (int32_t)draw(1000) - 500);
+    else if (d.layout.out == PMC_PDO_POSITION_FULL)
+        drive_set(&d, drive_instance(&d)->position + (int32_t)draw(40000) - 20000);
+    if (d.layout.outputs != DRIVE_NOWHERE)
+        ect_store_le16(d.out + d.layout.outputs, (uint16_t)draw(4));
+}
+
+static void operator(void)
+{
+    static const char *const switches[] = {"sto", "power", "enable", "di3", "di4"};
+    static const char *const faults[] = {"1", "3", "8", "15", "28", "30"};
+    if (draw(150) == 0)
+        signal_set(&d.w, "provoke", faults[draw(COUNT(faults))]);
+    if (draw(100) == 0)
+        signal_set(&d.w, switches[draw(COUNT(switches))], draw(2) ? "1" : "0");
+    if (draw(60) == 0) { /* all is well again */
+        signal_set(&d.w, "sto", "0");
+        for (size_t i = 1; i < COUNT(switches); i++)
+            signal_set(&d.w, switches[i], "1");
+    }
+    judge(false, 0, 0);
+}
+
+static void change_al(void)
+{
+    static const uint8_t states[] = {ECT_STATE_SAFEOP, ECT_STATE_OP, ECT_STATE_OP, ECT_STATE_PREOP};
+    uint8_t now = wire_read8(&d.w, 0, ECT_REG_AL_STATUS);
+    uint8_t to = states[draw(COUNT(states))];
+    if (draw(40) != 0 && now == ECT_STATE_OP)
+        return;
+    if ((now & 0x0F) == ECT_STATE_PREOP)
+        to = ECT_STATE_SAFEOP;
+    (void)wire_al(&d.w, 0, to | 0x10, NULL);
+    judge(false, 0, 0);
+}
+
+/* For long enough that the watchdog has come and every ramp is over. */
+static void fall_silent(void)
+{
+    bool op = wire_read8(&d.w, 0, ECT_REG_AL_STATUS) == ECT_STATE_OP;
+    const pmctendo_t *u = drive_instance(&d);
+    pass(1200 * MS);
+    if (wire_read8(&d.w, 0, ECT_REG_AL_STATUS) == ECT_STATE_OP)
+        refuse("OP without a master");
+    if (u->torque_now != 0 || u->outputs != 0 || u->action != DS402_OFF)
+        refuse("torque or outputs without a master");
+    if (op && u->state != DS402_FAULT)
+        refuse("no fault though the master is gone");
+}
+
+static void session(unsigned int number)
+{
+    static const uint16_t pdos[] = {PMC_PDO_SPEED, PMC_PDO_TORQUE, PMC_PDO_POSITION_FULL};
+    static const int16_t options[] = {0, 1, 2, 5, 6};
+    char inertia[16];
+    seed = number;
+    lot = 2463534242u + number * 7919;
+    drive_open(&d);
+    snprintf(inertia, sizeof inertia, "%u", draw(10));
+    signal_set(&d.w, "load_inertia", inertia);
+    assert_int_equal(drive_write(&d, 0x605A, 0, (uint16_t)options[draw(COUNT(options))], 2), 0);
+    seen.state = drive_instance(&d)->state;
+    seen.free_speed = 0;
+    seen.stopping_ns = 0;
+    drive_operational(&d, pdos[number % COUNT(pdos)], 0x1B25);
+    for (unsigned int n = 0; n < CYCLES; n++) {
+        next_outputs();
+        if (draw(20) != 0) /* else this cycle is lost */
+            exchange();
+        operator();
+        change_al();
+        pass(draw(3) == 0 ? 250000 + draw(3000000) : MS);
+        if (draw(300) == 0)
+            fall_silent();
+    }
+    fall_silent();
+    drive_close(&d);
+}
+
+static unsigned int first, last = SEEDS;
+
+static void at_random(void **state)
+{
+    (void)state;
+    for (unsigned int number = first; number < last; number++)
+        session(number);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"PLZ-019 PLZ-020 PLZ-021 PLZ-022 PLZ-031: at random: enabled by the whole sequence alone, set values in "
+         "Operation Enabled alone, stops end in their time, all is off behind the watchdog",
+         at_random, NULL, NULL, NULL},
+    };
+    if (argc > 1) {
+        first = (unsigned int)strtoul(argv[1], NULL, 10);
+        last = first + 1;
+    }
+    return cmocka_run_group_tests_name("PMCtendo at random", tests, NULL, NULL);
+}
