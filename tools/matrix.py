@@ -28,6 +28,7 @@ PRODUCTS = [
         76: "how many sensors a certain master takes",
     }, {23: "how long each flash takes: on the virtual clock only"}),
     ("OPT", 14, {}, {}),
+    ("PLZ", 31, {26: "advice on analogue outputs, which the twin does not have"}, {}),
 ]
 
 

@@ -14,7 +14,6 @@
  */
 #include <argp.h>
 #include <inttypes.h>
-#include <net/if.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -23,6 +22,7 @@
 
 #include "bu_controller.h"
 #include "ethercat.h"
+#include "open_bus.h"
 
 #define GIVE_UP_NS 2000000000ull /* without an answer: the slave has to be found anew */
 enum { CYCLE_US = 2000, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
@@ -231,23 +231,6 @@ static int control(const settings_t *s)
     if (!reached)
         say_why(s);
     return reached ? 0 : EXIT_RUN;
-}
-
-/* SOEM says only that it did not work. */
-static bool open_bus(const char *program, const char *iface)
-{
-    if (if_nametoindex(iface) == 0)
-        fprintf(stderr, "%s: there is no network interface '%s': 'ip -br link' lists those there are\n", program,
-                iface);
-    else if (ec_init(iface))
-        return true;
-    else
-        fprintf(
-            stderr,
-            "%s: cannot open '%s' as an EtherCAT master's: that needs CAP_NET_RAW (sudo, or run it by 'ectwin with') "
-            "and an Ethernet interface\n",
-            program, iface);
-    return false;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)

@@ -8,7 +8,6 @@
  */
 #define _DEFAULT_SOURCE
 #include <argp.h>
-#include <net/if.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +15,7 @@
 
 #include "ethercat.h"
 #include "fzm1_plc.h"
+#include "open_bus.h"
 
 enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3, PATIENCE_S = 20 };
 
@@ -166,23 +166,6 @@ static unsigned int number(const struct argp_state *state, const char *text)
     if (end == text || *end != 0 || *text == '-' || value > 4000000000u)
         argp_error(state, "'%s' is not a number", text);
     return (unsigned int)value;
-}
-
-/* SOEM says only that it did not work. */
-static bool open_bus(const char *program, const char *iface)
-{
-    if (if_nametoindex(iface) == 0)
-        fprintf(stderr, "%s: there is no network interface '%s': 'ip -br link' lists those there are\n", program,
-                iface);
-    else if (ec_init(iface))
-        return true;
-    else
-        fprintf(
-            stderr,
-            "%s: cannot open '%s' as an EtherCAT master's: that needs CAP_NET_RAW (sudo, or run it by 'ectwin with') "
-            "and an Ethernet interface\n",
-            program, iface);
-    return false;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * One axis with a PMCtendo DD5, cycle by cycle: enable it, find the reference, move a trapezoid with the touch probe
+ * armed, read the probe, switch off. No master in it: hand it the inputs, send the outputs that it gives.
+ *
+ * It wants the PDOs 1720h (12 bytes out) and 1B25h (32 bytes in), mode 8 in 6060h, and a homing method in 6098h.
+ */
+#ifndef TOOLS_MOTION_AXIS_H
+#define TOOLS_MOTION_AXIS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { AXIS_OUT = 12, AXIS_IN = 32 };
+
+typedef enum axis_phase {
+    AXIS_ENABLING,
+    AXIS_HOMING,
+    AXIS_RELEASING, /* the reference bit is taken back */
+    AXIS_MOVING,
+    AXIS_SETTLING,
+    AXIS_READING, /* the probe */
+    AXIS_DISABLING,
+    AXIS_DONE,
+    AXIS_FAILED,
+} axis_phase_t;
+
+typedef struct axis {
+    /* settings */
+    double cycle_s;      /**< of axis_cycle */
+    double way;          /**< counts, from the reference point on; either direction */
+    double speed;        /**< counts a second, above 0 */
+    double acceleration; /**< counts a second squared, above 0 */
+
+    /* what has come of it */
+    axis_phase_t phase;
+    const char *failure; /**< in AXIS_FAILED: why */
+    uint16_t status;     /**< as read last */
+    int32_t set, position, following_error;
+    int16_t torque; /**< per mille */
+    bool probed;
+    int32_t probe;
+
+    /* its own */
+    unsigned int cycles; /* in this phase */
+    double start;
+} axis_t;
+
+/** One cycle. `in` AXIS_IN bytes as read, `out` AXIS_OUT bytes to be sent. */
+void axis_cycle(axis_t *axis, const uint8_t *in, uint8_t *out);
+
+/** Where the trapezoid is after `t` seconds, counts from its start; its end after axis_duration(). */
+double axis_trapezoid(const axis_t *axis, double t);
+double axis_duration(const axis_t *axis);
+
+/** For people. */
+const char *axis_phase_name(axis_phase_t phase);
+
+#endif

@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A motion program for one PMCtendo DD5, on SOEM: settings by mailbox, then enable, reference run, trapezoid, touch
+ * probe by axis.h.
+ *
+ *   ectwin-motion IFACE [--way COUNTS] [--speed COUNTS] [--acceleration COUNTS] [--method N] [--dc] [--cycle-us N]
+ *
+ * Prints a line of CSV a cycle on standard output, what has come of it as one line of JSON on standard error. Exit code
+ * 0: the axis has moved all the way.
+ *
+ * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
+ */
+#define _DEFAULT_SOURCE
+#include <argp.h>
+#include <inttypes.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "axis.h"
+#include "csv.h"
+#include "ethercat.h"
+#include "open_bus.h"
+
+enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3, TURN = 1048576 };
+enum { PATIENT = 200 /* SYNC0s without outputs that the drive bears: a PC is no controller that keeps time */ };
+
+typedef struct settings {
+    const char *iface;
+    double way, speed, acceleration;
+    int method;
+    unsigned int cycle_us;
+    bool dc;
+} settings_t;
+
+static char image[4096];
+static settings_t settings = {
+    .way = 10.0 * TURN, .speed = 10.0 * TURN, .acceleration = 100.0 * TURN, .method = 35, .cycle_us = 1000};
+
+static uint64_t now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+static bool write_object(uint16 slave, uint16 index, uint8 subindex, uint32 value, int size)
+{
+    uint8 bytes[4] = {(uint8)value, (uint8)(value >> 8), (uint8)(value >> 16), (uint8)(value >> 24)};
+    return ec_SDOwrite(slave, index, subindex, FALSE, size, bytes, EC_TIMEOUTRXM) > 0;
+}
+
+static bool assign(uint16 slave, uint16 index, uint16 pdo)
+{
+    return write_object(slave, index, 0, 0, 1) && write_object(slave, index, 1, pdo, 2) &&
+           write_object(slave, index, 0, 1, 1);
+}
+
+/* In PREOP: the PDOs of the manual's sequence, the cycle time in units of 10 us, mode 8, how the reference is found. */
+static int configure(uint16 slave)
+{
+    const settings_t *s = &settings;
+    bool good = assign(slave, 0x1C12, 0x1720) && assign(slave, 0x1C13, 0x1B25) &&
+                write_object(slave, 0x60C2, 1, s->cycle_us / 250 * 25, 1) && write_object(slave, 0x60C2, 2, 0xFB, 1) &&
+                write_object(slave, 0x10F1, 2, PATIENT, 2) && write_object(slave, 0x6060, 0, 8, 1) &&
+                write_object(slave, 0x6098, 0, (uint8)s->method, 1);
+    if (!good)
+        fprintf(stderr, "the drive does not take its settings: see --method and --cycle-us\n");
+    return good;
+}
+
+static void exchange(void)
+{
+    ec_send_processdata();
+    ec_receive_processdata(EC_TIMEOUTRET);
+}
+
+static bool to_op(const settings_t *s)
+{
+    if (ec_config_init(FALSE) < 1)
+        return false;
+    ec_slave[1].PO2SOconfig = configure;
+    ec_configdc();
+    if (s->dc)
+        ec_dcsync0(1, TRUE, s->cycle_us * 1000, 0);
+    ec_config_map(&image);
+    if (ec_slave[1].Obytes != AXIS_OUT || ec_slave[1].Ibytes != AXIS_IN ||
+        ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) != EC_STATE_SAFE_OP)
+        return false;
+    exchange();
+    ec_slave[0].state = EC_STATE_OPERATIONAL;
+    ec_writestate(0);
+    for (unsigned int i = 0; i < 1000; i++) {
+        exchange();
+        if (ec_statecheck(0, EC_STATE_OPERATIONAL, 2000) == EC_STATE_OPERATIONAL)
+            return true;
+    }
+    return false;
+}
+
+/* Cycles until the axis has come to its end; a frame that is lost is a cycle that the axis does not see. */
+static void run(const settings_t *s, axis_t *axis)
+{
+    uint64_t start = now(), next = start;
+    csv_head();
+    while (axis->phase < AXIS_DONE) {
+        ec_send_processdata();
+        if (ec_receive_processdata(EC_TIMEOUTRET) > 0) {
+            axis_cycle(axis, ec_slave[1].inputs, ec_slave[1].outputs);
+            csv_line(axis, (double)(now() - start) / 1e6);
+        }
+        next += s->cycle_us * 1000u;
+        uint64_t t = now();
+        if (next > t)
+            osal_usleep((uint32)((next - t) / 1000));
+        else
+            next = t; /* late: no cycles are made up for */
+    }
+    exchange();
+}
+
+static int drive(const settings_t *s)
+{
+    axis_t axis = {.cycle_s = s->cycle_us / 1e6, .way = s->way, .speed = s->speed, .acceleration = s->acceleration};
+    if (!to_op(s)) {
+        ec_readstate();
+        fprintf(stderr, "no PMCtendo DD5 reached OP on '%s' (%d slaves, AL status 0x%02X, code 0x%04X)\n", s->iface,
+                ec_slavecount, ec_slave[1].state, ec_slave[1].ALstatuscode);
+        return EXIT_FAILED;
+    }
+    run(s, &axis);
+    fprintf(stderr, "{\"event\":\"end\",\"done\":%s,\"position\":%" PRId32 ",\"probed\":%s,\"probe\":%" PRId32 "}\n",
+            axis.phase == AXIS_DONE ? "true" : "false", axis.position, axis.probed ? "true" : "false", axis.probe);
+    if (axis.failure)
+        fprintf(stderr, "%s (status 0x%04X)\n", axis.failure, axis.status);
+    return axis.phase == AXIS_DONE ? 0 : EXIT_FAILED;
+}
+
+/* --- command line ------------------------------------------------------------------------------------------------- */
+
+static const char *complaint(const settings_t *s)
+{
+    if (!s->iface)
+        return "name the interface";
+    if (s->cycle_us < 250 || s->cycle_us % 250 != 0 || s->cycle_us > 2500)
+        return "--cycle-us takes 250, 500 and so on up to 2500";
+    return s->speed > 0 && s->acceleration > 0 ? NULL : "--speed and --acceleration take numbers above 0";
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    settings_t *s = state->input;
+    switch (key) {
+    case 'w':
+        s->way = strtod(text, NULL);
+        return 0;
+    case 's':
+        s->speed = strtod(text, NULL);
+        return 0;
+    case 'a':
+        s->acceleration = strtod(text, NULL);
+        return 0;
+    case 'm':
+        s->method = atoi(text);
+        return 0;
+    case 'c':
+        s->cycle_us = (unsigned int)strtoul(text, NULL, 0);
+        return 0;
+    case 'd':
+        s->dc = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (s->iface)
+            return ARGP_ERR_UNKNOWN;
+        s->iface = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (complaint(s))
+            argp_error(state, "%s", complaint(s));
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"way", 'w', "COUNTS", 0, "From the reference point on, 2^20 a turn (default 10 turns)", 0},
+        {"speed", 's', "COUNTS", 0, "A second (default 10 turns)", 0},
+        {"acceleration", 'a', "COUNTS", 0, "A second squared (default 100 turns)", 0},
+        {"method", 'm', "N", 0, "How the reference is found, 6098h (default 35: it is here)", 0},
+        {"cycle-us", 'c', "N", 0, "Cycle, 250 to 2500 (default 1000)", 0},
+        {"dc", 'd', NULL, 0, "With SYNC0 at that cycle", 0},
+        {0},
+    };
+    static const struct argp argp = {
+        .options = options, .parser = parse, .args_doc = "IFACE", .doc = "A motion program for one PMCtendo DD5."};
+    argp_err_exit_status = EXIT_USAGE;
+    argp_parse(&argp, argc, argv, 0, NULL, &settings);
+    if (!open_bus(argv[0], settings.iface))
+        return EXIT_OPEN;
+    int status = drive(&settings);
+    ec_slave[0].state = EC_STATE_INIT;
+    ec_writestate(0);
+    ec_close();
+    return status;
+}
