@@ -9,7 +9,7 @@
 
 #include "soem.h"
 
-enum { SLAVE = 1, LONG = 100000, PASSWORD = 0x77, TIMEOUT_US = 2000000 };
+enum { SLAVE = 1, LONG = 20000, PASSWORD = 0x77, TIMEOUT_US = 2000000, GOES = 5 };
 
 static const char *iface, *folder;
 static soem_t master;
@@ -22,16 +22,42 @@ static const char *in(const char *name)
     return path;
 }
 
+/* SOEM waits 2 ms for a frame, and then sends it again. On a machine under load a mail arrives twice by that, its reply
+ * comes twice (CF-024), and SOEM takes the second one for the next packet's: it has another go. */
+static bool is_lost(int result)
+{
+    return result == 0 || result == EC_NOFRAME || result == -EC_ERR_TYPE_PACKET_ERROR ||
+           result == -EC_ERR_TYPE_FOE_PACKETNUMBER || result == -EC_ERR_TYPE_FOE_BUF2SMALL; /* its words for that */
+}
+
+static int write_with(uint32 password, char *name, int size)
+{
+    int result = 0;
+    for (int i = 0; i < GOES && is_lost(result); i++)
+        result = ecx_FOEwrite(&master.context, SLAVE, name, password, size, sent, TIMEOUT_US);
+    return result;
+}
+
 static int write_file(char *name, int size)
 {
-    return ecx_FOEwrite(&master.context, SLAVE, name, PASSWORD, size, sent, TIMEOUT_US);
+    return write_with(PASSWORD, name, size);
 }
 
 static int read_file(char *name, int *size)
 {
-    *size = sizeof got;
-    memset(got, 0, sizeof got);
-    return ecx_FOEread(&master.context, SLAVE, name, PASSWORD, size, got, TIMEOUT_US);
+    int result = 0;
+    for (int i = 0; i < GOES && is_lost(result); i++) {
+        *size = sizeof got;
+        memset(got, 0, sizeof got);
+        result = ecx_FOEread(&master.context, SLAVE, name, PASSWORD, size, got, TIMEOUT_US);
+    }
+    return result;
+}
+
+static void expect_done(const char *what, int size, int result)
+{
+    if (result <= 0)
+        fail_msg("%s of %d bytes: expected a working counter, got %d", what, size, result);
 }
 
 static void expect_on_disk(const char *name, int size)
@@ -50,9 +76,9 @@ static void there_and_back(int size)
     int length;
     for (int i = 0; i < size; i++)
         sent[i] = (uint8)(i * 31 + size);
-    assert_true(write_file(name, size) > 0);
+    expect_done("write", size, write_file(name, size));
     expect_on_disk(name, size);
-    assert_true(read_file(name, &length) > 0);
+    expect_done("read", size, read_file(name, &length));
     assert_int_equal(length, size);
     assert_memory_equal(got, sent, (size_t)size);
     assert_int_equal(unlink(in(name)), 0);
@@ -79,8 +105,7 @@ static void refused(void **state)
     assert_int_equal(read_file(missing, &length), -EC_ERR_TYPE_FOE_ERROR);
     assert_int_equal(write_file(above, 5), -EC_ERR_TYPE_FOE_FILE_NOTFOUND);
     assert_int_equal(write_file(root, 5), -EC_ERR_TYPE_FOE_FILE_NOTFOUND);
-    assert_int_equal(ecx_FOEwrite(&master.context, SLAVE, good, PASSWORD + 1, 5, sent, TIMEOUT_US),
-                     -EC_ERR_TYPE_FOE_ERROR);
+    assert_int_equal(write_with(PASSWORD + 1, good, 5), -EC_ERR_TYPE_FOE_ERROR);
     assert_int_equal(access(in(good), F_OK), -1);
     there_and_back(10);
     soem_close(&master);
