@@ -34,46 +34,79 @@ static bool state_of(const char *name, size_t length, uint64_t *state)
     return false;
 }
 
-/* "at ..." at the beginning of a line. @return what follows; NULL: it makes no sense */
-static const char *read_when(const char *text, ect_scenario_step_t *step)
+/* "frame 100 " @return what follows; NULL: it is not that */
+static const char *read_frame(const char *text, ect_scenario_step_t *step)
 {
     char *end = NULL;
-    if (strncmp(text, "at ", 3) != 0)
-        return text; /* at 0 s */
-    text += 3;
-    if (strncmp(text, "frame ", 6) == 0) {
-        step->when = ECT_STEP_AT_FRAME;
-        step->value = strtoull(text + 6, &end, 10);
-        return end != text + 6 && *end == ' ' ? end + 1 : NULL;
-    }
-    if (strncmp(text, "slave ", 6) == 0) {
-        unsigned long slave = strtoul(text + 6, &end, 10);
-        size_t length = *end == ' ' ? strcspn(end + 1, " ") : 0;
-        step->when = ECT_STEP_AT_STATE;
-        step->slave = (uint16_t)slave;
-        bool good = slave > 0 && slave <= UINT16_MAX && length > 0 && state_of(end + 1, length, &step->value);
-        return good && end[1 + length] == ' ' ? end + 2 + length : NULL;
-    }
+    step->when = ECT_STEP_AT_FRAME;
+    step->value = strtoull(text, &end, 10);
+    return end != text && *end == ' ' ? end + 1 : NULL;
+}
+
+/* "1 OP " */
+static const char *read_state(const char *text, ect_scenario_step_t *step)
+{
+    char *end = NULL;
+    unsigned long slave = strtoul(text, &end, 10);
+    if (*end != ' ' || slave == 0 || slave > UINT16_MAX)
+        return NULL;
+    const char *name = end + 1;
+    size_t length = strcspn(name, " ");
+    step->when = ECT_STEP_AT_STATE;
+    step->slave = (uint16_t)slave;
+    return state_of(name, length, &step->value) && name[length] == ' ' ? name + length + 1 : NULL;
+}
+
+/* "2.5s " */
+static const char *read_time(const char *text, ect_scenario_step_t *step)
+{
+    char *end = NULL;
     double seconds = strtod(text, &end);
+    if (end == text || !(seconds >= 0 && seconds < 1e9) || strncmp(end, "s ", 2) != 0)
+        return NULL;
     step->when = ECT_STEP_AT_TIME;
-    step->value = seconds > 0 ? (uint64_t)(seconds * NS_PER_S) : 0;
-    return end != text && seconds >= 0 && seconds < 1e9 && strncmp(end, "s ", 2) == 0 ? end + 2 : NULL;
+    step->value = (uint64_t)(seconds * NS_PER_S);
+    return end + 2;
+}
+
+/* "at ..." at the beginning of a line; without it at 0 s. @return what follows; NULL: it makes no sense */
+static const char *read_when(const char *text, ect_scenario_step_t *step)
+{
+    if (strncmp(text, "at ", 3) != 0)
+        return text;
+    text += 3;
+    if (strncmp(text, "frame ", 6) == 0)
+        return read_frame(text + 6, step);
+    if (strncmp(text, "slave ", 6) == 0)
+        return read_state(text + 6, step);
+    return read_time(text, step);
+}
+
+static bool is_space(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* A line without its comment, its end, and spaces around it; what is too long is cut, and then makes no sense. */
+static void trim(const char *line, char *text, size_t room)
+{
+    size_t length = strcspn(line, "#\r\n");
+    while (length > 0 && is_space(line[length - 1]))
+        length--;
+    while (length > 0 && is_space(*line)) {
+        line++;
+        length--;
+    }
+    snprintf(text, room, "%.*s", (int)(length < room ? length : room - 1), line);
 }
 
 bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message)
 {
     char text[ECT_FAULT_TEXT + 64];
     ect_scenario_step_t step = {.when = ECT_STEP_AT_TIME};
-    size_t length = strcspn(line, "#\r\n");
-    while (length > 0 && (line[length - 1] == ' ' || line[length - 1] == '\t'))
-        length--;
-    while (length > 0 && (*line == ' ' || *line == '\t')) {
-        line++;
-        length--;
-    }
-    if (length == 0)
+    trim(line, text, sizeof text);
+    if (*text == 0)
         return true;
-    snprintf(text, sizeof text, "%.*s", (int)(length < sizeof text ? length : sizeof text - 1), line);
     const char *fault = read_when(text, &step);
     if (!fault) {
         snprintf(message, ECT_FAULT_MESSAGE,
@@ -199,9 +232,8 @@ static void corrupt(ect_scenario_t *s, uint8_t *frame, size_t length)
     frame[from + lot / 8 % (length - from)] ^= (uint8_t)(1u << lot % 8);
 }
 
-static void drop(ect_scenario_t *s, const ect_fault_t *fault, ect_fate_t *fate)
+static void drop(ect_scenario_t *s, ect_fate_t *fate)
 {
-    (void)fault;
     if (ect_random_next(&s->seed) % 2 == 0)
         fate->lose_request = true;
     else
@@ -227,7 +259,7 @@ static void befall(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fau
         if (fault->slave != 0)
             on_wire(chain, fault);
         else
-            drop(s, fault, fate);
+            drop(s, fate);
         return;
     case ECT_FAULT_DELAY:
         fate->delay_us += (uint32_t)fault->amount;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pulling plugs of running twins and putting them back: a slave's, or those of one wire. They are signals
  * (`ecat.plug_*`). */
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,26 +22,25 @@ typedef struct plug_args {
 static const struct argp_option options[] = {
     {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}, {0}};
 
-static void take_what(plug_args_t *args, const struct argp_state *state, const char *text)
+/* "N", from 1. @return what follows; NULL: it is not that */
+static const char *read_slave(const char *text, unsigned long *slave)
 {
     char *end;
+    *slave = strtoul(text, &end, 10);
+    return *text >= '0' && *text <= '9' && *slave > 0 && *slave <= UINT16_MAX ? end : NULL;
+}
+
+static void take_what(plug_args_t *args, const struct argp_state *state, const char *text)
+{
     if (args->what)
         argp_error(state, "one is enough: '%s'", args->what);
     args->what = text;
-    errno = 0;
-    args->slave = strtoul(text, &end, 10);
-    bool good = errno == 0 && *text >= '0' && *text <= '9' && args->slave > 0 && args->slave <= UINT16_MAX;
-    if (args->wire) {
-        good = good && end[0] == '.' && end[1] >= '0' && end[1] < '0' + PORTS && end[2] == 0;
-        args->port = good ? (unsigned int)(end[1] - '0') : 0;
-    } else {
-        good = good && *end == 0;
-    }
-    if (!good)
-        argp_error(state,
-                   args->wire ? "name the slave, from 1, and its port, as in 2.1, not '%s'"
-                              : "name the slave, from 1, not '%s'",
-                   text);
+    const char *rest = read_slave(text, &args->slave);
+    if (!args->wire && (!rest || *rest != 0))
+        argp_error(state, "name the slave, from 1, not '%s'", text);
+    if (args->wire && (!rest || rest[0] != '.' || rest[1] < '0' || rest[1] >= '0' + PORTS || rest[2] != 0))
+        argp_error(state, "name the slave, from 1, and its port, as in 2.1, not '%s'", text);
+    args->port = args->wire ? (unsigned int)(rest[1] - '0') : 0;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
