@@ -541,6 +541,15 @@ static ect_end_t walk(ect_chain_t *chain, ect_end_t in, passage_t *p)
     }
 }
 
+/* It has seen a frame, which may be the cause of something to come. */
+static void note_frame(ect_chain_t *chain, size_t i)
+{
+    uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
+    make_ready(chain, i);
+    if (due_ns < ect_deadlines_of(chain->deadlines, i))
+        ect_deadlines_set(chain->deadlines, i, due_ns);
+}
+
 /* Any of them may have been on the way. */
 static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
@@ -549,7 +558,7 @@ static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, s
     ect_end_t out = walk(chain, in, &passage);
     for (size_t i = 0; i < chain->count; i++) {
         ect_fast_look(chain->fast, i);
-        make_ready(chain, i);
+        note_frame(chain, i);
     }
     return out;
 }
@@ -575,13 +584,8 @@ static void note_touched(ect_chain_t *chain)
 {
     size_t count;
     const uint32_t *touched = ect_fast_touched(chain->fast, &count);
-    for (size_t k = 0; k < count; k++) {
-        size_t i = touched[k];
-        uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
-        make_ready(chain, i);
-        if (due_ns < ect_deadlines_of(chain->deadlines, i))
-            ect_deadlines_set(chain->deadlines, i, due_ns);
-    }
+    for (size_t k = 0; k < count; k++)
+        note_frame(chain, touched[k]);
 }
 
 static uint64_t last_frame(const ect_chain_t *chain, size_t i)

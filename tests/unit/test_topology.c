@@ -169,6 +169,20 @@ static void loop_control(void **state)
     wire_close(&w);
 }
 
+/* Nobody polls in between: the next frame must find the way open all the same. */
+static void temporary_cut(void **state)
+{
+    wire_t w;
+    (void)state;
+    open_plan(&w, &plans[0]);
+    w.manual_poll = true;
+    assert_int_equal(wire_write16(&w, 0, 0x0100, 0x0C03), 1);
+    assert_int_equal(wire_send(&w, BRD, 0, 0, (uint8_t[1]){0}, 1), 1);
+    w.now_ns += 1100 * MS;
+    assert_int_equal(wire_send(&w, BRD, 0, 0, (uint8_t[1]){0}, 1), 3);
+    wire_close(&w);
+}
+
 /* --- times ------------------------------------------------------------------------------------------------------ */
 
 static uint32_t receive_time(wire_t *w, size_t twin, unsigned int port)
@@ -316,6 +330,8 @@ int main(int argc, char **argv)
         {"CF-010 CF-096: each wire of a tree that is cut takes away what is behind it, and heals", cut_and_healed, NULL,
          NULL, NULL},
         {"CF-010: loop control cuts and heals; forced open without a wire frames vanish", loop_control, NULL, NULL,
+         NULL},
+        {"CF-010: a loop that is closed for a second opens by itself, between two frames", temporary_cut, NULL, NULL,
          NULL},
         {"CF-087: receive times of a line give its delays by the data sheet's formula", delays_of_a_line, NULL, NULL,
          NULL},
