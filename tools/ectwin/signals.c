@@ -9,6 +9,7 @@
 
 #include "bus/catalogue.h"
 #include "bus/lamps.h"
+#include "bus/wiring.h"
 #include "commands.h"
 #include "connection.h"
 #include "csv.h"
@@ -206,9 +207,11 @@ static size_t print_signals(const ect_plant_t *plant, void *instance, const char
 static int list_device(const ect_product_t *product, const char *who, const char *pattern)
 {
     ect_lamps_t lamps;
+    ect_wiring_t wiring;
     void *instance = calloc(1, product->device->instance_size);
     size_t count = instance ? print_signals(product->plant, instance, pattern) : 0;
     count += print_signals(&ect_lamps_plant, &lamps, pattern);
+    count += print_signals(&ect_wiring_plant, &wiring, pattern);
     free(instance);
     if (count > 0)
         return EXIT_CLEAN;
