@@ -58,11 +58,7 @@ _Noreturn void cpu_run(uint32_t vectors);
 /** Resets the chip; on a processor that cannot, begins anew. */
 _Noreturn void cpu_reset(void);
 
-/** Bytes of the stack that have been used at most since power-on, and those that there are. */
-size_t cpu_stack_used(void);
-size_t cpu_stack_size(void);
-
-/** The stack and main(); from the processor's first instructions, on that stack. */
+/** Variables, then main(): from the processor's first instructions, on the stack. */
 _Noreturn void cpu_start(void);
 
 #endif

@@ -24,7 +24,7 @@ enum {
 
 /* Registers of the MAC, and of the PHY. */
 enum { MAC_CR = 1, MAC_MII_ACC = 6, MAC_MII_DATA = 7 };
-enum { PHY_CONTROL = 0, PHY_STATUS = 1, PHY_ADVERTISED = 4 };
+enum { PHY_CONTROL = 0, PHY_ADVERTISED = 4 };
 
 #define BYTE_TEST_VALUE 0x87654321u
 
@@ -43,7 +43,6 @@ enum { PHY_CONTROL = 0, PHY_STATUS = 1, PHY_ADVERTISED = 4 };
 #define MII_BUSY      0x00000001u
 #define PHY_NEGOTIATE 0x1200u
 #define PHY_100_FULL  0x0101u
-#define PHY_LINK      0x0004u
 #define TX_WHOLE      0x00003000u /* first and last buffer of a frame */
 #define RX_ERROR      0x00008000u
 
@@ -87,26 +86,17 @@ static bool mac_read(const lan9118_t *mac, unsigned int number, uint32_t *value)
     return true;
 }
 
-static bool phy_access(const lan9118_t *mac, unsigned int number, uint32_t direction)
+static bool phy_write(const lan9118_t *mac, unsigned int number, uint32_t value)
 {
     uint32_t busy = MII_BUSY;
-    if (!mac_write(mac, MAC_MII_ACC, MII_PHY | number << 6 | direction | MII_BUSY))
+    if (!mac_write(mac, MAC_MII_DATA, value) ||
+        !mac_write(mac, MAC_MII_ACC, MII_PHY | number << 6 | MII_WRITE | MII_BUSY))
         return false;
     for (unsigned int n = 0; n < PATIENCE_PHY && (busy & MII_BUSY) != 0; n++) {
         if (!mac_read(mac, MAC_MII_ACC, &busy))
             return false;
     }
     return (busy & MII_BUSY) == 0;
-}
-
-static bool phy_write(const lan9118_t *mac, unsigned int number, uint32_t value)
-{
-    return mac_write(mac, MAC_MII_DATA, value) && phy_access(mac, number, MII_WRITE);
-}
-
-static bool phy_read(const lan9118_t *mac, unsigned int number, uint32_t *value)
-{
-    return phy_access(mac, number, 0) && mac_read(mac, MAC_MII_DATA, value);
 }
 
 /* --- setting up --------------------------------------------------------------------------------------------------- */
@@ -134,12 +124,6 @@ bool lan9118_init(lan9118_t *mac, uintptr_t base)
     *reg(mac, IRQ_CFG) = IRQ_ON;
     return phy_write(mac, PHY_ADVERTISED, PHY_100_FULL) && phy_write(mac, PHY_CONTROL, PHY_NEGOTIATE) &&
            mac_write(mac, MAC_CR, MAC_ALL);
-}
-
-bool lan9118_link(const lan9118_t *mac)
-{
-    uint32_t status;
-    return phy_read(mac, PHY_STATUS, &status) && (status & PHY_LINK) != 0;
 }
 
 void lan9118_acknowledge(const lan9118_t *mac)

@@ -36,9 +36,6 @@ typedef struct lan9118 {
  */
 bool lan9118_init(lan9118_t *mac, uintptr_t base);
 
-/** Whether the cable is plugged and the other end answers. At most some 10 us. */
-bool lan9118_link(const lan9118_t *mac);
-
 /**
  * Takes the interrupt back. To be called before ::lan9118_receive until that has nothing: a frame that comes meanwhile
  * raises it again.
