@@ -26,6 +26,10 @@ drive() {
     "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
     for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
     cat "$work/ready"
+    if [ -n "${FAULTS_MS:-}" ]; then # whatever comes of it
+      timeout "$((FAULTS_MS / 1000 + 1))" "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/faults" 2>&1
+      sleep 2
+    fi
     "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/master" 2>&1; echo "master $?"
     kill $pid; wait $pid; echo "board $?"' bash "$@" >"$work/out"
   check "$title" '{"event":"ready","spi":"/dev/spidev7.1","device":"vr-bu-ect-'"${mode,,}"'"} master 0 board 0' "$(xargs -0 <"$work/out" | tr '\n' ' ' | sed 's/ *$//')"
@@ -35,6 +39,8 @@ drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228
 drive "SOEM takes Map7 to OP and through its tests, by the interrupt pin" Map7 66 228 --irq gpiochip9:25
 CSR_LASTS=12 WORD_LASTS=9 LATE=20000 drive "a chip that is slow, late, and reset by its pin" Map3 66 24 \
   --irq gpiochip9:25 --reset gpiochip9:24
+
+FAULTS_MS=8000 drive "bits flip and the chip hangs for 8 s: afterwards the slave is as good as new" Map7 66 228
 
 # alone STATUS PATTERN ARGUMENT...: the board with its virtual chip, and no master.
 alone() {
