@@ -853,7 +853,8 @@ static void registers(void **state)
     assert_int_equal(ESC_ALeventread() & ESCREG_ALEVENT_SM2, ESCREG_ALEVENT_SM2);
     ESC_SMstatus(2);
     assert_int_equal(ESCvar.SM[2].IntW, 1);
-    assert_int_equal(((_ESCsm2 *)&ESCvar.SM[2])->Status & ECT_SM_STATUS_WRITTEN, ECT_SM_STATUS_WRITTEN);
+    assert_int_equal(((uint8_t *)&ESCvar.SM[2])[offsetof(_ESCsm2, Status)] & ECT_SM_STATUS_WRITTEN,
+                     ECT_SM_STATUS_WRITTEN);
     assert_int_equal(sizeof(_ESCsm), sizeof(_ESCsm2));
     assert_int_equal(sizeof(_ESCsmCompact), 5);
     assert_int_equal(ESC_WDstatus() & 1, 1);
