@@ -189,6 +189,8 @@ static bool services_good(const report_t *r)
     }
     if (names_service(r, &ect_service_store) && !can_be_written(r, 0x1010, "ect_service_store"))
         return false;
+    if (r->device->cyclic && !names_service(r, &ect_service_rhythm))
+        return wrong(r, "cyclic: nobody calls it without ect_service_rhythm");
     return !names_service(r, &ect_service_pdo_config) || can_be_configured(r);
 }
 

@@ -180,8 +180,8 @@ typedef struct ect_host {
 
     /**
      * Stores all entries with ECT_ACCESS_BACKUP, as a master's write of "save" to 1010h:1 does, at the end of the
-     * present poll. From the exchange too. What the memory then says is told to nobody; nothing happens when the
-     * description does not name ect_service_store.
+     * present poll. From the exchange too. What the memory then says is told to nobody. NULL unless the description
+     * names ect_service_store.
      */
     void (*store)(void *ctx);
 
@@ -285,7 +285,8 @@ typedef struct ect_device {
 
     /**
      * The rhythm of the bus, SAFEOP and OP: `events` is a set of ECT_CYCLIC_... that have come since the last call.
-     * Outputs tell the rhythm in SAFEOP too, where they are not taken over. Before `outputs`; `tick` follows.
+     * Outputs tell the rhythm in SAFEOP too, where they are not taken over. Before `outputs`; `tick` follows. The
+     * description names ect_service_rhythm, which calls it.
      */
     void (*cyclic)(void *instance, uint8_t events, uint64_t now_ns);
 

@@ -35,6 +35,10 @@ extern const ect_service_t ect_service_store;
  * events. Too many in a row leave OP with 0x001A, a SYNC0 that no longer comes with 0x002C. */
 extern const ect_service_t ect_service_sync;
 
+/** Calls ::ect_device_t::cyclic; without this service nobody does. It has no objects. Outputs are seen by the events of
+ * their SyncManagers. */
+extern const ect_service_t ect_service_rhythm;
+
 /* --- 10F3h ------------------------------------------------------------------------------------------------------- */
 
 enum {

@@ -8,17 +8,6 @@
 
 #include "slave/internal.h"
 
-static void tell_rhythm(ect_slave_t *s, uint32_t event, unsigned int sms)
-{
-    const ect_device_t *device = s->config.device;
-    unsigned int events =
-        ((sms & s->outputs) != 0 ? ECT_CYCLIC_OUTPUTS : 0u) | ((event & ECT_EVENT_SYNC0) != 0 ? ECT_CYCLIC_SYNC0 : 0u);
-    if (events == 0 || !device->cyclic)
-        return;
-    device->cyclic(s->config.instance, (uint8_t)events, s->now_ns);
-    ect_slave_wake(s);
-}
-
 void ect_cycle_outputs(ect_slave_t *s, uint32_t event)
 {
     if (s->state < ECT_STATE_SAFEOP)
@@ -26,7 +15,6 @@ void ect_cycle_outputs(ect_slave_t *s, uint32_t event)
     ect_services_event(s, event);
     unsigned int sms = ((event / ECT_EVENT_SM0) & 0xFF) | ect_pdo_written(s);
     ECT_ASSERT((s->outputs & s->inputs) == 0);
-    tell_rhythm(s, event, sms);
     if ((sms & s->outputs) != 0)
         ect_pdo_outputs(s, sms & s->outputs, s->outputs_live);
     if ((sms & s->inputs) != 0 && s->config.device->inputs_read)

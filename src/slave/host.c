@@ -43,11 +43,6 @@ static void diagnose(void *slave, uint8_t type, uint32_t code, uint16_t text_id,
     ect_services_diagnose(slave, type, code, text_id, parameters);
 }
 
-static void store(void *slave)
-{
-    ((ect_slave_t *)slave)->store_due = true;
-}
-
 static void off_bus(void *slave, bool off)
 {
     ((ect_slave_t *)slave)->off_bus = off;
@@ -65,7 +60,6 @@ void ect_host_init(ect_slave_t *s)
                            .drop = ect_host_drop,
                            .transition_done = transition_done,
                            .diagnose = diagnose,
-                           .store = store,
                            .off_bus = off_bus,
                            .restart = restart,
                            .storage = s->config.storage,

@@ -44,9 +44,6 @@ struct ect_service {
     /** Events have come in SAFEOP or OP. Part of the exchange: perhaps in an interrupt. */
     void (*event)(ect_slave_t *s, uint32_t event);
 
-    /** As ect_host_t::store, in mainline. */
-    void (*store)(ect_slave_t *s);
-
     /** As ect_host_t::diagnose. */
     void (*diagnose)(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
 };

@@ -56,15 +56,6 @@ void ect_services_event(ect_slave_t *s, uint32_t event)
     }
 }
 
-void ect_services_store(ect_slave_t *s)
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        if ((*service)->store)
-            (*service)->store(s);
-    }
-}
-
 void ect_services_diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
 {
     FOR_EACH_SERVICE(s, service)

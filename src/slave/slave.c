@@ -154,12 +154,12 @@ static uint64_t next_time(const ect_slave_t *s)
     return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
 }
 
-static void store(ect_slave_t *s)
+static void do_later(ect_slave_t *s)
 {
-    if (!s->store_due)
-        return;
-    s->store_due = false;
-    ect_services_store(s);
+    void (*later)(ect_slave_t *s) = s->later;
+    s->later = NULL;
+    if (later)
+        later(s);
 }
 
 /* The order in which things are done. */
@@ -186,7 +186,7 @@ static uint64_t poll(ect_slave_t *s, uint64_t now_ns, bool with_exchange)
     ect_cycle_yield(s);
     if (s->mailbox.running)
         ect_mailbox_poll(s, event);
-    store(s);
+    do_later(s);
     set_line(s);
     ect_cycle_release(s);
     ECT_ASSERT(!s->outputs_live || s->state == ECT_STATE_OP);

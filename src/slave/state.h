@@ -127,10 +127,10 @@ typedef struct ect_slave {
     ect_sdo_info_t info;
     uint64_t tick_ns;
     uint64_t pending_until_ns;
+    void (*later)(struct ect_slave *s); /* what a service wants done at the end of a poll; NULL: nothing */
     ect_host_t host;
     uint32_t pdi_errors;       /**< public, read only: failed PDI accesses */
     uint32_t emergencies_lost; /**< public, read only */
-    bool store_due;            /* the device wants its parameters stored */
     ect_emergency_t emergency[ECT_EMERGENCY_QUEUE];
 } ect_slave_t;
 

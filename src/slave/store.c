@@ -127,10 +127,21 @@ static ect_reason_t written_command(ect_slave_t *s, uint16_t index, uint8_t subi
     return store_meanwhile(s, index == INDEX_STORE);
 }
 
-static void store_wanted(ect_slave_t *s)
+static void store_now(ect_slave_t *s)
 {
     (void)store_meanwhile(s, true);
 }
 
-const ect_service_t ect_service_store = {
-    .start = load, .write = write_command, .written = written_command, .store = store_wanted};
+/* Asked for wherever the device is, perhaps in an interrupt. */
+static void store_later(void *slave)
+{
+    ((ect_slave_t *)slave)->later = store_now;
+}
+
+static void start(ect_slave_t *s)
+{
+    s->host.store = store_later;
+    load(s);
+}
+
+const ect_service_t ect_service_store = {.start = start, .write = write_command, .written = written_command};

@@ -176,6 +176,7 @@ typedef struct row {
     X(sm_types_other, gauge, D.sm_count = 5, "1C00h: it has 4 SyncManagers, the description 5")                        \
     X(identity_other, gauge, (ENTRY(0x1018, 2)->data = NULL, ENTRY(0x1018, 2)->value = 7),                             \
       "1018h:2: it says 7h, the description 7E59h")                                                                    \
+    X(rhythm_without, confdev, D.cyclic = told, "cyclic: nobody calls it without ect_service_rhythm")                  \
     X(sync_without, confdev, OBJECT(0x1C32)->index = 0x1C31, "ect_service_sync needs 1C32h:1 in memory")               \
     X(sync_outside, confdev, ENTRY(0x1C32, 1)->data = AT(sizeof(confdev_t) - 8), "ect_service_sync, from 1C32h:1 on")  \
     X(sync_crooked, confdev, ENTRY(0x1C32, 1)->data = AT(offsetof(confdev_t, sync) + 2), "are not aligned")            \
@@ -190,6 +191,13 @@ typedef struct row {
     X(sii_odd, confdev, D.sii_size = 2000, "sii_size: 2000 is not a multiple of 128")                                  \
     X(sii_none, confdev, D.sii_size = 0, "sii_size: 0 is not a multiple of 128")                                       \
     X(sii_small, confdev, D.sii_size = 256, "sii_size: the SII does not fit into 256 bytes")
+
+static void told(void *instance, uint8_t events, uint64_t now_ns)
+{
+    (void)instance;
+    (void)events;
+    (void)now_ns;
+}
 
 static const ect_protocol_t *const sdo_only[] = {&ect_protocol_sdo, NULL};
 

@@ -234,7 +234,8 @@ static const ect_dc_mode_t dc_modes[] = {
     {.name = "DC", .description = "Synchronised with SYNC0", .assign_activate = 0x0300},
     {.name = "SM", .description = "Synchronised with the process data", .assign_activate = 0x0000},
 };
-static const ect_service_t *const services[] = {&ect_service_pdo_config, &ect_service_sync, &ect_service_store, NULL};
+static const ect_service_t *const services[] = {&ect_service_pdo_config, &ect_service_sync, &ect_service_store,
+                                                &ect_service_rhythm, NULL};
 static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, NULL};
 
 const ect_device_t ect_pmctendo_dd5 = {
