@@ -39,7 +39,9 @@ typedef struct twin {
     uint64_t deadline_ns;          /* of the slave or of the ESC, whichever is first */
     uint64_t last_frame_ns;        /* but for frames that the fast way took: see `fast_frame_ns` */
     ect_lamps_t *lamps;
-    void *memory[10]; /* everything that was allocated for it */
+    uint8_t *esc_memory; /* of the chain's `pool` */
+    uint8_t *buffer;     /* likewise; NULL: its device wants none */
+    void *memory[10];    /* everything that was allocated for it */
     size_t blocks;
 } twin_t;
 
@@ -57,7 +59,8 @@ struct ect_chain {
     uint64_t frame_ns;          /* when the last frame came; 0 never */
     uint64_t fast_frame_ns;     /* when the first `fast_reach` twins last had a frame the fast way */
     size_t fast_reach;
-    void *kept; /* the instance of a twin, as it was before its signals were set */
+    uint8_t *pool; /* what twins have much of and mostly leave alone: memory is taken when it is written to */
+    void *kept;    /* the instance of a twin, as it was before its signals were set */
     size_t kept_room;
     ect_wiring_t kept_wiring;
     bool kept_off_bus, kept_restart;
@@ -72,21 +75,47 @@ static void *allocate(twin_t *twin, size_t size)
     return block;
 }
 
+static const ect_esc_personality_t *personality_of(const ect_twin_config_t *c)
+{
+    return ect_esc_personality(c->esc ? c->esc : c->device->esc);
+}
+
+static size_t esc_size(const ect_twin_config_t *c)
+{
+    const ect_esc_personality_t *personality = personality_of(c);
+    return personality ? ECT_ESC_MEMORY_SIZE(personality->ram_kb) : 0;
+}
+
+/* One block for all is so large that the system gives it as zeros, page by page when they are written to. */
+static bool make_pool(ect_chain_t *chain, const ect_twin_config_t *twins)
+{
+    size_t size = 1;
+    for (size_t i = 0; i < chain->count; i++)
+        size += esc_size(&twins[i]) + twins[i].device->buffer_size;
+    uint8_t *next = chain->pool = calloc(1, size);
+    for (size_t i = 0; i < chain->count && next; i++) {
+        chain->twins[i].esc_memory = next;
+        next += esc_size(&twins[i]);
+        chain->twins[i].buffer = twins[i].device->buffer_size > 0 ? next : NULL;
+        next += twins[i].device->buffer_size;
+    }
+    return chain->pool != NULL;
+}
+
 static bool make_esc(twin_t *twin)
 {
     const ect_twin_config_t *c = &twin->config;
-    const ect_esc_personality_t *personality = ect_esc_personality(c->esc ? c->esc : c->device->esc);
+    const ect_esc_personality_t *personality = personality_of(c);
     if (!personality)
         return false;
-    uint8_t *memory = allocate(twin, ECT_ESC_MEMORY_SIZE(personality->ram_kb));
     uint8_t *sii = allocate(twin, c->device->sii_size);
-    if (!memory || !sii || ect_sii_write(c->device, &c->identity, c->alias, sii, c->device->sii_size) < 0)
+    if (!sii || ect_sii_write(c->device, &c->identity, c->alias, sii, c->device->sii_size) < 0)
         return false;
     if (c->sii)
         memcpy(sii, c->sii, c->device->sii_size);
     twin->esc.config = (ect_esc_config_t){
         .personality = personality,
-        .memory = memory,
+        .memory = twin->esc_memory,
         .sii = sii,
         .sii_size = c->device->sii_size,
         .keep_source_mac = c->keep_source_mac,
@@ -113,11 +142,18 @@ static bool make_slave(twin_t *twin)
         .run_count = (uint16_t)need.runs,
         .staging = allocate(twin, need.staging),
         .staging_size = (uint16_t)need.staging,
-        .buffer = need.buffer > 0 ? allocate(twin, need.buffer) : NULL,
+        .buffer = twin->buffer,
         .outside_offset = plant ? plant->outside_offset : 0,
         .outside_size = plant ? plant->outside_size : 0,
     };
     return true;
+}
+
+/* The second time its device may have used the buffer. */
+static void forget_buffer(const twin_t *twin)
+{
+    if (twin->buffer)
+        memset(twin->buffer, 0, twin->config.device->buffer_size);
 }
 
 /* For the first time or again: what controller, stack and device are made of stays, all else starts anew. */
@@ -352,7 +388,7 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
     chain->link[ECT_END_IN] = true;
     chain->links_due = true;
     chain->now_ns = now_ns;
-    bool made = make_lists(chain) && lay_wires(chain, twins);
+    bool made = make_lists(chain) && make_pool(chain, twins) && lay_wires(chain, twins);
     if (made)
         plug_all_in(chain);
     for (size_t i = 0; i < count && made; i++) {
@@ -373,6 +409,7 @@ void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns)
 {
     chain->links_due = chain->ways_due = true;
     for (size_t i = 0; i < chain->count; i++) {
+        forget_buffer(&chain->twins[i]);
         (void)power_on(&chain->twins[i], now_ns); /* what was possible once is again */
         powered_on(chain, i);
     }
@@ -390,6 +427,7 @@ void ect_chain_free(ect_chain_t *chain)
     ect_deadlines_free(chain->deadlines);
     free(chain->ready);
     free(chain->nodes);
+    free(chain->pool);
     free(chain->kept);
     free(chain);
 }
@@ -651,8 +689,10 @@ static bool poll_twin(twin_t *twin, uint64_t now_ns)
     uint64_t slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
     twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
-    if (restarts)
+    if (restarts) {
+        forget_buffer(twin);
         (void)power_on(twin, now_ns);
+    }
     return restarts;
 }
 

@@ -5,7 +5,7 @@
  *
  * How much memory follows from the description. A program that runs any device asks ::ect_slave_memory and allocates; a
  * firmware for one device asks once, on a PC, and declares arrays of that size. All of it stays the caller's, must live
- * as long as the slave, and belongs to one slave alone. Nothing needs to be zeroed.
+ * as long as the slave, and belongs to one slave alone. Nothing but `buffer` needs to be zeroed.
  */
 #ifndef ECT_SLAVE_CONFIG_H
 #define ECT_SLAVE_CONFIG_H
@@ -79,7 +79,8 @@ typedef struct ect_slave_config {
     uint8_t *staging;
     uint16_t staging_size; /**< how many there are; a longer value is refused as out of memory */
 
-    /** ect_slave_memory_t::buffer bytes, zeroed like the instance: what ect_host_t::buffer gives the device. */
+    /** ect_slave_memory_t::buffer bytes: what ect_host_t::buffer gives the device. The caller zeroes them before each
+     * ::ect_slave_init: of so many, most may never have been used. */
     void *buffer;
 
     /** Explicit device identification, which AL control bit 5 asks for; 0: not offered. */

@@ -50,8 +50,6 @@ static void clear_instance(const ect_slave_config_t *config)
     ECT_ASSERT(config->outside_size == 0 || config->outside_offset >= sizeof(ect_standard_t));
     memset(instance, 0, config->outside_offset);
     memset(instance + end, 0, config->device->instance_size - end);
-    if (config->buffer)
-        memset(config->buffer, 0, config->device->buffer_size);
 }
 
 /* Address switches are the station alias and, in the place of what was configured, the device's id. */

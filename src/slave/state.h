@@ -113,6 +113,7 @@ typedef struct ect_slave {
     volatile bool missed;   /* an exchange came meanwhile */
     uint8_t emergency_put;  /* counts modulo 256: queued, by the device */
     uint8_t emergency_got;  /* ... and sent */
+    uint8_t sync0_runs;     /* the object service of the synchronisation has something to watch */
     uint16_t line;    /* AL event mask as written last, without its upper half: no ESC has more than 8 SyncManagers */
     uint16_t code;    /**< public, read only: AL status code */
     uint16_t request; /* AL control as read last */

@@ -49,7 +49,7 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
     if (!ect_slave_read(s, ECT_REG_DC_ACTIVATION, &activation, 1))
         return ECT_AL_NO_ERROR;
     d->cycle_ns = 0;
-    d->dc = 0;
+    d->dc = s->sync0_runs = 0;
     if ((activation & 1u) == 0)
         return d->type == ECT_SYNC_DC_SYNC0 ? ECT_AL_DC_SYNC : ECT_AL_NO_ERROR;
     if ((s->config.device->sync.supported & (1u << ECT_SYNC_DC_SYNC0)) == 0)
@@ -58,7 +58,7 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
         return ECT_AL_NO_ERROR;
     if (!cycle_supported(&s->config.device->sync, ect_load_le32(cycle)))
         return ECT_AL_SYNC0_CYCLE;
-    d->dc = 1;
+    d->dc = s->sync0_runs = 1;
     d->cycle_ns = ect_load_le32(cycle);
     return ECT_AL_NO_ERROR;
 }
@@ -137,6 +137,8 @@ static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
  * must not keep the interrupt line up. */
 static void on_event(ect_slave_t *s, uint32_t event)
 {
+    if (!s->sync0_runs && (event & ECT_EVENT_SYNC0) == 0)
+        return;
     ect_sync_data_t *d = data_of(s);
     if (d && (event & ECT_EVENT_SYNC0) != 0)
         d->sync0_ns = s->now_ns; /* in SAFEOP too: it may stop before it has come in OP */
