@@ -17,6 +17,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -26,7 +27,8 @@ enum {
     ETHERTYPE_ECAT = 0x88A4,
     ETHERTYPE_CLAIM = 0x88B5, /* for local experiments (IEEE 802) */
     ETHERTYPE_VLAN = 0x8100,
-    NOTHING = 0x10000
+    NOTHING = 0x10000,
+    PATIENCE_US = 4000, /* the kernel counts it in ticks, of which the longest are 10 ms */
 };
 
 /* A process that was held up finds frames that its master has long given up. Answered, they would be taken for answers
@@ -125,6 +127,8 @@ static int bind_to(ect_packet_t *port, char *message)
         snprintf(message, ECT_PACKET_MESSAGE, "binding to '%s' failed: %s", port->iface, strerror(errno));
         return -1;
     }
+    const struct timeval patience = {.tv_usec = PATIENCE_US};
+    port->patient = setsockopt(port->fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) == 0;
     if (setsockopt(port->fd, SOL_PACKET, PACKET_AUXDATA, &on, sizeof on) < 0 ||
         setsockopt(port->fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) < 0) {
         snprintf(message, ECT_PACKET_MESSAGE, "asking for what is known of each frame on '%s' failed: %s", port->iface,
@@ -169,7 +173,7 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
         return -1;
     }
     memcpy(port->iface, iface, strlen(iface) + 1);
-    port->fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0); /* nothing arrives before the bind */
+    port->fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0); /* nothing arrives before the bind */
     if (port->fd < 0) {
         explain_socket(iface, message);
         return -1;
@@ -233,14 +237,14 @@ static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame,
     return length + TAG;
 }
 
-ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room, uint64_t *waited_ns)
+ssize_t ect_packet_receive(const ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns)
 {
     _Alignas(struct cmsghdr) char known[256];
     struct iovec part = {.iov_base = frame, .iov_len = room};
     struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
     struct tpacket_auxdata auxiliary;
     struct timespec came;
-    ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC);
+    ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC | (wait ? 0 : MSG_DONTWAIT));
     if (length < 0)
         return why_nothing(port);
     *waited_ns = 0;
@@ -258,7 +262,7 @@ ssize_t ect_packet_receive(const ect_packet_t *port, uint8_t *frame, size_t room
 
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length)
 {
-    (void)send(port->fd, frame, length, 0);
+    (void)send(port->fd, frame, length, MSG_DONTWAIT);
 }
 
 bool ect_packet_has_link(const ect_packet_t *port)

@@ -25,6 +25,9 @@ enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FD, WAITABLE };
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
 
+/* Looks for a frame in a row, without waiting, until others are looked at (--busy-poll). */
+enum { SPINS = 256 };
+
 /* Times that the devices have asked for and that have passed: how many of them are made up for in a row. */
 enum { CATCH_UP = 64 };
 
@@ -179,12 +182,12 @@ static void follow_cables(ect_runner_t *r)
     }
 }
 
-/* @return -1: the interface is gone */
-static int answer(ect_runner_t *r, ect_end_t in)
+/* @return 1: a frame came; 0: none; -1: the interface is gone */
+static int answer(ect_runner_t *r, ect_end_t in, bool wait)
 {
     uint8_t frame[FRAME_ROOM];
     uint64_t waited_ns = 0;
-    ssize_t length = ect_packet_receive(r->ports[in], frame, sizeof frame, &waited_ns);
+    ssize_t length = ect_packet_receive(r->ports[in], wait, frame, sizeof frame, &waited_ns);
     if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)
         return (int)length;
     if (!r->linked[in])
@@ -194,7 +197,7 @@ static int answer(ect_runner_t *r, ect_end_t in)
         r->stats.stale++;
     else if (!circles(r, in, frame, (size_t)length, r->polled_ns))
         pass(r, in, frame, (size_t)length, waited_ns);
-    return 0;
+    return 1;
 }
 
 static bool take_signal(const ect_runner_t *r)
@@ -251,13 +254,35 @@ static void serve_control(ect_runner_t *r, bool frame, bool readable)
     r->rested_ns = ect_runner_now() + r->control_rest_ns;
 }
 
+/*
+ * While frames come, the next one is waited for in the call that receives it: that is the shortest way to an answer.
+ * All others, users and signals, are looked at after so many frames, and when none has come for a few milliseconds.
+ */
+static bool may_linger(const ect_runner_t *r, uint64_t wake_ns)
+{
+    bool one_end = r->ports[ECT_END_IN] && !r->ports[ECT_END_OUT];
+    bool waits = one_end && r->row > 0 && r->ports[ECT_END_IN]->patient;
+    return (one_end && r->busy_poll) || (waits && wake_ns > r->polled_ns + ECT_PACKET_PATIENCE_NS);
+}
+
+/* @return as answer() */
+static int linger(ect_runner_t *r, uint64_t wake_ns)
+{
+    if (!r->busy_poll)
+        return answer(r, ECT_END_IN, true);
+    int got = 0;
+    for (unsigned int i = 0; i < SPINS && got == 0 && ect_runner_now() < wake_ns; i++)
+        got = answer(r, ECT_END_IN, false);
+    return got;
+}
+
 /* @return 1: go on; 0: stop; -1: an interface is gone */
 static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
 {
     bool frame = false;
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         frame |= fds[end].revents != 0;
-        if (fds[end].revents != 0 && answer(r, end) < 0)
+        if (fds[end].revents != 0 && answer(r, end, false) < 0)
             return -1;
     }
     if (fds[LINK_FD].revents != 0) {
@@ -268,6 +293,27 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
         return 0;
     serve_control(r, frame, fds[CONTROL_FD].revents != 0);
     return 1;
+}
+
+/* Devices, then a frame, or all that there is to wait for. @return as serve() */
+static int go_round(ect_runner_t *r)
+{
+    struct pollfd fds[WAITABLE];
+    uint64_t wake_ns = run_devices(r);
+    bool lingers = may_linger(r, wake_ns);
+    if (lingers && r->row < FRAMES_FIRST) {
+        int came = linger(r, wake_ns);
+        if (came != 0) {
+            r->row++;
+            return came;
+        }
+        lingers = r->busy_poll;
+    }
+    if (r->row >= FRAMES_FIRST)
+        r->frames_first = FRAMES_FIRST;
+    int ready = wait_for(r, fds, lingers ? 0 : wake_ns);
+    r->row = lingers || fds[ECT_END_IN].revents != 0 ? 1 : 0;
+    return ready < 0 && errno != EINTR ? -1 : serve(r, fds);
 }
 
 /* What a user had saved is safe before the process ends. */
@@ -289,12 +335,8 @@ int ect_runner_run(ect_runner_t *r)
     if (r->control)
         ect_control_show(r->control, &r->stats, r->scenario);
     follow_cables(r);
-    while (going > 0) {
-        struct pollfd fds[WAITABLE];
-        uint64_t wake_ns = run_devices(r);
-        int ready = wait_for(r, fds, wake_ns);
-        going = ready < 0 && errno != EINTR ? -1 : serve(r, fds);
-    }
+    while (going > 0)
+        going = go_round(r);
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         ect_late_clear(&r->late[end]);
         ect_late_clear(&r->behind[end]);

@@ -39,6 +39,7 @@ typedef struct ect_runner {
     ect_faults_t *faults;       /**< NULL: none */
     ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
     const ect_filter_t *filter; /**< NULL: none */
+    bool busy_poll;             /**< looks for frames without a rest: a processor does nothing else */
     int signal_fd;              /**< a signalfd */
     int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
     /** A signal has come, from the terminal or from a process. Not NULL. @return true: go on; false: stop. */
@@ -55,6 +56,7 @@ typedef struct ect_runner {
     uint64_t polled_ns;   /* the latest time that the chain has seen */
     uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */
     unsigned int frames_first;
+    unsigned int row;   /* frames since others were looked at */
     uint64_t rested_ns; /* when a client may be served again */
     bool resting;
     bool linked[ECT_ENDS];
@@ -69,7 +71,8 @@ uint64_t ect_runner_now(void);
 /**
  * Runs until `on_signal` stops it, and at most two seconds longer for what a user has had saved (ect_chain_unfinished).
  * Frames first: a client of the control socket is served when none waits, or after eight in a row.
- * Cost: one wait and two system calls (receive, send) a frame; nothing while the bus is quiet but the devices' timers.
+ * Cost: two system calls (receive, send) a frame while frames come, and one wait for eight of them; nothing while the
+ * bus is quiet but the devices' timers.
  * @return 0 · -1 an interface went away (errno)
  */
 int ect_runner_run(ect_runner_t *runner);

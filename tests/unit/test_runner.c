@@ -258,9 +258,96 @@ static void rests(void **state)
     close_bench(&b);
 }
 
-/* --- watching ----------------------------------------------------------------------------------------------------- */
+/* --- frames in a row ---------------------------------------------------------------------------------------------- */
 
 static int watcher;
+static size_t answered_at[8];
+
+/* Frames are there from the first moment on. What the loop has answered when it looks at others, for the n-th time. */
+static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    for (unsigned int i = 0; n == 0 && i < 20; i++)
+        send_frame(b);
+    if (n < 8)
+        answered_at[n] = b->runner.stats.frames;
+    if (b->runner.stats.frames < 20 && n > 0)
+        assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0); /* a look, no rest */
+    if (b->runner.stats.frames == 20)
+        (void)raise(SIGUSR1);
+}
+
+static void open_patient_bench(bench_t *b)
+{
+    const struct timeval patience = {.tv_usec = 1000};
+    open_bench(b, "fzm1", 1); /* an FZM1 that does nothing asks for no time */
+    assert_int_equal(fcntl(b->port.fd, F_SETFL, 0), 0);
+    assert_int_equal(setsockopt(b->port.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
+    b->port.patient = true;
+}
+
+static void waits_where_it_receives(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_patient_bench(&b);
+    run(&b, flood);
+    assert_int_equal(b.runner.stats.answered, 20);
+    assert_int_equal(answered_at[0], 0);
+    assert_int_equal(answered_at[1], IN_A_ROW);
+    assert_int_equal(answered_at[2], 2 * IN_A_ROW);
+    assert_int_equal(answered_at[3], 20); /* none came for a while */
+    close_bench(&b);
+}
+
+/* With a client at work nobody waits where only a frame can end it. */
+static void flood_with_client(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0) {
+        watcher = connect_client(b);
+        for (unsigned int i = 0; i < 40; i++)
+            say(watcher, "{\"op\":\"list\",\"slave\":0}\n");
+    }
+    if (b->runner.stats.frames < FRAMES && n % 2 == 0)
+        send_frame(b);
+    if (b->runner.stats.frames == FRAMES || n > 100 * FRAMES)
+        (void)raise(SIGUSR1);
+}
+
+static void clients_between_frames_in_a_row(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_patient_bench(&b);
+    run(&b, flood_with_client);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_non_null(strstr(b.order, "FCF"));
+    close(watcher);
+    close_bench(&b);
+}
+
+/* Nothing rests, but the devices run and a signal ends it. */
+static void spin(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0);
+    if (n == 0 || n == 3)
+        send_frame(b);
+    if (b->runner.stats.frames == 2)
+        (void)raise(SIGUSR1);
+}
+
+static void never_rests(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    b.runner.busy_poll = true;
+    run(&b, spin);
+    assert_int_equal(b.runner.stats.answered, 2);
+    close_bench(&b);
+}
+
+/* --- watching ----------------------------------------------------------------------------------------------------- */
 
 static uint64_t limit_of(const struct timespec *limit)
 {
@@ -366,6 +453,10 @@ int main(int argc, char **argv)
         {"Attack: a client is served once between two frames", once_between_frames, NULL, NULL, NULL},
         {"Attack: clients do not keep the processor busy: there is a rest after each piece of work", rests, NULL, NULL,
          NULL},
+        {"Frames in a row are waited for where they are received; after eight the others are looked at",
+         waits_where_it_receives, NULL, NULL, NULL},
+        {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
+        {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
         {"Who watches wakes the loop every 10 ms, nobody else", report_deadline, NULL, NULL, NULL},
         {"A late loop runs the devices at the times they asked for: every change is told", late_loop, NULL, NULL, NULL},
     };

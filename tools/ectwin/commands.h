@@ -71,6 +71,7 @@ typedef struct twin_args {
     defect_t defect;         /* --break */
     ect_filter_t filter;
     int realtime;      /* priority, 0: as any process */
+    bool busy_poll;    /* never rests */
     const char *store; /* folder of the twins' non-volatile memory, NULL: none */
     const char *files; /* folder that a master reads and writes by FoE, NULL: none */
     uint32_t files_password;

@@ -54,6 +54,7 @@ void session_init(session_t *s, const char *who, twin_args_t *twins)
                                .scenario = &twins->scenario,
                                .filter = twins->filter.ctx ? &twins->filter : NULL,
                                .signal_fd = -1,
+                               .busy_poll = twins->busy_poll,
                                .link_fd = -1,
                                .on_signal = on_signal,
                                .on_circling = on_circling,

@@ -27,6 +27,7 @@ enum {
     KEY_STORE,
     KEY_SET,
     KEY_REALTIME,
+    KEY_BUSY_POLL,
     KEY_BREAK,
     KEY_MODULE,
     KEY_FAULT,
@@ -65,6 +66,10 @@ static const struct argp_option options[] = {
      "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists them", 1},
     {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,
      "Run before all ordinary processes (SCHED_FIFO), 1 to 99 (default 50), with the memory locked", 1},
+    {"busy-poll", KEY_BUSY_POLL, NULL, 0,
+     "Look for frames without a rest, which answers sooner and takes a whole processor (default: sleep until one "
+     "comes)",
+     1},
     {0},
 };
 
@@ -303,6 +308,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_REALTIME:
         args->realtime = parse_priority(state, text);
+        return 0;
+    case KEY_BUSY_POLL:
+        args->busy_poll = true;
         return 0;
     case KEY_MODULE:
         add_module(args, state, text);

@@ -249,7 +249,7 @@ static bool answer(void)
 {
     uint8_t frame[FRAME_ROOM];
     uint64_t waited_ns = 0;
-    ssize_t length = ect_packet_receive(&hal.port, frame, sizeof frame, &waited_ns);
+    ssize_t length = ect_packet_receive(&hal.port, false, frame, sizeof frame, &waited_ns);
     if (length == ECT_PACKET_GONE)
         give_up(EXIT_OPEN, "stopped on '%s': %s", hal.port.iface, strerror(errno));
     if (length == ECT_PACKET_NONE)
