@@ -8,10 +8,13 @@
  */
 #include "bus/chain.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/deadlines.h"
+#include "bus/fast.h"
 #include "bus/settings.h"
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
@@ -525,11 +528,46 @@ static void lamps_within_reach(void **state)
     wire_close(&w);
 }
 
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+
+static unsigned int callocs_left = UINT_MAX;
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return callocs_left == 0 || callocs_left-- == 0 ? NULL : __real_calloc(count, size);
+}
+
+/* Whichever of its blocks there is no memory for: nothing is left behind, as a sanitizer sees. */
+static void memory_runs_out(void **state)
+{
+    unsigned int failed = 0;
+    ect_fast_t *fast = NULL;
+    (void)state;
+    for (unsigned int left = 0; !fast; left++) {
+        callocs_left = left;
+        fast = ect_fast_new(3);
+        callocs_left = UINT_MAX;
+        failed += fast == NULL;
+    }
+    assert_int_equal(failed, 6);
+    ect_fast_free(fast);
+    ect_fast_free(NULL);
+    ect_deadlines_t *deadlines = NULL;
+    for (unsigned int left = 0; !deadlines; left++) {
+        callocs_left = left;
+        deadlines = ect_deadlines_new(3);
+        callocs_left = UINT_MAX;
+    }
+    ect_deadlines_free(deadlines);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"CF-002 CF-010 CF-028: replies, memories and states are those of one controller after the other",
          same_as_the_reference, NULL, NULL, NULL},
+        {"a line without memory is none, and keeps none", memory_runs_out, NULL, NULL, NULL},
         {"link lamps flicker of those whom frames reach", lamps_within_reach, NULL, NULL, NULL},
     };
     if (argc > 1)
