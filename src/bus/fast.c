@@ -239,8 +239,9 @@ static unsigned int take_part(ect_fast_t *f, size_t i, uint8_t *d, unsigned int 
     if (c->frame != f->frame) {
         c->frame = f->frame;
         f->touched[f->touched_count++] = (uint32_t)i;
+        ect_esc_begin_of_frame(c->esc, f->now_ns);
     }
-    unsigned int gain = ect_esc_datagram(c->esc, d, part, f->now_ns);
+    unsigned int gain = ect_esc_datagram(c->esc, d, part);
     ect_fast_look(f, i);
     return gain;
 }

@@ -164,9 +164,13 @@ static unsigned int execute(ect_esc_t *esc, uint8_t *d, unsigned int part)
     return part == 0 || refused ? 0 : access_physical(esc, d, part);
 }
 
-unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part, uint64_t now_ns)
+void ect_esc_begin_of_frame(ect_esc_t *esc, uint64_t now_ns)
 {
     ect_esc_advance(esc, now_ns);
+}
+
+unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part)
+{
     return execute(esc, datagram, part);
 }
 

@@ -104,13 +104,15 @@ static inline uint8_t *ect_datagram_next(uint8_t *datagram)
     return more ? datagram + ECT_DATAGRAM_DATA + ect_datagram_length(datagram) + ECT_DATAGRAM_COUNTER : NULL;
 }
 
+/** A frame begins at `now_ns`; once for each controller that takes part in it, before its first datagram. */
+void ect_esc_begin_of_frame(ect_esc_t *esc, uint64_t now_ns);
+
 /**
  * Lets a controller take part in one datagram: its data change, header and working counter do not.
- * @param part    ECT_PART_...; commands with a logical address: of no meaning
- * @param now_ns  as for ::ect_esc_process
+ * @param part  ECT_PART_...; commands with a logical address: of no meaning
  * @return what the working counter gains
  */
-unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part, uint64_t now_ns);
+unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part);
 
 /** The frame is over; due for each controller that took part in it. */
 void ect_esc_end_of_frame(ect_esc_t *esc);
