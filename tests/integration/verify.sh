@@ -29,11 +29,18 @@ for one in analog.xml#AI2 analog.xml#DRIVE digital.xml#DI4 digital.xml#DO16 digi
   expect "$one and its twin" "" "$(cat "$work/out")"
 done
 
+declare -A named # a device by the type that its file names
+for device in $("$ectwin" list | awk '{print $1}'); do
+  named[$("$ectwin" esi "$device" | sed -n 's/.*<Type Product[^>]*>\(.*\)<\/Type>/\1/p')]=$device
+done
+
 # The files that are ours to give away, the EEPROM, and the twin.
 for file in "$esi"/../../esi/*.xml; do
   [ -e "$file" ] || continue
-  while read -r type _; do
-    device=${type,,}
+  while IFS= read -r line; do
+    type=${line%%  *}
+    type=${type%% @0x*}
+    device=${named[$type]}
     "$ectwin" with "$device" -- "$ectwin" verify "$file#$type" "$work/$device.bin" "$device" slave:{} >"$work/out" 2>"$work/err"
     expect "$file#$type, its image and its twin: exit code" 0 $?
     expect "$file#$type, its image and its twin" "" "$(cat "$work/out")"

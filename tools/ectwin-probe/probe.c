@@ -57,11 +57,21 @@ typedef struct answer {
 /* What became of a request. */
 typedef enum outcome { ANSWERED, REFUSED, LOST } outcome_t;
 
+/* SOEM keeps mailbox errors for itself: a slave without SDO information answers with one. */
+static outcome_t not_received(void)
+{
+    ec_errort error;
+    outcome_t outcome = LOST;
+    while (ec_poperror(&error))
+        outcome = error.Etype == EC_ERR_TYPE_MBX_ERROR ? REFUSED : outcome;
+    return outcome;
+}
+
 static outcome_t receive(uint16_t slave, uint8_t opcode, answer_t *answer)
 {
     ec_clearmbx(&answer->mail);
     if (ec_mbxreceive(slave, &answer->mail, EC_TIMEOUTRXM) <= 0)
-        return LOST;
+        return not_received();
     const uint8_t *mail = answer->mail;
     size_t length = MAILBOX_HEADER + load16(mail);
     if (length < INFO_DATA || length > sizeof answer->mail || (mail[5] & 0x0F) != COE_TYPE ||

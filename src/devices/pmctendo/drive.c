@@ -57,6 +57,7 @@ static void begin(pmctendo_t *u)
 static void look_at_inputs(pmctendo_t *u, uint16_t rising)
 {
     const pmc_plant_t *p = &u->plant;
+    bool supplied = p->power && p->enable && !p->sto;
     bool in_time = u->action != DS402_STOP || u->time_ns < u->stop_until_ns || pmc_standing(u);
     if (powered(u) && p->sto)
         pmc_fault(u, PMC_F_STO);
@@ -68,10 +69,10 @@ static void look_at_inputs(pmctendo_t *u, uint16_t rising)
         .control = u->live ? u->set.control : 0,
         .rising = rising,
         .live = u->live,
-        .supplied = p->power && p->enable && !p->sto,
+        .supplied = supplied,
         .fault = u->fault != 0,
         .resettable = !pmc_fault_needs_restart(u->fault),
-        .can_brake = powered(u) && p->power && p->enable && !p->sto && pmc_fault_brakes(u->fault) && in_time,
+        .can_brake = powered(u) && supplied && pmc_fault_brakes(u->fault) && in_time,
         .standing = pmc_standing(u) || (u->state == DS402_QUICK_STOP && u->quick_option == 0),
         .stays = u->quick_option >= 5,
     };
