@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/* Tells a device the rhythm of the bus. */
+#include "slave/internal.h"
+#include "slave/service.h"
+
+static void tell(ect_slave_t *s, uint32_t event)
+{
+    const ect_device_t *device = s->config.device;
+    unsigned int events = ((event & ect_sm_events(s->outputs)) != 0 ? ECT_CYCLIC_OUTPUTS : 0u) |
+                          ((event & ECT_EVENT_SYNC0) != 0 ? ECT_CYCLIC_SYNC0 : 0u);
+    if (events == 0 || !device->cyclic)
+        return;
+    device->cyclic(s->config.instance, (uint8_t)events, s->now_ns);
+    ect_slave_wake(s);
+}
+
+const ect_service_t ect_service_rhythm = {.event = tell};
