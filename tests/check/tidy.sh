@@ -10,7 +10,7 @@ export root build
 
 look_at() {
   local stamp
-  stamp=$build/tidy/$( (cat "$root/.clang-tidy"; cc -std=c11 -E -P -I"$root/src" "$1") | sha256sum | cut -d' ' -f1)
+  stamp=$build/tidy/$( (cat "$root/.clang-tidy"; cc -std=c11 -E -P -I"$root/src" -I"$root/src/soes" -I"$root/firmware" "$1") | sha256sum | cut -d' ' -f1)
   [ ! -e "$stamp" ] || return 0
   clang-tidy-19 -p "$build" --quiet "$1" 2>/dev/null && touch "$stamp"
 }

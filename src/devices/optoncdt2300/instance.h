@@ -50,8 +50,8 @@ enum {
     OPTO_MAXIMUM,
     OPTO_PEAK_TO_PEAK,
     OPTO_VALUES,
-    OPTO_FIRST_CHOICE = 4,
 };
+enum { OPTO_FIRST_CHOICE = 4 };
 enum { OPTO_SURFACES = 2, OPTO_RATES = 7, OPTO_TABLE = 1024 };
 enum { OPTO_SAMPLES = 100 /* most of an exchange: 1A00h to 1A63h (A 7.6) */, OPTO_RING = 3 * OPTO_SAMPLES };
 enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 whole records; three buffers fit into any controller */ };

@@ -63,7 +63,8 @@ enum {
 };
 
 /** Lines on which edges come: the four inputs, then the index pulse of the feedback. */
-enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INPUTS, PMC_INDEX = PMC_INPUTS, PMC_LINES };
+enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INDEX, PMC_LINES };
+enum { PMC_INPUTS = PMC_INDEX };
 
 /** What the inputs are wired to (our assumption). */
 enum { PMC_LATCH1 = PMC_DI1, PMC_LATCH2 = PMC_DI2, PMC_HOME = PMC_DI2, PMC_PSTOP = PMC_DI3, PMC_NSTOP = PMC_DI4 };

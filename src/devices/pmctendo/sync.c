@@ -90,9 +90,12 @@ void pmc_sync_event(pmctendo_t *u, uint8_t events, uint64_t now_ns)
         s->first_ns = now_ns;
     } else if (!rate_is_right(u, now_ns)) {
         lose(u);
-    } else if (s->good < enough && ++s->good == enough) {
-        s->synchronised = true;
-        pmc_warn(u, PMC_N_SYNC, false);
+    } else if (s->good < enough) {
+        s->good++;
+        if (s->good == enough) {
+            s->synchronised = true;
+            pmc_warn(u, PMC_N_SYNC, false);
+        }
     }
     s->last_ns = now_ns;
 }
