@@ -7,6 +7,7 @@ set(CMAKE_OBJCOPY ${tools}-objcopy)
 set(CMAKE_SIZE ${tools}-size)
 set(CMAKE_C_FLAGS_INIT "${cpu} -ffunction-sections -fdata-sections")
 set(CMAKE_ASM_FLAGS_INIT "${cpu}")
-set(CMAKE_EXE_LINKER_FLAGS_INIT "${libc} -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings")
+# nmagic: a segment holds what the linker script puts there, and not the headers of the file in the page before it.
+set(CMAKE_EXE_LINKER_FLAGS_INIT "${libc} -nostartfiles -Wl,--gc-sections -Wl,--nmagic -Wl,--fatal-warnings")
 set(CMAKE_EXECUTABLE_SUFFIX .elf)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
