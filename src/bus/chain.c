@@ -52,6 +52,7 @@ struct ect_chain {
     bool ways_due;       /* loops may be others */
     ect_mishap_t mishap; /* of the next frame */
     ect_topology_node_t *nodes;
+    bool line; /* each twin is at port 1 of the one before it */
     ect_fast_t *fast;
     ect_deadlines_t *deadlines; /* of twins; never later than what they and their ESCs want */
     uint64_t *ready;            /* a bit a twin: something has happened to it since it was polled */
@@ -344,7 +345,12 @@ static bool lay_wires(ect_chain_t *chain, const ect_twin_config_t *twins)
     chain->nodes = calloc(chain->count, sizeof *chain->nodes);
     for (size_t i = 0; chain->nodes && i < chain->count; i++)
         chain->nodes[i] = (ect_topology_node_t){.up = twins[i].up, .up_port = twins[i].up_port};
-    return chain->nodes && ect_topology_lay(chain->nodes, chain->count, chip_has_port, twins) == chain->count;
+    if (!chain->nodes || ect_topology_lay(chain->nodes, chain->count, chip_has_port, twins) != chain->count)
+        return false;
+    chain->line = true;
+    for (size_t i = 1; i < chain->count; i++)
+        chain->line &= chain->nodes[i - 1].down[1] == i;
+    return true;
 }
 
 /* Before anything is powered on: who is connected to whom from the beginning on. */
@@ -645,7 +651,8 @@ static void note_reach(ect_chain_t *chain, size_t reach)
 ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     chain->now_ns = chain->frame_ns = now_ns;
-    if (in != ECT_END_IN || !chain->twins[0].link[0] || chain->count == 1 || chain->mishap.kind != ECT_MISHAP_NONE)
+    bool plain = chain->line && in == ECT_END_IN && chain->twins[0].link[0] && chain->count > 1;
+    if (!plain || chain->mishap.kind != ECT_MISHAP_NONE)
         return pass_slowly(chain, in, frame, length, now_ns);
     tick_due(chain, now_ns);
     note_reach(chain, ect_fast_reach(chain->fast));
