@@ -164,6 +164,7 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
     ect_esc_config_t esc = twin->esc.config;
     ect_slave_config_t slave = twin->slave.config;
     const ect_esc_arrival_t arrival = twin->esc.arrival;
+    twin->hung = esc.pdi_watched = false;
     slave.device_id = twin->config.alias;
     if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
         return false;
@@ -448,7 +449,6 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
 
 static void begin_anew(ect_chain_t *chain, size_t i, uint64_t now_ns)
 {
-    chain->twins[i].hung = false;
     (void)power_on(&chain->twins[i], now_ns);
     powered_on(chain, i);
     chain->links_due = chain->ways_due = true;

@@ -244,6 +244,30 @@ static void hangs(void **state)
     assert_int_equal(wire_read8(&r->w, 1, 0x0110) & 2, 2);
 }
 
+/* Whatever takes its power off or resets it sets it going again, and nobody watches it any longer than before. */
+static void hang_ends(void **state)
+{
+    static const char *const ends[] = {"reset slave 2", "identity slave 2", "the master's reset", "power"};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        set(r, "hang slave 2");
+        if (i < 2)
+            set(r, ends[i]);
+        else if (i == 3)
+            ect_chain_power_cycle(r->w.chain, r->w.now_ns);
+        for (const char *letter = "RES"; i == 2 && *letter != 0; letter++)
+            assert_int_equal(wire_send(&r->w, APWR, (uint16_t)-1, 0x0040, (uint8_t[1]){(uint8_t)*letter}, 1), 1);
+        wire_poll(&r->w);
+        wire_assign_stations(&r->w);
+        wire_advance(&r->w, 300 * MS);
+        if (wire_read8(&r->w, 1, 0x0443) != 0 || (wire_read8(&r->w, 1, 0x0110) & 2) == 0)
+            fail_msg("%s: the PDI watchdog has expired", ends[i]);
+        wire_configure_mailbox(&r->w, 1);
+        if (wire_al(&r->w, 1, 2, NULL) != 2)
+            fail_msg("%s: expected a slave that answers", ends[i]);
+    }
+}
+
 static void resets_and_identity(void **state)
 {
     rig_t *r = *state;
@@ -391,6 +415,8 @@ int main(int argc, char **argv)
         TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),
         TEST("the working counter of the first datagram is changed, where there is one", counters),
         TEST("CF-053: a slave that hangs answers no request, its PDI watchdog expires, and it goes on", hangs),
+        TEST("CF-012 CF-053: a slave that hangs is set going by a reset, by the master's too, and its watchdog rests",
+             hang_ends),
         TEST("CF-096: a slave that is reset or replaced begins in INIT, with another product code",
              resets_and_identity),
         TEST("a request to AL control whose event is lost is not seen", loses_an_event),
