@@ -174,6 +174,13 @@ static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, u
     }
 }
 
+/* Longer than any frame of EtherCAT, and its end was not even kept: the controllers count it, and nobody answers. */
+static void refuse_long(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length)
+{
+    (void)ect_chain_pass(r->chain, in, frame, length, chain_now(r));
+    r->stats.unanswered++;
+}
+
 static void follow_cables(ect_runner_t *r)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
@@ -195,6 +202,8 @@ static int answer(ect_runner_t *r, ect_end_t in, bool wait)
     r->stats.frames++;
     if (length == ECT_PACKET_STALE)
         r->stats.stale++;
+    else if ((size_t)length > sizeof frame)
+        refuse_long(r, in, frame, (size_t)length);
     else if (!circles(r, in, frame, (size_t)length, r->polled_ns))
         pass(r, in, frame, (size_t)length, waited_ns);
     return 1;

@@ -347,6 +347,52 @@ static void never_rests(void **state)
     close_bench(&b);
 }
 
+/* --- frames that are too long ---------------------------------------------------------------------------------------
+ */
+
+enum { LONG = 9000 }; /* jumbo frames: an interface may be set to take them */
+
+static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    static uint8_t frame[LONG];
+    (void)limit;
+    if (n == 0) {
+        memset(frame, 0xFF, sizeof frame);
+        wire_build(&b->wire, BRD, 0, 0, "\0", 1);
+        memcpy(frame, b->wire.frame, 16);
+        assert_int_equal(__real_send(b->master, frame, sizeof frame, 0), LONG);
+    }
+    if (b->runner.stats.frames == 1 || n > 100)
+        (void)raise(SIGUSR1);
+}
+
+/* With a fault that touches bytes of each frame; from the far end, where nobody would process it on its way. */
+static void too_long(void **state)
+{
+    static ect_scenario_t scenario;
+    char message[ECT_FAULT_MESSAGE];
+    uint8_t answer[64];
+    (void)state;
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        bench_t b;
+        scenario = (ect_scenario_t){.seed = 1};
+        assert_true(ect_scenario_read(&scenario, "corrupt", message));
+        open_bench(&b, "fzm1", 2);
+        if (end == ECT_END_OUT)
+            b.runner.ports[ECT_END_IN] = NULL;
+        b.runner.ports[end] = &b.port;
+        b.runner.scenario = &scenario;
+        run(&b, from_end);
+        assert_int_equal(b.runner.stats.frames, 1);
+        assert_int_equal(b.runner.stats.unanswered, 1);
+        assert_int_equal(b.runner.stats.answered, 0);
+        assert_int_equal(recv(b.master, answer, sizeof answer, MSG_DONTWAIT), -1);
+        if (end == ECT_END_IN)
+            assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1);
+        close_bench(&b);
+    }
+}
+
 /* --- watching ----------------------------------------------------------------------------------------------------- */
 
 static uint64_t limit_of(const struct timespec *limit)
@@ -457,6 +503,9 @@ int main(int argc, char **argv)
          waits_where_it_receives, NULL, NULL, NULL},
         {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
+        {"Attack: a frame longer than any of EtherCAT is counted by the controller, answered by nobody and touches "
+         "nothing",
+         too_long, NULL, NULL, NULL},
         {"Who watches wakes the loop every 10 ms, nobody else", report_deadline, NULL, NULL, NULL},
         {"A late loop runs the devices at the times they asked for: every change is told", late_loop, NULL, NULL, NULL},
     };
