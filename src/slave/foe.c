@@ -178,11 +178,13 @@ static void take_packet(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *dat
 {
     ect_foe_transfer_t *t = transfer_of(foe, s);
     const char *text = NULL;
-    uint32_t code = ECT_FOE_DISK_FULL;
+    if (length > UINT32_MAX - t->offset) {
+        refuse(foe, s, ECT_FOE_DISK_FULL);
+        return;
+    }
     t->packet++;
     t->finished = length < s->mailbox.out_size - ECT_MAILBOX_HEADER - HEADER;
-    if (length <= UINT32_MAX - t->offset)
-        code = foe->write(foe, s->config.instance, t->offset, data, length, t->finished, &text);
+    uint32_t code = foe->write(foe, s->config.instance, t->offset, data, length, t->finished, &text);
     t->offset += length;
     answer(foe, s, code, text);
 }

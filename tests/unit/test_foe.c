@@ -398,6 +398,7 @@ static void four_gigabytes(void **state)
     send_mail(DATA, 1, data, FULL);
     expect_error("the byte too many", ECT_FOE_DISK_FULL, "");
     assert_int_equal(device()->written, 0);
+    assert_int_equal(device()->closed_broken, 1); /* the device was not asked: it is told that its file is over */
     fill(FILEDEV_DATA, 3 * FULL);
     begin(READ, "data", 0);
     expect("the file", DATA, 1);
