@@ -5,8 +5,10 @@
 #include FIRMWARE_DEVICE_HEADER
 #include "firmware.h"
 #include "seams/foe.h"
+#include "wire/registers.h"
 
 enum { PROTOCOLS = 8, BOOT = ECT_STATE_BOOT };
+enum { SHORT_MAIL = 64, MAIL = 256 };
 
 static ect_device_t device;
 static const ect_protocol_t *protocols[PROTOCOLS + 1];
@@ -74,6 +76,18 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
     return FIRMWARE_DEVICE.state_change ? FIRMWARE_DEVICE.state_change(instance, from, to, now_ns) : 0;
 }
 
+/*
+ * The mailboxes of BOOT are the usual ones, which SOEM's firm_update leaves as they are. Where a file's name does not
+ * fit those, they are others: in BOOT nothing else is in the ESC's RAM.
+ */
+static void lay_out_boot(void)
+{
+    const ect_sm_t *out = &device.sm[0], *in = &device.sm[1];
+    bool fit = out->length >= SHORT_MAIL && in->length >= SHORT_MAIL;
+    device.boot_out = fit ? (ect_boot_mailbox_t){out->start, out->length} : (ect_boot_mailbox_t){ECT_RAM, MAIL};
+    device.boot_in = fit ? (ect_boot_mailbox_t){in->start, in->length} : (ect_boot_mailbox_t){ECT_RAM + MAIL, MAIL};
+}
+
 /* Anew at each call: the firmware and the EEPROM ask once each. */
 const ect_device_t *firmware_device(void)
 {
@@ -92,8 +106,7 @@ const ect_device_t *firmware_device(void)
     device.protocols = protocols;
     device.mailbox_protocols |= ECT_MAILBOX_FOE;
     device.instance_size = files.offset + sizeof(ect_foe_transfer_t);
-    device.boot_out = (ect_boot_mailbox_t){device.sm[0].start, device.sm[0].length};
-    device.boot_in = (ect_boot_mailbox_t){device.sm[1].start, device.sm[1].length};
+    lay_out_boot();
     device.init = init;
     device.state_change = state_change;
     return &device;

@@ -25,16 +25,32 @@ static bool mapping_is_constant(const ect_device_t *device, unsigned int sm)
     return constant;
 }
 
-/* Each PDO of that direction assigned, and each of its entries a run. */
-static size_t most_runs(const ect_device_t *device, uint8_t type)
+/* Bits of the shortest entry that may be mapped in a direction, at least one. */
+static size_t shortest(const ect_device_t *device, uint16_t access)
 {
+    size_t bits = SIZE_MAX;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
+            if ((e->access & access) != 0 && e->bit_length > 0 && e->bit_length < bits)
+                bits = e->bit_length;
+        }
+    }
+    return bits;
+}
+
+/* Each PDO of that direction assigned, and each of its entries a run; or as many as there is room for. */
+static size_t most_runs(const ect_device_t *device, unsigned int sm)
+{
+    bool outputs = device->sm[sm].type == ECT_SM_OUTPUTS;
+    size_t room = 8u * ect_sm_room(device, sm) / shortest(device, outputs ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO);
     size_t runs = 0;
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *object = &device->objects[i];
-        if (type == ECT_SM_OUTPUTS ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index))
+        if (outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index))
             runs += object->max_subindex;
     }
-    return runs;
+    return runs < room ? runs : room;
 }
 
 /* The longest value that a master may write. */
@@ -65,8 +81,7 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
             continue;
         size_t bytes = ect_sm_room(device, n);
         need.process_data = bytes > need.process_data ? bytes : need.process_data;
-        need.runs +=
-            mapping_is_constant(device, n) ? ect_pdo_count_runs(device, n) : most_runs(device, device->sm[n].type);
+        need.runs += mapping_is_constant(device, n) ? ect_pdo_count_runs(device, n) : most_runs(device, n);
     }
     return need;
 }

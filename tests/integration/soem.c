@@ -124,6 +124,8 @@ static void set_boot_mailbox(soem_t *m, uint16 slave, unsigned int sm, uint16 wo
         s->mbx_rl = (uint16)(entry >> 16);
     }
     assert_true(entry >> 16 > 0);
+    uint8 off = 0; /* one that is on cannot be moved */
+    ecx_FPWR(&m->port, s->configadr, (uint16)(ECT_REG_SM0 + 8 * sm + 6), 1, &off, EC_TIMEOUTSAFE);
     ecx_FPWR(&m->port, s->configadr, (uint16)(ECT_REG_SM0 + 8 * sm), sizeof(ec_smt), &s->SM[sm], EC_TIMEOUTRET3);
 }
 

@@ -2,7 +2,7 @@
 /*
  * What A 7.2.5, A 7.2.6 and public pages of the manual demand of an optoNCDT 2300, seen by SOEM on the wire and in real
  * time, the plant played through the control socket.
- * usage: test_optoncdt IFACE [TEST]
+ * usage: test_optoncdt IFACE [TEST [no-plant]]     no-plant: a board, where nobody plays; it is as at power-on
  */
 #define _DEFAULT_SOURCE
 #include <stdio.h>
@@ -17,6 +17,7 @@ enum { VALUES = 13, FIRST_CHOICE = 4, MM = 1000000, SM3 = 3 };
 enum { COUNTER = 1 << 1, TIMESTAMP = 1 << 2, INTENSITY = 1 << 4, DISTANCE1 = 1 << 5, DISTANCE2 = 1 << 7, ALL = 0x1FFF };
 
 static const char *iface;
+static bool played = true;
 static soem_t master;
 
 static const char defaults[] = "laser=1 range=20 exposure=50 temperature=25 rate=10000 laser_power=0 default_user=0 "
@@ -94,7 +95,8 @@ static int open_master(void **state)
 {
     (void)state;
     soem_open(&master, iface, 1);
-    plant_set_all(defaults);
+    if (played)
+        plant_set_all(defaults);
     return 0;
 }
 
@@ -398,11 +400,12 @@ int main(int argc, char **argv)
         E("SYNC0 with the period of a measuring rate (public manual, p. 182)", clocks),
     };
     if (argc < 2) {
-        fprintf(stderr, "usage: test_optoncdt IFACE [TEST]\n");
+        fprintf(stderr, "usage: test_optoncdt IFACE [TEST [no-plant]]\n");
         return 2;
     }
     iface = argv[1];
     if (argc > 2)
         cmocka_set_test_filter(argv[2]);
+    played = argc < 4;
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -423,11 +423,84 @@ static void hundred(void **state)
     opto_t *u = ranger_instance(&r);
     for (uint32_t have = 1; have <= 100; have++) {
         for (int32_t n = 0; n < 100; n++)
-            u->ring[n].value[OPTO_COUNTER] = n;
+            u->kept[n] = n;
+        u->oldest = 0;
         u->shown = have;
         opto_inputs_packed(u, 3, r.in, 400);
         for (unsigned int n = 0; n < 100; n++)
             want("few records", n, n + have > 100 ? (int32_t)(n + have - 100) : 0);
+    }
+}
+
+/* A master that is late by two exchanges, all but a record, gets each record once: of 22 with all, of 100 with few
+ * values. */
+static void late(void **state)
+{
+    static const struct {
+        uint32_t measurements;
+        unsigned int values, samples, counter;
+    } rows[] = {{ALL, OPTO_VALUES, 22, OPTO_COUNTER},
+                {1 << OPTO_COUNTER, 1, 100, 0},
+                {1 << OPTO_COUNTER | 1 << OPTO_STATE, 2, 100, 0}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        ranger_select(&r, rows[i].measurements, rows[i].samples);
+        ranger_go(&r, SAFEOP);
+        opto_t *u = ranger_instance(&r);
+        int32_t next = (int32_t)u->taken;
+        u->sent = u->taken;
+        while (u->taken - u->sent < 3 * rows[i].samples - 1)
+            opto_advance(u, u->next_ns);
+        for (unsigned int exchange = 0; exchange < 2; exchange++) {
+            opto_inputs(u, 0);
+            opto_inputs_packed(u, 3, r.in, r.bytes);
+            opto_inputs_read(u, 0);
+            for (unsigned int n = 0; n < rows[i].samples; n++)
+                want("counter", n * rows[i].values + rows[i].counter, next++);
+        }
+        (void)wire_al(&r.w, 0, PREOP, NULL);
+    }
+}
+
+/* What was taken before there was a choice is of another form: the last record stands for what is not there. */
+static void choice_anew(void **state)
+{
+    enum { SAMPLES = 20 };
+    (void)state;
+    ranger_write(&r, 0x2250, 1, 1500, 4);
+    wire_advance(&r.w, 100 * MS);
+    ranger_select(&r, 1 << OPTO_COUNTER | 1 << OPTO_DISTANCE_1, SAMPLES);
+    int32_t last = (int32_t)ranger_instance(&r)->taken - 1;
+    ranger_go(&r, SAFEOP);
+    for (unsigned int cycle = 0; cycle < 2 * SAMPLES; cycle++) {
+        int32_t newest = (int32_t)ranger_instance(&r)->taken - 1;
+        assert_int_equal(wire_read(&r.w, 0, RANGER_INPUTS, r.in, r.bytes), 1);
+        for (unsigned int n = 0, before = 0; n < SAMPLES; n++) {
+            int32_t counter = ranger_value(&r, 2 * n);
+            assert_in_range(counter, last, newest);
+            assert_true(n == 0 || counter == (int32_t)before + 1 || counter == (int32_t)before);
+            want("distance", 2 * n + 1, 10 * MM);
+            before = (unsigned int)counter;
+        }
+        wire_advance(&r.w, 1 * MS);
+    }
+}
+
+/* Away for longer than any record is kept: an exchange of many holds the last ones, without a gap. */
+static void many_after_away(void **state)
+{
+    enum { SAMPLES = 100 };
+    (void)state;
+    ranger_select(&r, 1 << OPTO_COUNTER, SAMPLES);
+    ranger_go(&r, OP);
+    ranger_wait(&r, 20 * MS);
+    r.w.now_ns += 1000 * MS;
+    ranger_wait(&r, 0);
+    wire_poll(&r.w);
+    for (unsigned int cycle = 0; cycle < 10; cycle++) {
+        ranger_wait(&r, 1 * MS);
+        for (unsigned int n = 1; n < SAMPLES; n++)
+            want("counter", n, ranger_value(&r, 0) + (int32_t)n);
     }
 }
 
@@ -537,6 +610,9 @@ int main(void)
         T("OPT-006: oversampling, each record once (public manual, p. 174)", oversampling),
         T("OPT-006: oversampling with an irregular master", irregular),
         T("OPT-006: oversampling up to 100 (public manual, p. 174)", hundred),
+        T("OPT-006: oversampling with a master that is late", late),
+        T("OPT-006: oversampling, after a choice", choice_anew),
+        T("OPT-006: oversampling, after an absence", many_after_away),
         T("SYNC0 has the period of a measuring rate, or twice that (public manual, p. 182)", cycles),
         T("a record at each SYNC0 (public manual, p. 182)", synchronised),
         T("SYNC0 without outputs, and without SYNC0", sync0_without_outputs),

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "devices/optoncdt2300/optoncdt2300.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -756,6 +757,8 @@ static void memory_needed(void **state)
     need = ect_slave_memory(&device);
     assert_int_equal(need.mailbox, 0);
     assert_int_equal(need.process_data, 0);
+    need = ect_slave_memory(&ect_optoncdt2300); /* 1300 entries of 32 bits in 100 PDOs, and room for 1144 bytes */
+    assert_int_equal(need.runs, 1144 / 4);
 }
 
 static void config_checked(void **state)

@@ -122,7 +122,8 @@ enum {
     CF_SII = 1u << 15,         /**< an EEPROM with a readable image */
     CF_WRITES_SII = 1u << 16,  /**< the user allows what writes the EEPROM (--destructive); put back what was there */
     CF_ESI = 1u << 17,         /**< the user names its ESI file (--esi) */
-    CF_NEEDS_COUNT = 18,
+    CF_REAL_TIME = 1u << 18,   /**< time that passes for the slave as for the master: not with --emulated */
+    CF_NEEDS_COUNT = 19,
 
     /* Not of the slave but of the user: who does not ask for such a case does not see it. */
     CF_STRESS = 1u << 24, /**< --stress */
@@ -181,6 +182,7 @@ typedef struct cf {
     cf_mailbox_t mailbox; /**< the standard mailbox, in force from PREOP on */
     bool destructive;     /**< --destructive was given */
     bool whole;           /**< --long was given: what takes long is done as long as the checklist says */
+    bool emulated;        /**< --emulated was given: cases of CF_REAL_TIME are skipped */
     const char *power;    /**< --power: the command that switches the slave off and on; NULL: there is none */
     const char *file;     /**< --file: one that may be read by FoE; NULL: none is known */
     uint32_t password;    /**< --password: for it */

@@ -200,10 +200,12 @@ static void cycle_refused(cf_t *c)
 }
 
 static const cf_case_t cases[] = {
-    {"CF-087", "A write to 0x0900 latches the receive times, a read does not", 'R', CF_DC, 0, receive_times},
-    {"CF-088", "The offset moves the system time; the difference has the right sign", 'R', CF_DC, 0, offset_and_loop},
-    {"CF-089", "SYNC0 begins at its start time and keeps its grid; from the past it does not begin", 'R', CF_DC, 0,
-     sync0},
+    {"CF-087", "A write to 0x0900 latches the receive times, a read does not", 'R', CF_DC | CF_REAL_TIME, 0,
+     receive_times},
+    {"CF-088", "The offset moves the system time; the difference has the right sign", 'R', CF_DC | CF_REAL_TIME, 0,
+     offset_and_loop},
+    {"CF-089", "SYNC0 begins at its start time and keeps its grid; from the past it does not begin", 'R',
+     CF_DC | CF_REAL_TIME, 0, sync0},
     {"CF-090", "SYNC0 and SYNC1 keep their distance to the frames", 'T', CF_DC, 0, jitter},
     {"CF-091", "Latches take the time of an edge", 'R', CF_DC, 0, latches},
     {"CF-092", "A cycle that is not supported is refused", 'F', CF_DC | CF_APPLICATION | CF_SII, 0, cycle_refused},

@@ -131,10 +131,10 @@ static void pdi(cf_t *c)
 
 static const cf_case_t cases[] = {
     {"CF-050", "The process data watchdog runs for divider and time; 0 switches it off", 'R',
-     CF_APPLICATION | CF_OUTPUTS, 0, times},
-    {"CF-051", "Each expiry counts once; switched off, none", 'R', CF_APPLICATION | CF_OUTPUTS, 0, once},
-    {"CF-052", "Outputs that are written in part do not feed the watchdog", 'R', CF_APPLICATION | CF_OUTPUTS, 0,
-     partly},
+     CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, times},
+    {"CF-051", "Each expiry counts once; switched off, none", 'R', CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, once},
+    {"CF-052", "Outputs that are written in part do not feed the watchdog", 'R',
+     CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, partly},
     {"CF-053", "The PDI's watchdog and error counter stay quiet while the slave works", 'T',
      CF_APPLICATION | CF_MAILBOX, 0, pdi},
 };

@@ -33,6 +33,7 @@ enum {
     OPTION_TIMING,
     OPTION_SEED,
     OPTION_LONG,
+    OPTION_EMULATED,
     OPTION_POWER,
     OPTION_FILE,
     OPTION_PASSWORD
@@ -44,7 +45,7 @@ typedef struct args {
     unsigned long slave, seconds, seed, password;
     uint32_t asked; /* of CF_ON_REQUEST */
     cf_report_t report;
-    bool list, destructive, whole;
+    bool list, destructive, whole, emulated;
 } args_t;
 
 static const struct argp_option options[] = {
@@ -67,6 +68,8 @@ static const struct argp_option options[] = {
      "A file that may be read by FoE, and with --destructive written and put back; for CF-084", 0},
     {"password", OPTION_PASSWORD, "N", 0, "What the slave wants for it, 1..4294967295", 0},
     {"long", OPTION_LONG, NULL, 0, "Do what takes long in full: an hour without a master, a million frames", 0},
+    {"emulated", OPTION_EMULATED, NULL, 0,
+     "The slave's processor is emulated and its time is not ours: skip cases that need real time", 0},
     {"stress", OPTION_STRESS, "SECONDS", OPTION_ARG_OPTIONAL,
      "Also SDO traffic, process data and changes of state at once, 10 s or so long", 1},
     {"fuzz", OPTION_FUZZ, "SECONDS", OPTION_ARG_OPTIONAL, "Also malformed mails and frames, 10 s or so long", 1},
@@ -164,6 +167,9 @@ static bool parse_more(int key, char *text, struct argp_state *state)
         return true;
     case OPTION_LONG:
         args->whole = true;
+        return true;
+    case OPTION_EMULATED:
+        args->emulated = true;
         return true;
     case OPTION_POWER:
         args->power = text;
@@ -395,6 +401,7 @@ static int run_all(const args_t *args, cf_esi_t *esi)
     run.c.esi = esi;
     run.c.destructive = args->destructive;
     run.c.whole = args->whole;
+    run.c.emulated = args->emulated;
     run.c.power = args->power;
     run.c.file = args->file;
     run.c.password = (uint32_t)args->password;

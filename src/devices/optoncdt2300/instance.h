@@ -9,6 +9,7 @@
  *   settings.c  what SDO writes ask for: user level, selection of measurements, measuring rate
  *   samples.c   which records an exchange holds
  *   sensor.c    time: a record at each period of the measuring rate, or at each SYNC0
+ *   keep.c      what is chosen of the last records
  *   record.c    what a record holds
  *   target.c    what the laser finds
  *
@@ -52,9 +53,18 @@ enum {
     OPTO_VALUES,
 };
 enum { OPTO_FIRST_CHOICE = 4 };
-enum { OPTO_SURFACES = 2, OPTO_RATES = 7, OPTO_TABLE = 1024 };
-enum { OPTO_SAMPLES = 100 /* most of an exchange: 1A00h to 1A63h (A 7.6) */, OPTO_RING = 3 * OPTO_SAMPLES };
+enum { OPTO_SURFACES = 2, OPTO_RATES = 7 };
+enum { OPTO_SAMPLES = 100 /* most of an exchange: 1A00h to 1A63h (A 7.6) */ };
 enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 whole records; three buffers fit into any controller */ };
+enum { OPTO_ROOM = 3 * OPTO_LONGEST / 4 /* measurements that are kept: of three exchanges */ };
+
+/* What takes memory and time: a board with little of them defines less. */
+#ifndef OPTO_TABLE
+#define OPTO_TABLE 1024 /* rows that a user may give */
+#endif
+#ifndef OPTO_MOST_RECORDS
+#define OPTO_MOST_RECORDS 4096 /* in one call; who was away for longer finds the last ones */
+#endif
 
 enum { OPTO_USER = 0, OPTO_EXPERT = 1 };
 enum { OPTO_PASSWORD = 31 };
@@ -127,11 +137,12 @@ typedef struct opto {
     uint64_t next_ns; /* when the next record is taken */
     uint8_t al_state;
     bool synchronised;
-    opto_record_t ring[OPTO_RING];
-    uint64_t taken; /* records, also those that nobody could see any more */
-    uint64_t sent;  /* up to which the master has them */
-    uint64_t shown; /* up to which they stand in the process data */
-    bool statistic; /* minimum and maximum are some */
+    int32_t kept[OPTO_ROOM]; /* see keep.c */
+    uint64_t oldest;         /* record that stands there */
+    uint64_t taken;          /* records, also those that nobody could see any more */
+    uint64_t sent;           /* up to which the master has them */
+    uint64_t shown;          /* up to which they stand in the process data */
+    bool statistic;          /* minimum and maximum are some */
     int32_t minimum, maximum;
 
     uint8_t user;
@@ -147,7 +158,7 @@ typedef struct opto {
 } opto_t;
 
 /* settings.c */
-void opto_choose(opto_t *u); /* 1A00h becomes what 21B0h says */
+void opto_choose(opto_t *u); /* 1A00h becomes what 21B0h says, and so do records, from the last one on */
 bool opto_is_rate(uint32_t hz);
 ect_reason_t opto_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void opto_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
@@ -165,8 +176,14 @@ uint64_t opto_tick(void *instance, uint64_t now_ns);
 void opto_advance(opto_t *u, uint64_t now_ns);
 void opto_new_rate(opto_t *u, uint64_t now_ns); /* the next record comes a period from now */
 
+/* keep.c */
+void opto_keep(opto_t *u);      /* u->record is one more */
+void opto_keep_anew(opto_t *u); /* another choice of the last one, and of those to come; the others are gone */
+/* What is chosen of a record that was taken; of the oldest one that there is, if it is gone. */
+const int32_t *opto_kept(opto_t *u, uint64_t number);
+
 /* record.c */
-void opto_take_record(opto_t *u, opto_record_t *record, uint64_t at_ns, uint64_t period_ns);
+void opto_take_record(opto_t *u, uint64_t at_ns, uint64_t period_ns); /* becomes u->record */
 void opto_reset_statistic(opto_t *u);
 
 /* target.c */

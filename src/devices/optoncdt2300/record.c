@@ -47,7 +47,7 @@ static int32_t quarters(double celsius)
     return (int32_t)(celsius * 4 + (celsius < 0 ? -0.5 : 0.5));
 }
 
-void opto_take_record(opto_t *u, opto_record_t *r, uint64_t at_ns, uint64_t period_ns)
+void opto_take_record(opto_t *u, uint64_t at_ns, uint64_t period_ns)
 {
     int32_t distance[OPTO_SURFACES], intensity[OPTO_SURFACES];
     for (unsigned int n = 0; n < OPTO_SURFACES; n++) {
@@ -57,7 +57,7 @@ void opto_take_record(opto_t *u, opto_record_t *r, uint64_t at_ns, uint64_t peri
     }
     count_in(u, distance[0]);
     bool both = is_value(distance[0]) && is_value(distance[1]);
-    *r = (opto_record_t){{
+    u->record = (opto_record_t){{
         [OPTO_EXPOSURE] = exposure(u, period_ns),
         [OPTO_COUNTER] = (int32_t)(u->taken & COUNTER),
         [OPTO_TIMESTAMP] = (int32_t)(uint32_t)((at_ns - u->start_ns) / 1000),

@@ -24,23 +24,15 @@ void opto_inputs_read(void *instance, uint64_t now_ns)
     u->sent = u->shown;
 }
 
-static uint8_t *pack(const opto_t *u, const opto_record_t *r, uint8_t *image)
-{
-    for (unsigned int n = 0; n < OPTO_VALUES; n++) {
-        if (!u->chosen[n])
-            continue;
-        ect_store_le32(image, (uint32_t)r->value[n]);
-        image += sizeof(uint32_t);
-    }
-    return image;
-}
-
 /* While there are fewer records than samples the first one stands there several times. */
 void opto_inputs_packed(void *instance, unsigned int sm, uint8_t *image, uint16_t size)
 {
-    const opto_t *u = instance;
+    opto_t *u = instance;
     const uint8_t *end = image + size;
     (void)sm;
-    for (uint64_t age = u->assigned; age > 0 && image < end; age--)
-        image = pack(u, &u->ring[(u->shown > age ? u->shown - age : 0) % OPTO_RING], image);
+    for (uint64_t age = u->assigned; age > 0 && image < end; age--) {
+        const int32_t *values = opto_kept(u, u->shown > age ? u->shown - age : 0);
+        for (unsigned int n = 0; n < u->mapped; n++, image += sizeof *values)
+            ect_store_le32(image, (uint32_t)values[n]);
+    }
 }

@@ -6,8 +6,6 @@
 
 /* Process data are brought up to date that often at most, whatever the rate: nobody fetches them faster. */
 enum { RENEWAL_NS = 250000, IDLE_NS = 10000000 };
-/* Of one call. Who was away for longer finds the last ones. */
-enum { MOST_RECORDS = 4096 };
 
 static const struct {
     uint32_t hz, period_ns;
@@ -51,8 +49,9 @@ static void follow_sync0(opto_t *u)
 static void skip(opto_t *u, uint64_t now_ns)
 {
     uint64_t due = u->next_ns <= now_ns ? (now_ns - u->next_ns) / period_ns(u) + 1 : 0;
-    uint64_t skipped = due > MOST_RECORDS ? due - MOST_RECORDS : 0;
+    uint64_t skipped = due > OPTO_MOST_RECORDS ? due - OPTO_MOST_RECORDS : 0;
     u->taken += skipped;
+    u->oldest = skipped > 0 ? u->taken : u->oldest;
     u->next_ns += skipped * period_ns(u);
 }
 
@@ -80,8 +79,6 @@ static const char *reason_of(int32_t distance)
 
 static void publish(opto_t *u)
 {
-    if (u->taken > 0)
-        u->record = u->ring[(u->taken - 1) % OPTO_RING];
     u->synchronised_level = u->synchronised;
     for (unsigned int n = 0; n < OPTO_SURFACES; n++) {
         const char *reason = reason_of(u->record.value[n == 0 ? OPTO_DISTANCE_1 : OPTO_DISTANCE_2]);
@@ -94,8 +91,8 @@ void opto_advance(opto_t *u, uint64_t now_ns)
     follow_sync0(u);
     skip(u, now_ns);
     for (; u->next_ns <= now_ns; u->next_ns += period_ns(u)) {
-        opto_take_record(u, &u->ring[u->taken % OPTO_RING], u->next_ns, period_ns(u));
-        u->taken++;
+        opto_take_record(u, u->next_ns, period_ns(u));
+        opto_keep(u);
     }
     publish(u);
 }
