@@ -146,17 +146,10 @@ static void answer_with(ect_runner_t *r, ect_end_t out, const uint8_t *frame, si
     }
 }
 
-/* What the lots say: of the faults that are set, and of --drop and --delay. */
+/* What the lots say. */
 static ect_fate_t draw(ect_runner_t *r, uint8_t *frame, size_t *length, uint64_t now_ns)
 {
-    ect_fate_t fate = {0};
-    if (r->scenario)
-        fate = ect_scenario_frame(r->scenario, r->chain, frame, length, now_ns);
-    ect_verdict_t verdict = r->faults ? ect_faults_draw(r->faults) : ECT_VERDICT_PASS;
-    fate.lose_request |= verdict == ECT_VERDICT_LOSE_REQUEST;
-    fate.lose_answer |= verdict == ECT_VERDICT_LOSE_ANSWER;
-    fate.delay_us += verdict == ECT_VERDICT_DELAY ? r->faults->delay_us : 0;
-    return fate;
+    return r->scenario ? ect_scenario_frame(r->scenario, r->chain, frame, length, now_ns) : (ect_fate_t){0};
 }
 
 static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)

@@ -12,7 +12,6 @@
 #include "bus/chain.h"
 #include "bus/circle.h"
 #include "bus/control.h"
-#include "bus/faults.h"
 #include "bus/late.h"
 #include "bus/packet.h"
 #include "bus/scenario.h"
@@ -36,7 +35,6 @@ typedef struct ect_runner {
     ect_control_t *control; /**< NULL: none */
     /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
     uint32_t control_rest_ns;
-    ect_faults_t *faults;       /**< NULL: none */
     ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
     const ect_filter_t *filter; /**< NULL: none */
     bool busy_poll;             /**< looks for frames without a rest: a processor does nothing else */

@@ -24,7 +24,11 @@ static bool state_of(const char *name, size_t length, uint64_t *state)
     static const struct {
         const char *name;
         uint8_t state;
-    } states[] = {{"INIT", 1}, {"PREOP", 2}, {"BOOT", 3}, {"SAFEOP", 4}, {"OP", 8}};
+    } states[] = {{"INIT", ECT_STATE_INIT},
+                  {"PREOP", ECT_STATE_PREOP},
+                  {"BOOT", ECT_STATE_BOOT},
+                  {"SAFEOP", ECT_STATE_SAFEOP},
+                  {"OP", ECT_STATE_OP}};
     for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
         if (strlen(states[i].name) == length && strncmp(states[i].name, name, length) == 0) {
             *state = states[i].state;
@@ -180,10 +184,20 @@ static bool is_due(const ect_scenario_t *s, const ect_chain_t *chain, const ect_
     }
 }
 
-/* What a step cannot do (a slave that there is not) is not done: the script was told so when it began. */
+/* It is over, done or not: at a later time it would be another one. */
+static void take_step(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+{
+    char message[ECT_FAULT_MESSAGE], text[ECT_FAULT_TEXT];
+    step->done = true;
+    s->steps_left--;
+    if (ect_scenario_set(s, chain, &step->fault, now_ns, message) || !s->refused)
+        return;
+    ect_fault_print(&step->fault, text);
+    s->refused(s->ctx, text, message);
+}
+
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
-    char message[ECT_FAULT_MESSAGE];
     uint64_t next_ns = ECT_NEVER;
     if (s->start_ns == 0)
         s->start_ns = now_ns;
@@ -191,13 +205,10 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
         ect_scenario_step_t *step = &s->steps[i];
         if (step->done)
             continue;
-        if (is_due(s, chain, step, now_ns)) {
-            step->done = true;
-            s->steps_left--;
-            (void)ect_scenario_set(s, chain, &step->fault, now_ns, message);
-        } else if (step->when == ECT_STEP_AT_TIME && s->start_ns + step->value < next_ns) {
+        if (is_due(s, chain, step, now_ns))
+            take_step(s, chain, step, now_ns);
+        else if (step->when == ECT_STEP_AT_TIME && s->start_ns + step->value < next_ns)
             next_ns = s->start_ns + step->value;
-        }
     }
     return next_ns;
 }

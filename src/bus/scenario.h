@@ -39,9 +39,12 @@ typedef struct ect_scenario_step {
     ect_fault_t fault;
 } ect_scenario_step_t;
 
-/** All zero but the seed: nothing is set. The members are private. */
+/** All zero but the seed: nothing is set. The members but `seed`, `refused` and `ctx` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
+    /** A fault of the script could not be set when its time had come; `why` says so in a line. NULL: nobody is told. */
+    void (*refused)(void *ctx, const char *fault, const char *why);
+    void *ctx;         /**< handed to it */
     uint64_t start_ns; /* 0: not begun */
     uint64_t frames;
     struct {

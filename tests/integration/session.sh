@@ -88,7 +88,7 @@ run -i a -i b fzm1
 run -i a -o b -o c fzm1
 run -i a -o a fzm1
 run -o a fzm1
-run -i a --drop 50 --delay 60 fzm1
+run -i a --delay 5 --delay-us 0 fzm1
 run -i a --drop 101 fzm1
 run -i a --realtime=0 fzm1
 run -i a --realtime=100 fzm1

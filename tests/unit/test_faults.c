@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Faults: their texts, what they do to frames and slaves, scripts, and that a seed makes a run (bus/fault.h,
  * bus/scenario.h). */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -193,6 +194,38 @@ static void same_seed_same_run(void **state)
     }
 }
 
+/* Each fault of its own lot: what is lost besides being late is as much as what is lost. */
+static void shares(void **state)
+{
+    enum { FRAMES = 20000 };
+    static const struct {
+        const char *faults[2];
+        unsigned int lost, late; /* of a hundred */
+    } rows[] = {{{"drop 0%", "delay 1us 0%"}, 0, 0},
+                {{"drop 100%"}, 100, 0},
+                {{"delay 1us 100%"}, 0, 100},
+                {{"drop 50%", "delay 1us 60%"}, 50, 60},
+                {{"drop 5%", "delay 1us 5%"}, 5, 5}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        unsigned int requests = 0, answers = 0, late = 0;
+        set(r, "off");
+        for (size_t k = 0; k < 2 && rows[i].faults[k]; k++)
+            set(r, rows[i].faults[k]);
+        for (unsigned int n = 0; n < FRAMES; n++) {
+            uint8_t frame[60] = {0};
+            size_t length = sizeof frame;
+            ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, frame, &length, r->w.now_ns);
+            requests += fate.lose_request;
+            answers += fate.lose_answer;
+            late += fate.delay_us != 0;
+        }
+        assert_in_range(requests, FRAMES / 200u * rows[i].lost * 9u / 10u, FRAMES / 200u * rows[i].lost * 11u / 10u);
+        assert_in_range(answers, FRAMES / 200u * rows[i].lost * 9u / 10u, FRAMES / 200u * rows[i].lost * 11u / 10u);
+        assert_in_range(late, FRAMES / 100u * rows[i].late * 9u / 10u, FRAMES / 100u * rows[i].late * 11u / 10u);
+    }
+}
+
 static void shown(void **state)
 {
     char text[ECT_FAULT_TEXT];
@@ -376,6 +409,34 @@ static void script(void **state)
     assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns), ECT_NEVER);
 }
 
+static void tell_refused(void *ctx, const char *fault, const char *why)
+{
+    rig_t *r = ctx;
+    snprintf(r->message, sizeof r->message, "%s: %s", fault, why);
+}
+
+/* Those that come when the table is full, or to a slave that there is not: the user hears of it, once. */
+static void script_told(void **state)
+{
+    rig_t *r = *state;
+    for (unsigned int i = 0; i < ECT_SCENARIO_FAULTS; i++)
+        read_line(r, "corrupt 0%");
+    read_line(r, "at 1s duplicate");
+    read_line(r, "at 2s hang slave 4");
+    r->s.refused = tell_refused;
+    r->s.ctx = r;
+    uint64_t begin = r->w.now_ns;
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin), begin + 1000 * MS);
+    assert_string_equal(r->message, "");
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 1000 * MS), begin + 2000 * MS);
+    assert_string_equal(r->message, "duplicate: 8 faults are set already: 'off' ends them");
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 2000 * MS), ECT_NEVER);
+    assert_string_equal(r->message, "hang slave 4: there is no slave 4: the chain has 3");
+    r->message[0] = 0;
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 3000 * MS), ECT_NEVER);
+    assert_string_equal(r->message, "");
+}
+
 static void script_times(void **state)
 {
     rig_t *r = *state;
@@ -412,6 +473,8 @@ int main(int argc, char **argv)
         {"what is no fault is refused with a line that says what was expected", refused, NULL, NULL, NULL},
         TEST("faults of frames concern the frames that they name", which_frames),
         TEST("the same seed makes the same run, of about the share that was asked for", same_seed_same_run),
+        TEST("frames are lost and late in the shares that were asked for, half of those lost on their way back",
+             shares),
         TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),
         TEST("the working counter of the first datagram is changed, where there is one", counters),
         TEST("CF-053: a slave that hangs answers no request, its PDI watchdog expires, and it goes on", hangs),
@@ -425,6 +488,7 @@ int main(int argc, char **argv)
         TEST("CF-011: frames that are lost and damaged on a wire", on_wires),
         TEST("a script sets faults at a time, at a frame, in a state", script),
         TEST("a script says when it is due", script_times),
+        TEST("a fault of a script that cannot be set when its time has come is told", script_told),
         TEST("a line that makes no sense is refused", script_refused),
     };
     if (argc > 1)

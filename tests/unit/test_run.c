@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a run keeps beside the chain: late answers, lots of faults, counters, frames that go round (src/bus). */
+/* What a run keeps beside the chain: late answers, counters, frames that go round (src/bus). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +10,6 @@
 #include <cmocka.h>
 
 #include "bus/circle.h"
-#include "bus/faults.h"
 #include "bus/late.h"
 #include "bus/stats.h"
 #include "wire/bytes.h"
@@ -69,35 +68,6 @@ static void most_late_answers(void **state)
     assert_true(ect_late_due(&late) == UINT64_MAX);
     assert_true(ect_late_add(&late, (const uint8_t *)"x", 1, 5));
     ect_late_clear(&late);
-}
-
-/* --- faults ------------------------------------------------------------------------------------------------------- */
-
-static void lots(void **state)
-{
-    enum { FRAMES = 20000 };
-    static const struct {
-        uint8_t drop, delay;
-    } cases[] = {{0, 0}, {100, 0}, {0, 100}, {50, 50}, {5, 5}, {10, 0}};
-    (void)state;
-    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-        ect_faults_t faults = {.seed = 7, .drop_percent = cases[c].drop, .delay_percent = cases[c].delay};
-        ect_faults_t again = faults;
-        unsigned int seen[4] = {0};
-        for (unsigned int i = 0; i < FRAMES; i++) {
-            ect_verdict_t verdict = ect_faults_draw(&faults);
-            assert_int_equal(verdict, ect_faults_draw(&again));
-            seen[verdict]++;
-        }
-        assert_in_range(seen[ECT_VERDICT_LOSE_REQUEST], FRAMES / 200u * cases[c].drop * 8u / 10u,
-                        FRAMES / 200u * cases[c].drop * 12u / 10u);
-        assert_in_range(seen[ECT_VERDICT_LOSE_ANSWER], FRAMES / 200u * cases[c].drop * 8u / 10u,
-                        FRAMES / 200u * cases[c].drop * 12u / 10u);
-        assert_in_range(seen[ECT_VERDICT_DELAY], FRAMES / 100u * cases[c].delay * 8u / 10u,
-                        FRAMES / 100u * cases[c].delay * 12u / 10u);
-        if (cases[c].drop + cases[c].delay == 100)
-            assert_int_equal(seen[ECT_VERDICT_PASS], 0);
-    }
 }
 
 /* --- counters ----------------------------------------------------------------------------------------------------- */
@@ -254,7 +224,6 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"each late answer leaves at its own time, and none overtakes another", late_answers, NULL, NULL, NULL},
         {"more late answers than the limit are lost", most_late_answers, NULL, NULL, NULL},
-        {"the lot of faults: shares as asked for, the same seed the same row", lots, NULL, NULL, NULL},
         {"answer times fall into their steps", answer_times, NULL, NULL, NULL},
         {"quantiles of the answer times", quantiles, NULL, NULL, NULL},
         {"runs of the devices that are late count", late_polls, NULL, NULL, NULL},

@@ -66,8 +66,9 @@ typedef struct twin_args {
     bool keep_source_mac;
     bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
     wiring_args_t wiring;
-    ect_faults_t faults;
-    ect_scenario_t scenario; /* --fault, --faults; those that users set later */
+    uint8_t drop_percent, delay_percent;
+    uint32_t delay_us;
+    ect_scenario_t scenario; /* --fault, --faults, --drop, --delay; those that users set later */
     defect_t defect;         /* --break */
     ect_filter_t filter;
     int realtime;      /* priority, 0: as any process */

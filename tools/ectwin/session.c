@@ -41,6 +41,12 @@ static void on_circling(void *ctx, const char *iface)
         s->who, iface);
 }
 
+static void on_refused(void *ctx, const char *fault, const char *why)
+{
+    const session_t *s = ctx;
+    fprintf(stderr, "%s: the fault '%s' was not set: %s\n", s->who, fault, why);
+}
+
 static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     const session_t *s = ctx;
@@ -50,8 +56,9 @@ static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 void session_init(session_t *s, const char *who, twin_args_t *twins)
 {
     *s = (session_t){.who = who, .twins = twins};
-    s->runner = (ect_runner_t){.faults = &twins->faults,
-                               .scenario = &twins->scenario,
+    twins->scenario.refused = on_refused;
+    twins->scenario.ctx = s;
+    s->runner = (ect_runner_t){.scenario = &twins->scenario,
                                .filter = twins->filter.ctx ? &twins->filter : NULL,
                                .signal_fd = -1,
                                .busy_poll = twins->busy_poll,

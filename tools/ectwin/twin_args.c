@@ -55,8 +55,9 @@ static const struct argp_option options[] = {
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file",
      1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
-    {"drop", KEY_DROP, "PERCENT", 0, "Lose so many frames, 0 to 100, half of them on the way back (default 0)", 1},
-    {"delay", KEY_DELAY, "PERCENT", 0, "Send so many answers late, 0 to 100 (default 0)", 1},
+    {"drop", KEY_DROP, "PERCENT", 0,
+     "Short for --fault 'drop PERCENT%': lose so many frames, half of them on the way back", 1},
+    {"delay", KEY_DELAY, "PERCENT", 0, "Short for --fault 'delay 3000us PERCENT%': send so many answers late", 1},
     {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
     {"fault", KEY_FAULT, "FAULT", 0,
      "Let something go wrong, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md); may be repeated", 1},
@@ -217,18 +218,23 @@ static void fulfil_wishes(twin_args_t *args, const struct argp_state *state)
 
 /* --- options ------------------------------------------------------------------------------------------------------ */
 
-static void check_faults(const twin_args_t *args, const struct argp_state *state)
-{
-    if (args->faults.drop_percent + args->faults.delay_percent > 100)
-        argp_error(state, "--drop %u and --delay %u are more than 100 together: a frame that is lost is not late",
-                   args->faults.drop_percent, args->faults.delay_percent);
-}
-
 static void add_fault(twin_args_t *args, const struct argp_state *state, const char *text, const char *where)
 {
     char message[ECT_FAULT_MESSAGE];
     if (!ect_scenario_read(&args->scenario, text, message))
         argp_failure(state, EXIT_USAGE, 0, "%s: %s", where, message);
+}
+
+/* The two that have an option of their own. */
+static void add_short_faults(twin_args_t *args, const struct argp_state *state)
+{
+    char text[ECT_FAULT_TEXT];
+    snprintf(text, sizeof text, "drop %u%%", args->drop_percent);
+    if (args->drop_percent > 0)
+        add_fault(args, state, text, "--drop");
+    snprintf(text, sizeof text, "delay %uus %u%%", args->delay_us, args->delay_percent);
+    if (args->delay_percent > 0)
+        add_fault(args, state, text, "--delay");
 }
 
 static void read_faults(twin_args_t *args, const struct argp_state *state, const char *path)
@@ -274,13 +280,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
     switch (key) {
     case KEY_DROP:
-        args->faults.drop_percent = (uint8_t)parse_number(state, "--drop", text, 100);
+        args->drop_percent = (uint8_t)parse_number(state, "--drop", text, 100);
         return 0;
     case KEY_DELAY:
-        args->faults.delay_percent = (uint8_t)parse_number(state, "--delay", text, 100);
+        args->delay_percent = (uint8_t)parse_number(state, "--delay", text, 100);
         return 0;
     case KEY_DELAY_US:
-        args->faults.delay_us = parse_number(state, "--delay-us", text, 10000000);
+        args->delay_us = parse_number(state, "--delay-us", text, 10000000);
         return 0;
     case KEY_FAULT:
         add_fault(args, state, text, "--fault");
@@ -289,8 +295,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         read_faults(args, state, text);
         return 0;
     case KEY_SEED:
-        args->faults.seed = parse_number(state, "--seed", text, UINT32_MAX);
-        args->scenario.seed = args->faults.seed;
+        args->scenario.seed = parse_number(state, "--seed", text, UINT32_MAX);
         return 0;
     case KEY_STORE:
         if (*text == 0)
@@ -320,11 +325,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &args->wiring;
-        args->faults = (ect_faults_t){.seed = 1, .delay_us = 3000};
+        args->delay_us = 3000;
         args->scenario.seed = 1;
         return 0;
     case ARGP_KEY_END:
-        check_faults(args, state);
+        add_short_faults(args, state);
         return 0;
     case KEY_KEEP_MAC:
         args->keep_source_mac = true;
@@ -376,7 +381,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     if (ect_scenario_highest_slave(&args->scenario) > args->count)
         argp_error(state, "a fault names slave %u: there are %zu", ect_scenario_highest_slave(&args->scenario),
                    args->count);
-    wiring_args_apply(&args->wiring, state, args->twins, args->count, args->faults.seed);
+    wiring_args_apply(&args->wiring, state, args->twins, args->count, args->scenario.seed);
 }
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */
