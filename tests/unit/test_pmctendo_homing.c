@@ -141,6 +141,38 @@ static void aborted(void **state)
     drive_close(&d);
 }
 
+/* 6098h becomes another on a leg of method 17, or on the way back: it ends as method 17. */
+static void write_on_leg(unsigned int leg, int8_t other)
+{
+    drive_open(&d);
+    build_machine();
+    assert_int_equal(drive_write(&d, 0x6098, 0, 17, 1), 0);
+    drive_operational(&d, 0x1701, 0x1B25);
+    drive_enable(&d);
+    drive_control(&d, 0x0F | DS402_REFERENCE);
+    drive_cycles(&d, 100);
+    while (drive_instance(&d)->homing.leg < leg)
+        drive_cycles(&d, 1);
+    assert_int_not_equal(drive_look(&d) & DS402_STATUS_REFERENCING, 0);
+    assert_int_equal(drive_write(&d, 0x6098, 0, (uint8_t)other, 1), 0);
+    (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
+    drive_cycles(&d, 500);
+    double at = drive_instance(&d)->plant.position;
+    if (signal_number(&d.w, "homed") != 1 || at < NEGATIVE - 2 || at > NEGATIVE + 2)
+        fail_msg("6098h=%d on leg %u of method 17: expected the shaft at %d, got %.0f", other, leg, NEGATIVE, at);
+    drive_close(&d);
+}
+
+static void written_under_way(void **state)
+{
+    static const int8_t others[] = {1, 18, 33, 35};
+    (void)state;
+    for (unsigned int leg = 0; leg < 3; leg++) {
+        for (size_t i = 0; i < COUNT(others); i++)
+            write_on_leg(leg, others[i]);
+    }
+}
+
 /* The bit is on before the drive is enabled: no edge, no run. */
 static void no_edge(void **state)
 {
@@ -198,6 +230,7 @@ int main(int argc, char **argv)
         {"PLZ-024: bit 13: a switch that is not found", no_switch, NULL, NULL, NULL},
         {"PLZ-023 PLZ-024: the start bit taken back ends the run, its next edge begins it anew", aborted, NULL, NULL,
          NULL},
+        {"PLZ-024: 6098h written during a run counts from the next one on", written_under_way, NULL, NULL, NULL},
         {"PLZ-023: the start bit without an edge in Operation Enabled starts nothing", no_edge, NULL, NULL, NULL},
         {"PLZ-023: bit 12 saves the parameters, once an edge; they are there after a power cycle", save, NULL, NULL,
          NULL},

@@ -53,7 +53,7 @@ bool pmc_homing_known(int8_t method)
 
 static const leg_t *leg_at(const pmctendo_t *u)
 {
-    const method_t *method = find(u->home_method);
+    const method_t *method = find(u->homing.method);
     const leg_t *leg = method && u->homing.leg < MOST_LEGS ? &method->legs[u->homing.leg] : NULL;
     return leg && leg->direction != NONE ? leg : NULL;
 }
@@ -75,7 +75,7 @@ static void next_leg(pmctendo_t *u, double at)
 
 void pmc_homing_start(pmctendo_t *u)
 {
-    u->homing = (pmc_homing_t){.active = true};
+    u->homing = (pmc_homing_t){.active = true, .method = u->home_method};
     u->homed = false;
     u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = u->plant.speed};
     if (!leg_at(u))

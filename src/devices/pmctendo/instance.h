@@ -117,7 +117,8 @@ typedef struct pmc_set {
 
 /** A reference run under way. */
 typedef struct pmc_homing {
-    uint8_t leg; /* of the method's */
+    int8_t method; /* it began with: 6098h may be another by now */
+    uint8_t leg;   /* of the method's */
     bool active, error, done;
     bool returning; /* to the point that was found */
     uint32_t steps; /* taken so far */
