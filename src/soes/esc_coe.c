@@ -53,14 +53,14 @@ uint8_t COE_maxSub(uint16_t index)
 /* --- process data --------------------------------------------------------------------------------------------------
  */
 
-/* What a mapping value names; a gap is one too. @return whether there is such an entry */
+/* What a mapping value names; a gap is one too. @return whether there is such an entry, no longer than it is mapped */
 static bool resolve(uint32_t mapping, _SMmap *to)
 {
     int32_t object = SDO_findobject((uint16_t)(mapping >> 16));
     int16_t entry = object >= 0 ? SDO_findsubindex(object, (uint8_t)(mapping >> 8)) : (int16_t)-1;
     to->obj = entry >= 0 ? &SDOobjects[object].objdesc[entry] : NULL;
     to->objectlistitem = entry >= 0 ? &SDOobjects[object] : NULL;
-    return entry >= 0 || mapping >> 8 == 0;
+    return to->obj ? to->obj->bitlength <= (mapping & 0xFF) : mapping >> 8 == 0;
 }
 
 /* Adds a PDO's entries. @return false: too many, or one that there is not */

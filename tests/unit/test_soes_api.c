@@ -772,6 +772,7 @@ static void mapped_wrongly(void **state)
     } rows[] = {
         {"an object that is not there", 0x90000020, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
         {"an entry that is not there", 0x80000320, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
+        {"fewer bits than the entry has", 0x80000208, 0, 1, 1, ALERR_INVALIDOUTPUTMAPPING},
         {"more entries than MAX_MAPPINGS_SM2", 0x70010010, 0x70010010, 2, 7, ALERR_INVALIDOUTPUTMAPPING},
         {"more bytes than MAX_RXPDO_SIZE", 0x80000220, 0x80000220, 1, 8, ALERR_INVALIDOUTPUTMAPPING},
         {"other bytes than the SyncManager", 0x80000220, 0x80000510, 1, 5, ALERR_INVALIDOUTPUTSM},
