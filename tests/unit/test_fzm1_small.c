@@ -29,6 +29,12 @@ static int teardown(void **state)
     return 0;
 }
 
+static void power_cycle(void)
+{
+    sensor_close(&s);
+    sensor_open_with(&s, &memory.storage);
+}
+
 static void expect_data(const char *want)
 {
     char text[ECT_SIGNAL_TEXT_ROOM];
@@ -83,8 +89,7 @@ static void from_storage(void **state)
             expect_scene(scene, want);
         }
         expect_scene(100, "0");
-        sensor_close(&s);
-        sensor_open_with(&s, &memory.storage);
+        power_cycle();
     }
 }
 
@@ -124,6 +129,75 @@ static void no_room(void **state)
     expect_scene(2, "3");
 }
 
+static void until_saved(void)
+{
+    while (signal_number(&s.w, "saving") != 0)
+        wire_advance(&s.w, MS / 10);
+}
+
+/* Scene 0 is 1 in its place, and is to be 1 again; then another scene needs a place. */
+static void expect_changed_back(void)
+{
+    signal_set(&s.w, "data1", "1");
+    until_saved();
+    switch_to(2);
+    signal_set(&s.w, "data1", "77");
+    switch_to(3);
+    expect_scene(0, "1");
+    expect_scene(2, "77");
+}
+
+static void begin_with_a_place(void)
+{
+    fill();
+    power_cycle();
+    switch_to(0);
+}
+
+static void changed_back_after_a_save(void **state)
+{
+    (void)state;
+    begin_with_a_place();
+    signal_set(&s.w, "data1", "22");
+    save();
+    expect_changed_back();
+}
+
+static void changed_back_during_a_save(void **state)
+{
+    (void)state;
+    begin_with_a_place();
+    signal_set(&s.w, "data1", "22");
+    signal_set(&s.w, "save", "1");
+    wire_advance(&s.w, MS / 2); /* scene 0 is written */
+    assert_int_equal(signal_number(&s.w, "saving"), 1);
+    expect_changed_back();
+}
+
+static void changed_back_after_preparing(void **state)
+{
+    (void)state;
+    begin_with_a_place();
+    signal_set(&s.w, "edit.scene", "0");
+    signal_set(&s.w, "edit.data1", "22");
+    expect_changed_back();
+}
+
+/* Scene 9 is as from the factory, has no place, and both places are taken. */
+static void back_to_the_factory(void **state)
+{
+    (void)state;
+    change(0);
+    change(1);
+    switch_to(9);
+    signal_set(&s.w, "data1", "99");
+    save();
+    signal_set(&s.w, "data1", "0");
+    change(2);
+    expect_scene(9, "0");
+    expect_scene(0, "1");
+}
+
 static void silent_memory(void **state)
 {
     (void)state;
@@ -146,6 +220,12 @@ int main(int argc, char **argv)
              unsaved),
         TEST("FZM-058: more changed scenes than places: the switch is refused with the reason, nothing is lost",
              no_room),
+        TEST("FZM-056 FZM-058: a scene saved, then set as it was before: the change stays", changed_back_after_a_save),
+        TEST("FZM-056 FZM-058: a scene set as it was before while it is being saved: the change stays",
+             changed_back_during_a_save),
+        TEST("FZM-058: a scene prepared, then set as it was before: the change stays", changed_back_after_preparing),
+        TEST("FZM-056 FZM-058: a scene without a place saved, then as from the factory: the change stays",
+             back_to_the_factory),
         TEST("FZM-058: a scene that the memory does not give is not switched to", silent_memory),
     };
     if (argc > 1)

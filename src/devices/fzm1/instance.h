@@ -227,7 +227,7 @@ typedef struct fzm1 {
     fzm1_settings_t settings;
     fzm1_scene_t scene;   /* the current one, as it is worked on */
     fzm1_group_t group;   /* as it was when a scene was switched to last */
-    fzm1_group_t loading; /* another one, until all of it is there */
+    fzm1_group_t loading; /* another one, until all of it is there; first during a save: the current scene as written */
     uint8_t scene_number, scene_group;
     uint64_t switched_due_ns; /* by hand: BUSY until then */
 

@@ -308,7 +308,7 @@ static bool put_own(fzm1_t *u)
     uint16_t factory_size = pack_scene(&scene, factory);
     for (unsigned int n = 0; n < SCENES_A_STEP && s->scene < FZM1_SCENES; n++, s->scene++) {
         if (s->scene == u->scene_number)
-            scene = u->scene;
+            scene = u->loading.places[0].content = u->scene; /* it may be changed before the save is over */
         else if (!fzm1_scene(u, (uint8_t)s->scene, &scene))
             return false;
         uint16_t size = pack_scene(&scene, packed);
@@ -360,6 +360,7 @@ static void sealed(fzm1_t *u)
     u->record_found = 1;
     fzm1_prepared_forget(u, u->scene_group);
     fzm1_group_saved(&u->group);
+    fzm1_group_add(&u->group, u->scene_number, &u->loading.places[0].content);
     end(u, NULL);
 }
 

@@ -89,7 +89,6 @@ const char *fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content)
         return NULL;
     if (edit->scene == u->scene_number)
         u->scene = *content;
-    else
-        fzm1_group_add(&u->group, edit->scene, content);
+    fzm1_group_add(&u->group, edit->scene, content);
     return NULL;
 }
