@@ -142,6 +142,29 @@ static void reserved_in_the_order_of_arming(void **state)
     }
 }
 
+/* The armed remote is lost with its VLAP, for its C-Link is bad: who waits for a VLAP has it at once. */
+static void vlap_of_the_lost(void **state)
+{
+    (void)state;
+    for (size_t n = 0; n < BU_NODES; n++) {
+        bu_rig_t r;
+        bu_start(&r, &bu_nodes[n]);
+        bu_set_number(&r, "bu.vlaps", 1);
+        bu_set_number(&r, "ru1.on", 1);
+        bu_arm(&r, 2);
+        bu_set_number(&r, "ru1.g_link_lost", 1);
+        bu_set_number(&r, "ru2.c_link", 5);
+        assert_int_equal(bu_number(&r, "ru1.g_link"), 2);
+        bu_set_number(&r, "ru2.g_link_lost", 1);
+        assert_int_equal(bu_number(&r, "ru1.g_link"), 7);
+        bu_expect_blocks(&r, "the armed one is lost", "", BLOCKED);
+        assert_int_equal(r.in[UNARMED], 1);
+        bu_set_number(&r, "ru1.armed", 1);
+        bu_expect_blocks(&r, "the other one takes over", "1", n < 3 ? ARMED : BLOCKED);
+        wire_close(&r.w);
+    }
+}
+
 static void expect_refused(bu_rig_t *r, unsigned int ru, const char *why)
 {
     char message[ECT_SIGNAL_MESSAGE] = "";
@@ -448,6 +471,7 @@ int main(int argc, char **argv)
              reservations_hold),
         TEST("ECL-064: an armed remote on fallback keeps its VLAP when one that was armed later wants one too",
              reserved_in_the_order_of_arming),
+        TEST("ECL-064 ECL-065: the VLAP of an armed remote that is lost goes to who waits for one", vlap_of_the_lost),
         TEST("ECL-064: arming a remote on radio needs a VLAP that no other has reserved", arming_reserves_a_vlap),
         TEST("ECL-033 ECL-065: C-Link and G-Link status can be forced to each value, and a link in error carries "
              "nothing",

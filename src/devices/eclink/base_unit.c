@@ -189,7 +189,7 @@ void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
         ZERO_FROM(&unit->ru[i], eclink_ru_t, armed);
     if (!unit->bu.enabled)
         host->off_bus(host->ctx, true);
-    unit->user_acted = true;
+    unit->remotes_due = true;
     eclink_evaluate(unit);
 }
 

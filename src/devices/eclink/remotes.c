@@ -25,8 +25,10 @@ static void list_remove(eclink_list_t *list, unsigned int number)
     list->count = kept;
 }
 
+/* Its VLAP is another's from now on. */
 static void disarm(eclink_t *unit, unsigned int number)
 {
+    unit->remotes_due |= unit->ru[number].armed;
     list_remove(&unit->armed, number);
     unit->ru[number].armed = 0;
 }
@@ -173,12 +175,10 @@ static void update_one(eclink_t *unit, unsigned int number)
     unit->bu.unarmed = (uint8_t)(unit->bu.unarmed + (eclink_reachable(ru) && !ru->armed));
 }
 
-void eclink_remotes_update(eclink_t *unit)
+static void update_all(eclink_t *unit)
 {
     unsigned int vlaps = unit->bu.vlaps;
-    if (!unit->user_acted)
-        return;
-    unit->user_acted = false;
+    unit->remotes_due = false;
     for (unsigned int i = 0; i < unit->armed.count; i++)
         unit->ru[unit->armed.numbers[i]].path = path_of(&unit->ru[unit->armed.numbers[i]], &vlaps);
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
@@ -189,6 +189,13 @@ void eclink_remotes_update(eclink_t *unit)
     for (unsigned int i = 0; i < ECLINK_RUS; i++)
         update_one(unit, i);
     unit->bu.armed = unit->armed.count;
+}
+
+/* Each time round one armed remote fewer, or it is over. */
+void eclink_remotes_update(eclink_t *unit)
+{
+    while (unit->remotes_due)
+        update_all(unit);
 }
 
 /* Movements are allowed in Enabled alone (§8.3): a joystick that must not move anything is passive, 0 (§8.4). */

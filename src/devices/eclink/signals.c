@@ -227,7 +227,7 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     eclink_t *unit = instance;
     (void)now_ns;
     const char *answer = number > 0 ? write_ru(unit, signal, number - 1u, value) : write_bu(unit, signal, value);
-    unit->user_acted = true; /* also what the caller stores now is looked at by the next tick */
+    unit->remotes_due = true; /* also what the caller stores now is looked at by the next tick */
     return answer;
 }
 
