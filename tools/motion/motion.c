@@ -29,7 +29,7 @@ enum { PATIENT = 200 /* SYNC0s without outputs that the drive bears: a PC is no 
 typedef struct settings {
     const char *iface;
     double way, speed, acceleration;
-    int method;
+    uint8 method;
     unsigned int cycle_us;
     bool dc;
 } settings_t;
@@ -64,7 +64,7 @@ static int configure(uint16 slave)
     bool good = assign(slave, 0x1C12, 0x1720) && assign(slave, 0x1C13, 0x1B25) &&
                 write_object(slave, 0x60C2, 1, s->cycle_us / 250 * 25, 1) && write_object(slave, 0x60C2, 2, 0xFB, 1) &&
                 write_object(slave, 0x10F1, 2, PATIENT, 2) && write_object(slave, 0x6060, 0, 8, 1) &&
-                write_object(slave, 0x6098, 0, (uint8)s->method, 1);
+                write_object(slave, 0x6098, 0, s->method, 1);
     if (!good)
         fprintf(stderr, "the drive does not take its settings: see --method and --cycle-us\n");
     return good;
@@ -148,24 +148,42 @@ static const char *complaint(const settings_t *s)
     return s->speed > 0 && s->acceleration > 0 ? NULL : "--speed and --acceleration take numbers above 0";
 }
 
+static double real(const struct argp_state *state, const char *name, const char *text, double most)
+{
+    char *end;
+    double value = strtod(text, &end);
+    if (end == text || *end != 0 || !(value >= -most && value <= most))
+        argp_error(state, "%s takes a number up to %.0f, not '%s'", name, most, text);
+    return value;
+}
+
+static unsigned int number(const struct argp_state *state, const char *name, const char *text, unsigned int most)
+{
+    char *end;
+    unsigned long value = strtoul(text, &end, 10);
+    if (end == text || *end != 0 || *text == '-' || value > most)
+        argp_error(state, "%s takes a number up to %u, not '%s'", name, most, text);
+    return (unsigned int)value;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     settings_t *s = state->input;
     switch (key) {
     case 'w':
-        s->way = strtod(text, NULL);
+        s->way = real(state, "--way", text, INT32_MAX);
         return 0;
     case 's':
-        s->speed = strtod(text, NULL);
+        s->speed = real(state, "--speed", text, INT32_MAX);
         return 0;
     case 'a':
-        s->acceleration = strtod(text, NULL);
+        s->acceleration = real(state, "--acceleration", text, UINT32_MAX);
         return 0;
     case 'm':
-        s->method = atoi(text);
+        s->method = (uint8)number(state, "--method", text, INT8_MAX);
         return 0;
     case 'c':
-        s->cycle_us = (unsigned int)strtoul(text, NULL, 0);
+        s->cycle_us = number(state, "--cycle-us", text, 2500);
         return 0;
     case 'd':
         s->dc = true;
