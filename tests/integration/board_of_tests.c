@@ -6,8 +6,12 @@
  *
  * Environment: LATE=BYTES until the chip is ready, CSR_LASTS=BYTES, WORD_LASTS=BYTES (ports/virtual/lan9252.h);
  * FAULTS_MS: for so long after the start one bit in 100000 flips, and the chip hangs for 0.2 s of each second.
+ * SAVE: somebody has the device save (its signal `save`), and the disk is so slow that it is under way when the signal
+ * to end comes; "saving" on standard error says that it is.
  */
 #define _GNU_SOURCE
+#include <aio.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <linux/gpio.h>
 #include <linux/spi/spidev.h>
@@ -28,6 +32,7 @@
 #include "ports/virtual/lan9252.h"
 #include "sii/fit.h"
 #include "sii/sii.h"
+#include "slave/slave.h"
 
 /* --- the chip, at the interface --------------------------------------------------------------------------------------
  */
@@ -38,6 +43,7 @@ static ect_packet_t port;
 static int spi_fd = -1, chip_fd = -1, reset_fd = -1;
 static int irq[2] = {-1, -1}; /* what was given out as the line, and where its edges are written to */
 static bool irq_level;
+static bool ending; /* the command was told to end */
 
 static uint64_t now(void)
 {
@@ -197,6 +203,58 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
     return ours(fd, request, argument);
 }
 
+/* --- a save, and a disk that takes until the command is told to end
+ * ---------------------------------------------------
+ */
+
+int __real_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);
+int __wrap_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);
+int __real_aio_fsync(int operation, struct aiocb *control);
+int __wrap_aio_fsync(int operation, struct aiocb *control);
+int __real_aio_error(const struct aiocb *control);
+int __wrap_aio_error(const struct aiocb *control);
+ssize_t __real_aio_return(struct aiocb *control);
+ssize_t __wrap_aio_return(struct aiocb *control);
+
+static void press_save(void *instance, const ect_plant_t *plant)
+{
+    const ect_signal_group_t *all = &plant->signal_groups[0];
+    const uint8_t pressed = 1;
+    for (unsigned int i = 0; i < all->signal_count; i++) {
+        if (strcmp(all->signals[i].name, "save") == 0)
+            (void)plant->signal_write(instance, &all->signals[i], 0, &pressed, now());
+    }
+}
+
+int __wrap_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
+{
+    int result = __real_ect_slave_init(slave, config, now_ns);
+    if (getenv("SAVE") && !ending)
+        press_save(config->instance, ect_catalogue_find(config->device->name)->plant);
+    return result;
+}
+
+int __wrap_aio_fsync(int operation, struct aiocb *control)
+{
+    if (!getenv("SAVE"))
+        return __real_aio_fsync(operation, control);
+    if (!ending)
+        fputs("saving\n", stderr);
+    return 0;
+}
+
+int __wrap_aio_error(const struct aiocb *control)
+{
+    if (!getenv("SAVE"))
+        return __real_aio_error(control);
+    return ending ? 0 : EINPROGRESS;
+}
+
+ssize_t __wrap_aio_return(struct aiocb *control)
+{
+    return getenv("SAVE") ? 0 : __real_aio_return(control);
+}
+
 /* While the command waits, the ESC does its work: frames are answered, and an edge of the line ends the waiting. */
 int __real_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask);
 int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask);
@@ -216,6 +274,7 @@ int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeou
         answer();
         ready = __real_ppoll(fds, count, &(const struct timespec){0}, mask);
     } while (ready == 0 && now() < end_ns);
+    ending |= fds[0].revents != 0;
     return ready;
 }
 

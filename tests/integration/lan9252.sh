@@ -59,6 +59,16 @@ alone 2 "cannot keep what is saved" --store /dev/null/folder
 LATE=4000000000 alone 2 "does not get ready"
 CSR_LASTS=4000000000 alone 2 "does not do what it is told"
 
+# A save that is under way when the command is told to end
+board=$board work=$work SAVE=1 timeout 60 unshare -Urn bash -c '
+  ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+  "$board" tw0 --spi /dev/spidev7.1 --store "$work/store" fzm1 >"$work/ready" 2>"$work/err" & pid=$!
+  for _ in $(seq 300); do grep -q saving "$work/err" && break; sleep 0.1; done
+  cat "$work/store"/* | grep -ac FZM1
+  kill $pid; wait $pid; echo "board $?"
+  cat "$work/store"/* | grep -ac FZM1' >"$work/out"
+check "a save under way is done before the end: records before, board, records after" "0 board 0 1" "$(xargs <"$work/out")"
+
 # refuses STATUS PATTERN ARGUMENT...
 refuses() {
   local status=$1 pattern=$2

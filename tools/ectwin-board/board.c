@@ -221,6 +221,18 @@ static uint64_t turn(board_t *b)
     return slave_ns < leds_ns ? slave_ns : leds_ns;
 }
 
+/* What the device was told to save is safe before the process ends. */
+static void finish(board_t *b)
+{
+    const struct timespec pause = {.tv_nsec = 100000};
+    const ect_plant_t *plant = b->args.product->plant;
+    uint64_t end_ns = now() + 2 * NS_PER_S;
+    while (plant && plant->unfinished && plant->unfinished(b->config.instance) && now() < end_ns) {
+        (void)nanosleep(&pause, NULL);
+        (void)turn(b);
+    }
+}
+
 static int run(board_t *b)
 {
     int status = start(b);
@@ -234,6 +246,7 @@ static int run(board_t *b)
         if (b->slave.restart && (!ect_lan9252_reset(&b->chip) || start(b) != CLEAN))
             return FAILED;
     }
+    finish(b);
     return ect_slave_init(&b->slave, &b->config, now()) == 0 ? CLEAN : FAILED; /* INIT, all buffers off */
 }
 
