@@ -141,3 +141,27 @@ const ect_device_t *filedev(void)
     const uint16_t everywhere = ECT_IN_PREOP_AND_ABOVE | ECT_IN(ECT_STATE_BOOT);
     return filedev_in(everywhere, everywhere, 0);
 }
+
+static uint16_t put_off(const ect_protocol_t *self, ect_slave_t *slave, const uint8_t *data, uint16_t length)
+{
+    enum { ACK = 4, ERROR = 5, BUSY = 6 };
+    filedev_t *d = ect_mailbox_instance(slave);
+    const size_t head = sizeof d->put_off;
+    bool repeated = length >= head && memcmp(d->put_off, data, head) == 0;
+    memset(d->put_off, 0, head);
+    if (repeated || length < head || data[0] == ACK || data[0] == ERROR)
+        return ect_foe_request(self, slave, data, length);
+    memcpy(d->put_off, data, head);
+    ect_mailbox_build(slave)[0] = BUSY;
+    ect_mailbox_send(slave, ECT_MAILBOX_TYPE_FOE, (uint16_t)head);
+    return ECT_MAILBOX_OK;
+}
+
+const ect_device_t *filedev_hesitant(void)
+{
+    static ect_device_t device;
+    device = *filedev();
+    device.name = "hesitant";
+    foe.protocol.request = put_off;
+    return &device;
+}

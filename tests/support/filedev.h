@@ -27,6 +27,8 @@ typedef struct filedev {
     uint32_t draft_length;
     uint8_t open; /* which, while one is */
 
+    uint8_t put_off[6]; /* the head of the request that a hesitant one has told BUSY */
+
     /* what FoE did */
     unsigned int opened, closed_whole, closed_broken, written, asked;
 
@@ -42,5 +44,10 @@ const ect_device_t *filedev_in(uint16_t read_states, uint16_t write_states, uint
 ect_foe_t *filedev_entry(void);
 /** At home everywhere, never BUSY. */
 const ect_device_t *filedev(void);
+/**
+ * The same under the name "hesitant": each request but an acknowledge is told BUSY, forgotten, and served when it is
+ * repeated.
+ */
+const ect_device_t *filedev_hesitant(void);
 
 #endif

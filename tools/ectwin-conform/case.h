@@ -458,10 +458,23 @@ size_t cf_object_list(cf_t *c, uint16_t type, uint16_t *indices, size_t room);
 enum { CF_FOE_READ = 1, CF_FOE_WRITE, CF_FOE_DATA, CF_FOE_ACK, CF_FOE_ERROR, CF_FOE_BUSY, CF_FOE_HEADER = 6 };
 enum { CF_FOE_LATER_MS = 10000, CF_FILE_MOST = 4 * 1024 * 1024 };
 
-/** Sends one FoE mail: operation, its number, what follows. */
-void cf_send_foe(cf_t *c, uint8_t operation, uint32_t number, const void *data, uint16_t length);
-/** The next FoE mail: @return its operation; *number its number, `mail->data + CF_FOE_HEADER` what follows */
-uint8_t cf_receive_foe(cf_t *c, cf_mail_t *mail, uint32_t *number);
+/** One FoE mail: operation, its number (of a packet, an error, a password), and `length` bytes that follow. */
+typedef struct cf_foe {
+    uint8_t operation;
+    uint32_t number;
+    const void *data;
+    uint16_t length;
+} cf_foe_t;
+
+/** The mail that asks to read (CF_FOE_READ) or to write (CF_FOE_WRITE) --file. */
+cf_foe_t cf_foe_open(const cf_t *c, uint8_t operation, uint32_t password);
+/** Sends one that nothing answers. */
+void cf_send_foe(cf_t *c, const cf_foe_t *sent);
+/**
+ * Sends one and waits for the answer; sends it again, after a pause, as long as that is BUSY: it was not taken then.
+ * @return the operation of the answer; *number its number, `mail->data + CF_FOE_HEADER` what follows
+ */
+uint8_t cf_ask_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number);
 /** Bytes of a full packet to the slave (`write`) or from it, in the AL state that it is in. */
 uint16_t cf_foe_full(cf_t *c, bool write);
 /**

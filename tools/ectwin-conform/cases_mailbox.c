@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "beyond.h"
+#include "seams/foe.h"
 
-enum { FOE_NOT_FOUND = 0x8001, FOE_PACKET_NUMBER = 0x8005, FOE_BOOT_ONLY = 0x8008, FOE_NOT_IN_BOOT = 0x8009 };
-enum { FOE_ERRORS = 0x8000, UNKNOWN = 0x33, FAR = 77, ENDLESS_MOST = 1024 * 1024 };
+enum { UNKNOWN = 0x33, FAR = 77, ENDLESS_MOST = 1024 * 1024 };
 enum { ERROR_PROTOCOL = 2 };
 
 /* --- files ----------------------------------------------------------------------------------------------------------
@@ -15,17 +15,15 @@ enum { ERROR_PROTOCOL = 2 };
 /* The content of the file, as it was and as it is read later: too large for a stack. */
 static uint8_t content[CF_FILE_MOST], again[CF_FILE_MOST];
 
-static uint32_t expect_error(cf_t *c, const char *what)
+/* @return the error code */
+static uint32_t expect_error(cf_t *c, const char *what, const cf_foe_t *sent)
 {
     cf_mail_t mail;
     uint32_t number;
-    uint8_t operation;
-    do /* what takes long before it is refused */
-        operation = cf_receive_foe(c, &mail, &number);
-    while (operation == CF_FOE_BUSY);
+    uint8_t operation = cf_ask_foe(c, sent, &mail, &number);
     cf_expect_that(c, operation == CF_FOE_ERROR, "%s: expected an error (operation 5), got operation %u", what,
                    operation);
-    cf_expect_bits(c, "error code: one of FoE", 0xFFFFFFE0u, FOE_ERRORS, number);
+    cf_expect_bits(c, "error code: one of FoE", 0xFFFFFFE0u, ECT_FOE_UNDEFINED, number);
     return number;
 }
 
@@ -33,27 +31,21 @@ static uint32_t expect_error(cf_t *c, const char *what)
 static void refusals(cf_t *c)
 {
     static const char name[] = "none"; /* fits the shortest of mailboxes */
-    static const struct {
-        uint8_t operation;
-        uint32_t number;
-        const char *what;
-    } nonsense[] = {
-        {CF_FOE_ACK, FAR, "an acknowledge of nothing"},
-        {CF_FOE_DATA, 1, "a packet of nothing"},
-        {UNKNOWN, 0, "an operation that does not exist"},
-    };
-    cf_step(c, "a file that does not exist");
-    cf_send_foe(c, CF_FOE_READ, 0, name, sizeof name - 1);
-    (void)expect_error(c, "a file that does not exist");
-    cf_step(c, "a name that fills the mailbox");
     uint8_t longest[CF_MAX_MAIL];
+    const struct {
+        const char *what;
+        cf_foe_t sent;
+    } table[] = {
+        {"a file that does not exist", {CF_FOE_READ, 0, name, sizeof name - 1}},
+        {"a name that fills the mailbox", {CF_FOE_READ, 0, longest, cf_foe_full(c, true)}},
+        {"an acknowledge of nothing", {CF_FOE_ACK, FAR, NULL, 0}},
+        {"a packet of nothing", {CF_FOE_DATA, 1, NULL, 0}},
+        {"an operation that does not exist", {UNKNOWN, 0, NULL, 0}},
+    };
     memset(longest, 'n', sizeof longest);
-    cf_send_foe(c, CF_FOE_READ, 0, longest, cf_foe_full(c, true));
-    (void)expect_error(c, "a name that fills the mailbox");
-    for (size_t i = 0; i < sizeof nonsense / sizeof nonsense[0]; i++) {
-        cf_step(c, "%s", nonsense[i].what);
-        cf_send_foe(c, nonsense[i].operation, nonsense[i].number, "", 0);
-        (void)expect_error(c, nonsense[i].what);
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        cf_step(c, "%s", table[i].what);
+        (void)expect_error(c, table[i].what, &table[i].sent);
     }
 }
 
@@ -90,27 +82,23 @@ static void wrong_password(cf_t *c)
 
 static void wrong_acknowledge(cf_t *c)
 {
+    static const char what[] = "an acknowledge of a packet that was not sent";
+    const cf_foe_t open = cf_foe_open(c, CF_FOE_READ, c->password);
     cf_mail_t mail;
     uint32_t number;
-    cf_step(c, "an acknowledge of a packet that was not sent");
-    cf_send_foe(c, CF_FOE_READ, c->password, c->file, (uint16_t)strlen(c->file));
-    uint8_t operation = cf_receive_foe(c, &mail, &number);
-    cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, operation);
-    cf_send_foe(c, CF_FOE_ACK, FAR, "", 0);
-    cf_expect(c, "error code", FOE_PACKET_NUMBER, expect_error(c, "an acknowledge of a packet that was not sent"));
+    cf_step(c, "%s", what);
+    cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, cf_ask_foe(c, &open, &mail, &number));
+    cf_expect(c, "error code", ECT_FOE_PACKET_NUMBER, expect_error(c, what, &(cf_foe_t){CF_FOE_ACK, FAR, NULL, 0}));
 }
 
 /* --- files, written -------------------------------------------------------------------------------------------------
  */
 
-static void expect_ack(cf_t *c, uint32_t expected)
+static void expect_ack(cf_t *c, uint32_t expected, const cf_foe_t *sent)
 {
     cf_mail_t mail;
     uint32_t number;
-    uint8_t operation;
-    do
-        operation = cf_receive_foe(c, &mail, &number);
-    while (operation == CF_FOE_BUSY);
+    uint8_t operation = cf_ask_foe(c, sent, &mail, &number);
     cf_expect_that(c, operation == CF_FOE_ACK && number == expected,
                    "packet %u: expected its acknowledge, got operation %u, number 0x%04X", expected, operation, number);
 }
@@ -144,13 +132,12 @@ static void packet_jump(cf_t *c)
 {
     uint8_t packet[CF_MAX_MAIL] = {0};
     const uint16_t full = cf_foe_full(c, true);
+    const cf_foe_t open = cf_foe_open(c, CF_FOE_WRITE, c->password);
     cf_step(c, "packet 3 behind packet 1");
-    cf_send_foe(c, CF_FOE_WRITE, c->password, c->file, (uint16_t)strlen(c->file));
-    expect_ack(c, 0);
-    cf_send_foe(c, CF_FOE_DATA, 1, packet, full);
-    expect_ack(c, 1);
-    cf_send_foe(c, CF_FOE_DATA, 3, packet, full);
-    cf_expect(c, "error code", FOE_PACKET_NUMBER, expect_error(c, "a packet out of order"));
+    expect_ack(c, 0, &open);
+    expect_ack(c, 1, &(cf_foe_t){CF_FOE_DATA, 1, packet, full});
+    cf_expect(c, "error code", ECT_FOE_PACKET_NUMBER,
+              expect_error(c, "a packet out of order", &(cf_foe_t){CF_FOE_DATA, 3, packet, full}));
 }
 
 /* The slave refuses it at some point; that it has room for more is fine. @return bytes it took */
@@ -158,23 +145,20 @@ static size_t without_end(cf_t *c)
 {
     uint8_t packet[CF_MAX_MAIL] = {0};
     const uint16_t full = cf_foe_full(c, true);
+    const cf_foe_t open = cf_foe_open(c, CF_FOE_WRITE, c->password);
     cf_mail_t mail;
     uint32_t number, n = 0;
     size_t taken = 0;
     cf_step(c, "a file without end");
-    cf_send_foe(c, CF_FOE_WRITE, c->password, c->file, (uint16_t)strlen(c->file));
-    expect_ack(c, 0);
-    while (taken < ENDLESS_MOST) {
-        cf_send_foe(c, CF_FOE_DATA, ++n, packet, full);
-        uint8_t operation = cf_receive_foe(c, &mail, &number);
-        n -= operation == CF_FOE_BUSY;
-        taken += operation == CF_FOE_ACK ? full : 0u;
+    expect_ack(c, 0, &open);
+    for (; taken < ENDLESS_MOST; taken += full) {
+        uint8_t operation = cf_ask_foe(c, &(cf_foe_t){CF_FOE_DATA, ++n, packet, full}, &mail, &number);
         if (operation == CF_FOE_ERROR)
             return taken;
-        cf_expect_that(c, operation == CF_FOE_ACK || operation == CF_FOE_BUSY,
-                       "packet %u: expected an acknowledge or an error, got operation %u", n, operation);
+        cf_expect_that(c, operation == CF_FOE_ACK, "packet %u: expected an acknowledge or an error, got operation %u",
+                       n, operation);
     }
-    cf_send_foe(c, CF_FOE_ERROR, FOE_ERRORS, "", 0); /* the master gives up */
+    cf_send_foe(c, &(cf_foe_t){CF_FOE_ERROR, ECT_FOE_UNDEFINED, NULL, 0}); /* the master gives up */
     cf_sleep_ms(c, 20);
     return taken;
 }
@@ -196,8 +180,8 @@ static void written(cf_t *c, size_t size)
 static void known_file(cf_t *c)
 {
     size_t size = 0, in_boot = 0;
-    uint8_t state = home(c, CF_PREOP, FOE_BOOT_ONLY, &size);
-    if ((c->facts.has & CF_BOOTSTRAP) != 0 && home(c, CF_BOOT, FOE_NOT_IN_BOOT, &in_boot) != 0 && state == 0) {
+    uint8_t state = home(c, CF_PREOP, ECT_FOE_BOOT_ONLY, &size);
+    if ((c->facts.has & CF_BOOTSTRAP) != 0 && home(c, CF_BOOT, ECT_FOE_NOT_IN_BOOT, &in_boot) != 0 && state == 0) {
         state = CF_BOOT;
         size = in_boot;
     }

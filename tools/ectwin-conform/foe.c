@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine.h"
+#include "seams/foe.h"
 
 enum { MAIL_HEADER = 6, BUSY_PAUSE_MS = 20 };
 
@@ -14,15 +15,21 @@ uint16_t cf_foe_full(cf_t *c, bool write)
     return (uint16_t)((write ? m->out_size : m->in_size) - MAIL_HEADER - CF_FOE_HEADER);
 }
 
-void cf_send_foe(cf_t *c, uint8_t operation, uint32_t number, const void *data, uint16_t length)
+cf_foe_t cf_foe_open(const cf_t *c, uint8_t operation, uint32_t password)
 {
-    uint8_t mail[CF_MAX_MAIL] = {operation};
-    ect_store_le32(mail + 2, number);
-    memcpy(mail + CF_FOE_HEADER, data, length);
-    cf_send_mail(c, CF_MBX_FOE, mail, (uint16_t)(CF_FOE_HEADER + length));
+    return (cf_foe_t){operation, password, c->file, (uint16_t)strlen(c->file)};
 }
 
-uint8_t cf_receive_foe(cf_t *c, cf_mail_t *mail, uint32_t *number)
+void cf_send_foe(cf_t *c, const cf_foe_t *sent)
+{
+    uint8_t mail[CF_MAX_MAIL] = {sent->operation};
+    ect_store_le32(mail + 2, sent->number);
+    if (sent->length > 0)
+        memcpy(mail + CF_FOE_HEADER, sent->data, sent->length);
+    cf_send_mail(c, CF_MBX_FOE, mail, (uint16_t)(CF_FOE_HEADER + sent->length));
+}
+
+static uint8_t receive(cf_t *c, cf_mail_t *mail, uint32_t *number)
 {
     uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
     while (!cf_mail_waits(c) && cf_now_ns() < until) /* erasing takes longer than a mail */
@@ -33,14 +40,12 @@ uint8_t cf_receive_foe(cf_t *c, cf_mail_t *mail, uint32_t *number)
     return mail->data[0];
 }
 
-/* Sends a mail again as long as the answer is BUSY. */
-static uint8_t ask(cf_t *c, uint8_t operation, uint32_t sent, const void *data, uint16_t length, cf_mail_t *mail,
-                   uint32_t *number)
+uint8_t cf_ask_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number)
 {
     uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
     for (;;) {
-        cf_send_foe(c, operation, sent, data, length);
-        uint8_t answer = cf_receive_foe(c, mail, number);
+        cf_send_foe(c, sent);
+        uint8_t answer = receive(c, mail, number);
         if (answer != CF_FOE_BUSY)
             return answer;
         cf_expect_that(c, cf_now_ns() < until, "FoE: expected an answer within %d s, got BUSY again and again",
@@ -51,7 +56,7 @@ static uint8_t ask(cf_t *c, uint8_t operation, uint32_t sent, const void *data, 
 
 static uint32_t error_of(cf_t *c, uint32_t number)
 {
-    cf_expect_bits(c, "error code: one of FoE", 0xFFFFFFE0u, 0x8000, number);
+    cf_expect_bits(c, "error code: one of FoE", 0xFFFFFFE0u, ECT_FOE_UNDEFINED, number);
     return number;
 }
 
@@ -61,7 +66,8 @@ uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size)
     cf_mail_t mail;
     uint32_t number;
     size_t got = 0;
-    uint8_t answer = ask(c, CF_FOE_READ, password, c->file, (uint16_t)strlen(c->file), &mail, &number);
+    const cf_foe_t open = cf_foe_open(c, CF_FOE_READ, password);
+    uint8_t answer = cf_ask_foe(c, &open, &mail, &number);
     for (uint32_t packet = 1;; packet++) {
         if (answer == CF_FOE_ERROR)
             return error_of(c, number);
@@ -73,9 +79,9 @@ uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size)
         got += length;
         if (length < full)
             break;
-        answer = ask(c, CF_FOE_ACK, packet, "", 0, &mail, &number);
+        answer = cf_ask_foe(c, &(cf_foe_t){CF_FOE_ACK, packet, NULL, 0}, &mail, &number);
     }
-    cf_send_foe(c, CF_FOE_ACK, number, "", 0); /* nothing answers the last one */
+    cf_send_foe(c, &(cf_foe_t){CF_FOE_ACK, number, NULL, 0});
     *size = got;
     return 0;
 }
@@ -86,7 +92,8 @@ uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size
     const uint8_t *from = data;
     cf_mail_t mail;
     uint32_t number, packet = 0;
-    uint8_t answer = ask(c, CF_FOE_WRITE, password, c->file, (uint16_t)strlen(c->file), &mail, &number);
+    const cf_foe_t open = cf_foe_open(c, CF_FOE_WRITE, password);
+    uint8_t answer = cf_ask_foe(c, &open, &mail, &number);
     for (bool last = false;;) {
         if (answer == CF_FOE_ERROR)
             return error_of(c, number);
@@ -96,7 +103,7 @@ uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size
             return 0;
         const uint16_t length = (uint16_t)(size < full ? size : full);
         last = length < full;
-        answer = ask(c, CF_FOE_DATA, ++packet, from, length, &mail, &number);
+        answer = cf_ask_foe(c, &(cf_foe_t){CF_FOE_DATA, ++packet, from, length}, &mail, &number);
         from += length;
         size -= length;
     }
