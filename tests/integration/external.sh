@@ -53,6 +53,8 @@ who_ends_what() {
   with "$twin --sii $work/nothing" sleep 30
   check "a slave that cannot start" 3 $?
   check "... says why" 1 "$(grep -c "cannot open the EEPROM's content" "$work/err")"
+  with "$twin $(printf '%5000s' '') --sii $work/nothing" sleep 30
+  check "a long command line is run whole" "3 1" "$? $(grep -c "cannot open the EEPROM's content" "$work/err")"
   # shellcheck disable=SC2016
   with "$twin" sh -c 'kill -9 $(pgrep -P $PPID -x "$(basename '"$twin"' | cut -c1-15)"); exec sleep 30'
   check "a slave that dies" 3 $?
@@ -72,6 +74,10 @@ wrong_usage() {
   check "a device and --external" 1 $?
   "$ectwin" with --external "$twin" --iface a,b -- true >"$work/out" 2>&1
   check "two wires and --external" 1 $?
+  for option in --set=a=1 '--fault=drop 5%' --drop=5 --store=x --files=x --break=CF-034 --vendor-id=1 --realtime --busy-poll --esc=et1100; do
+    "$ectwin" with "$option" --external "$twin" -- true >"$work/out" 2>&1
+    check "$option, which is for twins, and --external" "1 1" "$? $(grep -c 'the options of twins do nothing to it' "$work/out")"
+  done
 }
 
 an_eeprom_of_ones_own() {

@@ -51,16 +51,17 @@ typedef struct identity_wish {
     uint32_t value;
 } identity_wish_t;
 
-/** The twins that a command line asks for: devices and the options that shape them. */
-/* What stands in a slot of a modular twin; `twin` counts from 1. */
+/** What stands in a slot of a modular twin; `twin` counts from 1. */
 typedef struct twin_module {
     size_t twin;
     ect_module_choice_t choice;
 } twin_module_t;
 
+/** The twins that a command line asks for: devices and the options that shape them. */
 typedef struct twin_args {
     ect_twin_config_t *twins;
     size_t count;
+    bool given; /* an option of theirs was, those of the wiring aside */
     identity_wish_t *wishes;
     size_t wish_count;
     bool keep_source_mac;
@@ -90,6 +91,8 @@ extern const struct argp twin_argp;
 
 /** Takes "DEVICE[,DEVICE...]"; an unknown name ends the program with a line that lists the known ones. */
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);
+/** Whether the command line has options for twins. */
+bool twin_args_given(const twin_args_t *args);
 /**
  * Powers the twins on, with their memories and the signals that the command line sets. On failure prints why.
  * @param[out] chain  the caller's to free, before twin_args_free; NULL on failure

@@ -33,7 +33,7 @@ enum {
     KEY_FAULT,
     KEY_FAULTS,
     KEY_FILES,
-    KEY_FILES_PASSWORD
+    KEY_FILES_PASSWORD /* the last one */
 };
 
 static const struct argp_option options[] = {
@@ -274,6 +274,7 @@ static void choose_defect(twin_args_t *args, const struct argp_state *state, con
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
+    args->given = args->given || (key >= KEY_VENDOR_ID && key <= KEY_FILES_PASSWORD);
     if (identity_option(key)) {
         add_wish(args, state, key, text);
         return 0;
@@ -342,6 +343,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
 static const struct argp_child children[] = {{&wiring_argp, 0, NULL, 0}, {0}};
 
 const struct argp twin_argp = {.options = options, .parser = parse, .children = children};
+
+bool twin_args_given(const twin_args_t *args)
+{
+    return args->given || args->wiring.count > 0;
+}
 
 /* The product of a name at a place in the chain, with the modules for that place; NULL and a message. */
 static const ect_product_t *find_product(const twin_args_t *args, const char *name, size_t place, char *message)

@@ -24,8 +24,7 @@ static const struct argp_option options[] = {
      0},
     {"external", KEY_EXTERNAL, "PROGRAM", 0,
      "In place of DEVICE: a slave of your own, run by the shell with -i and its end of the wire behind it (a firmware "
-     "with "
-     "ectwin's soes_hal, docs/SOES.md)",
+     "with ectwin's soes_hal, docs/SOES.md)",
      0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
      "Let processes that CMD left behind live on when it has ended (default: they end too)", 0},
@@ -49,7 +48,6 @@ typedef struct child {
 } child_t;
 
 enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126, STATUS_SIGNALLED = 128 };
-enum { ROOM_FOR_SLAVE = 4096 };
 
 static void take_names(with_args_t *args, const struct argp_state *state, char *names)
 {
@@ -72,6 +70,8 @@ static void check_arguments(with_args_t *args, const struct argp_state *state)
         argp_error(state, "either a device or --external");
     if (args->external && args->masters[1])
         argp_error(state, "--external has one wire: one name in --iface");
+    if (args->external && twin_args_given(&args->twins))
+        argp_error(state, "--external is a slave of your own: the options of twins do nothing to it, leave them out");
     if (!args->command)
         argp_error(state, "name the command to run: ectwin with %s -- CMD ARG...",
                    args->devices ? args->devices : "--external PROGRAM");
@@ -238,21 +238,27 @@ static void end_children(void)
     }
 }
 
+/* @return whether it runs; why not was told */
+static bool start_command(const with_args_t *args, child_t *child, const ect_control_t *control)
+{
+    pid_t self = getpid();
+    fflush(NULL);
+    child->pid = fork();
+    if (child->pid == 0)
+        run_command(args, self, control);
+    if (child->pid < 0)
+        fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
+    return child->pid > 0;
+}
+
 static int serve(with_args_t *args, session_t *session)
 {
     child_t child = {.status = -1};
-    pid_t self = getpid();
     (void)print_ready(stderr, args->masters, args->twins.count);
-    fflush(NULL);
-    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
-    child.pid = fork();
-    if (child.pid == 0)
-        run_command(args, self, session->runner.control);
-    if (child.pid < 0)
-        fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
+    bool started = start_command(args, &child, session->runner.control);
     session_drop_rights(session, true);
-    int status = child.pid > 0 ? session_run(session, on_signal, &child) : EXIT_RUN;
-    if (status != EXIT_CLEAN && child.pid > 0)
+    int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
+    if (status != EXIT_CLEAN && started)
         kill(child.pid, SIGTERM);
     if (!args->leave_children)
         end_children();
@@ -286,7 +292,7 @@ static int enter_network(const with_args_t *args)
 /* Its output is not to be taken for CMD's; when it is ready it says so at a descriptor. */
 static void run_slave(const with_args_t *args, pid_t parent, const int ready[2])
 {
-    char command[ROOM_FOR_SLAVE], descriptor[12];
+    char descriptor[12];
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
@@ -297,8 +303,9 @@ static void run_slave(const with_args_t *args, pid_t parent, const int ready[2])
     snprintf(descriptor, sizeof descriptor, "%d", ready[1]);
     setenv("ECTWIN_READY_FD", descriptor, 1);
     (void)dup2(STDERR_FILENO, STDOUT_FILENO);
-    snprintf(command, sizeof command, "exec %s -i %s", args->external, ect_netns_twin[0]);
-    execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+    execl("/bin/sh", "sh", "-c", "eval \"exec $1 -i $2\"", "ectwin with", args->external, ect_netns_twin[0],
+          (char *)NULL);
+    fprintf(stderr, "ectwin with: cannot run '/bin/sh': %s\n", strerror(errno));
     _exit(EXIT_RUN);
 }
 
@@ -311,20 +318,22 @@ static void wait_until_ready(int ready)
     ssize_t length = poll(&fd, 1, PATIENCE_MS) > 0 ? read(ready, line, sizeof line) : 0;
     if (length > 0)
         (void)fwrite(line, 1, (size_t)length, stderr);
-    close(ready);
 }
 
+/* @return whether it runs; what kept it from starting was told */
 static bool start_slave(const with_args_t *args, child_t *child)
 {
-    int ready[2];
+    int ready[2] = {-1, -1};
     pid_t self = getpid();
-    if (pipe(ready) < 0)
-        return false;
-    child->slave = fork();
+    child->slave = pipe(ready) == 0 ? fork() : -1;
     if (child->slave == 0)
         run_slave(args, self, ready);
+    if (child->slave < 0)
+        fprintf(stderr, "ectwin with: cannot start '%s': %s\n", args->external, strerror(errno));
     close(ready[1]);
-    wait_until_ready(ready[0]);
+    if (child->slave > 0)
+        wait_until_ready(ready[0]);
+    close(ready[0]);
     (void)reap(child);
     return child->slave > 0 && child->slave_status < 0;
 }
@@ -343,20 +352,17 @@ static void wait_for_end(child_t *child, int signal_fd)
 static int serve_external(const with_args_t *args)
 {
     child_t child = {.status = -1, .slave_status = -1};
-    pid_t self = getpid();
     int signal_fd = open_signals();
-    if (signal_fd < 0 || enter_network(args) != EXIT_CLEAN)
-        return EXIT_OPEN;
-    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
-    if (start_slave(args, &child)) {
-        fflush(NULL);
-        child.pid = fork();
-        if (child.pid == 0)
-            run_command(args, self, NULL);
-        wait_for_end(&child, signal_fd);
+    if (signal_fd < 0) {
+        fprintf(stderr, "ectwin with: cannot wait for signals: %s\n", strerror(errno));
+        return EXIT_RUN;
     }
-    bool slave_ended = child.slave_status >= 0 && child.status < 0;
-    if (slave_ended)
+    if (enter_network(args) != EXIT_CLEAN)
+        return EXIT_OPEN;
+    fflush(NULL);
+    if (start_slave(args, &child) && start_command(args, &child, NULL))
+        wait_for_end(&child, signal_fd);
+    if (child.slave_status >= 0 && child.status < 0)
         fprintf(stderr, "ectwin with: '%s' has ended with status %d\n", args->external, child.slave_status);
     if (child.pid > 0 && child.status < 0)
         kill(child.pid, SIGTERM);
@@ -383,6 +389,7 @@ int command_with(int argc, char **argv)
     with_args_t args = {.masters = {master}};
     argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
 
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1); /* what is left behind becomes ours, to be ended */
     if (args.external)
         return serve_external(&args);
     session_t session;
