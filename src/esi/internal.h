@@ -118,7 +118,7 @@ ect_esi_number_t ect_esi_optional(ect_esi_xml_t *xml, const xmlNode *parent, con
 ect_esi_bytes_t ect_esi_hex(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
 
 /** @param root  the file's EtherCATInfo; @param node  the `<Device>` */
-const ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node);
+ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node);
 
 /** @param profile  `<Profile>` or NULL: then the dictionary is empty; @param[out] dictionary appended to */
 void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary);

@@ -271,17 +271,13 @@ void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t
     const xmlNode *descriptions = ect_esi_child(esi->root, "Descriptions");
     check_head(&l, esi->root, descriptions);
     check_groups(&l, ect_esi_child(descriptions, "Groups"), device);
-    for (size_t i = 0; i < esi->count; i++) {
-        const xmlNode *node = esi->nodes[i];
-        if (ect_esi_line(node) != device->line)
-            continue;
-        check_orders(&l, node);
-        for (const xmlNode *child = node->children; child != NULL; child = child->next) {
-            if (child->type == XML_ELEMENT_NODE)
-                check_orders(&l, child);
-        }
-        check_device(&l, node, device);
+    const xmlNode *node = esi->nodes[device->place];
+    check_orders(&l, node);
+    for (const xmlNode *child = node->children; child != NULL; child = child->next) {
+        if (child->type == XML_ELEMENT_NODE)
+            check_orders(&l, child);
     }
+    check_device(&l, node, device);
 }
 
 /* --- schema ------------------------------------------------------------------------------------------------------ */

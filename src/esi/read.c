@@ -247,7 +247,8 @@ const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, cha
         return NULL;
     }
     ect_esi_xml_t xml = context(esi, text, room);
-    const ect_esi_device_t *device = ect_esi_read_device(&xml, esi->root, esi->nodes[chosen]);
+    ect_esi_device_t *device = ect_esi_read_device(&xml, esi->root, esi->nodes[chosen]);
+    device->place = chosen;
     return xml.failed ? NULL : device;
 }
 

@@ -303,7 +303,7 @@ static uint32_t read_profile(ect_esi_xml_t *xml, const xmlNode *profile)
     return number | (uint32_t)ect_esi_number(xml, profile, "AddInfo", 0, UINT16_MAX, 0) << 16;
 }
 
-const ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node)
+ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node)
 {
     ect_esi_device_t *device = ect_arena_alloc(xml->arena, sizeof *device);
     read_identity(xml, root, node, device);

@@ -153,13 +153,18 @@ static void each_mistake(void **state)
 /* Of a file of many devices only the one that was selected counts. */
 static void other_devices(void **state)
 {
-    static const char two[] =
-        FILE_OF(VENDOR, GROUP,
-                DEVICE(BODY) "<Device><Sm OneByteMode='1'/><Type ProductCode='0x2' RevisionNo='1'>B</Type></Device>");
+#define BAD "<Device><Sm OneByteMode='1'/><Type ProductCode='0x2' RevisionNo='1'>B</Type></Device>"
+    static const struct {
+        const char *what, *text;
+    } files[] = {{"behind it", FILE_OF(VENDOR, GROUP, DEVICE(BODY) BAD)},
+                 {"before it, on the same line", FILE_OF(VENDOR, GROUP, BAD DEVICE(BODY))}};
     (void)state;
-    heard_t good = heard_of(two, "A"), bad = heard_of(two, "B");
-    assert_int_equal(good.wrong + good.words, 0);
-    assert_true(bad.wrong >= 4);
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        heard_t good = heard_of(files[i].text, "A"), bad = heard_of(files[i].text, "B");
+        if (good.wrong + good.words != 0 || bad.wrong < 4)
+            fail_msg("a bad device %s: expected nothing of A and at least 4 of B, got %u and %u, first \"%s\"",
+                     files[i].what, good.wrong + good.words, bad.wrong, good.first);
+    }
 }
 
 /* A schema of our own, for the ETG's is not ours to carry. */
