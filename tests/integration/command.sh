@@ -181,6 +181,11 @@ files_agree() {
   done
   check "sii: a format that there is none" 1 "$("$ectwin" sii fzm1 --format elf >/dev/null 2>&1; echo $?)"
   check "objects: nobody is named" 1 "$("$ectwin" objects fzm1 >/dev/null 2>&1; echo $?)"
+  for files in "objects fzm1 --soes" "esi --all"; do
+    # shellcheck disable=SC2086
+    check "$files: a folder whose name is too long" "ectwin ${files%% *}: the folder's name is too long"$'\n2' \
+      "$("$ectwin" $files -o "$(printf '%05000d' 0)" 2>&1; echo $?)"
+  done
 }
 
 # Whoever sets another identity gets it in each file; --serial only where a file is of one unit.

@@ -241,18 +241,15 @@ int command_doc(int argc, char **argv)
     output_args_t args = {.key = KEY_HTML};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     const ect_twin_config_t *twin = &args.twins.twins[0];
-    char *text = NULL;
-    size_t size = 0;
+    output_text_t out;
+    int status = EXIT_RUN;
     page_t page = {.html = args.given, .device = twin->device, .identity = &twin->identity};
     page.od = ect_esi_values(&page.arena, twin->device, &twin->identity);
-    page.file = open_memstream(&text, &size);
-    int status = EXIT_RUN;
+    page.file = output_open(who, &out);
     if (page.file) {
         write_page(&page);
-        if (fclose(page.file) == 0)
-            status = output_save(who, args.output, text, size);
+        status = output_close(who, &out, args.output);
     }
-    free(text);
     ect_arena_free(&page.arena);
     twin_args_free(&args.twins);
     return status;

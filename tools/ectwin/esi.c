@@ -33,15 +33,11 @@ static int write_parts(const ect_esi_part_t *parts, size_t count, const char *pa
 /* A family is a group: ESI/ectwin-vr-bu.xml */
 static int write_family(const ect_esi_part_t *parts, size_t count, const char *folder)
 {
-    char path[4096];
-    int length = snprintf(path, sizeof path, "%s/ectwin-%s.xml", folder, parts[0].device->group_type);
-    if (length >= (int)sizeof path) {
-        fprintf(stderr, "%s: the folder's name is too long\n", who);
-        return EXIT_OPEN;
-    }
-    for (char *letter = strrchr(path, '/'); *letter; letter++)
+    char path[OUTPUT_PATH], name[200];
+    snprintf(name, sizeof name, "ectwin-%s.xml", parts[0].device->group_type);
+    for (char *letter = name; *letter; letter++)
         *letter = (char)(*letter == ' ' ? '-' : tolower((unsigned char)*letter));
-    return write_parts(parts, count, path);
+    return output_path(who, path, folder, name) ? write_parts(parts, count, path) : EXIT_OPEN;
 }
 
 static int write_families(ect_esi_part_t *parts, size_t count, const char *folder)

@@ -3,13 +3,11 @@
  * The dictionary as C source for users of SOES: the three files that its stack is compiled with, and the EEPROM that
  * goes with them. The shapes are those of its public headers (esc_coe.h, options.h).
  */
-#define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>
 
 #include "esi/values.h"
 #include "output.h"
-#include "sii/sii.h"
 #include "wire/bytes.h"
 
 static const char who[] = "ectwin objects";
@@ -284,29 +282,24 @@ static bool suits(const ect_device_t *device)
 
 static int write_source(source_t *s, const char *folder, const char *name, void (*write)(source_t *s))
 {
-    char path[4096];
-    char *text = NULL;
-    size_t size = 0;
-    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
+    char path[OUTPUT_PATH];
+    output_text_t out;
+    if (!output_path(who, path, folder, name))
         return EXIT_OPEN;
-    s->file = open_memstream(&text, &size);
+    s->file = output_open(who, &out);
     if (!s->file)
         return EXIT_RUN;
     write(s);
-    int status = fclose(s->file) == 0 ? output_save(who, path, text, size) : EXIT_RUN;
-    free(text);
-    return status;
+    return output_close(who, &out, path);
 }
 
 static int write_image(const ect_twin_config_t *twin, const char *folder)
 {
-    const ect_device_t *device = twin->device;
-    char path[4096];
-    uint8_t *image = calloc(1, device->sii_size);
-    int status = EXIT_RUN;
-    if (image && ect_sii_write(device, &twin->identity, twin->alias, image, device->sii_size) >= 0 &&
-        snprintf(path, sizeof path, "%s/eeprom.bin", folder) < (int)sizeof path)
-        status = output_save(who, path, (const char *)image, device->sii_size);
+    char path[OUTPUT_PATH];
+    if (!output_path(who, path, folder, "eeprom.bin"))
+        return EXIT_OPEN;
+    uint8_t *image = output_image(who, twin);
+    int status = image ? output_save(who, path, image, twin->device->sii_size) : EXIT_RUN;
     free(image);
     return status;
 }

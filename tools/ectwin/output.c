@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "bus/catalogue.h"
+#include "sii_file.h"
 
 const struct argp_child output_children[] = {{&twin_argp, 0, "The twin:", 1}, {0}};
 
@@ -19,6 +20,48 @@ int output_save(const char *who, const char *path, const void *data, size_t size
         return EXIT_CLEAN;
     fprintf(stderr, "%s: cannot write '%s': %s\n", who, path ? path : "standard output", strerror(errno));
     return EXIT_OPEN;
+}
+
+bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, const char *name)
+{
+    bool fits = snprintf(path, OUTPUT_PATH, "%s/%s", folder, name) < OUTPUT_PATH;
+    if (!fits)
+        fprintf(stderr, "%s: the folder's name is too long\n", who);
+    return fits;
+}
+
+static void tell_failure(const char *who)
+{
+    fprintf(stderr, "%s: what is to be written cannot be made: %s\n", who, strerror(errno));
+}
+
+FILE *output_open(const char *who, output_text_t *out)
+{
+    *out = (output_text_t){0};
+    out->file = open_memstream(&out->text, &out->size);
+    if (!out->file)
+        tell_failure(who);
+    return out->file;
+}
+
+int output_close(const char *who, output_text_t *out, const char *path)
+{
+    int status = EXIT_RUN;
+    if (fclose(out->file) == 0)
+        status = output_save(who, path, out->text, out->size);
+    else
+        tell_failure(who);
+    free(out->text);
+    return status;
+}
+
+uint8_t *output_image(const char *who, const ect_twin_config_t *twin)
+{
+    char message[200];
+    uint8_t *image = sii_file_make(twin->device, &twin->identity, twin->alias, message, sizeof message);
+    if (!image)
+        fprintf(stderr, "%s: %s\n", who, message);
+    return image;
 }
 
 /* The names of the catalogue between commas; the caller's to free. */

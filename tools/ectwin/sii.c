@@ -1,7 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE
-#include "sii/sii.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,17 +49,11 @@ static void put_c(FILE *file, const ect_device_t *device, const uint8_t *image)
 static int save_text(const char *path, const ect_device_t *device, const uint8_t *image,
                      void (*put)(FILE *, const ect_device_t *, const uint8_t *))
 {
-    char *text = NULL;
-    size_t size = 0;
-    int status = EXIT_RUN;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
-        return status;
-    put(file, device, image);
-    if (fclose(file) == 0)
-        status = output_save(who, path, text, size);
-    free(text);
-    return status;
+    output_text_t out;
+    if (!output_open(who, &out))
+        return EXIT_RUN;
+    put(out.file, device, image);
+    return output_close(who, &out, path);
 }
 
 static int save(const output_args_t *args, const ect_device_t *device, const uint8_t *image)
@@ -90,10 +81,8 @@ int command_sii(int argc, char **argv)
     output_args_t args = {.key = KEY_FORMAT};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     const ect_twin_config_t *twin = &args.twins.twins[0];
-    uint8_t *image = malloc(twin->device->sii_size);
-    int status = EXIT_RUN;
-    if (image && ect_sii_write(twin->device, &twin->identity, twin->alias, image, twin->device->sii_size) >= 0)
-        status = save(&args, twin->device, image);
+    uint8_t *image = output_image(who, twin);
+    int status = image ? save(&args, twin->device, image) : EXIT_RUN;
     free(image);
     twin_args_free(&args.twins);
     return status;

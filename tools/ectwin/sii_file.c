@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { DATA = 0, END = 1, SEGMENT = 2, START_SEGMENT = 3, LINEAR = 4, START_LINEAR = 5 };
@@ -105,4 +106,16 @@ long sii_file_read(const char *path, uint8_t *image, char *message, size_t room)
     }
     (void)fclose(file);
     return size;
+}
+
+uint8_t *sii_file_make(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, char *message,
+                       size_t room)
+{
+    uint8_t *image = malloc(device->sii_size);
+    if (image && ect_sii_write(device, identity, alias, image, device->sii_size) >= 0)
+        return image;
+    snprintf(message, room, "the EEPROM of '%s' cannot be made: %s", device->name,
+             image ? "its content does not fit" : strerror(errno));
+    free(image);
+    return NULL;
 }

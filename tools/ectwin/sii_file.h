@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/** @file EEPROM images in files: bytes as they are, or Intel HEX. */
+/** @file EEPROM images: of a description, and in files, bytes as they are or Intel HEX. */
 #ifndef ECTWIN_SII_FILE_H
 #define ECTWIN_SII_FILE_H
 
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+
+#include "sii/sii.h"
 
 /** The largest EEPROM. */
 enum { SII_FILE_MOST = 0x20000 };
@@ -17,5 +19,14 @@ enum { SII_FILE_MOST = 0x20000 };
  * @return bytes, or -1
  */
 long sii_file_read(const char *path, uint8_t *image, char *message, size_t room);
+
+/**
+ * The image that a device comes with.
+ * @param identity, alias  as of ::ect_sii_write
+ * @param[out] message, room  the line that says why not
+ * @return device->sii_size bytes for free(), or NULL
+ */
+uint8_t *sii_file_make(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, char *message,
+                       size_t room);
 
 #endif

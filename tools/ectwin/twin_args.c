@@ -11,7 +11,7 @@
 #include "bus/settings.h"
 #include "commands.h"
 #include "products.h"
-#include "sii/sii.h"
+#include "sii_file.h"
 
 enum {
     KEY_VENDOR_ID = 0x100,
@@ -437,16 +437,13 @@ static bool open_files(twin_args_t *args, const char *who)
 static bool open_eeprom(twin_args_t *args, size_t i, char *message)
 {
     ect_twin_config_t *twin = &args->twins[i];
-    uint32_t size = twin->device->sii_size;
     char path[ECT_EEPROM_PATH];
-    uint8_t *factory = malloc(size > 0 ? size : 1);
+    uint8_t *factory = sii_file_make(twin->device, &twin->identity, twin->alias, message, ECT_EEPROM_MESSAGE);
     int length = snprintf(path, sizeof path, "%s/%s-%zu.sii", args->store, twin->device->name, i + 1);
     if (length >= (int)sizeof path)
         snprintf(message, ECT_EEPROM_MESSAGE, "the folder's name is too long");
-    else if (!factory || ect_sii_write(twin->device, &twin->identity, twin->alias, factory, size) < 0)
-        snprintf(message, ECT_EEPROM_MESSAGE, "the EEPROM of '%s' cannot be made", twin->device->name);
-    else
-        args->eeproms[i] = ect_eeprom_open(path, factory, size, message);
+    else if (factory)
+        args->eeproms[i] = ect_eeprom_open(path, factory, twin->device->sii_size, message);
     free(factory);
     if (!args->eeproms[i])
         return false;

@@ -12,7 +12,6 @@
 #include "commands.h"
 #include "facts/facts.h"
 #include "products.h"
-#include "sii/sii.h"
 #include "sii_file.h"
 
 extern char **environ;
@@ -49,14 +48,12 @@ static bool add_image(verify_t *v, const char *operand, const char *part, const 
 
 static bool add_written_image(verify_t *v, const char *operand, const ect_device_t *device)
 {
-    uint8_t *image = malloc(device->sii_size);
-    bool fine = image != NULL && ect_sii_write(device, NULL, 0, image, device->sii_size) >= 0;
-    if (fine)
-        ect_facts_of_sii(new_set(v, operand, " EEPROM"), image, device->sii_size);
-    else
-        (void)snprintf(v->message, sizeof v->message, "%s: its EEPROM cannot be written", operand);
+    uint8_t *image = sii_file_make(device, NULL, 0, v->message, sizeof v->message);
+    if (image == NULL)
+        return false;
+    ect_facts_of_sii(new_set(v, operand, " EEPROM"), image, device->sii_size);
     free(image);
-    return fine;
+    return true;
 }
 
 /* A description, and the EEPROM of it; that of a file only if it carries one. */
