@@ -33,7 +33,7 @@ with_passes_status_and_interface() {
 wrong_usage_is_1() {
   for arguments in "" "nonsense" "run vr-bu-ect-map1" "run -i x" "run -i x nodevice" "with" "with vr-bu-ect-map1" \
     "with nodevice -- true" "with --esc nochip fzm1 -- true" "with --fault nonsense fzm1 -- true" \
-    "with --wire 2:1.4 fzm1,fzm1 -- true" "with --wire 1:1.1 fzm1 -- true" "with --drift 2000 fzm1 -- true" "with --cable -1 fzm1 -- true" \
+    "with --wire 2:1.4 fzm1,fzm1 -- true" "with --wire 1:1.1 fzm1 -- true" "with --drift 2000 fzm1 -- true" "with --cable -1 fzm1 -- true" "with --cable 2.5 fzm1 -- true" \
     "cut 1" "unplug 0" "with --esc 2:et1100 fzm1 -- true" "with --esc 0:et1100 fzm1 -- true" \
     "with --esc et1200 vr-bu-ect-map7 -- true" "sii" "list extra" "run --vendor-id -5 -i x vr-bu-ect-map1"; do
     # shellcheck disable=SC2086

@@ -198,21 +198,6 @@ FILE *connection_open(const char *path, const char *who)
 
 /* --- asking ------------------------------------------------------------------------------------------------------- */
 
-bool connection_ask(FILE *connection, cJSON *request, const char *who)
-{
-    char *text = cJSON_PrintUnformatted(request);
-    bool fits = text && strlen(text) < ECT_ENDPOINT_REQUEST;
-    if (fits)
-        fprintf(connection, "%s\n", text);
-    else
-        fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
-                ECT_ENDPOINT_REQUEST - 1);
-    fflush(connection);
-    cJSON_free(text);
-    cJSON_Delete(request);
-    return fits;
-}
-
 const char *connection_text(const cJSON *line, const char *member, char room[32])
 {
     const cJSON *value = cJSON_GetObjectItemCaseSensitive(line, member);
@@ -235,7 +220,7 @@ static int no_answer(FILE *connection, const char *who)
     return EXIT_RUN;
 }
 
-int connection_answer(FILE *connection, const char *who, void (*print)(const cJSON *line))
+static int take_answer(FILE *connection, const char *who, void (*print)(const cJSON *line))
 {
     char raw[LINE_ROOM], room[32];
     while (fgets(raw, sizeof raw, connection)) {
@@ -259,6 +244,21 @@ int connection_answer(FILE *connection, const char *who, void (*print)(const cJS
             return EXIT_RUN; /* nobody reads it any more */
     }
     return no_answer(connection, who);
+}
+
+int connection_ask(FILE *connection, cJSON *request, const char *who, void (*print)(const cJSON *line))
+{
+    char *text = cJSON_PrintUnformatted(request);
+    bool fits = text && strlen(text) < ECT_ENDPOINT_REQUEST;
+    if (fits)
+        fprintf(connection, "%s\n", text);
+    else
+        fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
+                ECT_ENDPOINT_REQUEST - 1);
+    fflush(connection);
+    cJSON_free(text);
+    cJSON_Delete(request);
+    return fits ? take_answer(connection, who, print) : EXIT_USAGE;
 }
 
 int connection_follow(FILE *connection, const char *who)

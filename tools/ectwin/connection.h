@@ -21,14 +21,17 @@
  */
 FILE *connection_open(const char *path, const char *who);
 
-/** Sends a request and frees it. @return false: it is longer than the protocol allows (told) */
-bool connection_ask(FILE *connection, cJSON *request, const char *who);
+/** The option that says which: a row of the options of a command; its key is 's'. */
+#define CONNECTION_OPTION                                                                                              \
+    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}
 
 /**
- * Hands lines of an answer to `print` (NULL: to nobody) until the one that says how it went.
- * @return EXIT_CLEAN · EXIT_USAGE: it was refused, the reason is printed · EXIT_RUN: no answer, or nobody reads ours
+ * Sends a request, frees it, and hands lines of the answer to `print` (NULL: to nobody) until the one that says how it
+ * went.
+ * @return EXIT_CLEAN · EXIT_USAGE: it was refused, or is longer than the protocol allows; the reason is printed ·
+ *         EXIT_RUN: no answer, or nobody reads ours
  */
-int connection_answer(FILE *connection, const char *who, void (*print)(const cJSON *line));
+int connection_ask(FILE *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
 
 /** After the answer to "watch": hands on whole lines until the connection ends. @return EXIT_RUN */
 int connection_follow(FILE *connection, const char *who);

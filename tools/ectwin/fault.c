@@ -8,7 +8,7 @@
 
 typedef struct fault_args {
     const char *socket;
-    char text[2 * ECT_FAULT_TEXT];
+    char text[ECT_FAULT_TEXT];
 } fault_args_t;
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -38,8 +38,7 @@ static void print_fault(const cJSON *line)
 
 int command_fault(int argc, char **argv)
 {
-    static const struct argp_option options[] = {
-        {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}, {0}};
+    static const struct argp_option options[] = {CONNECTION_OPTION, {0}};
     static const struct argp argp = {.options = options,
                                      .parser = parse,
                                      .args_doc = "[FAULT]",
@@ -55,8 +54,7 @@ int command_fault(int argc, char **argv)
     cJSON_AddStringToObject(request, "op", "fault");
     if (args.text[0] != 0)
         cJSON_AddStringToObject(request, "fault", args.text);
-    int status =
-        connection_ask(connection, request, argv[0]) ? connection_answer(connection, argv[0], print_fault) : EXIT_USAGE;
+    int status = connection_ask(connection, request, argv[0], print_fault);
     fclose(connection);
     return status;
 }

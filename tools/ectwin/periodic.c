@@ -16,7 +16,7 @@ typedef struct periodic_args {
 } periodic_args_t;
 
 static const struct argp_option options[] = {
-    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},
+    CONNECTION_OPTION,
     {"slave", 'n', "N", 0, "Slave of the chain, from 1 (default 1)", 0},
     {"output", 'o', "FILE", 0, "Write its bytes to FILE, - is standard output (default: print them to read)", 0},
     {0},
@@ -90,7 +90,7 @@ static int fetch(FILE *connection, unsigned int slave, const char *who)
         cJSON_AddStringToObject(request, "op", "data");
         cJSON_AddNumberToObject(request, "slave", slave);
         cJSON_AddNumberToObject(request, "offset", (double)set.have);
-        status = connection_ask(connection, request, who) ? connection_answer(connection, who, take_piece) : EXIT_USAGE;
+        status = connection_ask(connection, request, who, take_piece);
         if (status != EXIT_CLEAN || (set.known && set.have == set.size))
             return status;
         tries += set.serial != serial;

@@ -19,8 +19,7 @@ typedef struct plug_args {
     unsigned int port;
 } plug_args_t;
 
-static const struct argp_option options[] = {
-    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}, {0}};
+static const struct argp_option options[] = {CONNECTION_OPTION, {0}};
 
 /* "N", from 1. @return what follows; NULL: it is not that */
 static const char *read_slave(const char *text, unsigned long *slave)
@@ -76,7 +75,7 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
         if (!args->wire || port == args->port)
             cJSON_AddNumberToObject(values, plugs[port], in ? 1 : 0);
     }
-    int status = connection_ask(connection, request, who) ? connection_answer(connection, who, NULL) : EXIT_RUN;
+    int status = connection_ask(connection, request, who, NULL);
     fclose(connection);
     return status;
 }

@@ -24,19 +24,19 @@ typedef struct client_args {
     size_t count;
 } client_args_t;
 
-#define COMMON_OPTIONS                                                                                                 \
-    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},                \
-        {"slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0}
+#define SLAVE_OPTION {"slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0}
 
-static const struct argp_option options[] = {COMMON_OPTIONS, {0}};
+static const struct argp_option options[] = {CONNECTION_OPTION, SLAVE_OPTION, {0}};
 static const struct argp_option set_options[] = {
-    COMMON_OPTIONS,
+    CONNECTION_OPTION,
+    SLAVE_OPTION,
     {"csv", 'c', "FILE", 0,
      "The first line names signals, each other one holds their values; an empty cell sets nothing. -: standard input",
      0},
     {0}};
 static const struct argp_option watch_options[] = {
-    COMMON_OPTIONS,
+    CONNECTION_OPTION,
+    SLAVE_OPTION,
     {"every", 'e', NULL, 0, "Every change at its time (default: what has changed, every 10 ms)", 0},
     {0}};
 
@@ -142,7 +142,7 @@ static int ask(const client_args_t *args, const char *who, const char *op, const
     cJSON_AddStringToObject(request, "pattern", pattern);
     if (args->every)
         cJSON_AddTrueToObject(request, "every");
-    int status = connection_ask(connection, request, who) ? connection_answer(connection, who, print) : EXIT_USAGE;
+    int status = connection_ask(connection, request, who, print);
     fflush(stdout);
     if (status == EXIT_CLEAN && strcmp(op, "watch") == 0)
         status = connection_follow(connection, who);
@@ -247,9 +247,7 @@ static int set_values(FILE *connection, const client_args_t *args, const char *w
 {
     cJSON *request = make_request(args, "set");
     cJSON_AddItemToObject(request, "values", values);
-    if (!connection_ask(connection, request, who))
-        return EXIT_USAGE;
-    return connection_answer(connection, who, NULL);
+    return connection_ask(connection, request, who, NULL);
 }
 
 static int set_arguments(FILE *connection, const client_args_t *args, const char *who)

@@ -102,9 +102,7 @@ static void print_as_given(const cJSON *line)
 int command_stats(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0},
-        {"json", 'j', NULL, 0, "As the twin gives it (docs/CONTROL.md)", 0},
-        {0}};
+        CONNECTION_OPTION, {"json", 'j', NULL, 0, "As the twin gives it (docs/CONTROL.md)", 0}, {0}};
     static const struct argp argp = {
         .options = options,
         .parser = parse,
@@ -116,9 +114,7 @@ int command_stats(int argc, char **argv)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "stats");
-    int status = connection_ask(connection, request, argv[0])
-                     ? connection_answer(connection, argv[0], args.json ? print_as_given : print_stats)
-                     : EXIT_USAGE;
+    int status = connection_ask(connection, request, argv[0], args.json ? print_as_given : print_stats);
     fclose(connection);
     return status;
 }

@@ -21,7 +21,8 @@ static const struct argp_option options[] = {
      "from --seed (default 0)",
      2},
     {"cable", KEY_CABLE, "[N:]METRES", 0,
-     "Length of the cable at the input of twin N, without N of all, 0 to 1000 (default 1): clocks see it", 2},
+     "Length of the cable at the input of twin N, without N of all, whole metres, 0 to 1000 (default 1): clocks see it",
+     2},
     {"wire", KEY_WIRE, "N:M.PORT", 0,
      "The input of twin N is plugged in at port 1, 2 or 3 of twin M, before it (default: port 1 of the one before)", 2},
     {0},
@@ -116,8 +117,8 @@ static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, c
 static void set_cable(const struct argp_state *state, ect_twin_config_t *twin, const char *text)
 {
     double metres = parse_within(state, "--cable", text, 1000);
-    if (metres < 0)
-        argp_error(state, "--cable takes metres from 0 to 1000, not '%s'", text);
+    if (metres < 0 || metres != (double)(uint16_t)metres)
+        argp_error(state, "--cable takes whole metres from 0 to 1000, not '%s'", text);
     twin->cable_m = (uint16_t)metres;
 }
 
