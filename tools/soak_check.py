@@ -25,6 +25,8 @@ def check_order(what, numbers, sent):
         check(f"{what}: number {wrong + 1} expected, {numbers[wrong]} came", False)
     elif len(numbers) < sent:
         check(f"{what}: all in order, but the last {sent - len(numbers)} of {sent} had not come when the time was over", False)
+    elif len(numbers) > sent:
+        check(f"{what}: all in order, but {len(numbers)} came and {sent} were sent", False)
 
 
 operator_sent = int((folder / "operator").read_text())

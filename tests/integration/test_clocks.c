@@ -3,8 +3,8 @@
  * SOEM synchronises the clocks of a chain of twins whose oscillators are wrong: it measures the delays, sets the
  * offsets, and then sends the reference clock's time round, as in its cyclic operation.
  *
- * usage: test_clocks IFACE SLAVES [SECONDS]      with SECONDS: paced at 1 ms, and the differences as CSV on standard
- * output
+ * usage: test_clocks IFACE SLAVES [SECONDS]
+ * With SECONDS: paced at 1 ms, and the differences as CSV on standard output.
  */
 #define _DEFAULT_SOURCE
 #include <stdio.h>

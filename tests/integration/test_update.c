@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A board's firmware is renewed over FoE, as SOEM's firm_update does it.  usage: test_update IFACE FILE BEFORE AFTER
- * [TEST] The slave is called BEFORE, and AFTER when it runs what is in FILE. The tests follow each other.
+ * A board's firmware is renewed over FoE, as SOEM's firm_update does it.
+ *
+ * usage: test_update IFACE FILE BEFORE AFTER [TEST]
+ * The slave is called BEFORE, and AFTER when it runs what is in FILE. The tests follow each other.
  */
 #include <stdio.h>
 #include <string.h>

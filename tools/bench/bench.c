@@ -2,12 +2,18 @@
 /*
  * Measurements of twins, one a call, for tools/bench/run.py, which says what they mean. Each prints one line of JSON.
  *
- *   ectwin-bench frames DEVICE PRESENT TOUCHED COMMAND FRAMES   in this process, without a wire: for an instruction
- * counter ectwin-bench echo IFACE                                     sends back what comes, in blocking calls; runs
- * until killed ectwin-bench spin IFACE                                     the same, never waiting ectwin-bench round
- * IFACE ECHO DEVICE PRESENT TOUCHED N      N round trips in turns with N of an echo ectwin-bench sdo IFACE DEVICE N N
- * uploads of 1018h:1 ectwin-bench cycle IFACE DEVICE PRESENT TOUCHED MS          all process data of TOUCHED twins each
- * millisecond, for MS of them
+ *   ectwin-bench frames DEVICE PRESENT TOUCHED COMMAND FRAMES
+ *       in this process, without a wire: for an instruction counter
+ *   ectwin-bench echo IFACE
+ *       sends back what comes, in blocking calls; runs until killed
+ *   ectwin-bench spin IFACE
+ *       the same, never waiting
+ *   ectwin-bench round IFACE ECHO DEVICE PRESENT TOUCHED N
+ *       N round trips in turns with N of an echo
+ *   ectwin-bench sdo IFACE DEVICE N
+ *       N uploads of 1018h:1
+ *   ectwin-bench cycle IFACE DEVICE PRESENT TOUCHED MS
+ *       all process data of TOUCHED twins each millisecond, for MS of them
  */
 #define _GNU_SOURCE
 #include <arpa/inet.h>

@@ -236,7 +236,7 @@ static void frames(cf_t *c, host_t *h)
     if (!h->has_ip)
         return;
     arp_request(frame, h);
-    send_frame(c, h, frame, FRAME_LEAST, most < FRAME_LEAST ? most : UNIT, 5, -1);
+    send_frame(c, h, frame, FRAME_LEAST, most, 5, -1);
     expect_replies(c, h, "replies to one ARP request", 1);
     cf_step(c, "an ARP request without its first fragment, one without its last, and a whole one");
     send_frame(c, h, frame, FRAME_LEAST, UNIT, 6, 0);

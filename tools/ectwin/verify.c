@@ -78,16 +78,10 @@ static const char *probe_path(ect_arena_t *arena)
 {
     char self[4096];
     ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (length <= 0)
-        return "ectwin-probe";
-    self[length] = '\0';
-    const char *beside = ect_arena_print(arena, "%s-probe", self);
-    char *slash = strrchr(self, '/');
-    if (access(beside, X_OK) != 0 && slash != NULL) {
-        *slash = '\0';
-        beside = ect_arena_print(arena, "%s/ectwin-probe", self);
-    }
-    return access(beside, X_OK) == 0 ? beside : "ectwin-probe";
+    while (length > 0 && self[length - 1] != '/')
+        length--;
+    const char *beside = ect_arena_print(arena, "%.*sectwin-probe", length > 0 ? (int)length : 0, self);
+    return length > 0 && access(beside, X_OK) == 0 ? beside : "ectwin-probe";
 }
 
 static bool run_probe(verify_t *v, const char *iface, const char *number, const char *sii, const char *od)
@@ -158,9 +152,8 @@ static bool ends_with(const char *text, const char *end)
 
 static bool is_esi(const char *operand)
 {
-    const char *hash = strrchr(operand, '#');
-    return strcasestr(operand, ".xml#") != NULL || ends_with(operand, ".xml") ||
-           (hash != NULL && strcasestr(operand, ".xml") != NULL && strcasestr(operand, ".xml") < hash);
+    const char *hash = strrchr(operand, '#'), *suffix = strcasestr(operand, ".xml");
+    return ends_with(operand, ".xml") || (hash != NULL && suffix != NULL && suffix < hash);
 }
 
 static bool add(verify_t *v, const char *operand)
