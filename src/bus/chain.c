@@ -34,9 +34,9 @@ typedef struct twin {
     bool hung;                     /* its microcontroller stands still */
     uint32_t ports_seen;           /* changes of its loops that ways of frames have followed */
     uint32_t seen;                 /* ESC activity that the slave has dealt with */
-    uint64_t esc_ns;               /* deadline of the ESC */
+    uint64_t esc_ns;               /* what its ESC asked for when it was last ticked */
     uint32_t sii_seen;             /* writes to its EEPROM that were told */
-    uint64_t deadline_ns;          /* of the slave or of the ESC, whichever is first */
+    uint64_t slave_ns;             /* when its slave wants to run */
     uint64_t last_frame_ns;        /* but for frames that the fast way took: see `fast_frame_ns` */
     ect_lamps_t *lamps;
     uint8_t *esc_memory; /* of the chain's `pool` */
@@ -54,9 +54,10 @@ struct ect_chain {
     ect_topology_node_t *nodes;
     bool line; /* each twin is at port 1 of the one before it */
     ect_fast_t *fast;
-    ect_deadlines_t *deadlines; /* of twins; never later than what they and their ESCs want */
+    ect_deadlines_t *deadlines; /* of twins: when they or their ESCs want to run, or before */
     uint64_t *ready;            /* a bit a twin: something has happened to it since it was polled */
     uint64_t now_ns;            /* the latest time that it has seen */
+    uint64_t rests_ns;          /* nobody is woken before that */
     uint64_t frame_ns;          /* when the last frame came; 0 never */
     uint64_t fast_frame_ns;     /* when the first `fast_reach` twins last had a frame the fast way */
     size_t fast_reach;
@@ -173,7 +174,7 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
     for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++)
         ect_esc_set_link(&twin->esc, port, twin->link[port]);
     twin->esc_ns = ECT_NEVER;
-    twin->deadline_ns = now_ns;
+    twin->slave_ns = now_ns;
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
 
@@ -607,21 +608,26 @@ static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, s
     return out;
 }
 
-/* Those whose controllers have something to do by themselves: it may be seen in a frame that does not go to them. */
+/* Those whose controllers have something to do by themselves: it may be seen in a frame that does not go to them. Their
+ * slaves are polled, too, but not before the next frame, which may come first. */
 static void tick_due(ect_chain_t *chain, uint64_t now_ns)
 {
     size_t i;
     while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
-        ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
-        (void)ect_esc_tick(&chain->twins[i].esc, now_ns);
-        ect_fast_look(chain->fast, i);
         make_ready(chain, i);
+        ect_deadlines_set(chain->deadlines, i, ect_esc_tick(&chain->twins[i].esc, now_ns));
+        ect_fast_look(chain->fast, i);
     }
 }
 
 static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
 {
     return a_ns < b_ns ? a_ns : b_ns;
+}
+
+static uint64_t later(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns > b_ns ? a_ns : b_ns;
 }
 
 static void note_touched(ect_chain_t *chain)
@@ -670,11 +676,12 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
 }
 
 /* A master may ask its slave for a pulse every nanosecond. The chip gives them, but nobody can be woken by each. */
-static uint64_t tick_esc(twin_t *twin, uint64_t now_ns)
+static void tick_esc(ect_chain_t *chain, twin_t *twin, uint64_t now_ns)
 {
     bool woken = now_ns >= twin->esc_ns;
-    uint64_t next_ns = ect_esc_tick(&twin->esc, now_ns);
-    return woken && next_ns < now_ns + REST_NS ? now_ns + REST_NS : next_ns;
+    twin->esc_ns = ect_esc_tick(&twin->esc, now_ns);
+    if (woken && twin->esc_ns < now_ns + REST_NS)
+        chain->rests_ns = now_ns + REST_NS;
 }
 
 /* What a user has done to its surroundings. */
@@ -690,11 +697,9 @@ static void follow_wiring(twin_t *twin)
 /* @return whether it begins anew */
 static bool poll_twin(twin_t *twin, uint64_t now_ns)
 {
-    twin->esc_ns = tick_esc(twin, now_ns);
     follow_wiring(twin);
     twin->seen = ect_esc_activity(&twin->esc);
-    uint64_t slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
-    twin->deadline_ns = twin->esc_ns < slave_ns ? twin->esc_ns : slave_ns;
+    twin->slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
     if (restarts) {
         forget_buffer(twin);
@@ -717,21 +722,18 @@ static void attend(ect_chain_t *chain, size_t i, uint64_t now_ns)
 {
     twin_t *twin = &chain->twins[i];
     bool off_bus = twin->slave.off_bus;
-    uint64_t due_ns = ECT_NEVER;
-    if (twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->deadline_ns) {
-        bool restarts = poll_twin(twin, now_ns);
-        if (restarts)
-            ect_fast_put(chain->fast, i, &twin->esc);
-    } else if (ect_esc_due(&twin->esc) < twin->deadline_ns) {
-        due_ns = ect_esc_due(&twin->esc);
-        due_ns = due_ns < now_ns + REST_NS ? now_ns + REST_NS : due_ns;
-    }
+    bool polled = twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->slave_ns;
+    if (polled || now_ns >= ect_esc_due(&twin->esc))
+        tick_esc(chain, twin, now_ns);
+    polled |= twin->seen != ect_esc_activity(&twin->esc);
+    if (polled && poll_twin(twin, now_ns))
+        ect_fast_put(chain->fast, i, &twin->esc);
     tell_sii(twin);
     ect_fast_look(chain->fast, i);
     chain->links_due |= off_bus != twin->slave.off_bus;
     chain->ways_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
     twin->ports_seen = ect_esc_port_changes(&twin->esc);
-    ect_deadlines_set(chain->deadlines, i, earlier(twin->deadline_ns, due_ns));
+    ect_deadlines_set(chain->deadlines, i, earlier(twin->slave_ns, ect_esc_due(&twin->esc)));
 }
 
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
@@ -753,7 +755,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     if (chain->ways_due)
         find_ways(chain);
     uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* then lamps change */
-    uint64_t next_ns = ect_deadlines_first(chain->deadlines, &i);
+    uint64_t next_ns = later(ect_deadlines_first(chain->deadlines, &i), chain->rests_ns);
     return chain->frame_ns != 0 && now_ns < quiet_ns ? earlier(next_ns, quiet_ns) : next_ns;
 }
 
@@ -839,7 +841,7 @@ void ect_chain_put_back(ect_chain_t *chain, size_t position)
 void ect_chain_wake(ect_chain_t *chain, size_t position)
 {
     ect_slave_wake(&chain->twins[position].slave);
-    chain->twins[position].deadline_ns = 0;
+    chain->twins[position].slave_ns = 0;
     chain->links_due = true;
     make_ready(chain, position);
 }

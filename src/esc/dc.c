@@ -169,6 +169,7 @@ bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t 
 {
     if (!loop_is_of(esc, access->side))
         return false;
+    ect_esc_sync_settle(esc);
     ect_esc_copy(access, reg(esc, address), 0, length);
     ect_esc_sync_moved(esc); /* the system time may be another one */
     return true;
@@ -195,6 +196,7 @@ void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb)
 
 void ect_esc_clock_jump(ect_esc_t *esc, int64_t by_ns)
 {
+    ect_esc_sync_settle(esc);
     ect_esc_clock_rebase(esc);
     esc->clock.local_ns += (uint64_t)by_ns;
     ect_esc_sync_moved(esc);

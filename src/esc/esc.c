@@ -143,6 +143,7 @@ uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)
     ect_esc_sii_tick(esc);
     ect_esc_port_tick(esc);
     ect_esc_sync_tick(esc);
+    ECT_ASSERT(esc->next_ns > now_ns);
     return esc->next_ns;
 }
 

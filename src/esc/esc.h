@@ -189,7 +189,7 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
 
 /**
  * Lets time pass: watchdog expiry, the end of SII commands, SYNC0. Call it before PDI accesses that come at a new time.
- * @return the time at which something will happen next without an access, or UINT64_MAX.
+ * @return the time, after now_ns, at which something will happen next without an access, or UINT64_MAX.
  */
 uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns);
 

@@ -135,6 +135,9 @@ void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16
 /* --- sync.c ----------------------------------------------------------------------------------------------------- */
 void ect_esc_sync_reset(ect_esc_t *esc);
 void ect_esc_sync_tick(ect_esc_t *esc);
+/* Clock, system time or grid are about to change: what there were of pulses until now is by what held until now,
+ * whether or not somebody has looked meanwhile. */
+void ect_esc_sync_settle(ect_esc_t *esc);
 /* Clock or system time have changed: the time of the next pulse has to be found anew. */
 void ect_esc_sync_moved(ect_esc_t *esc);
 void ect_esc_sync_refresh(ect_esc_t *esc, uint16_t address, uint16_t end);

@@ -80,6 +80,13 @@ static void pass(ect_esc_t *esc, unsigned int n, uint64_t now)
     pulse(esc, n, last);
 }
 
+void ect_esc_sync_settle(ect_esc_t *esc)
+{
+    uint64_t now = system_now(esc);
+    for (unsigned int n = 0; n < 2; n++)
+        pass(esc, n, now);
+}
+
 void ect_esc_sync_tick(ect_esc_t *esc)
 {
     if (esc->now_ns < esc->sync_ns) {
@@ -88,8 +95,8 @@ void ect_esc_sync_tick(ect_esc_t *esc)
     }
     uint64_t offset = ect_load_le64(reg(esc, ECT_REG_DC_OFFSET));
     uint64_t next = UINT64_MAX;
+    ect_esc_sync_settle(esc);
     for (unsigned int n = 0; n < 2; n++) {
-        pass(esc, n, system_now(esc));
         if (is_event(esc, n) && esc->sync[n].next < next)
             next = esc->sync[n].next;
     }
@@ -158,6 +165,7 @@ static void follow_activation(ect_esc_t *esc, uint8_t before)
     uint8_t after = *reg(esc, ECT_REG_DC_ACTIVATION);
     bool ran = (before & CYCLIC) != 0 && (before & (SYNC0 | SYNC1)) != 0;
     bool runs = (after & CYCLIC) != 0 && (after & (SYNC0 | SYNC1)) != 0;
+    ect_esc_sync_settle(esc);
     if (!runs)
         stop_cyclic(esc);
     else if (!ran || ((before ^ after) & (SYNC0 | SYNC1)) != 0)
@@ -234,6 +242,7 @@ bool ect_esc_sync_cycle(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     bool by_pdi = ((control & CYCLIC_BY_PDI) != 0) != (!first && (control & SYNC1_OTHERWISE) != 0);
     if (!is_of(esc, access->side, by_pdi))
         return false;
+    ect_esc_sync_settle(esc);
     ect_esc_copy(access, reg(esc, address), 0, length);
     ect_esc_sync_moved(esc);
     return true;
@@ -266,9 +275,8 @@ static bool reads(uint16_t address, uint16_t end, uint16_t wanted)
 
 void ect_esc_sync_refresh(ect_esc_t *esc, uint16_t address, uint16_t end)
 {
-    uint64_t now = system_now(esc);
+    ect_esc_sync_settle(esc);
     for (unsigned int n = 0; n < 2; n++) {
-        pass(esc, n, now);
         uint16_t next = n == 0 ? ECT_REG_DC_START_TIME : ECT_REG_DC_NEXT_SYNC1;
         if (esc->sync[n].next != UINT64_MAX && reads(address, end, next))
             ect_store_le64(reg(esc, next), esc->sync[n].next);

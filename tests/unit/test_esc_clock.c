@@ -384,6 +384,45 @@ static void sync_with_drift(void **state)
     assert_in_range(at, 499000, 501000);
 }
 
+/* What a master or a user does while SYNC0 runs, at 150 us of a grid of 40 us from 100 us on: its last pulse came at
+ * 140 us, whether somebody has looked since or not. */
+typedef struct sync_change {
+    const char *what;
+    uint16_t address, length; /* 0: the clock jumps by `value` */
+    uint64_t value;
+    uint64_t after_ns, next_ns; /* so much later, the next pulse is at that system time */
+} sync_change_t;
+
+static void sync_unwatched(void **state)
+{
+    static const sync_change_t rows[] = {
+        {"a longer cycle", ECT_REG_DC_SYNC0_CYCLE, 4, 100000, 40000, 280000},
+        {"the system time, back", ECT_REG_DC_OFFSET, 8, 0 - 100000ull, 40000, 180000},
+        {"the system time, on", ECT_REG_DC_OFFSET, 8, 1000, 30000, 220000},
+        {"the clock, back", 0, 0, 0 - 100000ull, 40000, 180000},
+    };
+    chip_t *c = *state;
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
+        const sync_change_t *row = &rows[i / 2];
+        const bool looks = i % 2 != 0;
+        chip_power_on(c);
+        start(c, 0x03, 100000, 40000, 0);
+        chip_advance(c, 150000);
+        if (looks)
+            assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 180000);
+        if (row->length > 0)
+            assert_int_equal(chip_write(c, row->address, row->value, row->length), 1);
+        else
+            ect_esc_clock_jump(&c->esc, (int64_t)row->value);
+        assert_int_equal(c->esc.memory[ECT_REG_DC_SYNC0_STATUS], 1);
+        chip_advance(c, row->after_ns);
+        (void)chip_read(c, ECT_REG_DC_START_TIME, 8);
+        if (c->esc.sync[0].next != row->next_ns)
+            fail_msg("%s%s: expected the next pulse at %llu, got %llu", row->what, looks ? ", looked at before" : "",
+                     (unsigned long long)row->next_ns, (unsigned long long)c->esc.sync[0].next);
+    }
+}
+
 /* --- activation of newer chips ---------------------------------------------------------------------------------- */
 
 static int modern(void **state)
@@ -570,6 +609,7 @@ int main(int argc, char **argv)
         TEST("CF-089: the times of the next pulses are read", next_times),
         TEST("CF-089: a pin is active for the length of the pulse, or until it is acknowledged", pins),
         TEST("CF-089 CF-090: SYNC0 comes by the chip's own clock, to the nanosecond", sync_with_drift),
+        TEST("CF-089: what changes while SYNC0 runs holds from then on", sync_unwatched),
         MODERN("CF-089: a start time that is written activates by itself, and 32 bits of it are enough",
                auto_activation),
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),

@@ -370,6 +370,10 @@ static void compare(const rig_t *r)
         ect_esc_t *slow = ect_chain_esc(r->slow, i);
         (void)ect_esc_tick(fast, r->now_ns);
         (void)ect_esc_tick(slow, r->now_ns);
+        for (unsigned int n = 0; n < 2; n++) {
+            if (ect_esc_sync_pin(fast, n) != ect_esc_sync_pin(slow, n))
+                differ(r, "SYNC pin of slave", i << 16 | n, !ect_esc_sync_pin(slow, n), ect_esc_sync_pin(slow, n));
+        }
         for (uint32_t at = 0; at < fast->memory_size; at++) {
             if (fast->memory[at] != slow->memory[at])
                 differ(r, "address of slave", i << 16 | at, fast->memory[at], slow->memory[at]);
@@ -460,31 +464,87 @@ static void open_rig(rig_t *r, uint32_t seed)
     assert_non_null(r->slow);
 }
 
+static void run_round(uint32_t seed)
+{
+    rig_t r;
+    open_rig(&r, seed);
+    for (size_t i = 0; i < r.count; i++) {
+        begin_frame(&r);
+        set_station(&r, i);
+        send(&r);
+    }
+    while (r.frame_number++ < FRAMES) {
+        pass_time(&r);
+        build(&r);
+        send(&r);
+        if (!one_in(&r, 4))
+            poll(&r);
+        if (one_in(&r, 150))
+            disturb(&r);
+        if (r.frame_number % BETWEEN_LOOKS == 0)
+            compare(&r);
+    }
+    compare(&r);
+    ect_chain_free(r.fast);
+    ect_chain_free(r.slow);
+}
+
 static void same_as_the_reference(void **state)
 {
     (void)state;
-    for (unsigned int round = 0; round < rounds; round++) {
-        rig_t r;
-        open_rig(&r, first_seed + round);
-        for (size_t i = 0; i < r.count; i++) {
-            begin_frame(&r);
-            set_station(&r, i);
-            send(&r);
-        }
-        while (r.frame_number++ < FRAMES) {
-            pass_time(&r);
-            build(&r);
-            send(&r);
-            if (!one_in(&r, 4))
-                poll(&r);
-            if (one_in(&r, 150))
-                disturb(&r);
-            if (r.frame_number % BETWEEN_LOOKS == 0)
-                compare(&r);
-        }
-        compare(&r);
-        ect_chain_free(r.fast);
-        ect_chain_free(r.slow);
+    for (unsigned int round = 0; round < rounds; round++)
+        run_round(first_seed + round);
+}
+
+/* Those that have found something. */
+static void same_as_ever(void **state)
+{
+    static const uint32_t seeds[] = {439, 1272, 2697, 6969};
+    (void)state;
+    for (size_t i = 0; i < sizeof seeds / sizeof seeds[0]; i++)
+        run_round(seeds[i]);
+}
+
+/* A slave lets nothing through its port 1 for the second that such a setting lasts, and has a SYNC0 meanwhile. When the
+ * second is over all see a frame, also one that goes to nobody in particular. */
+static void loop_opens_in_time(void **state)
+{
+    static const struct {
+        const char *title;
+        uint32_t before_ns, cycle_ns; /* the first SYNC0: so long before the loop opens */
+        bool polls;                   /* at the SYNC0, or a frame comes then */
+    } rows[] = {{"a frame comes, and nobody polls until the next one", 500 * MS, 0, false},
+                {"SYNC0 has waked the slave just before", 1000, 1000, true}};
+    ect_device_t device = testdev;
+    const ect_device_t *devices[] = {&device, &device};
+    const uint8_t closed[] = {0x03, 0x0C};
+    uint8_t start[8], cycle[4], data = 0;
+    wire_t w;
+    (void)state;
+    device.esc_config[3] = 0x08; /* SYNC0 is an AL event */
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_open(&w, devices, 2);
+        w.manual_poll = true;
+        uint64_t opens_ns = w.now_ns + 1000 * MS;
+        uint64_t opens_at = ect_esc_system_time(ect_chain_esc(w.chain, 0), opens_ns);
+        ect_store_le64(start, opens_at - rows[i].before_ns);
+        ect_store_le32(cycle, rows[i].cycle_ns);
+        assert_int_equal(wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, &data, 1), 2); /* from now on it is known */
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DL_CONTROL, closed, 2), 1);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_SYNC0_CYCLE, cycle, 4), 1);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_START_TIME, start, 8), 1);
+        assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 0x03), 1);
+        wire_poll(&w);
+        w.now_ns = opens_ns - rows[i].before_ns;
+        if (rows[i].polls)
+            wire_poll(&w);
+        else
+            assert_int_equal(wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, &data, 1), 1);
+        w.now_ns = opens_ns;
+        int got = wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, &data, 1);
+        if (got != 2)
+            fail_msg("%s: expected 2 slaves, got %d", rows[i].title, got);
+        wire_close(&w);
     }
 }
 
@@ -567,6 +627,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-002 CF-010 CF-028: replies, memories and states are those of one controller after the other",
          same_as_the_reference, NULL, NULL, NULL},
+        {"CF-002 CF-010 CF-089: so they are where they once were not", same_as_ever, NULL, NULL, NULL},
+        {"CF-010: a loop that was closed for a time is open for the first frame after it", loop_opens_in_time, NULL,
+         NULL, NULL},
         {"a line without memory is none, and keeps none", memory_runs_out, NULL, NULL, NULL},
         {"link lamps flicker of those whom frames reach", lamps_within_reach, NULL, NULL, NULL},
     };
