@@ -32,6 +32,8 @@ void lamps_follow(soem_t *m)
         flickers = strcmp(plant_get("ecat.link_in"), "flickering") == 0;
     }
     assert_true(flickers);
+    soem_watchdog(m, 100);
+    soem_cycle(m);
     for (int tries = 0; tries < 100 && plant_number("ecat.code") == 0; tries++)
         osal_usleep(50000); /* no frames: the watchdog */
     expect_lamps("single flash", "double flash");

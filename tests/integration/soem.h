@@ -40,11 +40,17 @@ typedef struct soem {
 /* Monotonic time, nanoseconds. */
 uint64_t soem_now(void);
 
-/* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. */
+/* How many times longer than it would SOEM waits for answers; 50 unless told. */
+void soem_patience(unsigned int times);
+
+/* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. Their watchdog of process data is
+ * 2 s from then on: a busy machine may keep a master from its next cycle for longer than the 100 ms of a chip's reset. */
 void soem_open(soem_t *m, const char *iface, int expected);
 /* The same with a second interface at the other end of the chain: cable redundancy. */
 void soem_open_redundant(soem_t *m, const char *iface, const char *second, int expected);
 void soem_close(soem_t *m);
+/* Another watchdog of process data for all slaves, from the next cycle on; 0: none. */
+void soem_watchdog(soem_t *m, unsigned int ms);
 
 /* Takes one to BOOT, with the mailboxes that its SII says for there. */
 void soem_boot(soem_t *m, uint16 slave);
@@ -53,8 +59,9 @@ void soem_boot(soem_t *m, uint16 slave);
 void soem_map(soem_t *m);
 /* All slaves to OP, with process data going; asserts that they get there. */
 void soem_operational(soem_t *m);
-/* One exchange of process data, and a pause after it as of a cycle; @return working counter */
+/* One exchange of process data, however long it takes; @return working counter */
 int soem_exchange(soem_t *m);
+/* The same, and a pause after it as of a cycle. */
 int soem_cycle(soem_t *m);
 int soem_expected_wkc(const soem_t *m);
 /* Cycles until a predicate holds, `ms` at most; @return whether it did */

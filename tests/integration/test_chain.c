@@ -41,6 +41,8 @@ static void die_in_op(void)
     soem_open(&master, iface, count);
     soem_map(&master);
     soem_operational(&master);
+    soem_watchdog(&master, 100);
+    soem_cycle(&master);
     raise(SIGKILL);
 }
 
@@ -54,7 +56,7 @@ static void master_dies(void **state)
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFSIGNALED(status));
 
-    /* The watchdog is 100 ms by default; then read the states as they are, without configuring anything. */
+    /* The watchdog is 100 ms; then read the states as they are, without configuring anything. */
     osal_usleep(400000);
     static uint8 data[6];
     ecx_portt *port = &master.port;

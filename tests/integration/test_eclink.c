@@ -231,6 +231,8 @@ static void pco_is_no_duty(void **state)
 static void watchdog(void **state)
 {
     (void)state;
+    soem_watchdog(&master, 100);
+    soem_cycle(&master);
     for (int tries = 0; tries < 100 && (master.slaves[1].state & EC_STATE_ERROR) == 0; tries++) {
         osal_usleep(50000);
         ecx_readstate(&master.context);

@@ -568,9 +568,8 @@ static void dsa_when_op_begins(void **state)
 static void paused_program(void **state)
 {
     (void)state;
-    uint16 off = 0;
     plant_set("timeout", "5");
-    assert_int_equal(ecx_FPWR(&master.port, master.slaves[1].configadr, 0x0420, 2, &off, EC_TIMEOUTRET3), 1);
+    soem_watchdog(&master, 0);
     AWAIT(plc.dsa);
     measure();
     for (int i = 0; i < 200 && (in[2] & 1) == 0; i++)
@@ -605,8 +604,7 @@ static void trigger_against_commands(void **state)
 static void held_up(void **state)
 {
     (void)state;
-    uint16 off = 0;
-    assert_int_equal(ecx_FPWR(&master.port, master.slaves[1].configadr, 0x0420, 2, &off, EC_TIMEOUTRET3), 1);
+    soem_watchdog(&master, 0);
     kill(getppid(), SIGSTOP);
     for (int i = 0; i < 300; i++) {
         ecx_send_processdata(&master.context);

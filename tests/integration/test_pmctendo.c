@@ -65,10 +65,9 @@ static uint8 get8(uint16 address)
 
 static int open_preop(void **state)
 {
-    uint16 never = 0;
     (void)state;
     soem_open(&master, iface, 1);
-    (void)ecx_FPWR(&master.port, master.slaves[1].configadr, 0x0420, sizeof never, &never, EC_TIMEOUTRET3);
+    soem_watchdog(&master, 0);
     plant_set_all(defaults);
     return 0;
 }

@@ -62,8 +62,8 @@ static void set_up(const char *name, bool up)
 }
 
 /*
- * Where a frame has come back by half the way, or not at all (here 10 ms, shorter than the watchdog), SOEM sends it on
- * by the other cable and gives that 2 ms: on a busy machine a cycle is lost now and then.
+ * Where a frame has come back by half the way, or not at all (here 50 ms, shorter than the watchdog), SOEM sends it on
+ * by the other cable and gives that 10 ms: on a busy machine a cycle is lost now and then.
  */
 static void assert_whole_in_halves(const char *when)
 {
@@ -83,6 +83,7 @@ static int reach_op(void **state)
     soem_open_redundant(&master, iface, second, SLAVES);
     soem_map(&master);
     soem_operational(&master);
+    soem_patience(5);
     return 0;
 }
 

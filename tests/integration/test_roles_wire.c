@@ -77,6 +77,8 @@ static void watchdog_of_a_terminal(void **state)
     soem_open(&master, iface, SLAVES);
     soem_map(&master);
     soem_operational(&master);
+    soem_watchdog(&master, 100);
+    soem_cycle(&master);
     osal_usleep(400000);
     assert_int_equal(soem_request(&master, TERMINAL, EC_STATE_SAFE_OP, &code) & 0x1F,
                      EC_STATE_SAFE_OP | EC_STATE_ERROR);
