@@ -247,6 +247,15 @@ static void handle_request(ect_slave_t *s)
     m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
 }
 
+/* Sent before the reply to the last one was fetched, as far as we know: should it be a repetition, that reply is not lost.
+ */
+static void note_request(ect_mailbox_t *m, bool waits)
+{
+    if (waits && is(m, IN_BUFFER))
+        m->reply = NO_REPLY;
+    m->request_waits = waits;
+}
+
 /* --- repeat ------------------------------------------------------------------------------------------------------ */
 
 /* The mailbox that runs is the one that the master configured: not another length, though it were allowed. */
@@ -263,9 +272,9 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
     ect_mailbox_t *m = &s->mailbox;
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
+    note_request(m, (sm_registers[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0);
     if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
         m->open &= (uint8_t)~IN_BUFFER; /* fetched, or lost when the master switched SM1 off and on */
-    m->request_waits = (sm_registers[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0;
     if (toggle != m->toggle) {
         m->toggle = toggle;
         m->open |= REPEAT_DUE | ACK_DUE;
@@ -338,21 +347,18 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
 {
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->running);
-    bool requested = (event & ECT_EVENT_SM0) != 0 || m->request_waits;
-    if (requested && is(m, IN_BUFFER))
-        m->reply = NO_REPLY; /* sent before the reply was fetched: should it be a repetition, the reply is not lost */
+    note_request(m, (event & ECT_EVENT_SM0) != 0 || m->request_waits);
     if ((event & ECT_EVENT_SM1) != 0)
         m->open &= (uint8_t)~IN_BUFFER;
     go_on(s);
     uint8_t wakes = m->wakes;
     (void)speak(s, false, true);
-    if (requested && may_build(m)) {
-        requested = false;
+    if (m->request_waits && may_build(m)) {
+        m->request_waits = false;
         handle_request(s);
     }
     if (!speak(s, true, true) && may_build(m))
         m->heard = wakes; /* nobody has anything more, unless woken since */
-    m->request_waits = requested;
 }
 
 void ect_mailbox_wake(ect_slave_t *s)
