@@ -247,8 +247,7 @@ static void handle_request(ect_slave_t *s)
     m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
 }
 
-/* Sent before the reply to the last one was fetched, as far as we know: should it be a repetition, that reply is not lost.
- */
+/* Sent before the reply before it was fetched, as far as we know: a repetition then, if it is one, loses no reply. */
 static void note_request(ect_mailbox_t *m, bool waits)
 {
     if (waits && is(m, IN_BUFFER))

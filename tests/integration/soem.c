@@ -17,8 +17,8 @@ uint64_t soem_now(void)
 }
 
 /* SOEM waits 2 ms for a frame, twice more, and then calls it lost: on a machine that has other things to do the answer
- * is late. Our tests' SOEM has more patience (the link option --wrap puts this in place of its own); what a master makes
- * of a lost frame is tested where frames are lost on purpose. */
+ * is late. Our tests' SOEM has more patience (the link option --wrap puts this in place of its own); what a master
+ * makes of a lost frame is tested where frames are lost on purpose. */
 void __real_osal_timer_start(osal_timert *timer, uint32 timeout_us);
 void __wrap_osal_timer_start(osal_timert *timer, uint32 timeout_us);
 

@@ -43,8 +43,9 @@ uint64_t soem_now(void);
 /* How many times longer than it would SOEM waits for answers; 50 unless told. */
 void soem_patience(unsigned int times);
 
-/* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. Their watchdog of process data is
- * 2 s from then on: a busy machine may keep a master from its next cycle for longer than the 100 ms of a chip's reset. */
+/* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. Their watchdog of process data
+ * is 2 s from then on: a busy machine may keep a master from its next cycle for longer than the 100 ms of a chip's
+ * reset. */
 void soem_open(soem_t *m, const char *iface, int expected);
 /* The same with a second interface at the other end of the chain: cable redundancy. */
 void soem_open_redundant(soem_t *m, const char *iface, const char *second, int expected);
