@@ -26,6 +26,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build/mutate"
 EQUIVALENT = ROOT / "tests/budget/equivalent"
+LINK = ["--coverage", "-fsanitize=undefined"]
 
 SWAPS = {
     " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",
@@ -37,6 +38,7 @@ SWAP = re.compile("|".join(rf"\b{k}\b" if k.isalpha() else re.escape(k) for k in
 NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
 CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
+FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
 ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$")  # of an array: more of it changes nothing
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
@@ -45,8 +47,8 @@ HIDDEN = re.compile(r'/\*[\s\S]*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|
 
 
 def function_lines(text):
-    """Which lines (from 0) stand in the body of a function. The layout is clang-format's."""
-    inside, lines = False, set()
+    """Which lines (from 0) stand in the body of a function, and in which. The layout is clang-format's."""
+    inside, name, lines = False, "", {}
     before = ""
     for number, line in enumerate(text.split("\n")):
         if line == "{" and before.rstrip().endswith(")"):
@@ -54,7 +56,9 @@ def function_lines(text):
         elif line == "}":
             inside = False
         elif inside:
-            lines.add(number)
+            lines[number] = name
+        elif FUNCTION.match(line):
+            name = FUNCTION.match(line)[1]
         before = line
     return lines
 
@@ -81,12 +85,13 @@ def mutants(source):
     text = source.read_text()
     hidden = HIDDEN.sub(lambda m: re.sub(r"[^\n]", "~", m[0]), text).split("\n")
     lines = text.split("\n")
-    for number in sorted(function_lines("\n".join(hidden))):
+    functions = function_lines("\n".join(hidden))
+    for number in sorted(functions):
         if "ECT_ASSERT(" in hidden[number]:  # holds in every right program: nobody could notice
             continue
         for begin, end, replacement in changes(lines[number], hidden[number]):
             changed = lines[number][:begin] + replacement + lines[number][end:]
-            yield {"source": source, "line": number, "from": lines[number].strip(), "to": changed.strip(), "text": changed}
+            yield {"source": source, "line": number, "function": functions[number], "from": lines[number].strip(), "to": changed.strip(), "text": changed}
 
 
 # --- what is built once ---------------------------------------------------------------------------------------------------
@@ -100,7 +105,7 @@ class Program:
     """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object."""
 
     def __init__(self):
-        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
+        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
             "-DCMAKE_C_FLAGS_DEBUG=", cwd=ROOT)
         run("cmake", "--build", str(BUILD))
         entries = json.loads((BUILD / "compile_commands.json").read_text())
@@ -113,16 +118,17 @@ class Program:
             at = command.index("-o") + 1
             self.objects[source] = pathlib.Path(entry["directory"]) / command[at]
             self.commands[source] = command[:at - 1] + command[at + 1:]
-        self.core = {s: o for s, o in self.objects.items() if ROOT / "src" in s.parents}
+        applications = [ROOT / "src/soes", ROOT / "src/ports/soes_hal"]  # compiled with each, for its own variables
+        self.core = {s: o for s, o in self.objects.items() if ROOT / "src" in s.parents and s.parent not in applications}
         self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "cmocka"], check=True,
                                         capture_output=True, text=True).stdout.split() + ["-lm"]
         if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
             self.libraries.append("-lseccomp")
         self.link(BUILD / "libcore.so", {})
-        support = [str(o) for s, o in self.objects.items() if s.parent == ROOT / "tests/support" and s.stem != "fzm1_record"]
+        support = [str(o) for s, o in self.objects.items() if s.parent == ROOT / "tests/support" and not s.stem.endswith("_record")]
         for source in sorted((ROOT / "tests/unit").glob("test_*.c")):
             program = BUILD / source.stem
-            linked = subprocess.run(["cc", "--coverage", "-o", str(program), str(self.objects[source]), *support, f"-L{BUILD}",
+            linked = subprocess.run(["cc", *LINK, "-o", str(program), str(self.objects[source]), *support, f"-L{BUILD}",
                                      "-lcore", "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
             if linked.returncode == 0:  # else it wraps calls of the host, and has nothing to do with the core
                 self.tests[source.stem] = program
@@ -131,7 +137,7 @@ class Program:
 
     def link(self, library, instead):
         objects = [str(instead.get(s, o)) for s, o in sorted(self.core.items())]
-        run("cc", "--coverage", "-shared", "-o", str(library), *objects, *self.libraries)
+        run("cc", *LINK, "-shared", "-o", str(library), *objects, *self.libraries)
 
     def measure(self, sources):
         """Runs each test once: how long it takes, and which lines of the sources it reaches.
@@ -208,16 +214,21 @@ def verdict(program, reached, mutant):
 
 
 def equivalents():
-    """What is known to change nothing: (file, line before, line after)."""
-    known, name = set(), None
+    """What is known to change nothing: (file, function or "", line before, line after)."""
+    known, name, function = set(), None, ""
     for line in EQUIVALENT.read_text().splitlines() if EQUIVALENT.exists() else []:
         if line.startswith("src/"):
-            name = line.strip()
+            name, _, function = line.strip().partition(" ")
         elif line.startswith("  - "):
             before = line[4:]
         elif line.startswith("  + "):
-            known.add((name, before, line[4:]))
+            known.add((name, function, before, line[4:]))
     return known
+
+
+def is_known(known, mutant):
+    name = str(mutant["source"].relative_to(ROOT))
+    return any((name, function, mutant["from"], mutant["to"]) in known for function in ("", mutant["function"]))
 
 
 def judge(arguments):
@@ -225,7 +236,7 @@ def judge(arguments):
     program = Program()
     reached = program.measure(sources)
     known = equivalents()
-    todo = [m for s in sources for m in mutants(s) if (str(s.relative_to(ROOT)), m["from"], m["to"]) not in known]
+    todo = [m for s in sources for m in mutants(s) if not is_known(known, m)]
     random.Random(arguments.seed).shuffle(todo)
     end = time.monotonic() + arguments.seconds
     counts = {room: [0, 0] for room in arguments.rooms}

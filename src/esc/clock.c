@@ -38,7 +38,7 @@ uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns)
 {
     const ect_esc_clock_t *c = &esc->clock;
     ECT_ASSERT(real_ns >= c->real_ns);
-    if (c->drift_ppb == 0 && c->trim_ppb == 0 && c->slew_ppb == 0)
+    if ((c->drift_ppb | c->trim_ppb | c->slew_ppb) == 0)
         return c->local_ns + (real_ns - c->real_ns);
     return at(c, real_ns).local_ns;
 }
@@ -60,19 +60,16 @@ uint64_t ect_esc_frame_time(const ect_esc_t *esc)
 
 /* The clock's gain is small, so each step leaves a thousandth of the error of the one before; then only roundings are
  * left, and the clock must be there, not nearly. */
-uint64_t ect_esc_real_at(const ect_esc_t *esc, uint64_t local_ns)
+uint64_t ect_esc_real_after(const ect_esc_t *esc, uint64_t wait_ns)
 {
     enum { STEPS = 6 };
-    uint64_t here_ns = ect_esc_local_at(esc, esc->now_ns);
-    if (local_ns <= here_ns)
-        return esc->now_ns;
-    uint64_t wait_ns = local_ns - here_ns;
     if (wait_ns > UINT64_MAX / 2 - esc->now_ns)
         return UINT64_MAX;
+    uint64_t here_ns = ect_esc_local_at(esc, esc->now_ns);
     uint64_t at_ns = esc->now_ns + wait_ns;
     for (unsigned int step = 0; step < STEPS; step++)
-        at_ns += local_ns - ect_esc_local_at(esc, at_ns);
-    return ect_esc_local_at(esc, at_ns) < local_ns ? at_ns + 1 : at_ns;
+        at_ns += wait_ns - (ect_esc_local_at(esc, at_ns) - here_ns);
+    return ect_esc_local_at(esc, at_ns) - here_ns < wait_ns ? at_ns + 1 : at_ns;
 }
 
 void ect_esc_clock_reset(ect_esc_t *esc)

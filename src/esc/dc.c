@@ -70,11 +70,12 @@ static int32_t fastest(const ect_esc_t *esc)
     return deviation(start, (uint16_t)(start - LOWEST_SPEED));
 }
 
-/* The difference for a deviation, by halving: it grows with it. */
+/* The difference for a deviation, by halving: it grows with it. The loop gets no faster than `fastest`, so what lies
+ * above that is not met. */
 static uint16_t speed_difference(const ect_esc_t *esc, int32_t ppb)
 {
     uint16_t start = speed_start(esc);
-    uint16_t low = 0, high = (uint16_t)(start - LOWEST_SPEED);
+    uint16_t low = 0, high = start;
     while (low < high) {
         uint16_t middle = (uint16_t)((low + high + 1) / 2);
         if (deviation(start, middle) <= ppb)
@@ -149,11 +150,11 @@ static bool loop_is_of(const ect_esc_t *esc, ect_side_t side)
 /* What a frame brings is compared with the time at which it came; what the PDI brings, with that of latch 0. */
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    uint8_t received[4];
     if (!loop_is_of(esc, access->side))
         return false;
     uint32_t own = access->side == ECT_SIDE_PDI ? ect_load_le32(reg(esc, ECT_REG_DC_LATCH_TIME))
                                                 : (uint32_t)time_for(esc, access->side);
+    uint8_t received[sizeof own];
     ect_store_le32(received, own);
     ect_esc_copy(access, received + (address - ECT_REG_DC_SYSTEM_TIME), 0, length);
     int32_t ahead_ns = (int32_t)(own - ect_load_le32(received));
@@ -209,19 +210,14 @@ void ect_esc_set_arrival(ect_esc_t *esc, const ect_esc_arrival_t *arrival)
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
 
-static bool reads(uint16_t address, uint16_t end, uint16_t wanted)
-{
-    return address <= wanted && wanted < end;
-}
-
 /* The bytes of a time belong together: it is taken when its first one is read. */
 void ect_esc_dc_refresh(ect_esc_t *esc, ect_side_t side, uint16_t address, uint16_t end)
 {
     if (!ect_esc_dc_present(esc))
         return;
-    if (reads(address, end, ECT_REG_DC_SYSTEM_TIME))
+    if (ect_esc_within(address, end, ECT_REG_DC_SYSTEM_TIME))
         ect_store_le64(reg(esc, ECT_REG_DC_SYSTEM_TIME), time_for(esc, side));
-    if (reads(address, end, ECT_REG_DC_SPEED_DIFFERENCE)) {
+    if (ect_esc_within(address, end, ECT_REG_DC_SPEED_DIFFERENCE)) {
         int32_t rate = (int32_t)(esc->loop.rate_scaled / (1 << SCALE));
         uint16_t difference = speed_difference(esc, rate < 0 ? -rate : rate);
         ect_store_le16(reg(esc, ECT_REG_DC_SPEED_DIFFERENCE), rate > 0 ? (uint16_t)-difference : difference);

@@ -114,7 +114,7 @@ typedef struct ect_esc {
     uint64_t sync_ns; /**< when a pulse of SYNC0 or SYNC1 has to be looked at; UINT64_MAX: none */
     bool latch_level[2];
     uint64_t watchdog_ns; /**< when the process-data watchdog expires; UINT64_MAX: not running */
-    uint64_t sii_done_ns; /**< when the pending SII command finishes; 0: none pending */
+    uint64_t sii_done_ns; /**< when the pending SII command finishes */
     uint8_t sii_command;
     uint8_t sii_fault; /**< ect_sii_fault_t */
     uint8_t sii_fault_bit;

@@ -244,9 +244,8 @@ size_t ect_frame_datagrams(const uint8_t *frame, size_t length)
     if (length > ECT_ESC_MAX_FRAME || length < ETHERNET_HEADER)
         return 0;
     size_t at = find_header(frame, length);
-    bool plain = at != 0 && at < ETHERNET_HEADER + IP_AND_UDP && length >= at + 2 &&
-                 ect_load_le16(frame + at) >> 12 == TYPE_DATAGRAMS;
-    return plain && datagrams_fit(frame, at + 2, length) ? at + 2 : 0;
+    bool plain = at != 0 && at < ETHERNET_HEADER + IP_AND_UDP && datagrams_fit(frame, at + 2, length);
+    return plain && ect_load_le16(frame + at) >> 12 == TYPE_DATAGRAMS ? at + 2 : 0;
 }
 
 /* @return false: the frame has been through here before and is to be destroyed */

@@ -60,6 +60,12 @@ static inline ect_access_t ect_esc_slice(const ect_access_t *access, uint16_t of
     return part;
 }
 
+/** Whether an access from `address` to `end` touches this one. */
+static inline bool ect_esc_within(uint16_t address, uint16_t end, uint16_t wanted)
+{
+    return address <= wanted && wanted < end;
+}
+
 /* --- memory.c --------------------------------------------------------------------------------------------------- */
 void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length);
 void ect_esc_raise(ect_esc_t *esc, uint32_t al_event);
@@ -113,8 +119,8 @@ void ect_esc_clock_reset(ect_esc_t *esc);
 uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns);
 /* The local clock when this frame reached the processing unit. */
 uint64_t ect_esc_frame_time(const ect_esc_t *esc);
-/* When the local clock will be there; now, if it is; UINT64_MAX: not in this life. */
-uint64_t ect_esc_real_at(const ect_esc_t *esc, uint64_t local_ns);
+/* When the local clock will have gone on by `wait_ns`; UINT64_MAX: not in this life. */
+uint64_t ect_esc_real_after(const ect_esc_t *esc, uint64_t wait_ns);
 /* Begins its line anew at this moment, so that rates may be changed. */
 void ect_esc_clock_rebase(ect_esc_t *esc);
 

@@ -322,8 +322,6 @@ bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_
         uint16_t block_last = (uint16_t)(b->first + b->size - 1);
         uint16_t from = b->first > address ? b->first : address;
         uint16_t to = block_last < last ? block_last : last;
-        if (from > to)
-            continue;
         ect_access_t part = ect_esc_slice(access, (uint16_t)(from - address));
         any |= block_access(esc, b, &part, from, to);
     }

@@ -124,7 +124,6 @@ static void finish(ect_esc_t *esc)
     uint8_t command = esc->sii_command;
     ECT_ASSERT(command == COMMAND_READ || command == COMMAND_WRITE || command == COMMAND_RELOAD);
     esc->sii_command = COMMAND_IDLE;
-    esc->sii_done_ns = 0;
     set_status(esc, status(esc) & ~(unsigned int)(BUSY | COMMAND));
     if (esc->sii_fault == ECT_SII_NO_ANSWER) {
         set_status(esc, status(esc) | COMMAND_ERROR);
@@ -136,10 +135,8 @@ static void finish(ect_esc_t *esc)
         if (esc->sii_fault == ECT_SII_BIT_ERROR)
             spoil(esc, data);
     } else if (command == COMMAND_WRITE) {
-        for (unsigned int i = 0; i < 2; i++) {
-            if (offset + i < esc->config.sii_size)
-                esc->config.sii[offset + i] = data[i];
-        }
+        if (offset < esc->config.sii_size) /* which is even */
+            memcpy(esc->config.sii + offset, data, 2);
         esc->sii_writes++;
     } else {
         ect_esc_sii_load(esc, false);
@@ -333,6 +330,5 @@ void ect_esc_sii_end_of_frame(ect_esc_t *esc)
 {
     unsigned int enabled = pdi_owns(esc) ? WRITE_ENABLE : 0u;
     esc->per_frame &= (uint8_t)~ECT_FRAME_END_SII;
-    if ((*reg(esc, ECT_REG_SII_CONTROL) & WRITE_ENABLE) != enabled)
-        set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | enabled);
+    set_status(esc, (status(esc) & ~(unsigned int)WRITE_ENABLE) | enabled);
 }

@@ -93,16 +93,14 @@ void ect_esc_sync_tick(ect_esc_t *esc)
         ect_esc_expect(esc, esc->sync_ns);
         return;
     }
-    uint64_t offset = ect_load_le64(reg(esc, ECT_REG_DC_OFFSET));
+    uint64_t now = system_now(esc);
     uint64_t next = UINT64_MAX;
     ect_esc_sync_settle(esc);
     for (unsigned int n = 0; n < 2; n++) {
         if (is_event(esc, n) && esc->sync[n].next < next)
             next = esc->sync[n].next;
     }
-    esc->sync_ns = next == UINT64_MAX || next - offset > next ? UINT64_MAX : ect_esc_real_at(esc, next - offset);
-    if (next != UINT64_MAX && esc->sync_ns <= esc->now_ns)
-        esc->sync_ns = esc->now_ns + 1; /* rounded: it is this nanosecond's fraction */
+    esc->sync_ns = next == UINT64_MAX ? UINT64_MAX : ect_esc_real_after(esc, next - now);
     ect_esc_expect(esc, esc->sync_ns);
 }
 
@@ -268,17 +266,12 @@ bool ect_esc_sync_pin(ect_esc_t *esc, unsigned int n)
     return system_now(esc) < esc->sync[n].end;
 }
 
-static bool reads(uint16_t address, uint16_t end, uint16_t wanted)
-{
-    return address <= wanted && wanted < end;
-}
-
 void ect_esc_sync_refresh(ect_esc_t *esc, uint16_t address, uint16_t end)
 {
     ect_esc_sync_settle(esc);
     for (unsigned int n = 0; n < 2; n++) {
         uint16_t next = n == 0 ? ECT_REG_DC_START_TIME : ECT_REG_DC_NEXT_SYNC1;
-        if (esc->sync[n].next != UINT64_MAX && reads(address, end, next))
+        if (esc->sync[n].next != UINT64_MAX && ect_esc_within(address, end, next))
             ect_store_le64(reg(esc, next), esc->sync[n].next);
     }
 }

@@ -181,6 +181,10 @@ static void sequential(void **state)
                      taken);
         assert_int_equal(chip_send(c, APWR, 0x1000, data, 4), 1);
         assert_int_equal(c->memory[0x0815] & 0x05, 1);
+        chip_set_sm(c, 2, 0x1000, 4, 0x24, 1); /* not wanted */
+        assert_int_equal(chip_send(c, APWR, 0x1000, data, 1), 1);
+        assert_int_equal(chip_send(c, APWR, 0x1003, data, 1), 1);
+        assert_int_equal(c->memory[0x0815] & 0x05, 1);
         free(c);
     }
 }

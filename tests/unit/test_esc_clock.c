@@ -128,6 +128,63 @@ static void speed_difference(void **state)
     }
 }
 
+/* The greatest difference whose deviation is not above the rate, whatever the rate. */
+static void speed_difference_exactly(void **state)
+{
+    static const uint16_t starts[] = {0x1000, 0x0100, 0x3FFF};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
+        assert_int_equal(chip_write(c, ECT_REG_DC_SPEED_START, starts[i], 2), 1);
+        for (int64_t ppb = 1; ppb < 500000; ppb += 997) {
+            c->esc.loop.rate_scaled = -ppb * 65536;
+            uint64_t got = chip_read(c, ECT_REG_DC_SPEED_DIFFERENCE, 2);
+            uint64_t low = got * 1000000000 / (5 * (starts[i] + got + 2) * (starts[i] - got + 2));
+            uint64_t high = (got + 1) * 1000000000 / (5 * (starts[i] + got + 3) * (starts[i] - got + 1));
+            if (low > (uint64_t)ppb || high <= (uint64_t)ppb)
+                fail_msg("start 0x%04X, %d ppb: 0x0932 shows %u, which is %u to %u ppb", starts[i], (int)ppb,
+                         (unsigned int)got, (unsigned int)low, (unsigned int)high);
+        }
+    }
+}
+
+/* A sample that is 80 ns ahead: an eighth is taken away until the next; by how much for good, the depth says. */
+static void one_sample(void **state)
+{
+    static const struct {
+        uint8_t depth;
+        int64_t after_ms[3]; /* nanoseconds ahead 1, 2, 3 ms later: no other sample comes */
+    } rows[] = {{15, {70, 70, 70}}, {0, {60, 50, 40}}, {2, {67, 65, 62}}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_power_on(c);
+        uint64_t on_ns = c->w.now_ns;
+        assert_int_equal(chip_write(c, ECT_REG_DC_FILTER + 1, rows[i].depth, 1), 1);
+        assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, 0, 4), 1);
+        ect_esc_clock_jump(&c->esc, 80);
+        c->w.now_ns += MS;
+        assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, MS, 4), 1);
+        for (unsigned int ms = 0; ms < 3; ms++) {
+            c->w.now_ns += MS;
+            int64_t ahead = (int64_t)(local_time(c) - (c->w.now_ns - on_ns));
+            if (ahead != rows[i].after_ms[ms])
+                fail_msg("depth of the rate's filter %u: %u ms after the sample expected %lld ns ahead, got %lld",
+                         rows[i].depth, ms + 1, (long long)rows[i].after_ms[ms], (long long)ahead);
+        }
+    }
+}
+
+/* A part of the time: the rest counts as it is. */
+static void compared_in_part(void **state)
+{
+    chip_t *c = *state;
+    c->w.now_ns += 0x01020304;
+    assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME + 1, 0x04, 1), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x100);
+    assert_int_equal(chip_write(c, ECT_REG_DC_SPEED_START, 0x1000, 2), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME + 2, 0x0101, 2), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80010000);
+}
+
 /* A difference is taken away no faster than the range of the speed counter allows: 763 ppm at the reset value. */
 static void fastest(void **state)
 {
@@ -155,11 +212,22 @@ static void fastest(void **state)
 
 static void lock_limit(void **state)
 {
-    chip_t *c = *state;
-    (void)follow(c, 2, MS);
-    ect_esc_clock_jump(&c->esc, 1 << 30);
-    (void)follow(c, 100, MS);
-    assert_in_range(local_time(c) - (c->w.now_ns - 5000 * MS), (1u << 30) - 1, (1u << 30) + 1);
+    static const struct {
+        int64_t jump_ns;
+        bool regulated;
+    } rows[] = {{1 << 30, false}, {-(1 << 30), false}, {(1 << 30) - 1, true}, {-(1 << 30) + 1, true}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        chip_t *c = chip_new("et1100");
+        (void)follow(c, 2, MS);
+        ect_esc_clock_jump(&c->esc, rows[i].jump_ns);
+        (void)follow(c, 100, MS);
+        bool regulated = (int64_t)(local_time(c) - (c->w.now_ns - 5000 * MS)) != rows[i].jump_ns;
+        if (regulated != rows[i].regulated)
+            fail_msg("difference of %lld ns: expected regulated %d, got %d", (long long)rows[i].jump_ns,
+                     rows[i].regulated, regulated);
+        free(c);
+    }
 }
 
 static void filter(void **state)
@@ -318,6 +386,100 @@ static void sync1(void **state)
     }
 }
 
+/* SYNC1 alone: no SYNC0 comes, and none is said to be pending. */
+static void sync1_alone(void **state)
+{
+    chip_t *c = *state;
+    char pulses[2][32];
+    c->sii[3] = 0x88;
+    chip_power_on(c);
+    start(c, 0x05, 100000, 40000, 10000);
+    assert_int_equal(chip_read(c, 0x0984, 1), 2);
+    chip_advance(c, 100000);
+    record(c, pulses, 8);
+    assert_string_equal(pulses[0], "........");
+    assert_string_equal(pulses[1], ".|...|..");
+}
+
+/* Bits 3 and 7 of 0x0151 make events of SYNC0 and SYNC1, and no others do. */
+static void which_are_events(void **state)
+{
+    static const struct {
+        uint8_t config;
+        bool sync0, sync1;
+    } rows[] = {
+        {0x00, false, false}, {0x77, false, false}, {0x08, true, false}, {0x80, false, true}, {0xFF, true, true}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        c->sii[3] = rows[i].config;
+        chip_power_on(c);
+        start(c, 0x07, 1000, 5000, 1000);
+        chip_advance(c, 4000);
+        bool sync0 = take(c, 0), sync1 = take(c, 1);
+        if (sync0 != rows[i].sync0 || sync1 != rows[i].sync1)
+            fail_msg("0x0151 = 0x%02X: expected events %d %d, got %d %d", rows[i].config, rows[i].sync0, rows[i].sync1,
+                     sync0, sync1);
+    }
+}
+
+/* A write that leaves SYNC0 and SYNC1 as they are leaves the grid, too. */
+static void written_again(void **state)
+{
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    chip_power_on(c);
+    start(c, 0x03, 100000, 40000, 0);
+    chip_advance(c, 150000);
+    assert_true(take(c, 0));
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x03, 1), 1);
+    assert_int_equal(chip_read(c, 0x0984, 1), 0);
+    chip_advance(c, 30000);
+    assert_true(take(c, 0));
+    assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 220000);
+}
+
+/* Nobody has to ask the chip for its next time: it tells by itself what is due, and frames find it done. */
+static void due_by_itself(void **state)
+{
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    chip_power_on(c);
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    start(c, 0x03, 100000, 0, 0);
+    assert_in_range(ect_esc_due(&c->esc), 0, c->w.now_ns + 100000);
+    c->w.now_ns += 100000;
+    (void)chip_read(c, 0x0000, 1);
+    assert_int_equal(ect_esc_al_event(&c->esc) & ECT_EVENT_SYNC0, ECT_EVENT_SYNC0);
+}
+
+/* The start time stays as it was written until the unit runs. */
+static void start_time_kept(void **state)
+{
+    chip_t *c = *state;
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 0x123456789A, 8), 1);
+    assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 0x123456789A);
+    assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0);
+}
+
+/* The bytes of a next time belong together: it is taken when its first one is read, and by nothing else. */
+static void next_time_in_pieces(void **state)
+{
+    static const struct {
+        uint16_t address, length;
+    } between[] = {{0x098E, 2}, {0x0991, 3}, {0x0998, 8}, {0x0900, 4}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof between / sizeof between[0]; i++) {
+        start(c, 0x03, local_time(c) + 1000, 1000, 0);
+        uint64_t next = local_time(c) + 1000;
+        assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 1), next & 0xFF);
+        chip_advance(c, 100000);
+        (void)chip_read(c, between[i].address, between[i].length);
+        if (chip_read(c, ECT_REG_DC_START_TIME + 1, 7) != next >> 8)
+            fail_msg("0x%04X was read between the bytes of the next time: expected the rest of 0x%llX",
+                     between[i].address, (unsigned long long)next);
+    }
+}
+
 static void next_times(void **state)
 {
     chip_t *c = *state;
@@ -337,7 +499,7 @@ static void pins(void **state)
     static const struct {
         uint16_t pulse_length; /* 10 ns */
         const char *levels;
-    } rows[] = {{1000, "-____-____-___"}, {2500, "---__---__---_"}, {0, "--------------"}};
+    } rows[] = {{1000, "-____-____-___"}, {2000, "--___--___--__"}, {0, "--------------"}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char levels[32] = "";
         ect_store_le16(c->sii + 4, rows[i].pulse_length);
@@ -348,7 +510,9 @@ static void pins(void **state)
         chip_advance(c, 5000);
         for (unsigned int step = 0; step < strlen(rows[i].levels); step++) {
             levels[step] = ect_esc_sync_pin(&c->esc, 0) ? '-' : '_';
-            chip_advance(c, 10000);
+            chip_advance(c, 9999);
+            assert_int_equal(ect_esc_sync_pin(&c->esc, 0), levels[step] == '-'); /* to the nanosecond */
+            chip_advance(c, 1);
         }
         if (strcmp(levels, rows[i].levels) != 0)
             fail_msg("pulse length %u: expected %s, got %s", rows[i].pulse_length, rows[i].levels, levels);
@@ -423,6 +587,82 @@ static void sync_unwatched(void **state)
     }
 }
 
+/* The same while the control loop makes it faster and slower. */
+static void sync_while_regulated(void **state)
+{
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    c->config.drift_ppb = 300 * PPM;
+    chip_power_on(c);
+    start(c, 0x03, 10000500, 1000000, 0);
+    for (unsigned int n = 0; n < 200; n++) {
+        uint64_t end_ns = c->w.now_ns + MS;
+        uint64_t at_ns;
+        assert_int_equal(chip_write(c, ECT_REG_DC_SYSTEM_TIME, c->w.now_ns - 5000 * MS, 4), 1);
+        while ((at_ns = ect_esc_tick(&c->esc, c->w.now_ns)) <= end_ns) {
+            c->w.now_ns = at_ns;
+            (void)ect_esc_tick(&c->esc, at_ns);
+            assert_true(take(c, 0));
+            assert_in_range(local_time(c) % 1000000, 500, 501);
+        }
+        c->w.now_ns = end_ns;
+    }
+}
+
+/* The offset is what a master makes of two clocks: that of the chip may have begun long before the other one. */
+static void sync_with_offset(void **state)
+{
+    static const int64_t offsets[] = {0, 1, 1000000000000000000, -1, -1000000, -999999999};
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    for (size_t i = 0; i < sizeof offsets / sizeof offsets[0]; i++) {
+        chip_power_on(c);
+        c->w.now_ns += SECOND;
+        assert_int_equal(chip_write(c, ECT_REG_DC_OFFSET, (uint64_t)offsets[i], 8), 1);
+        start(c, 0x03, local_time(c) + 5000, 1000, 0);
+        for (uint64_t pulse = 0; pulse < 3; pulse++) {
+            uint64_t got = ect_esc_tick(&c->esc, c->w.now_ns) - c->w.now_ns;
+            uint64_t want = pulse == 0 ? 5000 : 1000;
+            if (got != want)
+                fail_msg("offset %lld: expected pulse %u after %u ns, got %lld", (long long)offsets[i],
+                         (unsigned int)pulse, (unsigned int)want, (long long)got);
+            chip_advance(c, want);
+            assert_true(take(c, 0));
+        }
+    }
+}
+
+/* However far away: at the time that is told the clock is there, and a nanosecond before it is not. */
+static void far_away(void **state)
+{
+    static const struct {
+        int32_t drift_ppb;
+        uint64_t wait_ns;
+        bool ever;
+    } rows[] = {{ECT_ESC_MAX_DRIFT_PPB, 1ull << 62, true},
+                {-ECT_ESC_MAX_DRIFT_PPB, 1ull << 62, true},
+                {ECT_ESC_MAX_DRIFT_PPB, 1000000007, true},
+                {-ECT_ESC_MAX_DRIFT_PPB, 1000000007, true},
+                {333333, 123456789, true},
+                {-333333, 1, true},
+                {0, INT64_MAX - 5000 * MS, true},
+                {0, INT64_MAX - 5000 * MS + 1, false}};
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        c->config.drift_ppb = rows[i].drift_ppb;
+        chip_power_on(c);
+        start(c, 0x03, rows[i].wait_ns, 0, 0);
+        uint64_t at = ect_esc_tick(&c->esc, c->w.now_ns);
+        bool right = rows[i].ever ? at != UINT64_MAX && ect_esc_system_time(&c->esc, at) >= rows[i].wait_ns &&
+                                        ect_esc_system_time(&c->esc, at - 1) < rows[i].wait_ns
+                                  : at == UINT64_MAX;
+        if (!right)
+            fail_msg("%d ppb, a pulse in %llu ns: told for %llu", rows[i].drift_ppb,
+                     (unsigned long long)rows[i].wait_ns, (unsigned long long)at);
+    }
+}
+
 /* --- activation of newer chips ---------------------------------------------------------------------------------- */
 
 static int modern(void **state)
@@ -438,6 +678,9 @@ static void auto_activation(void **state)
 {
     chip_t *c = *state;
     assert_int_equal(chip_write(c, ECT_REG_DC_SYNC0_CYCLE, 1000, 4), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x02, 1), 1);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 8), 1); /* not asked for */
+    assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x02);
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x0A, 1), 1);
     assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 4), 1); /* half of it */
     assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x0A);
@@ -453,6 +696,22 @@ static void auto_activation(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), soon);
     assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon - 200000, 4), 1); /* gone: the next such time */
     assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon, 3), 1); /* not the whole of them */
+    assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
+}
+
+/* A start time that is written while the unit runs is the new one. */
+static void started_anew(void **state)
+{
+    chip_t *c = *state;
+    start(c, 0x0F, 100000, 40000, 0);
+    chip_advance(c, 110000);
+    assert_true(take(c, 0));
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 500000, 8), 1);
+    chip_advance(c, 380000);
+    assert_false(take(c, 0));
+    chip_advance(c, 10000);
+    assert_true(take(c, 0));
 }
 
 static void plausibility(void **state)
@@ -462,8 +721,9 @@ static void plausibility(void **state)
         uint8_t activation;
         uint64_t ahead_ns; /* 2^63 and more: it has passed */
         bool at_once;
-    } rows[] = {{0x03, 3000000000, false}, {0x23, 3000000000, false},     {0x63, 3000000000, true},
-                {0x63, 2000000000, false}, {0x23, (uint64_t)-1000, true}, {0x03, (uint64_t)-1000, false}};
+    } rows[] = {{0x03, 3000000000, false},     {0x23, 3000000000, false},     {0x63, 3000000000, true},
+                {0x63, 2000000000, false},     {0x63, 0x80000000, true},      {0x63, 0x7FFFFFFF, false},
+                {0x23, (uint64_t)-1000, true}, {0x03, (uint64_t)-1000, false}};
     chip_advance(c, 10000);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         start(c, rows[i].activation, local_time(c) + rows[i].ahead_ns, 0, 0);
@@ -479,10 +739,15 @@ static void plausibility(void **state)
 static void debug_pulse(void **state)
 {
     chip_t *c = *state;
+    uint32_t activity = ect_esc_activity(&c->esc);
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x84, 1), 1);
+    assert_int_not_equal(ect_esc_activity(&c->esc), activity);
     assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x04);
     assert_true(take(c, 1));
     assert_false(take(c, 0));
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x88, 1), 1); /* of neither */
+    assert_int_equal(chip_read(c, ECT_REG_DC_SYNC0_STATUS, 8), 0);
+    assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 0);
     c->personality = *ect_esc_personality("et1100"); /* which does not know it */
     chip_power_on(c);
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0xFC, 1), 1);
@@ -528,13 +793,14 @@ static void continuous(void **state)
     for (unsigned int n = 0; n < 2; n++) {
         uint16_t times = (uint16_t)(ECT_REG_DC_LATCH_TIME + 16 * n);
         uint64_t base = 10000 * n;
-        edge(c, n, true, base + 1000);
+        edge(c, n, true, base + 1003);
         edge(c, n, true, base + 1100); /* no edge */
-        edge(c, n, false, base + 2000);
-        assert_int_equal(chip_read(c, times, 8), base + 1000);
-        assert_int_equal(chip_read(c, (uint16_t)(times + 8), 8), base + 2000);
-        edge(c, n, true, base + 3000);
-        assert_int_equal(chip_read(c, times, 8), base + 3000);
+        edge(c, n, false, base + 2003);
+        assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
+        assert_int_equal(chip_read(c, times, 8), base + 1003);
+        assert_int_equal(chip_read(c, (uint16_t)(times + 8), 8), base + 2003);
+        edge(c, n, true, base + 3003);
+        assert_int_equal(chip_read(c, times, 8), base + 3003);
         assert_int_equal(chip_read(c, (uint16_t)(ECT_REG_DC_LATCH_STATUS + n), 1) & 3, 0);
         assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
     }
@@ -559,6 +825,52 @@ static void single_event(void **state)
     edge(c, 0, true, 5000);
     assert_int_equal(chip_pdi_read(c, 0x09B0, 8), 5000); /* which is not the PDI's to take */
     assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 1);
+}
+
+/* From power-on: both latches for single events, both edges of each have come. */
+static void all_edges(chip_t *c)
+{
+    c->w.now_ns = 5000 * MS;
+    chip_power_on(c);
+    assert_int_equal(chip_write(c, ECT_REG_DC_LATCH_CONTROL, 0x0303, 2), 1);
+    for (unsigned int n = 0; n < 2; n++) {
+        edge(c, n, true, 1000 + 2000 * n);
+        edge(c, n, false, 2000 + 2000 * n);
+    }
+}
+
+/* Each byte of a time stands for its edge, and for no other. */
+static void latch_read_in_part(void **state)
+{
+    chip_t *c = *state;
+    for (unsigned int edges = 0; edges < 4; edges++) {
+        unsigned int n = edges / 2;
+        for (unsigned int byte = 0; byte < 8; byte++) {
+            all_edges(c);
+            (void)chip_read(c, (uint16_t)(ECT_REG_DC_LATCH_TIME + 8 * edges + byte), 1);
+            unsigned int want = 0x0303u & ~(1u << (edges % 2 + 8 * n));
+            unsigned int got = (unsigned int)chip_read(c, ECT_REG_DC_LATCH_STATUS, 2);
+            if (got != want)
+                fail_msg("byte %u of 0x%04X was read: expected 0x09AE = 0x%04X, got 0x%04X", byte,
+                         ECT_REG_DC_LATCH_TIME + 8 * edges, want, got);
+        }
+    }
+}
+
+/* A write to the control of a latch makes that latch wait anew, and leaves the other. */
+static void latch_waits_anew(void **state)
+{
+    chip_t *c = *state;
+    for (unsigned int n = 0; n < 2; n++) {
+        all_edges(c);
+        assert_int_equal(chip_write(c, (uint16_t)(ECT_REG_DC_LATCH_CONTROL + n), 0x03, 1), 1);
+        assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 2), n == 0 ? 0x0300 : 0x0003);
+        assert_int_equal(chip_read(c, 0x0210, 2) & 1, 1);
+        assert_int_equal(chip_write(c, (uint16_t)(ECT_REG_DC_LATCH_CONTROL + 1 - n), 0x03, 1), 1);
+        assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0); /* nothing is left to be read */
+        assert_int_equal(chip_write(c, (uint16_t)(ECT_REG_DC_LATCH_CONTROL + n), 0xFD, 1), 1);
+        assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_CONTROL, 2), n == 0 ? 0x0301 : 0x0103);
+    }
 }
 
 static void latch_of_the_pdi(void **state)
@@ -599,17 +911,32 @@ int main(int argc, char **argv)
         TEST("CF-088: the control loop follows a clock that differs by up to 700 ppm, at any cycle", loop_settles),
         TEST("CF-088: the speed counter difference shows the deviation by the data sheet's formula", speed_difference),
         TEST("CF-088: a difference is taken away no faster than the range of the speed counter allows", fastest),
-        TEST("CF-088: a difference of 2^30 ns is shown and not regulated", lock_limit),
+        TEST("CF-088: the speed counter difference is the greatest that the rate allows", speed_difference_exactly),
+        TEST("CF-088: a sample takes an eighth of its difference away, and a part of that for good", one_sample),
+        TEST("CF-088: a system time that is written in part is compared in that part", compared_in_part),
+        TEST("CF-088: a difference of 2^30 ns, ahead or behind, is shown and not regulated; less is", lock_limit),
         TEST("CF-088: 0x092C is a mean over the filter's depth", filter),
         TEST("CF-088: a loop that belongs to the PDI compares with latch 0, and refuses the master", loop_of_the_pdi),
         TEST("CF-087: receive and system times are those of the frame at this chip, less the delay", ways),
         TEST("CF-087: which commands take receive times, on an ET1100 and on an ET1200", what_latches),
         TEST("CF-087: a system time that is read in pieces is one time", in_pieces),
         TEST("CF-089: SYNC1 follows SYNC0 by its cycle time, and then the first SYNC0 after itself", sync1),
+        TEST("CF-089: SYNC1 without SYNC0 comes alone", sync1_alone),
+        TEST("CF-089: 0x0151 says which of SYNC0 and SYNC1 are events", which_are_events),
+        TEST("CF-089: an activation that is written again leaves the grid as it is", written_again),
+        TEST("CF-089: a pulse is due by itself from its activation on, whoever comes by", due_by_itself),
+        TEST("CF-089: a start time is kept until the unit runs", start_time_kept),
+        TEST("CF-089: a next time that is read in pieces is one time", next_time_in_pieces),
         TEST("CF-089: the times of the next pulses are read", next_times),
         TEST("CF-089: a pin is active for the length of the pulse, or until it is acknowledged", pins),
         TEST("CF-089 CF-090: SYNC0 comes by the chip's own clock, to the nanosecond", sync_with_drift),
         TEST("CF-089: what changes while SYNC0 runs holds from then on", sync_unwatched),
+        TEST("CF-089 CF-090: SYNC0 comes by the chip's own clock while the control loop changes its rate",
+             sync_while_regulated),
+        TEST("CF-087 CF-089: SYNC0 comes in time with an offset of either sign", sync_with_offset),
+        TEST("CF-089: the time of a pulse that is told is exact, however far away; beyond 2^63 ns none is told",
+             far_away),
+        MODERN("CF-089: a start time that is written while the unit runs starts it anew", started_anew),
         MODERN("CF-089: a start time that is written activates by itself, and 32 bits of it are enough",
                auto_activation),
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),
@@ -617,6 +944,8 @@ int main(int argc, char **argv)
         TEST("CF-089 CF-091: who controls SYNC0, SYNC1 and the latches is the master's to say", who_controls),
         TEST("CF-091: continuous: each edge of a latch input is taken", continuous),
         TEST("CF-091: single event: the first edge is kept until it is read", single_event),
+        TEST("CF-091: an edge is acknowledged by any byte of its time, and by no other's", latch_read_in_part),
+        TEST("CF-091: a latch whose control is written waits anew, the other one goes on", latch_waits_anew),
         TEST("CF-091: the event of a latch goes to the side that controls it, which acknowledges it by reading",
              latch_of_the_pdi),
         MODERN("CF-091: newer chips show the level of the latch inputs", pin_state),

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "esc/esc.h"
+#include "esc/route.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -357,6 +358,19 @@ static void data_lengths(void **state)
     }
 }
 
+/* Bytes that are not there are OR'ed into nothing. */
+static void broadcast_beyond_the_end(void **state)
+{
+    static const uint8_t codes[] = {BRD, BRW};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof codes; i++) {
+        wire_build(&r->w, codes[i], 0, MEMORY - 2, (uint8_t[4]){0}, 4);
+        assert_int_equal(send_exact(r, r->w.frame_length), ECT_FRAME_FORWARD);
+        assert_int_equal(wire_wkc(&r->w, 0), codes[i] == BRD ? 1 : 3);
+        assert_memory_equal(wire_datagram(&r->w, 0) + DATA, "\0\0\0\0", 4);
+    }
+}
+
 static void zero_length_commands(void **state)
 {
     rig_t *r = *state;
@@ -416,6 +430,81 @@ static void truncated(void **state)
     build_three(r);
     assert_int_equal(send_exact(r, whole), ECT_FRAME_FORWARD);
     assert_int_equal(wire_wkc(&r->w, 0) + wire_wkc(&r->w, 1) + wire_wkc(&r->w, 2), 3);
+}
+
+/* Behind the end of a frame stands what it likes: nobody looks. */
+static void nothing_behind_the_end(void **state)
+{
+    static const struct {
+        size_t length;
+        uint8_t ethertype[2];
+        unsigned int rx; /* counts in 0x0300: EtherCAT that is cut */
+    } rows[] = {{14, {0x88, 0xA4}, 1}, {15, {0x88, 0xA4}, 1}, {16, {0x88, 0xA4}, 1}, {13, {0x08, 0x06}, 1},
+                {14, {0x08, 0x06}, 0}, {15, {0x08, 0x06}, 0}, {60, {0x08, 0x06}, 0}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t frame[64] = {0};
+        memcpy(frame + 12, rows[i].ethertype, 2);
+        frame[1] = 0x10; /* of an address: no header */
+        frame[15] = rows[i].length > 15 ? 0x10 : 0;
+        r->memory[0][0x0300] = r->memory[0][0x030C] = 0;
+        assert_int_equal(ect_esc_process(&r->esc[0], frame, rows[i].length, r->w.now_ns), ECT_FRAME_DESTROYED);
+        if (r->memory[0][0x0300] != rows[i].rx || r->memory[0][0x030C] != 1)
+            fail_msg("%zu bytes, EtherType 0x%02X%02X: expected 0x0300 %u, 0x030C 1, got %u, %u", rows[i].length,
+                     rows[i].ethertype[0], rows[i].ethertype[1], rows[i].rx, r->memory[0][0x0300],
+                     r->memory[0][0x030C]);
+    }
+}
+
+static void insert(rig_t *r, const uint8_t *bytes, size_t count)
+{
+    memmove(r->w.frame + 12 + count, r->w.frame + 12, r->w.frame_length - 12);
+    memcpy(r->w.frame + 12, bytes, count);
+    r->w.frame_length += count;
+}
+
+static void build_udp(rig_t *r)
+{
+    static const uint8_t headers[30] = {0x08, 0x00, 0x45, 0x00, 0x00, 0x40, 0x12, 0x34, 0x00, 0x00,
+                                        0x40, 0x11, 0xBE, 0xEF, 10,   0,    0,    1,    10,   0,
+                                        0,    2,    0x12, 0x34, 0x88, 0xA4, 0x00, 0x2C, 0xCA, 0xFE};
+    build_three(r);
+    r->w.frame_length -= 2;
+    memmove(r->w.frame + 12, r->w.frame + 14, r->w.frame_length - 12);
+    insert(r, headers, sizeof headers);
+}
+
+/* What a way that parses a frame once is told (esc/route.h). */
+static void where_datagrams_begin(void **state)
+{
+    static const struct {
+        const char *what;
+        size_t length; /* 0: as it was built */
+        unsigned int at, value;
+        size_t want;
+    } rows[] = {{"a frame", 0, 0, 0xFF, 16},
+                {"no EtherCAT", 0, 13, 0xA5, 0},
+                {"another type", 0, 15, 0x40, 0},
+                {"no room for it", 15, 0, 0, 0},
+                {"cut", 40, 0, 0, 0},
+                {"no header", 13, 0, 0, 0},
+                {"the longest", 2000, 0, 0, 16},
+                {"too long", 2001, 0, 0, 0},
+                {"in UDP", 0, 13, 0, 0}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static uint8_t around[4096];
+        uint8_t *frame = around + 1024;
+        memset(around, 0, sizeof around);
+        build_three(r);
+        if (strcmp(rows[i].what, "in UDP") == 0)
+            build_udp(r);
+        memcpy(frame, r->w.frame, r->w.frame_length);
+        frame[rows[i].at] = (uint8_t)rows[i].value;
+        size_t got = ect_frame_datagrams(frame, rows[i].length != 0 ? rows[i].length : r->w.frame_length);
+        if (got != rows[i].want)
+            fail_msg("%s: expected the datagrams at %zu, got %zu", rows[i].what, rows[i].want, got);
+    }
 }
 
 static void false_lengths(void **state)
@@ -500,13 +589,6 @@ static void not_ethercat(void **state)
     }
 }
 
-static void insert(rig_t *r, const uint8_t *bytes, size_t count)
-{
-    memmove(r->w.frame + 12 + count, r->w.frame + 12, r->w.frame_length - 12);
-    memcpy(r->w.frame + 12, bytes, count);
-    r->w.frame_length += count;
-}
-
 static const uint8_t vlan[4] = {0x81, 0x00, 0x60, 0x05};
 
 static void vlan_tag(void **state)
@@ -529,17 +611,6 @@ static void vlan_tag(void **state)
 }
 
 /* IPv4 and UDP in front: the EtherType of the frame becomes 0x0800. */
-static void build_udp(rig_t *r)
-{
-    static const uint8_t headers[30] = {0x08, 0x00, 0x45, 0x00, 0x00, 0x40, 0x12, 0x34, 0x00, 0x00,
-                                        0x40, 0x11, 0xBE, 0xEF, 10,   0,    0,    1,    10,   0,
-                                        0,    2,    0x12, 0x34, 0x88, 0xA4, 0x00, 0x2C, 0xCA, 0xFE};
-    build_three(r);
-    r->w.frame_length -= 2;
-    memmove(r->w.frame + 12, r->w.frame + 14, r->w.frame_length - 12);
-    insert(r, headers, sizeof headers);
-}
-
 static void udp(void **state)
 {
     rig_t *r = *state;
@@ -715,8 +786,11 @@ int main(int argc, char **argv)
         TEST("CF-005: feature bits 9 and 10 take LRW and the read-write commands away", features_without),
         TEST("CF-013: 1..107 datagrams in a frame each answer for themselves, in order", many_datagrams),
         TEST("CF-013: data of 0, 1, odd and the greatest length are read and written exactly", data_lengths),
+        TEST("CF-006 CF-008: a broadcast read leaves bytes that are not there as they were", broadcast_beyond_the_end),
         TEST("CF-013: a datagram of length 0 does nothing, WKC 0, the ADP still counts slaves", zero_length_commands),
         TEST("CF-013: a frame cut anywhere is not answered, executes nothing, counts in 0x0300 and 0x030C", truncated),
+        TEST("CF-013: a frame ends where it ends, whatever stands behind", nothing_behind_the_end),
+        TEST("CF-013: where the datagrams of a frame begin, and which frames have none", where_datagrams_begin),
         TEST("CF-013: datagram lengths that do not fit are refused; the header's length is not asked", false_lengths),
         TEST("CF-013: a frame of 2000 bytes is taken, a longer one is invalid", longest_frame),
         TEST("CF-013: padding behind the last datagram is left as it is", padding),

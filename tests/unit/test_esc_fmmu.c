@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "esc/esc.h"
+#include "esc/route.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -310,6 +311,7 @@ static void limits_of_addresses(void **state)
         {0x100, 8, 0, 7, MEMORY - 1, 0, 3, 1},      {0x100, 8, 0, 7, MEMORY, 0, 3, 1},
         {0x100, 8, 0, 7, 0xFFFF, 0, 3, 1},          {0x100, 1, 0, 7, 0xFFFF, 0, 3, 1},
         {0x100, 2, 1, 6, 0xFFFF, 3, READS, 1},      {0x100, 3, 1, 6, MEMORY, 3, READS, 1},
+        {0x100, 300, 1, 6, 0xFFF0, 3, READS, 1},    {0x100, 300, 1, 6, MEMORY - 1, 3, READS, 1},
         {0x100, 1, 5, 2, 0x1000, 0, 3, 1},          {0x100, 8, 0, 7, 0x1000, 0, 0, 1},
         {0x100, 8, 0, 7, 0x1000, 0, 3, 0},          {0x100, 0, 0, 7, 0x1000, 0, 3, 1},
     };
@@ -320,6 +322,7 @@ static void limits_of_addresses(void **state)
             compare(r, &rows[i], command, rows[i].logical, 8);
             compare(r, &rows[i], command, rows[i].logical, 1486);
             compare(r, &rows[i], command, rows[i].logical - 4, 8);
+            compare(r, &rows[i], command, rows[i].logical + 2, 4);
             compare(r, &rows[i], command, 0, 8);
             compare(r, &rows[i], command, 0xFFFFFFF8, 16);
         }
@@ -359,6 +362,7 @@ static void several_fmmus(void **state)
     assert_memory_equal(r->memory[0] + 0x1130, "\x11\x11\x11\x11", 4);
     assert_int_equal(send(r, 1, LRD, 0x100, data, 16), 1);
     assert_int_equal(send(r, 1, LWR, 0x100, data, 16), 1);
+    assert_int_equal(send(r, 1, LRD, 0x100, data, 4), 1); /* ends where the next one begins */
     /* One FMMU by two datagrams. */
     wire_build(&r->w, LRD, 0x100, 0, data, 2);
     wire_append(&r->w, LRD, 0x102, 0, data, 2);
@@ -393,6 +397,60 @@ static void same_byte_twice_written(void **state)
     if (memcmp(r->memory[0] + 0x1200, "\x00\x53", 2) != 0)
         fail_msg("logical byte 0x101 is FMMU 2's: FMMU 5 is expected to write 00 53, wrote %02X %02X",
                  r->memory[0][0x1200], r->memory[0][0x1201]);
+}
+
+/* What an FMMU moves counts, also beside one that has the bits and no memory. */
+static void beside_nothing(void **state)
+{
+    static const struct {
+        fmmu_t first, second;
+    } rows[] = {{{0x100, 2, 0, 7, MEMORY, 0, READS, 1}, {0x100, 4, 0, 7, 0x1200, 0, READS, 1}},
+                {{0x102, 2, 0, 7, MEMORY, 0, READS, 1}, {0x100, 4, 0, 7, 0x1200, 0, READS, 1}},
+                {{0x101, 2, 0, 7, MEMORY, 0, READS, 1}, {0x100, 4, 0, 7, 0x1200, 0, READS, 1}}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t data[4] = {0};
+        set_fmmu(r, 0, 0, &rows[i].first);
+        set_fmmu(r, 0, 1, &rows[i].second);
+        assert_int_equal(send(r, 1, LRD, 0x100, data, 4), 1);
+    }
+}
+
+/* What a passing frame is told of FMMUs (esc/route.h): those that move something. */
+static void route_of_fmmus(void **state)
+{
+    static const struct {
+        fmmu_t f;
+        uint8_t windows;
+        bool registers;
+    } rows[] = {{{0x100, 4, 0, 7, 0x1000, 0, WRITES, 1}, 1, false}, {{0x100, 4, 0, 7, 0x0F00, 0, WRITES, 1}, 1, true},
+                {{0x100, 4, 0, 7, 0x0F00, 0, READS, 1}, 1, false},  {{0x100, 4, 0, 7, 0x0FFF, 0, 3, 1}, 1, true},
+                {{0x100, 0, 0, 7, 0x1000, 0, 3, 1}, 0, false},      {{0x100, 4, 0, 7, 0x1000, 0, 0, 1}, 0, false},
+                {{0x100, 4, 0, 7, 0x1000, 0, 3, 0}, 0, false}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esc_route_t route;
+        set_fmmu(r, 0, 0, &rows[i].f);
+        ect_esc_route(&r->esc[0], &route);
+        if (route.window_count != rows[i].windows || route.writes_registers != rows[i].registers)
+            fail_msg("row %zu: expected %u windows, registers written %d, got %u, %d", i, rows[i].windows,
+                     rows[i].registers, route.window_count, route.writes_registers);
+    }
+    ect_esc_route_t route;
+    uint8_t data[2] = {0x12, 0};
+    ect_esc_route(&r->esc[0], &route);
+    assert_false(route.al_status_new);
+    for (unsigned int i = 0; i < 2; i++) { /* the first raises an event, the second finds it raised */
+        uint32_t routing = ect_esc_routing(&r->esc[0]);
+        ect_esc_pdi_write(&r->esc[0], 0x0130, data, 2);
+        assert_int_not_equal(ect_esc_routing(&r->esc[0]), routing);
+    }
+    ect_esc_route(&r->esc[0], &route);
+    assert_true(route.al_status_new);
+    assert_int_equal(route.al_status, 0x12);
+    assert_int_equal(send(r, 1, APRD, 0x01300000, data, 2), 1);
+    ect_esc_route(&r->esc[0], &route);
+    assert_false(route.al_status_new);
 }
 
 static void loser_is_not_read(void **state)
@@ -606,6 +664,9 @@ int main(int argc, char **argv)
         TEST("CF-031: two FMMUs read the same logical byte: the lowest number answers", same_byte_twice_read),
         TEST("CF-031: two FMMUs write the same logical byte: the lowest number writes alone", same_byte_twice_written),
         TEST("CF-031: an FMMU that loses a byte to a lower one does not touch what it maps", loser_is_not_read),
+        TEST("CF-031: an FMMU counts beside one that has the bits and no memory", beside_nothing),
+        TEST("CF-028: a passing frame is told of the FMMUs that move something, and of a new AL status",
+             route_of_fmmus),
         TEST("CF-019 CF-028: behind an FMMU the SyncManager's rules hold", sm_rules_apply),
         TEST("CF-017 CF-029: a window that is not aligned reads a long mailbox from first to last byte",
              long_unaligned_window),

@@ -373,6 +373,19 @@ static void al_control_lock(void **state)
     }
 }
 
+/* A fault of the twin: one event goes by unnoticed, the next does not. */
+static void al_event_lost(void **state)
+{
+    rig_t *r = *state;
+    ect_esc_lose_al_event(&r->esc);
+    for (unsigned int i = 0; i < 3; i++) {
+        uint8_t control[2];
+        assert_int_equal(ecat_write(r, 0x0120, 2), 1);
+        assert_int_equal(ect_esc_al_event(&r->esc) & ECT_EVENT_AL_CONTROL, i == 0 ? 0 : ECT_EVENT_AL_CONTROL);
+        ect_esc_pdi_read(&r->esc, 0x0120, control, 2);
+    }
+}
+
 static void emulation(void **state)
 {
     rig_t *r = *state;
@@ -633,6 +646,12 @@ static void dl_control_bits(void **state)
             fail_msg("DL control bit %u: expected writable %d, got %d", bit, writable, is);
     }
     memset(data, 0, 4);
+    assert_int_equal(send(r, APWR, 0x0100, data, 4), 1);
+    assert_int_equal(ect_load_le32(r->memory + 0x0100), 0);
+    memcpy(data, all, 4);
+    assert_int_equal(send(r, APWR, 0x0100, data, 4), 1);
+    assert_int_equal(ect_load_le32(r->memory + 0x0100), 0x014FFF03);
+    memset(data, 0, 4);
     assert_int_equal(send(r, BWR, 0x0103, data, 1), 1);
     assert_int_equal(send(r, BWR, 0x0101, data, 1), 1);
     assert_int_equal(ecat_read(r, 0x0103), 0);
@@ -750,6 +769,7 @@ int main(int argc, char **argv)
         TEST("CF-001: with the DC feature bit the clock's registers are read, pulse length from the SII",
              with_clock_feature),
         TEST("CF-041: AL control refuses a second write until the PDI has read a byte of it", al_control_lock),
+        TEST("CF-041: the event of one write to AL control may be lost, by a fault that is asked for", al_event_lost),
         TEST("CF-045: with device emulation AL control is never locked, AL status mirrors it, no event", emulation),
         TEST("CF-045: emulation switched on by a reload ends the lock of AL control", emulation_unlocks),
         TEST("CF-009: a PDI write of AL status sets ECAT event bit 3, an ECAT read of it clears it", al_status_event),

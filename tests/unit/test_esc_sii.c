@@ -338,6 +338,9 @@ static void invalid_commands(void **state)
         assert_int_equal(command(r, (uint16_t)(invalid[i] << 8 | 1), 8), 1);
         expect_status(r, "invalid command", 0xF800, NO_ACK);
         assert_memory_equal(r->memory + VALUE, "\x3C\x3C", 2);
+        assert_int_equal(ecat_write(r, CONTROL, "\x01", 1), 1);
+        assert_int_equal(ecat_write(r, ADDRESS, "\x08", 1), 1);
+        expect_status(r, "the error stays without a command", 0xF800, NO_ACK);
         assert_int_equal(command(r, 0x0000, 8), 1);
         expect_status(r, "cleared by command 0", 0xFFFF, 0x0040);
         assert_int_equal(command(r, 0x0100, 8), 1);
@@ -381,6 +384,19 @@ static void expect_unloaded(rig_t *r, const char *what, bool loaded)
     assert_int_equal(data[0], loaded ? 0x5A : 0);
 }
 
+/* Where a SyncManager rules the registers stay registers, whatever the EEPROM. */
+static void user_ram_without_configuration(void **state)
+{
+    rig_t *r = *state;
+    uint8_t data[2] = {0x5A, 0xA5};
+    r->sii[0] ^= 1;
+    power_on(r);
+    assert_int_equal(ecat_write(r, 0x0800, "\x00\x10\x04\x00\x24\x00\x01\x00", 8), 1);
+    assert_int_equal(ecat_write(r, 0x0F80, data, 2), 1);
+    assert_memory_equal(r->memory + 0x0F80, data, 2);
+    assert_int_equal(ecat_write(r, 0x1000, data, 2), 0);
+}
+
 static void checksum(void **state)
 {
     rig_t *r = *state;
@@ -422,10 +438,15 @@ static void reload(void **state)
     } loaded[] = {{0x0140, 0}, {0x0150, 1}, {0x0152, 3}, {0x0142, 5}, {0x0144, 6}};
     memcpy(r->sii, "\x80\x0C\x13\x98\xE9\x03\x71\x72\x78\x56\x91\x92\xA1\xA2", 14);
     seal(r);
+    uint8_t want[0x1000];
+    memcpy(want, r->memory, sizeof want);
+    memcpy(want + 0x0982, r->sii + 4, 2);
     assert_int_equal(command(r, 0x0400, 0), 1);
-    for (size_t i = 0; i < sizeof loaded / sizeof loaded[0]; i++) {
-        if (memcmp(r->memory + loaded[i].address, r->sii + 2 * loaded[i].word, 2) != 0)
-            fail_msg("0x%04X: expected word %u of the SII after a reload", loaded[i].address, loaded[i].word);
+    for (size_t i = 0; i < sizeof loaded / sizeof loaded[0]; i++)
+        memcpy(want + loaded[i].address, r->sii + 2 * loaded[i].word, 2);
+    for (unsigned int at = 0; at < sizeof want; at++) {
+        if (r->memory[at] != want[at])
+            fail_msg("0x%04X: expected 0x%02X after a reload, got 0x%02X", at, want[at], r->memory[at]);
     }
     assert_int_equal(ect_load_le16(r->memory + 0x0012), 0x1234); /* the alias stays until power-on */
     power_on(r);
@@ -454,6 +475,7 @@ static void ownership(void **state)
         {"PDI takes without an offer", 'P', 1, 0, 0, false},
         {"ECAT offers", 'E', 1, 1, 0, true},
         {"PDI takes", 'P', 1, 1, 1, true},
+        {"ECAT offers once more", 'E', 1, 1, 1, true},
         {"ECAT withdraws the offer", 'E', 0, 0, 1, true},
         {"PDI gives back", 'P', 0, 0, 0, false},
         {"PDI takes again without an offer", 'P', 1, 0, 0, false},
@@ -505,12 +527,55 @@ static void pdi_writes_eeprom(void **state)
     expect_data(r, 8, 8);
 }
 
+/* Both bytes in one access: each side's own is taken. */
+static void ownership_in_one_access(void **state)
+{
+    rig_t *r = *state;
+    assert_int_equal(ecat_write(r, 0x0500, "\x01\x00", 2), 1);
+    ect_esc_pdi_write(&r->esc, 0x0500, "\x00\x01", 2);
+    assert_int_equal(ect_load_le16(r->memory + 0x0500), 0x0101);
+    assert_int_equal(ecat_write(r, 0x0500, "\x02\x01", 2), 1);
+    assert_int_equal(ect_load_le16(r->memory + 0x0500), 0x0002);
+}
+
 static void write_enable_of_the_pdi(void **state)
 {
     rig_t *r = *state;
     assert_int_equal(ecat_write(r, 0x0500, "\x01", 1), 1);
     ect_esc_pdi_write(&r->esc, 0x0501, "\x01", 1);
     expect_status(r, "the PDI owns: write enable reads 1", 0x0001, 0x0001);
+}
+
+/* What may be wrong with the EEPROM itself. */
+static void faults(void **state)
+{
+    rig_t *r = *state;
+    r->personality.sii_read_ns = 50 * US;
+    power_on(r);
+    for (unsigned int bit = 0; bit < 16; bit++) {
+        uint8_t got[8] = {0};
+        ect_esc_sii_fault(&r->esc, ECT_SII_BIT_ERROR, bit);
+        assert_int_equal(command(r, 0x0100, 8), 1);
+        r->w.now_ns += 50 * US;
+        assert_int_equal(send(r, APRD, VALUE, got, 8), 1);
+        for (unsigned int i = 0; i < 8; i++) {
+            unsigned int want = r->sii[16 + i] ^ (i % 2 == bit / 8 ? 1u << bit % 8 : 0u);
+            if (got[i] != want)
+                fail_msg("bit %u of each word is wrong: byte %u: expected 0x%02X, got 0x%02X", bit, i, want, got[i]);
+        }
+    }
+    ect_esc_sii_fault(&r->esc, ECT_SII_NO_ANSWER, 0);
+    assert_int_equal(command(r, 0x0100, 8), 1);
+    r->w.now_ns += 50 * US;
+    expect_status(r, "nothing answers", BUSY | NO_ACK, NO_ACK);
+    ect_esc_sii_fault(&r->esc, ECT_SII_BUSY, 0);
+    assert_int_equal(command(r, 0x0100, 8), 1);
+    r->w.now_ns += 1000 * MS;
+    expect_status(r, "busy for ever", BUSY, BUSY);
+    assert_true(ect_esc_tick(&r->esc, r->w.now_ns) == UINT64_MAX);
+    ect_esc_sii_fault(&r->esc, ECT_SII_GOOD, 0);
+    expect_status(r, "until it is over", BUSY | NO_ACK, 0);
+    expect_data(r, 8, 8);
 }
 
 /* A reply that a frame asks for together with the command: whatever it shows, nothing breaks. */
@@ -547,11 +612,15 @@ int main(int argc, char **argv)
         TEST("CF-056: each wrong bit of words 0..7 is found: bits 11 and 12, DL status bit 0, no process RAM, "
              "registers work",
              checksum),
+        TEST("CF-056: without a configuration user RAM is written beside an enabled SyncManager, process RAM is not",
+             user_ram_without_configuration),
         TEST("CF-054: check sums of real devices are good", known_checksums),
         TEST("CF-056 CF-065: a reload brings the configuration but not the alias", reload),
         TEST("CF-056: 0x0500 and 0x0501 decide who owns the interface; the other side is ignored", ownership),
+        TEST("CF-056: 0x0500 and 0x0501 in one access: each side writes its own byte", ownership_in_one_access),
         TEST("CF-056: the PDI as owner writes without the enable bit; ECAT takes back by force", pdi_writes_eeprom),
         TEST("CF-056: the enable bit reads 1 while the PDI owns the interface", write_enable_of_the_pdi),
+        TEST("CF-055: faults of the EEPROM: a bit of each word wrong, no answer, busy until it is over", faults),
         TEST("CF-056: several commands in a frame are done one after the other", many_commands_in_a_frame),
     };
     if (argc > 1)

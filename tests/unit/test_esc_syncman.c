@@ -313,6 +313,7 @@ static void disabled_by_ecat(void **state)
         send(r, APWR, START, data, 8);
         ect_esc_pdi_write(&r->esc, START, data, 8);
         assert_int_equal(ecat_write(r, 0x0806, 0), 1);
+        assert_int_equal(status_of(r, 0), 0x30);
         /* Now plain memory for both sides. */
         memset(data, 0x70, sizeof data);
         assert_int_equal(send(r, APWR, START + 3, data, 2), 1);
@@ -397,6 +398,54 @@ static void one_byte(void **state)
     assert_int_equal(ecat_write(r, MEMORY, 1), 0);
 }
 
+/* The three buffers lie one behind the other; what stands before and behind is not theirs. */
+static void where_buffers_lie(void **state)
+{
+    rig_t *r = *state;
+    uint8_t data[8];
+    set_sm(r, 2, START + 0x100, sizeof data, OUT_BUFFERED);
+    memset(r->memory + START, 0x5A, 0x200);
+    for (uint8_t fill = 1; fill <= 3; fill++) {
+        memset(data, fill, sizeof data);
+        assert_int_equal(send(r, APWR, START + 0x100, data, sizeof data), 1);
+        if (fill == 1)
+            ect_esc_pdi_read(&r->esc, START + 0x100, data, 1); /* and keeps the first */
+    }
+    for (unsigned int at = 0; at < 0x200; at++) {
+        bool buffer = at >= 0x100 && at < 0x100 + 3 * sizeof data;
+        unsigned int want = buffer ? 1 + (at - 0x100) / (unsigned int)sizeof data : 0x5A;
+        if (r->memory[START + at] != want)
+            fail_msg("0x%04X: expected 0x%02X, got 0x%02X", START + at, want, r->memory[START + at]);
+    }
+}
+
+/* Over the registers of the digital outputs there are no buffers: each byte is where it is. */
+static void digital_outputs(void **state)
+{
+    rig_t *r = *state;
+    set_sm(r, 2, 0x0F00, 4, OUT_BUFFERED);
+    for (unsigned int i = 0; i < 4; i++)
+        assert_int_equal(ecat_write(r, (uint16_t)(0x0F00 + i), (uint8_t)(0x11 * (i + 1))), 1);
+    assert_memory_equal(r->memory + 0x0F00, "\x11\x22\x33\x44", 4);
+    assert_int_equal(ect_esc_al_event(&r->esc) & (ECT_EVENT_SM0 << 2), ECT_EVENT_SM0 << 2);
+}
+
+/* Its events go with it, and nobody else's. */
+static void off_takes_its_events(void **state)
+{
+    rig_t *r = *state;
+    for (unsigned int off = 0; off < 8; off++) {
+        for (unsigned int n = 0; n < 8; n++) {
+            set_sm(r, n, (uint16_t)(START + 64 * n), 4, OUT_BUFFERED);
+            assert_int_equal(send(r, APWR, (uint16_t)(START + 64 * n), (uint8_t[4]){1}, 4), 1);
+        }
+        assert_int_equal(ecat_write(r, (uint16_t)(0x0806 + 8 * off), 0), 1);
+        uint32_t got = ect_esc_al_event(&r->esc) >> 8 & 0xFF;
+        if (got != (0xFFu & ~(1u << off)))
+            fail_msg("SM%u off: expected AL events of the others, got 0x%02X", off, got);
+    }
+}
+
 static void one_byte_is_plain_memory(void **state)
 {
     rig_t *r = *state;
@@ -439,6 +488,7 @@ static void events(void **state)
             ect_esc_pdi_read(&r->esc, 0x0800, (uint8_t[64]){0}, 64);
             uint32_t activity = ect_esc_activity(&r->esc);
             for (unsigned int round = 0; round < 2; round++) {
+                uint32_t before = ect_esc_activity(&r->esc);
                 bool by_ecat = (round == 0) != in;
                 bool write = round == 0;
                 if (by_ecat)
@@ -447,6 +497,7 @@ static void events(void **state)
                     ect_esc_pdi_write(&r->esc, start, data, 2);
                 else
                     ect_esc_pdi_read(&r->esc, start, data, 2);
+                assert_true(!by_ecat || ect_esc_activity(&r->esc) != before);
                 uint32_t got_al = ect_esc_al_event(&r->esc) & ((uint32_t)ECT_EVENT_SM0 << n);
                 unsigned int got_ecat = ect_load_le16(r->memory + ECT_REG_ECAT_EVENT) & (0x0010u << n);
                 if (got_al != (by_ecat ? al : 0) || got_ecat != (by_ecat ? 0 : ecat))
@@ -501,6 +552,9 @@ static void beyond_memory(void **state)
             }
         }
     }
+    set_sm(r, 0, MEMORY - 16, 16, OUT_BUFFERED);
+    assert_int_equal(send(r, APWR, MEMORY - 16, data, 16), 1);
+    assert_int_equal(send(r, APWR, MEMORY - 16, data, 16), 0); /* the second buffer */
     set_sm(r, 0, 0xFFF0, 0xFFFF, OUT_BUFFERED);
     assert_int_equal(send(r, APWR, 0xFFF0, data, 64), 0);
 }
@@ -777,6 +831,9 @@ static void off_empties(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        TEST("CF-019: the three buffers lie one behind the other from the start address on", where_buffers_lie),
+        TEST("CF-019: a SyncManager over the digital outputs passes each byte to its place", digital_outputs),
+        TEST("CF-021: a SyncManager that is disabled takes its own event with it", off_takes_its_events),
         TEST("CF-009: a mailbox that either side switches off and on again is empty, its event gone", off_empties),
         TEST("CF-016 CF-017 CF-018 CF-020: a mailbox the master writes: taken when empty, full with the last byte, "
              "empty with the last byte read",

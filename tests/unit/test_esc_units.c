@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "esc/route.h"
 #include "support/chip.h"
 
 enum { LOST_LINK = 0x0310, DL_PORTS = 0x0111 };
@@ -69,8 +70,10 @@ static void protection_in_part(void **state)
     chip_t *c = *state;
     uint8_t data[0x20] = {[0x0F] = 0xEE, [0x10] = 0x33, [0x11] = 1};
     assert_int_equal(chip_write(c, 0x0021, 1, 1), 1);
+    c->memory[0x0F90] = 0x5A;
     assert_int_equal(chip_send(c, APWR, 0x0F70, data, sizeof data), 1);
     assert_int_equal(c->memory[0x0F80], 0x33);
+    assert_int_equal(c->memory[0x0F90], 0x5A);                          /* behind it */
     assert_int_equal(chip_send(c, APWR, 0x0010, data, sizeof data), 1); /* holds 0x0020: all of it is taken */
     assert_int_equal(chip_send(c, APWR, 0x0F00, data, 4), 0);
     assert_int_equal(chip_send(c, BWR, 0x0010, data, 2), 0);
@@ -167,6 +170,8 @@ static void run_lamp(void **state)
     assert_int_equal(chip_read(c, 0x0138, 1), 0x1D);
     assert_int_equal(chip_write(c, 0x0138, 0x07, 1), 1);
     assert_int_equal(chip_read(c, 0x0138, 1), 0);
+    assert_int_equal(chip_write(c, 0x0138, 0x131D, 2), 1); /* both lamps in one access */
+    assert_int_equal(chip_read(c, 0x0138, 2), 0x131D);
 }
 
 static void err_lamp(void **state)
@@ -188,6 +193,12 @@ static void err_lamp(void **state)
     chip_advance(c, 200 * MS);
     assert_int_equal(chip_read(c, 0x0139, 1), 2);
     chip_pdi_write(c, 0x0130, 4, 2);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0);
+    chip_pdi_write(c, 0x0130, 8, 2);
+    assert_int_equal(chip_read(c, 0x0139, 1), 2);
+    assert_int_equal(chip_write(c, 0x0420, 0, 2), 1); /* switched off it has not expired */
+    chip_pdi_write(c, 0x0130, 4, 2);
+    chip_pdi_write(c, 0x0130, 8, 2);
     assert_int_equal(chip_read(c, 0x0139, 1), 0);
     c->sii[15] ^= 1; /* a reload that finds no configuration */
     assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1);
@@ -224,6 +235,7 @@ static void pdi_watchdog(void **state)
     }
     expect_pdi(c, "an access each 99 ms", true, 1);
     assert_int_equal(chip_write(c, 0x0410, 100, 2), 1);
+    assert_in_range(ect_esc_due(&c->esc), 0, c->w.now_ns); /* it looks at once whether the new time is over */
     chip_advance(c, 10 * MS);
     expect_pdi(c, "10 ms by the new time", false, 2);
     assert_int_equal(chip_write(c, 0x0410, 0, 2), 1);
@@ -232,6 +244,35 @@ static void pdi_watchdog(void **state)
     expect_pdi(c, "switched off for 10 s", true, 2);
     assert_int_equal(chip_write(c, 0x0442, 0, 1), 1);
     expect_pdi(c, "counters cleared", true, 0);
+}
+
+/* From the moment on at which it is watched, and found by a frame as by the chip's own time. */
+static void pdi_watchdog_by_frames(void **state)
+{
+    chip_t *c = *state;
+    for (unsigned int i = 0; i < 2; i++) {
+        chip_power_on(c);
+        (void)ect_esc_tick(&c->esc, c->w.now_ns);
+        ect_esc_watch_pdi(&c->esc, i == 0);
+        assert_true(ect_esc_due(&c->esc) == (i == 0 ? c->w.now_ns + 100 * MS : UINT64_MAX));
+        c->w.now_ns += 200 * MS;
+        (void)chip_read(c, 0x0000, 1);
+        expect_pdi(c, i == 0 ? "a frame 200 ms later" : "not watched", i != 0, i == 0 ? 1 : 0);
+    }
+}
+
+/* Nor is a PDI that is late a configuration. */
+static void pdi_late_without_configuration(void **state)
+{
+    chip_t *c = *state;
+    c->sii[15] ^= 1;
+    chip_power_on(c);
+    ect_esc_watch_pdi(&c->esc, true);
+    assert_int_equal(c->memory[0x0110] & 3, 2);
+    chip_advance(c, 200 * MS);
+    assert_int_equal(c->memory[0x0110] & 3, 0);
+    assert_int_equal(chip_read(c, 0x0139, 1), 0x0F); /* the graver */
+    assert_int_equal(chip_read(c, 0x014E, 1), 0);
 }
 
 static void pdi_unwatched(void **state)
@@ -290,11 +331,85 @@ static void auto_close(void **state)
     ect_esc_set_link(&c->esc, 1, true);
     assert_int_equal(chip_write(c, 0x0101, 0x00, 1), 1); /* plain auto opens at once */
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+    assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1);
+    ect_esc_set_link(&c->esc, 1, true); /* told again, not lost */
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
+    ect_esc_set_link(&c->esc, 1, false);
+    assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1); /* nothing to be opened */
+    ect_esc_set_link(&c->esc, 1, true);
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E);
+}
+
+/* A port that the chip does not have opens for nobody: frames would vanish there. */
+static void ports_that_are_not_there(void **state)
+{
+    chip_t *c = *state;
+    c->personality = *ect_esc_personality("ipcore-small"); /* two ports */
+    chip_power_on(c);
+    assert_int_equal(chip_write(c, 0x0101, 0xA0, 1), 1); /* the loops of ports 2 and 3 forced open */
+    assert_int_equal(ect_esc_next_port(&c->esc, 0), 1);
+    assert_int_equal(ect_esc_next_port(&c->esc, 1), 0);
+    c->personality = *ect_esc_personality("et1100"); /* four */
+    chip_power_on(c);
+    assert_int_equal(chip_write(c, 0x0101, 0xA0, 1), 1);
+    assert_int_equal(ect_esc_next_port(&c->esc, 0), 3);
+    assert_int_equal(ect_esc_next_port(&c->esc, 1), 2);
+}
+
+/* What a passing frame is told of ports (esc/route.h): whether it goes on, and comes back, as on a plain line. */
+static void route_of_ports(void **state)
+{
+    static const struct {
+        const char *what;
+        uint8_t links, control; /* 0x0101 */
+        bool open, astray;
+    } rows[] = {{"the last one", 1, 0x00, false, false},
+                {"on a line", 3, 0x00, true, false},
+                {"its loop closed", 3, 0x0C, false, false},
+                {"open where no wire is", 1, 0x08, false, true},
+                {"a junction", 7, 0x00, true, true},
+                {"a branch at port 2 alone", 5, 0x00, false, true},
+                {"open without a wire at port 2", 3, 0x20, true, true}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esc_route_t route;
+        c->config.open_ports = rows[i].links;
+        chip_power_on(c);
+        assert_int_equal(chip_write(c, 0x0101, rows[i].control, 1), 1);
+        uint32_t routing = ect_esc_routing(&c->esc);
+        ect_esc_set_link(&c->esc, 3, (rows[i].links & 8) == 0); /* any change is one of the way */
+        assert_int_not_equal(ect_esc_routing(&c->esc), routing);
+        ect_esc_set_link(&c->esc, 3, (rows[i].links & 8) != 0);
+        ect_esc_route(&c->esc, &route);
+        if (route.open != rows[i].open || route.goes_astray != rows[i].astray)
+            fail_msg("%s: expected open %d, astray %d, got %d, %d", rows[i].what, rows[i].open, rows[i].astray,
+                     route.open, route.goes_astray);
+    }
+}
+
+/* And of addresses. */
+static void route_of_addresses(void **state)
+{
+    chip_t *c = *state;
+    ect_esc_route_t route;
+    uint32_t routing = ect_esc_routing(&c->esc);
+    assert_int_equal(chip_write(c, 0x0010, 0x1001, 2), 1);
+    assert_int_not_equal(ect_esc_routing(&c->esc), routing);
+    chip_pdi_write(c, 0x0012, 0x2002, 2);
+    for (unsigned int enabled = 0; enabled < 2; enabled++) {
+        assert_int_equal(chip_write(c, 0x0103, enabled, 1), 1);
+        ect_esc_route(&c->esc, &route);
+        assert_int_equal(route.station, 0x1001);
+        assert_int_equal(route.alias, enabled == 0 ? 0x1001 : 0x2002);
+    }
 }
 
 static void temporary_loops(void **state)
 {
     chip_t *c = *state;
+    assert_int_equal(chip_write(c, 0x0100, 0x03, 1), 1); /* of no loops: there is nothing to end */
+    chip_advance(c, 5000 * MS);
+    assert_int_equal(chip_read(c, 0x0100, 2), 0x0003);
     assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E);
     chip_advance(c, 500 * MS);
@@ -336,7 +451,7 @@ static void damaged_frames(void **state)
 
 /* --- an EEPROM that the PDI stands for -------------------------------------------------------------------------- */
 
-enum { BUSY = 0x8000, EMULATION = 0x20, SII_EVENT = 0x20 };
+enum { BUSY = 0x8000, EMULATION = 0x20, SII_EVENT = 0x20, CHECK = 0x6B };
 
 static void emulate(chip_t *c, const char *chip)
 {
@@ -369,16 +484,63 @@ static void emulated_reload(void **state)
     assert_int_equal(chip_read(c, 0x014E, 1), 6);
 }
 
+/* What the PDI delivers is by the words' own places; what it writes beyond them changes nothing that is loaded. */
+static void emulated_reload_again(void **state)
+{
+    static const struct {
+        const char *what;
+        uint32_t address; /* with the command */
+        uint64_t words;   /* delivered for it, and then for what the chip asks for */
+        uint16_t status;  /* 0x0502 bits 11, 12 at the end */
+    } rows[] = {{"the same again", 0, 0x030203E800010C05ull, 0},
+                {"from word 1 on", 1, 0x030203E800010C05ull, 0},
+                {"word 8", 8, 0x1111111111111111ull, 0},
+                {"word 0 wrong", 0, 0x030203E800010C06ull, 0x1800}};
+    chip_t *c = *state;
+    emulate(c, "ipcore");
+    const uint64_t last = 0x0000000000001234ull | (uint64_t)CHECK << 48;
+    chip_pdi_write(c, 0x0508, rows[0].words, 8);
+    chip_pdi_write(c, 0x0503, 0x04, 1);
+    chip_pdi_write(c, 0x0508, last, 8);
+    chip_pdi_write(c, 0x0503, 0x04, 1);
+    assert_int_equal(chip_read(c, 0x0502, 2) & 0x1800, 0);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t request[6] = {0, 4};
+        ect_store_le32(request + 2, rows[i].address);
+        assert_int_equal(chip_send(c, APWR, 0x0502, request, 6), 1);
+        chip_pdi_write(c, 0x0508, rows[i].words, 8);
+        chip_pdi_write(c, 0x0503, 0x04, 1);
+        if (rows[i].address < 4) {
+            assert_int_equal(chip_pdi_read(c, 0x0504, 4), 4);
+            chip_pdi_write(c, 0x0508, last, 8);
+            chip_pdi_write(c, 0x0503, 0x04, 1);
+        }
+        unsigned int got = (unsigned int)chip_read(c, 0x0502, 2) & (BUSY | 0x1800);
+        if (got != rows[i].status || c->memory[0x0140] != 0x05)
+            fail_msg("%s: expected 0x0502 = 0x%04X, got 0x%04X; 0x0140 = 0x%02X", rows[i].what, rows[i].status, got,
+                     c->memory[0x0140]);
+    }
+}
+
+/* The low byte of the command alone says nothing of how it was carried out. */
+static void emulated_half(void **state)
+{
+    chip_t *c = *state;
+    emulate(c, "xmc4800");
+    chip_pdi_write(c, 0x0502, 0x0400, 1);
+    assert_int_equal(chip_read(c, 0x0502, 2) & BUSY, BUSY);
+}
+
 static void emulated_reload_short(void **state)
 {
     chip_t *c = *state;
     emulate(c, "xmc4800");
     chip_pdi_write(c, 0x0503, 0x02, 1); /* not the command that is under way */
     assert_int_equal(chip_read(c, 0x0502, 2) & BUSY, BUSY);
-    chip_pdi_write(c, 0x0508, 0x00004321, 4);
+    chip_pdi_write(c, 0x0508, 0x55AA4321, 4);
     chip_pdi_write(c, 0x0502, 0x0400, 2);
     assert_int_equal(chip_read(c, 0x0502, 2), EMULATION);
-    assert_int_equal(chip_read(c, 0x0012, 2), 0x4321);
+    assert_int_equal(chip_read(c, 0x0010, 8), 0x43210000);
     assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1); /* the alias is taken once */
     chip_pdi_write(c, 0x0508, 0x00001111, 4);
     chip_pdi_write(c, 0x0502, 0x0400, 2);
@@ -487,13 +649,23 @@ int main(int argc, char **argv)
         MODERN("CF-093: the RUN lamp follows AL status; an override lasts until that changes", run_lamp),
         MODERN("CF-093: the ERR lamp: local error, watchdog, no configuration; each takes an override back", err_lamp),
         MODERN("CF-053: the PDI watchdog expires 100 ms after the last access, counts once, and shows", pdi_watchdog),
+        MODERN("CF-053: the PDI watchdog runs from when the PDI is watched, and a frame finds it expired",
+               pdi_watchdog_by_frames),
+        MODERN("CF-053: a PDI that is late without a configuration shows neither", pdi_late_without_configuration),
         TEST("CF-053: a PDI that is taken to look in all the time is never late", pdi_unwatched),
         TEST("CF-011: the lost-link counter counts links that end at an open port, to 255", lost_link),
         TEST("CF-010: auto close: a port that has lost its link opens by DL control or by a frame", auto_close),
+        TEST("CF-010: the loop of a port that a chip lacks stays closed", ports_that_are_not_there),
+        TEST("CF-010: a passing frame is told whether it goes on, and whether that is a plain line", route_of_ports),
+        TEST("CF-004: a passing frame is told the station address, and the alias where it is enabled",
+             route_of_addresses),
         TEST("CF-010: temporary loop settings end after a second", temporary_loops),
         TEST("CF-011: damaged frames count at their port, apart where another chip has found them", damaged_frames),
         MODERN("CF-056: EEPROM emulation: from power-on the PDI is asked for the configuration, four words a time",
                emulated_reload),
+        MODERN("CF-056: EEPROM emulation: a reload by the words' places, its check sum, words beyond",
+               emulated_reload_again),
+        MODERN("CF-056: EEPROM emulation: half of a command acknowledges nothing", emulated_half),
         MODERN("CF-056: EEPROM emulation with 4 bytes of data: the alias, once; a bad check sum",
                emulated_reload_short),
         MODERN("CF-056: EEPROM emulation: read and write wait for the PDI, errors are its own", emulated_commands),

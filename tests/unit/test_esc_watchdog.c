@@ -108,6 +108,8 @@ static void times(void **state)
                      (unsigned long long)((rows[i].time + 1) * tick));
         tick_to(r, from + rows[i].time * tick - 1);
         expect(r, "one nanosecond before N ticks", true, 0);
+        tick_to(r, next);
+        expect(r, "when it was told to be due", false, 1);
         tick_to(r, from + (rows[i].time + 1) * tick);
         expect(r, "after N + 1 ticks", false, 1);
     }
