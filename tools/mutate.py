@@ -116,6 +116,8 @@ class Program:
             if pathlib.Path(command[0]).name == "ccache":
                 command = command[1:]
             at = command.index("-o") + 1
+            if str(self.objects.get(source, "")).startswith(str(BUILD / "src/")):
+                continue  # it is compiled for others too, in their own ways
             self.objects[source] = pathlib.Path(entry["directory"]) / command[at]
             self.commands[source] = command[:at - 1] + command[at + 1:]
         applications = [ROOT / "src/soes", ROOT / "src/ports/soes_hal"]  # compiled with each, for its own variables

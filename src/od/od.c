@@ -76,10 +76,8 @@ ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex,
 
 ect_reason_t ect_od_check_access(const ect_entry_t *entry, ect_direction_t direction, uint8_t al_state)
 {
-    unsigned int in_state = al_state == 2   ? ECT_ACCESS_R_PREOP
-                            : al_state == 4 ? ECT_ACCESS_R_SAFEOP
-                            : al_state == 8 ? ECT_ACCESS_R_OP
-                                            : 0u;
+    enum { WITH_DICTIONARY = 1 << 2 | 1 << 4 | 1 << 8 }; /* PREOP, SAFEOP, OP; each has the next right */
+    unsigned int in_state = (WITH_DICTIONARY >> al_state & 1) != 0 ? al_state / 2u * ECT_ACCESS_R_PREOP : 0u;
     unsigned int granted = entry->access & ECT_ACCESS_RO;
     ect_reason_t never = ECT_REASON_WRITE_ONLY;
     if (direction == ECT_DOWNLOAD) {
@@ -97,26 +95,18 @@ bool ect_od_is_bits(const ect_entry_t *entry)
            (entry->data_type >= ECT_TYPE_BIT1 && entry->data_type <= ECT_TYPE_BIT8);
 }
 
+/* Types below 32, a bit each. */
+#define TYPE(name) (UINT32_C(1) << ECT_TYPE_##name)
+#define SIGNED     (TYPE(INTEGER8) | TYPE(INTEGER16) | TYPE(INTEGER32) | TYPE(INTEGER64))
+#define UNSIGNED   (TYPE(BOOLEAN) | TYPE(UNSIGNED8) | TYPE(UNSIGNED16) | TYPE(UNSIGNED32) | TYPE(UNSIGNED64))
+#define NUMBERS    ((SIGNED | UNSIGNED | TYPE(REAL32) | TYPE(REAL64)) & ~TYPE(BOOLEAN))
+
 /* Bytes of a number that the host keeps in its own byte order; 0 for everything kept as bytes. */
 static uint16_t number_width(const ect_entry_t *entry)
 {
-    switch (entry->data_type) {
-    case ECT_TYPE_INTEGER16:
-    case ECT_TYPE_UNSIGNED16:
-    case ECT_TYPE_BITARR16:
-        return 2;
-    case ECT_TYPE_INTEGER32:
-    case ECT_TYPE_UNSIGNED32:
-    case ECT_TYPE_REAL32:
-    case ECT_TYPE_BITARR32:
-        return 4;
-    case ECT_TYPE_INTEGER64:
-    case ECT_TYPE_UNSIGNED64:
-    case ECT_TYPE_REAL64:
-        return 8;
-    default:
-        return 0;
-    }
+    uint16_t type = entry->data_type;
+    bool number = type < 32 ? (NUMBERS >> type & 1) != 0 : type >= ECT_TYPE_BITARR8 && type <= ECT_TYPE_BITARR32;
+    return number ? ect_od_bytes(entry) : 0;
 }
 
 static bool is_constant(const ect_entry_t *entry)
@@ -254,11 +244,6 @@ const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t su
     }
     return NULL;
 }
-
-/* Types below 32, a bit each. */
-#define TYPE(name) (UINT32_C(1) << ECT_TYPE_##name)
-#define SIGNED     (TYPE(INTEGER8) | TYPE(INTEGER16) | TYPE(INTEGER32) | TYPE(INTEGER64))
-#define UNSIGNED   (TYPE(BOOLEAN) | TYPE(UNSIGNED8) | TYPE(UNSIGNED16) | TYPE(UNSIGNED32) | TYPE(UNSIGNED64))
 
 static bool is_signed(uint16_t data_type)
 {

@@ -343,8 +343,12 @@ typedef struct ect_device {
     /** An entry was written and is stored. */
     void (*sdo_written)(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
-    /** AL status got its error flag, with this code; or lost it (code 0). */
-    void (*al_error)(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
+    /**
+     * AL status got its error flag, with this code; or lost it (code 0).
+     * @return the code that the master reads: `code`, or where the product is known to differ from the standard, its
+     *         own; 0 in the place of 0 alone
+     */
+    uint16_t (*al_error)(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 
     /* --- where the product is known to differ from the standard ---------------------------------------------- */
 
@@ -353,9 +357,6 @@ typedef struct ect_device {
      * is changed here is what the master gets, also when it asks for it once more.
      */
     void (*mail)(void *instance, uint8_t *mail, uint16_t size);
-
-    /** The code that the master reads in the place of the standard's `code`, 0 in the place of 0. */
-    uint16_t (*al_code)(const void *instance, uint16_t code);
 } ect_device_t;
 
 /** Its object list over an instance; NULL: only the list is looked at. */

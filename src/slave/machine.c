@@ -8,12 +8,6 @@ static bool has_mailbox(const ect_slave_t *s)
     return s->config.device->mailbox_protocols != 0;
 }
 
-static uint16_t shown_code(const ect_slave_t *s)
-{
-    const ect_device_t *device = s->config.device;
-    return device->al_code ? device->al_code(s->config.instance, s->code) : s->code;
-}
-
 /* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the
  * flag finds its reason (ETG.1000.6 §6.4.1.3). */
 bool ect_machine_report(ect_slave_t *s)
@@ -22,7 +16,7 @@ bool ect_machine_report(ect_slave_t *s)
     uint8_t status[2] = {s->state, 0};
     ECT_ASSERT(s->error == (s->code != ECT_AL_NO_ERROR));
     ECT_ASSERT(!s->ident || !s->error);
-    ect_store_le16(code, s->ident ? s->config.device_id : shown_code(s));
+    ect_store_le16(code, s->ident ? s->config.device_id : s->code);
     status[0] |= s->error ? ECT_AL_ERROR : 0;
     status[0] |= s->ident ? ECT_AL_IDENT : 0;
     (void)ect_sm_flush(s);
@@ -41,10 +35,8 @@ static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
     s->error = code != ECT_AL_NO_ERROR;
     s->cause = (uint8_t)cause;
     s->ident = false;
-    s->code = code;
+    s->code = device->al_error ? device->al_error(s->config.instance, s->state, code, s->now_ns) : code;
     s->status_dirty = true;
-    if (device->al_error)
-        device->al_error(s->config.instance, s->state, code, s->now_ns);
 }
 
 static void outputs_off(ect_slave_t *s)

@@ -185,6 +185,20 @@ static void compared_in_part(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80010000);
 }
 
+/* And whatever was regulated: a write to 0x0930 leaves the clock with what it gains by itself. */
+static void unregulated_again(void **state)
+{
+    chip_t *c = *state;
+    ect_esc_set_drift(&c->esc, 100 * PPM);
+    (void)follow(c, 1000, MS);
+    assert_int_equal(chip_write(c, ECT_REG_DC_SPEED_START, 0x1000, 2), 1);
+    uint64_t before = local_time(c);
+    c->w.now_ns += SECOND;
+    assert_in_range(local_time(c) - before, SECOND + 100000, SECOND + 100001);
+    c->w.now_ns += 9 * SECOND;
+    assert_in_range(local_time(c) - before, 10 * SECOND + 1000000, 10 * SECOND + 1000001);
+}
+
 /* A difference is taken away no faster than the range of the speed counter allows: 763 ppm at the reset value. */
 static void fastest(void **state)
 {
@@ -194,6 +208,7 @@ static void fastest(void **state)
     } rows[] = {{0x1000, 1000000, 932000, 922000},
                 {0x1000, -1000000, 932000, 922000},
                 {0x0100, 1000000, 955000, 950000},
+                {0x0000, 1000000, 999000, 998500},
                 {0x3FFF, 1000000, 932000, 922000}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -399,6 +414,10 @@ static void sync1_alone(void **state)
     record(c, pulses, 8);
     assert_string_equal(pulses[0], "........");
     assert_string_equal(pulses[1], ".|...|..");
+    start(c, 0x06, local_time(c) + 10000, 10000, 0); /* both, and not activated */
+    assert_int_equal(chip_read(c, 0x0984, 1), 0);
+    record(c, pulses, 4);
+    assert_string_equal(pulses[0], "....");
 }
 
 /* Bits 3 and 7 of 0x0151 make events of SYNC0 and SYNC1, and no others do. */
@@ -532,6 +551,8 @@ static void sync_with_drift(void **state)
     chip_power_on(c);
     start(c, 0x03, SECOND, 1000000, 0);
     for (unsigned int n = 0; n < 1000; n++) {
+        if (n % 100 == 50)
+            ect_esc_set_drift(&c->esc, n % 200 == 50 ? -500 * PPM : 500 * PPM);
         uint64_t at = ect_esc_tick(&c->esc, c->w.now_ns);
         c->w.now_ns = at;
         (void)ect_esc_tick(&c->esc, at);
@@ -698,6 +719,10 @@ static void auto_activation(void **state)
     assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
     assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon, 3), 1); /* not the whole of them */
     assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME + 3, soon >> 24, 1), 1); /* their last byte */
+    assert_int_equal(c->esc.sync[0].next & 0xFFFFFFFF, soon & 0xFFFFFFFF);
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, local_time(c), 4), 1); /* this very nanosecond has gone */
+    assert_int_equal(c->esc.sync[0].next, local_time(c) + 0x100000000ull);
 }
 
 /* A start time that is written while the unit runs is the new one. */
@@ -797,6 +822,7 @@ static void continuous(void **state)
         edge(c, n, true, base + 1100); /* no edge */
         edge(c, n, false, base + 2003);
         assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
+        (void)chip_read(c, ECT_REG_DC_LATCH_TIME + 32, 8); /* there are no others */
         assert_int_equal(chip_read(c, times, 8), base + 1003);
         assert_int_equal(chip_read(c, (uint16_t)(times + 8), 8), base + 2003);
         edge(c, n, true, base + 3003);
@@ -913,6 +939,7 @@ int main(int argc, char **argv)
         TEST("CF-088: a difference is taken away no faster than the range of the speed counter allows", fastest),
         TEST("CF-088: the speed counter difference is the greatest that the rate allows", speed_difference_exactly),
         TEST("CF-088: a sample takes an eighth of its difference away, and a part of that for good", one_sample),
+        TEST("CF-088: a write to the speed counter's start ends what was regulated", unregulated_again),
         TEST("CF-088: a system time that is written in part is compared in that part", compared_in_part),
         TEST("CF-088: a difference of 2^30 ns, ahead or behind, is shown and not regulated; less is", lock_limit),
         TEST("CF-088: 0x092C is a mean over the filter's depth", filter),

@@ -500,6 +500,7 @@ static void where_datagrams_begin(void **state)
         if (strcmp(rows[i].what, "in UDP") == 0)
             build_udp(r);
         memcpy(frame, r->w.frame, r->w.frame_length);
+        frame[1] = 0x10; /* of an address: no header */
         frame[rows[i].at] = (uint8_t)rows[i].value;
         size_t got = ect_frame_datagrams(frame, rows[i].length != 0 ? rows[i].length : r->w.frame_length);
         if (got != rows[i].want)

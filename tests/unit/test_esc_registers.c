@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "esc/esc.h"
+#include "esc/route.h"
 #include "support/wire.h"
 
 enum { RAM_KB = 8, MEMORY = 0x1000 + RAM_KB * 1024, DATA = 10 };
@@ -395,7 +396,9 @@ static void emulation(void **state)
     power_on(r);
     for (size_t i = 0; i < sizeof values; i++) {
         uint8_t request[2] = {values[i], 0};
+        uint32_t routing = ect_esc_routing(&r->esc);
         assert_int_equal(send(r, APWR, 0x0120, request, 2), 1);
+        assert_int_not_equal(ect_esc_routing(&r->esc), routing);
         assert_int_equal(ecat_read(r, 0x0130), values[i]);
         assert_int_equal(ect_esc_al_event(&r->esc), 0);
         pdi_write(r, 0x0130, 0x0F);

@@ -428,6 +428,10 @@ static void digital_outputs(void **state)
         assert_int_equal(ecat_write(r, (uint16_t)(0x0F00 + i), (uint8_t)(0x11 * (i + 1))), 1);
     assert_memory_equal(r->memory + 0x0F00, "\x11\x22\x33\x44", 4);
     assert_int_equal(ect_esc_al_event(&r->esc) & (ECT_EVENT_SM0 << 2), ECT_EVENT_SM0 << 2);
+    uint8_t data[0x100]; /* from there to the process RAM */
+    memset(data, 0x5A, sizeof data);
+    assert_int_equal(send(r, APWR, 0x0F80, data, sizeof data), 1);
+    assert_memory_equal(r->memory + 0x0F80, data, sizeof data);
 }
 
 /* Its events go with it, and nobody else's. */

@@ -447,6 +447,10 @@ static void damaged_frames(void **state)
         assert_int_equal(chip_write(c, 0x0305, 0, 1), 1);
         assert_int_equal(chip_read(c, rows[i].counter, 1), 0);
     }
+    c->personality.features = 0; /* one that does not know what another has found */
+    chip_power_on(c);
+    ect_esc_damaged(&c->esc, 1, true);
+    assert_int_equal(chip_read(c, 0x0302, 1), 1);
 }
 
 /* --- an EEPROM that the PDI stands for -------------------------------------------------------------------------- */

@@ -320,6 +320,10 @@ static void switched_off(void **state)
     feed(r);
     tick_to(r, r->w.now_ns + 11 * MS);
     expect(r, "on again, 10 ms", false, 1);
+    feed(r);
+    assert_int_equal(write16(r, ECT_REG_WD_TIME_PD, 1000), 1);
+    tick_to(r, r->w.now_ns + 11 * MS);
+    expect(r, "another time while it runs: from the next feeding on", false, 2);
 }
 
 static void off_shows_no_expiry(void **state)

@@ -246,15 +246,16 @@ static bool says_mismatch(uint16_t code)
 }
 
 /* A refused configuration stays the reason until the controller gets further, or something else is wrong. */
-void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
+uint16_t eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
 {
     eclink_t *unit = instance;
     (void)now_ns;
-    if (code == 0)
-        return;
-    unit->config_refused = says_mismatch(code);
-    unit->refused_in = state;
-    eclink_evaluate(unit);
+    if (code != ECT_AL_NO_ERROR) {
+        unit->config_refused = says_mismatch(code);
+        unit->refused_in = state;
+        eclink_evaluate(unit);
+    }
+    return code;
 }
 
 static void watch_pco(eclink_t *unit, bool first, uint64_t now_ns)

@@ -266,7 +266,7 @@ static inline bool eclink_has(const eclink_t *unit, unsigned int function)
 
 void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
-void eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
+uint16_t eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 void eclink_outputs(void *instance, uint64_t now_ns);
 void eclink_inputs_read(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);

@@ -326,18 +326,19 @@ uint16_t pmc_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now
     return ECT_AL_NO_ERROR;
 }
 
-void pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
+uint16_t pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
     bool sync =
         code == ECT_AL_SYNC || code == ECT_AL_WATCHDOG || code == ECT_AL_FATAL_SYNC || code == ECT_AL_NO_OUTPUTS;
-    if (!sync || state != ECT_STATE_SAFEOP)
-        return;
-    pmc_advance(u, now_ns);
-    pmc_sync_lose(u);
-    pmc_fault(u, PMC_F_SYNC);
-    settle(u, 0);
-    pmc_publish(u);
+    if (sync && state == ECT_STATE_SAFEOP) {
+        pmc_advance(u, now_ns);
+        pmc_sync_lose(u);
+        pmc_fault(u, PMC_F_SYNC);
+        settle(u, 0);
+        pmc_publish(u);
+    }
+    return pmc_al_code(u, code);
 }
 
 static void take_values(pmctendo_t *u)

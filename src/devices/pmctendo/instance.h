@@ -234,7 +234,7 @@ void pmc_inputs(void *instance, uint64_t now_ns);
 uint64_t pmc_tick(void *instance, uint64_t now_ns);
 ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
-void pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
+uint16_t pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
 /* ... and the plant: everything that is due happens; levels of the inputs are looked at anew. */
 void pmc_advance(pmctendo_t *u, uint64_t now_ns);
 void pmc_look(pmctendo_t *u);
@@ -312,6 +312,6 @@ void pmc_warn(pmctendo_t *u, unsigned int number, bool on);
 
 /* quirks.c */
 void pmc_mail(void *instance, uint8_t *mail, uint16_t size);
-uint16_t pmc_al_code(const void *instance, uint16_t code);
+uint16_t pmc_al_code(const pmctendo_t *u, uint16_t code); /* as the master reads it */
 
 #endif

@@ -286,5 +286,4 @@ const ect_device_t ect_pmctendo_dd5 = {
     .sdo_written = pmc_sdo_written,
     .al_error = pmc_al_error,
     .mail = pmc_mail,
-    .al_code = pmc_al_code,
 };

@@ -18,9 +18,8 @@ void pmc_mail(void *instance, uint8_t *mail, uint16_t size)
 }
 
 /* The manual's table of AL status codes has three, "other codes are not supported". */
-uint16_t pmc_al_code(const void *instance, uint16_t code)
+uint16_t pmc_al_code(const pmctendo_t *u, uint16_t code)
 {
-    const pmctendo_t *u = instance;
     if (!u->plant.quirk_al_codes)
         return code;
     switch (code) {
