@@ -299,7 +299,8 @@ static inline uint32_t ect_esc_activity(const ect_esc_t *esc)
     return esc->activity;
 }
 
-/** A counter that moves whenever a write command has changed the SII content (ect_esc_config_t::sii); 0 after a reset.
+/** A counter that moves whenever a write command has changed the SII content (ect_esc_config_t::sii); 0 after
+ * ::ect_esc_init, kept by a reset sequence.
  */
 static inline uint32_t ect_esc_sii_writes(const ect_esc_t *esc)
 {

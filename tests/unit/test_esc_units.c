@@ -136,6 +136,10 @@ static void reset_resets(void **state)
 {
     chip_t *c = *state;
     const ect_esc_arrival_t arrival = {.unit_ns = 70};
+    uint8_t write[8] = {0x01, 0x02, 0x10, 0, 0, 0, 0xCD, 0xAB}; /* a word of the EEPROM */
+    assert_int_equal(chip_send(c, APWR, 0x0502, write, 8), 1);
+    uint32_t writes = ect_esc_sii_writes(&c->esc);
+    assert_int_equal(writes, 1);
     assert_int_equal(chip_write(c, 0x0010, 0x1234, 2), 1);
     chip_set_sm(c, 0, 0x1000, 64, 0x26, 1);
     chip_pdi_write(c, 0x0130, 2, 1);
@@ -145,6 +149,7 @@ static void reset_resets(void **state)
     uint32_t activity = ect_esc_activity(&c->esc);
     assert_int_equal(resets_after(c, false, "RES"), 1);
     assert_int_not_equal(ect_esc_activity(&c->esc), activity);
+    assert_int_equal(ect_esc_sii_writes(&c->esc), writes);
     assert_int_equal(chip_read(c, 0x0010, 2), 0);
     assert_int_equal(chip_read(c, 0x0130, 2), 1);
     assert_int_equal(chip_read(c, 0x0800, 8), 0x0000300000000000);
