@@ -5,9 +5,9 @@
 
 #include "check/internal.h"
 #include "esc/personality.h"
-#include "wire/registers.h"
+#include "seams/layout.h"
 
-enum { RAM = 0x1000, SHORTEST_MAILBOX = 16, SHORTEST_WITH_INFO = 34, LONGEST_DATAGRAM = 1486, BUFFERS = 3 };
+enum { SHORTEST_MAILBOX = 16, SHORTEST_WITH_INFO = 34, LONGEST_DATAGRAM = 1486 };
 
 static bool has_mailbox(const report_t *r)
 {
@@ -23,28 +23,6 @@ static unsigned int shortest_mailbox(const report_t *r)
 static bool is_mailbox(const ect_sm_t *sm)
 {
     return sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_MAILBOX_IN;
-}
-
-/* Bytes that SyncManager n may come to. */
-static unsigned int room_of(const report_t *r, unsigned int n)
-{
-    unsigned int bytes = ect_device_sm_bytes(r->device, n);
-    return r->device->sm[n].maximum > bytes ? r->device->sm[n].maximum : bytes;
-}
-
-/* Whether it lies over the registers of the digital outputs, which have no buffers. */
-static bool in_output_registers(const report_t *r, unsigned int n)
-{
-    unsigned int start = r->device->sm[n].start;
-    return start >= ECT_REG_DIGITAL_OUTPUT && start + room_of(r, n) <= RAM;
-}
-
-/* Bytes of the ESC's memory that it takes: three buffers, or one in mailbox mode, and of a single byte. */
-static unsigned int memory_of(const report_t *r, unsigned int n)
-{
-    bool one = (r->device->sm[n].control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX || room_of(r, n) == 1 ||
-               in_output_registers(r, n);
-    return room_of(r, n) * (one ? 1u : (unsigned int)BUFFERS);
 }
 
 static bool roles_good(const report_t *r, unsigned int n)
@@ -80,9 +58,9 @@ static bool mailbox_length_good(const report_t *r, unsigned int n)
         return wrong(r, "SM%u: its length %u is not from its minimum %u to its maximum %u", n, sm->length, sm->minimum,
                      sm->maximum);
     unsigned int shortest = sm->minimum != 0 ? sm->minimum : sm->length;
-    if (shortest < shortest_mailbox(r) || room_of(r, n) > LONGEST_DATAGRAM)
+    if (shortest < shortest_mailbox(r) || ect_layout_room(r->device, n) > LONGEST_DATAGRAM)
         return wrong(r, "SM%u: a mailbox has %u to %d bytes, not %u to %u", n, shortest_mailbox(r), LONGEST_DATAGRAM,
-                     shortest, room_of(r, n));
+                     shortest, ect_layout_room(r->device, n));
     return true;
 }
 
@@ -93,16 +71,17 @@ static bool lengths_good(const report_t *r, unsigned int n)
         return mailbox_length_good(r, n);
     if (sm->length != 0 || sm->minimum != 0)
         return wrong(r, "SM%u: length and minimum are a mailbox's; those of process data follow from their PDOs", n);
-    if (room_of(r, n) > LONGEST_DATAGRAM)
-        return wrong(r, "SM%u: %u bytes are more than a datagram holds, %d", n, room_of(r, n), LONGEST_DATAGRAM);
+    if (ect_layout_room(r->device, n) > LONGEST_DATAGRAM)
+        return wrong(r, "SM%u: %u bytes are more than a datagram holds, %d", n, ect_layout_room(r->device, n),
+                     LONGEST_DATAGRAM);
     return true;
 }
 
 static bool in_memory(const report_t *r, unsigned int kilobytes, const char *what, unsigned int n, unsigned int start,
                       unsigned int bytes)
 {
-    unsigned int end = RAM + 1024u * kilobytes;
-    if (bytes == 0 || (start >= RAM && start + bytes <= end))
+    unsigned int end = ECT_RAM + 1024u * kilobytes;
+    if (bytes == 0 || (start >= ECT_RAM && start + bytes <= end))
         return true;
     return wrong(r, "%s%u: %04Xh to %04Xh are not in the memory of the ESC '%s', 1000h to %04Xh", what, n, start,
                  start + bytes - 1, r->device->esc, end - 1);
@@ -111,9 +90,10 @@ static bool in_memory(const report_t *r, unsigned int kilobytes, const char *wha
 static bool apart(const report_t *r, unsigned int n)
 {
     const ect_sm_t *sm = r->device->sm;
+    unsigned int bytes = ect_layout_memory(r->device, n);
     for (unsigned int m = 0; m < n; m++) {
-        unsigned int end = sm[m].start + memory_of(r, m), other_end = sm[n].start + memory_of(r, n);
-        if (memory_of(r, m) > 0 && memory_of(r, n) > 0 && sm[n].start < end && sm[m].start < other_end)
+        unsigned int others = ect_layout_memory(r->device, m);
+        if (bytes > 0 && others > 0 && sm[n].start < sm[m].start + others && sm[m].start < sm[n].start + bytes)
             return wrong(r, "SM%u: it overlaps SM%u (process data in three buffers take three times their length)", n,
                          m);
     }
@@ -126,8 +106,8 @@ static bool sm_good(const report_t *r, unsigned int n, unsigned int kilobytes)
         return false;
     if (r->device->sm[n].type == ECT_SM_UNUSED)
         return true;
-    bool placed =
-        in_output_registers(r, n) || in_memory(r, kilobytes, "SM", n, r->device->sm[n].start, memory_of(r, n));
+    bool placed = ect_layout_in_registers(r->device, n) ||
+                  in_memory(r, kilobytes, "SM", n, r->device->sm[n].start, ect_layout_memory(r->device, n));
     return placed && control_good(r, n) && lengths_good(r, n) && apart(r, n);
 }
 

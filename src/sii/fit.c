@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "sii/fit.h"
 
+#include "seams/layout.h"
 #include "seams/services.h"
-#include "wire/registers.h"
 
 /* Byte 3 of the EEPROM, 0x0151: the pin is SYNC0's, and SYNC0 an AL event, which is how the stack knows of it. */
 enum { SYNC0_EVENT = 0x04 | 0x08 };
@@ -10,25 +10,12 @@ enum { SYNC0_EVENT = 0x04 | 0x08 };
 const ect_fit_t ect_fit_lan9252 = {
     .esc = "lan9252", .ram_bytes = 4096, .sm_count = 4, .fmmu_count = 3, .pdi_control = 0x80, .pdi_config = 0x00};
 
-static uint16_t larger(uint16_t a, uint16_t b)
-{
-    return a > b ? a : b;
-}
-
-/* The longest that a SyncManager may become. */
-static uint16_t longest(const ect_device_t *device, unsigned int n)
-{
-    uint16_t room = larger(device->sm[n].maximum, ect_device_sm_bytes(device, n));
-    uint16_t boot = n == 0 ? device->boot_out.length : n == 1 ? device->boot_in.length : 0;
-    return ect_device_sm_is_process(device, n) ? room : larger(room, boot);
-}
-
-/* Bytes of process RAM that it takes: whole words, for that is how most buses reach them. */
+/* Bytes of process RAM that it takes, in BOOT too: whole words, for that is how most buses reach them. */
 static uint32_t taken(const ect_device_t *device, unsigned int n)
 {
-    bool mailbox = (device->sm[n].control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
-    uint32_t bytes = (uint32_t)longest(device, n) * (mailbox ? 1 : 3);
-    return (bytes + 3u) & ~3u;
+    uint32_t boot = n == 0 ? device->boot_out.length : n == 1 ? device->boot_in.length : 0;
+    uint32_t bytes = ect_layout_memory(device, n);
+    return ((bytes > boot ? bytes : boot) + 3u) & ~3u;
 }
 
 bool ect_fit(const ect_device_t *device, const ect_fit_t *controller, ect_device_t *on)
@@ -42,6 +29,8 @@ bool ect_fit(const ect_device_t *device, const ect_fit_t *controller, ect_device
         on->esc_config[3] |= SYNC0_EVENT;
     on->sii = NULL; /* it is of the other one */
     for (unsigned int n = 0; n < device->sm_count; n++) {
+        if (ect_layout_in_registers(device, n))
+            continue;
         on->sm[n].start = (uint16_t)(ECT_RAM + end);
         end += taken(device, n);
     }

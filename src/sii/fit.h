@@ -2,8 +2,8 @@
 /**
  * @file
  * A device on another controller than its description names: a board has the ESC that it has. Objects and behaviour
- * stay; the SyncManagers are laid out anew, one behind another from 0x1000 on, and the EEPROM's first words are the
- * controller's.
+ * stay; the SyncManagers are laid out anew, one behind another from 0x1000 on (but for those over the registers of the
+ * digital outputs, which every controller has at the same place), and the EEPROM's first words are the controller's.
  *
  * A master finds the new layout in the EEPROM (::ect_sii_write of the new description). An ESI file must be one of the
  * new description, too.

@@ -5,6 +5,7 @@
 
 #include "bus/catalogue.h"
 #include "check/check.h"
+#include "esc/personality.h"
 #include "seams/services.h"
 #include "sii/fit.h"
 #include "sii/sii.h"
@@ -89,11 +90,46 @@ static void too_large(void **state)
     assert_false(ect_fit(&device, &ect_fit_lan9252, &on));
 }
 
+/* As much as each takes of the chip's memory, in whole words: one buffer of a single byte, three of what is longer.
+ * What lies over the registers of the digital outputs stays there. */
+static void laid_out(void **state)
+{
+    static const ect_device_t device = {
+        .sm_count = 4,
+        .sm = {{.start = 0x1800, .maximum = 1, .control = 0x64, .type = ECT_SM_OUTPUTS},
+               {.start = 0x0F00, .maximum = 4, .control = 0x44, .type = ECT_SM_OUTPUTS},
+               {.start = 0x1000, .maximum = 5, .control = 0x20, .type = ECT_SM_INPUTS},
+               {.start = 0x1900, .maximum = 8, .control = 0x20, .type = ECT_SM_INPUTS}},
+    };
+    static const uint16_t starts[] = {0x1000, 0x0F00, 0x1004, 0x1014};
+    ect_device_t on;
+    (void)state;
+    assert_true(ect_fit(&device, &ect_fit_lan9252, &on));
+    for (unsigned int n = 0; n < device.sm_count; n++) {
+        if (on.sm[n].start != starts[n])
+            fail_msg("SM%u: expected it at %04Xh, got %04Xh", n, starts[n], on.sm[n].start);
+    }
+}
+
+/* A firmware has no table of chips: what it knows of its own is what the table says. */
+static void figures(void **state)
+{
+    const ect_esc_personality_t *chip = ect_esc_personality(ect_fit_lan9252.esc);
+    (void)state;
+    assert_non_null(chip);
+    assert_int_equal(ect_fit_lan9252.ram_bytes, 1024 * chip->ram_kb);
+    assert_int_equal(ect_fit_lan9252.sm_count, chip->sm_count);
+    assert_int_equal(ect_fit_lan9252.fmmu_count, chip->fmmu_count);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"every product fits into a LAN9252, and is a description without a fault there", products, NULL, NULL, NULL},
         {"every product goes to OP on one", products_to_op, NULL, NULL, NULL},
+        {"each SyncManager gets what it takes of the memory, and registers stay where they are", laid_out, NULL, NULL,
+         NULL},
+        {"what is known of a LAN9252 is what the table of the chips says", figures, NULL, NULL, NULL},
         {"what does not fit is refused: SyncManagers, FMMUs, process RAM", too_large, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("sii_fit", tests, NULL, NULL);
