@@ -430,12 +430,6 @@ static unsigned int lead(ect_fast_t *f, uint8_t *d)
     }
 }
 
-static bool counts_position(uint8_t command)
-{
-    return command == ECT_APRD || command == ECT_APWR || command == ECT_BRD || command == ECT_BWR ||
-           command == ECT_ARMW;
-}
-
 static void add(uint8_t *to, size_t value)
 {
     ect_store_le16(to, (uint16_t)(ect_load_le16(to) + value));
@@ -447,7 +441,7 @@ static void pass_datagram(ect_fast_t *f, uint8_t *d)
     know_sums(f);
     ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | f->sums.events));
     add(d + ECT_DATAGRAM_DATA + ect_datagram_length(d), lead(f, d));
-    if (counts_position(d[ECT_DATAGRAM_COMMAND]))
+    if (ect_command_counts(d[ECT_DATAGRAM_COMMAND]))
         add(d + ECT_DATAGRAM_ADP, f->reach);
 }
 

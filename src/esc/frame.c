@@ -12,23 +12,13 @@ enum {
     UDP_PORT_ECAT = 0x88A4,
     ETHERNET_HEADER = 14,
     IP_AND_UDP = 28,
-    HEADER = ECT_DATAGRAM_DATA,
-    TRAILER = ECT_DATAGRAM_COUNTER,
     TYPE_DATAGRAMS = 1,
     CIRCULATING = 0x40, /* bit 14 of the length */
 };
 
-static bool more_follow(const uint8_t *datagram)
-{
-    return (datagram[ECT_DATAGRAM_LENGTH + 1] & 0x80) != 0;
-}
-
 static bool station_matches(const ect_esc_t *esc, uint16_t address)
 {
-    const uint8_t *m = esc->memory;
-    bool alias_enabled = (m[ECT_REG_DL_CONTROL + 3] & 0x01) != 0;
-    return address == ect_load_le16(m + ECT_REG_STATION_ADDRESS) ||
-           (alias_enabled && address == ect_load_le16(m + ECT_REG_STATION_ALIAS));
+    return address == ect_load_le16(esc->memory + ECT_REG_STATION_ADDRESS) || address == ect_esc_second_station(esc);
 }
 
 /* Commands come in groups of three: read, write, both. */
@@ -63,12 +53,6 @@ static unsigned int decide(const ect_esc_t *esc, const uint8_t *d)
     default:
         return 0;
     }
-}
-
-static bool position_counts(uint8_t command)
-{
-    return (command >= ECT_APRD && command <= ECT_APRW) || (command >= ECT_BRD && command <= ECT_BRW) ||
-           command == ECT_ARMW;
 }
 
 static void or_into(uint8_t *to, const uint8_t *from, uint16_t length)
@@ -187,12 +171,10 @@ static void process_datagram(ect_esc_t *esc, uint8_t *d)
 {
     uint8_t *counter = d + ECT_DATAGRAM_DATA + ect_datagram_length(d);
     /* The header passes before the data: an event that this datagram clears is still in it. */
-    uint16_t events =
-        ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
-    ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | events));
+    ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | ect_esc_shown_events(esc)));
     unsigned int gain = execute(esc, d, decide(esc, d));
     ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + gain));
-    if (position_counts(d[ECT_DATAGRAM_COMMAND]))
+    if (ect_command_counts(d[ECT_DATAGRAM_COMMAND]))
         ect_store_le16(d + ECT_DATAGRAM_ADP, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_ADP) + 1));
 }
 
@@ -227,15 +209,11 @@ static void clear_udp_checksum(uint8_t *frame, size_t header)
 static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
 {
     for (;;) {
-        if (length < at + HEADER + TRAILER)
+        if (length < at + ECT_DATAGRAM_DATA + ECT_DATAGRAM_COUNTER || length - at < ect_datagram_size(frame + at))
             return false;
-        size_t size = (size_t)HEADER + ect_datagram_length(frame + at) + TRAILER;
-        if (length - at < size)
-            return false;
-        bool more = more_follow(frame + at);
-        at += size;
-        if (!more)
+        if (!ect_datagram_follows(frame + at))
             return true;
+        at += ect_datagram_size(frame + at);
     }
 }
 
@@ -249,16 +227,14 @@ size_t ect_frame_datagrams(const uint8_t *frame, size_t length)
 }
 
 /* @return false: the frame has been through here before and is to be destroyed */
-static bool mark_circulating(const ect_esc_t *esc, uint8_t *frame, size_t at)
+static bool mark_circulating(const ect_esc_t *esc, uint8_t *datagram)
 {
     if (!ect_esc_circulates(esc))
         return true;
-    for (bool more = true; more; at += (size_t)HEADER + ect_datagram_length(frame + at) + TRAILER) {
-        uint8_t *flags = frame + at + ECT_DATAGRAM_LENGTH + 1;
-        if ((*flags & CIRCULATING) != 0)
+    for (uint8_t *d = datagram; d; d = ect_datagram_next(d)) {
+        if ((d[ECT_DATAGRAM_LENGTH + 1] & CIRCULATING) != 0)
             return false;
-        *flags |= CIRCULATING;
-        more = more_follow(frame + at);
+        d[ECT_DATAGRAM_LENGTH + 1] |= CIRCULATING;
     }
     return true;
 }
@@ -284,16 +260,6 @@ static void mark_source(const ect_esc_t *esc, uint8_t *frame)
         frame[6] |= 0x02;
 }
 
-static void process_datagrams(ect_esc_t *esc, uint8_t *datagram)
-{
-    bool more = true;
-    while (more) {
-        more = more_follow(datagram);
-        process_datagram(esc, datagram);
-        datagram += (size_t)HEADER + ect_datagram_length(datagram) + TRAILER;
-    }
-}
-
 ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     ect_esc_advance(esc, now_ns);
@@ -308,10 +274,11 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
         return invalid(esc);
     if (at >= ETHERNET_HEADER + IP_AND_UDP)
         clear_udp_checksum(frame, at);
-    if (!mark_circulating(esc, frame, at + 2))
+    if (!mark_circulating(esc, frame + at + 2))
         return ECT_FRAME_DESTROYED;
     mark_source(esc, frame);
-    process_datagrams(esc, frame + at + 2);
+    for (uint8_t *d = frame + at + 2; d; d = ect_datagram_next(d))
+        process_datagram(esc, d);
     ect_esc_end_of_frame(esc);
     return ECT_FRAME_FORWARD;
 }

@@ -91,6 +91,18 @@ static inline bool ect_esc_emulates(const ect_esc_t *esc)
     return (esc->memory[ECT_REG_PDI_CONTROL + 1] & 0x01) != 0;
 }
 
+/* The ECAT events that datagrams take along. */
+static inline uint16_t ect_esc_shown_events(const ect_esc_t *esc)
+{
+    return ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
+}
+/* Where it is reached besides its station address: its alias, if the master has enabled it, else that same address. */
+static inline uint16_t ect_esc_second_station(const ect_esc_t *esc)
+{
+    bool alias = (esc->memory[ECT_REG_DL_CONTROL + 3] & 0x01) != 0;
+    return ect_load_le16(esc->memory + (alias ? ECT_REG_STATION_ALIAS : ECT_REG_STATION_ADDRESS));
+}
+
 /* --- led.c ------------------------------------------------------------------------------------------------------ */
 /* AL status has changed: the RUN lamp follows, whoever has had it. */
 void ect_esc_led_state(ect_esc_t *esc);

@@ -27,14 +27,12 @@ static bool is_of_a_line(const ect_esc_t *esc)
 void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route)
 {
     const uint8_t *m = esc->memory;
-    uint16_t events = ect_load_le16(m + ECT_REG_ECAT_EVENT);
-    bool alias = (m[ECT_REG_DL_CONTROL + 3] & 1u) != 0;
     *route = (ect_esc_route_t){
         .station = ect_load_le16(m + ECT_REG_STATION_ADDRESS),
-        .alias = ect_load_le16(m + (alias ? ECT_REG_STATION_ALIAS : ECT_REG_STATION_ADDRESS)),
-        .events = events & ect_load_le16(m + ECT_REG_ECAT_EVENT_MASK),
+        .alias = ect_esc_second_station(esc),
+        .events = ect_esc_shown_events(esc),
         .al_status = ect_load_le16(m + ECT_REG_AL_STATUS),
-        .al_status_new = (events & ECT_ECAT_EVENT_AL_STATUS) != 0,
+        .al_status_new = (ect_load_le16(m + ECT_REG_ECAT_EVENT) & ECT_ECAT_EVENT_AL_STATUS) != 0,
         .open = ect_esc_port_open(esc, 1),
         .goes_astray = ect_esc_circulates(esc) || !is_of_a_line(esc),
         .marks_source = ect_esc_marks_source(esc),

@@ -97,11 +97,29 @@ static inline uint16_t ect_datagram_length(const uint8_t *datagram)
     return (uint16_t)((datagram[ECT_DATAGRAM_LENGTH] | datagram[ECT_DATAGRAM_LENGTH + 1] << 8) & 0x07FF);
 }
 
+/** Bytes of a datagram, from its header to its working counter. */
+static inline size_t ect_datagram_size(const uint8_t *datagram)
+{
+    return (size_t)ECT_DATAGRAM_DATA + ect_datagram_length(datagram) + ECT_DATAGRAM_COUNTER;
+}
+
+/** Whether another one stands behind it. */
+static inline bool ect_datagram_follows(const uint8_t *datagram)
+{
+    return (datagram[ECT_DATAGRAM_LENGTH + 1] & 0x80) != 0;
+}
+
 /** The one behind it; NULL: it is the last. */
 static inline uint8_t *ect_datagram_next(uint8_t *datagram)
 {
-    bool more = (datagram[ECT_DATAGRAM_LENGTH + 1] & 0x80) != 0;
-    return more ? datagram + ECT_DATAGRAM_DATA + ect_datagram_length(datagram) + ECT_DATAGRAM_COUNTER : NULL;
+    return ect_datagram_follows(datagram) ? datagram + ect_datagram_size(datagram) : NULL;
+}
+
+/** Whether each controller that a datagram passes adds one to its address: commands by position, and broadcasts. */
+static inline bool ect_command_counts(uint8_t command)
+{
+    return (command >= ECT_APRD && command <= ECT_APRW) || (command >= ECT_BRD && command <= ECT_BRW) ||
+           command == ECT_ARMW;
 }
 
 /** A frame begins at `now_ns`; once for each controller that takes part in it, before its first datagram. */
