@@ -49,8 +49,7 @@ ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t
 /**
  * Builds a chain and powers it on at `now_ns`.
  * @param twins  `count` of them (1..65535), in the order of the wire; of devices that ::ect_device_check accepts, and
- * as
- *               ::ect_chain_check_wires likes them
+ * plugged in as ::ect_chain_check_wires likes it
  * @return the chain, to be freed with ::ect_chain_free, or NULL when memory is short
  */
 ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns);

@@ -30,8 +30,7 @@ static ect_files_t *files_of(const ect_foe_t *foe)
     return (ect_files_t *)(uintptr_t)foe; /* the entry is constant for the stack only */
 }
 
-/* --- one file ------------------------------------------------------------------------------------------------------
- */
+/* --- one file ----------------------------------------------------------------------------------------------------- */
 
 static bool take_name(ect_files_t *f, const char *name, size_t length)
 {
@@ -155,8 +154,7 @@ static void closed(const ect_foe_t *foe, void *instance, bool whole)
     close_file(files_of(foe));
 }
 
-/* --- a device with files -------------------------------------------------------------------------------------------
- */
+/* --- a device with files ------------------------------------------------------------------------------------------ */
 
 static const char *why_not(const ect_device_t *device)
 {

@@ -120,7 +120,7 @@ bool ect_esc_marks_source(const ect_esc_t *esc);
 /* --- watchdog.c ------------------------------------------------------------------------------------------------- */
 void ect_esc_watchdog_trigger(ect_esc_t *esc);
 void ect_esc_watchdog_time_written(ect_esc_t *esc);
-/* The PDI has looked in. */
+/* The PDI has looked in, or whether it is watched is another thing now. */
 void ect_esc_watchdog_pdi(ect_esc_t *esc);
 void ect_esc_watchdog_tick(ect_esc_t *esc);
 

@@ -14,8 +14,8 @@ enum {
 /* What all have, and what came with the IP core and those that were made from it. */
 enum {
     ALL = ECT_UNIT_PROTECTION | ECT_UNIT_RESET_ECAT | ECT_UNIT_SM_TIMES,
-    NEWER = ALL | ECT_UNIT_RESET_PDI | ECT_UNIT_LED_RUN | ECT_UNIT_LED_ERR | ECT_UNIT_PDI_INFORMATION |
-            ECT_UNIT_PDI_ERROR_CODE | ECT_UNIT_LATCH_PIN,
+    NEWER =
+        ALL | ECT_UNIT_RESET_PDI | ECT_UNIT_LED_RUN | ECT_UNIT_LED_ERR | ECT_UNIT_PDI_INFORMATION | ECT_UNIT_LATCH_PIN,
 };
 
 static const ect_esc_personality_t personalities[] = {

@@ -41,7 +41,6 @@ enum {
     ECT_UNIT_LED_RUN = 0x0008,         /**< 0x0138 */
     ECT_UNIT_LED_ERR = 0x0010,         /**< 0x0139 */
     ECT_UNIT_PDI_INFORMATION = 0x0020, /**< 0x014E */
-    ECT_UNIT_PDI_ERROR_CODE = 0x0040,  /**< 0x030E */
     ECT_UNIT_SII_EMULATION = 0x0080,   /**< the PDI may stand for the EEPROM (0x0502 bit 5) */
     ECT_UNIT_LATCH_MODE = 0x0100,      /**< receive times taken by the next frame, or the last one: 0x0936 */
     ECT_UNIT_SM_TIMES = 0x0200,        /**< SyncManager events latch times, 0x09F0..0x09FF */

@@ -40,7 +40,7 @@ void ect_esc_watchdog_time_written(ect_esc_t *esc)
     esc->activity++; /* whoever waits for the end of its time asks again */
 }
 
-static void pdi_looked_in(ect_esc_t *esc)
+void ect_esc_watchdog_pdi(ect_esc_t *esc)
 {
     uint64_t time_ns = time_of(esc, ECT_REG_WD_TIME_PDI);
     esc->pdi_ns = esc->config.pdi_watched ? esc->now_ns : UINT64_MAX;
@@ -49,16 +49,10 @@ static void pdi_looked_in(ect_esc_t *esc)
     set_late(esc, false);
 }
 
-void ect_esc_watchdog_pdi(ect_esc_t *esc)
-{
-    if (esc->config.pdi_watched)
-        pdi_looked_in(esc);
-}
-
 void ect_esc_watch_pdi(ect_esc_t *esc, bool watched)
 {
     esc->config.pdi_watched = watched;
-    pdi_looked_in(esc);
+    ect_esc_watchdog_pdi(esc);
 }
 
 static void tick_pdi(ect_esc_t *esc)

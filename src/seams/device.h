@@ -13,9 +13,8 @@
  *
  * All functions run one at a time for an instance, must not block, and may not call back into the stack except through
  * ::ect_host_t. They run in mainline; `cyclic`, `outputs`, `inputs`, `inputs_packed` and `inputs_read` also in the
- * interrupt of
- * ::ect_slave_cycle, where a firmware has one (docs/CONCURRENCY.md). Any function pointer may be NULL: the device then
- * has nothing to do there.
+ * interrupt of ::ect_slave_cycle, where a firmware has one (docs/CONCURRENCY.md). Any function pointer may be NULL: the
+ * device then has nothing to do there.
  */
 #ifndef ECT_SEAMS_DEVICE_H
 #define ECT_SEAMS_DEVICE_H

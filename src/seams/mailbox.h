@@ -93,8 +93,7 @@ struct ect_protocol {
     void (*reset)(const ect_protocol_t *self, ect_slave_t *slave);
 };
 
-/* --- what the stack has --------------------------------------------------------------------------------------------
- */
+/* --- what the stack has ------------------------------------------------------------------------------------------- */
 
 /** SDO server (ETG.1000.6 §5.6.2): expedited, normal, segmented, Complete Access. The least that CoE is. */
 extern const ect_protocol_t ect_protocol_sdo;
@@ -113,8 +112,7 @@ extern const ect_protocol_t ect_protocol_emergency;
  */
 void ect_mailbox_wake(ect_slave_t *slave);
 
-/* --- what a protocol may call, from its own functions only -----------------------------------------------------------
- */
+/* --- what a protocol may call, from its own functions only -------------------------------------------------------- */
 
 /** The instance of the slave's device. */
 void *ect_mailbox_instance(const ect_slave_t *slave);

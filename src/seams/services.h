@@ -110,7 +110,7 @@ typedef struct ect_sync_data {
     uint8_t outputs_new;     /**< since the last SYNC0; no object */
     uint8_t dc;              /**< SYNC0 runs, whatever `type` says; no object */
     uint8_t sync0;           /**< level of the SYNC0 event at the last look; no object */
-    uint64_t sync0_ns;       /**< when it came last; 0: not in this OP; no object */
+    uint64_t sync0_ns;       /**< when it came last; 0: not since SAFEOP; no object */
 } ect_sync_data_t;
 
 /** Entries of 1C32h or 1C33h for an instance type with a member of type ect_sync_data_t. */

@@ -2,7 +2,7 @@
 /**
  * @file
  * SPI: how a port reaches a chip behind a serial bus. Four functions around a board's own driver; on bare metal each is
- * a few lines, on Linux ports/spidev has them.
+ * a few lines, on Linux ports/linux has them.
  *
  * **Context**: as the port that uses it: mainline, and the interrupt in which ::ect_slave_cycle runs, never both at
  * once (seams/pdi.h). A bus that serves other chips too locks against those.

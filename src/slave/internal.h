@@ -99,8 +99,7 @@ unsigned int ect_pdo_written(ect_slave_t *s);
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
 bool ect_pdo_inputs(ect_slave_t *s);
 
-/* --- cycle.c: the cyclic exchange, and how mainline keeps it out while it works --------------------------------------
- */
+/* --- cycle.c: the cyclic exchange, and how mainline keeps it out while it works ----------------------------------- */
 void ect_cycle_outputs(ect_slave_t *s, uint32_t event);
 void ect_cycle_inputs(ect_slave_t *s);
 /* Mainline holds while it works on what the exchange, or a function of the device, touches too. */

@@ -110,12 +110,6 @@ static inline bool ect_slave_in_transfer(const ect_slave_t *slave)
     return slave->sdo.state != ECT_SDO_IDLE;
 }
 
-/** For ect_device_t::sdo_read: whether the transfer is one of a whole object. */
-static inline bool ect_slave_complete_access(const ect_slave_t *slave)
-{
-    return slave->sdo.complete;
-}
-
 /**
  * The device's own time is due at the next poll, whatever it said last: something about it was changed from outside.
  * Context: any. Cost: a byte.

@@ -32,8 +32,7 @@ extern uint8_t txpdo[];
 enum { INPUTS_ROOM = UINT16_MAX };
 #endif
 
-/* --- the exchange --------------------------------------------------------------------------------------------------
- */
+/* --- the exchange ------------------------------------------------------------------------------------------------- */
 
 static void fetch_outputs(void)
 {
@@ -74,8 +73,7 @@ void ect_soes_inputs(void)
         ESC_write(ESC_SM3_sma, txpdo, ESCvar.ESC_SM3_sml);
 }
 
-/* --- states --------------------------------------------------------------------------------------------------------
- */
+/* --- states ------------------------------------------------------------------------------------------------------- */
 
 /* A mapping that cannot be, or one of more bytes than there is room for. */
 static bool is_wrong(int mappings, uint32_t bytes, uint32_t room)
@@ -179,8 +177,7 @@ static void safe_outputs(void *unused, uint64_t now_ns)
     ect_soes.outputs_safe = false;
 }
 
-/* --- objects -------------------------------------------------------------------------------------------------------
- */
+/* --- objects ------------------------------------------------------------------------------------------------------ */
 
 /* An upload that is under way, for the hook behind it; a download in its second walk, which stores what the first has
  * shown to the hook. */
@@ -285,8 +282,7 @@ static void coe_reset(const ect_protocol_t *self, ect_slave_t *slave)
     ect_protocol_sdo.reset(&ect_protocol_sdo, slave);
 }
 
-/* --- the slave -----------------------------------------------------------------------------------------------------
- */
+/* --- the slave ---------------------------------------------------------------------------------------------------- */
 
 static void init(void *unused, const ect_host_t *host, uint64_t now_ns)
 {

@@ -7,8 +7,7 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-/* --- the way to the ESC --------------------------------------------------------------------------------------------
- */
+/* --- the way to the ESC ------------------------------------------------------------------------------------------- */
 
 static int hal_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
 {
@@ -93,8 +92,7 @@ static int event_over(void *ctx, uint32_t *event)
     return below->al_event(below->ctx, event);
 }
 
-/* --- the loop ------------------------------------------------------------------------------------------------------
- */
+/* --- the loop ----------------------------------------------------------------------------------------------------- */
 
 static void wait_for_esc(const ect_pdi_t *pdi)
 {
@@ -160,8 +158,7 @@ void ecat_slv_worker(uint32_t event_mask)
     ESC_ALeventmaskwrite(ESC_ALeventmaskread() | (event_mask & wanted()));
 }
 
-/* --- the pieces of a loop ------------------------------------------------------------------------------------------
- */
+/* --- the pieces of a loop ----------------------------------------------------------------------------------------- */
 
 void ESC_state(void)
 {
@@ -189,8 +186,7 @@ void ESC_foeprocess(void)
 {
 }
 
-/* --- the exchange --------------------------------------------------------------------------------------------------
- */
+/* --- the exchange ------------------------------------------------------------------------------------------------- */
 
 void APP_setwatchdog(int watchdogcnt)
 {

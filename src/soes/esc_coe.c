@@ -50,8 +50,7 @@ uint8_t COE_maxSub(uint16_t index)
     return (uint8_t)number(index, 0);
 }
 
-/* --- process data --------------------------------------------------------------------------------------------------
- */
+/* --- process data ------------------------------------------------------------------------------------------------- */
 
 /* What a mapping value names; a gap is one too. @return whether there is such an entry, no longer than it is mapped */
 static bool resolve(uint32_t mapping, _SMmap *to)
@@ -130,8 +129,7 @@ void COE_pdoUnpack(uint8_t *buffer, int nmappings, _SMmap *sm)
     }
 }
 
-/* --- defaults, hooks -----------------------------------------------------------------------------------------------
- */
+/* --- defaults, hooks ---------------------------------------------------------------------------------------------- */
 
 static void set_default(const ect_od_t *od, const ect_entry_t *entry)
 {

@@ -39,14 +39,12 @@ typedef struct ect_soes {
 
 extern ect_soes_t ect_soes;
 
-/* --- state.c -------------------------------------------------------------------------------------------------------
- */
+/* --- state.c ------------------------------------------------------------------------------------------------------ */
 uint64_t ect_soes_now(void);
 /* What the ESC says, lower half. */
 void ect_soes_follow_time(uint32_t time);
 
-/* --- esc_foe.c -----------------------------------------------------------------------------------------------------
- */
+/* --- esc_foe.c ---------------------------------------------------------------------------------------------------- */
 /* The instance of an application's slave. */
 typedef struct ect_soes_instance {
     ect_standard_t standard;
@@ -58,8 +56,7 @@ extern const ect_foe_t ect_soes_files;
 /* Whether FOE_config has been called. */
 bool ect_soes_has_files(void);
 
-/* --- application.c, or the firmware --------------------------------------------------------------------------------
- */
+/* --- application.c, or the firmware ------------------------------------------------------------------------------- */
 /* What the slave is made of; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */
 ect_slave_config_t ect_soes_slave_config(void);
 /* The exchange, as DIG_process wants it. */

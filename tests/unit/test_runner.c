@@ -347,8 +347,7 @@ static void never_rests(void **state)
     close_bench(&b);
 }
 
-/* --- frames that are too long ---------------------------------------------------------------------------------------
- */
+/* --- frames that are too long ------------------------------------------------------------------------------------- */
 
 enum { LONG = 9000 }; /* jumbo frames: an interface may be set to take them */
 

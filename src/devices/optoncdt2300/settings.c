@@ -34,8 +34,7 @@ static ect_reason_t check_choice(const opto_t *u, uint8_t subindex, bool wanted)
     return bytes <= OPTO_LONGEST ? ECT_OK : ECT_REASON_PDO_LENGTH;
 }
 
-/* --- user level ----------------------------------------------------------------------------------------------------
- */
+/* --- user level --------------------------------------------------------------------------------------------------- */
 
 static bool is_text(const char *text, const void *data, uint16_t size)
 {
@@ -84,8 +83,7 @@ static void user_written(opto_t *u, uint8_t subindex)
     }
 }
 
-/* --- from the stack ------------------------------------------------------------------------------------------------
- */
+/* --- from the stack ----------------------------------------------------------------------------------------------- */
 
 static bool needs_expert(uint16_t index, uint8_t subindex)
 {

@@ -42,8 +42,7 @@ static double clamp(pmctendo_t *u, double user)
     return on && user > u->limit[1] ? u->limit[1] : user;
 }
 
-/* --- standing still ------------------------------------------------------------------------------------------------
- */
+/* --- standing still ----------------------------------------------------------------------------------------------- */
 
 void pmc_hold_begin(pmctendo_t *u)
 {
@@ -73,8 +72,7 @@ void pmc_brake(pmctendo_t *u, double deceleration)
         pmc_hold_begin(u);
 }
 
-/* --- new set values ------------------------------------------------------------------------------------------------
- */
+/* --- new set values ----------------------------------------------------------------------------------------------- */
 
 static uint16_t homing_bit(int8_t mode)
 {
@@ -121,8 +119,7 @@ void pmc_set_values(pmctendo_t *u, uint16_t rising)
         start_task(u);
 }
 
-/* --- following -----------------------------------------------------------------------------------------------------
- */
+/* --- following ---------------------------------------------------------------------------------------------------- */
 
 /* To each new position in the time of a cycle; without a new one it stays. */
 static void follow_position(pmctendo_t *u)

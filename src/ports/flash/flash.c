@@ -23,8 +23,7 @@ static uint32_t place(const ect_flash_t *f, unsigned int bank, uint32_t offset)
     return f->area[bank] + (offset < HEADER ? offset : offset - HEADER + header_room(f));
 }
 
-/* --- the driver, or memory ----------------------------------------------------------------------------------------
- */
+/* --- the driver, or memory ---------------------------------------------------------------------------------------- */
 
 static int read_flash(const ect_flash_t *f, uint32_t address, void *buffer, uint32_t length)
 {
@@ -43,8 +42,7 @@ static int program(ect_flash_t *f)
     return 0;
 }
 
-/* --- the seam -----------------------------------------------------------------------------------------------------
- */
+/* --- the seam ----------------------------------------------------------------------------------------------------- */
 
 /* What is only gathered counts as written. */
 static void read_gathered(const ect_flash_t *f, uint32_t address, uint8_t *buffer, uint32_t length)

@@ -45,8 +45,7 @@ enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000 };
 #define IRQ_DRIVEN     0x00000001u
 #define INT_ESC        0x00000001u
 
-/* --- words on the SPI ---------------------------------------------------------------------------------------------
- */
+/* --- words on the SPI --------------------------------------------------------------------------------------------- */
 
 /* `frame` has room for the head, and `words` words behind it. */
 static int transfer(const ect_lan9252_t *chip, uint8_t instruction, uint16_t address, uint8_t *frame,
@@ -93,8 +92,7 @@ static int wait(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
     return -1;
 }
 
-/* --- registers of the ESC ------------------------------------------------------------------------------------------
- */
+/* --- registers of the ESC ----------------------------------------------------------------------------------------- */
 
 /* The command stands there again when it is done: one that arrived as another is seen. */
 static int csr(const ect_lan9252_t *chip, uint32_t command)
@@ -123,8 +121,7 @@ static int write_csr(const ect_lan9252_t *chip, uint16_t address, const uint8_t 
     return begin(chip, CSR_DATA, ect_load_le32(word), BUSY | command) < 0 ? -1 : csr(chip, command);
 }
 
-/* --- process RAM --------------------------------------------------------------------------------------------------
- */
+/* --- process RAM -------------------------------------------------------------------------------------------------- */
 
 /* Waits until a FIFO has words, or room for words: how many, at most `wanted`; -1: it has none in time. */
 static int available(const ect_lan9252_t *chip, uint16_t command, unsigned int wanted)
@@ -205,8 +202,7 @@ static int write_ram(const ect_lan9252_t *chip, uint16_t address, const uint8_t 
     return wait(chip, RAM_WRITE_COMMAND, &done);
 }
 
-/* --- the seam -----------------------------------------------------------------------------------------------------
- */
+/* --- the seam ----------------------------------------------------------------------------------------------------- */
 
 /* Ends what an access that failed has left in the chip. */
 static int settle(ect_lan9252_t *chip)
@@ -271,8 +267,7 @@ ect_pdi_t ect_lan9252_pdi(ect_lan9252_t *chip)
     return (ect_pdi_t){.ctx = chip, .read = read, .write = write, .al_event = chip->spi->line ? al_event : NULL};
 }
 
-/* --- the start ----------------------------------------------------------------------------------------------------
- */
+/* --- the start ---------------------------------------------------------------------------------------------------- */
 
 bool ect_lan9252_reset(const ect_lan9252_t *chip)
 {

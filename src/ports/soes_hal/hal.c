@@ -42,8 +42,7 @@ __attribute__((format(printf, 2, 3), noreturn)) static void give_up(int status, 
     exit(status);
 }
 
-/* --- options -------------------------------------------------------------------------------------------------------
- */
+/* --- options ------------------------------------------------------------------------------------------------------ */
 
 /* The value of an option at argv[*n]: behind it, or in it; NULL: it is another one. "" : its value is missing. */
 static char *value_of(const char *name, int argc, char **argv, int *n)
@@ -94,8 +93,7 @@ static void look_at_command_line(void)
         (void)take_option(argc, argv, &n);
 }
 
-/* --- the EEPROM ----------------------------------------------------------------------------------------------------
- */
+/* --- the EEPROM --------------------------------------------------------------------------------------------------- */
 
 static uint8_t *load_sii(uint32_t *size)
 {
@@ -139,8 +137,7 @@ static uint8_t *make_sii(const ect_device_t *device, uint32_t *size)
     return image;
 }
 
-/* --- the chip ------------------------------------------------------------------------------------------------------
- */
+/* --- the chip ----------------------------------------------------------------------------------------------------- */
 
 static uint64_t now_ns(void)
 {
@@ -216,8 +213,7 @@ void ect_soes_hal_reset(void)
         power_on();
 }
 
-/* --- frames --------------------------------------------------------------------------------------------------------
- */
+/* --- frames ------------------------------------------------------------------------------------------------------- */
 
 static void close_all(void)
 {

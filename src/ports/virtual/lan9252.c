@@ -18,8 +18,7 @@ static void mistake(chip_t *c, const char *what)
     c->mistake = what;
 }
 
-/* --- reset --------------------------------------------------------------------------------------------------------
- */
+/* --- reset -------------------------------------------------------------------------------------------------------- */
 
 /* What belongs to the chip begins anew; what the user of the model has set stays. */
 static void power_on(chip_t *c)
@@ -37,8 +36,7 @@ static bool is_ready(const chip_t *c)
     return !c->held && !c->never_ready && c->starting == 0;
 }
 
-/* --- registers of the ESC ------------------------------------------------------------------------------------------
- */
+/* --- registers of the ESC ----------------------------------------------------------------------------------------- */
 
 static void begin_csr(chip_t *c, uint32_t command)
 {
@@ -67,8 +65,7 @@ static void begin_csr(chip_t *c, uint32_t command)
     c->csr_left = c->csr_stuck ? UINT32_MAX : c->csr_lasts;
 }
 
-/* --- process RAM --------------------------------------------------------------------------------------------------
- */
+/* --- process RAM -------------------------------------------------------------------------------------------------- */
 
 static void push(ect_virtual_fifo_t *f, uint32_t word)
 {
@@ -168,8 +165,7 @@ static void write_fifo(chip_t *c, uint32_t word)
         mistake(c, "a word into a full FIFO");
 }
 
-/* --- the registers ------------------------------------------------------------------------------------------------
- */
+/* --- the registers ------------------------------------------------------------------------------------------------ */
 
 static uint32_t load_ram(chip_t *c, uint16_t address)
 {
@@ -264,8 +260,7 @@ static void store(chip_t *c, uint16_t address, uint32_t value)
     }
 }
 
-/* --- the SPI ------------------------------------------------------------------------------------------------------
- */
+/* --- the SPI ------------------------------------------------------------------------------------------------------ */
 
 static bool flips(chip_t *c)
 {
