@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/bits.h"
 #include "bus/deadlines.h"
 #include "bus/fast.h"
 #include "bus/lamps.h"
@@ -21,8 +22,6 @@ enum { REST_NS = 25000 };
 
 /* Two PHYs, and a metre of cable. */
 enum { PHYS_NS = 400, METRE_NS = 5 };
-
-enum { WORD = 64 };
 
 typedef struct twin {
     ect_twin_config_t config;
@@ -327,16 +326,23 @@ static void find_ways(ect_chain_t *chain)
 
 static bool chip_has_port(const void *ctx, size_t slave, unsigned int port)
 {
-    const ect_twin_config_t *twin = &((const ect_twin_config_t *)ctx)[slave];
-    const ect_esc_personality_t *chip = ect_esc_personality(twin->esc ? twin->esc : twin->device->esc);
+    const ect_twin_config_t *twins = ctx;
+    const ect_esc_personality_t *chip = personality_of(&twins[slave]);
     return chip && (chip->ports & (1u << port)) != 0;
 }
 
-size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count)
+/* To be freed; NULL: no memory. */
+static ect_topology_node_t *nodes_of(const ect_twin_config_t *twins, size_t count)
 {
     ect_topology_node_t *nodes = calloc(count, sizeof *nodes);
     for (size_t i = 0; nodes && i < count; i++)
         nodes[i] = (ect_topology_node_t){.up = twins[i].up, .up_port = twins[i].up_port};
+    return nodes;
+}
+
+size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count)
+{
+    ect_topology_node_t *nodes = nodes_of(twins, count);
     size_t wrong = nodes ? ect_topology_lay(nodes, count, chip_has_port, twins) : count;
     free(nodes);
     return wrong;
@@ -344,9 +350,7 @@ size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count)
 
 static bool lay_wires(ect_chain_t *chain, const ect_twin_config_t *twins)
 {
-    chain->nodes = calloc(chain->count, sizeof *chain->nodes);
-    for (size_t i = 0; chain->nodes && i < chain->count; i++)
-        chain->nodes[i] = (ect_topology_node_t){.up = twins[i].up, .up_port = twins[i].up_port};
+    chain->nodes = nodes_of(twins, chain->count);
     if (!chain->nodes || ect_topology_lay(chain->nodes, chain->count, chip_has_port, twins) != chain->count)
         return false;
     chain->line = true;
@@ -370,7 +374,7 @@ static void plug_all_in(ect_chain_t *chain)
 
 static void make_ready(ect_chain_t *chain, size_t i)
 {
-    chain->ready[i / WORD] |= 1ull << (i % WORD);
+    ect_bits_add(chain->ready, i);
 }
 
 static void powered_on(ect_chain_t *chain, size_t i)
@@ -383,7 +387,7 @@ static bool make_lists(ect_chain_t *chain)
 {
     chain->fast = ect_fast_new(chain->count);
     chain->deadlines = ect_deadlines_new(chain->count);
-    chain->ready = calloc((chain->count + WORD - 1) / WORD, sizeof *chain->ready);
+    chain->ready = calloc(ect_bits_words(chain->count), sizeof *chain->ready);
     return chain->fast && chain->deadlines && chain->ready;
 }
 
@@ -744,11 +748,11 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
         make_ready(chain, i);
     }
-    for (size_t word = 0; word < (chain->count + WORD - 1) / WORD; word++) {
+    for (size_t word = 0; word < ect_bits_words(chain->count); word++) {
         uint64_t left = chain->ready[word];
         chain->ready[word] = 0;
-        for (; left != 0; left &= left - 1)
-            attend(chain, word * WORD + (unsigned int)__builtin_ctzll(left), now_ns);
+        while (left != 0)
+            attend(chain, ect_bits_take(word, &left), now_ns);
     }
     if (chain->links_due)
         follow_links(chain);
