@@ -227,6 +227,15 @@ static bool has_link(const ect_chain_t *chain, ect_topology_place_t at)
     }
 }
 
+/* Whoever is at the other end sees the same change. */
+static bool links_moved(const ect_chain_t *chain, size_t i)
+{
+    bool moved = false;
+    for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++)
+        moved |= chain->twins[i].link[port] != has_link(chain, (ect_topology_place_t){i, port});
+    return moved;
+}
+
 static void follow_links(ect_chain_t *chain)
 {
     chain->links_due = false;
@@ -763,16 +772,11 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     return chain->frame_ns != 0 && now_ns < quiet_ns ? earlier(next_ns, quiet_ns) : next_ns;
 }
 
-static void show_lamps(const ect_chain_t *chain, size_t i)
+void ect_chain_show_lamps(const ect_chain_t *chain, size_t position)
 {
-    const twin_t *twin = &chain->twins[i];
-    ect_lamps_update(twin->lamps, &twin->slave, twin->link[0], twin->link[1], last_frame(chain, i), chain->now_ns);
-}
-
-void ect_chain_show_lamps(const ect_chain_t *chain)
-{
-    for (size_t i = 0; i < chain->count; i++)
-        show_lamps(chain, i);
+    const twin_t *twin = &chain->twins[position];
+    ect_lamps_update(twin->lamps, &twin->slave, twin->link[0], twin->link[1], last_frame(chain, position),
+                     chain->now_ns);
 }
 
 bool ect_chain_unfinished(const ect_chain_t *chain)
@@ -793,7 +797,7 @@ size_t ect_chain_count(const ect_chain_t *chain)
 bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
-    show_lamps(chain, position);
+    ect_chain_show_lamps(chain, position);
     return ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
            ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
            ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref);
@@ -802,7 +806,7 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
 {
     const twin_t *twin = &chain->twins[position];
-    show_lamps(chain, position);
+    ect_chain_show_lamps(chain, position);
     return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
            ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
@@ -846,7 +850,7 @@ void ect_chain_wake(ect_chain_t *chain, size_t position)
 {
     ect_slave_wake(&chain->twins[position].slave);
     chain->twins[position].slave_ns = 0;
-    chain->links_due = true;
+    chain->links_due |= links_moved(chain, position);
     make_ready(chain, position);
 }
 

@@ -130,10 +130,10 @@ bool ect_chain_unfinished(const ect_chain_t *chain);
 size_t ect_chain_count(const ect_chain_t *chain);
 
 /**
- * Brings the lamps of all twins up to date, for those who hold on to their signals: they are made when they are looked
- * for (::ect_chain_signal, ::ect_chain_next_signal), and when they are asked for here. Cost: a comparison a twin.
+ * Brings the lamps of a twin up to date, for those who hold on to their signals: they are made when they are looked for
+ * (::ect_chain_signal, ::ect_chain_next_signal), and when they are asked for here. Cost: a comparison.
  */
-void ect_chain_show_lamps(const ect_chain_t *chain);
+void ect_chain_show_lamps(const ect_chain_t *chain, size_t position);
 
 /** How far a walk through the signals of a twin has come. Zeroed: at its beginning. */
 typedef struct ect_chain_cursor {
@@ -153,7 +153,10 @@ ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position);
 bool ect_chain_keep(ect_chain_t *chain, size_t position);
 /** Takes back what signals have done to a twin since ::ect_chain_keep of the same position. No poll in between. */
 void ect_chain_put_back(ect_chain_t *chain, size_t position);
-/** Lets the slave at a position look at its device again at the next poll: a signal was set. */
+/**
+ * Lets the slave at a position look at its device again at the next poll: a signal was set. Cost: a look at its plugs;
+ * when one of them is in or out now and was not, the next poll looks at those of all twins.
+ */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);
 /** Its controller; whoever does something to it does so before the next poll. */

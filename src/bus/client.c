@@ -403,12 +403,20 @@ static void serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns
     ect_client_received(client);
 }
 
+void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain)
+{
+    const size_t *slaves;
+    size_t count = ect_watch_lamps(client->watch, &slaves);
+    for (size_t i = 0; i < count; i++)
+        ect_chain_show_lamps(chain, slaves[i]);
+}
+
 static void tell_changes(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     unsigned int budget = ECT_CLIENT_COMPARES;
     ect_line_t line;
     if (!ect_watch_is_every(client->watch))
-        ect_chain_show_lamps(chain);
+        ect_client_show_lamps(client, chain);
     for (unsigned int i = 0; i < ECT_CLIENT_LINES && ect_watch_next(client->watch, &budget, now_ns, &line); i++)
         put(client, &line);
 }

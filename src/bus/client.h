@@ -75,6 +75,9 @@ void ect_client_received(ect_client_t *client);
  */
 void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns);
 
+/** Brings the lamps up to date that it watches. Cost: a comparison for each twin of which it watches one. */
+void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain);
+
 /** Adds the line that ends an answer. @param message  why not; NULL: it was done */
 void ect_client_result(ect_client_t *client, const char *message);
 

@@ -334,14 +334,11 @@ uint64_t ect_control_due(const ect_control_t *c)
 
 void ect_control_note(ect_control_t *c, const ect_chain_t *chain, uint64_t now_ns)
 {
-    bool shown = false;
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
         ect_watch_t *watch = c->clients[i].watch;
         if (!watch || !ect_watch_is_every(watch))
             continue;
-        if (!shown)
-            ect_chain_show_lamps(chain);
-        shown = true;
+        ect_client_show_lamps(&c->clients[i], chain);
         ect_watch_note(watch, now_ns);
     }
 }

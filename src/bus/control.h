@@ -58,7 +58,11 @@ uint64_t ect_control_due(const ect_control_t *control);
 /** Does one bounded piece of work. Cost: at most four system calls and one step of a client (client.h). */
 void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
-/** Notes what has changed, for those who want every change. After each poll. Cost: ECT_CONTROL_EVERY comparisons. */
+/**
+ * Notes what has changed, for those who want every change. After each poll.
+ * Cost: a comparison for each signal that they watch, ECT_CONTROL_EVERY at most, and one for each twin with a lamp that
+ * one of them watches.
+ */
 void ect_control_note(ect_control_t *control, const ect_chain_t *chain, uint64_t now_ns);
 
 ECT_C_END

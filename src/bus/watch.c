@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/lamps.h"
+
 /* NOTES and TABLE are powers of 2; TABLE is twice the signals, so that a search in it ends soon. */
 enum { NOTES = 256 * 1024, TABLE = 2 * ECT_WATCH_MOST, VALUE_ROOM = ECT_SIGNAL_TEXT_ROOM };
 
@@ -35,6 +37,8 @@ struct ect_watch {
     uint16_t table[TABLE]; /* open addressing by the address of the value: signal + 1, 0 free */
     peek_t peeks[ECT_WATCH_MOST];
     watched_t watched[ECT_WATCH_MOST];
+    size_t lamps[ECT_WATCH_MOST]; /* slaves of which a lamp is watched */
+    size_t lamp_count;
     uint8_t told[ECT_WATCH_MOST * VALUE_ROOM];
     uint8_t notes[NOTES];
 };
@@ -52,6 +56,12 @@ void ect_watch_free(ect_watch_t *watch)
 size_t ect_watch_count(const ect_watch_t *watch)
 {
     return watch->count;
+}
+
+size_t ect_watch_lamps(const ect_watch_t *watch, const size_t **slaves)
+{
+    *slaves = watch->lamps;
+    return watch->lamp_count;
 }
 
 void ect_watch_every(ect_watch_t *watch)
@@ -102,6 +112,9 @@ bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave
         watch->round++; /* no round is under way, and none begins by this */
     watch->count++;
     *place = (uint16_t)watch->count;
+    bool known = watch->lamp_count > 0 && watch->lamps[watch->lamp_count - 1] == slave;
+    if (ref->plant == &ect_lamps_plant && !known)
+        watch->lamps[watch->lamp_count++] = slave;
     return true;
 }
 

@@ -42,6 +42,12 @@ bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave
 /** How many signals are watched. */
 size_t ect_watch_count(const ect_watch_t *watch);
 
+/**
+ * The twins of which a lamp is watched (bus/lamps.h), whose values are made when somebody asks for them.
+ * @param[out] slaves  their places in the chain, from 0; until the next ::ect_watch_add. @return how many
+ */
+size_t ect_watch_lamps(const ect_watch_t *watch, const size_t **slaves);
+
 /** From now on every change is noted. */
 void ect_watch_every(ect_watch_t *watch);
 bool ect_watch_is_every(const ect_watch_t *watch);

@@ -17,11 +17,12 @@
 
 #include "bus/catalogue.h"
 #include "bus/client.h"
+#include "bus/lamps.h"
 #include "support/wire.h"
 
 /* What one call of ect_control_serve did: the linker leads the library's calls through here (tests/CMakeLists.txt). */
 static struct {
-    unsigned int receives, sends, accepts, waits, matches;
+    unsigned int receives, sends, accepts, waits, matches, lamps;
     size_t sent;
 } work;
 
@@ -35,6 +36,10 @@ int __real_epoll_wait(int fd, struct epoll_event *events, int room, int timeout)
 int __wrap_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
 int __real_fnmatch(const char *pattern, const char *text, int flags);
 int __wrap_fnmatch(const char *pattern, const char *text, int flags);
+void __real_ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
+                             uint64_t last_frame_ns, uint64_t now_ns);
+void __wrap_ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
+                             uint64_t last_frame_ns, uint64_t now_ns);
 
 ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
 {
@@ -66,6 +71,13 @@ int __wrap_fnmatch(const char *pattern, const char *text, int flags)
 {
     work.matches++;
     return __real_fnmatch(pattern, text, flags);
+}
+
+void __wrap_ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
+                             uint64_t last_frame_ns, uint64_t now_ns)
+{
+    work.lamps++;
+    __real_ect_lamps_update(lamps, slave, in_link, out_link, last_frame_ns, now_ns);
 }
 
 /* --- a chain and its socket --------------------------------------------------------------------------------------- */
@@ -743,6 +755,49 @@ static void every_change(void **state)
     close_bench(&b);
 }
 
+/* Lamps are made when they are looked for: those of the twins of which one is watched, and of no others. */
+static void watched_lamps(void **state)
+{
+    static const struct {
+        const char *watch;
+        unsigned int looks; /* at the lamps of a twin, for each comparison */
+        const char *told;
+    } rows[] = {
+        {"{\"op\":\"watch\",\"slave\":2,\"pattern\":\"ecat.state\",\"every\":true}\n", 1,
+         "{\"slave\":2,\"name\":\"ecat.state\",\"value\":2,"},
+        {"{\"op\":\"watch\",\"slave\":2,\"pattern\":\"ecat.state\"}\n", 1,
+         "{\"slave\":2,\"name\":\"ecat.state\",\"value\":2,"},
+        {"{\"op\":\"watch\",\"slave\":0,\"pattern\":\"ru1.encoder\",\"every\":true}\n", 0, ""},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char got[1024];
+        bench_t b;
+        open_bench(&b, "vr-bu-ect-map7", 3);
+        int fd = connect_client(&b);
+        no_waiting(fd);
+        say(fd, rows[i].watch);
+        serve(&b);
+        hear(fd, got, sizeof got);
+        wire_go(&b.wire, 1, 2);
+        work.lamps = 0;
+        ect_control_note(b.control, b.wire.chain, b.wire.now_ns);
+        b.wire.now_ns += 10 * MS;
+        unsigned int looks = work.lamps;
+        while (wants_to_be_served(&b)) {
+            serve_once(&b);
+            looks += work.lamps;
+        }
+        hear(fd, got, sizeof got);
+        if (strncmp(got, rows[i].told, strlen(rows[i].told)) != 0 || looks != rows[i].looks)
+            fail_msg("%s: expected %s and %u looks at lamps, got %s and %u", rows[i].watch, rows[i].told, rows[i].looks,
+                     got, looks);
+        close(fd);
+        serve(&b);
+        close_bench(&b);
+    }
+}
+
 /* A thousand times the same: each is answered, and told once. */
 static void watched_once(void **state)
 {
@@ -903,6 +958,7 @@ int main(int argc, char **argv)
         {"Attack: without any descriptor nothing spins", no_descriptors_at_all, NULL, NULL, NULL},
         {"Watch: one line for what differs after 10 ms", by_rounds, NULL, NULL, NULL},
         {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
+        {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
         {"Attack: 1000 x the same watch is watched once", watched_once, NULL, NULL, NULL},
         {"Attack: at most 4096 signals are watched", too_much_watched, NULL, NULL, NULL},
         {"Attack: who wants every change and reads none is let go", changes_lost, NULL, NULL, NULL},

@@ -138,11 +138,11 @@ static void lamps_deadline(void **state)
     ect_signal_read(&lamp, text);
     assert_string_equal(text, "flickering");
     assert_true(ect_chain_poll(w.chain, quiet - 1) == quiet);
-    ect_chain_show_lamps(w.chain);
+    ect_chain_show_lamps(w.chain, 0);
     ect_signal_read(&lamp, text);
     assert_string_equal(text, "flickering");
     assert_true(ect_chain_poll(w.chain, quiet) == ECT_NEVER);
-    ect_chain_show_lamps(w.chain);
+    ect_chain_show_lamps(w.chain, 0);
     ect_signal_read(&lamp, text);
     assert_string_equal(text, "on");
     wire_close(&w);
