@@ -90,6 +90,8 @@ static void tick(void)
 void cb_set_outputs(void)
 {
     tick_ns = 0;
+    if (device->cyclic)
+        device->cyclic(instance, ECT_CYCLIC_OUTPUTS, board_now_ns());
     if (device->outputs)
         device->outputs(instance, board_now_ns());
 }

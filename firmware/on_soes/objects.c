@@ -38,6 +38,18 @@ static ect_entry_t converted(const ect_od_t *od, const ect_entry_t *from)
     return entry;
 }
 
+/* @return how many there are, 0: there is no room for them */
+static size_t convert_entries(const ect_od_t *od, const ect_object_t *object, size_t used)
+{
+    size_t count = 0;
+    for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
+        if (used + count == ENTRIES)
+            return 0;
+        entries[used + count++] = converted(od, e);
+    }
+    return count;
+}
+
 bool objects_make(const ect_device_t *device, void *instance)
 {
     const ect_od_t od = ect_device_od(device, instance);
@@ -46,14 +58,14 @@ bool objects_make(const ect_device_t *device, void *instance)
         return false;
     for (uint16_t i = 0; i < od.count; i++) {
         const ect_object_t *object = &od.objects[i];
+        bool alike = i > 0 && object->entries == object[-1].entries; /* as the mappings of many samples */
         SDOobjects[i] = *object;
         SDOobjects[i].last = 0;
-        SDOobjects[i].entries = &entries[used];
-        for (const ect_entry_t *e = object->entries; e; e = ect_od_next(object, e)) {
-            if (used == ENTRIES)
-                return false;
-            entries[used++] = converted(&od, e);
-        }
+        SDOobjects[i].entries = alike ? SDOobjects[i - 1].entries : &entries[used];
+        size_t count = alike ? 0 : convert_entries(&od, object, used);
+        if (!alike && count == 0)
+            return false;
+        used += count;
     }
     SDOobjects[od.count].index = 0xFFFF;
     return true;

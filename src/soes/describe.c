@@ -65,7 +65,7 @@ void ect_soes_describe(ect_device_t *device)
         .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS,
         .physics = "YY",
         .dc_modes = dc_modes,
-        .dc_mode_count = sizeof dc_modes / sizeof dc_modes[0],
+        .dc_mode_count = ESCvar.esc_check_dc_handler ? sizeof dc_modes / sizeof dc_modes[0] : 0,
         .objects = (const ect_object_t *)(const void *)SDOobjects,
         .object_count = count_objects(),
         .addresses = true,

@@ -16,9 +16,10 @@ ECT_C_BEGIN
 
 /**
  * Describes the application: identity and name from 1018h and 1008h, SyncManagers and mailboxes from its options, its
- * objects as they are. No behaviour, no protocols, no instance: those are the caller's to add.
+ * objects as they are; SYNC0 when it checks what a master makes of the clocks. No behaviour, no protocols, no instance:
+ * those are the caller's to add.
  * @param[out] device  refers to SDOobjects, and lives as long as the caller wants
- * Context: any. Cost: a walk over the object list.
+ * Context: any, after ESC_config. Cost: a walk over the object list.
  */
 void ect_soes_describe(ect_device_t *device);
 

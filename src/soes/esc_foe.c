@@ -17,11 +17,6 @@ void FOE_config(foe_cfg_t *cfg)
     files = cfg;
 }
 
-bool ect_soes_has_files(void)
-{
-    return files != NULL;
-}
-
 void FOE_init(void)
 {
     ect_soes_instance.transfer = (ect_foe_transfer_t){0};
@@ -29,7 +24,7 @@ void FOE_init(void)
 
 static foe_file_cfg_t *find(const ect_foe_wish_t *wish)
 {
-    for (uint32_t n = 0; n < files->n_files; n++) {
+    for (uint32_t n = 0; files && n < files->n_files; n++) {
         const char *name = files->files[n].name;
         if (strlen(name) == wish->length && memcmp(name, wish->name, wish->length) == 0)
             return &files->files[n];

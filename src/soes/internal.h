@@ -53,8 +53,6 @@ typedef struct ect_soes_instance {
 extern ect_soes_instance_t ect_soes_instance;
 
 extern const ect_foe_t ect_soes_files;
-/* Whether FOE_config has been called. */
-bool ect_soes_has_files(void);
 
 /* --- application.c, or the firmware ------------------------------------------------------------------------------- */
 /* What the slave is made of; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */

@@ -508,6 +508,17 @@ static void interrupts(void **state)
     expect_calls("dc; dc; on 404; ");
 }
 
+static void clock_modes(void **state)
+{
+    (void)state;
+    power_on();
+    ect_soes_describe(&description);
+    assert_int_equal(description.dc_mode_count, 0);
+    ESCvar.esc_check_dc_handler = check_dc;
+    ect_soes_describe(&description);
+    assert_int_equal(description.dc_mode_count, 2);
+}
+
 static void only_poll(void)
 {
     ecat_slv_poll();
@@ -990,6 +1001,19 @@ static void file_refused(void **state)
     assert_int_equal(answer, FOE_ERR_CHECKSUM);
 }
 
+/* USE_FOE is 1 unless an application says otherwise, and its EEPROM names FoE. */
+static void no_files(void **state)
+{
+    uint32_t answer = 0;
+    (void)state;
+    FOE_config(NULL); /* as long as nobody calls it */
+    open_in(PREOP);
+    assert_int_equal(foe(FOE_OP_RRQ, 0, "notes", 5, &answer), FOE_OP_ERR);
+    assert_int_equal(answer, FOE_ERR_ACCESS); /* as of any that might be written */
+    assert_int_equal(foe(FOE_OP_WRQ, 0, "notes", 5, &answer), FOE_OP_ERR);
+    assert_int_equal(answer, FOE_ERR_NOTFOUND);
+}
+
 /* --- an emulated EEPROM
  * ------------------------------------------------------------------------------------------------ */
 
@@ -1086,6 +1110,7 @@ int main(int argc, char **argv)
         T("BOOT has a mailbox of its own", boot),
         T("CF-040: get_device_id, or the station alias, is the explicit identification", identification),
         T("use_interrupt: what is enabled and disabled, and who has the word about DC", interrupts),
+        T("SYNC0 is in the EEPROM of who checks it", clock_modes),
         T("DIG_process does what its flags name", parts_of_the_exchange),
         T("ecat_slv_worker serves events, and lets through those that concern it", worker),
         T("a loop of the pieces: ESC_state does all of it", pieces),
@@ -1101,6 +1126,7 @@ int main(int argc, char **argv)
         T("without a clock the time is the ESC's", time_of_the_esc),
         T_FILES("FOE_config: a file goes to its function by buffers", file_written),
         T_FILES("FOE_config: names, passwords, states and lengths that are refused", file_refused),
+        T("without FOE_config there is no file", no_files),
         T("EEP_process: an emulated EEPROM", emulated_eeprom),
     };
     if (argc > 1)

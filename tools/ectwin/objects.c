@@ -269,12 +269,14 @@ static void write_options(source_t *s)
 
 /* --- the command -------------------------------------------------------------------------------------------------- */
 
-/* Its stack knows SyncManagers 0 and 1 as mailboxes, 2 as outputs and 3 as inputs. */
+/* Its stack knows SyncManagers 0 and 1 as mailboxes, 2 as outputs and 3 as inputs; one without process data it leaves
+ * alone. */
 static bool suits(const ect_device_t *device)
 {
     static const uint8_t roles[] = {ECT_SM_MAILBOX_OUT, ECT_SM_MAILBOX_IN, ECT_SM_OUTPUTS, ECT_SM_INPUTS};
     for (unsigned int n = 0; n < 4; n++) {
-        if (device->sm[n].type != roles[n])
+        bool unused = n >= 2 && device->sm[n].type == ECT_SM_UNUSED;
+        if (device->sm[n].type != roles[n] && !unused)
             return false;
     }
     return device->sm_count == 4;
