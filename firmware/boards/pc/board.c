@@ -1,18 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* A PC as the board: the software ESC of ports/soes_hal, at the interface that -i names. */
+/* A PC as the board: the software ESC of ports/soes_hal, at the interface that -i names; --store DIR: what it keeps. */
 #define _POSIX_C_SOURCE 200809L
 #include "board.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "bus/memory.h"
+
 static char **arguments;
+static ect_memory_t *memory;
+
+/* NULL: it lasts as long as the process. */
+static void open_memory(const char *folder)
+{
+    char path[ECT_MEMORY_PATH], message[ECT_MEMORY_MESSAGE];
+    (void)snprintf(path, sizeof path, "%s/firmware", folder ? folder : "");
+    memory = ect_memory_open(folder ? path : NULL, message);
+    if (message[0] != 0)
+        fprintf(stderr, "%s: %s\n", arguments[0], message);
+    if (!memory)
+        exit(2);
+}
 
 void board_init(int argc, char **argv)
 {
-    (void)argc;
+    const char *folder = NULL;
     arguments = argv;
+    for (int n = 1; n + 1 < argc; n++)
+        folder = strcmp(argv[n], "--store") == 0 ? argv[n + 1] : folder;
+    open_memory(folder);
 }
 
 uint64_t board_now_ns(void)
@@ -40,7 +60,7 @@ void board_reset(void)
 
 const ect_storage_t *board_storage(void)
 {
-    return NULL;
+    return ect_memory_storage(memory);
 }
 
 uint16_t board_switches(void)
