@@ -282,6 +282,11 @@ void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t
 
 /* --- schema ------------------------------------------------------------------------------------------------------ */
 
+struct ect_esi_schema {
+    xmlSchemaPtr xml;
+    xmlSchemaValidCtxtPtr valid;
+};
+
 typedef struct validation {
     const ect_esi_t *esi;
     ect_esi_tell_t tell;
@@ -309,33 +314,38 @@ __attribute__((format(printf, 2, 3))) static void ignore(void *ctx, const char *
     (void)format;
 }
 
-static xmlSchemaPtr load_schema(const char *path)
+ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room)
 {
+    ect_esi_schema_t *schema = calloc(1, sizeof *schema);
     xmlDocPtr document = xmlReadFile(path, NULL, XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
     xmlSchemaParserCtxtPtr parser = document != NULL ? xmlSchemaNewDocParserCtxt(document) : NULL;
-    xmlSchemaPtr schema = NULL;
-    if (parser != NULL) {
+    if (schema != NULL && parser != NULL) {
         xmlSchemaSetParserErrors(parser, ignore, ignore, NULL);
-        schema = xmlSchemaParse(parser);
+        schema->xml = xmlSchemaParse(parser);
+        schema->valid = schema->xml != NULL ? xmlSchemaNewValidCtxt(schema->xml) : NULL;
     }
     xmlSchemaFreeParserCtxt(parser);
     xmlFreeDoc(document); /* the schema has a copy of what it needs */
-    return schema;
+    if (schema != NULL && schema->valid != NULL)
+        return schema;
+    (void)snprintf(text, room, "%s: no schema that can be read, with all that it includes", path);
+    ect_esi_schema_close(schema);
+    return NULL;
 }
 
-bool ect_esi_validate(ect_esi_t *esi, const char *path, ect_esi_tell_t told, void *ctx, char *text, size_t room)
+void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_tell_t told, void *ctx)
 {
-    xmlSchemaPtr schema = load_schema(path);
-    xmlSchemaValidCtxtPtr valid = schema != NULL ? xmlSchemaNewValidCtxt(schema) : NULL;
-    if (valid != NULL) {
-        validation_t v = {.esi = esi, .tell = told, .ctx = ctx};
-        xmlSchemaSetValidErrors(valid, invalid, invalid, &v);
-        if (xmlSchemaValidateDoc(valid, esi->document) != 0 && v.count == 0)
-            invalid(&v, "not valid");
-    } else {
-        (void)snprintf(text, room, "%s: no schema that can be read, with all that it includes", path);
-    }
-    xmlSchemaFreeValidCtxt(valid);
-    xmlSchemaFree(schema);
-    return valid != NULL;
+    validation_t v = {.esi = esi, .tell = told, .ctx = ctx};
+    xmlSchemaSetValidErrors(schema->valid, invalid, invalid, &v);
+    if (xmlSchemaValidateDoc(schema->valid, esi->document) != 0 && v.count == 0)
+        invalid(&v, "not valid");
+}
+
+void ect_esi_schema_close(ect_esi_schema_t *schema)
+{
+    if (schema == NULL)
+        return;
+    xmlSchemaFreeValidCtxt(schema->valid);
+    xmlSchemaFree(schema->xml);
+    free(schema);
 }

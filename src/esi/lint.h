@@ -30,13 +30,22 @@ ECT_C_BEGIN
  */
 void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t tell, void *ctx);
 
+/** A schema that was read. */
+typedef struct ect_esi_schema ect_esi_schema_t;
+
 /**
- * Validates the whole file; each mistake is told, all as wrong.
- * @param schema  path of EtherCATInfo.xsd; what it includes must stand beside it
+ * Reads a schema.
+ * @param path  of EtherCATInfo.xsd; what it includes must stand beside it
  * @param[out] text, room  the line that says why not
- * @return false: the schema cannot be read; nothing was told
+ * @return to be closed with ::ect_esi_schema_close; NULL: it cannot be read, or is none
  */
-bool ect_esi_validate(ect_esi_t *esi, const char *schema, ect_esi_tell_t tell, void *ctx, char *text, size_t room);
+ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room);
+
+/** Validates the whole file; each mistake is told, all as wrong. */
+void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_tell_t tell, void *ctx);
+
+/** NULL is allowed. */
+void ect_esi_schema_close(ect_esi_schema_t *schema);
 
 ECT_C_END
 

@@ -23,7 +23,7 @@ enum { LONGEST_IMAGE = 1486 };
 
 struct ect_esi_twin {
     ect_arena_t arena;
-    ect_esi_t *esi;
+    ect_esi_t *own; /* the file, when it is the twin's */
     ect_build_t build;
     ect_device_t device;
     ect_plant_t plant;
@@ -663,28 +663,23 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     twin->product = (ect_product_t){.device = device, .plant = &twin->plant};
 }
 
-ect_esi_twin_t *ect_esi_twin_of(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
+ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *model, const ect_module_choice_t *modules,
                                 size_t module_count, char *text, size_t room)
 {
+    char why[200];
     ect_esi_twin_t *twin = calloc(1, sizeof *twin);
     if (twin == NULL) {
         (void)snprintf(text, room, "%s: no memory left", ect_esi_file(esi));
-        ect_esi_close(esi);
         return NULL;
     }
-    twin->esi = esi;
-    const ect_esi_device_t *model = ect_esi_select(esi, selector, text, room);
-    if (model != NULL) {
-        twin->build = (ect_build_t){.arena = &twin->arena, .model = model};
-        build(twin, modules, module_count);
-        char why[200];
-        if (twin->build.failure == NULL && (!ect_device_check(&twin->device, why, sizeof why) ||
-                                            !ect_plant_check(&twin->plant, &twin->device, why, sizeof why)))
-            ect_build_fail(&twin->build, "%s", why);
-        if (twin->build.failure == NULL)
-            return twin;
-        (void)snprintf(text, room, "%s:%d: %s: %s", ect_esi_file(esi), model->line, model->type, twin->build.failure);
-    }
+    twin->build = (ect_build_t){.arena = &twin->arena, .model = model};
+    build(twin, modules, module_count);
+    if (twin->build.failure == NULL && (!ect_device_check(&twin->device, why, sizeof why) ||
+                                        !ect_plant_check(&twin->plant, &twin->device, why, sizeof why)))
+        ect_build_fail(&twin->build, "%s", why);
+    if (twin->build.failure == NULL)
+        return twin;
+    (void)snprintf(text, room, "%s:%d: %s: %s", ect_esi_file(esi), model->line, model->type, twin->build.failure);
     ect_esi_twin_free(twin);
     return NULL;
 }
@@ -693,7 +688,13 @@ ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const 
                                   size_t module_count, char *text, size_t room)
 {
     ect_esi_t *esi = ect_esi_open(path, text, room);
-    return esi != NULL ? ect_esi_twin_of(esi, selector, modules, module_count, text, room) : NULL;
+    const ect_esi_device_t *model = esi != NULL ? ect_esi_select(esi, selector, text, room) : NULL;
+    ect_esi_twin_t *twin = model != NULL ? ect_esi_twin_of(esi, model, modules, module_count, text, room) : NULL;
+    if (twin != NULL)
+        twin->own = esi;
+    else
+        ect_esi_close(esi);
+    return twin;
 }
 
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin)
@@ -716,7 +717,7 @@ void ect_esi_twin_free(ect_esi_twin_t *twin)
 {
     if (twin == NULL)
         return;
-    ect_esi_close(twin->esi);
+    ect_esi_close(twin->own);
     ect_arena_free(&twin->arena);
     free(twin);
 }

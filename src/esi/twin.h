@@ -29,21 +29,23 @@ ECT_C_BEGIN
 typedef struct ect_esi_twin ect_esi_twin_t;
 
 /**
- * Makes a twin.
- * @param path, selector  see ::ect_esi_open and ::ect_esi_select
+ * Makes a twin of a file that is open.
+ * @param esi    stays the caller's; open until the twin is freed
+ * @param model  from ::ect_esi_select of this file
  * @param modules, module_count  which module stands in which slot; where nothing is said, what the file presets
  * @param[out] text, room  the line that says why not
- * @return the twin, or NULL: the file cannot be read, or it describes something that no ESC of ours can be
+ * @return the twin, or NULL: the model describes something that no ESC of ours can be
+ */
+ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *model, const ect_module_choice_t *modules,
+                                size_t module_count, char *text, size_t room);
+
+/**
+ * Makes a twin that has its file for itself.
+ * @param path, selector  see ::ect_esi_open and ::ect_esi_select
+ * @return the twin, or NULL: the file cannot be read, or as of ::ect_esi_twin_of
  */
 ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
                                   size_t module_count, char *text, size_t room);
-
-/**
- * The same of a file that is open, perhaps from memory.
- * @param esi  the twin's from now on, also when there will be none
- */
-ect_esi_twin_t *ect_esi_twin_of(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
-                                size_t module_count, char *text, size_t room);
 
 /** The product, valid until the twin is freed. */
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin);

@@ -102,25 +102,13 @@ static void add_clocks(ect_facts_t *facts, const ect_device_t *device)
 
 /* --- PDOs -------------------------------------------------------------------------------------------------------- */
 
-static int assigned_to(const ect_device_t *device, const ect_od_t *od, uint16_t pdo)
-{
-    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
-        const ect_object_t *assignment = ect_od_find(od, (uint16_t)(ECT_OD_ASSIGNMENT + sm));
-        for (uint32_t i = 1; ect_device_sm_is_process(device, sm) && i <= ect_od_element(assignment, 0); i++) {
-            if (ect_od_element(assignment, i) == pdo)
-                return (int)sm;
-        }
-    }
-    return -1;
-}
-
 static void add_pdo(ect_facts_t *facts, const ect_device_t *device, const ect_od_t *od, const ect_object_t *pdo)
 {
-    int sm = assigned_to(device, od, pdo->index);
+    uint8_t sm = ect_sii_pdo_sm(device, pdo->index);
     (void)ect_facts_add(facts, ECT_FACT_PDO, pdo->index, 0, "%s", ect_od_is_rxpdo(pdo->index) ? "outputs" : "inputs");
     add_text(facts, ECT_FACT_PDO_NAME, pdo->index, 0, pdo->name);
-    (void)(sm < 0 ? ect_facts_add(facts, ECT_FACT_PDO_SM, pdo->index, 0, "none")
-                  : ect_facts_add(facts, ECT_FACT_PDO_SM, pdo->index, 0, "%d", sm));
+    (void)(sm == 0xFF ? ect_facts_add(facts, ECT_FACT_PDO_SM, pdo->index, 0, "none")
+                      : ect_facts_add(facts, ECT_FACT_PDO_SM, pdo->index, 0, "%u", sm));
     for (uint32_t n = 1; n <= ect_od_element(pdo, 0) && n <= 255; n++) {
         uint32_t mapping = ect_od_element(pdo, n);
         const ect_entry_t *entry = ect_od_mapped(od, mapping);

@@ -183,12 +183,11 @@ static void add_unassigned(ect_facts_t *facts, const cJSON *objects)
     }
 }
 
-bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json)
+bool ect_facts_of_objects(ect_facts_t *facts, const cJSON *dictionary)
 {
-    cJSON *root = cJSON_Parse(json);
-    const cJSON *objects = cJSON_GetObjectItemCaseSensitive(root, "objects");
+    const cJSON *objects = cJSON_GetObjectItemCaseSensitive(dictionary, "objects");
     const cJSON *object;
-    bool described = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(root, "described"));
+    bool described = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(dictionary, "described"));
     cJSON_ArrayForEach(object, objects)
     {
         if (described)
@@ -198,7 +197,13 @@ bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json)
     add_unassigned(facts, objects);
     facts->complete[ECT_FACT_OBJECT] = described;
     facts->complete[ECT_FACT_ENTRY] = described;
-    bool fine = cJSON_IsArray(objects);
+    return cJSON_IsArray(objects);
+}
+
+bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json)
+{
+    cJSON *root = cJSON_Parse(json);
+    bool fine = ect_facts_of_objects(facts, root);
     cJSON_Delete(root);
     return fine;
 }

@@ -96,6 +96,8 @@ typedef struct ect_facts {
     bool complete[ECT_FACT_KINDS]; /**< of kinds that tell that something is there: all of them are told */
 } ect_facts_t;
 
+struct cJSON;
+
 ECT_C_BEGIN
 
 /** Adds a fact and returns it. `format` NULL: there, and not known. */
@@ -168,6 +170,9 @@ void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *image, size_t size);
 
 /** What a slave's dictionary says, as ectwin-probe writes it. @return false: `json` is not that */
 bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json);
+
+/** The same, parsed (a cJSON). */
+bool ect_facts_of_objects(ect_facts_t *facts, const struct cJSON *dictionary);
 
 ECT_C_END
 

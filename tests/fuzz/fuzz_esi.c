@@ -42,30 +42,28 @@ static void run(const ect_product_t *product)
     ect_chain_free(chain);
 }
 
-/* Opened anew for each device: a twin owns its file. */
-static size_t try_device(const uint8_t *data, size_t size, size_t number)
+static void try_device(ect_esi_t *esi, const ect_esi_head_t *head)
 {
     char text[MESSAGE] = "";
     char selector[32];
-    size_t count;
-    ect_esi_t *esi = ect_esi_parse("input", data, size, text, sizeof text);
-    if (esi == NULL)
-        return 0;
-    const ect_esi_head_t *head = &ect_esi_heads(esi, &count)[number];
     (void)snprintf(selector, sizeof selector, "@%" PRIu32 "/%" PRIu32, head->product_code, head->revision);
-    ect_esi_twin_t *twin = ect_esi_twin_of(esi, selector, NULL, 0, text, sizeof text);
+    const ect_esi_device_t *model = ect_esi_select(esi, selector, text, sizeof text);
+    ect_esi_twin_t *twin = model != NULL ? ect_esi_twin_of(esi, model, NULL, 0, text, sizeof text) : NULL;
     if (twin != NULL)
         run(ect_esi_twin_product(twin));
     else if (text[0] == '\0')
         abort(); /* refused without a word */
     ect_esi_twin_free(twin);
-    return count;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    size_t count = 1;
+    char text[MESSAGE];
+    size_t count = 0;
+    ect_esi_t *esi = ect_esi_parse("input", data, size, text, sizeof text);
+    const ect_esi_head_t *heads = esi != NULL ? ect_esi_heads(esi, &count) : NULL;
     for (size_t i = 0; i < count && i < DEVICES_MOST; i++)
-        count = try_device(data, size, i);
+        try_device(esi, &heads[i]);
+    ect_esi_close(esi);
     return 0;
 }

@@ -338,7 +338,8 @@ static void contradictions(void **state)
     size_t count;
     (void)state;
     ect_esi_t *esi = ect_esi_parse("contradictions.xml", text, strlen(text), message, sizeof message);
-    ect_esi_twin_t *twin = esi != NULL ? ect_esi_twin_of(esi, "", NULL, 0, message, sizeof message) : NULL;
+    const ect_esi_device_t *model = esi != NULL ? ect_esi_select(esi, "", message, sizeof message) : NULL;
+    ect_esi_twin_t *twin = model != NULL ? ect_esi_twin_of(esi, model, NULL, 0, message, sizeof message) : NULL;
     if (twin == NULL)
         fail_msg("expected a twin, got: %s", message);
     const char *const *lines = ect_esi_twin_notes(twin, &count);
@@ -352,6 +353,7 @@ static void contradictions(void **state)
     assert_int_equal(ect_od_detail(&od, 0x2002, 0)->minimum, -6);
     assert_int_equal(ect_od_find(&od, 0x2000)->entries[0].value, 3);
     ect_esi_twin_free(twin);
+    ect_esi_close(esi);
 }
 
 /* A device whose process data would be others than the file says is refused, with the line. */
@@ -369,7 +371,10 @@ static void no_hole(void **state)
     (void)state;
     ect_esi_t *esi = ect_esi_parse("hole.xml", text, strlen(text), message, sizeof message);
     assert_non_null(esi);
-    assert_null(ect_esi_twin_of(esi, "", NULL, 0, message, sizeof message));
+    const ect_esi_device_t *model = ect_esi_select(esi, "", message, sizeof message);
+    assert_non_null(model);
+    assert_null(ect_esi_twin_of(esi, model, NULL, 0, message, sizeof message));
+    ect_esi_close(esi);
     assert_string_equal(message,
                         "hole.xml:1: D: line 4: PDO 1A00 (O) is assigned to SyncManager 2, and its index is none "
                         "of a PDO of outputs");

@@ -53,6 +53,7 @@
 #include <stdint.h>
 
 #include "port.h"
+#include "seams/device.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
@@ -138,7 +139,7 @@ typedef struct cf_sm {
     uint16_t length; /**< of process data: from the mapping (CoE, else SII); 0 nothing mapped */
     uint8_t control;
     uint8_t enable; /**< bit 0: to be enabled */
-    uint8_t type;   /**< 1 mailbox out, 2 mailbox in, 3 outputs, 4 inputs, 0 unused */
+    uint8_t type;   /**< ECT_SM_OUTPUTS etc. (seams/device.h), as in 1C00h */
 } cf_sm_t;
 
 typedef struct cf_mailbox {

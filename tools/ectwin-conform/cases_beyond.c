@@ -336,7 +336,7 @@ static void measure_mails(cf_t *c)
 static int input_sm(const cf_t *c)
 {
     for (int n = 0; n < c->facts.sm_count; n++) {
-        if (c->facts.sm[n].type == 4 && c->facts.sm[n].length >= 2)
+        if (c->facts.sm[n].type == ECT_SM_INPUTS && c->facts.sm[n].length >= 2)
             return n;
     }
     return -1;

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-enum { SM_OUTPUTS = 3 /* as in 1C00h */ };
 enum { PLENTY = 65536 };
 enum {
     TOGGLE_ERROR = 0x05030000,
@@ -57,11 +56,11 @@ static void mandatory(cf_t *c)
     for (uint8_t n = 0; n < c->facts.sm_count; n++) {
         uint8_t type = c->facts.sm[n].type;
         cf_expect(c, "type of a SyncManager in 1C00h", type, cf_upload_number(c, 0x1C00, (uint8_t)(n + 1)));
-        if (type < SM_OUTPUTS || c->facts.sm[n].length == 0)
+        if (type < ECT_SM_OUTPUTS || c->facts.sm[n].length == 0)
             continue;
         must_exist(c, (uint16_t)(0x1C10 + n), 1);
         if (sync)
-            must_exist(c, type == SM_OUTPUTS ? 0x1C32 : 0x1C33, 1);
+            must_exist(c, type == ECT_SM_OUTPUTS ? 0x1C32 : 0x1C33, 1);
     }
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (!cf_object_exists(c, names[i], 0, &code))

@@ -13,7 +13,7 @@ enum {
     NO_SUBINDEX = 0x06090011,
     WRONG_STATE = 0x08000022,
 };
-enum { SM_OUTPUTS = 3, MISSING_PDO = 0x17F3, EMERGENCY_BYTES = 10, EMERGENCY_MS = 500, PARALLEL = 500 };
+enum { MISSING_PDO = 0x17F3, EMERGENCY_BYTES = 10, EMERGENCY_MS = 500, PARALLEL = 500 };
 enum { DIAGNOSIS = 0x10F3, STORE = 0x1010, RESTORE = 0x1011, SYNC_OUT = 0x1C32, SYNC_IN = 0x1C33, TICKS_10MS = 100 };
 
 /* Whatever was uploaded last; too large for a stack. */
@@ -38,7 +38,7 @@ static uint16_t assignment(cf_t *c)
     uint32_t code;
     for (unsigned int n = 0; n < c->facts.sm_count; n++) {
         uint16_t index = (uint16_t)(0x1C10 + n);
-        if (c->facts.sm[n].type >= SM_OUTPUTS && c->facts.sm[n].length > 0 && cf_object_exists(c, index, 1, &code))
+        if (c->facts.sm[n].type >= ECT_SM_OUTPUTS && c->facts.sm[n].length > 0 && cf_object_exists(c, index, 1, &code))
             return index;
     }
     cf_skip(c, "the slave has no process data that CoE assigns");

@@ -15,7 +15,7 @@ enum {
     OUTPUTS = 0x001D,
     INPUTS = 0x001E,
 };
-enum { SM_OUTPUTS = 3, SM_INPUTS = 4, SII_GENERAL = 30, GENERAL_FLAGS = 11, FLAG_IDENT = 0x08, SII_DC = 60 };
+enum { SII_GENERAL = 30, GENERAL_FLAGS = 11, FLAG_IDENT = 0x08, SII_DC = 60 };
 enum {
     WATCHDOG_TICKS_SHORT = 10,
     WATCHDOG_TICKS_FALLBACK = 3000,
@@ -183,13 +183,13 @@ static void wrong_process_sm(cf_t *c, uint8_t type, uint16_t code)
 
 static void wrong_process_data(cf_t *c)
 {
-    int out = used_sm(c, SM_OUTPUTS), in = used_sm(c, SM_INPUTS);
+    int out = used_sm(c, ECT_SM_OUTPUTS), in = used_sm(c, ECT_SM_INPUTS);
     uint16_t code;
     if (out < 0 && in < 0)
         cf_skip(c, "the slave has no process data");
     cf_go(c, CF_PREOP);
-    wrong_process_sm(c, SM_OUTPUTS, OUTPUTS);
-    wrong_process_sm(c, SM_INPUTS, INPUTS);
+    wrong_process_sm(c, ECT_SM_OUTPUTS, OUTPUTS);
+    wrong_process_sm(c, ECT_SM_INPUTS, INPUTS);
     if (out >= 0 && in >= 0) {
         cf_step(c, "SAFEOP: both off");
         cf_set_sm(c, (unsigned int)out, 0, 0, 0);
@@ -277,7 +277,7 @@ static void repeated(cf_t *c)
 /* Whether the outputs, if there are any, trigger the watchdog. */
 static bool is_watched(const cf_t *c)
 {
-    int n = used_sm(c, SM_OUTPUTS);
+    int n = used_sm(c, ECT_SM_OUTPUTS);
     return n >= 0 && (c->facts.sm[n].control & ECT_SM_CONTROL_WATCHDOG) != 0;
 }
 
@@ -285,7 +285,7 @@ static void fallback(cf_t *c)
 {
     uint8_t data[CF_MAX_DATA];
     uint16_t got, code;
-    const int in = used_sm(c, SM_INPUTS);
+    const int in = used_sm(c, ECT_SM_INPUTS);
     if (!is_watched(c))
         cf_skip(c, "the SII's output SyncManager does not trigger the watchdog");
     cf_go(c, CF_OP);
@@ -532,7 +532,7 @@ static void identification(cf_t *c)
 static bool first_output(cf_t *c, uint16_t *index, uint8_t *sub)
 {
     uint32_t code;
-    uint16_t assignment = (uint16_t)(0x1C10 + used_sm(c, SM_OUTPUTS));
+    uint16_t assignment = (uint16_t)(0x1C10 + used_sm(c, ECT_SM_OUTPUTS));
     if ((c->facts.has & CF_COE) == 0 || !cf_object_exists(c, assignment, 1, &code))
         return false;
     uint16_t pdo = (uint16_t)cf_upload_number(c, assignment, 1);
@@ -570,12 +570,12 @@ static void outputs_stay(cf_t *c)
 static void safe_outputs(cf_t *c)
 {
     uint8_t data[CF_MAX_DATA];
-    const int in = used_sm(c, SM_INPUTS);
+    const int in = used_sm(c, ECT_SM_INPUTS);
     cf_go(c, CF_SAFEOP);
     if (in >= 0)
         cf_expect_wkc(c, "a read of the inputs, as soon as SAFEOP is shown", 1,
                       cf_read(c, c->facts.sm[in].start, data, c->facts.sm[in].length));
-    if (used_sm(c, SM_OUTPUTS) >= 0)
+    if (used_sm(c, ECT_SM_OUTPUTS) >= 0)
         outputs_stay(c);
 }
 

@@ -8,7 +8,6 @@ enum { MAIL_HEADER = 6, SHORT_MS = 50, DROPPED_MS = 500, FILL_MOST = 24, ONE_DAT
 enum { STATUS_0 = ECT_REG_SM + ECT_SM_STATUS, STATUS_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_STATUS };
 enum { ACTIVATE_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE, MAP_LOGICAL = 0x20000 };
 enum { CODE_MAILBOX = 0x0016, CODE_OUTPUTS = 0x001D, CODE_INPUTS = 0x001E };
-enum { SM_OUTPUTS = 3, SM_INPUTS = 4 };
 enum { ERROR_SYNTAX = 1, ERROR_PROTOCOL = 2, ERROR_CHANNEL = 3, ERROR_HEADER = 5, ERROR_SHORT = 6, ERROR_SIZE = 8 };
 
 /* --- requests that are answered by any slave with a mailbox --------------------------------------------------------
@@ -236,7 +235,7 @@ static void output_buffers(cf_t *c, unsigned int n)
 
 static void three_buffers(cf_t *c)
 {
-    int inputs = process_sm(c, SM_INPUTS), outputs = process_sm(c, SM_OUTPUTS);
+    int inputs = process_sm(c, ECT_SM_INPUTS), outputs = process_sm(c, ECT_SM_OUTPUTS);
     if (inputs < 0 && outputs < 0)
         cf_skip(c, "no process data of two bytes or more: one byte has no buffers");
     cf_go(c, CF_SAFEOP);
@@ -346,7 +345,7 @@ static void changed_process_data(cf_t *c, uint8_t type, uint8_t state, uint16_t 
     cf_go(c, state);
     cf_step(c, "SM%d switched off in %s", n, cf_state_name(state));
     disable_sm(c, (unsigned int)n);
-    expect_fallback(c, type == SM_OUTPUTS ? "output SM switched off" : "input SM switched off", CF_PREOP, code);
+    expect_fallback(c, type == ECT_SM_OUTPUTS ? "output SM switched off" : "input SM switched off", CF_PREOP, code);
 }
 
 static void changed(cf_t *c)
@@ -355,8 +354,8 @@ static void changed(cf_t *c)
     if ((c->facts.has & CF_MAILBOX) != 0)
         changed_mailbox(c, CF_PREOP);
     for (size_t i = 0; i < sizeof states; i++) {
-        changed_process_data(c, SM_OUTPUTS, states[i], CODE_OUTPUTS);
-        changed_process_data(c, SM_INPUTS, states[i], CODE_INPUTS);
+        changed_process_data(c, ECT_SM_OUTPUTS, states[i], CODE_OUTPUTS);
+        changed_process_data(c, ECT_SM_INPUTS, states[i], CODE_INPUTS);
     }
 }
 

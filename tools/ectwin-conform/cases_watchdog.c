@@ -2,7 +2,7 @@
 /* E. Watchdogs, in SAFEOP: there the chip acts alone. */
 #include "case.h"
 
-enum { SM_OUTPUTS = 3, DIVIDER_100US = 2498, DIVIDER_200US = 4998, LATE_NS = 5000000, LIMIT_MS = 5000 };
+enum { DIVIDER_100US = 2498, DIVIDER_200US = 4998, LATE_NS = 5000000, LIMIT_MS = 5000 };
 enum { PDI_OK = 0x0002, COUNTER_PDI = ECT_REG_WD_COUNTER_PD + 1, MAILS = 20 };
 
 /* The output SyncManager that triggers the watchdog; skips the case when there is none. */
@@ -10,7 +10,7 @@ static const cf_sm_t *watched(cf_t *c)
 {
     for (unsigned int n = 0; n < c->facts.sm_count; n++) {
         const cf_sm_t *sm = &c->facts.sm[n];
-        if (sm->type == SM_OUTPUTS && sm->length > 0 && (sm->control & ECT_SM_CONTROL_WATCHDOG) != 0)
+        if (sm->type == ECT_SM_OUTPUTS && sm->length > 0 && (sm->control & ECT_SM_CONTROL_WATCHDOG) != 0)
             return sm;
     }
     cf_skip(c, "the SII's output SyncManager does not trigger the watchdog");

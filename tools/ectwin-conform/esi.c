@@ -12,21 +12,14 @@ enum { VALUE = 256, ASSIGNMENT = 0x1C10, LINES_TOLD = 20 };
 
 /* --- the file ----------------------------------------------------------------------------------------------------- */
 
-static void nobody(void *ctx, bool wrong, const char *line)
-{
-    (void)ctx;
-    (void)wrong;
-    (void)line;
-}
-
 bool cf_esi_open(cf_esi_t *esi, const char *operand, const char *schema, char *text)
 {
     const char *hash = ect_esi_selector(operand);
     esi->operand = operand;
-    esi->schema = schema;
     esi->path = strndup(operand, hash ? (size_t)(hash - operand) : strlen(operand));
     esi->file = esi->path ? ect_esi_open(esi->path, text, CF_ESI_TEXT) : NULL;
-    return esi->file && (!schema || ect_esi_validate(esi->file, schema, nobody, NULL, text, CF_ESI_TEXT));
+    esi->schema = esi->file && schema ? ect_esi_schema_open(schema, text, CF_ESI_TEXT) : NULL;
+    return esi->file && (!schema || esi->schema);
 }
 
 /* A file of many devices has one with the slave's numbers, or at least its product code. */
@@ -59,7 +52,7 @@ bool cf_esi_choose(cf_esi_t *esi, const cf_facts_t *facts, char *text)
         return false;
     snprintf(esi->title, sizeof esi->title, "%s, %s revision 0x%08" PRIX32, esi->path, esi->device->type,
              esi->device->revision);
-    esi->twin = ect_esi_twin_make(esi->path, selector, NULL, 0, esi->why, sizeof esi->why);
+    esi->twin = ect_esi_twin_of(esi->file, esi->device, NULL, 0, esi->why, sizeof esi->why);
     esi->said.source = esi->path;
     if (esi->twin)
         ect_facts_of_esi(&esi->said, ect_esi_twin_product(esi->twin)->device, ect_esi_twin_model(esi->twin));
@@ -79,6 +72,7 @@ void cf_esi_close(cf_esi_t *esi)
     ect_facts_free(&esi->found);
     cJSON_Delete(esi->dictionary);
     ect_esi_twin_free(esi->twin);
+    ect_esi_schema_close(esi->schema);
     ect_esi_close(esi->file);
     free(esi->path);
     *esi = (cf_esi_t){0};
@@ -277,12 +271,10 @@ static void add_assigned(cf_t *c, cJSON *objects, uint16_t assignment)
 
 static void take_dictionary(cf_t *c)
 {
-    char *json = cJSON_PrintUnformatted(c->esi->dictionary);
     forget(&c->esi->known, c->esi->path);
     forget(&c->esi->found, "the dictionary");
-    if (json)
-        (void)ect_facts_of_dictionary(&c->esi->found, json);
-    free(json);
+    if (!ect_facts_of_objects(&c->esi->found, c->esi->dictionary))
+        cf_fail(c, "out of memory");
 }
 
 void cf_esi_expect_assigned(cf_t *c)
@@ -291,7 +283,7 @@ void cf_esi_expect_assigned(cf_t *c)
         return;
     cJSON *objects = begin(c, false);
     for (unsigned int sm = 0; sm < c->facts.sm_count; sm++) {
-        if (c->facts.sm[sm].type >= 3)
+        if (c->facts.sm[sm].type >= ECT_SM_OUTPUTS)
             add_assigned(c, objects, (uint16_t)(ASSIGNMENT + sm));
     }
     take_dictionary(c);

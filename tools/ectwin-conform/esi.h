@@ -20,9 +20,9 @@ enum { CF_ESI_TEXT = 600 };
 
 typedef struct cf_esi {
     const char *operand; /**< as the user wrote it: FILE, FILE#TYPE */
-    const char *schema;  /**< EtherCATInfo.xsd; NULL: the user named none */
     char *path;          /**< the file alone */
     ect_esi_t *file;
+    ect_esi_schema_t *schema;       /**< NULL: the user named none */
     const ect_esi_device_t *device; /**< of `file` */
     ect_esi_twin_t *twin;           /**< NULL: the file describes what no slave can be, `why` */
     char why[CF_ESI_TEXT];
@@ -36,6 +36,7 @@ typedef struct cf_esi {
 /**
  * Opens the file, before anything is asked of a slave.
  * @param operand  FILE or FILE#SELECTOR (esi/read.h); must outlive `esi`
+ * @param schema   path of EtherCATInfo.xsd, NULL: none
  * @param[out] text  CF_ESI_TEXT bytes: the line that says why not
  */
 bool cf_esi_open(cf_esi_t *esi, const char *operand, const char *schema, char *text);

@@ -16,15 +16,7 @@ enum {
     WORD_PROTOCOLS = 0x1C,
     WORD_SIZE = 0x3E
 };
-enum {
-    SM_OUTPUTS = 3,
-    SM_INPUTS = 4,
-    GENERAL_COE = 5,
-    COE_INFO = 0x02,
-    COE_COMPLETE = 0x20,
-    SII_MOST = 65536,
-    SCAN_MS = 500
-};
+enum { GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, SII_MOST = 65536, SCAN_MS = 500 };
 
 /* Nobody is left in a state that another master has brought it to. The second one is for device emulation, which shows
  * the acknowledge as an error; software behind a chip has had no time to read the first and does not see it. */
@@ -163,7 +155,7 @@ static void take_sm(cf_facts_t *f, unsigned int n, const uint8_t *entry)
     if (f->sm[n].type == 0 && f->sm[n].start != 0) { /* images from before the type byte: control says it */
         bool mailbox = (entry[4] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
         bool writes = (entry[4] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
-        f->sm[n].type = (uint8_t)((mailbox ? 1 : SM_OUTPUTS) + (writes ? 0 : 1));
+        f->sm[n].type = (uint8_t)((mailbox ? ECT_SM_MAILBOX_OUT : ECT_SM_OUTPUTS) + (writes ? 0 : 1));
     }
 }
 
@@ -269,8 +261,8 @@ static void take_lengths(cf_t *c, bool coe)
     cf_facts_t *f = &c->facts;
     for (unsigned int n = 0; n < f->sm_count; n++) {
         cf_sm_t *sm = &f->sm[n];
-        bool outputs = sm->type == SM_OUTPUTS;
-        if (!outputs && sm->type != SM_INPUTS)
+        bool outputs = sm->type == ECT_SM_OUTPUTS;
+        if (!outputs && sm->type != ECT_SM_INPUTS)
             continue;
         size_t bits = sii_bits(c, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO, n);
         size_t mapped;

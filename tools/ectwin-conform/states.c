@@ -5,7 +5,7 @@
 
 #include "engine.h"
 
-enum { LOGICAL = 0x00010000, SM_OUTPUTS = 3, SM_INPUTS = 4, READS = 1, WRITES = 2 };
+enum { LOGICAL = 0x00010000, READS = 1, WRITES = 2 };
 /* 6 s of the default divider. A case is no controller: it has pauses, and so has a machine under load. */
 enum { LONG_WATCHDOG = 60000 };
 /* ETG.2000, where the ESI says nothing; the way back to SAFEOP with the others, for a judgement of time is not here. */
@@ -93,10 +93,10 @@ static uint32_t map_direction(cf_t *c, uint8_t sm_type, uint32_t logical, uint32
         cf_set_sm(c, n, sm->start, sm->length, sm->control);
         if (sm->length == 0)
             continue;
-        unsigned int fmmu = choose_fmmu(c, sm_type == SM_OUTPUTS ? 1 : 2, taken);
+        unsigned int fmmu = choose_fmmu(c, sm_type == ECT_SM_OUTPUTS ? 1 : 2, taken);
         if (fmmu >= c->facts.fmmus)
             cf_skip(c, "the chip has fewer FMMUs (%u) than its process data need", c->facts.fmmus);
-        cf_set_fmmu(c, fmmu, logical, sm->length, 0, 7, sm->start, 0, sm_type == SM_OUTPUTS ? WRITES : READS);
+        cf_set_fmmu(c, fmmu, logical, sm->length, 0, 7, sm->start, 0, sm_type == ECT_SM_OUTPUTS ? WRITES : READS);
         logical += sm->length;
     }
     return logical;
@@ -106,8 +106,8 @@ void cf_set_process_data(cf_t *c)
 {
     uint32_t taken = 0;
     cf_put16(c, ECT_REG_WD_TIME_PD, LONG_WATCHDOG);
-    uint32_t logical = map_direction(c, SM_OUTPUTS, LOGICAL, &taken);
-    (void)map_direction(c, SM_INPUTS, logical, &taken);
+    uint32_t logical = map_direction(c, ECT_SM_OUTPUTS, LOGICAL, &taken);
+    (void)map_direction(c, ECT_SM_INPUTS, logical, &taken);
 }
 
 uint16_t cf_spare_ram(const cf_t *c)
