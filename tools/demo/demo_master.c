@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "ethercat.h"
+#include "open_bus.h"
 
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
 enum { CYCLE_US = 2000, STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 20000 };
@@ -169,10 +170,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: %s IFACE [SECONDS]     %d to %d seconds in OP\n", argv[0], SECONDS, LONGEST);
         return EXIT_USAGE;
     }
-    if (!ec_init(argv[1])) {
-        fprintf(stderr, "%s: cannot open '%s': it needs CAP_NET_RAW\n", argv[0], argv[1]);
+    if (!open_bus(argv[0], argv[1]))
         return EXIT_OPEN;
-    }
     ecx_context.manualstatechange = 1;
     printf("SOEM is looking for slaves on %s\n", argv[1]);
     int status = run();

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "open_bus.h"
 #include "probe.h"
 
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
@@ -65,13 +66,14 @@ static int save(const char *path, bool (*write)(uint16_t slave, FILE *file), uin
         return EXIT_OPEN;
     }
     bool read = write(slave, file);
-    bool written = ferror(file) == 0;
-    written = fclose(file) == 0 && written;
+    bool written = fflush(file) == 0 && ferror(file) == 0;
+    int error = errno;
+    (void)fclose(file);
     if (!read)
         fprintf(stderr, "ectwin-probe: slave %u stopped answering while its %s was read\n", (unsigned int)slave,
                 write == probe_sii ? "EEPROM" : "dictionary");
     else if (!written)
-        fprintf(stderr, "ectwin-probe: cannot write '%s': the disk is full\n", path);
+        fprintf(stderr, "ectwin-probe: cannot write '%s': %s\n", path, strerror(error));
     return read && written ? EXIT_CLEAN : EXIT_RUN;
 }
 
@@ -111,10 +113,8 @@ int main(int argc, char **argv)
     args_t args = {.slave = 1};
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    if (ec_init(args.iface) <= 0) {
-        fprintf(stderr, "ectwin-probe: cannot open '%s': is it there and up? It needs CAP_NET_RAW\n", args.iface);
+    if (!open_bus("ectwin-probe", args.iface))
         return EXIT_OPEN;
-    }
     int status = run(&args);
     ec_close();
     return status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file What the example masters have in common. */
+/** @file What masters have in common. */
 #ifndef TOOLS_MASTER_OPEN_BUS_H
 #define TOOLS_MASTER_OPEN_BUS_H
 
