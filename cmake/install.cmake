@@ -37,8 +37,9 @@ function(install_headers room component)
     FILES_MATCHING PATTERN *.h PATTERN internal.h EXCLUDE PATTERN instance.h EXCLUDE)
 endfunction()
 
-foreach(room wire od seams esc slave sii soes devices
-    ports/template ports/lan9252 ports/mmio ports/flash ports/virtual)
+file(GLOB ports RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/src CONFIGURE_DEPENDS src/ports/*)
+list(REMOVE_ITEM ports ports/linux ports/soes_hal) # not everywhere
+foreach(room wire od seams esc slave sii soes devices ${ports})
   install_headers(${room} core)
 endforeach()
 if(TARGET ectwin_linux)

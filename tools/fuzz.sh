@@ -8,7 +8,8 @@ tools/bootstrap.sh test
 cmake --preset clang >/dev/null
 cmake --build --preset clang >/dev/null
 cd build/clang
-for target in frame mailbox sii fzm1 check esi; do
+for source in ../../tests/fuzz/fuzz_*.c; do
+  target=$(basename "${source#*/fuzz_}" .c)
   words=()
   [ -f ../../tests/fuzz/$target.dict ] && words=("-dict=../../tests/fuzz/$target.dict")
   mkdir -p "corpus/$target"

@@ -30,7 +30,8 @@ tests/check/coverage.sh build/coverage
 
 build clang
 ctest --test-dir build/clang -L 'unit|fuzz' -j "$jobs"
-for target in frame mailbox sii fzm1 check esi; do
+for source in tests/fuzz/fuzz_*.c; do
+  target=$(basename "${source#*/fuzz_}" .c)
   words=()
   [ -f tests/fuzz/$target.dict ] && words=("-dict=tests/fuzz/$target.dict")
   echo "fuzz_$target: 5 s"

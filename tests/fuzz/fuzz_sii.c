@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The reader of SII images: any bytes, any category, any string; and a chip that boots from them. */
+/* The readers of SII images: any bytes, any category, any string; what they say of a device; and a chip that boots. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "esc/esc.h"
+#include "facts/facts.h"
 #include "sii/sii.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -37,6 +38,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (unsigned int i = 0; text && i < length; i++)
             sum += (unsigned int)text[i];
     }
+    ect_facts_t facts = {.source = "input"};
+    ect_facts_of_sii(&facts, data, size);
+    ect_facts_free(&facts);
     if (size > 0)
         boot(data, size);
     return sum == 0xFFFFFFFF ? -1 : 0;
