@@ -3,8 +3,7 @@
 
 enum { TICK_NS = 10000000, EMERGENCY_OVER = 0x0000, EMERGENCY_TEMPERATURE = 0x4000, ERROR_TEMPERATURE = 0x08 };
 
-/* --- the dictionary ------------------------------------------------------------------------------------------------
- */
+/* --- the dictionary ----------------------------------------------------------------------------------------------- */
 
 static const ect_entry_t outputs_mapping[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_MAP(1, ECT_MAP(0x7000, 1, 16))};
 static const ect_entry_t inputs_mapping[] = {ECT_ENTRY_COUNT(2), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 1, 16)),
@@ -44,8 +43,7 @@ static const ect_object_t objects[] = {
 };
 static const ect_detail_t details[] = {ECT_LIMITS(0x8000, 1, 0, 0, 3000)};
 
-/* --- the behaviour -------------------------------------------------------------------------------------------------
- */
+/* --- the behaviour ------------------------------------------------------------------------------------------------ */
 
 static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
@@ -93,8 +91,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     return now_ns + TICK_NS;
 }
 
-/* --- the description -----------------------------------------------------------------------------------------------
- */
+/* --- the description ---------------------------------------------------------------------------------------------- */
 
 static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
                                                   NULL};

@@ -34,8 +34,7 @@
 #include "sii/sii.h"
 #include "slave/slave.h"
 
-/* --- the chip, at the interface --------------------------------------------------------------------------------------
- */
+/* --- the chip, at the interface ----------------------------------------------------------------------------------- */
 
 static ect_esc_t esc;
 static ect_virtual_lan9252_t chip = {.esc = &esc};

@@ -28,8 +28,7 @@ static const char defaults[] = "power=1 enable=1 sto=0 di1=0 di2=0 di3=1 di4=1 l
                                "probe_width=0 home_width=0 quirk_pilz_reply=0 quirk_pilz_codes=0 sync_patience=0 "
                                "sync_tolerance=0 sync_timeout=2000 index_at=0";
 
-/* --- by mailbox and register ----------------------------------------------------------------------------------------
- */
+/* --- by mailbox and register -------------------------------------------------------------------------------------- */
 
 static uint32 write_number(uint16 index, uint8 subindex, uint32 value, int size)
 {
@@ -113,8 +112,7 @@ static int close_master(void **state)
     return 0;
 }
 
-/* --- process data ---------------------------------------------------------------------------------------------------
- */
+/* --- process data ------------------------------------------------------------------------------------------------- */
 
 static uint16 get16(unsigned int at)
 {
@@ -165,8 +163,7 @@ static void enable(void)
     control(0x0F, 0x6F, 0x27);
 }
 
-/* --- mailbox --------------------------------------------------------------------------------------------------------
- */
+/* --- mailbox ------------------------------------------------------------------------------------------------------ */
 
 static void telegram(const uint8 request[16], uint8 reply[16])
 {
@@ -228,8 +225,7 @@ static void mail_event(void **state)
     assert_int_equal(reply[9] | reply[10] << 8, 0x6041);
 }
 
-/* --- states ---------------------------------------------------------------------------------------------------------
- */
+/* --- states ------------------------------------------------------------------------------------------------------- */
 
 static void registers(void **state)
 {
@@ -313,8 +309,7 @@ static void clocks(void **state)
     ecx_dcsync0(&master.context, 1, FALSE, 0, 0);
 }
 
-/* --- the state machine ----------------------------------------------------------------------------------------------
- */
+/* --- the state machine -------------------------------------------------------------------------------------------- */
 
 static void sequence(void **state)
 {
@@ -377,8 +372,7 @@ static void status_bits(void **state)
     AWAIT(plant_number("saves") == saves + 1);
 }
 
-/* --- latches --------------------------------------------------------------------------------------------------------
- */
+/* --- latches ------------------------------------------------------------------------------------------------------ */
 
 static void latches(void **state)
 {
@@ -432,8 +426,7 @@ static void index_latch(void **state)
         fail_msg("latch C: expected %d, got %d", from + TURN / 4, get32(LATCH1));
 }
 
-/* --- the example ----------------------------------------------------------------------------------------------------
- */
+/* --- the example -------------------------------------------------------------------------------------------------- */
 
 /* The machine of the manual, by what the shaft's position is now. */
 static void build_machine(int32 here)

@@ -555,8 +555,7 @@ static void life(void)
     expect(request(ECT_STATE_INIT) == ECT_STATE_INIT, "INIT not reached");
 }
 
-/* --- the exchange interrupts mainline -------------------------------------------------------------------------------
- */
+/* --- the exchange interrupts mainline ----------------------------------------------------------------------------- */
 
 static void everywhere(void **state)
 {
@@ -608,8 +607,7 @@ static void no_exchange_below_safeop(void **state)
     assert_int_equal(t.device.outputs_calls, 0);
 }
 
-/* --- the interrupt line ---------------------------------------------------------------------------------------------
- */
+/* --- the interrupt line ------------------------------------------------------------------------------------------- */
 
 /* A firmware that sleeps: it polls while the line is up, and when the time has come that the last poll told. */
 static uint64_t deadline_ns;

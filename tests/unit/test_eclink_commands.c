@@ -656,8 +656,7 @@ static void first_counter_after_power_on(void **state)
     }
 }
 
-/* --- both ways, at random, against a model -------------------------------------------------------------------------
- */
+/* --- both ways, at random, against a model ------------------------------------------------------------------------ */
 
 enum { MOST = 4096 };
 

@@ -65,8 +65,7 @@ static void start(rig_t *r, const ect_device_t *device)
     to_op(r);
 }
 
-/* --- an oracle: zlib's CRC-32, by table; sets whose every byte depends on which set it is ---------------------------
- */
+/* --- an oracle: zlib's CRC-32, by table; sets whose every byte depends on which set it is ------------------------- */
 
 static uint32_t crc32_of(const uint8_t *data, size_t length)
 {
@@ -560,8 +559,7 @@ static void pco_steps(void **state)
     }
 }
 
-/* --- PAI and the rest -----------------------------------------------------------------------------------------------
- */
+/* --- PAI and the rest --------------------------------------------------------------------------------------------- */
 
 static void expect_pai(rig_t *r, uint8_t want)
 {

@@ -76,8 +76,7 @@ static void eg_link(void **state)
     }
 }
 
-/* --- causes, arming, errors that stay ------------------------------------------------------------------------------
- */
+/* --- causes, arming, errors that stay ----------------------------------------------------------------------------- */
 
 static void expect_cause(bu_rig_t *r, const char *what, uint8_t state, const char *want)
 {

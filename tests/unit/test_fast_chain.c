@@ -136,8 +136,7 @@ static void add_anything(rig_t *r)
     }
 }
 
-/* --- what a master does that means it well -------------------------------------------------------------------------
- */
+/* --- what a master does that means it well ------------------------------------------------------------------------ */
 
 static const ect_device_t *device_of(const rig_t *r, size_t i)
 {

@@ -15,8 +15,7 @@ static const char *const names[DS402_STATES] = {
     "not ready",         "switch on disabled", "ready",          "switched on",
     "operation enabled", "quick stop",         "fault reaction", "fault"};
 
-/* --- control word --------------------------------------------------------------------------------------------------
- */
+/* --- control word ------------------------------------------------------------------------------------------------- */
 
 /* The table of the manual, positive logic: 0, 1, or x for bits 3, 2, 1, 0. */
 static const struct {
@@ -56,8 +55,7 @@ static void control_words(void **state)
     }
 }
 
-/* --- transitions ---------------------------------------------------------------------------------------------------
- */
+/* --- transitions -------------------------------------------------------------------------------------------------- */
 
 /* What each state does about each command, with supply, no fault, a standing shaft, and a rising edge of bit 3. */
 static const struct {

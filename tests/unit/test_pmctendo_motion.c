@@ -43,8 +43,7 @@ static void start(uint16_t out)
     drive_enable(&d);
 }
 
-/* --- set values ----------------------------------------------------------------------------------------------------
- */
+/* --- set values --------------------------------------------------------------------------------------------------- */
 
 /* 1000 positions, 1000 counts apart: the shaft follows with the cycle's delay, and ends where it is told to. */
 static void position(void **state)
@@ -157,8 +156,7 @@ static void speed_limit(void **state)
     assert_int_equal(drive_instance(&d)->fault, 0);
 }
 
-/* --- motion task ---------------------------------------------------------------------------------------------------
- */
+/* --- motion task -------------------------------------------------------------------------------------------------- */
 
 /* 10 turns at 10 turns a second, ramps of 100 turns a second squared: 0.1 s up, 0.9 s, 0.1 s down. */
 static void task(void **state)
@@ -218,8 +216,7 @@ static void short_and_changed_tasks(void **state)
     expect_near("position", -2.0 * TURN, 2);
 }
 
-/* --- stopping ------------------------------------------------------------------------------------------------------
- */
+/* --- stopping ----------------------------------------------------------------------------------------------------- */
 
 /* From 20 turns a second: which ramp, how long (the speed, then a standstill), where it ends. */
 static const struct {
@@ -285,8 +282,7 @@ static void halt(void **state)
     expect_near("speed", 20.0 * TURN, 1000);
 }
 
-/* --- limits --------------------------------------------------------------------------------------------------------
- */
+/* --- limits ------------------------------------------------------------------------------------------------------- */
 
 /* Hit at a turn a second, the shaft stands behind the switch at once; back is allowed, on is not. */
 static void limit_switch(void **state)
@@ -339,8 +335,7 @@ static void software_limits(void **state)
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_SOFT_POSITIVE - 1));
 }
 
-/* --- faults --------------------------------------------------------------------------------------------------------
- */
+/* --- faults ------------------------------------------------------------------------------------------------------- */
 
 static void expect_fault(unsigned int number)
 {

@@ -76,8 +76,7 @@ static void events(void **state)
     assert_int_equal(wire_write(&d.w, 0, 0x1800, mail, sizeof mail), 0);
 }
 
-/* --- n17, F28 ------------------------------------------------------------------------------------------------------
- */
+/* --- n17, F28 ----------------------------------------------------------------------------------------------------- */
 
 static void no_sync(void **state)
 {
@@ -272,8 +271,7 @@ static void faults(void **state)
     drive_close(&d);
 }
 
-/* --- what is open, what locked --------------------------------------------------------------------------------------
- */
+/* --- what is open, what locked ------------------------------------------------------------------------------------ */
 
 /* No state of the bus and no control word below OP moves anything, and none at all but the whole sequence. */
 static void no_motion_without_enable(void **state)
@@ -331,8 +329,7 @@ static void locks(void **state)
     drive_expect(&d, DS402_SWITCH_ON_DISABLED, "OP again");
 }
 
-/* --- by the manual's codes ------------------------------------------------------------------------------------------
- */
+/* --- by the manual's codes ---------------------------------------------------------------------------------------- */
 
 static void al_codes(void **state)
 {

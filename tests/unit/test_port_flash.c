@@ -99,8 +99,7 @@ static ect_flash_t flash_of(chip_t *c, uint8_t unit)
                          .ctx = c};
 }
 
-/* --- records on it -------------------------------------------------------------------------------------------------
- */
+/* --- records on it ------------------------------------------------------------------------------------------------ */
 
 /* A record of 200 bytes in pieces of uneven sizes. */
 static bool save(const ect_storage_t *medium, uint8_t value)

@@ -87,8 +87,7 @@ static int write_esc(board_t *b, uint16_t address, const void *data, uint16_t le
     return b->pdi.write(b->pdi.ctx, address, data, length);
 }
 
-/* --- bytes ---------------------------------------------------------------------------------------------------------
- */
+/* --- bytes -------------------------------------------------------------------------------------------------------- */
 
 /* Reads and writes `length` bytes at `address`, with 8 bytes around them that must stay. */
 static void check_bytes(board_t *b, uint16_t address, uint16_t length)
@@ -147,8 +146,7 @@ static void across_the_border(void **state)
     board_close(&b);
 }
 
-/* --- cost ----------------------------------------------------------------------------------------------------------
- */
+/* --- cost --------------------------------------------------------------------------------------------------------- */
 
 static void cost(void **state)
 {
@@ -180,8 +178,7 @@ static void cost(void **state)
     board_close(&b);
 }
 
-/* --- the start -----------------------------------------------------------------------------------------------------
- */
+/* --- the start ---------------------------------------------------------------------------------------------------- */
 
 static void late_and_ready(void **state)
 {
@@ -290,8 +287,7 @@ static void refused_starts(void **state)
     }
 }
 
-/* --- a chip that does not do it -------------------------------------------------------------------------------------
- */
+/* --- a chip that does not do it ----------------------------------------------------------------------------------- */
 
 static void stuck(void **state)
 {
@@ -380,8 +376,7 @@ static void damaged_command(void **state)
     }
 }
 
-/* --- the whole slave behind it ---------------------------------------------------------------------------------------
- */
+/* --- the whole slave behind it ------------------------------------------------------------------------------------ */
 
 static void start(board_t *b)
 {

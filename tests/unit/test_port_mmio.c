@@ -13,8 +13,7 @@
 enum { RAM = 0x1000, PARTS = 128 };
 static const uint8_t widths[] = {1, 2, 4};
 
-/* --- the processor's own accesses, to memory ------------------------------------------------------------------------
- */
+/* --- the processor's own accesses, to memory ---------------------------------------------------------------------- */
 
 /* The memory ends where the access does, and begins where it begins: a wider one would be out of it, which the address
  * sanitizer tells. */
@@ -80,8 +79,7 @@ static void not_ready(void **state)
     }
 }
 
-/* --- a bus that is watched ------------------------------------------------------------------------------------------
- */
+/* --- a bus that is watched ---------------------------------------------------------------------------------------- */
 
 typedef struct board {
     wire_t w;

@@ -90,8 +90,7 @@ static void board_open(board_t *b)
     b->pdi = ect_template_pdi(&b->window);
 }
 
-/* --- bytes and parts -----------------------------------------------------------------------------------------------
- */
+/* --- bytes and parts ---------------------------------------------------------------------------------------------- */
 
 static void check_parts(const chip_t *c, uint16_t address, uint16_t length)
 {
@@ -148,8 +147,7 @@ static void widest_parts(void **state)
     wire_close(&b.w);
 }
 
-/* --- a chip that is not ready --------------------------------------------------------------------------------------
- */
+/* --- a chip that is not ready ------------------------------------------------------------------------------------- */
 
 static void patience_ends(void **state)
 {
@@ -173,8 +171,7 @@ static void patience_ends(void **state)
     }
 }
 
-/* --- the whole slave behind it ---------------------------------------------------------------------------------------
- */
+/* --- the whole slave behind it ------------------------------------------------------------------------------------ */
 
 static void start(board_t *b)
 {

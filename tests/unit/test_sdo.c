@@ -491,8 +491,7 @@ static void segment_dialogues(void **state)
     RUN(segments);
 }
 
-/* --- uploads of every size in mailboxes of every length ------------------------------------------------------------
- */
+/* --- uploads of every size in mailboxes of every length ----------------------------------------------------------- */
 
 /* The mails of an upload as E.2 wants them, compared one by one. */
 static void expect_upload(wire_t *w, uint16_t in_length, uint16_t index, uint8_t subindex, bool complete,

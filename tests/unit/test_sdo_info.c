@@ -438,8 +438,7 @@ static void descriptions_by_hand(void **state)
     wire_close(&s.w);
 }
 
-/* --- value info ----------------------------------------------------------------------------------------------------
- */
+/* --- value info --------------------------------------------------------------------------------------------------- */
 
 /* Default, minimum and maximum by hand; a NULL-like count of 0 bytes: the entry has none. */
 typedef struct details {

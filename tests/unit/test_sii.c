@@ -397,8 +397,7 @@ static void pdos(void **state)
     for_every_device(check_pdos);
 }
 
-/* --- a device that has everything ----------------------------------------------------------------------------------
- */
+/* --- a device that has everything --------------------------------------------------------------------------------- */
 
 static const ect_dc_mode_t modes[] = {{.name = "FreeRun", .description = "No sync"},
                                       {.name = "DC",

@@ -302,8 +302,7 @@ bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint3
 /** Gives the case so much more time. For one that takes longer when the user wants it (--long). */
 void cf_extend(cf_t *c, uint32_t ms);
 
-/* --- a slave that goes and comes -----------------------------------------------------------------------------------
- */
+/* --- a slave that goes and comes ---------------------------------------------------------------------------------- */
 
 /**
  * Cuts the slave off the wire for a while, as if its plug were pulled: by the port of the slave before it, or, when it
@@ -453,8 +452,7 @@ int cf_info(cf_t *c, uint8_t opcode, const void *request, uint16_t request_lengt
 /** List 1 of the information service. @return how many indices; at most `room` */
 size_t cf_object_list(cf_t *c, uint16_t type, uint16_t *indices, size_t room);
 
-/* --- FoE ------------------------------------------------------------------------------------------------------------
- */
+/* --- FoE ---------------------------------------------------------------------------------------------------------- */
 
 enum { CF_FOE_READ = 1, CF_FOE_WRITE, CF_FOE_DATA, CF_FOE_ACK, CF_FOE_ERROR, CF_FOE_BUSY, CF_FOE_HEADER = 6 };
 enum { CF_FOE_LATER_MS = 10000, CF_FILE_MOST = 4 * 1024 * 1024 };

@@ -140,8 +140,7 @@ static void by_station(cf_t *c)
     by_alias(c);
 }
 
-/* --- working counters -----------------------------------------------------------------------------------------------
- */
+/* --- working counters --------------------------------------------------------------------------------------------- */
 
 /* Writes what is there already: a chip that takes what it should not keeps its values. */
 static uint16_t counted(cf_t *c, uint8_t command, uint16_t address, uint16_t begun)
@@ -242,8 +241,7 @@ static void no_operation(cf_t *c)
     cf_expect(c, "a register that nobody wrote", 0, cf_get32(c, SCRATCH));
 }
 
-/* --- ranges ---------------------------------------------------------------------------------------------------------
- */
+/* --- ranges ------------------------------------------------------------------------------------------------------- */
 
 static void missing_ranges(cf_t *c)
 {
@@ -277,8 +275,7 @@ static void read_only_registers(cf_t *c)
     }
 }
 
-/* --- ports and errors -----------------------------------------------------------------------------------------------
- */
+/* --- ports and errors --------------------------------------------------------------------------------------------- */
 
 static unsigned int open_ports(uint16_t dl_status)
 {
@@ -409,8 +406,7 @@ static void protection_and_reset(cf_t *c)
         cf_note(c, "the chip offers no %s", has_reset ? "write protection" : "reset over EtherCAT");
 }
 
-/* --- frames ---------------------------------------------------------------------------------------------------------
- */
+/* --- frames ------------------------------------------------------------------------------------------------------- */
 
 static void many_datagrams(cf_t *c, size_t count)
 {

@@ -384,8 +384,7 @@ static void clocks(cf_t *c)
     cf_esi_expect_sii(c, ECT_FACT_DC, ECT_FACT_DC_SYNC1);
 }
 
-/* --- the file itself -----------------------------------------------------------------------------------------------
- */
+/* --- the file itself ---------------------------------------------------------------------------------------------- */
 
 typedef struct findings {
     cf_t *c;

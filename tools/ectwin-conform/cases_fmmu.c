@@ -32,8 +32,7 @@ static void map_bytes(cf_t *c, unsigned int fmmu, uint32_t logical, uint16_t len
     cf_set_fmmu(c, fmmu, logical, length, 0, 7, physical, 0, type);
 }
 
-/* --- bytes -----------------------------------------------------------------------------------------------------------
- */
+/* --- bytes -------------------------------------------------------------------------------------------------------- */
 
 static void read_bytes(cf_t *c, uint16_t ram)
 {
@@ -109,8 +108,7 @@ static void bytes(cf_t *c)
     two_and_split(c, ram);
 }
 
-/* --- bits ------------------------------------------------------------------------------------------------------------
- */
+/* --- bits --------------------------------------------------------------------------------------------------------- */
 
 static bool bit(const uint8_t *bytes_, unsigned int n)
 {
@@ -207,8 +205,7 @@ static void mailbox_state(cf_t *c)
     cf_expect(c, "logical byte after the mail was read", 0xFB, mapped);
 }
 
-/* --- what maps nothing -----------------------------------------------------------------------------------------------
- */
+/* --- what maps nothing -------------------------------------------------------------------------------------------- */
 
 static void expect_nothing(cf_t *c, const char *what, uint8_t command)
 {
@@ -251,8 +248,7 @@ static void nothing(cf_t *c)
     overlapping(c, ram);
 }
 
-/* --- several slaves --------------------------------------------------------------------------------------------------
- */
+/* --- several slaves ----------------------------------------------------------------------------------------------- */
 
 typedef struct area {
     uint16_t station;

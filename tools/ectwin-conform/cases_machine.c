@@ -39,8 +39,7 @@ static int used_sm(const cf_t *c, uint8_t type)
     return -1;
 }
 
-/* --- transitions -----------------------------------------------------------------------------------------------------
- */
+/* --- transitions -------------------------------------------------------------------------------------------------- */
 
 /* Straight from one state to the next, with what the master has to configure and send on the way. */
 static void take(cf_t *c, uint8_t from, uint8_t to)

@@ -9,8 +9,7 @@
 enum { UNKNOWN = 0x33, FAR = 77, ENDLESS_MOST = 1024 * 1024 };
 enum { ERROR_PROTOCOL = 2 };
 
-/* --- files ----------------------------------------------------------------------------------------------------------
- */
+/* --- files -------------------------------------------------------------------------------------------------------- */
 
 /* The content of the file, as it was and as it is read later: too large for a stack. */
 static uint8_t content[CF_FILE_MOST], again[CF_FILE_MOST];
@@ -91,8 +90,7 @@ static void wrong_acknowledge(cf_t *c)
     cf_expect(c, "error code", ECT_FOE_PACKET_NUMBER, expect_error(c, what, &(cf_foe_t){CF_FOE_ACK, FAR, NULL, 0}));
 }
 
-/* --- files, written -------------------------------------------------------------------------------------------------
- */
+/* --- files, written ----------------------------------------------------------------------------------------------- */
 
 static void expect_ack(cf_t *c, uint32_t expected, const cf_foe_t *sent)
 {
@@ -209,8 +207,7 @@ static void files(cf_t *c)
         known_file(c);
 }
 
-/* --- others ----------------------------------------------------------------------------------------------------------
- */
+/* --- others ------------------------------------------------------------------------------------------------------- */
 
 /* What is not offered is refused, and the mailbox goes on. */
 static void not_offered(cf_t *c)

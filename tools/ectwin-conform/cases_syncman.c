@@ -10,8 +10,7 @@ enum { ACTIVATE_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE, MAP_LOGICAL = 0x
 enum { CODE_MAILBOX = 0x0016, CODE_OUTPUTS = 0x001D, CODE_INPUTS = 0x001E };
 enum { ERROR_SYNTAX = 1, ERROR_PROTOCOL = 2, ERROR_CHANNEL = 3, ERROR_HEADER = 5, ERROR_SHORT = 6, ERROR_SIZE = 8 };
 
-/* --- requests that are answered by any slave with a mailbox --------------------------------------------------------
- */
+/* --- requests that are answered by any slave with a mailbox ------------------------------------------------------- */
 
 /* A mailbox type that the slave does not offer: it answers with a mailbox error. */
 static uint8_t foreign_type(const cf_t *c)
@@ -69,8 +68,7 @@ static uint8_t reply_sub(const cf_t *c, const cf_mail_t *mail, uint8_t asked)
     return (c->facts.has & CF_COE) != 0 ? mail->data[5] : asked;
 }
 
-/* --- mailbox SyncManagers --------------------------------------------------------------------------------------------
- */
+/* --- mailbox SyncManagers ----------------------------------------------------------------------------------------- */
 
 static void last_byte_fills(cf_t *c)
 {
@@ -186,8 +184,7 @@ static void split(cf_t *c)
     cf_expect_bits(c, "status of SM1 after the last byte", ECT_SM_STATUS_FULL, 0, cf_get8(c, STATUS_1));
 }
 
-/* --- three buffers ---------------------------------------------------------------------------------------------------
- */
+/* --- three buffers ------------------------------------------------------------------------------------------------ */
 
 /* The first process-data SyncManager of that type with at least two bytes; -1: none. */
 static int process_sm(const cf_t *c, uint8_t type)
@@ -281,8 +278,7 @@ static void status_byte(cf_t *c)
                    ECT_SM_STATUS_READ, empty);
 }
 
-/* --- on, off, changed ------------------------------------------------------------------------------------------------
- */
+/* --- on, off, changed --------------------------------------------------------------------------------------------- */
 
 static void deactivated(cf_t *c)
 {
@@ -359,8 +355,7 @@ static void changed(cf_t *c)
     }
 }
 
-/* --- lost and repeated mails -----------------------------------------------------------------------------------------
- */
+/* --- lost and repeated mails -------------------------------------------------------------------------------------- */
 
 /* Status, activate and PDI control of SM1 in one look. */
 static void look(cf_t *c, uint8_t registers[3])
@@ -491,8 +486,7 @@ static void busy(cf_t *c)
     cf_expect_no_mail(c, SHORT_MS);
 }
 
-/* --- headers ---------------------------------------------------------------------------------------------------------
- */
+/* --- headers ------------------------------------------------------------------------------------------------------ */
 
 /* One bad mail; its error; and a good one behind it. `allowed`: a bit a detail code. */
 static void refused(cf_t *c, const char *what, const uint8_t *mail, uint16_t length, uint32_t allowed)

@@ -12,8 +12,7 @@
 /* What stays of a case: of one that passed the end, of others enough to see why. */
 enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 40000, LOOK_NS = 200000 };
 
-/* --- the way out of a case -----------------------------------------------------------------------------------------
- */
+/* --- the way out of a case ---------------------------------------------------------------------------------------- */
 
 _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason)
 {
@@ -91,8 +90,7 @@ void cf_remark(cf_t *c, const char *format, ...)
     cf_record_step(text);
 }
 
-/* --- expectations --------------------------------------------------------------------------------------------------
- */
+/* --- expectations ------------------------------------------------------------------------------------------------- */
 
 static int digits(uint64_t a, uint64_t b)
 {
@@ -149,8 +147,7 @@ void cf_expect_that(cf_t *c, bool holds, const char *format, ...)
     cf_leave(c, CF_FAIL, text);
 }
 
-/* --- while it runs -------------------------------------------------------------------------------------------------
- */
+/* --- while it runs ------------------------------------------------------------------------------------------------ */
 
 /* xorshift64* */
 uint32_t cf_random(cf_t *c, uint32_t limit)
@@ -200,8 +197,7 @@ void cf_measure(cf_t *c, const char *series, uint64_t ns)
         s->values_ns[s->count++] = ns;
 }
 
-/* --- one case ------------------------------------------------------------------------------------------------------
- */
+/* --- one case ----------------------------------------------------------------------------------------------------- */
 
 static void arm(cf_engine_t *e, uint32_t ms, bool running)
 {

@@ -142,8 +142,7 @@ void cf_esi_expect_sii(cf_t *c, ect_fact_kind_t first, ect_fact_kind_t last)
     expect_same(c);
 }
 
-/* --- the slave's dictionary, in the form of ectwin-probe ------------------------------------------------------------
- */
+/* --- the slave's dictionary, in the form of ectwin-probe ---------------------------------------------------------- */
 
 static cJSON *begin(cf_t *c, bool described)
 {
@@ -266,8 +265,7 @@ static void add_assigned(cf_t *c, cJSON *objects, uint16_t assignment)
         (void)add_numbers(c, objects, (uint16_t)cf_upload_number(c, assignment, (uint8_t)n));
 }
 
-/* --- and compared ---------------------------------------------------------------------------------------------------
- */
+/* --- and compared ------------------------------------------------------------------------------------------------- */
 
 static void take_dictionary(cf_t *c)
 {

@@ -45,8 +45,7 @@ bool cf_esi_choose(cf_esi_t *esi, const cf_facts_t *facts, char *text);
 /** Frees all. Closed already, or never opened (zeros), is allowed. */
 void cf_esi_close(cf_esi_t *esi);
 
-/* --- for cases: nothing happens when there is no file, or when its device cannot be (CF-063 tells that) ------------
- */
+/* --- for cases: nothing happens when there is no file, or when its device cannot be (CF-063 tells that) ----------- */
 
 /** What the EEPROM's image says must be as in the file: facts of these kinds, both inclusive. Else the case ends. */
 void cf_esi_expect_sii(cf_t *c, ect_fact_kind_t first, ect_fact_kind_t last);

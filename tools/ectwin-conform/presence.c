@@ -31,8 +31,7 @@ static void wait_found(cf_t *c, const char *after)
     c->engine->silent = false;
 }
 
-/* --- the plug -------------------------------------------------------------------------------------------------------
- */
+/* --- the plug ----------------------------------------------------------------------------------------------------- */
 
 static uint16_t before(const cf_t *c)
 {
@@ -99,8 +98,7 @@ bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why)
     return true;
 }
 
-/* --- power ----------------------------------------------------------------------------------------------------------
- */
+/* --- power -------------------------------------------------------------------------------------------------------- */
 
 /* Whether a slave is there that has no longer the address it was given. It may vanish at any moment. */
 static bool is_fresh(cf_t *c)

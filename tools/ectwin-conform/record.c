@@ -228,8 +228,7 @@ uint64_t cf_record_start_ns(void)
     return record.start_ns;
 }
 
-/* --- what SOEM sends and receives ----------------------------------------------------------------------------------
- */
+/* --- what SOEM sends and receives --------------------------------------------------------------------------------- */
 
 ssize_t __real_send(int fd, const void *bytes, size_t length, int flags);
 ssize_t __real_recv(int fd, void *bytes, size_t room, int flags);

@@ -245,8 +245,7 @@ bool cf_object_exists(cf_t *c, uint16_t index, uint8_t sub, uint32_t *code)
     return *code == 0;
 }
 
-/* --- information ---------------------------------------------------------------------------------------------------
- */
+/* --- information -------------------------------------------------------------------------------------------------- */
 
 int cf_info(cf_t *c, uint8_t opcode, const void *request, uint16_t request_length, void *data, size_t room,
             uint32_t *code)

@@ -44,8 +44,7 @@ bool cf_soem_to_op(cf_t *c, char *what, size_t room)
     return false;
 }
 
-/* --- shorthands ----------------------------------------------------------------------------------------------------
- */
+/* --- shorthands --------------------------------------------------------------------------------------------------- */
 
 uint16_t cf_logical(cf_t *c, uint8_t command, uint32_t address, void *data, uint16_t length)
 {

@@ -14,8 +14,7 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* --- as text -------------------------------------------------------------------------------------------------------
- */
+/* --- as text ------------------------------------------------------------------------------------------------------ */
 
 /* ":LLAAAATT...CC": length, address, type 0, data, and what makes the sum of all bytes zero. */
 static void put_record(FILE *file, uint16_t address, uint8_t type, const uint8_t *data, uint8_t length)

@@ -43,8 +43,7 @@ void board_reset(void)
     cpu_reset();
 }
 
-/* --- what the device keeps: flash that is read as memory is; how it is written only the chip knows ------------------
- */
+/* --- what the device keeps: flash that is read as memory is; how it is written only the chip knows ---------------- */
 
 static int flash_read(void *ctx, uint32_t address, void *buffer, uint32_t length)
 {
@@ -84,8 +83,7 @@ const ect_storage_t *board_storage(void)
     return MMIO_STORAGE != 0 ? &storage : NULL;
 }
 
-/* --- switches and lamps ---------------------------------------------------------------------------------------------
- */
+/* --- switches and lamps ------------------------------------------------------------------------------------------- */
 
 uint16_t board_switches(void)
 {

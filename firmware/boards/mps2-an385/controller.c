@@ -15,8 +15,7 @@ static uint8_t sii[CONTROLLER_SII];
 static uint32_t frame[LAN9118_BUFFER / sizeof(uint32_t)];
 static uint64_t wake_ns; /* what mainline sleeps for */
 
-/* --- in interrupts, or with interrupts off --------------------------------------------------------------------------
- */
+/* --- in interrupts, or with interrupts off ------------------------------------------------------------------------ */
 
 /* Lets the controller's own time pass, and asks to be called when it goes on. Mainline that is due is awake by now. */
 static void pass_time(void)
@@ -46,8 +45,7 @@ CPU_VECTORS static const cpu_handler_t vectors[MPS2_INTERRUPT_ETHERNET + 1] = {
     [MPS2_INTERRUPT_ETHERNET] = ethernet,
 };
 
-/* --- mainline -------------------------------------------------------------------------------------------------------
- */
+/* --- mainline ----------------------------------------------------------------------------------------------------- */
 
 static int pdi_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
 {
