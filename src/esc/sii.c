@@ -156,7 +156,7 @@ void ect_esc_sii_tick(ect_esc_t *esc)
 
 void ect_esc_sii_fault(ect_esc_t *esc, ect_sii_fault_t fault, unsigned int bit)
 {
-    ECT_ASSERT(bit < 16);
+    ECT_ASSERT(fault != ECT_SII_BIT_ERROR || bit < 16);
     esc->sii_fault = (uint8_t)fault;
     esc->sii_fault_bit = (uint8_t)bit;
     if (esc->sii_command != COMMAND_IDLE && !esc->config.sii_emulated)
