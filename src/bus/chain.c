@@ -49,7 +49,8 @@ struct ect_chain {
     bool link[ECT_ENDS]; /* a cable is in at this end */
     bool links_due;      /* plugs may have been pulled, or slaves have left */
     bool ways_due;       /* loops may be others */
-    ect_mishap_t mishap; /* of the next frame */
+    ect_guard_t guard;   /* at the wires of the next frame */
+    void *guard_ctx;
     ect_topology_node_t *nodes;
     bool line; /* each twin is at port 1 of the one before it */
     ect_fast_t *fast;
@@ -522,19 +523,18 @@ void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_
     ect_chain_wake(chain, i);
 }
 
-void ect_chain_mishap(ect_chain_t *chain, const ect_mishap_t *mishap)
+void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx)
 {
-    chain->mishap = *mishap;
+    chain->guard = guard;
+    chain->guard_ctx = ctx;
 }
 
 /* A frame on its way. */
 typedef struct passage {
-    uint8_t *frame;
-    size_t length;
+    ect_crossing_t c;
     uint64_t now_ns;
-    ect_mishap_t mishap;
-    bool damaged;
-    bool found; /* and a controller has noticed it */
+    ect_guard_t guard; /* NULL: none */
+    void *guard_ctx;
 } passage_t;
 
 /* @return false: it ends here */
@@ -545,12 +545,12 @@ static bool arrive(twin_t *twin, unsigned int port, passage_t *p)
         (void)ect_esc_frame_at(&twin->esc, port); /* the next one may pass */
         return false;
     }
-    if (p->damaged) {
-        ect_esc_damaged(&twin->esc, port, p->found);
-        p->found = true;
+    if (p->c.damaged) {
+        ect_esc_damaged(&twin->esc, port, p->c.noticed);
+        p->c.noticed = true;
         return !ect_esc_circulates(&twin->esc);
     }
-    return port != 0 || ect_esc_process(&twin->esc, p->frame, p->length, p->now_ns) == ECT_FRAME_FORWARD;
+    return port != 0 || ect_esc_process(&twin->esc, p->c.frame, p->c.length, p->now_ns) == ECT_FRAME_FORWARD;
 }
 
 /* Ends, for a frame that meets a port 0 without a link for the second time is destroyed there. */
@@ -558,28 +558,24 @@ static bool depart(twin_t *twin, unsigned int *port, const passage_t *p)
 {
     *port = ect_esc_next_port(&twin->esc, *port);
     while (*port == 0 && ect_esc_circulates(&twin->esc)) {
-        if (ect_esc_process(&twin->esc, p->frame, p->length, p->now_ns) != ECT_FRAME_FORWARD)
+        if (ect_esc_process(&twin->esc, p->c.frame, p->c.length, p->now_ns) != ECT_FRAME_FORWARD)
             return false;
         *port = ect_esc_next_port(&twin->esc, 0);
     }
     return twin->link[*port]; /* a loop may be forced open where no wire is */
 }
 
-/* What happens to it on a wire. @return false: it is lost there */
+/* What happens to it on a wire. @return false: it ends there */
 static bool over_wire(passage_t *p, size_t wire, bool back)
 {
-    const ect_mishap_t *mishap = &p->mishap;
-    if (mishap->kind == ECT_MISHAP_NONE || mishap->wire != wire || mishap->on_the_way_back != back)
-        return true;
-    p->damaged |= mishap->kind == ECT_MISHAP_DAMAGED;
-    return mishap->kind != ECT_MISHAP_LOST;
+    p->c.wire = wire;
+    p->c.back = back;
+    return !p->guard || p->guard(p->guard_ctx, &p->c);
 }
 
-static ect_end_t walk(ect_chain_t *chain, ect_end_t in, passage_t *p)
+/* From where it arrives. */
+static ect_end_t walk(ect_chain_t *chain, ect_topology_place_t at, passage_t *p)
 {
-    ect_topology_place_t at = {in == ECT_END_IN ? 0 : chain->count - 1, in == ECT_END_IN ? 0 : 1};
-    if (!chain->twins[at.slave].link[at.port] || !over_wire(p, wire_of(chain, at), in == ECT_END_OUT))
-        return ECT_END_NONE; /* the cable ends in a dead socket */
     for (;;) {
         ect_topology_place_t far;
         twin_t *twin = &chain->twins[at.slave];
@@ -590,13 +586,20 @@ static ect_end_t walk(ect_chain_t *chain, ect_end_t in, passage_t *p)
             at = far;
             break;
         case ECT_TOPOLOGY_MASTER:
-            return p->damaged ? ECT_END_NONE : ECT_END_IN;
+            return p->c.damaged ? ECT_END_NONE : ECT_END_IN;
         case ECT_TOPOLOGY_FAR:
-            return p->damaged ? ECT_END_NONE : ECT_END_OUT;
+            return p->c.damaged ? ECT_END_NONE : ECT_END_OUT;
         default:
             return ECT_END_NONE;
         }
     }
+}
+
+static ect_end_t enter(ect_chain_t *chain, ect_end_t in, passage_t *p)
+{
+    ect_topology_place_t at = {in == ECT_END_IN ? 0 : chain->count - 1, in == ECT_END_IN ? 0 : 1};
+    bool arrives = chain->twins[at.slave].link[at.port] && over_wire(p, wire_of(chain, at), in == ECT_END_OUT);
+    return arrives ? walk(chain, at, p) : ECT_END_NONE; /* else the cable ends in a dead socket */
 }
 
 /* It has seen a frame, which may be the cause of something to come. */
@@ -609,15 +612,50 @@ static void note_frame(ect_chain_t *chain, size_t i)
 }
 
 /* Any of them may have been on the way. */
-static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+static void note_all(ect_chain_t *chain)
 {
-    passage_t passage = {.frame = frame, .length = length, .now_ns = now_ns, .mishap = chain->mishap};
-    chain->mishap = (ect_mishap_t){0};
-    ect_end_t out = walk(chain, in, &passage);
     for (size_t i = 0; i < chain->count; i++) {
         ect_fast_look(chain->fast, i);
         note_frame(chain, i);
     }
+}
+
+static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    passage_t passage = {.c = {.frame = frame, .length = length},
+                         .now_ns = now_ns,
+                         .guard = chain->guard,
+                         .guard_ctx = chain->guard_ctx};
+    chain->guard = NULL;
+    ect_end_t out = enter(chain, in, &passage);
+    note_all(chain);
+    return out;
+}
+
+/* The other end of the wire on which a frame is. @return whether it is at a slave; else it leaves the chain there */
+static bool arrives_at(const ect_chain_t *chain, const ect_crossing_t *c, ect_topology_place_t *to)
+{
+    if (c->wire == chain->count)
+        *to = (ect_topology_place_t){chain->count - 1, 1};
+    else if (c->wire == 0 || !c->back)
+        *to = (ect_topology_place_t){c->wire, 0};
+    else
+        *to = (ect_topology_place_t){chain->nodes[c->wire].up, chain->nodes[c->wire].up_port};
+    return c->wire != (c->back ? 0 : chain->count);
+}
+
+ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns)
+{
+    passage_t passage = {.c = *from, .now_ns = now_ns};
+    ect_topology_place_t at;
+    chain->now_ns = chain->frame_ns = now_ns;
+    bool inside = arrives_at(chain, from, &at);
+    if (!chain->twins[at.slave].link[at.port])
+        return ECT_END_NONE;
+    if (!inside)
+        return from->damaged ? ECT_END_NONE : from->back ? ECT_END_IN : ECT_END_OUT;
+    ect_end_t out = walk(chain, at, &passage);
+    note_all(chain);
     return out;
 }
 
@@ -671,7 +709,7 @@ ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_
 {
     chain->now_ns = chain->frame_ns = now_ns;
     bool plain = chain->line && in == ECT_END_IN && chain->twins[0].link[0] && chain->count > 1;
-    if (!plain || chain->mishap.kind != ECT_MISHAP_NONE)
+    if (!plain || chain->guard)
         return pass_slowly(chain, in, frame, length, now_ns);
     tick_due(chain, now_ns);
     note_reach(chain, ect_fast_reach(chain->fast));

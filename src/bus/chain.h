@@ -88,26 +88,35 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link);
  * came in (data sheet I §3).
  *
  * @param in  ECT_END_IN or ECT_END_OUT
- * @return the end where to send the changed frame, at the same length; ECT_END_NONE: it is lost
+ * @return the end where to send the changed frame, at the same length if no guard has cut it; ECT_END_NONE: it is lost
  */
 ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
 
-/** What may happen to a frame on a wire. */
-typedef enum ect_mishap_kind { ECT_MISHAP_NONE, ECT_MISHAP_LOST, ECT_MISHAP_DAMAGED } ect_mishap_kind_t;
-
-/** A mishap on one wire: the one at the input of the slave at that position; `count`: the one behind the last slave. */
-typedef struct ect_mishap {
-    ect_mishap_kind_t kind;
+/** A frame on a wire: the one at the input of the slave at that position; `count`: the one behind the last slave. */
+typedef struct ect_crossing {
     size_t wire;
-    bool on_the_way_back; /**< towards the master, and not away from him */
-} ect_mishap_t;
+    bool back; /**< towards the master, and not away from him */
+    uint8_t *frame;
+    size_t length; /**< may be made less */
+    bool damaged;  /**< may be set: its check sum is wrong */
+    bool noticed;  /**< a controller has counted it for that */
+} ect_crossing_t;
+
+/** Who stands at the wires and may change what comes by. @return whether it goes on; false: it ends here */
+typedef bool (*ect_guard_t)(void *ctx, ect_crossing_t *crossing);
 
 /**
- * The next frame that passes meets with a mishap if it comes by that wire in that direction. One that is lost was
- * processed by those before; so was one that is damaged, and those behind count it (0x0300, 0x0308, 0x030C) and do not
- * execute it. It comes back to nobody.
+ * The next frame that passes is shown to a guard on each wire that it comes by, in their order. What ends there was
+ * processed by those before. So was one that is damaged there, and those behind count it (0x0300, 0x0308, 0x030C) and
+ * do not execute it; it comes back to nobody.
  */
-void ect_chain_mishap(ect_chain_t *chain, const ect_mishap_t *mishap);
+void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx);
+
+/**
+ * Lets a frame that has ended on a wire go on from there, at a later time.
+ * @return as ::ect_chain_pass; ECT_END_NONE also when the wire is not there any more
+ */
+ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns);
 
 /**
  * Does to a slave what a fault says, at once.

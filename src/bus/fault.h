@@ -11,7 +11,8 @@
  *     corrupt 1%                           a request has a bit changed that the check sum does not show
  *     counter -1 every 2                   the working counter of the first datagram of an answer is one less
  *     drop wire 3 back                     lost on the wire at the input of slave 3, on the way to the master
- *     damage 10% wire 3                    the same, and those behind count a bad check sum
+ *     damage 10% wire 3                    there, on the way from the master: those behind count a bad check sum
+ *     delay 3000us every 10 wire 2         late there: so all faults of frames may be on a wire (bus/wires.h)
  *     hang slave 2, resume slave 2         its microcontroller stands still, and goes on
  *     reset slave 2                        it begins anew
  *     identity slave 2                     it is replaced by one with the next product code
@@ -71,8 +72,8 @@ typedef struct ect_fault {
     ect_fault_when_t when;
     uint32_t number; /**< of `when` */
     int32_t amount;  /**< µs of DELAY, bytes of TRUNCATE, of COUNTER, bit of EEPROM_FLIP, ns of CLOCK */
-    uint16_t slave;  /**< from 1; of DROP and DAMAGE the slave at whose input the wire is; 0: none is named */
-    bool back;       /**< of DROP and DAMAGE on a wire: on the way to the master */
+    uint16_t slave;  /**< from 1; of those of frames the slave at whose input the wire is; 0: none is named */
+    bool back;       /**< on a wire: on the way to the master */
 } ect_fault_t;
 
 /**

@@ -152,19 +152,37 @@ static ect_fate_t draw(ect_runner_t *r, uint8_t *frame, size_t *length, uint64_t
     return r->scenario ? ect_scenario_frame(r->scenario, r->chain, frame, length, now_ns) : (ect_fate_t){0};
 }
 
+/* Frames that were kept on a wire and go on now. */
+static void release_kept(ect_runner_t *r)
+{
+    ect_kept_t *kept;
+    if (!r->scenario || ect_wires_due(&r->scenario->wires) == ECT_NEVER)
+        return;
+    while ((kept = ect_wires_release(&r->scenario->wires, r->chain, chain_now(r)))) {
+        if (kept->end != ECT_END_NONE) {
+            send_out(r, kept->end, kept->frame, kept->at.length);
+            r->stats.answered++;
+        }
+        free(kept);
+    }
+}
+
 static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
 {
     uint64_t came_ns = chain_now(r);
     ect_fate_t fate = draw(r, frame, &length, came_ns);
     ect_end_t out = fate.lose_request ? ECT_END_NONE : through(r, in, frame, length, came_ns);
-    if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE)) {
+    ect_wires_result_t on_wires =
+        r->scenario ? ect_scenario_answer(r->scenario, &fate, frame, &length) : ECT_WIRES_PASSED;
+    if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
         r->stats.dropped++;
-    } else if (out == ECT_END_NONE) {
-        r->stats.unanswered++;
-    } else {
-        ect_scenario_count(frame, length, fate.counter);
+    else if (out != ECT_END_NONE)
         answer_with(r, out, frame, length, &fate, came_ns, waited_ns);
-    }
+    else if (on_wires == ECT_WIRES_KEEP)
+        r->stats.delayed++;
+    else
+        r->stats.unanswered++;
+    release_kept(r);
 }
 
 /* Longer than any frame of EtherCAT, and its end was not even kept: the controllers count it, and nobody answers. */
@@ -231,6 +249,7 @@ static void poll_devices(ect_runner_t *r, uint64_t now_ns)
 /* Late answers, the devices, then those who watch them. @return when to be here again */
 static uint64_t run_devices(ect_runner_t *r)
 {
+    release_kept(r);
     uint64_t now_ns = ect_runner_now();
     send_late(r, now_ns);
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
@@ -343,6 +362,8 @@ int ect_runner_run(ect_runner_t *r)
         ect_late_clear(&r->late[end]);
         ect_late_clear(&r->behind[end]);
     }
+    if (r->scenario)
+        ect_wires_clear(&r->scenario->wires);
     finish(r);
     return going;
 }

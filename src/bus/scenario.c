@@ -6,16 +6,8 @@
 #include <string.h>
 
 #include "seams/random.h"
-#include "wire/bytes.h"
 
-enum {
-    HEADER = 16,
-    TYPE = 12,
-    LENGTH = HEADER + 6,
-    DATA = HEADER + 10,
-    ETHERTYPE_ECAT = 0x88A4,
-    NS_PER_S = 1000000000
-};
+enum { NS_PER_S = 1000000000 };
 
 /* --- a script ----------------------------------------------------------------------------------------------------- */
 
@@ -198,7 +190,7 @@ static void take_step(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t
 
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
-    uint64_t next_ns = ECT_NEVER;
+    uint64_t next_ns = ect_wires_due(&s->wires);
     if (s->start_ns == 0)
         s->start_ns = now_ns;
     for (size_t i = 0; s->steps_left > 0 && i < s->step_count; i++) {
@@ -233,16 +225,6 @@ static bool concerns(ect_scenario_t *s, size_t i)
     }
 }
 
-/* One bit of the first datagram's data, or of what there is. */
-static void corrupt(ect_scenario_t *s, uint8_t *frame, size_t length)
-{
-    size_t from = length > DATA ? DATA : length > HEADER ? HEADER : 0;
-    if (length == 0)
-        return;
-    uint32_t lot = ect_random_next(&s->seed);
-    frame[from + lot / 8 % (length - from)] ^= (uint8_t)(1u << lot % 8);
-}
-
 static void drop(ect_scenario_t *s, ect_fate_t *fate)
 {
     if (ect_random_next(&s->seed) % 2 == 0)
@@ -251,26 +233,11 @@ static void drop(ect_scenario_t *s, ect_fate_t *fate)
         fate->lose_answer = true;
 }
 
-static void on_wire(ect_chain_t *chain, const ect_fault_t *fault)
-{
-    const ect_mishap_t mishap = {
-        .kind = fault->kind == ECT_FAULT_DROP ? ECT_MISHAP_LOST : ECT_MISHAP_DAMAGED,
-        .wire = fault->slave - 1u,
-        .on_the_way_back = fault->back,
-    };
-    ect_chain_mishap(chain, &mishap);
-}
-
-static void befall(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint8_t *frame, size_t *length,
-                   ect_fate_t *fate)
+static void befall(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *frame, size_t *length, ect_fate_t *fate)
 {
     switch (fault->kind) {
     case ECT_FAULT_DROP:
-    case ECT_FAULT_DAMAGE:
-        if (fault->slave != 0)
-            on_wire(chain, fault);
-        else
-            drop(s, fate);
+        drop(s, fate);
         return;
     case ECT_FAULT_DELAY:
         fate->delay_us += (uint32_t)fault->amount;
@@ -285,7 +252,7 @@ static void befall(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fau
         *length -= (size_t)fault->amount < *length ? (size_t)fault->amount : *length;
         return;
     case ECT_FAULT_CORRUPT:
-        corrupt(s, frame, *length);
+        ect_frame_corrupt(&s->seed, frame, *length);
         return;
     default:
         fate->counter += fault->amount;
@@ -297,24 +264,26 @@ ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *fr
     ect_fate_t fate = {0};
     s->frames++;
     (void)ect_scenario_tick(s, chain, now_ns);
+    ect_wires_begin(&s->wires, &s->seed, now_ns);
     size_t kept = 0;
     for (size_t i = 0; i < s->set_count; i++) {
         const ect_fault_t *fault = &s->set[i].fault;
         bool now = concerns(s, i);
-        if (now)
-            befall(s, chain, fault, frame, length, &fate);
+        if (now && fault->slave != 0)
+            ect_wires_add(&s->wires, fault);
+        else if (now)
+            befall(s, fault, frame, length, &fate);
         if (!(now && fault->when == ECT_FAULT_ONCE))
             s->set[kept++] = s->set[i];
     }
     s->set_count = kept;
+    ect_wires_end(&s->wires, chain);
     return fate;
 }
 
-void ect_scenario_count(uint8_t *frame, size_t length, int32_t by)
+ect_wires_result_t ect_scenario_answer(const ect_scenario_t *s, const ect_fate_t *fate, uint8_t *frame, size_t *length)
 {
-    if (by == 0 || length < DATA + 2 || ect_load_be16(frame + TYPE) != ETHERTYPE_ECAT)
-        return;
-    size_t counter = DATA + (ect_load_le16(frame + LENGTH) & 0x07FFu);
-    if (counter + 2 <= length)
-        ect_store_le16(frame + counter, (uint16_t)(ect_load_le16(frame + counter) + by));
+    *length -= s->wires.cut;
+    ect_frame_count(frame, *length, fate->counter);
+    return s->wires.result;
 }

@@ -23,6 +23,7 @@
 
 #include "bus/chain.h"
 #include "bus/fault.h"
+#include "bus/wires.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -55,9 +56,10 @@ typedef struct ect_scenario {
     ect_scenario_step_t steps[ECT_SCENARIO_STEPS];
     size_t step_count;
     size_t steps_left;
+    ect_wires_t wires;
 } ect_scenario_t;
 
-/** What becomes of a frame. What changes the request, or happens on a wire, is done already. */
+/** What becomes of a frame. What changes the request is done already; what happens on a wire will be on its way. */
 typedef struct ect_fate {
     bool lose_request, lose_answer;
     bool twice;        /**< its answer leaves twice */
@@ -85,11 +87,15 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
  */
 ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length, uint64_t now_ns);
 
-/** Time passes. @return when a step is due without a frame; ECT_NEVER */
+/** Time passes. @return when a step, or a frame on a wire (s->wires), is due without another frame; ECT_NEVER */
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns);
 
-/** Adds to the working counter of the first datagram of a frame; of a frame without one nothing. */
-void ect_scenario_count(uint8_t *frame, size_t length, int32_t by);
+/**
+ * The frame has been through the chain: what its fate says of an answer is done to it, but for its ways.
+ * @param[in,out] length  less when a wire has cut it
+ * @return what the wires have done to it
+ */
+ect_wires_result_t ect_scenario_answer(const ect_scenario_t *s, const ect_fate_t *fate, uint8_t *frame, size_t *length);
 
 /** The highest number of a slave in the script; 0: none is named. */
 uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);

@@ -30,6 +30,7 @@ static int setup(void **state)
 static int teardown(void **state)
 {
     rig_t *r = *state;
+    ect_wires_clear(&r->s.wires);
     wire_close(&r->w);
     free(r);
     return 0;
@@ -41,6 +42,12 @@ static void round_trip(void **state)
                                         "drop 5%",
                                         "drop wire 3",
                                         "drop frame 7 wire 2 back",
+                                        "delay 5us every 3 wire 2",
+                                        "duplicate wire 1 back",
+                                        "reorder 7% wire 3",
+                                        "truncate 4 wire 2 back",
+                                        "corrupt frame 9 wire 2",
+                                        "counter -3 wire 1",
                                         "damage 10% wire 1",
                                         "delay 3000us",
                                         "delay 1us every 10",
@@ -95,7 +102,7 @@ static void refused(void **state)
         {"delay", "us"},
         {"delay 5ms", "us"},
         {"truncate 0", "1 to 1500"},
-        {"corrupt wire 1", "nothing more"},
+        {"corrupt wire 1 forth", "nothing more"},
         {"hang", "slave N"},
         {"hang slave 0", "1 to 65535"},
         {"hang slave 1 now", "nothing more"},
@@ -250,12 +257,12 @@ static void counters(void **state)
 {
     rig_t *r = *state;
     wire_build(&r->w, BRD, 0, 0, "ab", 2);
-    ect_scenario_count(r->w.frame, r->w.frame_length, -1);
+    ect_frame_count(r->w.frame, r->w.frame_length, -1);
     assert_int_equal(wire_wkc(&r->w, 0), 0xFFFF);
-    ect_scenario_count(r->w.frame, r->w.frame_length, 5);
+    ect_frame_count(r->w.frame, r->w.frame_length, 5);
     assert_int_equal(wire_wkc(&r->w, 0), 4);
     for (size_t length = 0; length < 30; length++)
-        ect_scenario_count(r->w.frame, length, 1); /* cut off before its counter */
+        ect_frame_count(r->w.frame, length, 1); /* cut off before its counter */
     assert_int_equal(wire_wkc(&r->w, 0), 4);
 }
 
@@ -368,18 +375,150 @@ static void clock_jumps(void **state)
     assert_int_equal(ect_esc_system_time(ect_chain_esc(r->w.chain, 2), r->w.now_ns), before);
 }
 
+/* --- wires -------------------------------------------------------------------------------------------------------- */
+
+/* A frame there, and what comes back of it. @return its length; 0: nothing has come back */
+static size_t pass(rig_t *r)
+{
+    size_t length = r->w.frame_length;
+    ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+    bool back = !fate.lose_request && ect_chain_process(r->w.chain, r->w.frame, length, r->w.now_ns);
+    ect_wires_result_t on_wires = ect_scenario_answer(&r->s, &fate, r->w.frame, &length);
+    wire_poll(&r->w);
+    assert_true(on_wires == ECT_WIRES_PASSED || !back);
+    return back ? length : 0;
+}
+
+/* Writes to all slaves. @return as pass */
+static size_t write_all(rig_t *r, uint8_t value)
+{
+    wire_build(&r->w, BWR, 0, ADDRESS, &value, 1);
+    return pass(r);
+}
+
+static void expect_bytes(const rig_t *r, const char *what, const uint8_t want[TWINS])
+{
+    for (size_t i = 0; i < TWINS; i++) {
+        uint8_t got = ect_chain_esc(r->w.chain, i)->memory[ADDRESS];
+        if (got != want[i])
+            fail_msg("%s: slave %zu: expected 0x%02X, got 0x%02X", what, i + 1, want[i], got);
+    }
+}
+
+/* The next frame that was kept goes on. @return its working counter; -1: it is lost on its way */
+static int release(rig_t *r)
+{
+    ect_kept_t *kept = ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns);
+    assert_non_null(kept);
+    const uint8_t *d = kept->frame + 16;
+    int counter = kept->end == ECT_END_IN ? ect_load_le16(d + 10 + ect_load_le16(d + 6)) : -1;
+    free(kept);
+    wire_poll(&r->w);
+    return counter;
+}
+
 static void on_wires(void **state)
 {
     rig_t *r = *state;
     set(r, "damage frame 2 wire 3");
-    char happened[8];
-    befall(r, happened, 2);
-    assert_false(wire_transmit(&r->w));
+    assert_int_not_equal(write_all(r, 1), 0);
+    assert_int_equal(write_all(r, 2), 0);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_PASSED);
     assert_int_equal(ect_chain_esc(r->w.chain, 2)->memory[0x0300], 1);
+    expect_bytes(r, "damaged before the third", (uint8_t[]){2, 2, 1});
     set(r, "drop frame 1 wire 2 back");
-    befall(r, happened, 1);
-    assert_false(wire_transmit(&r->w));
+    assert_int_equal(write_all(r, 3), 0);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_LOST);
     assert_int_equal(ect_chain_esc(r->w.chain, 0)->memory[0x0300], 0);
+    expect_bytes(r, "lost behind the second", (uint8_t[]){3, 3, 3});
+}
+
+static void changed_on_wires(void **state)
+{
+    rig_t *r = *state;
+    set(r, "corrupt frame 1 wire 2");
+    assert_int_not_equal(write_all(r, 0), 0);
+    uint8_t other = ect_chain_esc(r->w.chain, 1)->memory[ADDRESS];
+    if (other == 0) /* it was the working counter */
+        assert_int_not_equal(wire_wkc(&r->w, 0), 3);
+    expect_bytes(r, "a bit is another one before the second", (uint8_t[]){0, other, other});
+    set(r, "truncate 2 frame 1 wire 3");
+    assert_int_equal(write_all(r, 0x11), 0);
+    expect_bytes(r, "cut before the third", (uint8_t[]){0x11, 0x11, other});
+    assert_int_equal(ect_chain_esc(r->w.chain, 2)->memory[0x0300], 1);
+    set(r, "truncate 2 frame 1 wire 3 back");
+    assert_int_equal(write_all(r, 0x22), r->w.frame_length - 2);
+    expect_bytes(r, "cut behind the third", (uint8_t[]){0x22, 0x22, 0x22});
+    set(r, "truncate 1500 frame 1 wire 1 back");
+    assert_int_equal(write_all(r, 0x22), 0);
+    assert_int_not_equal(write_all(r, 0x22), 0);
+    set(r, "counter -2 frame 1 wire 2");
+    set(r, "counter 5 frame 1 wire 2 back"); /* both, and each once */
+    assert_int_not_equal(write_all(r, 0x33), 0);
+    assert_int_equal(wire_wkc(&r->w, 0), 6);
+    assert_int_not_equal(write_all(r, 0x33), 0);
+    assert_int_equal(wire_wkc(&r->w, 0), 3);
+}
+
+static void late_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "delay 3000us frame 1 wire 2");
+    assert_int_equal(write_all(r, 1), 0);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_KEEP);
+    expect_bytes(r, "late before the second", (uint8_t[]){1, 0, 0});
+    uint64_t due_ns = r->w.now_ns + 3 * MS;
+    assert_int_equal(ect_wires_due(&r->s.wires), due_ns);
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns), due_ns);
+    r->w.now_ns += MS;
+    assert_null(ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns));
+    assert_int_equal(write_all(r, 2), 0); /* it does not overtake the first one */
+    r->w.now_ns = due_ns;
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the first one has come", (uint8_t[]){2, 1, 1});
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the second one has come", (uint8_t[]){2, 2, 2});
+    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
+    assert_int_not_equal(write_all(r, 3), 0);
+}
+
+static void twice_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "duplicate frame 1 wire 2");
+    wire_build(&r->w, BWR, 0, 0x0120, "\x11\x00", 2);
+    r->w.poll = NULL;
+    size_t length = r->w.frame_length;
+    (void)ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+    assert_true(ect_chain_process(r->w.chain, r->w.frame, length, r->w.now_ns));
+    assert_int_equal(wire_wkc(&r->w, 0), 3);
+    assert_int_equal(ect_wires_due(&r->s.wires), 0);
+    assert_int_equal(release(r), 1); /* the slaves behind have not read the first request yet */
+}
+
+static void behind_the_next_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "reorder frame 1 wire 3");
+    assert_int_equal(write_all(r, 1), 0);
+    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
+    assert_null(ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns + 1000 * MS));
+    assert_int_not_equal(write_all(r, 2), 0);
+    expect_bytes(r, "the second one is first", (uint8_t[]){2, 2, 2});
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "then the first", (uint8_t[]){2, 2, 1});
+}
+
+static void kept_at_most(void **state)
+{
+    rig_t *r = *state;
+    set(r, "delay 1us wire 1");
+    for (unsigned int i = 0; i <= ECT_WIRES_KEPT; i++)
+        assert_int_equal(write_all(r, 1), 0);
+    assert_int_equal(r->s.wires.kept_count, ECT_WIRES_KEPT);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_LOST); /* there is no room for the last one */
+    ect_wires_clear(&r->s.wires);
+    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
 }
 
 /* --- scripts ------------------------------------------------------------------------------------------------------ */
@@ -464,7 +603,10 @@ static void script_refused(void **state)
     assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
 }
 
-#define TEST(title, function) {title, function, setup, teardown, NULL}
+#define TEST(title, function)                                                                                          \
+    {                                                                                                                  \
+        title, function, setup, teardown, NULL                                                                         \
+    }
 
 int main(int argc, char **argv)
 {
@@ -486,6 +628,11 @@ int main(int argc, char **argv)
         TEST("CF-055: an EEPROM that is busy, does not answer, or has a bit wrong", eeprom),
         TEST("CF-088: a clock jumps, and back", clock_jumps),
         TEST("CF-011: frames that are lost and damaged on a wire", on_wires),
+        TEST("CF-011: frames that are changed, cut, or counted wrong on a wire: those behind see it", changed_on_wires),
+        TEST("a frame that is late on a wire: those behind wait for it, and no other one overtakes it", late_on_a_wire),
+        TEST("CF-041: a frame that comes twice over a wire is executed twice behind it", twice_on_a_wire),
+        TEST("frames that change their order on a wire", behind_the_next_on_a_wire),
+        TEST("of more frames than are kept on wires the last ones are lost", kept_at_most),
         TEST("a script sets faults at a time, at a frame, in a state", script),
         TEST("a script says when it is due", script_times),
         TEST("a fault of a script that cannot be set when its time has come is told", script_told),

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/settings.h"
 #include "bus/topology.h"
 #include "support/testdev.h"
 #include "support/wire.h"
@@ -294,29 +295,41 @@ static void reset_by_the_master(void **state)
 
 /* --- mishaps ---------------------------------------------------------------------------------------------------- */
 
+/* What happens on one wire, in one direction. */
+typedef struct mishap {
+    bool damaged; /* else it is lost */
+    size_t wire;
+    bool back;
+} mishap_t;
+
+static bool strike(void *ctx, ect_crossing_t *c)
+{
+    const mishap_t *mishap = ctx;
+    if (c->wire != mishap->wire || c->back != mishap->back)
+        return true;
+    c->damaged = mishap->damaged;
+    return mishap->damaged;
+}
+
 static void mishaps(void **state)
 {
     /* Which of four in a line have processed the frame; which counters of which count. */
-    static const struct {
-        ect_mishap_t mishap;
+    static struct {
+        mishap_t mishap;
         const char *processed, *invalid, *forwarded;
         unsigned int port;
     } rows[] = {
-        {{ECT_MISHAP_LOST, 0, false}, "....", "....", "....", 0},
-        {{ECT_MISHAP_LOST, 2, false}, "##..", "....", "....", 0},
-        {{ECT_MISHAP_LOST, 2, true}, "####", "....", "....", 0},
-        {{ECT_MISHAP_LOST, 0, true}, "####", "....", "....", 0},
-        {{ECT_MISHAP_DAMAGED, 0, false}, "....", "#...", ".###", 0},
-        {{ECT_MISHAP_DAMAGED, 2, false}, "##..", "..#.", "...#", 0},
-        {{ECT_MISHAP_DAMAGED, 2, true}, "####", ".#..", "#...", 1},
-        {{ECT_MISHAP_DAMAGED, 0, true}, "####", "....", "....", 1},
+        {{false, 0, false}, "....", "....", "....", 0}, {{false, 2, false}, "##..", "....", "....", 0},
+        {{false, 2, true}, "####", "....", "....", 0},  {{false, 0, true}, "####", "....", "....", 0},
+        {{true, 0, false}, "....", "#...", ".###", 0},  {{true, 2, false}, "##..", "..#.", "...#", 0},
+        {{true, 2, true}, "####", ".#..", "#...", 1},   {{true, 0, true}, "####", "....", "....", 1},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const ect_device_t *devices[] = {&testdev, &testdev, &testdev, &testdev};
         wire_t w;
         wire_open(&w, devices, 4);
-        ect_chain_mishap(w.chain, &rows[i].mishap);
+        ect_chain_guard(w.chain, strike, &rows[i].mishap);
         assert_int_equal(wire_send(&w, BWR, 0, 0x0F80, (uint8_t[1]){0x77}, 1), NO_REPLY);
         for (size_t k = 0; k < 4; k++) {
             const uint8_t *memory = ect_chain_esc(w.chain, k)->memory;
@@ -325,13 +338,87 @@ static void mishaps(void **state)
             bool forwarded = memory[0x0308 + rows[i].port] != 0;
             if (processed != (rows[i].processed[k] == '#') || invalid != (rows[i].invalid[k] == '#') ||
                 forwarded != (rows[i].forwarded[k] == '#'))
-                fail_msg("mishap %d on wire %zu, back %d: twin %zu: processed %d, counted %d, forwarded %d",
-                         rows[i].mishap.kind, rows[i].mishap.wire, rows[i].mishap.on_the_way_back, k + 1, processed,
-                         invalid, forwarded);
+                fail_msg("damaged %d on wire %zu, back %d: twin %zu: processed %d, counted %d, forwarded %d",
+                         rows[i].mishap.damaged, rows[i].mishap.wire, rows[i].mishap.back, k + 1, processed, invalid,
+                         forwarded);
         }
         assert_int_equal(wire_send(&w, BRD, 0, 0, (uint8_t[1]){0}, 1), 4); /* it was one frame's */
         wire_close(&w);
     }
+}
+
+/* Keeps the frame that comes by a wire. */
+typedef struct keeper {
+    size_t wire;
+    bool back;
+    ect_crossing_t kept;
+} keeper_t;
+
+static bool keep(void *ctx, ect_crossing_t *c)
+{
+    keeper_t *k = ctx;
+    if (c->wire != k->wire || c->back != k->back)
+        return true;
+    k->kept = *c;
+    return false;
+}
+
+/* From a junction with three branches: 1 behind its port 3, 2 behind 1, 3 and 4 at its ports 1 and 2. */
+static void goes_on(void **state)
+{
+    static const uint8_t ports[] = {0, 3, 1, 1, 2};
+    static const uint8_t ups[] = {0, 0, 1, 0, 0};
+    (void)state;
+    for (size_t wire = 0; wire < 5; wire++) {
+        for (unsigned int back = 0; back < 2; back++) {
+            ect_twin_config_t twins[5];
+            keeper_t keeper = {.wire = wire, .back = back == 1};
+            wire_t w;
+            for (size_t i = 0; i < 5; i++) {
+                twins[i] = ect_twin_default(&testdev, NULL);
+                twins[i].up = ups[i];
+                twins[i].up_port = ports[i];
+            }
+            wire_open_twins(&w, twins, 5);
+            wire_build(&w, BRD, 0, 0, (uint8_t[1]){0}, 1);
+            ect_chain_guard(w.chain, keep, &keeper);
+            assert_false(wire_transmit(&w));
+            w.now_ns += MS;
+            if (ect_chain_go_on(w.chain, &keeper.kept, w.now_ns) != ECT_END_IN || wire_wkc(&w, 0) != 5)
+                fail_msg("kept on wire %zu, back %u: expected it at the master with 5, got %u", wire, back,
+                         wire_wkc(&w, 0));
+            const ect_setting_t pulled = {.name = "ecat.plug_in", .value = "0"};
+            char message[ECT_SIGNAL_MESSAGE];
+            assert_true(ect_settings_apply(w.chain, wire, &pulled, 1, w.now_ns, message));
+            wire_poll(&w);
+            assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_NONE);
+            wire_close(&w);
+        }
+    }
+}
+
+/* Behind the last slave: there the chain's other end is. */
+static void goes_on_behind_the_last(void **state)
+{
+    const ect_device_t *devices[] = {&testdev, &testdev};
+    keeper_t keeper = {.wire = 2};
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 2);
+    ect_chain_set_link(w.chain, ECT_END_OUT, true);
+    wire_build(&w, BRD, 0, 0, (uint8_t[1]){0}, 1);
+    ect_chain_guard(w.chain, keep, &keeper);
+    assert_int_equal(ect_chain_pass(w.chain, ECT_END_IN, w.frame, w.frame_length, w.now_ns), ECT_END_NONE);
+    assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_OUT);
+    assert_int_equal(wire_wkc(&w, 0), 2);
+    keeper.kept.damaged = true;
+    assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_NONE);
+    keeper.back = true;
+    ect_chain_guard(w.chain, keep, &keeper);
+    wire_build(&w, BRD, 0, 0, (uint8_t[1]){0}, 1);
+    assert_int_equal(ect_chain_pass(w.chain, ECT_END_OUT, w.frame, w.frame_length, w.now_ns), ECT_END_NONE);
+    assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_IN);
+    wire_close(&w);
 }
 
 int main(int argc, char **argv)
@@ -353,6 +440,9 @@ int main(int argc, char **argv)
         {"CF-012: a reset by the master restarts the slave", reset_by_the_master, NULL, NULL, NULL},
         {"CF-011: a frame that is lost or damaged on a wire: who has processed it, who counts it", mishaps, NULL, NULL,
          NULL},
+        {"a frame that is kept on a wire of a tree goes on from there, as long as the wire is there", goes_on, NULL,
+         NULL, NULL},
+        {"so does one that is kept behind the last slave", goes_on_behind_the_last, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
