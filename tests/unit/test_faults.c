@@ -603,10 +603,7 @@ static void script_refused(void **state)
     assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
 }
 
-#define TEST(title, function)                                                                                          \
-    {                                                                                                                  \
-        title, function, setup, teardown, NULL                                                                         \
-    }
+#define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
 {
