@@ -850,6 +850,13 @@ bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *nam
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
 }
 
+const ect_modbus_t *ect_chain_modbus(const ect_chain_t *chain, size_t position, void **instance)
+{
+    const twin_t *twin = &chain->twins[position];
+    *instance = twin->slave.config.instance;
+    return twin->config.plant && !twin->hung && on_bus(twin) ? twin->config.plant->modbus : NULL;
+}
+
 ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position)
 {
     const twin_t *twin = &chain->twins[position];

@@ -154,6 +154,13 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
                            ect_signal_ref_t *ref);
 /** @return whether a twin has a signal of exactly that name; then *ref is set */
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref);
+/**
+ * The Modbus side of a twin as it is at this moment, for one request. Whoever writes there, or reads, wakes the twin
+ * (::ect_chain_wake).
+ * @param[out] instance  what its functions work on
+ * @return NULL: it has none, or nobody answers: the twin is off the bus, or its microcontroller stands still
+ */
+const ect_modbus_t *ect_chain_modbus(const ect_chain_t *chain, size_t position, void **instance);
 /** What ect_plant_t::bulk gives for a twin; `data` is NULL when it has no such thing. */
 ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position);
 /**
@@ -163,7 +170,8 @@ bool ect_chain_keep(ect_chain_t *chain, size_t position);
 /** Takes back what signals have done to a twin since ::ect_chain_keep of the same position. No poll in between. */
 void ect_chain_put_back(ect_chain_t *chain, size_t position);
 /**
- * Lets the slave at a position look at its device again at the next poll: a signal was set. Cost: a look at its plugs;
+ * Lets the slave at a position look at its device again at the next poll: something was done to it from
+ * outside. Cost: a look at its plugs;
  * when one of them is in or out now and was not, the next poll looks at those of all twins.
  */
 void ect_chain_wake(ect_chain_t *chain, size_t position);

@@ -19,8 +19,8 @@ uint64_t ect_runner_now(void)
     return (uint64_t)now.tv_sec * NS_PER_S + (uint64_t)now.tv_nsec;
 }
 
-/* What the loop waits for: a frame at each end, a signal, a cable, users at the control socket. */
-enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FD, WAITABLE };
+/* What the loop waits for: a frame at each end, a signal, a cable, users at the control socket, Modbus clients. */
+enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
 
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
@@ -50,6 +50,8 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
     fds[CONTROL_FD] =
         (struct pollfd){.fd = r->control && !r->resting ? ect_control_fd(r->control) : -1, .events = POLLIN};
+    fds[MODBUS_FD] =
+        (struct pollfd){.fd = r->modbus && !r->resting ? ect_modbus_server_fd(r->modbus) : -1, .events = POLLIN};
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -246,6 +248,14 @@ static void poll_devices(ect_runner_t *r, uint64_t now_ns)
     r->deadline_ns = next_ns;
 }
 
+/* When clients want to be served by themselves; while the loop rests from them, when that is over. */
+static uint64_t clients_due(const ect_runner_t *r)
+{
+    uint64_t control_ns = r->control ? ect_control_due(r->control) : ECT_NEVER;
+    uint64_t modbus_ns = r->modbus ? ect_modbus_server_due(r->modbus) : ECT_NEVER;
+    return r->resting ? r->rested_ns : earlier(control_ns, modbus_ns);
+}
+
 /* Late answers, the devices, then those who watch them. @return when to be here again */
 static uint64_t run_devices(ect_runner_t *r)
 {
@@ -254,24 +264,28 @@ static uint64_t run_devices(ect_runner_t *r)
     send_late(r, now_ns);
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
     poll_devices(r, now_ns);
-    uint64_t control_ns = r->control ? ect_control_due(r->control) : ECT_NEVER;
-    r->resting = r->control && now_ns < r->rested_ns;
-    if (r->resting)
-        control_ns = r->rested_ns;
+    r->resting = now_ns < r->rested_ns;
     uint64_t late_ns = earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
     uint64_t fault_ns = r->scenario ? ect_scenario_tick(r->scenario, r->chain, r->polled_ns) : ECT_NEVER;
-    return earlier(earlier(r->deadline_ns, fault_ns), earlier(control_ns, late_ns));
+    return earlier(earlier(r->deadline_ns, fault_ns), earlier(clients_due(r), late_ns));
 }
 
 /* Frames first: a client is served when none came, or too many have come one after another. */
-static void serve_control(ect_runner_t *r, bool frame, bool readable)
+static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[WAITABLE])
 {
-    if (!r->control || r->resting || (!readable && ect_runner_now() < ect_control_due(r->control)))
+    uint64_t now_ns = ect_runner_now();
+    bool control = r->control && (fds[CONTROL_FD].revents != 0 || now_ns >= ect_control_due(r->control));
+    bool modbus = r->modbus && (fds[MODBUS_FD].revents != 0 || now_ns >= ect_modbus_server_due(r->modbus));
+    if (r->resting || !(control || modbus))
         return;
     if (frame && ++r->frames_first < FRAMES_FIRST)
         return;
     r->frames_first = 0;
-    ect_control_serve(r->control, r->chain, chain_now(r));
+    r->modbus_next = control && !(modbus && r->modbus_next); /* they take turns */
+    if (r->modbus_next)
+        ect_control_serve(r->control, r->chain, chain_now(r));
+    else
+        ect_modbus_server_serve(r->modbus, r->chain, chain_now(r));
     r->rested_ns = ect_runner_now() + r->control_rest_ns;
 }
 
@@ -312,7 +326,7 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
     }
     if (fds[SIGNAL_FD].revents != 0 && !take_signal(r))
         return 0;
-    serve_control(r, frame, fds[CONTROL_FD].revents != 0);
+    serve_clients(r, frame, fds);
     return 1;
 }
 

@@ -13,6 +13,7 @@
 #include "bus/circle.h"
 #include "bus/control.h"
 #include "bus/late.h"
+#include "bus/modbus.h"
 #include "bus/packet.h"
 #include "bus/scenario.h"
 #include "bus/stats.h"
@@ -32,7 +33,8 @@ typedef struct ect_filter {
 typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: nothing is plugged in there */
     ect_chain_t *chain;
-    ect_control_t *control; /**< NULL: none */
+    ect_control_t *control;      /**< NULL: none */
+    ect_modbus_server_t *modbus; /**< of the first twin; NULL: none */
     /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
     uint32_t control_rest_ns;
     ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
@@ -57,6 +59,7 @@ typedef struct ect_runner {
     unsigned int row;   /* frames since others were looked at */
     uint64_t rested_ns; /* when a client may be served again */
     bool resting;
+    bool modbus_next; /* of the clients of both kinds */
     bool linked[ECT_ENDS];
 } ect_runner_t;
 
@@ -68,7 +71,7 @@ uint64_t ect_runner_now(void);
 
 /**
  * Runs until `on_signal` stops it, and at most two seconds longer for what a user has had saved (ect_chain_unfinished).
- * Frames first: a client of the control socket is served when none waits, or after eight in a row.
+ * Frames first: a client, of the control socket or over Modbus, is served when none waits, or after eight in a row.
  * Cost: two system calls (receive, send) a frame while frames come, and one wait for eight of them; nothing while the
  * bus is quiet but the devices' timers.
  * @return 0 · -1 an interface went away (errno)

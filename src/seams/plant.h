@@ -11,6 +11,7 @@
 #define ECT_SEAMS_PLANT_H
 
 #include "seams/device.h"
+#include "seams/modbus.h"
 #include "seams/signals.h"
 
 /** What a device holds that is too large for a signal, as it stands now. */
@@ -53,6 +54,10 @@ typedef struct ect_plant {
 
     /** What a user may look at as a whole, e.g. the last set of periodic data. NULL: there is no such thing. */
     ect_bulk_t (*bulk)(const void *instance);
+
+    /** How a controller reaches it over Modbus TCP, beside EtherCAT or in its place. NULL: the product has no such
+     * side. */
+    const ect_modbus_t *modbus;
 } ect_plant_t;
 
 /** What can be put on a bus as a twin: a description, and what stands around it. */

@@ -72,10 +72,11 @@ typedef struct twin_args {
     ect_scenario_t scenario; /* --fault, --faults, --drop, --delay; those that users set later */
     defect_t defect;         /* --break */
     ect_filter_t filter;
-    int realtime;      /* priority, 0: as any process */
-    bool busy_poll;    /* never rests */
-    const char *store; /* folder of the twins' non-volatile memory, NULL: none */
-    const char *files; /* folder that a master reads and writes by FoE, NULL: none */
+    int realtime;       /* priority, 0: as any process */
+    bool busy_poll;     /* never rests */
+    const char *modbus; /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
+    const char *store;  /* folder of the twins' non-volatile memory, NULL: none */
+    const char *files;  /* folder that a master reads and writes by FoE, NULL: none */
     uint32_t files_password;
     const char **settings; /* "[N:]NAME=VALUE" */
     size_t setting_count;
@@ -103,10 +104,11 @@ void twin_args_free(twin_args_t *args);
 
 /**
  * The ready line (README) on a stream.
- * @param ifaces  [1] NULL: there is one
+ * @param ifaces  NULL: nothing is plugged in there
+ * @param modbus  where the Modbus server listens; NULL: there is none
  * @return false: it could not be written, which was told, and whoever waits for it would wait for ever
  */
-bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves);
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus);
 
 /** Opens the control socket, or says why there is none: the twins run without it. */
 ect_control_t *open_control(const char *who);
@@ -130,10 +132,17 @@ typedef struct session {
 /** Nothing is open yet. `who` and `twins` must outlive the session. */
 void session_init(session_t *s, const char *who, twin_args_t *twins);
 /**
- * Opens the interfaces. @param ifaces  by ::ect_end; NULL for ECT_END_OUT: the chain has one end
+ * Opens the interfaces. @param ifaces  by ::ect_end; NULL: nothing is plugged in there
  * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
  */
 int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
+/**
+ * Opens the Modbus server that the command line asks for, in the network of this moment; without one there is nothing
+ * to do. @return EXIT_CLEAN; EXIT_USAGE or EXIT_OPEN with the reason printed
+ */
+int session_open_modbus(session_t *s);
+/** Where the Modbus server listens, NULL: there is none. */
+const char *session_modbus(const session_t *s);
 /** Keeps only the rights that running twins need (and, with `children`, a command beside them). */
 void session_drop_rights(session_t *s, bool children);
 /**

@@ -47,7 +47,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->devices = text;
         return 0;
     case ARGP_KEY_END:
-        if (!args->ifaces[ECT_END_IN])
+        if (!args->ifaces[ECT_END_IN] && (args->ifaces[ECT_END_OUT] || !args->twins.modbus))
             argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
         if (!args->devices)
             argp_error(state, "name a device; 'ectwin list' lists those there are");
@@ -72,7 +72,8 @@ int command_run(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...]",
-        .doc = "Answers EtherCAT frames on an interface as a chain of devices, until SIGINT, SIGTERM or SIGHUP.",
+        .doc = "Answers EtherCAT frames on an interface as a chain of devices, until SIGINT, SIGTERM or SIGHUP; with "
+               "--modbus and no interface as a base unit over Modbus TCP alone.",
         .children = children,
     };
     run_args_t args = {0};
@@ -83,6 +84,8 @@ int command_run(int argc, char **argv)
     session.runner.signal_fd = open_signals(); /* first: from here on a signal ends it in good order */
     const char *const ends[ECT_ENDS] = {args.ifaces[ECT_END_IN], args.ifaces[ECT_END_OUT]};
     int status = session_open(&session, ends);
+    if (status == EXIT_CLEAN)
+        status = session_open_modbus(&session);
     if (status == EXIT_CLEAN) {
         session.runner.control = open_control("ectwin run");
         session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
@@ -90,8 +93,8 @@ int command_run(int argc, char **argv)
     }
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
-        status =
-            print_ready(stdout, args.ifaces, args.twins.count) ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
+        bool told = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));
+        status = told ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
     }
     session_close(&session);
     return status;

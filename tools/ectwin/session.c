@@ -71,7 +71,9 @@ void session_init(session_t *s, const char *who, twin_args_t *twins)
 int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
 {
     char message[ECT_PACKET_MESSAGE];
-    for (unsigned int end = 0; end < ECT_ENDS && ifaces[end]; end++) {
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        if (!ifaces[end])
+            continue;
         if (ect_packet_open(&s->ports[end], ifaces[end], message) < 0) {
             fprintf(stderr, "%s: %s\n", s->who, message);
             return EXIT_OPEN;
@@ -85,6 +87,35 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
         return EXIT_CLEAN;
     fprintf(stderr, "%s: watching the cables of two interfaces failed: %s\n", s->who, strerror(errno));
     return EXIT_OPEN;
+}
+
+static bool has_modbus(const ect_twin_config_t *twin)
+{
+    return twin->plant && twin->plant->modbus;
+}
+
+int session_open_modbus(session_t *s)
+{
+    char message[ECT_MODBUS_MESSAGE];
+    const twin_args_t *twins = s->twins;
+    if (!twins->modbus)
+        return EXIT_CLEAN;
+    if (twins->count != 1 || !has_modbus(&twins->twins[0])) {
+        fprintf(stderr, "%s: --modbus: %s\n", s->who,
+                twins->count != 1 ? "there is one address, so name one device; another 'ectwin run' takes the next one"
+                                  : "this device has no Modbus side; vr-bu-ect-map1, -map3, -map7 and -multiarm have");
+        return EXIT_USAGE;
+    }
+    s->runner.modbus = ect_modbus_server_open(twins->modbus, message);
+    if (s->runner.modbus)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: --modbus: %s\n", s->who, message);
+    return EXIT_OPEN;
+}
+
+const char *session_modbus(const session_t *s)
+{
+    return s->runner.modbus ? ect_modbus_server_address(s->runner.modbus) : NULL;
 }
 
 static int run_before_others(const session_t *s)
@@ -118,13 +149,16 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
     s->ctx = ctx;
     if (s->runner.signal_fd >= 0 && ect_runner_run(&s->runner) == 0)
         return EXIT_CLEAN;
-    fprintf(stderr, "%s: stopped on '%s': %s\n", s->who, s->ports[ECT_END_IN].iface, strerror(errno));
+    fprintf(stderr, "%s: stopped on '%s': %s\n", s->who,
+            s->runner.modbus && !s->runner.ports[ECT_END_IN] ? session_modbus(s) : s->ports[ECT_END_IN].iface,
+            strerror(errno));
     return EXIT_RUN;
 }
 
 void session_close(session_t *s)
 {
     ect_control_close(s->runner.control);
+    ect_modbus_server_close(s->runner.modbus);
     ect_chain_free(s->runner.chain);
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         if (s->runner.ports[end])

@@ -33,7 +33,8 @@ enum {
     KEY_FAULT,
     KEY_FAULTS,
     KEY_FILES,
-    KEY_FILES_PASSWORD /* the last one */
+    KEY_FILES_PASSWORD,
+    KEY_MODBUS /* the last one */
 };
 
 static const struct argp_option options[] = {
@@ -52,6 +53,8 @@ static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
     {"files", KEY_FILES, "DIR", 0, "Let the master read and write the files of this folder by FoE, in BOOT too", 1},
     {"files-password", KEY_FILES_PASSWORD, "N", 0, "What it must give for them, 1..4294967295 (default: nothing)", 1},
+    {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
+     "Answer over Modbus TCP too, at this address (default 127.0.0.1; port 0: any that is free): one base unit", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file",
      1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
@@ -308,6 +311,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_FILES_PASSWORD:
         args->files_password = parse_number(state, "--files-password", text, UINT32_MAX);
+        return 0;
+    case KEY_MODBUS:
+        args->modbus = text;
         return 0;
     case KEY_BREAK:
         choose_defect(args, state, text);
@@ -580,13 +586,16 @@ void twin_args_free(twin_args_t *args)
     args->twins = NULL;
 }
 
-bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves)
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus)
 {
     cJSON *line = cJSON_CreateObject();
     cJSON_AddStringToObject(line, "event", "ready");
-    cJSON_AddStringToObject(line, "iface", ifaces[ECT_END_IN]);
+    if (ifaces[ECT_END_IN])
+        cJSON_AddStringToObject(line, "iface", ifaces[ECT_END_IN]);
     if (ifaces[ECT_END_OUT])
         cJSON_AddStringToObject(line, "iface2", ifaces[ECT_END_OUT]);
+    if (modbus)
+        cJSON_AddStringToObject(line, "modbus", modbus);
     cJSON_AddNumberToObject(line, "slaves", (double)slaves);
     char *text = cJSON_PrintUnformatted(line);
     bool told = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;

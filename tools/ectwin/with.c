@@ -254,7 +254,10 @@ static bool start_command(const with_args_t *args, child_t *child, const ect_con
 static int serve(with_args_t *args, session_t *session)
 {
     child_t child = {.status = -1};
-    (void)print_ready(stderr, args->masters, args->twins.count);
+    const char *modbus = session_modbus(session);
+    (void)print_ready(stderr, args->masters, args->twins.count, modbus);
+    if (modbus)
+        setenv("ECTWIN_MODBUS", modbus, 1);
     bool started = start_command(args, &child, session->runner.control);
     session_drop_rights(session, true);
     int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
@@ -403,6 +406,8 @@ int command_with(int argc, char **argv)
     const char *const ends[ECT_ENDS] = {ect_netns_twin[0], args.masters[1] ? ect_netns_twin[1] : NULL};
     if (status == EXIT_CLEAN)
         status = session_open(&session, ends);
+    if (status == EXIT_CLEAN)
+        status = session_open_modbus(&session); /* inside: CMD is to reach it */
     if (status == EXIT_CLEAN)
         status = serve(&args, &session);
     session_close(&session);

@@ -182,6 +182,7 @@ void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     unit->pco_deadline_ns = ECT_NEVER;
     unit->cao_deadline_ns = ECT_NEVER;
     unit->read_deadline_ns = ECT_NEVER;
+    unit->modbus_deadline_ns = ECT_NEVER;
     if (unit->ru[0].id == 0) /* no remote has that: there was no power before */
         outside_defaults(unit);
     ZERO_FROM(&unit->bu, eclink_bu_t, state);
@@ -214,14 +215,24 @@ static void begin_exchange(eclink_t *unit, uint64_t now_ns)
     unit->read_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
 }
 
+static bool has_modbus(const eclink_t *unit)
+{
+    return unit->modbus_deadline_ns != ECT_NEVER;
+}
+
+/* Who writes outputs has the unit until he stops: it is not taken from him by the other bus. */
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
 {
     eclink_t *unit = instance;
+    if (to == ECT_STATE_OP && has_modbus(unit) && eclink_has(unit, ECLINK_FMAP_COMMANDS))
+        return ECT_AL_UNSPECIFIED;
     unit->config_refused &= to <= unit->refused_in;
     unit->in_op = to == ECT_STATE_OP;
     if (to == ECT_STATE_OP)
         begin_exchange(unit, now_ns);
     else if (from == ECT_STATE_OP)
+        unit->read_deadline_ns = ECT_NEVER;
+    if (from == ECT_STATE_OP && !has_modbus(unit))
         stop_exchange(unit);
     eclink_evaluate(unit);
     return 0;
@@ -283,6 +294,15 @@ void eclink_outputs(void *instance, uint64_t now_ns)
         eclink_command_outputs(unit, first, now_ns);
 } /* what follows from it is evaluated by the tick that follows */
 
+void eclink_modbus_came(eclink_t *unit, uint64_t now_ns)
+{
+    unit->modbus_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
+    unit->bu.modbus = 1;
+    if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
+        eclink_outputs(unit, now_ns);
+    unit->exchanging = true;
+}
+
 static void publish(eclink_t *unit)
 {
     uint8_t *in = unit->inputs;
@@ -308,14 +328,26 @@ static bool passed(uint64_t *deadline_ns, uint64_t now_ns)
     return true;
 }
 
+/* In Input Only an EtherCAT master may read beside it, and is watched by himself. */
+static void modbus_went(eclink_t *unit)
+{
+    unit->bu.modbus = 0;
+    if (!unit->in_op)
+        stop_exchange(unit);
+    else
+        unit->exchanging = unit->read_deadline_ns != ECT_NEVER;
+}
+
 static void supervise(eclink_t *unit, uint64_t now_ns)
 {
+    if (passed(&unit->modbus_deadline_ns, now_ns))
+        modbus_went(unit);
     if (passed(&unit->pco_deadline_ns, now_ns))
         unit->pco_alive = false;
     if (passed(&unit->cao_deadline_ns, now_ns))
         unit->cao_late = true;
     if (passed(&unit->read_deadline_ns, now_ns))
-        unit->exchanging = false;
+        unit->exchanging = has_modbus(unit);
 }
 
 static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
@@ -339,8 +371,9 @@ uint64_t eclink_tick(void *instance, uint64_t now_ns)
     eclink_evaluate(unit);
     if (update && !unit->bu.frozen)
         publish(unit);
-    return earlier(earlier(unit->update_ns, unit->pco_deadline_ns),
-                   earlier(unit->cao_deadline_ns, unit->read_deadline_ns));
+    return earlier(earlier(earlier(unit->update_ns, unit->pco_deadline_ns),
+                           earlier(unit->cao_deadline_ns, unit->read_deadline_ns)),
+                   unit->modbus_deadline_ns);
 }
 
 /* --- 3001h, 3002h ------------------------------------------------------------------------------------------------- */

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 
+#include "seams/modbus.h"
 #include "seams/standard.h"
 
 enum { ECLINK_INPUT_BYTES = 142, ECLINK_OUTPUT_BYTES = 228, ECLINK_PERIODIC_BYTES = 200, ECLINK_COMMAND_BYTES = 16 };
@@ -106,7 +107,8 @@ typedef enum eclink_equipment {
 
 enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITCHES = 8, ECLINK_QUEUE = 16 };
 
-/** How long PCO may stand still, a command be unacknowledged in CAO (§10.1, §10.4), inputs not be read (Input Only). */
+/** How long PCO may stand still, a command be unacknowledged in CAO (§10.1, §10.4), inputs not be read (Input Only),
+ * and over Modbus the duty of the mode be left undone. */
 #define ECLINK_SUPERVISION_NS 2000000000ull
 
 /** Largest set of periodic data: 256 blocks (§10.4). The host's buffer has room for two: the last complete one, and the
@@ -189,6 +191,7 @@ typedef struct eclink_bu {
     uint8_t pci, cci, pai, cai;
     char message[20];
     char cause[64];
+    uint8_t modbus;            /* a controller does its duty over Modbus TCP */
     uint32_t overflows;        /* commands from the remotes that were turned away */
     uint32_t commands_lost;    /* commands from the controller that CCO passed over */
     uint32_t commands_unknown; /* ... to an id that nobody has */
@@ -231,10 +234,10 @@ typedef struct eclink {
 
     bool remotes_due; /* a signal was set or a remote disarmed since the remotes were looked at: nothing else changes
                          them */
-    bool in_op;
-    bool exchanging;    /* OP: process data flow */
+    bool in_op;         /* an EtherCAT master has the unit */
+    bool exchanging;    /* process data flow */
     bool good_once;     /* there was a good exchange since power-on */
-    bool outputs_known; /* outputs have come since OP was entered */
+    bool outputs_known; /* outputs have come since they began to flow */
     bool pco_alive;
     bool config_refused; /* the configuration that would have led out of `refused_in` */
     uint8_t refused_in;
@@ -246,8 +249,10 @@ typedef struct eclink {
     eclink_command_t waiting; /* the command of last_cco */
     uint64_t pco_deadline_ns;
     uint64_t cao_deadline_ns;
-    uint64_t read_deadline_ns; /* Input Only: inputs must be read until then */
-    uint64_t update_ns;        /* when PCI counts next */
+    uint64_t read_deadline_ns;   /* Input Only: inputs must be read until then */
+    uint64_t modbus_deadline_ns; /* the next request that is a controller's duty must come until then; ECT_NEVER: none
+                                    has come */
+    uint64_t update_ns;          /* when PCI counts next */
     eclink_queue_t from_ru;
     eclink_periodic_t periodic;
 } eclink_t;
@@ -273,6 +278,9 @@ uint64_t eclink_tick(void *instance, uint64_t now_ns);
 ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
 
 /* base_unit.c */
+/* A controller has done over Modbus what keeps data flowing: it has written outputs, or read inputs in a mode that has
+ * no outputs. */
+void eclink_modbus_came(eclink_t *unit, uint64_t now_ns);
 /* Links, BU state, relays, message and cause, from what is known now. */
 void eclink_evaluate(eclink_t *unit);
 
@@ -301,5 +309,8 @@ bool eclink_reachable(const eclink_ru_t *ru);
 const char *eclink_why_unreachable(const eclink_ru_t *ru);
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
 void eclink_lose(eclink_t *unit, unsigned int number);
+
+/* modbus.c */
+extern const ect_modbus_t eclink_modbus;
 
 #endif

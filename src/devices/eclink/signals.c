@@ -15,7 +15,7 @@
     SIGNAL(eclink_ru_t, access, member, name, kind, minimum, maximum, unit, meaning)
 
 static const ect_signal_t bu_signals[] = {
-    BU(WRITE, enabled, "enabled", BOOL, 0, 1, NULL, "0: mode Disabled, no EtherCAT slave answers"),
+    BU(WRITE, enabled, "enabled", BOOL, 0, 1, NULL, "0: mode Disabled, neither EtherCAT nor Modbus is answered"),
     BU(WRITE, vlaps, "vlaps", U8, 0, 3, NULL, "VLAPs connected"),
     BU(WRITE, eg_link, "eg_link", U8, 0, 7, NULL, "EG-Link status, values of TS-0007 8.2; 2 to 5 are errors"),
     BU(WRITE, failed, "failed", BOOL, 0, 1, NULL, "self-diagnostics has found a fatal error"),
@@ -32,6 +32,7 @@ static const ect_signal_t bu_signals[] = {
     BU(READ, unarmed, "unarmed", U8, 0, 8, NULL, "remote units in communication that are not armed"),
     BU(READ, message, "message", TEXT, 0, 19, NULL, "message on the display"),
     BU(READ, cause, "cause", TEXT, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
+    BU(READ, modbus, "modbus", BOOL, 0, 1, NULL, "a controller does its duty over Modbus TCP"),
     BU(READ, pci, "pci", U8, 0, 255, NULL, "PCI"),
     BU(READ, cci, "cci", U8, 0, 255, NULL, "CCI"),
     BU(READ, pai, "pai", U8, 0, 255, NULL, "PAI"),
@@ -245,4 +246,5 @@ const ect_plant_t ect_eclink_plant = {
     .outside_size = offsetof(eclink_t, armed) - offsetof(eclink_t, bu),
     .signal_write = signal_write,
     .bulk = bulk,
+    .modbus = &eclink_modbus,
 };
