@@ -4,11 +4,11 @@
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libmodbus, and SOEM for the demo's master
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
-#   test  all of that, and what the tests need: CMocka, clang for the fuzz targets, gcovr
+#   test  all of that, and what the tests need: CMocka, clang for the fuzz targets, gcovr, pymodbus from PyPI
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
 # compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
-# hash and built below ~/.cache/ectwin. Safe to run again; does nothing when nothing is missing.
+# hash and built below ~/.cache/ectwin, where pymodbus is put as well. Safe to run again; does nothing when nothing is missing.
 set -eu
 
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev"
@@ -21,6 +21,9 @@ lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
 soem_package="pyecm==0.0.3"
 soem_sha256="5dbe908a5a4742be331e7a1a5e858ec39bd8a0e650ecd0ad3421d875a8ae3b9f"
+
+pymodbus_wheel="pymodbus-3.16.1-py3-none-any.whl"
+pymodbus_sha256="bb433f7417280bdea1190d95495aa6fb8e1fa8e0d720c436922b270bc378024c"
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
 die() { say "$*"; exit 1; }
@@ -108,6 +111,19 @@ install_soem() {
   mv "$soem_prefix.new" "$soem_prefix" # whole or not at all
 }
 
+# Pure Python: the package stays as it was fetched, and is imported from there.
+install_pymodbus() {
+  [ -e "$HOME/.cache/ectwin/$pymodbus_wheel" ] && return 0
+  # shellcheck disable=SC2086
+  install_packages $soem_packages
+  say "fetching $pymodbus_wheel into $HOME/.cache/ectwin"
+  echo "pymodbus==3.16.1 --hash=sha256:$pymodbus_sha256" >"$work/requirements.txt"
+  python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: --require-hashes \
+    -r "$work/requirements.txt" -d "$work/pip" >"$work/log" 2>&1 || return 1
+  mkdir -p "$HOME/.cache/ectwin"
+  mv "$work/pip/$pymodbus_wheel" "$HOME/.cache/ectwin/"
+}
+
 job=${1:-}
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
@@ -125,3 +141,4 @@ case "$job" in
   *) die "usage: tools/bootstrap.sh run|board|test" ;;
 esac
 install_soem
+[ "$job" != test ] || (install_pymodbus) || say "without pymodbus from PyPI the base unit's Modbus side is not tested over the wire"

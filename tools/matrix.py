@@ -17,8 +17,6 @@ PRODUCTS = [
         4: "a convention of the document (sizes are bytes)",
         5: "the web page on the TEST PORT is not part of an EtherCAT twin",
         17: "two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
-        70: "Modbus TCP: another variant of the product",
-        71: "Modbus TCP: another variant of the product",
         74: "asks for nothing: the unit runs freely, without distributed clocks",
     }, {63: "an order inside the updates of 125 ms: on the virtual clock, where each can be looked at"}),
     ("FZM", 77, {
@@ -38,10 +36,10 @@ def ids(prefix, text):
 
 
 def titles(path):
-    """The titles of a C test, or the comments above the cases of a shell script."""
+    """The titles of a C test, or the comments above the cases of a script."""
     text = path.read_text()
-    if path.suffix == ".sh":
-        return re.findall(r"^# ([A-Z]{3}-.*)$", text, re.M)
+    if path.suffix in (".sh", ".py"):
+        return re.findall(r"^ *# ([A-Z]{3}-.*)$", text, re.M)
     strings = re.findall(r'((?:"(?:[^"\\\n]|\\.)*"\s*)+)', text)
     joined = ["".join(re.findall(r'"((?:[^"\\]|\\.)*)"', s)) for s in strings]
     return [s for s in joined if re.match(r"[A-Z]+-\d{3}", s)]
@@ -73,7 +71,7 @@ def judge(prefix, last, no_test, not_on_the_wire, all_titles):
                    f"{len(no_test)} have a reason for none")
 
 
-tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.glob("*/*")) if path.suffix in (".c", ".sh")
+tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.glob("*/*")) if path.suffix in (".c", ".sh", ".py")
           for title in titles(path)]
 results = [judge(*product, tested) for product in PRODUCTS]
 for _, summary in results:

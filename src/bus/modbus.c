@@ -161,6 +161,7 @@ ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
         snprintf(message, ECT_MODBUS_MESSAGE,
                  "'%s' is no [ADDRESS:]PORT: the address in numbers, the port from 0 to 65535, as in 127.0.0.1:502",
                  where);
+        errno = EINVAL;
         return NULL;
     }
     int fd = listen_at(at);
@@ -169,6 +170,7 @@ ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
     if (fd >= 0)
         return ect_modbus_server_at(fd, message);
     snprintf(message, ECT_MODBUS_MESSAGE, "cannot listen at '%s': %s", where, why_not(error));
+    errno = error;
     return NULL;
 }
 

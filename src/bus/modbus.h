@@ -36,7 +36,7 @@ typedef struct ect_modbus_server ect_modbus_server_t;
  * Listens. @param where  "PORT", at 127.0.0.1; "ADDRESS:PORT", the address in numbers, one of IPv6 in brackets. Port 0:
  *                        any that is free
  * @param[out] message  on failure one line for the user; ECT_MODBUS_MESSAGE bytes
- * @return the server, to be closed with ::ect_modbus_server_close, or NULL
+ * @return the server, to be closed with ::ect_modbus_server_close, or NULL (errno; EINVAL: `where` is none of these)
  */
 ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message);
 

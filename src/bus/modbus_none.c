@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* In place of modbus.c where libmodbus was not there when this was built. */
+#include <errno.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@ ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
     (void)where;
     snprintf(message, ECT_MODBUS_MESSAGE,
              "built without libmodbus: install it ('sudo apt install libmodbus-dev'), configure and build again");
+    errno = ENOSYS;
     return NULL;
 }
 

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -33,7 +34,7 @@ struct bench {
     char folder[64];
     script_t *script;
     unsigned int waits;
-    char order[LOG]; /* F: a frame was answered, C: the control socket was served */
+    char order[LOG]; /* F: a frame was answered, C: the control socket was served, M: a Modbus client */
     size_t logged;
     unsigned int serve_late_ns;
 };
@@ -46,6 +47,9 @@ int __real_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit,
 int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask);
 void __real_ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 void __wrap_ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+
+void __real_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns);
 
 static void note(char what)
 {
@@ -76,6 +80,12 @@ void __wrap_ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64
     note('C');
     __real_ect_control_serve(control, chain, now_ns);
     (void)nanosleep(&late, NULL);
+}
+
+void __wrap_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns)
+{
+    note('M');
+    __real_ect_modbus_server_serve(server, chain, now_ns);
 }
 
 static bool stop(void *ctx, int signal_number, bool from_terminal)
@@ -136,6 +146,7 @@ static void close_bench(bench_t *b)
 {
     char command[96];
     ect_control_close(b->runner.control);
+    ect_modbus_server_close(b->runner.modbus);
     ect_chain_free(b->wire.chain);
     close(b->runner.signal_fd);
     close(b->port.fd);
@@ -255,6 +266,104 @@ static void rests(void **state)
     assert_non_null(once);
     assert_null(strchr(once + 1, 'C'));
     close(fd);
+    close_bench(&b);
+}
+
+/* --- Modbus ------------------------------------------------------------------------------------------------------- */
+
+enum { REQUESTS = 60 };
+
+/* One who has connected and asked so often. */
+static int ask_over_modbus(bench_t *b)
+{
+    static const uint8_t request[] = {0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 33};
+    char message[ECT_MODBUS_MESSAGE];
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    socklen_t size = sizeof at;
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0), client = socket(AF_UNIX, SOCK_STREAM, 0);
+    assert_int_equal(bind(fd, (struct sockaddr *)&at, sizeof at.sun_family), 0);
+    assert_int_equal(listen(fd, 8), 0);
+    assert_int_equal(getsockname(fd, (struct sockaddr *)&at, &size), 0);
+    assert_int_equal(connect(client, (struct sockaddr *)&at, size), 0);
+    b->runner.modbus = ect_modbus_server_at(fd, message);
+    if (!b->runner.modbus)
+        fail_msg("%s", message);
+    for (unsigned int i = 0; i < REQUESTS; i++)
+        assert_int_equal(write(client, request, sizeof request), sizeof request);
+    return client;
+}
+
+static unsigned int count_of(const bench_t *b, char what)
+{
+    unsigned int count = 0;
+    for (size_t i = 0; i < b->logged; i++)
+        count += b->order[i] == what;
+    return count;
+}
+
+static void frames_before_modbus(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int client = ask_over_modbus(&b);
+    for (unsigned int i = 0; i < FRAMES; i++)
+        send_frame(&b);
+    run(&b, until_all_answered);
+    unsigned int since = 0, frames = 0;
+    for (size_t i = 0; i < b.logged && frames < FRAMES; i++) {
+        if (b.order[i] == 'M' && since < IN_A_ROW)
+            fail_msg("served after %u frames, %u to come: %s", frames, FRAMES - frames, b.order);
+        since = b.order[i] == 'M' ? 0 : since + 1;
+        frames += b.order[i] == 'F';
+    }
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_true(count_of(&b, 'M') >= FRAMES / IN_A_ROW); /* and it does not starve */
+    close(client);
+    close_bench(&b);
+}
+
+static void until_both_were_served(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (count_of(b, 'M') >= 20 || n > 1000)
+        (void)raise(SIGUSR1);
+}
+
+static void both_kinds_of_clients(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int client = ask_over_modbus(&b), user = connect_client(&b);
+    for (unsigned int n = 0; n < 40; n++)
+        say(user, "{\"op\":\"list\",\"slave\":0}\n");
+    run(&b, until_both_were_served);
+    if (strstr(b.order, "MM") || strstr(b.order, "CC"))
+        fail_msg("not in turn: %s", b.order);
+    close(client);
+    close(user);
+    close_bench(&b);
+}
+
+static void until_modbus_was_served(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    if (n > 0 && strchr(b->order, 'M'))
+        assert_non_null(limit);
+    one_frame_at_a_time(b, n, limit);
+}
+
+static void rests_from_modbus(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
+    int client = ask_over_modbus(&b);
+    run(&b, until_modbus_was_served);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(count_of(&b, 'M'), 1);
+    close(client);
     close_bench(&b);
 }
 
@@ -498,6 +607,11 @@ int main(int argc, char **argv)
         {"Attack: a client is served once between two frames", once_between_frames, NULL, NULL, NULL},
         {"Attack: clients do not keep the processor busy: there is a rest after each piece of work", rests, NULL, NULL,
          NULL},
+        {"Attack: 100 frames and 60 Modbus requests wait: 8 frames are answered before a client is served",
+         frames_before_modbus, NULL, NULL, NULL},
+        {"Modbus clients and users of the control socket are served in turn", both_kinds_of_clients, NULL, NULL, NULL},
+        {"Attack: Modbus clients do not keep the processor busy: there is a rest after each request", rests_from_modbus,
+         NULL, NULL, NULL},
         {"Frames in a row are waited for where they are received; after eight the others are looked at",
          waits_where_it_receives, NULL, NULL, NULL},
         {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},

@@ -109,8 +109,9 @@ int session_open_modbus(session_t *s)
     s->runner.modbus = ect_modbus_server_open(twins->modbus, message);
     if (s->runner.modbus)
         return EXIT_CLEAN;
+    int status = errno == EINVAL ? EXIT_USAGE : EXIT_OPEN;
     fprintf(stderr, "%s: --modbus: %s\n", s->who, message);
-    return EXIT_OPEN;
+    return status;
 }
 
 const char *session_modbus(const session_t *s)
