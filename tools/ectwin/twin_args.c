@@ -277,7 +277,7 @@ static void choose_defect(twin_args_t *args, const struct argp_state *state, con
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
-    args->given = args->given || (key >= KEY_VENDOR_ID && key <= KEY_FILES_PASSWORD);
+    args->given = args->given || (key >= KEY_VENDOR_ID && key <= KEY_MODBUS);
     if (identity_option(key)) {
         add_wish(args, state, key, text);
         return 0;

@@ -232,8 +232,8 @@ typedef struct eclink {
     eclink_list_t armed; /* together with `lost` at most as many as may be armed */
     eclink_list_t lost;  /* while armed: each keeps its place until it is rearmed or replaced */
 
-    bool remotes_due; /* a signal was set or a remote disarmed since the remotes were looked at: nothing else changes
-                         them */
+    bool remotes_due;   /* a signal was set or a remote disarmed since the remotes were looked at: nothing else changes
+                           them */
     bool in_op;         /* an EtherCAT master has the unit */
     bool exchanging;    /* process data flow */
     bool good_once;     /* there was a good exchange since power-on */
