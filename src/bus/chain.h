@@ -170,9 +170,8 @@ bool ect_chain_keep(ect_chain_t *chain, size_t position);
 /** Takes back what signals have done to a twin since ::ect_chain_keep of the same position. No poll in between. */
 void ect_chain_put_back(ect_chain_t *chain, size_t position);
 /**
- * Lets the slave at a position look at its device again at the next poll: something was done to it from
- * outside. Cost: a look at its plugs;
- * when one of them is in or out now and was not, the next poll looks at those of all twins.
+ * Lets the slave at a position look at its device again at the next poll: something was done to it from outside. Cost:
+ * a look at its plugs; when one of them is in or out now and was not, the next poll looks at those of all twins.
  */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);

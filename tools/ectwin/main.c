@@ -66,6 +66,14 @@ static void fill_standard_streams(void)
         close(fd);
 }
 
+/* Short output, as help, is written at its end: there it is known why it cannot be. */
+static void keep_output_together(void)
+{
+    static char room[16384];
+    if (!isatty(STDOUT_FILENO))
+        (void)setvbuf(stdout, room, _IOFBF, sizeof room);
+}
+
 /* Output that is not written is no success: a full disk. One who has stopped to read has got what he wanted. */
 static void check_output(void)
 {
@@ -101,6 +109,7 @@ int ectwin_main(int argc, char **argv, const ect_product_t *products, size_t cou
 {
     argp_err_exit_status = EXIT_USAGE;
     fill_standard_streams();
+    keep_output_together();
     if (atexit(check_output) != 0)
         return EXIT_RUN;
     if (!take_products(products, count))
