@@ -60,8 +60,8 @@ static inline ect_access_t ect_esc_slice(const ect_access_t *access, uint16_t of
     return part;
 }
 
-/** Whether an access from `address` to `end` touches this one. */
-static inline bool ect_esc_within(uint16_t address, uint16_t end, uint16_t wanted)
+/** Whether the byte at `wanted` is one of an access from `address` to before `end`. */
+static inline bool ect_esc_within(uint32_t address, uint32_t end, uint32_t wanted)
 {
     return address <= wanted && wanted < end;
 }

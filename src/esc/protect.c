@@ -44,17 +44,13 @@ static bool enable(ect_esc_t *esc, uint16_t enable_register, uint16_t protection
     return true;
 }
 
-static bool holds(uint16_t address, uint16_t length, uint16_t wanted)
-{
-    return wanted >= address && wanted < (uint32_t)address + length;
-}
-
 bool ect_esc_unlock(ect_esc_t *esc, uint16_t address, uint16_t length)
 {
+    uint32_t end = (uint32_t)address + length;
     bool any = false;
-    if (holds(address, length, ECT_REG_ESC_WRITE_ENABLE))
+    if (ect_esc_within(address, end, ECT_REG_ESC_WRITE_ENABLE))
         any = enable(esc, ECT_REG_ESC_WRITE_ENABLE, ECT_REG_ESC_WRITE_PROTECTION);
-    if (!all_locked(esc) && holds(address, length, ECT_REG_WRITE_ENABLE))
+    if (!all_locked(esc) && ect_esc_within(address, end, ECT_REG_WRITE_ENABLE))
         any = enable(esc, ECT_REG_WRITE_ENABLE, ECT_REG_WRITE_PROTECTION);
     return any;
 }
