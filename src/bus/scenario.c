@@ -277,7 +277,8 @@ ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *fr
             s->set[kept++] = s->set[i];
     }
     s->set_count = kept;
-    ect_wires_end(&s->wires, chain);
+    if (!fate.lose_request) /* else it would happen to the next one */
+        ect_wires_end(&s->wires, chain);
     return fate;
 }
 

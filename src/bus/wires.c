@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "esc/route.h"
 #include "seams/random.h"
 #include "wire/bytes.h"
 
-enum { HEADER = 16, TYPE = 12, LENGTH = HEADER + 6, DATA = HEADER + 10, ETHERTYPE_ECAT = 0x88A4 };
-
 void ect_frame_corrupt(uint32_t *seed, uint8_t *frame, size_t length)
 {
-    size_t from = length > DATA ? DATA : length > HEADER ? HEADER : 0;
+    size_t first = ect_frame_datagrams(frame, length);
+    size_t from = first != 0 ? first + ECT_DATAGRAM_DATA : 0;
     if (length == 0)
         return;
     uint32_t lot = ect_random_next(seed);
@@ -20,11 +20,11 @@ void ect_frame_corrupt(uint32_t *seed, uint8_t *frame, size_t length)
 
 void ect_frame_count(uint8_t *frame, size_t length, int32_t by)
 {
-    if (by == 0 || length < DATA + 2 || ect_load_be16(frame + TYPE) != ETHERTYPE_ECAT)
+    size_t first = by != 0 ? ect_frame_datagrams(frame, length) : 0;
+    if (first == 0)
         return;
-    size_t counter = DATA + (ect_load_le16(frame + LENGTH) & 0x07FFu);
-    if (counter + 2 <= length)
-        ect_store_le16(frame + counter, (uint16_t)(ect_load_le16(frame + counter) + by));
+    uint8_t *counter = frame + first + ECT_DATAGRAM_DATA + ect_datagram_length(frame + first);
+    ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + by));
 }
 
 /* --- frames that are kept ----------------------------------------------------------------------------------------- */

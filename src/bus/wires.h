@@ -70,10 +70,10 @@ uint64_t ect_wires_due(const ect_wires_t *wires);
 /** Forgets those that are kept. */
 void ect_wires_clear(ect_wires_t *wires);
 
-/** Changes a bit of a frame, by lot: of the first datagram's data on, or of what there is. */
+/** Changes a bit of a frame, by lot: from the first datagram's data on, or any where no controller would read it. */
 void ect_frame_corrupt(uint32_t *seed, uint8_t *frame, size_t length);
 
-/** Adds to the working counter of the first datagram of a frame; of a frame without one nothing. */
+/** Adds to the working counter of the first datagram of a frame; not to one that no controller would read. */
 void ect_frame_count(uint8_t *frame, size_t length, int32_t by);
 
 ECT_C_END

@@ -253,8 +253,11 @@ static void shown(void **state)
     assert_non_null(strstr(r->message, "'off' ends them"));
 }
 
+/* A tag of a VLAN stands before the type, and is no reason to count elsewhere. */
 static void counters(void **state)
 {
+    enum { ADDRESSES = 12, TAG = 4 };
+    uint8_t tagged[128] = {[ADDRESSES] = 0x81, 0x00};
     rig_t *r = *state;
     wire_build(&r->w, BRD, 0, 0, "ab", 2);
     ect_frame_count(r->w.frame, r->w.frame_length, -1);
@@ -264,6 +267,12 @@ static void counters(void **state)
     for (size_t length = 0; length < 30; length++)
         ect_frame_count(r->w.frame, length, 1); /* cut off before its counter */
     assert_int_equal(wire_wkc(&r->w, 0), 4);
+    size_t behind = r->w.frame_length - ADDRESSES;
+    memcpy(tagged, r->w.frame, ADDRESSES);
+    memcpy(tagged + ADDRESSES + TAG, r->w.frame + ADDRESSES, behind);
+    ect_frame_count(tagged, r->w.frame_length + TAG, 2);
+    memcpy(r->w.frame + ADDRESSES, tagged + ADDRESSES + TAG, behind);
+    assert_int_equal(wire_wkc(&r->w, 0), 6);
 }
 
 /* --- slaves ------------------------------------------------------------------------------------------------------- */

@@ -460,16 +460,20 @@ static void never_rests(void **state)
 
 enum { LONG = 9000 }; /* jumbo frames: an interface may be set to take them */
 
-static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
+static void send_long_frame(bench_t *b)
 {
     static uint8_t frame[LONG];
+    memset(frame, 0xFF, sizeof frame);
+    wire_build(&b->wire, BRD, 0, 0, "\0", 1);
+    memcpy(frame, b->wire.frame, 16);
+    assert_int_equal(__real_send(b->master, frame, sizeof frame, 0), LONG);
+}
+
+static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
+{
     (void)limit;
-    if (n == 0) {
-        memset(frame, 0xFF, sizeof frame);
-        wire_build(&b->wire, BRD, 0, 0, "\0", 1);
-        memcpy(frame, b->wire.frame, 16);
-        assert_int_equal(__real_send(b->master, frame, sizeof frame, 0), LONG);
-    }
+    if (n == 0)
+        send_long_frame(b);
     if (b->runner.stats.frames == 1 || n > 100)
         (void)raise(SIGUSR1);
 }
@@ -497,6 +501,38 @@ static void too_long(void **state)
         assert_int_equal(recv(b.master, answer, sizeof answer, MSG_DONTWAIT), -1);
         if (end == ECT_END_IN)
             assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1);
+        close_bench(&b);
+    }
+}
+
+static void behind_another(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0) {
+        send_frame(b);
+        send_long_frame(b);
+    }
+    if (b->runner.stats.frames == 2 || n > 100)
+        (void)raise(SIGUSR1);
+}
+
+/* A frame that is lost before it comes to the wire on which more was to happen to it. */
+static void nothing_is_left_over(void **state)
+{
+    static ect_scenario_t scenario;
+    char message[ECT_FAULT_MESSAGE];
+    (void)state;
+    for (uint32_t seed = 1; seed <= 16; seed++) {
+        bench_t b;
+        scenario = (ect_scenario_t){.seed = seed};
+        assert_true(ect_scenario_read(&scenario, "drop frame 1", message));
+        assert_true(ect_scenario_read(&scenario, "drop frame 1 wire 1", message));
+        open_bench(&b, "fzm1", 2);
+        b.runner.scenario = &scenario;
+        run(&b, behind_another);
+        assert_int_equal(b.runner.stats.dropped, 1);
+        assert_int_equal(b.runner.stats.unanswered, 1);
+        assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1); /* the long one has arrived */
         close_bench(&b);
     }
 }
@@ -619,6 +655,8 @@ int main(int argc, char **argv)
         {"Attack: a frame longer than any of EtherCAT is counted by the controller, answered by nobody and touches "
          "nothing",
          too_long, NULL, NULL, NULL},
+        {"What was to happen to a frame on a wire happens to no other one, however it is lost before",
+         nothing_is_left_over, NULL, NULL, NULL},
         {"Who watches wakes the loop every 10 ms, nobody else", report_deadline, NULL, NULL, NULL},
         {"A late loop runs the devices at the times they asked for: every change is told", late_loop, NULL, NULL, NULL},
     };
