@@ -3,12 +3,12 @@
 
 #include <string.h>
 
+#include "esc/route.h"
 #include "sii/sii.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-enum { NOP, APRD, APWR, APRW, FPRD, FPWR, FPRW, BRD, BWR, BRW, LRD, LWR, LRW, ARMW, FRMW };
-enum { ETHERNET = 14, HEADER = 10, TRAILER = 2, MAIL_HEADER = 6, FULL = 0x08, UNKNOWN_COMMAND = 99, ANY_MAIL = 0xFFFF };
+enum { ETHERNET = 14, MAIL_HEADER = 6, UNKNOWN_COMMAND = 99, ANY_MAIL = 0xFFFF };
 enum { SM_0 = ECT_REG_SM, SM_1 = ECT_REG_SM + ECT_SM_SIZE, SM_2 = SM_1 + ECT_SM_SIZE };
 
 /* One datagram of the frame that came, as it came and as it is now. */
@@ -32,9 +32,9 @@ typedef enum kind {
     CUSTOM,
 } kind_t;
 
-/* A value that is changed where it stands and is as expected: (value & mask) == was becomes (value & ~mask) | becomes.
- * mask 0: whatever it is, all of it. */
+/* What happens to the bits of `mask` in a value. */
 typedef struct change {
+    enum { IF_EXPECTED, ALWAYS, INVERTED } how; /* they become `becomes`: where they are `was`, or whatever they are */
     uint8_t width;
     uint32_t mask, was, becomes;
 } change_t;
@@ -47,6 +47,7 @@ struct defect_row {
     uint16_t length;  /* of the datagram, 0: any (MAIL: sub-index; CATEGORY: offset) */
     uint8_t state;    /* AL status of the slave, error flag included; 0: any */
     uint8_t at;       /* MAIL: where the value stands, from the mail's beginning */
+    bool empty;       /* a datagram without data */
     change_t change;
     void (*before)(defect_t *d, datagram_t *g);
     void (*after)(defect_t *d, datagram_t *g);
@@ -64,17 +65,17 @@ static bool covers(const datagram_t *g, uint16_t address, uint16_t width)
 
 static uint8_t *data(const datagram_t *g)
 {
-    return g->now + HEADER;
+    return g->now + ECT_DATAGRAM_DATA;
 }
 
 static uint16_t counter(const datagram_t *g)
 {
-    return ect_load_le16(g->now + HEADER + g->length);
+    return ect_load_le16(g->now + ECT_DATAGRAM_DATA + g->length);
 }
 
 static void set_counter(const datagram_t *g, uint16_t value)
 {
-    ect_store_le16(g->now + HEADER + g->length, value);
+    ect_store_le16(g->now + ECT_DATAGRAM_DATA + g->length, value);
 }
 
 static uint16_t out_start(const datagram_t *g)
@@ -101,7 +102,19 @@ static uint16_t in_size(const datagram_t *g)
 static bool is_mail(const datagram_t *g, bool to_slave)
 {
     uint16_t start = to_slave ? out_start(g) : in_start(g);
-    return g->command == (to_slave ? FPWR : FPRD) && start >= ECT_RAM && g->ado == start && g->length >= 16;
+    return g->command == (to_slave ? ECT_FPWR : ECT_FPRD) && start >= ECT_RAM && g->ado == start && g->length >= 16;
+}
+
+static void apply(const change_t *c, uint8_t *at)
+{
+    uint32_t value = 0;
+    for (unsigned int i = 0; i < c->width; i++)
+        value |= (uint32_t)at[i] << 8 * i;
+    if (c->how == IF_EXPECTED && (value & c->mask) != c->was)
+        return;
+    value = c->how == INVERTED ? value ^ c->mask : (value & ~c->mask) | c->becomes;
+    for (unsigned int i = 0; i < c->width; i++)
+        at[i] = (uint8_t)(value >> 8 * i);
 }
 
 /* --- single defects ----------------------------------------------------------------------------------------------- */
@@ -109,52 +122,52 @@ static bool is_mail(const datagram_t *g, bool to_slave)
 /* Takes a datagram away from the chip; defect_after sees it as it was. */
 static void hide(const datagram_t *g)
 {
-    g->now[0] = NOP;
+    g->now[ECT_DATAGRAM_COMMAND] = ECT_NOP;
 }
 
 static void bring_back(const datagram_t *g, uint16_t count)
 {
-    memcpy(g->now, g->sent, HEADER);
+    memcpy(g->now, g->sent, ECT_DATAGRAM_DATA);
     set_counter(g, count);
 }
 
 static void position_stays(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == APRD)
-        ect_store_le16(g->now + 2, g->adp);
+    if (g->command == ECT_APRD)
+        ect_store_le16(g->now + ECT_DATAGRAM_ADP, g->adp);
 }
 
 static void position_twice(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == BRD && g->length > 2)
-        ect_store_le16(g->now + 2, (uint16_t)(ect_load_le16(g->now + 2) + 1));
+    if (g->command == ECT_BRD && g->length > 2)
+        ect_store_le16(g->now + ECT_DATAGRAM_ADP, (uint16_t)(ect_load_le16(g->now + ECT_DATAGRAM_ADP) + 1));
 }
 
 static void any_station(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == FPRD)
-        memcpy(g->now + 2, g->chip + ECT_REG_STATION_ADDRESS, 2);
+    if (g->command == ECT_FPRD)
+        memcpy(g->now + ECT_DATAGRAM_ADP, g->chip + ECT_REG_STATION_ADDRESS, 2);
 }
 
 static void own_station(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == FPRD)
-        ect_store_le16(g->now + 2, g->adp);
+    if (g->command == ECT_FPRD)
+        ect_store_le16(g->now + ECT_DATAGRAM_ADP, g->adp);
 }
 
 /* What is written to a register that is read-only shows until it is what it should be. */
 static void keep_written(defect_t *d, datagram_t *g)
 {
     uint16_t address = d->row->address;
-    if (g->command == FPWR && covers(g, address, 1)) {
-        d->memory[1] = g->sent[HEADER + address - g->ado];
+    if (g->command == ECT_FPWR && covers(g, address, 1)) {
+        d->memory[1] = g->sent[ECT_DATAGRAM_DATA + address - g->ado];
         d->memory[0] = d->memory[1] != g->chip[address];
         set_counter(g, 1);
-    } else if (g->command == FPRD && covers(g, address, 1) && d->memory[0] != 0) {
+    } else if (g->command == ECT_FPRD && covers(g, address, 1) && d->memory[0] != 0) {
         data(g)[address - g->ado] = (uint8_t)d->memory[1];
         set_counter(g, 1);
     }
@@ -163,41 +176,41 @@ static void keep_written(defect_t *d, datagram_t *g)
 static void no_circulating(defect_t *d, datagram_t *g)
 {
     (void)d;
-    g->now[7] &= 0xBF;
+    g->now[ECT_DATAGRAM_LENGTH + 1] &= 0xBF;
 }
 
 static void tenth_is_lost(defect_t *d, datagram_t *g)
 {
     if (++d->memory[0] == 10)
         set_counter(g, 0);
-    if ((g->sent[7] & 0x80) == 0)
+    if ((g->sent[ECT_DATAGRAM_LENGTH + 1] & 0x80) == 0)
         d->memory[0] = 0;
 }
 
 static void full_too_early(defect_t *d, datagram_t *g)
 {
-    if (g->command == FPWR && g->ado == out_start(g) && g->ado >= ECT_RAM)
+    if (g->command == ECT_FPWR && g->ado == out_start(g) && g->ado >= ECT_RAM)
         d->memory[0] = g->length < out_size(g);
-    else if (g->command == FPWR && g->ado > out_start(g))
+    else if (g->command == ECT_FPWR && g->ado > out_start(g))
         d->memory[0] = 0;
-    else if (g->command == FPRD && g->ado == SM_0 + ECT_SM_STATUS && d->memory[0] != 0)
-        data(g)[0] |= FULL;
+    else if (g->command == ECT_FPRD && g->ado == SM_0 + ECT_SM_STATUS && d->memory[0] != 0)
+        data(g)[0] |= ECT_SM_STATUS_FULL;
 }
 
 static void empty_too_early(defect_t *d, datagram_t *g)
 {
-    if (g->command == FPRD && g->ado == in_start(g) && g->ado >= ECT_RAM)
+    if (g->command == ECT_FPRD && g->ado == in_start(g) && g->ado >= ECT_RAM)
         d->memory[0] = g->length > 2 && g->length < in_size(g);
-    else if (g->command == FPRD && g->ado == SM_1 + ECT_SM_STATUS && d->memory[0] != 0)
-        data(g)[0] &= (uint8_t)~FULL;
-    else if (g->command == FPWR && g->ado == ECT_REG_AL_CONTROL)
+    else if (g->command == ECT_FPRD && g->ado == SM_1 + ECT_SM_STATUS && d->memory[0] != 0)
+        data(g)[0] &= (uint8_t)~ECT_SM_STATUS_FULL;
+    else if (g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL)
         d->memory[0] = 0;
 }
 
 static void last_byte_alone(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == FPRD && g->length == 1 && g->ado == in_start(g) + in_size(g) - 1)
+    if (g->command == ECT_FPRD && g->length == 1 && g->ado == in_start(g) + in_size(g) - 1)
         set_counter(g, 0);
 }
 
@@ -211,7 +224,7 @@ static void disabled_answers(defect_t *d, datagram_t *g)
 static void off_is_not_seen(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == FPWR && g->ado == SM_1 + ECT_SM_ACTIVATE && g->length == 1 && data(g)[0] == 0 &&
+    if (g->command == ECT_FPWR && g->ado == SM_1 + ECT_SM_ACTIVATE && g->length == 1 && data(g)[0] == 0 &&
         al_status(g) == 2)
         hide(g);
 }
@@ -219,14 +232,14 @@ static void off_is_not_seen(defect_t *d, datagram_t *g)
 static void give_back_hidden(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->now[0] == NOP && g->command != NOP)
+    if (g->now[ECT_DATAGRAM_COMMAND] == ECT_NOP && g->command != ECT_NOP)
         bring_back(g, 1);
 }
 
 /* The toggle never reaches the slave, its acknowledge comes all the same. */
 static void repeat_is_not_seen(defect_t *d, datagram_t *g)
 {
-    if (g->command == FPWR && g->ado == SM_1 + ECT_SM_ACTIVATE && g->length == 1 && (data(g)[0] & 1) != 0 &&
+    if (g->command == ECT_FPWR && g->ado == SM_1 + ECT_SM_ACTIVATE && g->length == 1 && (data(g)[0] & 1) != 0 &&
         al_status(g) >= 2) {
         d->memory[0] = (uint32_t)(data(g)[0] & ECT_SM_ACTIVATE_REPEAT);
         hide(g);
@@ -236,7 +249,7 @@ static void repeat_is_not_seen(defect_t *d, datagram_t *g)
 static void repeat_is_acknowledged(defect_t *d, datagram_t *g)
 {
     give_back_hidden(d, g);
-    if (g->command != FPRD || g->ado != SM_1 + ECT_SM_STATUS || g->length != 3)
+    if (g->command != ECT_FPRD || g->ado != SM_1 + ECT_SM_STATUS || g->length != 3)
         return;
     for (int i = 1; i <= 2; i++)
         data(g)[i] = (uint8_t)((data(g)[i] & 0xFDu) | d->memory[0]);
@@ -245,7 +258,7 @@ static void repeat_is_acknowledged(defect_t *d, datagram_t *g)
 static void second_is_lost(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (is_mail(g, true) && (g->chip[SM_1 + ECT_SM_STATUS] & FULL) != 0)
+    if (is_mail(g, true) && (g->chip[SM_1 + ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0)
         hide(g);
 }
 
@@ -265,29 +278,29 @@ static void logical(defect_t *d, datagram_t *g)
 
 static void logical_bit(defect_t *d, datagram_t *g)
 {
-    if (g->command == LRD && g->length == d->row->length)
-        data(g)[d->row->at] ^= (uint8_t)d->row->change.becomes;
+    if (g->command == ECT_LRD && g->length == d->row->length)
+        apply(&d->row->change, data(g) + d->row->at);
 }
 
 static void acknowledges_itself(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == FPWR && g->ado == ECT_REG_AL_CONTROL && (al_status(g) & ECT_AL_ERROR) != 0)
+    if (g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL && (al_status(g) & ECT_AL_ERROR) != 0)
         data(g)[0] |= ECT_AL_ACKNOWLEDGE;
 }
 
 static void code_comes_late(defect_t *d, datagram_t *g)
 {
-    if (g->command == FPRD && g->ado == ECT_REG_AL_STATUS && g->length == 6 && d->memory[0] != 0)
+    if (g->command == ECT_FPRD && g->ado == ECT_REG_AL_STATUS && g->length == 6 && d->memory[0] != 0)
         ect_store_le16(data(g) + 4, 0);
-    d->memory[0] = g->command == FPWR && g->ado == ECT_REG_AL_CONTROL;
+    d->memory[0] = g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL;
 }
 
 /* Outputs that came in SAFEOP show in the next object that is read. */
 static void outputs_move(defect_t *d, datagram_t *g)
 {
-    if (g->command == LRW && al_status(g) == 4)
-        d->memory[0] = g->sent[HEADER];
+    if (g->command == ECT_LRW && al_status(g) == 4)
+        d->memory[0] = g->sent[ECT_DATAGRAM_DATA];
     else if (is_mail(g, false) && counter(g) == 1 && d->memory[0] != 0 && al_status(g) == 4)
         data(g)[12] = (uint8_t)d->memory[0];
 }
@@ -295,25 +308,25 @@ static void outputs_move(defect_t *d, datagram_t *g)
 static void part_feeds(defect_t *d, datagram_t *g)
 {
     uint16_t start = ect_load_le16(g->chip + SM_2);
-    if (g->command == FPWR && g->ado == start)
+    if (g->command == ECT_FPWR && g->ado == start)
         d->memory[0] = g->length < ect_load_le16(g->chip + SM_2 + ECT_SM_LENGTH);
-    else if (g->command == FPRD && g->ado == ECT_REG_WD_STATUS_PD && d->memory[0] != 0)
+    else if (g->command == ECT_FPRD && g->ado == ECT_REG_WD_STATUS_PD && d->memory[0] != 0)
         data(g)[0] |= 1;
-    else if (g->command == LRW)
+    else if (g->command == ECT_LRW)
         d->memory[0] = 0;
 }
 
 static void off_expires(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->command == FPRD && g->ado == ECT_REG_WD_STATUS_PD && ect_load_le16(g->chip + ECT_REG_WD_TIME_PD) == 0)
+    if (g->command == ECT_FPRD && g->ado == ECT_REG_WD_STATUS_PD && ect_load_le16(g->chip + ECT_REG_WD_TIME_PD) == 0)
         data(g)[0] &= 0xFE;
 }
 
 static void sii_changes(defect_t *d, datagram_t *g)
 {
     uint16_t first = ect_load_le16(g->chip + ECT_REG_SII_ADDRESS);
-    if (g->command == FPRD && g->ado == ECT_REG_SII_DATA && first <= d->row->address &&
+    if (g->command == ECT_FPRD && g->ado == ECT_REG_SII_DATA && first <= d->row->address &&
         d->row->address < first + g->length / 2 && d->memory[0]++ > 0)
         data(g)[2 * (d->row->address - first)] ^= 1;
 }
@@ -321,7 +334,7 @@ static void sii_changes(defect_t *d, datagram_t *g)
 static void soe_is_known(defect_t *d, datagram_t *g)
 {
     if (is_mail(g, true))
-        d->memory[0] = g->sent[HEADER + 5] & 0x0F;
+        d->memory[0] = g->sent[ECT_DATAGRAM_DATA + 5] & 0x0F;
     else if (is_mail(g, false) && counter(g) == 1 && (data(g)[5] & 0x0F) == 0 && d->memory[0] == 5)
         data(g)[8] = 4;
 }
@@ -335,6 +348,16 @@ static void name_differs(defect_t *d, datagram_t *g)
         data(g)[18] = 'X';
 }
 
+/* The first reply of the information service about list 0: the numbers of objects in each list. */
+static void list_is_longer(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    uint8_t *mail = data(g);
+    if (is_mail(g, false) && counter(g) == 1 && (mail[5] & 0x0F) == 3 && mail[7] >> 4 == 8 && (mail[8] & 0x7F) == 2 &&
+        ect_load_le16(mail + 12) == 0)
+        mail[14]++;
+}
+
 static void foe_error_differs(defect_t *d, datagram_t *g)
 {
     (void)d;
@@ -345,7 +368,7 @@ static void foe_error_differs(defect_t *d, datagram_t *g)
 
 static void reads_latch(defect_t *d, datagram_t *g)
 {
-    if (g->command == FPRD && g->ado == ECT_REG_DC_RECEIVE_TIME)
+    if (g->command == ECT_FPRD && g->ado == ECT_REG_DC_RECEIVE_TIME)
         data(g)[0] = (uint8_t)(data(g)[0] + ++d->memory[0]);
 }
 
@@ -354,7 +377,7 @@ static void hangs(defect_t *d, datagram_t *g)
 {
     if (g->command == UNKNOWN_COMMAND && d->memory[0] == 0)
         d->memory[0] = 3;
-    if (g->command == FPWR && g->ado == ECT_REG_AL_CONTROL && d->memory[0] > 1) {
+    if (g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL && d->memory[0] > 1) {
         d->memory[0]--;
         hide(g);
     }
@@ -363,52 +386,55 @@ static void hangs(defect_t *d, datagram_t *g)
 static void address_stays_lost(defect_t *d, datagram_t *g)
 {
     bool lost = ect_load_le16(g->chip + ECT_REG_STATION_ADDRESS) == 0;
-    if (g->command == APWR && g->ado == ECT_REG_STATION_ADDRESS && lost && al_status(g) == 4 && d->memory[0]++ == 0)
+    if (g->command == ECT_APWR && g->ado == ECT_REG_STATION_ADDRESS && lost && al_status(g) == 4 && d->memory[0]++ == 0)
         hide(g);
 }
 
 static void uncounted_hidden(defect_t *d, datagram_t *g)
 {
     (void)d;
-    if (g->now[0] == NOP && g->command != NOP)
+    if (g->now[ECT_DATAGRAM_COMMAND] == ECT_NOP && g->command != ECT_NOP)
         bring_back(g, 0);
 }
 
 /* --- all of them -------------------------------------------------------------------------------------------------- */
 
-#define ANY(w, b)     {.width = (w), .becomes = (b)}
-#define FROM(w, a, b) {.width = (w), .mask = 0xFFFFFFFFu >> (32 - 8 * (w)), .was = (a), .becomes = (b)}
-#define BITS(m, a, b) {.width = 1, .mask = (m), .was = (a), .becomes = (b)}
-#define CLEARED(m)    {.width = 1, .mask = (m), .was = (m), .becomes = 0}
+#define ALL(w)        (0xFFFFFFFFu >> (32 - 8 * (w)))
+#define ANY(w, b)     {.how = ALWAYS, .width = (w), .mask = ALL(w), .becomes = (b)}
+#define FROM(w, a, b) {.how = IF_EXPECTED, .width = (w), .mask = ALL(w), .was = (a), .becomes = (b)}
+#define BITS(m, a, b) {.how = IF_EXPECTED, .width = 1, .mask = (m), .was = (a), .becomes = (b)}
+#define CLEARED(m)    {.how = ALWAYS, .width = 1, .mask = (m), .becomes = 0}
+#define FLIPPED(m)    {.how = INVERTED, .width = 1, .mask = (m)}
 
 #define AL_CODE(a, b)                                                                                                  \
-    .kind = ANSWER, .command = FPRD, .address = ECT_REG_AL_STATUS_CODE, .length = 6, .change = FROM(2, a, b)
+    .kind = ANSWER, .command = ECT_FPRD, .address = ECT_REG_AL_STATUS_CODE, .length = 6, .change = FROM(2, a, b)
 #define SDO(i, s, o) .kind = MAIL, .address = (i), .length = (s), .at = (o)
 
 static const defect_row_t rows[] = {
-    {"CF-001", "the chip has an FMMU more than it says", COUNT, FPWR, 0x0680, 16, .change = ANY(2, 1)},
+    {"CF-001", "the chip has an FMMU more than it says", COUNT, ECT_FPWR, 0x0680, 16, .change = ANY(2, 1)},
     {"CF-002", "BRD increments ADP twice", CUSTOM, .after = position_twice},
     {"CF-003", "APRD leaves ADP as it is", CUSTOM, .after = position_stays},
     {"CF-004", "every station address is its own for FPRD", CUSTOM, .before = any_station, .after = own_station},
-    {"CF-005", "a write to a read-only register counts", COUNT, FPWR, 0x0000, 4, .change = ANY(2, 1)},
-    {"CF-006", "ARMW does not count", COUNT, ARMW, 0x0600, 4, .change = ANY(2, 0)},
-    {"CF-007", "NOP counts", COUNT, NOP, 0x0600, 4, .change = ANY(2, 8)},
-    {"CF-008", "what lies behind the RAM counts", COUNT, FPRD, 0x3000, 8, .change = ANY(2, 1)},
+    {"CF-005", "a write to a read-only register counts", COUNT, ECT_FPWR, 0x0000, 4, .change = ANY(2, 1)},
+    {"CF-006", "ARMW does not count", COUNT, ECT_ARMW, 0x0600, 4, .change = ANY(2, 0)},
+    {"CF-007", "NOP counts", COUNT, ECT_NOP, 0x0600, 4, .change = ANY(2, 8)},
+    {"CF-008", "what lies behind the RAM counts", COUNT, ECT_FPRD, 0x3000, 8, .change = ANY(2, 1)},
     {"CF-009", "the AL status code can be written", CUSTOM, .address = ECT_REG_AL_STATUS_CODE, .after = keep_written},
-    {"CF-010", "DL status does not say that the SII is loaded", ANSWER, FPRD, ECT_REG_DL_STATUS, 2,
+    {"CF-010", "DL status does not say that the SII is loaded", ANSWER, ECT_FPRD, ECT_REG_DL_STATUS, 2,
      .change = CLEARED(1)},
-    {"CF-011", "an error counter stops at 127", ANSWER, FPRD, ECT_REG_PROCESSING_ERROR, 1, .change = FROM(1, 255, 127)},
-    {"CF-012", "a reset sequence does not get beyond its first letter", ANSWER, FPRD, ECT_REG_RESET_ECAT, 1,
+    {"CF-011", "an error counter stops at 127", ANSWER, ECT_FPRD, ECT_REG_PROCESSING_ERROR, 1,
+     .change = FROM(1, 255, 127)},
+    {"CF-012", "a reset sequence does not get beyond its first letter", ANSWER, ECT_FPRD, ECT_REG_RESET_ECAT, 1,
      .change = FROM(1, 2, 1)},
-    {"CF-013", "a datagram without data counts", COUNT, FPRD, 0x0000, 0, .at = 1, .change = ANY(2, 1)},
+    {"CF-013", "a datagram without data counts", COUNT, ECT_FPRD, 0x0000, 0, .empty = true, .change = ANY(2, 1)},
     {"CF-014", "the circulating flag is taken away", CUSTOM, .after = no_circulating},
     {"CF-015", "the tenth datagram of a frame does not count", CUSTOM, .after = tenth_is_lost},
     {"CF-016", "the mailbox is full before its last byte", CUSTOM, .after = full_too_early},
     {"CF-017", "the mailbox is empty before its last byte", CUSTOM, .after = empty_too_early},
     {"CF-018", "the last byte of a mail cannot be read alone", CUSTOM, .after = last_byte_alone},
-    {"CF-019", "the number of the output buffer never changes", ANSWER, FPRD, SM_2 + ECT_SM_STATUS, 1,
-     .change = BITS(0x30, 0, 0)},
-    {"CF-020", "a SyncManager does not show that it was written", ANSWER, FPRD, SM_1 + ECT_SM_STATUS, 1,
+    {"CF-019", "the number of the output buffer never changes", ANSWER, ECT_FPRD, SM_2 + ECT_SM_STATUS, 1,
+     .change = CLEARED(0x30)},
+    {"CF-020", "a SyncManager does not show that it was written", ANSWER, ECT_FPRD, SM_1 + ECT_SM_STATUS, 1,
      .change = CLEARED(1)},
     {"CF-021", "a SyncManager that the slave disabled answers", CUSTOM, .after = disabled_answers},
     {"CF-022", "SM1 switched off is not noticed", CUSTOM, .before = off_is_not_seen, .after = give_back_hidden},
@@ -419,39 +445,39 @@ static const defect_row_t rows[] = {
     {"CF-026", "a length beyond the mailbox is taken for good", CUSTOM, .before = length_is_believed},
     {"CF-027", "SM0 has no length in the SyncManager category", CATEGORY, .address = ECT_SII_SYNCM, .length = 2,
      .change = ANY(1, 0)},
-    {"CF-028", "LRD changes a byte that is not mapped", CUSTOM, .length = 16, .at = 0, .change = ANY(1, 1),
+    {"CF-028", "LRD changes a byte that is not mapped", CUSTOM, .length = 16, .at = 0, .change = FLIPPED(1),
      .after = logical_bit},
-    {"CF-029", "LRD of bits changes another one", CUSTOM, .length = 4, .at = 3, .change = ANY(1, 1),
+    {"CF-029", "LRD of bits changes another one", CUSTOM, .length = 4, .at = 3, .change = FLIPPED(1),
      .after = logical_bit},
-    {"CF-030", "the mailbox state takes a second bit", CUSTOM, .length = 1, .at = 0, .change = ANY(1, 0x80),
+    {"CF-030", "the mailbox state takes a second bit", CUSTOM, .length = 1, .at = 0, .change = FLIPPED(0x80),
      .after = logical_bit},
-    {"CF-031", "LRD counts without an FMMU", CUSTOM, .command = LRD, .length = 4, .change = FROM(2, 0, 1),
+    {"CF-031", "LRD counts without an FMMU", CUSTOM, .command = ECT_LRD, .length = 4, .change = FROM(2, 0, 1),
      .after = logical},
-    {"CF-032", "LRW over two slaves counts one too few", CUSTOM, .command = LRW, .length = 16, .change = FROM(2, 6, 5),
-     .after = logical},
-    {"CF-033", "INIT is reached with a code", ANSWER, FPRD, ECT_REG_AL_STATUS_CODE, 2, 1, .change = ANY(2, 0x11)},
+    {"CF-032", "LRW over two slaves counts one too few", CUSTOM, .command = ECT_LRW, .length = 16,
+     .change = FROM(2, 6, 5), .after = logical},
+    {"CF-033", "INIT is reached with a code", ANSWER, ECT_FPRD, ECT_REG_AL_STATUS_CODE, 2, 1, .change = ANY(2, 0x11)},
     {"CF-034", "SAFEOP refuses with another code", .state = 0x14, AL_CODE(0x11, 0x12)},
     {"CF-035", "an unknown state is refused as an invalid change", AL_CODE(0x12, 0x11)},
     {"CF-036", "a wrong mailbox is refused with 0x0017", .state = 0x11, AL_CODE(0x16, 0x17)},
     {"CF-037", "wrong inputs are refused as wrong outputs", .state = 0x12, AL_CODE(0x1E, 0x1D)},
     {"CF-038", "a request acknowledges by itself", CUSTOM, .before = acknowledges_itself},
-    {"CF-039", "an acknowledge takes no other state", REQUEST, FPWR, ECT_REG_AL_CONTROL, 2, 0x12,
+    {"CF-039", "an acknowledge takes no other state", REQUEST, ECT_FPWR, ECT_REG_AL_CONTROL, 2, 0x12,
      .change = FROM(1, 0x14, 0x12)},
     {"CF-040", "the code comes after the error flag", CUSTOM, .after = code_comes_late},
-    {"CF-041", "INIT in INIT is an unknown state", REQUEST, FPWR, ECT_REG_AL_CONTROL, 2, 1,
+    {"CF-041", "INIT in INIT is an unknown state", REQUEST, ECT_FPWR, ECT_REG_AL_CONTROL, 2, 1,
      .change = FROM(1, 0x01, 0x05)},
     {"CF-042", "a watchdog has the code of synchronisation", AL_CODE(0x1B, 0x1A)},
-    {"CF-046", "the identification value is 0", ANSWER, FPRD, ECT_REG_AL_STATUS_CODE, 2, 2, .change = ANY(2, 0)},
+    {"CF-046", "the identification value is 0", ANSWER, ECT_FPRD, ECT_REG_AL_STATUS_CODE, 2, 2, .change = ANY(2, 0)},
     {"CF-048", "outputs move in SAFEOP", CUSTOM, .after = outputs_move},
-    {"CF-049", "the watchdog counter wraps", ANSWER, FPRD, ECT_REG_WD_COUNTER_PD, 1, .change = FROM(1, 255, 14)},
+    {"CF-049", "the watchdog counter wraps", ANSWER, ECT_FPRD, ECT_REG_WD_COUNTER_PD, 1, .change = FROM(1, 255, 14)},
     {"CF-050", "a watchdog that is off expires", CUSTOM, .after = off_expires},
-    {"CF-051", "the second expiry counts twice", ANSWER, FPRD, ECT_REG_WD_COUNTER_PD, 1, .change = FROM(1, 2, 3)},
+    {"CF-051", "the second expiry counts twice", ANSWER, ECT_FPRD, ECT_REG_WD_COUNTER_PD, 1, .change = FROM(1, 2, 3)},
     {"CF-052", "a part of the outputs feeds the watchdog", CUSTOM, .after = part_feeds},
-    {"CF-053", "the PDI watchdog shows expired", ANSWER, FPRD, ECT_REG_DL_STATUS, 2, .change = CLEARED(2)},
+    {"CF-053", "the PDI watchdog shows expired", ANSWER, ECT_FPRD, ECT_REG_DL_STATUS, 2, .change = CLEARED(2)},
     {"CF-054", "the check value of the SII is wrong", SII_WORD, .address = 7, .change = ANY(1, 0x5A)},
-    {"CF-055", "a bad EEPROM command makes no error", ANSWER, FPRD, ECT_REG_SII_CONTROL + 1, 2,
+    {"CF-055", "a bad EEPROM command makes no error", ANSWER, ECT_FPRD, ECT_REG_SII_CONTROL + 1, 2,
      .change = CLEARED(0x20)},
-    {"CF-056", "a write without enable makes no error", ANSWER, FPRD, ECT_REG_SII_CONTROL + 1, 2,
+    {"CF-056", "a write without enable makes no error", ANSWER, ECT_FPRD, ECT_REG_SII_CONTROL + 1, 2,
      .change = CLEARED(0x40)},
     {"CF-057", "the serial number of the SII is another", SII_WORD, .address = 14, .change = ANY(2, 0x4711)},
     {"CF-058", "a protocol that is not there gets error 0x0004", MAIL, .length = ANY_MAIL, .at = 6,
@@ -465,7 +491,7 @@ static const defect_row_t rows[] = {
      .change = ANY(1, 0xF0)},
     {"CF-064", "a string of the General category does not exist", CATEGORY, .address = ECT_SII_GENERAL, .length = 2,
      .change = ANY(1, 0xF0)},
-    {"CF-065", "the alias register shows another alias", ANSWER, FPRD, ECT_REG_STATION_ALIAS, 2,
+    {"CF-065", "the alias register shows another alias", ANSWER, ECT_FPRD, ECT_REG_STATION_ALIAS, 2,
      .change = ANY(2, 0x4711)},
     {"CF-066", "a word of the SII changes", CUSTOM, .address = 0x10, .after = sii_changes},
     {"CF-067", "1C00h:01 is a mailbox to the master", SDO(0x1C00, 1, 12), .command = 0x4F, .change = ANY(1, 2)},
@@ -480,8 +506,7 @@ static const defect_row_t rows[] = {
      .change = ANY(1, 3)},
     {"CF-074", "a fixed assignment is refused for no reason", SDO(0x1C12, 0, 12), .command = 0x80,
      .change = ANY(4, 0x08000000)},
-    {"CF-076", "list 0 says one object too many", MAIL, .length = ANY_MAIL, .at = 6, .command = 2,
-     .change = {.width = 0}},
+    {"CF-076", "list 0 says one object too many", CUSTOM, .after = list_is_longer},
     {"CF-077", "1018h has another name than in the ESI", CUSTOM, .address = 0x1018, .after = name_differs},
     {"CF-078", "a write in the wrong state is a general error", SDO(0x1C32, 1, 12), .state = 4, .command = 0x80,
      .change = ANY(4, 0x08000000)},
@@ -490,13 +515,13 @@ static const defect_row_t rows[] = {
     {"CF-084", "a FoE packet out of order is refused as an illegal operation", CUSTOM, .after = foe_error_differs},
     {"CF-086", "SoE gets error 0x0004", CUSTOM, .after = soe_is_known},
     {"CF-087", "a read latches the receive time", CUSTOM, .after = reads_latch},
-    {"CF-088", "the difference of the clocks has the other sign", ANSWER, FPRD, ECT_REG_DC_DIFFERENCE + 3, 4,
-     .change = {.width = 0xFF, .becomes = 0x80}},
-    {"CF-089", "SYNC0 is a nanosecond beside its grid", ANSWER, FPRD, ECT_REG_DC_START_TIME, 8,
-     .change = {.width = 0xFF, .becomes = 1}},
+    {"CF-088", "the difference of the clocks has the other sign", ANSWER, ECT_FPRD, ECT_REG_DC_DIFFERENCE + 3, 4,
+     .change = FLIPPED(0x80)},
+    {"CF-089", "SYNC0 is a nanosecond beside its grid", ANSWER, ECT_FPRD, ECT_REG_DC_START_TIME, 8,
+     .change = FLIPPED(1)},
     {"CF-092", "a cycle is refused as a wrong mailbox", AL_CODE(0x36, 0x16)},
     {"CF-094", "an unknown command stops the slave", CUSTOM, .before = hangs, .after = give_back_hidden},
-    {"CF-095", "two SyncManagers in one write are not taken", SWALLOW, FPWR, ECT_REG_SM, 16, .change = ANY(2, 1)},
+    {"CF-095", "two SyncManagers in one write are not taken", SWALLOW, ECT_FPWR, ECT_REG_SM, 16, .change = ANY(2, 1)},
     {"CF-096", "in SAFEOP a lost address is not given again at once", CUSTOM, .before = address_stays_lost,
      .after = uncounted_hidden},
 };
@@ -520,28 +545,11 @@ void defect_list(void (*visit)(void *ctx, const char *id, const char *what), voi
         visit(ctx, rows[i].id, rows[i].what);
 }
 
-enum { INVERT = 0xFF }; /* a width: one byte, of which `becomes` is inverted */
-
-static void apply(const change_t *c, uint8_t *at)
-{
-    uint32_t mask = c->mask != 0 ? c->mask : 0xFFFFFFFFu, value = 0;
-    if (c->width == INVERT) {
-        *at ^= (uint8_t)c->becomes;
-        return;
-    }
-    for (unsigned int i = 0; i < c->width; i++)
-        value |= (uint32_t)at[i] << 8 * i;
-    bool as_expected = c->mask == 0 || (value & mask) == c->was || (c->mask == 0x30 && c->was == 0);
-    value = (value & ~mask) | c->becomes;
-    for (unsigned int i = 0; i < c->width && as_expected; i++)
-        at[i] = (uint8_t)(value >> 8 * i);
-}
-
 static bool concerns(const defect_row_t *row, const datagram_t *g)
 {
     if (row->state != 0 && row->state != al_status(g))
         return false;
-    if (row->kind == COUNT && row->at == 1)
+    if (row->empty)
         return g->command == row->command && g->length == 0;
     return g->command == row->command && (row->length == 0 || row->length == g->length) && covers(g, row->address, 1);
 }
@@ -554,27 +562,19 @@ static bool about(const defect_row_t *row, const uint8_t *mail)
            mail[11] == row->length && (row->command == 0 || mail[8] == row->command);
 }
 
-/* The first reply of the information service about list 0. */
-static bool first_of_lengths(const defect_row_t *row, const uint8_t *mail)
-{
-    return mail[7] >> 4 == 8 && (mail[8] & 0x7F) == row->command && ect_load_le16(mail + 12) == 0;
-}
-
 static void change_mail(const defect_row_t *row, const datagram_t *g)
 {
     uint8_t *mail = data(g);
     if (!is_mail(g, false) || counter(g) == 0 || (row->state != 0 && row->state != al_status(g)))
         return;
-    if (row->length == ANY_MAIL && row->command != 0)
-        mail[14] = (uint8_t)(mail[14] + first_of_lengths(row, mail));
-    else if (row->length == ANY_MAIL || about(row, mail))
+    if (row->length == ANY_MAIL || about(row, mail))
         apply(&row->change, mail + row->at);
 }
 
 static void change_sii(const defect_row_t *row, const datagram_t *g, uint32_t byte)
 {
     uint32_t first = 2u * ect_load_le16(g->chip + ECT_REG_SII_ADDRESS);
-    if (g->command == FPRD && g->ado == ECT_REG_SII_DATA && byte >= first &&
+    if (g->command == ECT_FPRD && g->ado == ECT_REG_SII_DATA && byte >= first &&
         byte + row->change.width <= first + g->length)
         apply(&row->change, data(g) + (byte - first));
 }
@@ -622,22 +622,22 @@ static void walk(defect_t *d, ect_chain_t *chain, uint8_t *frame, void (*one)(de
     const ect_esc_t *esc = ect_chain_esc(chain, 0);
     size_t at = ETHERNET + 2;
     bool more = true;
-    while (more && at + HEADER + TRAILER <= d->length) {
+    while (more && at + ECT_DATAGRAM_DATA + ECT_DATAGRAM_COUNTER <= d->length) {
         const uint8_t *sent = d->sent + at;
-        uint16_t length = ect_load_le16(sent + 6) & 0x07FF;
-        if (at + HEADER + length + TRAILER > d->length)
+        uint16_t length = ect_datagram_length(sent);
+        if (at + ECT_DATAGRAM_DATA + length + ECT_DATAGRAM_COUNTER > d->length)
             return;
         datagram_t g = {.sent = sent,
                         .now = frame + at,
-                        .command = sent[0],
-                        .adp = ect_load_le16(sent + 2),
-                        .ado = ect_load_le16(sent + 4),
+                        .command = sent[ECT_DATAGRAM_COMMAND],
+                        .adp = ect_load_le16(sent + ECT_DATAGRAM_ADP),
+                        .ado = ect_load_le16(sent + ECT_DATAGRAM_ADO),
                         .length = length,
                         .chip = esc->memory,
                         .config = &esc->config};
         one(d, &g);
-        more = (sent[7] & 0x80) != 0;
-        at += (size_t)HEADER + length + TRAILER;
+        more = (sent[ECT_DATAGRAM_LENGTH + 1] & 0x80) != 0;
+        at += (size_t)ECT_DATAGRAM_DATA + length + ECT_DATAGRAM_COUNTER;
     }
 }
 
