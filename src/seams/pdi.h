@@ -27,7 +27,11 @@
 #ifndef ECT_SEAMS_PDI_H
 #define ECT_SEAMS_PDI_H
 
+#include <stdbool.h>
 #include <stdint.h>
+
+#include "wire/bytes.h"
+#include "wire/registers.h"
 
 typedef struct ect_pdi {
     /** Handed to each operation; owned by the port, must outlive the stack that uses it. */
@@ -61,6 +65,21 @@ typedef struct ect_pdi {
      */
     int (*al_event)(void *ctx, uint32_t *event);
 } ect_pdi_t;
+
+/**
+ * ::ect_pdi_t::al_event of a port that has the line: the register while it is active, else 0.
+ * @param active  the level of the line, now
+ * @param read    the port's ::ect_pdi_t::read
+ */
+static inline int ect_pdi_line_event(bool active,
+                                     int (*read)(void *ctx, uint16_t address, void *buffer, uint16_t length), void *ctx,
+                                     uint32_t *event)
+{
+    uint8_t bytes[4] = {0};
+    int result = active ? read(ctx, ECT_REG_AL_EVENT, bytes, sizeof bytes) : 0;
+    *event = ect_load_le32(bytes);
+    return result;
+}
 
 /**
  * What a port cuts an access into: the most bytes that go at once, where a chip takes 1, 2, 4 … `widest` of them at an

@@ -256,10 +256,7 @@ static int write(void *ctx, uint16_t address, const void *buffer, uint16_t lengt
 static int al_event(void *ctx, uint32_t *event)
 {
     const ect_lan9252_t *chip = ctx;
-    uint8_t bytes[4] = {0};
-    int result = chip->spi->line(chip->spi->ctx) ? read(ctx, ECT_REG_AL_EVENT, bytes, sizeof bytes) : 0;
-    *event = ect_load_le32(bytes);
-    return result;
+    return ect_pdi_line_event(chip->spi->line(chip->spi->ctx), read, ctx, event);
 }
 
 ect_pdi_t ect_lan9252_pdi(ect_lan9252_t *chip)

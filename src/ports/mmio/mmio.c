@@ -95,10 +95,7 @@ static int write(void *ctx, uint16_t address, const void *buffer, uint16_t lengt
 static int al_event(void *ctx, uint32_t *event)
 {
     const ect_mmio_t *esc = ctx;
-    uint8_t bytes[4] = {0};
-    int result = esc->line(esc->ctx) ? read(ctx, ECT_REG_AL_EVENT, bytes, sizeof bytes) : 0;
-    *event = ect_load_le32(bytes);
-    return result;
+    return ect_pdi_line_event(esc->line(esc->ctx), read, ctx, event);
 }
 
 bool ect_mmio_ready(const ect_mmio_t *esc)

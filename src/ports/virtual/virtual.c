@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "ports/virtual/virtual.h"
 
-#include "wire/bytes.h"
-#include "wire/registers.h"
-
 static int al_event(void *ctx, uint32_t *event)
 {
     *event = ect_esc_al_event(ctx);
@@ -17,10 +14,7 @@ ect_pdi_t ect_virtual_pdi(ect_esc_t *esc)
 
 static int line_event(void *ctx, uint32_t *event)
 {
-    uint8_t bytes[4] = {0};
-    int result = ect_esc_line(ctx) ? ect_esc_pdi_read(ctx, ECT_REG_AL_EVENT, bytes, sizeof bytes) : 0;
-    *event = ect_load_le32(bytes);
-    return result;
+    return ect_pdi_line_event(ect_esc_line(ctx), ect_esc_pdi_read, ctx, event);
 }
 
 ect_pdi_t ect_virtual_line_pdi(ect_esc_t *esc)
