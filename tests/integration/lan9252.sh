@@ -87,5 +87,8 @@ refuses 1 "a board is one device" fzm1 fzm1
 "$command" --eeprom "$work/image" --alias 5 --serial 7 fzm1
 check "--eeprom" 0 $?
 check "--eeprom: PDI control, alias, serial number" "80 05 07" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $1, $9, $29}')"
+"$command" --eeprom "$work/image" --alias 010 --serial 0x10 fzm1
+check "numbers: 010 is ten, 0x10 sixteen" "0a 10" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $9, $29}')"
+refuses 1 "--serial takes a number from 1 to 4294967295, not '0x'" --serial 0x fzm1
 refuses 2 "cannot write '/dev/full'" --eeprom /dev/full fzm1
 exit $failed

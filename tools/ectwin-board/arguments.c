@@ -42,8 +42,9 @@ static uint32_t number(const struct argp_state *state, const char *name, const c
                        uint32_t most)
 {
     char *end;
+    bool hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
     errno = 0;
-    unsigned long long value = strtoull(text, &end, 0);
+    unsigned long long value = strtoull(text, &end, hexadecimal ? 16 : 10); /* 010 is ten */
     if (errno != 0 || end == text || *end != 0 || *text == '-' || value < least || value > most)
         argp_error(state, "%s takes a number from %u to %u, not '%s'", name, least, most, text);
     return (uint32_t)value;

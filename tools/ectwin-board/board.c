@@ -126,7 +126,7 @@ static bool make_config(board_t *b)
 }
 
 /* As for the command of the twins: what a shell's background or nohup ignores is not what ends us. */
-static int open_signals(void)
+static bool open_signals(board_t *b, char *message)
 {
     sigset_t set;
     sigemptyset(&set);
@@ -139,15 +139,18 @@ static int open_signals(void)
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
     sigprocmask(SIG_BLOCK, &set, NULL);
-    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    b->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (b->signal_fd < 0)
+        snprintf(message, ECT_MEMORY_MESSAGE, "cannot wait for the signals that end it: %s", strerror(errno));
+    return b->signal_fd >= 0;
 }
 
 static int open_board(board_t *b)
 {
     char message[ECT_MEMORY_MESSAGE] = "not enough memory";
     _Static_assert((int)ECT_MEMORY_MESSAGE >= (int)ECT_LINUX_MESSAGE, "room for either");
-    if (!ect_spidev_open(&b->bus, b->args.spi, b->args.speed_hz, message) || !open_lines(b, message) ||
-        !open_memory(b, message) || !make_config(b))
+    if (!open_signals(b, message) || !ect_spidev_open(&b->bus, b->args.spi, b->args.speed_hz, message) ||
+        !open_lines(b, message) || !open_memory(b, message) || !make_config(b))
         return say(message);
     b->spi = ect_spidev_spi(&b->bus);
     b->chip = (ect_lan9252_t){.spi = &b->spi, .interrupt_high = b->args.interrupt_high};
@@ -274,7 +277,6 @@ int ectwin_board_main(int argc, char **argv)
         b.identity.serial = b.args.serial;
     if (b.args.eeprom)
         return write_eeprom(&b);
-    b.signal_fd = open_signals();
     int status = open_board(&b);
     if (status == CLEAN)
         status = run(&b);
