@@ -301,18 +301,20 @@ bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *messa
 
 bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t now_ns, char *message)
 {
-    const ect_signal_t *signal = ref->signal;
+    const ect_plant_t *plant = ref->plant;
     value_t v = {0};
     if (!accept(ref, text, &v, message))
         return false;
-    const char *refusal = NULL;
-    if (ref->plant->signal_write)
-        refusal = ref->plant->signal_write(ref->instance, signal, ref->number, &v, now_ns);
-    if (refusal && *refusal) {
-        snprintf(message, ECT_SIGNAL_MESSAGE, "%s: %s", ref->name, refusal);
+    const char *answer =
+        plant->signal_write ? plant->signal_write(ref->instance, ref->signal, ref->number, &v, now_ns) : NULL;
+    if (answer && *answer) {
+        snprintf(message, ECT_SIGNAL_MESSAGE, "%s: %s", ref->name, answer);
         return false;
     }
-    if (!refusal)
-        memcpy(ref->value, &v, ect_signal_size(signal));
+    if (answer)
+        return true;
+    memcpy(ref->value, &v, ect_signal_size(ref->signal));
+    if (plant->signal_written)
+        plant->signal_written(ref->instance, ref->signal, ref->number, now_ns);
     return true;
 }

@@ -46,11 +46,15 @@ typedef struct ect_plant {
 
     /**
      * A user sets a signal to a value within its range; `value` is of the signal's type, `number` counts from 1 (0: the
-     * group has no numbers). The plant does what follows from it before or instead of the caller storing it.
-     * @return NULL: it is to be stored · "" : done, nothing is to be stored · else why not, a line for the user
+     * group has no numbers). Asked before it is stored.
+     * @return NULL: it is to be stored, `signal_written` follows · "" : done, nothing is to be stored · else why not, a
+     * line for the user: nothing has changed
      */
     const char *(*signal_write)(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns);
+
+    /** The value that a user has set is stored: what follows from it. */
+    void (*signal_written)(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns);
 
     /** What a user may look at as a whole, e.g. the last set of periodic data. NULL: there is no such thing. */
     ect_bulk_t (*bulk)(const void *instance);

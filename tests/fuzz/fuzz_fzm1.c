@@ -116,8 +116,10 @@ static void set_signal(const uint8_t *b, uint64_t now_ns)
     const ect_signal_t *signal = &group->signals[b[1] % group->signal_count];
     uint8_t value[256] = {0};
     size_t size = signal->access == ECT_SIGNAL_WRITE ? signal_value(signal, b + 2, value) : 0;
-    if (size > 0 && !ect_fzm1_plant.signal_write(&unit, signal, 0, value, now_ns))
-        memcpy((uint8_t *)&unit + signal->offset, value, size);
+    if (size == 0 || ect_fzm1_plant.signal_write(&unit, signal, 0, value, now_ns))
+        return;
+    memcpy((uint8_t *)&unit + signal->offset, value, size);
+    ect_fzm1_plant.signal_written(&unit, signal, 0, now_ns);
 }
 
 static void operate(const uint8_t *b, uint64_t *now_ns)

@@ -308,7 +308,6 @@ bool eclink_reachable(const eclink_ru_t *ru);
 /* @return what to tell the user, NULL when the remote can be reached */
 const char *eclink_why_unreachable(const eclink_ru_t *ru);
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
-void eclink_lose(eclink_t *unit, unsigned int number);
 
 /* modbus.c */
 extern const ect_modbus_t eclink_modbus;

@@ -92,7 +92,7 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
 }
 
 /* Out of sight: what was on its way is gone. While armed, the base unit blocks until it is armed again (§8.1). */
-void eclink_lose(eclink_t *unit, unsigned int number)
+static void lose(eclink_t *unit, unsigned int number)
 {
     unit->ru[number].to_ru.count = 0;
     unit->ru[number].periodic_waits = false;
@@ -168,7 +168,7 @@ static void update_one(eclink_t *unit, unsigned int number)
 {
     eclink_ru_t *ru = &unit->ru[number];
     if (ru->path == ECLINK_PATH_NONE)
-        eclink_lose(unit, number);
+        lose(unit, number);
     ru->c_link = ru->forced_c_link != ECLINK_NOT_FORCED ? ru->forced_c_link : c_link(ru);
     ru->g_link = ru->forced_g_link != ECLINK_NOT_FORCED ? ru->forced_g_link : g_link(ru);
     ru->state = ru_state(ru);

@@ -197,15 +197,12 @@ static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned
         memcpy(&wanted, value, sizeof wanted);
         return write_number(unit, ru, signal, wanted);
     }
-    eclink_evaluate(unit); /* what was set last may not have been evaluated yet */
     if (IS(signal, eclink_ru_t, armed)) {
         const char *refusal = eclink_arm(unit, number, *byte != 0);
         return refusal ? refusal : "";
     }
     if (IS(signal, eclink_ru_t, command))
         return send_command(unit, number, byte);
-    if (IS(signal, eclink_ru_t, on) && *byte == 0)
-        eclink_lose(unit, number);
     if (is_element(signal, offsetof(eclink_ru_t, fitted), sizeof ru->fitted, 1, &position))
         ru->switches[position] = 0; /* another switch starts at rest */
     return NULL;
@@ -222,13 +219,23 @@ static const char *write_bu(eclink_t *unit, const ect_signal_t *signal, const vo
     return NULL;
 }
 
+static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
+{
+    eclink_t *unit = instance;
+    (void)signal;
+    (void)number;
+    (void)now_ns;
+    unit->remotes_due = true;
+    eclink_evaluate(unit);
+}
+
 static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns)
 {
     eclink_t *unit = instance;
-    (void)now_ns;
     const char *answer = number > 0 ? write_ru(unit, signal, number - 1u, value) : write_bu(unit, signal, value);
-    unit->remotes_due = true; /* also what the caller stores now is looked at by the next tick */
+    if (answer && *answer == 0)
+        signal_written(unit, signal, number, now_ns);
     return answer;
 }
 
@@ -245,6 +252,7 @@ const ect_plant_t ect_eclink_plant = {
     .outside_offset = offsetof(eclink_t, bu),
     .outside_size = offsetof(eclink_t, armed) - offsetof(eclink_t, bu),
     .signal_write = signal_write,
+    .signal_written = signal_written,
     .bulk = bulk,
     .modbus = &eclink_modbus,
 };

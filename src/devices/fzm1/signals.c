@@ -254,8 +254,6 @@ static const char *write_number(fzm1_t *u, const ect_signal_t *signal, uint32_t 
         return "not one of the 26 abort codes of the FZM1";
     if (IS(signal, settings.output_period))
         fzm1_output_new_period(u, (uint16_t)value);
-    if (IS(signal, plant.seed))
-        u->plant.random = u->plant.time_random = value;
     return NULL;
 }
 
@@ -309,6 +307,15 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     }
 }
 
+static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
+{
+    fzm1_t *u = instance;
+    (void)number;
+    (void)now_ns;
+    if (IS(signal, plant.seed))
+        u->plant.random = u->plant.time_random = u->plant.seed;
+}
+
 static uint16_t station_alias(const void *instance)
 {
     const fzm1_t *u = instance;
@@ -328,4 +335,5 @@ const ect_plant_t ect_fzm1_plant = {
     .station_alias = station_alias,
     .unfinished = unfinished,
     .signal_write = signal_write,
+    .signal_written = signal_written,
 };

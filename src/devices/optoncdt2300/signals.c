@@ -81,6 +81,8 @@ static const ect_signal_group_t groups[] = {
 
 /* --- from the user ------------------------------------------------------------------------------------------------ */
 
+#define IS(signal, member) ((signal)->offset == offsetof(opto_t, member))
+
 static const char *add_row(opto_t *u)
 {
     if (u->plant.rows == OPTO_TABLE)
@@ -124,41 +126,20 @@ static const char *press(opto_t *u, const ect_signal_t *signal, uint8_t value)
     return NULL;
 }
 
-static const char *write_rate(opto_t *u, uint32_t hz, uint64_t now_ns)
+static const char *write_surface(const ect_signal_t *signal, const void *value)
 {
-    if (!opto_is_rate(hz))
-        return "not a measuring rate: 1500, 2500, 5000, 10000, 20000, 30000 or 49140";
-    u->rate_hz = hz;
-    opto_new_rate(u, now_ns);
-    return "";
-}
-
-static const char *write_surface(opto_surface_t *s, const ect_signal_t *signal, const void *value, uint64_t now_ns)
-{
-    if (signal->offset == offsetof(opto_surface_t, source))
-        s->origin_ns = now_ns;
-    if (signal->offset != offsetof(opto_surface_t, fault))
-        return NULL;
     uint8_t fault = *(const uint8_t *)value;
-    return fault == 0 || fault >= 6 ? NULL : "0, 6, 7 or 8";
+    bool possible = signal->offset != offsetof(opto_surface_t, fault) || fault == 0 || fault >= 6;
+    return possible ? NULL : "0, 6, 7 or 8";
 }
 
-static const char *write_number(opto_t *u, const ect_signal_t *signal, const void *value, uint64_t now_ns)
+static const char *write_number(const ect_signal_t *signal, const void *value)
 {
     uint32_t number;
-    double real;
-    if (signal->offset == offsetof(opto_t, plant.range)) {
-        memcpy(&real, value, sizeof real);
-        u->range = (float)real;
-    }
-    if (signal->type != ECT_SIGNAL_U32)
+    if (!IS(signal, rate_hz))
         return NULL;
     memcpy(&number, value, sizeof number);
-    if (signal->offset == offsetof(opto_t, rate_hz))
-        return write_rate(u, number, now_ns);
-    if (signal->offset == offsetof(opto_t, plant.seed))
-        u->plant.random = number;
-    return NULL;
+    return opto_is_rate(number) ? NULL : "not a measuring rate: 1500, 2500, 5000, 10000, 20000, 30000 or 49140";
 }
 
 static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
@@ -167,10 +148,25 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     opto_t *u = instance;
     opto_advance(u, now_ns);
     if (number > 0)
-        return write_surface(&u->plant.surface[number - 1], signal, value, now_ns);
+        return write_surface(signal, value);
     if (signal->type == ECT_SIGNAL_BOOL)
         return press(u, signal, *(const uint8_t *)value);
-    return write_number(u, signal, value, now_ns);
+    return write_number(signal, value);
+}
+
+static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
+{
+    opto_t *u = instance;
+    if (number > 0 && signal->offset == offsetof(opto_surface_t, source))
+        u->plant.surface[number - 1].origin_ns = now_ns;
+    if (number > 0)
+        return;
+    if (IS(signal, rate_hz))
+        opto_new_rate(u, now_ns);
+    if (IS(signal, plant.range))
+        u->range = (float)u->plant.range;
+    if (IS(signal, plant.seed))
+        u->plant.random = u->plant.seed;
 }
 
 const ect_plant_t ect_optoncdt2300_plant = {
@@ -179,4 +175,5 @@ const ect_plant_t ect_optoncdt2300_plant = {
     .outside_offset = offsetof(opto_t, plant),
     .outside_size = sizeof(opto_plant_t),
     .signal_write = signal_write,
+    .signal_written = signal_written,
 };

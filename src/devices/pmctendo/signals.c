@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The user's side: supply, inputs, load, switches along the way, faults; and what the drive does, by name. */
-#include <string.h>
-
 #include "devices/pmctendo/instance.h"
 #include "devices/pmctendo/pmctendo.h"
 
@@ -96,22 +94,6 @@ static const char *restart(pmctendo_t *u, uint8_t wanted)
     return "";
 }
 
-static size_t size_of(const ect_signal_t *signal)
-{
-    switch (signal->type) {
-    case ECT_SIGNAL_REAL:
-        return sizeof(double);
-    case ECT_SIGNAL_I32:
-    case ECT_SIGNAL_U32:
-        return sizeof(uint32_t);
-    case ECT_SIGNAL_I16:
-        return sizeof(int16_t);
-    default:
-        return 1;
-    }
-}
-
-/* What stands outside counts from this moment on: edges are caught where the shaft is now. */
 static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns)
 {
@@ -122,10 +104,18 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
         return provoke(u, *(const uint8_t *)value);
     if (IS(signal, restart))
         return restart(u, *(const uint8_t *)value);
-    memcpy((uint8_t *)u + signal->offset, value, size_of(signal));
+    return NULL;
+}
+
+/* What stands outside counts from this moment on: edges are caught where the shaft is now. */
+static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
+{
+    pmctendo_t *u = instance;
+    (void)signal;
+    (void)number;
+    (void)now_ns;
     pmc_look(u);
     pmc_publish(u);
-    return "";
 }
 
 const ect_plant_t ect_pmctendo_dd5_plant = {
@@ -134,4 +124,5 @@ const ect_plant_t ect_pmctendo_dd5_plant = {
     .outside_offset = offsetof(pmctendo_t, plant),
     .outside_size = sizeof(pmc_plant_t),
     .signal_write = signal_write,
+    .signal_written = signal_written,
 };
