@@ -22,7 +22,7 @@ DOCUMENT = ROOT / "docs/SIZES.md"
 BEGIN, END = "<!-- written by tests/check/firmware.py -->\n", "<!-- end -->\n"
 PRESETS = {"cortex-m0plus": "arm-none-eabi", "cortex-m4": "arm-none-eabi", "cortex-m7": "arm-none-eabi",
            "riscv32": "riscv64-unknown-elf"}
-SMALL = ["-DFZM1_KEPT=2", "-DFZM1_PREPARED=1", "-DFZM1_TABLE=1", "-DOPTO_TABLE=1"] # as firmware/boards/CMakeLists.txt has it
+SMALL = ["-DECT_SMALL"] # as firmware/boards/CMakeLists.txt has it
 FRAMES_OF_MAIN = 64 # start-up, and what an interrupt without handler would take
 
 

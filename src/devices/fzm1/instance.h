@@ -77,19 +77,15 @@ enum { FZM1_SHORTEST_US = 100, FZM1_MINUTE_US = 60000000 };
 enum { FZM1_SCENES = 128 }; /**< of a scene group */
 
 /**
- * What takes memory, and may be less in a firmware; 1 or more of each. Scenes of the current group that stand in memory
- * (some 620 bytes, twice): with fewer than FZM1_SCENES the others are read when they are switched to, and so many at
- * most can be changed before they are saved. Scenes that can be prepared (620 bytes), and rows of the table (80 bytes):
- * both are the plant's.
+ * What takes memory: less in a firmware for a board (ECT_SMALL). Scenes of the current group that stand in memory (some
+ * 620 bytes, twice): with fewer than FZM1_SCENES the others are read when they are switched to, and so many at most can
+ * be changed before they are saved. Scenes that can be prepared (620 bytes), and rows of the table (80 bytes): both are
+ * the plant's, which a board has none of.
  */
-#ifndef FZM1_KEPT
-#define FZM1_KEPT 128
-#endif
-#ifndef FZM1_PREPARED
-#define FZM1_PREPARED 256
-#endif
-#ifndef FZM1_TABLE
-#define FZM1_TABLE 256
+#ifdef ECT_SMALL
+enum { FZM1_KEPT = 2, FZM1_PREPARED = 1, FZM1_TABLE = 1 };
+#else
+enum { FZM1_KEPT = FZM1_SCENES, FZM1_PREPARED = 256, FZM1_TABLE = 256 };
 #endif
 
 /** Where a value comes from, on top of the scene's own; of the times FIXED, RANDOM and TABLE. */
@@ -317,8 +313,8 @@ bool fzm1_saving(const fzm1_t *u);
 void fzm1_save_due(fzm1_t *u);
 void fzm1_save_reset(fzm1_t *u); /* power-on: nothing is being written */
 void fzm1_load(fzm1_t *u);       /* at power-on */
-/* Into u->group, or *scene, as prepared or saved. @return false: the memory does not answer */
-/* ... and a scene of it */
+/* A group into u->group and a scene of it into *scene, or a scene alone: as prepared or saved. @return false: the
+ * memory does not answer */
 bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene); /* of the current group; the same */

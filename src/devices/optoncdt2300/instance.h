@@ -58,12 +58,14 @@ enum { OPTO_SAMPLES = 100 /* most of an exchange: 1A00h to 1A63h (A 7.6) */ };
 enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 whole records; three buffers fit into any controller */ };
 enum { OPTO_ROOM = 3 * OPTO_LONGEST / 4 /* measurements that are kept: of three exchanges */ };
 
-/* What takes memory and time: a board with little of them defines less. */
-#ifndef OPTO_TABLE
-#define OPTO_TABLE 1024 /* rows that a user may give */
-#endif
-#ifndef OPTO_MOST_RECORDS
-#define OPTO_MOST_RECORDS 4096 /* in one call; who was away for longer finds the last ones */
+/**
+ * What takes memory and time: less in a firmware for a board (ECT_SMALL). Rows that a user may give, which are the
+ * plant's; records that are taken in one call: who was away for longer finds the last ones.
+ */
+#ifdef ECT_SMALL
+enum { OPTO_TABLE = 1, OPTO_MOST_RECORDS = 100 };
+#else
+enum { OPTO_TABLE = 1024, OPTO_MOST_RECORDS = 4096 };
 #endif
 
 enum { OPTO_USER = 0, OPTO_EXPERT = 1 };
