@@ -82,7 +82,8 @@ def sources(header):
     unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "esc_foe.c", "signals.c"} # an object list's; the plant
     return [path for path in found if path.name not in unused] + [ROOT / "firmware" / name for name in
                                                                   ("main.c", "on_ectwin/device.c", "plain.c", "hal.c",
-                                                                  "boards/mmio/board.c")]
+                                                                  "boards/mmio/board.c",
+                                                                  "boards/mmio/no_storage.c")]
 
 
 # Who calls through pointers, and what that leads to, as `file:function`. What stays inside the stack stack.py knows.
@@ -133,8 +134,7 @@ def bound(entry, frames, calls):
 def firmware_stack(row):
     """Bound for a device on a Cortex-M4."""
     _, header, description, memory, _ = row
-    mmio = [f"-DMMIO_{value}" for value in ("ESC=0x60000000", "ESC_WIDTH=2", "CLOCK_HZ=100000000", "LAMPS=0", "STORAGE=0",
-                                            "STORAGE_SIZE=0x10000")]
+    mmio = [f"-DMMIO_{value}" for value in ("ESC=0x60000000", "ESC_WIDTH=2", "CLOCK_HZ=100000000", "LAMPS=0")]
     flags = [*SMALL, *mmio, f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/on_ectwin", f"-I{ROOT}/firmware/cpu", f"-I{ROOT}/src/soes",
              f"-DFIRMWARE_DEVICE={description}", f'-DFIRMWARE_DEVICE_HEADER="{header}"', f"-DFIRMWARE_MEMORY={memory}"]
     with tempfile.TemporaryDirectory() as work:

@@ -2,10 +2,7 @@
 /* A chip with an ESC in its memory, as the CMake variables MMIO_... say. */
 #include "board.h"
 
-#include <string.h>
-
 #include "cpu.h"
-#include "ports/flash/flash.h"
 #include "ports/mmio/mmio.h"
 
 enum { NS_PER_CYCLE = 1000000000 / MMIO_CLOCK_HZ };
@@ -41,46 +38,6 @@ void board_turn(uint64_t until_ns)
 void board_reset(void)
 {
     cpu_reset();
-}
-
-/* --- what the device keeps: flash that is read as memory is; how it is written only the chip knows ---------------- */
-
-static int flash_read(void *ctx, uint32_t address, void *buffer, uint32_t length)
-{
-    (void)ctx;
-    memcpy(buffer, (const void *)(uintptr_t)address, length);
-    return 0;
-}
-
-/* To be written for the chip. Until then the device says that its memory does not answer. */
-static int flash_erase(void *ctx, uint32_t address, uint32_t length)
-{
-    (void)ctx;
-    (void)address;
-    (void)length;
-    return -1;
-}
-
-static int flash_program(void *ctx, uint32_t address, const void *data, uint32_t length)
-{
-    (void)ctx;
-    (void)address;
-    (void)data;
-    (void)length;
-    return -1;
-}
-
-const ect_storage_t *board_storage(void)
-{
-    static ect_flash_t flash = {.area = {MMIO_STORAGE, MMIO_STORAGE + MMIO_STORAGE_SIZE},
-                                .area_size = MMIO_STORAGE_SIZE,
-                                .unit = 8,
-                                .read = flash_read,
-                                .erase = flash_erase,
-                                .program = flash_program};
-    static ect_storage_t storage;
-    storage = ect_flash_storage(&flash);
-    return MMIO_STORAGE != 0 ? &storage : NULL;
 }
 
 /* --- switches and lamps ------------------------------------------------------------------------------------------- */
