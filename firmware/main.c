@@ -3,6 +3,15 @@
 #include "board.h"
 #include "firmware.h"
 
+_Noreturn void firmware_stop(void)
+{
+    const ect_leds_t *leds = board_leds();
+    for (;;) {
+        if (leds->err)
+            leds->err(leds->ctx, true);
+    }
+}
+
 int main(int argc, char **argv)
 {
     board_init(argc, argv);

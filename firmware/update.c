@@ -100,8 +100,11 @@ const ect_device_t *firmware_device(void)
                         .open = open_file,
                         .write = write_file,
                         .close = closed};
-    for (const ect_protocol_t *const *p = device.protocols; p && *p && count < PROTOCOLS - 1; p++)
+    for (const ect_protocol_t *const *p = device.protocols; p && *p; p++) {
+        if (count == PROTOCOLS - 1)
+            firmware_stop();
         protocols[count++] = *p;
+    }
     protocols[count] = &files.protocol;
     device.protocols = protocols;
     device.mailbox_protocols |= ECT_MAILBOX_FOE;

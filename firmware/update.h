@@ -2,8 +2,8 @@
 /**
  * @file
  * A firmware that is renewed over FoE. The master writes a file in BOOT; it goes into the second slot and is checked
- * there. When the master leaves BOOT the board starts anew, and its loader (loader.c) puts the image into the place
- * that it runs from.
+ * there. When the master leaves BOOT the board starts anew, and its loader (loader/main.c) puts the image into the
+ * place that it runs from.
  *
  * A file, which tools/firmware-file.py makes, is a header of four words, little-endian, and the image behind it: magic
  * number, length of the image, its CRC-32, and the address that it is linked for, so that one for another board is

@@ -8,12 +8,6 @@ extern uint32_t cpu_stack_top[]; /* from flash.ld */
 #define SCB_AIRCR      REGISTER(0xE000ED0C)
 #define SYSTEM_RESET   0x05FA0004u
 
-#define SYSTICK_CONTROL REGISTER(0xE000E010)
-#define SYSTICK_RELOAD  REGISTER(0xE000E014)
-#define SYSTICK_VALUE   REGISTER(0xE000E018)
-#define SYSTICK_COUNTS  5u /* by the processor's clock, without interrupts */
-#define SYSTICK_MASK    0x00FFFFFFu
-
 __attribute__((weak)) void cpu_fault(void)
 {
     for (;;) {
@@ -59,14 +53,14 @@ void cpu_sleep(void)
 uint64_t cpu_cycles(void)
 {
     static uint64_t cycles;
-    static uint32_t last = SYSTICK_MASK;
-    if (SYSTICK_CONTROL == 0) {
-        SYSTICK_RELOAD = SYSTICK_MASK;
-        SYSTICK_VALUE = 0;
-        SYSTICK_CONTROL = SYSTICK_COUNTS;
+    static uint32_t last = CPU_SYSTICK_LONGEST;
+    if (CPU_SYSTICK_CONTROL == 0) {
+        CPU_SYSTICK_RELOAD = CPU_SYSTICK_LONGEST;
+        CPU_SYSTICK_VALUE = 0;
+        CPU_SYSTICK_CONTROL = CPU_SYSTICK_COUNTS;
     }
-    uint32_t value = SYSTICK_VALUE; /* counts down */
-    cycles += (last - value) & SYSTICK_MASK;
+    uint32_t value = CPU_SYSTICK_VALUE; /* counts down */
+    cycles += (last - value) & CPU_SYSTICK_LONGEST;
     last = value;
     return cycles;
 }

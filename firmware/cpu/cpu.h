@@ -25,6 +25,14 @@ typedef void (*cpu_handler_t)(void);
 /** A variable that a reset leaves as it is; after power-on it holds anything. */
 #define CPU_KEPT __attribute__((section(".kept")))
 
+/** Cortex-M: SysTick's registers, for who has it to himself: ::cpu_cycles, or a board. It counts down, 24 bits. */
+#define CPU_SYSTICK_CONTROL REGISTER(0xE000E010)
+#define CPU_SYSTICK_RELOAD  REGISTER(0xE000E014)
+#define CPU_SYSTICK_VALUE   REGISTER(0xE000E018)
+#define CPU_SYSTICK_COUNTS  5u /**< by the processor's clock, without interrupts */
+#define CPU_SYSTICK_ALARMS  7u /**< ... with them */
+#define CPU_SYSTICK_LONGEST 0x00FFFFFFu
+
 /** Cortex-M: SysTick. Defined by a board that starts it. */
 void cpu_systick(void);
 

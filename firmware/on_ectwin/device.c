@@ -17,15 +17,6 @@ static ect_identity_t identity;
 static max_align_t memory[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
 static size_t used;
 
-static void stop(void)
-{
-    const ect_leds_t *leds = board_leds();
-    for (;;) { /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
-        if (leds->err)
-            leds->err(leds->ctx, true);
-    }
-}
-
 static bool fits(size_t bytes)
 {
     return bytes <= sizeof memory - used * sizeof memory[0];
@@ -37,7 +28,7 @@ static void *take(size_t bytes)
     if (bytes == 0)
         return NULL;
     if (!fits(bytes))
-        stop();
+        firmware_stop(); /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
     used += (bytes + sizeof memory[0] - 1) / sizeof memory[0];
     return taken;
 }

@@ -42,6 +42,20 @@ static void transition_done(void *ctx, uint16_t al_status_code)
     (void)al_status_code;
 }
 
+static void diagnose(void *ctx, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
+{
+    (void)ctx;
+    (void)type;
+    (void)code;
+    (void)text_id;
+    (void)parameters;
+}
+
+static void store(void *ctx)
+{
+    (void)ctx;
+}
+
 static void off_bus(void *ctx, bool off)
 {
     (void)ctx;
@@ -149,15 +163,6 @@ static uint32_t before_upload(uint16_t index, uint8_t subindex, void *data, size
     return abort_code(reason);
 }
 
-static void stop(void)
-{
-    const ect_leds_t *leds = board_leds();
-    for (;;) { /* FIRMWARE_MEMORY, or what objects.c has room for, is too small for this device */
-        if (leds->err)
-            leds->err(leds->ctx, true);
-    }
-}
-
 /* --- the device --------------------------------------------------------------------------------------------------- */
 
 static void power_on(void)
@@ -165,13 +170,15 @@ static void power_on(void)
     static ect_host_t host = {.emergency = emergency,
                               .drop = drop,
                               .transition_done = transition_done,
+                              .diagnose = diagnose,
+                              .store = store,
                               .off_bus = off_bus,
                               .restart = want_restart};
     ect_standard_t *standard = (ect_standard_t *)instance;
     host.storage = board_storage();
     od = ect_device_od(device, instance);
     if (device->instance_size > sizeof instance || !objects_make(device, instance))
-        stop();
+        firmware_stop(); /* FIRMWARE_MEMORY, or what objects.c has room for, is too small for this device */
     standard->device = device;
     standard->identity = device->identity;
     standard->identity.serial = board_serial() != 0 ? board_serial() : device->identity.serial;

@@ -5,20 +5,15 @@
 
 enum { CLOCK_HZ = 25000000, NS_PER_TICK = 40, BAUD = 115200 };
 
-#define UART_DATA       REGISTER(0x40004000)
-#define UART_STATE      REGISTER(0x40004004)
-#define UART_CONTROL    REGISTER(0x40004008)
-#define UART_DIVIDER    REGISTER(0x40004010)
-#define UART_FULL       1u
-#define UART_SEND       1u
-#define FPGA_LEDS       REGISTER(0x40028000)
-#define FPGA_COUNTER    REGISTER(0x40028018)
-#define FPGA_PRESCALE   REGISTER(0x4002801C)
-#define SYSTICK_CONTROL REGISTER(0xE000E010)
-#define SYSTICK_RELOAD  REGISTER(0xE000E014)
-#define SYSTICK_VALUE   REGISTER(0xE000E018)
-#define SYSTICK_ON      7u /* counts, interrupts, by the processor's clock */
-#define SYSTICK_LONGEST 0xFFFFFFu
+#define UART_DATA     REGISTER(0x40004000)
+#define UART_STATE    REGISTER(0x40004004)
+#define UART_CONTROL  REGISTER(0x40004008)
+#define UART_DIVIDER  REGISTER(0x40004010)
+#define UART_FULL     1u
+#define UART_SEND     1u
+#define FPGA_LEDS     REGISTER(0x40028000)
+#define FPGA_COUNTER  REGISTER(0x40028018)
+#define FPGA_PRESCALE REGISTER(0x4002801C)
 
 /* What a serial line can take for a character at most: it counts reads, so that a line that is stuck stops nobody. */
 enum { PATIENCE = 1000000 };
@@ -44,11 +39,11 @@ void mps2_alarm(uint64_t at_ns)
 {
     uint64_t now = mps2_now_ns();
     uint64_t ticks = at_ns > now ? (at_ns - now) / NS_PER_TICK : 0;
-    if (ticks > SYSTICK_LONGEST)
-        ticks = SYSTICK_LONGEST;
-    SYSTICK_RELOAD = ticks < 1 ? 1 : (uint32_t)ticks; /* 0 would stop it */
-    SYSTICK_VALUE = 0;
-    SYSTICK_CONTROL = SYSTICK_ON;
+    if (ticks > CPU_SYSTICK_LONGEST)
+        ticks = CPU_SYSTICK_LONGEST;
+    CPU_SYSTICK_RELOAD = ticks < 1 ? 1 : (uint32_t)ticks; /* 0 would stop it */
+    CPU_SYSTICK_VALUE = 0;
+    CPU_SYSTICK_CONTROL = CPU_SYSTICK_ALARMS;
 }
 
 void mps2_led(unsigned int number, bool lit)
