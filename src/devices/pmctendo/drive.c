@@ -284,7 +284,6 @@ void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     u->sync.op_until_ns = ECT_NEVER;
     if (!u->plant.known)
         plant_defaults(&u->plant);
-    pmc_motor_levels(u);
     pmc_look(u);
     pmc_publish(u);
 }

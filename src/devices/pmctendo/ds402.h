@@ -40,7 +40,6 @@ enum {
     DS402_HALT = 0x0100,      /**< stops on the ramp, stays enabled */
     DS402_REFERENCE = 0x0800, /**< reference run, mode 8 */
     DS402_SAVE = 0x1000,      /**< its rising edge stores the parameters */
-    DS402_COMMAND = 0x000F,   /**< what chooses a command */
 };
 
 /** Bits of the status word 6041h. */

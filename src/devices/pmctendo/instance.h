@@ -63,7 +63,7 @@ enum {
 };
 
 /** Lines on which edges come: the four inputs, then the index pulse of the feedback. */
-enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INDEX, PMC_LINES };
+enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INDEX };
 enum { PMC_INPUTS = PMC_INDEX };
 
 /** What the inputs are wired to (our assumption). */
@@ -185,7 +185,7 @@ typedef struct pmctendo {
 
     ds402_state_t state;
     ds402_inputs_t ds;
-    ds402_action_t action, action_before;
+    ds402_action_t action;
     pmc_set_t set;
     bool control_known;     /* set.control is one of this OP: edges count from it */
     bool fresh;             /* outputs wait for SYNC0 */
@@ -218,8 +218,8 @@ typedef struct pmctendo {
     char display[PMC_TEXT + 1];
     char state_text[PMC_TEXT + 1];
     uint8_t synchronised, homed_level, powered, do1, do2;
-    uint8_t provoke, restart, home_here;
-    uint32_t saves, telegrams;
+    uint8_t provoke, restart;
+    uint32_t saves;
 
     pmc_plant_t plant; /* outlasts power: see ect_plant_t */
 } pmctendo_t;

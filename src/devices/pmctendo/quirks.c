@@ -7,8 +7,7 @@ enum { COE = 3, RESPONSE = 3, REQUEST = 2, COE_HEADER = 6, TELEGRAM = 16, HEADER
 /* The reply of §4.10's example: the length counts from byte 2, and the service is the request's. */
 void pmc_mail(void *instance, uint8_t *mail, uint16_t size)
 {
-    pmctendo_t *u = instance;
-    u->telegrams++;
+    const pmctendo_t *u = instance;
     bool reply = (mail[5] & 0x0F) == COE && mail[COE_HEADER + 1] >> 4 == RESPONSE;
     if (!u->plant.quirk_reply || !reply || size < TELEGRAM)
         return;

@@ -4,8 +4,10 @@
 #include <stddef.h>
 #include <string.h>
 
-/* The header of a record: its bytes begin a bank, and are written when those behind them are programmed already. */
-enum { HEADER = 16, ERASED = 0xFF };
+#include "seams/record.h"
+
+/* A record's header begins a bank, and is written when what is behind it is programmed already. */
+enum { HEADER = ECT_RECORD_HEADER, ERASED = 0xFF };
 
 static uint32_t unit_of(const ect_flash_t *f)
 {
