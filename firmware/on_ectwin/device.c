@@ -22,11 +22,10 @@ static bool fits(size_t bytes)
     return bytes <= sizeof memory - used * sizeof memory[0];
 }
 
-static void *take(size_t bytes)
+static void *take(void *ctx, size_t bytes)
 {
     void *taken = &memory[used];
-    if (bytes == 0)
-        return NULL;
+    (void)ctx;
     if (!fits(bytes))
         firmware_stop(); /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
     used += (bytes + sizeof memory[0] - 1) / sizeof memory[0];
@@ -36,25 +35,19 @@ static void *take(size_t bytes)
 ect_slave_config_t ect_soes_slave_config(void)
 {
     const ect_device_t *device = firmware_device();
-    ect_slave_memory_t need = ect_slave_memory(device);
     identity = device->identity;
     identity.serial = board_serial() != 0 ? board_serial() : identity.serial;
-    return (ect_slave_config_t){
+    ect_slave_config_t config = {
         .device = device,
         .pdi = board_pdi(),
         .identity = &identity,
         .storage = board_storage(),
-        .instance = take(need.instance),
-        .mailbox = take(need.mailbox),
-        .process_data = take(need.process_data),
-        .process_size = (uint16_t)need.process_data,
-        .runs = take(need.runs * sizeof(ect_pdo_run_t)),
-        .run_count = (uint16_t)need.runs,
-        .staging = take(need.staging),
-        .staging_size = (uint16_t)need.staging,
-        .buffer = fits(need.buffer) ? take(need.buffer) : NULL, /* which it can do without */
         .switches = board_switches(),
     };
+    (void)ect_slave_take(&config, take, NULL); /* it stops where there is too little */
+    if (device->buffer_size > 0 && fits(device->buffer_size))
+        config.buffer = take(NULL, device->buffer_size); /* which it can do without */
+    return config;
 }
 
 /* Both ways in one, as the stack has it. */

@@ -69,8 +69,9 @@ struct ect_chain {
     twin_t twins[];
 };
 
-static void *allocate(twin_t *twin, size_t size)
+static void *allocate(void *of, size_t size)
 {
+    twin_t *twin = of;
     void *block = calloc(1, size > 0 ? size : 1);
     if (block)
         twin->memory[twin->blocks++] = block;
@@ -128,7 +129,6 @@ static bool make_esc(twin_t *twin)
 
 static bool make_slave(twin_t *twin)
 {
-    ect_slave_memory_t need = ect_slave_memory(twin->config.device);
     const ect_plant_t *plant = twin->config.plant;
     twin->pdi = ect_virtual_pdi(&twin->esc);
     twin->slave.config = (ect_slave_config_t){
@@ -136,19 +136,11 @@ static bool make_slave(twin_t *twin)
         .pdi = &twin->pdi,
         .identity = &twin->config.identity,
         .storage = twin->config.storage,
-        .instance = allocate(twin, need.instance),
-        .mailbox = allocate(twin, need.mailbox),
-        .process_data = allocate(twin, need.process_data),
-        .process_size = (uint16_t)need.process_data,
-        .runs = allocate(twin, need.runs * sizeof(ect_pdo_run_t)),
-        .run_count = (uint16_t)need.runs,
-        .staging = allocate(twin, need.staging),
-        .staging_size = (uint16_t)need.staging,
         .buffer = twin->buffer,
         .outside_offset = plant ? plant->outside_offset : 0,
         .outside_size = plant ? plant->outside_size : 0,
     };
-    return true;
+    return ect_slave_take(&twin->slave.config, allocate, twin);
 }
 
 /* The second time its device may have used the buffer. */

@@ -107,6 +107,17 @@ typedef struct ect_slave_config {
     bool exchange_is_callers;
 } ect_slave_config_t;
 
+/**
+ * Fills in what ::ect_slave_memory asks for, but for `buffer`, which a slave can do without: `instance`, `mailbox`,
+ * `process_data`, `runs`, `staging`, and how large they are. The others are left as they are.
+ * @param config  its `device` says what is needed
+ * @param take    gives so many bytes, 1 or more, zeroed and aligned for anything, for as long as the slave is used;
+ * NULL: there are none. Called once for each that is not empty; those that are become NULL, but
+ * `instance` and `process_data` have a byte at least
+ * @return whether there was memory for all
+ */
+bool ect_slave_take(ect_slave_config_t *config, void *(*take)(void *ctx, size_t bytes), void *ctx);
+
 ECT_C_END
 
 #endif

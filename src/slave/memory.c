@@ -85,3 +85,32 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
     }
     return need;
 }
+
+/* An instance and a process image a slave always has, however empty. */
+static size_t some(size_t bytes)
+{
+    return bytes > 0 ? bytes : 1;
+}
+
+/* One that is not needed is no failure. */
+static void *take_one(void *(*take)(void *ctx, size_t bytes), void *ctx, size_t bytes, bool *all)
+{
+    void *taken = bytes > 0 ? take(ctx, bytes) : NULL;
+    *all &= taken || bytes == 0;
+    return taken;
+}
+
+bool ect_slave_take(ect_slave_config_t *config, void *(*take)(void *ctx, size_t bytes), void *ctx)
+{
+    ect_slave_memory_t need = ect_slave_memory(config->device);
+    bool all = true;
+    config->instance = take_one(take, ctx, some(need.instance), &all);
+    config->mailbox = take_one(take, ctx, need.mailbox, &all);
+    config->process_data = take_one(take, ctx, some(need.process_data), &all);
+    config->process_size = (uint16_t)need.process_data;
+    config->runs = take_one(take, ctx, need.runs * sizeof(ect_pdo_run_t), &all);
+    config->run_count = (uint16_t)need.runs;
+    config->staging = take_one(take, ctx, need.staging, &all);
+    config->staging_size = (uint16_t)need.staging;
+    return all;
+}

@@ -761,6 +761,63 @@ static void memory_needed(void **state)
     assert_int_equal(need.runs, 1144 / 4);
 }
 
+typedef struct giver {
+    unsigned int left; /* pieces that it still gives */
+    size_t given[8];
+    unsigned int pieces;
+    uint8_t memory[65536];
+    size_t used;
+} giver_t;
+
+static void *give(void *ctx, size_t bytes)
+{
+    giver_t *g = ctx;
+    void *piece = &g->memory[g->used];
+    if (g->left == 0)
+        return NULL;
+    g->left--;
+    g->given[g->pieces++] = bytes;
+    g->used += bytes;
+    return piece;
+}
+
+/* For the whole test device, for one without process data, for one without a mailbox too, for one without anything. */
+static void memory_taken(void **state)
+{
+    static giver_t giver;
+    static const uint8_t sm_counts[] = {4, 2, 0, 0};
+    static const unsigned int pieces[] = {5, 4, 3, 2};
+    (void)state;
+    for (size_t i = 0; i < sizeof sm_counts; i++) {
+        ect_device_t device = testdev;
+        device.sm_count = sm_counts[i];
+        if (pieces[i] == 2)
+            device.instance_size = device.mailbox_protocols = 0;
+        ect_slave_memory_t need = ect_slave_memory(&device);
+        for (unsigned int left = 0; left <= pieces[i]; left++) {
+            ect_slave_config_t config = {.device = &device, .buffer = &giver, .device_id = 7};
+            giver = (giver_t){.left = left};
+            assert_int_equal(ect_slave_take(&config, give, &giver), left == pieces[i]);
+            assert_int_equal(giver.pieces, left);
+            assert_ptr_equal(config.buffer, &giver);
+            assert_int_equal(config.device_id, 7);
+            if (left < pieces[i])
+                continue;
+            size_t whole = need.instance + (need.instance == 0) + need.mailbox + need.process_data +
+                           (need.process_data == 0) + need.runs * sizeof(ect_pdo_run_t) + need.staging;
+            assert_int_equal(giver.used, whole);
+            assert_non_null(config.instance);
+            assert_int_equal(config.mailbox != NULL, need.mailbox > 0);
+            assert_non_null(config.process_data);
+            assert_int_equal(config.runs != NULL, need.runs > 0);
+            assert_int_equal(config.staging != NULL, need.staging > 0);
+            assert_int_equal(config.process_size, need.process_data);
+            assert_int_equal(config.run_count, need.runs);
+            assert_int_equal(config.staging_size, need.staging);
+        }
+    }
+}
+
 static void config_checked(void **state)
 {
     (void)state;
@@ -855,6 +912,7 @@ int main(int argc, char **argv)
           repeat_older_with_fault),
         T("CF-041: an event word that cannot be had delays the work, and counts", event_word_fails),
         T("Initialisation: the memory needed follows from the description", memory_needed),
+        T("Initialisation: it is taken piece by piece, of nothing none; too little is told", memory_taken),
         T("Initialisation: what is missing is refused, -1 device or PDI, -2 a buffer", config_checked),
         T("Initialisation: -3 when any of its accesses fails", init_fails),
         T("Initialisation: identity of the installation, or of the description", identity_default),

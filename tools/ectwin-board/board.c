@@ -98,31 +98,28 @@ static bool open_memory(board_t *b, char *message)
     return b->memory != NULL;
 }
 
-/* All that a slave wants; nothing of it is given back before the process ends. */
+/* Nothing of it is given back before the process ends. */
+static void *take(void *ctx, size_t bytes)
+{
+    (void)ctx;
+    return calloc(1, bytes);
+}
+
 static bool make_config(board_t *b)
 {
-    ect_slave_memory_t need = ect_slave_memory(&b->device);
     const ect_plant_t *plant = b->args.product->plant;
+    size_t buffer = b->device.buffer_size;
     b->config = (ect_slave_config_t){
         .device = &b->device,
         .pdi = &b->pdi,
         .identity = &b->identity,
         .storage = ect_memory_storage(b->memory),
-        .instance = calloc(1, need.instance),
-        .mailbox = calloc(1, need.mailbox + 1),
-        .process_data = calloc(1, need.process_data + 1),
-        .process_size = (uint16_t)need.process_data,
-        .runs = calloc(need.runs + 1, sizeof(ect_pdo_run_t)),
-        .run_count = (uint16_t)need.runs,
-        .staging = calloc(1, need.staging + 1),
-        .staging_size = (uint16_t)need.staging,
-        .buffer = need.buffer > 0 ? calloc(1, need.buffer) : NULL,
+        .buffer = buffer > 0 ? take(b, buffer) : NULL,
         .outside_offset = plant ? plant->outside_offset : 0,
         .outside_size = plant ? plant->outside_size : 0,
         .device_id = b->args.alias,
     };
-    const ect_slave_config_t *c = &b->config;
-    return c->instance && c->mailbox && c->process_data && c->runs && c->staging && (need.buffer == 0 || c->buffer);
+    return ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer);
 }
 
 /* As for the command of the twins: what a shell's background or nohup ignores is not what ends us. */
