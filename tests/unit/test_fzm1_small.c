@@ -198,6 +198,35 @@ static void back_to_the_factory(void **state)
     expect_scene(0, "1");
 }
 
+/* 400 scenes of ten groups are saved. However many stand in front of a group's, and whichever of its own there are:
+ * what a step reads is bounded. */
+static void reads_of_a_step(void **state)
+{
+    (void)state;
+    for (int group = 0; group < 10; group++) {
+        assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, group, 0, 0, NULL), 0);
+        for (int32_t scene = 0; scene < 120; scene += 3) {
+            change(scene);
+            if (scene % 2 == 1)
+                save();
+        }
+        save();
+    }
+    assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, 4, 0, 0, NULL), 0);
+    signal_set(&s.w, "save", "1");
+    uint32_t most = 0;
+    while (signal_number(&s.w, "saving") != 0) {
+        memory.reads = 1000000;
+        wire_advance(&s.w, MS / 10);
+        uint32_t reads = 1000000 - memory.reads;
+        most = reads > most ? reads : most;
+    }
+    memory.reads = UINT32_MAX;
+    if (most < 8 || most > 500)
+        fail_msg("a step of a save reads %u times: expected 500 at most", most);
+    expect_scene(117, "118");
+}
+
 static void silent_memory(void **state)
 {
     (void)state;
@@ -226,6 +255,7 @@ int main(int argc, char **argv)
         TEST("FZM-058: a scene prepared, then set as it was before: the change stays", changed_back_after_preparing),
         TEST("FZM-056 FZM-058: a scene without a place saved, then as from the factory: the change stays",
              back_to_the_factory),
+        TEST("FZM-056: a save reads a bounded number of times a step", reads_of_a_step),
         TEST("FZM-058: a scene that the memory does not give is not switched to", silent_memory),
     };
     if (argc > 1)

@@ -198,7 +198,8 @@ typedef struct fzm1_plant {
 typedef struct fzm1_saving {
     uint8_t phase;
     uint16_t scene; /* the next one of the current group */
-    uint32_t from;  /* the next one of the record before */
+    uint32_t own;   /* its next one in the record before */
+    uint32_t from;  /* the next one of the other groups there */
     ect_record_t to;
     uint64_t due_ns;
     const char *failure; /* why the last one failed, or NULL */

@@ -4,6 +4,7 @@
  * current group anew and takes the others over from the record before.
  *
  * It is written in steps, some scenes a poll, and then waited for until the medium is sure: nobody else is held up.
+ * Scenes of a group stand in the order of their numbers, so that a save meets each once.
  */
 #include <string.h>
 
@@ -298,6 +299,46 @@ static bool put_scene(ect_record_t *to, uint8_t group, uint8_t number, const uin
     return ect_record_put(to, header, ENTRY) && ect_record_put(to, packed, size);
 }
 
+/* The next scene of the current group in the record before, to be asked for each number. 1 it is there, 0 it is not
+ * saved, -1 the memory does not answer, or the record is not in order */
+static int next_saved(fzm1_t *u, uint8_t number, entry_t *e)
+{
+    fzm1_saving_t *s = &u->saving;
+    int there = next_of_group(u, u->scene_group, s->own, e);
+    if (there == 0)
+        s->own = u->record.length;
+    if (there <= 0)
+        return there;
+    s->own = e->scene > number ? e->at - ENTRY : e->at + e->size;
+    return e->scene > number ? 0 : e->scene == number ? 1 : -1;
+}
+
+/* The current scene, which may be changed before the save is over. */
+static const fzm1_scene_t *keep_written(fzm1_t *u)
+{
+    u->loading.places[0].content = u->scene;
+    return &u->loading.places[0].content;
+}
+
+/* As it is to be saved. @return whether the memory answers */
+static bool own_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
+{
+    entry_t e;
+    int saved = next_saved(u, number, &e);
+    const fzm1_scene_t *content = fzm1_group_find(&u->group, number);
+    const fzm1_prepared_t *prepared = fzm1_prepared_find(u, u->scene_group, number);
+    fzm1_default_scene(scene);
+    if (number == u->scene_number)
+        content = keep_written(u);
+    else if (!content && prepared)
+        content = &prepared->content;
+    if (content)
+        *scene = *content;
+    else if (saved > 0)
+        return read_scene(&u->record, &e, scene);
+    return saved >= 0;
+}
+
 /* Scenes of the current group. @return whether the memory has room and answers */
 static bool put_own(fzm1_t *u)
 {
@@ -307,9 +348,7 @@ static bool put_own(fzm1_t *u)
     fzm1_default_scene(&scene);
     uint16_t factory_size = pack_scene(&scene, factory);
     for (unsigned int n = 0; n < SCENES_A_STEP && s->scene < FZM1_SCENES; n++, s->scene++) {
-        if (s->scene == u->scene_number)
-            scene = u->loading.places[0].content = u->scene; /* it may be changed before the save is over */
-        else if (!fzm1_scene(u, (uint8_t)s->scene, &scene))
+        if (!own_scene(u, (uint8_t)s->scene, &scene))
             return false;
         uint16_t size = pack_scene(&scene, packed);
         bool as_factory = size == factory_size && memcmp(packed, factory, size) == 0;
@@ -402,7 +441,7 @@ const char *fzm1_save(fzm1_t *u)
     fzm1_saving_t *s = &u->saving;
     uint8_t system[SYSTEM];
     pack_system(u, system);
-    *s = (fzm1_saving_t){.phase = OWN, .from = SYSTEM, .due_ns = u->time_ns};
+    *s = (fzm1_saving_t){.phase = OWN, .own = SYSTEM, .from = SYSTEM, .due_ns = u->time_ns};
     if (know_record(u) && ect_record_begin(&s->to, &u->record) && ect_record_put(&s->to, system, SYSTEM))
         return NULL;
     end(u, u->host->storage ? "the memory does not answer" : "there is no memory: start the twin with --store DIR");
