@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "heater.h"
 
-#define SIGNAL(name, meaning, unit, kind, access, member, minimum, maximum)                                            \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(heater_t, member), minimum, maximum}
-
 static const ect_signal_t signals[] = {
-    SIGNAL("sensed", "Temperature at the sensor", "0.1 degC", I16, WRITE, sensed, -500, 3000),
-    SIGNAL("broken", "The wire of the sensor is broken", NULL, BOOL, WRITE, broken, 0, 1),
-    SIGNAL("set_point", "What the master wants", "0.1 degC", I16, READ, set_point, INT16_MIN, INT16_MAX),
-    SIGNAL("power", "How hard it heats", "%", U8, READ, power, 0, 100),
+    ECT_SIGNAL(heater_t, sensed, "sensed", I16, WRITE, -500, 3000, "0.1 degC", "Temperature at the sensor"),
+    ECT_SIGNAL(heater_t, broken, "broken", BOOL, WRITE, 0, 1, NULL, "The wire of the sensor is broken"),
+    ECT_SIGNAL(heater_t, set_point, "set_point", I16, READ, INT16_MIN, INT16_MAX, "0.1 degC", "What the master wants"),
+    ECT_SIGNAL(heater_t, power, "power", U8, READ, 0, 100, "%", "How hard it heats"),
 };
 
 static const ect_signal_group_t groups[] = {

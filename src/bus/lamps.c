@@ -8,7 +8,7 @@
 enum { RUN, ERR, IN, OUT };
 
 #define R(member, name, kind, minimum, maximum, meaning)                                                               \
-    {name, meaning, NULL, ECT_SIGNAL_##kind, ECT_SIGNAL_READ, offsetof(ect_lamps_t, member), minimum, maximum}
+    ECT_SIGNAL(ect_lamps_t, member, name, kind, READ, minimum, maximum, NULL, meaning)
 #define LAMP(lamp, name, meaning) R(text[lamp], name, TEXT, 0, ECT_LAMP_TEXT - 1, meaning)
 
 static const ect_signal_t signals[] = {

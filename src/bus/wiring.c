@@ -4,7 +4,7 @@
 #include "esc/esc.h"
 
 #define INPUT(name, member, kind, unit, minimum, maximum, meaning)                                                     \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_WRITE, offsetof(ect_wiring_t, member), minimum, maximum}
+    ECT_SIGNAL(ect_wiring_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define PLUG(name, port, meaning) INPUT(name, plug[port], BOOL, NULL, 0, 1, meaning)
 
 static const ect_signal_t signals[] = {

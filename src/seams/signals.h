@@ -14,6 +14,7 @@
 #ifndef ECT_SEAMS_SIGNALS_H
 #define ECT_SEAMS_SIGNALS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 /** How the value is kept in the instance. */
@@ -49,6 +50,14 @@ typedef struct ect_signal {
     int64_t minimum; /**< inclusive; for TEXT and BYTES 0 */
     int64_t maximum; /**< inclusive; for TEXT and BYTES the room */
 } ect_signal_t;
+
+/**
+ * A row of a device's table: a value that is a member of the group's structure.
+ * @param kind    BOOL, U8, ... : ect_signal_type_t
+ * @param rights  READ or WRITE
+ */
+#define ECT_SIGNAL(structure, member, name, kind, rights, minimum, maximum, unit, meaning)                             \
+    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##rights, offsetof(structure, member), minimum, maximum}
 
 typedef struct ect_signal_group {
     const char *prefix;          /**< "bu", "ru", or NULL for none */

@@ -7,12 +7,10 @@
 #include "devices/eclink/instance.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-#define SIGNAL(type, access, member, name, kind, minimum, maximum, unit, meaning)                                      \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(type, member), minimum, maximum}
 #define BU(access, member, name, kind, minimum, maximum, unit, meaning)                                                \
-    SIGNAL(eclink_bu_t, access, member, name, kind, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(eclink_bu_t, member, name, kind, access, minimum, maximum, unit, meaning)
 #define RU(access, member, name, kind, minimum, maximum, unit, meaning)                                                \
-    SIGNAL(eclink_ru_t, access, member, name, kind, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(eclink_ru_t, member, name, kind, access, minimum, maximum, unit, meaning)
 
 static const ect_signal_t bu_signals[] = {
     BU(WRITE, enabled, "enabled", BOOL, 0, 1, NULL, "0: mode Disabled, neither EtherCAT nor Modbus is answered"),

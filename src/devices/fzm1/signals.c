@@ -5,12 +5,10 @@
 #include "devices/fzm1/fzm1.h"
 #include "devices/fzm1/instance.h"
 
-#define SIGNAL(member, name, kind, access, minimum, maximum, unit, meaning)                                            \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(fzm1_t, member), minimum, maximum}
 #define R(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(member, name, kind, READ, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(fzm1_t, member, name, kind, READ, minimum, maximum, unit, meaning)
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(member, name, kind, WRITE, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(fzm1_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 
 #define LARGEST 999999999
 

@@ -5,14 +5,12 @@
 #include "devices/optoncdt2300/instance.h"
 #include "devices/optoncdt2300/optoncdt2300.h"
 
-#define SIGNAL(structure, member, name, kind, access, minimum, maximum, unit, meaning)                                 \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(structure, member), minimum, maximum}
 #define R(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(opto_t, member, name, kind, READ, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(opto_t, member, name, kind, READ, minimum, maximum, unit, meaning)
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(opto_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(opto_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define S(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(opto_surface_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(opto_surface_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define VALUE(which, name, meaning)       R(record.value[OPTO_##which], name, I32, INT32_MIN, INT32_MAX, "nm", meaning)
 #define COUNT(which, name, unit, meaning) R(record.value[OPTO_##which], name, U32, 0, UINT32_MAX, unit, meaning)
 

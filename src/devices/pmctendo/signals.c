@@ -3,12 +3,10 @@
 #include "devices/pmctendo/instance.h"
 #include "devices/pmctendo/pmctendo.h"
 
-#define SIGNAL(member, name, kind, access, minimum, maximum, unit, meaning)                                            \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##access, offsetof(pmctendo_t, member), minimum, maximum}
 #define R(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(member, name, kind, READ, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(pmctendo_t, member, name, kind, READ, minimum, maximum, unit, meaning)
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
-    SIGNAL(member, name, kind, WRITE, minimum, maximum, unit, meaning)
+    ECT_SIGNAL(pmctendo_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define R_COUNTS(member, name, meaning) R(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
 #define W_COUNTS(member, name, meaning) W(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
 
