@@ -5,22 +5,19 @@
 
 #include "devices/fzm1/instance.h"
 
-static fzm1_place_t *find(fzm1_group_t *group, uint8_t number)
+/* Which place a scene has; `count`: none. */
+static unsigned int find(const fzm1_group_t *group, uint8_t number)
 {
-    for (unsigned int i = 0; i < group->count; i++) {
-        if (group->places[i].number == number)
-            return &group->places[i];
-    }
-    return NULL;
+    unsigned int i = 0;
+    while (i < group->count && group->places[i].number != number)
+        i++;
+    return i;
 }
 
 const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number)
 {
-    for (unsigned int i = 0; i < group->count; i++) {
-        if (group->places[i].number == number)
-            return &group->places[i].content;
-    }
-    return NULL;
+    unsigned int i = find(group, number);
+    return i < group->count ? &group->places[i].content : NULL;
 }
 
 /* Member by member: a whole place would lie on the stack before. */
@@ -33,11 +30,11 @@ static void fill(fzm1_place_t *place, uint8_t number, bool changed, const fzm1_s
 
 void fzm1_group_add(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *content)
 {
-    fzm1_place_t *place = find(group, number);
-    if (!place && group->count < FZM1_KEPT)
-        place = &group->places[group->count++];
-    if (place)
-        fill(place, number, false, content);
+    unsigned int i = find(group, number);
+    if (i == group->count && i < FZM1_KEPT)
+        group->count++;
+    if (i < group->count)
+        fill(&group->places[i], number, false, content);
     else
         group->partial = true;
 }
@@ -63,11 +60,10 @@ static bool same(const fzm1_scene_t *a, const fzm1_scene_t *b)
 
 bool fzm1_group_change(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *before, const fzm1_scene_t *content)
 {
-    fzm1_place_t *place = find(group, number);
+    unsigned int i = find(group, number);
     if (same(before, content))
         return true;
-    if (!place)
-        place = make_room(group);
+    fzm1_place_t *place = i < group->count ? &group->places[i] : make_room(group);
     if (place)
         fill(place, number, true, content);
     return place != NULL;
