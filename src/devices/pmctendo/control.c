@@ -2,7 +2,6 @@
 /* Position and speed controller, and what limits them. Tuned for the motor alone, as after commissioning. */
 #include "devices/pmctendo/instance.h"
 
-#define STEP_S        (1.0 / PMC_STEPS_PER_S)
 #define POSITION_GAIN 50.0                                                 /* 1/s */
 #define SPEED_TIME    0.002                                                /* s, of the speed controller */
 #define INTEGRAL_TIME 0.02                                                 /* s */
@@ -15,18 +14,18 @@ static double within(double x, double limit)
     return x > limit ? limit : x < -limit ? -limit : x;
 }
 
-static double size(double x)
-{
-    return x < 0 ? -x : x;
-}
-
 /* --- profile ------------------------------------------------------------------------------------------------------ */
+
+double pmc_towards(double from, double to, double most)
+{
+    if (from > to)
+        return from - most > to ? from - most : to;
+    return from + most < to ? from + most : to;
+}
 
 static double approach(double speed, double goal, double acceleration, double deceleration)
 {
-    if (speed > goal)
-        return speed - deceleration * STEP_S > goal ? speed - deceleration * STEP_S : goal;
-    return speed + acceleration * STEP_S < goal ? speed + acceleration * STEP_S : goal;
+    return pmc_towards(speed, goal, (speed > goal ? deceleration : acceleration) * PMC_STEP_S);
 }
 
 /* The speed towards a target `left` away, one step later: faster as long as it could still stop there, then slower by
@@ -36,22 +35,22 @@ static double next_speed(double speed, double left, double most, double accelera
     if (speed < 0)
         return approach(speed, 0, deceleration, 0);
     double after = approach(speed, most, acceleration, deceleration);
-    double left_then = left - (speed + after) / 2 * STEP_S;
+    double left_then = left - (speed + after) / 2 * PMC_STEP_S;
     if (speed == 0 || after * after <= 2 * deceleration * left_then)
         return after;
     double needed = left > 0 ? speed * speed / (2 * left) : deceleration;
-    return speed - (needed < 1.2 * deceleration ? needed : deceleration) * STEP_S;
+    return speed - (needed < 1.2 * deceleration ? needed : deceleration) * PMC_STEP_S;
 }
 
 bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration)
 {
     double direction = target < r->position ? -1 : 1;
-    double left = size(target - r->position);
+    double left = pmc_size(target - r->position);
     double before = r->speed * direction;
     double after = next_speed(before, left, speed, acceleration, deceleration);
-    double way = (before + after) / 2 * STEP_S;
-    double slow = 1.5 * STEP_S * (acceleration > deceleration ? acceleration : deceleration);
-    bool slow_enough = size(before) <= slow && size(after) <= slow;
+    double way = (before + after) / 2 * PMC_STEP_S;
+    double slow = 1.5 * PMC_STEP_S * (acceleration > deceleration ? acceleration : deceleration);
+    bool slow_enough = pmc_size(before) <= slow && pmc_size(after) <= slow;
     r->loop = PMC_LOOP_POSITION;
     if (slow_enough && (way >= left || after < 0)) {
         r->position = target;
@@ -92,8 +91,8 @@ static double speed_controller(pmctendo_t *u, double command, double ahead)
     double limit = torque_limit(u);
     double error = command - u->plant.speed;
     double torque = SPEED_GAIN * error + u->sum + ahead;
-    if (size(torque) < limit)
-        u->sum += SPEED_GAIN * error * STEP_S / INTEGRAL_TIME;
+    if (pmc_size(torque) < limit)
+        u->sum += SPEED_GAIN * error * PMC_STEP_S / INTEGRAL_TIME;
     return within(torque, limit);
 }
 
@@ -102,7 +101,7 @@ static double torque_controller(pmctendo_t *u)
 {
     double torque = within(u->reference.torque, torque_limit(u));
     double speed = u->plant.speed;
-    bool faster = size(speed) >= u->speed_limit && (speed > 0) == (torque > 0);
+    bool faster = pmc_size(speed) >= u->speed_limit && (speed > 0) == (torque > 0);
     if (blocked(u, torque))
         return speed_controller(u, 0, 0);
     return faster ? speed_controller(u, within(speed, u->speed_limit), 0) : torque;
@@ -113,9 +112,9 @@ static void monitor(pmctendo_t *u)
     const pmc_reference_t *r = &u->reference;
     double error = r->position - u->plant.position;
     bool watched = r->loop == PMC_LOOP_POSITION && u->error_window != 0 && !blocked(u, error);
-    if (watched && size(error) > u->error_window)
+    if (watched && pmc_size(error) > u->error_window)
         pmc_fault(u, PMC_F_FOLLOWING);
-    if (size(u->plant.speed) > OVERSPEED * u->speed_limit)
+    if (pmc_size(u->plant.speed) > OVERSPEED * u->speed_limit)
         pmc_fault(u, PMC_F_OVERSPEED);
 }
 
@@ -136,5 +135,5 @@ void pmc_control_off(pmctendo_t *u)
 
 bool pmc_standing(const pmctendo_t *u)
 {
-    return u->reference.speed == 0 && size(u->plant.speed) < STANDSTILL;
+    return u->reference.speed == 0 && pmc_size(u->plant.speed) < STANDSTILL;
 }

@@ -26,8 +26,8 @@ static double stop_deceleration(const pmctendo_t *u)
 /* A ramp has its time: as long as it takes by its rate, half as much again and a little. */
 static void stop_begin(pmctendo_t *u)
 {
-    double speed = u->plant.speed < 0 ? -u->plant.speed : u->plant.speed;
-    u->stop_until_ns = u->time_ns + RAMP_TOLERANCE_NS + (uint64_t)(1.5e9 * speed / stop_deceleration(u));
+    double ramp_ns = 1.5e9 * pmc_size(u->plant.speed) / stop_deceleration(u);
+    u->stop_until_ns = u->time_ns + RAMP_TOLERANCE_NS + (uint64_t)ramp_ns;
 }
 
 static void begin(pmctendo_t *u)
@@ -240,15 +240,21 @@ static void display(pmctendo_t *u)
     put(u->display, number != 0 ? text : "");
 }
 
-void pmc_publish(pmctendo_t *u)
+/* To the master. */
+static void publish(pmctendo_t *u)
 {
-    static const char *const states[DS402_STATES] = {
-        "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
-        "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
     pmc_warn(u, PMC_N_PSTOP, !u->level[PMC_PSTOP]);
     pmc_warn(u, PMC_N_NSTOP, !u->level[PMC_NSTOP]);
     if (u->al >= ECT_STATE_SAFEOP)
         publish_actual(u);
+}
+
+/* Signals: a tick follows each exchange. */
+static void show(pmctendo_t *u)
+{
+    static const char *const states[DS402_STATES] = {
+        "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
+        "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
     put(u->state_text, states[u->state]);
     display(u);
     u->position_turns = pmc_user(u, u->plant.position) / PMC_TURN;
@@ -259,6 +265,12 @@ void pmc_publish(pmctendo_t *u)
     u->powered = powered(u);
     u->do1 = u->outputs & 1u;
     u->do2 = u->outputs >> 1 & 1u;
+}
+
+void pmc_publish(pmctendo_t *u)
+{
+    publish(u);
+    show(u);
 }
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
@@ -372,7 +384,7 @@ void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns)
         u->fresh = false;
         take(u);
     }
-    pmc_publish(u);
+    publish(u);
 }
 
 /* With SYNC0 they count from the next one on. */
@@ -387,7 +399,7 @@ void pmc_outputs(void *instance, uint64_t now_ns)
         u->fresh = true;
     else
         take(u);
-    pmc_publish(u);
+    publish(u);
 }
 
 void pmc_safe_outputs(void *instance, uint64_t now_ns)
@@ -397,14 +409,14 @@ void pmc_safe_outputs(void *instance, uint64_t now_ns)
     u->live = u->control_known = u->fresh = false;
     u->outputs = 0;
     settle(u, 0);
-    pmc_publish(u);
+    publish(u);
 }
 
 void pmc_inputs(void *instance, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
     pmc_advance(u, now_ns);
-    pmc_publish(u);
+    publish(u);
 }
 
 uint64_t pmc_tick(void *instance, uint64_t now_ns)
@@ -459,5 +471,5 @@ void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t 
         pmc_latch_control(u);
     if (!u->fresh)
         take_values(u);
-    pmc_publish(u);
+    publish(u);
 }

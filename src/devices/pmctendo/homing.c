@@ -4,7 +4,6 @@
 
 enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: so long a run shows, however soon it is done */ };
 enum { UP = 1, DOWN = -1, NONE = 0 };
-#define STEP_S (1.0 / PMC_STEPS_PER_S)
 
 typedef struct leg {
     int8_t direction; /* 0: no leg */
@@ -102,13 +101,6 @@ void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge)
         next_leg(u, edge->position);
 }
 
-static double approach(double speed, double goal, double most)
-{
-    if (speed < goal)
-        return speed + most < goal ? speed + most : goal;
-    return speed - most > goal ? speed - most : goal;
-}
-
 /* Into a limit switch that the leg is not looking for. */
 static bool stuck(const pmctendo_t *u, const leg_t *leg)
 {
@@ -128,7 +120,8 @@ static void go(pmctendo_t *u)
     }
     uint32_t speed = u->home_speed[u->homing.leg == 0 && leg->line != PMC_INDEX ? 0 : 1];
     u->reference.loop = PMC_LOOP_SPEED;
-    u->reference.speed = approach(u->reference.speed, (double)leg->direction * speed, u->home_acceleration * STEP_S);
+    u->reference.speed =
+        pmc_towards(u->reference.speed, (double)leg->direction * speed, u->home_acceleration * PMC_STEP_S);
 }
 
 static void go_back(pmctendo_t *u)

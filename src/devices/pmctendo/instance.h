@@ -37,6 +37,8 @@ enum {
     PMC_TEXT = 32,
 };
 
+#define PMC_STEP_S (1.0 / PMC_STEPS_PER_S)
+
 /** Modes of operation 6060h; 0: as the assigned PDO says. */
 enum {
     PMC_MODE_BY_PDO = 0,
@@ -238,7 +240,7 @@ uint16_t pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now
 /* ... and the plant: everything that is due happens; levels of the inputs are looked at anew. */
 void pmc_advance(pmctendo_t *u, uint64_t now_ns);
 void pmc_look(pmctendo_t *u);
-void pmc_publish(pmctendo_t *u);
+void pmc_publish(pmctendo_t *u); /* to the master, and as signals */
 
 /* sync.c */
 bool pmc_sync_is_clocked(const pmctendo_t *u); /* the rate of the rhythm matters */
@@ -271,7 +273,14 @@ bool pmc_homing_known(int8_t method);
 void pmc_latch_control(pmctendo_t *u);
 void pmc_latch_edge(pmctendo_t *u, const pmc_edge_t *edge);
 
+static inline double pmc_size(double x)
+{
+    return x < 0 ? -x : x;
+}
+
 /* control.c */
+/* From one value to another, `most` at once. */
+double pmc_towards(double from, double to, double most);
 /* A step of the way to a standstill at `target`; @return whether it stands there. */
 bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration);
 void pmc_control(pmctendo_t *u); /* torque_now from the reference */

@@ -2,7 +2,6 @@
 /* Set values: what each mode of operation makes of them, step by step. */
 #include "devices/pmctendo/instance.h"
 
-#define STEP_S       (1.0 / PMC_STEPS_PER_S)
 #define SPEED_WINDOW (10.0 / 60 * PMC_TURN) /* 10 turns a minute */
 
 int8_t pmc_mode(const pmctendo_t *u)
@@ -22,11 +21,6 @@ int8_t pmc_mode(const pmctendo_t *u)
 static bool is_position(int8_t mode)
 {
     return mode == PMC_MODE_POSITION || mode == PMC_MODE_INTERPOLATED;
-}
-
-static double size(double x)
-{
-    return x < 0 ? -x : x;
 }
 
 /* --- limits ------------------------------------------------------------------------------------------------------- */
@@ -62,12 +56,11 @@ void pmc_brake_begin(pmctendo_t *u)
 void pmc_brake(pmctendo_t *u, double deceleration)
 {
     pmc_reference_t *r = &u->reference;
-    double less = deceleration * STEP_S;
     if (r->loop == PMC_LOOP_POSITION && r->speed == 0)
         return;
     if (r->loop != PMC_LOOP_SPEED)
         *r = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = u->plant.speed};
-    r->speed = r->speed > less ? r->speed - less : r->speed < -less ? r->speed + less : 0;
+    r->speed = pmc_towards(r->speed, 0, deceleration * PMC_STEP_S);
     if (r->speed == 0 && pmc_standing(u))
         pmc_hold_begin(u);
 }
@@ -151,11 +144,10 @@ static void follow_task(pmctendo_t *u)
 static void follow_speed_ramp(pmctendo_t *u)
 {
     pmc_reference_t *r = &u->reference;
-    bool faster = size(u->set.speed) > size(r->speed) && (u->set.speed > 0) == (r->speed >= 0);
-    double most = (faster ? u->acceleration : u->deceleration) * STEP_S;
-    double missing = u->set.speed - r->speed;
+    bool faster = pmc_size(u->set.speed) > pmc_size(r->speed) && (u->set.speed > 0) == (r->speed >= 0);
+    double most = (faster ? u->acceleration : u->deceleration) * PMC_STEP_S;
     r->loop = PMC_LOOP_SPEED;
-    r->speed = size(missing) <= most ? u->set.speed : r->speed + (missing > 0 ? most : -most);
+    r->speed = pmc_towards(r->speed, u->set.speed, most);
 }
 
 void pmc_follow(pmctendo_t *u)
@@ -191,7 +183,7 @@ void pmc_follow(pmctendo_t *u)
 
 static bool in_position(const pmctendo_t *u, double machine)
 {
-    return size(machine - u->plant.position) <= u->position_window;
+    return pmc_size(machine - u->plant.position) <= u->position_window;
 }
 
 bool pmc_target_reached(const pmctendo_t *u)
@@ -208,7 +200,7 @@ bool pmc_target_reached(const pmctendo_t *u)
         return u->homing.done && in_position(u, u->homing.found);
     case PMC_MODE_SPEED_RAMP:
     case PMC_MODE_SPEED:
-        return size(u->set.speed - u->plant.speed) <= SPEED_WINDOW;
+        return pmc_size(u->set.speed - u->plant.speed) <= SPEED_WINDOW;
     case PMC_MODE_TORQUE:
         return true;
     default:

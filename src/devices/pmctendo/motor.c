@@ -2,8 +2,6 @@
 /* The motor and what it turns: inertia, load, friction; marks, limit switches and the index pulse along the way. */
 #include "devices/pmctendo/instance.h"
 
-#define STEP_S (1.0 / PMC_STEPS_PER_S)
-
 static double inertia(const pmctendo_t *u)
 {
     return PMC_MOTOR_INERTIA + u->plant.load_inertia * 1e-4;
@@ -13,7 +11,7 @@ static double inertia(const pmctendo_t *u)
 static double next_speed(const pmctendo_t *u, double torque)
 {
     const pmc_plant_t *p = &u->plant;
-    double per_nm = PMC_PER_NM(inertia(u)) * STEP_S;
+    double per_nm = PMC_PER_NM(inertia(u)) * PMC_STEP_S;
     double free = p->speed + torque * per_nm;
     double hold = p->friction * per_nm;
     if (free > hold)
@@ -126,7 +124,7 @@ void pmc_motor_step(pmctendo_t *u, bool powered)
     pmc_plant_t *p = &u->plant;
     double from = p->position;
     double speed = powered ? next_speed(u, u->torque_now - p->load) : unpowered_speed(u);
-    p->position += (p->speed + speed) / 2 * STEP_S;
+    p->position += (p->speed + speed) / 2 * PMC_STEP_S;
     p->speed = speed;
     u->edges = 0;
     pass_switches(u, from);
