@@ -131,7 +131,7 @@ const ect_device_t ect_fzm1 = {
     .software_version = "0.1",
     .identity = {.vendor_id = ECTWIN_VENDOR_ID, .product_code = PRODUCT_CODE, .revision = REVISION, .serial = 1},
     .esc = "et1100",
-    .esc_config = {0x08, 0x0E, 0x00, 0x00, 0x0A, 0x00},
+    .esc_config = {0x08, 0x0E, 0x00, 0x0C, 0x0A, 0x00}, /* SYNC0 is an output and an event */
     .sii_size = 2048,
     .sm = {{.start = 0x1000, .length = 128, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},
            {.start = 0x1080, .length = 128, .control = 0x22, .type = ECT_SM_MAILBOX_IN},
