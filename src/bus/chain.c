@@ -379,6 +379,30 @@ static void make_ready(ect_chain_t *chain, size_t i)
     ect_bits_add(chain->ready, i);
 }
 
+/* It has seen a frame, which may be the cause of something to come. */
+static void note_frame(ect_chain_t *chain, size_t i)
+{
+    uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
+    make_ready(chain, i);
+    if (due_ns < ect_deadlines_of(chain->deadlines, i))
+        ect_deadlines_set(chain->deadlines, i, due_ns);
+}
+
+static void note_touched(ect_chain_t *chain)
+{
+    size_t count;
+    const uint32_t *touched = ect_fast_touched(chain->fast, &count);
+    for (size_t k = 0; k < count; k++)
+        note_frame(chain, touched[k]);
+}
+
+/* Frames may have left something undone; due before a controller is touched in any other way. */
+static void settle(ect_chain_t *chain)
+{
+    ect_fast_settle(chain->fast);
+    note_touched(chain);
+}
+
 static void powered_on(ect_chain_t *chain, size_t i)
 {
     ect_fast_put(chain->fast, i, &chain->twins[i].esc);
@@ -448,6 +472,7 @@ void ect_chain_free(ect_chain_t *chain)
 
 void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
 {
+    settle(chain);
     chain->link[end] = link;
     follow_links(chain);
     if (chain->ways_due)
@@ -510,6 +535,7 @@ static void do_fault(ect_chain_t *chain, size_t i, const ect_fault_t *fault, uin
 void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns)
 {
     size_t i = fault->slave - 1u;
+    settle(chain);
     (void)ect_esc_tick(&chain->twins[i].esc, now_ns);
     do_fault(chain, i, fault, now_ns);
     ect_chain_wake(chain, i);
@@ -565,26 +591,27 @@ static bool over_wire(passage_t *p, size_t wire, bool back)
     return !p->guard || p->guard(p->guard_ctx, &p->c);
 }
 
+/* Through one controller and onto the wire behind it. @return false: it ends here */
+static bool through(ect_chain_t *chain, ect_topology_place_t *at, passage_t *p)
+{
+    twin_t *twin = &chain->twins[at->slave];
+    return arrive(twin, at->port, p) && depart(twin, &at->port, p) && over_wire(p, wire_of(chain, *at), at->port == 0);
+}
+
 /* From where it arrives. */
 static ect_end_t walk(ect_chain_t *chain, ect_topology_place_t at, passage_t *p)
 {
-    for (;;) {
+    while (through(chain, &at, p)) {
         ect_topology_place_t far;
-        twin_t *twin = &chain->twins[at.slave];
-        if (!arrive(twin, at.port, p) || !depart(twin, &at.port, p) || !over_wire(p, wire_of(chain, at), at.port == 0))
-            return ECT_END_NONE;
-        switch (ect_topology_across(chain->nodes, chain->count, at, &far)) {
-        case ECT_TOPOLOGY_SLAVE:
+        ect_topology_end_t end = ect_topology_across(chain->nodes, chain->count, at, &far);
+        if (end == ECT_TOPOLOGY_SLAVE)
             at = far;
-            break;
-        case ECT_TOPOLOGY_MASTER:
-            return p->c.damaged ? ECT_END_NONE : ECT_END_IN;
-        case ECT_TOPOLOGY_FAR:
-            return p->c.damaged ? ECT_END_NONE : ECT_END_OUT;
-        default:
+        else if (p->c.damaged || end == ECT_TOPOLOGY_OPEN)
             return ECT_END_NONE;
-        }
+        else
+            return end == ECT_TOPOLOGY_MASTER ? ECT_END_IN : ECT_END_OUT;
     }
+    return ECT_END_NONE;
 }
 
 static ect_end_t enter(ect_chain_t *chain, ect_end_t in, passage_t *p)
@@ -592,15 +619,6 @@ static ect_end_t enter(ect_chain_t *chain, ect_end_t in, passage_t *p)
     ect_topology_place_t at = {in == ECT_END_IN ? 0 : chain->count - 1, in == ECT_END_IN ? 0 : 1};
     bool arrives = chain->twins[at.slave].link[at.port] && over_wire(p, wire_of(chain, at), in == ECT_END_OUT);
     return arrives ? walk(chain, at, p) : ECT_END_NONE; /* else the cable ends in a dead socket */
-}
-
-/* It has seen a frame, which may be the cause of something to come. */
-static void note_frame(ect_chain_t *chain, size_t i)
-{
-    uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
-    make_ready(chain, i);
-    if (due_ns < ect_deadlines_of(chain->deadlines, i))
-        ect_deadlines_set(chain->deadlines, i, due_ns);
 }
 
 /* Any of them may have been on the way. */
@@ -619,6 +637,7 @@ static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, s
                          .guard = chain->guard,
                          .guard_ctx = chain->guard_ctx};
     chain->guard = NULL;
+    settle(chain);
     ect_end_t out = enter(chain, in, &passage);
     note_all(chain);
     return out;
@@ -646,6 +665,7 @@ ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64
         return ECT_END_NONE;
     if (!inside)
         return from->damaged ? ECT_END_NONE : from->back ? ECT_END_IN : ECT_END_OUT;
+    settle(chain);
     ect_end_t out = walk(chain, at, &passage);
     note_all(chain);
     return out;
@@ -656,6 +676,8 @@ ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64
 static void tick_due(ect_chain_t *chain, uint64_t now_ns)
 {
     size_t i;
+    if (ect_deadlines_first(chain->deadlines, &i) <= now_ns)
+        settle(chain);
     while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
         make_ready(chain, i);
         ect_deadlines_set(chain->deadlines, i, ect_esc_tick(&chain->twins[i].esc, now_ns));
@@ -671,14 +693,6 @@ static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
 static uint64_t later(uint64_t a_ns, uint64_t b_ns)
 {
     return a_ns > b_ns ? a_ns : b_ns;
-}
-
-static void note_touched(ect_chain_t *chain)
-{
-    size_t count;
-    const uint32_t *touched = ect_fast_touched(chain->fast, &count);
-    for (size_t k = 0; k < count; k++)
-        note_frame(chain, touched[k]);
 }
 
 static uint64_t last_frame(const ect_chain_t *chain, size_t i)
@@ -783,6 +797,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
 {
     size_t i;
     chain->now_ns = now_ns;
+    settle(chain);
     while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
         ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
         make_ready(chain, i);
@@ -898,6 +913,7 @@ const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position)
 
 ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position)
 {
+    settle(chain);
     make_ready(chain, position);
     return &chain->twins[position].esc;
 }

@@ -16,11 +16,12 @@ enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS,
 
 struct ect_control {
     int fd, epoll;
-    int spare;         /* a descriptor to let go of when there are no others */
-    bool accepts;      /* somebody waits to be let in */
-    uint64_t retry_ns; /* when to look again after descriptors had run out; ECT_NEVER: it does not matter */
-    uint64_t round_ns; /* when the watched values are compared next; ECT_NEVER: nobody wants that */
-    size_t turn;       /* who is served next */
+    int spare;          /* a descriptor to let go of when there are no others */
+    bool accepts;       /* somebody waits to be let in */
+    uint64_t retry_ns;  /* when to look again after descriptors had run out; ECT_NEVER: it does not matter */
+    uint64_t round_ns;  /* when the watched values are compared next; ECT_NEVER: nobody wants that */
+    size_t turn;        /* who is served next */
+    size_t clients_end; /* from there on nobody is: they lie far apart, and each frame asks for all */
     ect_client_t clients[ECT_CONTROL_CLIENTS];
     const ect_stats_t *stats;
     ect_scenario_t *scenario;
@@ -321,11 +322,14 @@ void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
         c->retry_ns = ECT_NEVER;
     serve_one(c, chain, now_ns);
     begin_rounds(c, now_ns);
+    c->clients_end = ECT_CONTROL_CLIENTS;
+    while (c->clients_end > 0 && c->clients[c->clients_end - 1].fd < 0)
+        c->clients_end--;
 }
 
 uint64_t ect_control_due(const ect_control_t *c)
 {
-    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+    for (size_t i = 0; i < c->clients_end; i++) {
         if (ready(&c->clients[i]))
             return 0;
     }
@@ -334,7 +338,7 @@ uint64_t ect_control_due(const ect_control_t *c)
 
 void ect_control_note(ect_control_t *c, const ect_chain_t *chain, uint64_t now_ns)
 {
-    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+    for (size_t i = 0; i < c->clients_end; i++) {
         ect_watch_t *watch = c->clients[i].watch;
         if (!watch || !ect_watch_is_every(watch))
             continue;

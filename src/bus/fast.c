@@ -9,18 +9,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/bits.h"
 #include "esc/route.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-enum { SOURCE = 6, LOCAL = 0x02, WORD = 64 };
+enum { SOURCE = 6, LOCAL = 0x02, TIMES = 8 };
 
 typedef struct controller {
     ect_esc_t *esc;
     uint64_t frame;   /* the last one that it took part in */
+    uint64_t times;   /* of the system times that all were told, those that it has taken */
     uint32_t routing; /* what its route is known of */
     ect_esc_route_t route;
 } controller_t;
+
+/* The system time, told by one to all: those before him had what the master sent, those behind him what he put there.
+ */
+typedef struct telling {
+    uint64_t at_ns;
+    size_t source; /* reach: nobody */
+    size_t reach;
+    uint32_t before, behind;
+} telling_t;
 
 /* Ascending by address, then by position. */
 typedef struct station {
@@ -44,6 +55,8 @@ typedef struct sums {
     bool marks_source;
     bool writes_registers;
     bool awaits_frame;
+    bool guards_writes;
+    unsigned int time_takers;
 } sums_t;
 
 struct ect_fast {
@@ -54,8 +67,10 @@ struct ect_fast {
     uint64_t now_ns;
     uint64_t frame; /* counts those that were taken */
     sums_t sums;
-    uint64_t *clocks; /* a bit a controller: it is reached and has clocks */
     uint64_t *chosen; /* a bit a controller: it takes part in the present datagram; else zero */
+    uint64_t times;   /* how often the system time was told */
+    uint64_t taken;   /* of these all have taken so many */
+    telling_t tellings[TIMES];
     station_t *stations;
     size_t station_count;
     window_t *windows;
@@ -65,23 +80,17 @@ struct ect_fast {
     controller_t controllers[];
 };
 
-static size_t words(size_t count)
-{
-    return (count + WORD - 1) / WORD;
-}
-
 ect_fast_t *ect_fast_new(size_t count)
 {
     ect_fast_t *f = calloc(1, sizeof *f + count * sizeof f->controllers[0]);
     if (!f)
         return NULL;
     f->count = count;
-    f->clocks = calloc(words(count), sizeof *f->clocks);
-    f->chosen = calloc(words(count), sizeof *f->chosen);
+    f->chosen = calloc(ect_bits_words(count), sizeof *f->chosen);
     f->stations = calloc(count, 2 * sizeof *f->stations);
     f->windows = calloc(count, ECT_ESC_MAX_FMMU * sizeof *f->windows);
     f->touched = calloc(count, sizeof *f->touched);
-    if (f->clocks && f->chosen && f->stations && f->windows && f->touched)
+    if (f->chosen && f->stations && f->windows && f->touched)
         return f;
     ect_fast_free(f);
     return NULL;
@@ -91,7 +100,6 @@ void ect_fast_free(ect_fast_t *fast)
 {
     if (!fast)
         return;
-    free(fast->clocks);
     free(fast->chosen);
     free(fast->stations);
     free(fast->windows);
@@ -105,7 +113,7 @@ static bool same_sums(const ect_esc_route_t *a, const ect_esc_route_t *b)
 {
     return a->events == b->events && a->al_status == b->al_status && a->al_status_new == b->al_status_new &&
            a->marks_source == b->marks_source && a->writes_registers == b->writes_registers &&
-           a->awaits_frame == b->awaits_frame;
+           a->awaits_frame == b->awaits_frame && a->guards_writes == b->guards_writes && a->takes_time == b->takes_time;
 }
 
 static void read_route(ect_fast_t *f, controller_t *c)
@@ -125,8 +133,8 @@ void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc)
 {
     controller_t *c = &fast->controllers[position];
     c->esc = esc;
+    c->times = fast->times;
     read_route(fast, c);
-    fast->line_known = fast->sums_known = false; /* whether it has clocks is not asked again */
 }
 
 void ect_fast_look(ect_fast_t *fast, size_t position)
@@ -161,7 +169,6 @@ static void know_sums(ect_fast_t *f)
     sums_t sums = {0};
     if (f->sums_known)
         return;
-    memset(f->clocks, 0, words(f->count) * sizeof *f->clocks);
     for (size_t i = 0; i < f->reach; i++) {
         const ect_esc_route_t *route = &f->controllers[i].route;
         sums.events |= route->events;
@@ -170,7 +177,8 @@ static void know_sums(ect_fast_t *f)
         sums.marks_source |= route->marks_source;
         sums.writes_registers |= route->writes_registers;
         sums.awaits_frame |= route->awaits_frame;
-        f->clocks[i / WORD] |= (uint64_t)route->clock << (i % WORD);
+        sums.guards_writes |= route->guards_writes;
+        sums.time_takers += route->takes_time;
     }
     f->sums = sums;
     f->sums_known = true;
@@ -231,11 +239,37 @@ static void know_windows(ect_fast_t *f)
     f->windows_known = true;
 }
 
+/* --- the system time ---------------------------------------------------------------------------------------------- */
+
+/* What it would have done at once has to be done before anybody looks at it. */
+static void take_times(ect_fast_t *f, size_t i)
+{
+    controller_t *c = &f->controllers[i];
+    for (; c->times != f->times; c->times++) {
+        const telling_t *t = &f->tellings[c->times % TIMES];
+        if (c->route.takes_time && i < t->reach && i != t->source)
+            ect_esc_take_time(c->esc, i < t->source ? t->before : t->behind, t->at_ns);
+    }
+}
+
+void ect_fast_settle(ect_fast_t *fast)
+{
+    fast->touched_count = 0;
+    for (size_t i = 0; i < fast->count && fast->taken != fast->times; i++) {
+        uint64_t due_ns = ect_esc_due(fast->controllers[i].esc);
+        take_times(fast, i);
+        if (ect_esc_due(fast->controllers[i].esc) != due_ns)
+            fast->touched[fast->touched_count++] = (uint32_t)i;
+    }
+    fast->taken = fast->times;
+}
+
 /* --- a datagram to a controller ----------------------------------------------------------------------------------- */
 
 static unsigned int take_part(ect_fast_t *f, size_t i, uint8_t *d, unsigned int part)
 {
     controller_t *c = &f->controllers[i];
+    take_times(f, i);
     if (c->frame != f->frame) {
         c->frame = f->frame;
         f->touched[f->touched_count++] = (uint32_t)i;
@@ -301,12 +335,6 @@ static unsigned int to_all(ect_fast_t *f, uint8_t *d, unsigned int part)
     return gain;
 }
 
-static bool is_time(const uint8_t *d)
-{
-    unsigned int first = ect_load_le16(d + ECT_DATAGRAM_ADO);
-    return first >= ECT_REG_DC_SYSTEM_TIME && first + ect_datagram_length(d) <= ECT_REG_DC_SYSTEM_TIME + 8;
-}
-
 static bool answers(const ect_fast_t *f, const uint8_t *d, size_t i)
 {
     const ect_esc_route_t *route = &f->controllers[i].route;
@@ -316,43 +344,55 @@ static bool answers(const ect_fast_t *f, const uint8_t *d, size_t i)
     return address == route->station || address == route->alias;
 }
 
-/* Who is addressed in a read-multiple-write. */
-static void choose_source(ect_fast_t *f, const uint8_t *d)
+/* Who is addressed in a read-multiple-write; reach: nobody. @return false: there are several */
+static bool find_source(ect_fast_t *f, const uint8_t *d, size_t *source)
 {
     uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
-    uint16_t position = (uint16_t)(0u - address);
-    if (d[ECT_DATAGRAM_COMMAND] == ECT_ARMW) {
-        if (position < f->reach)
-            f->chosen[position / WORD] |= 1ull << (position % WORD);
-        return;
+    *source = (uint16_t)(0u - address);
+    if (d[ECT_DATAGRAM_COMMAND] == ECT_FRMW) {
+        know_stations(f);
+        size_t k = first_station(f, address);
+        bool found = k < f->station_count && f->stations[k].address == address;
+        *source = found ? f->stations[k].position : f->reach;
+        if (found && k + 1 < f->station_count && f->stations[k + 1].address == address)
+            return false;
     }
-    know_stations(f);
-    for (size_t k = first_station(f, address); k < f->station_count && f->stations[k].address == address; k++) {
-        position = f->stations[k].position;
-        if (position < f->reach)
-            f->chosen[position / WORD] |= 1ull << (position % WORD);
-    }
+    *source = *source < f->reach ? *source : f->reach;
+    return true;
 }
 
-/* One reads, all others write. The time goes only to those who have a use for it. */
+/* The system time, whole, and nothing that says who may write it. */
+static bool tells_time(const ect_fast_t *f, const uint8_t *d)
+{
+    unsigned int length = ect_datagram_length(d);
+    return ect_load_le16(d + ECT_DATAGRAM_ADO) == ECT_REG_DC_SYSTEM_TIME && length >= 4 && length <= 8 &&
+           !f->sums.guards_writes && f->times - f->taken < TIMES;
+}
+
+/* All but its source are left alone: they count, and take it when they are looked at. */
+static unsigned int tell_time(ect_fast_t *f, uint8_t *d, size_t source)
+{
+    const uint8_t *time = d + ECT_DATAGRAM_DATA;
+    unsigned int gain = f->sums.time_takers;
+    telling_t telling = {.at_ns = f->now_ns, .source = source, .reach = f->reach, .before = ect_load_le32(time)};
+    if (source < f->reach) {
+        gain -= f->controllers[source].route.takes_time;
+        gain += take_part(f, source, d, ECT_PART_READ);
+    }
+    telling.behind = ect_load_le32(time);
+    f->tellings[f->times++ % TIMES] = telling;
+    return gain;
+}
+
+/* One reads, all others write. */
 static unsigned int to_one_and_all(ect_fast_t *f, uint8_t *d)
 {
     unsigned int gain = 0;
-    if (!is_time(d)) {
-        for (size_t i = 0; i < f->reach; i++)
-            gain += take_part(f, i, d, answers(f, d, i) ? ECT_PART_READ : ECT_PART_WRITE);
-        return gain;
-    }
-    choose_source(f, d);
-    for (size_t w = 0; w < words(f->reach); w++) {
-        uint64_t sources = f->chosen[w];
-        f->chosen[w] = 0;
-        for (uint64_t left = sources | f->clocks[w]; left != 0; left &= left - 1) {
-            unsigned int bit = (unsigned int)__builtin_ctzll(left);
-            unsigned int part = (sources >> bit & 1u) != 0 ? ECT_PART_READ : ECT_PART_WRITE;
-            gain += take_part(f, w * WORD + bit, d, part);
-        }
-    }
+    size_t source;
+    if (tells_time(f, d) && find_source(f, d, &source))
+        return tell_time(f, d, source);
+    for (size_t i = 0; i < f->reach; i++)
+        gain += take_part(f, i, d, answers(f, d, i) ? ECT_PART_READ : ECT_PART_WRITE);
     return gain;
 }
 
@@ -374,25 +414,25 @@ static size_t windows_before(const ect_fast_t *f, uint64_t end)
 static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction)
 {
     uint64_t first = ect_load_le32(d + ECT_DATAGRAM_ADP);
-    size_t low = words(f->reach);
+    size_t low = ect_bits_words(f->reach);
     size_t high = 0;
     unsigned int gain = 0;
     know_windows(f);
     for (size_t k = windows_before(f, first + ect_datagram_length(d)); k > 0 && f->windows[k - 1].furthest > first;
          k--) {
         const window_t *w = &f->windows[k - 1];
-        size_t word = w->position / WORD;
+        size_t word = w->position / ECT_BITS_WORD;
         if (w->end <= first || (w->direction & direction) == 0 || w->position >= f->reach)
             continue;
-        f->chosen[word] |= 1ull << (w->position % WORD);
+        ect_bits_add(f->chosen, w->position);
         low = word < low ? word : low;
         high = word + 1 > high ? word + 1 : high;
     }
     for (; low < high; low++) {
         uint64_t left = f->chosen[low];
         f->chosen[low] = 0;
-        for (; left != 0; left &= left - 1)
-            gain += take_part(f, low * WORD + (unsigned int)__builtin_ctzll(left), d, 0);
+        while (left != 0)
+            gain += take_part(f, ect_bits_take(low, &left), d, 0);
     }
     return gain;
 }
@@ -457,10 +497,28 @@ static bool writes(uint8_t command)
            command == ECT_FRMW;
 }
 
+static bool reads_and_writes(uint8_t command)
+{
+    return command == ECT_APRW || command == ECT_FPRW || command == ECT_BRW;
+}
+
+static bool is_logical(uint8_t command)
+{
+    return command == ECT_LRD || command == ECT_LWR || command == ECT_LRW;
+}
+
 /* Station addresses may be written, what stands around them may change the way of the frame itself. */
 static bool may_close_port(const uint8_t *d)
 {
     return overlaps(d, 0, ECT_REG_STATION_ADDRESS) || overlaps(d, ECT_REG_STATION_ALIAS + 2, ECT_REG_DL_STATUS);
+}
+
+static bool is_plain(const ect_fast_t *f, const uint8_t *d)
+{
+    uint8_t command = d[ECT_DATAGRAM_COMMAND];
+    if (is_logical(command))
+        return command == ECT_LRD || !f->sums.writes_registers;
+    return !reads_and_writes(command) && !(writes(command) && may_close_port(d));
 }
 
 static bool is_taken(const ect_fast_t *f, uint8_t *d)
@@ -468,14 +526,10 @@ static bool is_taken(const ect_fast_t *f, uint8_t *d)
     bool fmmu = false;
     bool logical = false;
     for (; d; d = ect_datagram_next(d)) {
-        uint8_t command = d[ECT_DATAGRAM_COMMAND];
-        bool writes_logical = command == ECT_LWR || command == ECT_LRW;
-        bool plain = command != ECT_APRW && command != ECT_FPRW && command != ECT_BRW &&
-                     !(writes(command) && may_close_port(d)) && !(writes_logical && f->sums.writes_registers);
-        if (!plain)
+        if (!is_plain(f, d))
             return false;
-        logical |= writes_logical || command == ECT_LRD;
-        fmmu |= writes(command) && overlaps(d, ECT_REG_FMMU, ECT_REG_SM);
+        logical |= is_logical(d[ECT_DATAGRAM_COMMAND]);
+        fmmu |= writes(d[ECT_DATAGRAM_COMMAND]) && overlaps(d, ECT_REG_FMMU, ECT_REG_SM);
     }
     return !(fmmu && logical);
 }

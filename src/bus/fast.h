@@ -13,10 +13,13 @@
  * port (0x0000..0x010F but the addresses, or an FMMU on registers), an FMMU that is written and logical access in one
  * frame; and the frame after one that has enabled writes or gone on with a reset sequence, for they last for a frame.
  *
+ * The reference clock's time (ARMW, FRMW of 0x0910) is told to all and only written down for them: what they do with it
+ * changes no answer, so it is done when they are looked at, or in ::ect_fast_settle.
+ *
  * No clock in here. Context: the thread of the chain. Cost of a frame: its datagrams, and for each the controllers that
  * take part; a broadcast read of AL status (0x0130) concerns none unless a status is new, and the reference clock's
- * time (0x0910) only those with clocks. The first frame after a station address, FMMU or the like has changed also
- * costs a look at all controllers.
+ * time only that clock. The first frame after a station address, FMMU or the like has changed also costs a look at all
+ * controllers.
  */
 #ifndef ECT_BUS_FAST_H
 #define ECT_BUS_FAST_H
@@ -52,6 +55,13 @@ typedef enum ect_fast_result {
 
 /** Lets a frame pass from port 0 of the first controller on. */
 ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/**
+ * Lets all controllers take what was told to them. Due before anybody else than ::ect_fast_pass looks at a controller
+ * or lets its time go on, and, for there is room for eight tellings, now and then. ::ect_fast_touched then says who
+ * wants to run at another time than before. Cost: nothing where nothing was told, else each controller with clocks.
+ */
+void ect_fast_settle(ect_fast_t *fast);
 
 /** How many controllers a frame reaches: those before the first closed port; 0: not a line, frames are not taken. */
 size_t ect_fast_reach(ect_fast_t *fast);

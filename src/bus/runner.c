@@ -144,7 +144,8 @@ static void answer_with(ect_runner_t *r, ect_end_t out, const uint8_t *frame, si
         keep(r, out, frame, length, came_ns + 1000ull * fate->delay_us);
     } else {
         send_with_others(r, out, frame, length, fate->twice);
-        ect_stats_answer(&r->stats, waited_ns + (ect_runner_now() - came_ns));
+        r->answered_ns = ect_runner_now();
+        ect_stats_answer(&r->stats, waited_ns + (r->answered_ns - came_ns));
     }
 }
 
@@ -260,7 +261,8 @@ static uint64_t clients_due(const ect_runner_t *r)
 static uint64_t run_devices(ect_runner_t *r)
 {
     release_kept(r);
-    uint64_t now_ns = ect_runner_now();
+    uint64_t now_ns = r->answered_ns != 0 ? later(r->answered_ns, r->polled_ns) : ect_runner_now();
+    r->answered_ns = 0;
     send_late(r, now_ns);
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
     poll_devices(r, now_ns);
@@ -327,6 +329,7 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
     if (fds[SIGNAL_FD].revents != 0 && !take_signal(r))
         return 0;
     serve_clients(r, frame, fds);
+    r->answered_ns = 0; /* meanwhile it has become later */
     return 1;
 }
 

@@ -55,6 +55,7 @@ typedef struct ect_runner {
     uint64_t deadline_ns; /* when the devices want to run */
     uint64_t polled_ns;   /* the latest time that the chain has seen */
     uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */
+    uint64_t answered_ns; /* an answer has left just now; 0: or the clock has to be read */
     unsigned int frames_first;
     unsigned int row;   /* frames since others were looked at */
     uint64_t rested_ns; /* when a client may be served again */

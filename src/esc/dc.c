@@ -141,34 +141,45 @@ static void reset_loop(ect_esc_t *esc)
     trim(esc, 0, 0, 0);
 }
 
-static bool loop_is_of(const ect_esc_t *esc, ect_side_t side)
+bool ect_esc_dc_follows(const ect_esc_t *esc, ect_side_t side)
 {
     bool pdi = (*reg(esc, ECT_REG_PDI_INFORMATION) & PDI_CONTROLS_TIME) != 0;
     return ect_esc_dc_present(esc) && (side == ECT_SIDE_PDI) == pdi;
 }
 
+static void compare(ect_esc_t *esc, uint32_t own, uint32_t received)
+{
+    int32_t ahead_ns = (int32_t)(own - received);
+    filter_difference(esc, ahead_ns);
+    if (esc->loop.sampled && ahead_ns > -LOCK_LIMIT_NS && ahead_ns < LOCK_LIMIT_NS)
+        regulate(esc, ahead_ns);
+    esc->loop.sampled = true;
+    esc->loop.last_ns = esc->now_ns;
+}
+
+void ect_esc_dc_take(ect_esc_t *esc, uint32_t time)
+{
+    ECT_ASSERT(ect_esc_dc_follows(esc, ECT_SIDE_ECAT));
+    compare(esc, (uint32_t)time_for(esc, ECT_SIDE_ECAT), time);
+}
+
 /* What a frame brings is compared with the time at which it came; what the PDI brings, with that of latch 0. */
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (!loop_is_of(esc, access->side))
+    if (!ect_esc_dc_follows(esc, access->side))
         return false;
     uint32_t own = access->side == ECT_SIDE_PDI ? ect_load_le32(reg(esc, ECT_REG_DC_LATCH_TIME))
                                                 : (uint32_t)time_for(esc, access->side);
     uint8_t received[sizeof own];
     ect_store_le32(received, own);
     ect_esc_copy(access, received + (address - ECT_REG_DC_SYSTEM_TIME), 0, length);
-    int32_t ahead_ns = (int32_t)(own - ect_load_le32(received));
-    filter_difference(esc, ahead_ns);
-    if (esc->loop.sampled && ahead_ns > -LOCK_LIMIT_NS && ahead_ns < LOCK_LIMIT_NS)
-        regulate(esc, ahead_ns);
-    esc->loop.sampled = true;
-    esc->loop.last_ns = esc->now_ns;
+    compare(esc, own, ect_load_le32(received));
     return true;
 }
 
 bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (!loop_is_of(esc, access->side))
+    if (!ect_esc_dc_follows(esc, access->side))
         return false;
     ect_esc_sync_settle(esc);
     ect_esc_copy(access, reg(esc, address), 0, length);

@@ -158,6 +158,12 @@ unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int pa
     return execute(esc, datagram, part);
 }
 
+void ect_esc_take_time(ect_esc_t *esc, uint32_t time, uint64_t now_ns)
+{
+    ect_esc_advance(esc, now_ns);
+    ect_esc_dc_take(esc, time);
+}
+
 void ect_esc_end_of_frame(ect_esc_t *esc)
 {
     if (esc->per_frame == 0)

@@ -171,6 +171,10 @@ void ect_esc_latch_read(ect_esc_t *esc, const ect_access_t *access, uint16_t add
 /* Somebody is about to read from `address` to `end`: registers that follow the time are brought up to date. */
 void ect_esc_dc_refresh(ect_esc_t *esc, ect_side_t side, uint16_t address, uint16_t end);
 bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+/* Whether the system time that comes from a side regulates the clock. */
+bool ect_esc_dc_follows(const ect_esc_t *esc, ect_side_t side);
+/* A frame, which the clock follows, brings the system time. */
+void ect_esc_dc_take(ect_esc_t *esc, uint32_t time);
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);

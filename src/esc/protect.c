@@ -58,6 +58,7 @@ bool ect_esc_unlock(ect_esc_t *esc, uint16_t address, uint16_t length)
 bool ect_esc_protect_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     (void)ect_esc_unlock(esc, address, length);
+    esc->routing++;
     for (uint16_t i = 0; i < length; i++) {
         uint16_t at = (uint16_t)(address + i);
         if (at == ECT_REG_WRITE_PROTECTION || at == ECT_REG_ESC_WRITE_PROTECTION)

@@ -37,7 +37,8 @@ void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route)
         .goes_astray = ect_esc_circulates(esc) || !is_of_a_line(esc),
         .marks_source = ect_esc_marks_source(esc),
         .awaits_frame = (esc->per_frame & ECT_FRAME_BEGINS) != 0,
-        .clock = ect_esc_dc_present(esc),
+        .takes_time = ect_esc_dc_follows(esc, ECT_SIDE_ECAT),
+        .guards_writes = (m[ECT_REG_WRITE_PROTECTION] | m[ECT_REG_ESC_WRITE_PROTECTION]) != 0,
     };
     for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++)
         add_window(esc, n, route);

@@ -70,7 +70,8 @@ typedef struct ect_esc_route {
     bool goes_astray;      /**< frames do not simply go to port 1 and come back: ::ect_esc_circulates, a junction */
     bool marks_source;     /**< frames get the "locally administered" bit here */
     bool awaits_frame;     /**< the next frame ends something here, to whomever its datagrams go */
-    bool clock;            /**< there are distributed clocks */
+    bool takes_time;       /**< a system time that is written is compared with its own (::ect_esc_take_time) */
+    bool guards_writes;    /**< protection has a say in what is written */
     bool writes_registers; /**< an FMMU that is written through reaches below the RAM */
     uint8_t window_count;
     ect_esc_window_t windows[ECT_ESC_MAX_FMMU]; /**< in the order of the FMMUs */
@@ -131,6 +132,13 @@ void ect_esc_begin_of_frame(ect_esc_t *esc, uint64_t now_ns);
  * @return what the working counter gains
  */
 unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part);
+
+/**
+ * As a datagram that writes the four bytes of the system time (0x0910), in a frame that begins at `now_ns`, to a
+ * controller that takes it. Nothing comes of it that a passing frame shows, so it may be late, as long as nobody has
+ * looked at the controller since.
+ */
+void ect_esc_take_time(ect_esc_t *esc, uint32_t time, uint64_t now_ns);
 
 /** The frame is over; due for each controller that took part in it. */
 void ect_esc_end_of_frame(ect_esc_t *esc);
