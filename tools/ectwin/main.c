@@ -31,6 +31,7 @@ static int usage(FILE *stream, int status)
 {
     fputs("usage: ectwin list                                   the devices there are\n"
           "       ectwin run  -i IFACE DEVICE[,DEVICE...]       answer on IFACE as this chain of devices\n"
+          "       ectwin run  --modbus [ADDR:]PORT DEVICE       answer as a base unit over Modbus TCP\n"
           "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
           "       ectwin with --external PROGRAM -- CMD ARG...  ... with a slave of your own, which takes -i IFACE\n"
           "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
