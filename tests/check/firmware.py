@@ -79,7 +79,8 @@ def sources(header):
     folder = pathlib.Path(header).parent
     rooms = ["od", "slave", "soes", "ports/mmio", "ports/flash", str(folder)]
     found = [path for room in rooms for path in sorted((ROOT / "src" / room).glob("*.c"))]
-    unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "esc_foe.c", "signals.c"} # an object list's; the plant
+    unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "esc_foe.c", # an object list's
+              "signals.c", "modbus.c"} # the plant, and what it names
     return [path for path in found if path.name not in unused] + [ROOT / "firmware" / name for name in
                                                                   ("main.c", "on_ectwin/device.c", "plain.c", "hal.c",
                                                                   "boards/mmio/board.c",
