@@ -61,8 +61,6 @@ void ect_soes_outputs(void)
 
 void ect_soes_inputs(void)
 {
-    if (CC_ATOMIC_GET(ESCvar.App.state) == APPSTATE_IDLE)
-        return;
     cb_get_inputs();
     if (ESCvar.txpdo_override) {
         ESCvar.txpdo_override();

@@ -55,7 +55,10 @@ static int read_over(void *ctx, uint16_t address, void *buffer, uint16_t length)
     return result;
 }
 
-/* From PREOP to SAFEOP the SyncManagers are on by now: the first inputs are there before the master is told. */
+/*
+ * From PREOP to SAFEOP the SyncManagers are on by now: the first inputs are there before the master is told, and before
+ * DIG_process in an interrupt may move any.
+ */
 static void follow_state(uint8_t status)
 {
     uint8_t state = status & ECT_AL_STATE_MASK;
@@ -63,11 +66,11 @@ static void follow_state(uint8_t status)
     uint8_t app = state == ECT_STATE_OP       ? APPSTATE_INPUT | APPSTATE_OUTPUT
                   : state == ECT_STATE_SAFEOP ? APPSTATE_INPUT
                                               : APPSTATE_IDLE;
+    if (begins)
+        ect_soes_inputs();
     CC_ATOMIC_SET(ESCvar.App.state, app);
     ESCvar.MBXrun = state != ECT_STATE_INIT;
     ESCvar.ALstatus = status;
-    if (begins)
-        ect_soes_inputs();
 }
 
 /* The AL event mask is a SOES application's: what the stack would make of it is only kept. */
@@ -212,7 +215,7 @@ void DIG_process(uint8_t flags)
         ect_soes_outputs();
     if ((flags & DIG_PROCESS_APP_HOOK_FLAG) != 0 && ESCvar.application_hook)
         ESCvar.application_hook();
-    if ((flags & DIG_PROCESS_INPUTS_FLAG) != 0)
+    if ((flags & DIG_PROCESS_INPUTS_FLAG) != 0 && CC_ATOMIC_GET(ESCvar.App.state) != APPSTATE_IDLE)
         ect_soes_inputs();
 }
 

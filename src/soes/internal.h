@@ -57,7 +57,7 @@ extern const ect_foe_t ect_soes_files;
 /* --- application.c, or the firmware ------------------------------------------------------------------------------- */
 /* What the slave is made of; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */
 ect_slave_config_t ect_soes_slave_config(void);
-/* The exchange, as DIG_process wants it. */
+/* The exchange, as DIG_process wants it; inputs in SAFEOP and OP, and on the way to SAFEOP. */
 void ect_soes_outputs(void);
 void ect_soes_inputs(void);
 
