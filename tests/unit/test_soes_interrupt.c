@@ -242,7 +242,6 @@ static void power_on(unsigned long at, void (*what)(void))
     memset(&app, 0, sizeof app);
     t = (struct rig){.at = at, .what = what};
     app_outputs = app_inputs = 0;
-    app.position = FIRST; /* the first inputs have no hook before them */
     ect_soes_describe(&description);
     description.instance_size = sizeof(ect_standard_t);
     wire_open_one(&w, &description); /* its own slave will never be polled: this is about the chip */
@@ -250,7 +249,7 @@ static void power_on(unsigned long at, void (*what)(void))
     w.poll = serve;
     ect_soes_clock(now);
     ecat_slv_init(&config);
-    app.position = FIRST;
+    app.position = FIRST; /* the first inputs have no hook before them */
 }
 
 static void upload(void)
