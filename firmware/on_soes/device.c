@@ -15,7 +15,8 @@
 #include "soes/describe.h"
 
 static const ect_device_t *const device = &FIRMWARE_DEVICE;
-static max_align_t instance[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
+static max_align_t memory[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
+static void *const instance = memory;
 static ect_od_t od;
 static uint64_t tick_ns;
 static bool restart;
@@ -24,10 +25,11 @@ static bool restart;
 
 static void emergency(void *ctx, uint16_t code, uint8_t error_register, const uint8_t data[5])
 {
+    ect_standard_t *standard = instance;
     (void)ctx;
     (void)code;
     (void)data;
-    ((ect_standard_t *)instance)->error_register = error_register;
+    standard->error_register = error_register;
 }
 
 static void drop(void *ctx, uint8_t state, uint16_t al_status_code)
@@ -174,10 +176,10 @@ static void power_on(void)
                               .store = store,
                               .off_bus = off_bus,
                               .restart = want_restart};
-    ect_standard_t *standard = (ect_standard_t *)instance;
+    ect_standard_t *standard = instance;
     host.storage = board_storage();
     od = ect_device_od(device, instance);
-    if (device->instance_size > sizeof instance || !objects_make(device, instance))
+    if (device->instance_size > sizeof memory || !objects_make(device, instance))
         firmware_stop(); /* FIRMWARE_MEMORY, or what objects.c has room for, is too small for this device */
     standard->device = device;
     standard->identity = device->identity;

@@ -171,10 +171,10 @@ files_agree() {
     "$ectwin" sii "$device" --format c | grep -o '0x[0-9A-F]*,' | sed 's/0x\(..\),/\1/' | tr -d '\n' >"$work/c"
     check "$device: the array in C is the image" "$(od -An -v -tx1 "$work/bin" | tr -d ' \n' | tr a-f A-F)" "$(cat "$work/c")"
     check "$device: the page of HTML is whole" "</body></html>" "$("$ectwin" doc "$device" --html | tail -1)"
-    rm -f "$work/slave_objectlist.c" "$work/ecat_options.h"
-    "$ectwin" objects "$device" --soes -o "$work"
+    rm -rf "$work/soes"
+    "$ectwin" objects "$device" --soes -o "$work/soes"
     check "$device: an object list and options for SOES" "1 1" \
-      "$(grep -c '^const _objectlist SDOobjects' "$work/slave_objectlist.c") $(grep -c 'define MBX0_sma ' "$work/ecat_options.h")"
+      "$(grep -c '^const _objectlist SDOobjects' "$work/soes/slave_objectlist.c") $(grep -c 'define MBX0_sma ' "$work/soes/ecat_options.h")"
   done
   check "sii: a format that there is none" 1 "$("$ectwin" sii fzm1 --format elf >/dev/null 2>&1; echo $?)"
   "$ectwin" objects "esi:$root/tests/esi/digital.xml#DI4" --soes -o "$work" 2>"$work/err"

@@ -5,6 +5,7 @@
  */
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "esi/values.h"
 #include "output.h"
@@ -306,6 +307,7 @@ static int write_image(const ect_twin_config_t *twin, const char *folder)
     return status;
 }
 
+/* In a folder that need not be there. */
 static int write_all(source_t *s, const char *folder)
 {
     static const struct {
@@ -313,6 +315,7 @@ static int write_all(source_t *s, const char *folder)
         void (*write)(source_t *s);
     } files[] = {{"utypes.h", write_types}, {"slave_objectlist.c", write_list}, {"ecat_options.h", write_options}};
     int status = EXIT_CLEAN;
+    (void)mkdir(folder, 0777); /* what is not possible is told when a file is written */
     for (size_t i = 0; i < sizeof files / sizeof files[0] && status == EXIT_CLEAN; i++)
         status = write_source(s, folder, files[i].name, files[i].write);
     return status;
