@@ -29,7 +29,7 @@ bool ect_fit(const ect_device_t *device, const ect_fit_t *controller, ect_device
         on->esc_config[3] |= SYNC0_EVENT;
     on->sii = NULL; /* it is of the other one */
     for (unsigned int n = 0; n < device->sm_count; n++) {
-        if (ect_layout_in_registers(device, n))
+        if (ect_layout_in_registers(device, n) || device->sm[n].type == ECT_SM_UNUSED)
             continue;
         on->sm[n].start = (uint16_t)(ECT_RAM + end);
         end += taken(device, n);
