@@ -40,7 +40,7 @@ typedef struct ect_scenario_step {
     ect_fault_t fault;
 } ect_scenario_step_t;
 
-/** All zero but the seed: nothing is set. The members but `seed`, `refused` and `ctx` are private. */
+/** All zero but the seed: nothing is set. The members but `seed`, `refused`, `ctx` and `wires` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
     /** A fault of the script could not be set when its time had come; `why` says so in a line. NULL: nobody is told. */
@@ -56,7 +56,7 @@ typedef struct ect_scenario {
     ect_scenario_step_t steps[ECT_SCENARIO_STEPS];
     size_t step_count;
     size_t steps_left;
-    ect_wires_t wires;
+    ect_wires_t wires; /**< frames that are kept on one: the loop lets them go on */
 } ect_scenario_t;
 
 /** What becomes of a frame. What changes the request is done already; what happens on a wire will be on its way. */
