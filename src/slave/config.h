@@ -3,7 +3,7 @@
  * @file
  * What a slave is made of: the description and the port that it drives, and the memory that the caller gives it.
  *
- * How much memory follows from the description. A program that runs any device asks ::ect_slave_memory and allocates; a
+ * How much memory follows from the description. A program that runs any device lets ::ect_slave_take allocate; a
  * firmware for one device asks once, on a PC, and declares arrays of that size. All of it stays the caller's, must live
  * as long as the slave, and belongs to one slave alone. Nothing but `buffer` needs to be zeroed.
  */
@@ -111,9 +111,9 @@ typedef struct ect_slave_config {
  * Fills in what ::ect_slave_memory asks for, but for `buffer`, which a slave can do without: `instance`, `mailbox`,
  * `process_data`, `runs`, `staging`, and how large they are. The others are left as they are.
  * @param config  its `device` says what is needed
- * @param take    gives so many bytes, 1 or more, zeroed and aligned for anything, for as long as the slave is used;
- * NULL: there are none. Called once for each that is not empty; those that are become NULL, but
- * `instance` and `process_data` have a byte at least
+ * @param take    gives so many bytes, 1 or more, aligned for anything, for as long as the slave is used; NULL: there
+ *                are none. Called once for each that is not empty; those that are become NULL, but `instance` and
+ *                `process_data` have a byte at least
  * @return whether there was memory for all
  */
 bool ect_slave_take(ect_slave_config_t *config, void *(*take)(void *ctx, size_t bytes), void *ctx);

@@ -89,6 +89,7 @@ def sources(header):
 
 # Who calls through pointers, and what that leads to, as `file:function`. What stays inside the stack stack.py knows.
 OUTSIDE = ((r"src/slave/(mailbox|pdo)\.c:", None),
+           (r"src/slave/memory\.c:", r"firmware/on_ectwin/.*:take$"),
            (r"src/slave/services\.c:ect_services_diagnose", None),  # no device with a firmware names those messages
            (r"src/slave/services\.c:", r"src/slave/(sync|store|pdo_config)\.c:"),
            (r"src/slave/indicator\.c:", r"firmware/boards/"),
