@@ -146,7 +146,7 @@ static const char *why_not(int error)
     case EADDRINUSE:
         return "the port is taken: choose another one, or 0 for any that is free";
     case EACCES:
-        return "ports below 1024 are for root: take a higher one, or run it with sudo";
+        return "a port below 1024 needs CAP_NET_BIND_SERVICE: take a higher one, or run it with sudo";
     case EADDRNOTAVAIL:
         return "this machine does not have the address; 'ip -br address' lists those it has";
     default:

@@ -91,7 +91,7 @@ what_is_refused() {
   refused 1 "name the interface with -i" run vr-bu-ect-map7
   refused 1 "name the interface with -i" run -o x --modbus 0.0.0.0:0 vr-bu-ect-map7
   refused 1 "a slave of your own" with --modbus 0.0.0.0:0 --external /bin/true -- true
-  refused 2 "below 1024 are for root" run --modbus 0.0.0.0:502 vr-bu-ect-map7
+  refused 2 "below 1024 needs CAP_NET_BIND_SERVICE" run --modbus 0.0.0.0:502 vr-bu-ect-map7
   in_network 'start --modbus 1502 vr-bu-ect-map7
     for at in 1502 192.0.2.1:1502; do timeout 60 "$ectwin" run --modbus $at vr-bu-ect-map7 2>&1; echo $?; done; stop' >"$work/out"
   check "run: the port is taken, the address is somebody else's" "\
