@@ -275,6 +275,23 @@ static void counters(void **state)
     assert_int_equal(wire_wkc(&r->w, 0), 6);
 }
 
+/* Whatever there is of it: one bit, and nothing beside it. */
+static void corrupted(void **state)
+{
+    (void)state;
+    for (size_t length = 0; length < 80; length++) {
+        uint32_t seed = (uint32_t)length + 1;
+        uint8_t *frame = calloc(1, length > 0 ? length : 1); /* of that size: any step beyond it is seen */
+        unsigned int changed = 0;
+        assert_non_null(frame);
+        ect_frame_corrupt(&seed, frame, length);
+        for (size_t i = 0; i < length; i++)
+            changed += frame[i] != 0 && (frame[i] & (frame[i] - 1)) == 0 ? 1 : frame[i] == 0 ? 0 : 8;
+        assert_int_equal(changed, length > 0);
+        free(frame);
+    }
+}
+
 /* --- slaves ------------------------------------------------------------------------------------------------------- */
 
 static void hangs(void **state)
@@ -633,6 +650,7 @@ int main(int argc, char **argv)
         TEST("a request to AL control whose event is lost is not seen", loses_an_event),
         TEST("CF-055: an EEPROM that is busy, does not answer, or has a bit wrong", eeprom),
         TEST("CF-088: a clock jumps, and back", clock_jumps),
+        TEST("a frame that is corrupted has one bit changed", corrupted),
         TEST("CF-011: frames that are lost and damaged on a wire", on_wires),
         TEST("CF-011: frames that are changed, cut, or counted wrong on a wire: those behind see it", changed_on_wires),
         TEST("a frame that is late on a wire: those behind wait for it, and no other one overtakes it", late_on_a_wire),
