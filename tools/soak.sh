@@ -19,10 +19,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export work seconds seed build
 
-operator() { # a command from remote unit 1 every 0.3 s in the mean, numbered; a full queue is tried again
+operator() { # UNTIL: a command from remote unit 1 every 0.3 s in the mean, numbered; a full queue is tried again
   n=0
-  end=$((SECONDS + seconds - 12))
-  while [ $SECONDS -lt $end ]; do
+  while [ $SECONDS -lt "$1" ]; do
     if "$build/ectwin" command ru1 "$(printf '6f70657261746f72%016x' $((n + 1)))" 2>>"$work/refused"; then n=$((n + 1)); fi
     sleep "0.$((RANDOM % 6 + 1))"
   done
@@ -38,8 +37,9 @@ session() {
   timeout -s KILL $((seconds + 60)) "$build/ectwin-controller" "$ECTWIN_IFACE" --seconds "$seconds" --restart-every 15 --commands 1000000 --periodic 4321 \
     --seed "$seed" >"$work/controller" &
   controller=$!
+  quiet=$((SECONDS + seconds - 30)) # what is queued by then still goes, though the bus may start once more
   until "$build/ectwin" set ru1.armed=1 2>/dev/null; do sleep 0.1; done # not while the unit is Initial
-  operator
+  operator $quiet
   wait $controller || echo "the controller ended with $?" >&2
   sleep 1
   "$build/ectwin" get 'ru1.received_count' >"$work/count"
