@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|test
+# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|bench|test
 #
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libmodbus, and SOEM for the demo's master
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
-#   test  all of that, and what the tests need: CMocka, clang for the fuzz targets, gcovr, pymodbus from PyPI
+#   bench run, and what tools/bench/run.py measures with: valgrind, iproute2, util-linux
+#   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, pymodbus from PyPI
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
 # compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
@@ -15,6 +16,7 @@ run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcj
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
+bench_packages="valgrind iproute2 util-linux python3"
 test_packages="libcmocka-dev clang gcovr libxml2-utils"
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
@@ -49,6 +51,8 @@ is_there() {
     qemu-system-arm) command -v qemu-system-arm >/dev/null && return 0 ;;
     libnewlib-arm-none-eabi) echo '#include <assert.h>' | arm-none-eabi-gcc -E - >/dev/null 2>&1 && return 0 ;;
     iproute2) command -v ip >/dev/null && return 0 ;;
+    util-linux) command -v taskset >/dev/null && command -v unshare >/dev/null && return 0 ;;
+    valgrind) command -v valgrind >/dev/null && return 0 ;;
     python3-pip) python3 -m pip --version >/dev/null 2>&1 && return 0 ;;
     python3-venv) python3 -c 'import venv, ensurepip' >/dev/null 2>&1 && return 0 ;;
   esac
@@ -131,6 +135,7 @@ trap 'rm -rf "$work"' EXIT
 case "$job" in
   run) install_packages $run_packages ;;
   board) install_packages $run_packages $board_packages ;;
+  bench) install_packages $run_packages $bench_packages ;;
   test)
     # shellcheck disable=SC2086
     install_packages $run_packages $board_packages $test_packages
@@ -138,7 +143,7 @@ case "$job" in
     # shellcheck disable=SC2086
     (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
     ;;
-  *) die "usage: tools/bootstrap.sh run|board|test" ;;
+  *) die "usage: tools/bootstrap.sh run|board|bench|test" ;;
 esac
 install_soem
 [ "$job" != test ] || (install_pymodbus) || say "without pymodbus from PyPI the base unit's Modbus side is not tested over the wire"

@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <time.h>
@@ -28,6 +29,9 @@ enum {
     ETHERTYPE_CLAIM = 0x88B5, /* for local experiments (IEEE 802) */
     ETHERTYPE_VLAN = 0x8100,
     NOTHING = 0x10000,
+    SLOT = 2048, /* of shared memory: holds any frame of EtherCAT, and what the kernel writes before it */
+    SLOTS = 256,
+    BLOCK = 65536,
     PATIENCE_US = 4000, /* the kernel counts it in ticks, of which the longest are 10 ms */
 };
 
@@ -189,6 +193,8 @@ void ect_packet_close(ect_packet_t *port)
 {
     if (port->was_down)
         (void)set_flags(port->fd, port->iface, false);
+    if (port->shared)
+        (void)munmap(port->shared, SLOT * SLOTS);
     close(port->fd);
     if (port->claim_fd >= 0)
         close(port->claim_fd);
@@ -237,13 +243,74 @@ static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame,
     return length + TAG;
 }
 
-ssize_t ect_packet_receive(const ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns)
+/* --- frames in memory that the kernel shares ---------------------------------------------------------------------- */
+
+/* After so many looks at nothing, a few milliseconds, whether the interface is still there. */
+enum { LOOKS = 65536 };
+
+bool ect_packet_share(ect_packet_t *port)
+{
+    const int version = TPACKET_V2;
+    const struct tpacket_req none = {0};
+    const struct tpacket_req slots = {
+        .tp_block_size = BLOCK, .tp_block_nr = SLOT * SLOTS / BLOCK, .tp_frame_size = SLOT, .tp_frame_nr = SLOTS};
+    if (setsockopt(port->fd, SOL_PACKET, PACKET_VERSION, &version, sizeof version) < 0 ||
+        setsockopt(port->fd, SOL_PACKET, PACKET_RX_RING, &slots, sizeof slots) < 0)
+        return false;
+    void *shared = mmap(NULL, SLOT * SLOTS, PROT_READ | PROT_WRITE, MAP_SHARED, port->fd, 0);
+    if (shared != MAP_FAILED)
+        port->shared = shared;
+    else
+        (void)setsockopt(port->fd, SOL_PACKET, PACKET_RX_RING, &none, sizeof none);
+    return port->shared != NULL;
+}
+
+static struct tpacket2_hdr *slot_of(const ect_packet_t *port)
+{
+    return (struct tpacket2_hdr *)(void *)(port->shared + (size_t)SLOT * port->slot);
+}
+
+static bool is_full(const struct tpacket2_hdr *slot)
+{
+    return (__atomic_load_n(&slot->tp_status, __ATOMIC_ACQUIRE) & TP_STATUS_USER) != 0;
+}
+
+static ssize_t nothing_shared(ect_packet_t *port)
+{
+    if (++port->looks % LOOKS != 0)
+        return ECT_PACKET_NONE;
+    errno = ENETDOWN;
+    return why_nothing(port);
+}
+
+static ssize_t receive_shared(ect_packet_t *port, uint8_t *frame, size_t room, uint64_t *waited_ns)
+{
+    struct tpacket2_hdr *slot = slot_of(port);
+    if (!is_full(slot))
+        return nothing_shared(port);
+    const struct tpacket_auxdata known = {
+        .tp_status = slot->tp_status, .tp_vlan_tci = slot->tp_vlan_tci, .tp_vlan_tpid = slot->tp_vlan_tpid};
+    const struct timespec came = {.tv_sec = slot->tp_sec, .tv_nsec = slot->tp_nsec};
+    ssize_t length = slot->tp_len;
+    memcpy(frame, (const uint8_t *)slot + slot->tp_mac, slot->tp_snaplen < room ? slot->tp_snaplen : room);
+    __atomic_store_n(&slot->tp_status, TP_STATUS_KERNEL, __ATOMIC_RELEASE);
+    port->slot = (port->slot + 1) % SLOTS;
+    *waited_ns = age(&came);
+    length = put_tag_back(&known, frame, room, length);
+    return *waited_ns > STALE_NS && is_full(slot_of(port)) ? ECT_PACKET_STALE : length;
+}
+
+/* --- a frame there and back --------------------------------------------------------------------------------------- */
+
+ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns)
 {
     _Alignas(struct cmsghdr) char known[256];
     struct iovec part = {.iov_base = frame, .iov_len = room};
     struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
     struct tpacket_auxdata auxiliary;
     struct timespec came;
+    if (port->shared)
+        return receive_shared(port, frame, room, waited_ns);
     ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC | (wait ? 0 : MSG_DONTWAIT));
     if (length < 0)
         return why_nothing(port);

@@ -21,8 +21,11 @@ typedef struct ect_packet {
     int claim_fd;       /**< shows others that the interface is ours */
     unsigned int index; /**< of the interface */
     char iface[16];
-    bool was_down; /**< we brought the interface up and take it down again */
-    bool patient;  /**< ::ect_packet_receive can wait */
+    bool was_down;      /**< we brought the interface up and take it down again */
+    bool patient;       /**< ::ect_packet_receive can wait */
+    uint8_t *shared;    /**< of ::ect_packet_share; NULL: not called */
+    unsigned int slot;  /**< where the next frame will be in it */
+    unsigned int looks; /**< that found none */
 } ect_packet_t;
 
 /** Room for a message of ::ect_packet_open. */
@@ -43,18 +46,26 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message);
 /** Closes the port and leaves the interface as it was found. */
 void ect_packet_close(ect_packet_t *port);
 
+/**
+ * For those who look for frames and never wait: from now on the kernel puts them into memory that it shares, half a
+ * megabyte, and ::ect_packet_receive costs no system call. What has arrived until now is lost.
+ * @return false: this kernel cannot; nothing has changed
+ */
+bool ect_packet_share(ect_packet_t *port);
+
 /** How long ::ect_packet_receive waits at most. */
 #define ECT_PACKET_PATIENCE_NS 20000000ull
 
 /**
  * Takes a frame that has arrived. A VLAN tag stands in it as it was on the wire. Frames that have waited
  * for more than 5 ms while newer ones came are dropped. One system call, and a look at the clock.
- * @param wait  for a frame, a few milliseconds, never longer than ECT_PACKET_PATIENCE_NS; false: takes what is there
+ * @param wait  for a frame, a few milliseconds, never longer than ECT_PACKET_PATIENCE_NS; false, and always after
+ * ::ect_packet_share: takes what is there
  * @param[out] waited_ns  how long ago it arrived; unchanged without a frame
  * @return its length on the wire, which may exceed `room` (the frame is then cut) · ECT_PACKET_NONE · ECT_PACKET_STALE
  * one was dropped · ECT_PACKET_GONE the interface is gone (errno)
  */
-ssize_t ect_packet_receive(const ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns);
+ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns);
 
 /** Whether a cable is in: the interface is up and has a carrier. One system call. */
 bool ect_packet_has_link(const ect_packet_t *port);

@@ -25,8 +25,8 @@ enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
 
-/* Looks for a frame in a row, without waiting, until others are looked at (--busy-poll). */
-enum { SPINS = 256 };
+/* How long frames are looked for in a row, without waiting, until others are looked at (--busy-poll). */
+enum { SPIN_NS = 100000 };
 
 /* Times that the devices have asked for and that have passed: how many of them are made up for in a row. */
 enum { CATCH_UP = 64 };
@@ -307,8 +307,9 @@ static int linger(ect_runner_t *r, uint64_t wake_ns)
 {
     if (!r->busy_poll)
         return answer(r, ECT_END_IN, true);
+    const uint64_t end_ns = earlier(wake_ns, ect_runner_now() + SPIN_NS);
     int got = 0;
-    for (unsigned int i = 0; i < SPINS && got == 0 && ect_runner_now() < wake_ns; i++)
+    while (got == 0 && ect_runner_now() < end_ns)
         got = answer(r, ECT_END_IN, false);
     return got;
 }

@@ -78,6 +78,8 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
             fprintf(stderr, "%s: %s\n", s->who, message);
             return EXIT_OPEN;
         }
+        if (s->runner.busy_poll)
+            (void)ect_packet_share(&s->ports[end]); /* where it cannot be had each look is a call */
         s->runner.ports[end] = &s->ports[end];
     }
     if (!ifaces[ECT_END_OUT])
