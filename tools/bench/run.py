@@ -8,9 +8,9 @@
   -o FILE       the results as JSON (default: build/bench.json)
 
 Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
-rights where unprivileged user namespaces are allowed. Takes about three minutes. All processes share one core, so a round trip is the
-sum of all work; round trips of a twin and of a bare echo are measured in turns in one run, several times, and what counts is the
-median of their ratios. In the cycles of a thousand twins the master has a core of its own, where there is a second one.
+rights where unprivileged user namespaces are allowed. Takes about two minutes. All processes share one core, so a round trip is the
+sum of all work; round trips of a twin and of a bare echo are measured in turns in one run, three times, and what counts is the median
+of their ratios.
 """
 import argparse
 import json
@@ -36,8 +36,8 @@ def run(*command):
     return done.stdout
 
 
-def on_core(core, *command):
-    return ["taskset", "-c", str(core), *[str(word) for word in command]]
+def on_core(args, *command):
+    return ["taskset", "-c", str(args.core), *[str(word) for word in command]]
 
 
 class Running:
@@ -71,41 +71,42 @@ class Running:
 
 def twins(args, device, count, *options):
     devices = ",".join([device] * count)
-    return Running(on_core(args.core, args.build / "ectwin", "run", "-i", "twin1", *options, devices), True)
+    return Running(on_core(args, args.build / "ectwin", "run", "-i", "twin1", *options, devices), True)
 
 
-def bench(args, *words, core=None):
-    return json.loads(run(*on_core(args.core if core is None else core, args.build / "ectwin-bench", *words)))
+def bench(args, *words):
+    return json.loads(run(*on_core(args, args.build / "ectwin-bench", *words)))
 
 
 # --- what is measured --------------------------------------------------------------------------------------------------
 
 
-def collected(args, function, present, command, frames):
-    """Instructions inside a function, for so many frames beside the preparations."""
+COUNTED = ["ect_chain_pass", "ect_chain_poll"]
+
+
+def collected(args, present, command, frames):
+    """Instructions inside each of these functions, for so many frames beside the preparations."""
     with tempfile.NamedTemporaryFile() as out:
         done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out.name}", "--collect-atstart=no",
-                               f"--toggle-collect={function}", str(args.build / "ectwin-bench"), "frames", UNIT,
-                               str(present), str(min(present, 10)), command, str(frames)], capture_output=True, text=True)
-    match = re.search(r"Collected : (\d+)", done.stderr)
-    if not match:
-        sys.exit(f"run.py: valgrind: {done.stderr.strip()[-300:]}")
-    return int(match[1])
+                               *[f"--toggle-collect={name}" for name in COUNTED], str(args.build / "ectwin-bench"), "frames",
+                               UNIT, str(present), str(min(present, 10)), command, str(frames)], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"run.py: valgrind: {done.stderr.strip()[-300:]}")
+        table = run("callgrind_annotate", "--inclusive=yes", out.name)
+    return {name: int(re.search(rf"^ *([0-9,]+) .*:{name} ", table, re.M)[1].replace(",", "")) for name in COUNTED}
 
 
 def instructions(args):
     if not shutil.which("valgrind"):
         print("run.py: valgrind is not installed, no instructions are counted: tools/bootstrap.sh bench", file=sys.stderr)
         return None
-    table = {}
-    for function in ["ect_chain_pass", "ect_chain_poll"]:
-        table[function] = {}
-        for command in ["LRW", "BRD", "FPRD", "FRMW"]:
-            table[function][command] = {}
-            for present in [1, 10, 100, 1000]:
-                few, many = (collected(args, function, present, command, n) for n in (10, 110))
-                table[function][command][str(present)] = (many - few) // 100
-    return table
+    result = {name: {} for name in COUNTED}
+    for command in ["LRW", "BRD", "FPRD", "FRMW"]:
+        for present in [1, 10, 100, 1000]:
+            few, many = (collected(args, present, command, n) for n in (10, 110))
+            for name in COUNTED:
+                result[name].setdefault(command, {})[str(present)] = (many[name] - few[name]) // 100
+    return result
 
 
 def against_echo(args, options, echo, counts):
@@ -114,7 +115,7 @@ def against_echo(args, options, echo, counts):
     for _ in range(args.runs):
         for present in counts:
             with twins(args, UNIT, present, *options), \
-                 Running(on_core(args.core, args.build / "ectwin-bench", echo, "echo1"), False):
+                 Running(on_core(args, args.build / "ectwin-bench", echo, "echo1"), False):
                 time.sleep(0.3)
                 runs[present].append(bench(args, "round", "twin0", "echo0", UNIT, present, min(present, 10), args.rounds))
     return [sorted(rows, key=lambda row: row["ratio"])[len(rows) // 2] for rows in runs.values()]
@@ -139,7 +140,7 @@ def cycle(args):
     for present, touched in [(1000, 10), (1000, 100), (1000, 1000)]:
         with twins(args, UNIT, present) as chain:
             before = chain.ticks()
-            row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds, core=args.master_core)
+            row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
             row["cpu_percent"] = percent(chain.ticks() - before, args.milliseconds / 1000)
             if touched == present:
                 before = chain.ticks()
@@ -275,8 +276,7 @@ def main():
     args.only = args.only.split(",")
     if not set(args.only) <= set(PARTS):
         parser.error("--only takes some of " + ", ".join(PARTS))
-    args.rounds, args.runs, args.milliseconds, args.idle = (2000, 1, 1000, 2) if args.quick else (10000, 5, 10000, 10)
-    args.master_core = min(os.sched_getaffinity(0) - {args.core}, default=args.core)
+    args.rounds, args.runs, args.milliseconds, args.idle = (2000, 1, 1000, 2) if args.quick else (10000, 3, 5000, 5)
     if args.inside:
         inside(args)
         return
