@@ -48,8 +48,9 @@ static bool full(const ect_diagnosis_t *d, uint8_t slot)
     return d->acknowledged != d->newest && !empty(d, slot) && (d->acknowledged == 0 || slot == after(d->acknowledged));
 }
 
-static void diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
+static void diagnose(void *slave, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
 {
+    ect_slave_t *s = slave;
     ect_diagnosis_t *d = ect_services_data(s, INDEX);
     if (!d || !is_recorded(d, type))
         return;
@@ -82,6 +83,7 @@ static void start(ect_slave_t *s)
     ect_diagnosis_t *d = ect_services_data(s, INDEX);
     if (d)
         d->maximum = ECT_DIAGNOSIS_MESSAGES;
+    s->host.diagnose = diagnose;
 }
 
 /* 0, or the sub-index of a message that is there. */
@@ -114,5 +116,4 @@ static ect_reason_t written_history(ect_slave_t *s, uint16_t index, uint8_t subi
     return ECT_OK;
 }
 
-const ect_service_t ect_service_diagnosis = {
-    .start = start, .write = write_history, .written = written_history, .diagnose = diagnose};
+const ect_service_t ect_service_diagnosis = {.start = start, .write = write_history, .written = written_history};

@@ -38,11 +38,6 @@ static void transition_done(void *slave, uint16_t al_status_code)
     s->pending_done = true;
 }
 
-static void diagnose(void *slave, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
-{
-    ect_services_diagnose(slave, type, code, text_id, parameters);
-}
-
 static void off_bus(void *slave, bool off)
 {
     ((ect_slave_t *)slave)->off_bus = off;
@@ -59,7 +54,6 @@ void ect_host_init(ect_slave_t *s)
                            .emergency = ect_host_emergency,
                            .drop = ect_host_drop,
                            .transition_done = transition_done,
-                           .diagnose = diagnose,
                            .off_bus = off_bus,
                            .restart = restart,
                            .storage = s->config.storage,

@@ -42,7 +42,6 @@ ect_reason_t ect_services_write(ect_slave_t *s, const ect_download_t *d);
 ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete);
 uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target);
 void ect_services_event(ect_slave_t *s, uint32_t event);
-void ect_services_diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
 /* The data structure of a service: where the entry `index`:1 has its value; NULL: the device has no such object. */
 static inline void *ect_services_data(const ect_slave_t *s, uint16_t index)
 {

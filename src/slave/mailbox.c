@@ -327,13 +327,17 @@ static void go_on(ect_slave_t *s)
     }
 }
 
+/* There is room for a mail, and somebody may have one since all were asked. */
+static bool may_speak(const ect_mailbox_t *m)
+{
+    return may_build(m) && m->heard != m->wakes;
+}
+
 /* Lets the protocols have a mail of their own, or asks whether they have: those without requests before a request is
  * answered, the others after. */
 static bool speak(ect_slave_t *s, bool takes_requests, bool send)
 {
-    const ect_mailbox_t *m = &s->mailbox;
-    if (send && (!may_build(m) || m->heard == m->wakes))
-        return false;
+    ECT_ASSERT(!send || may_speak(&s->mailbox));
     FOR_EACH_PROTOCOL(s, p)
     {
         if ((*p)->next && ((*p)->request != NULL) == takes_requests && is_in_state(*p, s) && (*p)->next(*p, s, send))
@@ -351,12 +355,13 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
         m->open &= (uint8_t)~IN_BUFFER;
     go_on(s);
     uint8_t wakes = m->wakes;
-    (void)speak(s, false, true);
+    if (may_speak(m))
+        (void)speak(s, false, true);
     if (m->request_waits && may_build(m)) {
         m->request_waits = false;
         handle_request(s);
     }
-    if (!speak(s, true, true) && may_build(m))
+    if (may_speak(m) && !speak(s, true, true))
         m->heard = wakes; /* nobody has anything more, unless woken since */
 }
 

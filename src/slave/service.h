@@ -22,7 +22,7 @@ typedef struct ect_download {
 } ect_download_t;
 
 struct ect_service {
-    /** Power-on, after the device was initialised. */
+    /** Power-on, after the device was initialised. What the service offers the device it puts into s->host. */
     void (*start)(ect_slave_t *s);
 
     /**
@@ -43,9 +43,6 @@ struct ect_service {
 
     /** Events have come in SAFEOP or OP. Part of the exchange: perhaps in an interrupt. */
     void (*event)(ect_slave_t *s, uint32_t event);
-
-    /** As ect_host_t::diagnose. */
-    void (*diagnose)(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2]);
 };
 
 ECT_C_END

@@ -55,12 +55,3 @@ void ect_services_event(ect_slave_t *s, uint32_t event)
             (*service)->event(s, event);
     }
 }
-
-void ect_services_diagnose(ect_slave_t *s, uint8_t type, uint32_t code, uint16_t text_id, const uint16_t parameters[2])
-{
-    FOR_EACH_SERVICE(s, service)
-    {
-        if ((*service)->diagnose)
-            (*service)->diagnose(s, type, code, text_id, parameters);
-    }
-}
