@@ -43,11 +43,6 @@ uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns)
     return at(c, real_ns).local_ns;
 }
 
-bool ect_esc_dc_present(const ect_esc_t *esc)
-{
-    return (esc->config.personality->features & ECT_FEATURE_DC) != 0;
-}
-
 uint64_t ect_esc_system_time(const ect_esc_t *esc, uint64_t now_ns)
 {
     return ect_esc_local_at(esc, now_ns) + ect_load_le64(esc->memory + ECT_REG_DC_OFFSET);

@@ -125,7 +125,10 @@ void ect_esc_watchdog_pdi(ect_esc_t *esc);
 void ect_esc_watchdog_tick(ect_esc_t *esc);
 
 /* --- clock.c ---------------------------------------------------------------------------------------------------- */
-bool ect_esc_dc_present(const ect_esc_t *esc);
+static inline bool ect_esc_dc_present(const ect_esc_t *esc)
+{
+    return (esc->config.personality->features & ECT_FEATURE_DC) != 0;
+}
 void ect_esc_clock_reset(ect_esc_t *esc);
 /* The local clock at a time that is not before the last change of its rate. */
 uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns);

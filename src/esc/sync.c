@@ -305,9 +305,9 @@ static void follow_events(ect_esc_t *esc)
 void ect_esc_latch_input(ect_esc_t *esc, unsigned int n, bool level)
 {
     ECT_ASSERT(n < 2);
-    uint8_t *status = reg(esc, ECT_REG_DC_LATCH_STATUS + n);
-    if (!ect_esc_dc_present(esc) || esc->latch_level[n] == level)
+    if (esc->latch_level[n] == level || !ect_esc_dc_present(esc))
         return;
+    uint8_t *status = reg(esc, ECT_REG_DC_LATCH_STATUS + n);
     esc->latch_level[n] = level;
     uint8_t edge = level ? POSITIVE : NEGATIVE;
     bool single = (*reg(esc, ECT_REG_DC_LATCH_CONTROL + n) & edge) != 0;

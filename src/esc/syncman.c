@@ -8,14 +8,23 @@
 
 enum { NO_BUFFER = 3 };
 
-static bool is_mailbox(const uint8_t *sm)
+/* One of them, looked up once for an access. Its control register cannot change while it is enabled. */
+typedef struct area {
+    ect_esc_t *esc;
+    unsigned int n;
+    ect_esc_sm_t *own;
+    uint8_t *registers;
+    uint8_t control;
+} area_t;
+
+static bool is_mailbox(uint8_t control)
 {
-    return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
+    return (control & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
 }
 
-static bool ecat_writes(const uint8_t *sm)
+static bool ecat_writes(uint8_t control)
 {
-    return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
+    return (control & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
 }
 
 /* Where it lies is decoded once: its registers cannot be written while it is enabled. */
@@ -34,74 +43,64 @@ void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
     uint8_t *sm = ect_esc_sm_registers(esc, n);
     esc->sm[n] = (ect_esc_sm_t){.write_buffer = 0, .read_buffer = NO_BUFFER};
     decode(esc, n);
-    sm[ECT_SM_STATUS] = ect_esc_sm_enabled(esc, n) && is_mailbox(sm) ? 0 : ECT_SM_STATUS_BUFFER;
+    sm[ECT_SM_STATUS] = ect_esc_sm_enabled(esc, n) && is_mailbox(sm[ECT_SM_CONTROL]) ? 0 : ECT_SM_STATUS_BUFFER;
     ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
     ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
 }
 
 /* The local time of what has happened, for a master that wants to know how fast the other side is. */
-static void latch(ect_esc_t *esc, unsigned int n, uint8_t wanted, uint16_t time_register)
+static void latch(const area_t *sm, uint8_t wanted, uint16_t time_register)
 {
-    if ((ect_esc_sm_registers(esc, n)[ECT_SM_ACTIVATE] & wanted) != 0 && ect_esc_has(esc, ECT_UNIT_SM_TIMES))
-        ect_store_le32(esc->memory + time_register, (uint32_t)ect_esc_frame_time(esc));
+    if ((sm->registers[ECT_SM_ACTIVATE] & wanted) != 0 && ect_esc_has(sm->esc, ECT_UNIT_SM_TIMES))
+        ect_store_le32(sm->esc->memory + time_register, (uint32_t)ect_esc_frame_time(sm->esc));
 }
 
 /* Tells the other side that `side` is through with the buffer. */
-static void notify(ect_esc_t *esc, unsigned int n, ect_side_t side)
+static void notify(const area_t *sm, ect_side_t side)
 {
-    uint8_t control = ect_esc_sm_registers(esc, n)[ECT_SM_CONTROL];
     if (side == ECT_SIDE_ECAT) {
-        esc->activity++;
-        latch(esc, n, ECT_SM_ACTIVATE_LATCH_ECAT, ECT_REG_DC_SM_TIME_ECAT);
-        if ((control & ECT_SM_CONTROL_AL_EVENT) != 0)
-            ect_esc_raise(esc, (uint32_t)ECT_EVENT_SM0 << n);
+        sm->esc->activity++;
+        latch(sm, ECT_SM_ACTIVATE_LATCH_ECAT, ECT_REG_DC_SM_TIME_ECAT);
+        if ((sm->control & ECT_SM_CONTROL_AL_EVENT) != 0)
+            ect_esc_raise(sm->esc, (uint32_t)ECT_EVENT_SM0 << sm->n);
     } else {
-        latch(esc, n, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_CHANGE);
-        if ((control & ECT_SM_CONTROL_ECAT_EVENT) != 0)
-            ect_esc_raise_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+        latch(sm, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_CHANGE);
+        if ((sm->control & ECT_SM_CONTROL_ECAT_EVENT) != 0)
+            ect_esc_raise_ecat(sm->esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << sm->n));
     }
 }
 
 /* The event for `side` has been noticed: it has begun to use the buffer. */
-static void quiet(ect_esc_t *esc, unsigned int n, ect_side_t side)
+static void quiet(const area_t *sm, ect_side_t side)
 {
     if (side == ECT_SIDE_PDI) {
-        latch(esc, n, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_START);
-        ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
+        latch(sm, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_START);
+        ect_esc_clear(sm->esc, (uint32_t)ECT_EVENT_SM0 << sm->n);
     } else {
-        ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
+        ect_esc_clear_ecat(sm->esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << sm->n));
     }
 }
 
-static uint8_t latest_buffer(const uint8_t *sm)
+static bool open_write(const area_t *sm, ect_side_t side)
 {
-    return (sm[ECT_SM_STATUS] & ECT_SM_STATUS_BUFFER) >> 4;
-}
-
-static bool open_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
-{
-    ECT_ASSERT(esc->sm[n].write_buffer < NO_BUFFER);
-    uint8_t *sm = ect_esc_sm_registers(esc, n);
-    if (is_mailbox(sm) && (sm[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0)
+    ECT_ASSERT(sm->own->write_buffer < NO_BUFFER);
+    uint8_t status = sm->registers[ECT_SM_STATUS];
+    if (is_mailbox(sm->control) && (status & ECT_SM_STATUS_FULL) != 0)
         return false;
-    sm[ECT_SM_STATUS] = (uint8_t)((sm[ECT_SM_STATUS] | ECT_SM_STATUS_WRITE_OPEN) & ~ECT_SM_STATUS_READ);
-    quiet(esc, n, side);
+    sm->registers[ECT_SM_STATUS] = (uint8_t)((status | ECT_SM_STATUS_WRITE_OPEN) & ~ECT_SM_STATUS_READ);
+    quiet(sm, side);
     return true;
 }
 
-static bool open_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
+static bool open_read(const area_t *sm, ect_side_t side)
 {
-    uint8_t *sm = ect_esc_sm_registers(esc, n);
-    if (is_mailbox(sm)) {
-        if ((sm[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
-            return false;
-    } else {
-        if (latest_buffer(sm) == NO_BUFFER)
-            return false;
-        esc->sm[n].read_buffer = latest_buffer(sm);
-    }
-    sm[ECT_SM_STATUS] = (uint8_t)((sm[ECT_SM_STATUS] | ECT_SM_STATUS_READ_OPEN) & ~ECT_SM_STATUS_WRITTEN);
-    quiet(esc, n, side);
+    uint8_t status = sm->registers[ECT_SM_STATUS];
+    uint8_t latest = (uint8_t)((status & ECT_SM_STATUS_BUFFER) >> 4);
+    if (is_mailbox(sm->control) ? (status & ECT_SM_STATUS_FULL) == 0 : latest == NO_BUFFER)
+        return false;
+    sm->own->read_buffer = latest;
+    sm->registers[ECT_SM_STATUS] = (uint8_t)((status | ECT_SM_STATUS_READ_OPEN) & ~ECT_SM_STATUS_WRITTEN);
+    quiet(sm, side);
     return true;
 }
 
@@ -114,37 +113,35 @@ static uint8_t free_buffer(uint8_t latest, uint8_t reading)
     return candidate;
 }
 
-static void close_write(ect_esc_t *esc, unsigned int n, ect_side_t side)
+static void close_write(const area_t *sm, ect_side_t side)
 {
-    ECT_ASSERT(esc->sm[n].write_buffer < NO_BUFFER);
-    uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~(ECT_SM_STATUS_WRITE_OPEN | ECT_SM_STATUS_VIOLATED));
-    if (esc->sm[n].violated) { /* the other side goes on with what it had */
-        esc->sm[n].violated = false;
-        sm[ECT_SM_STATUS] = status | ECT_SM_STATUS_VIOLATED;
+    ECT_ASSERT(sm->own->write_buffer < NO_BUFFER);
+    uint8_t status = (uint8_t)(sm->registers[ECT_SM_STATUS] & ~(ECT_SM_STATUS_WRITE_OPEN | ECT_SM_STATUS_VIOLATED));
+    if (sm->own->violated) { /* the other side goes on with what it had */
+        sm->own->violated = false;
+        sm->registers[ECT_SM_STATUS] = status | ECT_SM_STATUS_VIOLATED;
         return;
     }
-    if (is_mailbox(sm)) {
+    if (is_mailbox(sm->control)) {
         status |= ECT_SM_STATUS_FULL;
     } else {
-        uint8_t written = esc->sm[n].write_buffer;
+        uint8_t written = sm->own->write_buffer;
         status = (uint8_t)((status & ~ECT_SM_STATUS_BUFFER) | (written << 4));
-        esc->sm[n].write_buffer = free_buffer(written, esc->sm[n].read_buffer);
+        sm->own->write_buffer = free_buffer(written, sm->own->read_buffer);
     }
-    sm[ECT_SM_STATUS] = status | ECT_SM_STATUS_WRITTEN;
-    if (side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
-        ect_esc_watchdog_trigger(esc);
-    notify(esc, n, side);
+    sm->registers[ECT_SM_STATUS] = status | ECT_SM_STATUS_WRITTEN;
+    if (side == ECT_SIDE_ECAT && (sm->control & ECT_SM_CONTROL_WATCHDOG) != 0)
+        ect_esc_watchdog_trigger(sm->esc);
+    notify(sm, side);
 }
 
-static void close_read(ect_esc_t *esc, unsigned int n, ect_side_t side)
+static void close_read(const area_t *sm, ect_side_t side)
 {
-    uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint8_t status = (uint8_t)(sm[ECT_SM_STATUS] & ~ECT_SM_STATUS_READ_OPEN);
-    if (is_mailbox(sm))
+    uint8_t status = (uint8_t)(sm->registers[ECT_SM_STATUS] & ~ECT_SM_STATUS_READ_OPEN);
+    if (is_mailbox(sm->control))
         status = (uint8_t)(status & ~ECT_SM_STATUS_FULL);
-    sm[ECT_SM_STATUS] = status | ECT_SM_STATUS_READ;
-    notify(esc, n, side);
+    sm->registers[ECT_SM_STATUS] = status | ECT_SM_STATUS_READ;
+    notify(sm, side);
 }
 
 /* A SyncManager of one byte has no buffers, and neither has one over the registers of the digital outputs: plain memory
@@ -154,57 +151,54 @@ static bool is_transparent(const ect_esc_sm_t *sm)
     return sm->length == 1 || sm->start < ECT_RAM;
 }
 
-static bool access_transparent(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset,
-                               uint16_t length)
+static bool access_transparent(const area_t *sm, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
-    uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint32_t at = (uint32_t)esc->sm[n].start + offset;
+    ect_esc_t *esc = sm->esc;
+    uint32_t at = (uint32_t)sm->own->start + offset;
     if (at + length > esc->memory_size)
         return false;
     ect_esc_copy(access, esc->memory + at, 0, length);
-    if (offset + length < esc->sm[n].length)
+    if (offset + length < sm->own->length)
         return true; /* the last byte tells the other side */
-    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
+    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm->control);
     if (producer != access->write)
         return true; /* looking at it against its direction means nothing to anybody */
     unsigned int done = access->write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
-    sm[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
-    sm[ECT_SM_STATUS] |= (uint8_t)done;
-    if (access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_WATCHDOG) != 0)
+    sm->registers[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
+    sm->registers[ECT_SM_STATUS] |= (uint8_t)done;
+    if (access->write && access->side == ECT_SIDE_ECAT && (sm->control & ECT_SM_CONTROL_WATCHDOG) != 0)
         ect_esc_watchdog_trigger(esc);
-    quiet(esc, n, access->side);
-    notify(esc, n, access->side);
+    quiet(sm, access->side);
+    notify(sm, access->side);
     return true;
 }
 
 /* Which byte of the memory a byte of the buffer is: of the one buffer, or of the side's own of the three. */
-static uint32_t buffer_address(const ect_esc_t *esc, unsigned int n, bool write, uint16_t offset)
+static uint32_t buffer_address(const area_t *sm, bool write, uint16_t offset)
 {
-    const uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint32_t buffer = write ? esc->sm[n].write_buffer : esc->sm[n].read_buffer;
-    ECT_ASSERT(is_mailbox(sm) || buffer < NO_BUFFER);
-    uint32_t first = is_mailbox(sm) ? 0 : buffer * esc->sm[n].length;
-    return esc->sm[n].start + first + offset;
+    uint32_t buffer = write ? sm->own->write_buffer : sm->own->read_buffer;
+    ECT_ASSERT(is_mailbox(sm->control) || buffer < NO_BUFFER);
+    uint32_t first = is_mailbox(sm->control) ? 0 : buffer * sm->own->length;
+    return sm->own->start + first + offset;
 }
 
-static bool open_buffer(ect_esc_t *esc, unsigned int n, const ect_access_t *access)
+static bool open_buffer(const area_t *sm, const ect_access_t *access)
 {
-    return access->write ? open_write(esc, n, access->side) : open_read(esc, n, access->side);
+    return access->write ? open_write(sm, access->side) : open_read(sm, access->side);
 }
 
-static void close_buffer(ect_esc_t *esc, unsigned int n, const ect_access_t *access)
+static void close_buffer(const area_t *sm, const ect_access_t *access)
 {
-    esc->sm[n].open[access->side] = false;
+    sm->own->open[access->side] = false;
     if (access->write)
-        close_write(esc, n, access->side);
+        close_write(sm, access->side);
     else
-        close_read(esc, n, access->side);
+        close_read(sm, access->side);
 }
 
 /* A buffer that has to be written from start to end: what comes out of turn spoils it until it is opened anew. */
-static void follow_sequence(ect_esc_t *esc, unsigned int n, uint16_t offset, uint16_t length)
+static void follow_sequence(ect_esc_sm_t *own, uint16_t offset, uint16_t length)
 {
-    ect_esc_sm_t *own = &esc->sm[n];
     if (offset == 0)
         own->violated = false;
     else if (offset != own->next)
@@ -212,36 +206,38 @@ static void follow_sequence(ect_esc_t *esc, unsigned int n, uint16_t offset, uin
     own->next = (uint16_t)(offset + length);
 }
 
-static bool is_sequential(const ect_esc_t *esc, const uint8_t *sm, const ect_access_t *access)
+static bool is_sequential(const area_t *sm, const ect_access_t *access)
 {
-    return access->write && access->side == ECT_SIDE_ECAT && (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_SEQUENTIAL) != 0 &&
-           (esc->config.personality->features & ECT_FEATURE_SEQUENTIAL) != 0;
+    return (sm->control & ECT_SM_CONTROL_SEQUENTIAL) != 0 && access->write && access->side == ECT_SIDE_ECAT &&
+           (sm->esc->config.personality->features & ECT_FEATURE_SEQUENTIAL) != 0;
 }
 
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
-    const uint8_t *sm = ect_esc_sm_registers(esc, n);
-    uint16_t size = esc->sm[n].length;
+    uint8_t *registers = ect_esc_sm_registers(esc, n);
+    const area_t sm = {
+        .esc = esc, .n = n, .own = &esc->sm[n], .registers = registers, .control = registers[ECT_SM_CONTROL]};
+    uint16_t size = sm.own->length;
     ECT_ASSERT(ect_esc_sm_enabled(esc, n) && length > 0 && offset + length <= size);
-    if ((sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
+    if ((registers[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0)
         return false;
-    if (is_transparent(&esc->sm[n]))
-        return access_transparent(esc, n, access, offset, length);
-    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm);
+    if (is_transparent(sm.own))
+        return access_transparent(&sm, access, offset, length);
+    bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm.control);
     if (producer != access->write)
         return false;
     if (offset == 0)
-        esc->sm[n].open[access->side] = open_buffer(esc, n, access);
-    if (!esc->sm[n].open[access->side])
+        sm.own->open[access->side] = open_buffer(&sm, access);
+    if (!sm.own->open[access->side])
         return false;
-    uint32_t at = buffer_address(esc, n, access->write, offset);
+    uint32_t at = buffer_address(&sm, access->write, offset);
     if (at + length > esc->memory_size)
         return false; /* a buffer of the three that lies beyond the RAM */
-    if (is_sequential(esc, sm, access))
-        follow_sequence(esc, n, offset, length);
+    if (is_sequential(&sm, access))
+        follow_sequence(sm.own, offset, length);
     ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length == size)
-        close_buffer(esc, n, access);
+        close_buffer(&sm, access);
     return true;
 }
 

@@ -214,8 +214,6 @@ static void go_up(ect_slave_t *s, uint8_t target)
 void ect_machine_pending(ect_slave_t *s)
 {
     uint8_t target = s->pending;
-    if (target == 0)
-        return;
     ECT_ASSERT(target > s->state);
     if (s->pending_device && s->pending_done) {
         s->pending_done = false;

@@ -178,7 +178,8 @@ static uint64_t poll(ect_slave_t *s, uint64_t now_ns, bool with_exchange)
     if (with_exchange)
         ect_cycle_inputs(s);
     ect_cycle_yield(s);
-    ect_machine_pending(s);
+    if (s->pending != 0)
+        ect_machine_pending(s);
     if (s->status_dirty || s->sm_due != 0)
         (void)ect_machine_report(s);
     ect_cycle_yield(s);
