@@ -34,6 +34,7 @@ size_t ect_signal_size(const ect_signal_t *signal)
         return 1;
     case ECT_SIGNAL_I16:
     case ECT_SIGNAL_U16:
+    case ECT_SIGNAL_SAID:
         return 2;
     case ECT_SIGNAL_I32:
     case ECT_SIGNAL_U32:
@@ -141,16 +142,17 @@ bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name,
 
 bool ect_signal_is_number(const ect_signal_t *signal)
 {
-    return signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES;
+    return signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES && signal->type != ECT_SIGNAL_SAID;
 }
 
 void ect_signal_read(const ect_signal_ref_t *ref, char *text)
 {
-    ect_signal_text(ref->signal, ref->value, text);
+    ect_signal_text(ref, ref->value, text);
 }
 
-void ect_signal_text(const ect_signal_t *signal, const void *value, char *text)
+void ect_signal_text(const ect_signal_ref_t *ref, const void *value, char *text)
 {
+    const ect_signal_t *signal = ref->signal;
     value_t v = {0};
     size_t size = ect_signal_size(signal);
     memcpy(&v, value, size < sizeof v ? size : sizeof v);
@@ -195,6 +197,9 @@ void ect_signal_text(const ect_signal_t *signal, const void *value, char *text)
         for (size_t i = 0; i < size && 2 * i + 2 < ECT_SIGNAL_TEXT_ROOM; i++)
             snprintf(text + 2 * i, 3, "%02x", v.bytes[i]);
         return;
+    case ECT_SIGNAL_SAID:
+        ref->plant->signal_say(signal, v.u16, text);
+        return;
     }
 }
 
@@ -202,7 +207,7 @@ void ect_signal_range(const ect_signal_t *signal, char *text)
 {
     const char *unit = signal->unit ? signal->unit : "";
     const char *space = signal->unit ? " " : "";
-    if (signal->type == ECT_SIGNAL_TEXT)
+    if (signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_SAID)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "up to %" PRId64 " characters from space to ~", signal->maximum);
     else if (signal->type == ECT_SIGNAL_BYTES)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64 " bytes, %" PRId64 " hexadecimal digits", signal->maximum,

@@ -50,15 +50,16 @@ bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name,
 /** Bytes that a value takes in the instance. */
 size_t ect_signal_size(const ect_signal_t *signal);
 
-/** Whether a value reads as a number, and not as a text in quotes (TEXT, BYTES). */
+/** Whether a value reads as a number, and not as a text in quotes (TEXT, BYTES, SAID). */
 bool ect_signal_is_number(const ect_signal_t *signal);
 
 /**
- * A value as text: numbers decimal, bytes hexadecimal, what is not visible in a text as '?'.
+ * A value of this signal, its present one or another, as text: numbers decimal, bytes hexadecimal, what is not visible
+ * in a text as '?'.
  * @param value      ect_signal_size() bytes as they stand in an instance, of any alignment
  * @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes
  */
-void ect_signal_text(const ect_signal_t *signal, const void *value, char *text);
+void ect_signal_text(const ect_signal_ref_t *ref, const void *value, char *text);
 
 /** The present value as text. @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_read(const ect_signal_ref_t *ref, char *text);

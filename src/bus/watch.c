@@ -180,7 +180,7 @@ bool ect_watch_pending(const ect_watch_t *watch)
 void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t slave, const void *value)
 {
     char text[ECT_SIGNAL_TEXT_ROOM];
-    ect_signal_text(ref->signal, value, text);
+    ect_signal_text(ref, value, text);
     ect_line_number(line, "slave", slave + 1);
     ect_line_string(line, "name", ref->name);
     if (ect_signal_is_number(ref->signal))

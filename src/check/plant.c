@@ -11,6 +11,7 @@ enum { LONGEST_NAME = 40, LONGEST_TEXT = 255 };
 
 typedef struct signal_place {
     const report_t *r;
+    const ect_plant_t *plant;
     const ect_signal_group_t *group;
     const ect_signal_t *signal;
 } signal_place_t;
@@ -24,9 +25,9 @@ static bool wrong_signal(const signal_place_t *p, const char *why)
 static size_t size_of(const ect_signal_t *signal)
 {
     static const uint8_t sizes[] = {
-        [ECT_SIGNAL_BOOL] = 1, [ECT_SIGNAL_U8] = 1,     [ECT_SIGNAL_I16] = 2, [ECT_SIGNAL_U16] = 2,
-        [ECT_SIGNAL_I32] = 4,  [ECT_SIGNAL_U32] = 4,    [ECT_SIGNAL_I8] = 1,  [ECT_SIGNAL_I64] = 8,
-        [ECT_SIGNAL_U64] = 8,  [ECT_SIGNAL_REAL32] = 4, [ECT_SIGNAL_REAL] = 8};
+        [ECT_SIGNAL_BOOL] = 1, [ECT_SIGNAL_U8] = 1,     [ECT_SIGNAL_I16] = 2,  [ECT_SIGNAL_U16] = 2,
+        [ECT_SIGNAL_I32] = 4,  [ECT_SIGNAL_U32] = 4,    [ECT_SIGNAL_I8] = 1,   [ECT_SIGNAL_I64] = 8,
+        [ECT_SIGNAL_U64] = 8,  [ECT_SIGNAL_REAL32] = 4, [ECT_SIGNAL_REAL] = 8, [ECT_SIGNAL_SAID] = 2};
     if (signal->type == ECT_SIGNAL_TEXT)
         return (size_t)signal->maximum + 1;
     return signal->type == ECT_SIGNAL_BYTES ? (size_t)signal->maximum : sizes[signal->type];
@@ -54,10 +55,11 @@ static bool range_good(const signal_place_t *p)
                   [ECT_SIGNAL_REAL32] = {INT64_MIN, INT64_MAX},
                   [ECT_SIGNAL_REAL] = {INT64_MIN, INT64_MAX},
                   [ECT_SIGNAL_TEXT] = {0, ECT_SIGNAL_LONGEST_TEXT},
-                  [ECT_SIGNAL_BYTES] = {0, ECT_SIGNAL_LONGEST_BYTES}};
+                  [ECT_SIGNAL_BYTES] = {0, ECT_SIGNAL_LONGEST_BYTES},
+                  [ECT_SIGNAL_SAID] = {0, ECT_SIGNAL_LONGEST_TEXT}};
     const ect_signal_t *s = p->signal;
-    bool room = s->type == ECT_SIGNAL_TEXT || s->type == ECT_SIGNAL_BYTES;
-    if ((unsigned int)s->type > ECT_SIGNAL_BYTES)
+    bool room = s->type == ECT_SIGNAL_TEXT || s->type == ECT_SIGNAL_BYTES || s->type == ECT_SIGNAL_SAID;
+    if ((unsigned int)s->type > ECT_SIGNAL_SAID)
         return wrong_signal(p, "there is no such type");
     if (s->minimum > s->maximum || s->minimum < ranges[s->type].lowest || s->maximum > ranges[s->type].highest)
         return wrong_signal(p, "its range is empty, or beyond its type");
@@ -73,6 +75,8 @@ static bool signal_good(const signal_place_t *p)
         return wrong_signal(p, "a name has lower case, digits and '_', at most 40");
     if (!text_good(p->r, "a signal's meaning", s->meaning, LONGEST_TEXT) || !range_good(p))
         return false;
+    if (s->type == ECT_SIGNAL_SAID && (s->access != ECT_SIGNAL_READ || !p->plant->signal_say))
+        return wrong_signal(p, "what is said is read only, and the plant has to say it");
     size_t room = g->count > 1 ? g->stride : p->r->device->instance_size - g->offset;
     if (s->offset > room || size_of(s) > room - s->offset)
         return wrong_signal(p, "it is not inside its structure");
@@ -135,7 +139,7 @@ bool ect_plant_check(const ect_plant_t *plant, const ect_device_t *device, char 
         if (!group_place_good(&r, g))
             return false;
         for (unsigned int n = 0; n < g->signal_count; n++) {
-            if (!signal_good(&(signal_place_t){&r, g, &g->signals[n]}))
+            if (!signal_good(&(signal_place_t){&r, plant, g, &g->signals[n]}))
                 return false;
         }
     }

@@ -56,6 +56,12 @@ typedef struct ect_plant {
     /** The value that a user has set is stored: what follows from it. */
     void (*signal_written)(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns);
 
+    /**
+     * Says what a value of a SAID signal means: a device keeps numbers, words are its plant's. NULL: none is SAID.
+     * @param[out] text  signal->maximum + 1 bytes, zero-terminated by the plant
+     */
+    void (*signal_say)(const ect_signal_t *signal, uint16_t value, char *text);
+
     /** What a user may look at as a whole, e.g. the last set of periodic data. NULL: there is no such thing. */
     ect_bulk_t (*bulk)(const void *instance);
 

@@ -32,6 +32,7 @@ typedef enum ect_signal_type {
     ECT_SIGNAL_REAL,   /**< double */
     ECT_SIGNAL_TEXT,   /**< char[maximum + 1], zero-terminated */
     ECT_SIGNAL_BYTES,  /**< uint8_t[maximum]; written and read as hexadecimal digits */
+    ECT_SIGNAL_SAID,   /**< uint16_t, only read; what is read is the text that ect_plant_t::signal_say has for it */
 } ect_signal_type_t;
 
 /** What a user may do with it. A signal that may be written is an input of the plant, the others are the twin's. */
@@ -47,8 +48,8 @@ typedef struct ect_signal {
     ect_signal_type_t type;
     ect_signal_access_t access;
     uint32_t offset; /**< of the value inside the group's structure */
-    int64_t minimum; /**< inclusive; for TEXT and BYTES 0 */
-    int64_t maximum; /**< inclusive; for TEXT and BYTES the room */
+    int64_t minimum; /**< inclusive; for TEXT, BYTES and SAID 0 */
+    int64_t maximum; /**< inclusive; for TEXT, BYTES and SAID the room */
 } ect_signal_t;
 
 /**

@@ -34,8 +34,8 @@ static struct {
 static void refuse(const char *what)
 {
     const pmctendo_t *u = drive_instance(&d);
-    fail_msg("seed %u, %.3f s: %s: state %s (was %d), control word %04X, AL %02X, %.0f counts/s; run: %s", seed,
-             (double)d.w.now_ns / 1e9, what, u->state_text, (int)seen.state, u->set.control,
+    fail_msg("seed %u, %.3f s: %s: state %u (was %d), control word %04X, AL %02X, %.0f counts/s; run: %s", seed,
+             (double)d.w.now_ns / 1e9, what, u->state_shown, (int)seen.state, u->set.control,
              wire_read8(&d.w, 0, ECT_REG_AL_STATUS), u->plant.speed, "test_pmctendo_random SEED");
 }
 

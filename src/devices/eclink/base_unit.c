@@ -23,53 +23,47 @@ static uint8_t fmap_of(const ect_device_t *device)
 
 /* --- links, message, state ---------------------------------------------------------------------------------------- */
 
-/* What may be wrong with the EC-Link, worst first, and how it is told (§8.2, §11). */
-enum { EC_GOOD, EC_DISABLED, EC_MODULE, EC_CONFIGURATION, EC_NO_DATA, EC_NOT_READ, EC_PCO, EC_CAO };
-
-static const struct fault {
-    uint8_t status;
-    const char *message;
-    const char *cause;
-} faults[] = {
-    [EC_GOOD] = {ECLINK_LINK_OPERATIONAL, "", ""},
-    [EC_DISABLED] = {ECLINK_LINK_UNUSED, "", "EC-Link is disabled"},
-    [EC_MODULE] = {ECLINK_LINK_INTERFACE_ERROR, "EC: Module Error", "the fieldbus module reports an error"},
-    [EC_CONFIGURATION] = {ECLINK_LINK_ERROR, "EC: Cfg. Error", "the controller's configuration was refused"},
-    [EC_NO_DATA] = {ECLINK_LINK_NONE, "EC: No Data", "no process data from the controller"},
-    [EC_NOT_READ] = {ECLINK_LINK_NONE, "EC: No Data", "the controller does not read the input data"},
-    [EC_PCO] = {ECLINK_LINK_DATA_ERROR, "EC: Bad data", "PCO does not increment"},
-    [EC_CAO] = {ECLINK_LINK_DATA_ERROR, "EC: Bad data", "CAO does not acknowledge a command"},
-};
+/* How a fault of the EC-Link is told (§8.2, §11). */
+static uint8_t link_status(uint8_t fault)
+{
+    static const uint8_t told[] = {
+        [ECLINK_WHY_NONE] = ECLINK_LINK_OPERATIONAL,       [ECLINK_WHY_DISABLED] = ECLINK_LINK_UNUSED,
+        [ECLINK_WHY_MODULE] = ECLINK_LINK_INTERFACE_ERROR, [ECLINK_WHY_CONFIGURATION] = ECLINK_LINK_ERROR,
+        [ECLINK_WHY_NO_DATA] = ECLINK_LINK_NONE,           [ECLINK_WHY_NOT_READ] = ECLINK_LINK_NONE,
+        [ECLINK_WHY_PCO] = ECLINK_LINK_DATA_ERROR,         [ECLINK_WHY_CAO] = ECLINK_LINK_DATA_ERROR,
+    };
+    return told[fault];
+}
 
 static uint8_t why_silent(const eclink_t *unit)
 {
     if (unit->config_refused)
-        return EC_CONFIGURATION;
-    return unit->in_op && !eclink_has(unit, ECLINK_FMAP_COMMANDS) ? EC_NOT_READ : EC_NO_DATA;
+        return ECLINK_WHY_CONFIGURATION;
+    return unit->in_op && !eclink_has(unit, ECLINK_FMAP_COMMANDS) ? ECLINK_WHY_NOT_READ : ECLINK_WHY_NO_DATA;
 }
 
 static uint8_t present_fault(const eclink_t *unit)
 {
     if (!unit->bu.enabled)
-        return EC_DISABLED;
+        return ECLINK_WHY_DISABLED;
     if (unit->bu.module_error)
-        return EC_MODULE;
+        return ECLINK_WHY_MODULE;
     if (!unit->exchanging)
         return why_silent(unit);
     if (eclink_has(unit, ECLINK_FMAP_PERIODIC) && !unit->pco_alive)
-        return EC_PCO;
-    return unit->cao_late ? EC_CAO : EC_GOOD;
+        return ECLINK_WHY_PCO;
+    return unit->cao_late ? ECLINK_WHY_CAO : ECLINK_WHY_NONE;
 }
 
 /* An error ends with its cause; read strictly (lock_errors), one after the first good exchange stays. */
 static uint8_t fault_of(eclink_t *unit)
 {
     uint8_t fault = present_fault(unit);
-    if (!unit->bu.lock_errors || fault == EC_DISABLED)
-        unit->locked = EC_GOOD;
-    else if (unit->good_once && fault != EC_GOOD)
+    if (!unit->bu.lock_errors || fault == ECLINK_WHY_DISABLED)
+        unit->locked = ECLINK_WHY_NONE;
+    else if (unit->good_once && fault != ECLINK_WHY_NONE)
         unit->locked = fault;
-    return unit->locked != EC_GOOD ? unit->locked : fault;
+    return unit->locked != ECLINK_WHY_NONE ? unit->locked : fault;
 }
 
 /* The first armed remote that stops the machine, or NULL. */
@@ -98,58 +92,41 @@ static uint8_t bu_state(const eclink_t *unit, bool ec_link_bad)
     return unit->armed.count > 0 ? ECLINK_BU_ARMED : ECLINK_BU_DISARMED;
 }
 
-static void put_text(char *to, size_t room, const char *text)
+static uint16_t why_stopped(const eclink_t *unit)
 {
-    size_t length = strlen(text);
-    length = length < room - 1 ? length : room - 1;
-    memcpy(to, text, length);
-    to[length] = 0;
-}
-
-/* "ru1: text" */
-static void put_remote_cause(eclink_t *unit, unsigned int number, const char *text)
-{
-    char *to = unit->bu.cause;
-    memcpy(to, "ru0: ", 5);
-    to[2] = (char)('1' + number);
-    put_text(to + 5, sizeof unit->bu.cause - 5, text);
-}
-
-static void put_stop_cause(eclink_t *unit, const eclink_ru_t *ru)
-{
-    const char *shock_or_stop = ru->stop ? "the stop switch is pressed" : "free fall or shock was detected";
-    put_remote_cause(unit, (unsigned int)(ru - unit->ru), ru->failed ? "it has an internal error" : shock_or_stop);
+    const eclink_ru_t *ru = stopped(unit);
+    eclink_why_t why = ru->failed ? ECLINK_WHY_FAILED : ru->stop ? ECLINK_WHY_STOP : ECLINK_WHY_SHOCK;
+    return ECLINK_WHY(ru - unit->ru + 1, why);
 }
 
 /* Why the unit is in its state, unless that is as it should be. */
-static void put_cause(eclink_t *unit, const struct fault *fault, bool ec_link_bad)
+static uint16_t cause(const eclink_t *unit, uint8_t fault, bool ec_link_bad)
 {
-    static const char *const eg_link[] = {"EG-Link: no link", "EG-Link: link error", "EG-Link: interface error",
-                                          "EG-Link: data error"};
-    const char *text = fault->cause;
-    if (unit->bu.state == ECLINK_BU_FAILED)
-        text = "self-diagnostics has found a fatal internal error";
-    else if (unit->bu.state == ECLINK_BU_LINK_ERROR && !ec_link_bad)
-        text = eg_link[unit->bu.eg_link - ECLINK_LINK_NONE];
-    put_text(unit->bu.cause, sizeof unit->bu.cause, text);
-    if (unit->bu.state == ECLINK_BU_BLOCKED)
-        put_remote_cause(unit, unit->lost.numbers[0], "communication is lost; turn it on and rearm it");
-    else if (unit->bu.state == ECLINK_BU_STOPPED)
-        put_stop_cause(unit, stopped(unit));
+    switch (unit->bu.state) {
+    case ECLINK_BU_FAILED:
+        return ECLINK_WHY_SELF;
+    case ECLINK_BU_LINK_ERROR:
+        return ec_link_bad ? fault : (uint16_t)(ECLINK_WHY_EG_NO_LINK + unit->bu.eg_link - ECLINK_LINK_NONE);
+    case ECLINK_BU_BLOCKED:
+        return ECLINK_WHY(unit->lost.numbers[0] + 1, ECLINK_WHY_LOST);
+    case ECLINK_BU_STOPPED:
+        return why_stopped(unit);
+    default:
+        return fault;
+    }
 }
 
 void eclink_evaluate(eclink_t *unit)
 {
-    uint8_t now = fault_of(unit);
-    const struct fault *fault = &faults[now];
-    bool ec_link_bad = now > EC_DISABLED;
+    uint8_t fault = fault_of(unit);
+    bool ec_link_bad = fault > ECLINK_WHY_DISABLED;
     eclink_remotes_update(unit);
-    unit->good_once |= now == EC_GOOD;
-    unit->bu.ec_link = fault->status;
+    unit->good_once |= fault == ECLINK_WHY_NONE;
+    unit->bu.ec_link = link_status(fault);
     unit->bu.state = bu_state(unit, ec_link_bad);
     unit->bu.es_link = unit->bu.state >= ECLINK_BU_DISARMED;
-    put_text(unit->bu.message, sizeof unit->bu.message, fault->message);
-    put_cause(unit, fault, ec_link_bad);
+    unit->bu.fault = fault;
+    unit->bu.cause = cause(unit, fault, ec_link_bad);
 }
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */

@@ -171,6 +171,28 @@ typedef struct eclink_ru {
     uint8_t sent;        /* its commands that C-Link still has to carry, on fallback */
 } eclink_ru_t;
 
+/** Why the base unit is in its state. The words for it are the plant's. */
+typedef enum eclink_why {
+    ECLINK_WHY_NONE,
+    ECLINK_WHY_DISABLED, /* what may be wrong with the EC-Link (§8.2, §11), the worst of two faults first */
+    ECLINK_WHY_MODULE,
+    ECLINK_WHY_CONFIGURATION,
+    ECLINK_WHY_NO_DATA,
+    ECLINK_WHY_NOT_READ,
+    ECLINK_WHY_PCO,
+    ECLINK_WHY_CAO,
+    ECLINK_WHY_SELF,
+    ECLINK_WHY_EG_NO_LINK, /* in the order of the EG-Link's status, from ECLINK_LINK_NONE on */
+    ECLINK_WHY_EG_ERROR,
+    ECLINK_WHY_EG_INTERFACE,
+    ECLINK_WHY_EG_DATA,
+    ECLINK_WHY_LOST, /* from here on with the number of a remote, from 1 */
+    ECLINK_WHY_FAILED,
+    ECLINK_WHY_STOP,
+    ECLINK_WHY_SHOCK,
+} eclink_why_t;
+#define ECLINK_WHY(number, why) ((uint16_t)((number) << 8 | (why)))
+
 /** The base unit, as signals `bu.*`. */
 typedef struct eclink_bu {
     uint8_t enabled; /* 0: mode Disabled */
@@ -189,10 +211,10 @@ typedef struct eclink_bu {
     uint8_t unarmed;
     uint8_t armed;
     uint8_t pci, cci, pai, cai;
-    char message[20];
-    char cause[64];
-    uint8_t modbus;            /* a controller does its duty over Modbus TCP */
-    uint32_t overflows;        /* commands from the remotes that were turned away */
+    uint16_t fault;     /* eclink_why_t up to ECLINK_WHY_CAO: what the display shows as a message */
+    uint16_t cause;     /* ECLINK_WHY(number, eclink_why_t): why it is in its state, unless that is as it should be */
+    uint8_t modbus; /* a controller does its duty over Modbus TCP */
+    uint32_t overflows; /* commands from the remotes that were turned away */
     uint32_t commands_lost;    /* commands from the controller that CCO passed over */
     uint32_t commands_unknown; /* ... to an id that nobody has */
     uint32_t pco_jumps;        /* changes of PCO by other than one */

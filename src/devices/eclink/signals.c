@@ -28,8 +28,8 @@ static const ect_signal_t bu_signals[] = {
     BU(READ, es_link, "es_link", BOOL, 0, 1, NULL, "ES-Link relays closed"),
     BU(READ, armed, "armed", U8, 0, 3, NULL, "armed remote units"),
     BU(READ, unarmed, "unarmed", U8, 0, 8, NULL, "remote units in communication that are not armed"),
-    BU(READ, message, "message", TEXT, 0, 19, NULL, "message on the display"),
-    BU(READ, cause, "cause", TEXT, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
+    BU(READ, fault, "message", SAID, 0, 19, NULL, "message on the display"),
+    BU(READ, cause, "cause", SAID, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
     BU(READ, modbus, "modbus", BOOL, 0, 1, NULL, "a controller does its duty over Modbus TCP"),
     BU(READ, pci, "pci", U8, 0, 255, NULL, "PCI"),
     BU(READ, cci, "cci", U8, 0, 255, NULL, "CCI"),
@@ -244,6 +244,60 @@ static ect_bulk_t bulk(const void *instance)
         .data = eclink_periodic_set(unit), .size = unit->bu.periodic_size, .serial = unit->bu.periodic_sets};
 }
 
+/* --- in words ----------------------------------------------------------------------------------------------------- */
+
+static const char *message_of(uint8_t fault)
+{
+    switch (fault) {
+    case ECLINK_WHY_MODULE:
+        return "EC: Module Error";
+    case ECLINK_WHY_CONFIGURATION:
+        return "EC: Cfg. Error";
+    case ECLINK_WHY_NO_DATA:
+    case ECLINK_WHY_NOT_READ:
+        return "EC: No Data";
+    case ECLINK_WHY_PCO:
+    case ECLINK_WHY_CAO:
+        return "EC: Bad data";
+    default:
+        return "";
+    }
+}
+
+static void put_cause(uint16_t cause, char *text)
+{
+    static const char *const causes[] = {
+        [ECLINK_WHY_NONE] = "",
+        [ECLINK_WHY_DISABLED] = "EC-Link is disabled",
+        [ECLINK_WHY_MODULE] = "the fieldbus module reports an error",
+        [ECLINK_WHY_CONFIGURATION] = "the controller's configuration was refused",
+        [ECLINK_WHY_NO_DATA] = "no process data from the controller",
+        [ECLINK_WHY_NOT_READ] = "the controller does not read the input data",
+        [ECLINK_WHY_PCO] = "PCO does not increment",
+        [ECLINK_WHY_CAO] = "CAO does not acknowledge a command",
+        [ECLINK_WHY_SELF] = "self-diagnostics has found a fatal internal error",
+        [ECLINK_WHY_EG_NO_LINK] = "EG-Link: no link",
+        [ECLINK_WHY_EG_ERROR] = "EG-Link: link error",
+        [ECLINK_WHY_EG_INTERFACE] = "EG-Link: interface error",
+        [ECLINK_WHY_EG_DATA] = "EG-Link: data error",
+        [ECLINK_WHY_LOST] = "ru0: communication is lost; turn it on and rearm it",
+        [ECLINK_WHY_FAILED] = "ru0: it has an internal error",
+        [ECLINK_WHY_STOP] = "ru0: the stop switch is pressed",
+        [ECLINK_WHY_SHOCK] = "ru0: free fall or shock was detected",
+    };
+    strcpy(text, causes[cause & 0xFF]);
+    if (cause >> 8 != 0)
+        text[2] = (char)('0' + (cause >> 8));
+}
+
+static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
+{
+    if (signal->offset == offsetof(eclink_bu_t, fault))
+        strcpy(text, message_of((uint8_t)value));
+    else
+        put_cause(value, text);
+}
+
 const ect_plant_t ect_eclink_plant = {
     .signal_groups = groups,
     .signal_group_count = COUNT(groups),
@@ -251,6 +305,7 @@ const ect_plant_t ect_eclink_plant = {
     .outside_size = offsetof(eclink_t, armed) - offsetof(eclink_t, bu),
     .signal_write = signal_write,
     .signal_written = signal_written,
+    .signal_say = signal_say,
     .bulk = bulk,
     .modbus = &eclink_modbus,
 };

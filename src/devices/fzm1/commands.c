@@ -8,68 +8,69 @@
 #define TENTH_S 100000000ull
 #define AGAIN   1000000ull /* a command that has to wait for a save by hand looks again */
 
-/* In the response area a thousandfold, as all unit data. The functions below return NULL, or why it cannot be done. */
-static const char *get_unit_data(const fzm1_t *u, int32_t *value)
+/* In the response area a thousandfold, as all unit data. The functions below return FZM1_DONE, or why it cannot be
+ * done. */
+static fzm1_why_t get_unit_data(const fzm1_t *u, int32_t *value)
 {
     uint32_t unit = (uint32_t)u->arguments[0];
     uint32_t number = (uint32_t)u->arguments[1];
     bool data = number >= FZM1_REF_DATA0 && number <= FZM1_REF_DATA7;
     if (unit >= u->scene.units)
-        return "the scene has no such unit";
+        return FZM1_WHY_NO_UNIT;
     if (!data && number != FZM1_REF_JUDGEMENT && number != FZM1_REF_FORMAT)
-        return "units have no data of this number";
+        return FZM1_WHY_NO_DATA;
     if (number != FZM1_REF_JUDGEMENT && unit != u->scene.output_unit)
-        return "the unit is not Fieldbus Data Output, and has its judgement only";
+        return FZM1_WHY_JUDGEMENT_ONLY;
     if (data)
         *value = fzm1_fixed_point(u->last.data[number - FZM1_REF_DATA0]);
     else
         *value = 1000 * (number == FZM1_REF_FORMAT ? u->scene.format : u->last.judgement[unit]);
-    return NULL;
+    return FZM1_DONE;
 }
 
-static const char *set_unit_data(fzm1_t *u)
+static fzm1_why_t set_unit_data(fzm1_t *u)
 {
     int32_t value = u->arguments[2];
     if ((uint32_t)u->arguments[0] != u->scene.output_unit)
-        return "the unit is not Fieldbus Data Output: nothing of it can be set";
+        return FZM1_WHY_NOT_OUTPUT;
     if (u->arguments[1] != FZM1_REF_FORMAT)
-        return "only the output format, number 150, can be set";
+        return FZM1_WHY_FORMAT_ONLY;
     if (value != FZM1_FIXED_POINT * 1000 && value != FZM1_FLOATING * 1000)
-        return "the output format is 0 or 1, as a thousandfold 0 or 1000";
+        return FZM1_WHY_FORMAT_DATA;
     u->scene.format = (uint8_t)(value / 1000);
-    return NULL;
+    return FZM1_DONE;
 }
 
-static const char *start_continuous(fzm1_t *u)
+static fzm1_why_t start_continuous(fzm1_t *u)
 {
-    const char *why = fzm1_not_ready(u);
-    if (!why)
+    fzm1_why_t why = fzm1_not_ready(u);
+    if (why == FZM1_DONE)
         fzm1_start_continuous(u);
     return why;
 }
 
 /* *data is the response data of those that have any. */
-static const char *execute(fzm1_t *u, int32_t *data)
+static fzm1_why_t execute(fzm1_t *u, int32_t *data)
 {
     switch (u->code) {
     case FZM1_START_CONTINUOUS:
         return start_continuous(u);
     case FZM1_END_CONTINUOUS:
         u->continuous = false;
-        return NULL;
+        return FZM1_DONE;
     case FZM1_CLEAR:
         fzm1_clear(u);
         fzm1_output_discard(u);
         fzm1_end_errors(u, FZM1_ERROR_ALL);
-        return NULL;
+        return FZM1_DONE;
     case FZM1_SAVE:
         return u->saving.failure; /* it is over, see finish() */
     case FZM1_GET_SCENE:
         *data = u->scene_number;
-        return NULL;
+        return FZM1_DONE;
     case FZM1_GET_GROUP:
         *data = u->scene_group;
-        return NULL;
+        return FZM1_DONE;
     case FZM1_SWITCH_SCENE:
         return fzm1_switch_scene(u, (uint32_t)u->arguments[0]);
     case FZM1_SWITCH_GROUP:
@@ -79,7 +80,7 @@ static const char *execute(fzm1_t *u, int32_t *data)
     case FZM1_SET_UNIT_DATA:
         return set_unit_data(u);
     default:
-        return "there is no such command code";
+        return FZM1_WHY_NO_COMMAND;
     }
 }
 
@@ -105,15 +106,15 @@ static void start(fzm1_t *u, uint32_t code, bool exe_fell)
     u->command_due_ns = u->time_ns + (u->switching ? u->plant.switch_us : u->plant.command_us) * 1000ull;
 }
 
-static void answer(fzm1_t *u, const char *why, int32_t data)
+static void answer(fzm1_t *u, fzm1_why_t why, int32_t data)
 {
     u->executing = false;
     u->switching = false;
-    if (why)
+    if (why != FZM1_DONE)
         fzm1_refuse(&u->refused, why);
     u->response_code = u->code;
-    u->result_code = (uint32_t)(why ? FZM1_NG : FZM1_OK);
-    u->response_data = why ? 0 : data;
+    u->result_code = (uint32_t)(why != FZM1_DONE ? FZM1_NG : FZM1_OK);
+    u->response_data = why != FZM1_DONE ? 0 : data;
     u->flg = !u->exe_fell; /* an EXE that fell early has its answer, and no FLG that would have to fall */
     if (u->flg && u->settings.exe_timeout > 0)
         u->flg_due_ns = u->time_ns + u->settings.exe_timeout * TENTH_S;
@@ -129,27 +130,27 @@ static void finish(fzm1_t *u)
     u->command_due_ns = touches_scenes && fzm1_saving(u) ? u->time_ns + AGAIN : ECT_NEVER;
     if (u->command_due_ns != ECT_NEVER)
         return;
-    u->awaits_save = u->code == FZM1_SAVE && !fzm1_save(u);
+    u->awaits_save = u->code == FZM1_SAVE && fzm1_save(u) == FZM1_DONE;
     if (u->code == FZM1_RESTART) {
         fzm1_begin_restart(u);
     } else if (!u->awaits_save) {
-        const char *why = execute(u, &data);
+        fzm1_why_t why = execute(u, &data);
         answer(u, why, data);
     }
 }
 
-/* @return NULL: a command with this code may be taken now */
-static const char *not_taken(const fzm1_t *u, uint32_t code)
+/* @return FZM1_DONE: a command with this code may be taken now */
+static fzm1_why_t not_taken(const fzm1_t *u, uint32_t code)
 {
     if (u->starting != 0)
-        return "the controller restarts";
+        return FZM1_WHY_RESTARTING;
     if (always_taken(code))
-        return u->next_code != 0 && code != FZM1_RESTART ? "two commands are under way already" : NULL;
+        return u->next_code != 0 && code != FZM1_RESTART ? FZM1_WHY_TWO_COMMANDS : FZM1_DONE;
     if (u->executing)
-        return "another command is executed";
+        return FZM1_WHY_EXECUTING;
     if (u->continuous)
-        return "BUSY is on: a continuous measurement runs";
-    return fzm1_busy(u) ? "BUSY is on: a measurement runs" : NULL;
+        return FZM1_WHY_BUSY_CONTINUOUS;
+    return fzm1_busy(u) ? FZM1_WHY_BUSY_MEASURING : FZM1_DONE;
 }
 
 /* Behind a command that is being executed Clear and End continuous wait for its end; Restart does not. */
@@ -175,8 +176,8 @@ void fzm1_exe(fzm1_t *u, bool rising)
         u->flg = false;
         u->flg_due_ns = ECT_NEVER;
     } else if (rising) {
-        const char *why = not_taken(u, u->command_code);
-        if (why)
+        fzm1_why_t why = not_taken(u, u->command_code);
+        if (why != FZM1_DONE)
             fzm1_refuse(&u->exe_ignored, why);
         else
             take(u);

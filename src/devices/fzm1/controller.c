@@ -71,8 +71,8 @@ static void publish(fzm1_t *u)
 
 static void take_step(fzm1_t *u)
 {
-    const char *why = fzm1_not_ready(u);
-    if (why)
+    fzm1_why_t why = fzm1_not_ready(u);
+    if (why != FZM1_DONE)
         fzm1_refuse(&u->step_ignored, why);
     else
         fzm1_step(u);
@@ -90,7 +90,7 @@ static void take_levels(fzm1_t *u, uint32_t levels)
 /* The first levels in OP are where edges are counted from: none of them starts anything. */
 static void begin_levels(fzm1_t *u)
 {
-    static const char why[] = "it was on when OP began: no edge";
+    const fzm1_why_t why = FZM1_WHY_NO_EDGE;
     u->levels = u->control_in;
     u->levels_known = true;
     fzm1_output_begin(u);

@@ -101,12 +101,50 @@ typedef enum fzm1_error {
     FZM1_ERROR_ALL = 0x1F,
 } fzm1_error_t;
 
-enum { FZM1_CAUSE = 96 };
+/** Why something was not done. The words for it are the plant's. */
+typedef enum fzm1_why {
+    FZM1_DONE,
+    FZM1_WHY_NO_UNIT,
+    FZM1_WHY_NO_DATA,
+    FZM1_WHY_JUDGEMENT_ONLY,
+    FZM1_WHY_NOT_OUTPUT,
+    FZM1_WHY_FORMAT_ONLY,
+    FZM1_WHY_FORMAT_DATA,
+    FZM1_WHY_NO_COMMAND,
+    FZM1_WHY_RESTARTING,
+    FZM1_WHY_TWO_COMMANDS,
+    FZM1_WHY_EXECUTING,
+    FZM1_WHY_BUSY_CONTINUOUS,
+    FZM1_WHY_BUSY_MEASURING,
+    FZM1_WHY_NO_EDGE,
+    FZM1_WHY_UNREADY_RESTARTING,
+    FZM1_WHY_UNREADY_NO_RUN,
+    FZM1_WHY_UNREADY_CONTINUOUS,
+    FZM1_WHY_UNREADY_SWITCHING,
+    FZM1_WHY_UNREADY_IMAGE,
+    FZM1_WHY_UNREADY_IMAGES,
+    FZM1_WHY_NO_MEMORY,
+    FZM1_WHY_MEMORY_SILENT,
+    FZM1_WHY_MEMORY_FORGETS,
+    FZM1_WHY_MEMORY_FULL,
+    FZM1_WHY_CHANGED_FULL,
+    FZM1_WHY_NO_SCENE,
+    FZM1_WHY_NO_GROUP,
+    FZM1_WHY_BUSY_BY_MASTER,
+    FZM1_WHY_SAVING,
+    FZM1_WHY_PREPARED_FULL,
+    FZM1_WHY_DATA_RANGE,
+    FZM1_WHY_NO_EXPRESSION,
+    FZM1_WHY_JUDGEMENTS,
+    FZM1_WHY_UNITS,
+    FZM1_WHY_OUTPUT_UNIT,
+    FZM1_WHY_FORMATS,
+} fzm1_why_t;
 
 /** How often something was not done, and why the last time. */
 typedef struct fzm1_refusal {
     uint32_t count;
-    char cause[FZM1_CAUSE + 1];
+    uint16_t why; /* fzm1_why_t */
 } fzm1_refusal_t;
 
 /** One scene: its flow of processing units, and what they will find. */
@@ -202,7 +240,7 @@ typedef struct fzm1_saving {
     uint32_t from;  /* the next one of the other groups there */
     ect_record_t to;
     uint64_t due_ns;
-    const char *failure; /* why the last one failed, or NULL */
+    fzm1_why_t failure; /* of the last one */
 } fzm1_saving_t;
 
 typedef struct fzm1 {
@@ -264,8 +302,7 @@ typedef struct fzm1 {
 
     /* as signals */
     uint8_t ready, busy, overall_ng, err;
-    uint8_t errors; /* fzm1_error_t */
-    char error_cause[FZM1_CAUSE + 1];
+    uint16_t errors; /* fzm1_error_t, why `err` is on */
     uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
     uint8_t saving_level, prepared_clear;
@@ -300,16 +337,16 @@ void fzm1_all_off(fzm1_t *u);
 void fzm1_begin_restart(fzm1_t *u);
 void fzm1_restart_due(fzm1_t *u);
 
-/* switch.c: each returns NULL, or why it is not done */
-const char *fzm1_switch_scene(fzm1_t *u, uint32_t number);
-const char *fzm1_switch_group(fzm1_t *u, uint32_t number);
-const char *fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number);
+/* switch.c: each returns FZM1_DONE, or why not */
+fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number);
+fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number);
+fzm1_why_t fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number);
 void fzm1_switch_due(fzm1_t *u);
-const char *fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene); /* plant.edit becomes that scene */
-const char *fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content);
+fzm1_why_t fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene); /* plant.edit becomes that scene */
+fzm1_why_t fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content);
 
 /* save.c */
-const char *fzm1_save(fzm1_t *u); /* begins; @return NULL, or why not */
+fzm1_why_t fzm1_save(fzm1_t *u); /* begins */
 bool fzm1_saving(const fzm1_t *u);
 void fzm1_save_due(fzm1_t *u);
 void fzm1_save_reset(fzm1_t *u); /* power-on: nothing is being written */
@@ -319,11 +356,11 @@ void fzm1_load(fzm1_t *u);       /* at power-on */
 bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene); /* of the current group; the same */
-/* A scene of the current group is like that from now on. @return NULL, or why not */
-const char *fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content);
+/* A scene of the current group is like that from now on */
+fzm1_why_t fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content);
 
 /* measure.c */
-const char *fzm1_not_ready(const fzm1_t *u); /* why READY is off; NULL: it is on */
+fzm1_why_t fzm1_not_ready(const fzm1_t *u); /* why READY is off */
 bool fzm1_busy(const fzm1_t *u);
 void fzm1_step(fzm1_t *u); /* READY is on */
 void fzm1_measure_due(fzm1_t *u);
@@ -363,7 +400,7 @@ void fzm1_prepared_forget(fzm1_t *u, uint8_t group);
 
 /* scene.c */
 void fzm1_default_scene(fzm1_scene_t *scene);
-const char *fzm1_scene_fault(const fzm1_scene_t *scene); /* NULL: all of it makes sense */
+fzm1_why_t fzm1_scene_fault(const fzm1_scene_t *scene); /* FZM1_DONE: all of it makes sense */
 
 /* expression.c */
 /* @return false: `text` is no expression; *value is then unchanged */
@@ -372,6 +409,6 @@ bool fzm1_expression(const char *text, const fzm1_result_t *of, double *value);
 /* error.c */
 void fzm1_set_error(fzm1_t *u, fzm1_error_t error);
 void fzm1_end_errors(fzm1_t *u, unsigned int errors); /* FZM1_ERROR_... */
-void fzm1_refuse(fzm1_refusal_t *refusal, const char *why);
+void fzm1_refuse(fzm1_refusal_t *refusal, fzm1_why_t why);
 
 #endif

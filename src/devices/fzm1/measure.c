@@ -12,19 +12,19 @@ static unsigned int image_room(const fzm1_t *u)
     return rooms[u->plant.camera];
 }
 
-const char *fzm1_not_ready(const fzm1_t *u)
+fzm1_why_t fzm1_not_ready(const fzm1_t *u)
 {
     if (u->starting != 0)
-        return "READY is off: the controller restarts";
+        return FZM1_WHY_UNREADY_RESTARTING;
     if (!u->run)
-        return "READY is off: the RUN window is not shown";
+        return FZM1_WHY_UNREADY_NO_RUN;
     if (u->continuous)
-        return "READY is off: a continuous measurement runs";
+        return FZM1_WHY_UNREADY_CONTINUOUS;
     if (u->switching || u->switched_due_ns != ECT_NEVER)
-        return "READY is off: a scene is being switched";
+        return FZM1_WHY_UNREADY_SWITCHING;
     if (u->image_due_ns != ECT_NEVER)
-        return "READY is off: an image is being taken in";
-    return u->image_count < image_room(u) ? NULL : "READY is off: as many images wait as the camera may have";
+        return FZM1_WHY_UNREADY_IMAGE;
+    return u->image_count < image_room(u) ? FZM1_DONE : FZM1_WHY_UNREADY_IMAGES;
 }
 
 bool fzm1_busy(const fzm1_t *u)

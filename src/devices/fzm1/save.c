@@ -127,7 +127,7 @@ static bool unpack_scene(fzm1_scene_t *scene, const uint8_t *b, uint16_t size)
     scene->units = b[FIXED - 3];
     scene->output_unit = b[FIXED - 2];
     scene->format = b[FIXED - 1];
-    return unpack_texts(scene, b + FIXED, (uint16_t)(size - FIXED)) && !fzm1_scene_fault(scene);
+    return unpack_texts(scene, b + FIXED, (uint16_t)(size - FIXED)) && fzm1_scene_fault(scene) == FZM1_DONE;
 }
 
 /* --- the record --------------------------------------------------------------------------------------------------- */
@@ -253,14 +253,14 @@ bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
     return scene_of(u, &u->group, u->scene_group, number, scene);
 }
 
-const char *fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content)
+fzm1_why_t fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content)
 {
     fzm1_scene_t before;
     if (!fzm1_scene(u, number, &before))
-        return "the memory does not answer";
+        return FZM1_WHY_MEMORY_SILENT;
     if (!fzm1_group_change(&u->group, number, &before, content))
-        return "as many scenes are changed as there is room for: save them first";
-    return NULL;
+        return FZM1_WHY_CHANGED_FULL;
+    return FZM1_DONE;
 }
 
 bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene)
@@ -381,12 +381,12 @@ static bool put_others(fzm1_t *u)
     return there >= 0;
 }
 
-static void end(fzm1_t *u, const char *failure)
+static void end(fzm1_t *u, fzm1_why_t failure)
 {
     u->saving.phase = IDLE;
     u->saving.due_ns = ECT_NEVER;
     u->saving.failure = failure;
-    if (failure)
+    if (failure != FZM1_DONE)
         fzm1_refuse(&u->save_failed, failure);
     else
         u->saves++;
@@ -400,7 +400,7 @@ static void sealed(fzm1_t *u)
     fzm1_prepared_forget(u, u->scene_group);
     fzm1_group_saved(&u->group);
     fzm1_group_add(&u->group, u->scene_number, &u->loading.places[0].content);
-    end(u, NULL);
+    end(u, FZM1_DONE);
 }
 
 static void flush(fzm1_t *u)
@@ -410,13 +410,13 @@ static void flush(fzm1_t *u)
     if (result == ECT_STORAGE_BUSY)
         s->due_ns = u->poll_ns + ASK_NS;
     else if (result < 0)
-        end(u, "the memory does not keep what is written");
+        end(u, FZM1_WHY_MEMORY_FORGETS);
     else if (s->phase == HEADER)
         sealed(u);
     else if (ect_record_seal(&s->to, MAGIC))
         s->phase = HEADER;
     else
-        end(u, "the memory does not answer");
+        end(u, FZM1_WHY_MEMORY_SILENT);
 }
 
 void fzm1_save_due(fzm1_t *u)
@@ -428,7 +428,7 @@ void fzm1_save_due(fzm1_t *u)
     if (s->phase == DATA || s->phase == HEADER)
         flush(u);
     else if (!(s->phase == OWN ? put_own(u) : put_others(u)))
-        end(u, "the memory does not answer, or has no room for all scenes");
+        end(u, FZM1_WHY_MEMORY_FULL);
 }
 
 bool fzm1_saving(const fzm1_t *u)
@@ -436,15 +436,15 @@ bool fzm1_saving(const fzm1_t *u)
     return u->saving.phase != IDLE;
 }
 
-const char *fzm1_save(fzm1_t *u)
+fzm1_why_t fzm1_save(fzm1_t *u)
 {
     fzm1_saving_t *s = &u->saving;
     uint8_t system[SYSTEM];
     pack_system(u, system);
     *s = (fzm1_saving_t){.phase = OWN, .own = SYSTEM, .from = SYSTEM, .due_ns = u->time_ns};
     if (know_record(u) && ect_record_begin(&s->to, &u->record) && ect_record_put(&s->to, system, SYSTEM))
-        return NULL;
-    end(u, u->host->storage ? "the memory does not answer" : "there is no memory: start the twin with --store DIR");
+        return FZM1_DONE;
+    end(u, u->host->storage ? FZM1_WHY_MEMORY_SILENT : FZM1_WHY_NO_MEMORY);
     return s->failure;
 }
 

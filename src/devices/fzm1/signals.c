@@ -12,6 +12,8 @@
 
 #define LARGEST 999999999
 
+enum { CAUSE = 96 }; /* the longest */
+
 /* A scene, at `base` in the instance. */
 #define SCENE_DATA(base, n)                                                                                            \
     W(base.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the scene measures as D" #n)
@@ -101,17 +103,17 @@ static const ect_signal_t signals[] = {
     R(gate_level, "gate", BOOL, 0, 1, NULL, "GATE"),
     R(overall_ng, "or", BOOL, 0, 1, NULL, "OR: the overall judgement is NG"),
     R(continuous_level, "continuous", BOOL, 0, 1, NULL, "continuous measurement"),
-    R(error_cause, "error_cause", TEXT, 0, FZM1_CAUSE, NULL, "why ERR is on"),
+    R(errors, "error_cause", SAID, 0, CAUSE, NULL, "why ERR is on"),
     R(step_ignored.count, "steps_ignored", U32, 0, INT32_MAX, NULL, "edges of STEP that measured nothing"),
-    R(step_ignored.cause, "step_ignored_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one did not"),
+    R(step_ignored.why, "step_ignored_cause", SAID, 0, CAUSE, NULL, "why the last one did not"),
     R(exe_ignored.count, "exes_ignored", U32, 0, INT32_MAX, NULL, "edges of EXE that began no command"),
-    R(exe_ignored.cause, "exe_ignored_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one did not"),
+    R(exe_ignored.why, "exe_ignored_cause", SAID, 0, CAUSE, NULL, "why the last one did not"),
     R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands answered with -1"),
-    R(refused.cause, "command_refused_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last one was"),
+    R(refused.why, "command_refused_cause", SAID, 0, CAUSE, NULL, "why the last one was"),
     R(saving_level, "saving", BOOL, 0, 1, NULL, "the unit is being saved"),
     R(saves, "saves", U32, 0, INT32_MAX, NULL, "times that all was saved, and is safe"),
     R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "times that it was not"),
-    R(save_failed.cause, "save_failed_cause", TEXT, 0, FZM1_CAUSE, NULL, "why the last time"),
+    R(save_failed.why, "save_failed_cause", SAID, 0, CAUSE, NULL, "why the last time"),
     R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
     R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "times that data were output"),
     R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for, or that Clear took back"),
@@ -137,9 +139,88 @@ static const ect_signal_group_t groups[] = {
     {.prefix = "edit", .signal_count = sizeof edit / sizeof edit[0], .signals = edit},
 };
 
-/* --- from the user ------------------------------------------------------------------------------------------------ */
-
 #define IS(signal, member) ((signal)->offset == offsetof(fzm1_t, member))
+
+/* --- in words ----------------------------------------------------------------------------------------------------- */
+
+/* Empty: it was done. */
+static const char *in_words(fzm1_why_t why)
+{
+    static const char *const words[] = {
+        [FZM1_DONE] = "",
+        [FZM1_WHY_NO_UNIT] = "the scene has no such unit",
+        [FZM1_WHY_NO_DATA] = "units have no data of this number",
+        [FZM1_WHY_JUDGEMENT_ONLY] = "the unit is not Fieldbus Data Output, and has its judgement only",
+        [FZM1_WHY_NOT_OUTPUT] = "the unit is not Fieldbus Data Output: nothing of it can be set",
+        [FZM1_WHY_FORMAT_ONLY] = "only the output format, number 150, can be set",
+        [FZM1_WHY_FORMAT_DATA] = "the output format is 0 or 1, as a thousandfold 0 or 1000",
+        [FZM1_WHY_NO_COMMAND] = "there is no such command code",
+        [FZM1_WHY_RESTARTING] = "the controller restarts",
+        [FZM1_WHY_TWO_COMMANDS] = "two commands are under way already",
+        [FZM1_WHY_EXECUTING] = "another command is executed",
+        [FZM1_WHY_BUSY_CONTINUOUS] = "BUSY is on: a continuous measurement runs",
+        [FZM1_WHY_BUSY_MEASURING] = "BUSY is on: a measurement runs",
+        [FZM1_WHY_NO_EDGE] = "it was on when OP began: no edge",
+        [FZM1_WHY_UNREADY_RESTARTING] = "READY is off: the controller restarts",
+        [FZM1_WHY_UNREADY_NO_RUN] = "READY is off: the RUN window is not shown",
+        [FZM1_WHY_UNREADY_CONTINUOUS] = "READY is off: a continuous measurement runs",
+        [FZM1_WHY_UNREADY_SWITCHING] = "READY is off: a scene is being switched",
+        [FZM1_WHY_UNREADY_IMAGE] = "READY is off: an image is being taken in",
+        [FZM1_WHY_UNREADY_IMAGES] = "READY is off: as many images wait as the camera may have",
+        [FZM1_WHY_NO_MEMORY] = "there is no memory: start the twin with --store DIR",
+        [FZM1_WHY_MEMORY_SILENT] = "the memory does not answer",
+        [FZM1_WHY_MEMORY_FORGETS] = "the memory does not keep what is written",
+        [FZM1_WHY_MEMORY_FULL] = "the memory does not answer, or has no room for all scenes",
+        [FZM1_WHY_CHANGED_FULL] = "as many scenes are changed as there is room for: save them first",
+        [FZM1_WHY_NO_SCENE] = "there is no such scene",
+        [FZM1_WHY_NO_GROUP] = "there is no such scene group",
+        [FZM1_WHY_BUSY_BY_MASTER] = "BUSY is on: a measurement or a command of the master is under way",
+        [FZM1_WHY_SAVING] = "the unit is being saved",
+        [FZM1_WHY_PREPARED_FULL] = "as many scenes are prepared as there is room for: 'save' keeps those of the "
+                                   "current group, 'edit.clear' forgets all",
+        [FZM1_WHY_DATA_RANGE] = "data go from -999999999.9999 to 999999999.9999",
+        [FZM1_WHY_NO_EXPRESSION] = "no expression: D1 to D8, JG, JG0 to JG7, numbers, + - * / ( )",
+        [FZM1_WHY_JUDGEMENTS] = "a unit finds 1 (OK) or -1 (NG)",
+        [FZM1_WHY_UNITS] = "a flow has 1 to 8 units",
+        [FZM1_WHY_OUTPUT_UNIT] =
+            "'output_unit' has to be one of the flow's: the number of 'units' is one more than the last one's",
+        [FZM1_WHY_FORMATS] = "the output format is 0 or 1",
+    };
+    return words[why];
+}
+
+/* Text behind text, cut where the room ends. */
+static void append(char *to, const char *text)
+{
+    size_t used = strlen(to);
+    size_t length = strlen(text);
+    length = length < CAUSE - used ? length : CAUSE - used;
+    memcpy(to + used, text, length);
+    to[used + length] = 0;
+}
+
+static void append_errors(char *text, uint16_t errors)
+{
+    static const char *const causes[] = {"DSA did not come", "DSA stayed on", "results lost: 16 wait already",
+                                         "EXE stayed on", "set by hand"};
+    for (unsigned int i = 0; i < sizeof causes / sizeof causes[0]; i++) {
+        if ((errors >> i & 1) == 0)
+            continue;
+        append(text, text[0] ? "; " : "");
+        append(text, causes[i]);
+    }
+}
+
+static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
+{
+    text[0] = 0;
+    if (IS(signal, errors))
+        append_errors(text, value);
+    else
+        append(text, in_words((fzm1_why_t)value));
+}
+
+/* --- from the user ------------------------------------------------------------------------------------------------ */
 
 /* The codes that an FZM1 knows (Q179 §1-1). */
 static bool known_abort(uint32_t code)
@@ -177,17 +258,15 @@ static const char *clear_prepared(fzm1_t *u)
 
 static const char *save(fzm1_t *u)
 {
-    const char *why = fzm1_saving(u) ? "the unit is being saved" : fzm1_save(u);
-    return why ? why : "";
+    return in_words(fzm1_saving(u) ? FZM1_WHY_SAVING : fzm1_save(u));
 }
 
 static const char *trigger(fzm1_t *u)
 {
-    const char *why = fzm1_not_ready(u);
-    if (why)
-        return why;
-    fzm1_step(u);
-    return "";
+    fzm1_why_t why = fzm1_not_ready(u);
+    if (why == FZM1_DONE)
+        fzm1_step(u);
+    return in_words(why);
 }
 
 static const char *restart(fzm1_t *u)
@@ -216,7 +295,7 @@ static const char *press(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
 /* Scenes to switch to, or to open. NULL: it is neither. */
 static const char *choose(fzm1_t *u, const ect_signal_t *signal, uint8_t number)
 {
-    const char *why;
+    fzm1_why_t why;
     if (IS(signal, scene_number) || IS(signal, scene_group))
         why = fzm1_switch_by_hand(u, IS(signal, scene_group), number);
     else if (IS(signal, plant.edit.group))
@@ -225,7 +304,7 @@ static const char *choose(fzm1_t *u, const ect_signal_t *signal, uint8_t number)
         why = fzm1_edit_open(u, u->plant.edit.group, number);
     else
         return NULL;
-    return why ? why : "";
+    return in_words(why);
 }
 
 static const char *write_byte(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
@@ -270,11 +349,10 @@ static const char *write_scene(fzm1_t *u, const ect_signal_t *signal, size_t bas
     fzm1_scene_t scene;
     memcpy(&scene, (uint8_t *)u + base, sizeof scene);
     memcpy((uint8_t *)&scene + (signal->offset - base), value, size);
-    const char *why = fzm1_scene_fault(&scene);
-    if (why || base == offsetof(fzm1_t, scene))
-        return why;
-    why = fzm1_edit_change(u, &scene);
-    return why ? why : "";
+    fzm1_why_t why = fzm1_scene_fault(&scene);
+    if (why != FZM1_DONE)
+        return in_words(why);
+    return base == offsetof(fzm1_t, scene) ? NULL : in_words(fzm1_edit_change(u, &scene));
 }
 
 static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
@@ -334,4 +412,5 @@ const ect_plant_t ect_fzm1_plant = {
     .unfinished = unfinished,
     .signal_write = signal_write,
     .signal_written = signal_written,
+    .signal_say = signal_say,
 };

@@ -2,54 +2,54 @@
 /* Switching scene and scene group (Q179 §4-3), by command or by hand, and preparing scenes before. */
 #include "devices/fzm1/instance.h"
 
-const char *fzm1_switch_scene(fzm1_t *u, uint32_t number)
+fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number)
 {
     if (number >= FZM1_SCENES)
-        return "there is no such scene";
+        return FZM1_WHY_NO_SCENE;
     fzm1_scene_t next;
-    const char *why = fzm1_keep_scene(u, u->scene_number, &u->scene);
-    if (why)
+    fzm1_why_t why = fzm1_keep_scene(u, u->scene_number, &u->scene);
+    if (why != FZM1_DONE)
         return why;
     if (!fzm1_scene(u, (uint8_t)number, &next))
-        return "the memory does not answer";
+        return FZM1_WHY_MEMORY_SILENT;
     u->scene_number = (uint8_t)number;
     u->scene = next;
     fzm1_clear(u);
-    return NULL;
+    return FZM1_DONE;
 }
 
 /* As it was saved or prepared; what was changed in the old group and not saved is forgotten. The new one begins with
  * scene 0. */
-const char *fzm1_switch_group(fzm1_t *u, uint32_t number)
+fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number)
 {
     if (number >= FZM1_GROUPS)
-        return "there is no such scene group";
+        return FZM1_WHY_NO_GROUP;
     fzm1_scene_t first;
     if (!fzm1_load_group(u, (uint8_t)number, 0, &first))
-        return "the memory does not answer";
+        return FZM1_WHY_MEMORY_SILENT;
     u->scene_group = (uint8_t)number;
     u->scene_number = 0;
     u->scene = first;
     fzm1_clear(u);
-    return NULL;
+    return FZM1_DONE;
 }
 
 /* --- by hand ------------------------------------------------------------------------------------------------------ */
 
-static const char *not_by_hand(const fzm1_t *u)
+static fzm1_why_t not_by_hand(const fzm1_t *u)
 {
     if (u->switching || u->continuous || u->image_count > 0 || u->image_due_ns != ECT_NEVER)
-        return "BUSY is on: a measurement or a command of the master is under way";
-    return fzm1_saving(u) ? "the unit is being saved" : NULL;
+        return FZM1_WHY_BUSY_BY_MASTER;
+    return fzm1_saving(u) ? FZM1_WHY_SAVING : FZM1_DONE;
 }
 
 /* The new scene counts at once, so that what is set next is set in it; BUSY stays on for as long as switching takes. */
-const char *fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number)
+fzm1_why_t fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number)
 {
-    const char *why = not_by_hand(u);
-    if (!why)
+    fzm1_why_t why = not_by_hand(u);
+    if (why == FZM1_DONE)
         why = group ? fzm1_switch_group(u, number) : fzm1_switch_scene(u, number);
-    if (!why)
+    if (why == FZM1_DONE)
         u->switched_due_ns = u->time_ns + u->plant.switch_us * 1000ull;
     return why;
 }
@@ -62,7 +62,7 @@ void fzm1_switch_due(fzm1_t *u)
 
 /* --- prepared ----------------------------------------------------------------------------------------------------- */
 
-const char *fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene)
+fzm1_why_t fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene)
 {
     fzm1_scene_t content = u->scene;
     bool there = true;
@@ -71,24 +71,23 @@ const char *fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene)
     else if (scene != u->scene_number)
         there = fzm1_scene(u, scene, &content);
     if (!there)
-        return "the memory does not answer";
+        return FZM1_WHY_MEMORY_SILENT;
     u->plant.edit = (fzm1_prepared_t){.group = group, .scene = scene, .content = content};
-    return NULL;
+    return FZM1_DONE;
 }
 
-const char *fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content)
+fzm1_why_t fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content)
 {
     fzm1_prepared_t *edit = &u->plant.edit;
     if (fzm1_saving(u))
-        return "the unit is being saved";
+        return FZM1_WHY_SAVING;
     if (!fzm1_prepare(u, edit->group, edit->scene, content))
-        return "as many scenes are prepared as there is room for: 'save' keeps those of the current group, "
-               "'edit.clear' forgets all";
+        return FZM1_WHY_PREPARED_FULL;
     edit->content = *content;
     if (edit->group != u->scene_group)
-        return NULL;
+        return FZM1_DONE;
     if (edit->scene == u->scene_number)
         u->scene = *content;
     fzm1_group_add(&u->group, edit->scene, content);
-    return NULL;
+    return FZM1_DONE;
 }

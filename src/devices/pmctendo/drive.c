@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The drive's time and its process data: what the stack calls, and the order of things in a step of 250 us. */
-#include <string.h>
-
 #include "devices/pmctendo/instance.h"
 
 enum { MS_STEPS = PMC_STEPS_PER_S / 1000, RAMP_TOLERANCE_NS = 200000000 };
@@ -221,23 +219,16 @@ static void publish_actual(pmctendo_t *u)
     u->mode_display = pmc_mode(u);
 }
 
-static void put(char *to, const char *text)
-{
-    size_t length = strlen(text);
-    memset(to, 0, PMC_TEXT + 1);
-    memcpy(to, text, length < PMC_TEXT ? length : PMC_TEXT);
-}
-
 /* As on the front: the fault, else the first warning. */
-static void display(pmctendo_t *u)
+static uint16_t displayed(const pmctendo_t *u)
 {
-    unsigned int number = u->fault;
-    char text[4] = {u->fault != 0 ? 'F' : 'n'};
-    for (unsigned int n = 1; n <= 32 && number == 0; n++)
-        number = (u->warnings >> (n - 1) & 1u) != 0 ? n : 0;
-    text[1] = (char)('0' + number / 10);
-    text[2] = (char)('0' + number % 10);
-    put(u->display, number != 0 ? text : "");
+    if (u->fault != 0)
+        return PMC_DISPLAYS_FAULT | u->fault;
+    for (uint16_t n = 1; n <= 32; n++) {
+        if ((u->warnings >> (n - 1) & 1u) != 0)
+            return n;
+    }
+    return 0;
 }
 
 /* To the master. */
@@ -252,11 +243,8 @@ static void publish(pmctendo_t *u)
 /* Signals: a tick follows each exchange. */
 static void show(pmctendo_t *u)
 {
-    static const char *const states[DS402_STATES] = {
-        "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
-        "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
-    put(u->state_text, states[u->state]);
-    display(u);
+    u->state_shown = (uint16_t)u->state;
+    u->display = displayed(u);
     u->position_turns = pmc_user(u, u->plant.position) / PMC_TURN;
     u->speed_rpm = u->plant.speed * 60 / PMC_TURN;
     u->torque_nm = u->torque_now;

@@ -34,7 +34,7 @@ enum {
     PMC_TURN = 1048576, /* counts */
     PMC_STEP_NS = 250000,
     PMC_STEPS_PER_S = 4000,
-    PMC_TEXT = 32,
+    PMC_DISPLAYS_FAULT = 0x100,
 };
 
 #define PMC_STEP_S (1.0 / PMC_STEPS_PER_S)
@@ -217,8 +217,8 @@ typedef struct pmctendo {
 
     /* as signals */
     double position_turns, speed_rpm, torque_nm;
-    char display[PMC_TEXT + 1];
-    char state_text[PMC_TEXT + 1];
+    uint16_t display;     /* number of a warning, of a fault with PMC_DISPLAYS_FAULT; 0: nothing */
+    uint16_t state_shown; /* ds402_state_t */
     uint8_t synchronised, homed_level, powered, do1, do2;
     uint8_t provoke, restart;
     uint32_t saves;
