@@ -244,17 +244,12 @@ static const block_t blocks[] = {
 
 enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
 
-static bool is_there(const ect_esc_t *esc, const block_t *b)
-{
-    bool clock = b->first >= ECT_REG_DC_SYSTEM_TIME && b->first < ECT_REG_DC_END;
-    return (b->unit == 0 || ect_esc_has(esc, b->unit)) && (!clock || ect_esc_dc_present(esc));
-}
-
+/* Of a clock that is absent nothing is read; other units that may be begin with zeros. */
 void ect_esc_registers_reset(ect_esc_t *esc)
 {
     for (size_t i = 0; i < BLOCKS; i++) {
         const block_t *b = &blocks[i];
-        for (unsigned int byte = 0; b->reset != 0 && is_there(esc, b) && byte < b->size && byte < 4; byte++)
+        for (unsigned int byte = 0; b->reset != 0 && byte < b->size && byte < 4; byte++)
             esc->memory[b->first + byte] = (uint8_t)(b->reset >> (8 * byte));
     }
 }

@@ -118,7 +118,6 @@ static void close_write(const area_t *sm, ect_side_t side)
     ECT_ASSERT(sm->own->write_buffer < NO_BUFFER);
     uint8_t status = (uint8_t)(sm->registers[ECT_SM_STATUS] & ~(ECT_SM_STATUS_WRITE_OPEN | ECT_SM_STATUS_VIOLATED));
     if (sm->own->violated) { /* the other side goes on with what it had */
-        sm->own->violated = false;
         sm->registers[ECT_SM_STATUS] = status | ECT_SM_STATUS_VIOLATED;
         return;
     }

@@ -364,6 +364,9 @@ static void broadcast_beyond_the_end(void **state)
     static const uint8_t codes[] = {BRD, BRW};
     rig_t *r = *state;
     for (size_t i = 0; i < sizeof codes; i++) {
+        memset(r->memory[0] + 0x1100, 0xFF, 4); /* something was read before */
+        wire_build(&r->w, BRD, 0, 0x1100, (uint8_t[4]){0}, 4);
+        assert_int_equal(send_exact(r, r->w.frame_length), ECT_FRAME_FORWARD);
         wire_build(&r->w, codes[i], 0, MEMORY - 2, (uint8_t[4]){0}, 4);
         assert_int_equal(send_exact(r, r->w.frame_length), ECT_FRAME_FORWARD);
         assert_int_equal(wire_wkc(&r->w, 0), codes[i] == BRD ? 1 : 3);
@@ -439,14 +442,16 @@ static void nothing_behind_the_end(void **state)
         size_t length;
         uint8_t ethertype[2];
         unsigned int rx; /* counts in 0x0300: EtherCAT that is cut */
-    } rows[] = {{14, {0x88, 0xA4}, 1}, {15, {0x88, 0xA4}, 1}, {16, {0x88, 0xA4}, 1}, {13, {0x08, 0x06}, 1},
-                {14, {0x08, 0x06}, 0}, {15, {0x08, 0x06}, 0}, {60, {0x08, 0x06}, 0}};
+        uint8_t type;    /* the byte with it */
+    } rows[] = {{14, {0x88, 0xA4}, 1, 0},    {15, {0x88, 0xA4}, 1, 0}, {16, {0x88, 0xA4}, 1, 0x10},
+                {16, {0x88, 0xA4}, 0, 0x40}, {13, {0x08, 0x06}, 1, 0}, {14, {0x08, 0x06}, 0, 0},
+                {15, {0x08, 0x06}, 0, 0},    {60, {0x08, 0x06}, 0, 0}};
     rig_t *r = *state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t frame[64] = {0};
         memcpy(frame + 12, rows[i].ethertype, 2);
         frame[1] = 0x10; /* of an address: no header */
-        frame[15] = rows[i].length > 15 ? 0x10 : 0;
+        frame[15] = rows[i].type;
         r->memory[0][0x0300] = r->memory[0][0x030C] = 0;
         assert_int_equal(ect_esc_process(&r->esc[0], frame, rows[i].length, r->w.now_ns), ECT_FRAME_DESTROYED);
         if (r->memory[0][0x0300] != rows[i].rx || r->memory[0][0x030C] != 1)

@@ -317,6 +317,12 @@ static void lost_link(void **state)
 static void auto_close(void **state)
 {
     chip_t *c = *state;
+    assert_int_equal(chip_write(c, 0x0101, 0x01, 1), 1); /* of port 0 */
+    ect_esc_set_link(&c->esc, 0, false);
+    ect_esc_set_link(&c->esc, 0, true);
+    assert_false(ect_esc_port_open(&c->esc, 0));
+    assert_int_equal(chip_write(c, 0x0101, 0x01, 1), 1);
+    assert_true(ect_esc_port_open(&c->esc, 0));
     assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1);
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
     ect_esc_set_link(&c->esc, 1, false);
@@ -398,6 +404,8 @@ static void route_of_addresses(void **state)
     chip_t *c = *state;
     ect_esc_route_t route;
     uint32_t routing = ect_esc_routing(&c->esc);
+    ect_esc_route(&c->esc, &route);
+    assert_false(route.awaits_frame);
     assert_int_equal(chip_write(c, 0x0010, 0x1001, 2), 1);
     assert_int_not_equal(ect_esc_routing(&c->esc), routing);
     chip_pdi_write(c, 0x0012, 0x2002, 2);
@@ -407,6 +415,9 @@ static void route_of_addresses(void **state)
         assert_int_equal(route.station, 0x1001);
         assert_int_equal(route.alias, enabled == 0 ? 0x1001 : 0x2002);
     }
+    assert_int_equal(chip_write(c, 0x0040, 'R', 1), 1); /* a reset sequence: each frame goes on with it or ends it */
+    ect_esc_route(&c->esc, &route);
+    assert_true(route.awaits_frame);
 }
 
 static void temporary_loops(void **state)
