@@ -96,7 +96,7 @@ static uint16_t why_stopped(const eclink_t *unit)
 {
     const eclink_ru_t *ru = stopped(unit);
     eclink_why_t why = ru->failed ? ECLINK_WHY_FAILED : ru->stop ? ECLINK_WHY_STOP : ECLINK_WHY_SHOCK;
-    return ECLINK_WHY(ru - unit->ru + 1, why);
+    return eclink_why((unsigned int)(ru - unit->ru) + 1, why);
 }
 
 /* Why the unit is in its state, unless that is as it should be. */
@@ -108,7 +108,7 @@ static uint16_t cause(const eclink_t *unit, uint8_t fault, bool ec_link_bad)
     case ECLINK_BU_LINK_ERROR:
         return ec_link_bad ? fault : (uint16_t)(ECLINK_WHY_EG_NO_LINK + unit->bu.eg_link - ECLINK_LINK_NONE);
     case ECLINK_BU_BLOCKED:
-        return ECLINK_WHY(unit->lost.numbers[0] + 1, ECLINK_WHY_LOST);
+        return eclink_why(unit->lost.numbers[0] + 1u, ECLINK_WHY_LOST);
     case ECLINK_BU_STOPPED:
         return why_stopped(unit);
     default:

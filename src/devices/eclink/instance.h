@@ -191,7 +191,12 @@ typedef enum eclink_why {
     ECLINK_WHY_STOP,
     ECLINK_WHY_SHOCK,
 } eclink_why_t;
-#define ECLINK_WHY(number, why) ((uint16_t)((number) << 8 | (why)))
+
+/* ... as `bu.cause` keeps it. */
+static inline uint16_t eclink_why(unsigned int number, eclink_why_t why)
+{
+    return (uint16_t)(number << 8 | (unsigned int)why);
+}
 
 /** The base unit, as signals `bu.*`. */
 typedef struct eclink_bu {
@@ -211,10 +216,10 @@ typedef struct eclink_bu {
     uint8_t unarmed;
     uint8_t armed;
     uint8_t pci, cci, pai, cai;
-    uint16_t fault;     /* eclink_why_t up to ECLINK_WHY_CAO: what the display shows as a message */
-    uint16_t cause;     /* ECLINK_WHY(number, eclink_why_t): why it is in its state, unless that is as it should be */
-    uint8_t modbus; /* a controller does its duty over Modbus TCP */
-    uint32_t overflows; /* commands from the remotes that were turned away */
+    uint16_t fault;            /* eclink_why_t up to ECLINK_WHY_CAO: what the display shows as a message */
+    uint16_t cause;            /* eclink_why(): why it is in its state, unless that is as it should be */
+    uint8_t modbus;            /* a controller does its duty over Modbus TCP */
+    uint32_t overflows;        /* commands from the remotes that were turned away */
     uint32_t commands_lost;    /* commands from the controller that CCO passed over */
     uint32_t commands_unknown; /* ... to an id that nobody has */
     uint32_t pco_jumps;        /* changes of PCO by other than one */
