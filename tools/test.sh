@@ -2,7 +2,7 @@
 # All tests: installs what is missing, builds, runs.  usage: tools/test.sh
 #
 #   asan      unit and integration tests under AddressSanitizer and UBSan
-#   tidy      clang-tidy has nothing to say of the core
+#   tidy      clang-tidy has nothing to say of the sources
 #   coverage  unit tests again, for the branch coverage of the core; fails below the floor in tests/budget/coverage
 #   clang     unit tests with the second compiler; each fuzz target over its committed seeds and 5 s beyond
 set -eu

@@ -61,7 +61,7 @@ static const char *read_time(const char *text, ect_scenario_step_t *step)
     if (end == text || !(seconds >= 0 && seconds < 1e9) || strncmp(end, "s ", 2) != 0)
         return NULL;
     step->when = ECT_STEP_AT_TIME;
-    step->value = (uint64_t)(seconds * NS_PER_S);
+    step->value = (uint64_t)(seconds * (double)NS_PER_S);
     return end + 2;
 }
 

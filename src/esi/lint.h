@@ -28,7 +28,7 @@ ECT_C_BEGIN
  * Looks at the file's vendor and groups, and at one device.
  * @param device  from ::ect_esi_select of this file
  */
-void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t tell, void *ctx);
+void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t told, void *ctx);
 
 /** A schema that was read. */
 typedef struct ect_esi_schema ect_esi_schema_t;

@@ -124,16 +124,18 @@ static char *load(const char *path, size_t *length, char *text, size_t room)
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe must not hold the command up
     struct stat status;
     char *data = NULL;
+    *length = 0;
     if (file < 0 || fstat(file, &status) != 0) {
         (void)snprintf(text, room, "%s: %s", path, strerror(errno));
     } else if (!S_ISREG(status.st_mode) || status.st_size > FILE_MAXIMUM) {
         (void)snprintf(text, room, "%s: not a file of at most %d MiB", path, FILE_MAXIMUM / 1024 / 1024);
-    } else if ((data = malloc((size_t)status.st_size + 1)) != NULL) {
-        *length = 0;
-        ssize_t got;
-        while (*length < (size_t)status.st_size &&
-               (got = read(file, data + *length, (size_t)status.st_size - *length)) > 0)
-            *length += (size_t)got;
+    } else {
+        data = malloc((size_t)status.st_size + 1);
+        ssize_t got = data ? 1 : 0;
+        while (got > 0 && *length < (size_t)status.st_size) {
+            got = read(file, data + *length, (size_t)status.st_size - *length);
+            *length += got > 0 ? (size_t)got : 0;
+        }
     }
     if (file >= 0)
         (void)close(file);

@@ -193,17 +193,26 @@ static void set_protocols(ect_build_t *build, ect_device_t *device)
     add_protocol(device, list, m->voe, &voe);
 }
 
+static uint8_t protocols_of(const ect_esi_mailbox_t *m)
+{
+    return (uint8_t)((m->aoe ? ECT_MAILBOX_AOE : 0) | (m->eoe ? ECT_MAILBOX_EOE : 0) | (m->coe ? ECT_MAILBOX_COE : 0) |
+                     (m->foe ? ECT_MAILBOX_FOE : 0) | (m->soe ? ECT_MAILBOX_SOE : 0) | (m->voe ? ECT_MAILBOX_VOE : 0));
+}
+
+static uint8_t coe_details_of(const ect_esi_mailbox_t *m)
+{
+    if (!m->coe)
+        return 0;
+    return (uint8_t)(ECT_COE_SDO | (m->sdo_info ? ECT_COE_SDO_INFO : 0) | (m->pdo_assign ? ECT_COE_PDO_ASSIGN : 0) |
+                     (m->pdo_config ? ECT_COE_PDO_CONFIG : 0) | (m->pdo_upload ? ECT_COE_PDO_UPLOAD : 0) |
+                     (m->complete_access ? ECT_COE_COMPLETE_ACCESS : 0));
+}
+
 static void set_mailbox(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_mailbox_t *m = &build->model->mailbox;
-    device->mailbox_protocols =
-        (uint8_t)((m->aoe ? ECT_MAILBOX_AOE : 0) | (m->eoe ? ECT_MAILBOX_EOE : 0) | (m->coe ? ECT_MAILBOX_COE : 0) |
-                  (m->foe ? ECT_MAILBOX_FOE : 0) | (m->soe ? ECT_MAILBOX_SOE : 0) | (m->voe ? ECT_MAILBOX_VOE : 0));
-    if (m->coe)
-        device->coe_details =
-            (uint8_t)(ECT_COE_SDO | (m->sdo_info ? ECT_COE_SDO_INFO : 0) | (m->pdo_assign ? ECT_COE_PDO_ASSIGN : 0) |
-                      (m->pdo_config ? ECT_COE_PDO_CONFIG : 0) | (m->pdo_upload ? ECT_COE_PDO_UPLOAD : 0) |
-                      (m->complete_access ? ECT_COE_COMPLETE_ACCESS : 0));
+    device->mailbox_protocols = protocols_of(m);
+    device->coe_details = coe_details_of(m);
     bool has_sms =
         device->sm_count >= 2 && device->sm[0].type == ECT_SM_MAILBOX_OUT && device->sm[1].type == ECT_SM_MAILBOX_IN;
     if (device->mailbox_protocols != 0 && !has_sms) {

@@ -166,7 +166,7 @@ void ect_facts_of_device(ect_facts_t *facts, const ect_device_t *device);
 void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model);
 
 /** What an EEPROM's image says; any bytes. */
-void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *image, size_t size);
+void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size);
 
 /** What a slave's dictionary says, as ectwin-probe writes it. @return false: `json` is not that */
 bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json);

@@ -197,6 +197,13 @@ static uint32_t one_round(master_t *m, uint32_t bytes)
     return (uint32_t)(now_ns() - start);
 }
 
+/* Of times in ascending order. */
+static double median(const uint32_t *times_ns, size_t count)
+{
+    size_t middle = count / 2;
+    return (double)times_ns[middle];
+}
+
 static void print_times(const char *name, uint32_t *times, size_t count)
 {
     qsort(times, count, sizeof *times, by_size);
@@ -233,7 +240,7 @@ static int round_trips(char **argument)
            present, argument[4], bytes < LARGEST ? bytes : LARGEST, count, wrong);
     print_times("twin", twin_ns, count);
     print_times("echo", bare_ns, count);
-    printf("\"ratio\":%.3f}\n", (double)twin_ns[count / 2] / (double)bare_ns[count / 2]);
+    printf("\"ratio\":%.3f}\n", median(twin_ns, count) / median(bare_ns, count));
     return 0;
 }
 

@@ -12,6 +12,7 @@
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
+#define _DEFAULT_SOURCE
 #include <argp.h>
 #include <inttypes.h>
 #include <signal.h>
@@ -182,7 +183,7 @@ static uint64_t next_restart(const settings_t *s, uint64_t end_ns)
 {
     if (s->restart_every == 0)
         return end_ns;
-    uint64_t at = now() + (uint64_t)(rand() % (int)(2000 * s->restart_every) + 500) * 1000000u;
+    uint64_t at = now() + (uint64_t)(random() % (2000l * s->restart_every) + 500) * 1000000u;
     return at < end_ns ? at : end_ns;
 }
 
@@ -272,7 +273,7 @@ int main(int argc, char **argv)
     settings_t s = {.seconds = 10, .periodic = 450, .seed = 1};
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &s);
-    srand(s.seed);
+    srandom(s.seed);
     for (size_t i = 0; i < sizeof screen; i++)
         screen[i] = (uint8_t)(i * 7);
     signal(SIGINT, on_signal);

@@ -454,7 +454,8 @@ size_t cf_object_list(cf_t *c, uint16_t type, uint16_t *indices, size_t room);
 
 /* --- FoE ---------------------------------------------------------------------------------------------------------- */
 
-enum { CF_FOE_READ = 1, CF_FOE_WRITE, CF_FOE_DATA, CF_FOE_ACK, CF_FOE_ERROR, CF_FOE_BUSY, CF_FOE_HEADER = 6 };
+enum { CF_FOE_READ = 1, CF_FOE_WRITE = 2, CF_FOE_DATA = 3, CF_FOE_ACK = 4, CF_FOE_ERROR = 5, CF_FOE_BUSY = 6 };
+enum { CF_FOE_HEADER = 6 };
 enum { CF_FOE_LATER_MS = 10000, CF_FILE_MOST = 4 * 1024 * 1024 };
 
 /** One FoE mail: operation, its number (of a packet, an error, a password), and `length` bytes that follow. */

@@ -315,7 +315,8 @@ static void store(cf_t *c)
     cf_go(c, CF_PREOP);
     if (!cf_object_exists(c, STORE, 1, &code) && !cf_object_exists(c, RESTORE, 1, &code))
         cf_skip(c, "the slave has neither 1010h nor 1011h");
-    for (uint16_t index = STORE; index <= RESTORE; index++) {
+    for (unsigned int n = 0; n < 2; n++) {
+        uint16_t index = (uint16_t)(n == 0 ? STORE : RESTORE);
         if (!cf_object_exists(c, index, 1, &code))
             continue;
         cf_expect_bits(c, "abilities of 1010h or 1011h", 1, 1, cf_upload_number(c, index, 1));
@@ -351,7 +352,8 @@ static void synchronisation(cf_t *c)
     uint32_t code;
     bool any = false;
     cf_go(c, CF_PREOP);
-    for (uint16_t index = SYNC_OUT; index <= SYNC_IN; index++) {
+    for (unsigned int n = 0; n < 2; n++) {
+        uint16_t index = (uint16_t)(n == 0 ? SYNC_OUT : SYNC_IN);
         if (!cf_object_exists(c, index, 1, &code))
             continue;
         any = true;

@@ -201,21 +201,20 @@ static bool is_marker(const uint8_t *got, ssize_t length, const uint8_t *marker,
     return length >= (ssize_t)marker_length && memcmp(got + 12, marker + 12, 2 + 2 + 6) == 0;
 }
 
-ssize_t cf_port_raw(cf_port_t *holder, const void *frame, size_t length, uint8_t *reply, size_t room,
-                    uint32_t timeout_ms)
+ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *reply, size_t room, uint32_t timeout_ms)
 {
-    ecx_portt *port = &holder->port;
+    ecx_portt *wire = &port->port;
     uint8_t marker[60] = {0}, got[2048];
     size_t marker_length;
     ssize_t answered = 0;
     const cf_datagram_t mark = {.command = EC_CMD_NOP, .address = 0x5AA5C33C, .length = 4};
     ec_setupheader(marker);
     build(marker, 0xFE, &mark, 1, &marker_length);
-    (void)send(port->sockhandle, frame, length, 0);
-    (void)send(port->sockhandle, marker, sizeof marker, 0);
+    (void)send(wire->sockhandle, frame, length, 0);
+    (void)send(wire->sockhandle, marker, sizeof marker, 0);
     uint64_t deadline_ns = cf_now_ns() + timeout_ms * UINT64_C(1000000);
-    while (readable(port, deadline_ns)) {
-        ssize_t size = recv(port->sockhandle, got, sizeof got, 0);
+    while (readable(wire, deadline_ns)) {
+        ssize_t size = recv(wire->sockhandle, got, sizeof got, 0);
         if (size <= 0)
             continue;
         if (is_marker(got, size, marker, marker_length))

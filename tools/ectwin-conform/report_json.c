@@ -14,6 +14,12 @@ static cJSON *hex(const cf_item_t *item)
     return cJSON_CreateString(text);
 }
 
+static double whole_us(uint64_t ns)
+{
+    uint64_t us = ns / 1000;
+    return (double)us;
+}
+
 static cJSON *evidence(const cf_run_t *run, const cf_evidence_t *e)
 {
     static const char *const kinds[] = {"step", "sent", "received"};
@@ -27,7 +33,7 @@ static cJSON *evidence(const cf_run_t *run, const cf_evidence_t *e)
         cJSON_AddStringToObject(one, "text", text);
         if (item->kind != CF_ITEM_STEP) {
             cJSON_AddNumberToObject(one, "frame", item->frame);
-            cJSON_AddNumberToObject(one, "time_us", (double)(item->time_ns / 1000));
+            cJSON_AddNumberToObject(one, "time_us", whole_us(item->time_ns));
             cJSON_AddItemToObject(one, "bytes", hex(item));
         }
         cJSON_AddItemToArray(list, one);
@@ -67,7 +73,7 @@ static cJSON *result(const cf_run_t *run, const cf_result_t *r)
     cJSON_AddNumberToObject(o, "frame", r->frame);
     cJSON_AddNumberToObject(o, "first_frame", r->evidence.first_frame);
     cJSON_AddNumberToObject(o, "last_frame", r->evidence.last_frame);
-    cJSON_AddNumberToObject(o, "duration_us", (double)(r->duration_ns / 1000));
+    cJSON_AddNumberToObject(o, "duration_us", whole_us(r->duration_ns));
     cJSON_AddItemToObject(o, "evidence", evidence(run, &r->evidence));
     return o;
 }
@@ -78,7 +84,7 @@ void cf_report_json(FILE *to, const cf_run_t *run)
     cJSON *report = cJSON_CreateObject();
     cJSON_AddStringToObject(report, "interface", run->iface);
     cJSON_AddStringToObject(report, "started", run->started);
-    cJSON_AddNumberToObject(report, "duration_us", (double)(run->duration_ns / 1000));
+    cJSON_AddNumberToObject(report, "duration_us", whole_us(run->duration_ns));
     cJSON_AddItemToObject(report, "slave", slave(run));
     cJSON_AddItemToObject(report, "esi", run->esi ? cJSON_CreateString(run->esi) : cJSON_CreateNull());
     cJSON *summary = cJSON_AddObjectToObject(report, "summary");

@@ -43,8 +43,8 @@ static const char *apply(const hex_record_t *record, uint32_t *base, uint8_t *im
         if (at + r[0] > SII_FILE_MOST)
             return "is beyond the largest EEPROM";
         memcpy(image + at, r + 4, r[0]);
-        if (*size < (long)(at + r[0]))
-            *size = (long)(at + r[0]);
+        if (*size < (long)at + r[0])
+            *size = (long)at + r[0];
         return NULL;
     case SEGMENT:
     case LINEAR:

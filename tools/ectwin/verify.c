@@ -14,8 +14,6 @@
 #include "products.h"
 #include "sii_file.h"
 
-extern char **environ;
-
 /* As of cmp: a difference is not trouble. */
 enum { SAME = 0, DIFFERENT = 1, TROUBLE = 2 };
 enum { SETS_MOST = 64 };

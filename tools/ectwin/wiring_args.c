@@ -109,7 +109,8 @@ static double parse_within(const struct argp_state *state, const char *option, c
 static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish,
                       uint32_t *seed)
 {
-    int32_t ppb = (int32_t)(parse_within(state, "--drift", wish->text, ECT_ESC_MAX_DRIFT_PPB / 1000.0) * 1000.0);
+    int32_t ppb =
+        (int32_t)(parse_within(state, "--drift", wish->text, (double)ECT_ESC_MAX_DRIFT_PPB / 1000.0) * 1000.0);
     uint32_t most = (uint32_t)(ppb < 0 ? -ppb : ppb);
     twin->drift_ppb = wish->twin != 0 ? ppb : (int32_t)(ect_random_next(seed) % (2 * most + 1)) - (int32_t)most;
 }

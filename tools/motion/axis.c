@@ -157,7 +157,7 @@ static void watch(axis_t *a)
     bool enabled = a->phase > AXIS_ENABLING && a->phase < AXIS_DISABLING;
     if (enabled && (a->status & STATE_MASK) != OPERATION)
         fail(a, "the drive has left Operation Enabled");
-    else if (a->phase < AXIS_DONE && a->cycles * a->cycle_s > PATIENCE_S)
+    else if (a->phase < AXIS_DONE && a->cycles * a->cycle_s > (double)PATIENCE_S)
         fail(a, "nothing goes on any more");
 }
 

@@ -23,8 +23,10 @@
 #include "ethercat.h"
 #include "open_bus.h"
 
-enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3, TURN = 1048576 };
+enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3 };
 enum { PATIENT = 200 /* SYNC0s without outputs that the drive bears: a PC is no controller that keeps time */ };
+
+#define TURN 1048576.0 /* counts */
 
 typedef struct settings {
     const char *iface;

@@ -264,6 +264,12 @@ static const char *message_of(uint8_t fault)
     }
 }
 
+/* All are shorter than the room that their signals have. */
+static void put(char *text, const char *words)
+{
+    memcpy(text, words, strlen(words) + 1);
+}
+
 static void put_cause(uint16_t cause, char *text)
 {
     static const char *const causes[] = {
@@ -285,7 +291,7 @@ static void put_cause(uint16_t cause, char *text)
         [ECLINK_WHY_STOP] = "ru0: the stop switch is pressed",
         [ECLINK_WHY_SHOCK] = "ru0: free fall or shock was detected",
     };
-    strcpy(text, causes[cause & 0xFF]);
+    put(text, causes[cause & 0xFF]);
     if (cause >> 8 != 0)
         text[2] = (char)('0' + (cause >> 8));
 }
@@ -293,7 +299,7 @@ static void put_cause(uint16_t cause, char *text)
 static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
 {
     if (signal->offset == offsetof(eclink_bu_t, fault))
-        strcpy(text, message_of((uint8_t)value));
+        put(text, message_of((uint8_t)value));
     else
         put_cause(value, text);
 }

@@ -123,7 +123,7 @@ static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
         "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
     unsigned int number = value & ~(unsigned int)PMC_DISPLAYS_FAULT;
     if (!IS(signal, display)) {
-        strcpy(text, states[value]);
+        memcpy(text, states[value], strlen(states[value]) + 1);
         return;
     }
     text[0] = (value & PMC_DISPLAYS_FAULT) != 0 ? 'F' : 'n';
