@@ -176,8 +176,8 @@ static const char *in_words(fzm1_why_t why)
         [FZM1_WHY_NO_GROUP] = "there is no such scene group",
         [FZM1_WHY_BUSY_BY_MASTER] = "BUSY is on: a measurement or a command of the master is under way",
         [FZM1_WHY_SAVING] = "the unit is being saved",
-        [FZM1_WHY_PREPARED_FULL] = "as many scenes are prepared as there is room for: 'save' keeps those of the "
-                                   "current group, 'edit.clear' forgets all",
+        [FZM1_WHY_PREPARED_FULL] = ("as many scenes are prepared as there is room for: 'save' keeps those of the "
+                                    "current group, 'edit.clear' forgets all"),
         [FZM1_WHY_DATA_RANGE] = "data go from -999999999.9999 to 999999999.9999",
         [FZM1_WHY_NO_EXPRESSION] = "no expression: D1 to D8, JG, JG0 to JG7, numbers, + - * / ( )",
         [FZM1_WHY_JUDGEMENTS] = "a unit finds 1 (OK) or -1 (NG)",
