@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The user's side: supply, inputs, load, switches along the way, faults; and what the drive does, by name. */
+#include <string.h>
+
 #include "devices/pmctendo/instance.h"
 #include "devices/pmctendo/pmctendo.h"
 
