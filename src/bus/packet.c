@@ -302,20 +302,13 @@ static ssize_t receive_shared(ect_packet_t *port, uint8_t *frame, size_t room, u
 
 /* --- a frame there and back --------------------------------------------------------------------------------------- */
 
-ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns)
+/* What the kernel knows of a frame beside its bytes. @return its length, with its tag */
+static ssize_t take_known(struct msghdr *message, uint8_t *frame, size_t room, ssize_t length, uint64_t *waited_ns)
 {
-    _Alignas(struct cmsghdr) char known[256];
-    struct iovec part = {.iov_base = frame, .iov_len = room};
-    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
     struct tpacket_auxdata auxiliary;
     struct timespec came;
-    if (port->shared)
-        return receive_shared(port, frame, room, waited_ns);
-    ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC | (wait ? 0 : MSG_DONTWAIT));
-    if (length < 0)
-        return why_nothing(port);
     *waited_ns = 0;
-    for (struct cmsghdr *one = CMSG_FIRSTHDR(&message); one; one = CMSG_NXTHDR(&message, one)) {
+    for (struct cmsghdr *one = CMSG_FIRSTHDR(message); one; one = CMSG_NXTHDR(message, one)) {
         if (one->cmsg_level == SOL_PACKET && one->cmsg_type == PACKET_AUXDATA) {
             memcpy(&auxiliary, CMSG_DATA(one), sizeof auxiliary);
             length = put_tag_back(&auxiliary, frame, room, length);
@@ -324,6 +317,20 @@ ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t
             *waited_ns = age(&came);
         }
     }
+    return length;
+}
+
+ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns)
+{
+    _Alignas(struct cmsghdr) char known[256];
+    struct iovec part = {.iov_base = frame, .iov_len = room};
+    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
+    if (port->shared)
+        return receive_shared(port, frame, room, waited_ns);
+    ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC | (wait ? 0 : MSG_DONTWAIT));
+    if (length < 0)
+        return why_nothing(port);
+    length = take_known(&message, frame, room, length, waited_ns);
     return *waited_ns > STALE_NS && another_waits(port->fd) ? ECT_PACKET_STALE : length;
 }
 
