@@ -91,7 +91,7 @@ static bool may_build(const ect_mailbox_t *m)
 /* The mail that is overwritten is the older one; with it may go the reply kept for a repeated request. */
 static uint8_t build_slot(const ect_mailbox_t *m)
 {
-    return m->mails == 0 ? 0 : m->newest ^ 1;
+    return m->newest ^ 1;
 }
 
 uint8_t *ect_mailbox_build(ect_slave_t *s)
@@ -117,7 +117,7 @@ static unsigned int end_of(const uint8_t *mail, unsigned int last)
 static void write_shown(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
-    ECT_ASSERT(is(m, TO_WRITE) && m->shown < m->mails);
+    ECT_ASSERT(is(m, TO_WRITE) && m->mails > (m->shown != m->newest));
     const uint8_t *mail = m->mail[m->shown];
     unsigned int last = m->in_size - 1u;
     unsigned int other = m->mails == 2 ? end_of(m->mail[m->shown ^ 1], last) : last;
@@ -137,7 +137,7 @@ static void acknowledge_repeat(ect_slave_t *s)
 
 static void show(ect_slave_t *s, uint8_t slot)
 {
-    ECT_ASSERT(slot < s->mailbox.mails && !is(&s->mailbox, IN_BUFFER));
+    ECT_ASSERT(s->mailbox.mails > (slot != s->mailbox.newest) && !is(&s->mailbox, IN_BUFFER));
     s->mailbox.shown = slot;
     s->mailbox.repeated = false;
     s->mailbox.open |= TO_WRITE;
@@ -247,12 +247,13 @@ static void handle_request(ect_slave_t *s)
     m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
 }
 
-/* Sent before the reply before it was fetched, as far as we know: a repetition then, if it is one, loses no reply. */
-static void note_request(ect_mailbox_t *m, bool waits)
+/* SM1 is empty again. A request that waits by now was sent before that, as far as we know: a repetition then, if it is
+ * one, loses no reply. */
+static void note_fetched(ect_mailbox_t *m)
 {
-    if (waits && is(m, IN_BUFFER))
+    if (m->request_waits && is(m, IN_BUFFER))
         m->reply = NO_REPLY;
-    m->request_waits = waits;
+    m->open &= (uint8_t)~IN_BUFFER;
 }
 
 /* --- repeat ------------------------------------------------------------------------------------------------------ */
@@ -271,9 +272,9 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
     ect_mailbox_t *m = &s->mailbox;
     const uint8_t *sm1 = sm_registers + ECT_SM_SIZE;
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
-    note_request(m, (sm_registers[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0);
+    m->request_waits = (sm_registers[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0;
     if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
-        m->open &= (uint8_t)~IN_BUFFER; /* fetched, or lost when the master switched SM1 off and on */
+        note_fetched(m); /* or lost, when the master switched SM1 off and on */
     if (toggle != m->toggle) {
         m->toggle = toggle;
         m->open |= REPEAT_DUE | ACK_DUE;
@@ -350,9 +351,10 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
 {
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->running);
-    note_request(m, (event & ECT_EVENT_SM0) != 0 || m->request_waits);
+    if ((event & ECT_EVENT_SM0) != 0)
+        m->request_waits = true;
     if ((event & ECT_EVENT_SM1) != 0)
-        m->open &= (uint8_t)~IN_BUFFER;
+        note_fetched(m);
     go_on(s);
     uint8_t wakes = m->wakes;
     if (may_speak(m))

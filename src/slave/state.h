@@ -21,7 +21,7 @@ typedef struct ect_mailbox {
     bool toggle;             /* the repeat toggle as the master set it last, and as we acknowledge it */
     uint8_t newest;          /* which of `mail` was built last */
     uint8_t shown;           /* which of them is, or was last, in SM1 */
-    uint8_t mails;           /* how many of them hold a mail: 0..2 */
+    uint8_t mails;           /* how many of them hold a mail: 0..2; one: `newest` does */
     uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
     bool request_waits;      /* a request came and could not be looked at yet */
     uint8_t wakes;           /* counts modulo 256: a protocol has a mail of its own */
