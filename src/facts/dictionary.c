@@ -18,7 +18,9 @@ typedef struct value {
 static unsigned int number_of(const cJSON *parent, const char *name)
 {
     const cJSON *number = cJSON_GetObjectItemCaseSensitive(parent, name);
-    return cJSON_IsNumber(number) && number->valuedouble >= 0 ? (unsigned int)number->valuedouble : 0;
+    return cJSON_IsNumber(number) && number->valuedouble >= 0 && number->valuedouble <= UINT32_MAX
+               ? (unsigned int)number->valuedouble
+               : 0;
 }
 
 static const char *text_of(const cJSON *parent, const char *name)
