@@ -150,6 +150,7 @@ typedef struct ect_sync {
     uint32_t minimum_cycle_ns;    /**< 1C32h:5; 0 no lower bound */
     const uint32_t *dc_cycles_ns; /**< the SYNC0 cycles that are accepted, or NULL: all from minimum_cycle_ns */
     uint8_t dc_cycle_count;
+    bool asynchronous; /**< works by its own time: outputs that SYNC0 finds missing are counted, and do not end OP */
 } ect_sync_t;
 
 /**

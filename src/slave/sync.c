@@ -106,7 +106,7 @@ static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
     }
     count(&d->sm_missed);
     count(&d->errors);
-    if (d->error_limit != 0 && d->errors > d->error_limit)
+    if (d->error_limit != 0 && d->errors > d->error_limit && !s->config.device->sync.asynchronous)
         ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
 }
 

@@ -261,8 +261,7 @@ static unsigned int sync_counter(uint8 subindex)
     return etohs(value);
 }
 
-/* Nobody keeps SYNC0 and these cycles together, and the sensor's oscillator is wrong: they slide over each other, in
- * OP. On a busy machine the master may lose so many cycles that the sensor has left OP by then. */
+/* Nobody keeps SYNC0 and these cycles together, and the sensor's oscillator is wrong: they slide over each other. */
 static void await_sync_events(void)
 {
     for (int left = PATIENCE; left > 0 && sync_counter(11) + sync_counter(12) == 0; left -= 20) {
@@ -300,13 +299,12 @@ static void clocks(void **state)
     }
     ecx_dcsync0(&master.context, 1, TRUE, 1000000, 0);
     soem_go(&master, 1, EC_STATE_SAFE_OP);
-    soem_cycle(&master);
-    master.slaves[1].state = EC_STATE_OPERATIONAL;
-    ecx_writestate(&master.context, 1);
+    in = master.slaves[1].inputs;
+    out = master.slaves[1].outputs;
+    soem_operational(&master);
     await_sync_events();
-    ecx_dcsync0(&master.context, 1, FALSE, 0, 0);
-    soem_go(&master, 1, EC_STATE_PRE_OP);
-    to_op();
+    fzm1_plc_start(&plc);
+    cycle();
     measure();
     AWAIT((plc.signals & (PLC_BUSY | PLC_READY)) == PLC_READY);
 }

@@ -149,7 +149,8 @@ const ect_device_t ect_fzm1 = {
     .sync = {.supported = 0x0005,
              .minimum_cycle_ns = 250000,
              .dc_cycles_ns = dc_cycles_ns,
-             .dc_cycle_count = sizeof dc_cycles_ns / sizeof dc_cycles_ns[0]},
+             .dc_cycle_count = sizeof dc_cycles_ns / sizeof dc_cycles_ns[0],
+             .asynchronous = true}, /* Q179 §1-1: "DC mode 1" */
     .timeouts = {.preop_ms = 3000, .safeop_op_ms = 10000, .back_to_init_ms = 5000, .back_to_safeop_ms = 200},
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
