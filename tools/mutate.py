@@ -101,45 +101,77 @@ def run(*command, **options):
     return subprocess.run(command, check=True, stdout=subprocess.DEVNULL, **options)
 
 
+class Compiled:
+    """A source as CMake compiles it for one target."""
+
+    def __init__(self, entry):
+        command = shlex.split(entry["command"])
+        if pathlib.Path(command[0]).name == "ccache":
+            command = command[1:]
+        at = command.index("-o") + 1
+        self.source = pathlib.Path(entry["file"])
+        self.object = pathlib.Path(entry["directory"]) / command[at]
+        self.target = re.search(r"CMakeFiles/([^/]+)\.dir/", command[at])[1]
+        self.command = command[:at - 1] + command[at + 1:]
+
+    def compile(self, changed, out):
+        """The changed source in the place of this one. Returns whether it could be compiled."""
+        command = [a if a != str(self.source) else str(changed) for a in self.command if a != "--coverage"]
+        command += ["-Werror=implicit-function-declaration", f"-I{self.source.parent}", "-o", str(out)]
+        return subprocess.run(command, cwd=BUILD, capture_output=True, check=False).returncode == 0
+
+
 class Program:
-    """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object."""
+    """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object.
+
+    What a test's target compiles for itself, a device with ECT_SMALL say, goes before what the library holds."""
 
     def __init__(self):
         run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
             "-DCMAKE_C_FLAGS_DEBUG=", cwd=ROOT)
         run("cmake", "--build", str(BUILD))
-        entries = json.loads((BUILD / "compile_commands.json").read_text())
-        self.commands, self.objects, self.tests = {}, {}, {}
-        for entry in entries:
-            source = pathlib.Path(entry["file"])
-            command = shlex.split(entry["command"])
-            if pathlib.Path(command[0]).name == "ccache":
-                command = command[1:]
-            at = command.index("-o") + 1
-            if str(self.objects.get(source, "")).startswith(str(BUILD / "src/")):
-                continue  # it is compiled for others too, in their own ways
-            self.objects[source] = pathlib.Path(entry["directory"]) / command[at]
-            self.commands[source] = command[:at - 1] + command[at + 1:]
+        targets = {}
+        for entry in json.loads((BUILD / "compile_commands.json").read_text()):
+            compiled = Compiled(entry)
+            targets.setdefault(compiled.target, {})[compiled.source] = compiled
         applications = [ROOT / "src/soes", ROOT / "src/ports/soes_hal"]  # compiled with each, for its own variables
-        self.core = {s: o for s, o in self.objects.items() if ROOT / "src" in s.parents and s.parent not in applications}
+        self.core = {s: c for sources in targets.values() for s, c in sources.items()
+                     if BUILD / "src" in c.object.parents and s.parent not in applications}
         self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "cmocka"], check=True,
                                         capture_output=True, text=True).stdout.split() + ["-lm"]
         if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
             self.libraries.append("-lseccomp")
         self.link(BUILD / "libcore.so", {})
-        support = [str(o) for s, o in self.objects.items() if s.parent == ROOT / "tests/support" and not s.stem.endswith("_record")]
-        for source in sorted((ROOT / "tests/unit").glob("test_*.c")):
-            program = BUILD / source.stem
-            linked = subprocess.run(["cc", *LINK, "-o", str(program), str(self.objects[source]), *support, f"-L{BUILD}",
-                                     "-lcore", "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
+        self.support = targets["test_support"]
+        unit = ROOT / "tests/unit"
+        self.own = {name: sources for name, sources in sorted(targets.items()) if any(s.parent == unit for s in sources)}
+        self.tests = {}
+        for name in self.own:
+            linked = self.link_test(name, BUILD / name, {})
             if linked.returncode == 0:  # else it wraps calls of the host, and has nothing to do with the core
-                self.tests[source.stem] = program
+                self.tests[name] = BUILD / name
         if not self.tests:
             sys.exit(f"no test could be linked: {linked.stderr.decode().strip().splitlines()[-1]}")
 
     def link(self, library, instead):
-        objects = [str(instead.get(s, o)) for s, o in sorted(self.core.items())]
+        objects = [str(instead.get(s, c.object)) for s, c in sorted(self.core.items())]
         run("cc", *LINK, "-shared", "-o", str(library), *objects, *self.libraries)
+
+    def link_test(self, name, program, instead):
+        sources = {**self.support, **self.own[name]}
+        objects = [str(instead.get(s, c.object)) for s, c in sources.items()]
+        return subprocess.run(["cc", *LINK, "-o", str(program), *objects, f"-L{BUILD}", "-lcore",
+                               "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
+
+    def with_mutant(self, name, source, changed, work):
+        """The test that notices it or not: another one, where it compiles that source for itself."""
+        own = self.own[name].get(source)
+        if not own:
+            return self.tests[name]
+        program = work / name
+        if not own.compile(changed, work / "own.o") or self.link_test(name, program, {source: work / "own.o"}).returncode != 0:
+            raise RuntimeError(f"{source} as {name} has it")
+        return program
 
     def measure(self, sources):
         """Runs each test once: how long it takes, and which lines of the sources it reaches.
@@ -156,7 +188,8 @@ class Program:
                 continue
             self.seconds[name] = time.monotonic() - begin
             for source in sources:
-                for line, count in lines_with_code(self.objects[source], source):
+                built = self.own[name].get(source, self.core[source]).object
+                for line, count in lines_with_code(built, source):
                     with_code.setdefault(source, set()).add(line)
                     if count > 0:
                         reached.setdefault((source, line), []).append(name)
@@ -193,21 +226,20 @@ def lines_with_code(built, source):
 def verdict(program, reached, mutant):
     """Who notices: a test's name; None: nobody; "" : it does not compile."""
     source = mutant["source"]
-    with tempfile.TemporaryDirectory(dir=BUILD) as work:
+    with tempfile.TemporaryDirectory(dir=BUILD) as folder:
+        work = pathlib.Path(folder)
         lines = source.read_text().split("\n")
         lines[mutant["line"]] = mutant["text"]
-        changed = pathlib.Path(work) / source.name
+        changed = work / source.name
         changed.write_text("\n".join(lines))
-        command = [a if a != str(source) else str(changed) for a in program.commands[source] if a != "--coverage"]
-        command += ["-Werror=implicit-function-declaration", f"-I{source.parent}", "-o", f"{work}/mutant.o"]
-        if subprocess.run(command, cwd=BUILD, capture_output=True, check=False).returncode != 0:
+        if not program.core[source].compile(changed, work / "mutant.o"):
             return ""
-        program.link(pathlib.Path(work) / "libcore.so", {source: pathlib.Path(work) / "mutant.o"})
+        program.link(work / "libcore.so", {source: work / "mutant.o"})
         for name in reached.get((source, mutant["line"]), []):
             limit = 2 + 10 * program.seconds[name]
             try:
-                ended = subprocess.run([program.tests[name]], cwd=ROOT, timeout=limit, capture_output=True, check=False,
-                                       env=environment(work, GCOV_PREFIX=work))
+                ended = subprocess.run([program.with_mutant(name, source, changed, work)], cwd=ROOT, timeout=limit,
+                                       capture_output=True, check=False, env=environment(work, GCOV_PREFIX=folder))
             except subprocess.TimeoutExpired:
                 return name
             if ended.returncode != 0:

@@ -386,6 +386,36 @@ static void late_pieces(void **state)
     wire_close(&w);
 }
 
+static uint32_t nothing_left(const ect_foe_t *self, void *instance, uint32_t offset, void *data, uint16_t *length,
+                             const char **text)
+{
+    (void)self;
+    (void)instance;
+    (void)data;
+    (void)text;
+    assert_int_equal(offset, UINT32_MAX);
+    *length = 0;
+    return ECT_FOE_OK;
+}
+
+static void up_to_four_gigabytes(void **state)
+{
+    (void)state;
+    open_device(filedev(), ECT_STATE_PREOP);
+    fill(FILEDEV_DATA, 3 * FULL);
+    begin(READ, "data", 0);
+    expect("the file", DATA, 1);
+    device()->transfer.offset = UINT32_MAX - FULL;
+    filedev_entry()->read = nothing_left;
+    send_mail(ACK, 1, "", 0);
+    mail_t m = receive();
+    if (m.operation != DATA || m.number != 2 || m.length != 0)
+        fail_msg("the end, at the last offset of all: expected packet 2 without data, got operation %d, number 0x%X, "
+                 "%u bytes",
+                 m.operation, m.number, (unsigned int)m.length);
+    wire_close(&w);
+}
+
 /* Offsets have 32 bits: what would be longer is refused, not begun anew. */
 static void four_gigabytes(void **state)
 {
@@ -587,6 +617,7 @@ int main(void)
         {"FoE: a device that takes its time is waited for", late_answers, NULL, NULL, NULL},
         {"FoE: so it is in the middle of a file, and when it cannot be read on", late_pieces, NULL, NULL, NULL},
         {"FoE: what fails late is told", late_errors, NULL, NULL, NULL},
+        {"FoE: a file of 4 GiB less a byte is read to its end", up_to_four_gigabytes, NULL, NULL, NULL},
         {"FoE: a file of more than 4 GiB is refused", four_gigabytes, NULL, NULL, NULL},
         {"FoE: a device needs no more than open and read", the_least, NULL, NULL, NULL},
         {"FoE: a master is told BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},

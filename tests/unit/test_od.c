@@ -365,6 +365,20 @@ static void bits_of_a_byte(void **state)
     }
 }
 
+static void a_boolean_is_a_bit(void **state)
+{
+    const ect_entry_t entry = {1, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RW, "B", 0, ECT_OFFSET(instance_t, v)};
+    (void)state;
+    for (unsigned int value = 0; value < 256; value++) {
+        instance_t instance = {.v.bytes = {0, 0xEE}};
+        const ect_od_t od = {.base = &instance};
+        uint8_t byte = (uint8_t)value;
+        assert_int_equal(ect_od_write(&od, &entry, 0, &byte, 1), ECT_OK);
+        if (instance.v.bytes[0] != (value & 1) || instance.v.bytes[1] != 0xEE)
+            fail_msg("%02Xh written to a BOOLEAN: expected %u, got %u", value, value & 1, instance.v.bytes[0]);
+    }
+}
+
 static void entries_without_memory(void **state)
 {
     static const uint8_t wire[16] = {0x78, 0x56, 0x34, 0x12};
@@ -698,6 +712,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-077: every data type is little-endian on the wire, whole and in slices", wire_form, NULL, NULL, NULL},
         {"CF-077: BIT1 to BIT8 read and store their bits only", bits_of_a_byte, NULL, NULL, NULL},
+        {"CF-077: of what is written to a BOOLEAN bit 0 is stored", a_boolean_is_a_bit, NULL, NULL, NULL},
         {"CF-077: an entry without memory reads as its value and cannot be written", entries_without_memory, NULL, NULL,
          NULL},
         {"CF-077: one table serves many instances; a shared constant cannot be written", addresses_and_offsets, NULL,

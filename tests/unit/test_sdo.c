@@ -947,6 +947,27 @@ static void written_is_told(void **state)
     wire_close(&w);
 }
 
+/* The answer is not fetched: no frame gives another occasion. */
+static void device_looks_at_a_value(void **state)
+{
+    static const uint8_t download[10] = {0x00, 0x20, 0x23, 0x00, 0x20, 0x00, 1, 2, 3, 4};
+    wire_t w;
+    (void)state;
+    testdev_t *t = open_testdev(&w);
+    t->tick_period_ns = 3600000000000ull;
+    ect_chain_wake(w.chain, 0);
+    wire_advance(&w, 1000000);
+    unsigned int ticks = t->ticks;
+    wire_advance(&w, 1000000);
+    assert_int_equal(t->ticks, ticks);
+    put(&w, 3, download, sizeof download);
+    assert_int_equal(t->u32, 0x04030201);
+    wire_advance(&w, 1000000);
+    if (t->ticks == ticks)
+        fail_msg("a value was stored: expected the device's tick within 1 ms, got none");
+    wire_close(&w);
+}
+
 /* --- a model of the packed form ----------------------------------------------------------------------------------- */
 
 enum { BITS = 1, READ = 2, WRITE = 4, IN_PREOP = 8, TEXT = 16, VAR = 32, LIMITED = 64, RW = READ | WRITE };
@@ -1096,6 +1117,61 @@ static void whole_record_in_segments_down(void **state)
     assert_int_equal(download_in_pieces(&w, 0x3000, true, 1, bytes, 200, 10, 30), TOO_SHORT);
     assert_int_equal(download_in_pieces(&w, 0x3000, true, 0, bytes, 1000, 10, 30), TOO_LONG);
     wire_close(&w);
+}
+
+/* What the device was asked about, element by element. */
+static uint8_t told[BIG_COUNT + 1];
+
+static ect_reason_t note_value(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
+{
+    (void)instance;
+    (void)index;
+    (void)size;
+    told[subindex] = *(const uint8_t *)data;
+    return ECT_OK;
+}
+
+/* Elements that fill bytes, end a bit before one does, or leave a single bit over. */
+static void bits_of_a_record(void **state)
+{
+    static const struct {
+        uint8_t count, bits[9];
+    } rows[] = {{1, {1}},       {1, {7}},          {2, {7, 1}}, {2, {8, 1}},
+                {3, {3, 4, 1}}, {4, {7, 7, 2, 1}}, {2, {1, 8}}, {9, {1, 1, 1, 1, 1, 1, 1, 1, 1}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (unsigned int ones = 0; ones < 2; ones++) {
+            static big_t big;
+            uint8_t bytes[1486], got[1486];
+            size_t size = sizeof got;
+            wire_t w;
+            make_big(&big);
+            big.device.sdo_write = note_value;
+            big.entries[0].value = rows[i].count;
+            big.objects[0].max_subindex = rows[i].count;
+            for (uint8_t n = 1; n <= rows[i].count; n++) {
+                uint8_t bits = rows[i].bits[n - 1];
+                big.entries[n].data_type = (uint16_t)(ECT_TYPE_BIT1 + bits - 1);
+                big.entries[n].bit_length = bits;
+                big.entries[n].access = ECT_ACCESS_RW;
+                big.items[n] = (item_t){0x3000, n, bits, BITS | RW, n % 2 == ones ? (1u << bits) - 1u : 0};
+            }
+            testdev_t *t = open_session(&w, &big.device, IN_LENGTH);
+            uint32_t packed = pack(big.items, rows[i].count + 1u, 0x3000, 1, bytes);
+            memset(told, 0xEE, sizeof told);
+            assert_int_equal(wire_sdo_download(&w, 0, 0x3000, 1, true, bytes, packed), 0);
+            for (uint8_t n = 1; n <= rows[i].count; n++) {
+                uint8_t stored = t->octets[8 * (n - 1)];
+                if (stored != big.items[n].value || told[n] != big.items[n].value)
+                    fail_msg("row %zu, element %u: expected %02X, got %02X, and told the device %02X", i, n,
+                             (unsigned int)big.items[n].value, stored, told[n]);
+            }
+            assert_int_equal(wire_sdo_upload(&w, 0, 0x3000, 1, true, got, &size), 0);
+            if (size != packed || memcmp(got, bytes, packed) != 0)
+                fail_msg("row %zu: expected %u bytes up as they went down, got %zu, or others", i, packed, size);
+            wire_close(&w);
+        }
+    }
 }
 
 static void mapping_of_36_entries(void **state)
@@ -1620,10 +1696,14 @@ static const struct CMUnitTest tests[] = {
     {"CF-073: a device that does not offer Complete Access refuses it with 06010000", device_without_complete_access,
      NULL, NULL, NULL},
     {"CF-070: the device learns of each stored value once", written_is_told, NULL, NULL, NULL},
+    {"CF-070: the device looks after each stored value, whatever time it had asked for", device_looks_at_a_value, NULL,
+     NULL, NULL},
     {"CF-073: a whole record longer than the mailbox comes up, bits across the segments", whole_record_in_segments_up,
      NULL, NULL, NULL},
     {"CF-073: a whole record longer than the mailbox goes down, bits across the segments",
      whole_record_in_segments_down, NULL, NULL, NULL},
+    {"CF-073: a record of bits goes down and comes up bit by bit; the device is told each element's bits only",
+     bits_of_a_record, NULL, NULL, NULL},
     {"CF-073: the mapping of 36 entries as a whole equals its entries one by one", mapping_of_36_entries, NULL, NULL,
      NULL},
     {"CF-073: Complete Access transfers the elements that sub-index 0 declares", declared_elements_only, NULL, NULL,

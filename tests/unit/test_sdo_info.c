@@ -514,6 +514,22 @@ static void no_unit(void **state)
     wire_close(&s.w);
 }
 
+static void long_default(void **state)
+{
+    static const uint8_t initial[8] = {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88};
+    static const ect_detail_t detail[] = {{.index = 0x2009, .subindex = 0, .initial = initial}};
+    ect_device_t device = testdev;
+    session_t s;
+    (void)state;
+    device.details = detail;
+    device.detail_count = 1;
+    open_session(&s, &device, 128);
+    assert_int_equal(ask(&s, 5, 0x2009, 0, 0x10), 16 + 8 + 3);
+    assert_int_equal(s.mail[9], 0x10);
+    assert_memory_equal(s.mail + 16, initial, 8);
+    wire_close(&s.w);
+}
+
 /* Fields that do not fit are left out and not announced; the mail never exceeds the mailbox. */
 static void value_info_in_a_small_mailbox(void **state)
 {
@@ -666,6 +682,7 @@ int main(int argc, char **argv)
         {"CF-076: an entry description carries the unit, default, minimum and maximum that were asked for", value_info,
          NULL, NULL, NULL},
         {"CF-076: an entry without a unit describes none, though it has limits", no_unit, NULL, NULL, NULL},
+        {"CF-076: a default of more than 32 bits is described whole", long_default, NULL, NULL, NULL},
         {"CF-076: value info that the mailbox has no room for is left out", value_info_in_a_small_mailbox, NULL, NULL,
          NULL},
         {"CF-076: names are cut where the mailbox ends", names_are_cut_at_the_mailbox, NULL, NULL, NULL},

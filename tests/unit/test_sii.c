@@ -181,6 +181,7 @@ static void identity_and_alias(void **state)
     assert_int_equal(two_words(&image, 0xE), identity.serial);
     assert_int_equal(word(&image, 4), 0xBEEF);
     assert_int_equal(word(&image, 7), checksum(image.bytes));
+    assert_int_equal(category(&image, 30)->data[11], 0x08); /* identified by the AL status, and by nothing else */
 }
 
 /* --- categories --------------------------------------------------------------------------------------------------- */
@@ -574,6 +575,33 @@ static void string_table_overflow(void **state)
     assert_int_equal(ect_sii_write(&device, NULL, 0, image, sizeof image), 32768);
 }
 
+static void long_names_of_entries(void **state)
+{
+    static const struct {
+        size_t length;
+        bool there;
+    } rows[] = {{1, true}, {254, true}, {255, true}, {256, false}};
+    static const ect_entry_t mapping[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 0, 16))};
+    static char name[257];
+    static const ect_entry_t word[] = {{0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, name, 0, NULL}};
+    static const ect_object_t objects[] = {ECT_RECORD(0x1A00, "Inputs", mapping), ECT_VAR(0x6000, "Word", word)};
+    static image_t image;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = testdev;
+        device.objects = objects;
+        device.object_count = 2;
+        memset(name, 0, sizeof name);
+        memset(name, 'x', rows[i].length);
+        parse(&image, &device, NULL, 0);
+        unsigned int index = category(&image, 50)->data[8 + 3];
+        if ((index != 0) != rows[i].there)
+            fail_msg("a name of %zu characters: expected string %s, got %u", rows[i].length,
+                     rows[i].there ? "that is not 0" : "0", index);
+        expect_text(&image, "entry", index, rows[i].there ? name : "");
+    }
+}
+
 /* No room even for the string category's header. */
 static void eeprom_of_128_bytes(void **state)
 {
@@ -815,6 +843,8 @@ int main(int argc, char **argv)
         {"CF-060: an EEPROM that is too small is refused, at every size", every_eeprom_size, NULL, NULL, NULL},
         {"CF-064: more than 255 strings, or one of more than 255 characters, are refused", string_table_overflow, NULL,
          NULL, NULL},
+        {"CF-064: the name of an entry is left out when it has more than 255 characters, and only then",
+         long_names_of_entries, NULL, NULL, NULL},
         {"CF-060 CF-064: every category and string of an image is found again", reading_whole_images, NULL, NULL, NULL},
         {"CF-060: truncated at every byte, an image is read up to its end only", truncated_images, NULL, NULL, NULL},
         {"CF-060: 3000 damaged images are never read beyond their end", damaged_images, NULL, NULL, NULL},

@@ -104,6 +104,8 @@ static void laid_out(void **state)
                {.start = 0x0F00, .maximum = 4, .control = 0x44, .type = ECT_SM_OUTPUTS},
                {.start = 0x1000, .maximum = 5, .control = 0x20, .type = ECT_SM_INPUTS},
                {.start = 0x1900, .maximum = 8, .control = 0x20, .type = ECT_SM_INPUTS}},
+        .boot_out = {.start = 0x1800},
+        .boot_in = {.start = 0x0F80},
     };
     static const uint16_t starts[] = {0x1000, 0x0F00, 0x1004, 0x1014};
     ect_device_t on;
@@ -112,6 +114,25 @@ static void laid_out(void **state)
     for (unsigned int n = 0; n < device.sm_count; n++) {
         if (on.sm[n].start != starts[n])
             fail_msg("SM%u: expected it at %04Xh, got %04Xh", n, starts[n], on.sm[n].start);
+    }
+    assert_int_equal(on.boot_out.start, starts[0]); /* in BOOT it is the same SyncManager */
+    assert_int_equal(on.boot_in.start, starts[1]);
+}
+
+static void sync0_event(void **state)
+{
+    static const struct {
+        uint16_t supported;
+        uint8_t given, want;
+    } rows[] = {{0x00, 0x00, 0x00}, {0x03, 0x00, 0x00}, {0x03, 0x40, 0x40}, {0x04, 0x00, 0x0C}, {0x07, 0x41, 0x4D}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_device_t device = {.sync.supported = rows[i].supported, .esc_config = {0, 0, 0, rows[i].given}};
+        ect_device_t on;
+        assert_true(ect_fit(&device, &ect_fit_lan9252, &on));
+        if (on.esc_config[3] != rows[i].want)
+            fail_msg("synchronisation %02Xh, byte 3 %02Xh: expected %02Xh, got %02Xh", rows[i].supported, rows[i].given,
+                     rows[i].want, on.esc_config[3]);
     }
 }
 
@@ -133,6 +154,8 @@ int main(void)
         {"every product goes to OP on one", products_to_op, NULL, NULL, NULL},
         {"each SyncManager gets what it takes of the memory, and registers stay where they are", laid_out, NULL, NULL,
          NULL},
+        {"CF-089: SYNC0 is an AL event, and the pin SYNC0's, exactly for a device that goes by it", sync0_event, NULL,
+         NULL, NULL},
         {"what is known of a LAN9252 is what the table of the chips says", figures, NULL, NULL, NULL},
         {"what does not fit is refused: SyncManagers, FMMUs, process RAM", too_large, NULL, NULL, NULL},
     };
