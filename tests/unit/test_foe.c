@@ -386,6 +386,25 @@ static void late_pieces(void **state)
     wire_close(&w);
 }
 
+static void data_out_of_place(void **state)
+{
+    (void)state;
+    open_device(filedev(), ECT_STATE_PREOP);
+    fill(FILEDEV_DATA, 2 * FULL);
+    begin(READ, "data", 0);
+    expect("the file", DATA, 1);
+    send_mail(DATA, 1, "abc", 3);
+    expect_error("a packet of the number that is read", ECT_FOE_ILLEGAL, "");
+    begin(WRITE, "data", 0);
+    expect("the name", ACK, 0);
+    send_mail(DATA, 1, "abc", 3);
+    expect("the last packet", ACK, 1);
+    send_mail(DATA, 2, "def", 3);
+    expect_error("one behind the last", ECT_FOE_ILLEGAL, "");
+    assert_int_equal(device()->length[FILEDEV_DATA], 3);
+    wire_close(&w);
+}
+
 static uint32_t nothing_left(const ect_foe_t *self, void *instance, uint32_t offset, void *data, uint16_t *length,
                              const char **text)
 {
@@ -617,6 +636,7 @@ int main(void)
         {"FoE: a device that takes its time is waited for", late_answers, NULL, NULL, NULL},
         {"FoE: so it is in the middle of a file, and when it cannot be read on", late_pieces, NULL, NULL, NULL},
         {"FoE: what fails late is told", late_errors, NULL, NULL, NULL},
+        {"FoE: a packet while a file is read, or behind the last one, is refused", data_out_of_place, NULL, NULL, NULL},
         {"FoE: a file of 4 GiB less a byte is read to its end", up_to_four_gigabytes, NULL, NULL, NULL},
         {"FoE: a file of more than 4 GiB is refused", four_gigabytes, NULL, NULL, NULL},
         {"FoE: a device needs no more than open and read", the_least, NULL, NULL, NULL},

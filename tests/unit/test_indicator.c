@@ -93,6 +93,7 @@ static void link_activity(void **state)
     assert_int_equal(ect_indicator_link(false, 999 * MS, 1000 * MS), ECT_PATTERN_OFF);
     assert_int_equal(ect_indicator_link(true, 0, 1000 * MS), ECT_PATTERN_ON);
     assert_int_equal(ect_indicator_link(true, 901 * MS, 1000 * MS), ECT_PATTERN_FLICKERING);
+    assert_int_equal(ect_indicator_link(true, 0, 1 * MS), ECT_PATTERN_ON); /* just switched on: none so far */
     assert_int_equal(ect_indicator_link(true, 900 * MS, 1000 * MS), ECT_PATTERN_ON);
 }
 

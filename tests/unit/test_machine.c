@@ -1021,6 +1021,7 @@ static void device_delays_too_long(void **state)
         prepare_up(&w, i, ECT_AL_PENDING);
         wire_write16(&w, 0, ECT_REG_WD_TIME_PD, 0);
         request(&w, ups[i].to);
+        assert_true(ect_slave_poll(slave_of(&w), w.now_ns) == w.now_ns + ups[i].timeout_ms * MS); /* not before */
         wire_advance(&w, ups[i].timeout_ms * MS - 1);
         expect(&w, "just before the time-out", ups[i].from, 0);
         wire_advance(&w, 1);

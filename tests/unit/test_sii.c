@@ -580,7 +580,7 @@ static void long_names_of_entries(void **state)
     static const struct {
         size_t length;
         bool there;
-    } rows[] = {{1, true}, {254, true}, {255, true}, {256, false}};
+    } rows[] = {{0, false}, {1, true}, {254, true}, {255, true}, {256, false}};
     static const ect_entry_t mapping[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 0, 16))};
     static char name[257];
     static const ect_entry_t word[] = {{0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, name, 0, NULL}};
@@ -843,7 +843,7 @@ int main(int argc, char **argv)
         {"CF-060: an EEPROM that is too small is refused, at every size", every_eeprom_size, NULL, NULL, NULL},
         {"CF-064: more than 255 strings, or one of more than 255 characters, are refused", string_table_overflow, NULL,
          NULL, NULL},
-        {"CF-064: the name of an entry is left out when it has more than 255 characters, and only then",
+        {"CF-064: the name of an entry is left out when it is empty or has more than 255 characters, and only then",
          long_names_of_entries, NULL, NULL, NULL},
         {"CF-060 CF-064: every category and string of an image is found again", reading_whole_images, NULL, NULL, NULL},
         {"CF-060: truncated at every byte, an image is read up to its end only", truncated_images, NULL, NULL, NULL},
