@@ -514,6 +514,24 @@ static void no_unit(void **state)
     wire_close(&s.w);
 }
 
+/* Octets that the mailbox would have room for. */
+static void octets_without_default(void **state)
+{
+    static const ect_entry_t entry[] = {
+        {0, ECT_TYPE_OCTET_STRING, 8 * 9, ECT_ACCESS_RW, "O", 0, ECT_OFFSET(testdev_t, octets)}};
+    static const ect_object_t objects[] = {ECT_VAR(0x3000, "O", entry)};
+    ect_device_t device = testdev;
+    session_t s;
+    (void)state;
+    device.objects = objects;
+    device.object_count = 1;
+    device.detail_count = 0;
+    open_session(&s, &device, 128);
+    assert_int_equal(ask(&s, 5, 0x3000, 0, 0x70), 16 + 1);
+    assert_int_equal(s.mail[9], 0);
+    wire_close(&s.w);
+}
+
 static void long_default(void **state)
 {
     static const uint8_t initial[8] = {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88};
@@ -682,6 +700,8 @@ int main(int argc, char **argv)
         {"CF-076: an entry description carries the unit, default, minimum and maximum that were asked for", value_info,
          NULL, NULL, NULL},
         {"CF-076: an entry without a unit describes none, though it has limits", no_unit, NULL, NULL, NULL},
+        {"CF-076: what is longer than a number is described without a default", octets_without_default, NULL, NULL,
+         NULL},
         {"CF-076: a default of more than 32 bits is described whole", long_default, NULL, NULL, NULL},
         {"CF-076: value info that the mailbox has no room for is left out", value_info_in_a_small_mailbox, NULL, NULL,
          NULL},
