@@ -29,8 +29,8 @@ enum {
     ETHERTYPE_CLAIM = 0x88B5, /* for local experiments (IEEE 802) */
     ETHERTYPE_VLAN = 0x8100,
     NOTHING = 0x10000,
-    SLOT = 2048, /* of shared memory: holds any frame of EtherCAT, and what the kernel writes before it */
-    SLOTS = 256,
+    SLOT = 4096, /* of shared memory: holds any frame of EtherCAT, and what the kernel writes before it */
+    SLOTS = 128,
     BLOCK = 65536,
     PATIENCE_US = 4000, /* the kernel counts it in ticks, of which the longest are 10 ms */
 };

@@ -159,11 +159,15 @@ static ect_fate_t draw(ect_runner_t *r, uint8_t *frame, size_t *length, uint64_t
 static void release_kept(ect_runner_t *r)
 {
     ect_kept_t *kept;
-    if (!r->scenario || ect_wires_due(&r->scenario->wires) == ECT_NEVER)
+    uint64_t due_ns = r->scenario ? ect_wires_due(&r->scenario->wires) : ECT_NEVER;
+    if (due_ns == ECT_NEVER || due_ns > ect_runner_now())
         return;
-    while ((kept = ect_wires_release(&r->scenario->wires, r->chain, chain_now(r)))) {
-        if (kept->end != ECT_END_NONE) {
-            send_out(r, kept->end, kept->frame, kept->at.length);
+    uint64_t now_ns = chain_now(r);
+    while ((kept = ect_wires_release(&r->scenario->wires, r->chain, now_ns))) {
+        if (kept->end != ECT_END_NONE && r->late[kept->end].first) {
+            keep(r, kept->end, kept->frame, kept->at.length, now_ns);
+        } else if (kept->end != ECT_END_NONE) {
+            send_with_others(r, kept->end, kept->frame, kept->at.length, false);
             r->stats.answered++;
         }
         free(kept);
@@ -275,10 +279,12 @@ static uint64_t run_devices(ect_runner_t *r)
 /* Frames first: a client is served when none came, or too many have come one after another. */
 static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[WAITABLE])
 {
+    if (r->resting || !(r->control || r->modbus))
+        return;
     uint64_t now_ns = ect_runner_now();
     bool control = r->control && (fds[CONTROL_FD].revents != 0 || now_ns >= ect_control_due(r->control));
     bool modbus = r->modbus && (fds[MODBUS_FD].revents != 0 || now_ns >= ect_modbus_server_due(r->modbus));
-    if (r->resting || !(control || modbus))
+    if (!(control || modbus))
         return;
     if (frame && ++r->frames_first < FRAMES_FIRST)
         return;

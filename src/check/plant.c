@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "check/internal.h"
+#include "seams/modbus.h"
 #include "seams/standard.h"
 
 enum { LONGEST_NAME = 40, LONGEST_TEXT = 255 };
@@ -124,6 +125,11 @@ static bool outside_good(const ect_plant_t *plant, const report_t *r)
     return true;
 }
 
+static bool modbus_good(const ect_modbus_t *m)
+{
+    return !m || (m->read && m->may_write && m->write && m->connections > 0 && m->idle_ms > 0);
+}
+
 bool ect_plant_check(const ect_plant_t *plant, const ect_device_t *device, char *text, size_t room)
 {
     const report_t r = {.device = device, .text = text, .room = room};
@@ -132,6 +138,8 @@ bool ect_plant_check(const ect_plant_t *plant, const ect_device_t *device, char 
         return true;
     if (!outside_good(plant, &r))
         return false;
+    if (!modbus_good(plant->modbus))
+        return wrong(&r, "Modbus: a function, its connections or its idle time is missing");
     if (plant->signal_group_count > 0 && !plant->signal_groups)
         return wrong(&r, "signals: their groups are missing");
     for (unsigned int i = 0; i < plant->signal_group_count; i++) {

@@ -42,7 +42,7 @@ typedef struct ect_esi_schema ect_esi_schema_t;
 ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room);
 
 /** Validates the whole file; each mistake is told, all as wrong. */
-void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_tell_t tell, void *ctx);
+void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_tell_t told, void *ctx);
 
 /** NULL is allowed. */
 void ect_esi_schema_close(ect_esi_schema_t *schema);

@@ -118,7 +118,24 @@ ect_esi_t *ect_esi_parse(const char *name, const void *data, size_t length, char
     return esi;
 }
 
-/* The whole file in memory, to be freed; NULL and a line when that cannot be. */
+/* The whole file in memory, to be freed; NULL and errno when that cannot be. */
+static char *read_all(int file, size_t size, size_t *length)
+{
+    char *data = malloc(size + 1);
+    ssize_t got = data ? 1 : -1;
+    while (got > 0 && *length < size) {
+        got = read(file, data + *length, size - *length);
+        *length += got > 0 ? (size_t)got : 0;
+    }
+    if (got >= 0)
+        return data;
+    int error = errno;
+    free(data);
+    errno = error;
+    return NULL;
+}
+
+/* As read_all, and a line when it cannot be. */
 static char *load(const char *path, size_t *length, char *text, size_t room)
 {
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe must not hold the command up
@@ -130,12 +147,9 @@ static char *load(const char *path, size_t *length, char *text, size_t room)
     } else if (!S_ISREG(status.st_mode) || status.st_size > FILE_MAXIMUM) {
         (void)snprintf(text, room, "%s: not a file of at most %d MiB", path, FILE_MAXIMUM / 1024 / 1024);
     } else {
-        data = malloc((size_t)status.st_size + 1);
-        ssize_t got = data ? 1 : 0;
-        while (got > 0 && *length < (size_t)status.st_size) {
-            got = read(file, data + *length, (size_t)status.st_size - *length);
-            *length += got > 0 ? (size_t)got : 0;
-        }
+        data = read_all(file, (size_t)status.st_size, length);
+        if (!data)
+            (void)snprintf(text, room, "%s: %s", path, strerror(errno));
     }
     if (file >= 0)
         (void)close(file);

@@ -39,17 +39,33 @@ static size_t shortest(const ect_device_t *device, uint16_t access)
     return bits;
 }
 
+/* The shortest part of an entry that a PDO maps from the start, or `bits` if that is less: an entry may be mapped in
+ * part.
+ */
+static size_t shortest_mapped(const ect_object_t *pdo, size_t bits)
+{
+    for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++) {
+        uint32_t mapped = ect_od_element(pdo, n);
+        if (mapped >> 16 != 0 && (mapped & 0xFF) != 0 && (mapped & 0xFF) < bits)
+            bits = mapped & 0xFF;
+    }
+    return bits;
+}
+
 /* Each PDO of that direction assigned, and each of its entries a run; or as many as there is room for. */
 static size_t most_runs(const ect_device_t *device, unsigned int sm)
 {
     bool outputs = device->sm[sm].type == ECT_SM_OUTPUTS;
-    size_t room = 8u * ect_sm_room(device, sm) / shortest(device, outputs ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO);
+    size_t bits = shortest(device, outputs ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO);
     size_t runs = 0;
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *object = &device->objects[i];
-        if (outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index))
-            runs += object->max_subindex;
+        if (!(outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index)))
+            continue;
+        runs += object->max_subindex;
+        bits = shortest_mapped(object, bits);
     }
+    size_t room = 8u * ect_sm_room(device, sm) / bits;
     return runs < room ? runs : room;
 }
 

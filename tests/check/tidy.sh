@@ -8,15 +8,30 @@ command -v clang-tidy-19 >/dev/null || { echo "clang-tidy-19 is not installed: n
 mkdir -p "$build/tidy"
 export root build
 
+# preprocessed FILE: all that is compiled with it; nothing and an error where it is not
+preprocessed() {
+  python3 - "$build/compile_commands.json" "$1" <<'END'
+import json
+import shlex
+import subprocess
+import sys
+
+its = next((c for c in json.load(open(sys.argv[1])) if c["file"] == sys.argv[2]), None) or sys.exit(1)
+words = shlex.split(its["command"])
+del words[words.index("-o"):words.index("-o") + 2]
+sys.exit(subprocess.run([*(w for w in words if w != "-c"), "-E", "-P"], cwd=its["directory"]).returncode)
+END
+}
+
 # look_at FILE [CHECKS]: what runs on a board with all checks, what runs on a host without two kinds
 look_at() {
-  local stamp
-  stamp=$build/tidy/$( (cat "$root/.clang-tidy"; echo "${2-}"; cc -std=c11 -E -P -I"$root/src" -I"$root/src/soes" -I"$root/firmware" -I"$root/tools" \
-    $(pkg-config --cflags libxml-2.0) "$1") | sha256sum | cut -d' ' -f1)
+  local code stamp
+  code=$(preprocessed "$1") || code=$RANDOM$RANDOM # looked at each time
+  stamp=$build/tidy/$(echo "$(cat "$root/.clang-tidy") ${2-} $code" | sha256sum | cut -d' ' -f1)
   [ ! -e "$stamp" ] || return 0
   clang-tidy-19 -p "$build" --quiet ${2:+"--checks=$2"} "$1" 2>/dev/null && touch "$stamp"
 }
-export -f look_at
+export -f preprocessed look_at
 
 printf '%s\0' "$root"/src/{od,esc,slave,sii}/*.c "$root"/src/{devices,ports}/*/*.c |
   xargs -0 -P "$(nproc)" -I{} bash -c 'look_at "$1"' look_at {}

@@ -26,9 +26,10 @@ drive() {
     "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
     for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
     cat "$work/ready"
-    if [ -n "${FAULTS_MS:-}" ]; then # whatever comes of it
+    if [ -n "${FAULTS_MS:-}" ]; then # whatever comes of it, and however soon
+      sleep "$((FAULTS_MS / 1000 + 2))" & over=$!
       timeout "$((FAULTS_MS / 1000 + 1))" "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/faults" 2>&1
-      sleep 2
+      wait $over
     fi
     "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/master" 2>&1; echo "master $?"
     kill $pid; wait $pid; echo "board $?"' bash "$@" >"$work/out"

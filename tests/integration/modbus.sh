@@ -84,7 +84,7 @@ refused() {
 }
 
 what_is_refused() {
-  refused 1 "no Modbus side; vr-bu-ect-map1" run --modbus 0.0.0.0:0 fzm1
+  refused 1 "no Modbus side; these have: vr-bu-ect-map1, " run --modbus 0.0.0.0:0 fzm1
   refused 1 "name one device" run --modbus 0.0.0.0:0 vr-bu-ect-map7,vr-bu-ect-map7
   refused 1 "is no \[ADDRESS:\]PORT" run --modbus nonsense vr-bu-ect-map7
   refused 1 "is no \[ADDRESS:\]PORT" run --modbus localhost:1502 vr-bu-ect-map7

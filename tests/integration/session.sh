@@ -28,6 +28,7 @@ in_network() {
   ectwin=$ectwin work=$work here=$here master=${master:-} unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     wait_for() { for _ in $(seq 100); do [ -s "$1" ] && return; sleep 0.1; done; }
+    rm -f "$work/a" "$work/b" # what another case has left there is nothing to go by
     '"$1"
 }
 

@@ -270,6 +270,7 @@ typedef struct plant_row {
 } plant_row_t;
 
 #define PLANTS(X)                                                                                                      \
+    X(modbus_empty, p->modbus = &modbus_of_nothing, "Modbus: a function, its connections or its idle time is missing") \
     X(groups_missing, p->signal_groups = NULL, "signals: their groups are missing")                                    \
     X(signals_missing, g->signals = NULL, "signals: those of 'p' are missing")                                         \
     X(prefix, g->prefix = "P", "signals: a prefix has lower case")                                                     \
@@ -290,6 +291,8 @@ typedef struct plant_row {
     X(signal_outside, s[1].offset = 30, "signal p.b: it is not inside its structure")                                  \
     X(kept_standard, (p->outside_offset = 8, p->outside_size = 8), "plant: what stands outside is not inside")         \
     X(kept_beyond, (p->outside_offset = 60, p->outside_size = sizeof(gauge_t)), "plant: what stands outside is not")
+
+static const ect_modbus_t modbus_of_nothing = {.connections = 4, .idle_ms = 1000};
 
 #define PLANT_FUNCTION(name, statement, want)                                                                          \
     static void plant_##name(ect_plant_t *p, ect_signal_group_t *g, ect_signal_t *s)                                   \

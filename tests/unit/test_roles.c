@@ -223,6 +223,25 @@ static void memory(void **state)
     assert_int_equal(need.runs, 4);
 }
 
+/* Of each value the first byte: four runs in an image of four bytes, though no entry is shorter than four. */
+static void memory_of_parts(void **state)
+{
+#define PART(n)                                                                                                        \
+    ECT_ENTRY(n, UNSIGNED32, 32, ECT_ACCESS_RW, "Mapped object", ECT_MAP(0x6000, n, 8), gauge_t, mapped[n - 1])
+    static const ect_entry_t parts[] = {ECT_ENTRY(0, UNSIGNED8, 8, ECT_ACCESS_RW, "Number", 4, gauge_t, mapped_count),
+                                        PART(1), PART(2), PART(3), PART(4)};
+    static const ect_object_t mapping = ECT_RECORD(0x1A00, "Values mapping", parts);
+    ect_object_t objects[32];
+    ect_device_t device = gauge;
+    (void)state;
+    assert_true(gauge.object_count <= sizeof objects / sizeof objects[0]);
+    for (uint16_t i = 0; i < gauge.object_count; i++)
+        objects[i] = gauge.objects[i].index == mapping.index ? mapping : gauge.objects[i];
+    device.objects = objects;
+    device.sm[3].maximum = 4;
+    assert_int_equal(ect_slave_memory(&device).runs, 4);
+}
+
 int main(void)
 {
 #define T(title, test) {title, test, NULL, NULL, NULL}
@@ -236,6 +255,7 @@ int main(void)
         T("PLZ-027 CF-069: a mailbox of 16 bytes serves SDOs", shortest_mailbox),
         T("CF-033: a coupler, without any SyncManager or object, runs from INIT to OP", coupler_runs),
         T("the memory that they need", memory),
+        T("the memory of who maps parts of entries: a run for each part", memory_of_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

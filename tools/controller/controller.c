@@ -183,7 +183,7 @@ static uint64_t next_restart(const settings_t *s, uint64_t end_ns)
 {
     if (s->restart_every == 0)
         return end_ns;
-    uint64_t at = now() + (uint64_t)(random() % (2000l * s->restart_every) + 500) * 1000000u;
+    uint64_t at = now() + (uint64_t)(random() % (2000L * s->restart_every) + 500) * 1000000u;
     return at < end_ns ? at : end_ns;
 }
 

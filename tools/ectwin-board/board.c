@@ -105,7 +105,7 @@ static void *take(void *ctx, size_t bytes)
     return calloc(1, bytes);
 }
 
-static bool make_config(board_t *b)
+static bool make_config(board_t *b, char *message)
 {
     const ect_plant_t *plant = b->args.product->plant;
     size_t buffer = b->device.buffer_size;
@@ -119,7 +119,10 @@ static bool make_config(board_t *b)
         .outside_size = plant ? plant->outside_size : 0,
         .device_id = b->args.alias,
     };
-    return ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer);
+    bool enough = ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer);
+    if (!enough)
+        snprintf(message, ECT_MEMORY_MESSAGE, "not enough memory");
+    return enough;
 }
 
 /* As for the command of the twins: what a shell's background or nohup ignores is not what ends us. */
@@ -144,10 +147,10 @@ static bool open_signals(board_t *b, char *message)
 
 static int open_board(board_t *b)
 {
-    char message[ECT_MEMORY_MESSAGE] = "not enough memory";
+    char message[ECT_MEMORY_MESSAGE];
     _Static_assert((int)ECT_MEMORY_MESSAGE >= (int)ECT_LINUX_MESSAGE, "room for either");
     if (!open_signals(b, message) || !ect_spidev_open(&b->bus, b->args.spi, b->args.speed_hz, message) ||
-        !open_lines(b, message) || !open_memory(b, message) || !make_config(b))
+        !open_lines(b, message) || !open_memory(b, message) || !make_config(b, message))
         return say(message);
     b->spi = ect_spidev_spi(&b->bus);
     b->chip = (ect_lan9252_t){.spi = &b->spi, .interrupt_high = b->args.interrupt_high};

@@ -68,7 +68,10 @@ static int save(const char *path, bool (*write)(uint16_t slave, FILE *file), uin
     bool read = write(slave, file);
     bool written = fflush(file) == 0 && ferror(file) == 0;
     int error = errno;
-    (void)fclose(file);
+    if (fclose(file) != 0 && written) {
+        written = false;
+        error = errno;
+    }
     if (!read)
         fprintf(stderr, "ectwin-probe: slave %u stopped answering while its %s was read\n", (unsigned int)slave,
                 write == probe_sii ? "EEPROM" : "dictionary");

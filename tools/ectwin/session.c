@@ -7,6 +7,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include "bus/catalogue.h"
 #include "bus/rights.h"
 #include "commands.h"
 
@@ -91,9 +92,18 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
     return EXIT_OPEN;
 }
 
-static bool has_modbus(const ect_twin_config_t *twin)
+static void tell_who_has_modbus(const char *who)
 {
-    return twin->plant && twin->plant->modbus;
+    const char *before = "; these have: ";
+    fprintf(stderr, "%s: --modbus: this device has no Modbus side", who);
+    const ect_product_t *product;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        if (!product->plant || !product->plant->modbus)
+            continue;
+        fprintf(stderr, "%s%s", before, product->device->name);
+        before = ", ";
+    }
+    fprintf(stderr, "\n");
 }
 
 int session_open_modbus(session_t *s)
@@ -102,10 +112,14 @@ int session_open_modbus(session_t *s)
     const twin_args_t *twins = s->twins;
     if (!twins->modbus)
         return EXIT_CLEAN;
-    if (twins->count != 1 || !has_modbus(&twins->twins[0])) {
-        fprintf(stderr, "%s: --modbus: %s\n", s->who,
-                twins->count != 1 ? "there is one address, so name one device; another 'ectwin run' takes the next one"
-                                  : "this device has no Modbus side; vr-bu-ect-map1, -map3, -map7 and -multiarm have");
+    if (twins->count != 1) {
+        fprintf(stderr,
+                "%s: --modbus: there is one address, so name one device; another 'ectwin run' takes the next one\n",
+                s->who);
+        return EXIT_USAGE;
+    }
+    if (!twins->twins[0].plant || !twins->twins[0].plant->modbus) {
+        tell_who_has_modbus(s->who);
         return EXIT_USAGE;
     }
     s->runner.modbus = ect_modbus_server_open(twins->modbus, message);

@@ -18,7 +18,10 @@ static ect_memory_t *memory;
 static void open_memory(const char *folder)
 {
     char path[ECT_MEMORY_PATH], message[ECT_MEMORY_MESSAGE];
-    (void)snprintf(path, sizeof path, "%s/firmware", folder ? folder : "");
+    if (folder && (*folder == 0 || snprintf(path, sizeof path, "%s/firmware", folder) >= (int)sizeof path)) {
+        fprintf(stderr, "%s: --store: name a folder, by not too long a name\n", arguments[0]);
+        exit(1);
+    }
     memory = ect_memory_open(folder ? path : NULL, message);
     if (message[0] != 0)
         fprintf(stderr, "%s: %s\n", arguments[0], message);
@@ -30,8 +33,12 @@ void board_init(int argc, char **argv)
 {
     const char *folder = NULL;
     arguments = argv;
-    for (int n = 1; n + 1 < argc; n++)
-        folder = strcmp(argv[n], "--store") == 0 ? argv[n + 1] : folder;
+    for (int n = 1; n < argc; n++) {
+        if (strcmp(argv[n], "--store") == 0)
+            folder = n + 1 < argc ? argv[n + 1] : "";
+        else if (strncmp(argv[n], "--store=", 8) == 0)
+            folder = argv[n] + 8;
+    }
     open_memory(folder);
 }
 
