@@ -17,7 +17,7 @@
 /* A reply that a busy machine delivers late is asked for again. */
 enum { TRIES = 20 };
 
-enum { SAMPLES = 3000, DIFFERENCE = 0x092C, CYCLE_US = 1000, LOOK_EVERY = 100, MOST_NS = 1000 };
+enum { SAMPLES = 3000, ROUNDS = 10, DIFFERENCE = 0x092C, CYCLE_US = 1000, LOOK_EVERY = 100, MOST_NS = 1000 };
 
 static const char *iface;
 static int slaves;
@@ -76,19 +76,33 @@ static int record(unsigned long seconds)
     return 0;
 }
 
+/* @return the slave that is too far away, 0: none */
+static int too_far(soem_t *m, int32_t *difference_ns)
+{
+    for (int i = 2; i <= slaves; i++) {
+        *difference_ns = difference(m, i);
+        if (*difference_ns < -MOST_NS || *difference_ns > MOST_NS)
+            return i;
+    }
+    return 0;
+}
+
+/* The samples come as fast as the machine can, so it is not known how much time the clocks have had. */
 static void settles(void **state)
 {
     static soem_t m;
+    int32_t got = 0;
+    int slave = 1;
     (void)state;
     open_clocks(&m);
-    for (int i = 0; i < SAMPLES; i++)
-        send_time(&m);
-    for (int i = 2; i <= slaves; i++) {
-        int32_t got = difference(&m, i);
-        if (got < -MOST_NS || got > MOST_NS)
-            fail_msg("slave %d: after %d samples expected a difference of at most %d ns, got %d", i, SAMPLES, MOST_NS,
-                     got);
+    for (int round = 0; round < ROUNDS && slave != 0; round++) {
+        for (int i = 0; i < SAMPLES; i++)
+            send_time(&m);
+        slave = too_far(&m, &got);
     }
+    if (slave != 0)
+        fail_msg("slave %d: after %d samples expected a difference of at most %d ns, got %d", slave, ROUNDS * SAMPLES,
+                 MOST_NS, got);
     soem_close(&m);
 }
 
