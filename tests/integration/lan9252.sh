@@ -24,7 +24,7 @@ drive() {
   board=$board work=$work base_unit=$base_unit mode=$mode in=$in out=$out unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
-    for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
+    for _ in $(seq 300); do [ -s "$work/ready" ] && break; sleep 0.1; done
     cat "$work/ready"
     if [ -n "${FAULTS_MS:-}" ]; then # whatever comes of it, and however soon
       sleep "$((FAULTS_MS / 1000 + 2))" & over=$!
