@@ -58,7 +58,7 @@ static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void 
     if (b->fd < 0)
         return 0;
     b->written = true;
-    return pwrite(b->fd, data, length, (off_t)HEAD + offset) == (ssize_t)length ? 0 : -1;
+    return pwrite(b->fd, data, length, (off_t)HEAD + (off_t)offset) == (ssize_t)length ? 0 : -1;
 }
 
 /* A file that was deleted, cut or put aside under our hands keeps nothing for the next time. */
