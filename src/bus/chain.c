@@ -685,16 +685,6 @@ static void tick_due(ect_chain_t *chain, uint64_t now_ns)
     }
 }
 
-static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
-{
-    return a_ns < b_ns ? a_ns : b_ns;
-}
-
-static uint64_t later(uint64_t a_ns, uint64_t b_ns)
-{
-    return a_ns > b_ns ? a_ns : b_ns;
-}
-
 static uint64_t last_frame(const ect_chain_t *chain, size_t i)
 {
     uint64_t slow_ns = chain->twins[i].last_frame_ns;
@@ -790,7 +780,7 @@ static void attend(ect_chain_t *chain, size_t i, uint64_t now_ns)
     chain->links_due |= off_bus != twin->slave.off_bus;
     chain->ways_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
     twin->ports_seen = ect_esc_port_changes(&twin->esc);
-    ect_deadlines_set(chain->deadlines, i, earlier(twin->slave_ns, ect_esc_due(&twin->esc)));
+    ect_deadlines_set(chain->deadlines, i, ect_earlier(twin->slave_ns, ect_esc_due(&twin->esc)));
 }
 
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
@@ -813,8 +803,8 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     if (chain->ways_due)
         find_ways(chain);
     uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* then lamps change */
-    uint64_t next_ns = later(ect_deadlines_first(chain->deadlines, &i), chain->rests_ns);
-    return chain->frame_ns != 0 && now_ns < quiet_ns ? earlier(next_ns, quiet_ns) : next_ns;
+    uint64_t next_ns = ect_later(ect_deadlines_first(chain->deadlines, &i), chain->rests_ns);
+    return chain->frame_ns != 0 && now_ns < quiet_ns ? ect_earlier(next_ns, quiet_ns) : next_ns;
 }
 
 void ect_chain_show_lamps(const ect_chain_t *chain, size_t position)

@@ -333,7 +333,7 @@ uint64_t ect_control_due(const ect_control_t *c)
         if (ready(&c->clients[i]))
             return 0;
     }
-    return c->round_ns < c->retry_ns ? c->round_ns : c->retry_ns;
+    return ect_earlier(c->round_ns, c->retry_ns);
 }
 
 void ect_control_note(ect_control_t *c, const ect_chain_t *chain, uint64_t now_ns)

@@ -31,16 +31,6 @@ enum { SPIN_NS = 100000 };
 /* Times that the devices have asked for and that have passed: how many of them are made up for in a row. */
 enum { CATCH_UP = 64 };
 
-static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
-{
-    return a_ns < b_ns ? a_ns : b_ns;
-}
-
-static uint64_t later(uint64_t a_ns, uint64_t b_ns)
-{
-    return a_ns > b_ns ? a_ns : b_ns;
-}
-
 /* Also where it is interrupted, `fds` says what has come: nothing. */
 static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
 {
@@ -239,11 +229,11 @@ static bool take_signal(const ect_runner_t *r)
  * every change. Time never goes back. */
 static void poll_devices(ect_runner_t *r, uint64_t now_ns)
 {
-    uint64_t next_ns = earlier(r->deadline_ns, r->touched_ns);
+    uint64_t next_ns = ect_earlier(r->deadline_ns, r->touched_ns);
     r->touched_ns = ECT_NEVER;
     for (unsigned int i = 1; i <= CATCH_UP; i++) {
         bool late = next_ns < now_ns && i < CATCH_UP;
-        r->polled_ns = late ? later(next_ns, r->polled_ns) : now_ns;
+        r->polled_ns = late ? ect_later(next_ns, r->polled_ns) : now_ns;
         next_ns = ect_chain_poll(r->chain, r->polled_ns);
         if (r->control)
             ect_control_note(r->control, r->chain, r->polled_ns);
@@ -258,22 +248,22 @@ static uint64_t clients_due(const ect_runner_t *r)
 {
     uint64_t control_ns = r->control ? ect_control_due(r->control) : ECT_NEVER;
     uint64_t modbus_ns = r->modbus ? ect_modbus_server_due(r->modbus) : ECT_NEVER;
-    return r->resting ? r->rested_ns : earlier(control_ns, modbus_ns);
+    return r->resting ? r->rested_ns : ect_earlier(control_ns, modbus_ns);
 }
 
 /* Late answers, the devices, then those who watch them. @return when to be here again */
 static uint64_t run_devices(ect_runner_t *r)
 {
     release_kept(r);
-    uint64_t now_ns = r->answered_ns != 0 ? later(r->answered_ns, r->polled_ns) : ect_runner_now();
+    uint64_t now_ns = r->answered_ns != 0 ? ect_later(r->answered_ns, r->polled_ns) : ect_runner_now();
     r->answered_ns = 0;
     send_late(r, now_ns);
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
     poll_devices(r, now_ns);
     r->resting = now_ns < r->rested_ns;
-    uint64_t late_ns = earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
+    uint64_t late_ns = ect_earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
     uint64_t fault_ns = r->scenario ? ect_scenario_tick(r->scenario, r->chain, r->polled_ns) : ECT_NEVER;
-    return earlier(earlier(r->deadline_ns, fault_ns), earlier(clients_due(r), late_ns));
+    return ect_earlier(ect_earlier(r->deadline_ns, fault_ns), ect_earlier(clients_due(r), late_ns));
 }
 
 /* Frames first: a client is served when none came, or too many have come one after another. */
@@ -313,7 +303,7 @@ static int linger(ect_runner_t *r, uint64_t wake_ns)
 {
     if (!r->busy_poll)
         return answer(r, ECT_END_IN, true);
-    const uint64_t end_ns = earlier(wake_ns, ect_runner_now() + SPIN_NS);
+    const uint64_t end_ns = ect_earlier(wake_ns, ect_runner_now() + SPIN_NS);
     int got = 0;
     while (got == 0 && ect_runner_now() < end_ns)
         got = answer(r, ECT_END_IN, false);

@@ -112,11 +112,6 @@ static bool wait_here(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, 
     return false;
 }
 
-static uint64_t later(uint64_t a_ns, uint64_t b_ns)
-{
-    return a_ns > b_ns ? a_ns : b_ns;
-}
-
 /* @return whether the frame goes on */
 static bool befall(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t *c, uint64_t free_ns)
 {
@@ -128,7 +123,7 @@ static bool befall(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t *c, 
         c->damaged = true;
         return true;
     case ECT_FAULT_DELAY:
-        return wait_here(w, c, later(free_ns, w->now_ns + 1000ull * (uint32_t)fault->amount), 0, true);
+        return wait_here(w, c, ect_later(free_ns, w->now_ns + 1000ull * (uint32_t)fault->amount), 0, true);
     case ECT_FAULT_REORDER:
         return wait_here(w, c, free_ns, w->frames + 1, false);
     case ECT_FAULT_DUPLICATE:

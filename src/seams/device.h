@@ -77,6 +77,17 @@ enum { ECT_CYCLIC_OUTPUTS = 0x01, ECT_CYCLIC_SYNC0 = 0x02 };
 /** A deadline that never comes: what ::ect_device_t::tick returns when only the bus can wake the device. */
 #define ECT_NEVER UINT64_MAX
 
+/** The one of two times that comes first, or last. */
+static inline uint64_t ect_earlier(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
+static inline uint64_t ect_later(uint64_t a_ns, uint64_t b_ns)
+{
+    return a_ns > b_ns ? a_ns : b_ns;
+}
+
 /** Who the device says it is: SII words 8..15 and object 1018h. */
 typedef struct ect_identity {
     uint32_t vendor_id;

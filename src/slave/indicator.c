@@ -87,5 +87,5 @@ uint64_t ect_indicator_drive(const ect_slave_t *slave, const ect_leds_t *leds, b
         leds->run(leds->ctx, ect_pattern_lit(run, now_ns));
     if (leds->err)
         leds->err(leds->ctx, ect_pattern_lit(err, now_ns));
-    return run_ns < err_ns ? run_ns : err_ns;
+    return ect_earlier(run_ns, err_ns);
 }

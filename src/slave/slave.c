@@ -149,7 +149,7 @@ static uint64_t next_time(const ect_slave_t *s)
     enum { SOON_NS = 100000 };
     if (s->failed || s->woken || s->restart || s->drop_state != 0 || (s->pending != 0 && s->pending_done))
         return s->now_ns + SOON_NS;
-    return s->pending != 0 && s->pending_until_ns < s->tick_ns ? s->pending_until_ns : s->tick_ns;
+    return s->pending != 0 ? ect_earlier(s->pending_until_ns, s->tick_ns) : s->tick_ns;
 }
 
 static void do_later(ect_slave_t *s)

@@ -327,11 +327,6 @@ static void supervise(eclink_t *unit, uint64_t now_ns)
         unit->exchanging = has_modbus(unit);
 }
 
-static uint64_t earlier(uint64_t a_ns, uint64_t b_ns)
-{
-    return a_ns < b_ns ? a_ns : b_ns;
-}
-
 /* Late calls do not shift the rhythm, and do not make up for missed updates. */
 uint64_t eclink_tick(void *instance, uint64_t now_ns)
 {
@@ -348,16 +343,24 @@ uint64_t eclink_tick(void *instance, uint64_t now_ns)
     eclink_evaluate(unit);
     if (update && !unit->bu.frozen)
         publish(unit);
-    return earlier(earlier(earlier(unit->update_ns, unit->pco_deadline_ns),
-                           earlier(unit->cao_deadline_ns, unit->read_deadline_ns)),
-                   unit->modbus_deadline_ns);
+    return ect_earlier(ect_earlier(ect_earlier(unit->update_ns, unit->pco_deadline_ns),
+                                   ect_earlier(unit->cao_deadline_ns, unit->read_deadline_ns)),
+                       unit->modbus_deadline_ns);
 }
 
 /* --- 3001h, 3002h ------------------------------------------------------------------------------------------------- */
 
-/* Where the fields stand is what the entries of the object say. */
-static void decode(uint8_t *numbers, const uint8_t *bytes, uintptr_t base, const ect_object_t *object)
+const ect_object_t *eclink_fields(const eclink_t *unit, bool inputs, size_t *base)
 {
+    const ect_od_t od = ect_device_od(unit->standard.device, NULL);
+    *base = inputs ? offsetof(eclink_t, input_numbers) : offsetof(eclink_t, output_numbers);
+    return ect_od_find(&od, inputs ? 0x3001 : 0x3002);
+}
+
+static void decode(const eclink_t *unit, bool inputs, uint8_t *numbers, const uint8_t *bytes)
+{
+    size_t base;
+    const ect_object_t *object = eclink_fields(unit, inputs, &base);
     for (unsigned int i = 1; i <= object->max_subindex; i++) {
         const ect_entry_t *entry = &object->entries[i];
         size_t offset = (uintptr_t)entry->data - base;
@@ -375,10 +378,9 @@ ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, 
     eclink_t *unit = instance;
     (void)subindex;
     (void)instead;
-    const ect_od_t od = ect_device_od(unit->standard.device, NULL);
     if (index == 0x3001)
-        decode(unit->input_numbers, unit->inputs, offsetof(eclink_t, input_numbers), ect_od_find(&od, index));
+        decode(unit, true, unit->input_numbers, unit->inputs);
     else if (index == 0x3002)
-        decode(unit->output_numbers, unit->outputs, offsetof(eclink_t, output_numbers), ect_od_find(&od, index));
+        decode(unit, false, unit->output_numbers, unit->outputs);
     return ECT_OK;
 }

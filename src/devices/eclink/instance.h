@@ -303,6 +303,8 @@ void eclink_outputs(void *instance, uint64_t now_ns);
 void eclink_inputs_read(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
 ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
+/* 3001h or 3002h: its entries say where the fields of the image stand, as their places in the instance less `base`. */
+const ect_object_t *eclink_fields(const eclink_t *unit, bool inputs, size_t *base);
 
 /* base_unit.c */
 /* A controller has done over Modbus what keeps data flowing: it has written outputs, or read inputs in a mode that has

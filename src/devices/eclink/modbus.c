@@ -47,9 +47,8 @@ static bool find(const eclink_t *unit, const ect_modbus_range_t *range, area_t *
 /* 3001h and 3002h say which fields are numbers of 16 bits. Their registers have the first byte in the upper half. */
 static void turn_numbers(const eclink_t *unit, const area_t *area, uint16_t count, uint16_t *values)
 {
-    const ect_od_t od = ect_device_od(unit->standard.device, NULL);
-    const ect_object_t *object = ect_od_find(&od, area->inputs ? 0x3001 : 0x3002);
-    size_t base = area->inputs ? offsetof(eclink_t, input_numbers) : offsetof(eclink_t, output_numbers);
+    size_t base;
+    const ect_object_t *object = eclink_fields(unit, area->inputs, &base);
     for (unsigned int i = 1; i <= object->max_subindex; i++) {
         const ect_entry_t *entry = &object->entries[i];
         size_t at = ((uintptr_t)entry->data - base) / 2;

@@ -7,17 +7,12 @@ enum { MOST_EVENTS = 4096 };
 
 /* --- time --------------------------------------------------------------------------------------------------------- */
 
-static uint64_t earlier(uint64_t a, uint64_t b)
-{
-    return a < b ? a : b;
-}
-
 static uint64_t next_due(const fzm1_t *u)
 {
-    uint64_t next = earlier(u->image_due_ns, u->processing_due_ns);
-    next = earlier(next, earlier(u->command_due_ns, u->flg_due_ns));
-    next = earlier(next, earlier(u->switched_due_ns, u->saving.due_ns));
-    return earlier(next, earlier(u->start_due_ns, fzm1_output_next(u)));
+    uint64_t next = ect_earlier(u->image_due_ns, u->processing_due_ns);
+    next = ect_earlier(next, ect_earlier(u->command_due_ns, u->flg_due_ns));
+    next = ect_earlier(next, ect_earlier(u->switched_due_ns, u->saving.due_ns));
+    return ect_earlier(next, ect_earlier(u->start_due_ns, fzm1_output_next(u)));
 }
 
 static void settle(fzm1_t *u)

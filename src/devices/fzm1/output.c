@@ -191,7 +191,7 @@ void fzm1_output_due(fzm1_t *u)
 
 uint64_t fzm1_output_next(const fzm1_t *u)
 {
-    uint64_t next = u->gate_due_ns < u->dsa_due_ns ? u->gate_due_ns : u->dsa_due_ns;
+    uint64_t next = ect_earlier(u->gate_due_ns, u->dsa_due_ns);
     bool waits = !handshaking(u) && !u->gate && u->starting == 0 && to_show(u);
     return waits && u->next_output_ns < next ? u->next_output_ns : next;
 }
