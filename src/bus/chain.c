@@ -143,14 +143,7 @@ static bool make_slave(twin_t *twin)
     return ect_slave_take(&twin->slave.config, allocate, twin);
 }
 
-/* The second time its device may have used the buffer. */
-static void forget_buffer(const twin_t *twin)
-{
-    if (twin->buffer)
-        memset(twin->buffer, 0, twin->config.device->buffer_size);
-}
-
-/* For the first time or again: what controller, stack and device are made of stays, all else starts anew. */
+/* What controller, stack and device are made of stays, all else starts anew. */
 static bool power_on(twin_t *twin, uint64_t now_ns)
 {
     const ect_plant_t *plant = twin->config.plant;
@@ -168,6 +161,14 @@ static bool power_on(twin_t *twin, uint64_t now_ns)
     twin->esc_ns = ECT_NEVER;
     twin->slave_ns = now_ns;
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
+}
+
+/* Unlike the first time, its device may have used the buffer. */
+static void power_on_again(twin_t *twin, uint64_t now_ns)
+{
+    if (twin->buffer)
+        memset(twin->buffer, 0, twin->config.device->buffer_size);
+    (void)power_on(twin, now_ns); /* what was possible once is again */
 }
 
 ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant)
@@ -447,8 +448,7 @@ void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns)
 {
     chain->links_due = chain->ways_due = true;
     for (size_t i = 0; i < chain->count; i++) {
-        forget_buffer(&chain->twins[i]);
-        (void)power_on(&chain->twins[i], now_ns); /* what was possible once is again */
+        power_on_again(&chain->twins[i], now_ns);
         powered_on(chain, i);
     }
 }
@@ -481,7 +481,7 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
 
 static void begin_anew(ect_chain_t *chain, size_t i, uint64_t now_ns)
 {
-    (void)power_on(&chain->twins[i], now_ns);
+    power_on_again(&chain->twins[i], now_ns);
     powered_on(chain, i);
     chain->links_due = chain->ways_due = true;
 }
@@ -748,10 +748,8 @@ static bool poll_twin(twin_t *twin, uint64_t now_ns)
     twin->seen = ect_esc_activity(&twin->esc);
     twin->slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
-    if (restarts) {
-        forget_buffer(twin);
-        (void)power_on(twin, now_ns);
-    }
+    if (restarts)
+        power_on_again(twin, now_ns);
     return restarts;
 }
 

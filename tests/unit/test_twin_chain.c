@@ -206,6 +206,61 @@ static void catalogue_names(void **state)
     assert_null(ect_catalogue_find(""));
 }
 
+static void cycle_the_power(wire_t *w)
+{
+    ect_chain_power_cycle(w->chain, w->now_ns);
+}
+
+static void want_a_restart(wire_t *w)
+{
+    testdev_of(w, 0)->host->restart(testdev_of(w, 0)->host->ctx);
+    ect_chain_wake(w->chain, 0);
+    (void)ect_chain_poll(w->chain, w->now_ns);
+}
+
+static void do_fault(wire_t *w, ect_fault_kind_t kind)
+{
+    const ect_fault_t fault = {.kind = kind, .slave = 1};
+    ect_chain_fault(w->chain, &fault, w->now_ns);
+}
+
+static void be_reset(wire_t *w)
+{
+    do_fault(w, ECT_FAULT_RESET);
+}
+
+static void change_identity(wire_t *w)
+{
+    do_fault(w, ECT_FAULT_IDENTITY);
+}
+
+/* ect_host_t::buffer: what a device has put there is gone with all else. */
+static void buffer_at_power_on(void **state)
+{
+    static const struct {
+        const char *what;
+        void (*happens)(wire_t *w);
+    } rows[] = {{"power cycle", cycle_the_power},
+                {"restart of the device", want_a_restart},
+                {"fault reset", be_reset},
+                {"fault identity", change_identity}};
+    static const uint8_t zeros[64];
+    ect_device_t device = testdev;
+    (void)state;
+    device.buffer_size = sizeof zeros;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_t w;
+        wire_open_one(&w, &device);
+        memset(testdev_of(&w, 0)->host->buffer, 0x5A, sizeof zeros);
+        rows[i].happens(&w);
+        testdev_t *dev = testdev_of(&w, 0);
+        if (dev->inits != 1 || memcmp(dev->host->buffer, zeros, sizeof zeros) != 0)
+            fail_msg("%s: expected one start and a buffer of zeros, got %u and %02X...", rows[i].what, dev->inits,
+                     *(const uint8_t *)dev->host->buffer);
+        wire_close(&w);
+    }
+}
+
 /* A program's own devices stand behind ours. */
 static void catalogue_grows(void **state)
 {
@@ -237,6 +292,7 @@ int main(int argc, char **argv)
         {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
          NULL, NULL},
         {"the poll tells when the link lamps stop to flicker", lamps_deadline, NULL, NULL, NULL},
+        {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices stand in the catalogue, behind ours", catalogue_grows, NULL, NULL, NULL},
     };

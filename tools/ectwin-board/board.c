@@ -186,6 +186,8 @@ static int start(board_t *b)
     int result = ect_lan9252_start(&b->chip);
     if (result != ECT_LAN9252_READY)
         return say(reason(result));
+    if (b->config.buffer)
+        memset(b->config.buffer, 0, b->device.buffer_size);
     b->config.switches = plant && plant->station_alias ? plant->station_alias(b->config.instance) : 0;
     for (unsigned int n = 0; n < TRIES; n++) {
         if (ect_slave_init(&b->slave, &b->config, now()) == 0)
