@@ -40,7 +40,8 @@ struct ect_modbus_server {
     int fd, epoll;
     uint32_t ready;    /* a bit for each client, and for ACCEPT */
     uint32_t turn;     /* who is served next */
-    uint64_t retry_ns; /* when to look again after descriptors had run out; ECT_NEVER: now */
+    uint64_t retry_ns; /* when to look again after descriptors had run out; ECT_NEVER: they have not */
+    uint64_t due_ns;   /* as ect_modbus_server_due: each frame asks for it */
     client_t clients[ECT_MODBUS_CLIENTS];
     modbus_t *replies;
     modbus_mapping_t mapping;
@@ -95,7 +96,7 @@ ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
     for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++)
         s->clients[i].fd = -1;
     s->fd = fd;
-    s->retry_ns = ECT_NEVER;
+    s->retry_ns = s->due_ns = ECT_NEVER;
     s->epoll = epoll_create1(EPOLL_CLOEXEC);
     if (s->epoll >= 0 && wait_for(s, EPOLL_CTL_ADD, fd, EPOLLIN, ACCEPT) && make_replies(s)) {
         describe(s);
@@ -380,10 +381,15 @@ static void let_in(ect_modbus_server_t *s, const ect_chain_t *chain, uint64_t no
 
 uint64_t ect_modbus_server_due(const ect_modbus_server_t *s)
 {
+    return s->due_ns;
+}
+
+static uint64_t find_due(const ect_modbus_server_t *s)
+{
     uint64_t due_ns = s->retry_ns;
     for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++) {
-        if (s->clients[i].fd >= 0 && s->clients[i].idle_ns < due_ns)
-            due_ns = s->clients[i].idle_ns;
+        if (s->clients[i].fd >= 0)
+            due_ns = ect_earlier(due_ns, s->clients[i].idle_ns);
     }
     return due_ns;
 }
@@ -403,9 +409,8 @@ static void look(ect_modbus_server_t *s, uint64_t now_ns)
         s->ready |= 1u << events[i].data.u32;
 }
 
-void ect_modbus_server_serve(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns)
+static void serve_next(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
-    look(s, now_ns);
     for (uint32_t i = 0; i < WAITABLE && s->ready != 0; i++) {
         uint32_t who = s->turn;
         s->turn = (s->turn + 1) % WAITABLE;
@@ -417,4 +422,11 @@ void ect_modbus_server_serve(ect_modbus_server_t *s, ect_chain_t *chain, uint64_
             serve_client(s, who, chain, now_ns);
         return;
     }
+}
+
+void ect_modbus_server_serve(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns)
+{
+    look(s, now_ns);
+    serve_next(s, chain, now_ns);
+    s->due_ns = find_due(s);
 }
