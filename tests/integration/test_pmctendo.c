@@ -14,7 +14,8 @@
 #include "plant.h"
 #include "soem.h"
 
-enum { TURN = 1048576, PATIENCE = 20000 /* cycles that a change may take on a busy machine */ };
+#define TURN 1048576
+enum { PATIENCE = 20000 /* cycles that a change may take on a busy machine */ };
 enum { CONTROL = 0, POSITION = 2, LATCH = 6 };                       /* 1720h */
 enum { AT = 0, LATCH2 = 8, LATCH1 = 20, STATUS = 24, LATCHED = 28 }; /* 1B25h */
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))

@@ -7,110 +7,33 @@
 
 enum { OUTPUTS = 0x1100, INPUTS = 0x1140, NO = DRIVE_NOWHERE };
 
-static const drive_layout_t layouts[] = {
-    {.out = 0x1701,
-     .out_bytes = 6,
-     .control = 4,
-     .set = 0,
-     .latch_control = NO,
-     .torque_ahead = NO,
-     .outputs = NO,
-     .max_torque = NO},
-    {.out = 0x1702,
-     .out_bytes = 6,
-     .control = 4,
-     .set = 0,
-     .latch_control = NO,
-     .torque_ahead = NO,
-     .outputs = NO,
-     .max_torque = NO},
-    {.out = 0x1704,
-     .out_bytes = 4,
-     .control = 2,
-     .set = 0,
-     .latch_control = NO,
-     .torque_ahead = NO,
-     .outputs = NO,
-     .max_torque = NO},
-    {.out = 0x1720,
-     .out_bytes = 12,
-     .control = 0,
-     .set = 2,
-     .latch_control = 6,
-     .torque_ahead = 8,
-     .outputs = 10,
-     .max_torque = NO},
-    {.out = 0x1721,
-     .out_bytes = 8,
-     .control = 4,
-     .set = 0,
-     .latch_control = NO,
-     .torque_ahead = 6,
-     .outputs = NO,
-     .max_torque = NO},
-    {.out = 0x1722,
-     .out_bytes = 14,
-     .control = 0,
-     .set = 2,
-     .latch_control = 6,
-     .torque_ahead = 8,
-     .outputs = 10,
-     .max_torque = 12},
+/* clang-format off */
+static const drive_out_t outs[] = {
+    /* pdo  bytes  control  set  latch_control  torque_ahead  outputs  max_torque */
+    {0x1701,  6,      4,     0,       NO,            NO,        NO,       NO},
+    {0x1702,  6,      4,     0,       NO,            NO,        NO,       NO},
+    {0x1704,  4,      2,     0,       NO,            NO,        NO,       NO},
+    {0x1720, 12,      0,     2,        6,             8,        10,       NO},
+    {0x1721,  8,      4,     0,       NO,             6,        NO,       NO},
+    {0x1722, 14,      0,     2,        6,             8,        10,       12},
 };
-static const drive_layout_t answers[] = {
-    {.in = 0x1B01,
-     .in_bytes = 6,
-     .position = 0,
-     .status = 4,
-     .latch_status = NO,
-     .latch1 = NO,
-     .latch2 = NO,
-     .torque = NO,
-     .following_error = NO,
-     .inputs = NO},
-    {.in = 0x1B25,
-     .in_bytes = 32,
-     .position = 0,
-     .status = 24,
-     .latch_status = 28,
-     .latch1 = 20,
-     .latch2 = 8,
-     .torque = 26,
-     .following_error = 16,
-     .inputs = 12},
-    {.in = 0x1B26,
-     .in_bytes = 16,
-     .position = 2,
-     .status = 0,
-     .latch_status = NO,
-     .latch1 = NO,
-     .latch2 = NO,
-     .torque = NO,
-     .following_error = 12,
-     .inputs = 8},
+static const drive_in_t ins[] = {
+    /* pdo  bytes  status  position  latch_status  latch1  latch2  torque  following_error  inputs */
+    {0x1B01,  6,      4,       0,         NO,        NO,     NO,     NO,         NO,          NO},
+    {0x1B25, 32,     24,       0,         28,        20,      8,     26,         16,          12},
+    {0x1B26, 16,      0,       2,         NO,        NO,     NO,     NO,         12,           8},
 };
+/* clang-format on */
+
 static void choose(drive_t *d, uint16_t out, uint16_t in)
 {
-    drive_layout_t chosen = {0};
-    for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++) {
-        if (answers[i].in == in)
-            chosen = answers[i];
-    }
-    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; i++) {
-        const drive_layout_t *l = &layouts[i];
-        if (l->out != out)
-            continue;
-        chosen.out = l->out;
-        chosen.out_bytes = l->out_bytes;
-        chosen.control = l->control;
-        chosen.set = l->set;
-        chosen.latch_control = l->latch_control;
-        chosen.torque_ahead = l->torque_ahead;
-        chosen.outputs = l->outputs;
-        chosen.max_torque = l->max_torque;
-    }
-    assert_true(chosen.in_bytes > 0 && chosen.out_bytes > 0);
-    d->layout = chosen;
+    d->to = (drive_out_t){0};
+    d->from = (drive_in_t){0};
+    for (size_t i = 0; i < sizeof outs / sizeof outs[0]; i++)
+        d->to = outs[i].pdo == out ? outs[i] : d->to;
+    for (size_t i = 0; i < sizeof ins / sizeof ins[0]; i++)
+        d->from = ins[i].pdo == in ? ins[i] : d->from;
+    assert_true(d->to.bytes > 0 && d->from.bytes > 0);
 }
 
 void drive_open_with(drive_t *d, const ect_storage_t *storage)
@@ -164,8 +87,8 @@ void drive_safeop(drive_t *d, uint16_t out, uint16_t in)
     choose(d, out, in);
     assign(d, 0x1C12, out);
     assign(d, 0x1C13, in);
-    wire_set_sm(&d->w, 0, 2, OUTPUTS, d->layout.out_bytes, 0x64);
-    wire_set_sm(&d->w, 0, 3, INPUTS, d->layout.in_bytes, 0x20);
+    wire_set_sm(&d->w, 0, 2, OUTPUTS, d->to.bytes, 0x64);
+    wire_set_sm(&d->w, 0, 3, INPUTS, d->from.bytes, 0x20);
     if (d->dc_ns != 0)
         start_sync0(d);
     memset(d->out, 0, sizeof d->out);
@@ -188,13 +111,13 @@ void drive_operational(drive_t *d, uint16_t out, uint16_t in)
 
 uint16_t drive_look(drive_t *d)
 {
-    assert_int_equal(wire_read(&d->w, 0, INPUTS, d->in, d->layout.in_bytes), 1);
-    return ect_load_le16(d->in + d->layout.status);
+    assert_int_equal(wire_read(&d->w, 0, INPUTS, d->in, d->from.bytes), 1);
+    return ect_load_le16(d->in + d->from.status);
 }
 
 void drive_cycle(drive_t *d)
 {
-    assert_int_equal(wire_write(&d->w, 0, OUTPUTS, d->out, d->layout.out_bytes), 1);
+    assert_int_equal(wire_write(&d->w, 0, OUTPUTS, d->out, d->to.bytes), 1);
     wire_advance(&d->w, d->cycle_ns);
     (void)drive_look(d);
 }
@@ -207,53 +130,53 @@ void drive_cycles(drive_t *d, unsigned int count)
 
 void drive_control(drive_t *d, uint16_t control)
 {
-    ect_store_le16(d->out + d->layout.control, control);
+    ect_store_le16(d->out + d->to.control, control);
 }
 
 uint16_t drive_controlled(const drive_t *d)
 {
-    return ect_load_le16(d->out + d->layout.control);
+    return ect_load_le16(d->out + d->to.control);
 }
 
 void drive_set(drive_t *d, int32_t value)
 {
-    if (d->layout.out == PMC_PDO_TORQUE)
-        ect_store_le16(d->out + d->layout.set, (uint16_t)value);
+    if (d->to.pdo == PMC_PDO_TORQUE)
+        ect_store_le16(d->out + d->to.set, (uint16_t)value);
     else
-        ect_store_le32(d->out + d->layout.set, (uint32_t)value);
+        ect_store_le32(d->out + d->to.set, (uint32_t)value);
 }
 
 void drive_latch(drive_t *d, uint16_t control)
 {
-    assert_true(d->layout.latch_control != NO);
-    ect_store_le16(d->out + d->layout.latch_control, control);
+    assert_true(d->to.latch_control != NO);
+    ect_store_le16(d->out + d->to.latch_control, control);
 }
 
 int32_t drive_position(const drive_t *d)
 {
-    return (int32_t)ect_load_le32(d->in + d->layout.position);
+    return (int32_t)ect_load_le32(d->in + d->from.position);
 }
 
 uint16_t drive_latch_status(const drive_t *d)
 {
-    assert_true(d->layout.latch_status != NO);
-    return ect_load_le16(d->in + d->layout.latch_status);
+    assert_true(d->from.latch_status != NO);
+    return ect_load_le16(d->in + d->from.latch_status);
 }
 
 int32_t drive_latched(const drive_t *d, unsigned int n)
 {
-    return (int32_t)ect_load_le32(d->in + (n == 1 ? d->layout.latch1 : d->layout.latch2));
+    return (int32_t)ect_load_le32(d->in + (n == 1 ? d->from.latch1 : d->from.latch2));
 }
 
 unsigned int drive_until(drive_t *d, uint16_t mask, uint16_t want, unsigned int limit_ms)
 {
     for (unsigned int ms = 0; ms <= limit_ms; ms++) {
         drive_cycle(d);
-        if ((ect_load_le16(d->in + d->layout.status) & mask) == want)
+        if ((ect_load_le16(d->in + d->from.status) & mask) == want)
             return ms;
     }
     fail_msg("after %u ms: expected status %04X of %04X, got %04X", limit_ms, want, mask,
-             ect_load_le16(d->in + d->layout.status));
+             ect_load_le16(d->in + d->from.status));
     return 0;
 }
 
@@ -270,7 +193,7 @@ void drive_expect(drive_t *d, ds402_state_t state, const char *when)
 
 void drive_enable(drive_t *d)
 {
-    if (d->layout.out != PMC_PDO_SPEED && d->layout.out != PMC_PDO_TORQUE)
+    if (d->to.pdo != PMC_PDO_SPEED && d->to.pdo != PMC_PDO_TORQUE)
         drive_set(d, drive_position(d));
     drive_control(d, 0x06);
     (void)drive_until(d, 0x6F, 0x21, 10);

@@ -10,16 +10,19 @@
 
 /* Where a value lies in a PDO; NOWHERE: not in this one. */
 enum { DRIVE_NOWHERE = 0xFF };
-typedef struct drive_layout {
-    uint16_t out, in; /* the PDOs */
-    uint8_t out_bytes, in_bytes;
-    uint8_t control, set, latch_control, torque_ahead, outputs, max_torque;
-    uint8_t status, position, latch_status, latch1, latch2, torque, following_error, inputs;
-} drive_layout_t;
+typedef struct drive_out {
+    uint16_t pdo;
+    uint8_t bytes, control, set, latch_control, torque_ahead, outputs, max_torque;
+} drive_out_t;
+typedef struct drive_in {
+    uint16_t pdo;
+    uint8_t bytes, status, position, latch_status, latch1, latch2, torque, following_error, inputs;
+} drive_in_t;
 
 typedef struct drive {
     wire_t w;
-    drive_layout_t layout;
+    drive_out_t to;
+    drive_in_t from;
     uint64_t cycle_ns;
     uint32_t dc_ns; /* SYNC0, 0: none */
     uint8_t out[14];

@@ -9,7 +9,7 @@
 #include "csv.h"
 #include "support/drive.h"
 
-enum { TURN = PMC_TURN };
+#define TURN PMC_TURN
 
 int main(void)
 {

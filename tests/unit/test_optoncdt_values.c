@@ -243,8 +243,8 @@ static void noise(void **state)
         sum += seen[0][i] - 10e6;
         squares += (seen[0][i] - 10e6) * (seen[0][i] - 10e6);
     }
-    assert_true(fabs(sum / RECORDS) < 400);
-    assert_true(fabs(sqrt(squares / RECORDS) - 2000) < 300);
+    assert_true(fabs(sum / (double)RECORDS) < 400);
+    assert_true(fabs(sqrt(squares / (double)RECORDS) - 2000) < 300);
 }
 
 static void table(void **state)

@@ -23,7 +23,8 @@ static void build_machine(void)
 }
 
 enum { HOME_ON = 2097152, HOME_OFF = HOME_ON + 524288, NEGATIVE = -3145728, POSITIVE = 6291456 };
-enum { INDEX = 262144, TURN = PMC_TURN };
+enum { INDEX = 262144 };
+#define TURN PMC_TURN
 
 /* Method, where the shaft is to begin with, where on the machine the reference point is. */
 static const struct {

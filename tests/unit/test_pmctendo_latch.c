@@ -45,7 +45,7 @@ static void inputs(void **state)
             want |= (set >> i & 1) != 0 ? rows[i].bit : 0;
         }
         expect("inputs", INPUTS, want);
-        uint32_t levels = ect_load_le32(d.in + d.layout.inputs) >> 16;
+        uint32_t levels = ect_load_le32(d.in + d.from.inputs) >> 16;
         assert_int_equal(levels, set);
     }
 }

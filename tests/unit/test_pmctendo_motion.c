@@ -7,7 +7,7 @@
 #include "support/drive.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-enum { TURN = PMC_TURN };
+#define TURN         PMC_TURN
 
 static drive_t d;
 
@@ -297,7 +297,7 @@ static void limit_switch(void **state)
     assert_int_equal(drive_look(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_PSTOP - 1));
     assert_int_equal(drive_instance(&d)->fault, 0);
-    assert_int_equal(ect_load_le32(d.in + d.layout.inputs) & 3, 2); /* PSTOP */
+    assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 2); /* PSTOP */
     drive_set(&d, -TURN);
     drive_cycles(&d, 1000);
     assert_true(drive_position(&d) < 0);

@@ -127,7 +127,7 @@ static void exchange(void)
 {
     uint16_t before = drive_instance(&d)->set.control;
     bool known = drive_instance(&d)->control_known;
-    if (wire_write(&d.w, 0, 0x1100, d.out, d.layout.out_bytes) != 1)
+    if (wire_write(&d.w, 0, 0x1100, d.out, d.to.bytes) != 1)
         return; /* below SAFEOP */
     judge(known, before, drive_controlled(&d));
 }
@@ -143,14 +143,14 @@ static void next_outputs(void)
         unsigned int r = rank(drive_instance(&d)->state);
         drive_control(&d, drive_instance(&d)->state == DS402_FAULT ? 0x80 : way[r < 3 ? r : 2]);
     }
-    if (d.layout.out == PMC_PDO_SPEED && draw(10) == 0)
+    if (d.to.pdo == PMC_PDO_SPEED && draw(10) == 0)
         drive_set(&d, (int32_t)draw(40 * PMC_TURN) - 20 * PMC_TURN);
-    else if (d.layout.out == PMC_PDO_TORQUE && draw(10) == 0)
+    else if (d.to.pdo == PMC_PDO_TORQUE && draw(10) == 0)
         drive_set(&d, (int32_t)draw(1000) - 500);
-    else if (d.layout.out == PMC_PDO_POSITION_FULL)
+    else if (d.to.pdo == PMC_PDO_POSITION_FULL)
         drive_set(&d, drive_instance(&d)->position + (int32_t)draw(40000) - 20000);
-    if (d.layout.outputs != DRIVE_NOWHERE)
-        ect_store_le16(d.out + d.layout.outputs, (uint16_t)draw(4));
+    if (d.to.outputs != DRIVE_NOWHERE)
+        ect_store_le16(d.out + d.to.outputs, (uint16_t)draw(4));
 }
 
 static void operator(void)

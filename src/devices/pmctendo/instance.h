@@ -30,14 +30,12 @@
 #include "seams/standard.h"
 #include "wire/bytes.h"
 
-enum {
-    PMC_TURN = 1048576, /* counts */
-    PMC_STEP_NS = 250000,
-    PMC_STEPS_PER_S = 4000,
-    PMC_DISPLAYS_FAULT = 0x100,
-};
+enum { PMC_STEP_NS = 250000, PMC_DISPLAYS_FAULT = 0x100 };
 
-#define PMC_STEP_S (1.0 / PMC_STEPS_PER_S)
+/* In sums with numbers that are not whole. */
+#define PMC_TURN        1048576 /* counts */
+#define PMC_STEPS_PER_S 4000
+#define PMC_STEP_S      (1.0 / PMC_STEPS_PER_S)
 
 /** Modes of operation 6060h; 0: as the assigned PDO says. */
 enum {
