@@ -134,24 +134,29 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
     return 0;
 }
 
-uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)
+/* Each says again when its own time will be. */
+static void look_all_over(ect_esc_t *esc)
 {
-    ECT_ASSERT(now_ns >= esc->now_ns);
-    esc->now_ns = now_ns;
     esc->next_ns = UINT64_MAX;
     ect_esc_watchdog_tick(esc);
     ect_esc_sii_tick(esc);
     ect_esc_port_tick(esc);
     ect_esc_sync_tick(esc);
-    ECT_ASSERT(esc->next_ns > now_ns);
-    return esc->next_ns;
+    ECT_ASSERT(esc->next_ns > esc->now_ns);
 }
 
 void ect_esc_advance(ect_esc_t *esc, uint64_t now_ns)
 {
-    if (now_ns >= esc->next_ns)
-        (void)ect_esc_tick(esc, now_ns);
     esc->now_ns = now_ns;
+    if (now_ns >= esc->next_ns)
+        look_all_over(esc);
+}
+
+uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)
+{
+    ECT_ASSERT(now_ns >= esc->now_ns);
+    ect_esc_advance(esc, now_ns);
+    return esc->next_ns;
 }
 
 uint32_t ect_esc_al_event(const ect_esc_t *esc)

@@ -136,6 +136,7 @@ typedef struct ect_esc {
     uint8_t err_code;    /**< what the ERR LED shows by itself */
     uint8_t fmmu_reads;  /* FMMUs that are active and read through, a bit each */
     uint8_t fmmu_writes; /* those that are written through */
+    bool fmmus_plain;    /* all of them are of whole bytes, and no byte is of two */
     uint8_t sm_changed;  /* SyncManagers whose activate register the PDI has yet to look at */
     uint32_t activity;
     uint32_t routing; /* moves when what decides on the way of frames, or what they take along, does (route.h) */

@@ -133,7 +133,7 @@ static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, const window_t *w, boo
 }
 
 /* One direction through all FMMUs. Where two claim a bit the lowest number has it (data sheet I §7). */
-static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
+static bool pass_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
 {
     window_t taken[ECT_ESC_MAX_FMMU];
     unsigned int count = 0;
@@ -149,13 +149,40 @@ static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t lengt
     return any;
 }
 
+/* The same where FMMUs are as most masters set them. */
+static bool pass_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
+{
+    unsigned int active = write ? esc->fmmu_writes : esc->fmmu_reads;
+    uint64_t frame_end = (uint64_t)logical + length;
+    bool any = false;
+    for (unsigned int n = 0; active >> n != 0; n++) {
+        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
+        uint64_t start = ect_load_le32(fmmu + ECT_FMMU_LOGICAL);
+        uint64_t first = start > logical ? start : logical;
+        uint64_t end = start + ect_load_le16(fmmu + ECT_FMMU_LENGTH);
+        end = end < frame_end ? end : frame_end;
+        if ((active >> n & 1u) == 0 || first >= end)
+            continue;
+        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = data + (first - logical)};
+        uint32_t physical = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + (uint32_t)(first - start);
+        any |= ect_esc_access(esc, &access, (uint16_t)physical, (uint16_t)(end - first));
+    }
+    return any;
+}
+
+static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
+{
+    return esc->fmmus_plain ? pass_bytes(esc, logical, data, length, write)
+                            : pass_bits(esc, logical, data, length, write);
+}
+
 unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
                                  bool write)
 {
     unsigned int done = 0;
     ECT_ASSERT(length <= ECT_ESC_MAX_FRAME);
     uint8_t *incoming = data;
-    if (read && write) {
+    if (read && write && !esc->fmmus_plain) { /* what is read may stand where what is written came in */
         incoming = esc->scratch;
         memcpy(incoming, data, length);
     }

@@ -164,34 +164,6 @@ static void read_watchdog_status(ect_esc_t *esc, const ect_access_t *access, uin
         ect_esc_clear(esc, ECT_EVENT_WATCHDOG);
 }
 
-/* Which of the FMMUs a datagram has to be compared with. */
-static void sort_fmmus(ect_esc_t *esc)
-{
-    esc->fmmu_reads = esc->fmmu_writes = 0;
-    for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++) {
-        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
-        bool active = (fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0;
-        esc->fmmu_reads |= (uint8_t)(active && (fmmu[ECT_FMMU_TYPE] & 1u) != 0 ? 1u << n : 0u);
-        esc->fmmu_writes |= (uint8_t)(active && (fmmu[ECT_FMMU_TYPE] & 2u) != 0 ? 1u << n : 0u);
-    }
-}
-
-static bool write_fmmu(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
-{
-    static const uint8_t writable[ECT_FMMU_SIZE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x07,
-                                                    0xFF, 0xFF, 0x07, 0x03, 0x01, 0x00, 0x00, 0x00};
-    unsigned int end = ECT_REG_FMMU + ECT_FMMU_SIZE * (unsigned int)esc->config.personality->fmmu_count;
-    bool any = false;
-    esc->routing++;
-    for (uint16_t i = 0; i < length && (unsigned int)address + i < end; i++) {
-        uint8_t mask = writable[(unsigned int)(address + i) % ECT_FMMU_SIZE];
-        esc->memory[address + i] = access->data[i] & mask;
-        any |= mask != 0;
-    }
-    sort_fmmus(esc);
-    return any;
-}
-
 enum { FMMU_BYTES = ECT_FMMU_SIZE * ECT_ESC_MAX_FMMU, SM_BYTES = ECT_SM_SIZE * ECT_ESC_MAX_SM };
 
 /* Ascending, not overlapping. */
@@ -221,7 +193,7 @@ static const block_t blocks[] = {
     {ECT_REG_WD_STATUS_PD, 2, 0, 0, NULL, NULL, read_watchdog_status},
     {ECT_REG_WD_COUNTER_PD, 3, 0, 0, write_watchdog_counter, NULL, NULL},
     {ECT_REG_SII_CONFIG, 16, 0, 0, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
-    {ECT_REG_FMMU, FMMU_BYTES, 0, 0, write_fmmu, NULL, NULL},
+    {ECT_REG_FMMU, FMMU_BYTES, 0, 0, ect_esc_fmmu_write_register, NULL, NULL},
     {ECT_REG_SM, SM_BYTES, 0, 0, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
     {ECT_REG_DC_RECEIVE_TIME, 4, 0, 0, ect_esc_dc_latch, NULL, NULL},
     {ECT_REG_DC_SYSTEM_TIME, 4, 0, 0, ect_esc_dc_compare, ect_esc_dc_compare, NULL},

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/* The registers of FMMUs, and what they come to: which there are, and whether they can be gone through byte by byte. */
+#include "esc/internal.h"
+
+enum { READS = 1, WRITES = 2, ADDRESS_SPACE = 0x10000 };
+
+static bool is_active(const uint8_t *fmmu, unsigned int directions)
+{
+    return (fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0 && (fmmu[ECT_FMMU_TYPE] & directions) != 0;
+}
+
+/* Whole bytes inside the address space, in one direction. */
+static bool is_plain(const uint8_t *fmmu)
+{
+    return fmmu[ECT_FMMU_START_BIT] == 0 && fmmu[ECT_FMMU_STOP_BIT] == 7 && fmmu[ECT_FMMU_PHYSICAL_BIT] == 0 &&
+           (fmmu[ECT_FMMU_TYPE] & (READS | WRITES)) != (READS | WRITES) &&
+           (uint32_t)ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + ect_load_le16(fmmu + ECT_FMMU_LENGTH) <= ADDRESS_SPACE;
+}
+
+static bool share_a_byte(const uint8_t *fmmu, const uint8_t *other)
+{
+    uint64_t first = ect_load_le32(fmmu + ECT_FMMU_LOGICAL);
+    uint64_t others_first = ect_load_le32(other + ECT_FMMU_LOGICAL);
+    return first < others_first + ect_load_le16(other + ECT_FMMU_LENGTH) &&
+           others_first < first + ect_load_le16(fmmu + ECT_FMMU_LENGTH);
+}
+
+static bool are_plain(const ect_esc_t *esc)
+{
+    unsigned int active = (unsigned int)esc->fmmu_reads | esc->fmmu_writes;
+    bool plain = true;
+    for (unsigned int n = 0; active >> n != 0; n++) {
+        plain &= (active >> n & 1u) == 0 || is_plain(ect_esc_fmmu_registers(esc, n));
+        for (unsigned int m = n + 1; (active >> n & 1u) != 0 && active >> m != 0; m++)
+            plain &= (active >> m & 1u) == 0 ||
+                     !share_a_byte(ect_esc_fmmu_registers(esc, n), ect_esc_fmmu_registers(esc, m));
+    }
+    return plain;
+}
+
+/* Which of them a datagram has to be compared with, and how. */
+static void sort(ect_esc_t *esc)
+{
+    esc->fmmu_reads = esc->fmmu_writes = 0;
+    for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++) {
+        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
+        esc->fmmu_reads |= (uint8_t)(is_active(fmmu, READS) ? 1u << n : 0u);
+        esc->fmmu_writes |= (uint8_t)(is_active(fmmu, WRITES) ? 1u << n : 0u);
+    }
+    esc->fmmus_plain = are_plain(esc);
+}
+
+bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    static const uint8_t writable[ECT_FMMU_SIZE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x07,
+                                                    0xFF, 0xFF, 0x07, 0x03, 0x01, 0x00, 0x00, 0x00};
+    unsigned int end = ECT_REG_FMMU + ECT_FMMU_SIZE * (unsigned int)esc->config.personality->fmmu_count;
+    bool any = false;
+    esc->routing++;
+    for (uint16_t i = 0; i < length && (unsigned int)address + i < end; i++) {
+        uint8_t mask = writable[(unsigned int)(address + i) % ECT_FMMU_SIZE];
+        esc->memory[address + i] = access->data[i] & mask;
+        any |= mask != 0;
+    }
+    sort(esc);
+    return any;
+}
