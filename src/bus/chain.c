@@ -704,7 +704,7 @@ static void note_reach(ect_chain_t *chain, size_t reach)
 ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     chain->now_ns = chain->frame_ns = now_ns;
-    bool plain = chain->line && in == ECT_END_IN && chain->twins[0].link[0] && chain->count > 1;
+    bool plain = chain->line && in == ECT_END_IN && chain->twins[0].link[0];
     if (!plain || chain->guard)
         return pass_slowly(chain, in, frame, length, now_ns);
     tick_due(chain, now_ns);
@@ -735,8 +735,10 @@ static void tick_esc(ect_chain_t *chain, twin_t *twin, uint64_t now_ns)
 static void follow_wiring(twin_t *twin)
 {
     const ect_wiring_t *wiring = twin->wiring;
-    for (unsigned int n = 0; n < 2; n++)
-        ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
+    for (unsigned int n = 0; n < 2; n++) {
+        if (twin->esc.latch_level[n] != (wiring->latch[n] != 0))
+            ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
+    }
     if (twin->esc.config.drift_ppb != wiring->drift_ppb)
         ect_esc_set_drift(&twin->esc, wiring->drift_ppb);
 }

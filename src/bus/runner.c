@@ -139,21 +139,22 @@ static void answer_with(ect_runner_t *r, ect_end_t out, const uint8_t *frame, si
     }
 }
 
-/* What the lots say. */
-static ect_fate_t draw(ect_runner_t *r, uint8_t *frame, size_t *length, uint64_t now_ns)
+/* Those that are set or to come, and the frames that they keep; NULL: there are none. */
+static ect_scenario_t *faults_of(const ect_runner_t *r)
 {
-    return r->scenario ? ect_scenario_frame(r->scenario, r->chain, frame, length, now_ns) : (ect_fate_t){0};
+    return r->scenario && !ect_scenario_rests(r->scenario) ? r->scenario : NULL;
 }
 
 /* Frames that were kept on a wire and go on now. */
 static void release_kept(ect_runner_t *r)
 {
     ect_kept_t *kept;
-    uint64_t due_ns = r->scenario ? ect_wires_due(&r->scenario->wires) : ECT_NEVER;
+    ect_scenario_t *faults = faults_of(r);
+    uint64_t due_ns = faults ? ect_wires_due(&faults->wires) : ECT_NEVER;
     if (due_ns == ECT_NEVER || due_ns > ect_runner_now())
         return;
     uint64_t now_ns = chain_now(r);
-    while ((kept = ect_wires_release(&r->scenario->wires, r->chain, now_ns))) {
+    while ((kept = ect_wires_release(&faults->wires, r->chain, now_ns))) {
         if (kept->end != ECT_END_NONE && r->late[kept->end].first) {
             keep(r, kept->end, kept->frame, kept->at.length, now_ns);
         } else if (kept->end != ECT_END_NONE) {
@@ -167,10 +168,12 @@ static void release_kept(ect_runner_t *r)
 static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
 {
     uint64_t came_ns = chain_now(r);
-    ect_fate_t fate = draw(r, frame, &length, came_ns);
+    ect_scenario_t *faults = faults_of(r);
+    ect_fate_t fate = {0};
+    if (faults)
+        fate = ect_scenario_frame(faults, r->chain, frame, &length, came_ns);
     ect_end_t out = fate.lose_request ? ECT_END_NONE : through(r, in, frame, length, came_ns);
-    ect_wires_result_t on_wires =
-        r->scenario ? ect_scenario_answer(r->scenario, &fate, frame, &length) : ECT_WIRES_PASSED;
+    ect_wires_result_t on_wires = faults ? ect_scenario_answer(faults, &fate, frame, &length) : ECT_WIRES_PASSED;
     if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
         r->stats.dropped++;
     else if (out != ECT_END_NONE)
@@ -262,7 +265,8 @@ static uint64_t run_devices(ect_runner_t *r)
     poll_devices(r, now_ns);
     r->resting = now_ns < r->rested_ns;
     uint64_t late_ns = ect_earlier(ect_late_due(&r->late[ECT_END_IN]), ect_late_due(&r->late[ECT_END_OUT]));
-    uint64_t fault_ns = r->scenario ? ect_scenario_tick(r->scenario, r->chain, r->polled_ns) : ECT_NEVER;
+    ect_scenario_t *faults = faults_of(r);
+    uint64_t fault_ns = faults ? ect_scenario_tick(faults, r->chain, r->polled_ns) : ECT_NEVER;
     return ect_earlier(ect_earlier(r->deadline_ns, fault_ns), ect_earlier(clients_due(r), late_ns));
 }
 

@@ -100,6 +100,12 @@ ect_wires_result_t ect_scenario_answer(const ect_scenario_t *s, const ect_fate_t
 /** The highest number of a slave in the script; 0: none is named. */
 uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);
 
+/** Whether nothing is set, nothing is to come and no frame is kept: frames need not be shown to it. */
+static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
+{
+    return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept;
+}
+
 /** The i-th fault of frames that is set, from 0, as text. @return whether there is one */
 bool ect_scenario_show(const ect_scenario_t *s, size_t i, char *text);
 
