@@ -3,13 +3,19 @@
 
 #include "wire/bytes.h"
 
-enum { SOURCE = 6, TYPE = 12, DATAGRAM = 16, DATA = DATAGRAM + 10, ETHERTYPE_ECAT = 0x88A4 };
+enum { SOURCE = 6, TYPE = 12, TAG = 4, DATAGRAM = 16, DATA = DATAGRAM + 10 };
+enum { ETHERTYPE_VLAN = 0x8100, ETHERTYPE_ECAT = 0x88A4 };
 
 typedef struct ect_circle_mark mark_t;
 
 /* @return false: no frame with a datagram in it */
 static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
 {
+    uint8_t source = length > SOURCE ? frame[SOURCE] : 0;
+    if (length >= DATA + TAG && ect_load_be16(frame + TYPE) == ETHERTYPE_VLAN) {
+        frame += TAG;
+        length -= TAG;
+    }
     if (length < DATA || ect_load_be16(frame + TYPE) != ETHERTYPE_ECAT)
         return false;
     uint16_t size = ect_load_le16(frame + DATAGRAM + 6) & 0x07FF;
@@ -20,7 +26,7 @@ static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
                     ect_load_le16(frame + DATAGRAM),
         .position = ect_load_le16(frame + DATAGRAM + 2),
         .working_counter = ect_load_le16(frame + DATA + size),
-        .source = frame[SOURCE],
+        .source = source,
     };
     return true;
 }

@@ -138,46 +138,60 @@ static void build(uint8_t frame[FRAME], uint8_t command, uint8_t index, uint16_t
     ect_store_le16(frame + 28, counter);
 }
 
-/* What comes is what left, with what the other end added. @return after how many rounds it is noticed, 0 never */
-static unsigned int go_round(ect_circle_t *circle, uint8_t command, uint16_t step, uint16_t count, uint64_t pause_ns)
+/* Frames that go round, and what each end adds to them. */
+typedef struct round {
+    const char *what;
+    uint8_t command;
+    uint16_t step, count;
+    bool tagged;
+} round_t;
+
+/* @return its length */
+static size_t build_round(uint8_t frame[FRAME + 4], const round_t *round, uint16_t position, uint16_t counter)
 {
-    uint8_t frame[FRAME];
+    build(frame, round->command, 5, position, counter);
+    if (!round->tagged)
+        return FRAME;
+    memmove(frame + 16, frame + 12, FRAME - 12);
+    ect_store_be16(frame + 12, 0x8100);
+    return FRAME + 4;
+}
+
+/* What comes is what left, with what the other end added. @return after how many rounds it is noticed, 0 never */
+static unsigned int go_round(ect_circle_t *circle, const round_t *what, uint64_t pause_ns)
+{
+    uint8_t frame[FRAME + 4];
     uint16_t position = 0;
     uint16_t counter = 0;
     for (unsigned int round = 1; round < 2000; round++) {
-        build(frame, command, 5, position, counter);
-        if (ect_circle_came(circle, frame, FRAME, round * pause_ns))
+        size_t length = build_round(frame, what, position, counter);
+        if (ect_circle_came(circle, frame, length, round * pause_ns))
             return round;
-        position = (uint16_t)(position + step);
-        counter = (uint16_t)(counter + count);
-        build(frame, command, 5, position, counter);
-        ect_circle_sent(circle, frame, FRAME);
-        position = (uint16_t)(position + step);
-        counter = (uint16_t)(counter + count);
+        position = (uint16_t)(position + what->step);
+        counter = (uint16_t)(counter + what->count);
+        length = build_round(frame, what, position, counter);
+        ect_circle_sent(circle, frame, length);
+        position = (uint16_t)(position + what->step);
+        counter = (uint16_t)(counter + what->count);
     }
     return 0;
 }
 
 static void circling_frames(void **state)
 {
-    static const struct {
-        const char *what;
-        uint8_t command;
-        uint16_t step, count;
-    } cases[] = {
-        {"a broadcast that both ends count", BRD, 3, 3},
-        {"one for a slave that answers", FPRD, 0, 1},
-        {"one that nobody answers", FPRD, 0, 0},
-        {"process data", LRW, 0, 3},
+    static const round_t cases[] = {
+        {"a broadcast that both ends count", BRD, 3, 3, false}, {"one for a slave that answers", FPRD, 0, 1, false},
+        {"one that nobody answers", FPRD, 0, 0, false},         {"process data", LRW, 0, 3, false},
+        {"process data, with a VLAN tag", LRW, 0, 3, true},
     };
     (void)state;
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         ect_circle_t circle = {0};
-        unsigned int round = go_round(&circle, cases[c].command, cases[c].step, cases[c].count, 30 * US);
+        unsigned int round = go_round(&circle, &cases[c], 30 * US);
         if (round != ECT_CIRCLE_MOST + 2) /* the first one comes from the master */
             fail_msg("%s: expected to be noticed in round %d, got %u", cases[c].what, ECT_CIRCLE_MOST + 2, round);
         ect_circle_t slow = {0};
-        assert_int_equal(go_round(&slow, cases[c].command, cases[c].step, cases[c].count, 1 * MS), 0);
+        assert_int_equal(go_round(&slow, &cases[c], 1 * MS), 0);
     }
 }
 
