@@ -62,6 +62,7 @@ static void take_words(ect_esc_t *esc, const uint8_t *words, bool power_on)
     memcpy(reg(esc, ECT_REG_PDI_INFORMATION_2), words + 12, 2);
     if (power_on)
         memcpy(reg(esc, ECT_REG_STATION_ALIAS), words + 8, 2);
+    ect_esc_sync_moved(esc); /* which pulses are events, and how long they are, may be otherwise */
 }
 
 /* What follows for the rest of the chip once it is known whether there is a configuration. */

@@ -209,6 +209,23 @@ static void not_an_event(void **state)
     assert_int_equal(read_number(r, ECT_REG_DC_START_TIME, 8), 5500);
 }
 
+static void event_by_reload(void **state)
+{
+    rig_t *r = *state;
+    power_on(r, 0);
+    start(r, 500, 1000);
+    r->sii[3] = 0x08;
+    write_number(r, ECT_REG_SII_CONTROL, 0x0400, 2);
+    uint64_t done_ns = ect_esc_tick(&r->esc, r->w.now_ns);
+    uint64_t pulse_ns = ect_esc_tick(&r->esc, done_ns);
+    assert_in_range(pulse_ns, done_ns + 1, done_ns + 1000);
+    assert_int_equal((pulse_ns - START_NS) % 1000, 500);
+    acknowledge(r); /* those that nobody was told of */
+    expect_event(r, "before the pulse", false);
+    (void)ect_esc_tick(&r->esc, pulse_ns);
+    expect_event(r, "after the reload", true);
+}
+
 static void reference_clock(void **state)
 {
     (void)state;
@@ -236,6 +253,7 @@ int main(int argc, char **argv)
         TEST("CF-089: SYNC0 comes at the start time, then on the grid, and stays until it is acknowledged", sync0),
         TEST("CF-089: cycle 0 is a single shot", single_shot),
         TEST("CF-089: a start time that has passed is never reached", start_in_the_past),
+        TEST("CF-056 CF-089: a reload that makes an event of SYNC0 finds its next pulse", event_by_reload),
         TEST("CF-089: without 0x0151 bit 3 SYNC0 wakes nobody, and its next time is shown all the same", not_an_event),
     };
     if (argc > 1)
