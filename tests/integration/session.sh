@@ -251,6 +251,13 @@ example_masters_at_the_wrong_place() {
   "$ectwin" with vr-bu-ect-map7 -- "$masters/ectwin-plc" {} >/dev/null 2>"$work/err"
   check "plc: a base unit" 3 $?
   says "plc" "is no FZM1"
+  for option in "ectwin-controller --seconds 1s" "ectwin-controller --periodic 51201" "ectwin-plc --scene 0x1" \
+    "ectwin-plc --measurements -1"; do
+    # shellcheck disable=SC2086
+    "$masters"/$option lo 2>"$work/err"
+    check "$option: no number" 1 $?
+    says "$option" "takes a number up to"
+  done
   for master in "ectwin-controller --seconds 1" ectwin-plc; do
     # shellcheck disable=SC2086
     "$masters"/$master nosuch 2>"$work/err"

@@ -23,6 +23,7 @@
 
 #include "bu_controller.h"
 #include "ethercat.h"
+#include "number.h"
 #include "open_bus.h"
 
 #define GIVE_UP_NS 2000000000ull /* without an answer: the slave has to be found anew */
@@ -237,12 +238,20 @@ static int control(const settings_t *s)
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     settings_t *s = state->input;
-    unsigned int *numbers[] = {&s->seconds, &s->restart_every, &s->commands, &s->periodic, &s->seed};
-    static const char keys[] = "srcpe";
-    const char *found = key > 0 && key < 128 ? strchr(keys, key) : NULL;
-    if (found) {
-        *numbers[found - keys] = (unsigned int)strtoul(text, NULL, 0);
-        return 0;
+    const struct {
+        int key;
+        const char *option;
+        unsigned int *value, most;
+    } numbers[] = {{'s', "--seconds", &s->seconds, 1000000},
+                   {'r', "--restart-every", &s->restart_every, 1000000},
+                   {'c', "--commands", &s->commands, INT32_MAX},
+                   {'p', "--periodic", &s->periodic, sizeof screen},
+                   {'e', "--seed", &s->seed, INT32_MAX}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (key == numbers[i].key) {
+            *numbers[i].value = number_of(state, numbers[i].option, text, numbers[i].most);
+            return 0;
+        }
     }
     if (key == 'k') {
         s->counters = text;
@@ -252,8 +261,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
         s->iface = text;
         return 0;
     }
-    if (key == ARGP_KEY_END && (!s->iface || s->periodic > sizeof screen))
-        argp_error(state, s->iface ? "--periodic takes 0 to 51200" : "name the interface");
+    if (key == ARGP_KEY_END && !s->iface)
+        argp_error(state, "name the interface");
     return ARGP_ERR_UNKNOWN;
 }
 

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "number.h"
 #include "open_bus.h"
 #include "probe.h"
 
@@ -33,14 +34,13 @@ static const struct argp_option options[] = {
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     args_t *args = state->input;
-    char *end = text;
     switch (key) {
     case 'i':
         args->iface = text;
         return 0;
     case 'n':
-        args->slave = strtoul(text, &end, 10);
-        if (end == text || *end != '\0' || args->slave < 1 || args->slave > EC_MAXSLAVE - 1)
+        args->slave = number_of(state, "-n", text, EC_MAXSLAVE - 1);
+        if (args->slave == 0)
             argp_error(state, "-n takes the number of a slave, 1 to %d, not '%s'", EC_MAXSLAVE - 1, text);
         return 0;
     case 's':

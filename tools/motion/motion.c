@@ -21,6 +21,7 @@
 #include "axis.h"
 #include "csv.h"
 #include "ethercat.h"
+#include "number.h"
 #include "open_bus.h"
 
 enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3 };
@@ -159,15 +160,6 @@ static double real(const struct argp_state *state, const char *name, const char 
     return value;
 }
 
-static unsigned int number(const struct argp_state *state, const char *name, const char *text, unsigned int most)
-{
-    char *end;
-    unsigned long value = strtoul(text, &end, 10);
-    if (end == text || *end != 0 || *text == '-' || value > most)
-        argp_error(state, "%s takes a number up to %u, not '%s'", name, most, text);
-    return (unsigned int)value;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     settings_t *s = state->input;
@@ -182,10 +174,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         s->acceleration = real(state, "--acceleration", text, UINT32_MAX);
         return 0;
     case 'm':
-        s->method = (uint8)number(state, "--method", text, INT8_MAX);
+        s->method = (uint8)number_of(state, "--method", text, INT8_MAX);
         return 0;
     case 'c':
-        s->cycle_us = number(state, "--cycle-us", text, 2500);
+        s->cycle_us = number_of(state, "--cycle-us", text, 2500);
         return 0;
     case 'd':
         s->dc = true;

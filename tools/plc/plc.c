@@ -15,6 +15,7 @@
 
 #include "ethercat.h"
 #include "fzm1_plc.h"
+#include "number.h"
 #include "open_bus.h"
 
 enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3, PATIENCE_S = 20 };
@@ -159,33 +160,24 @@ static int run(const settings_t *s)
     return good ? 0 : EXIT_FAILED;
 }
 
-static unsigned int number(const struct argp_state *state, const char *text)
-{
-    char *end;
-    unsigned long value = strtoul(text, &end, 0);
-    if (end == text || *end != 0 || *text == '-' || value > 4000000000u)
-        argp_error(state, "'%s' is not a number", text);
-    return (unsigned int)value;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     settings_t *s = state->input;
     switch (key) {
     case 'm':
-        s->measurements = number(state, text);
+        s->measurements = number_of(state, "--measurements", text, UINT32_MAX);
         return 0;
     case 'h':
         s->handshaking = true;
         return 0;
     case 'n':
-        s->scene = number(state, text);
+        s->scene = number_of(state, "--scene", text, INT32_MAX);
         return 0;
     case 'd':
-        s->dc_ns = number(state, text);
+        s->dc_ns = number_of(state, "--dc", text, UINT32_MAX);
         return 0;
     case 'c':
-        s->cycle_us = number(state, text);
+        s->cycle_us = number_of(state, "--cycle-us", text, 1000000);
         return 0;
     case ARGP_KEY_ARG:
         if (s->iface)
