@@ -32,13 +32,13 @@ enum {
     SLOT = 4096, /* of shared memory: holds any frame of EtherCAT, and what the kernel writes before it */
     SLOTS = 128,
     BLOCK = 65536,
-    PATIENCE_US = 4000, /* the kernel counts it in ticks, of which the longest are 10 ms */
 };
 
 /* A process that was held up finds frames that its master has long given up. Answered, they would be taken for answers
  * to newer ones (SOEM tells them apart by 4 bits), and the master would stay that far behind. A wire does not store
  * frames. */
 #define STALE_NS 5000000
+#define NS_PER_S 1000000000ull
 
 #ifndef PACKET_IGNORE_OUTGOING
 #define PACKET_IGNORE_OUTGOING 23
@@ -95,12 +95,18 @@ static int check_interface(ect_packet_t *port, char *message)
     return 0;
 }
 
-/* Of all frames those with this EtherType (where it stands once the kernel has taken a tag out), or none. */
-static int filter(int fd, uint32_t type)
+/* Of all frames those with this EtherType (where it stands once the kernel has taken a tag out), or none: with as many
+ * tags as that, 0 or 1. */
+static int filter(int fd, uint32_t type, uint32_t least_tags, uint32_t most_tags)
 {
+    const uint32_t tags = (uint32_t)(SKF_AD_OFF + SKF_AD_VLAN_TAG_PRESENT);
     struct sock_filter program[] = {BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 12),
-                                    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, type, 0, 1),
-                                    BPF_STMT(BPF_RET | BPF_K, UINT32_MAX), BPF_STMT(BPF_RET | BPF_K, 0)};
+                                    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, type, 0, 4),
+                                    BPF_STMT(BPF_LD | BPF_B | BPF_ABS, tags),
+                                    BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, least_tags, 0, 2),
+                                    BPF_JUMP(BPF_JMP | BPF_JGT | BPF_K, most_tags, 1, 0),
+                                    BPF_STMT(BPF_RET | BPF_K, UINT32_MAX),
+                                    BPF_STMT(BPF_RET | BPF_K, 0)};
     const struct sock_fprog all = {.len = sizeof program / sizeof program[0], .filter = program};
     return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &all, sizeof all);
 }
@@ -112,39 +118,74 @@ static int claim(ect_packet_t *port)
     const struct sockaddr_ll address = {
         .sll_family = AF_PACKET, .sll_protocol = htons(ETHERTYPE_CLAIM), .sll_ifindex = (int)port->index};
     port->claim_fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
-    return port->claim_fd >= 0 && filter(port->claim_fd, NOTHING) == 0
+    return port->claim_fd >= 0 && filter(port->claim_fd, NOTHING, 0, 0) == 0
                ? bind(port->claim_fd, (const struct sockaddr *)&address, sizeof address)
                : -1;
 }
 
-/* To all frames: one for EtherCAT alone gets tagged ones without their tags. */
+/* The kernel counts in ticks, and says how long one is when the shortest time is asked for. The last may be late. */
+static uint64_t make_patient(int fd)
+{
+    struct timeval tick = {.tv_usec = 1};
+    socklen_t size = sizeof tick;
+    bool good = setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &tick, sizeof tick) == 0 &&
+                getsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &tick, &size) == 0;
+    return good ? 2000ull * (uint64_t)tick.tv_usec : 0;
+}
+
+/* To all frames: one for EtherCAT alone gets tagged ones without their tags. Nothing arrives before the bind. */
+static int bind_to_all(const ect_packet_t *port, int fd, uint32_t tags)
+{
+    const struct sockaddr_ll address = {
+        .sll_family = AF_PACKET, .sll_protocol = htons(ETH_P_ALL), .sll_ifindex = (int)port->index};
+    const int on = 1;
+    return filter(fd, ETHERTYPE_ECAT, tags, tags) == 0 &&
+                   setsockopt(fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) == 0
+               ? bind(fd, (const struct sockaddr *)&address, sizeof address)
+               : -1;
+}
+
+/* Frames with a tag have a socket of their own: asking for tags makes each frame dearer. The kernel hands a frame to
+ * the socket that was bound last before the others, and spares the first one a copy. */
+static bool bind_both(ect_packet_t *port)
+{
+    const int on = 1;
+    port->tagged_fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
+    return port->tagged_fd >= 0 && bind_to_all(port, port->fd, 0) == 0 && bind_to_all(port, port->tagged_fd, 1) == 0 &&
+           setsockopt(port->tagged_fd, SOL_PACKET, PACKET_AUXDATA, &on, sizeof on) == 0;
+}
+
+/* Nanoseconds since then; 0 when the clock was set meanwhile. */
+static uint64_t since(const struct timespec *came)
+{
+    struct timespec now;
+    if (clock_gettime(CLOCK_REALTIME, &now) < 0)
+        return 0;
+    int64_t waited = (now.tv_sec - came->tv_sec) * (int64_t)NS_PER_S + (now.tv_nsec - came->tv_nsec);
+    return waited > 0 ? (uint64_t)waited : 0;
+}
+
+/* How long ago that frame had arrived that was received last. The kernel keeps such times from the first call on. */
+static uint64_t age(int fd)
+{
+    struct timespec came;
+    return ioctl(fd, SIOCGSTAMPNS, &came) == 0 ? since(&came) : 0;
+}
+
 static int bind_to(ect_packet_t *port, char *message)
 {
     port->index = if_nametoindex(port->iface);
-    int index = (int)port->index;
-    struct sockaddr_ll address = {.sll_family = AF_PACKET, .sll_protocol = htons(ETH_P_ALL), .sll_ifindex = index};
-    struct packet_mreq promiscuous = {.mr_ifindex = index, .mr_type = PACKET_MR_PROMISC};
-    int on = 1;
-    if (claim(port) < 0 || filter(port->fd, ETHERTYPE_ECAT) < 0 ||
-        bind(port->fd, (const struct sockaddr *)&address, sizeof address) < 0 ||
-        setsockopt(port->fd, SOL_PACKET, PACKET_ADD_MEMBERSHIP, &promiscuous, sizeof promiscuous) < 0) {
-        snprintf(message, ECT_PACKET_MESSAGE, "binding to '%s' failed: %s", port->iface, strerror(errno));
-        return -1;
+    struct packet_mreq promiscuous = {.mr_ifindex = (int)port->index, .mr_type = PACKET_MR_PROMISC};
+    if (claim(port) == 0 && bind_both(port) &&
+        setsockopt(port->fd, SOL_PACKET, PACKET_ADD_MEMBERSHIP, &promiscuous, sizeof promiscuous) == 0) {
+        port->patience_ns = make_patient(port->fd);
+        (void)age(port->fd);
+        (void)age(port->tagged_fd);
+        return 0;
     }
-    const struct timeval patience = {.tv_usec = PATIENCE_US};
-    port->patient = setsockopt(port->fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) == 0;
-    if (setsockopt(port->fd, SOL_PACKET, PACKET_AUXDATA, &on, sizeof on) < 0 ||
-        setsockopt(port->fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) < 0) {
-        snprintf(message, ECT_PACKET_MESSAGE, "asking for what is known of each frame on '%s' failed: %s", port->iface,
-                 strerror(errno));
-        return -1;
-    }
-    if (setsockopt(port->fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0) {
-        snprintf(message, ECT_PACKET_MESSAGE,
-                 "this kernel lacks PACKET_IGNORE_OUTGOING: Linux 4.20 or newer is needed");
-        return -1;
-    }
-    return 0;
+    snprintf(message, ECT_PACKET_MESSAGE, "binding to '%s' failed: %s%s", port->iface, strerror(errno),
+             errno == ENOPROTOOPT ? "; Linux 4.20 or newer is needed, for PACKET_IGNORE_OUTGOING" : "");
+    return -1;
 }
 
 /* Two that answer on one interface would destroy each other's frames. The kernel's list of packet sockets cannot be
@@ -171,13 +212,13 @@ static int only_one(const ect_packet_t *port, char *message)
 int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
 {
     memset(port, 0, sizeof *port);
-    port->claim_fd = -1;
+    port->claim_fd = port->tagged_fd = -1;
     if (strlen(iface) >= sizeof port->iface) {
         snprintf(message, ECT_PACKET_MESSAGE, "'%s' is no interface name: they have at most 15 characters", iface);
         return -1;
     }
     memcpy(port->iface, iface, strlen(iface) + 1);
-    port->fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0); /* nothing arrives before the bind */
+    port->fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
     if (port->fd < 0) {
         explain_socket(iface, message);
         return -1;
@@ -198,17 +239,16 @@ void ect_packet_close(ect_packet_t *port)
     close(port->fd);
     if (port->claim_fd >= 0)
         close(port->claim_fd);
-    port->fd = port->claim_fd = -1;
+    if (port->tagged_fd >= 0)
+        close(port->tagged_fd);
+    port->fd = port->tagged_fd = port->claim_fd = -1;
 }
 
-/* Nanoseconds since then; 0 when the clock was set meanwhile. */
-static uint64_t age(const struct timespec *came)
+static uint64_t monotonic(void)
 {
     struct timespec now;
-    if (clock_gettime(CLOCK_REALTIME, &now) < 0)
-        return 0;
-    int64_t waited = (now.tv_sec - came->tv_sec) * 1000000000 + (now.tv_nsec - came->tv_nsec);
-    return waited > 0 ? (uint64_t)waited : 0;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * NS_PER_S + (uint64_t)now.tv_nsec;
 }
 
 static bool another_waits(int fd)
@@ -258,11 +298,15 @@ bool ect_packet_share(ect_packet_t *port)
         setsockopt(port->fd, SOL_PACKET, PACKET_RX_RING, &slots, sizeof slots) < 0)
         return false;
     void *shared = mmap(NULL, SLOT * SLOTS, PROT_READ | PROT_WRITE, MAP_SHARED, port->fd, 0);
-    if (shared != MAP_FAILED)
-        port->shared = shared;
-    else
+    if (shared == MAP_FAILED) {
         (void)setsockopt(port->fd, SOL_PACKET, PACKET_RX_RING, &none, sizeof none);
-    return port->shared != NULL;
+        return false;
+    }
+    port->shared = shared; /* where tags are told for nothing */
+    (void)filter(port->fd, ETHERTYPE_ECAT, 0, 1);
+    close(port->tagged_fd);
+    port->tagged_fd = -1;
+    return true;
 }
 
 static struct tpacket2_hdr *slot_of(const ect_packet_t *port)
@@ -283,7 +327,7 @@ static ssize_t nothing_shared(ect_packet_t *port)
     return why_nothing(port);
 }
 
-static ssize_t receive_shared(ect_packet_t *port, uint8_t *frame, size_t room, uint64_t *waited_ns)
+static ssize_t receive_shared(ect_packet_t *port, uint8_t *frame, size_t room, ect_packet_time_t *time)
 {
     struct tpacket2_hdr *slot = slot_of(port);
     if (!is_full(slot))
@@ -295,43 +339,56 @@ static ssize_t receive_shared(ect_packet_t *port, uint8_t *frame, size_t room, u
     memcpy(frame, (const uint8_t *)slot + slot->tp_mac, slot->tp_snaplen < room ? slot->tp_snaplen : room);
     __atomic_store_n(&slot->tp_status, TP_STATUS_KERNEL, __ATOMIC_RELEASE);
     port->slot = (port->slot + 1) % SLOTS;
-    *waited_ns = age(&came);
+    *time = (ect_packet_time_t){.now_ns = monotonic(), .waited_ns = since(&came)};
     length = put_tag_back(&known, frame, room, length);
-    return *waited_ns > STALE_NS && is_full(slot_of(port)) ? ECT_PACKET_STALE : length;
+    return time->waited_ns > STALE_NS && is_full(slot_of(port)) ? ECT_PACKET_STALE : length;
 }
 
 /* --- a frame there and back --------------------------------------------------------------------------------------- */
 
-/* What the kernel knows of a frame beside its bytes. @return its length, with its tag */
-static ssize_t take_known(struct msghdr *message, uint8_t *frame, size_t room, ssize_t length, uint64_t *waited_ns)
+static ssize_t receive_tagged(ect_packet_t *port, uint8_t *frame, size_t room)
 {
-    struct tpacket_auxdata auxiliary;
-    struct timespec came;
-    *waited_ns = 0;
-    for (struct cmsghdr *one = CMSG_FIRSTHDR(message); one; one = CMSG_NXTHDR(message, one)) {
+    _Alignas(struct cmsghdr) char known[256];
+    struct tpacket_auxdata tag;
+    struct iovec part = {.iov_base = frame, .iov_len = room};
+    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
+    ssize_t length = recvmsg(port->tagged_fd, &message, MSG_TRUNC | MSG_DONTWAIT);
+    if (length < 0)
+        return length;
+    port->patience_ns = 0; /* who waits for frames without a tag does not see those with one */
+    for (struct cmsghdr *one = CMSG_FIRSTHDR(&message); one; one = CMSG_NXTHDR(&message, one)) {
         if (one->cmsg_level == SOL_PACKET && one->cmsg_type == PACKET_AUXDATA) {
-            memcpy(&auxiliary, CMSG_DATA(one), sizeof auxiliary);
-            length = put_tag_back(&auxiliary, frame, room, length);
-        } else if (one->cmsg_level == SOL_SOCKET && one->cmsg_type == SO_TIMESTAMPNS) {
-            memcpy(&came, CMSG_DATA(one), sizeof came);
-            *waited_ns = age(&came);
+            memcpy(&tag, CMSG_DATA(one), sizeof tag);
+            length = put_tag_back(&tag, frame, room, length);
         }
     }
     return length;
 }
 
-ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns)
+static void take_time(ect_packet_t *port, int fd, ect_packet_time_t *time)
 {
-    _Alignas(struct cmsghdr) char known[256];
-    struct iovec part = {.iov_base = frame, .iov_len = room};
-    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = known, .msg_controllen = sizeof known};
+    *time = (ect_packet_time_t){.now_ns = monotonic()};
+    if (fd == port->fd && time->now_ns - port->came_ns <= ECT_PACKET_ASK_NS)
+        return;
+    time->waited_ns = age(fd);
+    if (fd == port->fd)
+        port->came_ns = time->now_ns - time->waited_ns;
+}
+
+ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time)
+{
+    int fd = port->fd;
     if (port->shared)
-        return receive_shared(port, frame, room, waited_ns);
-    ssize_t length = recvmsg(port->fd, &message, MSG_TRUNC | (wait ? 0 : MSG_DONTWAIT));
+        return receive_shared(port, frame, room, time);
+    ssize_t length = recv(fd, frame, room, MSG_TRUNC | (wait ? 0 : MSG_DONTWAIT));
+    if (length < 0 && errno == EAGAIN && !wait && port->tagged_fd >= 0) {
+        fd = port->tagged_fd;
+        length = receive_tagged(port, frame, room);
+    }
     if (length < 0)
         return why_nothing(port);
-    length = take_known(&message, frame, room, length, waited_ns);
-    return *waited_ns > STALE_NS && another_waits(port->fd) ? ECT_PACKET_STALE : length;
+    take_time(port, fd, time);
+    return time->waited_ns > STALE_NS && another_waits(fd) ? ECT_PACKET_STALE : length;
 }
 
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length)

@@ -17,16 +17,24 @@ ECT_C_BEGIN
 
 /** An open port. Members are read only for others. */
 typedef struct ect_packet {
-    int fd;
+    int fd;             /**< readable when a frame without a VLAN tag has come */
+    int tagged_fd;      /**< when one with a tag has; -1: `fd` stands for both */
     int claim_fd;       /**< shows others that the interface is ours */
     unsigned int index; /**< of the interface */
     char iface[16];
-    bool was_down;      /**< we brought the interface up and take it down again */
-    bool patient;       /**< ::ect_packet_receive can wait */
-    uint8_t *shared;    /**< of ::ect_packet_share; NULL: not called */
-    unsigned int slot;  /**< where the next frame will be in it */
-    unsigned int looks; /**< that found none */
+    bool was_down;        /**< we brought the interface up and take it down again */
+    uint64_t patience_ns; /**< how long ::ect_packet_receive waits at most, if it is to; 0: it cannot */
+    uint8_t *shared;      /**< of ::ect_packet_share; NULL: not called */
+    unsigned int slot;    /**< where the next frame will be in it */
+    unsigned int looks;   /**< that found none */
+    uint64_t came_ns;     /**< when a frame had come; those that are yet to be received from `fd` came later */
 } ect_packet_t;
+
+/** When a frame was received, and how long before that it had arrived. */
+typedef struct ect_packet_time {
+    uint64_t now_ns;    /**< CLOCK_MONOTONIC, after it was received */
+    uint64_t waited_ns; /**< since its arrival at the interface; 0 may also stand for less than ECT_PACKET_ASK_NS */
+} ect_packet_time_t;
 
 /** Room for a message of ::ect_packet_open. */
 enum { ECT_PACKET_MESSAGE = 512 };
@@ -53,19 +61,20 @@ void ect_packet_close(ect_packet_t *port);
  */
 bool ect_packet_share(ect_packet_t *port);
 
-/** How long ::ect_packet_receive waits at most. */
-#define ECT_PACKET_PATIENCE_NS 20000000ull
+/** The kernel is asked when a frame arrived, unless it cannot have been longer ago than this: frames come in order. */
+#define ECT_PACKET_ASK_NS 200000ull
 
 /**
  * Takes a frame that has arrived. A VLAN tag stands in it as it was on the wire. Frames that have waited
- * for more than 5 ms while newer ones came are dropped. One system call, and a look at the clock.
- * @param wait  for a frame, a few milliseconds, never longer than ECT_PACKET_PATIENCE_NS; false, and always after
- * ::ect_packet_share: takes what is there
- * @param[out] waited_ns  how long ago it arrived; unchanged without a frame
+ * for more than 5 ms while newer ones came are dropped. One system call, a second one every ECT_PACKET_ASK_NS, and a
+ * look at the clock.
+ * @param wait  for a frame without a tag, never longer than ect_packet_t::patience_ns, some milliseconds; false, and
+ * always after ::ect_packet_share: takes what is there
+ * @param[out] time  unchanged without a frame
  * @return its length on the wire, which may exceed `room` (the frame is then cut) · ECT_PACKET_NONE · ECT_PACKET_STALE
  * one was dropped · ECT_PACKET_GONE the interface is gone (errno)
  */
-ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, uint64_t *waited_ns);
+ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time);
 
 /** Whether a cable is in: the interface is up and has a carrier. One system call. */
 bool ect_packet_has_link(const ect_packet_t *port);

@@ -19,11 +19,15 @@ uint64_t ect_runner_now(void)
     return (uint64_t)now.tv_sec * NS_PER_S + (uint64_t)now.tv_nsec;
 }
 
-/* What the loop waits for: a frame at each end, a signal, a cable, users at the control socket, Modbus clients. */
-enum { SIGNAL_FD = ECT_ENDS, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
+/* What the loop waits for: a frame at each end, without a VLAN tag or with one, a signal, a cable, users at the control
+ * socket, Modbus clients. */
+enum { TAGGED_FD = ECT_ENDS, SIGNAL_FD = 2 * ECT_ENDS, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
 
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
+
+/* How long frames alone are waited for, until others are looked at. */
+enum { FRAMES_ALONE_NS = 500000 };
 
 /* How long frames are looked for in a row, without waiting, until others are looked at (--busy-poll). */
 enum { SPIN_NS = 100000 };
@@ -34,8 +38,11 @@ enum { CATCH_UP = 64 };
 /* Also where it is interrupted, `fds` says what has come: nothing. */
 static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
 {
-    for (unsigned int end = 0; end < ECT_ENDS; end++)
-        fds[end] = (struct pollfd){.fd = r->ports[end] ? r->ports[end]->fd : -1, .events = POLLIN};
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        const ect_packet_t *port = r->ports[end];
+        fds[end] = (struct pollfd){.fd = port ? port->fd : -1, .events = POLLIN};
+        fds[TAGGED_FD + end] = (struct pollfd){.fd = port ? port->tagged_fd : -1, .events = POLLIN};
+    }
     fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
     fds[CONTROL_FD] =
@@ -91,10 +98,15 @@ static bool circles(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t
     return true;
 }
 
-/* The time at which the chain is touched: the devices run at it first. */
-static uint64_t chain_now(ect_runner_t *r)
+/* The chain is touched at that time: the devices run at it first. */
+static void touch(ect_runner_t *r, uint64_t now_ns)
 {
-    r->polled_ns = r->touched_ns = ect_runner_now();
+    r->polled_ns = r->touched_ns = now_ns;
+}
+
+static uint64_t touch_now(ect_runner_t *r)
+{
+    touch(r, ect_runner_now());
     return r->touched_ns;
 }
 
@@ -125,17 +137,17 @@ static void send_with_others(ect_runner_t *r, ect_end_t end, const uint8_t *fram
 
 /* An answer, on its way out: at once, late, or behind the next one. */
 static void answer_with(ect_runner_t *r, ect_end_t out, const uint8_t *frame, size_t length, const ect_fate_t *fate,
-                        uint64_t came_ns, uint64_t waited_ns)
+                        const ect_packet_time_t *time)
 {
     if (fate->behind_next) {
         if (!ect_late_add(&r->behind[out], frame, length, 0))
             r->stats.dropped++;
     } else if (fate->delay_us > 0 || r->late[out].first) {
-        keep(r, out, frame, length, came_ns + 1000ull * fate->delay_us);
+        keep(r, out, frame, length, time->now_ns + 1000ull * fate->delay_us);
     } else {
         send_with_others(r, out, frame, length, fate->twice);
         r->answered_ns = ect_runner_now();
-        ect_stats_answer(&r->stats, waited_ns + (r->answered_ns - came_ns));
+        ect_stats_answer(&r->stats, time->waited_ns + (r->answered_ns - time->now_ns));
     }
 }
 
@@ -153,7 +165,7 @@ static void release_kept(ect_runner_t *r)
     uint64_t due_ns = faults ? ect_wires_due(&faults->wires) : ECT_NEVER;
     if (due_ns == ECT_NEVER || due_ns > ect_runner_now())
         return;
-    uint64_t now_ns = chain_now(r);
+    uint64_t now_ns = touch_now(r);
     while ((kept = ect_wires_release(&faults->wires, r->chain, now_ns))) {
         if (kept->end != ECT_END_NONE && r->late[kept->end].first) {
             keep(r, kept->end, kept->frame, kept->at.length, now_ns);
@@ -165,19 +177,19 @@ static void release_kept(ect_runner_t *r)
     }
 }
 
-static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t waited_ns)
+static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, const ect_packet_time_t *time)
 {
-    uint64_t came_ns = chain_now(r);
+    touch(r, time->now_ns);
     ect_scenario_t *faults = faults_of(r);
     ect_fate_t fate = {0};
     if (faults)
-        fate = ect_scenario_frame(faults, r->chain, frame, &length, came_ns);
-    ect_end_t out = fate.lose_request ? ECT_END_NONE : through(r, in, frame, length, came_ns);
+        fate = ect_scenario_frame(faults, r->chain, frame, &length, time->now_ns);
+    ect_end_t out = fate.lose_request ? ECT_END_NONE : through(r, in, frame, length, time->now_ns);
     ect_wires_result_t on_wires = faults ? ect_scenario_answer(faults, &fate, frame, &length) : ECT_WIRES_PASSED;
     if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
         r->stats.dropped++;
     else if (out != ECT_END_NONE)
-        answer_with(r, out, frame, length, &fate, came_ns, waited_ns);
+        answer_with(r, out, frame, length, &fate, time);
     else if (on_wires == ECT_WIRES_KEEP)
         r->stats.delayed++;
     else
@@ -186,9 +198,10 @@ static void pass(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, u
 }
 
 /* Longer than any frame of EtherCAT, and its end was not even kept: the controllers count it, and nobody answers. */
-static void refuse_long(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length)
+static void refuse_long(ect_runner_t *r, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
-    (void)ect_chain_pass(r->chain, in, frame, length, chain_now(r));
+    touch(r, now_ns);
+    (void)ect_chain_pass(r->chain, in, frame, length, now_ns);
     r->stats.unanswered++;
 }
 
@@ -204,8 +217,8 @@ static void follow_cables(ect_runner_t *r)
 static int answer(ect_runner_t *r, ect_end_t in, bool wait)
 {
     uint8_t frame[FRAME_ROOM];
-    uint64_t waited_ns = 0;
-    ssize_t length = ect_packet_receive(r->ports[in], wait, frame, sizeof frame, &waited_ns);
+    ect_packet_time_t time;
+    ssize_t length = ect_packet_receive(r->ports[in], wait, frame, sizeof frame, &time);
     if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)
         return (int)length;
     if (!r->linked[in])
@@ -214,9 +227,9 @@ static int answer(ect_runner_t *r, ect_end_t in, bool wait)
     if (length == ECT_PACKET_STALE)
         r->stats.stale++;
     else if ((size_t)length > sizeof frame)
-        refuse_long(r, in, frame, (size_t)length);
+        refuse_long(r, in, frame, (size_t)length, time.now_ns);
     else if (!circles(r, in, frame, (size_t)length, r->polled_ns))
-        pass(r, in, frame, (size_t)length, waited_ns);
+        pass(r, in, frame, (size_t)length, &time);
     return 1;
 }
 
@@ -285,21 +298,22 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
     r->frames_first = 0;
     r->modbus_next = control && !(modbus && r->modbus_next); /* they take turns */
     if (r->modbus_next)
-        ect_control_serve(r->control, r->chain, chain_now(r));
+        ect_control_serve(r->control, r->chain, touch_now(r));
     else
-        ect_modbus_server_serve(r->modbus, r->chain, chain_now(r));
+        ect_modbus_server_serve(r->modbus, r->chain, touch_now(r));
     r->rested_ns = ect_runner_now() + r->control_rest_ns;
 }
 
 /*
  * While frames come, the next one is waited for in the call that receives it: that is the shortest way to an answer.
- * All others, users and signals, are looked at after so many frames, and when none has come for a few milliseconds.
+ * All others, users and signals, are looked at every half millisecond, and when none has come for a while.
  */
 static bool may_linger(const ect_runner_t *r, uint64_t wake_ns)
 {
-    bool one_end = r->ports[ECT_END_IN] && !r->ports[ECT_END_OUT];
-    bool waits = one_end && r->row > 0 && r->ports[ECT_END_IN]->patient;
-    return (one_end && r->busy_poll) || (waits && wake_ns > r->polled_ns + ECT_PACKET_PATIENCE_NS);
+    const ect_packet_t *port = r->ports[ECT_END_IN];
+    if (!port || r->ports[ECT_END_OUT])
+        return false;
+    return r->busy_poll || (r->frames_come && port->patience_ns != 0 && wake_ns > r->polled_ns + port->patience_ns);
 }
 
 /* @return as answer() */
@@ -319,8 +333,9 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
 {
     bool frame = false;
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
-        frame |= fds[end].revents != 0;
-        if (fds[end].revents != 0 && answer(r, end, false) < 0)
+        bool came = fds[end].revents != 0 || fds[TAGGED_FD + end].revents != 0;
+        frame |= came;
+        if (came && answer(r, end, false) < 0)
             return -1;
     }
     if (fds[LINK_FD].revents != 0) {
@@ -340,18 +355,17 @@ static int go_round(ect_runner_t *r)
     struct pollfd fds[WAITABLE];
     uint64_t wake_ns = run_devices(r);
     bool lingers = may_linger(r, wake_ns);
-    if (lingers && r->row < FRAMES_FIRST) {
+    if (lingers && r->polled_ns - r->looked_ns < FRAMES_ALONE_NS) {
         int came = linger(r, wake_ns);
-        if (came != 0) {
-            r->row++;
+        if (came != 0)
             return came;
-        }
         lingers = r->busy_poll;
+    } else if (lingers) {
+        r->frames_first = FRAMES_FIRST; /* others have waited long enough */
     }
-    if (r->row >= FRAMES_FIRST)
-        r->frames_first = FRAMES_FIRST;
     int ready = wait_for(r, fds, lingers ? 0 : wake_ns);
-    r->row = lingers || fds[ECT_END_IN].revents != 0 ? 1 : 0;
+    r->looked_ns = r->polled_ns;
+    r->frames_come = lingers || fds[ECT_END_IN].revents != 0;
     return ready < 0 && errno != EINTR ? -1 : serve(r, fds);
 }
 

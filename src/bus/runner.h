@@ -57,7 +57,8 @@ typedef struct ect_runner {
     uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */
     uint64_t answered_ns; /* an answer has left just now; 0: or the clock has to be read */
     unsigned int frames_first;
-    unsigned int row;   /* frames since others were looked at */
+    uint64_t looked_ns; /* when others than frames were looked at */
+    bool frames_come;   /* and whether there was a frame then */
     uint64_t rested_ns; /* when a client may be served again */
     bool resting;
     bool modbus_next; /* of the clients of both kinds */
@@ -73,8 +74,8 @@ uint64_t ect_runner_now(void);
 /**
  * Runs until `on_signal` stops it, and at most two seconds longer for what a user has had saved (ect_chain_unfinished).
  * Frames first: a client, of the control socket or over Modbus, is served when none waits, or after eight in a row.
- * Cost: two system calls (receive, send) a frame while frames come, and one wait for eight of them; nothing while the
- * bus is quiet but the devices' timers.
+ * Cost: two system calls (receive, send) a frame while frames come, and a look at all others every half millisecond, or
+ * after the next frame; nothing while the bus is quiet but the devices' timers.
  * @return 0 · -1 an interface went away (errno)
  */
 int ect_runner_run(ect_runner_t *runner);

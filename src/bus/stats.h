@@ -27,7 +27,7 @@ typedef struct ect_stats {
     uint64_t circling;   /**< our own answers that came back for ever, and were destroyed */
     uint64_t dropped;    /**< lost on purpose (--drop) */
     uint64_t delayed;    /**< late on purpose (--delay); not in the histogram */
-    /** Answers by their time, from the arrival at the interface to the end of the sending call. */
+    /** Answers by their time, from the arrival at the interface (ect_packet_time_t) to the end of the sending call. */
     uint64_t answers[ECT_STATS_STEPS];
     uint64_t longest_answer_ns;
     uint64_t polls;      /**< times that the devices ran */

@@ -37,11 +37,25 @@ struct bench {
     char order[LOG]; /* F: a frame was answered, C: the control socket was served, M: a Modbus client */
     size_t logged;
     unsigned int serve_late_ns;
+    uint64_t clock_ns;      /* what the loop takes for the time, once it is not zero, */
+    uint64_t clock_step_ns; /* which goes on by that with each look at it */
 };
 
 static bench_t *running;
 
+int __real_clock_gettime(clockid_t clock, struct timespec *time);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
 ssize_t __real_send(int fd, const void *data, size_t size, int flags);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
+{
+    if (!running || running->clock_ns == 0)
+        return __real_clock_gettime(clock, time);
+    running->clock_ns += running->clock_step_ns;
+    *time = (struct timespec){.tv_sec = (time_t)(running->clock_ns / 1000000000u),
+                              .tv_nsec = (long)(running->clock_ns % 1000000000u)};
+    return 0;
+}
+
 ssize_t __wrap_send(int fd, const void *data, size_t size, int flags);
 int __real_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask);
 int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask);
@@ -119,6 +133,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
     setenv("XDG_RUNTIME_DIR", b->folder, 1);
     assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, wire), 0);
     b->port.fd = wire[0];
+    b->port.tagged_fd = -1;
     b->master = wire[1];
     sigemptyset(&signals);
     sigaddset(&signals, SIGUSR1);
@@ -369,19 +384,26 @@ static void rests_from_modbus(void **state)
 
 /* --- frames in a row ---------------------------------------------------------------------------------------------- */
 
+enum { LOOKS = 16, ALONE_US = 500 };
+
 static int watcher;
-static size_t answered_at[8];
+static struct look {
+    size_t frames;
+    uint64_t at_ns;
+} looks[LOOKS];
+static unsigned int look_count;
 
 /* Frames are there from the first moment on. What the loop has answered when it looks at others, for the n-th time. */
 static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
 {
-    for (unsigned int i = 0; n == 0 && i < 20; i++)
+    for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
         send_frame(b);
-    if (n < 8)
-        answered_at[n] = b->runner.stats.frames;
-    if (b->runner.stats.frames < 20 && n > 0)
+    assert_true(n < LOOKS);
+    looks[n] = (struct look){b->runner.stats.frames, b->clock_ns};
+    look_count = n + 1;
+    if (b->runner.stats.frames < FRAMES && n > 0)
         assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0); /* a look, no rest */
-    if (b->runner.stats.frames == 20)
+    if (b->runner.stats.frames == FRAMES)
         (void)raise(SIGUSR1);
 }
 
@@ -391,7 +413,7 @@ static void open_patient_bench(bench_t *b)
     open_bench(b, "fzm1", 1); /* an FZM1 that does nothing asks for no time */
     assert_int_equal(fcntl(b->port.fd, F_SETFL, 0), 0);
     assert_int_equal(setsockopt(b->port.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
-    b->port.patient = true;
+    b->port.patience_ns = 20 * MS;
 }
 
 static void waits_where_it_receives(void **state)
@@ -399,12 +421,18 @@ static void waits_where_it_receives(void **state)
     bench_t b;
     (void)state;
     open_patient_bench(&b);
+    b.clock_ns = ect_runner_now();
+    b.clock_step_ns = 15000;
     run(&b, flood);
-    assert_int_equal(b.runner.stats.answered, 20);
-    assert_int_equal(answered_at[0], 0);
-    assert_int_equal(answered_at[1], IN_A_ROW);
-    assert_int_equal(answered_at[2], 2 * IN_A_ROW);
-    assert_int_equal(answered_at[3], 20); /* none came for a while */
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(looks[0].frames, 0);
+    assert_true(look_count > 4);
+    for (unsigned int n = 2; n + 1 < look_count; n++) { /* the last one: none came for a while */
+        uint64_t us = (looks[n].at_ns - looks[n - 1].at_ns) / 1000;
+        if (looks[n].frames < looks[n - 1].frames + IN_A_ROW || us > ALONE_US + 100)
+            fail_msg("look %u: expected more than %u frames and %u us since the last one, got %zu and %u", n, IN_A_ROW,
+                     ALONE_US, looks[n].frames - looks[n - 1].frames, (unsigned int)us);
+    }
     close_bench(&b);
 }
 
@@ -648,7 +676,7 @@ int main(int argc, char **argv)
         {"Modbus clients and users of the control socket are served in turn", both_kinds_of_clients, NULL, NULL, NULL},
         {"Attack: Modbus clients do not keep the processor busy: there is a rest after each request", rests_from_modbus,
          NULL, NULL, NULL},
-        {"Frames in a row are waited for where they are received; after eight the others are looked at",
+        {"Frames in a row are waited for where they are received; each half millisecond the others are looked at",
          waits_where_it_receives, NULL, NULL, NULL},
         {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},

@@ -232,25 +232,26 @@ static bool news(void)
 /* For a frame, a signal, or until the chip does something by itself; not at all while there is news. */
 static void wait_for_frame(void)
 {
-    struct pollfd fd = {.fd = hal.port.fd, .events = POLLIN};
+    struct pollfd fds[] = {{.fd = hal.port.fd, .events = POLLIN}, {.fd = hal.port.tagged_fd, .events = POLLIN}};
     uint64_t now = now_ns();
     uint64_t next = ect_esc_tick(&hal.esc, now);
     uint64_t wait = next - now < WAIT_NS ? next - now : WAIT_NS;
     const struct timespec timeout = {.tv_nsec = news() || next <= now ? 0 : (long)wait};
-    (void)ppoll(&fd, 1, &timeout, NULL);
+    (void)ppoll(fds, 2, &timeout, NULL);
 }
 
 /* @return whether there was one */
 static bool answer(void)
 {
     uint8_t frame[FRAME_ROOM];
-    uint64_t waited_ns = 0;
-    ssize_t length = ect_packet_receive(&hal.port, false, frame, sizeof frame, &waited_ns);
+    ect_packet_time_t time;
+    ssize_t length = ect_packet_receive(&hal.port, false, frame, sizeof frame, &time);
     if (length == ECT_PACKET_GONE)
         give_up(EXIT_OPEN, "stopped on '%s': %s", hal.port.iface, strerror(errno));
     if (length == ECT_PACKET_NONE)
         return false;
-    if (length != ECT_PACKET_STALE && ect_esc_process(&hal.esc, frame, (size_t)length, now_ns()) == ECT_FRAME_FORWARD)
+    if (length != ECT_PACKET_STALE &&
+        ect_esc_process(&hal.esc, frame, (size_t)length, time.now_ns) == ECT_FRAME_FORWARD)
         ect_packet_send(&hal.port, frame, (size_t)length);
     return true;
 }
