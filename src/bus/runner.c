@@ -21,7 +21,7 @@ uint64_t ect_runner_now(void)
 
 /* What the loop waits for: a frame at each end, without a VLAN tag or with one, a signal, a cable, users at the control
  * socket, Modbus clients. */
-enum { TAGGED_FD = ECT_ENDS, SIGNAL_FD = 2 * ECT_ENDS, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
+enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
 
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
