@@ -10,7 +10,7 @@
 Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
 rights where unprivileged user namespaces are allowed. Takes about two minutes. All processes share one core, so a round trip is the
 sum of all work; round trips of a twin and of a bare echo are measured in turns in one run, three times, and what counts is the median
-of their ratios.
+of their ratios; so are the cycles of a thousand twins.
 """
 import argparse
 import json
@@ -139,9 +139,12 @@ def cycle(args):
     rows = []
     for present, touched in [(1000, 10), (1000, 100), (1000, 1000)]:
         with twins(args, UNIT, present) as chain:
-            before = chain.ticks()
-            row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
-            row["cpu_percent"] = percent(chain.ticks() - before, args.milliseconds / 1000)
+            runs = []
+            for _ in range(args.runs):
+                before = chain.ticks()
+                row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
+                runs.append(row | {"cpu_percent": percent(chain.ticks() - before, args.milliseconds / 1000)})
+            row = sorted(runs, key=lambda one: (one["frames_lost"], one["cycles_longer_than_1_ms"]))[len(runs) // 2]
             if touched == present:
                 before = chain.ticks()
                 time.sleep(args.idle)
