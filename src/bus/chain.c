@@ -735,10 +735,8 @@ static void tick_esc(ect_chain_t *chain, twin_t *twin, uint64_t now_ns)
 static void follow_wiring(twin_t *twin)
 {
     const ect_wiring_t *wiring = twin->wiring;
-    for (unsigned int n = 0; n < 2; n++) {
-        if (twin->esc.latch_level[n] != (wiring->latch[n] != 0))
-            ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
-    }
+    for (unsigned int n = 0; n < 2; n++)
+        ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
     if (twin->esc.config.drift_ppb != wiring->drift_ppb)
         ect_esc_set_drift(&twin->esc, wiring->drift_ppb);
 }

@@ -244,7 +244,7 @@ void ect_packet_close(ect_packet_t *port)
     port->fd = port->tagged_fd = port->claim_fd = -1;
 }
 
-static uint64_t monotonic(void)
+uint64_t ect_packet_now(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
@@ -339,7 +339,7 @@ static ssize_t receive_shared(ect_packet_t *port, uint8_t *frame, size_t room, e
     memcpy(frame, (const uint8_t *)slot + slot->tp_mac, slot->tp_snaplen < room ? slot->tp_snaplen : room);
     __atomic_store_n(&slot->tp_status, TP_STATUS_KERNEL, __ATOMIC_RELEASE);
     port->slot = (port->slot + 1) % SLOTS;
-    *time = (ect_packet_time_t){.now_ns = monotonic(), .waited_ns = since(&came)};
+    *time = (ect_packet_time_t){.now_ns = ect_packet_now(), .waited_ns = since(&came)};
     length = put_tag_back(&known, frame, room, length);
     return time->waited_ns > STALE_NS && is_full(slot_of(port)) ? ECT_PACKET_STALE : length;
 }
@@ -367,7 +367,7 @@ static ssize_t receive_tagged(ect_packet_t *port, uint8_t *frame, size_t room)
 
 static void take_time(ect_packet_t *port, int fd, ect_packet_time_t *time)
 {
-    *time = (ect_packet_time_t){.now_ns = monotonic()};
+    *time = (ect_packet_time_t){.now_ns = ect_packet_now()};
     if (fd == port->fd && time->now_ns - port->came_ns <= ECT_PACKET_ASK_NS)
         return;
     time->waited_ns = age(fd);

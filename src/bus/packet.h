@@ -30,9 +30,12 @@ typedef struct ect_packet {
     uint64_t came_ns;     /**< when a frame had come; those that are yet to be received from `fd` came later */
 } ect_packet_t;
 
+/** Monotonic time, nanoseconds: that of ::ect_packet_time, of the loop and of all that it drives. */
+uint64_t ect_packet_now(void);
+
 /** When a frame was received, and how long before that it had arrived. */
 typedef struct ect_packet_time {
-    uint64_t now_ns;    /**< CLOCK_MONOTONIC, after it was received */
+    uint64_t now_ns;    /**< as ::ect_packet_now, after it was received */
     uint64_t waited_ns; /**< since its arrival at the interface; 0 may also stand for less than ECT_PACKET_ASK_NS */
 } ect_packet_time_t;
 

@@ -12,13 +12,6 @@
 
 enum { NS_PER_S = 1000000000, FRAME_ROOM = ECT_ESC_MAX_FRAME + 48 };
 
-uint64_t ect_runner_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * NS_PER_S + (uint64_t)now.tv_nsec;
-}
-
 /* What the loop waits for: a frame at each end, without a VLAN tag or with one, a signal, a cable, users at the control
  * socket, Modbus clients. */
 enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
@@ -52,7 +45,7 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
-        uint64_t now = ect_runner_now();
+        uint64_t now = ect_packet_now();
         uint64_t left = deadline_ns > now ? deadline_ns - now : 0;
         timeout.tv_sec = (time_t)(left / NS_PER_S);
         timeout.tv_nsec = (long)(left % NS_PER_S);
@@ -106,7 +99,7 @@ static void touch(ect_runner_t *r, uint64_t now_ns)
 
 static uint64_t touch_now(ect_runner_t *r)
 {
-    touch(r, ect_runner_now());
+    touch(r, ect_packet_now());
     return r->touched_ns;
 }
 
@@ -146,7 +139,7 @@ static void answer_with(ect_runner_t *r, ect_end_t out, const uint8_t *frame, si
         keep(r, out, frame, length, time->now_ns + 1000ull * fate->delay_us);
     } else {
         send_with_others(r, out, frame, length, fate->twice);
-        r->answered_ns = ect_runner_now();
+        r->answered_ns = ect_packet_now();
         ect_stats_answer(&r->stats, time->waited_ns + (r->answered_ns - time->now_ns));
     }
 }
@@ -163,7 +156,7 @@ static void release_kept(ect_runner_t *r)
     ect_kept_t *kept;
     ect_scenario_t *faults = faults_of(r);
     uint64_t due_ns = faults ? ect_wires_due(&faults->wires) : ECT_NEVER;
-    if (due_ns == ECT_NEVER || due_ns > ect_runner_now())
+    if (due_ns == ECT_NEVER || due_ns > ect_packet_now())
         return;
     uint64_t now_ns = touch_now(r);
     while ((kept = ect_wires_release(&faults->wires, r->chain, now_ns))) {
@@ -271,7 +264,7 @@ static uint64_t clients_due(const ect_runner_t *r)
 static uint64_t run_devices(ect_runner_t *r)
 {
     release_kept(r);
-    uint64_t now_ns = r->answered_ns != 0 ? ect_later(r->answered_ns, r->polled_ns) : ect_runner_now();
+    uint64_t now_ns = r->answered_ns != 0 ? ect_later(r->answered_ns, r->polled_ns) : ect_packet_now();
     r->answered_ns = 0;
     send_late(r, now_ns);
     ect_stats_poll(&r->stats, now_ns > r->deadline_ns ? now_ns - r->deadline_ns : 0);
@@ -288,7 +281,7 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
 {
     if (r->resting || !(r->control || r->modbus))
         return;
-    uint64_t now_ns = ect_runner_now();
+    uint64_t now_ns = ect_packet_now();
     bool control = r->control && (fds[CONTROL_FD].revents != 0 || now_ns >= ect_control_due(r->control));
     bool modbus = r->modbus && (fds[MODBUS_FD].revents != 0 || now_ns >= ect_modbus_server_due(r->modbus));
     if (!(control || modbus))
@@ -301,7 +294,7 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
         ect_control_serve(r->control, r->chain, touch_now(r));
     else
         ect_modbus_server_serve(r->modbus, r->chain, touch_now(r));
-    r->rested_ns = ect_runner_now() + r->control_rest_ns;
+    r->rested_ns = ect_packet_now() + r->control_rest_ns;
 }
 
 /*
@@ -321,9 +314,9 @@ static int linger(ect_runner_t *r, uint64_t wake_ns)
 {
     if (!r->busy_poll)
         return answer(r, ECT_END_IN, true);
-    const uint64_t end_ns = ect_earlier(wake_ns, ect_runner_now() + SPIN_NS);
+    const uint64_t end_ns = ect_earlier(wake_ns, ect_packet_now() + SPIN_NS);
     int got = 0;
-    while (got == 0 && ect_runner_now() < end_ns)
+    while (got == 0 && ect_packet_now() < end_ns)
         got = answer(r, ECT_END_IN, false);
     return got;
 }
@@ -373,10 +366,10 @@ static int go_round(ect_runner_t *r)
 static void finish(const ect_runner_t *r)
 {
     const struct timespec pause = {.tv_nsec = 100000};
-    uint64_t end_ns = ect_runner_now() + 2ull * NS_PER_S;
-    while (ect_chain_unfinished(r->chain) && ect_runner_now() < end_ns) {
+    uint64_t end_ns = ect_packet_now() + 2ull * NS_PER_S;
+    while (ect_chain_unfinished(r->chain) && ect_packet_now() < end_ns) {
         (void)nanosleep(&pause, NULL);
-        (void)ect_chain_poll(r->chain, ect_runner_now());
+        (void)ect_chain_poll(r->chain, ect_packet_now());
     }
 }
 
@@ -384,7 +377,7 @@ int ect_runner_run(ect_runner_t *r)
 {
     int going = 1;
     r->deadline_ns = r->touched_ns = ECT_NEVER;
-    r->stats.start_ns = ect_runner_now();
+    r->stats.start_ns = ect_packet_now();
     if (r->control)
         ect_control_show(r->control, &r->stats, r->scenario);
     follow_cables(r);

@@ -68,9 +68,6 @@ typedef struct ect_runner {
 /** What ect_runner_t::control_rest_ns should be: with it clients get less than half of a processor. */
 enum { ECT_RUNNER_REST_NS = 50000 };
 
-/** Monotonic time, nanoseconds. */
-uint64_t ect_runner_now(void);
-
 /**
  * Runs until `on_signal` stops it, and at most two seconds longer for what a user has had saved (ect_chain_unfinished).
  * Frames first: a client, of the control socket or over Modbus, is served when none waits, or after eight in a row.

@@ -268,8 +268,15 @@ uint64_t ect_esc_system_time(const ect_esc_t *esc, uint64_t now_ns);
  */
 bool ect_esc_sync_pin(ect_esc_t *esc, unsigned int n);
 
+/* The level is another one than before. */
+void ect_esc_latch_edge(ect_esc_t *esc, unsigned int n, bool level);
+
 /** Level of the input LATCH0 or LATCH1 (n 0 or 1), first low: an edge is latched at the time of the last call. */
-void ect_esc_latch_input(ect_esc_t *esc, unsigned int n, bool level);
+static inline void ect_esc_latch_input(ect_esc_t *esc, unsigned int n, bool level)
+{
+    if (esc->latch_level[n] != level)
+        ect_esc_latch_edge(esc, n, level);
+}
 
 /** What may be wrong with the EEPROM. */
 typedef enum ect_sii_fault {

@@ -7,7 +7,7 @@
 
 #include "esc/internal.h"
 
-enum { READS = 1, WRITES = 2, PIECE = 64, ADDRESS_SPACE = 0x10000 };
+enum { READS = 1, WRITES = 2, PIECE = 64 };
 
 /* One active FMMU, in bits, against one datagram. */
 typedef struct window {
@@ -40,9 +40,9 @@ static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, wind
 /* Bytes of a window from `first` on that lie inside the address space. */
 static uint32_t inside(uint32_t first, uint32_t bytes)
 {
-    if (first >= ADDRESS_SPACE)
+    if (first >= ECT_ESC_ADDRESS_SPACE)
         return 0;
-    return bytes < ADDRESS_SPACE - first ? bytes : ADDRESS_SPACE - first;
+    return bytes < ECT_ESC_ADDRESS_SPACE - first ? bytes : ECT_ESC_ADDRESS_SPACE - first;
 }
 
 /* A piece of at most PIECE physical bytes. */

@@ -2,8 +2,6 @@
 /* The registers of FMMUs, and what they come to: which there are, and whether they can be gone through byte by byte. */
 #include "esc/internal.h"
 
-enum { READS = 1, WRITES = 2, ADDRESS_SPACE = 0x10000 };
-
 static bool is_active(const uint8_t *fmmu, unsigned int directions)
 {
     return (fmmu[ECT_FMMU_ACTIVATE] & 1u) != 0 && (fmmu[ECT_FMMU_TYPE] & directions) != 0;
@@ -13,8 +11,10 @@ static bool is_active(const uint8_t *fmmu, unsigned int directions)
 static bool is_plain(const uint8_t *fmmu)
 {
     return fmmu[ECT_FMMU_START_BIT] == 0 && fmmu[ECT_FMMU_STOP_BIT] == 7 && fmmu[ECT_FMMU_PHYSICAL_BIT] == 0 &&
-           (fmmu[ECT_FMMU_TYPE] & (READS | WRITES)) != (READS | WRITES) &&
-           (uint32_t)ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + ect_load_le16(fmmu + ECT_FMMU_LENGTH) <= ADDRESS_SPACE;
+           (fmmu[ECT_FMMU_TYPE] & (ECT_FMMU_TYPE_READ | ECT_FMMU_TYPE_WRITE)) !=
+               (ECT_FMMU_TYPE_READ | ECT_FMMU_TYPE_WRITE) &&
+           (uint32_t)ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + ect_load_le16(fmmu + ECT_FMMU_LENGTH) <=
+               ECT_ESC_ADDRESS_SPACE;
 }
 
 static bool share_a_byte(const uint8_t *fmmu, const uint8_t *other)
@@ -44,8 +44,8 @@ static void sort(ect_esc_t *esc)
     esc->fmmu_reads = esc->fmmu_writes = 0;
     for (unsigned int n = 0; n < esc->config.personality->fmmu_count; n++) {
         const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
-        esc->fmmu_reads |= (uint8_t)(is_active(fmmu, READS) ? 1u << n : 0u);
-        esc->fmmu_writes |= (uint8_t)(is_active(fmmu, WRITES) ? 1u << n : 0u);
+        esc->fmmu_reads |= (uint8_t)(is_active(fmmu, ECT_FMMU_TYPE_READ) ? 1u << n : 0u);
+        esc->fmmu_writes |= (uint8_t)(is_active(fmmu, ECT_FMMU_TYPE_WRITE) ? 1u << n : 0u);
     }
     esc->fmmus_plain = are_plain(esc);
 }

@@ -237,6 +237,9 @@ void ect_esc_advance(ect_esc_t *esc, uint64_t now_ns);
 /* What a frame or a PDI access has begun ends: a reset, if a sequence is complete. */
 void ect_esc_access_ends(ect_esc_t *esc);
 
+/* Bytes that 16 bits can name. */
+enum { ECT_ESC_ADDRESS_SPACE = 0x10000 };
+
 /* --- fmmu_registers.c ------------------------------------------------------------------------------------------- */
 bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 

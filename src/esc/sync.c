@@ -302,10 +302,10 @@ static void follow_events(ect_esc_t *esc)
         ect_esc_clear_ecat(esc, ECT_ECAT_EVENT_LATCH);
 }
 
-void ect_esc_latch_input(ect_esc_t *esc, unsigned int n, bool level)
+void ect_esc_latch_edge(ect_esc_t *esc, unsigned int n, bool level)
 {
     ECT_ASSERT(n < 2);
-    if (esc->latch_level[n] == level || !ect_esc_dc_present(esc))
+    if (!ect_esc_dc_present(esc))
         return;
     uint8_t *status = reg(esc, ECT_REG_DC_LATCH_STATUS + n);
     esc->latch_level[n] = level;

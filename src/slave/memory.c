@@ -39,9 +39,7 @@ static size_t shortest(const ect_device_t *device, uint16_t access)
     return bits;
 }
 
-/* The shortest part of an entry that a PDO maps from the start, or `bits` if that is less: an entry may be mapped in
- * part.
- */
+/* An entry may be mapped in part: the fewest bits that a PDO maps of one from the start, or `bits` if that is less. */
 static size_t shortest_mapped(const ect_object_t *pdo, size_t bits)
 {
     for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++) {

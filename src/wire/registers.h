@@ -171,6 +171,8 @@ enum {
     ECT_FMMU_TYPE = 11,
     ECT_FMMU_ACTIVATE = 12,
     ECT_FMMU_SIZE = 16,
+    ECT_FMMU_TYPE_READ = 0x01,
+    ECT_FMMU_TYPE_WRITE = 0x02,
 };
 
 #endif

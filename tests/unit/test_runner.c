@@ -126,7 +126,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
     memset(b, 0, sizeof *b);
     for (size_t i = 0; i < count; i++)
         twins[i] = ect_twin_default(product->device, product->plant);
-    b->wire.now_ns = ect_runner_now();
+    b->wire.now_ns = ect_packet_now();
     b->wire.chain = ect_chain_new(twins, count, b->wire.now_ns);
     strcpy(b->folder, "/tmp/test-ectwin-XXXXXX");
     assert_non_null(mkdtemp(b->folder));
@@ -421,7 +421,7 @@ static void waits_where_it_receives(void **state)
     bench_t b;
     (void)state;
     open_patient_bench(&b);
-    b.clock_ns = ect_runner_now();
+    b.clock_ns = ect_packet_now();
     b.clock_step_ns = 15000;
     run(&b, flood);
     assert_int_equal(b.runner.stats.answered, FRAMES);
@@ -576,7 +576,7 @@ static uint64_t limit_of(const struct timespec *limit)
 static bool at_rest(const bench_t *b)
 {
     struct pollfd fd = {.fd = ect_control_fd(b->runner.control), .events = POLLIN};
-    return poll(&fd, 1, 0) == 0 && ect_control_due(b->runner.control) > ect_runner_now();
+    return poll(&fd, 1, 0) == 0 && ect_control_due(b->runner.control) > ect_packet_now();
 }
 
 static unsigned int step;
@@ -623,7 +623,7 @@ static void a_short_measurement(bench_t *b, unsigned int n, const struct timespe
 {
     (void)n;
     (void)limit;
-    if (!at_rest(b) || b->runner.deadline_ns <= ect_runner_now())
+    if (!at_rest(b) || b->runner.deadline_ns <= ect_packet_now())
         return;
     switch (step++) {
     case 0:

@@ -109,8 +109,13 @@ def instructions(args):
     return result
 
 
+def middle(runs, key):
+    """One run alone may meet with another program."""
+    return sorted(runs, key=key)[len(runs) // 2]
+
+
 def against_echo(args, options, echo, counts):
-    """Of so many runs the one with the median ratio: one run alone may meet with another program."""
+    """Of so many runs the one with the median ratio."""
     runs = {present: [] for present in counts}
     for _ in range(args.runs):
         for present in counts:
@@ -118,7 +123,7 @@ def against_echo(args, options, echo, counts):
                  Running(on_core(args, args.build / "ectwin-bench", echo, "echo1"), False):
                 time.sleep(0.3)
                 runs[present].append(bench(args, "round", "twin0", "echo0", UNIT, present, min(present, 10), args.rounds))
-    return [sorted(rows, key=lambda row: row["ratio"])[len(rows) // 2] for rows in runs.values()]
+    return [middle(rows, lambda row: row["ratio"]) for rows in runs.values()]
 
 
 def rates(args):
@@ -144,7 +149,7 @@ def cycle(args):
                 before = chain.ticks()
                 row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
                 runs.append(row | {"cpu_percent": percent(chain.ticks() - before, args.milliseconds / 1000)})
-            row = sorted(runs, key=lambda one: (one["frames_lost"], one["cycles_longer_than_1_ms"]))[len(runs) // 2]
+            row = middle(runs, lambda one: (one["frames_lost"], one["cycles_longer_than_1_ms"]))
             if touched == present:
                 before = chain.ticks()
                 time.sleep(args.idle)

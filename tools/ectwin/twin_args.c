@@ -513,7 +513,7 @@ static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, boo
             continue;
         settings[count++] = (ect_setting_t){.name = one->name, .value = one->value};
     }
-    bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, ect_runner_now(), message);
+    bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, ect_packet_now(), message);
     if (!done)
         fprintf(stderr, "%s: --set: %s\n", who, message);
     free(named);
@@ -545,7 +545,7 @@ static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *w
                 return false;
         }
         if (round == 0)
-            ect_chain_power_cycle(chain, ect_runner_now());
+            ect_chain_power_cycle(chain, ect_packet_now());
     }
     return true;
 }
@@ -555,7 +555,7 @@ int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain)
     *chain = NULL;
     if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
-    *chain = ect_chain_new(args->twins, args->count, ect_runner_now());
+    *chain = ect_chain_new(args->twins, args->count, ect_packet_now());
     if (!*chain) {
         fprintf(stderr, "%s: not enough memory for %zu twins\n", who, args->count);
         return EXIT_RUN;

@@ -139,16 +139,9 @@ static uint8_t *make_sii(const ect_device_t *device, uint32_t *size)
 
 /* --- the chip ----------------------------------------------------------------------------------------------------- */
 
-static uint64_t now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
 static void power_on(void)
 {
-    if (ect_esc_init(&hal.esc, &hal.config, now_ns()) != 0)
+    if (ect_esc_init(&hal.esc, &hal.config, ect_packet_now()) != 0)
         give_up(EXIT_OPEN, "the software ESC cannot be made");
     hal.seen = 0;
 }
@@ -233,7 +226,7 @@ static bool news(void)
 static void wait_for_frame(void)
 {
     struct pollfd fds[] = {{.fd = hal.port.fd, .events = POLLIN}, {.fd = hal.port.tagged_fd, .events = POLLIN}};
-    uint64_t now = now_ns();
+    uint64_t now = ect_packet_now();
     uint64_t next = ect_esc_tick(&hal.esc, now);
     uint64_t wait = next - now < WAIT_NS ? next - now : WAIT_NS;
     const struct timespec timeout = {.tv_nsec = news() || next <= now ? 0 : (long)wait};
@@ -263,7 +256,7 @@ static void serve(void)
     wait_for_frame();
     while (frames < FRAMES_FIRST && answer() && !news())
         frames++;
-    (void)ect_esc_tick(&hal.esc, now_ns());
+    (void)ect_esc_tick(&hal.esc, ect_packet_now());
     if (ended)
         close_all();
     hal.seen = ect_esc_al_event(&hal.esc);
