@@ -51,7 +51,7 @@ if(ECTWIN_HOST)
   foreach(room check bus)
     install_headers(${room} host)
   endforeach()
-  install(FILES tools/ectwin/ectwin.h DESTINATION ${ECTWIN_INCLUDEDIR} COMPONENT host)
+  install(FILES programs/ectwin/ectwin.h DESTINATION ${ECTWIN_INCLUDEDIR} COMPONENT host)
 endif()
 
 set(ECTWIN_CMAKEDIR ${CMAKE_INSTALL_LIBDIR}/cmake/ectwin)

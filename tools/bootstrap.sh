@@ -4,7 +4,7 @@
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libmodbus, and SOEM for the demo's master
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
-#   bench run, and what tools/bench/run.py measures with: valgrind, iproute2, util-linux
+#   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
 #   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, pymodbus from PyPI
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs

@@ -45,6 +45,6 @@ tests/check/firmware.py || [ $? -eq 77 ]
 for preset in aarch64-linux armhf-linux; do
   build $preset
 done
-tools/matrix.py >build/matrix.txt || { grep WRONG build/matrix.txt; exit 1; }
+tools/dev/matrix.py >build/matrix.txt || { grep WRONG build/matrix.txt; exit 1; }
 grep 'requirements have' build/matrix.txt
 echo "all tests passed"

@@ -56,7 +56,7 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
 
 static void send_out(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length)
 {
-    ect_circle_sent(&r->circles[end], frame, length);
+    ect_endless_sent(&r->circles[end], frame, length);
     ect_packet_send(r->ports[end], frame, length);
 }
 
@@ -84,7 +84,7 @@ static void send_late(ect_runner_t *r, uint64_t now_ns)
 /* Whether somebody at the other end answers our answers; told once. */
 static bool circles(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
 {
-    if (!ect_circle_came(&r->circles[end], frame, length, now_ns))
+    if (!ect_endless_received(&r->circles[end], frame, length, now_ns))
         return false;
     if (r->stats.circling++ == 0)
         r->on_circling(r->ctx, r->ports[end]->iface);

@@ -9,14 +9,14 @@
 
 #include <stdbool.h>
 
-#include "bus/chain.h"
-#include "bus/circle.h"
-#include "bus/control.h"
-#include "bus/late.h"
-#include "bus/modbus.h"
-#include "bus/packet.h"
-#include "bus/scenario.h"
-#include "bus/stats.h"
+#include "bus/chain/chain.h"
+#include "bus/chain/stats.h"
+#include "bus/control/control.h"
+#include "bus/faults/late.h"
+#include "bus/faults/scenario.h"
+#include "bus/modbus/modbus.h"
+#include "bus/net/endless.h"
+#include "bus/net/packet.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -51,7 +51,7 @@ typedef struct ect_runner {
     /* The loop's own; start at zero. */
     ect_late_t late[ECT_ENDS];
     ect_late_t behind[ECT_ENDS]; /* answers that leave behind the next one */
-    ect_circle_t circles[ECT_ENDS];
+    ect_endless_t circles[ECT_ENDS];
     uint64_t deadline_ns; /* when the devices want to run */
     uint64_t polled_ns;   /* the latest time that the chain has seen */
     uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */

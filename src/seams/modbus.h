@@ -4,8 +4,8 @@
  * Modbus: the data of a device as the tables of the Modbus data model, for a product that can be reached this way too.
  *
  * A device knows tables and addresses. Function codes, bytes on a wire, connections and their time-outs are the host's
- * (bus/modbus.h), which asks for no more than the protocol can carry in a request. Addresses are those on the wire:
- * they count from 0.
+ * (bus/modbus/modbus.h), which asks for no more than the protocol can carry in a request. Addresses are those on the
+ * wire: they count from 0.
  *
  * Clauses are those of the MODBUS Application Protocol Specification V1.1b3.
  */

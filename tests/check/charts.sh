@@ -22,7 +22,7 @@ picture() {
 # chart RECORDER FOLDER NAME OPTION...
 chart() {
   mkdir -p "$work/$2"
-  "$1" "$3" | python3 "$root/tools/chart.py" --svg "${@:4}" >"$work/$2/$3.svg"
+  "$1" "$3" | python3 "$root/tools/dev/chart.py" --svg "${@:4}" >"$work/$2/$3.svg"
   picture "$2/$3.svg"
 }
 
@@ -34,6 +34,6 @@ chart "$optoncdt" optoncdt2300 vibration --curve 1e-6 --from 0 --to 58 --signals
 
 mkdir -p "$work/pmctendo-dd5"
 "$drive" >"$work/motion.csv" 2>"$work/said" || { echo "FAILED the recorded motion does not come to its end: $(cat "$work/said")"; status=1; }
-python3 "$root/tools/motion/plot.py" "$work/motion.csv" >"$work/pmctendo-dd5/motion.svg"
+python3 "$root/examples/motion/plot.py" "$work/motion.csv" >"$work/pmctendo-dd5/motion.svg"
 picture pmctendo-dd5/motion.svg
 exit $status

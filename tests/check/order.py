@@ -12,17 +12,17 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SRC = ROOT / "src"
+ROOMS = [ROOT / top for top in ("src", "examples")]
 
 
 def objects(build):
-    """Source file, relative to src -> object file."""
+    """Source file, relative to the root -> object file."""
     found = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         source = pathlib.Path(entry["file"])
-        if SRC in source.parents:
+        if any(room in source.parents for room in ROOMS):
             command = shlex.split(entry["command"])
-            found[source.relative_to(SRC)] = pathlib.Path(entry["directory"]) / command[command.index("-o") + 1]
+            found[source.relative_to(ROOT)] = pathlib.Path(entry["directory"]) / command[command.index("-o") + 1]
     return found
 
 
@@ -40,8 +40,8 @@ def symbols(path):
 
 def included(path, room):
     """Files of the room whose header a file includes."""
-    names = re.findall(rf'^\s*#\s*include\s+"{room}/(\w+)\.h"', path.read_text(), re.MULTILINE)
-    return set(names)
+    prefix = f"(?:{room.removeprefix('src/')}/)?"  # files of a program name each other without a room
+    return set(re.findall(rf'^\s*#\s*include\s+"{prefix}(\w+)\.h"', path.read_text(), re.MULTILINE))
 
 
 def knows(room, files):
@@ -53,7 +53,7 @@ def knows(room, files):
             common = uses & defines
             if other != name and common:
                 graph[name][other] = sorted(common)[0]
-        for file in (SRC / room / f"{name}.c", SRC / room / f"{name}.h"):
+        for file in (ROOT / room / f"{name}.c", ROOT / room / f"{name}.h"):
             for other in included(file, room) if file.exists() else ():
                 if other != name and other in table:
                     graph[name].setdefault(other, f"{other}.h")
@@ -88,7 +88,7 @@ def main():
         rooms.setdefault(str(source.parent), {})[source] = path
     failed = len(rooms) < 5
     if failed:
-        print(f"{build}: hardly any object of src/; build it first")
+        print(f"{build}: hardly any object of src/; build first")
     for room, files in sorted(rooms.items()):
         graph = knows(room, files)
         order, left = layers(graph)
@@ -100,7 +100,7 @@ def main():
             failed = True
             path = circle(left)
             steps = [f"{a}.c -> {b} ({graph[a][b]})" for a, b in zip(path, path[1:])]
-            print(f"src/{room}: a circle: {', '.join(steps)}")
+            print(f"{room}: a circle: {', '.join(steps)}")
     return 1 if failed else 0
 
 

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/chain.h"
+#include "bus/chain/chain.h"
 #include "check/check.h"
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bus/chain.h"
+#include "bus/chain/chain.h"
 #include "esi/twin.h"
 #include "sii/sii.h"
 

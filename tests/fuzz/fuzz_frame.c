@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus/settings.h"
+#include "bus/chain/settings.h"
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
 #include "support/every.h"

@@ -6,7 +6,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "bus/chain.h"
+#include "bus/chain/chain.h"
 #include "support/filedev.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"

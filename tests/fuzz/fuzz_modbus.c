@@ -9,8 +9,8 @@
 #include <assert.h>
 #include <string.h>
 
-#include "bus/chain.h"
-#include "bus/modbus_request.h"
+#include "bus/chain/chain.h"
+#include "bus/modbus/modbus_request.h"
 #include "devices/eclink/eclink.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -27,8 +27,8 @@
 #include <unistd.h>
 
 #include "board.h"
-#include "bus/catalogue.h"
-#include "bus/packet.h"
+#include "bus/chain/catalogue.h"
+#include "bus/net/packet.h"
 #include "ports/virtual/lan9252.h"
 #include "sii/fit.h"
 #include "sii/sii.h"

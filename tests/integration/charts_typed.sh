@@ -12,7 +12,7 @@ ln -s "$root/tools" tools
 export PATH=$build:$PATH
 
 sed -n '/^## Timing charts/,/^## How/s/^\$ //p' "$root/docs/devices/fzm1.md" >commands
-charts=$(grep -c '^tools/chart.py' commands || true)
+charts=$(grep -c '^tools/dev/chart.py' commands || true)
 if [ "$charts" -lt 3 ]; then
   echo "FAILED the manual has $charts charts to type; expected 3 or more"
   exit 1
@@ -26,11 +26,11 @@ missing() {
     for signal in ${signals//,/ }; do
       grep "^${signal^^} " chart | grep '▔' | grep -q '▁' || echo "$signal in: $command"
     done
-  done < <(grep '^tools/chart.py' commands)
+  done < <(grep '^tools/dev/chart.py' commands)
 }
 
 for attempt in 1 2 3; do
-  bash -c "$(grep -v '^tools/chart.py' commands)" >/dev/null 2>&1
+  bash -c "$(grep -v '^tools/dev/chart.py' commands)" >/dev/null 2>&1
   missing >missed
   if [ ! -s missed ]; then exit 0; fi
 done

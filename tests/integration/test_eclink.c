@@ -3,8 +3,9 @@
  * What TS-0007 demands of a base unit, seen by SOEM on the wire and in real time, the operator played through the
  * control socket.  usage: test_eclink IFACE map1|map3|map7|multiarm [TEST]
  *
- * The machine controller is the example's (tools/controller). Nothing here asserts wall-clock time: time-outs have to
- * come, and the unit's own PCI (125 ms) bounds them; that they come to the millisecond is tests/unit/test_eclink_*.c.
+ * The machine controller is the example's (examples/controller). Nothing here asserts wall-clock time: time-outs have
+ * to come, and the unit's own PCI (125 ms) bounds them; that they come to the millisecond is
+ * tests/unit/test_eclink_*.c.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
  * What Q179 demands of an FZM1, seen by SOEM on the wire and in real time, the plant played through the control socket.
  * usage: test_fzm1 IFACE [TEST]
  *
- * The PLC is the example's (tools/plc). That times are kept to the microsecond is tests/unit/test_fzm1_*.c; here they
- * have to come.
+ * The PLC is the example's (examples/plc). That times are kept to the microsecond is tests/unit/test_fzm1_*.c; here
+ * they have to come.
  */
 #define _DEFAULT_SOURCE
 #include <signal.h>

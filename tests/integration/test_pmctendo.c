@@ -3,7 +3,7 @@
  * What the manual 1002906 demands of a PMCtendo DD5, seen by SOEM on the wire and in real time, the machine played
  * through the control socket.  usage: test_pmctendo IFACE [TEST]
  *
- * The axis is the example's (tools/motion). Numbers to the count are tests/unit/test_pmctendo_*.c.
+ * The axis is the example's (examples/motion). Numbers to the count are tests/unit/test_pmctendo_*.c.
  */
 #define _DEFAULT_SOURCE
 #include <stdio.h>

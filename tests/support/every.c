@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/every.h"
 
-#include "bus/catalogue.h"
+#include "bus/chain/catalogue.h"
 #include "support/confdev.h"
 #include "support/gauge.h"
 #include "support/terminal.h"

@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_SIGNALS_H
 #define TESTS_SUPPORT_SIGNALS_H
 
-#include "bus/signals.h"
+#include "bus/chain/signals.h"
 #include "support/wire.h"
 
 /* Asserts that there is such a signal. */

@@ -16,7 +16,7 @@
 
 #include <cmocka.h>
 
-#include "bus/chain.h"
+#include "bus/chain/chain.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 

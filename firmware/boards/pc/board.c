@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "bus/memory.h"
+#include "bus/storage/memory.h"
 
 static char **arguments;
 static ect_memory_t *memory;

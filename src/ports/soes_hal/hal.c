@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "bus/packet.h"
+#include "bus/net/packet.h"
 #include "esc/esc.h"
 #include "sii/sii.h"
 #include "wire/bytes.h"

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+/* For a person at a terminal. What all reports share is here too. */
+#include <string.h>
+
+#include "report/report.h"
+
+enum { LINE = 4096, SHOWN_ITEMS = 24 };
+
+cf_counts_t cf_count(const cf_run_t *run, const cf_section_t *section)
+{
+    cf_counts_t counts = {{0}};
+    for (size_t i = 0; i < run->count; i++) {
+        if (!section || run->results[i].section == section)
+            counts.of[run->results[i].verdict]++;
+    }
+    return counts;
+}
+
+const char *cf_verdict_name(cf_verdict_t verdict)
+{
+    static const char *const names[] = {"pass", "warn", "fail", "skip", "interrupted"};
+    return names[verdict];
+}
+
+void cf_frames_text(const cf_result_t *result, char *text, size_t room)
+{
+    const cf_evidence_t *e = &result->evidence;
+    text[0] = 0;
+    if (e->first_frame == 0)
+        return;
+    int used = snprintf(text, room, "frames %u-%u", e->first_frame, e->last_frame);
+    if ((result->verdict == CF_FAIL || result->verdict == CF_WARN) && result->frame != 0)
+        snprintf(text + used, room - (size_t)used, ", seen in %u", result->frame);
+}
+
+void cf_put_escaped(FILE *to, const char *text)
+{
+    for (; *text != 0; text++) {
+        unsigned char byte = (unsigned char)*text;
+        if (byte == '&')
+            fputs("&amp;", to);
+        else if (byte == '<')
+            fputs("&lt;", to);
+        else if (byte == '>')
+            fputs("&gt;", to);
+        else if (byte == '"')
+            fputs("&quot;", to);
+        else
+            fputc((byte < 0x20 && byte != '\n') || byte >= 0x7F ? '?' : byte, to);
+    }
+}
+
+static void evidence(FILE *to, const cf_run_t *run, const cf_result_t *r)
+{
+    const cf_evidence_t *e = &r->evidence;
+    size_t start = cf_evidence_start(e);
+    if (e->count - start > SHOWN_ITEMS)
+        start = e->count - SHOWN_ITEMS;
+    for (size_t i = start; i < e->count; i++) {
+        static const char *const arrows[] = {"--", "->", "<-"};
+        const cf_item_t *item = &e->items[i];
+        char text[LINE];
+        cf_decode(&run->c, item, text, sizeof text);
+        if (item->kind == CF_ITEM_STEP)
+            fprintf(to, "               %s %s\n", arrows[item->kind], text);
+        else
+            fprintf(to, "        %6u %s ", item->frame, arrows[item->kind]);
+        for (const char *at = text; item->kind != CF_ITEM_STEP && *at != 0;) {
+            int length = (int)strcspn(at, "\n");
+            fprintf(to, "%s%.*s\n", at == text ? "" : "                  ", length, at);
+            at += length + (at[length] == '\n');
+        }
+    }
+}
+
+static void one(FILE *to, const cf_run_t *run, const cf_result_t *r)
+{
+    char frames[80];
+    cf_frames_text(r, frames, sizeof frames);
+    fprintf(to, "  %-4s %s  %s%s%s%s\n", r->verdict == CF_FAIL ? "FAIL" : cf_verdict_name(r->verdict), r->entry->id,
+            r->entry->title, frames[0] != 0 ? "  (" : "", frames, frames[0] != 0 ? ")" : "");
+    if (r->reason[0] != 0)
+        fprintf(to, "               %s\n", r->reason);
+    if (r->verdict == CF_FAIL && r->step[0] != 0)
+        fprintf(to, "               at: %s\n", r->step);
+    if (r->verdict == CF_FAIL)
+        evidence(to, run, r);
+}
+
+void cf_report_text(FILE *to, const cf_run_t *run)
+{
+    const cf_facts_t *f = &run->c.facts;
+    const cf_section_t *section = NULL;
+    cf_counts_t n = cf_count(run, NULL);
+    fprintf(to, "slave %u of %u on %s: %s, vendor 0x%08X product 0x%08X revision 0x%08X, ESC type 0x%02X\n",
+            f->position + 1u, f->slaves, run->iface, f->name[0] != 0 ? f->name : "without a name", f->vendor,
+            f->product, f->revision_no, f->type);
+    fprintf(to, "ESI file: %s\n", run->esi ? run->esi : "none given (--esi)");
+    for (size_t i = 0; i < run->count; i++) {
+        const cf_result_t *r = &run->results[i];
+        if (r->section != section)
+            fprintf(to, "\n%c. %s\n", r->section->letter, r->section->title);
+        section = r->section;
+        one(to, run, r);
+    }
+    cf_timing_text(to, run);
+    fprintf(to, "\n%zu of %zu cases in %.1f s: %zu pass, %zu warn, %zu fail, %zu skip%s\n", run->count, run->planned,
+            (double)run->duration_ns / 1e9, n.of[CF_PASS], n.of[CF_WARN], n.of[CF_FAIL], n.of[CF_SKIPPED],
+            n.of[CF_INTERRUPTED] > 0 ? ", interrupted" : "");
+}

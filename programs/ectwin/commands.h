@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The subcommands of `ectwin`, and what they share. Each takes the arguments from its own name on.
+ */
+#ifndef ECTWIN_COMMANDS_H
+#define ECTWIN_COMMANDS_H
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "bus/chain/chain.h"
+#include "bus/runner.h"
+#include "bus/storage/eeprom.h"
+#include "bus/storage/files.h"
+#include "bus/storage/memory.h"
+#include "defects.h"
+#include "esi/twin.h"
+#include "wiring_args.h"
+
+/** Exit codes: a contract (README). */
+enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
+
+int command_list(int argc, char **argv);
+int command_run(int argc, char **argv);
+int command_with(int argc, char **argv);
+int command_sii(int argc, char **argv);
+int command_verify(int argc, char **argv);
+int command_esi(int argc, char **argv);
+int command_doc(int argc, char **argv);
+int command_objects(int argc, char **argv);
+int command_stats(int argc, char **argv);
+int command_get(int argc, char **argv);
+int command_set(int argc, char **argv);
+int command_watch(int argc, char **argv);
+int command_list_signals(int argc, char **argv);
+int command_command(int argc, char **argv);
+int command_periodic(int argc, char **argv);
+int command_fault(int argc, char **argv);
+int command_unplug(int argc, char **argv);
+int command_plug(int argc, char **argv);
+int command_cut(int argc, char **argv);
+int command_mend(int argc, char **argv);
+
+/** "[N:]VALUE" of an identity option. */
+typedef struct identity_wish {
+    int key;     /**< of the option */
+    size_t twin; /**< from 1; 0: all */
+    uint32_t value;
+} identity_wish_t;
+
+/** What stands in a slot of a modular twin; `twin` counts from 1. */
+typedef struct twin_module {
+    size_t twin;
+    ect_module_choice_t choice;
+} twin_module_t;
+
+/** The twins that a command line asks for: devices and the options that shape them. */
+typedef struct twin_args {
+    ect_twin_config_t *twins;
+    size_t count;
+    bool given; /* an option of theirs was, those of the wiring aside */
+    identity_wish_t *wishes;
+    size_t wish_count;
+    bool keep_source_mac;
+    bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
+    wiring_args_t wiring;
+    uint8_t drop_percent, delay_percent;
+    uint32_t delay_us;
+    ect_scenario_t scenario; /* --fault, --faults, --drop, --delay; those that users set later */
+    defect_t defect;         /* --break */
+    ect_filter_t filter;
+    int realtime;       /* priority, 0: as any process */
+    bool busy_poll;     /* never rests */
+    const char *modbus; /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
+    const char *store;  /* folder of the twins' non-volatile memory, NULL: none */
+    const char *files;  /* folder that a master reads and writes by FoE, NULL: none */
+    uint32_t files_password;
+    const char **settings; /* "[N:]NAME=VALUE" */
+    size_t setting_count;
+    twin_module_t *modules;
+    size_t module_count;
+    ect_files_t **opened;    /* the folder, one a twin, where there is one */
+    ect_eeprom_t **eeproms;  /* one a twin, where there is a store */
+    ect_memory_t **memories; /* one a twin, once they are powered on */
+} twin_args_t;
+
+/** Argp parser for the options of twins; its input is a twin_args_t. */
+extern const struct argp twin_argp;
+
+/** Takes "DEVICE[,DEVICE...]"; an unknown name ends the program with a line that lists the known ones. */
+void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);
+/** Whether the command line has options for twins. */
+bool twin_args_given(const twin_args_t *args);
+/**
+ * Powers the twins on, with their memories and the signals that the command line sets. On failure prints why.
+ * @param[out] chain  the caller's to free, before twin_args_free; NULL on failure
+ * @return EXIT_CLEAN, or what to exit with
+ */
+int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain);
+void twin_args_free(twin_args_t *args);
+
+/**
+ * The ready line (README) on a stream.
+ * @param ifaces  NULL: nothing is plugged in there
+ * @param modbus  where the Modbus server listens; NULL: there is none
+ * @return false: it could not be written, which was told, and whoever waits for it would wait for ever
+ */
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus);
+
+/** Opens the control socket, or says why there is none: the twins run without it. */
+ect_control_t *open_control(const char *who);
+
+/**
+ * Blocks the signals that end a run (and SIGCHLD) for this process and returns a signalfd for them, or -1. SIGINT and
+ * SIGTERM end it even where they were inherited as ignored; SIGHUP that was ignored (nohup) stays so.
+ */
+int open_signals(void);
+
+/** Twins at work: what `run` and `with` have in common. */
+typedef struct session {
+    const char *who; /**< "ectwin run": each line for the user begins with it */
+    twin_args_t *twins;
+    ect_packet_t ports[ECT_ENDS];
+    ect_runner_t runner; /**< `control` and `signal_fd` are the command's to open; ::session_close closes them */
+    bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
+    void *ctx;
+} session_t;
+
+/** Nothing is open yet. `who` and `twins` must outlive the session. */
+void session_init(session_t *s, const char *who, twin_args_t *twins);
+/**
+ * Opens the interfaces. @param ifaces  by ::ect_end; NULL: nothing is plugged in there
+ * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
+ */
+int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
+/**
+ * Opens the Modbus server that the command line asks for, in the network of this moment; without one there is nothing
+ * to do. @return EXIT_CLEAN; EXIT_USAGE or EXIT_OPEN with the reason printed
+ */
+int session_open_modbus(session_t *s);
+/** Where the Modbus server listens, NULL: there is none. */
+const char *session_modbus(const session_t *s);
+/** Keeps only the rights that running twins need (and, with `children`, a command beside them). */
+void session_drop_rights(session_t *s, bool children);
+/**
+ * Powers the twins on; they run before others if the command line wishes it, so call it while the rights for that are
+ * still there. @return EXIT_CLEAN, or what to exit with, with the reason printed
+ */
+int session_power_on(session_t *s);
+/** Answers until `on_end` (as ect_runner_t::on_signal) stops it. @return EXIT_CLEAN; EXIT_RUN, with the reason printed
+ */
+int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool from_terminal), void *ctx);
+/** Closes everything, the twins' arguments too. */
+void session_close(session_t *s);
+
+#endif

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "connection.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <glob.h>
+#include <pwd.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include "bus/control/endpoint.h"
+#include "commands.h"
+
+enum { LINE_ROOM = 2048 };
+
+void print_text(FILE *stream, const char *text)
+{
+    for (; *text != 0; text++) {
+        if (*text >= ' ' && *text <= '~')
+            fputc(*text, stream);
+        else
+            fprintf(stream, "\\x%02x", (unsigned char)*text);
+    }
+}
+
+void print_json(const char *text)
+{
+    for (; *text != 0; text++)
+        putchar(*text >= ' ' && *text <= '~' ? *text : '?');
+    putchar('\n');
+    fflush(stdout);
+}
+
+/* --- finding one -------------------------------------------------------------------------------------------------- */
+
+static const char *name_of(uid_t user, char room[32])
+{
+    const struct passwd *entry = getpwuid(user);
+    if (entry)
+        return entry->pw_name;
+    snprintf(room, 32, "user %u", user);
+    return room;
+}
+
+static bool is_socket_name(const char *name)
+{
+    size_t length = strlen(name);
+    return name[0] != '.' && length > 5 && strcmp(name + length - 5, ".sock") == 0;
+}
+
+/* Calls `found` for each socket in a folder until it says false. */
+static void each_socket(const char *folder, bool (*found)(void *ctx, const char *path), void *ctx)
+{
+    char path[ECT_ENDPOINT_PATH];
+    DIR *directory = opendir(folder);
+    const struct dirent *entry;
+    bool more = true;
+    while (directory && more && (entry = readdir(directory)) != NULL) {
+        if (is_socket_name(entry->d_name) &&
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
+            more = found(ctx, path);
+    }
+    if (directory)
+        closedir(directory);
+}
+
+typedef struct search {
+    const char *who;
+    int fd;
+    size_t alive;
+} search_t;
+
+static bool take_only_one(void *ctx, const char *path)
+{
+    search_t *search = ctx;
+    uid_t owner;
+    int fd = ect_endpoint_connect(path, &owner);
+    if (fd < 0) {
+        ect_endpoint_clear(path);
+        return true;
+    }
+    if (owner != geteuid()) {
+        close(fd);
+        return true;
+    }
+    search->alive++;
+    if (search->alive == 1) {
+        search->fd = fd;
+        return true;
+    }
+    fprintf(stderr, "%s: several twins are running: choose one with -s, e.g. -s ", search->who);
+    print_text(stderr, path);
+    fputc('\n', stderr);
+    close(fd);
+    close(search->fd);
+    search->fd = -1;
+    return false;
+}
+
+static bool tell_of(void *ctx, const char *path)
+{
+    bool *told = ctx;
+    uid_t owner;
+    char room[32];
+    int fd = ect_endpoint_connect(path, &owner);
+    if (fd < 0)
+        return true;
+    close(fd);
+    fprintf(stderr, "  one of %s runs: -s ", name_of(owner, room));
+    print_text(stderr, path);
+    fputc('\n', stderr);
+    *told = true;
+    return true;
+}
+
+/* Other users' folders: what is in them can only be told by root and by them. The pattern's star stands for a user's
+ * number. */
+static void tell_of_others(const char *pattern)
+{
+    glob_t found = {0};
+    (void)glob(pattern, 0, NULL, &found);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        struct stat info;
+        char room[32], theirs[64];
+        bool told = false;
+        if (lstat(found.gl_pathv[i], &info) < 0 || !S_ISDIR(info.st_mode) || info.st_uid == geteuid())
+            continue;
+        snprintf(theirs, sizeof theirs, "%.*s%u%s", (int)strcspn(pattern, "*"), pattern, info.st_uid,
+                 strchr(pattern, '*') + 1);
+        if (strcmp(theirs, found.gl_pathv[i]) != 0)
+            continue;
+        each_socket(found.gl_pathv[i], tell_of, &told);
+        if (!told && access(found.gl_pathv[i], R_OK) < 0)
+            fprintf(stderr, "  %s may have some, in %s: ask as that user, or with sudo\n", name_of(info.st_uid, room),
+                    found.gl_pathv[i]);
+    }
+    globfree(&found);
+}
+
+static int find(const char *who)
+{
+    char folder[ECT_ENDPOINT_PATH];
+    search_t search = {.who = who, .fd = -1};
+    if (ect_endpoint_folder(folder) < 0) {
+        fprintf(stderr, "%s: XDG_RUNTIME_DIR is too long\n", who);
+        return -1;
+    }
+    if (ect_endpoint_trust(folder) == 0) {
+        each_socket(folder, take_only_one, &search);
+    } else if (errno == EPERM) {
+        fprintf(stderr, "%s: '%s' belongs to somebody else, or others may write to it: no twin in it is trusted\n", who,
+                folder);
+        return -1;
+    }
+    if (search.alive == 0) {
+        fprintf(stderr, "%s: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'\n", who);
+        tell_of_others("/tmp/ectwin-*");
+        tell_of_others("/run/user/*/ectwin");
+    }
+    return search.fd;
+}
+
+/* One that the user has named. */
+static int connect_to(const char *path, const char *who)
+{
+    uid_t owner;
+    char room[32];
+    int fd = ect_endpoint_connect(path, &owner);
+    if (fd < 0) {
+        fprintf(stderr, "%s: no twin answers at '%s': %s\n", who, path, strerror(errno));
+        return -1;
+    }
+    if (owner == geteuid() || owner == 0 || geteuid() == 0)
+        return fd;
+    fprintf(stderr, "%s: '%s' is served by %s, not by you: not trusted\n", who, path, name_of(owner, room));
+    close(fd);
+    return -1;
+}
+
+FILE *connection_open(const char *path, const char *who)
+{
+    const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
+    if (!path)
+        path = getenv("ECTWIN_SOCKET");
+    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have said why */
+    int fd = path ? connect_to(path, who) : find(who);
+    if (fd < 0)
+        return NULL;
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    return fdopen(fd, "r+");
+}
+
+/* --- asking ------------------------------------------------------------------------------------------------------- */
+
+const char *connection_text(const cJSON *line, const char *member, char room[32])
+{
+    const cJSON *value = cJSON_GetObjectItemCaseSensitive(line, member);
+    const char *text = cJSON_GetStringValue(value);
+    if (text)
+        return text;
+    room[0] = 0;
+    if (cJSON_IsNumber(value))
+        snprintf(room, 32, "%.15g", value->valuedouble);
+    return room;
+}
+
+static int no_answer(FILE *connection, const char *who)
+{
+    bool waited = ferror(connection) && (errno == EAGAIN || errno == EWOULDBLOCK);
+    if (waited)
+        fprintf(stderr, "%s: the twin does not answer: it is stopped, or very busy\n", who);
+    else
+        fprintf(stderr, "%s: the twin has ended, or has closed this connection\n", who);
+    return EXIT_RUN;
+}
+
+static int take_answer(FILE *connection, const char *who, void (*print)(const cJSON *line))
+{
+    char raw[LINE_ROOM], room[32];
+    while (fgets(raw, sizeof raw, connection)) {
+        cJSON *line = cJSON_Parse(raw);
+        const cJSON *ok = cJSON_GetObjectItemCaseSensitive(line, "ok");
+        int status = -1;
+        if (cJSON_IsBool(ok)) {
+            status = cJSON_IsTrue(ok) ? EXIT_CLEAN : EXIT_USAGE;
+            if (status != EXIT_CLEAN) {
+                fprintf(stderr, "%s: ", who);
+                print_text(stderr, connection_text(line, "message", room));
+                fputc('\n', stderr);
+            }
+        } else if (print) {
+            print(line);
+        }
+        cJSON_Delete(line);
+        if (status >= 0)
+            return status;
+        if (ferror(stdout))
+            return EXIT_RUN; /* nobody reads it any more */
+    }
+    return no_answer(connection, who);
+}
+
+int connection_ask(FILE *connection, cJSON *request, const char *who, void (*print)(const cJSON *line))
+{
+    char *text = cJSON_PrintUnformatted(request);
+    bool fits = text && strlen(text) < ECT_ENDPOINT_REQUEST;
+    if (fits)
+        fprintf(connection, "%s\n", text);
+    else
+        fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
+                ECT_ENDPOINT_REQUEST - 1);
+    fflush(connection);
+    cJSON_free(text);
+    cJSON_Delete(request);
+    return fits ? take_answer(connection, who, print) : EXIT_USAGE;
+}
+
+int connection_follow(FILE *connection, const char *who)
+{
+    const struct timeval for_ever = {0};
+    char raw[LINE_ROOM];
+    (void)setsockopt(fileno(connection), SOL_SOCKET, SO_RCVTIMEO, &for_ever, sizeof for_ever);
+    while (!ferror(stdout) && fgets(raw, sizeof raw, connection)) {
+        raw[strcspn(raw, "\n")] = 0;
+        print_json(raw);
+    }
+    return ferror(stdout) ? EXIT_RUN : no_answer(connection, who);
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include "products.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/catalogue.h"
+#include "esi/number.h"
+
+/* Twins live as long as the program: chains, signals and messages point into them. */
+typedef struct made {
+    struct made *next;
+    ect_esi_twin_t *twin;
+} made_t;
+
+static made_t *all;
+
+static void free_all(void)
+{
+    while (all) {
+        made_t *next = all->next;
+        ect_esi_twin_free(all->twin);
+        free(all);
+        all = next;
+    }
+}
+
+static bool keep(ect_esi_twin_t *twin)
+{
+    made_t *made = malloc(sizeof *made);
+    if (!made)
+        return false;
+    if (!all)
+        (void)atexit(free_all);
+    *made = (made_t){.next = all, .twin = twin};
+    all = made;
+    return true;
+}
+
+const char *product_file(const char *name)
+{
+    return strncmp(name, "esi:", 4) == 0 ? name + 4 : NULL;
+}
+
+static const ect_product_t *from_file(const char *file, const ect_module_choice_t *modules, size_t module_count,
+                                      char *message)
+{
+    const char *hash = ect_esi_selector(file);
+    char *path = strndup(file, hash ? (size_t)(hash - file) : strlen(file));
+    ect_esi_twin_t *twin =
+        path ? ect_esi_twin_make(path, hash ? hash + 1 : "", modules, module_count, message, PRODUCT_MESSAGE) : NULL;
+    free(path);
+    if (!twin || !keep(twin))
+        return NULL;
+    size_t count;
+    const char *const *notes = ect_esi_twin_notes(twin, &count);
+    for (size_t i = 0; i < count; i++)
+        (void)fprintf(stderr, "ectwin: %s: %s\n", ect_esi_twin_product(twin)->device->type_name, notes[i]);
+    return ect_esi_twin_product(twin);
+}
+
+const ect_product_t *product_find(const char *name, const ect_module_choice_t *modules, size_t module_count,
+                                  char *message)
+{
+    const char *file = product_file(name);
+    if (file)
+        return from_file(file, modules, module_count, message);
+    const ect_product_t *product = ect_catalogue_find(name);
+    if (product)
+        return product;
+    int used = snprintf(message, PRODUCT_MESSAGE, "there is no device '%.60s'; there are: ", name);
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL && used < PRODUCT_MESSAGE; i++)
+        used += snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "%s, ", product->device->name);
+    if (used < PRODUCT_MESSAGE)
+        (void)snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "and esi:FILE.xml#TYPE");
+    return NULL;
+}
+
+const ect_esi_twin_t *product_twin(const ect_product_t *product)
+{
+    for (const made_t *made = all; made; made = made->next) {
+        if (ect_esi_twin_product(made->twin) == product)
+            return made->twin;
+    }
+    return NULL;
+}
+
+bool product_list_file(const char *path, char *message)
+{
+    ect_esi_t *esi = ect_esi_open(path, message, PRODUCT_MESSAGE);
+    if (!esi)
+        return false;
+    size_t count;
+    const ect_esi_head_t *heads = ect_esi_heads(esi, &count);
+    for (size_t i = 0; i < count; i++)
+        printf("%-24s @0x%08" PRIX32 "/0x%08" PRIX32 "  %s\n", heads[i].type, heads[i].product_code, heads[i].revision,
+               heads[i].name);
+    ect_esi_close(esi);
+    return true;
+}
+
+bool product_parse_module(const char *text, ect_module_choice_t *choice)
+{
+    char slot[8];
+    int64_t number;
+    int64_t ident;
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || (size_t)(equals - text) >= sizeof slot)
+        return false;
+    (void)snprintf(slot, sizeof slot, "%.*s", (int)(equals - text), text);
+    if (!ect_esi_parse_number(slot, &number) || number < 1 || number > UINT16_MAX ||
+        !ect_esi_parse_number(equals + 1, &ident) || ident < 1 || ident > UINT32_MAX)
+        return false;
+    *choice = (ect_module_choice_t){.slot = (unsigned int)number - 1, .ident = (uint32_t)ident};
+    return true;
+}

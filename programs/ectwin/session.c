@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT */
+/* What `run` and `with` have in common: twins that answer at one or two interfaces until something ends them. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "bus/chain/catalogue.h"
+#include "bus/net/rights.h"
+#include "commands.h"
+
+/* Nohup's SIGHUP stays ignored; a shell's SIGINT for what it starts in the background does not, for we end by it. */
+int open_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    if (signal(SIGHUP, SIG_DFL) == SIG_IGN) /* a blocked signal comes though it is ignored */
+        signal(SIGHUP, SIG_IGN);
+    else
+        sigaddset(&set, SIGHUP);
+    sigaddset(&set, SIGCHLD);
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
+    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would not be told */
+    signal(SIGPIPE, SIG_IGN); /* a reader that went away must not take the twin along */
+    if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
+        return -1;
+    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+static void on_circling(void *ctx, const char *iface)
+{
+    const session_t *s = ctx;
+    fprintf(
+        stderr,
+        "%s: what is at the other end of '%s' answers EtherCAT frames too, and its answers went round for ever: end "
+        "one of the two; until then such frames are destroyed\n",
+        s->who, iface);
+}
+
+static void on_refused(void *ctx, const char *fault, const char *why)
+{
+    const session_t *s = ctx;
+    fprintf(stderr, "%s: the fault '%s' was not set: %s\n", s->who, fault, why);
+}
+
+static bool on_signal(void *ctx, int signal_number, bool from_terminal)
+{
+    const session_t *s = ctx;
+    return s->on_signal(s->ctx, signal_number, from_terminal);
+}
+
+void session_init(session_t *s, const char *who, twin_args_t *twins)
+{
+    *s = (session_t){.who = who, .twins = twins};
+    twins->scenario.refused = on_refused;
+    twins->scenario.ctx = s;
+    s->runner = (ect_runner_t){.scenario = &twins->scenario,
+                               .filter = twins->filter.ctx ? &twins->filter : NULL,
+                               .signal_fd = -1,
+                               .busy_poll = twins->busy_poll,
+                               .link_fd = -1,
+                               .on_signal = on_signal,
+                               .on_circling = on_circling,
+                               .ctx = s};
+}
+
+int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
+{
+    char message[ECT_PACKET_MESSAGE];
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        if (!ifaces[end])
+            continue;
+        if (ect_packet_open(&s->ports[end], ifaces[end], message) < 0) {
+            fprintf(stderr, "%s: %s\n", s->who, message);
+            return EXIT_OPEN;
+        }
+        if (s->runner.busy_poll)
+            (void)ect_packet_share(&s->ports[end]); /* where it cannot be had each look is a call */
+        s->runner.ports[end] = &s->ports[end];
+    }
+    if (!ifaces[ECT_END_OUT])
+        return EXIT_CLEAN;
+    s->runner.link_fd = ect_packet_watch_links();
+    if (s->runner.link_fd >= 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: watching the cables of two interfaces failed: %s\n", s->who, strerror(errno));
+    return EXIT_OPEN;
+}
+
+static void tell_who_has_modbus(const char *who)
+{
+    const char *before = "; these have: ";
+    fprintf(stderr, "%s: --modbus: this device has no Modbus side", who);
+    const ect_product_t *product;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        if (!product->plant || !product->plant->modbus)
+            continue;
+        fprintf(stderr, "%s%s", before, product->device->name);
+        before = ", ";
+    }
+    fprintf(stderr, "\n");
+}
+
+int session_open_modbus(session_t *s)
+{
+    char message[ECT_MODBUS_MESSAGE];
+    const twin_args_t *twins = s->twins;
+    if (!twins->modbus)
+        return EXIT_CLEAN;
+    if (twins->count != 1) {
+        fprintf(stderr,
+                "%s: --modbus: there is one address, so name one device; another 'ectwin run' takes the next one\n",
+                s->who);
+        return EXIT_USAGE;
+    }
+    if (!twins->twins[0].plant || !twins->twins[0].plant->modbus) {
+        tell_who_has_modbus(s->who);
+        return EXIT_USAGE;
+    }
+    s->runner.modbus = ect_modbus_server_open(twins->modbus, message);
+    if (s->runner.modbus)
+        return EXIT_CLEAN;
+    int status = errno == EINVAL ? EXIT_USAGE : EXIT_OPEN;
+    fprintf(stderr, "%s: --modbus: %s\n", s->who, message);
+    return status;
+}
+
+const char *session_modbus(const session_t *s)
+{
+    return s->runner.modbus ? ect_modbus_server_address(s->runner.modbus) : NULL;
+}
+
+static int run_before_others(const session_t *s)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    if (s->twins->realtime == 0 || ect_rights_realtime(s->twins->realtime, message) == 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: %s\n", s->who, message);
+    return EXIT_OPEN;
+}
+
+void session_drop_rights(session_t *s, bool children)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    unsigned int keep = (children ? ECT_RIGHTS_CHILDREN : 0u) | (s->twins->files ? ECT_RIGHTS_FILES : 0u);
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        keep |= s->ports[end].was_down ? ECT_RIGHTS_LINK : 0;
+    if (ect_rights_drop(keep, message) < 0)
+        fprintf(stderr, "%s: %s\n", s->who, message);
+}
+
+int session_power_on(session_t *s)
+{
+    int status = twin_args_power_on(s->twins, s->who, &s->runner.chain);
+    return status == EXIT_CLEAN ? run_before_others(s) : status;
+}
+
+int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool from_terminal), void *ctx)
+{
+    s->on_signal = on_end;
+    s->ctx = ctx;
+    if (s->runner.signal_fd >= 0 && ect_runner_run(&s->runner) == 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: stopped on '%s': %s\n", s->who,
+            s->runner.modbus && !s->runner.ports[ECT_END_IN] ? session_modbus(s) : s->ports[ECT_END_IN].iface,
+            strerror(errno));
+    return EXIT_RUN;
+}
+
+void session_close(session_t *s)
+{
+    ect_control_close(s->runner.control);
+    ect_modbus_server_close(s->runner.modbus);
+    ect_chain_free(s->runner.chain);
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        if (s->runner.ports[end])
+            ect_packet_close(s->runner.ports[end]);
+    }
+    if (s->runner.link_fd >= 0)
+        close(s->runner.link_fd);
+    if (s->runner.signal_fd >= 0)
+        close(s->runner.signal_fd);
+    twin_args_free(s->twins);
+}

@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: MIT */
+/* The commands that talk to a running twin over its control socket. */
+#define _GNU_SOURCE
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <fnmatch.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/catalogue.h"
+#include "bus/chain/lamps.h"
+#include "bus/chain/wiring.h"
+#include "commands.h"
+#include "connection.h"
+#include "csv.h"
+#include "products.h"
+
+typedef struct client_args {
+    const char *socket;
+    unsigned int slave;
+    const char *csv;
+    bool every;
+    const char *arguments[ECT_ENDPOINT_VALUES];
+    size_t count;
+} client_args_t;
+
+#define SLAVE_OPTION {"slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0}
+
+static const struct argp_option options[] = {CONNECTION_OPTION, SLAVE_OPTION, {0}};
+static const struct argp_option set_options[] = {
+    CONNECTION_OPTION,
+    SLAVE_OPTION,
+    {"csv", 'c', "FILE", 0,
+     "The first line names signals, each other one holds their values; an empty cell sets nothing. -: standard input",
+     0},
+    {0}};
+static const struct argp_option watch_options[] = {
+    CONNECTION_OPTION,
+    SLAVE_OPTION,
+    {"every", 'e', NULL, 0, "Every change at its time (default: what has changed, every 10 ms)", 0},
+    {0}};
+
+static unsigned int parse_slave(const struct argp_state *state, const char *text)
+{
+    char *end;
+    errno = 0;
+    unsigned long number = strtoul(text, &end, 10);
+    if (errno != 0 || *text < '0' || *text > '9' || *end != 0 || number > UINT16_MAX)
+        argp_error(state, "--slave takes a number from 0 to 65535, not '%s'", text);
+    return (unsigned int)number;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    client_args_t *args = state->input;
+    switch (key) {
+    case 's':
+        args->socket = text;
+        return 0;
+    case 'n':
+        args->slave = parse_slave(state, text);
+        return 0;
+    case 'c':
+        args->csv = text;
+        return 0;
+    case 'e':
+        args->every = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (args->count == ECT_ENDPOINT_VALUES)
+            argp_error(state, "too many arguments: at most %d", ECT_ENDPOINT_VALUES);
+        args->arguments[args->count++] = text;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* --- get, list-signals, watch ------------------------------------------------------------------------------------- */
+
+static void print_value(const cJSON *line)
+{
+    char room[32];
+    print_text(stdout, connection_text(line, "name", room));
+    putchar('=');
+    print_text(stdout, connection_text(line, "value", room));
+    putchar('\n');
+}
+
+/* Of several slaves: which one, as --set takes it. */
+static void print_value_of_slave(const cJSON *line)
+{
+    char room[32];
+    printf("%s:", connection_text(line, "slave", room));
+    print_value(line);
+}
+
+static void print_column(const char *text, int width)
+{
+    print_text(stdout, text);
+    printf("%*s ", width > (int)strlen(text) ? width - (int)strlen(text) : 0, "");
+}
+
+static void print_signal(const char *name, const char *access, const char *range, const char *meaning)
+{
+    print_column(name, 22);
+    print_column(access, 2);
+    print_column(range, 34);
+    print_text(stdout, meaning);
+    putchar('\n');
+}
+
+static void print_description(const cJSON *line)
+{
+    char room[4][32];
+    print_signal(connection_text(line, "name", room[0]), connection_text(line, "access", room[1]),
+                 connection_text(line, "range", room[2]), connection_text(line, "meaning", room[3]));
+}
+
+static void print_line(const cJSON *line)
+{
+    char *text = cJSON_PrintUnformatted(line);
+    print_json(text ? text : "");
+    cJSON_free(text);
+}
+
+static cJSON *make_request(const client_args_t *args, const char *op)
+{
+    cJSON *request = cJSON_CreateObject();
+    cJSON_AddStringToObject(request, "op", op);
+    cJSON_AddNumberToObject(request, "slave", args->slave);
+    return request;
+}
+
+static int ask(const client_args_t *args, const char *who, const char *op, const char *pattern,
+               void (*print)(const cJSON *line))
+{
+    FILE *connection = connection_open(args->socket, who);
+    if (!connection)
+        return EXIT_OPEN;
+    cJSON *request = make_request(args, op);
+    cJSON_AddStringToObject(request, "pattern", pattern);
+    if (args->every)
+        cJSON_AddTrueToObject(request, "every");
+    int status = connection_ask(connection, request, who, print);
+    fflush(stdout);
+    if (status == EXIT_CLEAN && strcmp(op, "watch") == 0)
+        status = connection_follow(connection, who);
+    fclose(connection);
+    return status;
+}
+
+/* @return the pattern among the arguments, the only one; NULL: told */
+static const char *pattern_of(const client_args_t *args, const char *who)
+{
+    if (args->count <= 1)
+        return args->count > 0 ? args->arguments[0] : "*";
+    fprintf(stderr, "%s: one pattern is enough; '*' stands for anything, '[ab]' for a or b\n", who);
+    return NULL;
+}
+
+static const char *parse_pattern(int argc, char **argv, const struct argp_option *known, const char *doc,
+                                 client_args_t *args)
+{
+    const struct argp argp = {.options = known, .parser = parse, .args_doc = "[PATTERN]", .doc = doc};
+    argp_parse(&argp, argc, argv, 0, NULL, args);
+    return pattern_of(args, argv[0]);
+}
+
+int command_get(int argc, char **argv)
+{
+    client_args_t args = {.slave = 1};
+    const char *pattern = parse_pattern(
+        argc, argv, options, "Prints the signals of a running twin whose names match a shell pattern.", &args);
+    if (!pattern)
+        return EXIT_USAGE;
+    return ask(&args, argv[0], "get", pattern, args.slave == 0 ? print_value_of_slave : print_value);
+}
+
+int command_watch(int argc, char **argv)
+{
+    client_args_t args = {.slave = 1};
+    const char *pattern =
+        parse_pattern(argc, argv, watch_options,
+                      "Prints one line of JSON for each value, then for each change, until Ctrl-C.", &args);
+    return pattern ? ask(&args, argv[0], "watch", pattern, print_line) : EXIT_USAGE;
+}
+
+/* @return how many signals of a plant match; those are printed */
+static size_t print_signals(const ect_plant_t *plant, void *instance, const char *pattern)
+{
+    ect_signal_cursor_t cursor = {0};
+    ect_signal_ref_t ref;
+    size_t count = 0;
+    while (ect_signals_next(plant, instance, &cursor, &ref)) {
+        char range[ECT_SIGNAL_TEXT_ROOM];
+        if (fnmatch(pattern, ref.name, 0) != 0)
+            continue;
+        ect_signal_range(ref.signal, range);
+        print_signal(ref.name, ref.signal->access == ECT_SIGNAL_WRITE ? "rw" : "r", range, ref.signal->meaning);
+        count++;
+    }
+    return count;
+}
+
+/* Of a device that need not run. */
+static int list_device(const ect_product_t *product, const char *who, const char *pattern)
+{
+    ect_lamps_t lamps;
+    ect_wiring_t wiring;
+    void *instance = calloc(1, product->device->instance_size);
+    size_t count = instance ? print_signals(product->plant, instance, pattern) : 0;
+    count += print_signals(&ect_lamps_plant, &lamps, pattern);
+    count += print_signals(&ect_wiring_plant, &wiring, pattern);
+    free(instance);
+    if (count > 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: no signal of %s matches '%s'\n", who, product->device->name, pattern);
+    return EXIT_USAGE;
+}
+
+int command_list_signals(int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "[DEVICE] [PATTERN]",
+        .doc = "Lists the signals of a running twin, or of a device that need not run: name, r or rw, range, meaning."};
+    client_args_t args = {.slave = 1};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    char message[PRODUCT_MESSAGE];
+    bool from_file = args.count > 0 && product_file(args.arguments[0]);
+    const ect_product_t *product = args.count > 0 ? product_find(args.arguments[0], NULL, 0, message) : NULL;
+    if (from_file && !product) {
+        fprintf(stderr, "%s: %s\n", argv[0], message);
+        return EXIT_OPEN;
+    }
+    if (product && args.count <= 2)
+        return list_device(product, argv[0], args.count > 1 ? args.arguments[1] : "*");
+    const char *pattern = pattern_of(&args, argv[0]);
+    return pattern ? ask(&args, argv[0], "list", pattern, print_description) : EXIT_USAGE;
+}
+
+/* --- set, command ------------------------------------------------------------------------------------------------- */
+
+static int set_values(FILE *connection, const client_args_t *args, const char *who, cJSON *values)
+{
+    cJSON *request = make_request(args, "set");
+    cJSON_AddItemToObject(request, "values", values);
+    return connection_ask(connection, request, who, NULL);
+}
+
+static int set_arguments(FILE *connection, const client_args_t *args, const char *who)
+{
+    cJSON *values = cJSON_CreateObject();
+    for (size_t i = 0; i < args->count; i++) {
+        char name[256];
+        const char *value = strchr(args->arguments[i], '=');
+        if (!value || (size_t)(value - args->arguments[i]) >= sizeof name) {
+            fprintf(stderr, "%s: '%s' is not NAME=VALUE\n", who, args->arguments[i]);
+            cJSON_Delete(values);
+            return EXIT_USAGE;
+        }
+        snprintf(name, sizeof name, "%.*s", (int)(value - args->arguments[i]), args->arguments[i]);
+        cJSON_AddStringToObject(values, name, value + 1);
+    }
+    return set_values(connection, args, who, values);
+}
+
+static int set_row(FILE *connection, const client_args_t *args, const char *who, csv_t *csv)
+{
+    cJSON *values = cJSON_CreateObject();
+    for (size_t i = 0; i < csv->columns; i++) {
+        if (*csv->cells[i] != 0)
+            cJSON_AddStringToObject(values, csv->names[i], csv->cells[i]);
+    }
+    if (!values->child) {
+        cJSON_Delete(values);
+        return EXIT_CLEAN;
+    }
+    int status = set_values(connection, args, who, values);
+    if (status != EXIT_CLEAN)
+        csv->why = "it was not taken; those before it were";
+    return status;
+}
+
+static int set_rows(FILE *connection, const client_args_t *args, const char *who, csv_t *csv)
+{
+    int status = EXIT_CLEAN;
+    size_t rows = 0;
+    for (; status == EXIT_CLEAN && csv_next(csv); rows++)
+        status = set_row(connection, args, who, csv);
+    if (rows == 0 && !csv->why)
+        csv->why = "no line with values follows";
+    if (!csv->why)
+        return status;
+    fprintf(stderr, "%s: line %u of '%s': %s\n", who, csv->line, args->csv, csv->why);
+    return status != EXIT_CLEAN ? status : EXIT_USAGE;
+}
+
+static int set_from_csv(FILE *connection, const client_args_t *args, const char *who)
+{
+    csv_t *csv = calloc(1, sizeof *csv);
+    int status = EXIT_OPEN;
+    if (csv && csv_open(csv, args->csv)) {
+        status = set_rows(connection, args, who, csv);
+    } else {
+        fprintf(stderr, "%s: cannot read '%s': %s\n", who, args->csv, csv ? csv->why : strerror(errno));
+        status = csv && csv->file ? EXIT_USAGE : EXIT_OPEN;
+    }
+    if (csv)
+        csv_close(csv);
+    free(csv);
+    return status;
+}
+
+int command_set(int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = set_options,
+        .parser = parse,
+        .args_doc = "NAME=VALUE...",
+        .doc = "Sets signals of a running twin: all that are named, or none, in any order; of a file line by line."};
+    client_args_t args = {.slave = 1};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    if (args.slave == 0) {
+        fprintf(stderr, "%s: one slave at a time: -n 1, -n 2, ...\n", argv[0]);
+        return EXIT_USAGE;
+    }
+    if (args.count == 0 && !args.csv) {
+        fprintf(stderr, "%s: name at least one signal: ectwin set NAME=VALUE; 'ectwin list-signals' lists them\n",
+                argv[0]);
+        return EXIT_USAGE;
+    }
+    FILE *connection = connection_open(args.socket, argv[0]);
+    if (!connection)
+        return EXIT_OPEN;
+    int status = args.count > 0 ? set_arguments(connection, &args, argv[0]) : EXIT_CLEAN;
+    if (args.csv && status == EXIT_CLEAN)
+        status = set_from_csv(connection, &args, argv[0]);
+    fclose(connection);
+    return status;
+}
+
+int command_command(int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "ruN HEX16",
+        .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
+    client_args_t args = {.slave = 1};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    if (args.count != 2) {
+        fprintf(stderr,
+                "%s: name the remote unit and the command: ectwin command ru1 000102030405060708090a0b0c0d0e0f\n",
+                argv[0]);
+        return EXIT_USAGE;
+    }
+    char name[64];
+    snprintf(name, sizeof name, "%.40s.command", args.arguments[0]);
+    FILE *connection = connection_open(args.socket, argv[0]);
+    if (!connection)
+        return EXIT_OPEN;
+    cJSON *values = cJSON_CreateObject();
+    cJSON_AddStringToObject(values, name, args.arguments[1]);
+    int status = set_values(connection, &args, argv[0], values);
+    fclose(connection);
+    return status;
+}

@@ -1,0 +1,618 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "bus/chain/settings.h"
+#include "bus/net/rights.h"
+#include "commands.h"
+#include "products.h"
+#include "sii_file.h"
+
+enum {
+    KEY_VENDOR_ID = 0x100,
+    KEY_PRODUCT_CODE,
+    KEY_REVISION,
+    KEY_SERIAL,
+    KEY_ALIAS,
+    KEY_KEEP_MAC,
+    KEY_DROP,
+    KEY_DELAY,
+    KEY_DELAY_US,
+    KEY_SEED,
+    KEY_STORE,
+    KEY_SET,
+    KEY_REALTIME,
+    KEY_BUSY_POLL,
+    KEY_BREAK,
+    KEY_MODULE,
+    KEY_FAULT,
+    KEY_FAULTS,
+    KEY_FILES,
+    KEY_FILES_PASSWORD,
+    KEY_MODBUS /* the last one */
+};
+
+static const struct argp_option options[] = {
+    {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
+     "Vendor id, 0..4294967295 (default: the device's placeholder); of twin N, without N of all. May be repeated, as "
+     "may the next four",
+     1},
+    {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0, "Product code, 0..4294967295", 1},
+    {"revision", KEY_REVISION, "[N:]NUMBER", 0, "Revision number, 0..4294967295", 1},
+    {"serial", KEY_SERIAL, "[N:]NUMBER", 0,
+     "Serial number; without N of the first twin, the others count up (default 1)", 1},
+    {"alias", KEY_ALIAS, "[N:]ALIAS", 0,
+     "Station alias and device id, 1..65535; without N of the first twin, the others count up", 1},
+    {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
+     "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
+    {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
+    {"files", KEY_FILES, "DIR", 0, "Let the master read and write the files of this folder by FoE, in BOOT too", 1},
+    {"files-password", KEY_FILES_PASSWORD, "N", 0, "What it must give for them, 1..4294967295 (default: nothing)", 1},
+    {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
+     "Answer over Modbus TCP too, at this address (default 127.0.0.1; port 0: any that is free): one base unit", 1},
+    {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file",
+     1},
+    {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
+    {"drop", KEY_DROP, "PERCENT", 0,
+     "Short for --fault 'drop PERCENT%': lose so many frames, half of them on the way back", 1},
+    {"delay", KEY_DELAY, "PERCENT", 0, "Short for --fault 'delay 3000us PERCENT%': send so many answers late", 1},
+    {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
+    {"fault", KEY_FAULT, "FAULT", 0,
+     "Let something go wrong, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md); may be repeated", 1},
+    {"faults", KEY_FAULTS, "FILE", 0, "The same from a file, one a line", 1},
+    {"seed", KEY_SEED, "N", 0, "Of the lot that decides which (default 1)", 1},
+    {"break", KEY_BREAK, "CF-NNN", 0,
+     "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists them", 1},
+    {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,
+     "Run before all ordinary processes (SCHED_FIFO), 1 to 99 (default 50), with the memory locked", 1},
+    {"busy-poll", KEY_BUSY_POLL, NULL, 0,
+     "Look for frames without a rest, which answers sooner and takes a whole processor (default: sleep until one "
+     "comes)",
+     1},
+    {0},
+};
+
+static uint32_t parse_number(const struct argp_state *state, const char *option, const char *text, uint32_t maximum)
+{
+    char *end;
+    errno = 0;
+    bool hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
+    unsigned long long value = strtoull(text, &end, hexadecimal ? 16 : 10); /* 010 is ten */
+    if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
+        argp_error(state, "%s takes a number from 0 to %u, not '%s'", option, maximum, text);
+    return (uint32_t)value;
+}
+
+/* Its value may also stand by itself; nothing else that does begins with a digit. */
+static int parse_priority(struct argp_state *state, const char *text)
+{
+    const char *next = state->next < state->argc ? state->argv[state->next] : "";
+    if (!text && *next >= '0' && *next <= '9') {
+        text = next;
+        state->next++;
+    }
+    uint32_t priority = text ? parse_number(state, "--realtime", text, ECT_RIGHTS_HIGHEST) : 50;
+    if (priority < ECT_RIGHTS_LOWEST)
+        argp_error(state, "--realtime takes a priority from 1 to 99");
+    return (int)priority;
+}
+
+static void add_setting(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char **grown = realloc(args->settings, (args->setting_count + 1) * sizeof *grown);
+    if (!grown || !strchr(text, '='))
+        argp_error(state, "--set takes NAME=VALUE, not '%s'", text);
+    args->settings = grown;
+    args->settings[args->setting_count++] = text;
+}
+
+/* A number and a colon in front of a setting name a twin; without them it is the first. Sets `text` to what follows. */
+static size_t twin_of(const char **text)
+{
+    char *end;
+    unsigned long number = strtoul(*text, &end, 10);
+    if (end == *text || *end != ':')
+        return 1;
+    *text = end + 1;
+    return number <= UINT16_MAX ? number : 0;
+}
+
+static void add_module(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char *rest = text;
+    twin_module_t module = {.twin = twin_of(&rest)};
+    twin_module_t *grown = realloc(args->modules, (args->module_count + 1) * sizeof *grown);
+    if (!grown || module.twin == 0 || !product_parse_module(rest, &module.choice))
+        argp_error(state, "--module takes SLOT=IDENT, as in 1=0x00000120, not '%s'", text);
+    args->modules = grown;
+    args->modules[args->module_count++] = module;
+}
+
+/* --- who the twins say they are ----------------------------------------------------------------------------------- */
+
+typedef struct identity_option {
+    int key;
+    const char *name;
+    uint32_t minimum, maximum;
+    bool counts_up; /* from one twin to the next, when it is for all */
+} identity_option_t;
+
+static const identity_option_t *identity_option(int key)
+{
+    static const identity_option_t known[] = {
+        {KEY_VENDOR_ID, "--vendor-id", 0, UINT32_MAX, false},
+        {KEY_PRODUCT_CODE, "--product-code", 0, UINT32_MAX, false},
+        {KEY_REVISION, "--revision", 0, UINT32_MAX, false},
+        {KEY_SERIAL, "--serial", 0, UINT32_MAX, true},
+        {KEY_ALIAS, "--alias", 1, UINT16_MAX, true},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (known[i].key == key)
+            return &known[i];
+    }
+    return NULL;
+}
+
+static void add_wish(twin_args_t *args, const struct argp_state *state, int key, const char *text)
+{
+    const identity_option_t *option = identity_option(key);
+    const char *colon = strchr(text, ':');
+    identity_wish_t *grown = realloc(args->wishes, (args->wish_count + 1) * sizeof *grown);
+    if (!grown)
+        argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
+    args->wishes = grown;
+    identity_wish_t *wish = &args->wishes[args->wish_count++];
+    *wish = (identity_wish_t){.key = key};
+    if (colon) {
+        char number[16];
+        snprintf(number, sizeof number, "%.*s", (int)(colon - text), text);
+        wish->twin = parse_number(state, "N in N:VALUE", number, UINT16_MAX);
+        if (wish->twin == 0)
+            argp_error(state, "%s %s: twins are counted from 1", option->name, text);
+    }
+    wish->value = parse_number(state, option->name, colon ? colon + 1 : text, option->maximum);
+    if (wish->value < option->minimum)
+        argp_error(state, "%s takes a number from %u to %u", option->name, option->minimum, option->maximum);
+}
+
+static void fulfil(const identity_wish_t *wish, ect_twin_config_t *twin, uint32_t value)
+{
+    switch (wish->key) {
+    case KEY_VENDOR_ID:
+        twin->identity.vendor_id = value;
+        return;
+    case KEY_PRODUCT_CODE:
+        twin->identity.product_code = value;
+        return;
+    case KEY_REVISION:
+        twin->identity.revision = value;
+        return;
+    case KEY_SERIAL:
+        twin->identity.serial = value;
+        return;
+    default:
+        twin->alias = (uint16_t)value;
+    }
+}
+
+/* In their order: what is for one twin after what is for all. */
+static void fulfil_wishes(twin_args_t *args, const struct argp_state *state)
+{
+    for (size_t w = 0; w < args->wish_count; w++) {
+        const identity_wish_t *wish = &args->wishes[w];
+        const identity_option_t *option = identity_option(wish->key);
+        if (wish->twin > args->count)
+            argp_error(state, "%s %zu:…: there are %zu twins", option->name, wish->twin, args->count);
+        for (size_t i = 0; i < args->count; i++) {
+            uint64_t value = (uint64_t)wish->value + (option->counts_up && wish->twin == 0 && !args->kinds ? i : 0);
+            if (value > option->maximum)
+                argp_error(state, "%s %u is too high for %zu twins: it counts up", option->name, wish->value,
+                           args->count);
+            if (wish->twin == 0 || wish->twin == i + 1)
+                fulfil(wish, &args->twins[i], (uint32_t)value);
+        }
+    }
+}
+
+/* --- options ------------------------------------------------------------------------------------------------------ */
+
+static void add_fault(twin_args_t *args, const struct argp_state *state, const char *text, const char *where)
+{
+    char message[ECT_FAULT_MESSAGE];
+    if (!ect_scenario_read(&args->scenario, text, message))
+        argp_failure(state, EXIT_USAGE, 0, "%s: %s", where, message);
+}
+
+/* The two that have an option of their own. */
+static void add_short_faults(twin_args_t *args, const struct argp_state *state)
+{
+    char text[ECT_FAULT_TEXT];
+    snprintf(text, sizeof text, "drop %u%%", args->drop_percent);
+    if (args->drop_percent > 0)
+        add_fault(args, state, text, "--drop");
+    snprintf(text, sizeof text, "delay %uus %u%%", args->delay_us, args->delay_percent);
+    if (args->delay_percent > 0)
+        add_fault(args, state, text, "--delay");
+}
+
+static void read_faults(twin_args_t *args, const struct argp_state *state, const char *path)
+{
+    char *line = NULL;
+    size_t room = 0;
+    FILE *file = fopen(path, "re");
+    if (!file)
+        argp_failure(state, EXIT_OPEN, errno, "--faults %s", path);
+    for (unsigned int number = 1; file && getline(&line, &room, file) >= 0; number++) {
+        char where[64];
+        snprintf(where, sizeof where, "%.40s line %u", path, number);
+        add_fault(args, state, line, where);
+    }
+    free(line);
+    if (file)
+        fclose(file);
+}
+
+static void print_defect(void *ctx, const char *id, const char *what)
+{
+    (void)ctx;
+    printf("%s %s\n", id, what);
+}
+
+static void choose_defect(twin_args_t *args, const struct argp_state *state, const char *id)
+{
+    if (strcmp(id, "help") == 0) {
+        defect_list(print_defect, NULL);
+        exit(EXIT_CLEAN);
+    }
+    if (!defect_choose(&args->defect, id))
+        argp_error(state, "there is no defect for '%s'; '--break help' lists those there are", id);
+    args->filter = (ect_filter_t){.before = defect_before, .after = defect_after, .ctx = &args->defect};
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    twin_args_t *args = state->input;
+    args->given = args->given || (key >= KEY_VENDOR_ID && key <= KEY_MODBUS);
+    if (identity_option(key)) {
+        add_wish(args, state, key, text);
+        return 0;
+    }
+    switch (key) {
+    case KEY_DROP:
+        args->drop_percent = (uint8_t)parse_number(state, "--drop", text, 100);
+        return 0;
+    case KEY_DELAY:
+        args->delay_percent = (uint8_t)parse_number(state, "--delay", text, 100);
+        return 0;
+    case KEY_DELAY_US:
+        args->delay_us = parse_number(state, "--delay-us", text, 10000000);
+        return 0;
+    case KEY_FAULT:
+        add_fault(args, state, text, "--fault");
+        return 0;
+    case KEY_FAULTS:
+        read_faults(args, state, text);
+        return 0;
+    case KEY_SEED:
+        args->scenario.seed = parse_number(state, "--seed", text, UINT32_MAX);
+        return 0;
+    case KEY_STORE:
+        if (*text == 0)
+            argp_error(state, "--store takes a folder");
+        args->store = text;
+        return 0;
+    case KEY_FILES:
+        args->files = text;
+        return 0;
+    case KEY_FILES_PASSWORD:
+        args->files_password = parse_number(state, "--files-password", text, UINT32_MAX);
+        return 0;
+    case KEY_MODBUS:
+        args->modbus = text;
+        return 0;
+    case KEY_BREAK:
+        choose_defect(args, state, text);
+        return 0;
+    case KEY_REALTIME:
+        args->realtime = parse_priority(state, text);
+        return 0;
+    case KEY_BUSY_POLL:
+        args->busy_poll = true;
+        return 0;
+    case KEY_MODULE:
+        add_module(args, state, text);
+        return 0;
+    case KEY_SET:
+        add_setting(args, state, text);
+        return 0;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->wiring;
+        args->delay_us = 3000;
+        args->scenario.seed = 1;
+        return 0;
+    case ARGP_KEY_END:
+        add_short_faults(args, state);
+        return 0;
+    case KEY_KEEP_MAC:
+        args->keep_source_mac = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&wiring_argp, 0, NULL, 0}, {0}};
+
+const struct argp twin_argp = {.options = options, .parser = parse, .children = children};
+
+bool twin_args_given(const twin_args_t *args)
+{
+    return args->given || args->wiring.count > 0;
+}
+
+/* The product of a name at a place in the chain, with the modules for that place; NULL and a message. */
+static const ect_product_t *find_product(const twin_args_t *args, const char *name, size_t place, char *message)
+{
+    ect_module_choice_t *choices = calloc(args->module_count + 1, sizeof *choices);
+    size_t count = 0;
+    for (size_t i = 0; choices && i < args->module_count; i++) {
+        if (args->modules[i].twin == place)
+            choices[count++] = args->modules[i].choice;
+    }
+    const ect_product_t *product = choices ? product_find(name, choices, count, message) : NULL;
+    free(choices);
+    return product;
+}
+
+void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
+{
+    char *copy = strdup(list);
+    char *rest = copy;
+    for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
+        char message[PRODUCT_MESSAGE] = "out of memory";
+        const ect_product_t *product = find_product(args, name, args->count + 1, message);
+        if (!product)
+            argp_failure(state, EXIT_USAGE, 0, "%s", message);
+        ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
+        if (!grown)
+            argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
+        args->twins = grown;
+        args->twins[args->count++] = ect_twin_default(product->device, product->plant);
+    }
+    free(copy);
+    for (size_t i = 0; i < args->count; i++) {
+        args->twins[i].keep_source_mac = args->keep_source_mac;
+        args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
+    }
+    fulfil_wishes(args, state);
+    if (ect_scenario_highest_slave(&args->scenario) > args->count)
+        argp_error(state, "a fault names slave %u: there are %zu", ect_scenario_highest_slave(&args->scenario),
+                   args->count);
+    wiring_args_apply(&args->wiring, state, args->twins, args->count, args->scenario.seed);
+}
+
+/* --- power-on ----------------------------------------------------------------------------------------------------- */
+
+static bool open_memories(twin_args_t *args, const char *who)
+{
+    char message[ECT_MEMORY_MESSAGE] = "out of memory";
+    args->memories = calloc(args->count, sizeof(ect_memory_t *));
+    if (args->store)
+        (void)mkdir(args->store, 0700); /* one that is there already is fine, and what is not possible is told below */
+    for (size_t i = 0; args->memories && i < args->count; i++) {
+        char path[ECT_MEMORY_PATH];
+        int length = snprintf(path, sizeof path, "%s/%s-%zu", args->store ? args->store : "",
+                              args->twins[i].device->name, i + 1);
+        if (length < (int)sizeof path)
+            args->memories[i] = ect_memory_open(args->store ? path : NULL, message);
+        else
+            snprintf(message, sizeof message, "the folder's name is too long");
+        if (!args->memories[i]) {
+            fprintf(stderr, "%s: %s\n", who, message);
+            return false;
+        }
+        if (*message)
+            fprintf(stderr, "%s: %s\n", who, message);
+        args->twins[i].storage = ect_memory_storage(args->memories[i]);
+    }
+    return args->memories != NULL;
+}
+
+/* From here on each twin's device is one with files. */
+static bool open_files(twin_args_t *args, const char *who)
+{
+    char message[ECT_FILES_MESSAGE] = "out of memory";
+    args->opened = calloc(args->count, sizeof(ect_files_t *));
+    bool done = args->opened != NULL;
+    for (size_t i = 0; done && args->files && i < args->count; i++) {
+        args->opened[i] = ect_files_open(args->files, args->twins[i].device, args->files_password, message);
+        done = args->opened[i] != NULL;
+        if (done)
+            args->twins[i].device = ect_files_device(args->opened[i]);
+    }
+    if (!done)
+        fprintf(stderr, "%s: --files: %s\n", who, message);
+    return done;
+}
+
+static bool open_eeprom(twin_args_t *args, size_t i, char *message)
+{
+    ect_twin_config_t *twin = &args->twins[i];
+    char path[ECT_EEPROM_PATH];
+    uint8_t *factory = sii_file_make(twin->device, &twin->identity, twin->alias, message, ECT_EEPROM_MESSAGE);
+    int length = snprintf(path, sizeof path, "%s/%s-%zu.sii", args->store, twin->device->name, i + 1);
+    if (length >= (int)sizeof path)
+        snprintf(message, ECT_EEPROM_MESSAGE, "the folder's name is too long");
+    else if (factory)
+        args->eeproms[i] = ect_eeprom_open(path, factory, twin->device->sii_size, message);
+    free(factory);
+    if (!args->eeproms[i])
+        return false;
+    twin->sii = ect_eeprom_image(args->eeproms[i]);
+    twin->sii_written = ect_eeprom_write;
+    twin->sii_ctx = args->eeproms[i];
+    return true;
+}
+
+static bool open_eeproms(twin_args_t *args, const char *who)
+{
+    char message[ECT_EEPROM_MESSAGE] = "out of memory";
+    args->eeproms = calloc(args->count, sizeof(ect_eeprom_t *));
+    bool done = args->eeproms != NULL;
+    for (size_t i = 0; done && args->store && i < args->count; i++)
+        done = open_eeprom(args, i, message);
+    if (!done)
+        fprintf(stderr, "%s: %s\n", who, message);
+    return done;
+}
+
+static bool outlasts_power(const ect_signal_ref_t *ref)
+{
+    const uint8_t *instance = ref->instance;
+    return (size_t)(ref->value - instance) - ref->plant->outside_offset < ref->plant->outside_size;
+}
+
+/* A setting of one twin, its name by itself. */
+typedef struct named {
+    char name[ECT_SIGNAL_NAME];
+    const char *value;
+} named_t;
+
+/* Whether a setting is for this twin; then it is taken apart. */
+static bool take_apart(const char *setting, size_t slave, named_t *named)
+{
+    if (twin_of(&setting) != slave)
+        return false;
+    const char *value = strchr(setting, '=');
+    snprintf(named->name, sizeof named->name, "%.*s", (int)(value - setting), setting);
+    named->value = value + 1;
+    return true;
+}
+
+static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
+{
+    ect_signal_ref_t ref;
+    return ect_chain_signal(chain, slave - 1, name, &ref) && outlasts_power(&ref);
+}
+
+/* Of one twin: all that the command line asks for, or only what outlasts the power. @return whether it was done */
+static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who)
+{
+    char message[ECT_SIGNAL_MESSAGE] = "out of memory";
+    named_t *named = calloc(args->setting_count, sizeof *named);
+    ect_setting_t *settings = calloc(args->setting_count, sizeof *settings);
+    size_t count = 0;
+    for (size_t i = 0; named && settings && i < args->setting_count; i++) {
+        named_t *one = &named[count];
+        if (!take_apart(args->settings[i], slave, one) || (outside_only && !is_outside(chain, slave, one->name)))
+            continue;
+        settings[count++] = (ect_setting_t){.name = one->name, .value = one->value};
+    }
+    bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, ect_packet_now(), message);
+    if (!done)
+        fprintf(stderr, "%s: --set: %s\n", who, message);
+    free(named);
+    free(settings);
+    return done;
+}
+
+static bool all_for_a_twin(const twin_args_t *args, const char *who)
+{
+    for (size_t i = 0; i < args->setting_count; i++) {
+        const char *setting = args->settings[i];
+        size_t slave = twin_of(&setting);
+        if (slave < 1 || slave > args->count) {
+            fprintf(stderr, "%s: --set %.80s: there is no such twin\n", who, args->settings[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* First what stands outside the devices, which they see when they are powered on, then everything. */
+static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
+{
+    if (!all_for_a_twin(args, who))
+        return false;
+    for (unsigned int round = 0; round < 2 && args->setting_count > 0; round++) {
+        for (size_t slave = 1; slave <= args->count; slave++) {
+            if (!apply(args, chain, slave, round == 0, who))
+                return false;
+        }
+        if (round == 0)
+            ect_chain_power_cycle(chain, ect_packet_now());
+    }
+    return true;
+}
+
+int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain)
+{
+    *chain = NULL;
+    if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
+        return EXIT_OPEN;
+    *chain = ect_chain_new(args->twins, args->count, ect_packet_now());
+    if (!*chain) {
+        fprintf(stderr, "%s: not enough memory for %zu twins\n", who, args->count);
+        return EXIT_RUN;
+    }
+    if (apply_all(args, *chain, who))
+        return EXIT_CLEAN;
+    ect_chain_free(*chain);
+    *chain = NULL;
+    return EXIT_USAGE;
+}
+
+void twin_args_free(twin_args_t *args)
+{
+    for (size_t i = 0; args->memories && i < args->count; i++)
+        ect_memory_close(args->memories[i]);
+    free(args->memories);
+    for (size_t i = 0; args->eeproms && i < args->count; i++)
+        ect_eeprom_close(args->eeproms[i]);
+    free(args->eeproms);
+    for (size_t i = 0; args->opened && i < args->count; i++)
+        ect_files_close(args->opened[i]);
+    free(args->opened);
+    free(args->settings);
+    free(args->wishes);
+    wiring_args_free(&args->wiring);
+    free(args->modules);
+    free(args->twins);
+    args->twins = NULL;
+}
+
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus)
+{
+    cJSON *line = cJSON_CreateObject();
+    cJSON_AddStringToObject(line, "event", "ready");
+    if (ifaces[ECT_END_IN])
+        cJSON_AddStringToObject(line, "iface", ifaces[ECT_END_IN]);
+    if (ifaces[ECT_END_OUT])
+        cJSON_AddStringToObject(line, "iface2", ifaces[ECT_END_OUT]);
+    if (modbus)
+        cJSON_AddStringToObject(line, "modbus", modbus);
+    cJSON_AddNumberToObject(line, "slaves", (double)slaves);
+    char *text = cJSON_PrintUnformatted(line);
+    bool told = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
+    cJSON_free(text);
+    cJSON_Delete(line);
+    if (told || errno == EPIPE) /* one who does not listen any more has no need of it */
+        return true;
+    fprintf(stderr, "ectwin: the ready line cannot be written: %s\n", strerror(errno));
+    clearerr(stream); /* that was told */
+    return false;
+}
+
+ect_control_t *open_control(const char *who)
+{
+    char message[ECT_ENDPOINT_MESSAGE];
+    ect_control_t *control = ect_control_open(message);
+    if (!control)
+        fprintf(stderr, "%s: %s; 'ectwin get' and 'set' will not reach it\n", who, message);
+    return control;
+}

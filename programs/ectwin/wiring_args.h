@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Options of the command line that say what the twins are built of, and how they are wired: chips, oscillators, cables,
+ * junctions.
+ */
+#ifndef ECTWIN_WIRING_ARGS_H
+#define ECTWIN_WIRING_ARGS_H
+
+#include <argp.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bus/chain/chain.h"
+
+/** "[N:]VALUE" of such an option. */
+typedef struct wiring_wish {
+    int key;          /**< of the option */
+    size_t twin;      /**< from 1; 0: all */
+    const char *text; /**< the value */
+} wiring_wish_t;
+
+typedef struct wiring_args {
+    wiring_wish_t *wishes;
+    size_t count;
+} wiring_args_t;
+
+/** Argp parser for these options; its input is a wiring_args_t. */
+extern const struct argp wiring_argp;
+
+/**
+ * Builds the twins as the options say; one that cannot be built so ends the program with a line that says why.
+ * @param seed  of the lot by which drifts are drawn
+ */
+void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
+                       size_t count, uint32_t seed);
+
+void wiring_args_free(wiring_args_t *args);
+
+#endif

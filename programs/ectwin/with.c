@@ -1,0 +1,415 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "bus/net/netns.h"
+#include "commands.h"
+
+enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL };
+
+static const struct argp_option options[] = {
+    {"iface", KEY_IFACE, "NAME[,NAME]", 0,
+     "What CMD's end of the wire is called (default ecat0). Two names: a second wire, at the output of the last device "
+     "(cable redundancy); {2} in ARG and $ECTWIN_IFACE2",
+     0},
+    {"external", KEY_EXTERNAL, "PROGRAM", 0,
+     "In place of DEVICE: a slave of your own, run by the shell with -i and its end of the wire behind it (a firmware "
+     "with ectwin's soes_hal, docs/SOES.md)",
+     0},
+    {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
+     "Let processes that CMD left behind live on when it has ended (default: they end too)", 0},
+    {0},
+};
+
+typedef struct with_args {
+    twin_args_t twins;
+    const char *devices;
+    char *masters[ECT_NETNS_WIRES]; /* the master's ends */
+    char *external;                 /* the slave, NULL: twins of ours */
+    bool leave_children;
+    char **command;
+} with_args_t;
+
+typedef struct child {
+    pid_t pid;
+    int status;       /* of the command, as a shell would give it; -1: still running */
+    pid_t slave;      /* of --external; 0: none */
+    int slave_status; /* as `status` */
+} child_t;
+
+enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126, STATUS_SIGNALLED = 128 };
+
+static void take_names(with_args_t *args, const struct argp_state *state, char *names)
+{
+    args->masters[0] = strsep(&names, ",");
+    args->masters[1] = strsep(&names, ",");
+    for (size_t i = 0; i < ECT_NETNS_WIRES && args->masters[i]; i++) {
+        const char *why = ect_netns_unfit(args->masters[i]);
+        if (why)
+            argp_error(state, "--iface '%s': %s", args->masters[i], why);
+    }
+    if (names || (args->masters[1] && strcmp(args->masters[0], args->masters[1]) == 0))
+        argp_error(state, "--iface takes one name, or two that differ");
+}
+
+static void check_arguments(with_args_t *args, const struct argp_state *state)
+{
+    if (!args->devices && !args->external)
+        argp_error(state, "name a device; 'ectwin list' lists those there are");
+    if (args->devices && args->external)
+        argp_error(state, "either a device or --external");
+    if (args->external && args->masters[1])
+        argp_error(state, "--external has one wire: one name in --iface");
+    if (args->external && twin_args_given(&args->twins))
+        argp_error(state, "--external is a slave of your own: the options of twins do nothing to it, leave them out");
+    if (!args->command)
+        argp_error(state, "name the command to run: ectwin with %s -- CMD ARG...",
+                   args->devices ? args->devices : "--external PROGRAM");
+    if (args->devices)
+        twin_args_devices(&args->twins, state, args->devices);
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    with_args_t *args = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twins;
+        return 0;
+    case KEY_IFACE:
+        take_names(args, state, text);
+        return 0;
+    case KEY_LEAVE_CHILDREN:
+        args->leave_children = true;
+        return 0;
+    case KEY_EXTERNAL:
+        args->external = text;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (!args->devices && !args->external) {
+            args->devices = text;
+            return 0;
+        }
+        args->command = &state->argv[state->next - 1];
+        state->next = state->argc; /* the rest is the command's */
+        return 0;
+    case ARGP_KEY_END:
+        check_arguments(args, state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* Appends `length` characters, as long as there is room for them and a terminator. */
+static void append(char *to, size_t *used, size_t room, const char *from, size_t length)
+{
+    if (*used + length < room) {
+        memcpy(to + *used, from, length);
+        *used += length;
+        to[*used] = 0;
+    }
+}
+
+/* `text` with {} and {2} replaced by the names of the master's interfaces. @return NULL: no memory */
+static char *with_interfaces(const char *text, char *const masters[ECT_NETNS_WIRES])
+{
+    static const char *const marks[ECT_NETNS_WIRES] = {"{}", "{2}"};
+    size_t room = strlen(text) * 8 + 1; /* a mark of two becomes 15 */
+    size_t used = 0;
+    char *result = calloc(1, room);
+    while (result && *text) {
+        size_t wire = 0;
+        while (wire < ECT_NETNS_WIRES && !(masters[wire] && strncmp(text, marks[wire], strlen(marks[wire])) == 0))
+            wire++;
+        bool found = wire < ECT_NETNS_WIRES;
+        const char *piece = found ? masters[wire] : text;
+        append(result, &used, room, piece, found ? strlen(piece) : 1);
+        text += found ? strlen(marks[wire]) : 1;
+    }
+    return result;
+}
+
+static void run_command(const with_args_t *args, pid_t parent, const ect_control_t *control)
+{
+    char **command = args->command;
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    signal(SIGPIPE, SIG_DFL);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) /* it died before that took effect */
+        _exit(EXIT_RUN);
+    setenv("ECTWIN_IFACE", args->masters[0], 1);
+    if (args->masters[1])
+        setenv("ECTWIN_IFACE2", args->masters[1], 1);
+    if (control)
+        setenv("ECTWIN_SOCKET", ect_control_path(control), 1);
+    for (char **argument = command + 1; *argument; argument++) {
+        char *replaced = with_interfaces(*argument, args->masters);
+        *argument = replaced ? replaced : *argument;
+    }
+    execvp(command[0], command);
+    int error = errno;
+    fprintf(stderr, "ectwin with: cannot run '%s': %s\n", command[0], strerror(error));
+    _exit(error == ENOENT ? STATUS_NOT_FOUND : STATUS_NOT_EXECUTABLE);
+}
+
+static int status_of(int status)
+{
+    return WIFEXITED(status) ? WEXITSTATUS(status) : STATUS_SIGNALLED + WTERMSIG(status);
+}
+
+/* What the command leaves behind becomes ours (a subreaper), so others may end too. @return whether the command has */
+static bool reap(child_t *child)
+{
+    int status;
+    pid_t pid;
+    while ((pid = waitpid(-1, &status, WNOHANG)) > 0) {
+        if (pid == child->pid)
+            child->status = status_of(status);
+        if (pid == child->slave)
+            child->slave_status = status_of(status);
+    }
+    return child->status >= 0;
+}
+
+/* The command decides when it is over; a wish to end is passed on to it, unless the terminal has told it already. */
+static bool on_signal(void *ctx, int signal_number, bool from_terminal)
+{
+    child_t *child = ctx;
+    if (signal_number == SIGCHLD)
+        return !reap(child);
+    if (!from_terminal)
+        kill(child->pid, signal_number);
+    return true;
+}
+
+static pid_t parent_of(const char *pid)
+{
+    char path[300];
+    char line[512] = "";
+    int parent = 0;
+    snprintf(path, sizeof path, "/proc/%s/stat", pid);
+    FILE *file = fopen(path, "re");
+    if (!file)
+        return 0;
+    (void)fgets(line, sizeof line, file);
+    fclose(file);
+    const char *after_name = strrchr(line, ')'); /* a name may have anything in it */
+    return after_name && sscanf(after_name + 1, " %*c %d", &parent) == 1 ? parent : 0;
+}
+
+static void signal_children(int signal_number)
+{
+    DIR *processes = opendir("/proc");
+    const struct dirent *entry;
+    while (processes && (entry = readdir(processes))) {
+        pid_t pid = (pid_t)strtol(entry->d_name, NULL, 10);
+        if (pid > 0 && parent_of(entry->d_name) == getpid())
+            kill(pid, signal_number);
+    }
+    if (processes)
+        closedir(processes);
+}
+
+/* Children of children become ours as theirs end: level by level all of them, by force after a second. */
+static void end_children(void)
+{
+    enum { ROUNDS = 40, GENTLE_ROUNDS = 20 };
+    const struct timespec pause = {.tv_nsec = 50000000};
+    for (unsigned int round = 0; round < ROUNDS; round++) {
+        while (waitpid(-1, NULL, WNOHANG) > 0)
+            ;
+        if (errno == ECHILD)
+            return;
+        signal_children(round < GENTLE_ROUNDS ? SIGTERM : SIGKILL);
+        (void)nanosleep(&pause, NULL);
+    }
+}
+
+/* @return whether it runs; why not was told */
+static bool start_command(const with_args_t *args, child_t *child, const ect_control_t *control)
+{
+    pid_t self = getpid();
+    fflush(NULL);
+    child->pid = fork();
+    if (child->pid == 0)
+        run_command(args, self, control);
+    if (child->pid < 0)
+        fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
+    return child->pid > 0;
+}
+
+static int serve(with_args_t *args, session_t *session)
+{
+    child_t child = {.status = -1};
+    const char *modbus = session_modbus(session);
+    (void)print_ready(stderr, args->masters, args->twins.count, modbus);
+    if (modbus)
+        setenv("ECTWIN_MODBUS", modbus, 1);
+    bool started = start_command(args, &child, session->runner.control);
+    session_drop_rights(session, true);
+    int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
+    if (status != EXIT_CLEAN && started)
+        kill(child.pid, SIGTERM);
+    if (!args->leave_children)
+        end_children();
+    return status == EXIT_CLEAN ? child.status : status;
+}
+
+static void tell_lacks(unsigned int lacks)
+{
+    if ((lacks & ECT_NETNS_USER_NAMESPACE) != 0)
+        fputs("ectwin with: no user namespace can be made here, so CMD is root on the whole machine\n", stderr);
+    if ((lacks & ECT_NETNS_OWN_SYSFS) != 0)
+        fputs("ectwin with: /sys cannot be mounted anew here, so /sys/class/net shows CMD the interfaces outside\n",
+              stderr);
+}
+
+static int enter_network(const with_args_t *args)
+{
+    char message[ECT_NETNS_MESSAGE];
+    unsigned int lacks;
+    const char *const masters[ECT_NETNS_WIRES] = {args->masters[0], args->masters[1]};
+    if (ect_netns_enter(masters, &lacks, message) < 0) {
+        fprintf(stderr, "ectwin with: %s\n", message);
+        return EXIT_OPEN;
+    }
+    tell_lacks(lacks);
+    return EXIT_CLEAN;
+}
+
+/* --- a slave that is not ours ------------------------------------------------------------------------------------- */
+
+/* Its output is not to be taken for CMD's; when it is ready it says so at a descriptor. */
+static void run_slave(const with_args_t *args, pid_t parent, const int ready[2])
+{
+    char descriptor[12];
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent)
+        _exit(EXIT_RUN);
+    close(ready[0]);
+    snprintf(descriptor, sizeof descriptor, "%d", ready[1]);
+    setenv("ECTWIN_READY_FD", descriptor, 1);
+    (void)dup2(STDERR_FILENO, STDOUT_FILENO);
+    execl("/bin/sh", "sh", "-c", "eval \"exec $1 -i $2\"", "ectwin with", args->external, ect_netns_twin[0],
+          (char *)NULL);
+    fprintf(stderr, "ectwin with: cannot run '/bin/sh': %s\n", strerror(errno));
+    _exit(EXIT_RUN);
+}
+
+/* One that says nothing is not waited for longer than a firmware takes to start. */
+static void wait_until_ready(int ready)
+{
+    enum { PATIENCE_MS = 5000 };
+    char line[512];
+    struct pollfd fd = {.fd = ready, .events = POLLIN};
+    ssize_t length = poll(&fd, 1, PATIENCE_MS) > 0 ? read(ready, line, sizeof line) : 0;
+    if (length > 0)
+        (void)fwrite(line, 1, (size_t)length, stderr);
+}
+
+/* @return whether it runs; what kept it from starting was told */
+static bool start_slave(const with_args_t *args, child_t *child)
+{
+    int ready[2] = {-1, -1};
+    pid_t self = getpid();
+    child->slave = pipe(ready) == 0 ? fork() : -1;
+    if (child->slave == 0)
+        run_slave(args, self, ready);
+    if (child->slave < 0)
+        fprintf(stderr, "ectwin with: cannot start '%s': %s\n", args->external, strerror(errno));
+    close(ready[1]);
+    if (child->slave > 0)
+        wait_until_ready(ready[0]);
+    close(ready[0]);
+    (void)reap(child);
+    return child->slave > 0 && child->slave_status < 0;
+}
+
+/* Until the command ends, or the slave does. */
+static void wait_for_end(child_t *child, int signal_fd)
+{
+    struct signalfd_siginfo info;
+    struct pollfd fd = {.fd = signal_fd, .events = POLLIN};
+    while (child->status < 0 && child->slave_status < 0 && poll(&fd, 1, -1) >= 0) {
+        if (read(signal_fd, &info, sizeof info) == (ssize_t)sizeof info)
+            (void)on_signal(child, (int)info.ssi_signo, info.ssi_code == SI_KERNEL);
+    }
+}
+
+static int serve_external(const with_args_t *args)
+{
+    child_t child = {.status = -1, .slave_status = -1};
+    int signal_fd = open_signals();
+    if (signal_fd < 0) {
+        fprintf(stderr, "ectwin with: cannot wait for signals: %s\n", strerror(errno));
+        return EXIT_RUN;
+    }
+    if (enter_network(args) != EXIT_CLEAN)
+        return EXIT_OPEN;
+    fflush(NULL);
+    if (start_slave(args, &child) && start_command(args, &child, NULL))
+        wait_for_end(&child, signal_fd);
+    if (child.slave_status >= 0 && child.status < 0)
+        fprintf(stderr, "ectwin with: '%s' has ended with status %d\n", args->external, child.slave_status);
+    if (child.pid > 0 && child.status < 0)
+        kill(child.pid, SIGTERM);
+    if (child.slave > 0 && child.slave_status < 0)
+        kill(child.slave, SIGTERM);
+    if (!args->leave_children)
+        end_children();
+    close(signal_fd);
+    return child.status >= 0 ? child.status : EXIT_RUN;
+}
+
+int command_with(int argc, char **argv)
+{
+    static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
+        .doc = "Runs CMD on a private network with these devices at the other end of its wire. The interface's name "
+               "is in $ECTWIN_IFACE and replaces {} in each ARG. Needs no root. Exits with CMD's status.",
+        .children = children,
+    };
+    static char master[] = "ecat0";
+    with_args_t args = {.masters = {master}};
+    argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
+
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1); /* what is left behind becomes ours, to be ended */
+    if (args.external)
+        return serve_external(&args);
+    session_t session;
+    session_init(&session, "ectwin with", &args.twins);
+    session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
+    session.runner.control = open_control("ectwin with"); /* outside: where its user will look for it */
+    session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
+    int status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
+    if (status == EXIT_CLEAN)
+        status = enter_network(&args);
+    const char *const ends[ECT_ENDS] = {ect_netns_twin[0], args.masters[1] ? ect_netns_twin[1] : NULL};
+    if (status == EXIT_CLEAN)
+        status = session_open(&session, ends);
+    if (status == EXIT_CLEAN)
+        status = session_open_modbus(&session); /* inside: CMD is to reach it */
+    if (status == EXIT_CLEAN)
+        status = serve(&args, &session);
+    session_close(&session);
+    return status;
+}

@@ -1,0 +1,561 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Datagram after datagram, each to those whom it concerns. That is not the order of the chip, where the whole frame
+ * goes to one controller and then to the next; it comes to the same, because a controller sees the datagrams in their
+ * order and a datagram the controllers in theirs, and nothing else passes from one to another. What would is not taken.
+ */
+#include "bus/chain/fast.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/bits.h"
+#include "esc/route.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
+
+enum { SOURCE = 6, LOCAL = 0x02, TIMES = 8 };
+
+typedef struct controller {
+    ect_esc_t *esc;
+    uint64_t frame;   /* the last one that it took part in */
+    uint64_t times;   /* of the system times that all were told, those that it has taken */
+    uint32_t routing; /* what its route is known of */
+    ect_esc_route_t route;
+} controller_t;
+
+/* The system time, told by one to all: those before him had what the master sent, those behind him what he put there.
+ */
+typedef struct telling {
+    uint64_t at_ns;
+    size_t source; /* reach: nobody */
+    size_t reach;
+    uint32_t before, behind;
+} telling_t;
+
+/* Ascending by address, then by position. */
+typedef struct station {
+    uint16_t address;
+    uint16_t position;
+} station_t;
+
+/* Ascending by their first byte. */
+typedef struct window {
+    uint64_t first, end;
+    uint64_t furthest; /* the greatest end of this one and all before it */
+    uint16_t position;
+    uint16_t direction;
+} window_t;
+
+/* What a frame takes along from all that it reaches. */
+typedef struct sums {
+    uint16_t events;
+    uint16_t al_status;
+    bool al_status_new;
+    bool marks_source;
+    bool writes_registers;
+    bool awaits_frame;
+    bool guards_writes;
+    unsigned int time_takers;
+} sums_t;
+
+struct ect_fast {
+    size_t count;
+    size_t reach;
+    bool out; /* the last port is open, too */
+    bool line_known, sums_known, stations_known, windows_known;
+    uint64_t now_ns;
+    uint64_t frame; /* counts those that were taken */
+    sums_t sums;
+    uint64_t *chosen; /* a bit a controller: it takes part in the present datagram; else zero */
+    uint64_t times;   /* how often the system time was told */
+    uint64_t taken;   /* of these all have taken so many */
+    telling_t tellings[TIMES];
+    station_t *stations;
+    size_t station_count;
+    window_t *windows;
+    size_t window_count;
+    uint32_t *touched;
+    size_t touched_count;
+    controller_t controllers[];
+};
+
+ect_fast_t *ect_fast_new(size_t count)
+{
+    ect_fast_t *f = calloc(1, sizeof *f + count * sizeof f->controllers[0]);
+    if (!f)
+        return NULL;
+    f->count = count;
+    f->chosen = calloc(ect_bits_words(count), sizeof *f->chosen);
+    f->stations = calloc(count, 2 * sizeof *f->stations);
+    f->windows = calloc(count, ECT_ESC_MAX_FMMU * sizeof *f->windows);
+    f->touched = calloc(count, sizeof *f->touched);
+    if (f->chosen && f->stations && f->windows && f->touched)
+        return f;
+    ect_fast_free(f);
+    return NULL;
+}
+
+void ect_fast_free(ect_fast_t *fast)
+{
+    if (!fast)
+        return;
+    free(fast->chosen);
+    free(fast->stations);
+    free(fast->windows);
+    free(fast->touched);
+    free(fast);
+}
+
+/* --- what is known of the controllers ----------------------------------------------------------------------------- */
+
+static bool same_sums(const ect_esc_route_t *a, const ect_esc_route_t *b)
+{
+    return a->events == b->events && a->al_status == b->al_status && a->al_status_new == b->al_status_new &&
+           a->marks_source == b->marks_source && a->writes_registers == b->writes_registers &&
+           a->awaits_frame == b->awaits_frame && a->guards_writes == b->guards_writes && a->takes_time == b->takes_time;
+}
+
+static void read_route(ect_fast_t *f, controller_t *c)
+{
+    const ect_esc_route_t before = c->route;
+    const ect_esc_route_t *now = &c->route;
+    c->routing = ect_esc_routing(c->esc);
+    ect_esc_route(c->esc, &c->route);
+    f->line_known &= now->open == before.open && now->goes_astray == before.goes_astray;
+    f->sums_known &= f->line_known && same_sums(now, &before);
+    f->stations_known &= now->station == before.station && now->alias == before.alias;
+    f->windows_known &= now->window_count == before.window_count &&
+                        memcmp(now->windows, before.windows, now->window_count * sizeof now->windows[0]) == 0;
+}
+
+void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc)
+{
+    controller_t *c = &fast->controllers[position];
+    c->esc = esc;
+    c->times = fast->times;
+    read_route(fast, c);
+}
+
+void ect_fast_look(ect_fast_t *fast, size_t position)
+{
+    controller_t *c = &fast->controllers[position];
+    if (c->routing != ect_esc_routing(c->esc))
+        read_route(fast, c);
+}
+
+/* As far as one port after the other is open; none of those on the way may send a frame round in a circle. */
+static void know_line(ect_fast_t *f)
+{
+    size_t i = 0;
+    bool line = !f->controllers[0].route.goes_astray;
+    while (line && f->controllers[i].route.open && i + 1 < f->count)
+        line = !f->controllers[++i].route.goes_astray;
+    f->reach = line ? i + 1 : 0;
+    f->out = f->controllers[i].route.open;
+    f->line_known = true;
+    f->sums_known = false;
+}
+
+size_t ect_fast_reach(ect_fast_t *fast)
+{
+    if (!fast->line_known)
+        know_line(fast);
+    return fast->reach;
+}
+
+static void know_sums(ect_fast_t *f)
+{
+    sums_t sums = {0};
+    if (f->sums_known)
+        return;
+    for (size_t i = 0; i < f->reach; i++) {
+        const ect_esc_route_t *route = &f->controllers[i].route;
+        sums.events |= route->events;
+        sums.al_status |= route->al_status;
+        sums.al_status_new |= route->al_status_new;
+        sums.marks_source |= route->marks_source;
+        sums.writes_registers |= route->writes_registers;
+        sums.awaits_frame |= route->awaits_frame;
+        sums.guards_writes |= route->guards_writes;
+        sums.time_takers += route->takes_time;
+    }
+    f->sums = sums;
+    f->sums_known = true;
+}
+
+static int by_address(const void *a, const void *b)
+{
+    const station_t *x = a;
+    const station_t *y = b;
+    return x->address != y->address ? x->address - y->address : x->position - y->position;
+}
+
+static void know_stations(ect_fast_t *f)
+{
+    size_t n = 0;
+    if (f->stations_known)
+        return;
+    for (size_t i = 0; i < f->count; i++) {
+        const ect_esc_route_t *route = &f->controllers[i].route;
+        f->stations[n++] = (station_t){.address = route->station, .position = (uint16_t)i};
+        if (route->alias != route->station)
+            f->stations[n++] = (station_t){.address = route->alias, .position = (uint16_t)i};
+    }
+    qsort(f->stations, n, sizeof *f->stations, by_address);
+    f->station_count = n;
+    f->stations_known = true;
+}
+
+static int by_first(const void *a, const void *b)
+{
+    const window_t *x = a;
+    const window_t *y = b;
+    return (x->first > y->first) - (x->first < y->first);
+}
+
+static void know_windows(ect_fast_t *f)
+{
+    size_t n = 0;
+    uint64_t furthest = 0;
+    if (f->windows_known)
+        return;
+    for (size_t i = 0; i < f->count; i++) {
+        const ect_esc_route_t *route = &f->controllers[i].route;
+        for (unsigned int k = 0; k < route->window_count; k++) {
+            const ect_esc_window_t *w = &route->windows[k];
+            f->windows[n++] = (window_t){.first = w->first,
+                                         .end = (uint64_t)w->first + w->length,
+                                         .position = (uint16_t)i,
+                                         .direction = w->direction};
+        }
+    }
+    qsort(f->windows, n, sizeof *f->windows, by_first);
+    for (size_t k = 0; k < n; k++) {
+        furthest = f->windows[k].end > furthest ? f->windows[k].end : furthest;
+        f->windows[k].furthest = furthest;
+    }
+    f->window_count = n;
+    f->windows_known = true;
+}
+
+/* --- the system time ---------------------------------------------------------------------------------------------- */
+
+/* What it would have done at once has to be done before anybody looks at it. */
+static void take_times(ect_fast_t *f, size_t i)
+{
+    controller_t *c = &f->controllers[i];
+    for (; c->times != f->times; c->times++) {
+        const telling_t *t = &f->tellings[c->times % TIMES];
+        if (c->route.takes_time && i < t->reach && i != t->source)
+            ect_esc_take_time(c->esc, i < t->source ? t->before : t->behind, t->at_ns);
+    }
+}
+
+void ect_fast_settle(ect_fast_t *fast)
+{
+    fast->touched_count = 0;
+    for (size_t i = 0; i < fast->count && fast->taken != fast->times; i++) {
+        uint64_t due_ns = ect_esc_due(fast->controllers[i].esc);
+        take_times(fast, i);
+        if (ect_esc_due(fast->controllers[i].esc) != due_ns)
+            fast->touched[fast->touched_count++] = (uint32_t)i;
+    }
+    fast->taken = fast->times;
+}
+
+/* --- a datagram to a controller ----------------------------------------------------------------------------------- */
+
+static unsigned int take_part(ect_fast_t *f, size_t i, uint8_t *d, unsigned int part)
+{
+    controller_t *c = &f->controllers[i];
+    take_times(f, i);
+    if (c->frame != f->frame) {
+        c->frame = f->frame;
+        f->touched[f->touched_count++] = (uint32_t)i;
+        ect_esc_begin_of_frame(c->esc, f->now_ns);
+    }
+    unsigned int gain = ect_esc_datagram(c->esc, d, part);
+    ect_fast_look(f, i);
+    return gain;
+}
+
+static unsigned int to_position(ect_fast_t *f, uint8_t *d, unsigned int part)
+{
+    uint16_t position = (uint16_t)(0u - ect_load_le16(d + ECT_DATAGRAM_ADP));
+    return position < f->reach ? take_part(f, position, d, part) : 0;
+}
+
+/* Of those with that address, or one above it, the first. */
+static size_t first_station(const ect_fast_t *f, uint16_t address)
+{
+    size_t low = 0;
+    size_t high = f->station_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (f->stations[middle].address < address)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static unsigned int to_station(ect_fast_t *f, uint8_t *d, unsigned int part)
+{
+    uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
+    unsigned int gain = 0;
+    know_stations(f);
+    size_t end = first_station(f, address);
+    size_t begin = end;
+    while (end < f->station_count && f->stations[end].address == address && f->stations[end].position < f->reach)
+        end++;
+    for (size_t k = begin; k < end; k++)
+        gain += take_part(f, f->stations[k].position, d, part);
+    return gain;
+}
+
+/* What all together answer, as long as reading it changes nothing. */
+static bool is_known_status(const ect_fast_t *f, const uint8_t *d)
+{
+    return ect_load_le16(d + ECT_DATAGRAM_ADO) == ECT_REG_AL_STATUS && ect_datagram_length(d) <= 2 &&
+           !f->sums.al_status_new;
+}
+
+static unsigned int to_all(ect_fast_t *f, uint8_t *d, unsigned int part)
+{
+    unsigned int gain = 0;
+    if ((part & ECT_PART_READ) != 0 && is_known_status(f, d)) {
+        for (unsigned int i = 0; i < ect_datagram_length(d); i++)
+            d[ECT_DATAGRAM_DATA + i] |= (uint8_t)(f->sums.al_status >> (8 * i));
+        return (unsigned int)f->reach;
+    }
+    for (size_t i = 0; i < f->reach; i++)
+        gain += take_part(f, i, d, part);
+    return gain;
+}
+
+static bool answers(const ect_fast_t *f, const uint8_t *d, size_t i)
+{
+    const ect_esc_route_t *route = &f->controllers[i].route;
+    uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
+    if (d[ECT_DATAGRAM_COMMAND] == ECT_ARMW)
+        return i == (uint16_t)(0u - address);
+    return address == route->station || address == route->alias;
+}
+
+/* Who is addressed in a read-multiple-write; reach: nobody. @return false: there are several */
+static bool find_source(ect_fast_t *f, const uint8_t *d, size_t *source)
+{
+    uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
+    *source = (uint16_t)(0u - address);
+    if (d[ECT_DATAGRAM_COMMAND] == ECT_FRMW) {
+        know_stations(f);
+        size_t k = first_station(f, address);
+        bool found = k < f->station_count && f->stations[k].address == address;
+        *source = found ? f->stations[k].position : f->reach;
+        if (found && k + 1 < f->station_count && f->stations[k + 1].address == address)
+            return false;
+    }
+    *source = *source < f->reach ? *source : f->reach;
+    return true;
+}
+
+/* The system time, whole, and nothing that says who may write it. */
+static bool tells_time(const ect_fast_t *f, const uint8_t *d)
+{
+    unsigned int length = ect_datagram_length(d);
+    return ect_load_le16(d + ECT_DATAGRAM_ADO) == ECT_REG_DC_SYSTEM_TIME && length >= 4 && length <= 8 &&
+           !f->sums.guards_writes && f->times - f->taken < TIMES;
+}
+
+/* All but its source are left alone: they count, and take it when they are looked at. */
+static unsigned int tell_time(ect_fast_t *f, uint8_t *d, size_t source)
+{
+    const uint8_t *time = d + ECT_DATAGRAM_DATA;
+    unsigned int gain = f->sums.time_takers;
+    telling_t telling = {.at_ns = f->now_ns, .source = source, .reach = f->reach, .before = ect_load_le32(time)};
+    if (source < f->reach) {
+        gain -= f->controllers[source].route.takes_time;
+        gain += take_part(f, source, d, ECT_PART_READ);
+    }
+    telling.behind = ect_load_le32(time);
+    f->tellings[f->times++ % TIMES] = telling;
+    return gain;
+}
+
+/* One reads, all others write. */
+static unsigned int to_one_and_all(ect_fast_t *f, uint8_t *d)
+{
+    unsigned int gain = 0;
+    size_t source;
+    if (tells_time(f, d) && find_source(f, d, &source))
+        return tell_time(f, d, source);
+    for (size_t i = 0; i < f->reach; i++)
+        gain += take_part(f, i, d, answers(f, d, i) ? ECT_PART_READ : ECT_PART_WRITE);
+    return gain;
+}
+
+/* Windows that begin before `end`. */
+static size_t windows_before(const ect_fast_t *f, uint64_t end)
+{
+    size_t low = 0;
+    size_t high = f->window_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (f->windows[middle].first < end)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction)
+{
+    uint64_t first = ect_load_le32(d + ECT_DATAGRAM_ADP);
+    size_t low = ect_bits_words(f->reach);
+    size_t high = 0;
+    unsigned int gain = 0;
+    know_windows(f);
+    for (size_t k = windows_before(f, first + ect_datagram_length(d)); k > 0 && f->windows[k - 1].furthest > first;
+         k--) {
+        const window_t *w = &f->windows[k - 1];
+        size_t word = w->position / ECT_BITS_WORD;
+        if (w->end <= first || (w->direction & direction) == 0 || w->position >= f->reach)
+            continue;
+        ect_bits_add(f->chosen, w->position);
+        low = word < low ? word : low;
+        high = word + 1 > high ? word + 1 : high;
+    }
+    for (; low < high; low++) {
+        uint64_t left = f->chosen[low];
+        f->chosen[low] = 0;
+        while (left != 0)
+            gain += take_part(f, ect_bits_take(low, &left), d, 0);
+    }
+    return gain;
+}
+
+/* --- a frame ------------------------------------------------------------------------------------------------------ */
+
+static unsigned int lead(ect_fast_t *f, uint8_t *d)
+{
+    if (ect_datagram_length(d) == 0)
+        return 0;
+    switch (d[ECT_DATAGRAM_COMMAND]) {
+    case ECT_APRD:
+        return to_position(f, d, ECT_PART_READ);
+    case ECT_APWR:
+        return to_position(f, d, ECT_PART_WRITE);
+    case ECT_FPRD:
+        return to_station(f, d, ECT_PART_READ);
+    case ECT_FPWR:
+        return to_station(f, d, ECT_PART_WRITE);
+    case ECT_BRD:
+        return to_all(f, d, ECT_PART_READ | ECT_PART_OR);
+    case ECT_BWR:
+        return to_all(f, d, ECT_PART_WRITE | ECT_PART_OR);
+    case ECT_LRD:
+        return to_windows(f, d, ECT_PART_READ);
+    case ECT_LWR:
+        return to_windows(f, d, ECT_PART_WRITE);
+    case ECT_LRW:
+        return to_windows(f, d, ECT_PART_READ | ECT_PART_WRITE);
+    case ECT_ARMW:
+    case ECT_FRMW:
+        return to_one_and_all(f, d);
+    default:
+        return 0;
+    }
+}
+
+static void add(uint8_t *to, size_t value)
+{
+    ect_store_le16(to, (uint16_t)(ect_load_le16(to) + value));
+}
+
+/* The header passes before the data: an event that this datagram clears is still in it. */
+static void pass_datagram(ect_fast_t *f, uint8_t *d)
+{
+    know_sums(f);
+    ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | f->sums.events));
+    add(d + ECT_DATAGRAM_DATA + ect_datagram_length(d), lead(f, d));
+    if (ect_command_counts(d[ECT_DATAGRAM_COMMAND]))
+        add(d + ECT_DATAGRAM_ADP, f->reach);
+}
+
+static bool overlaps(const uint8_t *d, unsigned int first, unsigned int end)
+{
+    unsigned int address = ect_load_le16(d + ECT_DATAGRAM_ADO);
+    return address < end && address + ect_datagram_length(d) > first;
+}
+
+static bool writes(uint8_t command)
+{
+    return command == ECT_APWR || command == ECT_FPWR || command == ECT_BWR || command == ECT_ARMW ||
+           command == ECT_FRMW;
+}
+
+static bool reads_and_writes(uint8_t command)
+{
+    return command == ECT_APRW || command == ECT_FPRW || command == ECT_BRW;
+}
+
+static bool is_logical(uint8_t command)
+{
+    return command == ECT_LRD || command == ECT_LWR || command == ECT_LRW;
+}
+
+/* Station addresses may be written, what stands around them may change the way of the frame itself. */
+static bool may_close_port(const uint8_t *d)
+{
+    return overlaps(d, 0, ECT_REG_STATION_ADDRESS) || overlaps(d, ECT_REG_STATION_ALIAS + 2, ECT_REG_DL_STATUS);
+}
+
+static bool is_plain(const ect_fast_t *f, const uint8_t *d)
+{
+    uint8_t command = d[ECT_DATAGRAM_COMMAND];
+    if (is_logical(command))
+        return command == ECT_LRD || !f->sums.writes_registers;
+    return !reads_and_writes(command) && !(writes(command) && may_close_port(d));
+}
+
+static bool is_taken(const ect_fast_t *f, uint8_t *d)
+{
+    bool fmmu = false;
+    bool logical = false;
+    for (; d; d = ect_datagram_next(d)) {
+        if (!is_plain(f, d))
+            return false;
+        logical |= is_logical(d[ECT_DATAGRAM_COMMAND]);
+        fmmu |= writes(d[ECT_DATAGRAM_COMMAND]) && overlaps(d, ECT_REG_FMMU, ECT_REG_SM);
+    }
+    return !(fmmu && logical);
+}
+
+ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    size_t at = ect_frame_datagrams(frame, length);
+    if (at == 0 || ect_fast_reach(fast) == 0)
+        return ECT_FAST_NOT_TAKEN;
+    know_sums(fast);
+    if (fast->sums.awaits_frame || !is_taken(fast, frame + at))
+        return ECT_FAST_NOT_TAKEN;
+    fast->now_ns = now_ns;
+    fast->frame++;
+    fast->touched_count = 0;
+    if (fast->sums.marks_source)
+        frame[SOURCE] |= LOCAL;
+    for (uint8_t *d = frame + at; d; d = ect_datagram_next(d))
+        pass_datagram(fast, d);
+    for (size_t i = 0; i < fast->touched_count; i++)
+        ect_esc_end_of_frame(fast->controllers[fast->touched[i]].esc);
+    return fast->out ? ECT_FAST_OUT : ECT_FAST_BACK;
+}
+
+const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count)
+{
+    *count = fast->touched_count;
+    return fast->touched;
+}

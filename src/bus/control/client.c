@@ -1,0 +1,437 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/control/client.h"
+
+#include <cjson/cJSON.h>
+#include <fnmatch.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/settings.h"
+
+bool ect_client_room(const ect_client_t *client)
+{
+    return client->deaf || ECT_CLIENT_ANSWER - client->unsent >= (ECT_CLIENT_LINES + 2) * ECT_LINE_ROOM;
+}
+
+bool ect_client_busy(const ect_client_t *client)
+{
+    return client->visit.op != ECT_VISIT_NONE || client->line > 0 ||
+           (client->watch && ect_watch_pending(client->watch));
+}
+
+void ect_client_received(ect_client_t *client)
+{
+    const char *end = memchr(client->request, '\n', client->received);
+    client->line = end ? (size_t)(end - client->request) + 1 : 0;
+}
+
+static void put(ect_client_t *client, const ect_line_t *line)
+{
+    if (client->deaf)
+        return;
+    memcpy(client->answer + client->unsent, line->text, line->length);
+    client->unsent += line->length;
+}
+
+void ect_client_result(ect_client_t *client, const char *message)
+{
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_line_plain(&line, "ok", message ? "false" : "true");
+    if (message)
+        ect_line_string(&line, "message", message);
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+/* --- get, list, watch --------------------------------------------------------------------------------------------- */
+
+static void describe(ect_client_t *client, const ect_signal_ref_t *ref, uint64_t now_ns)
+{
+    const ect_visit_t *v = &client->visit;
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_watch_describe(&line, ref, v->slave, ref->value);
+    if (v->op == ECT_VISIT_LIST) {
+        char range[ECT_SIGNAL_TEXT_ROOM];
+        ect_signal_range(ref->signal, range);
+        ect_line_string(&line, "access", ref->signal->access == ECT_SIGNAL_WRITE ? "rw" : "r");
+        ect_line_string(&line, "range", range);
+        ect_line_string(&line, "meaning", ref->signal->meaning);
+    } else if (v->op == ECT_VISIT_WATCH) {
+        ect_line_time(&line, now_ns);
+    }
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+static void end_visit(ect_client_t *client, const char *message)
+{
+    client->visit.op = ECT_VISIT_NONE;
+    ect_client_result(client, message);
+}
+
+static const char too_many[] =
+    "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out";
+
+/* @return whether the walk may go on */
+static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref)
+{
+    if (ect_watch_is_every(client->watch) && ect_watch_count(client->watch) >= client->every_room) {
+        end_visit(client,
+                  "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out");
+        return false;
+    }
+    if (ect_watch_add(client->watch, ref, client->visit.slave))
+        return true;
+    end_visit(client, "a connection watches at most 4096 signals: name fewer");
+    return false;
+}
+
+/* The next signal of the walk, on this slave. */
+static bool next_signal(ect_visit_t *v, const ect_chain_t *chain, ect_signal_ref_t *ref)
+{
+    if (!v->literal)
+        return ect_chain_next_signal(chain, v->slave, &v->cursor, ref);
+    bool first = v->cursor.device.group == 0;
+    v->cursor.device.group = 1;
+    return first && ect_chain_signal(chain, v->slave, v->pattern, ref);
+}
+
+static void go_on(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
+{
+    ect_visit_t *v = &client->visit;
+    unsigned int lines = 0;
+    for (unsigned int looks = 0; looks < ECT_CLIENT_LOOKS && lines < ECT_CLIENT_LINES; looks++) {
+        ect_signal_ref_t ref;
+        if (next_signal(v, chain, &ref)) {
+            if (!v->literal && fnmatch(v->pattern, ref.name, 0) != 0)
+                continue;
+            if (v->op == ECT_VISIT_WATCH && !watch_one(client, &ref))
+                return;
+            describe(client, &ref, now_ns);
+            v->matched++;
+            lines++;
+        } else if (v->slave == v->last) {
+            end_visit(client, v->matched > 0 ? NULL : "no signal matches: 'ectwin list-signals' names them all");
+            return;
+        } else {
+            v->slave++;
+            v->cursor = (ect_chain_cursor_t){0};
+        }
+    }
+}
+
+static const char *begin_watch(ect_client_t *client, const cJSON *request)
+{
+    if (!client->watch)
+        client->watch = ect_watch_new();
+    if (!client->watch)
+        return "not enough memory";
+    if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "every")))
+        return NULL;
+    if (ect_watch_count(client->watch) > client->every_room)
+        return too_many;
+    ect_watch_every(client->watch);
+    return NULL;
+}
+
+/* @return why not, NULL when it begins */
+static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+{
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "pattern");
+    const char *pattern = json ? cJSON_GetStringValue(json) : "*";
+    ect_visit_t *v = &client->visit;
+    if (!pattern || strlen(pattern) >= sizeof v->pattern)
+        return "\"pattern\" is a text of at most 127 characters";
+    v->cursor = (ect_chain_cursor_t){0};
+    v->matched = 0;
+    v->slave = slave > 0 ? slave - 1 : 0;
+    v->last = slave > 0 ? slave - 1 : ect_chain_count(chain) - 1;
+    v->literal = strpbrk(pattern, "*?[\\") == NULL;
+    strcpy(v->pattern, pattern);
+    return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
+}
+
+/* --- set ---------------------------------------------------------------------------------------------------------- */
+
+/* A value may be text, a number or a truth value; `text` has room for the last two. @return it as text, NULL */
+static const char *value_of(const cJSON *json, char text[32])
+{
+    if (cJSON_IsString(json))
+        return cJSON_GetStringValue(json);
+    if (cJSON_IsBool(json))
+        return cJSON_IsTrue(json) ? "1" : "0";
+    if (!cJSON_IsNumber(json) || !isfinite(json->valuedouble))
+        return NULL;
+    snprintf(text, 32, "%.15g", json->valuedouble);
+    return text;
+}
+
+/* {"name":N,"value":V}, or several at once: {"values":{N:V,...}}. @return why not, NULL when all are set */
+static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, uint64_t now_ns,
+                       char message[ECT_SIGNAL_MESSAGE])
+{
+    ect_setting_t settings[ECT_ENDPOINT_VALUES];
+    char texts[ECT_ENDPOINT_VALUES][32];
+    size_t count = 0;
+    const cJSON *values = cJSON_GetObjectItemCaseSensitive(request, "values");
+    if (cJSON_IsObject(values)) {
+        for (const cJSON *one = values->child; one; one = one->next, count++) {
+            if (count == ECT_ENDPOINT_VALUES)
+                return "a request sets at most 128 signals";
+            settings[count] = (ect_setting_t){.name = one->string, .value = value_of(one, texts[count])};
+        }
+    } else {
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "name"));
+        const cJSON *value = cJSON_GetObjectItemCaseSensitive(request, "value");
+        if (name)
+            settings[count++] = (ect_setting_t){.name = name, .value = value_of(value, texts[0])};
+    }
+    if (count == 0)
+        return "\"set\" takes {\"name\":...,\"value\":...} or {\"values\":{NAME:VALUE,...}}";
+    for (size_t i = 0; i < count; i++) {
+        if (!settings[i].value)
+            return "a value is a text, a number, true or false";
+    }
+    return ect_settings_apply(chain, slave - 1, settings, count, now_ns, message) ? NULL : message;
+}
+
+/* --- data --------------------------------------------------------------------------------------------------------- */
+
+/* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
+ */
+static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+{
+    enum { PIECE = 400 };
+    static const char digits[] = "0123456789abcdef";
+    char hex[2 * PIECE + 1] = "";
+    ect_bulk_t bulk = ect_chain_bulk(chain, slave - 1);
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
+    double offset = json ? json->valuedouble : 0;
+    if (!bulk.data)
+        return "this slave has no data that are looked at as a whole: a base unit with periodic data has";
+    if ((json && !cJSON_IsNumber(json)) || !(offset >= 0 && offset <= bulk.size))
+        return "\"offset\" is a number from 0 to the size of the data";
+    uint32_t at = (uint32_t)offset;
+    for (unsigned int i = 0; i < PIECE && at + i < bulk.size; i++) {
+        hex[2 * i] = digits[bulk.data[at + i] >> 4];
+        hex[2 * i + 1] = digits[bulk.data[at + i] & 15];
+    }
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_line_number(&line, "slave", slave);
+    ect_line_number(&line, "serial", bulk.serial);
+    ect_line_number(&line, "size", bulk.size);
+    ect_line_number(&line, "offset", at);
+    ect_line_string(&line, "data", hex);
+    ect_line_end(&line);
+    put(client, &line);
+    return NULL;
+}
+
+/* --- stats -------------------------------------------------------------------------------------------------------- */
+
+static void put_counters(ect_client_t *client, uint64_t now_ns)
+{
+    const ect_stats_t *s = client->stats;
+    const struct {
+        const char *name;
+        uint64_t value;
+    } counters[] = {
+        {"frames", s->frames},
+        {"answered", s->answered},
+        {"unanswered", s->unanswered},
+        {"stale", s->stale},
+        {"circling", s->circling},
+        {"dropped", s->dropped},
+        {"delayed", s->delayed},
+        {"p50_us", ect_stats_quantile_us(s, 500)},
+        {"p99_us", ect_stats_quantile_us(s, 990)},
+        {"longest_us", s->longest_answer_ns / 1000},
+        {"polls", s->polls},
+        {"late_polls", s->late_polls},
+        {"latest_poll_us", s->latest_poll_ns / 1000},
+    };
+    ect_line_t line;
+    ect_line_begin(&line);
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
+        ect_line_number(&line, counters[i].name, counters[i].value);
+    ect_line_time(&line, now_ns - s->start_ns);
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+static void put_histogram(ect_client_t *client)
+{
+    char list[24 * ECT_STATS_STEPS] = "";
+    size_t used = 0;
+    ect_line_t line;
+    ect_line_begin(&line);
+    for (size_t step = 0; step < ECT_STATS_STEPS; step++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu64, step > 0 ? "," : "[",
+                                 client->stats->answers[step]);
+    snprintf(list + used, sizeof list - used, "]");
+    ect_line_plain(&line, "answers", list);
+    used = 0;
+    for (size_t step = 0; step + 1 < ECT_STATS_STEPS; step++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu32, step > 0 ? "," : "[",
+                                 ect_stats_edge_us(step));
+    snprintf(list + used, sizeof list - used, "]");
+    ect_line_plain(&line, "edges_us", list);
+    ect_line_end(&line);
+    put(client, &line);
+}
+
+/* @return why not, NULL */
+static const char *give_stats(ect_client_t *client, uint64_t now_ns)
+{
+    if (!client->stats)
+        return "nothing is counted here";
+    put_counters(client, now_ns);
+    put_histogram(client);
+    return NULL;
+}
+
+/* --- requests ----------------------------------------------------------------------------------------------------- */
+
+/* @return the slave that a request is for, from 1; 0: all of them; -1: there is no such slave */
+static long slave_of(const cJSON *request, const ect_chain_t *chain)
+{
+    const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
+    double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
+    bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && (double)(long)slave == slave;
+    return exists ? (long)slave : -1;
+}
+
+static bool is_visit(ect_visit_t *v, const char *op)
+{
+    static const char *const names[] = {
+        [ECT_VISIT_GET] = "get", [ECT_VISIT_LIST] = "list", [ECT_VISIT_WATCH] = "watch"};
+    for (unsigned int i = ECT_VISIT_GET; i <= ECT_VISIT_WATCH; i++) {
+        if (strcmp(op, names[i]) == 0)
+            v->op = i;
+    }
+    return v->op != ECT_VISIT_NONE;
+}
+
+/* One that is named is set, or done; without one those that are set are told: at most as many as lines are written. */
+static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
+                             char message[ECT_SIGNAL_MESSAGE])
+{
+    _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)ECT_CLIENT_LINES, "all of them are told at once");
+    _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
+    const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
+    char room[ECT_FAULT_TEXT];
+    ect_fault_t fault;
+    if (!client->scenario)
+        return "no faults can be set here";
+    for (size_t i = 0; !text && ect_scenario_show(client->scenario, i, room); i++) {
+        ect_line_t line;
+        ect_line_begin(&line);
+        ect_line_string(&line, "fault", room);
+        ect_line_end(&line);
+        put(client, &line);
+    }
+    if (!text)
+        return NULL;
+    if (!cJSON_IsString(text))
+        return "\"fault\" is a text, as in {\"op\":\"fault\",\"fault\":\"drop 5%\"}";
+    bool done = ect_fault_parse(text->valuestring, &fault, message) &&
+                ect_scenario_set(client->scenario, chain, &fault, now_ns, message);
+    return done ? NULL : message;
+}
+
+static bool is_answered_at_once(const char *op)
+{
+    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0 || strcmp(op, "stats") == 0 || strcmp(op, "fault") == 0;
+}
+
+/* @return why not, NULL when it is done */
+static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *op, size_t slave, const cJSON *request,
+                          uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
+{
+    if (strcmp(op, "set") == 0)
+        return set(chain, slave, request, now_ns, message);
+    if (strcmp(op, "data") == 0)
+        return give_piece(client, chain, slave, request);
+    if (strcmp(op, "fault") == 0)
+        return set_fault(client, chain, request, now_ns, message);
+    return give_stats(client, now_ns);
+}
+
+static const char *op_of(const cJSON *request)
+{
+    const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
+    return op ? op : "";
+}
+
+static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    const char *op = op_of(request);
+    long slave = slave_of(request, chain);
+    bool visit = is_visit(&client->visit, op);
+    const char *why;
+    if (!visit && !is_answered_at_once(op))
+        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault\",...}";
+    else if (slave < 0 || (!visit && slave == 0))
+        why = "there is no such slave in this chain";
+    else if (visit)
+        why = begin(client, chain, (size_t)slave, request);
+    else
+        why = answer(client, chain, op, (size_t)slave, request, now_ns, message);
+    if (!visit || why)
+        end_visit(client, why);
+}
+
+static void serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+{
+    if (memchr(client->request, 0, client->line)) {
+        ect_client_result(client, "a request is text: it has no zero byte in it");
+    } else {
+        cJSON *request = cJSON_ParseWithLength(client->request, client->line);
+        serve(client, chain, request, now_ns);
+        cJSON_Delete(request);
+    }
+    client->received -= client->line;
+    memmove(client->request, client->request + client->line, client->received);
+    ect_client_received(client);
+}
+
+void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain)
+{
+    const size_t *slaves;
+    size_t count = ect_watch_lamps(client->watch, &slaves);
+    for (size_t i = 0; i < count; i++)
+        ect_chain_show_lamps(chain, slaves[i]);
+}
+
+static void tell_changes(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
+{
+    unsigned int budget = ECT_CLIENT_COMPARES;
+    ect_line_t line;
+    if (!ect_watch_is_every(client->watch))
+        ect_client_show_lamps(client, chain);
+    for (unsigned int i = 0; i < ECT_CLIENT_LINES && ect_watch_next(client->watch, &budget, now_ns, &line); i++)
+        put(client, &line);
+}
+
+void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns)
+{
+    client->every_room = every_room;
+    if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
+        serve_line(client, chain, now_ns);
+    if (client->visit.op != ECT_VISIT_NONE)
+        go_on(client, chain, now_ns);
+    else if (client->watch)
+        tell_changes(client, chain, now_ns);
+    if (client->watch && ect_watch_lost(client->watch) && !client->closing) {
+        ect_client_result(client, "changes were lost: they were not read in time");
+        client->closing = true;
+    }
+}

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/control/control.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bus/control/client.h"
+
+enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS, WAITABLE = ECT_CONTROL_CLIENTS + 1 };
+
+struct ect_control {
+    int fd, epoll;
+    int spare;          /* a descriptor to let go of when there are no others */
+    bool accepts;       /* somebody waits to be let in */
+    uint64_t retry_ns;  /* when to look again after descriptors had run out; ECT_NEVER: it does not matter */
+    uint64_t round_ns;  /* when the watched values are compared next; ECT_NEVER: nobody wants that */
+    size_t turn;        /* who is served next */
+    size_t clients_end; /* from there on nobody is: they lie far apart, and each frame asks for all */
+    ect_client_t clients[ECT_CONTROL_CLIENTS];
+    const ect_stats_t *stats;
+    ect_scenario_t *scenario;
+    char path[ECT_ENDPOINT_PATH];
+    ino_t identity; /* of its file */
+};
+
+static int open_spare(void)
+{
+    return open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+static bool wait_for(const ect_control_t *c, int operation, int fd, uint32_t events, uint32_t who)
+{
+    struct epoll_event event = {.events = events, .data.u32 = who};
+    return epoll_ctl(c->epoll, operation, fd, &event) == 0;
+}
+
+ect_control_t *ect_control_open(char *message)
+{
+    ect_control_t *c = calloc(1, sizeof *c);
+    if (!c) {
+        strcpy(message, "no control socket: not enough memory");
+        return NULL;
+    }
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++)
+        c->clients[i].fd = -1;
+    c->retry_ns = c->round_ns = ECT_NEVER;
+    c->spare = open_spare();
+    c->epoll = epoll_create1(EPOLL_CLOEXEC);
+    c->fd = c->epoll < 0 ? -1 : ect_endpoint_listen(c->path, message);
+    c->identity = c->fd < 0 ? 0 : ect_endpoint_identity(c->path);
+    if (c->fd >= 0 && wait_for(c, EPOLL_CTL_ADD, c->fd, EPOLLIN, ACCEPT))
+        return c;
+    if (c->epoll < 0)
+        strcpy(message, "no control socket: no descriptor is free");
+    ect_control_close(c);
+    return NULL;
+}
+
+static void drop(ect_client_t *client)
+{
+    close(client->fd);
+    ect_watch_free(client->watch);
+    free(client->answer);
+    *client = (ect_client_t){.fd = -1};
+}
+
+void ect_control_close(ect_control_t *c)
+{
+    if (!c)
+        return;
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        if (c->clients[i].fd >= 0)
+            drop(&c->clients[i]);
+    }
+    if (c->fd >= 0)
+        ect_endpoint_close(c->fd, c->path, c->identity);
+    if (c->epoll >= 0)
+        close(c->epoll);
+    if (c->spare >= 0)
+        close(c->spare);
+    free(c);
+}
+
+void ect_control_show(ect_control_t *c, const ect_stats_t *stats, ect_scenario_t *scenario)
+{
+    c->scenario = scenario;
+    c->stats = stats;
+}
+
+const char *ect_control_path(const ect_control_t *c)
+{
+    return c->path;
+}
+
+int ect_control_fd(const ect_control_t *c)
+{
+    return c->epoll;
+}
+
+/* --- who comes in ------------------------------------------------------------------------------------------------- */
+
+static void turn_away(int fd, const char *message)
+{
+    ect_line_t line;
+    ect_line_begin(&line);
+    ect_line_plain(&line, "ok", "false");
+    ect_line_string(&line, "message", message);
+    ect_line_end(&line);
+    (void)send(fd, line.text, line.length, MSG_NOSIGNAL | MSG_DONTWAIT);
+    close(fd);
+}
+
+/* Somebody who cannot be let in keeps the descriptor readable: he is let in to be told, or looked at again later. */
+static void no_descriptor(ect_control_t *c, uint64_t now_ns)
+{
+    if (c->spare >= 0)
+        close(c->spare);
+    int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    bool nobody = fd < 0 && errno == EAGAIN;
+    if (fd >= 0)
+        turn_away(fd, "the twin has no descriptor left: 'ulimit -n' is too low for it");
+    c->spare = open_spare();
+    if (fd < 0 && !nobody && wait_for(c, EPOLL_CTL_MOD, c->fd, 0, ACCEPT))
+        c->retry_ns = now_ns + RETRY_NS;
+}
+
+static void let_in(ect_control_t *c, uint64_t now_ns)
+{
+    int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (fd < 0) {
+        if (errno == EMFILE || errno == ENFILE)
+            no_descriptor(c, now_ns);
+        return;
+    }
+    for (uint32_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        ect_client_t *client = &c->clients[i];
+        if (client->fd >= 0)
+            continue;
+        client->answer = malloc(ECT_CLIENT_ANSWER);
+        if (!client->answer || !wait_for(c, EPOLL_CTL_ADD, fd, EPOLLIN, i)) {
+            free(client->answer);
+            break;
+        }
+        client->fd = fd;
+        client->events = EPOLLIN;
+        client->stats = c->stats;
+        client->scenario = c->scenario;
+        return;
+    }
+    turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");
+}
+
+/* --- in and out --------------------------------------------------------------------------------------------------- */
+
+static bool wants_more(const ect_client_t *client)
+{
+    return client->line == 0 && !client->ended && !client->closing && client->visit.op == ECT_VISIT_NONE &&
+           ect_client_room(client);
+}
+
+/* A request that its sender did not end, but ended sending, is one. */
+static void end_of_requests(ect_client_t *client)
+{
+    client->ended = true;
+    if (client->received > 0 && client->received < ECT_ENDPOINT_REQUEST)
+        client->request[client->received++] = '\n';
+}
+
+static void receive(ect_client_t *client)
+{
+    ssize_t got =
+        recv(client->fd, client->request + client->received, ECT_ENDPOINT_REQUEST - client->received, MSG_DONTWAIT);
+    client->readable = false;
+    if (got > 0)
+        client->received += (size_t)got;
+    else if (got == 0)
+        end_of_requests(client);
+    else if (errno != EAGAIN && errno != EINTR)
+        client->ended = client->deaf = true;
+    ect_client_received(client);
+    if (client->line == 0 && client->received == ECT_ENDPOINT_REQUEST) {
+        ect_client_result(client, "a request has at most 4095 characters");
+        client->closing = true;
+    }
+}
+
+static void flush(ect_client_t *client)
+{
+    ssize_t sent = send(client->fd, client->answer, client->unsent, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+        client->deaf = true;
+        client->unsent = 0;
+    } else if (sent > 0) {
+        client->unsent -= (size_t)sent;
+        memmove(client->answer, client->answer + sent, client->unsent);
+    }
+    client->blocked = client->unsent > 0;
+}
+
+/* A client that has ended sending may read on: its answers, or what it watches. */
+static bool is_done(const ect_client_t *client)
+{
+    bool works = client->visit.op != ECT_VISIT_NONE || (client->line > 0 && !client->closing);
+    if (client->deaf)
+        return (client->ended || client->closing) && !works;
+    return client->unsent == 0 && (client->closing || (client->ended && !works && !client->watch));
+}
+
+/* What its descriptor has to be waited for. */
+static void settle(const ect_control_t *c, ect_client_t *client, uint32_t who)
+{
+    uint32_t events = (wants_more(client) ? EPOLLIN : 0u) | (client->blocked ? (uint32_t)EPOLLOUT : 0u);
+    if (is_done(client))
+        drop(client);
+    else if (events != client->events && wait_for(c, EPOLL_CTL_MOD, client->fd, events, who))
+        client->events = events;
+}
+
+/* --- the loop's side ---------------------------------------------------------------------------------------------- */
+
+static bool can_step(const ect_client_t *client)
+{
+    return ect_client_busy(client) && !client->closing && ect_client_room(client);
+}
+
+static bool ready(const ect_client_t *client)
+{
+    return client->fd >= 0 && ((client->readable && wants_more(client)) || can_step(client) ||
+                               (client->unsent > 0 && !client->blocked) || is_done(client));
+}
+
+/* Takes note of who has sent something, who can take more and who has gone. */
+static void look(ect_control_t *c)
+{
+    struct epoll_event events[WAITABLE];
+    int count = epoll_wait(c->epoll, events, WAITABLE, 0);
+    for (int i = 0; i < count; i++) {
+        if (events[i].data.u32 == ACCEPT) {
+            c->accepts = true;
+            continue;
+        }
+        ect_client_t *client = &c->clients[events[i].data.u32];
+        client->readable |= (events[i].events & (uint32_t)~EPOLLOUT) != 0;
+        client->blocked &= (events[i].events & EPOLLOUT) == 0;
+        if ((events[i].events & (EPOLLHUP | EPOLLERR)) != 0) {
+            client->deaf = true;
+            client->blocked = false;
+            client->unsent = 0;
+        }
+    }
+}
+
+static size_t every_room(const ect_control_t *c, const ect_client_t *but)
+{
+    size_t used = 0;
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        const ect_client_t *client = &c->clients[i];
+        if (client != but && client->watch && ect_watch_is_every(client->watch))
+            used += ect_watch_count(client->watch);
+    }
+    return used < ECT_CONTROL_EVERY ? ECT_CONTROL_EVERY - used : 0;
+}
+
+static void serve_client(ect_control_t *c, ect_client_t *client, uint32_t who, ect_chain_t *chain, uint64_t now_ns)
+{
+    if (client->readable && wants_more(client))
+        receive(client);
+    if (can_step(client))
+        ect_client_step(client, chain, every_room(c, client), now_ns);
+    if (client->unsent > 0 && !client->blocked && (client->visit.op == ECT_VISIT_NONE || !ect_client_room(client)))
+        flush(client);
+    settle(c, client, who);
+}
+
+/* Rounds are begun for all clients at the same time, as long as one of them wants any. */
+static void begin_rounds(ect_control_t *c, uint64_t now_ns)
+{
+    bool due = now_ns >= c->round_ns;
+    bool wanted = false;
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        ect_watch_t *watch = c->clients[i].watch;
+        if (!watch || ect_watch_is_every(watch))
+            continue;
+        wanted = true;
+        if (due)
+            ect_watch_round(watch);
+    }
+    if (!wanted)
+        c->round_ns = ECT_NEVER;
+    else if (due || c->round_ns == ECT_NEVER)
+        c->round_ns = now_ns + ROUND_NS;
+}
+
+/* The next of those who have something to do. */
+static void serve_one(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    for (size_t i = 0; i < WAITABLE; i++) {
+        uint32_t who = (uint32_t)c->turn;
+        c->turn = (c->turn + 1) % WAITABLE;
+        if (who == ACCEPT && c->accepts) {
+            c->accepts = false;
+            let_in(c, now_ns);
+            return;
+        }
+        if (who != ACCEPT && ready(&c->clients[who])) {
+            serve_client(c, &c->clients[who], who, chain, now_ns);
+            return;
+        }
+    }
+}
+
+void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    look(c);
+    if (now_ns >= c->retry_ns && wait_for(c, EPOLL_CTL_MOD, c->fd, EPOLLIN, ACCEPT))
+        c->retry_ns = ECT_NEVER;
+    serve_one(c, chain, now_ns);
+    begin_rounds(c, now_ns);
+    c->clients_end = ECT_CONTROL_CLIENTS;
+    while (c->clients_end > 0 && c->clients[c->clients_end - 1].fd < 0)
+        c->clients_end--;
+}
+
+uint64_t ect_control_due(const ect_control_t *c)
+{
+    for (size_t i = 0; i < c->clients_end; i++) {
+        if (ready(&c->clients[i]))
+            return 0;
+    }
+    return ect_earlier(c->round_ns, c->retry_ns);
+}
+
+void ect_control_note(ect_control_t *c, const ect_chain_t *chain, uint64_t now_ns)
+{
+    for (size_t i = 0; i < c->clients_end; i++) {
+        ect_watch_t *watch = c->clients[i].watch;
+        if (!watch || !ect_watch_is_every(watch))
+            continue;
+        ect_client_show_lamps(&c->clients[i], chain);
+        ect_watch_note(watch, now_ns);
+    }
+}

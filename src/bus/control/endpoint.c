@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/control/endpoint.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+enum { MOST_NAMES = 100, BACKLOG = 16 };
+
+int ect_endpoint_folder(char *path)
+{
+    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    int length = runtime && *runtime ? snprintf(path, ECT_ENDPOINT_PATH, "%s/ectwin", runtime)
+                                     : snprintf(path, ECT_ENDPOINT_PATH, "/tmp/ectwin-%u", geteuid());
+    errno = ENAMETOOLONG;
+    return length < ECT_ENDPOINT_PATH - 32 ? 0 : -1; /* a name follows */
+}
+
+int ect_endpoint_trust(const char *folder)
+{
+    struct stat info;
+    if (lstat(folder, &info) < 0)
+        return -1;
+    if (S_ISDIR(info.st_mode) && info.st_uid == geteuid() && (info.st_mode & (S_IWGRP | S_IWOTH)) == 0)
+        return 0;
+    errno = EPERM;
+    return -1;
+}
+
+static int make_folder(const char *path)
+{
+    struct stat info;
+    if (mkdir(path, 0700) < 0 && errno != EEXIST)
+        return -1;
+    if (lstat(path, &info) == 0 && S_ISDIR(info.st_mode) && info.st_uid == geteuid())
+        (void)chmod(path, 0700);
+    return ect_endpoint_trust(path);
+}
+
+/* bind() or connect() to a path of any length: a folder can be named by a descriptor. */
+static int at_path(int (*call)(int fd, const struct sockaddr *address, socklen_t size), int fd, const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    char folder[ECT_ENDPOINT_PATH];
+    const char *name = strrchr(path, '/');
+    if (strlen(path) < sizeof address.sun_path) {
+        memcpy(address.sun_path, path, strlen(path) + 1);
+        return call(fd, (const struct sockaddr *)&address, sizeof address);
+    }
+    if (!name || snprintf(folder, sizeof folder, "%.*s", (int)(name - path), path) >= (int)sizeof folder) {
+        errno = ENAMETOOLONG;
+        return -1;
+    }
+    int at = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (at < 0)
+        return -1;
+    int result = -1;
+    errno = ENAMETOOLONG;
+    if (snprintf(address.sun_path, sizeof address.sun_path, "/proc/self/fd/%d%s", at, name) <
+        (int)sizeof address.sun_path)
+        result = call(fd, (const struct sockaddr *)&address, sizeof address);
+    int error = errno;
+    close(at);
+    errno = error;
+    return result;
+}
+
+static int close_failed(int fd)
+{
+    int error = errno;
+    close(fd);
+    errno = error;
+    return -1;
+}
+
+/* Where a backlog is full, a blocking connect() waits; not for ever. */
+static int connect_to(const char *path, int flags, uid_t *owner)
+{
+    const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
+    struct ucred peer;
+    socklen_t size = sizeof peer;
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | flags, 0);
+    if (fd < 0)
+        return -1;
+    if (setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience) < 0 || at_path(connect, fd, path) < 0 ||
+        getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &size) < 0)
+        return close_failed(fd);
+    *owner = peer.uid;
+    return fd;
+}
+
+int ect_endpoint_connect(const char *path, uid_t *owner)
+{
+    return connect_to(path, 0, owner);
+}
+
+void ect_endpoint_clear(const char *path)
+{
+    struct stat info;
+    uid_t owner;
+    if (lstat(path, &info) < 0 || !S_ISSOCK(info.st_mode) || info.st_uid != geteuid())
+        return;
+    int fd = connect_to(path, SOCK_NONBLOCK, &owner);
+    if (fd >= 0)
+        close(fd);
+    else if (errno == ECONNREFUSED)
+        (void)unlink(path);
+}
+
+/* Mode 0600 from its first moment. */
+static int bind_new(int fd, const char *path)
+{
+    mode_t before = umask(0177);
+    int bound = at_path(bind, fd, path);
+    umask(before);
+    return bound;
+}
+
+/* The first free name; those of processes that have died are free. */
+static int bind_in(int fd, const char *folder, char *path)
+{
+    int pid = (int)getpid();
+    for (int n = 1; n <= MOST_NAMES; n++) {
+        int length = n == 1 ? snprintf(path, ECT_ENDPOINT_PATH, "%s/%d.sock", folder, pid)
+                            : snprintf(path, ECT_ENDPOINT_PATH, "%s/%d-%d.sock", folder, pid, n);
+        if (length >= ECT_ENDPOINT_PATH) {
+            errno = ENAMETOOLONG;
+            return -1;
+        }
+        if (bind_new(fd, path) == 0)
+            return 0;
+        if (errno != EADDRINUSE)
+            return -1;
+        ect_endpoint_clear(path);
+        if (bind_new(fd, path) == 0)
+            return 0;
+    }
+    return -1;
+}
+
+int ect_endpoint_listen(char *path, char *message)
+{
+    char folder[ECT_ENDPOINT_PATH] = "";
+    if (ect_endpoint_folder(folder) < 0 || make_folder(folder) < 0) {
+        const char *why = errno == EPERM ? "it is not a folder of your own" : strerror(errno);
+        snprintf(message, ECT_ENDPOINT_MESSAGE, "no control socket in '%s': %s; XDG_RUNTIME_DIR can name another place",
+                 folder, why);
+        return -1;
+    }
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd >= 0 && bind_in(fd, folder, path) == 0 && listen(fd, BACKLOG) == 0)
+        return fd;
+    snprintf(message, ECT_ENDPOINT_MESSAGE, "no control socket in '%s': %s", folder, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return -1;
+}
+
+ino_t ect_endpoint_identity(const char *path)
+{
+    struct stat info;
+    return lstat(path, &info) == 0 && S_ISSOCK(info.st_mode) ? info.st_ino : 0;
+}
+
+void ect_endpoint_close(int fd, const char *path, ino_t identity)
+{
+    if (identity != 0 && ect_endpoint_identity(path) == identity)
+        (void)unlink(path);
+    close(fd);
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/control/line.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What always fits behind a text that was cut: its quote, and the end of the line. */
+enum { END_ROOM = 3, ESCAPE_ROOM = 6 };
+
+static void put(ect_line_t *line, const char *text, size_t length)
+{
+    size_t left = ECT_LINE_ROOM - END_ROOM - line->length;
+    length = length < left ? length : left;
+    memcpy(line->text + line->length, text, length);
+    line->length += length;
+}
+
+static void put_character(ect_line_t *line, char c)
+{
+    char escape[ESCAPE_ROOM + 1];
+    unsigned char byte = (unsigned char)c;
+    if (byte < ' ') {
+        snprintf(escape, sizeof escape, "\\u%04x", byte);
+        put(line, escape, ESCAPE_ROOM);
+        return;
+    }
+    if (c == '"' || c == '\\')
+        line->text[line->length++] = '\\';
+    line->text[line->length++] = byte < 0x7F ? c : '?';
+}
+
+/* @return whether there is room for a member with `length` bytes of value; if not, it is left out */
+static int key_of(ect_line_t *line, const char *key, size_t length)
+{
+    size_t size = strlen(key);
+    if (line->length + size + 4 + length + END_ROOM > ECT_LINE_ROOM)
+        return 0;
+    if (line->length > 1)
+        put(line, ",", 1);
+    put(line, "\"", 1);
+    put(line, key, size);
+    put(line, "\":", 2);
+    return 1;
+}
+
+void ect_line_begin(ect_line_t *line)
+{
+    line->text[0] = '{';
+    line->length = 1;
+}
+
+void ect_line_string(ect_line_t *line, const char *key, const char *value)
+{
+    if (!key_of(line, key, 2))
+        return;
+    line->text[line->length++] = '"';
+    while (*value != 0 && line->length + ESCAPE_ROOM + 1 + END_ROOM <= ECT_LINE_ROOM)
+        put_character(line, *value++);
+    line->text[line->length++] = '"';
+}
+
+void ect_line_plain(ect_line_t *line, const char *key, const char *value)
+{
+    if (key_of(line, key, strlen(value)))
+        put(line, value, strlen(value));
+}
+
+void ect_line_number(ect_line_t *line, const char *key, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, value);
+    ect_line_plain(line, key, text);
+}
+
+void ect_line_time(ect_line_t *line, uint64_t time_ns)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%" PRIu64 ".%06" PRIu64, time_ns / 1000000000, time_ns / 1000 % 1000000);
+    ect_line_plain(line, "time", text);
+}
+
+void ect_line_end(ect_line_t *line)
+{
+    line->text[line->length++] = '}';
+    line->text[line->length++] = '\n';
+}

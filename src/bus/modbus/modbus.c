@@ -1,0 +1,432 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/modbus/modbus.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <modbus/modbus.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bus/modbus/modbus_request.h"
+#include "wire/bytes.h"
+
+/* MBAP: transaction, protocol (0), bytes that follow; then the unit identifier, and the request. */
+enum { PROTOCOL_AT = 2, LENGTH_AT = 4, UNIT_AT = 6, PDU_AT = 7, SHORTEST = 2, LONGEST = ECT_MODBUS_ADU - UNIT_AT };
+enum { NOT_FROM_HERE = 0x80 }; /* function codes from here on are those of exceptions */
+
+enum { ACCEPT = ECT_MODBUS_CLIENTS, WAITABLE = ECT_MODBUS_CLIENTS + 1 };
+enum { ITEMS = 65536 }; /* of a table, as many as there are addresses */
+#define RETRY_NS  1000000000ull
+#define NS_PER_MS 1000000ull
+
+typedef struct client {
+    int fd;       /* -1: none */
+    bool blocked; /* it does not take its answers: no request is taken from it */
+    size_t got;
+    uint64_t idle_ns; /* when it is closed if no request comes */
+    uint8_t adu[ECT_MODBUS_ADU];
+} client_t;
+
+struct ect_modbus_server {
+    int fd, epoll;
+    uint32_t ready;    /* a bit for each client, and for ACCEPT */
+    uint32_t turn;     /* who is served next */
+    uint64_t retry_ns; /* when to look again after descriptors had run out; ECT_NEVER: they have not */
+    uint64_t due_ns;   /* as ect_modbus_server_due: each frame asks for it */
+    client_t clients[ECT_MODBUS_CLIENTS];
+    modbus_t *replies;
+    modbus_mapping_t mapping;
+    char address[80];
+};
+
+/* --- opening ------------------------------------------------------------------------------------------------------ */
+
+static bool wait_for(const ect_modbus_server_t *s, int operation, int fd, uint32_t events, uint32_t who)
+{
+    struct epoll_event event = {.events = events, .data.u32 = who};
+    return epoll_ctl(s->epoll, operation, fd, &event) == 0;
+}
+
+/* Every address is in these tables: which of them exist, and what is in them, the device says with each request. Memory
+ * is taken where it is used. */
+static bool make_replies(ect_modbus_server_t *s)
+{
+    uint8_t *bits = calloc(ITEMS, sizeof *bits);
+    uint16_t *registers = calloc(ITEMS, sizeof *registers);
+    s->mapping = (modbus_mapping_t){.nb_bits = ITEMS,
+                                    .nb_input_bits = ITEMS,
+                                    .nb_registers = ITEMS,
+                                    .nb_input_registers = ITEMS,
+                                    .tab_bits = bits,
+                                    .tab_input_bits = bits,
+                                    .tab_registers = registers,
+                                    .tab_input_registers = registers};
+    s->replies = modbus_new_tcp("127.0.0.1", 0); /* connects to nobody: sockets are lent to it */
+    return bits && registers && s->replies && modbus_set_response_timeout(s->replies, 0, 1) == 0;
+}
+
+static void describe(ect_modbus_server_t *s)
+{
+    struct sockaddr_storage address;
+    socklen_t size = sizeof address;
+    char host[64] = "", port[8] = "";
+    if (getsockname(s->fd, (struct sockaddr *)&address, &size) == 0)
+        (void)getnameinfo((struct sockaddr *)&address, size, host, sizeof host, port, sizeof port,
+                          NI_NUMERICHOST | NI_NUMERICSERV);
+    snprintf(s->address, sizeof s->address, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
+}
+
+ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
+{
+    ect_modbus_server_t *s = calloc(1, sizeof *s);
+    if (!s) {
+        close(fd);
+        snprintf(message, ECT_MODBUS_MESSAGE, "not enough memory");
+        return NULL;
+    }
+    for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++)
+        s->clients[i].fd = -1;
+    s->fd = fd;
+    s->retry_ns = s->due_ns = ECT_NEVER;
+    s->epoll = epoll_create1(EPOLL_CLOEXEC);
+    if (s->epoll >= 0 && wait_for(s, EPOLL_CTL_ADD, fd, EPOLLIN, ACCEPT) && make_replies(s)) {
+        describe(s);
+        return s;
+    }
+    snprintf(message, ECT_MODBUS_MESSAGE, "no server: %s", strerror(errno));
+    ect_modbus_server_close(s);
+    return NULL;
+}
+
+/* "PORT", "ADDRESS:PORT", "[ADDRESS]:PORT". @return NULL: it is none of these */
+static struct addrinfo *find_address(const char *where)
+{
+    const struct addrinfo hints = {.ai_socktype = SOCK_STREAM,
+                                   .ai_flags = AI_PASSIVE | AI_NUMERICHOST | AI_NUMERICSERV};
+    struct addrinfo *found = NULL;
+    char host[64] = "127.0.0.1";
+    const char *colon = strrchr(where, ':');
+    const char *port = colon ? colon + 1 : where;
+    bool brackets = colon && where[0] == '[' && colon[-1] == ']';
+    if (colon)
+        snprintf(host, sizeof host, "%.*s", (int)(colon - where) - (brackets ? 2 : 0), where + (brackets ? 1 : 0));
+    char *end;
+    unsigned long number = strtoul(port, &end, 10);
+    if (*port < '0' || *port > '9' || *end != 0 || number > UINT16_MAX || (!brackets && strchr(host, ':')))
+        return NULL;
+    return getaddrinfo(host, port, &hints, &found) == 0 ? found : NULL;
+}
+
+static int listen_at(const struct addrinfo *at)
+{
+    const int on = 1;
+    int fd = socket(at->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return -1;
+    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on); /* connections of one that has just ended */
+    if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, SOMAXCONN) == 0)
+        return fd;
+    int error = errno;
+    close(fd);
+    errno = error;
+    return -1;
+}
+
+static const char *why_not(int error)
+{
+    switch (error) {
+    case EADDRINUSE:
+        return "the port is taken: choose another one, or 0 for any that is free";
+    case EACCES:
+        return "a port below 1024 needs CAP_NET_BIND_SERVICE: take a higher one, or run it with sudo";
+    case EADDRNOTAVAIL:
+        return "this machine does not have the address; 'ip -br address' lists those it has";
+    default:
+        return strerror(error);
+    }
+}
+
+ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
+{
+    struct addrinfo *at = find_address(where);
+    if (!at) {
+        snprintf(message, ECT_MODBUS_MESSAGE,
+                 "'%s' is no [ADDRESS:]PORT: the address in numbers, the port from 0 to 65535, as in 127.0.0.1:502",
+                 where);
+        errno = EINVAL;
+        return NULL;
+    }
+    int fd = listen_at(at);
+    int error = errno;
+    freeaddrinfo(at);
+    if (fd >= 0)
+        return ect_modbus_server_at(fd, message);
+    snprintf(message, ECT_MODBUS_MESSAGE, "cannot listen at '%s': %s", where, why_not(error));
+    errno = error;
+    return NULL;
+}
+
+static void drop(client_t *client)
+{
+    close(client->fd);
+    client->fd = -1;
+}
+
+void ect_modbus_server_close(ect_modbus_server_t *s)
+{
+    if (!s)
+        return;
+    for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++) {
+        if (s->clients[i].fd >= 0)
+            drop(&s->clients[i]);
+    }
+    close(s->fd);
+    if (s->epoll >= 0)
+        close(s->epoll);
+    modbus_free(s->replies);
+    free(s->mapping.tab_bits);
+    free(s->mapping.tab_registers);
+    free(s);
+}
+
+const char *ect_modbus_server_address(const ect_modbus_server_t *s)
+{
+    return s->address;
+}
+
+int ect_modbus_server_fd(const ect_modbus_server_t *s)
+{
+    return s->epoll;
+}
+
+/* --- one request -------------------------------------------------------------------------------------------------- */
+
+static void *at(const ect_modbus_server_t *s, const ect_modbus_range_t *range)
+{
+    return ect_modbus_is_bits(range->table) ? (void *)(s->mapping.tab_bits + range->first)
+                                            : (void *)(s->mapping.tab_registers + range->first);
+}
+
+/* From the device into the tables from which answers are made. */
+static ect_modbus_result_t read_range(ect_modbus_server_t *s, const ect_modbus_t *modbus, void *instance,
+                                      const ect_modbus_range_t *range, uint64_t now_ns)
+{
+    uint16_t values[ECT_MODBUS_MOST_BITS];
+    ect_modbus_result_t result = modbus->read(instance, range, values, now_ns);
+    if (result != ECT_MODBUS_DONE)
+        return result;
+    bool bits = ect_modbus_is_bits(range->table);
+    uint8_t *bit = at(s, range);
+    for (unsigned int i = 0; bits && i < range->count; i++)
+        bit[i] = (uint8_t)values[i];
+    if (!bits)
+        memcpy(at(s, range), values, range->count * sizeof *values);
+    return result;
+}
+
+/* And what a request has put there into the device. */
+static void write_range(const ect_modbus_server_t *s, const ect_modbus_t *modbus, void *instance,
+                        const ect_modbus_range_t *range, uint64_t now_ns)
+{
+    uint16_t values[ECT_MODBUS_MOST_BITS];
+    bool bits = ect_modbus_is_bits(range->table);
+    const uint8_t *bit = at(s, range);
+    for (unsigned int i = 0; bits && i < range->count; i++)
+        values[i] = bit[i];
+    if (!bits)
+        memcpy(values, at(s, range), range->count * sizeof *values);
+    modbus->write(instance, range, values, now_ns);
+}
+
+/* libmodbus looks at requests too, but waits for its response time-out and discards input when one is wrong: it is only
+ * given those that are right. */
+static bool answer(ect_modbus_server_t *s, client_t *client, const ect_modbus_t *modbus, void *instance,
+                   uint64_t now_ns)
+{
+    ect_modbus_request_t request;
+    ect_modbus_result_t result = ect_modbus_request(client->adu + PDU_AT, client->got - PDU_AT, &request);
+    if (result == ECT_MODBUS_DONE && request.write.count > 0)
+        result = modbus->may_write(instance, &request.write);
+    if (result == ECT_MODBUS_DONE && request.read.count > 0)
+        result = read_range(s, modbus, instance, &request.read, now_ns);
+    (void)modbus_set_socket(s->replies, client->fd);
+    if (result != ECT_MODBUS_DONE)
+        return modbus_reply_exception(s->replies, client->adu, result) > 0;
+    bool sent = modbus_reply(s->replies, client->adu, (int)client->got, &s->mapping) > 0;
+    if (request.write.count > 0)
+        write_range(s, modbus, instance, &request.write, now_ns);
+    return sent;
+}
+
+/* --- a client ----------------------------------------------------------------------------------------------------- */
+
+/* As far as it can be told: how long the request in the buffer will be. */
+static size_t size_of(const client_t *client)
+{
+    return client->got < UNIT_AT ? UNIT_AT : UNIT_AT + (size_t)ect_load_be16(client->adu + LENGTH_AT);
+}
+
+/* What cannot be the beginning of a request: where the next one begins is then not known. */
+static bool is_broken(const client_t *client)
+{
+    uint16_t length = ect_load_be16(client->adu + LENGTH_AT);
+    if (client->got < UNIT_AT)
+        return false;
+    return ect_load_be16(client->adu + PROTOCOL_AT) != 0 || length < SHORTEST || length > LONGEST ||
+           (client->got > PDU_AT && client->adu[PDU_AT] >= NOT_FROM_HERE);
+}
+
+/* Header, then the rest, as far as they are there. @return false: the connection is over */
+static bool receive(client_t *client)
+{
+    for (unsigned int part = 0; part < 2 && client->got < size_of(client); part++) {
+        ssize_t got = recv(client->fd, client->adu + client->got, size_of(client) - client->got, MSG_DONTWAIT);
+        if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR))
+            return false;
+        if (got < 0)
+            return true;
+        client->got += (size_t)got;
+        if (is_broken(client))
+            return false;
+    }
+    return true;
+}
+
+/* An answer finds room as a whole, or its request waits until it does. */
+static bool has_room(const client_t *client)
+{
+    struct pollfd fd = {.fd = client->fd, .events = POLLOUT};
+    return poll(&fd, 1, 0) > 0;
+}
+
+static void set_blocked(const ect_modbus_server_t *s, client_t *client, uint32_t who, bool blocked)
+{
+    if (client->blocked != blocked && wait_for(s, EPOLL_CTL_MOD, client->fd, blocked ? EPOLLOUT : EPOLLIN, who))
+        client->blocked = blocked;
+}
+
+/* Where nobody answers, the request is taken all the same. */
+static bool act(ect_modbus_server_t *s, client_t *client, ect_chain_t *chain, uint64_t now_ns)
+{
+    void *instance;
+    const ect_modbus_t *modbus = ect_chain_modbus(chain, 0, &instance);
+    bool goes_on = !modbus || answer(s, client, modbus, instance, now_ns);
+    if (modbus) {
+        client->idle_ns = now_ns + modbus->idle_ms * NS_PER_MS;
+        ect_chain_wake(chain, 0);
+    }
+    client->got = 0;
+    return goes_on;
+}
+
+static void serve_client(ect_modbus_server_t *s, uint32_t who, ect_chain_t *chain, uint64_t now_ns)
+{
+    client_t *client = &s->clients[who];
+    bool goes_on = client->blocked || receive(client);
+    if (goes_on && client->got == size_of(client)) {
+        bool room = has_room(client);
+        set_blocked(s, client, who, !room);
+        goes_on = !room || act(s, client, chain, now_ns);
+    }
+    if (!goes_on)
+        drop(client);
+}
+
+/* --- who comes in ------------------------------------------------------------------------------------------------- */
+
+static uint32_t free_place(const ect_modbus_server_t *s, const ect_modbus_t *modbus)
+{
+    for (uint32_t i = 0; i < modbus->connections && i < ECT_MODBUS_CLIENTS; i++) {
+        if (s->clients[i].fd < 0)
+            return i;
+    }
+    return ECT_MODBUS_CLIENTS;
+}
+
+static void let_in(ect_modbus_server_t *s, const ect_chain_t *chain, uint64_t now_ns)
+{
+    const int on = 1;
+    void *instance;
+    const ect_modbus_t *modbus = ect_chain_modbus(chain, 0, &instance);
+    int fd = accept4(s->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (fd < 0) {
+        bool lasts = errno != EAGAIN && errno != EINTR && errno != ECONNABORTED; /* no descriptor is free */
+        if (lasts && wait_for(s, EPOLL_CTL_MOD, s->fd, 0, ACCEPT))
+            s->retry_ns = now_ns + RETRY_NS;
+        return;
+    }
+    uint32_t who = modbus ? free_place(s, modbus) : ECT_MODBUS_CLIENTS;
+    if (who == ECT_MODBUS_CLIENTS || !wait_for(s, EPOLL_CTL_ADD, fd, EPOLLIN, who)) {
+        close(fd);
+        return;
+    }
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    client_t *client = &s->clients[who];
+    client->fd = fd;
+    client->blocked = false;
+    client->got = 0;
+    client->idle_ns = now_ns + modbus->idle_ms * NS_PER_MS;
+}
+
+/* --- the loop's side ---------------------------------------------------------------------------------------------- */
+
+uint64_t ect_modbus_server_due(const ect_modbus_server_t *s)
+{
+    return s->due_ns;
+}
+
+static uint64_t find_due(const ect_modbus_server_t *s)
+{
+    uint64_t due_ns = s->retry_ns;
+    for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++) {
+        if (s->clients[i].fd >= 0)
+            due_ns = ect_earlier(due_ns, s->clients[i].idle_ns);
+    }
+    return due_ns;
+}
+
+static void look(ect_modbus_server_t *s, uint64_t now_ns)
+{
+    struct epoll_event events[WAITABLE];
+    for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++) {
+        if (s->clients[i].fd >= 0 && now_ns >= s->clients[i].idle_ns)
+            drop(&s->clients[i]);
+    }
+    if (now_ns >= s->retry_ns && wait_for(s, EPOLL_CTL_MOD, s->fd, EPOLLIN, ACCEPT))
+        s->retry_ns = ECT_NEVER;
+    int count = epoll_wait(s->epoll, events, WAITABLE, 0);
+    s->ready = 0;
+    for (int i = 0; i < count; i++)
+        s->ready |= 1u << events[i].data.u32;
+}
+
+static void serve_next(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns)
+{
+    for (uint32_t i = 0; i < WAITABLE && s->ready != 0; i++) {
+        uint32_t who = s->turn;
+        s->turn = (s->turn + 1) % WAITABLE;
+        if ((s->ready & 1u << who) == 0)
+            continue;
+        if (who == ACCEPT)
+            let_in(s, chain, now_ns);
+        else
+            serve_client(s, who, chain, now_ns);
+        return;
+    }
+}
+
+void ect_modbus_server_serve(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns)
+{
+    look(s, now_ns);
+    serve_next(s, chain, now_ns);
+    s->due_ns = find_due(s);
+}

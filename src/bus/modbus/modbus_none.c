@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/* In place of modbus.c where libmodbus was not there when this was built. */
+#include <errno.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "bus/modbus/modbus.h"
+
+ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
+{
+    (void)where;
+    snprintf(message, ECT_MODBUS_MESSAGE,
+             "built without libmodbus: install it ('sudo apt install libmodbus-dev'), configure and build again");
+    errno = ENOSYS;
+    return NULL;
+}
+
+ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
+{
+    close(fd);
+    return ect_modbus_server_open(NULL, message);
+}
+
+void ect_modbus_server_close(ect_modbus_server_t *server)
+{
+    (void)server;
+}
+
+const char *ect_modbus_server_address(const ect_modbus_server_t *server)
+{
+    (void)server;
+    return "";
+}
+
+int ect_modbus_server_fd(const ect_modbus_server_t *server)
+{
+    (void)server;
+    return -1;
+}
+
+uint64_t ect_modbus_server_due(const ect_modbus_server_t *server)
+{
+    (void)server;
+    return ECT_NEVER;
+}
+
+void ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns)
+{
+    (void)server;
+    (void)chain;
+    (void)now_ns;
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a Modbus request asks for: bytes from outside in, ranges of tables out (MODBUS Application Protocol V1.1b3 §6).
+ *
+ * Functions 1 to 6, 15, 16 and 23, those with which an Anybus CompactCom 40 reaches process data. Context: any.
+ */
+#ifndef ECT_BUS_MODBUS_MODBUS_REQUEST_H
+#define ECT_BUS_MODBUS_MODBUS_REQUEST_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "seams/modbus.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** What is to be written, and then read. A range with count 0: nothing. */
+typedef struct ect_modbus_request {
+    ect_modbus_range_t write;
+    ect_modbus_range_t read;
+} ect_modbus_request_t;
+
+/**
+ * Takes a request apart and checks all of it that needs no device: its length, the number of items, what a coil can be
+ * set to. Whether the addresses exist is the device's to say.
+ * @param pdu          `length` bytes: function code and what follows
+ * @param[out] request  set with ECT_MODBUS_DONE
+ * @return ECT_MODBUS_DONE · ECT_MODBUS_NO_FUNCTION · ECT_MODBUS_BAD_VALUE
+ */
+ect_modbus_result_t ect_modbus_request(const uint8_t *pdu, size_t length, ect_modbus_request_t *request);
+
+ECT_C_END
+
+#endif

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/net/endless.h"
+
+#include "wire/bytes.h"
+
+enum { SOURCE = 6, TYPE = 12, TAG = 4, DATAGRAM = 16, DATA = DATAGRAM + 10 };
+enum { ETHERTYPE_VLAN = 0x8100, ETHERTYPE_ECAT = 0x88A4 };
+
+typedef struct ect_endless_mark mark_t;
+
+/* @return false: no frame with a datagram in it */
+static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
+{
+    uint8_t source = length > SOURCE ? frame[SOURCE] : 0;
+    if (length >= DATA + TAG && ect_load_be16(frame + TYPE) == ETHERTYPE_VLAN) {
+        frame += TAG;
+        length -= TAG;
+    }
+    if (length < DATA || ect_load_be16(frame + TYPE) != ETHERTYPE_ECAT)
+        return false;
+    uint16_t size = ect_load_le16(frame + DATAGRAM + 6) & 0x07FF;
+    if (length < (size_t)DATA + size + 2)
+        return false;
+    *mark = (mark_t){
+        .datagram = 1ull << 63 | (uint64_t)size << 32 | (uint64_t)ect_load_le16(frame + DATAGRAM + 4) << 16 |
+                    ect_load_le16(frame + DATAGRAM),
+        .position = ect_load_le16(frame + DATAGRAM + 2),
+        .working_counter = ect_load_le16(frame + DATA + size),
+        .source = source,
+    };
+    return true;
+}
+
+/* The position counts up round 0: half of the circle is "not smaller". */
+static bool begins_where(const mark_t *came, const mark_t *sent)
+{
+    return came->datagram == sent->datagram && (uint16_t)(came->position - sent->position) < 0x8000 &&
+           came->working_counter >= sent->working_counter && came->source == sent->source;
+}
+
+void ect_endless_sent(ect_endless_t *circle, const uint8_t *frame, size_t length)
+{
+    mark_t mark;
+    if (!mark_of(frame, length, &mark))
+        return;
+    circle->sent[circle->next] = mark;
+    circle->next = (circle->next + 1) % ECT_ENDLESS_REMEMBERED;
+}
+
+bool ect_endless_received(ect_endless_t *circle, const uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    mark_t mark;
+    if (!mark_of(frame, length, &mark))
+        return false;
+    bool ours = false;
+    for (unsigned int i = 0; i < ECT_ENDLESS_REMEMBERED && !ours; i++)
+        ours = begins_where(&mark, &circle->sent[i]);
+    if (!ours)
+        return false;
+    if (now_ns - circle->window_ns >= ECT_ENDLESS_WINDOW_NS) {
+        circle->window_ns = now_ns;
+        circle->seen = 0;
+    }
+    circle->seen++;
+    return circle->seen > ECT_ENDLESS_MOST;
+}

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/net/netns.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <netlink/netlink.h>
+#include <netlink/route/link.h>
+#include <netlink/route/link/veth.h>
+#include <sched.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mount.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+const char *const ect_netns_twin[ECT_NETNS_WIRES] = {"ectwin0", "ectwin1"};
+
+const char *ect_netns_unfit(const char *name)
+{
+    if (*name == 0 || strlen(name) >= IFNAMSIZ)
+        return "a name has 1 to 15 characters";
+    if (strpbrk(name, "/: \t\n\v\f\r") || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+        return "a name has no blank, '/' or ':' in it, and is not '.' or '..'";
+    if (strcmp(name, "lo") == 0 || strcmp(name, ect_netns_twin[0]) == 0 || strcmp(name, ect_netns_twin[1]) == 0)
+        return "'lo', 'ectwin0' and 'ectwin1' have their use there already";
+    return NULL;
+}
+
+static bool write_file(const char *path, const char *text)
+{
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    ssize_t written = write(fd, text, strlen(text));
+    int error = errno;
+    close(fd);
+    errno = error;
+    return written == (ssize_t)strlen(text);
+}
+
+static bool read_flag(const char *path, char *flag)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    bool got = read(fd, flag, 1) == 1;
+    close(fd);
+    return got;
+}
+
+/* Why a user namespace could not be made, or is powerless, and what to do about it. */
+static void explain(const char *step, int error, char *message)
+{
+    char flag = '?';
+    const char *advice = "run it as root ('sudo ectwin with ...'); in a container, start that with --privileged or "
+                         "--cap-add=SYS_ADMIN,NET_ADMIN,NET_RAW";
+    if (read_flag("/proc/sys/kernel/apparmor_restrict_unprivileged_userns", &flag) && flag == '1')
+        advice = "AppArmor forbids it here (Ubuntu 23.10 and newer): run 'sudo sysctl -w "
+                 "kernel.apparmor_restrict_unprivileged_userns=0', or run it as root ('sudo ectwin with ...')";
+    else if (read_flag("/proc/sys/kernel/unprivileged_userns_clone", &flag) && flag == '0')
+        advice = "this kernel is set to forbid it: run 'sudo sysctl -w kernel.unprivileged_userns_clone=1', or run it "
+                 "as root ('sudo ectwin with ...')";
+    else if (read_flag("/proc/sys/user/max_user_namespaces", &flag) && flag == '0')
+        advice = "this system allows no user namespaces: run 'sudo sysctl -w user.max_user_namespaces=1000', or run "
+                 "it as root ('sudo ectwin with ...')";
+    snprintf(message, ECT_NETNS_MESSAGE, "no private network: %s failed (%s); %s", step, strerror(error), advice);
+}
+
+enum { NAMESPACES = CLONE_NEWNET | CLONE_NEWNS };
+
+static int enter_user_namespace(char *message)
+{
+    char map[64];
+    unsigned int uid = geteuid();
+    unsigned int gid = getegid();
+    if (unshare(CLONE_NEWUSER | NAMESPACES) < 0) {
+        explain("making a user namespace", errno, message);
+        return -1;
+    }
+    snprintf(map, sizeof map, "0 %u 1", uid);
+    (void)prctl(PR_SET_DUMPABLE, 1); /* a binary with file capabilities may not write its own map otherwise */
+    bool mapped = write_file("/proc/self/uid_map", map);
+    snprintf(map, sizeof map, "0 %u 1", gid);
+    if (!mapped || !write_file("/proc/self/setgroups", "deny") || !write_file("/proc/self/gid_map", map)) {
+        explain("mapping the user into it", errno, message);
+        return -1;
+    }
+    return 0;
+}
+
+/* Every id that there is out here, under its own number: `of` is a map of ours, "inside outside count" a line. */
+static bool same_ids(const char *of, char *map, size_t room)
+{
+    FILE *ours = fopen(of, "re");
+    unsigned int inside, outside, count;
+    size_t used = 0;
+    /* NOLINTNEXTLINE(cert-err34-c): the kernel wrote these numbers */
+    while (ours && used < room && fscanf(ours, "%u %u %u", &inside, &outside, &count) == 3)
+        used += (size_t)snprintf(map + used, room - used, "%u %u %u\n", inside, inside, count);
+    if (ours)
+        fclose(ours);
+    return used > 0 && used < room;
+}
+
+/* Only a process that stays outside may map more than one id. It waits until the other one has gone in. */
+static int map_from_outside(pid_t inside, int go)
+{
+    char map[2][1024];
+    char path[64];
+    char byte;
+    if (!same_ids("/proc/self/uid_map", map[0], sizeof map[0]) ||
+        !same_ids("/proc/self/gid_map", map[1], sizeof map[1]) || read(go, &byte, 1) != 1)
+        return 1;
+    snprintf(path, sizeof path, "/proc/%d/uid_map", (int)inside);
+    bool mapped = write_file(path, map[0]);
+    snprintf(path, sizeof path, "/proc/%d/gid_map", (int)inside);
+    return mapped && write_file(path, map[1]) ? 0 : 1;
+}
+
+/* For root: all files stay as they are, but the rights end at this namespace. @return false with nothing changed, or
+ * with the process in a namespace where it is nobody */
+static bool enter_as_root(bool *entered)
+{
+    int go[2];
+    int status = 1;
+    pid_t self = getpid();
+    if (pipe2(go, O_CLOEXEC) < 0)
+        return false;
+    pid_t helper = fork();
+    if (helper == 0) {
+        close(go[1]);
+        _exit(map_from_outside(self, go[0]));
+    }
+    close(go[0]);
+    *entered = helper > 0 && unshare(CLONE_NEWUSER | NAMESPACES) == 0;
+    bool told = *entered && write(go[1], "", 1) == 1;
+    close(go[1]);
+    if (helper > 0)
+        (void)waitpid(helper, &status, 0);
+    return told && status == 0;
+}
+
+static int enter_namespaces(unsigned int *lacks, char *message)
+{
+    bool entered = false;
+    if (geteuid() != 0)
+        return enter_user_namespace(message);
+    if (enter_as_root(&entered))
+        return 0;
+    if (entered) {
+        explain("mapping the users into it", EPERM, message);
+        return -1;
+    }
+    *lacks |= ECT_NETNS_USER_NAMESPACE;
+    if (unshare(NAMESPACES) == 0)
+        return 0;
+    explain("making a network namespace", errno, message);
+    return -1;
+}
+
+/* /sys shows the network of the process that mounted it. */
+static bool own_sysfs(void)
+{
+    const unsigned long flags = MS_NOSUID | MS_NODEV | MS_NOEXEC;
+    return mount("none", "/", NULL, MS_REC | MS_SLAVE, NULL) == 0 &&
+           (mount("ectwin", "/sys", "sysfs", flags, NULL) == 0 ||
+            mount("ectwin", "/sys", "sysfs", flags | MS_RDONLY, NULL) == 0);
+}
+
+static int set_up(struct nl_sock *socket, const char *name)
+{
+    struct rtnl_link *link = NULL;
+    struct rtnl_link *change = rtnl_link_alloc();
+    int error = change ? rtnl_link_get_kernel(socket, 0, name, &link) : -NLE_NOMEM;
+    if (error >= 0) {
+        rtnl_link_set_flags(change, IFF_UP);
+        error = rtnl_link_change(socket, link, change, 0);
+        rtnl_link_put(link);
+    }
+    if (change)
+        rtnl_link_put(change);
+    return error;
+}
+
+static int add_veth(struct nl_sock *socket, const char *twin, const char *master)
+{
+    struct rtnl_link *link = rtnl_link_veth_alloc();
+    if (!link)
+        return -NLE_NOMEM;
+    struct rtnl_link *peer = rtnl_link_veth_get_peer(link); /* a reference of our own */
+    rtnl_link_set_name(link, twin);
+    rtnl_link_set_name(peer, master);
+    rtnl_link_put(peer);
+    int error = rtnl_link_add(socket, link, NLM_F_CREATE | NLM_F_EXCL);
+    rtnl_link_put(link);
+    return error;
+}
+
+/* The kernel's own IPv6 chatter has no business on this wire. Without IPv6 there is nothing to switch off. */
+static void quieten(void)
+{
+    (void)write_file("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1");
+}
+
+static int add_wire(struct nl_sock *socket, const char *twin, const char *master)
+{
+    int error = add_veth(socket, twin, master);
+    if (error >= 0)
+        error = set_up(socket, twin);
+    return error >= 0 ? set_up(socket, master) : error;
+}
+
+static int build_network(const char *const masters[ECT_NETNS_WIRES], char *message)
+{
+    struct nl_sock *socket = nl_socket_alloc();
+    int error = socket ? nl_connect(socket, NETLINK_ROUTE) : -NLE_NOMEM;
+    quieten();
+    if (error >= 0)
+        error = set_up(socket, "lo");
+    for (size_t i = 0; i < ECT_NETNS_WIRES && masters[i] && error >= 0; i++)
+        error = add_wire(socket, ect_netns_twin[i], masters[i]);
+    nl_socket_free(socket);
+    if (error >= 0)
+        return 0;
+    if (error == -NLE_PERM)
+        explain("making a veth pair in it", EPERM, message);
+    else if (error == -NLE_OPNOTSUPP)
+        snprintf(message, ECT_NETNS_MESSAGE,
+                 "no private network: this kernel has no veth driver ('sudo modprobe veth' loads it)");
+    else
+        snprintf(message, ECT_NETNS_MESSAGE, "no private network: making a veth pair failed (%s)", nl_geterror(error));
+    return -1;
+}
+
+int ect_netns_enter(const char *const masters[ECT_NETNS_WIRES], unsigned int *lacks, char *message)
+{
+    *lacks = 0;
+    if (enter_namespaces(lacks, message) < 0)
+        return -1;
+    if (!own_sysfs())
+        *lacks |= ECT_NETNS_OWN_SYSFS;
+    return build_network(masters, message);
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/net/sandbox.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <seccomp.h>
+#include <stddef.h>
+#include <sys/socket.h>
+
+#define COUNT(list) (sizeof(list) / sizeof(list)[0])
+
+/* Frames, users, time, memory, what the twins save, and the end. */
+static const int running[] = {
+    SCMP_SYS(accept),
+    SCMP_SYS(accept4),
+    SCMP_SYS(bind), /* only for sockets that are there: no other kind can be made */
+    SCMP_SYS(brk),
+    SCMP_SYS(clock_gettime),
+    SCMP_SYS(clock_gettime64),
+    SCMP_SYS(clock_nanosleep),
+    SCMP_SYS(clock_nanosleep_time64),
+    SCMP_SYS(close),
+    SCMP_SYS(epoll_ctl),
+    SCMP_SYS(epoll_pwait),
+    SCMP_SYS(epoll_wait),
+    SCMP_SYS(exit),
+    SCMP_SYS(exit_group),
+    SCMP_SYS(fallocate),
+    SCMP_SYS(fcntl),
+    SCMP_SYS(fcntl64),
+    SCMP_SYS(fdatasync),
+    SCMP_SYS(flock),
+    SCMP_SYS(fstat),
+    SCMP_SYS(fstat64),
+    SCMP_SYS(fsync),
+    SCMP_SYS(ftruncate),
+    SCMP_SYS(ftruncate64),
+    SCMP_SYS(futex),
+    SCMP_SYS(futex_time64),
+    SCMP_SYS(getegid),
+    SCMP_SYS(geteuid),
+    SCMP_SYS(getgid),
+    SCMP_SYS(getpid),
+    SCMP_SYS(getrandom),
+    SCMP_SYS(getsockname),
+    SCMP_SYS(getsockopt),
+    SCMP_SYS(gettid),
+    SCMP_SYS(gettimeofday),
+    SCMP_SYS(getuid),
+    SCMP_SYS(ioctl),
+    SCMP_SYS(lseek),
+    SCMP_SYS(_llseek),
+    SCMP_SYS(lstat),
+    SCMP_SYS(madvise),
+    SCMP_SYS(mmap),
+    SCMP_SYS(mmap2),
+    SCMP_SYS(mprotect),
+    SCMP_SYS(mremap),
+    SCMP_SYS(munmap),
+    SCMP_SYS(nanosleep),
+    SCMP_SYS(newfstatat),
+    SCMP_SYS(poll),
+    SCMP_SYS(ppoll),
+    SCMP_SYS(ppoll_time64),
+    SCMP_SYS(pread64),
+    SCMP_SYS(pwrite64),
+    SCMP_SYS(read),
+    SCMP_SYS(recv),
+    SCMP_SYS(recvfrom),
+    SCMP_SYS(recvmsg),
+    SCMP_SYS(restart_syscall),
+    SCMP_SYS(rseq),
+    SCMP_SYS(rt_sigaction),
+    SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(sched_getparam), /* the C library, before it starts the thread that waits for the disk */
+    SCMP_SYS(sched_getscheduler),
+    SCMP_SYS(sched_yield),
+    SCMP_SYS(send),
+    SCMP_SYS(sendmsg),
+    SCMP_SYS(sendto),
+    SCMP_SYS(set_robust_list),
+    SCMP_SYS(setsockopt),
+    SCMP_SYS(shutdown),
+    SCMP_SYS(sigaltstack),
+    SCMP_SYS(stat),
+    SCMP_SYS(statx),
+    SCMP_SYS(sysinfo),
+    SCMP_SYS(tgkill), /* abort() */
+    SCMP_SYS(unlink), /* of the control socket */
+    SCMP_SYS(unlinkat),
+    SCMP_SYS(write),
+    SCMP_SYS(writev),
+};
+
+static const int with_children[] = {
+    SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(kill), SCMP_SYS(wait4), SCMP_SYS(waitid), SCMP_SYS(waitpid),
+};
+
+/* Files that a master writes are opened and renamed. */
+static const int with_files[] = {SCMP_SYS(openat), SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2)};
+
+/* What the sanitizers' own code needs to tell of leaks at the end. */
+#ifdef __SANITIZE_ADDRESS__
+static const int sanitizers[] = {
+    SCMP_SYS(open),   SCMP_SYS(getdents), SCMP_SYS(getppid),    SCMP_SYS(arch_prctl),
+    SCMP_SYS(clone),  SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(kill),
+    SCMP_SYS(openat), SCMP_SYS(prctl),    SCMP_SYS(prlimit64),  SCMP_SYS(process_vm_readv),
+    SCMP_SYS(ptrace), SCMP_SYS(readlink), SCMP_SYS(readlinkat), SCMP_SYS(sched_getaffinity),
+    SCMP_SYS(wait4),
+};
+#else
+static const int sanitizers[] = {SCMP_SYS(exit)};
+#endif
+
+/* A call that this machine does not have needs no rule. */
+static int allow(scmp_filter_ctx filter, const int *calls, size_t count)
+{
+    int error = 0;
+    for (size_t i = 0; i < count && error == 0; i++) {
+        error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, calls[i], 0);
+        error = error == -EDOM ? 0 : error;
+    }
+    return error;
+}
+
+static int allow_if(scmp_filter_ctx filter, int call, struct scmp_arg_cmp condition)
+{
+    return seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, 1, &condition);
+}
+
+/* Threads but no processes; local sockets, which cannot connect; files, but (without those of a master) only to read
+ * them. */
+static int allow_in_part(scmp_filter_ctx filter)
+{
+    const struct scmp_arg_cmp threads = {
+        .arg = 0, .op = SCMP_CMP_MASKED_EQ, .datum_a = CLONE_THREAD, .datum_b = CLONE_THREAD};
+    const struct scmp_arg_cmp local = {.arg = 0, .op = SCMP_CMP_EQ, .datum_a = AF_UNIX};
+    const struct scmp_arg_cmp reading = {
+        .arg = 2, .op = SCMP_CMP_MASKED_EQ, .datum_a = O_ACCMODE | O_CREAT, .datum_b = O_RDONLY};
+    int error = allow_if(filter, SCMP_SYS(clone), threads);
+    error = error != 0 ? error : allow_if(filter, SCMP_SYS(socket), local);
+    return error != 0 ? error : allow_if(filter, SCMP_SYS(openat), reading);
+}
+
+int ect_sandbox_enter(bool children, bool files)
+{
+    scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(ENOSYS));
+    if (!filter) {
+        errno = ENOMEM;
+        return -1;
+    }
+    int error = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
+    error = error != 0 ? error : seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
+    error = error != 0 ? error : allow(filter, running, COUNT(running));
+    error = error != 0 ? error : allow(filter, with_children, children ? COUNT(with_children) : 0);
+    error = error != 0 ? error : allow(filter, with_files, files ? COUNT(with_files) : 0);
+    error = error != 0 ? error : allow(filter, sanitizers, COUNT(sanitizers));
+    error = error != 0 ? error : allow_in_part(filter);
+    error = error != 0 ? error : seccomp_load(filter);
+    seccomp_release(filter);
+    errno = -error;
+    return error == 0 ? 0 : -1;
+}

@@ -1,9 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#include "bus/sandbox.h"
-
-int ect_sandbox_enter(bool children, bool files)
-{
-    (void)children;
-    (void)files;
-    return 0;
-}

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/storage/eeprom.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "wire/bytes.h"
+#include "wire/crc.h"
+
+enum { HEADER = 16, SIZE_AT = 8, CHECKSUM = ECT_SII_CHECKED_BYTES };
+
+static const uint8_t magic[SIZE_AT] = {'E', 'C', 'T', 'W', 'S', 'I', 'I', '1'};
+
+/* In the file: header, the factory's image, this one. */
+struct ect_eeprom {
+    int fd;
+    uint32_t size;
+    uint8_t image[];
+};
+
+static bool write_all(ect_eeprom_t *e, const uint8_t *factory)
+{
+    uint8_t header[HEADER] = {0};
+    memcpy(header, magic, sizeof magic);
+    ect_store_le32(header + SIZE_AT, e->size);
+    return pwrite(e->fd, header, HEADER, 0) == HEADER && pwrite(e->fd, factory, e->size, HEADER) == (ssize_t)e->size &&
+           pwrite(e->fd, e->image, e->size, HEADER + e->size) == (ssize_t)e->size;
+}
+
+static bool checksum_good(const uint8_t *image)
+{
+    return image[CHECKSUM] == ect_crc_sii(image);
+}
+
+/* Word by word: `image` is what the master made of the factory's `before`; it becomes what he would have made of `now`.
+ */
+static void merge(uint8_t *image, const uint8_t *before, const uint8_t *now, uint32_t size)
+{
+    bool good = checksum_good(image);
+    for (uint32_t at = 0; at < size; at += 2) {
+        bool written = memcmp(image + at, before + at, 2) != 0;
+        bool newer = memcmp(before + at, now + at, 2) != 0;
+        if (newer || !written)
+            memcpy(image + at, now + at, 2);
+    }
+    if (good)
+        image[CHECKSUM] = ect_crc_sii(image);
+}
+
+/* @return 1 read; 0 the file is new; -1 not ours (errno: EINVAL) or not readable */
+static int read_all(ect_eeprom_t *e, uint8_t *before)
+{
+    uint8_t header[HEADER];
+    struct stat info;
+    if (fstat(e->fd, &info) < 0)
+        return -1;
+    if (S_ISREG(info.st_mode) && info.st_size == 0)
+        return 0;
+    errno = EINVAL;
+    if (!S_ISREG(info.st_mode) || info.st_size != (off_t)HEADER + 2 * (off_t)e->size ||
+        pread(e->fd, header, HEADER, 0) != HEADER || memcmp(header, magic, sizeof magic) != 0 ||
+        ect_load_le32(header + SIZE_AT) != e->size)
+        return -1;
+    bool whole = pread(e->fd, before, e->size, HEADER) == (ssize_t)e->size &&
+                 pread(e->fd, e->image, e->size, HEADER + e->size) == (ssize_t)e->size;
+    return whole ? 1 : -1;
+}
+
+static bool load(ect_eeprom_t *e, const char *path, const uint8_t *factory)
+{
+    uint8_t *before = malloc(e->size);
+    e->fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+    int found = before && e->fd >= 0 && flock(e->fd, LOCK_EX | LOCK_NB) == 0 ? read_all(e, before) : -1;
+    if (found > 0)
+        merge(e->image, before, factory, e->size);
+    else if (found == 0)
+        memcpy(e->image, factory, e->size);
+    bool same = found > 0 && memcmp(before, factory, e->size) == 0;
+    bool done = found >= 0 && (same || write_all(e, factory));
+    int error = errno;
+    free(before);
+    errno = error;
+    return done;
+}
+
+ect_eeprom_t *ect_eeprom_open(const char *path, const uint8_t *factory, uint32_t size, char *message)
+{
+    ect_eeprom_t *e = calloc(1, sizeof *e + size);
+    if (e) {
+        e->fd = -1;
+        e->size = size;
+    }
+    if (e && load(e, path, factory))
+        return e;
+    const char *why = errno == EWOULDBLOCK ? "another twin uses it"
+                      : errno == EINVAL ? "it is no EEPROM content of a twin of this size; move it away to begin anew"
+                      : errno == ELOOP  ? "it is a symbolic link"
+                                        : strerror(errno);
+    snprintf(message, ECT_EEPROM_MESSAGE, "cannot keep the EEPROM in '%s': %s", path, why);
+    ect_eeprom_close(e);
+    return NULL;
+}
+
+void ect_eeprom_close(ect_eeprom_t *eeprom)
+{
+    if (!eeprom)
+        return;
+    if (eeprom->fd >= 0) {
+        (void)fdatasync(eeprom->fd);
+        close(eeprom->fd);
+    }
+    free(eeprom);
+}
+
+const uint8_t *ect_eeprom_image(const ect_eeprom_t *eeprom)
+{
+    return eeprom->image;
+}
+
+void ect_eeprom_write(void *eeprom, const uint8_t *image, uint32_t size)
+{
+    ect_eeprom_t *e = eeprom;
+    uint32_t from = 0;
+    uint32_t to = size;
+    while (from < to && image[from] == e->image[from])
+        from++;
+    while (to > from && image[to - 1] == e->image[to - 1])
+        to--;
+    memcpy(e->image + from, image + from, to - from);
+    /* A full disk cannot be: the file has its size already. What fails here is lost with the process, as if not kept.
+     */
+    if (to > from && pwrite(e->fd, image + from, to - from, (off_t)(HEADER + e->size + from)) < 0)
+        return;
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Non-volatile memory of a twin on a PC: two files, or none, and then it lasts as long as the process.
+ */
+#ifndef ECT_BUS_STORAGE_MEMORY_H
+#define ECT_BUS_STORAGE_MEMORY_H
+
+#include "seams/storage.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+enum { ECT_MEMORY_BANK = 1024 * 1024, ECT_MEMORY_PATH = 512, ECT_MEMORY_MESSAGE = 640 };
+
+typedef struct ect_memory ect_memory_t;
+
+/**
+ * Opens it. A file must be one that this has made, and no other twin's at present; anything else is refused, and left
+ * as it is. One whose record is not whole (seams/record.h) is kept under another name, and begun anew.
+ * @param path          the files are PATH.0 and PATH.1, made when they are missing; NULL: in memory only
+ * @param[out] message  ECT_MEMORY_MESSAGE bytes. On failure one line for the user; else "", or a line about a file that
+ *                      was put aside
+ * @return the memory, to be closed with ::ect_memory_close, or NULL
+ */
+ect_memory_t *ect_memory_open(const char *path, char *message);
+void ect_memory_close(ect_memory_t *memory);
+
+/** What a twin's configuration takes; valid until the memory is closed. */
+const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
+
+ECT_C_END
+
+#endif

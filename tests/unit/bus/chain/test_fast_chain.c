@@ -1,0 +1,681 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The fast way through a chain (fast.h) against the reference: each frame goes to one chain the fast way, and to the
+ * controllers of a second, equal chain one after the other, by ect_esc_process. Replies, memories, states, lamps and
+ * what the poll says are the same, whatever master, users and time do.
+ *
+ * test_fast_chain [ROUNDS [SEED]]: so many rounds of FRAMES frames, each with a chain and a seed of its own.
+ */
+#include "bus/chain/chain.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/deadlines.h"
+#include "bus/chain/fast.h"
+#include "bus/chain/settings.h"
+#include "devices/eclink/eclink.h"
+#include "devices/fzm1/fzm1.h"
+#include "esc/route.h"
+#include "seams/random.h"
+#include "slave/indicator.h"
+#include "support/every.h"
+#include "support/sensor.h"
+#include "support/terminal.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+enum { FRAMES = 2000, MOST = 70, ROOM = 1600, BETWEEN_LOOKS = 97 };
+
+static unsigned int rounds = 12;
+static uint32_t first_seed = 1;
+
+typedef struct rig {
+    uint32_t random, seed;
+    unsigned int frame_number, taken;
+    size_t count;
+    ect_chain_t *fast, *slow; /* the second one's frames go the way of the reference */
+    uint8_t state[MOST];      /* where the master wants to have it next */
+    bool link_in, link_out;
+    uint64_t now_ns;
+    uint8_t frame[ROOM];
+    size_t length, last; /* of the frame; where its last datagram begins */
+} rig_t;
+
+static uint32_t below(rig_t *r, uint32_t limit)
+{
+    return (uint32_t)(((uint64_t)ect_random_next(&r->random) * limit) >> 32);
+}
+
+static bool one_in(rig_t *r, uint32_t n)
+{
+    return below(r, n) == 0;
+}
+
+/* --- frames ------------------------------------------------------------------------------------------------------- */
+
+static void begin_frame(rig_t *r)
+{
+    static const uint8_t header[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01};
+    memcpy(r->frame, header, sizeof header);
+    r->length = sizeof header;
+    if (one_in(r, 32)) {
+        memcpy(r->frame + r->length, "\x81\x00\x20\x01", 4);
+        r->length += 4;
+    }
+    memcpy(r->frame + r->length, "\x88\xA4\x00\x10", 4);
+    r->length += 4;
+    r->last = 0;
+}
+
+static void add(rig_t *r, uint8_t command, uint16_t adp, uint16_t ado, const void *data, uint16_t length)
+{
+    if (r->length + length + 12u > 1514)
+        return;
+    if (r->last != 0)
+        r->frame[r->last + 7] |= 0x80;
+    uint8_t *d = r->frame + r->length;
+    memset(d, 0, 12u + length);
+    d[0] = command;
+    d[1] = (uint8_t)below(r, 256);
+    ect_store_le16(d + 2, adp);
+    ect_store_le16(d + 4, ado);
+    ect_store_le16(d + 6, length);
+    if (data)
+        memcpy(d + 10, data, length);
+    r->last = r->length;
+    r->length += 12u + length;
+}
+
+static uint16_t position(rig_t *r)
+{
+    return (uint16_t)(0 - below(r, (uint32_t)r->count + (one_in(r, 20) ? 2 : 0)));
+}
+
+/* Mostly the one that the master gives, which are not all different. */
+static uint16_t station_of(const rig_t *r, size_t i)
+{
+    return (uint16_t)(0x1001 + (i == r->count / 2 && r->seed % 4 == 0 ? 0 : i));
+}
+
+static uint16_t station(rig_t *r)
+{
+    return one_in(r, 30) ? (uint16_t)below(r, 8) : station_of(r, below(r, (uint32_t)r->count));
+}
+
+static uint16_t some_address(rig_t *r)
+{
+    static const uint16_t registers[] = {
+        0x0000, 0x0008, 0x0010, 0x0012, 0x0100, 0x0103, 0x0108, 0x0110, 0x0120, 0x0130, 0x0134, 0x0140, 0x0200,
+        0x0204, 0x0210, 0x0220, 0x0300, 0x0310, 0x0400, 0x0420, 0x0440, 0x0442, 0x0500, 0x0502, 0x0504, 0x0508,
+        0x0600, 0x0610, 0x0800, 0x0806, 0x080D, 0x0810, 0x0816, 0x0818, 0x0900, 0x0910, 0x0918, 0x0920, 0x092C,
+        0x0930, 0x0980, 0x0981, 0x0990, 0x09A0, 0x0F00, 0x0F80, 0x0FFF, 0x1000, 0x1100, 0x1C00};
+    uint16_t address = registers[below(r, sizeof registers / sizeof registers[0])];
+    return one_in(r, 3) ? (uint16_t)(address + below(r, 40)) : one_in(r, 20) ? (uint16_t)below(r, 65536) : address;
+}
+
+static void add_anything(rig_t *r)
+{
+    uint8_t data[300];
+    uint8_t command = (uint8_t)below(r, one_in(r, 40) ? 256 : 15);
+    uint16_t length = (uint16_t)below(r, one_in(r, 4) ? 280 : 9);
+    for (unsigned int i = 0; i < length; i++)
+        data[i] = one_in(r, 2) ? 0 : (uint8_t)below(r, 256);
+    if (command >= LRD && command <= LRW)
+        add(r, command, (uint16_t)below(r, 1200), one_in(r, 30) ? 0xFFFF : 0, data, length);
+    else if (command == FPRD || command == FPWR || command == FPRW || command == FRMW)
+        add(r, command, station(r), some_address(r), data, length);
+    else
+        add(r, command, position(r), some_address(r), data, length);
+    if (one_in(r, 8)) {
+        uint8_t *d = r->frame + r->last;
+        ect_store_le16(d + 8, (uint16_t)below(r, 65536));
+        ect_store_le16(d + 10 + (ect_load_le16(d + 6) & 0x7FF), (uint16_t)below(r, 65536));
+    }
+}
+
+/* --- what a master does that means it well ------------------------------------------------------------------------ */
+
+static const ect_device_t *device_of(const rig_t *r, size_t i)
+{
+    return ect_chain_slave(r->fast, i)->config.device;
+}
+
+static void set_sms(rig_t *r, size_t i, bool process)
+{
+    const ect_device_t *device = device_of(r, i);
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        uint8_t sm[8] = {0};
+        uint16_t bytes = ect_device_sm_bytes(device, n);
+        if (ect_device_sm_is_process(device, n) != process)
+            continue;
+        ect_store_le16(sm, device->sm[n].start);
+        ect_store_le16(sm + 2, bytes);
+        sm[4] = device->sm[n].control | (one_in(r, 10) ? 0x10 : 0);
+        sm[6] = bytes > 0;
+        add(r, FPWR, station_of(r, i), (uint16_t)(0x0800 + 8 * n), sm, sizeof sm);
+    }
+}
+
+/* Process data of all lie side by side, now and then over each other. */
+static void set_fmmus(rig_t *r, size_t i)
+{
+    const ect_device_t *device = device_of(r, i);
+    uint8_t n = 0;
+    for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        uint8_t fmmu[16] = {0};
+        uint16_t bytes = ect_device_sm_bytes(device, sm);
+        if (!ect_device_sm_is_process(device, sm) || bytes == 0)
+            continue;
+        bool bits = one_in(r, 6);
+        ect_store_le32(fmmu, (uint32_t)(i * 40 + below(r, 40)));
+        ect_store_le16(fmmu + 4, bytes);
+        fmmu[6] = bits ? (uint8_t)below(r, 8) : 0;
+        fmmu[7] = bits ? (uint8_t)below(r, 8) : 7;
+        ect_store_le16(fmmu + 8, one_in(r, 20) ? some_address(r) : device->sm[sm].start);
+        fmmu[11] = device->sm[sm].type == ECT_SM_OUTPUTS ? 2 : 1;
+        fmmu[12] = 1;
+        add(r, FPWR, station_of(r, i), (uint16_t)(0x0600 + 16 * n++), fmmu, sizeof fmmu);
+    }
+}
+
+static void set_station(rig_t *r, size_t i)
+{
+    uint8_t bytes[2];
+    ect_store_le16(bytes, station_of(r, i));
+    add(r, APWR, (uint16_t)(0 - i), 0x0010, bytes, 2);
+}
+
+static void ask_for_state(rig_t *r, size_t i)
+{
+    static const uint8_t next[] = {[1] = 2, [2] = 4, [4] = 8, [8] = 8};
+    uint8_t bytes[2] = {r->state[i] | 0x10, 0};
+    if (r->state[i] == 2)
+        set_sms(r, i, false);
+    if (r->state[i] == 4)
+        set_sms(r, i, true);
+    add(r, FPWR, station_of(r, i), 0x0120, bytes, 2);
+    r->state[i] = one_in(r, 12) ? 1 : next[r->state[i]];
+}
+
+/* Closes or opens port 1 of a slave through an FMMU, perhaps in the frame that sets the FMMU up. The first datagram
+ * shows who sees the frame. */
+static void close_by_fmmu(rig_t *r, size_t i)
+{
+    enum { LOGICAL = 0x4000 };
+    const uint8_t fmmu[16] = {0x00, 0x40, 0, 0, 1, 0, 0, 7, 0x01, 0x01, 0, 2, 1};
+    const uint8_t control = one_in(r, 2) ? 0x0C : 0x00;
+    const uint8_t mark = (uint8_t)below(r, 256);
+    add(r, BWR, 0, 0x0F80, &mark, 1);
+    if (one_in(r, 2))
+        add(r, FPWR, station_of(r, i), 0x0610, fmmu, sizeof fmmu);
+    if (one_in(r, 2))
+        add(r, one_in(r, 2) ? LWR : LRW, LOGICAL, 0, &control, 1);
+}
+
+static void add_sense(rig_t *r)
+{
+    size_t i = below(r, (uint32_t)r->count);
+    uint8_t data[200] = {0};
+    const uint8_t mask[] = {(uint8_t)below(r, 256), 0};
+    for (unsigned int k = 0; k < 8; k++)
+        data[k] = (uint8_t)below(r, 256);
+    switch (below(r, 13)) {
+    case 12:
+        close_by_fmmu(r, i);
+        return;
+    case 0:
+        set_station(r, i);
+        return;
+    case 1:
+        set_fmmus(r, i);
+        return;
+    case 2:
+    case 3:
+        ask_for_state(r, i);
+        return;
+    case 4:
+        add(r, BRD, 0, 0x0130, NULL, (uint16_t)(1 + below(r, 3)));
+        return;
+    case 5:
+        add(r, one_in(r, 2) ? FRMW : ARMW, one_in(r, 2) ? station(r) : position(r), 0x0910, data, 8);
+        return;
+    case 6:
+        add(r, FPRD, station(r), 0x0130, NULL, 6);
+        return;
+    case 7:
+        add(r, FPWR, station_of(r, i), 0x0200, mask, 2);
+        return;
+    case 8:
+        add(r, FPWR, station_of(r, i), 0x0420, "\x20\x00", 2);
+        return;
+    default:
+        add(r,
+            one_in(r, 3)   ? LRD
+            : one_in(r, 3) ? LWR
+                           : LRW,
+            (uint16_t)below(r, (uint32_t)(r->count * 40)), 0, data, (uint16_t)(1 + below(r, sizeof data)));
+    }
+}
+
+static void spoil(rig_t *r)
+{
+    switch (below(r, 4)) {
+    case 0:
+        r->length = below(r, (uint32_t)r->length + 1);
+        return;
+    case 1:
+        r->frame[below(r, (uint32_t)r->length)] = (uint8_t)below(r, 256);
+        return;
+    case 2:
+        memmove(r->frame + 14 + 28, r->frame + 14, r->length - 14);
+        memset(r->frame + 14, 0, 28);
+        memcpy(r->frame + 12, "\x08\x00\x45", 3);
+        r->frame[14 + 9] = 0x11;
+        ect_store_be16(r->frame + 14 + 22, 0x88A4);
+        r->length += 28;
+        return;
+    default:
+        r->frame[r->last + 7] ^= (uint8_t)(1u << below(r, 8));
+    }
+}
+
+static void build(rig_t *r)
+{
+    begin_frame(r);
+    unsigned int count = one_in(r, 3) ? 1 + below(r, 6) : 1;
+    bool sensible = !one_in(r, 4);
+    while (count-- > 0) {
+        if (sensible)
+            add_sense(r);
+        else
+            add_anything(r);
+    }
+    if (one_in(r, 64))
+        spoil(r);
+}
+
+/* --- both chains -------------------------------------------------------------------------------------------------- */
+
+/* Back through those before: a loop that was forced open where no wire is loses the frame. */
+static ect_end_t back_from(rig_t *r, size_t i)
+{
+    while (i-- > 0) {
+        if (ect_esc_next_port(ect_chain_esc(r->slow, i), 1) != 0)
+            return ECT_END_NONE;
+    }
+    return ECT_END_IN;
+}
+
+/* One controller after the other, as far as the line goes. */
+static ect_end_t reference(rig_t *r, uint8_t *frame)
+{
+    if (!r->link_in)
+        return ECT_END_NONE;
+    for (size_t i = 0; i < r->count; i++) {
+        ect_esc_t *esc = ect_chain_esc(r->slow, i);
+        if (ect_esc_process(esc, frame, r->length, r->now_ns) != ECT_FRAME_FORWARD)
+            return ECT_END_NONE;
+        unsigned int next = ect_esc_next_port(esc, 0);
+        if (next == 0)
+            return back_from(r, i);
+        if (next != 1 || !ect_esc_port_open(esc, 1))
+            return ECT_END_NONE;
+    }
+    return ECT_END_OUT;
+}
+
+static void differ(const rig_t *r, const char *what, size_t where, unsigned int fast, unsigned int slow)
+{
+    fail_msg("%s %zu: the fast way 0x%X, the reference 0x%X; frame %u of: test_fast_chain 1 %u", what, where, fast,
+             slow, r->frame_number, r->seed);
+}
+
+static void send(rig_t *r)
+{
+    uint8_t reply[ROOM];
+    memcpy(reply, r->frame, r->length);
+    ect_end_t want = reference(r, reply);
+    ect_end_t out = ect_chain_pass(r->fast, ECT_END_IN, r->frame, r->length, r->now_ns);
+    if (out != want)
+        differ(r, "end", 0, out, want);
+    for (size_t i = 0; out != ECT_END_NONE && i < r->length; i++) {
+        if (reply[i] != r->frame[i])
+            differ(r, "reply's byte", i, r->frame[i], reply[i]);
+    }
+}
+
+static void same_signal(const rig_t *r, size_t i, const char *name)
+{
+    char fast[ECT_SIGNAL_TEXT_ROOM];
+    char slow[ECT_SIGNAL_TEXT_ROOM];
+    ect_signal_ref_t ref;
+    assert_true(ect_chain_signal(r->fast, i, name, &ref));
+    ect_signal_read(&ref, fast);
+    assert_true(ect_chain_signal(r->slow, i, name, &ref));
+    ect_signal_read(&ref, slow);
+    if (strcmp(fast, slow) != 0)
+        fail_msg("%s of slave %zu: the fast way '%s', the reference '%s'; frame %u of: test_fast_chain 1 %u", name, i,
+                 fast, slow, r->frame_number, r->seed);
+}
+
+/* Of those who were not asked for long, too: the time has to be told to them first. */
+static void compare(const rig_t *r)
+{
+    for (size_t i = 0; i < r->count; i++) {
+        ect_esc_t *fast = ect_chain_esc(r->fast, i);
+        ect_esc_t *slow = ect_chain_esc(r->slow, i);
+        (void)ect_esc_tick(fast, r->now_ns);
+        (void)ect_esc_tick(slow, r->now_ns);
+        for (unsigned int n = 0; n < 2; n++) {
+            if (ect_esc_sync_pin(fast, n) != ect_esc_sync_pin(slow, n))
+                differ(r, "SYNC pin of slave", i << 16 | n, !ect_esc_sync_pin(slow, n), ect_esc_sync_pin(slow, n));
+        }
+        for (uint32_t at = 0; at < fast->memory_size; at++) {
+            if (fast->memory[at] != slow->memory[at])
+                differ(r, "address of slave", i << 16 | at, fast->memory[at], slow->memory[at]);
+        }
+        if (memcmp(fast->config.sii, slow->config.sii, fast->config.sii_size) != 0)
+            differ(r, "EEPROM of slave", i, 0, 0);
+        same_signal(r, i, "ecat.state");
+        same_signal(r, i, "ecat.code");
+    }
+}
+
+static void poll(rig_t *r)
+{
+    (void)ect_chain_poll(r->fast, r->now_ns);
+    (void)ect_chain_poll(r->slow, r->now_ns);
+    if (!one_in(r, 50))
+        return;
+    size_t i = below(r, (uint32_t)r->count);
+    same_signal(r, i, "ecat.run");
+    same_signal(r, i, "ecat.err");
+}
+
+static void set_both(rig_t *r, size_t i, const char *name, const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    const ect_setting_t setting = {.name = name, .value = value};
+    assert_true(ect_settings_apply(r->fast, i, &setting, 1, r->now_ns, message));
+    assert_true(ect_settings_apply(r->slow, i, &setting, 1, r->now_ns, message));
+}
+
+/* Cables and power. What is pulled is soon put back. A slave whose port 0 is dead sends frames in a circle, for which
+ * the reference here is too simple: wires are cut at their beginning, and behind them nothing is asked. */
+static void disturb(rig_t *r)
+{
+    size_t i = below(r, (uint32_t)r->count);
+    const char *enabled = one_in(r, 2) ? "0" : "1";
+    switch (below(r, 5)) {
+    case 0:
+        set_both(r, i, "ecat.plug_out", "0");
+        break;
+    case 3:
+        if (i > 0 && ect_chain_signal(r->fast, i, "bu.enabled", &(ect_signal_ref_t){0}))
+            set_both(r, i, "bu.enabled", enabled);
+        break;
+    case 1:
+        r->link_out = !r->link_out;
+        ect_chain_set_link(r->fast, ECT_END_OUT, r->link_out);
+        ect_chain_set_link(r->slow, ECT_END_OUT, r->link_out);
+        break;
+    case 2:
+        if (one_in(r, 8)) {
+            ect_chain_power_cycle(r->fast, r->now_ns);
+            ect_chain_power_cycle(r->slow, r->now_ns);
+        }
+        break;
+    default:
+        for (i = 0; i < r->count; i++)
+            set_both(r, i, "ecat.plug_out", "1");
+    }
+}
+
+static void pass_time(rig_t *r)
+{
+    static const uint32_t steps[] = {0, 1, 1000, 20000, 500000, 1000000, 1000000, 5000000};
+    r->now_ns += one_in(r, 100) ? 200 * MS : steps[below(r, sizeof steps / sizeof steps[0])];
+}
+
+static void open_rig(rig_t *r, uint32_t seed)
+{
+    static ect_twin_config_t twins[MOST];
+    const ect_device_t *const kinds[] = {&ect_eclink_map7, &ect_fzm1, &ect_eclink_map1,
+                                         &testdev,         &terminal, &ect_eclink_multiarm};
+    memset(r, 0, sizeof *r);
+    r->seed = r->random = seed;
+    r->count = one_in(r, 6) ? 66 + below(r, 4) : 2 + below(r, 8);
+    r->now_ns = 1000 * MS;
+    r->link_in = true;
+    for (size_t i = 0; i < r->count; i++) {
+        const ect_device_t *device = kinds[below(r, sizeof kinds / sizeof kinds[0])];
+        twins[i] = ect_twin_default(device, plant_of(device));
+        twins[i].keep_source_mac = one_in(r, 2);
+        twins[i].alias = (uint16_t)below(r, 8);
+        r->state[i] = 1;
+    }
+    r->fast = ect_chain_new(twins, r->count, r->now_ns);
+    r->slow = ect_chain_new(twins, r->count, r->now_ns);
+    assert_non_null(r->fast);
+    assert_non_null(r->slow);
+}
+
+static void run_round(uint32_t seed)
+{
+    rig_t r;
+    open_rig(&r, seed);
+    for (size_t i = 0; i < r.count; i++) {
+        begin_frame(&r);
+        set_station(&r, i);
+        send(&r);
+    }
+    while (r.frame_number++ < FRAMES) {
+        pass_time(&r);
+        build(&r);
+        send(&r);
+        if (!one_in(&r, 4))
+            poll(&r);
+        if (one_in(&r, 150))
+            disturb(&r);
+        if (r.frame_number % BETWEEN_LOOKS == 0)
+            compare(&r);
+    }
+    compare(&r);
+    ect_chain_free(r.fast);
+    ect_chain_free(r.slow);
+}
+
+static void same_as_the_reference(void **state)
+{
+    (void)state;
+    for (unsigned int round = 0; round < rounds; round++)
+        run_round(first_seed + round);
+}
+
+/* Those that have found something. */
+static void same_as_ever(void **state)
+{
+    static const uint32_t seeds[] = {439, 1272, 2697, 6969};
+    (void)state;
+    for (size_t i = 0; i < sizeof seeds / sizeof seeds[0]; i++)
+        run_round(seeds[i]);
+}
+
+/* A slave lets nothing through its port 1 for the second that such a setting lasts, and has a SYNC0 meanwhile. When the
+ * second is over all see a frame, also one that goes to nobody in particular. */
+static void loop_opens_in_time(void **state)
+{
+    static const struct {
+        const char *title;
+        uint32_t before_ns, cycle_ns; /* the first SYNC0: so long before the loop opens */
+        bool polls;                   /* at the SYNC0, or a frame comes then */
+    } rows[] = {{"a frame comes, and nobody polls until the next one", 500 * MS, 0, false},
+                {"SYNC0 has waked the slave just before", 1000, 1000, true}};
+    ect_device_t device = testdev;
+    const ect_device_t *devices[] = {&device, &device};
+    const uint8_t closed[] = {0x03, 0x0C};
+    uint8_t start[8], cycle[4], data = 0;
+    wire_t w;
+    (void)state;
+    device.esc_config[3] = 0x08; /* SYNC0 is an AL event */
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_open(&w, devices, 2);
+        w.manual_poll = true;
+        uint64_t opens_ns = w.now_ns + 1000 * MS;
+        uint64_t opens_at = ect_esc_system_time(ect_chain_esc(w.chain, 0), opens_ns);
+        ect_store_le64(start, opens_at - rows[i].before_ns);
+        ect_store_le32(cycle, rows[i].cycle_ns);
+        assert_int_equal(wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, &data, 1), 2); /* from now on it is known */
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DL_CONTROL, closed, 2), 1);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_SYNC0_CYCLE, cycle, 4), 1);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_START_TIME, start, 8), 1);
+        assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 0x03), 1);
+        wire_poll(&w);
+        w.now_ns = opens_ns - rows[i].before_ns;
+        if (rows[i].polls)
+            wire_poll(&w);
+        else
+            assert_int_equal(wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, &data, 1), 1);
+        w.now_ns = opens_ns;
+        int got = wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, &data, 1);
+        if (got != 2)
+            fail_msg("%s: expected 2 slaves, got %d", rows[i].title, got);
+        wire_close(&w);
+    }
+}
+
+/* Of two equal chains one is polled after each frame, the other never: what was told waits, in whatever it was told. */
+static void times_wait(void **state)
+{
+    enum { SLAVES = 3, TOLD = 20 };
+    static const ect_device_t *const devices[SLAVES] = {&testdev, &testdev, &testdev};
+    static const uint16_t looked_at[] = {ECT_REG_DC_SYSTEM_TIME, ECT_REG_DC_DIFFERENCE, ECT_REG_DC_SPEED_DIFFERENCE};
+    wire_t w[2];
+    (void)state;
+    for (unsigned int k = 0; k < 2; k++) {
+        wire_open(&w[k], devices, SLAVES);
+        w[k].manual_poll = true;
+        for (size_t i = 0; i < SLAVES; i++)
+            ect_esc_set_drift(ect_chain_esc(w[k].chain, i), (int32_t)i * 50000);
+    }
+    for (unsigned int n = 0; n < TOLD; n++) {
+        uint16_t source = (uint16_t)(n % (SLAVES + 1)); /* the last one is nobody */
+        uint8_t command = n % 2 == 0 ? FRMW : ARMW;
+        uint16_t address = command == FRMW ? (uint16_t)(WIRE_STATION + source) : (uint16_t)(0 - source);
+        for (unsigned int k = 0; k < 2; k++) {
+            uint8_t time[8] = {(uint8_t)(100 + n)};
+            w[k].now_ns += 1 * MS;
+            assert_int_equal(wire_send(&w[k], command, address, ECT_REG_DC_SYSTEM_TIME, time, 8), SLAVES);
+        }
+        wire_poll(&w[0]);
+    }
+    for (size_t i = 0; i < SLAVES; i++) {
+        for (size_t r = 0; r < sizeof looked_at / sizeof looked_at[0]; r++) {
+            uint8_t polled[4], waited[4];
+            assert_int_equal(wire_read(&w[0], i, looked_at[r], polled, 4), 1);
+            assert_int_equal(wire_read(&w[1], i, looked_at[r], waited, 4), 1);
+            if (memcmp(polled, waited, 4) != 0)
+                fail_msg("0x%04X of slave %zu: polled 0x%X, not polled 0x%X", looked_at[r], i, ect_load_le32(polled),
+                         ect_load_le32(waited));
+        }
+    }
+    wire_close(&w[0]);
+    wire_close(&w[1]);
+}
+
+static void expect_lamp(const wire_t *w, size_t position, const char *want)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    ect_signal_ref_t ref;
+    assert_true(ect_chain_signal(w->chain, position, "ecat.link_in", &ref));
+    ect_signal_read(&ref, text);
+    assert_string_equal(text, want);
+}
+
+/* The time of its last frame is known of each, though it is written down for all at once. */
+static void lamps_within_reach(void **state)
+{
+    const ect_device_t *devices[] = {&testdev, &testdev, &testdev};
+    const ect_setting_t cut = {.name = "ecat.plug_out", .value = "0"};
+    char message[ECT_SIGNAL_MESSAGE];
+    uint8_t data = 0;
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 3);
+    w.now_ns += 500 * MS;
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 3);
+    for (size_t i = 0; i < 3; i++)
+        expect_lamp(&w, i, "flickering");
+    assert_true(ect_settings_apply(w.chain, 1, &cut, 1, w.now_ns, message));
+    wire_poll(&w);
+    w.now_ns += ECT_INDICATOR_TRAFFIC_NS - 1;
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 2);
+    expect_lamp(&w, 1, "flickering");
+    expect_lamp(&w, 2, "off"); /* its plug is alone */
+    const ect_setting_t mended = {.name = "ecat.plug_out", .value = "1"};
+    assert_true(ect_settings_apply(w.chain, 1, &mended, 1, w.now_ns, message));
+    wire_poll(&w);
+    expect_lamp(&w, 2, "flickering"); /* the frame before the cut is not so long ago */
+    w.now_ns += 1;
+    wire_poll(&w);
+    expect_lamp(&w, 1, "flickering");
+    expect_lamp(&w, 2, "on");
+    wire_close(&w);
+}
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+
+static unsigned int callocs_left = UINT_MAX;
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return callocs_left == 0 || callocs_left-- == 0 ? NULL : __real_calloc(count, size);
+}
+
+/* Whichever of its blocks there is no memory for: nothing is left behind, as a sanitizer sees. */
+static void memory_runs_out(void **state)
+{
+    unsigned int failed = 0;
+    ect_fast_t *fast = NULL;
+    (void)state;
+    for (unsigned int left = 0; !fast; left++) {
+        callocs_left = left;
+        fast = ect_fast_new(3);
+        callocs_left = UINT_MAX;
+        failed += fast == NULL;
+    }
+    assert_int_equal(failed, 5);
+    ect_fast_free(fast);
+    ect_fast_free(NULL);
+    ect_deadlines_t *deadlines = NULL;
+    for (unsigned int left = 0; !deadlines; left++) {
+        callocs_left = left;
+        deadlines = ect_deadlines_new(3);
+        callocs_left = UINT_MAX;
+    }
+    ect_deadlines_free(deadlines);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-002 CF-010 CF-028: replies, memories and states are those of one controller after the other",
+         same_as_the_reference, NULL, NULL, NULL},
+        {"CF-002 CF-010 CF-089: so they are where they once were not", same_as_ever, NULL, NULL, NULL},
+        {"CF-010: a loop that was closed for a time is open for the first frame after it", loop_opens_in_time, NULL,
+         NULL, NULL},
+        {"CF-088: a system time that was told is taken before anybody looks, also where more were told than are kept",
+         times_wait, NULL, NULL, NULL},
+        {"a line without memory is none, and keeps none", memory_runs_out, NULL, NULL, NULL},
+        {"link lamps flicker of those whom frames reach", lamps_within_reach, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        rounds = (unsigned int)strtoul(argv[1], NULL, 10);
+    if (argc > 2)
+        first_seed = (uint32_t)strtoul(argv[2], NULL, 10);
+    return cmocka_run_group_tests_name("the fast way", tests, NULL, NULL);
+}

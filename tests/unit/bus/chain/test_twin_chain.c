@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: MIT */
+/* A chain of twins: who they are, in what order, and which descriptions are refused (chain.h). */
+#include "bus/chain/chain.h"
+
+#include <string.h>
+
+#include "bus/chain/catalogue.h"
+#include "devices/eclink/eclink.h"
+#include "slave/indicator.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+static void unusable_descriptions(void **state)
+{
+    ect_twin_config_t twins[2] = {ect_twin_default(&testdev, NULL), ect_twin_default(&testdev, NULL)};
+    ect_device_t device = testdev;
+    (void)state;
+    twins[1].device = &device;
+    device.esc = "et9999";
+    assert_null(ect_chain_new(twins, 2, 0));
+    device = testdev;
+    device.sii_size = 256;
+    assert_null(ect_chain_new(twins, 2, 0));
+    device = testdev;
+    ect_chain_t *chain = ect_chain_new(twins, 2, 0);
+    assert_non_null(chain);
+    assert_int_equal(ect_chain_count(chain), 2);
+    ect_chain_free(chain);
+    ect_chain_free(NULL);
+}
+
+static void overridden_identity(void **state)
+{
+    ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+    wire_t w = {.now_ns = 1000 * MS};
+    uint8_t address[2];
+    (void)state;
+    assert_memory_equal(&twin.identity, &testdev.identity, sizeof twin.identity);
+    assert_int_equal(twin.alias, 0);
+    twin.identity = (ect_identity_t){0x01020304, 0x05060708, 0x090A0B0C, 0x0D0E0F10};
+    twin.alias = 0x1234;
+    w.chain = ect_chain_new(&twin, 1, w.now_ns);
+    assert_non_null(w.chain);
+    ect_store_le16(address, WIRE_STATION);
+    assert_int_equal(wire_send(&w, APWR, 0, ECT_REG_STATION_ADDRESS, address, 2), 1);
+    assert_int_equal(wire_read16(&w, 0, 0x0012), 0x1234);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    const uint32_t want[] = {0x01020304, 0x05060708, 0x090A0B0C, 0x0D0E0F10};
+    for (uint8_t n = 1; n <= 4; n++) {
+        uint8_t data[4];
+        size_t size = sizeof data;
+        assert_int_equal(wire_sdo_upload(&w, 0, 0x1018, n, false, data, &size), 0);
+        assert_int_equal(ect_load_le32(data), want[n - 1]);
+    }
+    wire_close(&w);
+}
+
+static void order_of_the_wire(void **state)
+{
+    const ect_device_t *devices[40];
+    wire_t w;
+    (void)state;
+    for (size_t i = 0; i < 40; i++)
+        devices[i] = i % 5 == 4 ? &testdev : ect_catalogue_at(i % 5)->device;
+    wire_open(&w, devices, 40);
+    assert_int_equal(ect_chain_count(w.chain), 40);
+    uint8_t data[2] = {0};
+    assert_int_equal(wire_send(&w, BRD, 0, 0x0000, data, 1), 40);
+    for (size_t i = 0; i < 40; i++) {
+        assert_ptr_equal(wire_device(&w, i), devices[i]);
+        assert_int_equal(wire_read8(&w, i, 0x0000), ect_esc_personality(devices[i]->esc)->type);
+        wire_go(&w, i, ECT_STATE_PREOP);
+    }
+    /* Two ports open on the way, one at the end. */
+    assert_int_equal(wire_read16(&w, 0, 0x0110) >> 8, 0x5A);
+    assert_int_equal(wire_read16(&w, 39, 0x0110) >> 8, 0x56);
+    wire_close(&w);
+}
+
+static void source_address(void **state)
+{
+    (void)state;
+    for (int keep = 0; keep <= 1; keep++) {
+        ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+        wire_t w = {.now_ns = 1000 * MS};
+        uint8_t data = 0;
+        twin.keep_source_mac = keep != 0;
+        w.chain = ect_chain_new(&twin, 1, w.now_ns);
+        assert_non_null(w.chain);
+        assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 1);
+        assert_int_equal(w.frame[6], keep != 0 ? 0x01 : 0x03);
+        wire_close(&w);
+    }
+}
+
+static void not_ethercat(void **state)
+{
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    wire_build(&w, BRD, 0, 0, "", 1);
+    w.frame[12] = 0x08;
+    assert_false(wire_transmit(&w));
+    wire_close(&w);
+}
+
+/* The earliest deadline of all twins; without one, never. */
+static void deadlines(void **state)
+{
+    const ect_device_t *unit = &ect_eclink_map1;
+    ect_twin_config_t twins[3] = {ect_twin_default(&testdev, NULL), ect_twin_default(unit, &ect_eclink_plant),
+                                  ect_twin_default(&testdev, NULL)};
+    (void)state;
+    ect_chain_t *chain = ect_chain_new(twins, 1, 5 * MS);
+    assert_true(ect_chain_poll(chain, 5 * MS) == ECT_NEVER);
+    assert_true(ect_chain_poll(chain, 6 * MS) == ECT_NEVER);
+    ect_chain_free(chain);
+    chain = ect_chain_new(twins, 3, 5 * MS);
+    assert_true(ect_chain_poll(chain, 5 * MS) == 130 * MS);
+    assert_true(ect_chain_poll(chain, 100 * MS) == 130 * MS);
+    assert_true(ect_chain_poll(chain, 130 * MS) == 255 * MS);
+    ect_chain_free(chain);
+}
+
+/* Nothing else asks for time here, and no frame comes: without the lamps' own deadline they would flicker for ever. */
+static void lamps_deadline(void **state)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    ect_signal_ref_t lamp;
+    uint8_t data = 0;
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 1);
+    uint64_t quiet = w.now_ns + ECT_INDICATOR_TRAFFIC_NS;
+    assert_true(ect_chain_signal(w.chain, 0, "ecat.link_in", &lamp));
+    assert_true(ect_chain_poll(w.chain, w.now_ns) == quiet);
+    ect_signal_read(&lamp, text);
+    assert_string_equal(text, "flickering");
+    assert_true(ect_chain_poll(w.chain, quiet - 1) == quiet);
+    ect_chain_show_lamps(w.chain, 0);
+    ect_signal_read(&lamp, text);
+    assert_string_equal(text, "flickering");
+    assert_true(ect_chain_poll(w.chain, quiet) == ECT_NEVER);
+    ect_chain_show_lamps(w.chain, 0);
+    ect_signal_read(&lamp, text);
+    assert_string_equal(text, "on");
+    wire_close(&w);
+}
+
+/* The slave in SAFEOP with SYNC0 as an event; then 0x0981 alone is written, as some masters do, and a cycle of 1 ns. */
+static void dense_sync0(void **state)
+{
+    const ect_product_t *product = ect_catalogue_find("fzm1");
+    ect_device_t device = *product->device;
+    ect_twin_config_t twin = ect_twin_default(&device, product->plant);
+    uint8_t bytes[8];
+    wire_t w;
+    (void)state;
+    device.esc_config[3] = 0x08; /* SYNC0 is an AL event */
+    wire_open_twins(&w, &twin, 1);
+    wire_go(&w, 0, ECT_STATE_SAFEOP);
+    w.manual_poll = true;
+    for (unsigned int cycle = 1; cycle <= 1000000; cycle *= 1000) {
+        assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 0), 1);
+        (void)ect_chain_poll(w.chain, w.now_ns);
+        assert_int_equal(wire_read(&w, 0, ECT_REG_DC_SYSTEM_TIME, bytes, 8), 1);
+        ect_store_le64(bytes, ect_load_le64(bytes) + 50000);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_START_TIME, bytes, 8), 1);
+        ect_store_le32(bytes, cycle);
+        assert_int_equal(wire_write(&w, 0, ECT_REG_DC_SYNC0_CYCLE, bytes, 4), 1);
+        (void)ect_chain_poll(w.chain, w.now_ns);
+        assert_int_equal(wire_write8(&w, 0, ECT_REG_DC_ACTIVATION, 3), 1);
+        uint64_t first = w.now_ns + 50000;
+        assert_true(ect_chain_poll(w.chain, w.now_ns) <= first); /* woken in time for the first pulse */
+        unsigned int polls = 0;
+        for (uint64_t at = first; at < first + 10 * MS; polls++) {
+            w.now_ns = at;
+            uint64_t next = ect_chain_poll(w.chain, at);
+            assert_true(next > at);
+            at = next;
+        }
+        assert_true(polls <= 10 * MS / 25000 + 10);
+        assert_true(polls >= 10);
+    }
+    wire_close(&w);
+}
+
+static void catalogue_names(void **state)
+{
+    const ect_product_t *product;
+    size_t i;
+    (void)state;
+    for (i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        const ect_device_t *device = product->device;
+        assert_ptr_equal(ect_catalogue_find(device->name), product);
+        assert_int_equal(strspn(device->name, "abcdefghijklmnopqrstuvwxyz0123456789-"), strlen(device->name));
+        assert_true(strlen(device->type_name) <= 40);
+        for (size_t k = 0; k < i; k++) {
+            assert_int_not_equal(device->identity.product_code, ect_catalogue_at(k)->device->identity.product_code);
+            assert_string_not_equal(device->type_name, ect_catalogue_at(k)->device->type_name);
+        }
+    }
+    assert_true(i >= 4);
+    assert_null(ect_catalogue_find("no-such-device"));
+    assert_null(ect_catalogue_find(""));
+}
+
+static void cycle_the_power(wire_t *w)
+{
+    ect_chain_power_cycle(w->chain, w->now_ns);
+}
+
+static void want_a_restart(wire_t *w)
+{
+    testdev_of(w, 0)->host->restart(testdev_of(w, 0)->host->ctx);
+    ect_chain_wake(w->chain, 0);
+    (void)ect_chain_poll(w->chain, w->now_ns);
+}
+
+static void do_fault(wire_t *w, ect_fault_kind_t kind)
+{
+    const ect_fault_t fault = {.kind = kind, .slave = 1};
+    ect_chain_fault(w->chain, &fault, w->now_ns);
+}
+
+static void be_reset(wire_t *w)
+{
+    do_fault(w, ECT_FAULT_RESET);
+}
+
+static void change_identity(wire_t *w)
+{
+    do_fault(w, ECT_FAULT_IDENTITY);
+}
+
+/* ect_host_t::buffer: what a device has put there is gone with all else. */
+static void buffer_at_power_on(void **state)
+{
+    static const struct {
+        const char *what;
+        void (*happens)(wire_t *w);
+    } rows[] = {{"power cycle", cycle_the_power},
+                {"restart of the device", want_a_restart},
+                {"fault reset", be_reset},
+                {"fault identity", change_identity}};
+    static const uint8_t zeros[64];
+    ect_device_t device = testdev;
+    (void)state;
+    device.buffer_size = sizeof zeros;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_t w;
+        wire_open_one(&w, &device);
+        memset(testdev_of(&w, 0)->host->buffer, 0x5A, sizeof zeros);
+        rows[i].happens(&w);
+        testdev_t *dev = testdev_of(&w, 0);
+        if (dev->inits != 1 || memcmp(dev->host->buffer, zeros, sizeof zeros) != 0)
+            fail_msg("%s: expected one start and a buffer of zeros, got %u and %02X...", rows[i].what, dev->inits,
+                     *(const uint8_t *)dev->host->buffer);
+        wire_close(&w);
+    }
+}
+
+/* A program's own devices stand behind ours. */
+static void catalogue_grows(void **state)
+{
+    static const ect_product_t mine[] = {{&testdev, NULL}};
+    size_t ours = 0;
+    (void)state;
+    while (ect_catalogue_at(ours))
+        ours++;
+    ect_catalogue_add(mine, 1);
+    assert_ptr_equal(ect_catalogue_at(ours), &mine[0]);
+    assert_null(ect_catalogue_at(ours + 1));
+    assert_ptr_equal(ect_catalogue_find(testdev.name), &mine[0]);
+    ect_catalogue_add(NULL, 0);
+    assert_null(ect_catalogue_at(ours));
+    assert_null(ect_catalogue_find(testdev.name));
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-001: a chain with an unknown ESC or an EEPROM too small is refused", unusable_descriptions, NULL, NULL,
+         NULL},
+        {"CF-057 CF-065: an installation's identity and alias reach 1018h and register 0012h", overridden_identity,
+         NULL, NULL, NULL},
+        {"CF-002 CF-010: 40 twins answer in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
+        {"CF-095: the source address has its bit set, or is kept if so wished", source_address, NULL, NULL, NULL},
+        {"CF-013: a frame that is no EtherCAT does not come back", not_ethercat, NULL, NULL, NULL},
+        {"CF-083: the poll tells the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
+        {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
+         NULL, NULL},
+        {"the poll tells when the link lamps stop to flicker", lamps_deadline, NULL, NULL, NULL},
+        {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
+        {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
+        {"a program's own devices stand in the catalogue, behind ours", catalogue_grows, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Chain", tests, NULL, NULL);
+}

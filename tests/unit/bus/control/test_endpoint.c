@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+/* Where control sockets are, whose they are, and what is never touched (endpoint.h). */
+#define _GNU_SOURCE
+#include "bus/control/endpoint.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* A runtime folder of the test's own, the working directory as well; `name` is made in it and set as XDG_RUNTIME_DIR.
+ */
+static char work[64];
+
+static int make_work(void **state)
+{
+    (void)state;
+    strcpy(work, "/tmp/test-ectwin-XXXXXX");
+    return mkdtemp(work) && chdir(work) == 0 ? 0 : -1;
+}
+
+static int remove_work(void **state)
+{
+    char command[96];
+    (void)state;
+    snprintf(command, sizeof command, "rm -rf '%s'", work);
+    return system(command) == 0 ? 0 : -1;
+}
+
+static void runtime_folder(const char *name, char folder[ECT_ENDPOINT_PATH])
+{
+    char path[ECT_ENDPOINT_PATH];
+    snprintf(path, sizeof path, "%s/%s", work, name);
+    for (char *at = path + strlen(work) + 1; at; at = strchr(at + 1, '/')) {
+        char *end = strchr(at + 1, '/');
+        if (end)
+            *end = 0;
+        assert_true(mkdir(path, 0700) == 0 || errno == EEXIST);
+        if (!end)
+            break;
+        *end = '/';
+        at = end - 1;
+    }
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", path, 1), 0);
+    assert_int_equal(ect_endpoint_folder(folder), 0);
+}
+
+static int must_listen(char path[ECT_ENDPOINT_PATH])
+{
+    char message[ECT_ENDPOINT_MESSAGE];
+    int fd = ect_endpoint_listen(path, message);
+    if (fd < 0)
+        fail_msg("%s", message);
+    return fd;
+}
+
+static void expect_reachable(int fd, const char *path)
+{
+    uid_t owner = 12345;
+    int client = ect_endpoint_connect(path, &owner);
+    if (client < 0)
+        fail_msg("nobody answers at %s: %s", path, strerror(errno));
+    assert_int_equal(owner, geteuid());
+    int served = accept(fd, NULL, NULL);
+    assert_true(served >= 0);
+    close(served);
+    close(client);
+}
+
+static void rights(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH];
+    struct stat info;
+    (void)state;
+    runtime_folder("rights", folder);
+    assert_int_equal(mkdir(folder, 0777), 0);
+    assert_int_equal(chmod(folder, 0777), 0);
+    int fd = must_listen(path);
+    assert_int_equal(stat(folder, &info), 0);
+    assert_int_equal(info.st_mode & 07777, 0700);
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 07777, 0600);
+    ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+    assert_int_equal(access(path, F_OK), -1);
+}
+
+static void odd_and_long_paths(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], name[500];
+    static const char *const odd[] = {"with [brackets]*?", "with 'quotes\" and $", "with\nlines"};
+    (void)state;
+    for (size_t i = 0; i < sizeof odd / sizeof odd[0]; i++) {
+        runtime_folder(odd[i], folder);
+        int fd = must_listen(path);
+        expect_reachable(fd, path);
+        ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+        assert_int_equal(access(path, F_OK), -1);
+    }
+    /* Longer than the address of a socket, 108 bytes, by a little and by much. */
+    for (size_t length = 90; length <= 400; length += 31) {
+        memset(name, 'x', length);
+        for (size_t i = 50; i < length; i += 50)
+            name[i] = '/';
+        name[length] = 0;
+        runtime_folder(name, folder);
+        int fd = must_listen(path);
+        expect_reachable(fd, path);
+        ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+        assert_int_equal(access(path, F_OK), -1);
+    }
+}
+
+static void too_long_a_path(void **state)
+{
+    char name[ECT_ENDPOINT_PATH + 10], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
+    uid_t owner;
+    (void)state;
+    memset(name, 'x', sizeof name - 1);
+    name[sizeof name - 1] = 0;
+    setenv("XDG_RUNTIME_DIR", name, 1);
+    assert_int_equal(ect_endpoint_folder(path), -1);
+    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_non_null(strstr(message, "too long"));
+    assert_int_equal(ect_endpoint_connect(name, &owner), -1);
+    assert_int_equal(errno, ENAMETOOLONG);
+}
+
+/* Containers that share the folder have equal process ids: the second one takes another name, the first keeps its own.
+ */
+static void names_that_collide(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[3][ECT_ENDPOINT_PATH];
+    int fds[3];
+    (void)state;
+    runtime_folder("collide", folder);
+    for (size_t i = 0; i < 3; i++)
+        fds[i] = must_listen(path[i]);
+    for (size_t i = 0; i < 3; i++) {
+        assert_string_not_equal(path[i], path[(i + 1) % 3]);
+        expect_reachable(fds[i], path[i]);
+    }
+    ect_endpoint_close(fds[1], path[1], ect_endpoint_identity(path[1]));
+    expect_reachable(fds[0], path[0]);
+    fds[1] = must_listen(path[1]);
+    expect_reachable(fds[1], path[1]);
+    for (size_t i = 0; i < 3; i++)
+        ect_endpoint_close(fds[i], path[i], ect_endpoint_identity(path[i]));
+    assert_int_equal(rmdir(folder), 0);
+}
+
+static void dead_socket(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[2][ECT_ENDPOINT_PATH];
+    (void)state;
+    runtime_folder("dead", folder);
+    close(must_listen(path[0])); /* as when the process was killed: the name stays */
+    int fd = must_listen(path[1]);
+    assert_string_equal(path[0], path[1]);
+    expect_reachable(fd, path[1]);
+    ect_endpoint_close(fd, path[1], ect_endpoint_identity(path[1]));
+}
+
+/* Somebody else has taken the name meanwhile: it is theirs. */
+static void name_of_another(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], other[ECT_ENDPOINT_PATH];
+    (void)state;
+    runtime_folder("another", folder);
+    int fd = must_listen(path);
+    ino_t identity = ect_endpoint_identity(path);
+    assert_true(identity != 0);
+    assert_int_equal(unlink(path), 0);
+    int second = must_listen(other);
+    assert_string_equal(path, other);
+    ect_endpoint_close(fd, path, identity);
+    expect_reachable(second, other);
+    ect_endpoint_close(second, other, ect_endpoint_identity(other));
+}
+
+static void what_is_no_socket(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH + 32], taken[ECT_ENDPOINT_PATH];
+    struct stat info;
+    (void)state;
+    runtime_folder("no socket", folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    snprintf(path, sizeof path, "%s/%d.sock", folder, (int)getpid());
+    int file = open(path, O_CREAT | O_WRONLY, 0600);
+    assert_true(file >= 0);
+    assert_int_equal(write(file, "mine", 4), 4);
+    close(file);
+    int fd = must_listen(taken);
+    assert_string_not_equal(path, taken);
+    ect_endpoint_close(fd, taken, ect_endpoint_identity(taken));
+    ect_endpoint_clear(path);
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_size, 4);
+    /* Nor a link to a dead socket, nor what it leads to. */
+    char link[ECT_ENDPOINT_PATH + 32];
+    snprintf(link, sizeof link, "%s/link.sock", folder);
+    close(must_listen(taken));
+    assert_int_equal(symlink(taken, link), 0);
+    ect_endpoint_clear(link);
+    assert_int_equal(lstat(link, &info), 0);
+    assert_int_equal(lstat(taken, &info), 0);
+    ect_endpoint_clear(taken);
+    assert_int_equal(lstat(taken, &info), -1);
+}
+
+/* A folder that is somebody else's: a link to another one, writable by all, a file. (Another owner needs another user:
+ * tests/integration/control.sh.) */
+static void folders_not_to_trust(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
+    (void)state;
+    runtime_folder("link", folder);
+    assert_int_equal(mkdir("elsewhere", 0700), 0);
+    assert_int_equal(symlink("../elsewhere", folder), 0);
+    assert_int_equal(ect_endpoint_trust(folder), -1);
+    assert_int_equal(errno, EPERM);
+    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_non_null(strstr(message, "not a folder of your own"));
+    runtime_folder("file", folder);
+    close(open(folder, O_CREAT | O_WRONLY, 0600));
+    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_non_null(strstr(message, "not a folder of your own"));
+    runtime_folder("open", folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    assert_int_equal(ect_endpoint_trust(folder), 0);
+    assert_int_equal(chmod(folder, 0720), 0);
+    assert_int_equal(ect_endpoint_trust(folder), -1);
+    assert_int_equal(errno, EPERM);
+    assert_int_equal(ect_endpoint_trust("nowhere"), -1);
+    assert_int_equal(errno, ENOENT);
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", "/nowhere/at/all", 1), 0);
+    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_non_null(strstr(message, "XDG_RUNTIME_DIR can name another place"));
+}
+
+static void without_a_runtime_folder(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], want[64];
+    (void)state;
+    snprintf(want, sizeof want, "/tmp/ectwin-%u", geteuid());
+    unsetenv("XDG_RUNTIME_DIR");
+    assert_int_equal(ect_endpoint_folder(folder), 0);
+    assert_string_equal(folder, want);
+    setenv("XDG_RUNTIME_DIR", "", 1);
+    assert_int_equal(ect_endpoint_folder(folder), 0);
+    assert_string_equal(folder, want);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"The folder is made 0700 and the socket 0600, whatever was there", rights, NULL, NULL, NULL},
+        {"Paths with brackets and blanks, and longer than a socket's address, are reached", odd_and_long_paths, NULL,
+         NULL, NULL},
+        {"A path that is too long is refused, not cut", too_long_a_path, NULL, NULL, NULL},
+        {"Attack: a name that a live twin has is left to it", names_that_collide, NULL, NULL, NULL},
+        {"The name of a twin that was killed is free", dead_socket, NULL, NULL, NULL},
+        {"A name that another twin has taken meanwhile stays", name_of_another, NULL, NULL, NULL},
+        {"Attack: what is no socket is never removed", what_is_no_socket, NULL, NULL, NULL},
+        {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
+         NULL, NULL},
+        {"Without XDG_RUNTIME_DIR it is /tmp/ectwin-UID", without_a_runtime_folder, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Control endpoint", tests, make_work, remove_work);
+}

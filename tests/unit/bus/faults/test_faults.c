@@ -1,0 +1,668 @@
+/* SPDX-License-Identifier: MIT */
+/* Faults: their texts, what they do to frames and slaves, scripts, and that a seed makes a run (bus/chain/fault.h,
+ * bus/faults/scenario.h). */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/faults/scenario.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+enum { TWINS = 3, ADDRESS = 0x0F80 };
+
+typedef struct rig {
+    wire_t w;
+    ect_scenario_t s;
+    char message[ECT_FAULT_MESSAGE];
+} rig_t;
+
+static int setup(void **state)
+{
+    rig_t *r = calloc(1, sizeof *r);
+    const ect_device_t *devices[TWINS] = {&testdev, &testdev, &testdev};
+    wire_open(&r->w, devices, TWINS);
+    r->s.seed = 7;
+    *state = r;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    rig_t *r = *state;
+    ect_wires_clear(&r->s.wires);
+    wire_close(&r->w);
+    free(r);
+    return 0;
+}
+
+static void round_trip(void **state)
+{
+    static const char *const texts[] = {"drop",
+                                        "drop 5%",
+                                        "drop wire 3",
+                                        "drop frame 7 wire 2 back",
+                                        "delay 5us every 3 wire 2",
+                                        "duplicate wire 1 back",
+                                        "reorder 7% wire 3",
+                                        "truncate 4 wire 2 back",
+                                        "corrupt frame 9 wire 2",
+                                        "counter -3 wire 1",
+                                        "damage 10% wire 1",
+                                        "delay 3000us",
+                                        "delay 1us every 10",
+                                        "duplicate frame 100",
+                                        "reorder every 7",
+                                        "truncate 20 frame 3",
+                                        "corrupt 1%",
+                                        "counter -1 every 2",
+                                        "counter 32767",
+                                        "off",
+                                        "hang slave 2",
+                                        "resume slave 2",
+                                        "reset slave 65535",
+                                        "identity slave 1",
+                                        "lose-event slave 3",
+                                        "eeprom busy slave 1",
+                                        "eeprom nack slave 1",
+                                        "eeprom flip 15 slave 1",
+                                        "eeprom ok slave 1",
+                                        "clock -5000ns slave 2",
+                                        "clock 0ns slave 1"};
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        char message[ECT_FAULT_MESSAGE] = "", text[ECT_FAULT_TEXT];
+        ect_fault_t fault, again;
+        if (!ect_fault_parse(texts[i], &fault, message))
+            fail_msg("'%s' was refused: %s", texts[i], message);
+        ect_fault_print(&fault, text);
+        assert_string_equal(text, texts[i]);
+        assert_true(ect_fault_parse(text, &again, message));
+        assert_memory_equal(&fault, &again, sizeof fault);
+    }
+}
+
+static void refused(void **state)
+{
+    static const struct {
+        const char *text, *why;
+    } rows[] = {
+        {"", "expected drop"},
+        {"explode", "not 'explode'"},
+        {"drop 101%", "0 to 100"},
+        {"drop -1%", "0 to 100"},
+        {"drop 5", "nothing more"},
+        {"drop every", "expected a number"},
+        {"drop every 0", "1 to 1000000000"},
+        {"drop wire", "1 to 65535"},
+        {"drop wire 0", "1 to 65535"},
+        {"drop slave 1", "nothing more"},
+        {"drop back", "nothing more"},
+        {"damage", "damage happens on a wire"},
+        {"delay", "us"},
+        {"delay 5ms", "us"},
+        {"truncate 0", "1 to 1500"},
+        {"corrupt wire 1 forth", "nothing more"},
+        {"hang", "slave N"},
+        {"hang slave 0", "1 to 65535"},
+        {"hang slave 1 now", "nothing more"},
+        {"eeprom slave 1", "expected drop"},
+        {"eeprom flip 16 slave 1", "0 to 15"},
+        {"clock 5 slave 1", "ns"},
+        {"drop 1% wire 1 back and so on and on", "8 words"},
+        {"drop                                                                                              ", "95"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_FAULT_MESSAGE] = "";
+        ect_fault_t fault;
+        if (ect_fault_parse(rows[i].text, &fault, message) || !strstr(message, rows[i].why))
+            fail_msg("'%s': expected it refused with '...%s...', got '%s'", rows[i].text, rows[i].why, message);
+    }
+}
+
+static void set(rig_t *r, const char *text)
+{
+    ect_fault_t fault;
+    if (!ect_fault_parse(text, &fault, r->message) ||
+        !ect_scenario_set(&r->s, r->w.chain, &fault, r->w.now_ns, r->message))
+        fail_msg("'%s': %s", text, r->message);
+    wire_poll(&r->w);
+}
+
+/* What happens to so many frames in a row, a letter each. */
+static void befall(rig_t *r, char *happened, size_t frames)
+{
+    for (size_t i = 0; i < frames; i++) {
+        uint8_t sent[2100];
+        wire_build(&r->w, BWR, 0, ADDRESS, "abcdefgh", 8);
+        size_t before = r->w.frame_length, length = before;
+        memcpy(sent, r->w.frame, length);
+        ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+        happened[i] = fate.lose_request                       ? 'q'
+                      : fate.lose_answer                      ? 'a'
+                      : fate.twice                            ? '2'
+                      : fate.behind_next                      ? 'r'
+                      : fate.delay_us != 0                    ? 'd'
+                      : fate.counter != 0                     ? 'c'
+                      : length != before                      ? 't'
+                      : memcmp(sent, r->w.frame, before) != 0 ? 'x'
+                                                              : '.';
+        r->w.now_ns += MS;
+    }
+    happened[frames] = 0;
+}
+
+static void which_frames(void **state)
+{
+    static const struct {
+        const char *faults[2];
+        const char *happens;
+    } rows[] = {
+        {{"duplicate"}, "22222222"},         {{"duplicate every 3"}, "..2..2.."},
+        {{"duplicate frame 2"}, ".2......"}, {{"reorder frame 1"}, "r......."},
+        {{"delay 5us every 4"}, "...d...d"}, {{"truncate 4 every 2"}, ".t.t.t.t"},
+        {{"corrupt every 5"}, "....x..."},   {{"counter -1 frame 8"}, ".......c"},
+        {{"drop 0%"}, "........"},           {{"reorder every 2", "duplicate every 3"}, ".r2r.2.r"},
+        {{"duplicate", "off"}, "........"},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char happened[16];
+        set(r, "off");
+        for (size_t k = 0; k < 2 && rows[i].faults[k]; k++)
+            set(r, rows[i].faults[k]);
+        befall(r, happened, 8);
+        if (strcmp(happened, rows[i].happens) != 0)
+            fail_msg("%s: expected %s, got %s", rows[i].faults[0], rows[i].happens, happened);
+    }
+}
+
+static void same_seed_same_run(void **state)
+{
+    enum { FRAMES = 2000 };
+    static char first[FRAMES + 1], second[FRAMES + 1];
+    rig_t *r = *state;
+    for (uint32_t seed = 1; seed <= 3; seed++) {
+        char *const runs[] = {first, second};
+        for (unsigned int run = 0; run < 2; run++) {
+            memset(&r->s, 0, sizeof r->s);
+            r->s.seed = seed;
+            set(r, "drop 10%");
+            set(r, "corrupt 5%");
+            set(r, "duplicate 20%");
+            befall(r, runs[run], FRAMES);
+        }
+        assert_string_equal(first, second);
+        unsigned int lost = 0;
+        for (size_t i = 0; i < FRAMES; i++)
+            lost += first[i] == 'q' || first[i] == 'a' ? 1 : 0;
+        assert_in_range(lost, FRAMES / 10 * 7 / 10, FRAMES / 10 * 13 / 10);
+    }
+}
+
+/* Each fault of its own lot: what is lost besides being late is as much as what is lost. */
+static void shares(void **state)
+{
+    enum { FRAMES = 20000 };
+    static const struct {
+        const char *faults[2];
+        unsigned int lost, late; /* of a hundred */
+    } rows[] = {{{"drop 0%", "delay 1us 0%"}, 0, 0},
+                {{"drop 100%"}, 100, 0},
+                {{"delay 1us 100%"}, 0, 100},
+                {{"drop 50%", "delay 1us 60%"}, 50, 60},
+                {{"drop 5%", "delay 1us 5%"}, 5, 5}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        unsigned int requests = 0, answers = 0, late = 0;
+        set(r, "off");
+        for (size_t k = 0; k < 2 && rows[i].faults[k]; k++)
+            set(r, rows[i].faults[k]);
+        for (unsigned int n = 0; n < FRAMES; n++) {
+            uint8_t frame[60] = {0};
+            size_t length = sizeof frame;
+            ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, frame, &length, r->w.now_ns);
+            requests += fate.lose_request;
+            answers += fate.lose_answer;
+            late += fate.delay_us != 0;
+        }
+        assert_in_range(requests, FRAMES / 200u * rows[i].lost * 9u / 10u, FRAMES / 200u * rows[i].lost * 11u / 10u);
+        assert_in_range(answers, FRAMES / 200u * rows[i].lost * 9u / 10u, FRAMES / 200u * rows[i].lost * 11u / 10u);
+        assert_in_range(late, FRAMES / 100u * rows[i].late * 9u / 10u, FRAMES / 100u * rows[i].late * 11u / 10u);
+    }
+}
+
+static void shown(void **state)
+{
+    char text[ECT_FAULT_TEXT];
+    rig_t *r = *state;
+    ect_fault_t fault;
+    set(r, "drop 5%");
+    set(r, "duplicate frame 3");
+    assert_true(ect_scenario_show(&r->s, 1, text));
+    assert_string_equal(text, "duplicate frame 3");
+    assert_false(ect_scenario_show(&r->s, 2, text));
+    assert_true(ect_fault_parse("hang slave 4", &fault, r->message));
+    assert_false(ect_scenario_set(&r->s, r->w.chain, &fault, 0, r->message));
+    assert_non_null(strstr(r->message, "there is no slave 4"));
+    for (unsigned int i = 2; i < ECT_SCENARIO_FAULTS; i++)
+        set(r, "corrupt 1%");
+    assert_true(ect_fault_parse("drop", &fault, r->message));
+    assert_false(ect_scenario_set(&r->s, r->w.chain, &fault, 0, r->message));
+    assert_non_null(strstr(r->message, "'off' ends them"));
+}
+
+/* A tag of a VLAN stands before the type, and is no reason to count elsewhere. */
+static void counters(void **state)
+{
+    enum { ADDRESSES = 12, TAG = 4 };
+    uint8_t tagged[128] = {[ADDRESSES] = 0x81, 0x00};
+    rig_t *r = *state;
+    wire_build(&r->w, BRD, 0, 0, "ab", 2);
+    ect_frame_count(r->w.frame, r->w.frame_length, -1);
+    assert_int_equal(wire_wkc(&r->w, 0), 0xFFFF);
+    ect_frame_count(r->w.frame, r->w.frame_length, 5);
+    assert_int_equal(wire_wkc(&r->w, 0), 4);
+    for (size_t length = 0; length < 30; length++)
+        ect_frame_count(r->w.frame, length, 1); /* cut off before its counter */
+    assert_int_equal(wire_wkc(&r->w, 0), 4);
+    size_t behind = r->w.frame_length - ADDRESSES;
+    memcpy(tagged, r->w.frame, ADDRESSES);
+    memcpy(tagged + ADDRESSES + TAG, r->w.frame + ADDRESSES, behind);
+    ect_frame_count(tagged, r->w.frame_length + TAG, 2);
+    memcpy(r->w.frame + ADDRESSES, tagged + ADDRESSES + TAG, behind);
+    assert_int_equal(wire_wkc(&r->w, 0), 6);
+}
+
+/* Whatever there is of it: one bit, and nothing beside it. */
+static void corrupted(void **state)
+{
+    (void)state;
+    for (size_t length = 0; length < 80; length++) {
+        uint32_t seed = (uint32_t)length + 1;
+        uint8_t *frame = calloc(1, length > 0 ? length : 1); /* of that size: any step beyond it is seen */
+        unsigned int changed = 0;
+        assert_non_null(frame);
+        ect_frame_corrupt(&seed, frame, length);
+        for (size_t i = 0; i < length; i++)
+            changed += frame[i] != 0 && (frame[i] & (frame[i] - 1)) == 0 ? 1 : frame[i] == 0 ? 0 : 8;
+        assert_int_equal(changed, length > 0);
+        free(frame);
+    }
+}
+
+/* --- slaves ------------------------------------------------------------------------------------------------------- */
+
+static void hangs(void **state)
+{
+    rig_t *r = *state;
+    wire_configure_mailbox(&r->w, 1);
+    set(r, "hang slave 2");
+    assert_int_equal(wire_al(&r->w, 1, 2, NULL), 1);
+    wire_advance(&r->w, 150 * MS);
+    wire_go(&r->w, 0, 2);                                  /* the others go on */
+    assert_int_equal(wire_read8(&r->w, 1, 0x0110) & 2, 0); /* its watchdog shows it */
+    assert_int_equal(wire_read8(&r->w, 1, 0x0443), 1);
+    set(r, "resume slave 2");
+    wire_poll(&r->w);
+    assert_int_equal(wire_read8(&r->w, 1, 0x0130), 2);
+    assert_int_equal(wire_read8(&r->w, 1, 0x0110) & 2, 2);
+}
+
+/* Whatever takes its power off or resets it sets it going again, and nobody watches it any longer than before. */
+static void hang_ends(void **state)
+{
+    static const char *const ends[] = {"reset slave 2", "identity slave 2", "the master's reset", "power"};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        set(r, "hang slave 2");
+        if (i < 2)
+            set(r, ends[i]);
+        else if (i == 3)
+            ect_chain_power_cycle(r->w.chain, r->w.now_ns);
+        for (const char *letter = "RES"; i == 2 && *letter != 0; letter++)
+            assert_int_equal(wire_send(&r->w, APWR, (uint16_t)-1, 0x0040, (uint8_t[1]){(uint8_t)*letter}, 1), 1);
+        wire_poll(&r->w);
+        wire_assign_stations(&r->w);
+        wire_advance(&r->w, 300 * MS);
+        if (wire_read8(&r->w, 1, 0x0443) != 0 || (wire_read8(&r->w, 1, 0x0110) & 2) == 0)
+            fail_msg("%s: the PDI watchdog has expired", ends[i]);
+        wire_configure_mailbox(&r->w, 1);
+        if (wire_al(&r->w, 1, 2, NULL) != 2)
+            fail_msg("%s: expected a slave that answers", ends[i]);
+    }
+}
+
+static void resets_and_identity(void **state)
+{
+    rig_t *r = *state;
+    uint8_t command[6] = {0x00, 0x01, 0x0A};
+    uint32_t product[2];
+    for (unsigned int i = 0; i < 2; i++) {
+        uint8_t word[4] = {0};
+        assert_int_equal(wire_write(&r->w, 1, 0x0502, command, 6), 1);
+        assert_int_equal(wire_read(&r->w, 1, 0x0508, word, 4), 1);
+        product[i] = ect_load_le32(word);
+        wire_go(&r->w, 1, 2);
+        set(r, "identity slave 2");
+        assert_int_equal(ect_chain_slave(r->w.chain, 1)->state, 1);
+        wire_assign_stations(&r->w);
+    }
+    assert_int_equal(product[1], product[0] + 1);
+    wire_go(&r->w, 1, 2);
+    set(r, "reset slave 2");
+    assert_int_equal(ect_chain_slave(r->w.chain, 1)->state, 1);
+    wire_assign_stations(&r->w);
+    wire_go(&r->w, 1, 2);
+}
+
+static void loses_an_event(void **state)
+{
+    rig_t *r = *state;
+    set(r, "lose-event slave 1");
+    assert_int_equal(wire_write16(&r->w, 0, 0x0120, 2), 1);
+    assert_int_equal(ect_esc_al_event(ect_chain_esc(r->w.chain, 0)) & ECT_EVENT_AL_CONTROL, 0);
+    assert_int_equal(ect_chain_slave(r->w.chain, 0)->state, 1);
+    wire_go(&r->w, 1, 2);
+}
+
+static void eeprom(void **state)
+{
+    rig_t *r = *state;
+    uint8_t command[6] = {0x00, 0x01, 0x08}, good[4], bad[4];
+    assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    assert_int_equal(wire_read(&r->w, 0, 0x0508, good, 4), 1);
+    set(r, "eeprom flip 9 slave 1");
+    assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    assert_int_equal(wire_read(&r->w, 0, 0x0508, bad, 4), 1);
+    assert_int_equal(ect_load_le32(good) ^ ect_load_le32(bad), 0x02000200);
+    set(r, "eeprom nack slave 1");
+    assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    assert_int_equal(wire_read16(&r->w, 0, 0x0502) & 0xA000, 0x2000);
+    set(r, "eeprom busy slave 1");
+    assert_int_equal(wire_write(&r->w, 0, 0x0502, (uint8_t[2]){0, 0}, 2), 1);
+    assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    wire_advance(&r->w, 1000 * MS);
+    assert_int_equal(wire_read16(&r->w, 0, 0x0502) & 0x8000, 0x8000);
+    set(r, "eeprom ok slave 1");
+    assert_int_equal(wire_read16(&r->w, 0, 0x0502) & 0xA000, 0);
+    assert_int_equal(wire_read(&r->w, 0, 0x0508, bad, 4), 1);
+    assert_memory_equal(good, bad, 4);
+}
+
+static void clock_jumps(void **state)
+{
+    rig_t *r = *state;
+    uint64_t before = ect_esc_system_time(ect_chain_esc(r->w.chain, 2), r->w.now_ns);
+    set(r, "clock 123456ns slave 3");
+    assert_int_equal(ect_esc_system_time(ect_chain_esc(r->w.chain, 2), r->w.now_ns), before + 123456);
+    set(r, "clock -123456ns slave 3");
+    assert_int_equal(ect_esc_system_time(ect_chain_esc(r->w.chain, 2), r->w.now_ns), before);
+}
+
+/* --- wires -------------------------------------------------------------------------------------------------------- */
+
+/* A frame there, and what comes back of it. @return its length; 0: nothing has come back */
+static size_t pass(rig_t *r)
+{
+    size_t length = r->w.frame_length;
+    ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+    bool back = !fate.lose_request && ect_chain_process(r->w.chain, r->w.frame, length, r->w.now_ns);
+    ect_wires_result_t on_wires = ect_scenario_answer(&r->s, &fate, r->w.frame, &length);
+    wire_poll(&r->w);
+    assert_true(on_wires == ECT_WIRES_PASSED || !back);
+    return back ? length : 0;
+}
+
+/* Writes to all slaves. @return as pass */
+static size_t write_all(rig_t *r, uint8_t value)
+{
+    wire_build(&r->w, BWR, 0, ADDRESS, &value, 1);
+    return pass(r);
+}
+
+static void expect_bytes(const rig_t *r, const char *what, const uint8_t want[TWINS])
+{
+    for (size_t i = 0; i < TWINS; i++) {
+        uint8_t got = ect_chain_esc(r->w.chain, i)->memory[ADDRESS];
+        if (got != want[i])
+            fail_msg("%s: slave %zu: expected 0x%02X, got 0x%02X", what, i + 1, want[i], got);
+    }
+}
+
+/* The next frame that was kept goes on. @return its working counter; -1: it is lost on its way */
+static int release(rig_t *r)
+{
+    ect_kept_t *kept = ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns);
+    assert_non_null(kept);
+    const uint8_t *d = kept->frame + 16;
+    int counter = kept->end == ECT_END_IN ? ect_load_le16(d + 10 + ect_load_le16(d + 6)) : -1;
+    free(kept);
+    wire_poll(&r->w);
+    return counter;
+}
+
+static void on_wires(void **state)
+{
+    rig_t *r = *state;
+    set(r, "damage frame 2 wire 3");
+    assert_int_not_equal(write_all(r, 1), 0);
+    assert_int_equal(write_all(r, 2), 0);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_PASSED);
+    assert_int_equal(ect_chain_esc(r->w.chain, 2)->memory[0x0300], 1);
+    expect_bytes(r, "damaged before the third", (uint8_t[]){2, 2, 1});
+    set(r, "drop frame 1 wire 2 back");
+    assert_int_equal(write_all(r, 3), 0);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_LOST);
+    assert_int_equal(ect_chain_esc(r->w.chain, 0)->memory[0x0300], 0);
+    expect_bytes(r, "lost behind the second", (uint8_t[]){3, 3, 3});
+}
+
+static void changed_on_wires(void **state)
+{
+    rig_t *r = *state;
+    set(r, "corrupt frame 1 wire 2");
+    assert_int_not_equal(write_all(r, 0), 0);
+    uint8_t other = ect_chain_esc(r->w.chain, 1)->memory[ADDRESS];
+    if (other == 0) /* it was the working counter */
+        assert_int_not_equal(wire_wkc(&r->w, 0), 3);
+    expect_bytes(r, "a bit is another one before the second", (uint8_t[]){0, other, other});
+    set(r, "truncate 2 frame 1 wire 3");
+    assert_int_equal(write_all(r, 0x11), 0);
+    expect_bytes(r, "cut before the third", (uint8_t[]){0x11, 0x11, other});
+    assert_int_equal(ect_chain_esc(r->w.chain, 2)->memory[0x0300], 1);
+    set(r, "truncate 2 frame 1 wire 3 back");
+    assert_int_equal(write_all(r, 0x22), r->w.frame_length - 2);
+    expect_bytes(r, "cut behind the third", (uint8_t[]){0x22, 0x22, 0x22});
+    set(r, "truncate 1500 frame 1 wire 1 back");
+    assert_int_equal(write_all(r, 0x22), 0);
+    assert_int_not_equal(write_all(r, 0x22), 0);
+    set(r, "counter -2 frame 1 wire 2");
+    set(r, "counter 5 frame 1 wire 2 back"); /* both, and each once */
+    assert_int_not_equal(write_all(r, 0x33), 0);
+    assert_int_equal(wire_wkc(&r->w, 0), 6);
+    assert_int_not_equal(write_all(r, 0x33), 0);
+    assert_int_equal(wire_wkc(&r->w, 0), 3);
+}
+
+static void late_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "delay 3000us frame 1 wire 2");
+    assert_int_equal(write_all(r, 1), 0);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_KEEP);
+    expect_bytes(r, "late before the second", (uint8_t[]){1, 0, 0});
+    uint64_t due_ns = r->w.now_ns + 3 * MS;
+    assert_int_equal(ect_wires_due(&r->s.wires), due_ns);
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns), due_ns);
+    r->w.now_ns += MS;
+    assert_null(ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns));
+    assert_int_equal(write_all(r, 2), 0); /* it does not overtake the first one */
+    r->w.now_ns = due_ns;
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the first one has come", (uint8_t[]){2, 1, 1});
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the second one has come", (uint8_t[]){2, 2, 2});
+    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
+    assert_int_not_equal(write_all(r, 3), 0);
+}
+
+static void twice_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "duplicate frame 1 wire 2");
+    wire_build(&r->w, BWR, 0, 0x0120, "\x11\x00", 2);
+    r->w.poll = NULL;
+    size_t length = r->w.frame_length;
+    (void)ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+    assert_true(ect_chain_process(r->w.chain, r->w.frame, length, r->w.now_ns));
+    assert_int_equal(wire_wkc(&r->w, 0), 3);
+    assert_int_equal(ect_wires_due(&r->s.wires), 0);
+    assert_int_equal(release(r), 1); /* the slaves behind have not read the first request yet */
+}
+
+static void behind_the_next_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "reorder frame 1 wire 3");
+    assert_int_equal(write_all(r, 1), 0);
+    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
+    assert_null(ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns + 1000 * MS));
+    assert_int_not_equal(write_all(r, 2), 0);
+    expect_bytes(r, "the second one is first", (uint8_t[]){2, 2, 2});
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "then the first", (uint8_t[]){2, 2, 1});
+}
+
+static void kept_at_most(void **state)
+{
+    rig_t *r = *state;
+    set(r, "delay 1us wire 1");
+    for (unsigned int i = 0; i <= ECT_WIRES_KEPT; i++)
+        assert_int_equal(write_all(r, 1), 0);
+    assert_int_equal(r->s.wires.kept_count, ECT_WIRES_KEPT);
+    assert_int_equal(r->s.wires.result, ECT_WIRES_LOST); /* there is no room for the last one */
+    ect_wires_clear(&r->s.wires);
+    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
+}
+
+/* --- scripts ------------------------------------------------------------------------------------------------------ */
+
+static void read_line(rig_t *r, const char *line)
+{
+    if (!ect_scenario_read(&r->s, line, r->message))
+        fail_msg("'%s' was refused: %s", line, r->message);
+}
+
+static void script(void **state)
+{
+    rig_t *r = *state;
+    char happened[16];
+    read_line(r, "# a comment");
+    read_line(r, "   ");
+    read_line(r, "duplicate every 2   # from the beginning\n");
+    read_line(r, "at frame 5 off\r\n");
+    read_line(r, "at 0.0065s reorder");
+    read_line(r, "at slave 2 PREOP counter 3");
+    befall(r, happened, 9); /* a frame each millisecond: the seventh comes at 6 ms */
+    assert_string_equal(happened, ".2.2...rr");
+    wire_go(&r->w, 1, 2);
+    set(r, "off");
+    befall(r, happened, 2);
+    assert_string_equal(happened, "cc");
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns), ECT_NEVER);
+}
+
+static void tell_refused(void *ctx, const char *fault, const char *why)
+{
+    rig_t *r = ctx;
+    snprintf(r->message, sizeof r->message, "%s: %s", fault, why);
+}
+
+/* Those that come when the table is full, or to a slave that there is not: the user hears of it, once. */
+static void script_told(void **state)
+{
+    rig_t *r = *state;
+    for (unsigned int i = 0; i < ECT_SCENARIO_FAULTS; i++)
+        read_line(r, "corrupt 0%");
+    read_line(r, "at 1s duplicate");
+    read_line(r, "at 2s hang slave 4");
+    r->s.refused = tell_refused;
+    r->s.ctx = r;
+    uint64_t begin = r->w.now_ns;
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin), begin + 1000 * MS);
+    assert_string_equal(r->message, "");
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 1000 * MS), begin + 2000 * MS);
+    assert_string_equal(r->message, "duplicate: 8 faults are set already: 'off' ends them");
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 2000 * MS), ECT_NEVER);
+    assert_string_equal(r->message, "hang slave 4: there is no slave 4: the chain has 3");
+    r->message[0] = 0;
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 3000 * MS), ECT_NEVER);
+    assert_string_equal(r->message, "");
+}
+
+static void script_times(void **state)
+{
+    rig_t *r = *state;
+    read_line(r, "at 2s hang slave 1");
+    read_line(r, "at 1s reset slave 1");
+    uint64_t begin = r->w.now_ns;
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin), begin + 1000 * MS);
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 1000 * MS), begin + 2000 * MS);
+    assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin + 2000 * MS), ECT_NEVER);
+}
+
+static void script_refused(void **state)
+{
+    static const char *const lines[] = {"at",         "at 5 drop",       "at -1s drop",        "at frame drop",
+                                        "at frame 5", "at slave 1 drop", "at slave 0 OP drop", "at slave 1 RUN drop",
+                                        "at 1s",      "at 1s explode",   "at noon drop"};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        r->message[0] = 0;
+        if (ect_scenario_read(&r->s, lines[i], r->message) || r->message[0] == 0)
+            fail_msg("'%s': expected it refused with a message", lines[i]);
+    }
+    for (unsigned int i = 0; i < ECT_SCENARIO_STEPS; i++)
+        read_line(r, "at 1s off");
+    assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
+}
+
+#define TEST(title, function) {title, function, setup, teardown, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"a fault that is written reads back as the same", round_trip, NULL, NULL, NULL},
+        {"what is no fault is refused with a line that says what was expected", refused, NULL, NULL, NULL},
+        TEST("faults of frames concern the frames that they name", which_frames),
+        TEST("the same seed makes the same run, of about the share that was asked for", same_seed_same_run),
+        TEST("frames are lost and late in the shares that were asked for, half of those lost on their way back",
+             shares),
+        TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),
+        TEST("the working counter of the first datagram is changed, where there is one", counters),
+        TEST("CF-053: a slave that hangs answers no request, its PDI watchdog expires, and it goes on", hangs),
+        TEST("CF-012 CF-053: a slave that hangs is set going by a reset, by the master's too, and its watchdog rests",
+             hang_ends),
+        TEST("CF-096: a slave that is reset or replaced begins in INIT, with another product code",
+             resets_and_identity),
+        TEST("a request to AL control whose event is lost is not seen", loses_an_event),
+        TEST("CF-055: an EEPROM that is busy, does not answer, or has a bit wrong", eeprom),
+        TEST("CF-088: a clock jumps, and back", clock_jumps),
+        TEST("a frame that is corrupted has one bit changed", corrupted),
+        TEST("CF-011: frames that are lost and damaged on a wire", on_wires),
+        TEST("CF-011: frames that are changed, cut, or counted wrong on a wire: those behind see it", changed_on_wires),
+        TEST("a frame that is late on a wire: those behind wait for it, and no other one overtakes it", late_on_a_wire),
+        TEST("CF-041: a frame that comes twice over a wire is executed twice behind it", twice_on_a_wire),
+        TEST("frames that change their order on a wire", behind_the_next_on_a_wire),
+        TEST("of more frames than are kept on wires the last ones are lost", kept_at_most),
+        TEST("a script sets faults at a time, at a frame, in a state", script),
+        TEST("a script says when it is due", script_times),
+        TEST("a fault of a script that cannot be set when its time has come is told", script_told),
+        TEST("a line that makes no sense is refused", script_refused),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Faults", tests, NULL, NULL);
+}

@@ -1,0 +1,668 @@
+/* SPDX-License-Identifier: MIT */
+/* The Modbus TCP server (bus/modbus/modbus.h): what it answers byte for byte, and how little of it is done at a time.
+ * No network: clients come by a local socket, and time is the test's. */
+#define _GNU_SOURCE
+#include "bus/modbus/modbus.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "bus/modbus/modbus_request.h"
+#include "devices/eclink/eclink.h"
+#include "support/every.h"
+#include "support/wire.h"
+
+#define COUNT(table) (sizeof(table) / sizeof((table)[0]))
+
+enum { ROOM = 65536, MOST_CALLS = 100000, IDLE_S = 60 };
+
+/* What one call of ect_modbus_server_serve did: the linker leads the server's calls through here. */
+static struct {
+    unsigned int receives, accepts, waits, polls;
+    int accept_error; /* of the next ones; 0: none */
+} work;
+
+ssize_t __real_recv(int fd, void *buffer, size_t size, int flags);
+ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags);
+int __real_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags);
+int __wrap_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags);
+int __real_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
+int __wrap_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
+int __real_poll(struct pollfd *fds, nfds_t count, int timeout);
+int __wrap_poll(struct pollfd *fds, nfds_t count, int timeout);
+
+ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
+{
+    work.receives++;
+    return __real_recv(fd, buffer, size, flags);
+}
+
+int __wrap_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags)
+{
+    work.accepts++;
+    if (work.accept_error == 0)
+        return __real_accept4(fd, address, size, flags);
+    errno = work.accept_error;
+    return -1;
+}
+
+int __wrap_epoll_wait(int fd, struct epoll_event *events, int room, int timeout)
+{
+    work.waits++;
+    assert_int_equal(timeout, 0);
+    return __real_epoll_wait(fd, events, room, timeout);
+}
+
+int __wrap_poll(struct pollfd *fds, nfds_t count, int timeout)
+{
+    work.polls++;
+    return __real_poll(fds, count, timeout);
+}
+
+/* libmodbus sleeps over requests that it does not like; here it stands in the place of the C library's. */
+int nanosleep(const struct timespec *wanted, struct timespec *left)
+{
+    (void)wanted;
+    (void)left;
+    fail_msg("the loop was put to sleep");
+    return 0;
+}
+
+/* --- a base unit and its server ----------------------------------------------------------------------------------- */
+
+typedef struct bench {
+    wire_t wire;
+    ect_modbus_server_t *server;
+    struct sockaddr_un at;
+    socklen_t at_size;
+} bench_t;
+
+static void open_bench(bench_t *b)
+{
+    char message[ECT_MODBUS_MESSAGE];
+    memset(b, 0, sizeof *b);
+    memset(&work, 0, sizeof work);
+    wire_open_one(&b->wire, &ect_eclink_map7);
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
+    b->at.sun_family = AF_UNIX; /* without a name: the kernel gives it one */
+    assert_int_equal(bind(fd, (struct sockaddr *)&b->at, sizeof b->at.sun_family), 0);
+    assert_int_equal(listen(fd, 200), 0);
+    b->at_size = sizeof b->at;
+    assert_int_equal(getsockname(fd, (struct sockaddr *)&b->at, &b->at_size), 0);
+    b->server = ect_modbus_server_at(fd, message);
+    if (!b->server)
+        fail_msg("%s", message);
+}
+
+static void close_bench(bench_t *b)
+{
+    ect_modbus_server_close(b->server);
+    wire_close(&b->wire);
+}
+
+static bool wants_to_be_served(const bench_t *b)
+{
+    struct pollfd fd = {.fd = ect_modbus_server_fd(b->server), .events = POLLIN};
+    return ect_modbus_server_due(b->server) <= b->wire.now_ns || __real_poll(&fd, 1, 0) > 0;
+}
+
+/* One call, and that it was a bounded piece of work. */
+static void serve_once(bench_t *b)
+{
+    int accept_error = work.accept_error;
+    memset(&work, 0, sizeof work);
+    work.accept_error = accept_error;
+    ect_modbus_server_serve(b->server, b->wire.chain, b->wire.now_ns);
+    wire_poll(&b->wire);
+    assert_true(work.receives <= 2);
+    assert_true(work.accepts <= 1);
+    assert_true(work.polls <= 1);
+    assert_int_equal(work.waits, 1);
+}
+
+/* Until nothing is left to do. @return how many calls it took */
+static unsigned int serve(bench_t *b)
+{
+    unsigned int calls = 0;
+    while (wants_to_be_served(b)) {
+        serve_once(b);
+        if (++calls == MOST_CALLS)
+            fail_msg("the server never comes to rest");
+    }
+    return calls;
+}
+
+static int come(bench_t *b)
+{
+    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(connect(fd, (struct sockaddr *)&b->at, b->at_size), 0);
+    assert_int_equal(fcntl(fd, F_SETFL, O_NONBLOCK), 0);
+    return fd;
+}
+
+static size_t bytes_of(const char *hex, uint8_t *bytes)
+{
+    size_t count = 0;
+    int taken;
+    unsigned int byte;
+    for (; sscanf(hex, " %2x%n", &byte, &taken) == 1; hex += taken)
+        bytes[count++] = (uint8_t)byte;
+    return count;
+}
+
+static void say(int fd, const char *hex)
+{
+    uint8_t bytes[ROOM / 16];
+    size_t size = bytes_of(hex, bytes);
+    assert_int_equal(write(fd, bytes, size), (ssize_t)size);
+}
+
+/* What has come, as text; "" nothing, "end": the connection is over. */
+static const char *hear(int fd)
+{
+    static char text[3 * ECT_MODBUS_ADU * 8];
+    uint8_t bytes[ECT_MODBUS_ADU * 8];
+    ssize_t got = __real_recv(fd, bytes, sizeof bytes, 0);
+    text[0] = 0;
+    if (got == 0 || (got < 0 && errno == ECONNRESET))
+        return "end";
+    for (ssize_t i = 0; i < got; i++)
+        sprintf(text + 3 * i, "%02X ", bytes[i]);
+    if (got > 0)
+        text[3 * got - 1] = 0;
+    return text;
+}
+
+static void expect(bench_t *b, int fd, const char *what, const char *request, const char *wanted)
+{
+    say(fd, request);
+    (void)serve(b);
+    const char *got = hear(fd);
+    if (strcmp(got, wanted) != 0)
+        fail_msg("%s: sent %s\n  expected %s\n  got      %s", what, request, wanted, got);
+}
+
+/* --- what it answers ---------------------------------------------------------------------------------------------- */
+
+static void answers(void **state)
+{
+    static const struct {
+        const char *what, *request, *answer;
+    } rows[] = {
+        {"two registers", "00 01 00 00 00 09 FF 10 00 0C 00 01 02 01 2C", "00 01 00 00 00 06 FF 10 00 0C 00 01"},
+        {"are read", "00 02 00 00 00 06 FF 03 00 0B 00 02", "00 02 00 00 00 07 FF 03 04 00 00 01 2C"},
+        {"one register", "00 03 00 00 00 06 FF 06 00 71 AB CD", "00 03 00 00 00 06 FF 06 00 71 AB CD"},
+        {"and its coils", "00 04 00 00 00 06 FF 01 07 10 00 10", "00 04 00 00 00 05 FF 01 02 CD AB"},
+        {"a coil", "00 05 00 00 00 06 FF 05 07 1F 00 00", "00 05 00 00 00 06 FF 05 07 1F 00 00"},
+        {"ten coils", "00 06 00 00 00 09 FF 0F 07 10 00 0A 02 00 00", "00 06 00 00 00 06 FF 0F 07 10 00 0A"},
+        {"are read, and one more", "00 07 00 00 00 06 FF 01 07 0F 00 0B", "00 07 00 00 00 05 FF 01 02 00 00"},
+        {"the register then", "00 08 00 00 00 06 FF 03 00 71 00 01", "00 08 00 00 00 05 FF 03 02 28 00"},
+        {"written before read", "00 09 00 00 00 0D FF 17 00 71 00 01 00 71 00 01 02 12 34",
+         "00 09 00 00 00 05 FF 17 02 12 34"},
+        {"written here, read there", "00 0A 00 00 00 0D FF 17 08 02 00 01 00 02 00 01 02 00 05",
+         "00 0A 00 00 00 05 FF 17 02 00 00"},
+        {"input registers", "00 0B 00 00 00 06 FF 04 00 0B 00 01", "00 0B 00 00 00 05 FF 04 02 03 00"},
+        {"discrete inputs", "00 0C 00 00 00 06 FF 02 00 B8 00 02", "00 0C 00 00 00 04 FF 02 01 03"},
+        {"no such function", "00 0D 00 00 00 02 FF 07", "00 0D 00 00 00 03 FF 87 01"},
+        {"no such address", "00 0E 00 00 00 06 FF 03 00 72 00 01", "00 0E 00 00 00 03 FF 83 02"},
+        {"one address too many", "00 0F 00 00 00 06 FF 04 00 20 00 02", "00 0F 00 00 00 03 FF 84 02"},
+        {"input data cannot be written", "00 10 00 00 00 06 FF 06 08 00 00 01", "00 10 00 00 00 03 FF 86 02"},
+        {"a coil is 0000 or FF00", "00 11 00 00 00 06 FF 05 00 00 00 01", "00 11 00 00 00 03 FF 85 03"},
+        {"too many registers", "00 12 00 00 00 06 FF 03 00 00 00 7E", "00 12 00 00 00 03 FF 83 03"},
+        {"read where nothing is, write all the same", "00 13 00 00 00 0D FF 17 00 72 00 01 00 71 00 01 02 FF FF",
+         "00 13 00 00 00 03 FF 97 02"},
+        {"nothing was written", "00 14 00 00 00 06 FF 03 00 71 00 01", "00 14 00 00 00 05 FF 03 02 12 34"},
+        {"unit 0", "FF FE 00 00 00 06 00 03 00 0C 00 01", "FF FE 00 00 00 05 00 03 02 01 2C"},
+        {"unit 1", "FF FF 00 00 00 06 01 03 00 0C 00 01", "FF FF 00 00 00 05 01 03 02 01 2C"},
+        {"unit 247", "00 00 00 00 00 06 F7 03 00 0C 00 01", "00 00 00 00 00 05 F7 03 02 01 2C"},
+    };
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = come(&b);
+    for (size_t i = 0; i < COUNT(rows); i++)
+        expect(&b, fd, rows[i].what, rows[i].request, rows[i].answer);
+    close(fd);
+    close_bench(&b);
+}
+
+static void requests(void **state)
+{
+    static const struct {
+        const char *what, *pdu;
+        ect_modbus_result_t result;
+        ect_modbus_range_t write, read;
+    } rows[] = {
+        {"nothing", "", 1, {0}, {0}},
+        {"read coils", "01 00 00 07 D0", 0, {0}, {ECT_MODBUS_COILS, 0, 2000}},
+        {"2001 coils", "01 00 00 07 D1", 3, {0}, {0}},
+        {"none", "01 00 00 00 00", 3, {0}, {0}},
+        {"a byte is missing", "01 00 00 00", 3, {0}, {0}},
+        {"a byte too many", "01 00 00 00 01 00", 3, {0}, {0}},
+        {"read discrete inputs", "02 FF FF 00 01", 0, {0}, {ECT_MODBUS_DISCRETE_INPUTS, 65535, 1}},
+        {"read holding registers", "03 08 00 00 7D", 0, {0}, {ECT_MODBUS_HOLDING_REGISTERS, 2048, 125}},
+        {"126 registers", "03 08 00 00 7E", 3, {0}, {0}},
+        {"65535 registers", "03 00 00 FF FF", 3, {0}, {0}},
+        {"read input registers", "04 00 05 00 01", 0, {0}, {ECT_MODBUS_INPUT_REGISTERS, 5, 1}},
+        {"no input registers", "04 00 05 00 00", 3, {0}, {0}},
+        {"function alone", "04", 3, {0}, {0}},
+        {"coil on", "05 01 02 FF 00", 0, {ECT_MODBUS_COILS, 0x102, 1}, {0}},
+        {"coil off", "05 01 02 00 00", 0, {ECT_MODBUS_COILS, 0x102, 1}, {0}},
+        {"coil half on", "05 01 02 FF 01", 3, {0}, {0}},
+        {"coil too short", "05 01 02 FF", 3, {0}, {0}},
+        {"one register", "06 01 02 FF 01", 0, {ECT_MODBUS_HOLDING_REGISTERS, 0x102, 1}, {0}},
+        {"too long", "06 01 02 FF 01 00", 3, {0}, {0}},
+        {"nine coils", "0F 00 13 00 09 02 FF 01", 0, {ECT_MODBUS_COILS, 0x13, 9}, {0}},
+        {"nine coils in one byte", "0F 00 13 00 09 01 FF", 3, {0}, {0}},
+        {"nine coils, one byte is missing", "0F 00 13 00 09 02 FF", 3, {0}, {0}},
+        {"no coils", "0F 00 13 00 00 00", 3, {0}, {0}},
+        {"1969 coils", "0F 00 13 07 B1 F7", 3, {0}, {0}},
+        {"coils without data", "0F", 3, {0}, {0}},
+        {"two registers", "10 00 01 00 02 04 00 0A 01 02", 0, {ECT_MODBUS_HOLDING_REGISTERS, 1, 2}, {0}},
+        {"two registers in two bytes", "10 00 01 00 02 02 00 0A", 3, {0}, {0}},
+        {"two registers, a byte too many", "10 00 01 00 02 04 00 0A 01 02 03", 3, {0}, {0}},
+        {"124 registers", "10 00 01 00 7C F8", 3, {0}, {0}},
+        {"write and read",
+         "17 00 03 00 06 00 0E 00 01 02 00 FF",
+         0,
+         {ECT_MODBUS_HOLDING_REGISTERS, 14, 1},
+         {ECT_MODBUS_HOLDING_REGISTERS, 3, 6}},
+        {"write and read 126", "17 00 03 00 7E 00 0E 00 01 02 00 FF", 3, {0}, {0}},
+        {"write none and read", "17 00 03 00 06 00 0E 00 00 00", 3, {0}, {0}},
+        {"write 122 and read", "17 00 03 00 06 00 0E 00 7A F4", 3, {0}, {0}},
+        {"write and read, cut", "17 00 03 00 06 00 0E 00 01", 3, {0}, {0}},
+        {"read alone", "17 00 03 00 06", 3, {0}, {0}},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        uint8_t pdu[260];
+        ect_modbus_request_t got;
+        size_t size = bytes_of(rows[i].pdu, pdu);
+        ect_modbus_result_t result = ect_modbus_request(pdu, size, &got);
+        if (result != rows[i].result)
+            fail_msg("%s (%s): expected exception %d, got %d", rows[i].what, rows[i].pdu, (int)rows[i].result,
+                     (int)result);
+        if (result != ECT_MODBUS_DONE)
+            continue;
+        assert_memory_equal(&got.write, &rows[i].write, sizeof got.write);
+        assert_memory_equal(&got.read, &rows[i].read, sizeof got.read);
+    }
+}
+
+/* The longest that may be written: as many bytes as it takes. */
+static void longest_writes(void **state)
+{
+    static const struct {
+        uint8_t head[10];
+        size_t head_size, size;
+        uint16_t count;
+    } rows[] = {{{15, 0, 0, 0x07, 0xB0, 246}, 6, 246, 1968},
+                {{16, 0, 0, 0, 123, 246}, 6, 246, 123},
+                {{23, 0, 0, 0, 125, 0, 0, 0, 121, 242}, 10, 242, 121}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        uint8_t pdu[260] = {0};
+        ect_modbus_request_t got;
+        memcpy(pdu, rows[i].head, rows[i].head_size);
+        assert_int_equal(ect_modbus_request(pdu, rows[i].head_size + rows[i].size, &got), ECT_MODBUS_DONE);
+        assert_int_equal(got.write.count, rows[i].count);
+    }
+}
+
+static void no_other_function(void **state)
+{
+    static const char known[] = {1, 2, 3, 4, 5, 6, 15, 16, 23};
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    int fd = come(&b);
+    for (unsigned int code = 0; code < 0x80; code++) {
+        char request[64], answer[64];
+        if (memchr(known, (int)code, sizeof known))
+            continue;
+        snprintf(request, sizeof request, "00 %02X 00 00 00 06 01 %02X 00 00 00 01", code, code);
+        snprintf(answer, sizeof answer, "00 %02X 00 00 00 03 01 %02X 01", code, code | 0x80);
+        expect(&b, fd, "a function that there is not", request, answer);
+    }
+    close(fd);
+    close_bench(&b);
+}
+
+/* --- how bytes come ----------------------------------------------------------------------------------------------- */
+
+#define WRITE  "00 01 00 00 00 0B FF 10 00 0C 00 02 04 01 2C 00 07"
+#define WRITES 17 /* bytes */
+#define DONE   "00 01 00 00 00 06 FF 10 00 0C 00 02"
+#define READ   "12 34 00 00 00 06 01 04 00 0B 00 01"
+#define VALUE  "12 34 00 00 00 05 01 04 02 03 00"
+
+static void in_two_pieces(void **state)
+{
+    uint8_t request[64];
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = come(&b), other = come(&b);
+    size_t size = bytes_of(WRITE, request);
+    for (size_t cut = 1; cut < size; cut++) {
+        assert_int_equal(write(fd, request, cut), (ssize_t)cut);
+        (void)serve(&b);
+        assert_string_equal(hear(fd), "");
+        expect(&b, other, "somebody else meanwhile", READ, VALUE);
+        assert_int_equal(write(fd, request + cut, size - cut), (ssize_t)(size - cut));
+        (void)serve(&b);
+        const char *got = hear(fd);
+        if (strcmp(got, DONE) != 0)
+            fail_msg("cut after %zu bytes: expected %s, got %s", cut, DONE, got);
+    }
+    for (size_t i = 0; i < size; i++) {
+        assert_int_equal(write(fd, request + i, 1), 1);
+        assert_true(serve(&b) <= 2);
+    }
+    assert_string_equal(hear(fd), DONE);
+    close(fd);
+    close(other);
+    close_bench(&b);
+}
+
+/* Many at once: each call answers one of them, in their order. */
+static void many_at_once(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    int fd = come(&b);
+    (void)serve(&b);
+    for (unsigned int i = 0; i < 5; i++) {
+        char request[64];
+        snprintf(request, sizeof request, "00 %02X 00 00 00 06 FF 06 00 71 00 %02X", i, i);
+        say(fd, request);
+    }
+    for (unsigned int i = 0; i < 5; i++) {
+        char answer[64];
+        snprintf(answer, sizeof answer, "00 %02X 00 00 00 06 FF 06 00 71 00 %02X", i, i);
+        serve_once(&b);
+        assert_string_equal(hear(fd), answer);
+    }
+    assert_false(wants_to_be_served(&b));
+    close(fd);
+    close_bench(&b);
+}
+
+static void no_modbus(void **state)
+{
+    static const struct {
+        const char *what, *bytes;
+    } rows[] = {
+        {"another protocol", "00 01 00 01 00 06 FF 03 00 00 00 01"},
+        {"length 0", "00 01 00 00 00 00"},
+        {"length 1: no function", "00 01 00 00 00 01 FF"},
+        {"longer than a request can be", "00 01 00 00 00 FF FF 03 00 00 00 01"},
+        {"length 65535", "00 01 00 00 FF FF"},
+        {"the function code of an exception", "00 01 00 00 00 06 FF 83 00 00 00 01"},
+        {"HTTP", "47 45 54 20 2F 20 48 54 54 50 2F 31 2E 31 0D 0A 0D 0A"},
+    };
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int other = come(&b);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        int fd = come(&b);
+        expect(&b, fd, rows[i].what, rows[i].bytes, "end");
+        expect(&b, other, "somebody else goes on", READ, VALUE);
+        close(fd);
+    }
+    close(other);
+    close_bench(&b);
+}
+
+static void longest_request(void **state)
+{
+    uint8_t request[ECT_MODBUS_ADU] = {0, 1, 0, 0, 0, 254, 255, 100};
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    int fd = come(&b);
+    assert_int_equal(write(fd, request, sizeof request), sizeof request);
+    (void)serve(&b);
+    assert_string_equal(hear(fd), "00 01 00 00 00 03 FF E4 01");
+    close(fd);
+    close_bench(&b);
+}
+
+/* --- who is served ------------------------------------------------------------------------------------------------ */
+
+enum { MANY = 100, SERVED = 4 };
+
+static void a_hundred(void **state)
+{
+    int fds[MANY];
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    for (unsigned int i = 0; i < MANY; i++)
+        fds[i] = come(&b);
+    assert_int_equal(serve(&b), MANY);
+    for (unsigned int round = 0; round < 3; round++) {
+        for (unsigned int i = 0; i < SERVED; i++)
+            expect(&b, fds[i], "one of four", READ, VALUE);
+    }
+    for (unsigned int i = SERVED; i < MANY; i++) {
+        assert_string_equal(hear(fds[i]), "end");
+        close(fds[i]);
+    }
+    close(fds[2]);
+    (void)serve(&b);
+    fds[2] = come(&b);
+    expect(&b, fds[2], "in the place of one who has left", READ, VALUE);
+    int fifth = come(&b);
+    (void)serve(&b);
+    assert_string_equal(hear(fifth), "end");
+    close(fifth);
+    for (unsigned int i = 0; i < SERVED; i++)
+        close(fds[i]);
+    (void)serve(&b);
+    assert_true(ect_modbus_server_due(b.server) == ECT_NEVER);
+    close_bench(&b);
+}
+
+static void the_silent_are_closed(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    int silent = come(&b), half = come(&b), busy = come(&b);
+    (void)serve(&b);
+    for (unsigned int s = 0; s < IDLE_S - 1; s++) {
+        wire_advance(&b.wire, 1000 * MS);
+        say(half, s == 30 ? "00" : "");
+        expect(&b, busy, "one who asks each second", "00 01 00 00 00 06 FF 06 00 71 00 01",
+               "00 01 00 00 00 06 FF 06 00 71 00 01");
+    }
+    assert_string_equal(hear(silent), "");
+    assert_string_equal(hear(half), "");
+    assert_true(ect_modbus_server_due(b.server) == b.wire.now_ns + 1000 * MS);
+    wire_advance(&b.wire, 1000 * MS);
+    (void)serve(&b);
+    assert_string_equal(hear(silent), "end");
+    assert_string_equal(hear(half), "end");
+    assert_string_equal(hear(busy), "");
+    close(silent);
+    close(half);
+    close(busy);
+    close_bench(&b);
+}
+
+/* It asks and asks and reads nothing: from some request on it is not listened to, and wakes nobody. */
+static void one_who_does_not_read(void **state)
+{
+    uint8_t request[16], bytes[4096];
+    size_t sent = 0, heard = 0;
+    const int room = 4096;
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = come(&b), other = come(&b);
+    assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &room, sizeof room), 0);
+    size_t size = bytes_of("12 34 00 00 00 06 01 04 00 00 00 21", request);
+    while (write(fd, request, size) == (ssize_t)size) {
+        sent++;
+        (void)serve(&b);
+        assert_true(sent < ROOM);
+    }
+    assert_int_equal(errno, EAGAIN);
+    assert_false(wants_to_be_served(&b));
+    expect(&b, other, "somebody else", READ, VALUE);
+    for (ssize_t got; (got = __real_recv(fd, bytes, sizeof bytes, 0)) > 0; (void)serve(&b))
+        heard += (size_t)got;
+    assert_int_equal(heard, sent * (9 + 66)); /* each of them, whole */
+    expect(&b, fd, "it is itself again", READ, VALUE);
+    close(fd);
+    close(other);
+    close_bench(&b);
+}
+
+static void nobody_waits_for_long(void **state)
+{
+    int flood[3];
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    for (unsigned int i = 0; i < 3; i++)
+        flood[i] = come(&b);
+    int fd = come(&b);
+    (void)serve(&b);
+    for (unsigned int i = 0; i < 3 * 200; i++)
+        say(flood[i % 3], READ);
+    for (unsigned int round = 0; round < 20; round++) {
+        say(fd, READ);
+        for (unsigned int i = 0; i < 4; i++)
+            serve_once(&b);
+        assert_string_equal(hear(fd), VALUE);
+    }
+    for (unsigned int i = 0; i < 3; i++)
+        close(flood[i]);
+    close(fd);
+    close_bench(&b);
+}
+
+static void no_descriptor_left(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = come(&b);
+    work.accept_error = EMFILE;
+    serve_once(&b);
+    assert_false(wants_to_be_served(&b));
+    assert_true(ect_modbus_server_due(b.server) == b.wire.now_ns + 1000 * MS);
+    work.accept_error = 0;
+    wire_advance(&b.wire, 1000 * MS);
+    expect(&b, fd, "a second later", READ, VALUE);
+    close(fd);
+    close_bench(&b);
+}
+
+static void gone_before_the_answer(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = come(&b), other = come(&b);
+    (void)serve(&b);
+    for (unsigned int i = 0; i < 10; i++)
+        say(fd, READ);
+    close(fd);
+    (void)serve(&b);
+    expect(&b, other, "somebody else", READ, VALUE);
+    close(other);
+    close_bench(&b);
+}
+
+/* Its microcontroller stands still: requests disappear, and when it runs again it answers the next one. */
+static void a_unit_that_hangs(void **state)
+{
+    const ect_fault_t hang = {.kind = ECT_FAULT_HANG, .slave = 1}, resume = {.kind = ECT_FAULT_RESUME, .slave = 1};
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = come(&b);
+    (void)serve(&b);
+    ect_chain_fault(b.wire.chain, &hang, b.wire.now_ns);
+    expect(&b, fd, "it hangs", READ, "");
+    int late = come(&b);
+    (void)serve(&b);
+    assert_string_equal(hear(late), "end");
+    close(late);
+    ect_chain_fault(b.wire.chain, &resume, b.wire.now_ns);
+    expect(&b, fd, "it runs again", READ, VALUE);
+    close(fd);
+    close_bench(&b);
+}
+
+/* --- where it listens --------------------------------------------------------------------------------------------- */
+
+static void no_address(void **state)
+{
+    static const char *const rows[] = {
+        "",        ":",           "x",        "127.0.0.1",      "127.0.0.1:", "127.0.0.1:x",
+        "502x",    "65536",       "-1",       "localhost:1502", "::1:1502",   "[::1]1502",
+        "[::1:15", "1.2.3.4.5:6", "127.1.2.", "[127.0.0.1:15",  " 1502",      "1502 "};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char message[ECT_MODBUS_MESSAGE] = "";
+        ect_modbus_server_t *server = ect_modbus_server_open(rows[i], message);
+        if (server || !strstr(message, "is no [ADDRESS:]PORT") || strchr(message, '\n'))
+            fail_msg("'%s': expected a line that says so, got %s", rows[i], server ? "a server" : message);
+    }
+}
+
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("ECL-070 ECL-071: requests and answers, byte for byte; transaction and unit identifiers come back",
+             answers),
+        TEST("ECL-070: what each request asks for; malformed ones are exception 3", requests),
+        TEST("ECL-070: the longest writes", longest_writes),
+        TEST("ECL-070: all other functions are exception 1", no_other_function),
+        TEST("Attack: a request in two pieces, cut anywhere, or byte by byte, is answered; meanwhile others are",
+             in_two_pieces),
+        TEST("Attack: requests one behind the other are answered in their order, one a call", many_at_once),
+        TEST("Attack: what is no Modbus TCP ends the connection, and no other", no_modbus),
+        TEST("Attack: the longest request that there can be", longest_request),
+        TEST("ECL-070: of 100 connections four are served, the others closed at once; a place that gets free is taken",
+             a_hundred),
+        TEST("Attack: who sends no request for 60 s is closed, half requests do not count", the_silent_are_closed),
+        TEST("Attack: who does not read his answers is not listened to until he does, and loses none",
+             one_who_does_not_read),
+        TEST("Attack: three that flood do not keep the fourth waiting", nobody_waits_for_long),
+        TEST("Attack: no descriptor is left: the server looks again after a second", no_descriptor_left),
+        TEST("Attack: gone before the answer", gone_before_the_answer),
+        TEST("A unit that hangs answers nothing", a_unit_that_hangs),
+        TEST("--modbus: what is no address is told in a line", no_address),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Modbus TCP", tests, NULL, NULL);
+}

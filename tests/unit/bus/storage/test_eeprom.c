@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT */
+/* The EEPROM of a twin in a file: what a master has written is there again (bus/storage/eeprom.h). */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "bus/storage/eeprom.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+#include "wire/crc.h"
+
+enum { SIZE = 64 };
+
+static char folder[] = "/tmp/ectwin-eeprom-XXXXXX";
+static char path[64];
+static char message[ECT_EEPROM_MESSAGE];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    if (!mkdtemp(folder))
+        return -1;
+    snprintf(path, sizeof path, "%s/eeprom", folder);
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    return rmdir(folder);
+}
+
+static int remove_file(void **state)
+{
+    (void)state;
+    (void)unlink(path);
+    return 0;
+}
+
+/* A factory's content, with a right check value. */
+static void factory(uint8_t image[SIZE], uint8_t seed)
+{
+    for (unsigned int i = 0; i < SIZE; i++)
+        image[i] = (uint8_t)(i * seed);
+    image[15] = 0;
+    image[ECT_SII_CHECKED_BYTES] = ect_crc_sii(image);
+}
+
+static ect_eeprom_t *must_open(const uint8_t image[SIZE])
+{
+    ect_eeprom_t *eeprom = ect_eeprom_open(path, image, SIZE, message);
+    if (!eeprom)
+        fail_msg("%s", message);
+    return eeprom;
+}
+
+static void survives(void **state)
+{
+    uint8_t made[SIZE], image[SIZE];
+    (void)state;
+    factory(made, 3);
+    ect_eeprom_t *eeprom = must_open(made);
+    assert_memory_equal(ect_eeprom_image(eeprom), made, SIZE);
+    memcpy(image, made, SIZE);
+    ect_eeprom_write(eeprom, image, SIZE); /* nothing has changed */
+    image[8] = 0x34;
+    image[SIZE - 1] = 0x77;
+    ect_eeprom_write(eeprom, image, SIZE);
+    assert_memory_equal(ect_eeprom_image(eeprom), image, SIZE);
+    image[40] = 0x55;
+    ect_eeprom_write(eeprom, image, SIZE);
+    ect_eeprom_close(eeprom);
+    eeprom = must_open(made);
+    assert_memory_equal(ect_eeprom_image(eeprom), image, SIZE);
+    ect_eeprom_close(eeprom);
+}
+
+/* A word of the factory's that is another one now is the newer wish; the master's others stay. */
+static void newer_factory(void **state)
+{
+    uint8_t made[SIZE], image[SIZE];
+    (void)state;
+    factory(made, 3);
+    ect_eeprom_t *eeprom = must_open(made);
+    memcpy(image, made, SIZE);
+    image[8] = 0x01;  /* by the master: alias */
+    image[20] = 0x02; /* by the master, and soon by the factory */
+    image[ECT_SII_CHECKED_BYTES] = ect_crc_sii(image);
+    ect_eeprom_write(eeprom, image, SIZE);
+    ect_eeprom_close(eeprom);
+    made[2] = 0xA0;
+    made[20] = 0xA1;
+    made[30] = 0xA2;
+    made[ECT_SII_CHECKED_BYTES] = ect_crc_sii(made);
+    for (unsigned int time = 0; time < 2; time++) {
+        eeprom = must_open(made);
+        const uint8_t *now = ect_eeprom_image(eeprom);
+        assert_int_equal(now[8], 0x01);
+        assert_int_equal(now[2], 0xA0);
+        assert_int_equal(now[20], 0xA1);
+        assert_int_equal(now[30], 0xA2);
+        assert_int_equal(now[ECT_SII_CHECKED_BYTES], ect_crc_sii(now));
+        ect_eeprom_close(eeprom);
+    }
+}
+
+static void bad_checksum_stays_bad(void **state)
+{
+    uint8_t made[SIZE], image[SIZE];
+    (void)state;
+    factory(made, 3);
+    ect_eeprom_t *eeprom = must_open(made);
+    memcpy(image, made, SIZE);
+    image[ECT_SII_CHECKED_BYTES] ^= 0xFF;
+    ect_eeprom_write(eeprom, image, SIZE);
+    ect_eeprom_close(eeprom);
+    eeprom = must_open(made);
+    assert_memory_equal(ect_eeprom_image(eeprom), image, SIZE);
+    ect_eeprom_close(eeprom);
+}
+
+static void assert_refused(const char *what, const uint8_t made[SIZE], const char *why)
+{
+    ect_eeprom_t *eeprom = ect_eeprom_open(path, made, SIZE, message);
+    if (eeprom || !strstr(message, why))
+        fail_msg("%s: expected a refusal with '%s', got '%s'", what, why, eeprom ? "success" : message);
+}
+
+static void refused(void **state)
+{
+    enum { ROOM = 16 + 2 * SIZE };
+    uint8_t made[SIZE], content[ROOM + 1] = "ECTWSII1";
+    char aim[80];
+    struct stat info;
+    (void)state;
+    factory(made, 3);
+    content[8] = SIZE;
+    static const struct {
+        const char *what;
+        size_t length, change; /* a byte that is changed; SIZE_MAX none */
+    } files[] = {
+        {"too short", ROOM - 1, SIZE_MAX}, {"too long", ROOM + 1, SIZE_MAX}, {"another kind", ROOM, 3},
+        {"another size", ROOM, 8},         {"a byte", 1, SIZE_MAX},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        uint8_t written[ROOM + 1];
+        memcpy(written, content, sizeof written);
+        if (files[i].change != SIZE_MAX)
+            written[files[i].change] ^= 1;
+        int fd = open(path, O_CREAT | O_TRUNC | O_WRONLY, 0600);
+        assert_int_equal(write(fd, written, files[i].length), files[i].length);
+        close(fd);
+        assert_refused(files[i].what, made, "no EEPROM content");
+        assert_int_equal(stat(path, &info), 0);
+        assert_int_equal(info.st_size, files[i].length);
+        assert_int_equal(unlink(path), 0);
+    }
+    snprintf(aim, sizeof aim, "%s/aim", folder);
+    assert_int_equal(symlink(aim, path), 0);
+    assert_refused("a symbolic link", made, "symbolic link");
+    assert_int_equal(access(aim, F_OK), -1);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_refused("a pipe", made, "no EEPROM content");
+    assert_int_equal(unlink(path), 0);
+    ect_eeprom_t *eeprom = must_open(made);
+    assert_refused("in use", made, "another twin");
+    ect_eeprom_close(eeprom);
+}
+
+/* As a master does it: by the registers of the chip, over a power cycle of the chain and of the process. */
+static void written_by_a_master(void **state)
+{
+    (void)state;
+    uint8_t *made = calloc(1, testdev.sii_size);
+    assert_non_null(made);
+    for (unsigned int round = 0; round < 2; round++) {
+        ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+        wire_t w;
+        ect_eeprom_t *eeprom = ect_eeprom_open(path, made, testdev.sii_size, message);
+        assert_non_null(eeprom);
+        if (round > 0)
+            twin.sii = ect_eeprom_image(eeprom);
+        twin.sii_written = ect_eeprom_write;
+        twin.sii_ctx = eeprom;
+        wire_open_twins(&w, &twin, 1);
+        if (round == 0) {
+            const uint8_t command[] = {0x01, 0x02, 0x20, 0x00, 0x00, 0x00, 0xCD, 0xAB}; /* write word 0x20 */
+            assert_int_equal(wire_write(&w, 0, 0x0502, command, sizeof command), 1);
+            wire_advance(&w, 20 * MS);
+        }
+        assert_int_equal(ect_load_le16(ect_eeprom_image(eeprom) + 0x40), 0xABCD);
+        ect_chain_power_cycle(w.chain, w.now_ns);
+        wire_assign_stations(&w);
+        const uint8_t read[] = {0x00, 0x01, 0x20, 0x00, 0x00, 0x00};
+        assert_int_equal(wire_write(&w, 0, 0x0502, read, sizeof read), 1);
+        wire_advance(&w, 20 * MS);
+        assert_int_equal(wire_read16(&w, 0, 0x0508), 0xABCD);
+        wire_close(&w);
+        ect_eeprom_close(eeprom);
+    }
+    free(made);
+}
+
+int main(int argc, char **argv)
+{
+#define EEPROM_TEST(title, function) {title, function, NULL, remove_file, NULL}
+    const struct CMUnitTest tests[] = {
+        EEPROM_TEST("EEPROM file: what was written is there again", survives),
+        EEPROM_TEST("EEPROM file: a newer factory's words win, the master's others stay, the check value is right",
+                    newer_factory),
+        EEPROM_TEST("EEPROM file: a wrong check value stays as the master wrote it", bad_checksum_stays_bad),
+        EEPROM_TEST("EEPROM file: what is not its own is refused and left alone", refused),
+        EEPROM_TEST("CF-065: what a master writes to the EEPROM outlasts power cycle and process", written_by_a_master),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("EEPROM", tests, make_folder, remove_folder);
+}

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT */
+/* The files of a twin: what of a folder a master gets at, and what not. */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "bus/storage/files.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+static char folder[64], outside[64];
+static ect_files_t *files;
+static const ect_foe_t *foe;
+
+static const char *in(const char *name)
+{
+    static char path[400];
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static void put(const char *path, const char *content)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(content, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void expect_content(const char *path, const char *content)
+{
+    char got[64] = "nothing";
+    FILE *file = fopen(path, "r");
+    if (file) {
+        size_t length = fread(got, 1, sizeof got - 1, file);
+        got[length] = '\0';
+        (void)fclose(file);
+    }
+    if (strcmp(got, content) != 0)
+        fail_msg("%s: expected \"%s\", got \"%s\"", path, content, got);
+}
+
+static const ect_foe_t *entry_of(const ect_device_t *device)
+{
+    const ect_protocol_t *const *p = device->protocols;
+    while ((*p)->type != ECT_MAILBOX_TYPE_FOE)
+        p++;
+    return (const ect_foe_t *)(const void *)*p;
+}
+
+static int set_up(void **state)
+{
+    char message[ECT_FILES_MESSAGE];
+    (void)state;
+    (void)strcpy(folder, "/tmp/ectwin-files-XXXXXX");
+    (void)strcpy(outside, "/tmp/ectwin-outside-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    int fd = mkstemp(outside);
+    assert_true(fd >= 0);
+    (void)close(fd);
+    put(outside, "not yours");
+    put(in("data"), "hello");
+    put(in(".hidden"), "not yours either");
+    assert_int_equal(mkdir(in("sub"), 0700), 0);
+    put(in("sub/inner"), "nor this");
+    assert_int_equal(symlink(outside, in("link")), 0);
+    assert_int_equal(mkfifo(in("pipe"), 0600), 0);
+    files = ect_files_open(folder, &testdev, 0, message);
+    assert_non_null(files);
+    foe = entry_of(ect_files_device(files));
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    static const char *const names[] = {"data", ".hidden", "sub/inner", "link", "pipe", "new", "other"};
+    (void)state;
+    ect_files_close(files);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        (void)unlink(in(names[i]));
+    (void)rmdir(in("sub"));
+    (void)unlink(outside);
+    return rmdir(folder); /* fails if something was left behind */
+}
+
+static uint32_t open_name(const char *name, size_t length, bool write)
+{
+    const char *text = NULL;
+    const ect_foe_wish_t wish = {.name = name, .length = (uint16_t)length, .write = write, .state = ECT_STATE_PREOP};
+    return foe->open(foe, NULL, &wish, &text);
+}
+
+static uint32_t write_piece(uint32_t offset, const char *text, bool last)
+{
+    const char *why = NULL;
+    return foe->write(foe, NULL, offset, text, (uint16_t)strlen(text), last, &why);
+}
+
+static void names(void **state)
+{
+    static char longest[200];
+    static const struct {
+        const char *what, *name;
+        size_t length;
+        uint32_t read, write;
+    } table[] = {
+        {"a folder above", "../data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"the folder above", "..", 2, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"the folder itself", ".", 1, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"from the root", "/etc/passwd", 11, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a folder in it", "sub/inner", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"backslashes", "..\\data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"what is hidden", ".hidden", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a zero in it", "data\0../x", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a line's end", "data\n", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a blank", "my data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"beyond ASCII", "d\xC3\xA4ta", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"too long", longest, 129, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a folder", "sub", 3, ECT_FOE_ACCESS, ECT_FOE_ACCESS},
+        {"a link that leads out", "link", 4, ECT_FOE_ACCESS, ECT_FOE_ACCESS},
+        {"a pipe", "pipe", 4, ECT_FOE_ACCESS, ECT_FOE_ACCESS},
+        {"no file of that name", "new", 3, ECT_FOE_NOT_FOUND, ECT_FOE_OK},
+        {"the longest name", longest, 128, ECT_FOE_NOT_FOUND, ECT_FOE_OK},
+        {"a file", "data", 4, ECT_FOE_OK, ECT_FOE_OK},
+    };
+    (void)state;
+    memset(longest, 'n', sizeof longest);
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        uint32_t read = open_name(table[i].name, table[i].length, false);
+        foe->close(foe, NULL, false);
+        uint32_t write = open_name(table[i].name, table[i].length, true);
+        foe->close(foe, NULL, false);
+        if (read != table[i].read || write != table[i].write)
+            fail_msg("%s: expected 0x%X to read and 0x%X to write, got 0x%X and 0x%X", table[i].what, table[i].read,
+                     table[i].write, read, write);
+    }
+    expect_content(outside, "not yours");
+    expect_content(in("data"), "hello");
+    expect_content(in("new"), "nothing");
+}
+
+static void whole_or_not(void **state)
+{
+    (void)state;
+    assert_int_equal(open_name("data", 4, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(0, "good", false), ECT_FOE_OK);
+    expect_content(in("data"), "hello");
+    foe->close(foe, NULL, false);
+    expect_content(in("data"), "hello");
+    assert_int_equal(open_name("data", 4, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(0, "good", false), ECT_FOE_OK);
+    assert_int_equal(write_piece(4, "bye", true), ECT_FOE_OK);
+    foe->close(foe, NULL, true);
+    expect_content(in("data"), "goodbye");
+    assert_int_equal(open_name("new", 3, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(0, "", true), ECT_FOE_OK);
+    foe->close(foe, NULL, true);
+    expect_content(in("new"), "");
+}
+
+static void read_pieces(void **state)
+{
+    char data[8] = "";
+    uint16_t length = 3;
+    const char *text = NULL;
+    (void)state;
+    assert_int_equal(open_name("data", 4, false), ECT_FOE_OK);
+    assert_int_equal(foe->read(foe, NULL, 0, data, &length, &text), ECT_FOE_OK);
+    assert_int_equal(length, 3);
+    assert_memory_equal(data, "hel", 3);
+    assert_int_equal(foe->read(foe, NULL, 3, data, &length, &text), ECT_FOE_OK);
+    assert_int_equal(length, 2);
+    assert_memory_equal(data, "lo", 2);
+    foe->close(foe, NULL, true);
+}
+
+static void too_large(void **state)
+{
+    (void)state;
+    assert_int_equal(open_name("new", 3, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(ECT_FILES_MOST - 4, "1234", false), ECT_FOE_OK); /* a hole: no disk is filled */
+    assert_int_equal(write_piece(ECT_FILES_MOST - 3, "1234", false), ECT_FOE_DISK_FULL);
+    expect_content(in("new"), "nothing");
+}
+
+/* What another master, or a user, does meanwhile. */
+static void meanwhile(void **state)
+{
+    (void)state;
+    assert_int_equal(open_name("new", 3, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(0, "good", false), ECT_FOE_OK);
+    assert_int_equal(unlink(in(".new.part")), 0);
+    assert_int_equal(symlink(outside, in(".new.part")), 0);
+    assert_int_equal(write_piece(4, "bye", true),
+                     ECT_FOE_OK); /* the link gets the name: what it leads to is as before */
+    foe->close(foe, NULL, true);
+    expect_content(outside, "not yours");
+    assert_int_equal(open_name("new", 3, false), ECT_FOE_ACCESS);
+    assert_int_equal(symlink(outside, in(".other.part")), 0);
+    assert_int_equal(open_name("other", 5, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(0, "mine", true), ECT_FOE_OK);
+    foe->close(foe, NULL, true);
+    expect_content(in("other"), "mine");
+    expect_content(outside, "not yours");
+}
+
+static void refused_devices(void **state)
+{
+    char message[ECT_FILES_MESSAGE];
+    ect_device_t none = testdev;
+    (void)state;
+    none.mailbox_protocols = 0;
+    assert_null(ect_files_open(folder, &none, 0, message));
+    assert_non_null(strstr(message, "it has no mailbox"));
+    assert_null(ect_files_open(folder, ect_files_device(files), 0, message));
+    assert_non_null(strstr(message, "it has files of its own"));
+    assert_null(ect_files_open("/no/such/folder", &testdev, 0, message));
+    assert_non_null(strstr(message, "cannot open the folder '/no/such/folder'"));
+}
+
+/* The twin as a master finds it: protocol in the SII, mailboxes for BOOT, a password. */
+static void over_the_wire(void **state)
+{
+    char message[ECT_FILES_MESSAGE];
+    uint8_t mail[128] = {10, 0, 0, 0, 0, 0x14, 1, 0, 5, 0, 0, 0, 'd', 'a', 't', 'a'};
+    wire_t w;
+    (void)state;
+    ect_files_t *locked = ect_files_open(folder, &testdev, 5, message);
+    assert_non_null(locked);
+    wire_open_one(&w, ect_files_device(locked));
+    wire_configure_mailbox(&w, 0);
+    assert_int_equal(wire_al(&w, 0, ECT_STATE_BOOT, NULL), ECT_STATE_BOOT);
+    assert_int_equal(wire_write(&w, 0, 0x1000, mail, sizeof mail), 1);
+    uint8_t answer[128];
+    assert_int_equal(wire_read(&w, 0, 0x1080, answer, sizeof answer), 1);
+    assert_memory_equal(answer + 6, "\3\0\1\0\0\0hello", 11);
+    mail[5] = 0x24;
+    mail[8] = 6;
+    assert_int_equal(wire_write(&w, 0, 0x1000, mail, sizeof mail), 1);
+    assert_int_equal(wire_read(&w, 0, 0x1080, answer, sizeof answer), 1);
+    assert_memory_equal(answer + 6, "\5\0\2\x80\0\0", 6);
+    wire_close(&w);
+    ect_files_close(locked);
+}
+
+int main(void)
+{
+#define TEST(title, function) {title, function, set_up, tear_down, NULL}
+    const struct CMUnitTest tests[] = {
+        TEST("Attack: names that lead out of the folder, or to what is no file, are refused", names),
+        TEST("Files: what is written counts when it is whole; what was there stays until then", whole_or_not),
+        TEST("Files: they are read piece by piece", read_pieces),
+        TEST("Attack: a file without end fills no disk", too_large),
+        TEST("Attack: links that come up meanwhile are not followed", meanwhile),
+        TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),
+        TEST("Files: a twin offers them in every state, BOOT among them, to who knows the password", over_the_wire),
+    };
+    return cmocka_run_group_tests_name("files", tests, NULL, NULL);
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/* What a twin saves on a PC, and what becomes of it when others touch the files (memory.h). */
+#define _GNU_SOURCE
+#include "bus/storage/memory.h"
+
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "seams/record.h"
+
+#define MAGIC 0x54534554u
+
+static char work[64];
+
+static int make_work(void **state)
+{
+    (void)state;
+    strcpy(work, "/tmp/test-ectwin-XXXXXX");
+    return mkdtemp(work) && chdir(work) == 0 ? 0 : -1;
+}
+
+static int remove_work(void **state)
+{
+    char command[96];
+    (void)state;
+    snprintf(command, sizeof command, "rm -rf '%s'", work);
+    return system(command) == 0 ? 0 : -1;
+}
+
+static ect_memory_t *must_open(const char *path)
+{
+    char message[ECT_MEMORY_MESSAGE];
+    ect_memory_t *memory = ect_memory_open(path, message);
+    if (!memory || *message)
+        fail_msg("%s", message);
+    return memory;
+}
+
+static void expect_refused(const char *path, const char *why)
+{
+    char message[ECT_MEMORY_MESSAGE];
+    ect_memory_t *memory = ect_memory_open(path, message);
+    if (memory || !strstr(message, why))
+        fail_msg("%s: expected a refusal with '%s', got '%s'", path, why, memory ? "none" : message);
+}
+
+/* @return whether it was saved */
+static bool save(const ect_memory_t *memory, const void *data, uint32_t size)
+{
+    ect_record_t newest, record;
+    if (ect_record_find(ect_memory_storage(memory), MAGIC, &newest) < 0)
+        return false;
+    return ect_record_begin(&record, &newest) && ect_record_put(&record, data, size) &&
+           ect_record_commit(&record, MAGIC);
+}
+
+static void expect_saved(const ect_memory_t *memory, const char *want)
+{
+    char got[64] = "";
+    ect_record_t record;
+    int found = ect_record_find(ect_memory_storage(memory), MAGIC, &record);
+    if (found > 0)
+        assert_true(ect_record_get(&record, 0, got, record.length < sizeof got ? record.length : sizeof got));
+    assert_string_equal(found > 0 ? got : "none", want);
+}
+
+static void keeps(void **state)
+{
+    (void)state;
+    ect_memory_t *memory = must_open("keeps");
+    expect_saved(memory, "none");
+    assert_true(save(memory, "one", 4));
+    assert_true(save(memory, "two", 4));
+    expect_saved(memory, "two");
+    ect_memory_close(memory);
+    memory = must_open("keeps");
+    expect_saved(memory, "two");
+    ect_memory_close(memory);
+}
+
+static void without_files(void **state)
+{
+    (void)state;
+    ect_memory_t *memory = must_open(NULL);
+    assert_true(save(memory, "one", 4));
+    expect_saved(memory, "one");
+    ect_memory_close(memory);
+    ect_memory_close(NULL);
+}
+
+static void write_file(const char *name, const void *data, size_t size, size_t length)
+{
+    int fd = open(name, O_CREAT | O_TRUNC | O_WRONLY, 0600);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, data, size), (ssize_t)size);
+    assert_int_equal(ftruncate(fd, (off_t)length), 0);
+    close(fd);
+}
+
+static off_t size_of(const char *name)
+{
+    struct stat info;
+    return lstat(name, &info) == 0 ? info.st_size : -1;
+}
+
+static void foreign_files(void **state)
+{
+    (void)state;
+    static const size_t sizes[] = {1, 100, ECT_MEMORY_BANK, ECT_MEMORY_BANK + 32, ECT_MEMORY_BANK + 33};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        write_file("foreign.0", "M", 1, sizes[i]);
+        expect_refused("foreign", "not what a twin has saved");
+        assert_int_equal(size_of("foreign.0"), sizes[i]);
+        assert_int_equal(size_of("foreign.1"), -1);
+    }
+    ect_memory_close(must_open("second"));
+    write_file("second.1", "M", 1, 100);
+    expect_refused("second", "'second.1'");
+    assert_int_equal(size_of("second.1"), 100);
+}
+
+static void links_and_devices(void **state)
+{
+    (void)state;
+    write_file("precious", "x", 1, 1);
+    assert_int_equal(symlink("precious", "link.0"), 0);
+    expect_refused("link", "it is a link");
+    assert_int_equal(size_of("precious"), 1);
+    assert_int_equal(symlink("nowhere", "dangling.0"), 0);
+    expect_refused("dangling", "it is a link");
+    assert_int_equal(size_of("nowhere"), -1);
+    assert_int_equal(mkfifo("fifo.0", 0600), 0);
+    expect_refused("fifo", "not a regular file");
+    assert_int_equal(mkdir("folder.0", 0700), 0);
+    expect_refused("folder", "directory");
+    expect_refused("no/such/folder/x", "No such file");
+    char name[ECT_MEMORY_PATH + 1];
+    memset(name, 'x', sizeof name - 1);
+    name[sizeof name - 1] = 0;
+    expect_refused(name, "too long");
+}
+
+static void one_twin_each(void **state)
+{
+    (void)state;
+    ect_memory_t *memory = must_open("locked");
+    expect_refused("locked", "another twin uses it");
+    assert_true(save(memory, "one", 4));
+    ect_memory_close(memory);
+    memory = must_open("locked");
+    expect_saved(memory, "one");
+    ect_memory_close(memory);
+}
+
+/* A mapping of a file that is cut ends the process; what is kept of it does not change. */
+static void cut_while_it_runs(void **state)
+{
+    (void)state;
+    ect_memory_t *memory = must_open("cut");
+    assert_true(save(memory, "one", 4));
+    for (int bank = 0; bank < 2; bank++)
+        assert_int_equal(truncate(bank == 0 ? "cut.0" : "cut.1", 0), 0);
+    expect_saved(memory, "one");
+    assert_false(save(memory, "two", 4));
+    ect_memory_close(memory);
+}
+
+static void deleted_while_it_runs(void **state)
+{
+    (void)state;
+    ect_memory_t *memory = must_open("deleted");
+    assert_true(save(memory, "one", 4));
+    assert_int_equal(unlink("deleted.0"), 0);
+    assert_int_equal(unlink("deleted.1"), 0);
+    expect_saved(memory, "one");
+    assert_false(save(memory, "two", 4));
+    ect_memory_close(memory);
+}
+
+static void overwrite(const char *name, off_t offset, const char *text)
+{
+    int fd = open(name, O_WRONLY);
+    assert_true(fd >= 0);
+    assert_int_equal(pwrite(fd, text, strlen(text), offset), (ssize_t)strlen(text));
+    close(fd);
+}
+
+/* The newest record is in the bank that the second save went to. */
+static void damaged(void **state)
+{
+    char message[ECT_MEMORY_MESSAGE], other[64];
+    (void)state;
+    for (unsigned int n = 1; n <= 20; n++) {
+        ect_memory_t *memory = n == 1 ? must_open("damaged") : ect_memory_open("damaged", message);
+        if (!memory)
+            fail_msg("%s", message);
+        assert_true(save(memory, "one", 4));
+        assert_true(save(memory, "two", 4));
+        ect_record_t newest;
+        assert_int_equal(ect_record_find(ect_memory_storage(memory), MAGIC, &newest), 1);
+        unsigned int bank = newest.bank;
+        ect_memory_close(memory);
+        overwrite(bank == 0 ? "damaged.0" : "damaged.1", 32 + ECT_RECORD_HEADER, "XXX");
+        unsigned int copies = 0;
+        for (unsigned int k = 1; k <= 9; k++) {
+            snprintf(other, sizeof other, "damaged.%u.damaged%u", bank, k);
+            copies += size_of(other) >= 0;
+        }
+        if (copies == 9) {
+            expect_refused("damaged", "nine others");
+            return;
+        }
+        memory = ect_memory_open("damaged", message);
+        assert_non_null(memory);
+        assert_non_null(strstr(message, "holds no whole record, it is kept as 'damaged."));
+        expect_saved(memory, "one"); /* the record before */
+        ect_memory_close(memory);
+        snprintf(other, sizeof other, "damaged.%u.damaged%u", bank, copies + 1);
+        assert_int_equal(size_of(other), ECT_MEMORY_BANK + 32);
+        memory = must_open("damaged"); /* told once */
+        ect_memory_close(memory);
+    }
+    fail_msg("nine copies were never reached");
+}
+
+/* A length beyond the bank, all ones, text: no header that is read as one. */
+static void damaged_headers(void **state)
+{
+    static const char *const headers[] = {"\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff",
+                                          "TEST\x01\x01\x01\x01\xff\xff\xff\x7f", "hello, world!"};
+    char message[ECT_MEMORY_MESSAGE];
+    (void)state;
+    for (size_t i = 0; i < sizeof headers / sizeof headers[0]; i++) {
+        ect_memory_close(must_open("header"));
+        overwrite("header.0", 32, headers[i]);
+        ect_memory_t *memory = ect_memory_open("header", message);
+        assert_non_null(memory);
+        assert_non_null(strstr(message, "holds no whole record"));
+        expect_saved(memory, "none");
+        assert_true(save(memory, "one", 4));
+        ect_memory_close(memory);
+        memory = must_open("header");
+        expect_saved(memory, "one");
+        ect_memory_close(memory);
+        assert_int_equal(unlink("header.0"), 0);
+        assert_int_equal(unlink("header.1"), 0);
+    }
+}
+
+static void largest_record(void **state)
+{
+    static uint8_t data[ECT_MEMORY_BANK - ECT_RECORD_HEADER + 1];
+    ect_record_t record;
+    (void)state;
+    memset(data, 0x5A, sizeof data);
+    ect_memory_t *memory = must_open("largest");
+    assert_false(save(memory, data, sizeof data));
+    assert_true(save(memory, data, sizeof data - 1));
+    ect_memory_close(memory);
+    memory = must_open("largest");
+    assert_int_equal(ect_record_find(ect_memory_storage(memory), MAGIC, &record), 1);
+    assert_int_equal(record.length, sizeof data - 1);
+    ect_memory_close(memory);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"What is saved is there the next time", keeps, NULL, NULL, NULL},
+        {"Without a path it lasts as long as the process", without_files, NULL, NULL, NULL},
+        {"Attack: a file that no twin has made is refused, and stays as it is", foreign_files, NULL, NULL, NULL},
+        {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
+        {"A second twin on the same files is refused", one_twin_each, NULL, NULL, NULL},
+        {"Attack: a file that is cut while it runs: no crash, the next save fails", cut_while_it_runs, NULL, NULL,
+         NULL},
+        {"A file that is deleted while it runs: the next save fails", deleted_while_it_runs, NULL, NULL, NULL},
+        {"A damaged record is told and kept aside, the one before is used", damaged, NULL, NULL, NULL},
+        {"Attack: headers that make no sense", damaged_headers, NULL, NULL, NULL},
+        {"A record fills the bank to its last byte, and no further", largest_record, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Memory", tests, make_work, remove_work);
+}

@@ -1,0 +1,694 @@
+/* SPDX-License-Identifier: MIT */
+/* The event loop (runner.h): in what order it does things, what it waits for. No interface, no wall clock: a socket
+ * pair is the wire, and the linker leads the loop's waiting and serving through here (tests/CMakeLists.txt). */
+#define _GNU_SOURCE
+#include "bus/runner.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "bus/chain/catalogue.h"
+#include "support/wire.h"
+
+enum { ROOM = 65536, LOG = 4096 };
+
+typedef struct bench bench_t;
+
+/* What the test does before the loop waits for the n-th time. */
+typedef void script_t(bench_t *b, unsigned int n, const struct timespec *limit);
+
+struct bench {
+    wire_t wire;
+    ect_runner_t runner;
+    ect_packet_t port;
+    int master; /* the other end of the wire */
+    char folder[64];
+    script_t *script;
+    unsigned int waits;
+    char order[LOG]; /* F: a frame was answered, C: the control socket was served, M: a Modbus client */
+    size_t logged;
+    unsigned int serve_late_ns;
+    uint64_t clock_ns;      /* what the loop takes for the time, once it is not zero, */
+    uint64_t clock_step_ns; /* which goes on by that with each look at it */
+};
+
+static bench_t *running;
+
+int __real_clock_gettime(clockid_t clock, struct timespec *time);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
+ssize_t __real_send(int fd, const void *data, size_t size, int flags);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
+{
+    if (!running || running->clock_ns == 0)
+        return __real_clock_gettime(clock, time);
+    running->clock_ns += running->clock_step_ns;
+    *time = (struct timespec){.tv_sec = (time_t)(running->clock_ns / 1000000000u),
+                              .tv_nsec = (long)(running->clock_ns % 1000000000u)};
+    return 0;
+}
+
+ssize_t __wrap_send(int fd, const void *data, size_t size, int flags);
+int __real_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask);
+int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask);
+void __real_ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+
+void __real_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns);
+
+static void note(char what)
+{
+    assert_true(running->logged + 1 < LOG);
+    running->order[running->logged++] = what;
+}
+
+ssize_t __wrap_send(int fd, const void *data, size_t size, int flags)
+{
+    if (running && fd == running->port.fd)
+        note('F');
+    return __real_send(fd, data, size, flags);
+}
+
+int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask)
+{
+    static const struct timespec at_once = {0}, too_long = {.tv_sec = 10};
+    running->script(running, running->waits++, limit);
+    int ready = __real_ppoll(fds, count, limit ? &at_once : &too_long, mask);
+    if (ready == 0 && !limit)
+        fail_msg("nothing wakes the loop");
+    return ready;
+}
+
+void __wrap_ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns)
+{
+    const struct timespec late = {.tv_nsec = running->serve_late_ns};
+    note('C');
+    __real_ect_control_serve(control, chain, now_ns);
+    (void)nanosleep(&late, NULL);
+}
+
+void __wrap_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns)
+{
+    note('M');
+    __real_ect_modbus_server_serve(server, chain, now_ns);
+}
+
+static bool stop(void *ctx, int signal_number, bool from_terminal)
+{
+    (void)ctx;
+    (void)signal_number;
+    (void)from_terminal;
+    return false;
+}
+
+static void circling(void *ctx, const char *iface)
+{
+    (void)ctx;
+    fail_msg("%s: circling", iface);
+}
+
+static void open_bench(bench_t *b, const char *device, size_t count)
+{
+    ect_twin_config_t twins[16];
+    char message[ECT_ENDPOINT_MESSAGE];
+    int wire[2];
+    sigset_t signals;
+    const ect_product_t *product = ect_catalogue_find(device);
+    memset(b, 0, sizeof *b);
+    for (size_t i = 0; i < count; i++)
+        twins[i] = ect_twin_default(product->device, product->plant);
+    b->wire.now_ns = ect_packet_now();
+    b->wire.chain = ect_chain_new(twins, count, b->wire.now_ns);
+    strcpy(b->folder, "/tmp/test-ectwin-XXXXXX");
+    assert_non_null(mkdtemp(b->folder));
+    setenv("XDG_RUNTIME_DIR", b->folder, 1);
+    assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, wire), 0);
+    b->port.fd = wire[0];
+    b->port.tagged_fd = -1;
+    b->master = wire[1];
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGUSR1);
+    sigprocmask(SIG_BLOCK, &signals, NULL);
+    b->runner = (ect_runner_t){.ports = {&b->port},
+                               .chain = b->wire.chain,
+                               .control = ect_control_open(message),
+                               .signal_fd = signalfd(-1, &signals, SFD_NONBLOCK),
+                               .link_fd = -1,
+                               .on_signal = stop,
+                               .on_circling = circling};
+    assert_non_null(b->runner.control);
+    assert_true(b->runner.signal_fd >= 0);
+}
+
+static void run(bench_t *b, script_t *script)
+{
+    b->script = script;
+    running = b;
+    assert_int_equal(ect_runner_run(&b->runner), 0);
+    running = NULL;
+}
+
+static void close_bench(bench_t *b)
+{
+    char command[96];
+    ect_control_close(b->runner.control);
+    ect_modbus_server_close(b->runner.modbus);
+    ect_chain_free(b->wire.chain);
+    close(b->runner.signal_fd);
+    close(b->port.fd);
+    close(b->master);
+    snprintf(command, sizeof command, "rm -rf '%s'", b->folder);
+    assert_int_equal(system(command), 0);
+}
+
+static int connect_client(const bench_t *b)
+{
+    uid_t owner;
+    int fd = ect_endpoint_connect(ect_control_path(b->runner.control), &owner);
+    assert_true(fd >= 0);
+    assert_int_equal(fcntl(fd, F_SETFL, O_NONBLOCK), 0);
+    return fd;
+}
+
+static void say(int fd, const char *text)
+{
+    assert_int_equal(write(fd, text, strlen(text)), (ssize_t)strlen(text));
+}
+
+static void send_frame(bench_t *b)
+{
+    wire_build(&b->wire, BRD, 0, 0x0130, "\0", 1);
+    assert_int_equal(__real_send(b->master, b->wire.frame, b->wire.frame_length, 0), (ssize_t)b->wire.frame_length);
+}
+
+/* --- frames first ------------------------------------------------------------------------------------------------- */
+
+enum { FRAMES = 100, IN_A_ROW = 8 };
+
+static void until_all_answered(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (b->runner.stats.frames == FRAMES || n > 100 * FRAMES)
+        (void)raise(SIGUSR1);
+}
+
+/* All frames and all requests are there from the first moment on. */
+static void frames_first(void **state)
+{
+    int fds[ECT_CONTROL_CLIENTS];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 12);
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        fds[i] = connect_client(&b);
+        for (unsigned int n = 0; n < 40; n++)
+            say(fds[i], "{\"op\":\"list\",\"slave\":0}\n");
+    }
+    for (unsigned int i = 0; i < FRAMES; i++)
+        send_frame(&b);
+    run(&b, until_all_answered);
+    assert_int_equal(b.runner.stats.frames, FRAMES);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    unsigned int since = 0, frames = 0, served = 0;
+    for (size_t i = 0; i < b.logged && frames < FRAMES; i++) {
+        if (b.order[i] == 'C' && since < IN_A_ROW)
+            fail_msg("served after %u frames, %u to come: %s", frames, FRAMES - frames, b.order);
+        served += b.order[i] == 'C';
+        since = b.order[i] == 'C' ? 0 : since + 1;
+        frames += b.order[i] == 'F';
+    }
+    assert_int_equal(served, FRAMES / IN_A_ROW); /* and nobody starves */
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++)
+        close(fds[i]);
+    close_bench(&b);
+}
+
+/* Frame after frame with a client at work: between two of them it is served once, whatever it asked for. */
+static void one_frame_at_a_time(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n % 2 == 0)
+        send_frame(b);
+    if (b->runner.stats.frames == FRAMES)
+        (void)raise(SIGUSR1);
+}
+
+static void once_between_frames(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 12);
+    int fd = connect_client(&b);
+    for (unsigned int n = 0; n < 40; n++)
+        say(fd, "{\"op\":\"list\",\"slave\":0}\n");
+    run(&b, one_frame_at_a_time);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    if (strstr(b.order, "CC"))
+        fail_msg("served twice while a frame waited: %s", b.order);
+    assert_non_null(strstr(b.order, "FCFC"));
+    close(fd);
+    close_bench(&b);
+}
+
+/* Between two pieces of work the loop rests: clients alone never keep the processor busy. */
+static void until_frames_are_over(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    if (n > 0 && strchr(b->order, 'C'))
+        assert_non_null(limit); /* it will look at the clients again */
+    one_frame_at_a_time(b, n, limit);
+}
+
+static void rests(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
+    int fd = connect_client(&b);
+    say(fd, "{\"op\":\"list\"}\n");
+    run(&b, until_frames_are_over);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    const char *once = strchr(b.order, 'C');
+    assert_non_null(once);
+    assert_null(strchr(once + 1, 'C'));
+    close(fd);
+    close_bench(&b);
+}
+
+/* --- Modbus ------------------------------------------------------------------------------------------------------- */
+
+enum { REQUESTS = 60 };
+
+/* One who has connected and asked so often. */
+static int ask_over_modbus(bench_t *b)
+{
+    static const uint8_t request[] = {0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 33};
+    char message[ECT_MODBUS_MESSAGE];
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    socklen_t size = sizeof at;
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0), client = socket(AF_UNIX, SOCK_STREAM, 0);
+    assert_int_equal(bind(fd, (struct sockaddr *)&at, sizeof at.sun_family), 0);
+    assert_int_equal(listen(fd, 8), 0);
+    assert_int_equal(getsockname(fd, (struct sockaddr *)&at, &size), 0);
+    assert_int_equal(connect(client, (struct sockaddr *)&at, size), 0);
+    b->runner.modbus = ect_modbus_server_at(fd, message);
+    if (!b->runner.modbus)
+        fail_msg("%s", message);
+    for (unsigned int i = 0; i < REQUESTS; i++)
+        assert_int_equal(write(client, request, sizeof request), sizeof request);
+    return client;
+}
+
+static unsigned int count_of(const bench_t *b, char what)
+{
+    unsigned int count = 0;
+    for (size_t i = 0; i < b->logged; i++)
+        count += b->order[i] == what;
+    return count;
+}
+
+static void frames_before_modbus(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int client = ask_over_modbus(&b);
+    for (unsigned int i = 0; i < FRAMES; i++)
+        send_frame(&b);
+    run(&b, until_all_answered);
+    unsigned int since = 0, frames = 0;
+    for (size_t i = 0; i < b.logged && frames < FRAMES; i++) {
+        if (b.order[i] == 'M' && since < IN_A_ROW)
+            fail_msg("served after %u frames, %u to come: %s", frames, FRAMES - frames, b.order);
+        since = b.order[i] == 'M' ? 0 : since + 1;
+        frames += b.order[i] == 'F';
+    }
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_true(count_of(&b, 'M') >= FRAMES / IN_A_ROW); /* and it does not starve */
+    close(client);
+    close_bench(&b);
+}
+
+static void until_both_were_served(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (count_of(b, 'M') >= 20 || n > 1000)
+        (void)raise(SIGUSR1);
+}
+
+static void both_kinds_of_clients(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int client = ask_over_modbus(&b), user = connect_client(&b);
+    for (unsigned int n = 0; n < 40; n++)
+        say(user, "{\"op\":\"list\",\"slave\":0}\n");
+    run(&b, until_both_were_served);
+    if (strstr(b.order, "MM") || strstr(b.order, "CC"))
+        fail_msg("not in turn: %s", b.order);
+    close(client);
+    close(user);
+    close_bench(&b);
+}
+
+static void until_modbus_was_served(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    if (n > 0 && strchr(b->order, 'M'))
+        assert_non_null(limit);
+    one_frame_at_a_time(b, n, limit);
+}
+
+static void rests_from_modbus(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
+    int client = ask_over_modbus(&b);
+    run(&b, until_modbus_was_served);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(count_of(&b, 'M'), 1);
+    close(client);
+    close_bench(&b);
+}
+
+/* --- frames in a row ---------------------------------------------------------------------------------------------- */
+
+enum { LOOKS = 16, ALONE_US = 500 };
+
+static int watcher;
+static struct look {
+    size_t frames;
+    uint64_t at_ns;
+} looks[LOOKS];
+static unsigned int look_count;
+
+/* Frames are there from the first moment on. What the loop has answered when it looks at others, for the n-th time. */
+static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
+        send_frame(b);
+    assert_true(n < LOOKS);
+    looks[n] = (struct look){b->runner.stats.frames, b->clock_ns};
+    look_count = n + 1;
+    if (b->runner.stats.frames < FRAMES && n > 0)
+        assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0); /* a look, no rest */
+    if (b->runner.stats.frames == FRAMES)
+        (void)raise(SIGUSR1);
+}
+
+static void open_patient_bench(bench_t *b)
+{
+    const struct timeval patience = {.tv_usec = 1000};
+    open_bench(b, "fzm1", 1); /* an FZM1 that does nothing asks for no time */
+    assert_int_equal(fcntl(b->port.fd, F_SETFL, 0), 0);
+    assert_int_equal(setsockopt(b->port.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
+    b->port.patience_ns = 20 * MS;
+}
+
+static void waits_where_it_receives(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_patient_bench(&b);
+    b.clock_ns = ect_packet_now();
+    b.clock_step_ns = 15000;
+    run(&b, flood);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(looks[0].frames, 0);
+    assert_true(look_count > 4);
+    for (unsigned int n = 2; n + 1 < look_count; n++) { /* the last one: none came for a while */
+        uint64_t us = (looks[n].at_ns - looks[n - 1].at_ns) / 1000;
+        if (looks[n].frames < looks[n - 1].frames + IN_A_ROW || us > ALONE_US + 100)
+            fail_msg("look %u: expected more than %u frames and %u us since the last one, got %zu and %u", n, IN_A_ROW,
+                     ALONE_US, looks[n].frames - looks[n - 1].frames, (unsigned int)us);
+    }
+    close_bench(&b);
+}
+
+/* With a client at work nobody waits where only a frame can end it. */
+static void flood_with_client(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0) {
+        watcher = connect_client(b);
+        for (unsigned int i = 0; i < 40; i++)
+            say(watcher, "{\"op\":\"list\",\"slave\":0}\n");
+    }
+    if (b->runner.stats.frames < FRAMES && n % 2 == 0)
+        send_frame(b);
+    if (b->runner.stats.frames == FRAMES || n > 100 * FRAMES)
+        (void)raise(SIGUSR1);
+}
+
+static void clients_between_frames_in_a_row(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_patient_bench(&b);
+    run(&b, flood_with_client);
+    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_non_null(strstr(b.order, "FCF"));
+    close(watcher);
+    close_bench(&b);
+}
+
+/* Nothing rests, but the devices run and a signal ends it. */
+static void spin(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0);
+    if (n == 0 || n == 3)
+        send_frame(b);
+    if (b->runner.stats.frames == 2)
+        (void)raise(SIGUSR1);
+}
+
+static void never_rests(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    b.runner.busy_poll = true;
+    run(&b, spin);
+    assert_int_equal(b.runner.stats.answered, 2);
+    close_bench(&b);
+}
+
+/* --- frames that are too long ------------------------------------------------------------------------------------- */
+
+enum { LONG = 9000 }; /* jumbo frames: an interface may be set to take them */
+
+static void send_long_frame(bench_t *b)
+{
+    static uint8_t frame[LONG];
+    memset(frame, 0xFF, sizeof frame);
+    wire_build(&b->wire, BRD, 0, 0, "\0", 1);
+    memcpy(frame, b->wire.frame, 16);
+    assert_int_equal(__real_send(b->master, frame, sizeof frame, 0), LONG);
+}
+
+static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0)
+        send_long_frame(b);
+    if (b->runner.stats.frames == 1 || n > 100)
+        (void)raise(SIGUSR1);
+}
+
+/* With a fault that touches bytes of each frame; from the far end, where nobody would process it on its way. */
+static void too_long(void **state)
+{
+    static ect_scenario_t scenario;
+    char message[ECT_FAULT_MESSAGE];
+    uint8_t answer[64];
+    (void)state;
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        bench_t b;
+        scenario = (ect_scenario_t){.seed = 1};
+        assert_true(ect_scenario_read(&scenario, "corrupt", message));
+        open_bench(&b, "fzm1", 2);
+        if (end == ECT_END_OUT)
+            b.runner.ports[ECT_END_IN] = NULL;
+        b.runner.ports[end] = &b.port;
+        b.runner.scenario = &scenario;
+        run(&b, from_end);
+        assert_int_equal(b.runner.stats.frames, 1);
+        assert_int_equal(b.runner.stats.unanswered, 1);
+        assert_int_equal(b.runner.stats.answered, 0);
+        assert_int_equal(recv(b.master, answer, sizeof answer, MSG_DONTWAIT), -1);
+        if (end == ECT_END_IN)
+            assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1);
+        close_bench(&b);
+    }
+}
+
+static void behind_another(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0) {
+        send_frame(b);
+        send_long_frame(b);
+    }
+    if (b->runner.stats.frames == 2 || n > 100)
+        (void)raise(SIGUSR1);
+}
+
+/* A frame that is lost before it comes to the wire on which more was to happen to it. */
+static void nothing_is_left_over(void **state)
+{
+    static ect_scenario_t scenario;
+    char message[ECT_FAULT_MESSAGE];
+    (void)state;
+    for (uint32_t seed = 1; seed <= 16; seed++) {
+        bench_t b;
+        scenario = (ect_scenario_t){.seed = seed};
+        assert_true(ect_scenario_read(&scenario, "drop frame 1", message));
+        assert_true(ect_scenario_read(&scenario, "drop frame 1 wire 1", message));
+        open_bench(&b, "fzm1", 2);
+        b.runner.scenario = &scenario;
+        run(&b, behind_another);
+        assert_int_equal(b.runner.stats.dropped, 1);
+        assert_int_equal(b.runner.stats.unanswered, 1);
+        assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1); /* the long one has arrived */
+        close_bench(&b);
+    }
+}
+
+/* --- watching ----------------------------------------------------------------------------------------------------- */
+
+static uint64_t limit_of(const struct timespec *limit)
+{
+    return limit ? (uint64_t)limit->tv_sec * 1000000000u + (uint64_t)limit->tv_nsec : ECT_NEVER;
+}
+
+/* Whether the clients have nothing to be done for them at this moment. */
+static bool at_rest(const bench_t *b)
+{
+    struct pollfd fd = {.fd = ect_control_fd(b->runner.control), .events = POLLIN};
+    return poll(&fd, 1, 0) == 0 && ect_control_due(b->runner.control) > ect_packet_now();
+}
+
+static unsigned int step;
+
+/* Nothing but the watcher makes the loop wake up: an FZM1 that does nothing asks for no time. */
+static void expect_rounds(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    char answer[1024];
+    (void)n;
+    if (!at_rest(b))
+        return;
+    switch (step++) {
+    case 0:
+        assert_true(limit_of(limit) == ECT_NEVER);
+        watcher = connect_client(b);
+        say(watcher, "{\"op\":\"watch\",\"pattern\":\"busy\"}\n");
+        return;
+    case 1:
+    case 2:
+        assert_true(limit_of(limit) <= 10 * MS);
+        return;
+    case 3:
+        assert_true(read(watcher, answer, sizeof answer) > 0);
+        close(watcher);
+        return;
+    default:
+        assert_true(limit_of(limit) == ECT_NEVER);
+        (void)raise(SIGUSR1);
+    }
+}
+
+static void report_deadline(void **state)
+{
+    bench_t b;
+    (void)state;
+    step = 0;
+    open_bench(&b, "fzm1", 1);
+    run(&b, expect_rounds);
+    assert_int_equal(step, 5);
+    close_bench(&b);
+}
+
+static void a_short_measurement(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)n;
+    (void)limit;
+    if (!at_rest(b) || b->runner.deadline_ns <= ect_packet_now())
+        return;
+    switch (step++) {
+    case 0:
+        watcher = connect_client(b);
+        say(watcher, "{\"op\":\"watch\",\"pattern\":\"busy\",\"every\":true}\n");
+        return;
+    case 1:
+        say(watcher, "{\"op\":\"set\",\"values\":{\"image_input\":100,\"processing\":150,\"trigger\":1}}\n");
+        return;
+    default:
+        (void)raise(SIGUSR1);
+    }
+}
+
+/* The loop comes back 5 ms after a trigger that begins and ends a measurement within 250 us. */
+static void late_loop(void **state)
+{
+    char answer[ROOM];
+    double on, off;
+    bench_t b;
+    (void)state;
+    step = 0;
+    open_bench(&b, "fzm1", 1);
+    b.serve_late_ns = 5 * MS;
+    run(&b, a_short_measurement);
+    ssize_t got = read(watcher, answer, sizeof answer - 1);
+    assert_true(got > 0);
+    answer[got] = 0;
+    const char *rise = strstr(answer, "\"value\":1,\"time\":");
+    const char *fall = rise ? strstr(rise, "\"value\":0,\"time\":") : NULL;
+    if (!fall)
+        fail_msg("BUSY was not seen: %s", answer);
+    assert_int_equal(sscanf(rise, "\"value\":1,\"time\":%lf", &on), 1);
+    assert_int_equal(sscanf(fall, "\"value\":0,\"time\":%lf", &off), 1);
+    assert_true(off - on > 248e-6 && off - on < 252e-6);
+    close(watcher);
+    close_bench(&b);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"Attack: 100 frames and 640 requests wait: 8 frames are answered before a client is served", frames_first,
+         NULL, NULL, NULL},
+        {"Attack: a client is served once between two frames", once_between_frames, NULL, NULL, NULL},
+        {"Attack: clients do not keep the processor busy: there is a rest after each piece of work", rests, NULL, NULL,
+         NULL},
+        {"Attack: 100 frames and 60 Modbus requests wait: 8 frames are answered before a client is served",
+         frames_before_modbus, NULL, NULL, NULL},
+        {"Modbus clients and users of the control socket are served in turn", both_kinds_of_clients, NULL, NULL, NULL},
+        {"Attack: Modbus clients do not keep the processor busy: there is a rest after each request", rests_from_modbus,
+         NULL, NULL, NULL},
+        {"Frames in a row are waited for where they are received; each half millisecond the others are looked at",
+         waits_where_it_receives, NULL, NULL, NULL},
+        {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
+        {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
+        {"Attack: a frame longer than any of EtherCAT is counted by the controller, answered by nobody and touches "
+         "nothing",
+         too_long, NULL, NULL, NULL},
+        {"What was to happen to a frame on a wire happens to no other one, however it is lost before",
+         nothing_is_left_over, NULL, NULL, NULL},
+        {"Who watches wakes the loop every 10 ms, nobody else", report_deadline, NULL, NULL, NULL},
+        {"A late loop runs the devices at the times they asked for: every change is told", late_loop, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Event loop", tests, NULL, NULL);
+}

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * ESI files of ours: what they say comes back when they are read. Whether they keep to the schema, and whether what
+ * they say fits together, is looked at by tests/check/esi.py.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bus/chain/catalogue.h"
+#include "esi/twin.h"
+#include "esi/values.h"
+#include "esi/write.h"
+#include "sii/sii.h"
+#include "support/wire.h"
+
+static const char *write_one(ect_arena_t *arena, const ect_device_t *device, const ect_identity_t *identity)
+{
+    char text[200];
+    size_t length;
+    const char *file = ect_esi_write(arena, &(ect_esi_part_t){device, identity}, 1, &length, text, sizeof text);
+    if (file == NULL)
+        fail_msg("%s: %s", device->name, text);
+    assert_int_equal(strlen(file), length);
+    return file;
+}
+
+static ect_esi_twin_t *read_back(const char *file)
+{
+    char path[] = "/tmp/ectwin-esi-XXXXXX";
+    char text[400];
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, file, strlen(file)), (long)strlen(file));
+    close(fd);
+    ect_esi_twin_t *twin = ect_esi_twin_make(path, "", NULL, 0, text, sizeof text);
+    unlink(path);
+    if (twin == NULL)
+        fail_msg("what we have written is not taken: %s", text);
+    return twin;
+}
+
+/* The first line in which two files differ. */
+static void expect_same_text(const char *device, const char *expected, const char *got)
+{
+    for (unsigned int line = 1; *expected != '\0' || *got != '\0'; line++) {
+        size_t a = strcspn(expected, "\n");
+        size_t b = strcspn(got, "\n");
+        if (a != b || memcmp(expected, got, a) != 0)
+            fail_msg("%s, line %u: expected %.*s, got %.*s", device, line, (int)a, expected, (int)b, got);
+        expected += a + (expected[a] != '\0');
+        got += b + (got[b] != '\0');
+    }
+}
+
+static void expect_same_sii(const ect_device_t *device, const ect_device_t *again, const ect_identity_t *identity)
+{
+    uint8_t *one = malloc(device->sii_size), *other = malloc(device->sii_size);
+    assert_non_null(one);
+    assert_non_null(other);
+    if (again->sii_size != device->sii_size)
+        fail_msg("%s: expected an SII of %u bytes, got %u", device->name, device->sii_size, again->sii_size);
+    assert_int_equal(ect_sii_write(device, identity, 0, one, device->sii_size), device->sii_size);
+    assert_int_equal(ect_sii_write(again, identity, 0, other, device->sii_size), device->sii_size);
+    for (unsigned int i = 0; i < device->sii_size; i++) {
+        if (one[i] != other[i])
+            fail_msg("%s: SII byte 0x%X: expected %02X, got %02X", device->name, i, one[i], other[i]);
+    }
+    free(one);
+    free(other);
+}
+
+static void expect_same_layout(const ect_device_t *device, const ect_device_t *again)
+{
+    assert_int_equal(again->sm_count, device->sm_count);
+    for (unsigned int i = 0; i < device->sm_count; i++) {
+        if (ect_device_sm_bytes(again, i) != ect_device_sm_bytes(device, i))
+            fail_msg("%s: SyncManager %u: expected %u bytes, got %u", device->name, i, ect_device_sm_bytes(device, i),
+                     ect_device_sm_bytes(again, i));
+        assert_int_equal(again->sm[i].start, device->sm[i].start);
+        assert_int_equal(again->sm[i].control, device->sm[i].control);
+        assert_int_equal(again->sm[i].type, device->sm[i].type);
+    }
+    assert_int_equal(again->fmmu_count, device->fmmu_count);
+    assert_memory_equal(again->fmmu, device->fmmu, sizeof device->fmmu);
+    assert_memory_equal(&again->timeouts.preop_ms, &device->timeouts.preop_ms, 4 * sizeof(uint16_t));
+}
+
+static void expect_same_entry(const ect_device_t *device, const ect_object_t *object, const ect_entry_t *a,
+                              const ect_entry_t *b)
+{
+    ect_od_t od = ect_device_od(device, NULL);
+    uint16_t bits = ect_od_bits(&od, a);
+    if (b == NULL || b->data_type != a->data_type || b->bit_length != bits ||
+        ((a->access ^ b->access) & ECT_ACCESS_WIRE) != 0 || strcmp(a->name, b->name) != 0)
+        fail_msg("%s %04X:%u: expected type %X, %u bits, access %03X, \"%s\", got %X, %u, %03X, \"%s\"", device->name,
+                 object->index, a->subindex, a->data_type, bits, a->access & ECT_ACCESS_WIRE, a->name,
+                 b != NULL ? b->data_type : 0u, b != NULL ? b->bit_length : 0u,
+                 b != NULL ? b->access & ECT_ACCESS_WIRE : 0u, b != NULL ? b->name : "no entry");
+}
+
+static void expect_same_dictionary(const ect_device_t *device, const ect_device_t *again)
+{
+    ect_od_t od = ect_device_od(again, NULL);
+    if (again->object_count != device->object_count)
+        fail_msg("%s: expected %u objects, got %u", device->name, device->object_count, again->object_count);
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *object = &device->objects[i];
+        const ect_object_t *other = ect_od_find(&od, object->index);
+        if (other == NULL || strcmp(other->name, object->name) != 0 || other->max_subindex != object->max_subindex)
+            fail_msg("%s: object %04X \"%s\" up to :%u did not come back", device->name, object->index, object->name,
+                     object->max_subindex);
+        for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e))
+            expect_same_entry(device, object, e, ect_od_entry(other, (uint8_t)e->subindex));
+    }
+}
+
+static void round_trip(const ect_device_t *device, bool dictionary)
+{
+    ect_arena_t arena = {0};
+    const ect_identity_t identity = {0xE57, device->identity.product_code, device->identity.revision, 77};
+    const char *file = write_one(&arena, device, &identity);
+    ect_esi_twin_t *twin = read_back(file);
+    const ect_device_t *again = ect_esi_twin_product(twin)->device;
+    assert_int_equal(again->identity.vendor_id, identity.vendor_id);
+    assert_int_equal(again->identity.product_code, identity.product_code);
+    assert_int_equal(again->identity.revision, identity.revision);
+    expect_same_layout(device, again);
+    if (dictionary)
+        expect_same_dictionary(device, again);
+    expect_same_sii(device, again, &identity);
+    expect_same_text(device->name, file, write_one(&arena, again, &identity));
+    ect_esi_twin_free(twin);
+    ect_arena_free(&arena);
+}
+
+static void catalogue(void **state)
+{
+    const ect_product_t *product;
+    (void)state;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++)
+        round_trip(product->device, true);
+}
+
+static void foreign(void **state)
+{
+    static const struct {
+        const char *file, *selector;
+    } table[] = {
+        {"digital.xml", "DI4"}, {"digital.xml", "DO16"}, {"digital.xml", "COUPLER"},
+        {"analog.xml", "AI2"},  {"analog.xml", "DRIVE"}, {"modular.xml", "RACK"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char path[300], text[400];
+        (void)snprintf(path, sizeof path, "%s/%s", ESI_FILES, table[i].file);
+        ect_esi_twin_t *twin = ect_esi_twin_make(path, table[i].selector, NULL, 0, text, sizeof text);
+        if (twin == NULL)
+            fail_msg("%s", text);
+        const ect_device_t *device = ect_esi_twin_product(twin)->device;
+        round_trip(device, (device->mailbox_protocols & ECT_MAILBOX_COE) != 0);
+        ect_esi_twin_free(twin);
+    }
+}
+
+static void overrides(void **state)
+{
+    static const char *const wanted[] = {"<Id>#x11223344</Id>",
+                                         "ProductCode=\"#x55667788\"",
+                                         "RevisionNo=\"#x00010002\"",
+                                         "SerialNo=\"#x00000009\"",
+                                         "<DefaultData>44332211</DefaultData>",
+                                         "<DefaultData>88776655</DefaultData>",
+                                         "<DefaultData>02000100</DefaultData>",
+                                         "<DefaultData>09000000</DefaultData>"};
+    static const ect_identity_t identity = {0x11223344, 0x55667788, 0x00010002, 9};
+    ect_arena_t arena = {0};
+    (void)state;
+    const char *file = write_one(&arena, ect_catalogue_find("fzm1")->device, &identity);
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        if (strstr(file, wanted[i]) == NULL)
+            fail_msg("the file does not have %s", wanted[i]);
+    }
+    ect_arena_free(&arena);
+}
+
+/* A file that no tool could read right is not written. */
+static void refusals(void **state)
+{
+    static const ect_identity_t one = {1, 2, 3, 0}, other_vendor = {9, 2, 4, 0}, other_revision = {1, 2, 4, 0};
+    const ect_device_t *device = ect_catalogue_find("fzm1")->device;
+    const struct {
+        const ect_identity_t *second;
+        const char *why;
+    } table[] = {
+        {&one, "FZM1 and FZM1 both have product code 0x00000002 and revision 0x00000003: no tool can tell them apart"},
+        {&other_vendor, "FZM1 and FZM1 have different vendors: a file has one"},
+        {&other_revision, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        const ect_esi_part_t parts[] = {{device, &one}, {device, table[i].second}};
+        ect_arena_t arena = {0};
+        char text[200] = "";
+        size_t length;
+        const char *file = ect_esi_write(&arena, parts, 2, &length, text, sizeof text);
+        assert_true((file != NULL) == (table[i].why == NULL));
+        if (table[i].why != NULL)
+            assert_string_equal(text, table[i].why);
+        ect_arena_free(&arena);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-057 CF-060 CF-061 CF-062 CF-077 the ESI of each device, read back: the same sizes, dictionary, SII, file",
+         catalogue, NULL, NULL, NULL},
+        {"the ESI of a device that came from an ESI: the same", foreign, NULL, NULL, NULL},
+        {"CF-057 identity overrides reach vendor, type and 1018h", overrides, NULL, NULL, NULL},
+        {"CF-063 devices that a file cannot have together are refused", refusals, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

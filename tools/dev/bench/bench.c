@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Measurements of twins, one a call, for tools/dev/bench/run.py, which says what they mean. Each prints one line of
+ * JSON.
+ *
+ *   ectwin-bench frames DEVICE PRESENT TOUCHED COMMAND FRAMES
+ *       in this process, without a wire: for an instruction counter
+ *   ectwin-bench echo IFACE
+ *       sends back what comes, in blocking calls; runs until killed
+ *   ectwin-bench spin IFACE
+ *       the same, never waiting
+ *   ectwin-bench round IFACE ECHO DEVICE PRESENT TOUCHED N
+ *       N round trips in turns with N of an echo
+ *   ectwin-bench sdo IFACE DEVICE N
+ *       N uploads of 1018h:1
+ *   ectwin-bench cycle IFACE DEVICE PRESENT TOUCHED MS
+ *       all process data of TOUCHED twins each millisecond, for MS of them
+ */
+#define _GNU_SOURCE
+#include <arpa/inet.h>
+#include <errno.h>
+#include <linux/if_ether.h>
+#include <linux/if_packet.h>
+#include <net/if.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "bus/chain/catalogue.h"
+#include "bus/chain/chain.h"
+#include "esc/route.h"
+#include "master.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
+
+enum { LARGEST = 1486, BATCH = 100, SOURCE = 6, LOCAL = 0x02 };
+
+static _Noreturn void end(const char *what)
+{
+    fprintf(stderr, "ectwin-bench: %s%s%s\n", what, errno != 0 ? ": " : "", errno != 0 ? strerror(errno) : "");
+    exit(1);
+}
+
+static uint64_t now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+/* --- ways of a frame ---------------------------------------------------------------------------------------------- */
+
+static int open_port(const char *iface)
+{
+    const struct timeval patience = {.tv_usec = 200000};
+    const int on = 1;
+    struct sockaddr_ll address = {.sll_family = AF_PACKET, .sll_protocol = htons(0x88A4)};
+    int fd = socket(AF_PACKET, SOCK_RAW, 0);
+    address.sll_ifindex = (int)if_nametoindex(iface);
+    if (fd < 0 || setsockopt(fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0 ||
+        setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) < 0 ||
+        bind(fd, (const struct sockaddr *)&address, sizeof address) < 0)
+        end(iface);
+    return fd;
+}
+
+static bool over_wire(master_t *m)
+{
+    int fd = *(const int *)m->ctx;
+    if (send(fd, m->frame, m->length, 0) < 0)
+        return false;
+    return recv(fd, m->frame, sizeof m->frame, 0) == (ssize_t)m->length;
+}
+
+typedef struct virtual
+{
+    ect_chain_t *chain;
+    uint64_t now_ns;
+}
+virtual_t;
+
+static bool in_process(master_t *m)
+{
+    virtual_t *v = m->ctx;
+    bool back = ect_chain_process(v->chain, m->frame, m->length, v->now_ns);
+    (void)ect_chain_poll(v->chain, v->now_ns);
+    return back;
+}
+
+static const ect_product_t *product_of(const char *name)
+{
+    const ect_product_t *product = ect_catalogue_find(name);
+    if (!product)
+        end("no such device");
+    return product;
+}
+
+/* @return bytes of process data; *expected is what an LRW over all of them comes back with */
+static uint32_t prepare(master_t *m, const ect_device_t *device, size_t present, size_t touched, unsigned int *expected)
+{
+    uint32_t logical = 0;
+    if (!master_address(m, present))
+        end("the twins do not answer");
+    for (size_t i = 0; i < touched; i++) {
+        if (!master_operate(m, device, i, &logical, expected))
+            end("a twin does not get into OP");
+    }
+    return logical;
+}
+
+static void build_lrw(master_t *m, uint32_t address, uint32_t bytes)
+{
+    uint32_t length = bytes < LARGEST ? bytes : LARGEST;
+    master_build(m, ECT_LRW, (uint16_t)address, (uint16_t)(address >> 16), (uint16_t)length);
+}
+
+/* --- frames ------------------------------------------------------------------------------------------------------- */
+
+static void build_command(master_t *m, const char *command, uint32_t bytes)
+{
+    if (strcmp(command, "LRW") == 0)
+        build_lrw(m, 0, bytes);
+    else if (strcmp(command, "BRD") == 0)
+        master_build(m, ECT_BRD, 0, ECT_REG_AL_STATUS, 2);
+    else if (strcmp(command, "FPRD") == 0)
+        master_build(m, ECT_FPRD, MASTER_STATION, ECT_REG_AL_STATUS, 2);
+    else if (strcmp(command, "FRMW") == 0)
+        master_build(m, ECT_FRMW, MASTER_STATION, ECT_REG_DC_SYSTEM_TIME, 8);
+    else
+        end("COMMAND is LRW, BRD, FPRD or FRMW");
+}
+
+/* The counter looks at ect_chain_pass and ect_chain_poll; what prepares them must not come into it: one call before. */
+static int frames(char **argument)
+{
+    const ect_product_t *product = product_of(argument[0]);
+    size_t present = strtoul(argument[1], NULL, 10);
+    unsigned int expected = 0;
+    unsigned long count = strtoul(argument[4], NULL, 10);
+    ect_twin_config_t *twins = calloc(present, sizeof *twins);
+    for (size_t i = 0; twins && i < present; i++)
+        twins[i] = ect_twin_default(product->device, product->plant);
+    virtual_t v = {.now_ns = 1000000000u};
+    v.chain = twins ? ect_chain_new(twins, present, v.now_ns) : NULL;
+    if (!v.chain)
+        end("not enough memory");
+    master_t m = {.exchange = in_process, .ctx = &v};
+    uint32_t bytes = prepare(&m, product->device, present, strtoul(argument[2], NULL, 10), &expected);
+    unsigned int counter = 0;
+    for (unsigned long i = 0; i < count; i++) {
+        v.now_ns += 1000;
+        build_command(&m, argument[3], bytes);
+        if (!in_process(&m))
+            end("no answer");
+        counter = master_counter(&m);
+    }
+    printf("{\"device\":\"%s\",\"present\":%zu,\"command\":\"%s\",\"frames\":%lu,\"working_counter\":%u}\n",
+           argument[0], present, argument[3], count, counter);
+    ect_chain_free(v.chain);
+    free(twins);
+    return 0;
+}
+
+/* --- echo --------------------------------------------------------------------------------------------------------- */
+
+static _Noreturn void echo(char **argument, int flags)
+{
+    uint8_t frame[MASTER_FRAME];
+    int fd = open_port(argument[0]);
+    for (;;) {
+        ssize_t length = recv(fd, frame, sizeof frame, flags);
+        if (length <= 0)
+            continue;
+        frame[SOURCE] |= LOCAL;
+        (void)send(fd, frame, (size_t)length, 0);
+    }
+}
+
+/* --- round trips -------------------------------------------------------------------------------------------------- */
+
+static int by_size(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a;
+    uint32_t y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static uint32_t one_round(master_t *m, uint32_t bytes)
+{
+    build_lrw(m, 0, bytes);
+    uint64_t start = now_ns();
+    if (!m->exchange(m))
+        end("an answer is missing");
+    return (uint32_t)(now_ns() - start);
+}
+
+/* Of times in ascending order. */
+static double median(const uint32_t *times_ns, size_t count)
+{
+    size_t middle = count / 2;
+    return (double)times_ns[middle];
+}
+
+static void print_times(const char *name, uint32_t *times, size_t count)
+{
+    qsort(times, count, sizeof *times, by_size);
+    printf("\"%s\":{\"median_ns\":%u,\"p90_ns\":%u,\"p99_ns\":%u},", name, times[count / 2], times[count * 9 / 10],
+           times[count * 99 / 100]);
+}
+
+/* In turns, so that whatever else the machine does meets both. Medians of medians are not needed: all times are kept.
+ */
+static int round_trips(char **argument)
+{
+    const ect_device_t *device = product_of(argument[2])->device;
+    size_t present = strtoul(argument[3], NULL, 10);
+    size_t count = strtoul(argument[5], NULL, 10) / BATCH * BATCH;
+    int fds[] = {open_port(argument[0]), open_port(argument[1])};
+    master_t twin = {.exchange = over_wire, .ctx = &fds[0]};
+    master_t bare = {.exchange = over_wire, .ctx = &fds[1]};
+    unsigned int expected = 0;
+    uint32_t bytes = prepare(&twin, device, present, strtoul(argument[4], NULL, 10), &expected);
+    uint32_t *twin_ns = calloc(count + BATCH, sizeof *twin_ns);
+    uint32_t *bare_ns = calloc(count + BATCH, sizeof *bare_ns);
+    unsigned int wrong = 0;
+    if (!twin_ns || !bare_ns || count == 0)
+        end("not enough memory, or fewer than 100 rounds");
+    for (size_t at = 0; at < count; at += BATCH) {
+        for (size_t i = 0; i < BATCH; i++)
+            bare_ns[at + i] = one_round(&bare, bytes);
+        for (size_t i = 0; i < BATCH; i++) {
+            twin_ns[at + i] = one_round(&twin, bytes);
+            wrong += bytes <= LARGEST && master_counter(&twin) != expected;
+        }
+    }
+    printf("{\"device\":\"%s\",\"present\":%zu,\"touched\":%s,\"bytes\":%u,\"rounds\":%zu,\"wrong\":%u,", argument[2],
+           present, argument[4], bytes < LARGEST ? bytes : LARGEST, count, wrong);
+    print_times("twin", twin_ns, count);
+    print_times("echo", bare_ns, count);
+    printf("\"ratio\":%.3f}\n", median(twin_ns, count) / median(bare_ns, count));
+    return 0;
+}
+
+/* --- SDOs --------------------------------------------------------------------------------------------------------- */
+
+static int sdos(char **argument)
+{
+    const ect_device_t *device = product_of(argument[1])->device;
+    unsigned long count = strtoul(argument[2], NULL, 10);
+    int fd = open_port(argument[0]);
+    master_t m = {.exchange = over_wire, .ctx = &fd};
+    unsigned int expected = 0;
+    (void)prepare(&m, device, 1, 1, &expected);
+    uint64_t start = now_ns();
+    for (unsigned long i = 0; i < count; i++) {
+        if (!master_sdo(&m, device, 0))
+            end("an SDO upload failed");
+    }
+    double seconds = (double)(now_ns() - start) / 1e9;
+    printf("{\"device\":\"%s\",\"uploads\":%lu,\"per_second\":%.0f}\n", argument[1], count, (double)count / seconds);
+    return 0;
+}
+
+/* --- cycles ------------------------------------------------------------------------------------------------------- */
+
+static void sleep_until(uint64_t at_ns)
+{
+    const struct timespec at = {.tv_sec = (time_t)(at_ns / 1000000000u), .tv_nsec = (long)(at_ns % 1000000000u)};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR)
+        ;
+}
+
+/* @return how many of a cycle's frames did not come back */
+static unsigned int one_cycle(master_t *m, uint32_t bytes, unsigned int *counter)
+{
+    int fd = *(const int *)m->ctx;
+    unsigned int out = 0;
+    unsigned int in = 0;
+    for (uint32_t at = 0; at < bytes; at += LARGEST, out++) {
+        build_lrw(m, at, bytes - at);
+        if (send(fd, m->frame, m->length, 0) < 0)
+            end("send");
+    }
+    for (*counter = 0; in < out && recv(fd, m->frame, sizeof m->frame, 0) > 0; in++)
+        *counter += master_counter(m);
+    return out - in;
+}
+
+static int cycles(char **argument)
+{
+    const ect_device_t *device = product_of(argument[1])->device;
+    size_t present = strtoul(argument[2], NULL, 10);
+    unsigned long count = strtoul(argument[4], NULL, 10);
+    int fd = open_port(argument[0]);
+    master_t m = {.exchange = over_wire, .ctx = &fd};
+    unsigned int expected = 0;
+    uint32_t bytes = prepare(&m, device, present, strtoul(argument[3], NULL, 10), &expected);
+    unsigned long lost = 0, late = 0;
+    uint64_t next = now_ns() + 1000000u;
+    for (unsigned long i = 0; i < count; i++, next += 1000000u) {
+        unsigned int counter;
+        sleep_until(next);
+        lost += one_cycle(&m, bytes, &counter);
+        late += now_ns() > next + 1000000u;
+    }
+    printf("{\"device\":\"%s\",\"present\":%zu,\"touched\":%s,\"bytes\":%u,\"cycles\":%lu,\"frames_lost\":%lu,"
+           "\"cycles_longer_than_1_ms\":%lu}\n",
+           argument[1], present, argument[3], bytes, count, lost, late);
+    return 0;
+}
+
+int main(int count, char **argument)
+{
+    const char *what = count > 1 ? argument[1] : "";
+    errno = 0;
+    if (strcmp(what, "frames") == 0 && count == 7)
+        return frames(argument + 2);
+    if (strcmp(what, "echo") == 0 && count == 3)
+        echo(argument + 2, 0);
+    if (strcmp(what, "spin") == 0 && count == 3)
+        echo(argument + 2, MSG_DONTWAIT);
+    if (strcmp(what, "round") == 0 && count == 8)
+        return round_trips(argument + 2);
+    if (strcmp(what, "sdo") == 0 && count == 5)
+        return sdos(argument + 2);
+    if (strcmp(what, "cycle") == 0 && count == 7)
+        return cycles(argument + 2);
+    end("use tools/dev/bench/run.py");
+}

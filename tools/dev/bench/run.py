@@ -1,0 +1,309 @@
+#!/usr/bin/env python3
+"""Measures twins and writes what was measured.  usage: run.py [--build DIR] [--quick] [--only PART,...] [--write] [-o FILE]
+
+  --build DIR   where ectwin and ectwin-bench are (default build/release)
+  --quick       a tenth of the rounds
+  --only        some of: instructions, round, spin, rates, cycle, start (default: all)
+  --write       the tables of docs/PERFORMANCE.md and the picture docs/performance.svg from the results
+  -o FILE       the results as JSON (default: build/bench.json)
+
+Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
+rights where unprivileged user namespaces are allowed. Takes about two minutes. All processes share one core, so a round trip is the
+sum of all work; round trips of a twin and of a bare echo are measured in turns in one run, three times, and what counts is the median
+of their ratios; so are the cycles of a thousand twins.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PARTS = ["instructions", "round", "spin", "rates", "cycle", "start"]
+UNIT = "vr-bu-ect-map1"
+
+
+def run(*command):
+    """Standard output of a program; its failure is ours."""
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"run.py: {' '.join(str(word) for word in command[:4])} ...: {done.stderr.strip()[-300:]}")
+    return done.stdout
+
+
+def on_core(args, *command):
+    return ["taskset", "-c", str(args.core), *[str(word) for word in command]]
+
+
+class Running:
+    """A process that runs for a while: a chain of twins, or an echo."""
+
+    def __init__(self, command, ready):
+        self.errors = tempfile.TemporaryFile()
+        start = time.monotonic()
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.errors, text=True)
+        if ready and '"ready"' not in self.process.stdout.readline():
+            self.errors.seek(0)
+            sys.exit(f"run.py: the twins do not start: {self.errors.read().decode().strip()}")
+        self.took = time.monotonic() - start
+
+    def ticks(self):
+        fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return int(fields[11]) + int(fields[12])
+
+    def kilobytes(self):
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(r"VmRSS:\s+(\d+)", status)[1])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+        self.errors.close()
+
+
+def twins(args, device, count, *options):
+    devices = ",".join([device] * count)
+    return Running(on_core(args, args.build / "ectwin", "run", "-i", "twin1", *options, devices), True)
+
+
+def bench(args, *words):
+    return json.loads(run(*on_core(args, args.build / "ectwin-bench", *words)))
+
+
+# --- what is measured --------------------------------------------------------------------------------------------------
+
+
+COUNTED = ["ect_chain_pass", "ect_chain_poll"]
+
+
+def collected(args, present, command, frames):
+    """Instructions inside each of these functions, for so many frames beside the preparations."""
+    with tempfile.NamedTemporaryFile() as out:
+        done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out.name}", "--collect-atstart=no",
+                               *[f"--toggle-collect={name}" for name in COUNTED], str(args.build / "ectwin-bench"), "frames",
+                               UNIT, str(present), str(min(present, 10)), command, str(frames)], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"run.py: valgrind: {done.stderr.strip()[-300:]}")
+        table = run("callgrind_annotate", "--inclusive=yes", out.name)
+    return {name: int(re.search(rf"^ *([0-9,]+) .*:{name} ", table, re.M)[1].replace(",", "")) for name in COUNTED}
+
+
+def instructions(args):
+    if not shutil.which("valgrind"):
+        print("run.py: valgrind is not installed, no instructions are counted: tools/bootstrap.sh bench", file=sys.stderr)
+        return None
+    result = {name: {} for name in COUNTED}
+    for command in ["LRW", "BRD", "FPRD", "FRMW"]:
+        for present in [1, 10, 100, 1000]:
+            few, many = (collected(args, present, command, n) for n in (10, 110))
+            for name in COUNTED:
+                result[name].setdefault(command, {})[str(present)] = (many[name] - few[name]) // 100
+    return result
+
+
+def middle(runs, key):
+    """One run alone may meet with another program."""
+    return sorted(runs, key=key)[len(runs) // 2]
+
+
+def against_echo(args, options, echo, counts):
+    """Of so many runs the one with the median ratio."""
+    runs = {present: [] for present in counts}
+    for _ in range(args.runs):
+        for present in counts:
+            with twins(args, UNIT, present, *options), \
+                 Running(on_core(args, args.build / "ectwin-bench", echo, "echo1"), False):
+                time.sleep(0.3)
+                runs[present].append(bench(args, "round", "twin0", "echo0", UNIT, present, min(present, 10), args.rounds))
+    return [middle(rows, lambda row: row["ratio"]) for rows in runs.values()]
+
+
+def rates(args):
+    with twins(args, "vr-bu-ect-map7", 1) as one:
+        result = {"sdo": bench(args, "sdo", "twin0", "vr-bu-ect-map7", args.rounds)}
+    with twins(args, "vr-bu-ect-map7", 1) as one:
+        before = one.ticks()
+        result["cycle"] = bench(args, "cycle", "twin0", "vr-bu-ect-map7", 1, 1, args.milliseconds)
+        result["cpu_percent_at_1_khz"] = percent(one.ticks() - before, args.milliseconds / 1000)
+    return result
+
+
+def percent(ticks, seconds):
+    return round(100 * ticks / os.sysconf("SC_CLK_TCK") / seconds, 1)
+
+
+def cycle(args):
+    rows = []
+    for present, touched in [(1000, 10), (1000, 100), (1000, 1000)]:
+        with twins(args, UNIT, present) as chain:
+            runs = []
+            for _ in range(args.runs):
+                before = chain.ticks()
+                row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
+                runs.append(row | {"cpu_percent": percent(chain.ticks() - before, args.milliseconds / 1000)})
+            row = middle(runs, lambda one: (one["frames_lost"], one["cycles_longer_than_1_ms"]))
+            if touched == present:
+                before = chain.ticks()
+                time.sleep(args.idle)
+                row["cpu_percent_idle"] = percent(chain.ticks() - before, args.idle)
+            rows.append(row)
+    return rows
+
+
+def start(args):
+    rows = []
+    for device in [UNIT, "vr-bu-ect-map7"]:
+        with twins(args, device, 1) as one:
+            alone = one.kilobytes()
+        with twins(args, device, 1000) as many:
+            rows.append({"device": device, "twins": 1000, "seconds": round(many.took, 3),
+                         "kilobytes_each": round((many.kilobytes() - alone) / 999, 1)})
+    return rows
+
+
+def inside(args):
+    """In a network of our own: two wires, one with twins, one with an echo."""
+    for name in ["twin", "echo"]:
+        run("ip", "link", "add", f"{name}0", "type", "veth", "peer", "name", f"{name}1")
+        for end in "01":
+            run("ip", "link", "set", name + end, "up")
+    result = {"machine": machine(), "core": args.core}
+    measures = {
+        "instructions": instructions,
+        "round": lambda a: against_echo(a, [], "echo", [1, 8, 64, 199]),
+        "spin": lambda a: against_echo(a, ["--busy-poll"], "spin", [1]),
+        "rates": rates,
+        "cycle": cycle,
+        "start": start,
+    }
+    for part in args.only:
+        print(f"run.py: {part}, load {os.getloadavg()[0]:.1f}", file=sys.stderr, flush=True)
+        result[part] = measures[part](args)
+    args.output.parent.mkdir(parents=True, exist_ok=True)
+    args.output.write_text(json.dumps(result, indent=1) + "\n")
+
+
+def machine():
+    cpu = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    return {"cpu": cpu[1] if cpu else "unknown", "kernel": os.uname().release, "load": os.getloadavg()[0]}
+
+
+# --- what is written ---------------------------------------------------------------------------------------------------
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "--:|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def us(times):
+    return f"{times['median_ns'] / 1000:.1f}"
+
+
+def round_table(rows):
+    return table(["twins", "bytes", "twin, µs", "echo, µs", "ratio of medians", "p99 of the twin, µs"],
+                 [[r["present"], r["bytes"], us(r["twin"]), us(r["echo"]), f"{r['ratio']:.2f}",
+                   f"{r['twin']['p99_ns'] / 1000:.1f}"] for r in rows])
+
+
+def tables(result):
+    """Name of a table in docs/PERFORMANCE.md -> its text."""
+    found = {"machine": "{cpu}, Linux {kernel}; load {load:.1f} at the start".format(**result["machine"])}
+    if result.get("instructions"):
+        counts = ["1", "10", "100", "1000"]
+        for place, function in [("instructions", "ect_chain_pass"), ("afterwards", "ect_chain_poll")]:
+            found[place] = table(["datagram"] + counts + ["1000 : 10"], [
+                [name] + [row[n] for n in counts] + [f"{row['1000'] / row['10']:.2f}"]
+                for name, row in result["instructions"][function].items()])
+    for part in ["round", "spin"]:
+        if part in result:
+            found[part] = round_table(result[part])
+    if "rates" in result:
+        r = result["rates"]
+        found["rates"] = table(["SDO uploads a second", "processor at 1 kHz", "frames lost"], [
+            [r["sdo"]["per_second"], f"{r['cpu_percent_at_1_khz']} %", r["cycle"]["frames_lost"]]])
+    if "cycle" in result:
+        found["cycle"] = table(["twins", "exchanged each ms", "bytes", "frames lost", "cycles over 1 ms", "processor", "idle"], [
+            [r["present"], r["touched"], r["bytes"], f"{r['frames_lost']} in {r['cycles']} cycles",
+             r["cycles_longer_than_1_ms"], f"{r['cpu_percent']} %",
+             f"{r['cpu_percent_idle']} %" if "cpu_percent_idle" in r else ""] for r in result["cycle"]])
+    if "start" in result:
+        found["start"] = table(["device", "twins", "seconds to ready", "KB each"], [
+            [r["device"], r["twins"], r["seconds"], r["kilobytes_each"]] for r in result["start"]])
+    return found
+
+
+def write_tables(result):
+    page = ROOT / "docs" / "PERFORMANCE.md"
+    text = page.read_text()
+    for name, new in tables(result).items():
+        text, count = re.subn(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", lambda m, new=new: m[1] + new + m[2], text,
+                              flags=re.S)
+        if count != 1:
+            sys.exit(f"run.py: docs/PERFORMANCE.md has no place for '{name}'")
+    page.write_text(text)
+
+
+def picture(result):
+    """Bars: medians of twin and echo, a pair for each length of chain."""
+    rows = result["round"]
+    top = max(r["twin"]["median_ns"] for r in rows)
+    width, height, parts = 120 * len(rows) + 60, 260, []
+    for n, r in enumerate(rows):
+        for k, (name, color) in enumerate([("echo", "#9aa5b1"), ("twin", "#2f6fb0")]):
+            tall = 180 * r[name]["median_ns"] / top
+            x = 60 + 120 * n + 40 * k
+            parts.append(f'<rect x="{x}" y="{210 - tall:.1f}" width="36" height="{tall:.1f}" fill="{color}"/>')
+            parts.append(f'<text x="{x + 18}" y="{204 - tall:.1f}" text-anchor="middle">{us(r[name])}</text>')
+        parts.append(f'<text x="{98 + 120 * n}" y="228" text-anchor="middle">{r["present"]} twins, x {r["ratio"]:.2f}</text>')
+    (ROOT / "docs" / "performance.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="12">'
+        f'<text x="10" y="16">Round trip of an LRW, median in microseconds: bare echo (grey), twins (blue)</text>'
+        + "".join(parts) + "</svg>\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1].split("\n\n")[0])
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", default=",".join(PARTS))
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
+    parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "build" / "bench.json")
+    args = parser.parse_args()
+    args.build, args.output = args.build.resolve(), args.output.resolve()
+    args.only = args.only.split(",")
+    if not set(args.only) <= set(PARTS):
+        parser.error("--only takes some of " + ", ".join(PARTS))
+    args.rounds, args.runs, args.milliseconds, args.idle = (2000, 1, 1000, 2) if args.quick else (10000, 3, 5000, 5)
+    if args.inside:
+        inside(args)
+        return
+    missing = [tool for tool in ["ip", "unshare", "taskset"] if not shutil.which(tool)]
+    if missing:
+        sys.exit(f"run.py: {' and '.join(missing)} not installed: tools/bootstrap.sh bench")
+    if not (args.build / "ectwin-bench").exists():
+        sys.exit(f"run.py: there is no {args.build}/ectwin-bench: cmake --preset release && cmake --build --preset release")
+    command = ["unshare", "-Urn", sys.executable, __file__, "--inside", *sys.argv[1:]]
+    if subprocess.run(command, check=False).returncode != 0:
+        sys.exit(1)
+    if args.write:
+        result = json.loads(args.output.read_text())
+        write_tables(result)
+        if "round" in result:
+            picture(result)
+    else:
+        print(json.dumps(tables(json.loads(args.output.read_text())), indent=1, ensure_ascii=False))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Tries the README's commands on a machine that has nothing yet: a bare Debian, an ordinary user with sudo, the files that git
+# knows in this tree as they are now.  usage, as root: tools/dev/fresh.sh [RELEASE [COMMAND]]
+# (default bookworm, 'tools/demo.sh && tools/test.sh')
+#
+# Exits with COMMAND's status, or with 77 and a reason where such a machine cannot be made. It needs root, mmdebstrap and a Debian
+# mirror; resolver, certificates and proxy settings are this machine's. Nothing is left behind.
+set -eu
+cd "$(dirname "$0")/../.."
+release=${1:-bookworm}
+command=${2:-tools/demo.sh && tools/test.sh}
+
+cannot() { echo "fresh: no fresh machine ($release) is tried: $*"; exit 77; }
+[ "$(id -u)" -eq 0 ] || cannot "this needs root"
+command -v mmdebstrap >/dev/null || cannot "mmdebstrap is not installed (apt-get install mmdebstrap)"
+unshare --mount --pid --fork true 2>/dev/null || cannot "namespaces for mounts and processes are refused here"
+git -c safe.directory="$PWD" ls-files --error-unmatch "$0" >/dev/null 2>&1 || cannot "this is no git checkout"
+
+work=$(mktemp -d)
+trap 'rm -rf --one-file-system "$work"' EXIT
+machine=$work/machine
+mmdebstrap -q --variant=minbase --include=ca-certificates,git,sudo "$release" "$work/bare.tar" 2>"$work/log" ||
+  cannot "mmdebstrap: $(tail -n 1 "$work/log")"
+mkdir "$machine"
+tar -C "$machine" -xf "$work/bare.tar" --exclude './dev/*'
+rm "$work/bare.tar"
+
+cp -L /etc/resolv.conf "$machine/etc/resolv.conf"
+certificates=/etc/ssl/certs/ca-certificates.crt
+[ ! -e "$certificates" ] || cp -L "$certificates" "$machine$certificates"
+echo "127.0.0.1 localhost $(hostname)" >"$machine/etc/hosts"
+echo 'user ALL=(ALL) NOPASSWD: ALL' >"$machine/etc/sudoers.d/user"
+chroot "$machine" useradd -m -s /bin/bash user
+project=$machine/home/user/project
+mkdir "$project"
+git -c safe.directory="$PWD" ls-files -z | tar --null -T - -cf - | tar -C "$project" -xf -
+chroot "$machine" chown -R user:user /home/user
+
+# What a login shell sees there. Programs with certificates of their own are pointed to the machine's.
+{
+  for name in http_proxy https_proxy no_proxy; do
+    [ -z "${!name:-}" ] || printf 'export %s=%q\n' "$name" "${!name}"
+  done
+  printf 'export SSL_CERT_FILE=%s PIP_CERT=%s\n' "$certificates" "$certificates"
+  printf 'cd ~/project\n%s\n' "$command"
+} >"$machine/home/user/commands"
+
+# A root of its own, not a chroot: in one, the kernel refuses user namespaces. When the command ends, or this script, all that it
+# started ends.
+unshare --mount --pid --fork --kill-child --propagation private bash -euc '
+  mount --bind "$1" "$1"
+  cd "$1"
+  mkdir -p proc sys dev before
+  mount -t proc proc proc
+  mount --rbind /sys sys
+  mount --rbind /dev dev
+  pivot_root . before
+  cd /
+  umount -l /before
+  su - user -c "bash -e commands" || exit $?' fresh "$machine" &
+trap 'kill -KILL $! 2>/dev/null; exit 130' INT TERM
+wait $!

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Which tests stand for which requirement on the devices, or why none does.  usage: tools/dev/matrix.py
+
+The ids are those in the tests' titles. Exits with 1 when a requirement has neither a test nor a reason, or has both,
+or when no test shows it over the wire and nothing says why.
+"""
+import pathlib
+import re
+import sys
+
+WIRE = "integration"
+TESTS = pathlib.Path(__file__).resolve().parents[2] / "tests"
+
+# Per product: prefix of its ids, the last one, why some have no test, why some have none over the wire.
+PRODUCTS = [
+    ("ECL", 74, {
+        4: "a convention of the document (sizes are bytes)",
+        5: "the web page on the TEST PORT is not part of an EtherCAT twin",
+        17: "two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
+        74: "asks for nothing: the unit runs freely, without distributed clocks",
+    }, {63: "an order inside the updates of 125 ms: on the virtual clock, where each can be looked at"}),
+    ("FZM", 77, {
+        17: "100BASE-TX and two connectors: each twin of a chain has an IN and an OUT, which every test of a chain uses",
+        25: "the serial PLC links are not part of an EtherCAT twin",
+        74: "how the master lays several sensors out in its own memory",
+        76: "how many sensors a certain master takes",
+    }, {23: "how long each flash takes: on the virtual clock only"}),
+    ("OPT", 14, {}, {}),
+    ("PLZ", 31, {26: "advice on analogue outputs, which the twin does not have"}, {}),
+]
+
+
+def ids(prefix, text):
+    for first, last in re.findall(prefix + r"-(\d{3})(?:\.\.(\d{3}))?", text):
+        yield from range(int(first), int(last or first) + 1)
+
+
+def titles(path):
+    """The titles of a C test, or the comments above the cases of a script."""
+    text = path.read_text()
+    if path.suffix in (".sh", ".py"):
+        return re.findall(r"^ *# ([A-Z]{3}-.*)$", text, re.M)
+    strings = re.findall(r'((?:"(?:[^"\\\n]|\\.)*"\s*)+)', text)
+    joined = ["".join(re.findall(r'"((?:[^"\\]|\\.)*)"', s)) for s in strings]
+    return [s for s in joined if re.match(r"[A-Z]+-\d{3}", s)]
+
+
+def judge(prefix, last, no_test, not_on_the_wire, all_titles):
+    """Prints the matrix of a product. @return how much of it is wrong, and a summary"""
+    found = {}
+    for path, title in all_titles:
+        for number in ids(prefix, title):
+            found.setdefault(number, []).append((path, title))
+    wrong = 0
+    for number in range(1, last + 1):
+        tests = found.get(number, [])
+        for path, title in tests:
+            print(f"{prefix}-{number:03}  {path}: {title}")
+        if number in no_test:
+            print(f"{prefix}-{number:03}  no test: {no_test[number]}")
+        if bool(tests) == (number in no_test):
+            print(f"{prefix}-{number:03}  WRONG: {'a test and a reason for none' if tests else 'neither a test nor a reason'}")
+            wrong += 1
+    on_wire = {number for number, tests in found.items() if any(path.parts[0] == WIRE for path, _ in tests)}
+    for number in sorted(set(found) - on_wire - set(not_on_the_wire)):
+        print(f"{prefix}-{number:03}  WRONG: no test drives it over the wire")
+        wrong += 1
+    for number, reason in not_on_the_wire.items():
+        print(f"{prefix}-{number:03}  not on the wire: {reason}")
+    return wrong, (f"{prefix}: {len(found)} of {last} requirements have tests, {len(on_wire)} of them also over the wire; "
+                   f"{len(no_test)} have a reason for none")
+
+
+tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.glob("*/*")) if path.suffix in (".c", ".sh", ".py")
+          for title in titles(path)]
+results = [judge(*product, tested) for product in PRODUCTS]
+for _, summary in results:
+    print(summary)
+sys.exit(1 if any(wrong for wrong, _ in results) else 0)

@@ -1,0 +1,309 @@
+#!/usr/bin/env python3
+"""Breaks the core in small ways, one at a time, and asks the unit tests whether they notice.
+
+usage: tools/dev/mutate.py [--seconds N] [--seed N] [ROOM...]      (default 600 s, seed 1, rooms od esc slave sii)
+
+A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
+compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. What no test notices
+is printed with its file and line. Mutants are drawn by lot for as long as the time lasts; those that change nothing that could be
+seen stand, each with the reason, in tests/budget/equivalent and do not count.
+
+Needs what tools/test.sh needs. Works below build/mutate; the tree stays as it is.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import random
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build/mutate"
+EQUIVALENT = ROOT / "tests/budget/equivalent"
+LINK = ["--coverage", "-fsanitize=undefined"]
+
+SWAPS = {
+    " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",
+    " || ": " && ", " + ": " - ", " - ": " + ", " & ": " | ", " | ": " & ", " << ": " >> ", " >> ": " << ",
+    " ^ ": " | ", "++": "--", "--": "++", " += ": " -= ", " -= ": " += ", " |= ": " &= ", " &= ": " |= ",
+    "true": "false", "false": "true",
+}
+SWAP = re.compile("|".join(rf"\b{k}\b" if k.isalpha() else re.escape(k) for k in sorted(SWAPS, key=len, reverse=True)))
+NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
+CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
+STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
+FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
+ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$")  # of an array: more of it changes nothing
+HIDDEN = re.compile(r'/\*[\s\S]*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
+
+
+# --- mutants ------------------------------------------------------------------------------------------------------------
+
+
+def function_lines(text):
+    """Which lines (from 0) stand in the body of a function, and in which. The layout is clang-format's."""
+    inside, name, lines = False, "", {}
+    before = ""
+    for number, line in enumerate(text.split("\n")):
+        if line == "{" and before.rstrip().endswith(")"):
+            inside = True
+        elif line == "}":
+            inside = False
+        elif inside:
+            lines[number] = name
+        elif FUNCTION.match(line):
+            name = FUNCTION.match(line)[1]
+        before = line
+    return lines
+
+
+def changes(line, hidden):
+    """Each way to change one line: (begin, end, replacement). `hidden` has comments and literals blanked."""
+    for match in SWAP.finditer(hidden):
+        yield match.start(), match.end(), SWAPS[match[0]]
+    for match in NUMBER.finditer(hidden):
+        value = int(match[0], 0)
+        if not ROOM.search(hidden[:match.start()]):
+            yield match.start(), match.end(), str(value + 1)
+        if value > 1:
+            yield match.start(), match.end(), str(value - 1)
+    match = CONDITION.search(hidden)
+    if match:
+        yield match.start(1), match.end(1), f"!({line[match.start(1):match.end(1)]})"
+    if STATEMENT.match(hidden) and not hidden.lstrip().startswith(("return", "break", "continue", "goto", "assert")):
+        indent = len(line) - len(line.lstrip())
+        yield indent, len(line), ";"
+
+
+def mutants(source):
+    text = source.read_text()
+    hidden = HIDDEN.sub(lambda m: re.sub(r"[^\n]", "~", m[0]), text).split("\n")
+    lines = text.split("\n")
+    functions = function_lines("\n".join(hidden))
+    for number in sorted(functions):
+        if "ECT_ASSERT(" in hidden[number]:  # holds in every right program: nobody could notice
+            continue
+        for begin, end, replacement in changes(lines[number], hidden[number]):
+            changed = lines[number][:begin] + replacement + lines[number][end:]
+            yield {"source": source, "line": number, "function": functions[number], "from": lines[number].strip(), "to": changed.strip(), "text": changed}
+
+
+# --- what is built once ---------------------------------------------------------------------------------------------------
+
+
+def run(*command, **options):
+    return subprocess.run(command, check=True, stdout=subprocess.DEVNULL, **options)
+
+
+class Compiled:
+    """A source as CMake compiles it for one target."""
+
+    def __init__(self, entry):
+        command = shlex.split(entry["command"])
+        if pathlib.Path(command[0]).name == "ccache":
+            command = command[1:]
+        at = command.index("-o") + 1
+        self.source = pathlib.Path(entry["file"])
+        self.object = pathlib.Path(entry["directory"]) / command[at]
+        self.target = re.search(r"CMakeFiles/([^/]+)\.dir/", command[at])[1]
+        self.command = command[:at - 1] + command[at + 1:]
+
+    def compile(self, changed, out):
+        """The changed source in the place of this one. Returns whether it could be compiled."""
+        command = [a if a != str(self.source) else str(changed) for a in self.command if a != "--coverage"]
+        command += ["-Werror=implicit-function-declaration", f"-I{self.source.parent}", "-o", str(out)]
+        return subprocess.run(command, cwd=BUILD, capture_output=True, check=False).returncode == 0
+
+
+class Program:
+    """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object.
+
+    What a test's target compiles for itself, a device with ECT_SMALL say, goes before what the library holds."""
+
+    def __init__(self):
+        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
+            "-DCMAKE_C_FLAGS_DEBUG=", cwd=ROOT)
+        run("cmake", "--build", str(BUILD))
+        targets = {}
+        for entry in json.loads((BUILD / "compile_commands.json").read_text()):
+            compiled = Compiled(entry)
+            targets.setdefault(compiled.target, {})[compiled.source] = compiled
+        applications = [ROOT / "src/soes", ROOT / "src/ports/soes_hal"]  # compiled with each, for its own variables
+        self.core = {s: c for sources in targets.values() for s, c in sources.items()
+                     if BUILD / "src" in c.object.parents and s.parent not in applications}
+        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "cmocka"], check=True,
+                                        capture_output=True, text=True).stdout.split() + ["-lm"]
+        if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
+            self.libraries.append("-lseccomp")
+        self.link(BUILD / "libcore.so", {})
+        self.support = targets["test_support"]
+        unit = ROOT / "tests/unit"
+        self.own = {name: sources for name, sources in sorted(targets.items()) if any(s.parent == unit for s in sources)}
+        self.tests = {}
+        for name in self.own:
+            linked = self.link_test(name, BUILD / name, {})
+            if linked.returncode == 0:  # else it wraps calls of the host, and has nothing to do with the core
+                self.tests[name] = BUILD / name
+        if not self.tests:
+            sys.exit(f"no test could be linked: {linked.stderr.decode().strip().splitlines()[-1]}")
+
+    def link(self, library, instead):
+        objects = [str(instead.get(s, c.object)) for s, c in sorted(self.core.items())]
+        run("cc", *LINK, "-shared", "-o", str(library), *objects, *self.libraries)
+
+    def link_test(self, name, program, instead):
+        sources = {**self.support, **self.own[name]}
+        objects = [str(instead.get(s, c.object)) for s, c in sources.items()]
+        return subprocess.run(["cc", *LINK, "-o", str(program), *objects, f"-L{BUILD}", "-lcore",
+                               "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
+
+    def with_mutant(self, name, source, changed, work):
+        """The test that notices it or not: another one, where it compiles that source for itself."""
+        own = self.own[name].get(source)
+        if not own:
+            return self.tests[name]
+        program = work / name
+        if not own.compile(changed, work / "own.o") or self.link_test(name, program, {source: work / "own.o"}).returncode != 0:
+            raise RuntimeError(f"{source} as {name} has it")
+        return program
+
+    def measure(self, sources):
+        """Runs each test once: how long it takes, and which lines of the sources it reaches.
+
+        A line without code of its own (a table, a constant) is reached with the next one that has some."""
+        self.seconds, reached, with_code = {}, {}, {}
+        for name, program in self.tests.items():
+            for data in BUILD.rglob("*.gcda"):
+                data.unlink()
+            begin = time.monotonic()
+            ended = subprocess.run([program], cwd=ROOT, env=environment(BUILD), capture_output=True, check=False, timeout=120)
+            if ended.returncode != 0:
+                print(f"{name} fails without a mutant: left out", file=sys.stderr)
+                continue
+            self.seconds[name] = time.monotonic() - begin
+            for source in sources:
+                built = self.own[name].get(source, self.core[source]).object
+                for line, count in lines_with_code(built, source):
+                    with_code.setdefault(source, set()).add(line)
+                    if count > 0:
+                        reached.setdefault((source, line), []).append(name)
+        for names in reached.values():
+            names.sort(key=self.seconds.get)
+        for source in sources:
+            last, lines = [], len(source.read_text().split("\n"))
+            for line in range(lines, -1, -1):
+                if line in with_code.get(source, set()):
+                    last = reached.get((source, line), [])
+                else:
+                    reached[source, line] = last
+        return reached
+
+
+def environment(library_folder, **more):
+    return {**os.environ, "LD_LIBRARY_PATH": str(library_folder), **more}
+
+
+def lines_with_code(built, source):
+    """(line from 0, how often gcov saw it executed)"""
+    data = built.with_suffix(".gcda")
+    if not data.exists():
+        return []
+    out = subprocess.run(["gcov", "--stdout", "--json-format", str(data)], cwd=BUILD, check=True, capture_output=True).stdout
+    files = json.loads(out)["files"]
+    return [(line["line_number"] - 1, line["count"]) for f in files if (BUILD / f["file"]).resolve() == source
+            for line in f["lines"]]
+
+
+# --- one mutant -------------------------------------------------------------------------------------------------------------
+
+
+def verdict(program, reached, mutant):
+    """Who notices: a test's name; None: nobody; "" : it does not compile."""
+    source = mutant["source"]
+    with tempfile.TemporaryDirectory(dir=BUILD) as folder:
+        work = pathlib.Path(folder)
+        lines = source.read_text().split("\n")
+        lines[mutant["line"]] = mutant["text"]
+        changed = work / source.name
+        changed.write_text("\n".join(lines))
+        if not program.core[source].compile(changed, work / "mutant.o"):
+            return ""
+        program.link(work / "libcore.so", {source: work / "mutant.o"})
+        for name in reached.get((source, mutant["line"]), []):
+            limit = 2 + 10 * program.seconds[name]
+            try:
+                ended = subprocess.run([program.with_mutant(name, source, changed, work)], cwd=ROOT, timeout=limit,
+                                       capture_output=True, check=False, env=environment(work, GCOV_PREFIX=folder))
+            except subprocess.TimeoutExpired:
+                return name
+            if ended.returncode != 0:
+                return name
+    return None
+
+
+def equivalents():
+    """What is known to change nothing: (file, function or "", line before, line after)."""
+    known, name, function = set(), None, ""
+    for line in EQUIVALENT.read_text().splitlines() if EQUIVALENT.exists() else []:
+        if line.startswith("src/"):
+            name, _, function = line.strip().partition(" ")
+        elif line.startswith("  - "):
+            before = line[4:]
+        elif line.startswith("  + "):
+            known.add((name, function, before, line[4:]))
+    return known
+
+
+def is_known(known, mutant):
+    name = str(mutant["source"].relative_to(ROOT))
+    return any((name, function, mutant["from"], mutant["to"]) in known for function in ("", mutant["function"]))
+
+
+def judge(arguments):
+    sources = [s for room in arguments.rooms for s in sorted((ROOT / "src" / room).glob("*.c"))]
+    program = Program()
+    reached = program.measure(sources)
+    known = equivalents()
+    todo = [m for s in sources for m in mutants(s) if not is_known(known, m)]
+    random.Random(arguments.seed).shuffle(todo)
+    end = time.monotonic() + arguments.seconds
+    counts = {room: [0, 0] for room in arguments.rooms}
+
+    def one(mutant):
+        return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end else (mutant, "")
+
+    survivors = 0
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for mutant, noticed in pool.map(one, todo):
+            if noticed == "":
+                continue
+            room = mutant["source"].relative_to(ROOT / "src").parts[0]
+            counts[room][0] += 1
+            counts[room][1] += noticed is not None
+            if noticed is None:
+                survivors += 1
+                print(f"{mutant['source'].relative_to(ROOT)}:{mutant['line'] + 1}\n  - {mutant['from']}\n  + {mutant['to']}", flush=True)
+    return counts, survivors, len(todo)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seconds", type=float, default=600)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"])
+    counts, survivors, possible = judge(parser.parse_args())
+    tried = sum(c[0] for c in counts.values())
+    for room, (made, noticed) in counts.items():
+        print(f"{room:6} {noticed} of {made} noticed" + (f", {100 * noticed / made:.1f} %" if made else ""))
+    print(f"in all {tried} of {possible} possible mutants tried, {survivors} survived")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
