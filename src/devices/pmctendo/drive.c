@@ -210,9 +210,9 @@ static void publish_actual(pmctendo_t *u)
     u->status = status(u);
     u->position = u->internal_position = pmc_counts(position);
     u->demand = pmc_counts(demand);
-    u->following_error = pmc_counts(demand - position);
-    u->speed = pmc_counts(u->plant.speed);
-    u->torque = (int16_t)pmc_counts(u->torque_now / PMC_RATED_TORQUE * 1000);
+    u->following_error = pmc_saturated(demand - position);
+    u->speed = pmc_saturated(u->plant.speed);
+    u->torque = (int16_t)pmc_saturated(u->torque_now / PMC_RATED_TORQUE * 1000);
     u->inputs = digital_inputs(u);
     u->analog = u->plant.analog;
     u->feedback2 = u->plant.feedback2;
@@ -268,8 +268,8 @@ static void plant_defaults(pmc_plant_t *p)
     *p = (pmc_plant_t){.known = true,
                        .friction = 0.05,
                        .input = {0, 0, 1, 1},
-                       .stop_negative = INT32_MIN,
-                       .stop_positive = INT32_MAX,
+                       .stop_negative = {.at = INT32_MIN},
+                       .stop_positive = {.at = INT32_MAX},
                        .power = 1,
                        .enable = 1,
                        .sync_timeout_ms = 2000};

@@ -17,9 +17,10 @@
  *   quirks.c     replies and AL status codes as the manual prints them
  *   ds402.c      the state machine
  *
- * Positions are counts, 2^20 a turn; speeds counts a second; torques Nm. Inside they are machine coordinates: where the
- * shaft is, whatever the reference. What the master sees counts from `zero`. Time goes in steps of 250 us, the cycle of
- * the position controller; each step is the same whenever it is taken, so a session has the same numbers every time.
+ * Positions are counts, 2^20 a turn; speeds counts a second; torques Nm. Inside they are machine coordinates without a
+ * bound: where the shaft is, whatever the reference. The master's positions count from `zero`, modulo 2^32: its set
+ * values are differences of 32 bits. Time goes in steps of 250 us, the cycle of the position controller; each step is
+ * the same whenever it is taken, so a session has the same numbers every time.
  */
 #ifndef ECT_DEVICES_PMCTENDO_INSTANCE_H
 #define ECT_DEVICES_PMCTENDO_INSTANCE_H
@@ -82,6 +83,12 @@ typedef struct pmc_mark {
     int32_t at, width;
 } pmc_mark_t;
 
+/** A limit switch, machine coordinates. Without one the axis is endless that way. */
+typedef struct pmc_stop {
+    uint8_t fitted;
+    int32_t at;
+} pmc_stop_t;
+
 /** What stands outside. Outlasts a power cycle. */
 typedef struct pmc_plant {
     bool known;
@@ -92,7 +99,7 @@ typedef struct pmc_plant {
     double friction;     /* Nm */
     uint8_t input[PMC_INPUTS];
     pmc_mark_t mark[2]; /* in front of DI1 and DI2 */
-    int32_t stop_negative, stop_positive;
+    pmc_stop_t stop_negative, stop_positive;
     int32_t index_at;
     uint8_t power, enable, sto;
     int16_t analog;
@@ -293,11 +300,16 @@ bool pmc_standing(const pmctendo_t *u);
 #define PMC_PER_NM(inertia) (PMC_TURN / 6.283185307179586 / (inertia))
 void pmc_motor_step(pmctendo_t *u, bool powered); /* with torque_now; fills in u->edge */
 void pmc_motor_levels(pmctendo_t *u);             /* the inputs, as they stand; edges where they are others */
-int32_t pmc_counts(double counts);                /* the nearest, within 32 bits */
+int32_t pmc_counts(double counts);                /* a position: the nearest count, modulo 2^32 */
+int32_t pmc_saturated(double counts);             /* no position: the nearest count, within 32 bits */
 static inline double pmc_user(const pmctendo_t *u, double machine)
 {
     return machine - u->zero;
 }
+/* The user's position `way` from that at `from`, in whole counts. */
+double pmc_beyond(const pmctendo_t *u, double from, double way);
+/* Of all the machine positions that a master's `position` stands for, the nearest to `from`. */
+double pmc_nearest(const pmctendo_t *u, double from, int32_t position);
 
 /* fault.c */
 enum {

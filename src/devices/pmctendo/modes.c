@@ -26,14 +26,33 @@ static bool is_position(int8_t mode)
 /* --- limits ------------------------------------------------------------------------------------------------------- */
 
 /* Software limit switches count once the reference is known. */
+static bool limits_on(const pmctendo_t *u)
+{
+    return u->homed && u->limit[0] < u->limit[1];
+}
+
 static double clamp(pmctendo_t *u, double user)
 {
-    bool on = u->homed && u->limit[0] < u->limit[1];
+    bool on = limits_on(u);
     pmc_warn(u, PMC_N_SOFT_NEGATIVE, on && user < u->limit[0]);
     pmc_warn(u, PMC_N_SOFT_POSITIVE, on && user > u->limit[1]);
     if (on && user < u->limit[0])
         return u->limit[0];
     return on && user > u->limit[1] ? u->limit[1] : user;
+}
+
+/* The machine position of a set value, seen from `from`. Between software limit switches the axis is a line; without
+ * them a set value is a difference of 32 bits, whatever was counted before. */
+static double absolute(pmctendo_t *u, double from, int32_t position)
+{
+    double target = clamp(u, position);
+    return limits_on(u) ? pmc_beyond(u, from, target - pmc_counts(pmc_user(u, from))) : pmc_nearest(u, from, position);
+}
+
+static double relative(pmctendo_t *u, double from, int32_t way)
+{
+    double here = pmc_counts(pmc_user(u, from));
+    return pmc_beyond(u, from, clamp(u, here + way) - here);
 }
 
 /* --- standing still ----------------------------------------------------------------------------------------------- */
@@ -74,8 +93,9 @@ static uint16_t homing_bit(int8_t mode)
 
 static void start_task(pmctendo_t *u)
 {
-    double from = (u->set.control & DS402_RELATIVE) != 0 ? pmc_user(u, u->reference.position) : 0;
-    u->task_target = clamp(u, from + u->target) + u->zero;
+    double from = u->reference.position;
+    bool is_relative = (u->set.control & DS402_RELATIVE) != 0;
+    u->task_target = is_relative ? relative(u, from, u->target) : absolute(u, from, u->target);
     u->task = true;
     u->task_reached = false;
 }
@@ -122,7 +142,7 @@ static void follow_position(pmctendo_t *u)
         u->set_new = false;
         u->segment_steps = pmc_cycle_steps(u);
         u->segment_steps = u->segment_steps > 0 ? u->segment_steps : 1;
-        u->segment_target = clamp(u, u->set.position) + u->zero;
+        u->segment_target = absolute(u, r->position, u->set.position);
     }
     r->loop = PMC_LOOP_POSITION;
     r->speed = 0;
@@ -204,6 +224,8 @@ bool pmc_target_reached(const pmctendo_t *u)
     case PMC_MODE_TORQUE:
         return true;
     default:
-        return (u->set.control & DS402_REFERENCE) != 0 ? u->homing.done : in_position(u, u->set.position + u->zero);
+        return (u->set.control & DS402_REFERENCE) != 0
+                   ? u->homing.done
+                   : in_position(u, pmc_nearest(u, u->plant.position, u->set.position));
     }
 }

@@ -35,9 +35,25 @@ static int64_t whole(double x)
 
 int32_t pmc_counts(double counts)
 {
+    return (int32_t)(uint32_t)whole(counts + 0.5);
+}
+
+int32_t pmc_saturated(double counts)
+{
     if (counts >= INT32_MAX)
         return INT32_MAX;
     return counts <= INT32_MIN ? INT32_MIN : (int32_t)whole(counts + 0.5);
+}
+
+double pmc_beyond(const pmctendo_t *u, double from, double way)
+{
+    return (double)whole(pmc_user(u, from) + 0.5) + way + u->zero;
+}
+
+double pmc_nearest(const pmctendo_t *u, double from, int32_t position)
+{
+    int32_t here = pmc_counts(pmc_user(u, from));
+    return pmc_beyond(u, from, (int32_t)((uint32_t)position - (uint32_t)here));
 }
 
 static void add_edge(pmctendo_t *u, unsigned int line, bool rising, double position)
@@ -59,9 +75,9 @@ static bool level(const pmctendo_t *u, unsigned int line)
     bool by_hand = p->input[line] != 0;
     switch (line) {
     case PMC_PSTOP: /* closed unless the switch is hit: a broken wire counts as hit */
-        return by_hand && p->position < p->stop_positive;
+        return by_hand && !(p->stop_positive.fitted && p->position >= p->stop_positive.at);
     case PMC_NSTOP:
-        return by_hand && p->position > p->stop_negative;
+        return by_hand && !(p->stop_negative.fitted && p->position <= p->stop_negative.at);
     default:
         return by_hand || on_mark(&p->mark[line], p->position);
     }
@@ -104,10 +120,10 @@ static void pass_switches(pmctendo_t *u, double from)
         pass(u, line, from, upwards ? m->at : end, upwards);
         pass(u, line, from, upwards ? end : m->at, !upwards);
     }
-    if (p->input[PMC_PSTOP])
-        pass(u, PMC_PSTOP, from, p->stop_positive, false);
-    if (p->input[PMC_NSTOP])
-        pass(u, PMC_NSTOP, from, (double)p->stop_negative, true);
+    if (p->input[PMC_PSTOP] && p->stop_positive.fitted)
+        pass(u, PMC_PSTOP, from, p->stop_positive.at, false);
+    if (p->input[PMC_NSTOP] && p->stop_negative.fitted)
+        pass(u, PMC_NSTOP, from, p->stop_negative.at, true);
 }
 
 static void pass_index(pmctendo_t *u, double from)

@@ -10,6 +10,8 @@
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
     ECT_SIGNAL(pmctendo_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define R_COUNTS(member, name, meaning) R(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
+/* An endless axis goes on: half a year at 60 turns a second. */
+#define FARTHEST                        ((int64_t)1 << 50)
 #define W_COUNTS(member, name, meaning) W(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
 
 static const ect_signal_t signals[] = {
@@ -34,8 +36,12 @@ static const ect_signal_t signals[] = {
     W(plant.mark[0].width, "probe_width", I32, 0, INT32_MAX, "counts", "for how far; 0: there is none"),
     W_COUNTS(plant.mark[1].at, "home_at", "where on the machine the switch at DI2 comes on"),
     W(plant.mark[1].width, "home_width", I32, 0, INT32_MAX, "counts", "for how far; 0: there is none"),
-    W_COUNTS(plant.stop_positive, "stop_positive", "from where on the positive limit switch is hit"),
-    W_COUNTS(plant.stop_negative, "stop_negative", "down from where the negative one is"),
+    W_COUNTS(plant.stop_positive.at, "stop_positive", "from here on the positive limit switch is hit; maximum: none"),
+    W_COUNTS(plant.stop_negative.at, "stop_negative", "down from here the negative one is; minimum: none"),
+    W(plant.stop_positive.fitted, "stop_positive_fitted", BOOL, 0, 1, NULL,
+      "there is a positive limit switch; set by stop_positive, 0: the axis is endless that way"),
+    W(plant.stop_negative.fitted, "stop_negative_fitted", BOOL, 0, 1, NULL,
+      "there is a negative limit switch; set by stop_negative"),
     W_COUNTS(plant.index_at, "index_at", "where the feedback has an index pulse: there and every turn from there"),
 
     W(plant.sync_patience_ms, "sync_patience", U32, 0, 10000, "ms",
@@ -57,8 +63,10 @@ static const ect_signal_t signals[] = {
     R_COUNTS(position, "position", "actual position as the master sees it, 6064h"),
     R_COUNTS(demand, "demand", "set position that the drive is at, 6062h"),
     R_COUNTS(following_error, "following_error", "between these two, 60F4h"),
-    R(plant.position, "machine_position", REAL, INT32_MIN, INT32_MAX, "counts", "of the shaft, whatever the reference"),
-    R(position_turns, "turns", REAL, -2048, 2048, "turns", "actual position"),
+    R(plant.position, "machine_position", REAL, -FARTHEST, FARTHEST, "counts",
+      "of the shaft, whatever the reference; does not wrap"),
+    R(position_turns, "turns", REAL, -FARTHEST / PMC_TURN, FARTHEST / PMC_TURN, "turns",
+      "actual position; does not wrap"),
     R(speed_rpm, "speed", REAL, -100000, 100000, "1/min", "actual speed"),
     R(torque_nm, "torque", REAL, -100, 100, "Nm", "of the motor"),
     R(latch_status, "latch_status", U16, 0, UINT16_MAX, NULL, "20A5h"),
@@ -111,9 +119,12 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
 static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
-    (void)signal;
     (void)number;
     (void)now_ns;
+    if (IS(signal, plant.stop_positive.at))
+        u->plant.stop_positive.fitted = u->plant.stop_positive.at != INT32_MAX;
+    if (IS(signal, plant.stop_negative.at))
+        u->plant.stop_negative.fitted = u->plant.stop_negative.at != INT32_MIN;
     pmc_look(u);
     pmc_publish(u);
 }
