@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The sections in the order of the checklist. A new one: its file, its line here. */
-#include "engine.h"
+#include "catalogue.h"
 
 extern const cf_section_t cf_datalink;
 extern const cf_section_t cf_syncman;

@@ -14,8 +14,11 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "esi.h"
+#include "catalogue.h"
+#include "probe.h"
 #include "report/report.h"
+#include "runner.h"
+#include "steps/esi.h"
 
 enum { EXIT_CLEAN = 0, EXIT_FAILED = 1, EXIT_NOTHING = 2, EXIT_USAGE = 64, EXIT_INTERRUPTED = 130 };
 enum {

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* What is there: slaves on the segment, and what the one under test has. */
+#include "probe.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
 #include "sii/sii.h"
+#include "steps/engine.h"
 
 enum { NO_LRW = 0x0200, NO_RW = 0x0400, HAS_DC = 0x0004 };
 enum {

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Refuses circles among the files of a room: each file knows only files below it.  usage: order.py BUILD [--graph]
+"""Refuses circles among the files of a room, and among the folders of a program.  usage: order.py BUILD [--graph]
 
-A file knows another when its object uses a symbol that the other's defines, or when it includes the other's header. Read from
-the objects of a build; --graph prints each room from the lowest file to the highest, with what each knows.
+A file knows another when its object uses a symbol that the other's defines, or when it includes the other's header. The folders
+of a program know each other by their files; its own folder, which holds the main function, is one of them. The folders of src
+have a table of their own (layers.py). Read from the objects of a build; --graph prints each room, and each program, from the
+lowest to the highest, with what each knows.
 """
 import json
 import pathlib
@@ -12,7 +14,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-ROOMS = [ROOT / top for top in ("src", "examples")]
+PROGRAMS = ("programs", "examples")
+ROOMS = [ROOT / top for top in ("src", *PROGRAMS)]
 
 
 def objects(build):
@@ -38,10 +41,21 @@ def symbols(path):
     return defines, uses
 
 
+def program_of(room):
+    """programs/ectwin-conform of programs/ectwin-conform/cases; None for a room of src."""
+    parts = pathlib.Path(room).parts
+    return "/".join(parts[:2]) if parts[0] in PROGRAMS else None
+
+
+def headers(path):
+    return re.findall(r'^\s*#\s*include\s+"([\w/-]+)\.h"', path.read_text(), re.MULTILINE)
+
+
 def included(path, room):
     """Files of the room whose header a file includes."""
-    prefix = f"(?:{room.removeprefix('src/')}/)?"  # files of a program name each other without a room
-    return set(re.findall(rf'^\s*#\s*include\s+"{prefix}(\w+)\.h"', path.read_text(), re.MULTILINE))
+    program = program_of(room)  # a program's folder stands on its include path, so its files begin there
+    prefix = str(pathlib.Path(room).relative_to(program or "src")) + "/"
+    return {name.removeprefix(prefix) for name in headers(path) if "/" not in name.removeprefix(prefix)}
 
 
 def knows(room, files):
@@ -57,6 +71,24 @@ def knows(room, files):
             for other in included(file, room) if file.exists() else ():
                 if other != name and other in table:
                     graph[name].setdefault(other, f"{other}.h")
+    return graph
+
+
+def folders_know(program, rooms):
+    """Folder -> {other folder: a symbol or header that shows it}, for the folders of one program."""
+    folders = sorted(str(path.relative_to(ROOT)) for path in [ROOT / program, *(ROOT / program).rglob("*")] if path.is_dir())
+    tables = {folder: [symbols(path) for path in rooms.get(folder, {}).values()] for folder in folders}
+    graph = {folder: {} for folder in folders}
+    for folder, other in ((a, b) for a in folders for b in folders if a != b):
+        uses = {name for _, used in tables[folder] for name in used}
+        common = uses & {name for defined, _ in tables[other] for name in defined}
+        if common:
+            graph[folder][other] = sorted(common)[0]
+        for path in sorted((ROOT / folder).glob("*.[ch]")):
+            for name in headers(path):
+                named = (ROOT / program / f"{name}.h") if not (path.parent / f"{name}.h").exists() else path
+                if named.exists() and named.parent == ROOT / other:
+                    graph[folder].setdefault(other, f"{path.name} includes {name}.h")
     return graph
 
 
@@ -89,8 +121,10 @@ def main():
     failed = len(rooms) < 5
     if failed:
         print(f"{build}: hardly any object of src/; build first")
-    for room, files in sorted(rooms.items()):
-        graph = knows(room, files)
+    graphs = {room: knows(room, files) for room, files in rooms.items()}
+    for program in {program_of(room) for room in rooms} - {None}:
+        graphs[f"the folders of {program}"] = folders_know(program, rooms)
+    for room, graph in sorted(graphs.items()):
         order, left = layers(graph)
         if "--graph" in sys.argv:
             print(f"{room}:")
@@ -99,7 +133,7 @@ def main():
         if left:
             failed = True
             path = circle(left)
-            steps = [f"{a}.c -> {b} ({graph[a][b]})" for a, b in zip(path, path[1:])]
+            steps = [f"{a} -> {b} ({graph[a][b]})" for a, b in zip(path, path[1:])]
             print(f"{room}: a circle: {', '.join(steps)}")
     return 1 if failed else 0
 

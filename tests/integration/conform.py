@@ -223,12 +223,17 @@ def exit_codes(ectwin, conform):
 
 
 def listing(_, conform):
-    """--list needs no slave; each id once, in order; --only and --skip take patterns"""
+    """--list needs no slave; each id once, grouped by section; --only and --skip take patterns"""
     def ids(*arguments):
+        return [id_ for id_, _ in rows(*arguments)]
+
+    def rows(*arguments):
         done = subprocess.run([conform, "--list", *arguments], capture_output=True, text=True, check=True)
-        return [line.split()[0] for line in done.stdout.splitlines()]
+        return [line.split()[:2] for line in done.stdout.splitlines()]
+    letters = [letter for _, letter in rows()]
+    expect("sections, each in one piece", sorted(letters), letters)
     every = ids()
-    expect("ids", sorted(set(every)), every)
+    expect("ids that occur twice", [], [i for i in every if every.count(i) > 1])
     expect("--only", ["CF-033"] + [i for i in every if i.startswith("CF-04")], ids("--only", "CF-033,CF-04*"))
     expect("--skip", [i for i in every if i != "CF-004"], ids("--skip", "CF-004"))
     expect("both", ["CF-001"], ids("--only", "CF-00[12]", "--skip", "CF-002"))

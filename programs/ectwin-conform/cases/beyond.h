@@ -3,7 +3,7 @@
 #ifndef ECTWIN_CONFORM_BEYOND_H
 #define ECTWIN_CONFORM_BEYOND_H
 
-#include "case.h"
+#include "steps/case.h"
 
 /**
  * Throws malformed mails, frames and requests at the slave, of which none orders what lasts; a standard start-up after
@@ -13,12 +13,6 @@
  * @return how much was thrown
  */
 unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each);
-
-/**
- * Lets SOEM, unmodified and on its own, configure all slaves and take the one under test to OP with process data.
- * @param[out] what  on failure: how far it came
- */
-bool cf_soem_to_op(cf_t *c, char *what, size_t room);
 
 /** CF-085: Ethernet over EtherCAT. */
 void cf_ethernet(cf_t *c);

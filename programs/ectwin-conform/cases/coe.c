@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* G. CoE, part one: objects, transfers, aborts, Complete Access. */
-#include "coe_walk.h"
+#include "steps/coe_walk.h"
 
 #include <string.h>
 

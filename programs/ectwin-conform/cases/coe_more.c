@@ -3,8 +3,8 @@
  */
 #include <string.h>
 
-#include "coe_walk.h"
-#include "esi.h"
+#include "steps/coe_walk.h"
+#include "steps/esi.h"
 
 enum {
     NO_SUBINDEX_WRITE = 0x06010003,

@@ -3,7 +3,7 @@
  */
 #include <string.h>
 
-#include "case.h"
+#include "steps/case.h"
 
 enum { SCRATCH = ECT_REG_FMMU + ECT_FMMU_LOGICAL, NOBODY = 0x7ABC, PATTERN = 0xA5, IDENTITY_BYTES = 10 };
 enum { LOOP_CLOSED = 0x0100, COMMUNICATION = 0x0200, LINK = 0x0010 }; /* DL status of port 0; the others follow */

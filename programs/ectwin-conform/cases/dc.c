@@ -2,7 +2,7 @@
 /* I. Distributed clocks, as far as a master without a clock of its own can look at them. */
 #include <string.h>
 
-#include "case.h"
+#include "steps/case.h"
 
 enum { DELAY_NS = 200000000, CYCLE_NS = 1000000, SHORT_CYCLE_NS = 1000, ACTIVE_SYNC0 = 3, SII_DC = 60 };
 enum { SPEED_START = 0x1000, HELD_UP_NS = 100000000 };

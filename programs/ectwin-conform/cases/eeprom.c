@@ -2,7 +2,7 @@
 /* F. The EEPROM: its interface, and whether what stands in it is consistent and true. */
 #include <string.h>
 
-#include "esi.h"
+#include "steps/esi.h"
 #include "wire/crc.h"
 
 enum { STRINGS = 10, GENERAL = 30, FMMU = 40, SYNCM = 41, TXPDO = 50, RXPDO = 51, DC = 60 };

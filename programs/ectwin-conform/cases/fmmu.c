@@ -2,7 +2,7 @@
 /* C. FMMUs, tried in INIT on RAM that no SyncManager guards. */
 #include <string.h>
 
-#include "case.h"
+#include "steps/case.h"
 
 enum {
     LOGICAL = 0x30000,

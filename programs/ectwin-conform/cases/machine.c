@@ -2,7 +2,7 @@
 /* D. The state machine. */
 #include <string.h>
 
-#include "case.h"
+#include "steps/case.h"
 
 enum { ACK = ECT_AL_ACKNOWLEDGE, IDENT = ECT_AL_IDENT };
 enum {

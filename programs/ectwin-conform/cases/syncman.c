@@ -2,7 +2,7 @@
 /* B. SyncManagers. The mailbox is tried with requests that every slave answers; what stands in them does not matter. */
 #include <string.h>
 
-#include "case.h"
+#include "steps/case.h"
 
 enum { MAIL_HEADER = 6, SHORT_MS = 50, DROPPED_MS = 500, FILL_MOST = 24, ONE_DATAGRAM_MORE = 16 };
 enum { STATUS_0 = ECT_REG_SM + ECT_SM_STATUS, STATUS_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_STATUS };

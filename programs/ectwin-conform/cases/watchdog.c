@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* E. Watchdogs, in SAFEOP: there the chip acts alone. */
-#include "case.h"
+#include "steps/case.h"
 
 enum { DIVIDER_100US = 2498, DIVIDER_200US = 4998, LATE_NS = 5000000, LIMIT_MS = 5000 };
 enum { PDI_OK = 0x0002, COUNTER_PDI = ECT_REG_WD_COUNTER_PD + 1, MAILS = 20 };

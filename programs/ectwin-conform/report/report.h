@@ -5,7 +5,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "engine.h"
+#include "report/result.h"
 
 typedef void (*cf_report_t)(FILE *to, const cf_run_t *run);
 

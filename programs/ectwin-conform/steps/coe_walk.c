@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "coe_walk.h"
+#include "steps/coe_walk.h"
 
 #include <stdio.h>
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine.h"
+#include "steps/engine.h"
 
 enum { LOGICAL = 0x00010000, READS = 1, WRITES = 2 };
 /* 6 s of the default divider. A case is no controller: it has pauses, and so has a machine under load. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "port.h"
+#include "steps/port.h"
 
 #include <errno.h>
 #include <net/if.h>

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
 #include "seams/foe.h"
+#include "steps/engine.h"
 
 enum { MAIL_HEADER = 6, BUSY_PAUSE_MS = 20 };
 

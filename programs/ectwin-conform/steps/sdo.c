@@ -2,7 +2,7 @@
 /* CoE as a careful client: whole SDO transfers and the information service, each reply checked on the way. */
 #include <string.h>
 
-#include "engine.h"
+#include "steps/engine.h"
 
 enum { COE_HEADER = 2, SDO_HEADER = 8, MAIL_HEADER = 6, SEGMENT_HEADER = 3 };
 enum { COMMAND = 2, INDEX = 3, SUB = 5, VALUE = 6 }; /* offsets in a CoE mail */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
-#include "engine.h"
+#include "steps/engine.h"
 
 enum { PORT_CONTROL = ECT_REG_DL_CONTROL + 1, CLOSED = 3, PORTS = 4, PROBE_MS = 100, POWER_MS = 60000 };
 

@@ -4,8 +4,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "cases/beyond.h"
-#include "engine.h"
+#include "steps/engine.h"
 
 /* A wire answers in microseconds; a machine under load may keep the process waiting for long. */
 enum { ANSWER_MS = 500, SILENT_MS = 50 };

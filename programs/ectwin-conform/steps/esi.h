@@ -11,10 +11,10 @@
 
 #include <cjson/cJSON.h>
 
-#include "case.h"
 #include "esi/lint.h"
 #include "esi/twin.h"
 #include "facts/facts.h"
+#include "steps/case.h"
 
 enum { CF_ESI_TEXT = 600 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The EEPROM over its registers, as every master reads it. */
 
-#include "engine.h"
 #include "sii/sii.h"
+#include "steps/engine.h"
 
 enum { BUSY = 0x8000, NO_ACK = 0x2000, WRITE_REFUSED = 0x4000, READS_8 = 0x0040, READ = 0x0100, WRITE = 0x0201 };
 enum { BUSY_MS = 1000, TRIES = 100 };

@@ -3,7 +3,7 @@
 #ifndef ECTWIN_CONFORM_COE_WALK_H
 #define ECTWIN_CONFORM_COE_WALK_H
 
-#include "case.h"
+#include "steps/case.h"
 
 enum { COE_VAR = 7, COE_ARRAY = 8, COE_RECORD = 9, COE_VISIBLE_STRING = 9, COE_UNICODE_STRING = 0x0B };
 /** Rights by state, as the service has them. */

@@ -5,24 +5,12 @@
 
 #include <setjmp.h>
 
-#include "case.h"
-#include "record.h"
+#include "steps/case.h"
+#include "steps/record.h"
 
 typedef enum cf_verdict { CF_PASS, CF_WARN, CF_FAIL, CF_SKIPPED, CF_INTERRUPTED } cf_verdict_t;
 
 enum { CF_REASON = 400, CF_STEP = 120 };
-
-/** What came of a case. */
-typedef struct cf_result {
-    const cf_section_t *section;
-    const cf_case_t *entry;
-    cf_verdict_t verdict;
-    char reason[CF_REASON]; /**< why it failed, was skipped, is warned of; or the note of one that passed */
-    char step[CF_STEP];     /**< the last ::cf_step before that; "" none */
-    uint32_t frame;         /**< the last one before the verdict */
-    uint64_t duration_ns;
-    cf_evidence_t evidence;
-} cf_result_t;
 
 /** What a case has changed for good, and what was there. */
 typedef struct cf_undo {
@@ -70,11 +58,6 @@ typedef struct cf_engine {
     bool lame;            /**< the slave could not be brought back to INIT: it is not waited for as long */
 } cf_engine_t;
 
-/** Looks what is on the segment and gives all slaves their addresses. @return how many; 0 none */
-uint16_t cf_scan(cf_t *c);
-/** Fills the facts and the mailbox. Leaves by the engine's jump when the slave cannot be read. */
-void cf_probe(cf_t *c);
-
 /** Puts the plug back if it is pulled, and waits until all slaves are found. */
 void cf_put_plug_back(cf_t *c);
 
@@ -83,31 +66,13 @@ _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
 /** Room for one more change. Leaves the case when there is none. */
 cf_undo_t *cf_new_undo(cf_t *c);
+/** Frees all changes of the list, undone or not. */
+void cf_forget_changes(cf_engine_t *e);
+/** Brings the slave back: plug, INIT, changes in reverse order, INIT. Leaves by the engine's jump when that fails. */
+void cf_put_back(cf_t *c);
 /** What a waiting step does between two looks: the case's function, or a short sleep. */
 void cf_between_looks(cf_t *c);
 /** Leaves the case when its time is over or the user wants out. */
 void cf_check_time(cf_t *c);
-
-extern const cf_section_t *const cf_catalogue[];
-extern const size_t cf_catalogue_count;
-
-/** Why a slave without that bit (one of `needs`) cannot be judged, constant text. */
-const char *cf_need_text(uint32_t bit);
-
-/** All cases that the user chose, in order. */
-typedef struct cf_run {
-    cf_t c;
-    cf_engine_t engine;
-    cf_result_t *results;
-    size_t count;
-    size_t planned;
-    const char *iface;
-    const char *esi;  /**< the ESI file, and which device of it; NULL: none */
-    char started[32]; /**< local time, ISO 8601 */
-    uint64_t duration_ns;
-} cf_run_t;
-
-/** Runs one case between two known states. */
-void cf_run_case(cf_run_t *run, const cf_section_t *section, const cf_case_t *entry, cf_result_t *result);
 
 #endif

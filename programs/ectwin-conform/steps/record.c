@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "record.h"
+#include "steps/record.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
 
-#include "case.h"
+#include "steps/case.h"
 
 /* pcapng (draft-ietf-opsawg-pcapng): block types and options. Numbers are the host's own, the magic says which. */
 enum {

@@ -2,7 +2,7 @@
 /* Mails through SyncManagers 0 and 1. */
 #include <string.h>
 
-#include "engine.h"
+#include "steps/engine.h"
 
 enum { HEADER = 6, COE_HEADER = 2 };
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "esi.h"
+#include "steps/esi.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "coe_walk.h"
+#include "steps/coe_walk.h"
 
 enum { VALUE = 256, ASSIGNMENT = 0x1C10, LINES_TOLD = 20 };
 

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs one case between two known states. */
+#include "runner.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogue.h"
+
+/* Items of evidence that are kept: the end of a case that passed, enough to see the cause of any other verdict. */
+enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 40000 };
+
+static void arm(cf_engine_t *e, uint32_t ms, bool running)
+{
+    e->limit_ms = ms;
+    e->deadline_ns = cf_now_ns() + ms * UINT64_C(1000000);
+    e->running = running;
+}
+
+/* Runs a step of the engine or a case. @return whether it came to its end */
+static bool guarded(cf_t *c, void (*run)(cf_t *c), uint32_t ms, bool running)
+{
+    cf_engine_t *e = c->engine;
+    arm(e, ms, running);
+    e->verdict = CF_PASS;
+    e->reason[0] = 0;
+    e->looking = false;
+    c->random = e->seed;
+    cf_while_waiting(c, NULL, NULL);
+    if (setjmp(e->leave) != 0) {
+        e->running = false;
+        return false;
+    }
+    run(c);
+    e->running = false;
+    return true;
+}
+
+static void append(cf_evidence_t *to, cf_evidence_t *more)
+{
+    cf_item_t *items = realloc(to->items, (to->count + more->count + 1) * sizeof items[0]);
+    if (!items)
+        abort();
+    memcpy(items + to->count, more->items, more->count * sizeof items[0]);
+    to->items = items;
+    to->count += more->count;
+    to->last_frame = more->last_frame != 0 ? more->last_frame : to->last_frame;
+    free(more->items);
+}
+
+/* Brings the slave back; what is wrong with that is the case's failure, unless it has one already. */
+static void restore(cf_t *c, cf_result_t *result)
+{
+    cf_engine_t *e = c->engine;
+    cf_record_begin(result->entry->id, "afterwards: back to INIT");
+    bool back = guarded(c, cf_put_back, RESTORE_MS, false);
+    cf_forget_changes(e);
+    e->lame = !back;
+    cf_evidence_t evidence = cf_record_end(KEEP_OTHERS);
+    if (back || result->verdict == CF_INTERRUPTED || result->verdict == CF_FAIL) {
+        cf_evidence_free(&evidence);
+        return;
+    }
+    snprintf(result->reason, sizeof result->reason, "afterwards the slave is not as before: %.300s", e->reason);
+    result->verdict = CF_FAIL;
+    result->frame = e->frame;
+    append(&result->evidence, &evidence);
+}
+
+static uint32_t missing(const cf_t *c, const cf_case_t *entry)
+{
+    uint32_t has =
+        c->facts.has | (c->destructive ? CF_WRITES_SII : 0) | (c->esi ? CF_ESI : 0) | (c->emulated ? 0 : CF_REAL_TIME);
+    return entry->needs & ~(has | CF_ON_REQUEST);
+}
+
+/* @return whether there is something to restore: a slave that was not ready for the case has been tried already */
+static bool judge(cf_t *c, cf_result_t *result)
+{
+    cf_engine_t *e = c->engine;
+    const cf_case_t *entry = result->entry;
+    cf_record_begin(entry->id, entry->title);
+    e->step[0] = 0;
+    bool ready = guarded(c, cf_known_state, RESTORE_MS, true);
+    if (ready) {
+        cf_step(c, "the case begins");
+        e->step[0] = 0;
+        (void)guarded(c, entry->run, entry->limit_ms != 0 ? entry->limit_ms : CF_LIMIT_MS, true);
+    }
+    result->verdict = e->verdict;
+    result->frame = e->frame;
+    memcpy(result->reason, e->reason, sizeof result->reason);
+    memcpy(result->step, e->step, sizeof result->step);
+    result->evidence = cf_record_end(e->verdict == CF_PASS || e->verdict == CF_SKIPPED ? KEEP_PASSED : KEEP_OTHERS);
+    return ready || e->verdict == CF_INTERRUPTED;
+}
+
+void cf_run_case(cf_run_t *run, const cf_section_t *section, const cf_case_t *entry, cf_result_t *result)
+{
+    uint64_t start = cf_now_ns();
+    *result = (cf_result_t){.section = section, .entry = entry};
+    uint32_t lacks = missing(&run->c, entry);
+    if (lacks != 0) {
+        result->verdict = CF_SKIPPED;
+        snprintf(result->reason, sizeof result->reason, "%s", cf_need_text(lacks));
+        return;
+    }
+    if (judge(&run->c, result))
+        restore(&run->c, result);
+    result->duration_ns = cf_now_ns() - start;
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/* What steps share while a case runs: random numbers, waiting, histograms, the list of changes to undo. */
+#define _GNU_SOURCE
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "steps/engine.h"
+
+enum { LOOK_NS = 200000 };
+
+/* xorshift64* */
+uint32_t cf_random(cf_t *c, uint32_t limit)
+{
+    c->random ^= c->random >> 12;
+    c->random ^= c->random << 25;
+    c->random ^= c->random >> 27;
+    return (uint32_t)((c->random * UINT64_C(2685821657736338717)) >> 32) % limit;
+}
+
+void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx)
+{
+    c->engine->look = look;
+    c->engine->look_ctx = ctx;
+}
+
+/* The function may use waiting steps itself. */
+void cf_between_looks(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    const struct timespec pause = {.tv_nsec = LOOK_NS};
+    if (!e->look || e->looking) {
+        (void)nanosleep(&pause, NULL);
+        return;
+    }
+    e->looking = true;
+    e->look(c, e->look_ctx);
+    e->looking = false;
+}
+
+void cf_measure(cf_t *c, const char *series, uint64_t ns)
+{
+    cf_engine_t *e = c->engine;
+    size_t n = 0;
+    while (n < e->series_count && strcmp(e->series[n].name, series) != 0)
+        n++;
+    if (n == CF_SERIES_MOST)
+        cf_fail(c, "more than %d histograms", (int)CF_SERIES_MOST);
+    cf_series_t *s = &e->series[n];
+    if (n == e->series_count) {
+        *s = (cf_series_t){.name = series, .values_ns = calloc(CF_VALUES_MOST, sizeof s->values_ns[0])};
+        if (!s->values_ns)
+            cf_fail(c, "out of memory");
+        e->series_count++;
+    }
+    if (s->count < CF_VALUES_MOST)
+        s->values_ns[s->count++] = ns;
+}
+
+cf_undo_t *cf_new_undo(cf_t *c)
+{
+    cf_engine_t *e = c->engine;
+    if (e->undo_count == CF_UNDO_MOST)
+        cf_fail(c, "this case changes more than %d values", (int)CF_UNDO_MOST);
+    return &e->undo[e->undo_count++];
+}
+
+/* Also of those that could not be put back. */
+void cf_forget_changes(cf_engine_t *e)
+{
+    for (size_t i = 0; i < CF_UNDO_MOST; i++) {
+        free(e->undo[i].file);
+        e->undo[i].file = NULL;
+    }
+    e->undo_count = 0;
+}
