@@ -207,7 +207,8 @@ static void write_list(source_t *s)
     fprintf(s->file, "\nconst _objectlist SDOobjects[] =\n{\n");
     for (uint16_t i = 0; i < s->od.count; i++) {
         const ect_object_t *object = &s->od.objects[i];
-        fprintf(s->file, "  {0x%04X, 0x%04X, %u, 0, ", object->index, object->object_code, object->max_subindex);
+        fprintf(s->file, "  {0x%04X, 0x%04X, %td, 0, ", object->index, object->object_code,
+                ect_od_last(object) - object->entries);
         print_literal(s->file, object->name, strlen(object->name));
         fprintf(s->file, ", SDO%04X},\n", object->index);
     }
@@ -223,7 +224,7 @@ static unsigned int most_mappings(const source_t *s, bool outputs)
     for (uint16_t i = 0; i < s->od.count; i++) {
         const ect_object_t *object = &s->od.objects[i];
         if (outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index))
-            count += object->max_subindex;
+            count += (unsigned int)(ect_od_last(object) - object->entries);
     }
     return count > 0 ? count : 1;
 }

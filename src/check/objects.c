@@ -206,7 +206,14 @@ static bool entry_good(const place_t *p)
     return type_good(p) && access_good(p) && place_good(p) && value_good(p);
 }
 
-/* Its own number of elements, or where it may change, one up to that. */
+/* The sub-index that an object gives for its last entry; in a list of SOES, that of the entry at its position. */
+static unsigned int highest(const ect_object_t *o)
+{
+    return o->last != 0 ? o->max_subindex : ect_od_last(o)->subindex;
+}
+
+/* Its own number of elements, or where it may change, one up to that. A sparse record of SOES may give either the
+ * highest sub-index or the number of elements. */
 static bool count_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -214,8 +221,8 @@ static bool count_good(const place_t *p)
     bool list = p->object->index >= 0x1600 && p->object->index < 0x1C40;
     if (e->subindex != 0 || e->data_type != ECT_TYPE_UNSIGNED8)
         return wrong(p->r, "%04Xh: a record or array begins with sub-index 0, UNSIGNED8", p->object->index);
-    if (count > p->object->max_subindex || (count < p->object->max_subindex && !list && !e->data))
-        return wrong_at(p, "it says %u elements, but the last is %u", count, p->object->max_subindex);
+    if (count > highest(p->object) || (count < p->object->max_subindex && !list && !e->data))
+        return wrong_at(p, "it says %u elements, but the last is %u", count, highest(p->object));
     return true;
 }
 
@@ -250,14 +257,14 @@ static bool entries_good(place_t *p)
 {
     const ect_object_t *o = p->object;
     for (;;) {
-        const ect_entry_t *next = ect_od_next(o, p->entry);
+        const ect_entry_t *next = p->entry->subindex < highest(o) ? ect_od_next(o, p->entry) : NULL;
         if (!entry_good(p))
             return false;
         if (!next)
             return true;
-        if (next->subindex <= p->entry->subindex || next->subindex > o->max_subindex)
+        if (next->subindex <= p->entry->subindex || next->subindex > highest(o))
             return wrong(p->r, "%04Xh: its entries are not in ascending order, or not up to %u: %u comes after %u",
-                         o->index, o->max_subindex, next->subindex, p->entry->subindex);
+                         o->index, highest(o), next->subindex, p->entry->subindex);
         p->entry = next;
     }
 }
@@ -270,9 +277,9 @@ static bool object_good(const report_t *r, const ect_object_t *o)
     bool list = o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
     if ((list && !count_good(&p)) || !entries_good(&p))
         return false;
-    if (p.entry->subindex != o->max_subindex || (o->last != 0 && p.entry != &o->entries[o->last]))
+    if (p.entry->subindex != highest(o) || p.entry != ect_od_last(o))
         return wrong(r, "%04Xh: its last sub-index is %u, max_subindex says %u", o->index, p.entry->subindex,
-                     o->max_subindex);
+                     highest(o));
     return true;
 }
 

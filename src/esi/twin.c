@@ -558,7 +558,7 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
         }
         objects[i] = (ect_object_t){.index = from->index,
                                     .object_code = from->code,
-                                    .max_subindex = from->entries[from->count - 1].subindex,
+                                    .max_subindex = from->count > 1 ? from->entries[from->count - 1].subindex : 0,
                                     .last = (uint8_t)(from->count - 1),
                                     .name = from->name,
                                     .entries = entries};

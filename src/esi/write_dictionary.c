@@ -141,7 +141,7 @@ static void write_item(list_t *list, const ect_object_t *object, const ect_entry
 
 static unsigned int element_bits(const ect_object_t *object)
 {
-    return (unsigned int)object->max_subindex * ect_od_entry(object, 1)->bit_length;
+    return ect_od_last(object)->subindex * (unsigned int)ect_od_entry(object, 1)->bit_length;
 }
 
 static void write_elements(list_t *list, const ect_object_t *object)
@@ -164,7 +164,7 @@ static void write_array_type(list_t *list, const ect_object_t *object)
     ect_pen_text(pen, "Name", record_type(object, "ARR").text);
     ect_pen_text(pen, "BaseType", type_of(list, ect_od_entry(object, 1)));
     ect_pen_number(pen, "BitSize", element_bits(object));
-    write_array_info(pen, 1, object->max_subindex);
+    write_array_info(pen, 1, ect_od_last(object)->subindex);
     ect_pen_close(pen);
 }
 

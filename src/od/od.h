@@ -107,14 +107,15 @@ typedef struct ect_entry {
 } ect_entry_t;
 
 /**
- * One object (index). Same members, order and types as SOES `_objectlist`, where `last` is padding: 0 with several
- * entries means that nobody has counted them, and `max_subindex` alone says where they end.
+ * One object (index). Same members, order and types as SOES `_objectlist`, where `last` is padding and 0: there
+ * `max_subindex` is the position of the last element, whatever sub-index that element has. The two differ in a sparse
+ * record only; ::ect_od_last reads either.
  */
 typedef struct ect_object {
     uint16_t index;       /**< ascending in the list */
     uint16_t object_code; /**< ECT_OBJECT_... */
-    uint8_t max_subindex; /**< sub-index of the last element of `entries`; 0 for a VAR */
-    uint8_t last;         /**< position of that element: its number of entries, less one */
+    uint8_t max_subindex; /**< sub-index of the last element of `entries`, or with `last` 0 its position; 0 for a VAR */
+    uint8_t last;         /**< position of the last element: the number of entries, less one; 0 in a list of SOES */
     const char *name;     /**< zero-terminated, shared */
     const ect_entry_t *entries;
 } ect_object_t;
@@ -216,11 +217,16 @@ const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index);
  */
 const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex);
 
+/** The last entry of an object, in a list of ours and in one of SOES. Its sub-index is the highest of the object. */
+static inline const ect_entry_t *ect_od_last(const ect_object_t *object)
+{
+    return object->entries + (object->last != 0 ? object->last : object->max_subindex);
+}
+
 /** The entry that follows in the object's table, or NULL after the last. */
 static inline const ect_entry_t *ect_od_next(const ect_object_t *object, const ect_entry_t *entry)
 {
-    uint8_t last = object->last != 0 ? object->last : object->max_subindex;
-    return entry->subindex < object->max_subindex && entry < object->entries + last ? entry + 1 : NULL;
+    return entry < ect_od_last(object) ? entry + 1 : NULL;
 }
 
 /**

@@ -60,7 +60,7 @@ static size_t most_runs(const ect_device_t *device, unsigned int sm)
         const ect_object_t *object = &device->objects[i];
         if (!(outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index)))
             continue;
-        runs += object->max_subindex;
+        runs += (size_t)(ect_od_last(object) - object->entries);
         bits = shortest_mapped(object, bits);
     }
     size_t room = 8u * ect_sm_room(device, sm) / bits;

@@ -104,8 +104,8 @@ static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t c
 {
     uint32_t room_bits = room_of(s, index);
     const ect_object_t *object = ect_od_find(&s->od, index);
-    ECT_ASSERT(object != NULL);
-    if (count > object->max_subindex)
+    ECT_ASSERT(object != NULL && count <= UINT8_MAX);
+    if (!ect_od_entry(object, (uint8_t)count))
         return ECT_REASON_TOO_HIGH;
     for (uint32_t i = 1; i <= count; i++) {
         uint32_t value = number(s, index, (uint8_t)i);

@@ -30,15 +30,15 @@ enum { INITIATE = 8 /* command, index, sub-index, 4 bytes */, EXPEDITED_ROOM = 4
 
 /* --- the cursor -------------------------------------------------------------------------------------------------- */
 
-/* Elements that sub-index 0 declares present: beyond them there is nothing to transfer. */
+/* The highest sub-index that sub-index 0 declares present: Complete Access transfers nothing beyond it. In a sparse
+ * record of a SOES list, sub-index 0 may count the elements instead; then all of them are present. */
 static uint8_t present(const ect_slave_t *s, const ect_object_t *object)
 {
-    uint8_t count = object->max_subindex;
     if (object->object_code == ECT_OBJECT_VAR || object->entries->subindex != 0)
-        return count;
+        return UINT8_MAX;
     uint8_t declared;
     ect_od_read(&s->od, object->entries, 0, &declared, 1);
-    return declared < count ? declared : count;
+    return declared < object->max_subindex ? declared : UINT8_MAX;
 }
 
 static void cursor_begin(ect_slave_t *s, const ect_entry_t *first)
@@ -403,7 +403,7 @@ static ect_reason_t take_bits(ect_slave_t *s, bool only_check)
     c->byte >>= c->entry->bit_length;
     c->bits -= c->entry->bit_length;
     ect_reason_t reason = store_value(s, c->entry, &value, 1, only_check);
-    cursor_next(&s->sdo, s->sdo.object->max_subindex);
+    cursor_next(&s->sdo, UINT8_MAX);
     return reason;
 }
 
@@ -428,7 +428,7 @@ static ect_reason_t download_step(ect_slave_t *s, const uint8_t **from, const ui
     c->offset = (uint16_t)(c->offset + piece);
     if (piece < left)
         return ECT_OK;
-    cursor_next(sdo, sdo->object->max_subindex);
+    cursor_next(sdo, UINT8_MAX);
     return store_value(s, entry, value, total, only_check);
 }
 
@@ -474,7 +474,7 @@ static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t l
 static ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
 {
     ect_sdo_t *sdo = &s->sdo;
-    uint32_t room = sdo->complete ? packed_size(s, first, sdo->object->max_subindex) : (uint32_t)ect_od_bytes(first);
+    uint32_t room = sdo->complete ? packed_size(s, first, UINT8_MAX) : (uint32_t)ect_od_bytes(first);
     if (sdo->size > room)
         return ECT_REASON_TOO_LONG;
     bool may_be_short = sdo->complete || ect_od_is_string(first);

@@ -143,7 +143,7 @@ static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, con
 static uint16_t object_type(const ect_object_t *object)
 {
     if (object->object_code != ECT_OBJECT_RECORD)
-        return ect_od_entry(object, object->max_subindex)->data_type;
+        return ect_od_last(object)->data_type;
     uint16_t index = object->index;
     if (index == 0x1018)
         return ECT_TYPE_IDENTITY;
@@ -162,7 +162,7 @@ static void describe_object(ect_slave_t *s, uint16_t index)
     uint8_t *data = build(s, OBJECT_RESPONSE);
     ect_store_le16(data, index);
     ect_store_le16(data + 2, object_type(object));
-    data[4] = object->max_subindex;
+    data[4] = (uint8_t)ect_od_last(object)->subindex;
     data[5] = (uint8_t)object->object_code;
     send(s, put_name(s, data, 6, object->name));
 }
@@ -217,7 +217,7 @@ static void describe_entry(ect_slave_t *s, const uint8_t *request)
     const ect_object_t *object;
     const ect_entry_t *entry;
     ect_reason_t reason = ect_od_lookup(&s->od, index, request[2], &object, &entry);
-    if (reason == ECT_REASON_NO_SUBINDEX && request[2] < object->max_subindex) {
+    if (reason == ECT_REASON_NO_SUBINDEX && request[2] < ect_od_last(object)->subindex) {
         reason = ECT_OK;
         entry = &gap;
     }

@@ -129,5 +129,5 @@ const _objectlist SDOobjects[] = {
     {0x1C12, OTYPE_ARRAY, 2, 0, "SM2 PDOs", SDO1C12},    {0x1C13, OTYPE_ARRAY, 1, 0, "SM3 PDOs", SDO1C13},
     {0x6000, OTYPE_RECORD, 2, 0, "Buttons", SDO6000},    {0x6001, OTYPE_VAR, 0, 0, "Position", SDO6001},
     {0x7000, OTYPE_RECORD, 2, 0, "Lamps", SDO7000},      {0x7001, OTYPE_VAR, 0, 0, "Speed", SDO7001},
-    {0x8000, OTYPE_RECORD, 5, 0, "Parameters", SDO8000}, {0x8001, OTYPE_VAR, 0, 0, "Label", SDO8001},
+    {0x8000, OTYPE_RECORD, 2, 0, "Parameters", SDO8000}, {0x8001, OTYPE_VAR, 0, 0, "Label", SDO8001},
     {0x8002, OTYPE_RECORD, 2, 0, "Bits", SDO8002},       {0xffff, 0xff, 0xff, 0xff, NULL, NULL}};

@@ -168,19 +168,21 @@ static void counted_entries(void **state)
 static void lookup_of_entries(void **state)
 {
     static const ect_object_t objects[] = {{0x2000, ECT_OBJECT_VAR, 0, 0, "VAR", one_entry},
-                                           {0x2001, ECT_OBJECT_RECORD, 255, 0, "Sparse", sparse},
-                                           {0x2002, ECT_OBJECT_RECORD, 3, 0, "No count", no_count}};
-    const ect_od_t od = {.objects = objects, .count = 3};
+                                           {0x2001, ECT_OBJECT_RECORD, 255, 4, "Sparse", sparse},
+                                           {0x2002, ECT_OBJECT_RECORD, 1, 0, "No count", no_count},
+                                           {0x2003, ECT_OBJECT_RECORD, 4, 0, "Sparse, of SOES", sparse}};
+    const ect_od_t od = {.objects = objects, .count = 4};
     (void)state;
-    for (uint16_t index = 0x1FFF; index <= 0x2003; index++) {
+    for (uint16_t index = 0x1FFF; index <= 0x2004; index++) {
         for (unsigned int sub = 0; sub <= 255; sub++) {
             const ect_object_t *object = NULL;
             const ect_entry_t *entry = NULL;
             uint32_t number = 12345;
             bool there = (index == 0x2000 && sub == 0) ||
-                         (index == 0x2001 && (sub == 0 || sub == 1 || sub == 4 || sub == 5 || sub == 255)) ||
+                         ((index == 0x2001 || index == 0x2003) &&
+                          (sub == 0 || sub == 1 || sub == 4 || sub == 5 || sub == 255)) ||
                          (index == 0x2002 && (sub == 2 || sub == 3));
-            ect_reason_t want = index < 0x2000 || index > 0x2002 ? ECT_REASON_NO_OBJECT
+            ect_reason_t want = index < 0x2000 || index > 0x2003 ? ECT_REASON_NO_OBJECT
                                 : there                          ? ECT_OK
                                                                  : ECT_REASON_NO_SUBINDEX;
             ect_reason_t got = ect_od_lookup(&od, index, (uint8_t)sub, &object, &entry);

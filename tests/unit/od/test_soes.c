@@ -38,6 +38,8 @@ static struct {
     uint8_t lamps[2];
     uint16_t set;
     uint32_t gain;
+    uint16_t far, farther;
+    uint8_t octet;
     char label[64];
 } app;
 
@@ -55,11 +57,12 @@ static const objd_t sdo1600[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 4, N
                                  {2, DTYPE_U32, 32, ATYPE_RO, "Lamp 2", 0x70000201, NULL},
                                  {3, DTYPE_U32, 32, ATYPE_RO, "Padding", 0x00000006, NULL},
                                  {4, DTYPE_U32, 32, ATYPE_RO, "Set value", 0x70010010, NULL}};
-static const objd_t sdo1a00[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 4, NULL},
+static const objd_t sdo1a00[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 5, NULL},
                                  {1, DTYPE_U32, 32, ATYPE_RO, "Switch 1", 0x60000101, NULL},
                                  {2, DTYPE_U32, 32, ATYPE_RO, "Switch 2", 0x60000201, NULL},
                                  {3, DTYPE_U32, 32, ATYPE_RO, "Padding", 0x00000006, NULL},
-                                 {4, DTYPE_U32, 32, ATYPE_RO, "Count", 0x60010010, NULL}};
+                                 {4, DTYPE_U32, 32, ATYPE_RO, "Count", 0x60010010, NULL},
+                                 {5, DTYPE_U32, 32, ATYPE_RO, "Farther", 0x60100C10, NULL}};
 static const objd_t sdo1c00[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 4, NULL},
                                  {1, DTYPE_U8, 8, ATYPE_RO, "SM0", 1, NULL},
                                  {2, DTYPE_U8, 8, ATYPE_RO, "SM1", 2, NULL},
@@ -73,6 +76,13 @@ static const objd_t sdo6000[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 2, N
                                  {1, DTYPE_BOOL, 1, ATYPE_RO | ATYPE_TXPDO, "Switch 1", 0, &app.switches[0]},
                                  {2, DTYPE_BOOL, 1, ATYPE_RO | ATYPE_TXPDO, "Switch 2", 0, &app.switches[1]}};
 static const objd_t sdo6001[] = {{0, DTYPE_U16, 16, ATYPE_RO | ATYPE_TXPDO, "Count", 0, &app.count}};
+/* Sparse; sub-index 0 gives the highest sub-index in one, the number of elements in the other. */
+static const objd_t sdo6010[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 12, NULL},
+                                 {11, DTYPE_U16, 16, ATYPE_RO | ATYPE_TXPDO, "Far", 0x0B0B, &app.far},
+                                 {12, DTYPE_U16, 16, ATYPE_RO | ATYPE_TXPDO, "Farther", 0x0C0C, &app.farther}};
+static const objd_t sdo8002[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 2, NULL},
+                                 {4, DTYPE_U16, 16, ATYPE_RO, "Constant", 0x0404, NULL},
+                                 {255, DTYPE_U8, 8, ATYPE_RW, "Octet", 0xFF, &app.octet}};
 static const objd_t sdo7000[] = {{0, DTYPE_U8, 8, ATYPE_RO, "Max SubIndex", 2, NULL},
                                  {1, DTYPE_BOOL, 1, ATYPE_RO | ATYPE_RXPDO, "Lamp 1", 0, &app.lamps[0]},
                                  {2, DTYPE_BOOL, 1, ATYPE_RO | ATYPE_RXPDO, "Lamp 2", 0, &app.lamps[1]}};
@@ -86,16 +96,18 @@ static const objectlist_t sdo_objects[] = {{0x1000, OTYPE_VAR, 0, 0, "Device Typ
                                            {0x1008, OTYPE_VAR, 0, 0, "Device Name", sdo1008},
                                            {0x1018, OTYPE_RECORD, 4, 0, "Identity", sdo1018},
                                            {0x1600, OTYPE_RECORD, 4, 0, "Outputs", sdo1600},
-                                           {0x1A00, OTYPE_RECORD, 4, 0, "Inputs", sdo1a00},
+                                           {0x1A00, OTYPE_RECORD, 5, 0, "Inputs", sdo1a00},
                                            {0x1C00, OTYPE_ARRAY, 4, 0, "SM types", sdo1c00},
                                            {0x1C12, OTYPE_ARRAY, 1, 0, "SM2 PDOs", sdo1c12},
                                            {0x1C13, OTYPE_ARRAY, 1, 0, "SM3 PDOs", sdo1c13},
                                            {0x6000, OTYPE_ARRAY, 2, 0, "Switches", sdo6000},
                                            {0x6001, OTYPE_VAR, 0, 0, "Count", sdo6001},
+                                           {0x6010, OTYPE_RECORD, 2, 0, "Sparse", sdo6010},
                                            {0x7000, OTYPE_ARRAY, 2, 0, "Lamps", sdo7000},
                                            {0x7001, OTYPE_VAR, 0, 0, "Set value", sdo7001},
-                                           {0x8000, OTYPE_RECORD, 5, 0, "Settings", sdo8000},
+                                           {0x8000, OTYPE_RECORD, 2, 0, "Settings", sdo8000},
                                            {0x8001, OTYPE_VAR, 0, 0, "Label", sdo8001},
+                                           {0x8002, OTYPE_RECORD, 2, 0, "Sparse, counted", sdo8002},
                                            {0xFFFF, 0xFF, 0xFF, 0xFF, NULL, NULL}};
 
 /* --- the device --------------------------------------------------------------------------------------------------- */
@@ -168,7 +180,7 @@ static void described(void **state)
 
 static void process_data(void **state)
 {
-    uint8_t out[3] = {0x01, 0x34, 0x12}, in[3];
+    uint8_t out[3] = {0x01, 0x34, 0x12}, in[5];
     wire_t w;
     (void)state;
     open_in(&w, OP);
@@ -179,6 +191,57 @@ static void process_data(void **state)
     assert_int_equal(wire_read(&w, 0, 0x1180, in, sizeof in), 1);
     assert_int_equal(in[0], 0x02);
     assert_int_equal(ect_load_le16(in + 1) + 1, app.count); /* read, they were renewed */
+    assert_int_equal(ect_load_le16(in + 3), 0x0C0C);        /* 6010:12, the last of a sparse record */
+    wire_close(&w);
+}
+
+/* The last entry of each sparse record: read, written, given its default, part of the whole object. */
+static void sparse_records(void **state)
+{
+    static const uint8_t far[] = {12, 0, 0x0B, 0x0B, 0x0C, 0x0C}, counted[] = {2, 0, 0x04, 0x04, 0xFF};
+    uint8_t data[8];
+    size_t size = sizeof data;
+    wire_t w;
+    (void)state;
+    open_in(&w, PREOP);
+    expect_upload(&w, 0x6010, 12, false, "\x0C\x0C", 2);
+    expect_upload(&w, 0x6010, 0, true, far, sizeof far);
+    expect_upload(&w, 0x6010, 1, true, far + 2, sizeof far - 2);
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x6010, 10, false, data, &size), 0x06090011);
+    assert_int_equal(wire_sdo_upload(&w, 0, 0x6010, 13, false, data, &size), 0x06090011);
+    expect_upload(&w, 0x8002, 255, false, "\xFF", 1);
+    expect_upload(&w, 0x8002, 0, true, counted, sizeof counted);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x8002, 255, false, "\x07", 1), 0);
+    assert_int_equal(app.octet, 7);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x8002, 1, true, "\0\0\x09", 3), 0);
+    assert_int_equal(app.octet, 9);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x8002, 1, true, "\0\0\x09\0", 4), 0x06070012);
+    wire_close(&w);
+}
+
+/* The highest sub-index, as SDO information gives it, and each entry up to it. */
+static void sparse_descriptions(void **state)
+{
+    uint8_t object[] = {0x00, 0x80, 3, 0, 0, 0, 0x10, 0x60}, entry[] = {0x00, 0x80, 5, 0, 0, 0, 0x10, 0x60, 0, 7};
+    uint8_t reply[128] = {0};
+    wire_t w;
+    (void)state;
+    open_in(&w, PREOP);
+    assert_true(wire_coe(&w, 0, object, sizeof object, reply, sizeof reply) > 12);
+    assert_int_equal(reply[10], 12);
+    for (uint8_t sub = 0; sub <= 12; sub++) {
+        entry[8] = sub;
+        assert_true(wire_coe(&w, 0, entry, sizeof entry, reply, sizeof reply) >= 16);
+        assert_int_equal(reply[2], 6);
+        assert_int_equal(ect_load_le16(reply + 12), sub == 0 ? 8 : sub >= 11 ? 16 : 0); /* its bits; 0: a gap */
+    }
+    entry[8] = 13;
+    assert_true(wire_coe(&w, 0, entry, sizeof entry, reply, sizeof reply) > 0);
+    assert_int_equal(reply[2], 7);
+    object[6] = 0x02;
+    object[7] = 0x80;
+    assert_true(wire_coe(&w, 0, object, sizeof object, reply, sizeof reply) > 12);
+    assert_int_equal(reply[10], 255);
     wire_close(&w);
 }
 
@@ -244,7 +307,7 @@ static void image(void **state)
     assert_non_null(sm);
     assert_non_null(pdo);
     assert_int_equal(ect_load_le16(sm + 16 + 2), 3);
-    assert_int_equal(ect_load_le16(sm + 24 + 2), 3);
+    assert_int_equal(ect_load_le16(sm + 24 + 2), 5);
     assert_int_equal(pdo[2], 4);
     assert_int_equal(length, 8 + 4 * 8);
 }
@@ -256,6 +319,8 @@ int main(int argc, char **argv)
         T("a SOES object list is a good description", described),
         T("CF-037: its process data go to and come from its addresses", process_data),
         T("CF-067 CF-068: its entries are read, constants, gaps and whole objects", uploads),
+        T("CF-067 CF-068: a sparse record of SOES ends with the entry at position `maxsub`", sparse_records),
+        T("CF-076: a sparse record of SOES is described up to its last sub-index", sparse_descriptions),
         T("CF-069 CF-070: its entries are written, in one mail and in segments", downloads),
         T("CF-076: its objects are listed up to its end", information),
         T("CF-061: its PDOs stand in the SII", image),

@@ -206,7 +206,7 @@ static const ect_entry_t e7000[] = PIECES_OF(out, ECT_ACCESS_RXPDO);
 static const ect_object_t objects[] = {
     ECT_ARRAY(0x1010, "Store", e1010),    ECT_RECORD(0x1600, "Outputs", e1600),
     ECT_RECORD(0x1A00, "Inputs", e1a00),  ECT_ARRAY(0x1C12, "SM2", e1c12),
-    ECT_ARRAY(0x1C13, "SM3", e1c13),      {0x1C32, ECT_OBJECT_RECORD, 32, 0, "Sync", e1c32},
+    ECT_ARRAY(0x1C13, "SM3", e1c13),      ECT_SPARSE(0x1C32, RECORD, 32, "Sync", e1c32),
     ECT_VAR(0x2100, "Stored", e2100),     ECT_RECORD(0x6000, "Inputs", e6000),
     ECT_RECORD(0x7000, "Outputs", e7000),
 };

@@ -1212,7 +1212,7 @@ static const ect_entry_t odd_3003[] = {
 static const ect_entry_t odd_3004[] = {{0, ECT_TYPE_OCTET_STRING, 160, ECT_ACCESS_RW, "No memory", 0x1234, NULL}};
 static const ect_object_t odd_objects[] = {{0x3000, ECT_OBJECT_VAR, 0, 0, "Unknown length", odd_3000},
                                            {0x3001, ECT_OBJECT_VAR, 0, 0, "No memory", odd_3001},
-                                           {0x3002, ECT_OBJECT_RECORD, 2, 0, "No sub-index 0", odd_3002},
+                                           {0x3002, ECT_OBJECT_RECORD, 2, 1, "No sub-index 0", odd_3002},
                                            {0x3003, ECT_OBJECT_RECORD, 3, 0, "Long elements", odd_3003},
                                            {0x3004, ECT_OBJECT_VAR, 0, 0, "Long, no memory", odd_3004}};
 
