@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/chain/twin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "ports/virtual/virtual.h"
+#include "sii/sii.h"
+#include "wire/assert.h"
+
+ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant)
+{
+    return (ect_twin_config_t){.device = device, .plant = plant, .identity = device->identity, .cable_m = 1};
+}
+
+static void *allocate(void *of, size_t size)
+{
+    ect_twin_t *twin = of;
+    ECT_ASSERT(twin->blocks < ECT_TWIN_BLOCKS);
+    void *block = calloc(1, size > 0 ? size : 1);
+    if (block)
+        twin->memory[twin->blocks++] = block;
+    return block;
+}
+
+const ect_esc_personality_t *ect_twin_chip(const ect_twin_config_t *config)
+{
+    return ect_esc_personality(config->esc ? config->esc : config->device->esc);
+}
+
+static size_t esc_size(const ect_twin_config_t *config)
+{
+    const ect_esc_personality_t *chip = ect_twin_chip(config);
+    return chip ? ECT_ESC_MEMORY_SIZE(chip->ram_kb) : 0;
+}
+
+size_t ect_twin_pool_size(const ect_twin_config_t *config)
+{
+    return esc_size(config) + config->device->buffer_size;
+}
+
+static bool make_esc(ect_twin_t *twin)
+{
+    const ect_twin_config_t *c = &twin->config;
+    const ect_esc_personality_t *chip = ect_twin_chip(c);
+    if (!chip)
+        return false;
+    uint8_t *sii = allocate(twin, c->device->sii_size);
+    if (!sii || ect_sii_write(c->device, &c->identity, c->alias, sii, c->device->sii_size) < 0)
+        return false;
+    if (c->sii)
+        memcpy(sii, c->sii, c->device->sii_size);
+    twin->esc.config = (ect_esc_config_t){
+        .personality = chip,
+        .memory = twin->esc_memory,
+        .sii = sii,
+        .sii_size = c->device->sii_size,
+        .keep_source_mac = c->keep_source_mac,
+        .drift_ppb = c->drift_ppb,
+    };
+    return true;
+}
+
+static bool make_slave(ect_twin_t *twin)
+{
+    const ect_plant_t *plant = twin->config.plant;
+    twin->pdi = ect_virtual_pdi(&twin->esc);
+    twin->slave.config = (ect_slave_config_t){
+        .device = twin->config.device,
+        .pdi = &twin->pdi,
+        .identity = &twin->config.identity,
+        .storage = twin->config.storage,
+        .buffer = twin->buffer,
+        .outside_offset = plant ? plant->outside_offset : 0,
+        .outside_size = plant ? plant->outside_size : 0,
+    };
+    return ect_slave_take(&twin->slave.config, allocate, twin);
+}
+
+/* The configurations of controller and stack stay; all other state starts from its initial value. */
+static bool power_on(ect_twin_t *twin, uint64_t now_ns)
+{
+    const ect_plant_t *plant = twin->config.plant;
+    ect_esc_config_t esc = twin->esc.config;
+    ect_slave_config_t slave = twin->slave.config;
+    const ect_esc_arrival_t arrival = twin->esc.arrival;
+    twin->hung = esc.pdi_watched = false;
+    slave.device_id = twin->config.alias;
+    if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
+        return false;
+    ect_esc_set_arrival(&twin->esc, &arrival);
+    slave.switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
+    for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++)
+        ect_esc_set_link(&twin->esc, port, twin->link[port]);
+    twin->esc_ns = ECT_NEVER;
+    twin->slave_ns = now_ns;
+    return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
+}
+
+bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *pool, uint64_t now_ns)
+{
+    twin->config = *config;
+    twin->esc_memory = pool;
+    twin->buffer = config->device->buffer_size > 0 ? pool + esc_size(config) : NULL;
+    twin->lamps = allocate(twin, sizeof *twin->lamps);
+    twin->wiring = allocate(twin, sizeof *twin->wiring);
+    if (!twin->lamps || !twin->wiring || !make_esc(twin) || !make_slave(twin))
+        return false;
+    *twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = config->drift_ppb};
+    return power_on(twin, now_ns);
+}
+
+void ect_twin_free(ect_twin_t *twin)
+{
+    for (size_t b = 0; b < twin->blocks; b++)
+        free(twin->memory[b]);
+}
+
+/* Unlike at the first power-on, the device may have written to the buffer. */
+void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns)
+{
+    if (twin->buffer)
+        memset(twin->buffer, 0, twin->config.device->buffer_size);
+    (void)power_on(twin, now_ns); /* it has succeeded before, with the same configuration */
+}
+
+/* A replacement of the same kind, with the next product code. */
+static void change_identity(ect_twin_t *twin)
+{
+    ect_esc_config_t *esc = &twin->esc.config;
+    twin->config.identity.product_code++;
+    (void)ect_sii_write(twin->config.device, &twin->config.identity, twin->config.alias, esc->sii, esc->sii_size);
+}
+
+static void hang(ect_twin_t *twin, bool hung)
+{
+    twin->hung = hung;
+    ect_esc_watch_pdi(&twin->esc, hung);
+}
+
+static ect_sii_fault_t sii_fault_of(ect_fault_kind_t kind)
+{
+    switch (kind) {
+    case ECT_FAULT_EEPROM_BUSY:
+        return ECT_SII_BUSY;
+    case ECT_FAULT_EEPROM_NACK:
+        return ECT_SII_NO_ANSWER;
+    case ECT_FAULT_EEPROM_FLIP:
+        return ECT_SII_BIT_ERROR;
+    default:
+        return ECT_SII_GOOD;
+    }
+}
+
+bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns)
+{
+    ECT_ASSERT(!ect_fault_is_of_frames(fault));
+    switch (fault->kind) {
+    case ECT_FAULT_HANG:
+    case ECT_FAULT_RESUME:
+        hang(twin, fault->kind == ECT_FAULT_HANG);
+        return false;
+    case ECT_FAULT_IDENTITY:
+        change_identity(twin);
+        ect_twin_restart(twin, now_ns);
+        return true;
+    case ECT_FAULT_RESET:
+        ect_twin_restart(twin, now_ns);
+        return true;
+    case ECT_FAULT_LOSE_EVENT:
+        ect_esc_lose_al_event(&twin->esc);
+        return false;
+    case ECT_FAULT_CLOCK:
+        ect_esc_clock_jump(&twin->esc, fault->amount);
+        return false;
+    default:
+        ect_esc_sii_fault(&twin->esc, sii_fault_of(fault->kind), (unsigned int)fault->amount);
+        return false;
+    }
+}
+
+/* Signals of the surroundings that act on the chip. */
+static void apply_wiring(ect_twin_t *twin)
+{
+    const ect_wiring_t *wiring = twin->wiring;
+    for (unsigned int n = 0; n < 2; n++)
+        ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
+    if (twin->esc.config.drift_ppb != wiring->drift_ppb)
+        ect_esc_set_drift(&twin->esc, wiring->drift_ppb);
+}
+
+bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns)
+{
+    apply_wiring(twin);
+    twin->seen = ect_esc_activity(&twin->esc);
+    twin->slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
+    bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
+    if (restarts)
+        ect_twin_restart(twin, now_ns);
+    return restarts;
+}
+
+void ect_twin_report_sii(ect_twin_t *twin)
+{
+    if (twin->sii_seen == ect_esc_sii_writes(&twin->esc))
+        return;
+    twin->sii_seen = ect_esc_sii_writes(&twin->esc);
+    if (twin->config.sii_written)
+        twin->config.sii_written(twin->config.sii_ctx, twin->esc.config.sii, twin->esc.config.sii_size);
+}
+
+bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t *ref)
+{
+    return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
+           ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
+           ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
+}
+
+bool ect_twin_save(const ect_twin_t *twin, ect_twin_snapshot_t *snapshot)
+{
+    size_t size = twin->config.device->instance_size;
+    if (size > snapshot->room) {
+        void *grown = realloc(snapshot->instance, size);
+        if (!grown)
+            return false;
+        snapshot->instance = grown;
+        snapshot->room = size;
+    }
+    memcpy(snapshot->instance, twin->slave.config.instance, size);
+    snapshot->wiring = *twin->wiring;
+    snapshot->off_bus = twin->slave.off_bus;
+    snapshot->restart = twin->slave.restart;
+    return true;
+}
+
+void ect_twin_restore(ect_twin_t *twin, const ect_twin_snapshot_t *snapshot)
+{
+    ECT_ASSERT(snapshot->room >= twin->config.device->instance_size);
+    memcpy(twin->slave.config.instance, snapshot->instance, twin->config.device->instance_size);
+    *twin->wiring = snapshot->wiring;
+    twin->slave.off_bus = snapshot->off_bus;
+    twin->slave.restart = snapshot->restart;
+}
+
+void ect_twin_snapshot_free(ect_twin_snapshot_t *snapshot)
+{
+    free(snapshot->instance);
+}

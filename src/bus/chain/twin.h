@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * One twin: a software ESC with its slave stack, device, lamps and surroundings. Internal to bus/chain.
+ *
+ * No clock in here; memory comes from the heap, once, in ::ect_twin_make. Context: the thread of the chain.
+ */
+#ifndef ECT_BUS_CHAIN_TWIN_H
+#define ECT_BUS_CHAIN_TWIN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bus/chain/fault.h"
+#include "bus/chain/lamps.h"
+#include "bus/chain/signals.h"
+#include "bus/chain/topology.h"
+#include "bus/chain/twin_config.h"
+#include "bus/chain/wiring.h"
+#include "esc/esc.h"
+#include "slave/slave.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** Most blocks of memory that a twin consists of. */
+enum { ECT_TWIN_BLOCKS = 10 };
+
+typedef struct ect_twin {
+    ect_twin_config_t config;
+    ect_esc_t esc;
+    ect_pdi_t pdi;
+    ect_slave_t slave;
+    ect_wiring_t *wiring;
+    ect_lamps_t *lamps;
+    bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
+    bool hung;                     /* the microcontroller does not run */
+    uint32_t ports_seen;           /* ect_esc_port_changes() that the propagation delays include */
+    uint32_t seen;                 /* ect_esc_activity() that the slave stack has handled */
+    uint32_t sii_seen;             /* ect_esc_sii_writes() that config.sii_written has reported */
+    uint64_t esc_ns;               /* deadline that the ESC returned at its last tick */
+    uint64_t slave_ns;             /* deadline of the slave stack */
+    uint64_t last_frame_ns;        /* time of the last frame, except those of the fast path */
+    uint8_t *esc_memory;           /* in the pool */
+    uint8_t *buffer;               /* in the pool; NULL: the device needs none */
+    void *memory[ECT_TWIN_BLOCKS]; /* every block allocated for this twin */
+    size_t blocks;
+} ect_twin_t;
+
+/** The chip of a twin. @return NULL: no such chip */
+const ect_esc_personality_t *ect_twin_chip(const ect_twin_config_t *config);
+
+/** Bytes of the pool that a twin needs: memory of the ESC and buffer of the device. */
+size_t ect_twin_pool_size(const ect_twin_config_t *config);
+
+/**
+ * Builds a twin and powers it on.
+ * @param twin  zeroed but for `link`
+ * @param pool  ::ect_twin_pool_size zeroed bytes that outlive the twin
+ * @return false: out of memory, or no such chip; ::ect_twin_free frees the rest
+ */
+bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *pool, uint64_t now_ns);
+
+void ect_twin_free(ect_twin_t *twin);
+
+/** Switches the twin off and on: only the surroundings (ect_plant_t::outside_size) keep their state. */
+void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns);
+
+/** Carries out a fault of a slave. @return whether it has restarted the twin */
+bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns);
+
+/** Runs the slave stack and the device. @return whether the twin has restarted, on its own or the master's request */
+bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns);
+
+/** Reports the content of the EEPROM to `config.sii_written` if the master has written to it. */
+void ect_twin_report_sii(ect_twin_t *twin);
+
+/** @return false: the twin is switched off and has no link at any port */
+static inline bool ect_twin_on_bus(const ect_twin_t *twin)
+{
+    return !twin->slave.off_bus;
+}
+
+/** Finds a signal of the device, the lamps or the wiring by its name. @return whether there is one; then sets *ref */
+bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t *ref);
+
+/** State of a twin that signals can change. Zeroed: empty. */
+typedef struct ect_twin_snapshot {
+    void *instance;
+    size_t room; /* bytes of `instance` */
+    ect_wiring_t wiring;
+    bool off_bus, restart;
+} ect_twin_snapshot_t;
+
+/** Copies the state of a twin. @return false: out of memory, nothing changed */
+bool ect_twin_save(const ect_twin_t *twin, ect_twin_snapshot_t *snapshot);
+/** Restores the state of the same twin. */
+void ect_twin_restore(ect_twin_t *twin, const ect_twin_snapshot_t *snapshot);
+/** Frees the memory of a snapshot. */
+void ect_twin_snapshot_free(ect_twin_snapshot_t *snapshot);
+
+ECT_C_END
+
+#endif
