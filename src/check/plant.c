@@ -15,6 +15,7 @@ typedef struct signal_place {
     const ect_plant_t *plant;
     const ect_signal_group_t *group;
     const ect_signal_t *signal;
+    bool ascending; /* the names of the group ascend, so no two are the same */
 } signal_place_t;
 
 static bool wrong_signal(const signal_place_t *p, const char *why)
@@ -81,9 +82,21 @@ static bool signal_good(const signal_place_t *p)
     size_t room = g->count > 1 ? g->stride : p->r->device->instance_size - g->offset;
     if (s->offset > room || size_of(s) > room - s->offset)
         return wrong_signal(p, "it is not inside its structure");
-    for (const ect_signal_t *other = g->signals; other < s; other++) {
+    for (const ect_signal_t *other = p->ascending ? s : g->signals; other < s; other++) {
         if (strcmp(other->name, s->name) == 0)
             return wrong_signal(p, "there are two of that name");
+    }
+    return true;
+}
+
+/* A group of tens of thousands is one in ascending order: the dictionary of an ESI file. */
+static bool ascends(const ect_signal_group_t *g)
+{
+    for (unsigned int n = 1; n < g->signal_count; n++) {
+        const char *before = g->signals[n - 1].name;
+        const char *name = g->signals[n].name;
+        if (!before || !name || strcmp(before, name) >= 0)
+            return false;
     }
     return true;
 }
@@ -146,8 +159,9 @@ bool ect_plant_check(const ect_plant_t *plant, const ect_device_t *device, char 
         const ect_signal_group_t *g = &plant->signal_groups[i];
         if (!group_place_good(&r, g))
             return false;
+        bool ascending = ascends(g);
         for (unsigned int n = 0; n < g->signal_count; n++) {
-            if (!signal_good(&(signal_place_t){&r, plant, g, &g->signals[n]}))
+            if (!signal_good(&(signal_place_t){&r, plant, g, &g->signals[n], ascending}))
                 return false;
         }
     }

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Descriptions count entries with limits, and signals, in 16 bits. */
+enum { MOST_ENTRIES = UINT16_MAX };
+
 static const char *print(ect_build_t *build, const char *format, va_list arguments)
 {
     char line[400];
@@ -20,11 +23,25 @@ void ect_build_note(ect_build_t *build, const char *format, ...)
     const char *line = print(build, format, arguments);
     va_end(arguments);
     for (size_t i = 0; i < build->note_count; i++) {
-        if (strcmp(build->notes[i], line) == 0)
+        if (strcmp(build->note_kinds[i].format, format) == 0) {
+            build->note_kinds[i].repeated += strcmp(build->notes[i], line) != 0;
             return;
+        }
     }
     build->notes = ect_arena_grow(build->arena, build->notes, build->note_count, sizeof *build->notes);
+    build->note_kinds = ect_arena_grow(build->arena, build->note_kinds, build->note_count, sizeof *build->note_kinds);
+    build->note_kinds[build->note_count] = (ect_build_note_kind_t){.format = format};
     build->notes[build->note_count++] = line;
+}
+
+void ect_build_count_notes(ect_build_t *build)
+{
+    for (size_t i = 0; i < build->note_count; i++) {
+        if (build->note_kinds[i].repeated > 0)
+            build->notes[i] = ect_arena_print(build->arena, "%s (and %zu more like it)", build->notes[i],
+                                              build->note_kinds[i].repeated);
+        build->note_kinds[i].repeated = 0;
+    }
 }
 
 void ect_build_fail(ect_build_t *build, const char *format, ...)
@@ -81,19 +98,27 @@ const char *ect_build_text(ect_build_t *build, const char *text, size_t longest)
 
 ect_build_object_t *ect_build_find(const ect_build_t *build, uint16_t index)
 {
-    for (size_t i = 0; i < build->object_count; i++) {
-        if (build->objects[i].index == index)
-            return &build->objects[i];
-    }
-    return NULL;
+    uint32_t position = build->positions != NULL ? build->positions[index] : 0;
+    ECT_ASSERT(position <= build->object_count);
+    return position > 0 ? &build->objects[position - 1] : NULL;
 }
 
 ect_build_object_t *ect_build_object(ect_build_t *build, uint16_t index, uint16_t code, const char *name)
 {
+    ECT_ASSERT(ect_build_find(build, index) == NULL);
+    if (build->positions == NULL)
+        build->positions = ect_arena_alloc(build->arena, (UINT16_MAX + 1) * sizeof *build->positions);
     build->objects = ect_arena_grow(build->arena, build->objects, build->object_count, sizeof *build->objects);
     ect_build_object_t *object = &build->objects[build->object_count++];
+    build->positions[index] = (uint32_t)build->object_count;
     *object = (ect_build_object_t){.index = index, .code = code, .name = ect_build_text(build, name, ECT_BUILD_TEXT)};
     return object;
+}
+
+void ect_build_drop_last(ect_build_t *build)
+{
+    ECT_ASSERT(build->object_count > 0);
+    build->positions[build->objects[--build->object_count].index] = 0;
 }
 
 ect_build_entry_t *ect_build_entry(const ect_build_object_t *object, uint8_t subindex)
@@ -108,6 +133,10 @@ ect_build_entry_t *ect_build_entry(const ect_build_object_t *object, uint8_t sub
 ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object, uint8_t subindex, uint16_t data_type,
                                  uint32_t bits, uint16_t access, const char *name)
 {
+    ECT_ASSERT(ect_build_entry(object, subindex) == NULL);
+    if (++build->entry_count > MOST_ENTRIES)
+        ect_build_fail(build, "its dictionary has more than the %u entries that a twin can have",
+                       (unsigned int)MOST_ENTRIES);
     object->entries = ect_arena_grow(build->arena, object->entries, object->count, sizeof *object->entries);
     ect_build_entry_t *entry = &object->entries[object->count++];
     *entry = (ect_build_entry_t){.subindex = subindex,
@@ -128,6 +157,12 @@ void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t va
     for (unsigned int i = 0; i < 8; i++)
         bytes[i] = (uint8_t)(value >> 8 * i);
     entry->initial = (ect_esi_bytes_t){.bytes = bytes, .length = length < 8 ? length : 8};
+}
+
+bool ect_build_is_signed(uint16_t data_type)
+{
+    return data_type == ECT_TYPE_INTEGER8 || data_type == ECT_TYPE_INTEGER16 || data_type == ECT_TYPE_INTEGER32 ||
+           data_type == ECT_TYPE_INTEGER64;
 }
 
 uint64_t ect_build_number(const ect_build_entry_t *entry)
@@ -197,4 +232,6 @@ void ect_build_sort(ect_build_t *build)
     }
     if (build->object_count > 0)
         qsort(build->objects, build->object_count, sizeof *build->objects, compare_objects);
+    for (size_t i = 0; i < build->object_count; i++)
+        build->positions[build->objects[i].index] = (uint32_t)i + 1;
 }

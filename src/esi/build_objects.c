@@ -52,6 +52,16 @@ static uint16_t access_of(const ect_esi_flags_t *own, const ect_esi_flags_t *obj
     return bits;
 }
 
+/* Bytes have the sign that the entry's type gives them. */
+static ect_esi_number_t limit_of(const ect_build_entry_t *entry, ect_esi_number_t limit)
+{
+    uint64_t sign = limit.bytes > 0 ? UINT64_C(1) << (8 * limit.bytes - 1) : 0;
+    if (ect_build_is_signed(entry->data_type) && ((uint64_t)limit.value & sign) != 0)
+        limit.value = (int64_t)((uint64_t)limit.value | ~(2 * sign - 1));
+    limit.bytes = 0;
+    return limit;
+}
+
 static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
 {
     size_t room = (entry->bits + 7u) / 8u;
@@ -61,9 +71,9 @@ static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
             entry->initial.length = room; /* a number of 8 bytes for a shorter entry, or a text that is too long */
     }
     if (info->minimum.given)
-        entry->minimum = info->minimum;
+        entry->minimum = limit_of(entry, info->minimum);
     if (info->maximum.given)
-        entry->maximum = info->maximum;
+        entry->maximum = limit_of(entry, info->maximum);
     if (info->unit != 0)
         entry->unit = (uint16_t)(info->unit >> 16); // prefix and numerator; what it is divided by has no room
 }
@@ -167,11 +177,6 @@ static void count_entries(ect_build_t *build, ect_build_object_t *object)
         ect_build_initial(build, zero, highest);
 }
 
-static bool is_mapping(uint16_t index)
-{
-    return (index >= 0x1600 && index < 0x1800) || (index >= 0x1A00 && index < 0x1C00);
-}
-
 static bool has_pdo(const ect_esi_pdo_t *pdos, size_t count, uint16_t index)
 {
     for (size_t i = 0; i < count; i++) {
@@ -194,7 +199,7 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
                        uint32_t shift)
 {
     uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? shift : 0));
-    if (is_mapping(index) && !is_pdo_of(build->model, model->index)) {
+    if ((ect_od_is_rxpdo(index) || ect_od_is_txpdo(index)) && !is_pdo_of(build->model, model->index)) {
         ect_build_note(build, "line %d: object %04X is none of the file's PDOs: it is left out", model->line,
                        (unsigned int)index);
         return;
@@ -220,7 +225,7 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
         add_entry(&maker, 0, &alone, model->name, model->type, model->bits);
     }
     if (maker.object->count == 0)
-        build->object_count--; /* nothing of it could be read; a note says why */
+        ect_build_drop_last(build); /* nothing of it could be read; a note says why */
 }
 
 void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift)

@@ -63,7 +63,7 @@ static void widen(ect_build_t *build, ect_build_entry_t *entry, const ect_esi_en
 
 static bool map_entry(ect_build_t *build, const ect_build_pdo_t *pdo, const ect_esi_entry_t *model, uint16_t index)
 {
-    if (index >= 0x1600 && index < 0x1C00) {
+    if (ect_od_is_rxpdo(index) || ect_od_is_txpdo(index)) {
         ect_build_note(build, "line %d: PDO %04X maps %04X:%u, which is a mapping itself: it is a gap", model->line,
                        (unsigned int)pdo->index, (unsigned int)index, (unsigned int)model->subindex);
         return false;
@@ -89,6 +89,11 @@ static size_t mapping_values(ect_build_t *build, const ect_build_pdo_t *pdo, uin
         const ect_esi_entry_t *entry = &pdo->model->entries[i];
         uint16_t index = (uint16_t)(entry->index + (entry->depends_on_slot ? pdo->index_shift : 0));
         uint32_t bits = entry->bits;
+        if (bits == 0) {
+            ect_build_note(build, "line %d: PDO %04X has an entry of no bits: it is left out", entry->line,
+                           (unsigned int)pdo->index);
+            continue;
+        }
         if (entry->index == 0 || !map_entry(build, pdo, entry, index)) {
             for (; bits > 0 && count < LONGEST_MAPPING; bits -= bits < LONGEST_ENTRY ? bits : LONGEST_ENTRY)
                 values[count++] = bits < LONGEST_ENTRY ? bits : LONGEST_ENTRY;
@@ -139,6 +144,9 @@ static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
         return;
     }
     size_t count = mapping_values(build, pdo, values);
+    if (count == 0)
+        ect_build_note(build, "line %d: PDO %04X (%s) has no entries: it carries no data", pdo->model->line,
+                       (unsigned int)pdo->index, pdo->model->name);
     const ect_build_object_t *described = ect_build_find(build, pdo->index);
     bool changeable = build->model->mailbox.pdo_config && !pdo->model->fixed;
     size_t capacity = described != NULL && described->count > count + 1 ? described->count - 1 : count;

@@ -110,18 +110,26 @@ static bool is_taken(const list_t *list, const char *name)
     return false;
 }
 
+/* A name of its own for a list in which it is taken. */
+static const char *unique_name(const list_t *list, const char *name)
+{
+    const char *unique = name;
+    for (unsigned int n = 2; is_taken(list, unique); n++)
+        unique = ect_arena_print(list->build->arena, "%s_%u", name, n);
+    return unique;
+}
+
+/* `name`: none of the list has it. */
 static void add_signal(list_t *list, const ect_build_entry_t *entry, const char *name, const char *meaning)
 {
     ect_build_t *build = list->build;
     bool bytes = entry->data_type == ECT_TYPE_VISIBLE_STRING || entry->data_type == ECT_TYPE_OCTET_STRING;
     if (bytes && (entry->bits + 7u) / 8u > LONGEST_VALUE)
         return; // more than a line of the control socket shows; SDO reaches it
-    const char *unique = name;
-    for (unsigned int n = 2; is_taken(list, unique); n++)
-        unique = ect_arena_print(build->arena, "%s_%u", name, n);
+    ECT_ASSERT(list->count < UINT16_MAX);
     list->signals = ect_arena_grow(build->arena, list->signals, list->count, sizeof *list->signals);
     ect_signal_t *signal = &list->signals[list->count++];
-    signal->name = unique;
+    signal->name = name;
     signal->meaning = ect_build_text(build, meaning, ECT_BUILD_TEXT);
     signal->type = type_of(entry);
     signal->access = (entry->access & ECT_ACCESS_RXPDO) != 0 ? ECT_SIGNAL_READ : ECT_SIGNAL_WRITE;
@@ -151,14 +159,8 @@ static void add_group(ect_build_t *build, ect_plant_t *plant, const char *prefix
 static bool *seen_flag(const ect_build_t *build, bool *seen, uint16_t index, uint8_t subindex)
 {
     const ect_build_object_t *object = ect_build_find(build, index);
-    size_t at = 0;
-    for (const ect_build_object_t *o = build->objects; object != NULL && o < object; o++)
-        at += o->count;
-    for (size_t i = 0; object != NULL && i < object->count; i++) {
-        if (object->entries[i].subindex == subindex)
-            return &seen[at + i];
-    }
-    return NULL;
+    const ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, subindex) : NULL;
+    return entry != NULL ? &seen[object->first + (size_t)(entry - object->entries)] : NULL;
 }
 
 static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_t *pdo, bool *seen)
@@ -174,7 +176,7 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
         const ect_build_entry_t *entry = ect_build_entry(ect_build_find(build, index), model->subindex);
         const char *otherwise =
             ect_arena_print(build->arena, "n%04x_%02x", (unsigned int)index, (unsigned int)model->subindex);
-        add_signal(&list, entry, plain_name(build, model->name, otherwise),
+        add_signal(&list, entry, unique_name(&list, plain_name(build, model->name, otherwise)),
                    ect_arena_print(build->arena, "%04X:%02X %s", (unsigned int)index, (unsigned int)model->subindex,
                                    model->name));
     }
@@ -211,8 +213,10 @@ static void add_objects(ect_build_t *build, ect_plant_t *plant, const bool *seen
 void ect_build_signals(ect_build_t *build, ect_plant_t *plant)
 {
     size_t entries = 0;
-    for (size_t i = 0; i < build->object_count; i++)
+    for (size_t i = 0; i < build->object_count; i++) {
+        build->objects[i].first = entries;
         entries += build->objects[i].count;
+    }
     bool *seen = ect_arena_alloc(build->arena, entries + 1);
     for (size_t i = 0; i < build->pdo_count; i++) {
         if (build->pdos[i].assigned)

@@ -40,6 +40,7 @@
 #include "esi/values.h"
 #include "esi/write.h"
 #include "seams/standard.h"
+#include "wire/assert.h"
 
 /** Appends a zeroed element to an array of an arena's owner (`->arena`) and names it. */
 #define ECT_APPEND(owner, array, count, element)                                                                       \
@@ -147,6 +148,7 @@ typedef struct ect_build_object {
     ect_build_entry_t *entries;
     size_t count;
     bool complete; /**< from the dictionary: sub-index 0 is among the entries */
+    size_t first;  /**< entries of the objects before it, once they are sorted */
 } ect_build_object_t;
 
 /** A PDO that takes part: the device's, or a module's in its slot. */
@@ -160,6 +162,12 @@ typedef struct ect_build_pdo {
     size_t place; /**< in its assignment: those that exclude each other share one, the position of the first of them */
 } ect_build_pdo_t;
 
+/** What notes have in common. */
+typedef struct ect_build_note_kind {
+    const char *format;
+    size_t repeated; /**< notes of that kind after the first */
+} ect_build_note_kind_t;
+
 /** The whole thing. */
 typedef struct ect_build {
     ect_arena_t *arena;
@@ -169,12 +177,21 @@ typedef struct ect_build {
     ect_build_pdo_t *pdos;
     size_t pdo_count;
     const char **notes; /**< what is not represented, a line each */
+    ect_build_note_kind_t *note_kinds;
     size_t note_count;
+    size_t entry_count;  /**< entries added to all objects */
+    uint32_t *positions; /**< of each index: its position in `objects` plus 1, 0 none; NULL before the first object */
     const char *failure; /**< why it cannot be built, NULL while it can */
 } ect_build_t;
 
-/** Tells the user that something of the file is not represented. The same line is told once. */
+/**
+ * Tells the user that something of the file is not represented. A second note of the same kind, which is one with the
+ * same format, is counted: ::ect_build_count_notes.
+ */
 __attribute__((format(printf, 2, 3))) void ect_build_note(ect_build_t *build, const char *format, ...);
+
+/** Adds to the first note of each kind how many followed it. Once, after the last note. */
+void ect_build_count_notes(ect_build_t *build);
 
 /** Room for a type's name, and for other texts, in a description. */
 enum { ECT_BUILD_NAME = 40, ECT_BUILD_TEXT = 255 };
@@ -199,8 +216,14 @@ ect_build_entry_t *ect_build_entry(const ect_build_object_t *object, uint8_t sub
 ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object, uint8_t subindex, uint16_t data_type,
                                  uint32_t bits, uint16_t access, const char *name);
 
+/** Takes back the last object, which nobody else knows yet. */
+void ect_build_drop_last(ect_build_t *build);
+
 /** Gives an entry a number of 1 to 8 bytes as its default. */
 void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t value);
+
+/** @return true for a data type of signed integers */
+bool ect_build_is_signed(uint16_t data_type);
 
 /** @return an entry's default as a number, its first 8 bytes */
 uint64_t ect_build_number(const ect_build_entry_t *entry);

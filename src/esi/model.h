@@ -20,6 +20,7 @@
 /** A value that may be absent. */
 typedef struct ect_esi_number {
     bool given;
+    uint8_t bytes; /**< 1 to 8: the file has it as that many bytes without a sign (`<MinData>`); 0: as a number */
     int64_t value;
 } ect_esi_number_t;
 
@@ -153,6 +154,7 @@ typedef struct ect_esi_object {
 /** `<Dictionary>`; empty when there is none. */
 typedef struct ect_esi_dictionary {
     const ect_esi_type_t *types;
+    const ect_esi_type_t *const *types_by_name; /**< ascending; of several with one name the first of the file first */
     size_t type_count;
     const ect_esi_object_t *objects;
     size_t object_count;

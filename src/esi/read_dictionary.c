@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include <stdlib.h>
 #include <string.h>
 
 #include "esi/internal.h"
@@ -46,6 +47,7 @@ static ect_esi_number_t limit_of(ect_esi_xml_t *xml, const xmlNode *info, const 
     for (size_t i = bytes.length; i-- > 0;)
         number = number << 8 | bytes.bytes[i];
     limit.given = true;
+    limit.bytes = (uint8_t)bytes.length;
     limit.value = (int64_t)number;
     return limit;
 }
@@ -108,8 +110,10 @@ static void read_type(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_type_t *t
     type->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
     type->line = ect_esi_line(node);
     if (array != NULL) {
-        type->first = (ect_esi_number_t){true, ect_esi_number(xml, array, "LBound", 0, UINT16_MAX, 0)};
-        type->elements = (ect_esi_number_t){true, ect_esi_number(xml, array, "Elements", 0, UINT16_MAX, 0)};
+        type->first =
+            (ect_esi_number_t){.given = true, .value = ect_esi_number(xml, array, "LBound", 0, UINT16_MAX, 0)};
+        type->elements =
+            (ect_esi_number_t){.given = true, .value = ect_esi_number(xml, array, "Elements", 0, UINT16_MAX, 0)};
     }
     read_enum(xml, node, type);
     ECT_ESI_EACH(child, node, "SubItem")
@@ -145,6 +149,25 @@ static void read_object(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_object_
         ect_esi_fail(xml, node, "Object has no Index");
 }
 
+static int by_name(const void *a, const void *b)
+{
+    const ect_esi_type_t *left = *(const ect_esi_type_t *const *)a;
+    const ect_esi_type_t *right = *(const ect_esi_type_t *const *)b;
+    int order = strcmp(left->name, right->name);
+    return order != 0 ? order : (left > right) - (left < right);
+}
+
+/* A type is looked up for each entry: a dictionary of thousands of types must not be walked each time. */
+static const ect_esi_type_t *const *sorted(ect_esi_xml_t *xml, const ect_esi_type_t *types, size_t count)
+{
+    const ect_esi_type_t **list = ect_arena_alloc(xml->arena, (count + 1) * sizeof *list);
+    for (size_t i = 0; i < count; i++)
+        list[i] = &types[i];
+    if (count > 0)
+        qsort(list, count, sizeof *list, by_name);
+    return list;
+}
+
 void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary)
 {
     const xmlNode *node = ect_esi_child(profile, "Dictionary");
@@ -163,5 +186,6 @@ void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi
         read_object(xml, child, object);
     }
     dictionary->types = types;
+    dictionary->types_by_name = sorted(xml, types, dictionary->type_count);
     dictionary->objects = objects;
 }

@@ -392,9 +392,11 @@ static void add_mandatory(ect_build_t *build)
     add_text(build, 0x1008, "Device name", model->type);
     for (size_t i = 0; i < model->sm_count && i < ECT_SMS; i++)
         types[i] = role_of(&model->sms[i]);
-    (void)ect_build_numbers(build, 0x1C00, "SyncManager type", "Type", ECT_TYPE_UNSIGNED8, ECT_ACCESS_RO, types,
-                            model->sm_count < ECT_SMS ? model->sm_count : ECT_SMS,
-                            model->sm_count < ECT_SMS ? model->sm_count : ECT_SMS);
+    size_t count = model->sm_count < ECT_SMS ? model->sm_count : ECT_SMS;
+    ect_build_object_t *object =
+        ect_build_numbers(build, 0x1C00, "", "Type", ECT_TYPE_UNSIGNED8, ECT_ACCESS_RO, types, count, count);
+    if (*object->name == '\0')
+        object->name = "SyncManager type";
 }
 
 /* 1018h is who the twin says it is, which a user may override: its values are the instance's. */
@@ -636,6 +638,20 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     return ECT_NEVER;
 }
 
+/* Whether a master may write some mapping or assignment; the file's PdoAssign and PdoConfig may be empty promises. */
+static bool can_be_configured(const ect_build_t *build)
+{
+    for (size_t i = 0; i < build->object_count; i++) {
+        const ect_build_object_t *object = &build->objects[i];
+        bool assignment = object->index >= ECT_OD_ASSIGNMENT && object->index < ECT_OD_ASSIGNMENT + ECT_SMS;
+        const ect_build_entry_t *count = ect_build_entry(object, 0);
+        if ((assignment || ect_od_is_rxpdo(object->index) || ect_od_is_txpdo(object->index)) && count != NULL &&
+            (count->access & ECT_ACCESS_WO) != 0)
+            return true;
+    }
+    return false;
+}
+
 /* --- the whole --------------------------------------------------------------------------------------------------- */
 
 static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size_t module_count)
@@ -661,14 +677,16 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     device->instance_size = lay_out(b);
     set_objects(b, device);
     set_pdos(b, device);
-    if (b->model->mailbox.pdo_assign || b->model->mailbox.pdo_config)
+    if (can_be_configured(b))
         device->services = services;
     device->safe_outputs = safe_outputs;
     device->tick = tick;
     device->context = twin;
     if (device->sii == NULL && b->failure == NULL)
         grow_eeprom(b, device);
-    ect_build_signals(b, &twin->plant);
+    if (b->failure == NULL)
+        ect_build_signals(b, &twin->plant);
+    ect_build_count_notes(b);
     twin->product = (ect_product_t){.device = device, .plant = &twin->plant};
 }
 

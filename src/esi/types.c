@@ -32,11 +32,18 @@ static const named_t names[] = {
 
 const ect_esi_type_t *ect_esi_find_type(const ect_esi_dictionary_t *dictionary, const char *name)
 {
-    for (size_t i = 0; dictionary != NULL && i < dictionary->type_count; i++) {
-        if (strcmp(dictionary->types[i].name, name) == 0)
-            return &dictionary->types[i];
+    size_t low = 0;
+    size_t high = dictionary != NULL ? dictionary->type_count : 0;
+    size_t count = high;
+    while (low < high) { /* the first that is not before the name */
+        size_t middle = low + (high - low) / 2;
+        if (strcmp(dictionary->types_by_name[middle]->name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
     }
-    return NULL;
+    return low < count && strcmp(dictionary->types_by_name[low]->name, name) == 0 ? dictionary->types_by_name[low]
+                                                                                  : NULL;
 }
 
 /* "STRING(20)", "ARRAY [0..7] OF BYTE", "BIT3": the name says how long. */
@@ -115,8 +122,8 @@ static bool resolve_type(const ect_esi_dictionary_t *dictionary, const char *nam
     if (type->bits > 0)
         basic->bits = type->bits;
     if (type->is_enum) {
-        basic->minimum = (ect_esi_number_t){true, type->lowest};
-        basic->maximum = (ect_esi_number_t){true, type->highest};
+        basic->minimum = (ect_esi_number_t){.given = true, .value = type->lowest};
+        basic->maximum = (ect_esi_number_t){.given = true, .value = type->highest};
     }
     return basic->bits > 0;
 }

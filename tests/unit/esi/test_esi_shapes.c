@@ -1,0 +1,341 @@
+/* SPDX-License-Identifier: MIT */
+/* Shapes of vendors' files that once made a twin wrong, each in a file of ours or in a few lines of one. */
+#define _POSIX_C_SOURCE 200809L
+#include <time.h>
+
+#include "bus/chain/signals.h"
+#include "from_text.h"
+#include "support/wire.h"
+
+enum { PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
+
+static ect_esi_twin_t *make(const char *file, const char *selector)
+{
+    char path[300];
+    char text[300] = "";
+    (void)snprintf(path, sizeof path, "%s/%s", ESI_FILES, file);
+    ect_esi_twin_t *twin = ect_esi_twin_make(path, selector, NULL, 0, text, sizeof text);
+    if (twin == NULL)
+        fail_msg("%s#%s: expected a twin, got: %s", file, selector, text);
+    return twin;
+}
+
+static void power_on(wire_t *w, const ect_esi_twin_t *twin)
+{
+    const ect_product_t *product = ect_esi_twin_product(twin);
+    ect_twin_config_t config = ect_twin_default(product->device, product->plant);
+    memset(w, 0, sizeof *w);
+    wire_open_twins(w, &config, 1);
+}
+
+static void set(wire_t *w, const char *name, const char *value)
+{
+    ect_signal_ref_t ref;
+    char message[ECT_SIGNAL_MESSAGE];
+    if (!ect_chain_signal(w->chain, 0, name, &ref))
+        fail_msg("there is no signal %s", name);
+    if (!ect_signal_write(&ref, value, w->now_ns, message))
+        fail_msg("%s=%s: %s", name, value, message);
+    ect_chain_wake(w->chain, 0);
+}
+
+static const char *first_note(const ect_esi_twin_t *twin)
+{
+    size_t count;
+    const char *const *lines = ect_esi_twin_notes(twin, &count);
+    return count > 0 ? lines[0] : "none";
+}
+
+/* --- 18xxh ------------------------------------------------------------------------------------------------------- */
+
+static void state_and_toggle(void **state)
+{
+    static const struct {
+        const char *selector;
+        uint8_t element;
+        uint32_t mapping;
+    } table[] = {
+        {"COUNTER", 1, 0x60000101},
+        {"COUNTER", 2, 5},
+        {"COUNTER", 3, 0x18000701},
+        {"COUNTER", 4, 0x18000901},
+        {"COUNTER", 5, 0x60001110},
+        {"CYCLE", 1, 0x18000901},
+        {"CYCLE", 2, 7},
+        {"CYCLE", 3, 32},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        ect_esi_twin_t *twin = make("state.xml", table[i].selector);
+        ect_od_t od = ect_device_od(ect_esi_twin_product(twin)->device, NULL);
+        uint32_t got = ect_od_element(ect_od_find(&od, 0x1A00), table[i].element);
+        if (got != table[i].mapping)
+            fail_msg("%s 1A00:%u: expected %08X, got %08X", table[i].selector, table[i].element,
+                     (unsigned int)table[i].mapping, (unsigned int)got);
+        ect_esi_twin_free(twin);
+    }
+}
+
+static void toggle_on_the_wire(void **state)
+{
+    wire_t w;
+    uint8_t in[3] = {0};
+    (void)state;
+    ect_esi_twin_t *twin = make("state.xml", "COUNTER");
+    assert_string_equal(first_note(twin), "none");
+    power_on(&w, twin);
+    wire_go(&w, 0, SAFEOP);
+    set(&w, "cnt_inputs.txpdo_toggle", "1");
+    set(&w, "cnt_inputs.value", "513");
+    wire_poll(&w);
+    (void)wire_read(&w, 0, 0x1180, in, sizeof in);
+    assert_int_equal(wire_read(&w, 0, 0x1180, in, sizeof in), 1);
+    static const uint8_t expected[3] = {0x80, 0x01, 0x02};
+    assert_memory_equal(in, expected, sizeof in);
+    wire_close(&w);
+    ect_esi_twin_free(twin);
+}
+
+static void mapped_mapping(void **state)
+{
+    (void)state;
+    ect_esi_twin_t *twin = make("state.xml", "CYCLE");
+    assert_string_equal(first_note(twin), "line 62: PDO 1A00 maps 1A00:1, which is a mapping itself: it is a gap");
+    ect_esi_twin_free(twin);
+}
+
+/* --- MinData, MaxData -------------------------------------------------------------------------------------------- */
+
+#define VALUE(index, type, bits, info)                                                                                 \
+    "<Object><Index>" index "</Index><Name>V</Name><Type>" type "</Type><BitSize>" bits "</BitSize><Info>" info        \
+    "</Info><Flags><Access>rw</Access></Flags></Object>"
+#define DICTIONARY(objects) "<Profile><Dictionary><Objects>" objects "</Objects></Dictionary></Profile>"
+#define COE(body)           ESI_DEVICE(body ESI_MAILBOX_SMS "<Mailbox><CoE SdoInfo='1'/></Mailbox>" ESI_EEPROM)
+
+static void limits_by_sign(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        int64_t minimum, maximum;
+    } table[] = {
+        {"INT as bytes",
+         COE(DICTIONARY(VALUE("#x2000", "INT", "16", "<MinData>00FF</MinData><MaxData>7F00</MaxData>"))), -256, 127},
+        {"SINT as bytes", COE(DICTIONARY(VALUE("#x2000", "SINT", "8", "<MinData>80</MinData><MaxData>02</MaxData>"))),
+         -128, 2},
+        {"DINT as bytes",
+         COE(DICTIONARY(VALUE("#x2000", "DINT", "32", "<MinData>FFFFFFFF</MinData><MaxData>05000000</MaxData>"))), -1,
+         5},
+        {"LINT as bytes",
+         COE(DICTIONARY(
+             VALUE("#x2000", "LINT", "64", "<MinData>FEFFFFFFFFFFFFFF</MinData><MaxData>0500000000000000</MaxData>"))),
+         -2, 5},
+        {"UINT as bytes",
+         COE(DICTIONARY(VALUE("#x2000", "UINT", "16", "<MinData>0000</MinData><MaxData>00FF</MaxData>"))), 0, 0xFF00},
+        {"USINT as bytes", COE(DICTIONARY(VALUE("#x2000", "USINT", "8", "<MinData>00</MinData><MaxData>FE</MaxData>"))),
+         0, 0xFE},
+        {"INT as numbers",
+         COE(DICTIONARY(VALUE("#x2000", "INT", "16", "<MinValue>-3</MinValue><MaxValue>300</MaxValue>"))), -3, 300},
+        {"INT, the maximum alone", COE(DICTIONARY(VALUE("#x2000", "INT", "16", "<MaxData>0A00</MaxData>"))), -32768,
+         10},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        expect_note(table[i].what, &m, NULL);
+        const ect_detail_t *detail = ect_od_detail(&od, 0x2000, 0);
+        if (detail == NULL || detail->minimum != table[i].minimum || detail->maximum != table[i].maximum)
+            fail_msg("%s: expected %lld to %lld, got %lld to %lld", table[i].what, (long long)table[i].minimum,
+                     (long long)table[i].maximum, detail ? (long long)detail->minimum : 0,
+                     detail ? (long long)detail->maximum : 0);
+        free_made(&m);
+    }
+}
+
+/* --- what a file says of nothing --------------------------------------------------------------------------------- */
+
+#define OUT_PDO(entries) "<RxPdo Sm='2'><Index>#x1600</Index><Name>O</Name>" entries "</RxPdo>"
+#define CHANGEABLE(body) ESI_DEVICE(body "<Mailbox><CoE SdoInfo='1' PdoAssign='1' PdoConfig='1'/></Mailbox>" ESI_EEPROM)
+
+static void empty_pdos(void **state)
+{
+    static const struct {
+        const char *what, *text, *note;
+    } table[] = {
+        {"no entry", CHANGEABLE(ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO("")),
+         "line 2: PDO 1600 (O) has no entries: it carries no data"},
+        {"a number of no bits",
+         CHANGEABLE(ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO(
+             "<Entry><Index>#x7000</Index><SubIndex>1</SubIndex><BitLen>0</BitLen></Entry>"
+             "<Entry><Index>#x7000</Index><SubIndex>2</SubIndex><BitLen>8</BitLen><Name>N</Name></Entry>")),
+         "line 2: PDO 1600 has an entry of no bits: it is left out"},
+        {"a gap of no bits",
+         CHANGEABLE(ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO(
+             "<Entry><Index>0</Index><BitLen>0</BitLen></Entry>"
+             "<Entry><Index>#x7000</Index><SubIndex>2</SubIndex><BitLen>8</BitLen><Name>N</Name></Entry>")),
+         "line 2: PDO 1600 has an entry of no bits: it is left out"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        expect_note(table[i].what, &m, table[i].note);
+        free_made(&m);
+    }
+}
+
+/* The service is there exactly where something can be written; without it the twin is made none the less. */
+static void services(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        bool service;
+    } table[] = {
+        {"nothing to assign", CHANGEABLE(ESI_MAILBOX_SMS), false},
+        {"an assignment", CHANGEABLE(ESI_MAILBOX_SMS ESI_PROCESS_SMS), true},
+        {"assignment and mapping fixed",
+         ESI_DEVICE(ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO("") "<Mailbox><CoE/></Mailbox>" ESI_EEPROM), false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        bool service = device_of(&m)->services != NULL;
+        if (service != table[i].service)
+            fail_msg("%s: expected %d, got %d", table[i].what, table[i].service, service);
+        free_made(&m);
+    }
+}
+
+/* --- names, notes, size ------------------------------------------------------------------------------------------ */
+
+#define TYPES_1C00                                                                                                     \
+    "<DataTypes><DataType><Name>DT1C00</Name><BitSize>32</BitSize>"                                                    \
+    "<SubItem><SubIdx>0</SubIdx><Name>SubIndex 000</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs>"   \
+    "</SubItem><SubItem><SubIdx>1</SubIdx><Name>First</Name><Type>USINT</Type><BitSize>8</BitSize>"                    \
+    "<BitOffs>16</BitOffs></SubItem></DataType></DataTypes>"
+
+static void name_of_1c00(void **state)
+{
+    static const struct {
+        const char *what, *text, *name, *element;
+    } table[] = {
+        {"the file's",
+         COE("<Profile><Dictionary>" TYPES_1C00 "<Objects><Object><Index>#x1C00</Index><Name>SM Communication Type"
+             "</Name><Type>DT1C00</Type><BitSize>32</BitSize></Object></Objects></Dictionary></Profile>"),
+         "SM Communication Type", "First"},
+        {"none in the file", COE(""), "SyncManager type", "Type"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        const ect_object_t *object = ect_od_find(&od, 0x1C00);
+        assert_non_null(object);
+        if (strcmp(object->name, table[i].name) != 0 || strcmp(object->entries[1].name, table[i].element) != 0)
+            fail_msg("%s: expected %s, %s, got %s, %s", table[i].what, table[i].name, table[i].element, object->name,
+                     object->entries[1].name);
+        free_made(&m);
+    }
+}
+
+/* A file with a dictionary of `count` objects, each of a type of its own with `items` entries and a bad default. */
+static char *file_of(size_t count, size_t items)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    (void)fputs(ESI_HEAD "<Device Physics='YY'><Type ProductCode='1' RevisionNo='2'>D</Type><Name>D</Name><Profile>"
+                         "<Dictionary><DataTypes>",
+                out);
+    for (size_t i = 0; i < count; i++) {
+        (void)fprintf(out, "<DataType><Name>DT%04zX</Name><BitSize>%zu</BitSize>", i, 16 + 8 * items);
+        for (size_t k = 0; k <= items; k++)
+            (void)fprintf(out,
+                          "<SubItem><SubIdx>%zu</SubIdx><Name>N%zu</Name><Type>USINT</Type><BitSize>8</BitSize>"
+                          "<BitOffs>%zu</BitOffs></SubItem>",
+                          k, k, k == 0 ? 0 : 8 + 8 * k);
+        (void)fputs("</DataType>", out);
+    }
+    (void)fputs("</DataTypes><Objects>", out);
+    for (size_t i = 0; i < count; i++)
+        (void)fprintf(out,
+                      "<Object><Index>#x%04zX</Index><Name>O</Name><Type>DT%04zX</Type><BitSize>%zu</BitSize>"
+                      "<Info><SubItem><Name>N0</Name><Info><DefaultData>%02zX</DefaultData></Info></SubItem>"
+                      "<SubItem><Name>N1</Name><Info><MinValue>1</MinValue><MaxValue>5</MaxValue><DefaultValue>9"
+                      "</DefaultValue></Info></SubItem></Info></Object>",
+                      0x2000 + i, i, 16 + 8 * items, items);
+    (void)fputs("</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS "<Mailbox><CoE/></Mailbox></Device>" ESI_TAIL, out);
+    (void)fclose(out);
+    return text;
+}
+
+static void notes_are_counted(void **state)
+{
+    static const struct {
+        size_t objects;
+        const char *note;
+    } table[] = {
+        {1, "object 2000:1: its default 9 is not within its limits 1 to 5: no limits"},
+        {2, "object 2000:1: its default 9 is not within its limits 1 to 5: no limits (and 1 more like it)"},
+        {300, "object 2000:1: its default 9 is not within its limits 1 to 5: no limits (and 299 more like it)"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char *text = file_of(table[i].objects, 1);
+        made_t m = make_text("notes", text);
+        expect_note("notes", &m, table[i].note);
+        free_made(&m);
+        free(text);
+    }
+}
+
+static double seconds_for(size_t objects)
+{
+    char *text = file_of(objects, 1);
+    clock_t begin = clock();
+    made_t m = make_text("many objects", text);
+    double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
+    ect_od_t od = od_of(&m);
+    assert_int_equal(od.count, objects + 4); /* 1000h, 1008h, 1018h, 1C00h */
+    free_made(&m);
+    free(text);
+    return seconds;
+}
+
+/* Sixteen times the objects: linear time is 16 times as much, quadratic 256 times. */
+static void time_in_objects(void **state)
+{
+    (void)state;
+    double few = seconds_for(1000);
+    double many = seconds_for(16000);
+    if (many > 80 * few)
+        fail_msg("expected at most 80 times %.4f s for 16 times the objects, got %.4f s", few, many);
+}
+
+static void too_many_entries(void **state)
+{
+    (void)state;
+    char *text = file_of(300, 220);
+    made_t m = try_text(text);
+    assert_null(m.twin);
+    assert_string_equal(m.why, "t.xml:1: D: its dictionary has more than the 65535 entries that a twin can have");
+    free_made(&m);
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"a PDO maps 18xxh: an entry of a PDO parameter object is no mapping", state_and_toggle, NULL, NULL, NULL},
+        {"the toggle bit of 1800h:9 that a signal sets is in the process data", toggle_on_the_wire, NULL, NULL, NULL},
+        {"a PDO that maps a mapping object gets a gap, with a note", mapped_mapping, NULL, NULL, NULL},
+        {"MinData and MaxData are read by the sign of the type", limits_by_sign, NULL, NULL, NULL},
+        {"PDOs without entries, and entries without bits, are a note", empty_pdos, NULL, NULL, NULL},
+        {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
+        {"1C00h has the names of the file", name_of_1c00, NULL, NULL, NULL},
+        {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},
+        {"the time for a twin grows with its objects, not with their square", time_in_objects, NULL, NULL, NULL},
+        {"a dictionary of more entries than a twin can have is refused", too_many_entries, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
