@@ -23,6 +23,7 @@
 
 enum { CLEAN = 0, CANNOT_OPEN = 2, FAILED = 3, TRIES = 10 };
 #define NS_PER_S 1000000000ull
+#define RETRY_NS 100000000ull
 
 typedef struct board {
     arguments_t args;
@@ -74,7 +75,7 @@ static bool open_line(const char *name, unsigned int use, int *line, char *messa
 static bool open_lines(board_t *b, char *message)
 {
     const arguments_t *a = &b->args;
-    unsigned int level = a->interrupt_high ? 0 : ECT_GPIO_LOW | ECT_GPIO_PULL_UP;
+    unsigned int level = a->interrupt_high ? ECT_GPIO_PULL_DOWN : ECT_GPIO_LOW | ECT_GPIO_PULL_UP;
     return open_line(a->interrupt, ECT_GPIO_INPUT | level, &b->bus.line, message) &&
            open_line(a->reset, ECT_GPIO_OUTPUT | ECT_GPIO_LOW, &b->bus.reset, message) &&
            open_line(a->run_led, ECT_GPIO_OUTPUT, &b->run_led, message) &&
@@ -180,20 +181,21 @@ static const char *reason(int result)
     }
 }
 
+/* @return a result of ect_lan9252_start */
 static int start(board_t *b)
 {
     const ect_plant_t *plant = b->args.product->plant;
     int result = ect_lan9252_start(&b->chip);
     if (result != ECT_LAN9252_READY)
-        return say(reason(result));
+        return result;
     if (b->config.buffer)
         memset(b->config.buffer, 0, b->device.buffer_size);
     b->config.switches = plant && plant->station_alias ? plant->station_alias(b->config.instance) : 0;
     for (unsigned int n = 0; n < TRIES; n++) {
         if (ect_slave_init(&b->slave, &b->config, now()) == 0)
-            return CLEAN;
+            return ECT_LAN9252_READY;
     }
-    return say(reason(ECT_LAN9252_SPI));
+    return ECT_LAN9252_SPI;
 }
 
 /* Until the time has come, the chip has something, or a signal ends us. @return whether none did */
@@ -236,18 +238,44 @@ static void finish(board_t *b)
     }
 }
 
+/* The chip may stay away, e.g. without power, for any time. @return whether it is back before a signal ends the process
+ */
+static bool restart(board_t *b)
+{
+    int before = ECT_LAN9252_READY;
+    for (int result; (result = start(b)) != ECT_LAN9252_READY; before = result) {
+        if (result != before)
+            (void)say(reason(result));
+        if (!wait_until(b, now() + RETRY_NS))
+            return false;
+    }
+    return true;
+}
+
+/* @return false: a signal ends the process */
+static bool serve(board_t *b)
+{
+    uint64_t next_ns = turn(b);
+    bool reset = b->slave.restart && ect_lan9252_reset(&b->chip);
+    bool lost = !reset && !ect_lan9252_check(&b->chip, now());
+    if ((reset || lost) && !restart(b))
+        return false;
+    if (lost)
+        (void)say("the LAN9252 was reset, by the master or by its supply, and has been started again");
+    if (reset || lost)
+        next_ns = 0;
+    return wait_until(b, next_ns < b->chip.check_ns ? next_ns : b->chip.check_ns);
+}
+
 static int run(board_t *b)
 {
-    int status = start(b);
-    if (status != CLEAN)
-        return status;
+    int result = start(b);
+    if (result != ECT_LAN9252_READY)
+        return say(reason(result));
     printf("{\"event\":\"ready\",\"spi\":\"%s\",\"device\":\"%s\"}\n", b->args.spi, b->device.name);
     if (fflush(stdout) != 0)
         return say(strerror(errno));
-    for (uint64_t next_ns = 0; wait_until(b, next_ns);) {
-        next_ns = turn(b);
-        if (b->slave.restart && (!ect_lan9252_reset(&b->chip) || start(b) != CLEAN))
-            return FAILED;
+    while (serve(b)) {
     }
     finish(b);
     return ect_slave_init(&b->slave, &b->config, now()) == 0 ? CLEAN : FAILED; /* INIT, all buffers off */

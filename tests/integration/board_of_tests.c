@@ -142,13 +142,15 @@ int __wrap_open(const char *path, int flags, ...)
 /* As the kernel: a line is a descriptor of its own. 25 is the interrupt, 24 the reset. */
 static int take_line(struct gpio_v2_line_request *request)
 {
+    const uint64_t low = GPIO_V2_LINE_FLAG_ACTIVE_LOW | GPIO_V2_LINE_FLAG_BIAS_PULL_UP;
+    const uint64_t high = GPIO_V2_LINE_FLAG_BIAS_PULL_DOWN;
     int ends[2];
     if (request->offsets[0] == 24 && (request->config.flags & GPIO_V2_LINE_FLAG_OUTPUT) != 0) {
         request->fd = reset_fd = __real_open("/dev/null", O_RDWR);
         return 0;
     }
     if (request->offsets[0] != 25 || (request->config.flags & GPIO_V2_LINE_FLAG_EDGE_RISING) == 0 ||
-        (request->config.flags & GPIO_V2_LINE_FLAG_ACTIVE_LOW) == 0 || pipe(ends) < 0)
+        (request->config.flags & (low | high)) != (chip.active_high ? high : low) || pipe(ends) < 0)
         return -1;
     irq[0] = request->fd = ends[0];
     irq[1] = ends[1];
@@ -282,5 +284,7 @@ int main(int argc, char **argv)
     if (argc < 3 || !power_on(argv[1], argv[argc - 1]))
         return 9;
     argv[1] = argv[0];
+    for (int n = 2; n < argc; n++)
+        chip.active_high |= strcmp(argv[n], "--irq-high") == 0;
     return ectwin_board_main(argc - 1, argv + 1);
 }

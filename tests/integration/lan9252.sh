@@ -21,11 +21,16 @@ check() { # TITLE EXPECTED ACTUAL
 drive() {
   local title=$1 mode=$2 in=$3 out=$4
   shift 4
-  board=$board work=$work base_unit=$base_unit mode=$mode in=$in out=$out unshare -Urn bash -c '
+  board=$board work=$work here=$here base_unit=$base_unit mode=$mode in=$in out=$out unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
     for _ in $(seq 300); do [ -s "$work/ready" ] && break; sleep 0.1; done
     cat "$work/ready"
+    if [ -n "${RESETS:-}" ]; then # the master takes the board to OP, and resets its ESC
+      "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/master" 2>&1 || echo "before the reset"
+      python3 "$here/reset_esc.py" tw1
+      for _ in $(seq 100); do grep -q "was reset" "$work/err" && break; sleep 0.1; done
+    fi
     if [ -n "${FAULTS_MS:-}" ]; then # whatever comes of it, and however soon
       sleep "$((FAULTS_MS / 1000 + 2))" & over=$!
       timeout "$((FAULTS_MS / 1000 + 1))" "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/faults" 2>&1
@@ -38,6 +43,11 @@ drive() {
 
 drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228
 drive "SOEM takes Map7 to OP and through its tests, by the interrupt pin" Map7 66 228 --irq gpiochip9:25
+drive "SOEM takes Map7 to OP and through its tests, by an interrupt pin that is active high" Map7 66 228 --irq gpiochip9:25 --irq-high
+RESETS=1 drive "a reset by the master (0x0040), behind the interrupt pin: the board starts again, and all tests pass" Map7 66 228 \
+  --irq gpiochip9:25
+grep -q "was reset, by the master" "$work/err" || check "a reset by the master: it says so" "was reset, by the master" "$(cat "$work/err")"
+RESETS=1 drive "a reset by the master (0x0040), polled: the board starts again, and all tests pass" Map7 66 228
 CSR_LASTS=12 WORD_LASTS=9 LATE=20000 drive "a chip that is slow, late, and reset by its pin" Map3 66 24 \
   --irq gpiochip9:25 --reset gpiochip9:24
 

@@ -28,11 +28,12 @@ enum {
     RAM_WRITE_COMMAND = 0x314,
 };
 
-enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000 };
+enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000, DEFAULT_CHECK_MS = 50 };
 
 #define BUSY           0x80000000u /* write 1: begin; reads as 1 until it is done */
 #define CSR_READ       0x40000000u
 #define CSR_SIZE(n)    ((uint32_t)(n) << 16)
+#define CSR_MEANING    0x4007FFFFu /* direction, size, address; the other bits read as anything */
 #define RAM_ABORT      0x40000000u
 #define RAM_AVAILABLE  0x00000001u
 #define RAM_WORDS(v)   (((v) >> 8) & 0x1F)
@@ -43,7 +44,9 @@ enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000 };
 #define IRQ_ENABLE     0x00000100u
 #define IRQ_HIGH       0x00000010u
 #define IRQ_DRIVEN     0x00000001u
+#define IRQ_SETTINGS   (IRQ_ENABLE | IRQ_HIGH | IRQ_DRIVEN)
 #define INT_ESC        0x00000001u
+#define LEAVE_SQI      0xFFu /* RSTQIO, in SPI and in SQI mode the same byte: all lines are high */
 
 /* --- words on the SPI --------------------------------------------------------------------------------------------- */
 
@@ -94,11 +97,11 @@ static int wait(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
 
 /* --- registers of the ESC ----------------------------------------------------------------------------------------- */
 
-/* The command stands there again when it is done: one that arrived as another is seen. */
+/* A command that is done reads back as it arrived: damage on the way is seen. */
 static int csr(const ect_lan9252_t *chip, uint32_t command)
 {
     uint32_t done;
-    return wait(chip, CSR_COMMAND, &done) == 0 && done == command ? 0 : -1;
+    return wait(chip, CSR_COMMAND, &done) == 0 && (done & CSR_MEANING) == command ? 0 : -1;
 }
 
 static int read_csr(const ect_lan9252_t *chip, uint16_t address, uint8_t *to, unsigned int bytes)
@@ -277,14 +280,21 @@ bool ect_lan9252_reset(const ect_lan9252_t *chip)
     return true;
 }
 
-/* What the chip says of itself: ECT_LAN9252_READY, or what is wrong so far. */
+/* An earlier program may have left the chip in SQI mode, in which it understands no other instruction of SPI. */
+static int leave_sqi(const ect_lan9252_t *chip)
+{
+    uint8_t instruction = LEAVE_SQI;
+    return chip->spi->transfer(chip->spi->ctx, &instruction, 1) < 0 ? ECT_LAN9252_SPI : ECT_LAN9252_SILENT;
+}
+
+/* ECT_LAN9252_READY, or the present obstacle. */
 static int look(const ect_lan9252_t *chip)
 {
     uint32_t order, id, state;
     if (load(chip, BYTE_TEST, &order) < 0 || load(chip, ID_REV, &id) < 0 || load(chip, HW_CFG, &state) < 0)
         return ECT_LAN9252_SPI;
     if (order != BYTE_TEST_GOOD)
-        return ECT_LAN9252_SILENT;
+        return leave_sqi(chip);
     if ((state & CHIP_READY) == 0)
         return ECT_LAN9252_NOT_READY;
     return (id & 0xFFFF0000u) == CHIP_ID ? ECT_LAN9252_READY : ECT_LAN9252_STRANGER;
@@ -298,10 +308,16 @@ static int look_at_esc(ect_lan9252_t *chip)
     return (status & 1u) != 0 ? ECT_LAN9252_READY : ECT_LAN9252_NO_EEPROM;
 }
 
+/* The chip ignores the polarity of an open drain, which is low when active: an active-high pin is driven. */
+static uint32_t interrupt_pin(const ect_lan9252_t *chip)
+{
+    return IRQ_ENABLE | (chip->interrupt_high ? IRQ_HIGH | IRQ_DRIVEN : chip->interrupt_driven ? IRQ_DRIVEN : 0);
+}
+
 static int set_interrupt(const ect_lan9252_t *chip)
 {
-    uint32_t pin = IRQ_ENABLE | (chip->interrupt_high ? IRQ_HIGH : 0) | (chip->interrupt_driven ? IRQ_DRIVEN : 0);
-    return store(chip, IRQ_CFG, pin) < 0 || store(chip, INT_EN, INT_ESC) < 0 ? ECT_LAN9252_SPI : ECT_LAN9252_READY;
+    return store(chip, IRQ_CFG, interrupt_pin(chip)) < 0 || store(chip, INT_EN, INT_ESC) < 0 ? ECT_LAN9252_SPI
+                                                                                             : ECT_LAN9252_READY;
 }
 
 int ect_lan9252_start(ect_lan9252_t *chip)
@@ -322,4 +338,26 @@ int ect_lan9252_start(ect_lan9252_t *chip)
         result = look_at_esc(chip);
     }
     return result == ECT_LAN9252_READY ? set_interrupt(chip) : result;
+}
+
+/* --- a chip that was reset ---------------------------------------------------------------------------------------- */
+
+/* IRQ_CFG, INT_STS and INT_EN, in one transfer. A transfer that the SPI reports as failed says nothing about the chip.
+ */
+static bool has_settings(const ect_lan9252_t *chip)
+{
+    uint8_t frame[HEAD + 3 * WORD] = {0};
+    if (transfer(chip, READ, IRQ_CFG | NEXT, frame, 3) < 0)
+        return true;
+    return (ect_load_le32(frame + HEAD) & IRQ_SETTINGS) == interrupt_pin(chip) &&
+           (ect_load_le32(frame + HEAD + 2 * WORD) & INT_ESC) != 0;
+}
+
+bool ect_lan9252_check(ect_lan9252_t *chip, uint64_t now_ns)
+{
+    uint64_t interval_ns = (chip->check_ms != 0 ? chip->check_ms : DEFAULT_CHECK_MS) * UINT64_C(1000000);
+    if (now_ns < chip->check_ns)
+        return true;
+    chip->check_ns = now_ns + interval_ns;
+    return has_settings(chip) || has_settings(chip); /* one damaged transfer is no reset */
 }

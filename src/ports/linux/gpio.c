@@ -36,6 +36,7 @@ static uint64_t flags_of(unsigned int use)
                                                   : (uint64_t)GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING;
     flags |= (use & ECT_GPIO_LOW) != 0 ? (uint64_t)GPIO_V2_LINE_FLAG_ACTIVE_LOW : 0;
     flags |= (use & ECT_GPIO_PULL_UP) != 0 ? (uint64_t)GPIO_V2_LINE_FLAG_BIAS_PULL_UP : 0;
+    flags |= (use & ECT_GPIO_PULL_DOWN) != 0 ? (uint64_t)GPIO_V2_LINE_FLAG_BIAS_PULL_DOWN : 0;
     return flags;
 }
 

@@ -21,6 +21,7 @@ enum {
     ECT_GPIO_OUTPUT = 2, /**< inactive at first */
     ECT_GPIO_LOW = 4,    /**< active is low */
     ECT_GPIO_PULL_UP = 8,
+    ECT_GPIO_PULL_DOWN = 16,
 };
 
 /**

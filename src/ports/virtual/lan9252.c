@@ -9,8 +9,12 @@
 typedef ect_virtual_lan9252_t chip_t;
 
 enum { FIFO = ECT_VIRTUAL_LAN9252_FIFO, ADDRESS_MASK = 0x3FFF, UP = 0x4000, DOWN = 0x8000 };
-#define BUSY  0x80000000u
-#define ABORT 0x40000000u
+#define BUSY         0x80000000u
+#define ABORT        0x40000000u
+#define CSR_RESERVED 0x3FF80000u /* bits of the command that have no meaning: they read as anything, here as 1 */
+#define IRQ_ENABLE   0x00000100u
+#define IRQ_HIGH     0x00000010u
+#define IRQ_DRIVEN   0x00000001u
 
 static void mistake(chip_t *c, const char *what)
 {
@@ -20,15 +24,29 @@ static void mistake(chip_t *c, const char *what)
 
 /* --- reset -------------------------------------------------------------------------------------------------------- */
 
-/* What belongs to the chip begins anew; what the user of the model has set stays. */
-static void power_on(chip_t *c)
+/* The registers of the chip itself; faults and costs, which the user of the model has set, stay. */
+static void clear_registers(chip_t *c)
 {
-    ect_esc_config_t config = c->esc->config;
     c->irq_cfg = c->int_en = c->csr_data = c->csr_command = 0;
     c->reading = c->writing = (ect_virtual_fifo_t){0};
     c->csr_left = c->ram_time = 0;
     c->starting = c->ready_after;
-    (void)ect_esc_init(c->esc, &config, c->esc->now_ns); /* what was possible once is again */
+    c->sqi = false;
+    c->resets = ect_esc_resets(c->esc);
+}
+
+static void power_on(chip_t *c)
+{
+    ect_esc_config_t config = c->esc->config;
+    (void)ect_esc_init(c->esc, &config, c->esc->now_ns); /* this configuration was valid before */
+    clear_registers(c);
+}
+
+/* A reset sequence in 0x0040 or 0x0041 resets the whole chip. */
+static void follow_esc(chip_t *c)
+{
+    if (c->resets != ect_esc_resets(c->esc))
+        clear_registers(c);
 }
 
 static bool is_ready(const chip_t *c)
@@ -185,6 +203,11 @@ static uint32_t load_ram(chip_t *c, uint16_t address)
     }
 }
 
+static bool interrupts(const chip_t *c)
+{
+    return is_ready(c) && (c->irq_cfg & IRQ_ENABLE) != 0 && (c->int_en & 1) != 0 && ect_esc_line(c->esc);
+}
+
 static uint32_t load(chip_t *c, uint16_t address)
 {
     if (!is_ready(c))
@@ -193,7 +216,7 @@ static uint32_t load(chip_t *c, uint16_t address)
     case 0x050:
         return 0x92520001u;
     case 0x054:
-        return c->irq_cfg | (ect_virtual_lan9252_line(c) ? 1u << 12 : 0);
+        return c->irq_cfg | (interrupts(c) ? 1u << 12 : 0);
     case 0x058:
         return ect_esc_line(c->esc) ? 1 : 0;
     case 0x05C:
@@ -205,7 +228,7 @@ static uint32_t load(chip_t *c, uint16_t address)
     case 0x300:
         return c->csr_data;
     case 0x304:
-        return c->csr_command | (c->csr_left > 0 ? BUSY : 0);
+        return c->csr_command | CSR_RESERVED | (c->csr_left > 0 ? BUSY : 0);
     default:
         return load_ram(c, address);
     }
@@ -336,12 +359,32 @@ static void head(chip_t *c, spi_t *t, unsigned int n, uint8_t in)
     }
 }
 
+/*
+ * EQIO and RSTQIO, instructions without an address. In SQI mode the chip takes two bits of a single data line for two
+ * nibbles whose other lines are pulled up: of all that a host on SPI sends it understands RSTQIO alone.
+ */
+static int in_one_byte(chip_t *c, uint8_t *bytes, uint16_t length)
+{
+    uint8_t instruction = bytes[0];
+    memset(bytes, 0xFF, length);
+    if (instruction == 0xFF && length == 1)
+        c->sqi = false;
+    else if (instruction == 0x38 && length == 1)
+        c->sqi = true;
+    else if (length == 1)
+        mistake(c, "an instruction of one byte that there is not");
+    return 0;
+}
+
 int ect_virtual_lan9252_transfer(void *chip, uint8_t *bytes, uint16_t length)
 {
     chip_t *c = chip;
     spi_t t = {0};
+    follow_esc(c);
     c->transfers++;
     c->bytes += length;
+    if (c->sqi || length == 1)
+        return in_one_byte(c, bytes, length);
     for (unsigned int n = 0; n < length; n++) {
         uint8_t out = 0;
         uint8_t in = over_the_wire(c, bytes[n]);
@@ -371,8 +414,14 @@ void ect_virtual_lan9252_pause(void *chip, uint32_t us)
         pass_time(chip);
 }
 
+/* Polarity counts with a driven pin only. An open drain is low or released; the board pulls a released pin to its
+ * inactive level. */
 bool ect_virtual_lan9252_line(void *chip)
 {
-    const chip_t *c = chip;
-    return is_ready(c) && (c->irq_cfg & 1u << 8) != 0 && (c->int_en & 1) != 0 && ect_esc_line(c->esc);
+    chip_t *c = chip;
+    follow_esc(c);
+    bool active = interrupts(c);
+    bool driven = is_ready(c) && (c->irq_cfg & (IRQ_ENABLE | IRQ_DRIVEN)) == (IRQ_ENABLE | IRQ_DRIVEN);
+    bool high = driven && (c->irq_cfg & IRQ_HIGH) != 0 ? active : !active;
+    return (driven || active) && high == c->active_high;
 }

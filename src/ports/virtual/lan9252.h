@@ -7,7 +7,8 @@
  * It was written from what the chip's data sheet says, not from a driver. It has: the instructions READ (0x03), FAST
  * READ (0x0B) and WRITE (0x02) with addresses that stay, go up or go down; the two FIFOs of 16 words with their
  * windows; ID_REV, IRQ_CFG, INT_STS, INT_EN, BYTE_TEST, HW_CFG, RESET_CTL, and the six registers that lead to the ESC.
- * It has not: SQI, the timers, GPIO, PHYs, and the chip's other bus interfaces.
+ * Of SQI it has the mode, and that RSTQIO ends it. It has not: the timers, GPIO, PHYs, and the chip's other bus
+ * interfaces.
  *
  * Time is counted in bytes on the SPI, at 20 MHz 0.4 us each: an access of the ESC lasts so many of them, and while it
  * lasts the registers say busy. So a test needs no clock, and a FIFO fills while its reader is on the way.
@@ -47,6 +48,8 @@ typedef struct ect_virtual_lan9252 {
     uint32_t csr_lasts;   /**< ... that an access of a register of the ESC lasts */
     uint32_t word_lasts;  /**< ... that the ESC takes for each word of process RAM */
     bool never_ready;     /**< from now on */
+    bool sqi;             /**< in SQI mode, as an earlier program may have left it: SPI is not understood */
+    bool active_high;     /**< the board takes a high level of the interrupt pin as active; false: a low one */
     bool csr_stuck;       /**< an access of a register that begins from now on does not end */
     bool ram_stuck;       /**< the ESC moves no word of process RAM from now on */
     uint64_t flip_at;     /**< the bit that flips, counted from `bits`; 0 none: 16 a byte, 8 of them out, 8 in */
@@ -64,6 +67,7 @@ typedef struct ect_virtual_lan9252 {
     uint32_t starting; /* bytes until READY */
     uint32_t csr_left; /* ... until a register access is done */
     uint32_t ram_time; /* ... that the ESC has not used */
+    uint32_t resets;   /* of the ESC that the chip's registers have followed */
     bool held;         /* by the reset pin */
 } ect_virtual_lan9252_t;
 
@@ -74,10 +78,16 @@ typedef struct ect_virtual_lan9252 {
  */
 int ect_virtual_lan9252_transfer(void *chip, uint8_t *bytes, uint16_t length);
 
-/** Its reset pin, in the shape of ect_spi_t::reset: the ESC starts anew, too, when it is let go. */
+/**
+ * The reset pin, in the shape of ect_spi_t::reset: released, it resets the chip and its ESC. A reset sequence of the
+ * master in 0x0040, or of the PDI in 0x0041, does the same, as on the real chip.
+ */
 void ect_virtual_lan9252_reset(void *chip, bool active);
 
-/** Whether its interrupt pin is at the active level, in the shape of ect_spi_t::line. */
+/**
+ * Whether the interrupt pin is at the level that the board takes as active, in the shape of ect_spi_t::line. The chip
+ * drives the pin, or pulls it low only, as bits 0 and 4 of IRQ_CFG ask for.
+ */
 bool ect_virtual_lan9252_line(void *chip);
 
 /** Lets time pass, in the shape of ect_spi_t::pause. */

@@ -195,21 +195,71 @@ static void late_and_ready(void **state)
     }
 }
 
+/* AL control as an event of the ESC, let through by the mask or not. */
+static void set_event(board_t *b, bool event)
+{
+    uint8_t control[2] = {INIT, 0};
+    uint32_t mask = event ? ECT_EVENT_AL_CONTROL : 0;
+    uint8_t wire[4];
+    ect_store_le32(wire, mask);
+    (void)ect_esc_pdi_write(b->chip.esc, ECT_REG_AL_EVENT_MASK, wire, sizeof wire);
+    b->w.manual_poll = true;
+    if (event)
+        assert_int_equal(wire_write(&b->w, 0, ECT_REG_AL_CONTROL, control, sizeof control), 1);
+}
+
+static void expect_pin_follows_event(board_t *b)
+{
+    set_event(b, false);
+    assert_false(line(b));
+    set_event(b, true);
+    assert_true(line(b));
+}
+
 static void interrupt_pin(void **state)
 {
     static const struct {
         bool high, driven;
         uint32_t value;
-    } rows[] = {{false, false, 0x100}, {false, true, 0x101}, {true, false, 0x110}, {true, true, 0x111}};
+    } rows[] = {{false, false, 0x100}, {false, true, 0x101}, {true, false, 0x111}, {true, true, 0x111}};
     (void)state;
     for (size_t n = 0; n < COUNT(rows); n++) {
         board_t b;
         board_open(&b);
+        b.chip.active_high = rows[n].high;
         b.port.interrupt_high = rows[n].high;
         b.port.interrupt_driven = rows[n].driven;
         assert_int_equal(ect_lan9252_start(&b.port), ECT_LAN9252_READY);
         assert_int_equal(b.chip.irq_cfg, rows[n].value);
         assert_int_equal(b.chip.int_en, 1);
+        expect_pin_follows_event(&b);
+        board_close(&b);
+    }
+}
+
+/* Open drain ignores the polarity; a driven pin of the other polarity is active while there is no event. */
+static void pin_of_the_virtual_chip(void **state)
+{
+    static const struct {
+        uint32_t value;
+        bool active_high, idle, event;
+    } rows[] = {{0x100, false, false, true}, {0x110, false, false, true}, {0x101, false, false, true},
+                {0x111, false, true, false}, {0x100, true, false, false}, {0x110, true, false, false},
+                {0x101, true, true, false},  {0x111, true, false, true},  {0x011, false, false, false},
+                {0x001, true, false, false}};
+    (void)state;
+    for (size_t n = 0; n < COUNT(rows); n++) {
+        board_t b;
+        board_open(&b);
+        b.chip.irq_cfg = rows[n].value;
+        b.chip.int_en = 1;
+        b.chip.active_high = rows[n].active_high;
+        set_event(&b, false);
+        bool idle = line(&b);
+        set_event(&b, true);
+        if (idle != rows[n].idle || line(&b) != rows[n].event)
+            fail_msg("row %zu: without and with an event: expected %d %d, got %d %d", n, rows[n].idle, rows[n].event,
+                     idle, line(&b));
         board_close(&b);
     }
 }
@@ -445,6 +495,89 @@ static void reset_and_again(void **state)
     board_close(&b);
 }
 
+/* The three frames of the reset sequence (data sheet II, 2.3). */
+static void reset_by_master(board_t *b)
+{
+    for (const char *at = "RES"; *at != 0; at++)
+        (void)wire_write8(&b->w, 0, ECT_REG_RESET_ECAT, (uint8_t)*at);
+}
+
+static void brown_out(board_t *b)
+{
+    reset(b, true);
+    reset(b, false);
+}
+
+/* The main loop of a board with the pin: one turn each millisecond, for so long. @return turns until the port reports
+ * the reset, or 0 */
+static unsigned int turns_until_lost(board_t *b, unsigned int turns)
+{
+    for (unsigned int n = 1; n <= turns; n++) {
+        wire_advance(&b->w, MS);
+        if (!ect_lan9252_check(&b->port, b->w.now_ns))
+            return n;
+    }
+    return 0;
+}
+
+static void lost_settings(void **state)
+{
+    static void (*const causes[])(board_t *) = {reset_by_master, brown_out};
+    static const uint16_t intervals_ms[] = {0, 10, 100};
+    (void)state;
+    for (size_t n = 0; n < COUNT(causes) * COUNT(intervals_ms); n++) {
+        uint16_t interval_ms = intervals_ms[n / COUNT(causes)];
+        board_t b;
+        board_open(&b);
+        b.spi.line = line;
+        b.port.check_ms = interval_ms;
+        start(&b);
+        exchange(&b);
+        assert_int_equal(turns_until_lost(&b, 300), 0);
+        causes[n % COUNT(causes)](&b);
+        assert_in_range(turns_until_lost(&b, 300), 1, interval_ms != 0 ? interval_ms : 50);
+        start(&b);
+        wire_assign_stations(&b.w);
+        assert_int_equal(wire_read8(&b.w, 0, ECT_REG_AL_STATUS), INIT);
+        exchange(&b);
+        assert_int_equal(turns_until_lost(&b, 300), 0);
+        board_close(&b);
+    }
+}
+
+/* One transfer of 15 bytes each interval, none between; a failed or damaged one is no reset. */
+static void cost_of_check(void **state)
+{
+    board_t b;
+    (void)state;
+    board_open(&b);
+    start(&b);
+    assert_true(ect_lan9252_check(&b.port, b.w.now_ns));
+    b.chip.transfers = b.chip.bytes = 0;
+    for (unsigned int n = 1; n <= 100; n++)
+        assert_true(ect_lan9252_check(&b.port, b.w.now_ns + n * MS));
+    assert_int_equal(b.chip.transfers, 2);
+    assert_int_equal(b.chip.bytes, 2 * 15);
+    b.fail_at = b.transfers + 1;
+    assert_true(ect_lan9252_check(&b.port, b.w.now_ns + 200 * MS));
+    b.chip.flip_at = b.chip.bits + 3 * 16 + 2;
+    assert_true(ect_lan9252_check(&b.port, b.w.now_ns + 300 * MS));
+    board_close(&b);
+}
+
+/* A boot loader that uses quad SPI may end without RSTQIO. */
+static void left_in_sqi(void **state)
+{
+    board_t b;
+    (void)state;
+    board_open(&b);
+    b.chip.sqi = true;
+    start(&b);
+    assert_false(b.chip.sqi);
+    exchange(&b);
+    board_close(&b);
+}
+
 static void hangs_for_a_while(void **state)
 {
     board_t b;
@@ -533,7 +666,8 @@ int main(void)
         T("an access across the border of registers and process RAM", across_the_border),
         T("transfers and bytes on the SPI are those that the header names", cost),
         T("a chip that is late after a reset, by pin or by register, is waited for", late_and_ready),
-        T("the interrupt pin: polarity and kind as asked for", interrupt_pin),
+        T("the interrupt pin: polarity and kind as configured, driven where it is active high", interrupt_pin),
+        T("the virtual chip's interrupt pin obeys polarity and kind", pin_of_the_virtual_chip),
         T("a start that cannot be: the result names the cause, in bounded time", refused_starts),
         T("a chip that stays busy is given up after `patience` looks, and settled before the next access", stuck),
         T("at whichever transfer the SPI fails, the access says so, and the next one is right", failing_transfers),
@@ -541,6 +675,10 @@ int main(void)
         T("a slave reaches OP, exchanges process data and answers SDO; with the pin an idle poll costs nothing",
           boot_to_op),
         T("a reset by the pin is a power cycle", reset_and_again),
+        T("with the pin, a reset by the master or a brown-out is noticed within check_ms, and the slave starts again",
+          lost_settings),
+        T("a check costs one transfer an interval; a failed or damaged transfer is no reset", cost_of_check),
+        T("a chip that an earlier program left in SQI mode starts", left_in_sqi),
         T("a chip that hangs for a while costs no state", hangs_for_a_while),
         T("one flipped bit, anywhere on the way to OP: bounded, and as good as new afterwards", flipped_bits),
         T("flipped bits by the hundred: bounded, and as good as new afterwards", many_flipped_bits),
