@@ -17,7 +17,7 @@ soem_packages="python3 python3-pip python3-venv ca-certificates"
 board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
 bench_packages="valgrind iproute2 util-linux python3"
-test_packages="libcmocka-dev clang gcovr libxml2-utils"
+test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen"
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
@@ -42,7 +42,7 @@ as_root() {
 # A package counts as there when dpkg says so, or when the command it is for comes from elsewhere.
 is_there() {
   case "$1" in
-    gcc | cmake | clang | clang-format-19 | clang-tidy-19 | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
+    gcc | cmake | clang | clang-format-19 | clang-tidy-19 | doxygen | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
     ninja-build) command -v ninja >/dev/null && return 0 ;;
     binutils) command -v objdump >/dev/null && return 0 ;;
     pkg-config) command -v pkg-config >/dev/null && return 0 ;;

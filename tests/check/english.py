@@ -18,9 +18,21 @@ import tokenize
 
 # Folders and files that stay clean.
 CLEAN = [
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "README.md",
+    "docs/API.md",
+    "docs/COMMAND.md",
+    "docs/EXAMPLES.md",
+    "docs/README.md",
+    "examples/CMakeLists.txt",
     "tests/check/english.py",
     "tests/check/layers.py",
+    "tests/check/pages.py",
+    "tools/check.sh",
     "tools/dev/bench/CMakeLists.txt",
+    "tools/dev/stages.sh",
+    "tools/test.sh",
 ]
 
 START = re.compile(r"(?:^|(?<=[.!?]\s)|(?<=[.!?]\s\s))(?:[-*] |\d+\. |> )?(What|Who|Those|Of|Where|Also)(?= \w+ \w)[^.!?]*")

@@ -3,6 +3,9 @@
 # usage: headers.sh SRC      (public: all but internal.h and instance.h)
 set -u
 src=$1
+for compiler in "${CC:-cc}" "${CXX:-clang++}"; do
+  command -v "$compiler" >/dev/null || { echo "skipped: no $compiler here; tools/bootstrap.sh test installs clang"; exit 77; }
+done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
