@@ -613,6 +613,34 @@ static void commands_both_ways(void **state)
     assert_string_equal(plant_get("ru1.received"), "a2000000000000000000000000000000");
 }
 
+/* CAI acknowledges what the unit has processed: counters say what no remote has received. */
+static void nobody_receives(void **state)
+{
+    (void)state;
+    plant_set("ru1.on", "0");
+    plant_set("ru2.on", "0");
+    long long unreached = plant_number("bu.commands_unreached"), unknown = plant_number("bu.commands_unknown");
+    send(0, 0xB0); /* no remote is on */
+    send(1, 0xB1); /* this one is off */
+    send(99, 0xB2);
+    AWAIT(!controller.to_send && in[3] == out[1]);
+    assert_int_equal(plant_number("bu.commands_unreached") - unreached, 2);
+    assert_int_equal(plant_number("bu.commands_unknown") - unknown, 1);
+}
+
+/* C-Link without signal: byte 36 says what arming says. */
+static void no_signal(void **state)
+{
+    (void)state;
+    plant_set_all("ru1.on=1 ru1.armed=1 ru1.rssi=0");
+    AWAIT(in[22] == 0x11 && in[32] == 0 && in[36] == 2);
+    plant_set("ru1.armed", "0");
+    plant_refuses("ru1.armed", "1", "C-Link");
+    plant_set("ru1.rssi", "100");
+    plant_set("ru1.armed", "1");
+    AWAIT(in[22] == 0x11 && in[36] == 1);
+}
+
 /* On fallback a remote's own commands go first: CAI waits, and none is lost. */
 static void cai_waits(void **state)
 {
@@ -718,6 +746,8 @@ static const struct CMUnitTest map7_tests[] = {
     TEST("ECL-033 ECL-034 ECL-038 ECL-043 ECL-065: every C-Link and G-Link status; joysticks passive when tilted",
          forced_links),
     TEST("ECL-028 ECL-048: a lost remote is replaced by another", replaced),
+    TEST("ECL-025 ECL-051: CAI acknowledges commands that no remote receives; counters name them", nobody_receives),
+    TEST("ECL-033 ECL-042: an armed remote without signal has no C-Link, and is not armed again", no_signal),
     TEST("ECL-025 ECL-050 ECL-063: on fallback CAI waits for room, and every command arrives", cai_waits),
     TEST("ECL-029 ECL-049 ECL-057 ECL-067: PCO stands still: Bad data, ES-Link open, and back", pco_stands_still),
     TEST("ECL-029 ECL-056 ECL-067: CAO stands still: Bad data, ES-Link open, and back", cao_stands_still),

@@ -458,7 +458,12 @@ class BothSides(Case):
         self.master.outputs(bytes([5, 0, 0, 0]).ljust(OUTPUTS, b"\0"))
         written = lambda: self.good(self.client.read_holding_registers(0, count=1)).registers == [5]  # noqa: E731
         self.until(written, "what EtherCAT has written")
+        left = time.monotonic()
         self.assertEqual(self.master.state(4), (4, 0))
+        self.refused(self.client.write_register(0, 1), BUSY)
+        taken = lambda: not self.client.write_register(0, 1).isError()  # noqa: E731
+        self.until(taken, "the end of the 2000 ms that the EtherCAT master keeps the unit")
+        self.assertGreater(time.monotonic() - left, 1.9)
         self.in_order()
 
     # Who has the unit keeps it: a Modbus controller that writes

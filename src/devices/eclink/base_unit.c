@@ -81,7 +81,7 @@ static uint8_t bu_state(const eclink_t *unit, bool ec_link_bad)
 {
     if (unit->bu.failed)
         return ECLINK_BU_FAILED;
-    if (ec_link_bad && !unit->good_once)
+    if (ec_link_bad && (!unit->good_once || unit->locked != ECLINK_WHY_NONE))
         return ECLINK_BU_INITIAL;
     if (ec_link_bad || eclink_is_error(unit->bu.eg_link))
         return ECLINK_BU_LINK_ERROR;
@@ -160,6 +160,7 @@ void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     unit->cao_deadline_ns = ECT_NEVER;
     unit->read_deadline_ns = ECT_NEVER;
     unit->modbus_deadline_ns = ECT_NEVER;
+    unit->hold_deadline_ns = ECT_NEVER;
     if (unit->ru[0].id == 0) /* no remote has that: there was no power before */
         outside_defaults(unit);
     ZERO_FROM(&unit->bu, eclink_bu_t, state);
@@ -209,6 +210,8 @@ uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
         begin_exchange(unit, now_ns);
     else if (from == ECT_STATE_OP)
         unit->read_deadline_ns = ECT_NEVER;
+    if (from == ECT_STATE_OP)
+        unit->hold_deadline_ns = now_ns + ECLINK_SUPERVISION_NS;
     if (from == ECT_STATE_OP && !has_modbus(unit))
         stop_exchange(unit);
     eclink_evaluate(unit);
@@ -317,6 +320,7 @@ static void modbus_went(eclink_t *unit)
 
 static void supervise(eclink_t *unit, uint64_t now_ns)
 {
+    (void)passed(&unit->hold_deadline_ns, now_ns);
     if (passed(&unit->modbus_deadline_ns, now_ns))
         modbus_went(unit);
     if (passed(&unit->pco_deadline_ns, now_ns))
@@ -345,7 +349,7 @@ uint64_t eclink_tick(void *instance, uint64_t now_ns)
         publish(unit);
     return ect_earlier(ect_earlier(ect_earlier(unit->update_ns, unit->pco_deadline_ns),
                                    ect_earlier(unit->cao_deadline_ns, unit->read_deadline_ns)),
-                       unit->modbus_deadline_ns);
+                       ect_earlier(unit->modbus_deadline_ns, unit->hold_deadline_ns));
 }
 
 /* --- 3001h, 3002h ------------------------------------------------------------------------------------------------- */

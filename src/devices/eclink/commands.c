@@ -11,7 +11,7 @@
 #include "devices/eclink/instance.h"
 #include "wire/bytes.h"
 
-bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command)
+static bool put(eclink_queue_t *queue, const eclink_command_t *command)
 {
     if (queue->count == ECLINK_QUEUE)
         return false;
@@ -20,7 +20,7 @@ bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command)
     return true;
 }
 
-bool eclink_queue_take(eclink_queue_t *queue, eclink_command_t *command)
+static bool take(eclink_queue_t *queue, eclink_command_t *command)
 {
     if (queue->count == 0)
         return false;
@@ -45,10 +45,34 @@ static void watch_cao(eclink_t *unit, uint64_t now_ns)
     }
 }
 
+/* Drops commands that have waited longer than bu.command_lifetime: an operator's command of an hour ago must not start
+ * a machine when its controller comes back. The one in the input data stays, for CCI cannot be taken back. */
+static void expire(eclink_t *unit, uint64_t now_ns)
+{
+    eclink_queue_t *queue = &unit->from_ru;
+    uint64_t lifetime_ns = unit->bu.command_lifetime_ms * 1000000ull;
+    eclink_command_t command;
+    while (lifetime_ns > 0 && queue->count > 0 && now_ns - unit->sent_ns[queue->first] >= lifetime_ns) {
+        (void)take(queue, &command);
+        unit->bu.commands_expired++;
+    }
+}
+
+bool eclink_command_from_ru(eclink_t *unit, const eclink_command_t *command, uint64_t now_ns)
+{
+    expire(unit, now_ns);
+    unsigned int at = (unit->from_ru.first + unit->from_ru.count) % ECLINK_QUEUE;
+    if (!put(&unit->from_ru, command))
+        return false;
+    unit->sent_ns[at] = now_ns;
+    return true;
+}
+
 void eclink_show_command(eclink_t *unit, uint64_t now_ns)
 {
     eclink_command_t command;
-    if (unit->cci_waits || !eclink_queue_take(&unit->from_ru, &command))
+    expire(unit, now_ns);
+    if (unit->cci_waits || !take(&unit->from_ru, &command))
         return;
     unit->bu.cci++;
     ect_store_be16(unit->inputs + ECLINK_IN_COMMAND_RU, command.ru);
@@ -64,22 +88,6 @@ static bool is_for(const eclink_command_t *command, const eclink_ru_t *ru)
     return eclink_reachable(ru) && (command->ru == 0 || command->ru == ru->id);
 }
 
-void eclink_pass_command(eclink_t *unit)
-{
-    if (!unit->cco_waits)
-        return;
-    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
-        if (is_for(&unit->waiting, &unit->ru[i]) && unit->ru[i].to_ru.count == ECLINK_QUEUE)
-            return;
-    }
-    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
-        if (is_for(&unit->waiting, &unit->ru[i]))
-            (void)eclink_queue_put(&unit->ru[i].to_ru, &unit->waiting);
-    }
-    unit->cco_waits = false;
-    unit->bu.cai = unit->last_cco;
-}
-
 static bool id_is_known(const eclink_t *unit, uint16_t id)
 {
     for (unsigned int i = 0; i < ECLINK_RUS; i++) {
@@ -89,12 +97,39 @@ static bool id_is_known(const eclink_t *unit, uint16_t id)
     return id == 0;
 }
 
+/* CAI acknowledges a command without a receiver, too: TS-0007 has no reply for it. */
+static void count_undelivered(eclink_t *unit)
+{
+    if (id_is_known(unit, unit->waiting.ru))
+        unit->bu.commands_unreached++;
+    else
+        unit->bu.commands_unknown++;
+}
+
+void eclink_pass_command(eclink_t *unit)
+{
+    bool delivered = false;
+    if (!unit->cco_waits)
+        return;
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        if (is_for(&unit->waiting, &unit->ru[i]) && unit->ru[i].to_ru.count == ECLINK_QUEUE)
+            return;
+    }
+    for (unsigned int i = 0; i < ECLINK_RUS; i++) {
+        if (is_for(&unit->waiting, &unit->ru[i]))
+            delivered |= put(&unit->ru[i].to_ru, &unit->waiting);
+    }
+    if (!delivered)
+        count_undelivered(unit);
+    unit->cco_waits = false;
+    unit->bu.cai = unit->last_cco;
+}
+
 static void take_command(eclink_t *unit)
 {
     unit->waiting.ru = ect_load_be16(unit->outputs + ECLINK_OUT_COMMAND_RU);
     memcpy(unit->waiting.data, unit->outputs + ECLINK_OUT_COMMAND, sizeof unit->waiting.data);
     unit->cco_waits = true;
-    unit->bu.commands_unknown += !id_is_known(unit, unit->waiting.ru);
 }
 
 /*
@@ -112,6 +147,7 @@ static void watch_cco(eclink_t *unit, bool first)
     unit->bu.commands_lost += unit->cco_waits;
     unit->cco_waits = false;
     if (first && step != 1) {
+        unit->bu.cco_resyncs++;
         unit->bu.cai = cco;
         return;
     }
@@ -129,7 +165,7 @@ void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns)
 static bool give_command(eclink_ru_t *ru)
 {
     eclink_command_t command;
-    if (!eclink_queue_take(&ru->to_ru, &command))
+    if (!take(&ru->to_ru, &command))
         return false;
     memcpy(ru->received, command.data, sizeof ru->received);
     ru->received_count++;

@@ -74,11 +74,11 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(5, ECLINK_OUT_COMMAND_RU, U16, "Command RU ID")                                                                  \
     F(6, ECLINK_OUT_COMMAND, HALF, "Command to RU 0..7")                                                               \
     F(7, ECLINK_OUT_COMMAND + 8, HALF, "Command to RU 8..15")                                                          \
-    F(8, ECLINK_OUT_SPARE, U16, "Spare")
+    F(8, ECLINK_OUT_SPARE, U16, "Spare 22..23")
 #define PERIODIC_FIELDS(F)                                                                                             \
     F(9, ECLINK_OUT_PERIODIC_SIZE, U16, "Periodic data size")                                                          \
     F(10, ECLINK_OUT_PERIODIC_BLOCK, U8, "Periodic data block")                                                        \
-    F(11, ECLINK_OUT_PERIODIC_SPARE, U8, "Spare")
+    F(11, ECLINK_OUT_PERIODIC_SPARE, U8, "Spare 27")
 
 /* The 200 periodic bytes in eights: F(sub-index, first byte, last byte). */
 #define PERIODIC_EIGHTS(F)                                                                                             \
@@ -171,8 +171,8 @@ static const ect_entry_t assign_three[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_ASSIGN(
 /* --- object lists ------------------------------------------------------------------------------------------------ */
 
 #define COMMUNICATION_OBJECTS                                                                                          \
-    ECT_OBJECT_DEVICE_TYPE, ECT_OBJECT_DEVICE_NAME, ECT_OBJECT_HARDWARE_VERSION, ECT_OBJECT_SOFTWARE_VERSION,          \
-        ECT_OBJECT_IDENTITY
+    ECT_OBJECT_DEVICE_TYPE, ECT_OBJECT_ERROR_REGISTER, ECT_OBJECT_DEVICE_NAME, ECT_OBJECT_HARDWARE_VERSION,            \
+        ECT_OBJECT_SOFTWARE_VERSION, ECT_OBJECT_IDENTITY
 
 static const ect_object_t objects_map1[] = {
     COMMUNICATION_OBJECTS,

@@ -107,8 +107,9 @@ typedef enum eclink_equipment {
 
 enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITCHES = 8, ECLINK_QUEUE = 16 };
 
-/** How long PCO may stand still, a command be unacknowledged in CAO (§10.1, §10.4), inputs not be read (Input Only),
- * and over Modbus the duty of the mode be left undone. */
+/** Longest time without a change of PCO, without CAO after a command (§10.1, §10.4), without a read of the inputs
+ * (Input Only), and over Modbus without the duty of the mode. An EtherCAT master that leaves OP keeps the unit as long.
+ */
 #define ECLINK_SUPERVISION_NS 2000000000ull
 
 /** Largest set of periodic data: 256 blocks (§10.4). The host's buffer has room for two: the last complete one, and the
@@ -167,8 +168,10 @@ typedef struct eclink_ru {
     uint32_t received_count;
     uint32_t periodic_count; /* sets of periodic data shown */
     eclink_queue_t to_ru;
-    bool periodic_waits; /* a set is to be shown when the link has room */
-    uint8_t sent;        /* its commands that C-Link still has to carry, on fallback */
+    bool periodic_waits;       /* a set is to be shown when the link has room */
+    uint8_t sent;              /* its commands that C-Link still has to carry, on fallback */
+    bool vlap;                 /* it has one */
+    uint32_t commands_dropped; /* commands of `to_ru` that were gone with its communication */
 } eclink_ru_t;
 
 /** Why the base unit is in its state. The words for it are the plant's. */
@@ -205,8 +208,9 @@ typedef struct eclink_bu {
     uint8_t eg_link;
     uint8_t failed;
     uint8_t module_error;
-    uint8_t report_passive; /* EC-C9: byte 36 is 6, not 0, while no RU is armed */
-    uint8_t lock_errors;    /* §11 read strictly: an EC-Link error stays until power is cycled */
+    uint8_t report_passive;       /* EC-C9: byte 36 is 6, not 0, while no RU is armed */
+    uint8_t lock_errors;          /* §11 read strictly: an EC-Link error stays until power is cycled */
+    uint32_t command_lifetime_ms; /* commands from the remotes that wait longer are dropped; 0: none is */
 
     uint8_t state;  /* from here on what it makes of it: gone with its power */
     uint8_t frozen; /* its input data stand still */
@@ -216,13 +220,16 @@ typedef struct eclink_bu {
     uint8_t unarmed;
     uint8_t armed;
     uint8_t pci, cci, pai, cai;
-    uint16_t fault;            /* eclink_why_t up to ECLINK_WHY_CAO: what the display shows as a message */
-    uint16_t cause;            /* eclink_why(): why it is in its state, unless that is as it should be */
-    uint8_t modbus;            /* a controller does its duty over Modbus TCP */
-    uint32_t overflows;        /* commands from the remotes that were turned away */
-    uint32_t commands_lost;    /* commands from the controller that CCO passed over */
-    uint32_t commands_unknown; /* ... to an id that nobody has */
-    uint32_t pco_jumps;        /* changes of PCO by other than one */
+    uint16_t fault;              /* eclink_why_t up to ECLINK_WHY_CAO: what the display shows as a message */
+    uint16_t cause;              /* eclink_why(): why it is in its state, unless that is as it should be */
+    uint8_t modbus;              /* a controller does its duty over Modbus TCP */
+    uint32_t overflows;          /* commands from the remotes that were turned away */
+    uint32_t commands_lost;      /* commands from the controller that CCO passed over */
+    uint32_t commands_unknown;   /* ... to an id that nobody has */
+    uint32_t commands_unreached; /* ... acknowledged, and no remote was there to receive them */
+    uint32_t commands_expired;   /* commands from the remotes that outlived command_lifetime_ms */
+    uint32_t cco_resyncs;        /* first outputs whose CCO was neither the last one nor that plus one */
+    uint32_t pco_jumps;          /* changes of PCO by other than one */
     uint32_t periodic_sets;
     uint32_t periodic_errors;
     uint32_t periodic_skipped;    /* blocks of a set whose block 0 did not come */
@@ -279,8 +286,10 @@ typedef struct eclink {
     uint64_t read_deadline_ns;   /* Input Only: inputs must be read until then */
     uint64_t modbus_deadline_ns; /* the next request that is a controller's duty must come until then; ECT_NEVER: none
                                     has come */
+    uint64_t hold_deadline_ns;   /* an EtherCAT master that has left OP keeps the outputs until then */
     uint64_t update_ns;          /* when PCI counts next */
     eclink_queue_t from_ru;
+    uint64_t sent_ns[ECLINK_QUEUE]; /* when each of them was sent */
     eclink_periodic_t periodic;
 } eclink_t;
 
@@ -314,8 +323,8 @@ void eclink_modbus_came(eclink_t *unit, uint64_t now_ns);
 void eclink_evaluate(eclink_t *unit);
 
 /* commands.c */
-bool eclink_queue_put(eclink_queue_t *queue, const eclink_command_t *command);
-bool eclink_queue_take(eclink_queue_t *queue, eclink_command_t *command);
+/* Queues a command from a remote. @return false: the queue is full */
+bool eclink_command_from_ru(eclink_t *unit, const eclink_command_t *command, uint64_t now_ns);
 void eclink_command_to_rus(eclink_t *unit);
 /* Hands the controller's command on and acknowledges it, as soon as all that it is for have room. */
 void eclink_pass_command(eclink_t *unit);

@@ -88,7 +88,7 @@ static ect_modbus_result_t may_write(const void *instance, const ect_modbus_rang
     area_t area;
     if (!find(unit, range, &area) || area.inputs)
         return ECT_MODBUS_NO_ADDRESS;
-    return unit->in_op ? ECT_MODBUS_BUSY : ECT_MODBUS_DONE;
+    return unit->in_op || unit->hold_deadline_ns != ECT_NEVER ? ECT_MODBUS_BUSY : ECT_MODBUS_DONE;
 }
 
 static void write_bit(uint8_t *bytes, unsigned int at, bool value)

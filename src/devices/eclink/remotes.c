@@ -42,6 +42,12 @@ const char *eclink_why_unreachable(const eclink_ru_t *ru)
     return NULL;
 }
 
+/* A VLAP, a signal, no error: whether arming, fallback and the status that is reported find C-Link in order. */
+static bool c_link_works(const eclink_ru_t *ru, bool has_vlap)
+{
+    return has_vlap && ru->rssi > 0 && !eclink_is_error(ru->forced_c_link);
+}
+
 static unsigned int reserved_vlaps(const eclink_t *unit)
 {
     unsigned int count = 0;
@@ -64,6 +70,8 @@ static const char *why_not_armed(const eclink_t *unit, const eclink_ru_t *ru)
                                      : "three remote units are armed already";
     if (!ru->cable && reserved_vlaps(unit) >= unit->bu.vlaps)
         return "no VLAP is left for it: each armed remote unit without cable reserves one of 'bu.vlaps' (TS-0007 10.6)";
+    if (!ru->cable && !c_link_works(ru, true))
+        return "its C-Link does not work: set 'rssi' above 0, and 'c_link' to -1 (TS-0007 10.6)";
     return NULL;
 }
 
@@ -94,6 +102,7 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
 /* Out of sight: what was on its way is gone. While armed, the base unit blocks until it is armed again (§8.1). */
 static void lose(eclink_t *unit, unsigned int number)
 {
+    unit->ru[number].commands_dropped += unit->ru[number].to_ru.count;
     unit->ru[number].to_ru.count = 0;
     unit->ru[number].periodic_waits = false;
     unit->ru[number].sent = 0;
@@ -136,24 +145,28 @@ static bool g_link_works(const eclink_ru_t *ru)
 }
 
 /* An armed remote reserves a VLAP, in the order of arming; an unarmed one needs it only on fallback. */
-static eclink_path_t path_of(const eclink_ru_t *ru, unsigned int *vlaps)
+static eclink_path_t path_of(eclink_ru_t *ru, unsigned int *vlaps)
 {
+    ru->vlap = false;
     if (!ru->on)
         return ECLINK_PATH_NONE;
     if (ru->cable)
         return ECLINK_PATH_FULL;
     bool works = g_link_works(ru);
-    bool has_vlap = (ru->armed || !works) && take(vlaps);
+    ru->vlap = (ru->armed || !works) && take(vlaps);
     if (works)
         return ECLINK_PATH_FULL;
-    return has_vlap && !eclink_is_error(ru->forced_c_link) ? ECLINK_PATH_C_LINK : ECLINK_PATH_NONE;
+    return c_link_works(ru, ru->vlap) ? ECLINK_PATH_C_LINK : ECLINK_PATH_NONE;
 }
 
+/* On cable the remote does without a VLAP. */
 static uint8_t c_link(const eclink_ru_t *ru)
 {
     if (!ru->on)
         return ECLINK_LINK_UNUSED;
-    return ru->armed ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_PASSIVE;
+    if (!ru->armed)
+        return ECLINK_LINK_PASSIVE;
+    return ru->cable || c_link_works(ru, ru->vlap) ? ECLINK_LINK_OPERATIONAL : ECLINK_LINK_NONE;
 }
 
 static uint8_t g_link(const eclink_ru_t *ru)

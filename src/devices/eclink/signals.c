@@ -21,6 +21,8 @@ static const ect_signal_t bu_signals[] = {
     BU(WRITE, report_passive, "report_passive", BOOL, 0, 1, NULL, "byte 36 is 6 instead of 0 while no RU is armed"),
     BU(WRITE, lock_errors, "lock_errors", BOOL, 0, 1, NULL,
        "an EC-Link error after the first good exchange stays until 'restart' (TS-0007 11 read strictly)"),
+    BU(WRITE, command_lifetime_ms, "command_lifetime", U32, 0, 86400000, "ms",
+       "commands from remote units that wait longer than this are dropped; 0: they wait for ever"),
     BU(WRITE, frozen, "frozen", BOOL, 0, 1, NULL, "PCI and all input data stand still, the bus stays in OP"),
     BU(WRITE, restart, "restart", BOOL, 0, 1, NULL, "writing 1 takes the power away and puts it back"),
     BU(READ, state, "state", U8, 0, 17, NULL, "BU state, values of TS-0007 8.1"),
@@ -40,6 +42,12 @@ static const ect_signal_t bu_signals[] = {
        "commands from the controller that CCO passed over before CAI acknowledged them"),
     BU(READ, commands_unknown, "commands_unknown", U32, 0, UINT32_MAX, NULL,
        "commands from the controller to an id that no remote unit has"),
+    BU(READ, commands_unreached, "commands_unreached", U32, 0, UINT32_MAX, NULL,
+       "commands from the controller that CAI acknowledged and no remote unit in communication received"),
+    BU(READ, commands_expired, "commands_expired", U32, 0, UINT32_MAX, NULL,
+       "commands from remote units dropped after 'command_lifetime'"),
+    BU(READ, cco_resyncs, "cco_resyncs", U32, 0, UINT32_MAX, NULL,
+       "first outputs after an interruption whose CCO was taken as a start, not as a command"),
     BU(READ, pco_jumps, "pco_jumps", U32, 0, UINT32_MAX, NULL, "changes of PCO by another step than +1"),
     BU(READ, periodic_sets, "periodic_sets", U32, 0, UINT32_MAX, NULL, "complete sets of periodic data"),
     BU(READ, periodic_size, "periodic_size", U16, 0, 51200, "bytes", "size of the last complete set"),
@@ -95,6 +103,8 @@ static const ect_signal_t ru_signals[] = {
     RU(WRITE, g_link, "g_link", I16, -1, 7, NULL, "G-Link status of TS-0007 8.2; setting forces it, -1: as it is"),
     RU(READ, received, "received", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "last command from the controller"),
     RU(READ, received_count, "received_count", U32, 0, UINT32_MAX, NULL, "commands received from the controller"),
+    RU(READ, commands_dropped, "commands_dropped", U32, 0, UINT32_MAX, NULL,
+       "commands from the controller, acknowledged, that waited for it when it left communication"),
     RU(READ, periodic_count, "periodic_count", U32, 0, UINT32_MAX, NULL, "sets of periodic data shown"),
 };
 
@@ -116,7 +126,7 @@ static const ect_signal_group_t groups[] = {
 
 #define IS(signal, type, member) ((signal)->offset == offsetof(type, member))
 
-static const char *send_command(eclink_t *unit, unsigned int number, const uint8_t *data)
+static const char *send_command(eclink_t *unit, unsigned int number, const uint8_t *data, uint64_t now_ns)
 {
     eclink_ru_t *ru = &unit->ru[number];
     eclink_command_t command = {.ru = ru->id};
@@ -126,7 +136,7 @@ static const char *send_command(eclink_t *unit, unsigned int number, const uint8
     if (refusal)
         return refusal;
     memcpy(command.data, data, sizeof command.data);
-    if (!eclink_queue_put(&unit->from_ru, &command)) {
+    if (!eclink_command_from_ru(unit, &command, now_ns)) {
         unit->bu.overflows++;
         return "the base unit's queue is full: the controller does not acknowledge in CAO";
     }
@@ -185,7 +195,8 @@ static const char *write_number(eclink_t *unit, eclink_ru_t *ru, const ect_signa
     return "";
 }
 
-static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned int number, const void *value)
+static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned int number, const void *value,
+                            uint64_t now_ns)
 {
     eclink_ru_t *ru = &unit->ru[number];
     const uint8_t *byte = value;
@@ -200,7 +211,7 @@ static const char *write_ru(eclink_t *unit, const ect_signal_t *signal, unsigned
         return refusal ? refusal : "";
     }
     if (IS(signal, eclink_ru_t, command))
-        return send_command(unit, number, byte);
+        return send_command(unit, number, byte, now_ns);
     if (is_element(signal, offsetof(eclink_ru_t, fitted), sizeof ru->fitted, 1, &position))
         ru->switches[position] = 0; /* another switch starts at rest */
     return NULL;
@@ -231,7 +242,8 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
                                 uint64_t now_ns)
 {
     eclink_t *unit = instance;
-    const char *answer = number > 0 ? write_ru(unit, signal, number - 1u, value) : write_bu(unit, signal, value);
+    const char *answer =
+        number > 0 ? write_ru(unit, signal, number - 1u, value, now_ns) : write_bu(unit, signal, value);
     if (answer && *answer == 0)
         signal_written(unit, signal, number, now_ns);
     return answer;

@@ -246,9 +246,61 @@ static void forced_links(void **state)
         bu_set_number(&r, rows[i].signal, -1);
         bu_update(&r);
         assert_int_equal(bu_number(&r, "ru1.g_link"), 1);
-        assert_int_equal(bu_number(&r, "ru1.c_link"), rows[i].lost ? 6 : 1);
+        assert_int_equal(bu_number(&r, "ru1.c_link"), rows[i].lost ? 6 : 2); /* there is no VLAP */
         wire_close(&r.w);
     }
+}
+
+/* What C-Link needs, and what an armed remote on radio or on cable reports of it in byte 36. */
+static void c_link_has_one_truth(void **state)
+{
+    static const struct {
+        const char *what, *signal;
+        long bad, good;
+        uint8_t reported;
+    } rows[] = {
+        {"no VLAP", "bu.vlaps", 0, 1, 2},
+        {"no signal", "ru1.rssi", 0, 1, 2},
+        {"an error", "ru1.c_link", 4, -1, 4},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows) * BU_NODES; i++) {
+        bu_rig_t r;
+        size_t row = i % COUNT(rows);
+        bu_start(&r, &bu_nodes[i / COUNT(rows)]);
+        bu_arm(&r, 1);
+        bu_update(&r);
+        assert_int_equal(r.in[36], 1);
+        bu_set_number(&r, rows[row].signal, rows[row].bad);
+        bu_expect_blocks(&r, rows[row].what, "1", ARMED); /* G-Link works */
+        if (r.in[36] != rows[row].reported || bu_number(&r, "ru1.c_link") != rows[row].reported)
+            fail_msg("%s: expected C-Link %u, got %u", rows[row].what, rows[row].reported, r.in[36]);
+        bu_set_number(&r, "ru1.armed", 0);
+        if (bu_try_set(&r, "ru1.armed", 1))
+            fail_msg("%s: C-Link is %u, and the remote was armed", rows[row].what, rows[row].reported);
+        bu_set_number(&r, rows[row].signal, rows[row].good);
+        bu_set_number(&r, "ru1.armed", 1);
+        bu_expect_blocks(&r, "in order again", "1", ARMED);
+        assert_int_equal(r.in[36], 1);
+        bu_set_number(&r, rows[row].signal, rows[row].bad);
+        bu_set_number(&r, "ru1.g_link_lost", 1);
+        bu_expect_blocks(&r, "there is no fallback", "", BLOCKED);
+        wire_close(&r.w);
+    }
+}
+
+static void cable_needs_no_c_link(void **state)
+{
+    (void)state;
+    bu_rig_t r;
+    bu_start(&r, &bu_nodes[0]);
+    bu_set_number(&r, "bu.vlaps", 0);
+    bu_set_number(&r, "ru1.rssi", 0);
+    bu_set_number(&r, "ru1.cable", 1);
+    bu_arm(&r, 1);
+    bu_expect_blocks(&r, "on cable", "1", ARMED);
+    assert_int_equal(r.in[36], 1);
+    wire_close(&r.w);
 }
 
 /* C-Link that does not work carries no fallback. */
@@ -464,6 +516,11 @@ static void lost_on_fallback(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        TEST("ECL-033 ECL-064: without VLAP or signal an armed remote's C-Link is No Link, arming is refused and there "
+             "is no "
+             "fallback",
+             c_link_has_one_truth),
+        TEST("ECL-033: on cable C-Link is operational without VLAP and signal", cable_needs_no_c_link),
         TEST("ECL-031: the number of VLAPs is told", vlaps_are_told),
         TEST("ECL-033 ECL-064 ECL-065: an armed remote without G-Link is on fallback, without VLAP it is lost",
              armed_falls_back),

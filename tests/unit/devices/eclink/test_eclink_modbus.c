@@ -478,6 +478,11 @@ static void ethercat_has_it(void **state)
         bu_expect(&r, "Modbus has tried to write", good, OPERATIONAL);
         assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
         bu_expect(&r, "EtherCAT has left OP", LINK_ERROR, NO_LINK);
+        assert_int_equal(try_write(&r, HOLDING, 0, 1, &one), ECT_MODBUS_BUSY);
+        wire_advance(&r.w, 2000 * MS - 1);
+        assert_int_equal(try_write(&r, HOLDING, 0, 1, &one), ECT_MODBUS_BUSY);
+        bu_expect(&r, "1 ns before 2000 ms outside OP", LINK_ERROR, NO_LINK);
+        wire_advance(&r.w, 1);
         work(&r, 20 * MS);
         bu_expect(&r, "Modbus goes on", DISARMED, OPERATIONAL);
         wire_close(&r.w);

@@ -323,6 +323,7 @@ static void check_field(bu_rig_t *r, unsigned int ru, unsigned int block, const 
     want[0] = r->in[0];                                   /* PCI */
     want[2] = r->in[2];                                   /* PAI */
     want[at - f->offset + 2] = r->in[at - f->offset + 2]; /* RU state follows "disabled" */
+    want[at - f->offset + 8] = r->in[at - f->offset + 8]; /* C-Link status follows "rssi" */
     for (unsigned int i = 0; i < ect_device_sm_bytes(r->node->device, 3); i++) {
         if (r->in[i] != want[i])
             fail_msg("%s, ru%u.%s := %ld: expected byte %u to be 0x%02X, got 0x%02X", r->node->device->type_name, ru,

@@ -182,18 +182,18 @@ static void errors_that_stay(void **state)
     bu_run(&r, 2000 * MS);
     r.counting = true;
     bu_run(&r, 200 * MS);
-    bu_expect_told(&r, "PCO counts again", LINK_ERROR, DATA_ERROR);
-    expect_cause(&r, "PCO counts again", LINK_ERROR, "PCO does not increment");
+    bu_expect_told(&r, "PCO counts again", INITIAL, DATA_ERROR);
+    expect_cause(&r, "PCO counts again", INITIAL, "PCO does not increment");
     bu_set(&r, "bu.module_error", "1");
     bu_set(&r, "bu.module_error", "0");
-    bu_expect(&r, "another error takes its place", LINK_ERROR, MODULE_ERROR);
+    bu_expect(&r, "another error takes its place", INITIAL, MODULE_ERROR);
     bu_set(&r, "bu.enabled", "0");
     bu_expect(&r, "what is not used has no errors", DISARMED, UNUSED);
     bu_set(&r, "bu.enabled", "1");
     bu_expect(&r, "used again", DISARMED, OPERATIONAL);
     bu_set(&r, "bu.module_error", "1");
     bu_set(&r, "bu.module_error", "0");
-    bu_expect(&r, "and locked again", LINK_ERROR, MODULE_ERROR);
+    bu_expect(&r, "and locked again", INITIAL, MODULE_ERROR);
     bu_set(&r, "bu.restart", "1");
     bu_expect(&r, "power was off", INITIAL, NO_LINK);
     assert_int_equal(bu_number(&r, "bu.lock_errors"), 1);
@@ -205,7 +205,7 @@ static void errors_that_stay(void **state)
     bu_run(&r, 2000 * MS);
     r.counting = true;
     bu_run(&r, 200 * MS);
-    bu_expect(&r, "locked", LINK_ERROR, DATA_ERROR);
+    bu_expect(&r, "locked", INITIAL, DATA_ERROR);
     bu_set(&r, "bu.lock_errors", "0");
     bu_expect(&r, "no longer locked", DISARMED, OPERATIONAL);
     wire_close(&r.w);
@@ -516,7 +516,8 @@ int main(int argc, char **argv)
         TEST("ECL-028: every state but Armed and Disarmed has its cause", causes),
         TEST("ECL-028 ECL-068: nothing is armed while the BU is Initial, Failed or has a link error",
              arming_needs_an_operative_unit),
-        TEST("ECL-068 EC-C6: errors end with their cause; with lock_errors they stay until power is cycled",
+        TEST("ECL-068 EC-C6: errors end with their cause; with lock_errors the unit is locked in Initial until power "
+             "is cycled",
              errors_that_stay),
         TEST("ECL-028 ECL-029: External link error goes before Blocked, Blocked before Stopped", worse_state_wins),
         TEST("ECL-002 ECL-069: Disabled: no reply, EC-Link Unused, no message, nothing supervised; enabled it starts "

@@ -137,6 +137,45 @@ static void exchange(wire_t *w, const node_t *node, const uint8_t *outputs, uint
     inputs_on_the_wire(w, node, inputs);
 }
 
+/* --- standard objects --------------------------------------------------------------------------------------------- */
+
+static void error_register(void **state)
+{
+    (void)state;
+    FOR_EACH_NODE(node)
+    {
+        uint8_t data[64];
+        size_t size;
+        wire_t w;
+        wire_open_one(&w, node->device);
+        wire_go(&w, 0, ECT_STATE_PREOP);
+        assert_int_equal(try_upload(&w, 0x1001, 0, data, &size), 0);
+        assert_int_equal(size, 1);
+        assert_int_equal(data[0], 0);
+        wire_close(&w);
+    }
+}
+
+/* A PLC makes a variable of each name. */
+static void names_are_unique(void **state)
+{
+    (void)state;
+    FOR_EACH_NODE(node)
+    {
+        for (uint16_t n = 0; n < node->device->object_count; n++) {
+            const ect_object_t *object = &node->device->objects[n];
+            bool record = object->index >= 0x2000;
+            for (unsigned int i = 0; record && i <= object->max_subindex; i++) {
+                for (unsigned int k = 0; k < i; k++) {
+                    if (strcmp(object->entries[i].name, object->entries[k].name) == 0)
+                        fail_msg("%s, %04Xh: sub-indices %u and %u are both '%s'", node->name, object->index, k, i,
+                                 object->entries[i].name);
+                }
+            }
+        }
+    }
+}
+
 /* --- tables ------------------------------------------------------------------------------------------------------- */
 
 static void sizes_and_names(void **state)
@@ -517,6 +556,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"ECL-001 ECL-006..009: four nodes of 66/0, 66/24, 66/228 and 142/228 bytes, under their names",
          sizes_and_names, NULL, NULL, NULL},
+        {"ECL-010: DS301's error register 1001h is there, and 0 without emergencies", error_register, NULL, NULL, NULL},
+        {"ECL-035 ECL-053: no two fields of a record have the same name", names_are_unique, NULL, NULL, NULL},
         {"ECL-011: the data link of the base units as decided", data_link, NULL, NULL, NULL},
         {"ECL-006 ECL-007 ECL-008 ECL-009: the assigned PDOs map every field at its offset and size, at most 64 "
          "entries each, none wider than 64 bits",
