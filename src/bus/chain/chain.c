@@ -51,7 +51,7 @@ static void make_ready(ect_chain_t *chain, size_t i)
 }
 
 /* The twin has seen a frame, which may change the deadline of its ESC. */
-static void note_frame(ect_chain_t *chain, size_t i)
+static inline void note_frame(ect_chain_t *chain, size_t i)
 {
     uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
     make_ready(chain, i);
