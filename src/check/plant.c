@@ -29,7 +29,7 @@ static size_t size_of(const ect_signal_t *signal)
     static const uint8_t sizes[] = {
         [ECT_SIGNAL_BOOL] = 1, [ECT_SIGNAL_U8] = 1,     [ECT_SIGNAL_I16] = 2,  [ECT_SIGNAL_U16] = 2,
         [ECT_SIGNAL_I32] = 4,  [ECT_SIGNAL_U32] = 4,    [ECT_SIGNAL_I8] = 1,   [ECT_SIGNAL_I64] = 8,
-        [ECT_SIGNAL_U64] = 8,  [ECT_SIGNAL_REAL32] = 4, [ECT_SIGNAL_REAL] = 8, [ECT_SIGNAL_SAID] = 2};
+        [ECT_SIGNAL_U64] = 8,  [ECT_SIGNAL_REAL32] = 4, [ECT_SIGNAL_REAL] = 8, [ECT_SIGNAL_DESCRIBED] = 2};
     if (signal->type == ECT_SIGNAL_TEXT)
         return (size_t)signal->maximum + 1;
     return signal->type == ECT_SIGNAL_BYTES ? (size_t)signal->maximum : sizes[signal->type];
@@ -58,10 +58,10 @@ static bool range_good(const signal_place_t *p)
                   [ECT_SIGNAL_REAL] = {INT64_MIN, INT64_MAX},
                   [ECT_SIGNAL_TEXT] = {0, ECT_SIGNAL_LONGEST_TEXT},
                   [ECT_SIGNAL_BYTES] = {0, ECT_SIGNAL_LONGEST_BYTES},
-                  [ECT_SIGNAL_SAID] = {0, ECT_SIGNAL_LONGEST_TEXT}};
+                  [ECT_SIGNAL_DESCRIBED] = {0, ECT_SIGNAL_LONGEST_TEXT}};
     const ect_signal_t *s = p->signal;
-    bool room = s->type == ECT_SIGNAL_TEXT || s->type == ECT_SIGNAL_BYTES || s->type == ECT_SIGNAL_SAID;
-    if ((unsigned int)s->type > ECT_SIGNAL_SAID)
+    bool room = s->type == ECT_SIGNAL_TEXT || s->type == ECT_SIGNAL_BYTES || s->type == ECT_SIGNAL_DESCRIBED;
+    if ((unsigned int)s->type > ECT_SIGNAL_DESCRIBED)
         return wrong_signal(p, "there is no such type");
     if (s->minimum > s->maximum || s->minimum < ranges[s->type].lowest || s->maximum > ranges[s->type].highest)
         return wrong_signal(p, "its range is empty, or beyond its type");
@@ -77,7 +77,7 @@ static bool signal_good(const signal_place_t *p)
         return wrong_signal(p, "a name has lower case, digits and '_', at most 40");
     if (!text_good(p->r, "a signal's meaning", s->meaning, LONGEST_TEXT) || !range_good(p))
         return false;
-    if (s->type == ECT_SIGNAL_SAID && (s->access != ECT_SIGNAL_READ || !p->plant->signal_say))
+    if (s->type == ECT_SIGNAL_DESCRIBED && (s->access != ECT_SIGNAL_READ || !p->plant->signal_describe))
         return wrong_signal(p, "what is said is read only, and the plant has to say it");
     size_t room = g->count > 1 ? g->stride : p->r->device->instance_size - g->offset;
     if (s->offset > room || size_of(s) > room - s->offset)

@@ -95,13 +95,13 @@ bool ect_od_is_bits(const ect_entry_t *entry)
            (entry->data_type >= ECT_TYPE_BIT1 && entry->data_type <= ECT_TYPE_BIT8);
 }
 
-/* Types below 32, a bit each. */
+/* Sets of data types below 32, one bit each. */
 #define TYPE(name) (UINT32_C(1) << ECT_TYPE_##name)
 #define SIGNED     (TYPE(INTEGER8) | TYPE(INTEGER16) | TYPE(INTEGER32) | TYPE(INTEGER64))
 #define UNSIGNED   (TYPE(BOOLEAN) | TYPE(UNSIGNED8) | TYPE(UNSIGNED16) | TYPE(UNSIGNED32) | TYPE(UNSIGNED64))
 #define NUMBERS    ((SIGNED | UNSIGNED | TYPE(REAL32) | TYPE(REAL64)) & ~TYPE(BOOLEAN))
 
-/* Bytes of a number that the host keeps in its own byte order; 0 for everything kept as bytes. */
+/* Bytes of a number that the host stores in its own byte order; 0 for every other type, which is stored as bytes. */
 static uint16_t number_width(const ect_entry_t *entry)
 {
     uint16_t type = entry->data_type;
@@ -143,7 +143,7 @@ uint16_t ect_od_bits(const ect_od_t *od, const ect_entry_t *entry)
     return described ? (uint16_t)(8u * ect_od_upload_size(od, entry)) : entry->bit_length;
 }
 
-/* Between a number as the host keeps it and as the wire has it, either way. */
+/* Converts a number between the byte orders of host and wire, in either direction. */
 static void copy_number(uint8_t *to, const uint8_t *from, uint16_t width)
 {
     bool as_it_is = ect_host_is_little_endian();
@@ -159,7 +159,7 @@ void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, 
     uint8_t wire[8] = {0};
     const uint8_t *source = data;
     if (!data) {
-        /* Longer than the value can be: the rest reads as zero. */
+        /* The bytes beyond `value` read as zero. */
         memset(buffer, 0, length);
         ect_store_le32(wire, entry->value);
         if (offset >= sizeof wire)
@@ -268,7 +268,7 @@ ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_en
     if (with_sign && (wire[size - 1] & 0x80) != 0)
         memset(wire + size, 0xFF, sizeof wire - size);
     int64_t value = (int64_t)ect_load_le64(wire);
-    if (value > limit->maximum || (value < 0 && !with_sign)) /* beyond what a limit can say */
+    if (value > limit->maximum || (value < 0 && !with_sign)) /* an unsigned value above INT64_MAX */
         return ECT_REASON_TOO_HIGH;
     return value < limit->minimum ? ECT_REASON_TOO_LOW : ECT_OK;
 }

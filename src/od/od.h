@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The object dictionary: what a slave offers to SDO and PDO, as constant tables over caller-owned data.
+ * The object dictionary: the data that a slave offers by SDO and PDO, as constant tables over caller-owned memory.
  *
  * An object list is an array of ::ect_object_t sorted by index, each with its entries sorted by sub-index. The two
- * descriptors have the shape of SOES's `_objectlist` and `_objd`, so that a list written for SOES is used by cast.
+ * descriptors have the layout of SOES's `_objectlist` and `_objd`, so that a list written for SOES is used by cast.
  * `data` of an entry is an address; in a list with a base (::ect_od_t::base) it is an offset into that instance, so
  * one table in flash serves one instance in a firmware and a thousand in a process.
  *
  * Ownership: the list, its entries, its names and the second table are constant and belong to the device; the instance
- * belongs to the caller. Nothing in here allocates, blocks or keeps a pointer; what is returned points into the list or
- * into the instance and lives as long as they do. Pointers that are handed in must not be NULL unless that is said.
+ * belongs to the caller. No function allocates, blocks or keeps a pointer. A returned pointer points into the list or
+ * the instance and is valid as long as they are. Pointer arguments must not be NULL unless the text allows it.
  *
  * Context: any that owns the instance data; the stack calls from mainline, and from the cyclic exchange for process
  * data (docs/CONCURRENCY.md). Functions over a list alone are pure.
  *
- * Cost: finding an object or a detail takes log2(n) + 1 comparisons, an entry of an object its position, a transfer its
- * bytes; nothing in here reaches the PDI.
+ * Cost: finding an object or a detail takes log2(n) + 1 comparisons, finding an entry of an object as many steps as its
+ * position, a transfer as many as its bytes. No function accesses the PDI.
  *
- * Errors: what a master did wrong is an ::ect_reason_t and ends as an abort code; a slice beyond an entry is the
- * caller's own mistake and is asserted. On any result but ECT_OK nothing was written, neither to the instance nor to a
- * result, unless it is said.
+ * Errors: a mistake of the master is an ::ect_reason_t and becomes an abort code; a slice beyond an entry is a mistake
+ * of the caller and is asserted. With any result other than ECT_OK, neither the instance nor a result has been written,
+ * except where the text states it.
  *
  * Clauses: ETG.1000.6 §5.6 (CoE), ETG.1020 (data types, object codes), CiA 301 (abort codes).
  */
@@ -81,11 +81,11 @@ enum {
     ECT_ACCESS_WO = 0x0038,
     ECT_ACCESS_RW = 0x003F,
     ECT_ACCESS_RW_PREOP = 0x000F,
-    ECT_ACCESS_WIRE = 0x0FFF, /**< the bits that a master sees; those above are ours */
-    /** `data` is an offset into the list's description (::ect_od_t::description): a constant, read only; of a text the
-     * place of the pointer to it. */
+    ECT_ACCESS_WIRE = 0x0FFF, /**< the bits that SDO information reports; the higher ones are internal */
+    /** `data` is an offset into the list's description (::ect_od_t::description): a read-only constant. For a text it
+     * is the offset of the pointer to the text. */
     ECT_ACCESS_DESCRIPTION = 0x2000,
-    /** Writing is a command that hooks carry out; nothing is stored, and it reads as `value`. */
+    /** A write is a command that hooks execute; nothing is stored, and the entry reads as `value`. */
     ECT_ACCESS_COMMAND = 0x4000,
     /** `data` is an address even in a list with a base: a constant that all instances share. */
     ECT_ACCESS_SHARED = 0x8000,
@@ -99,17 +99,17 @@ enum {
 typedef struct ect_entry {
     uint16_t subindex;   /**< 0..255, ascending in the object's table */
     uint16_t data_type;  /**< ECT_TYPE_... */
-    uint16_t bit_length; /**< on the wire; strings: 8 × their room; 0: length known to the device's hook only */
+    uint16_t bit_length; /**< on the wire; strings: 8 × their capacity; 0: only the device's hook knows the length */
     uint16_t access;     /**< ECT_ACCESS_... */
     const char *name;    /**< may be NULL; zero-terminated, shared */
-    uint32_t value;      /**< default, unless ect_detail_t::initial says it; what an entry without data reads as */
+    uint32_t value;      /**< default, unless ect_detail_t::initial overrides it; value of an entry without memory */
     void *data;          /**< address, or offset into the instance (ECT_OFFSET) */
 } ect_entry_t;
 
 /**
- * One object (index). Same members, order and types as SOES `_objectlist`, where `last` is padding and 0: there
- * `max_subindex` is the position of the last element, whatever sub-index that element has. The two differ in a sparse
- * record only; ::ect_od_last reads either.
+ * One object (index). Same members, order and types as SOES `_objectlist`. In a list of SOES `last` is padding and 0,
+ * and `max_subindex` is the position of the last element, whatever its sub-index. Sub-index and position differ only in
+ * a record with gaps; ::ect_od_last finds the last element in both kinds of list.
  */
 typedef struct ect_object {
     uint16_t index;       /**< ascending in the list */
@@ -120,11 +120,12 @@ typedef struct ect_object {
     const ect_entry_t *entries;
 } ect_object_t;
 
-/** What SOES's descriptor has no field for; a second table beside the list, sorted by index, then sub-index. */
+/** Properties of an entry that SOES's descriptor lacks: a second table beside the list, sorted by index and sub-index.
+ */
 typedef struct ect_detail {
     uint16_t index;
     uint8_t subindex;
-    uint16_t unit;   /**< ETG.1004 unit code, 0 none */
+    uint16_t unit;   /**< ETG.1004 unit code; 0: none */
     int64_t minimum; /**< inclusive; minimum == maximum: no limits */
     int64_t maximum; /**< inclusive */
     const void
@@ -134,17 +135,17 @@ typedef struct ect_detail {
 /** An element of the second table: unit and limits of a number. */
 #define ECT_LIMITS(index, subindex, unit, minimum, maximum) {index, subindex, unit, minimum, maximum, NULL}
 
-/** An object list together with the instance that it describes. A small value: copy it freely. */
+/** An object list together with an instance. A small value that may be copied freely. */
 typedef struct ect_od {
     const ect_object_t *objects;
     uint16_t count;
     const ect_detail_t *details; /**< may be NULL */
     uint16_t detail_count;
-    void *base;              /**< the instance that `data` offsets count from; NULL: `data` are addresses */
-    const void *description; /**< what those of ECT_ACCESS_DESCRIPTION count from; NULL: no entry has it */
+    void *base;              /**< the instance that `data` offsets refer to; NULL: `data` are addresses */
+    const void *description; /**< base of the offsets with ECT_ACCESS_DESCRIPTION; NULL: no entry has this bit */
 } ect_od_t;
 
-/** `data` of an entry in a list with a base. The first member of an instance can have no entry (offset 0 = none). */
+/** `data` of an entry in a list with a base. The first member of an instance cannot be an entry (offset 0 = none). */
 #define ECT_OFFSET(type, member) ((void *)offsetof(type, member))
 
 /** An entry whose value lies in `member` of the instance type: ECT_ENTRY(1, UNSIGNED8, 8, ECT_ACCESS_RO, ...). */
@@ -152,9 +153,9 @@ typedef struct ect_od {
     {subindex, ECT_TYPE_##kind, bits, access, name, value, ECT_OFFSET(type, member)}
 
 /**
- * Why a request to the dictionary is refused: one reason, one abort code (::ect_abort_code). Hooks of a device
- * return these too, or any other abort code as it is: what is above 0xFFFF is one. The order is ours; the
- * codes are CiA 301's and ETG.1000.6 Table 41's.
+ * Reason to refuse a request to the dictionary; each has one abort code (::ect_abort_code). Hooks of a device return
+ * these, or any abort code itself, which is a number above 0xFFFF. The order is internal; the codes are those of CiA
+ * 301 and ETG.1000.6 Table 41.
  */
 typedef uint32_t ect_reason_t;
 enum {
@@ -197,57 +198,64 @@ enum {
 
 /**
  * The SDO abort code of a reason (ETG.1000.6 Table 41, Q179 §1-1).
- * @param reason  ECT_REASON_TOGGLE..ECT_REASON_COUNT-1, or an abort code itself (above 0xFFFF); anything else is
- * answered as ECT_REASON_GENERAL.
- * @return the 32-bit code, e.g. 0x06020000.
+ * @param reason  ECT_REASON_TOGGLE..ECT_REASON_COUNT-1, or an abort code itself (above 0xFFFF); any other value counts
+ * as ECT_REASON_GENERAL
+ * @return the 32-bit code, e.g. 0x06020000
  */
 uint32_t ect_abort_code(ect_reason_t reason);
 
 /**
  * Finds an object.
+ * @param od     the list; its instance is not used
  * @param index  0..0xFFFF
  * @return the object, or NULL when the list has no such index
  */
 const ect_object_t *ect_od_find(const ect_od_t *od, uint16_t index);
 
 /**
- * Finds an entry of an object, from its first on; a gap in the sub-indices is allowed.
+ * Finds an entry of an object; gaps between sub-indices are allowed.
+ * @param object    of any list
  * @param subindex  0..255
  * @return the entry, or NULL when the object has no such sub-index
  */
 const ect_entry_t *ect_od_entry(const ect_object_t *object, uint8_t subindex);
 
-/** The last entry of an object, in a list of ours and in one of SOES. Its sub-index is the highest of the object. */
+/** The last entry of an object, in a list of either kind. Its sub-index is the highest of the object. */
 static inline const ect_entry_t *ect_od_last(const ect_object_t *object)
 {
     return object->entries + (object->last != 0 ? object->last : object->max_subindex);
 }
 
-/** The entry that follows in the object's table, or NULL after the last. */
+/** The next entry in the object's table, or NULL after the last. */
 static inline const ect_entry_t *ect_od_next(const ect_object_t *object, const ect_entry_t *entry)
 {
     return entry < ect_od_last(object) ? entry + 1 : NULL;
 }
 
 /**
- * Resolves index and sub-index (ETG.1000.6 §5.6.2).
- * @param[out] object, entry  each NULL when there is none: no object, or no entry of it
+ * Finds an entry by index and sub-index (ETG.1000.6 §5.6.2).
+ * @param od               the list; its instance is not used
+ * @param index, subindex  0..0xFFFF, 0..255
+ * @param[out] object      NULL when the list has no such index
+ * @param[out] entry       NULL when there is no such entry
  * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX
  */
 ect_reason_t ect_od_lookup(const ect_od_t *od, uint16_t index, uint8_t subindex, const ect_object_t **object,
                            const ect_entry_t **entry);
 
-/** Direction of an access, as the master sees it. */
+/** Direction of an access, from the view of the master. */
 typedef enum ect_direction { ECT_UPLOAD, ECT_DOWNLOAD } ect_direction_t;
 
 /**
  * Checks the access rights of an entry in an AL state.
- * @param al_state  2 PREOP, 4 SAFEOP, 8 OP; any other state allows nothing
- * @return ECT_OK · ECT_REASON_WRITE_ONLY / ECT_REASON_READ_ONLY (never allowed) · ECT_REASON_STATE (not now)
+ * @param entry      of any object
+ * @param direction  of the access
+ * @param al_state   2 PREOP, 4 SAFEOP, 8 OP; every other state allows no access
+ * @return ECT_OK · ECT_REASON_WRITE_ONLY / ECT_REASON_READ_ONLY (in no state) · ECT_REASON_STATE (not in this state)
  */
 ect_reason_t ect_od_check_access(const ect_entry_t *entry, ect_direction_t direction, uint8_t al_state);
 
-/** Bytes of an entry on the wire when it is transferred alone: bit_length rounded up. */
+/** Bytes of an entry on the wire in a transfer of its own: bit_length rounded up. */
 static inline uint16_t ect_od_bytes(const ect_entry_t *entry)
 {
     return (uint16_t)((entry->bit_length + 7u) / 8u);
@@ -256,61 +264,68 @@ static inline uint16_t ect_od_bytes(const ect_entry_t *entry)
 /** True for BOOLEAN and BIT1..BIT8: types that Complete Access and PDOs pack bit by bit. */
 bool ect_od_is_bits(const ect_entry_t *entry);
 
-/** True for VISIBLE_STRING: on upload only the characters before the terminator travel. */
+/** True for VISIBLE_STRING: an upload transfers only the characters before the terminator. */
 static inline bool ect_od_is_string(const ect_entry_t *entry)
 {
     return entry->data_type == ECT_TYPE_VISIBLE_STRING;
 }
 
 /**
- * Where the value of an entry lies: in the instance, in the description, or at the entry's own address.
- * @return NULL: it has no memory and reads as `value`
+ * The memory of an entry's value: in the instance, in the description, or at the entry's own address.
+ * @return NULL: the entry has no memory and reads as `value`
  */
 void *ect_od_data(const ect_od_t *od, const ect_entry_t *entry);
 
-/** Its length as SDO information tells it: `bit_length`; of a text of the description the text's own. */
+/** Length of an entry in bits, as SDO information reports it: `bit_length`, or the length of a text of the description.
+ */
 uint16_t ect_od_bits(const ect_od_t *od, const ect_entry_t *entry);
 
-/** Bytes that an upload of this entry transfers now: ect_od_bytes(entry), of a string its present length. */
+/** Bytes that an upload of this entry transfers now: ect_od_bytes(entry), or the present length of a string. */
 uint16_t ect_od_upload_size(const ect_od_t *od, const ect_entry_t *entry);
 
 /**
- * Copies a slice of an entry's wire form (little-endian) to a buffer. Rights are not checked here.
+ * Copies a slice of an entry's wire form (little-endian) to a buffer. Does not check access rights.
+ * @param od, entry       an entry of this list
  * @param offset, length  bytes; offset + length <= ect_od_bytes(entry) (asserted)
- * @param[out] buffer     `length` bytes, the caller's; of BOOLEAN and BITn the bits above the entry's own are 0
+ * @param[out] buffer     `length` bytes, the caller's; the unused bits of a BOOLEAN or BITn are 0
  */
 void ect_od_read(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, void *buffer, uint16_t length);
 
 /**
- * Writes a slice of an entry's wire form into the instance. Rights and limits are not checked here. Numbers of 2, 4
- * and 8 bytes must come whole (asserted), strings and octets in any pieces; a string that ends short of its room is
- * terminated when its last piece says so by being shorter.
+ * Writes a slice of an entry's wire form into the instance. Does not check access rights and limits. Numbers of 2, 4
+ * and 8 bytes must be written in one piece (asserted), strings and octets in any pieces. A string is terminated when a
+ * piece ends before the end of its memory.
+ * @param od, entry       an entry of this list
  * @param offset, length  bytes; offset + length <= ect_od_bytes(entry) (asserted)
  * @param buffer          `length` bytes, only read
- * @return ECT_OK · ECT_REASON_READ_ONLY: the entry has no memory, nothing is changed
+ * @return ECT_OK · ECT_REASON_READ_ONLY: the entry has no memory of its own, and nothing has changed
  */
 ect_reason_t ect_od_write(const ect_od_t *od, const ect_entry_t *entry, uint16_t offset, const void *buffer,
                           uint16_t length);
 
 /**
- * Sets all entries with memory in the instance to their defaults. The memory must be zero: a default of 0 is not
- * written. Entries that share memory should have the same default, the last one counts.
+ * Sets all entries with memory in the instance to their defaults. The memory must be zero on entry, because a default
+ * of 0 is not written. Entries that share memory should have the same default; the last one takes effect.
  */
 void ect_od_set_defaults(const ect_od_t *od);
 
-/** What the second table says of an entry; NULL: nothing. */
+/** The row of an entry in the second table, or NULL. */
 const ect_detail_t *ect_od_detail(const ect_od_t *od, uint16_t index, uint8_t subindex);
 
 /**
- * Checks a new value, given in wire form, against the limits in the second table.
- * @param bytes  ect_od_bytes(entry) bytes, little-endian
- * @return ECT_OK (also for entries without a limit and for non-numbers) · ECT_REASON_TOO_HIGH · ECT_REASON_TOO_LOW
+ * Checks a new value, in wire form, against the limits in the second table.
+ * @param od, index, entry  an entry of this list
+ * @param bytes             ect_od_bytes(entry) bytes, little-endian
+ * @return ECT_OK (also without limits, and for entries that are no integers) · ECT_REASON_TOO_HIGH · ECT_REASON_TOO_LOW
  */
 ect_reason_t ect_od_check_limit(const ect_od_t *od, uint16_t index, const ect_entry_t *entry, const void *bytes);
 
 /**
- * Reads an entry of at most 32 bits as a number, zero-extended: for the stack's own reading of 1C1xh, 16xxh, 1Axxh.
- * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX; *value is unchanged unless ECT_OK.
+ * Reads an entry of at most 32 bits as a number, zero-extended: for the stack's own use of 1C1xh, 16xxh and 1Axxh.
+ * @param od               the list and its instance
+ * @param index, subindex  0..0xFFFF, 0..255
+ * @param[out] value       unchanged unless ECT_OK
+ * @return ECT_OK · ECT_REASON_NO_OBJECT · ECT_REASON_NO_SUBINDEX
  */
 ect_reason_t ect_od_number(const ect_od_t *od, uint16_t index, uint8_t subindex, uint32_t *value);
 

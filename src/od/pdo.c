@@ -12,7 +12,7 @@ const ect_entry_t *ect_od_mapped(const ect_od_t *od, uint32_t mapping)
     const ect_object_t *object = NULL;
     const ect_entry_t *entry = NULL;
     ect_reason_t found = ect_od_lookup(od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &object, &entry);
-    return found == ECT_OK ? entry : NULL; /* a gap's index is 0, and there is no such object */
+    return found == ECT_OK ? entry : NULL; /* index 0 means a gap, and is no object */
 }
 
 uint32_t ect_od_pdo_bits(const ect_object_t *pdo)

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * LEDs of a board: the pins of its RUN and ERR lamps. What they show is ::ect_indicator_drive's work
- * (slave/indicator.h); Link/Activity is lit by the ESC or its PHYs.
+ * LEDs of a board: the pins of its RUN and ERR indicators. ::ect_indicator_drive (slave/indicator.h) sets them; the ESC
+ * or its PHYs drive Link/Activity.
  */
 #ifndef ECT_SEAMS_LEDS_H
 #define ECT_SEAMS_LEDS_H
 
 #include <stdbool.h>
 
-/** Two functions, either of which may be NULL: there is no such lamp, or the chip lights it by itself. */
+/** The pins. Either function may be NULL: the board has no such LED, or the chip drives it. */
 typedef struct ect_leds {
     void *ctx; /**< handed to each function; owned by the board */
     void (*run)(void *ctx, bool lit);

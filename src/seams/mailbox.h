@@ -3,17 +3,17 @@
  * @file
  * Mailbox protocols: CoE, FoE, EoE, VoE … as entries that a device names.
  *
- * A description lists the protocols that it offers (::ect_device_t::protocols); what nobody lists is not linked. The
- * mailbox itself knows none of them: it takes care of buffers, counters and repetitions, hands a request to the entry
- * of its type, and answers everything that no entry wants with a mailbox error. A new protocol is one file with one
- * entry; one that only a product speaks (VoE) stands in that product's folder and needs nothing but this header.
+ * A description lists the protocols that it offers (::ect_device_t::protocols); a protocol that no description lists is
+ * not linked. The mailbox itself knows none of them: it manages buffers, counters and repetitions, passes a request to
+ * the entry of its type, and replies with a mailbox error when no entry accepts the request. A new protocol is one file
+ * with one entry; a protocol of a single product (VoE) belongs into the folder of that product and includes only this
+ * header.
  *
- * A protocol keeps what it must remember in the device's instance (::ect_mailbox_instance), or where its own entry
- * says: an entry may be the first member of a larger constant structure, and each function is given the entry that was
- * named.
+ * A protocol keeps its state in the device's instance (::ect_mailbox_instance), or where its own entry points: an entry
+ * may be the first member of a larger constant structure, and each function gets the entry that the description names.
  *
- * Several entries may share a type: CoE is made of three (SDO, SDO information, emergencies). They are asked in the
- * order in which the device lists them.
+ * Several entries may share a type: CoE consists of three (SDO, SDO information, emergencies). The mailbox tries them
+ * in the order in which the device lists them.
  *
  * Context: all functions of an entry run in mainline, one at a time for a slave, and must not block. The cyclic
  * exchange may interrupt them (docs/CONCURRENCY.md).
@@ -60,79 +60,79 @@ enum {
 /** A set of AL states: ECT_IN(ECT_STATE_BOOT) | … (seams/device.h). */
 #define ECT_IN(state) (1u << (state))
 
-/** PREOP, SAFEOP and OP: where every protocol but a firmware update is at home. */
+/** PREOP, SAFEOP and OP: the states of every protocol except a firmware update. */
 #define ECT_IN_PREOP_AND_ABOVE (ECT_IN(2) | ECT_IN(4) | ECT_IN(8))
 
-/** One protocol. Constant; any function may be NULL: there is nothing to do then. */
+/** One protocol. Constant. Any function may be NULL: the protocol then has nothing to do there. */
 typedef struct ect_protocol ect_protocol_t;
 struct ect_protocol {
     uint8_t type;    /**< ECT_MAILBOX_TYPE_... */
-    uint16_t states; /**< ECT_IN(...): in other AL states it is answered as unsupported, and sends nothing */
+    uint16_t states; /**< ECT_IN(...); in other AL states its mails are refused as unsupported, and it sends none */
 
     /**
-     * A mail of this type has come. The answer, if there is one, is built and sent in here, with at most one mail; more
-     * mails follow through `next`. A repeated request (same counter) does not come here: the mailbox repeats the
-     * answer.
+     * Handles a request of this type. The function builds and sends the reply, if there is one, in at most one mail;
+     * further mails follow through `next`. A repeated request (same counter) does not arrive here: the mailbox repeats
+     * the reply.
      * @param data    `length` (1 or more) bytes behind the mailbox header; valid only during the call
-     * @return ECT_MAILBOX_OK · the detail of the error reply that the mailbox sends. ECT_MAILBOX_ERROR_SERVICE: not
-     *         mine, the next entry of the same type is asked. With an error nothing may have been built.
+     * @return ECT_MAILBOX_OK · the detail of the error reply that the mailbox sends, in which case the function must
+     * not have built a mail. ECT_MAILBOX_ERROR_SERVICE passes the request on to the next entry of the same type.
      */
     uint16_t (*request)(const ect_protocol_t *self, ect_slave_t *slave, const uint8_t *data, uint16_t length);
 
     /**
-     * A mail of its own: the rest of a list, an incoming frame, an emergency. From a call of
-     * ::ect_mailbox_wake on it is asked whenever the mailbox is free, until no entry has a mail any more; and so when
-     * the mailbox starts. An entry without `request` speaks before a waiting request is answered, others after: a
-     * request may end what it was about to say.
-     * @param send  true: build and send it now, if there is one · false: only tell
-     * @return whether there is, or was, one
+     * Sends a mail that is no direct reply: the rest of a list, an incoming frame, an emergency. After
+     * ::ect_mailbox_wake, and after the start of the mailbox, the mailbox calls this whenever it is free, until no
+     * entry has a mail left. An entry without `request` is called before a waiting request is handled, any other entry
+     * after it, because the request may cancel the mail.
+     * @param send  true: build and send the mail now, if there is one · false: only report whether there is one
+     * @return whether there is, or was, a mail to send
      */
     bool (*next)(const ect_protocol_t *self, ect_slave_t *slave, bool send);
 
-    /** The mailbox starts, from INIT to PREOP or BOOT: forget what was under way. */
+    /** Cancels all transfers: the mailbox starts, from INIT to PREOP or BOOT. */
     void (*reset)(const ect_protocol_t *self, ect_slave_t *slave);
 };
 
-/* --- what the stack has ------------------------------------------------------------------------------------------- */
+/* --- protocols of the stack --------------------------------------------------------------------------------------- */
 
-/** SDO server (ETG.1000.6 §5.6.2): expedited, normal, segmented, Complete Access. The least that CoE is. */
+/** SDO server (ETG.1000.6 §5.6.2): expedited, normal, segmented, Complete Access. The minimum of CoE. */
 extern const ect_protocol_t ect_protocol_sdo;
 
-/** SDO information (ETG.1000.6 §5.6.3). With ECT_COE_SDO_INFO in the CoE details. */
+/** SDO information (ETG.1000.6 §5.6.3). The CoE details of the description then include ECT_COE_SDO_INFO. */
 extern const ect_protocol_t ect_protocol_sdo_info;
 
-/** CoE emergencies (ETG.1000.6 §5.6.4): sends what ::ect_host_t::emergency queues. */
+/** CoE emergencies (ETG.1000.6 §5.6.4): sends the emergencies that ::ect_host_t::emergency has queued. */
 extern const ect_protocol_t ect_protocol_emergency;
 
 /* File access: seams/foe.h. */
 
 /**
- * A protocol has, or is about to have, mails of its own: `next` will be asked. Once for any number of mails. From the
- * protocol's own functions, and from those of the device; costs a byte.
+ * Announces mails of a protocol's own: the mailbox will call `next`. One call is enough for any number of mails. May be
+ * called from the functions of the protocol and of the device. Cost: one byte is set.
  */
 void ect_mailbox_wake(ect_slave_t *slave);
 
-/* --- what a protocol may call, from its own functions only -------------------------------------------------------- */
+/* --- functions that a protocol may call, from its own functions only ---------------------------------------------- */
 
 /** The instance of the slave's device. */
 void *ect_mailbox_instance(const ect_slave_t *slave);
 
-/** Bytes that a mail may carry behind its header, in the layout that the master chose: 10 to 1480. */
+/** Room for data in a mail, behind its header, in the layout that the master chose: 10 to 1480 bytes. */
 uint16_t ect_mailbox_room(const ect_slave_t *slave);
 
 /**
- * Begins a mail; an older one of the slave is given up for it. Only while the mailbox is free: in `request`, and in
- * `next` with `send`; at most once in a call.
- * @return where its data begin: ect_mailbox_room() bytes, all 0
+ * Starts a mail; an older mail that the slave kept for repetition is discarded. Only while the mailbox is free: in
+ * `request`, and in `next` with `send`; at most once in a call.
+ * @return the data of the mail: ect_mailbox_room() bytes, all 0
  */
 uint8_t *ect_mailbox_build(ect_slave_t *slave);
 
 /**
- * Sends what was built: counter and header are the mailbox's work. When the PDI fails, the mailbox tries again by
- * itself.
+ * Sends the mail that was built; the mailbox fills in counter and header. After a failed PDI access the mailbox repeats
+ * the attempt by itself. Cost: two PDI accesses, one of the bytes that this mail or the one before it uses, and one of
+ * a single byte.
  * @param type    ECT_MAILBOX_TYPE_...
  * @param length  data bytes, 1..ect_mailbox_room()
- * Cost: two PDI accesses: of what is used of this mail, or was of the one before, and of a byte.
  */
 void ect_mailbox_send(ect_slave_t *slave, uint8_t type, uint16_t length);
 

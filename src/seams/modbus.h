@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Modbus: the data of a device as the tables of the Modbus data model, for a product that can be reached this way too.
+ * Modbus: the data of a device as the tables of the Modbus data model, for a product with a Modbus interface.
  *
- * A device knows tables and addresses. Function codes, bytes on a wire, connections and their time-outs are the host's
- * (bus/modbus/modbus.h), which asks for no more than the protocol can carry in a request. Addresses are those on the
+ * A device knows tables and addresses. Function codes, bytes on the wire, connections and their timeouts belong to the
+ * host (bus/modbus/modbus.h), which never requests more than one Modbus request can carry. Addresses are those on the
  * wire: they count from 0.
  *
  * Clauses are those of the MODBUS Application Protocol Specification V1.1b3.
@@ -23,19 +23,19 @@ typedef enum ect_modbus_table {
     ECT_MODBUS_HOLDING_REGISTERS,
 } ect_modbus_table_t;
 
-/** What becomes of a request: exception codes (§7). */
+/** Result of a request: the exception codes (§7). */
 typedef enum ect_modbus_result {
     ECT_MODBUS_DONE = 0x00,
     ECT_MODBUS_NO_FUNCTION = 0x01,
-    ECT_MODBUS_NO_ADDRESS = 0x02, /**< not all of it is in the table, or it cannot be written */
+    ECT_MODBUS_NO_ADDRESS = 0x02, /**< part of the range is outside the table, or it cannot be written */
     ECT_MODBUS_BAD_VALUE = 0x03,  /**< the request is malformed */
     ECT_MODBUS_BUSY = 0x06,       /**< not now: the sender may try again */
 } ect_modbus_result_t;
 
-/** The most that one request carries, in bits or registers (§6.1, §6.3). */
+/** The most bits and the most registers that one request carries (§6.1, §6.3). */
 enum { ECT_MODBUS_MOST_BITS = 2000, ECT_MODBUS_MOST_REGISTERS = 125 };
 
-/** Some of a table, in a row. `first` + `count` may be beyond its end. */
+/** Successive elements of a table. `first` + `count` may exceed its end. */
 typedef struct ect_modbus_range {
     ect_modbus_table_t table;
     uint16_t first;
@@ -43,26 +43,30 @@ typedef struct ect_modbus_range {
 } ect_modbus_range_t;
 
 /**
- * The Modbus side of a device, a constant. Its functions work on the instance. Context: mainline, between two polls of
- * the stack; they do not block, and `ect_device_t::tick` follows. No member is NULL.
+ * The Modbus interface of a device, constant. Its functions work on the instance. Context: mainline, between two polls
+ * of the stack; they do not block, and a call of ::ect_device_t::tick follows. No member is NULL.
  */
 typedef struct ect_modbus {
-    uint8_t connections; /**< that it serves at the same time */
-    uint32_t idle_ms;    /**< after so long without a request it closes a connection */
+    uint8_t connections; /**< number of connections that it serves at the same time */
+    uint32_t idle_ms;    /**< it closes a connection after this time without a request */
 
     /**
-     * Reads. @param[out] values  range->count of them; bits are 0 or 1; only written with ECT_MODBUS_DONE
+     * Reads a range.
+     * @param[out] values  range->count values; bits are 0 or 1; only written with ECT_MODBUS_DONE
      * @return ECT_MODBUS_DONE · ECT_MODBUS_NO_ADDRESS
      */
     ect_modbus_result_t (*read)(void *instance, const ect_modbus_range_t *range, uint16_t *values, uint64_t now_ns);
 
     /**
-     * Whether ::write may follow. Changes nothing.
+     * Checks whether `write` may follow; changes nothing.
      * @return ECT_MODBUS_DONE · ECT_MODBUS_NO_ADDRESS · ECT_MODBUS_BUSY
      */
     ect_modbus_result_t (*may_write)(const void *instance, const ect_modbus_range_t *range);
 
-    /** Writes what ::may_write has just allowed. @param values  range->count of them; bits are 0 or 1 */
+    /**
+     * Writes a range that `may_write` has just allowed.
+     * @param values  range->count values; bits are 0 or 1
+     */
     void (*write)(void *instance, const ect_modbus_range_t *range, const uint16_t *values, uint64_t now_ns);
 } ect_modbus_t;
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Numbers at random that are the same ones for the same seed (xorshift32). For models, not for secrets. */
+/** @file Random numbers that repeat for the same seed (xorshift32). For models, not for secrets. */
 #ifndef ECT_SEAMS_RANDOM_H
 #define ECT_SEAMS_RANDOM_H
 
 #include <stdint.h>
 
-/** The next number, 1 to 2^32 - 1. @param state  the seed, then the number before; 0 counts as 1 */
+/** The next number, 1 to 2^32 - 1. @param[in,out] state  the seed, later the previous number; 0 counts as 1 */
 static inline uint32_t ect_random_next(uint32_t *state)
 {
     uint32_t x = *state != 0 ? *state : 1;
@@ -16,15 +16,15 @@ static inline uint32_t ect_random_next(uint32_t *state)
     return x;
 }
 
-/** The next one of an even distribution from -1 to 1. @param state  as above */
+/** The next number of a uniform distribution from -1 to 1. @param[in,out] state  as for ::ect_random_next */
 static inline double ect_random_even(uint32_t *state)
 {
     return (double)ect_random_next(state) / 2147483648.0 - 1.0;
 }
 
 /**
- * The next one of a normal distribution, mean 0, standard deviation 1: the sum of twelve, which goes no further than -6
- * and 6, and needs no libm. @param state  as above
+ * The next number of a normal distribution with mean 0 and standard deviation 1: the sum of twelve uniform ones, which
+ * stays within -6 and 6 and needs no libm. @param[in,out] state  as for ::ect_random_next
  */
 static inline double ect_random_normal(uint32_t *state)
 {

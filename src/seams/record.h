@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Record: how data lie in a ::ect_storage_t so that a power cut at any moment leaves the record before.
+ * Record: a format for data in an ::ect_storage_t such that a power failure at any moment leaves the previous record.
  *
- * A bank holds one record: a header of 16 bytes (magic, sequence number, length, CRC-32 over data, sequence and length)
- * and its data. A new one goes into the bank that does not hold the newest; its header is written last, when the data
- * are safe, and makes it valid. Who uses it chooses the magic number, and with it what the data mean.
+ * A bank holds one record: a header of 16 bytes (magic number, sequence number, length, CRC-32 over data, sequence and
+ * length) and its data. A new record goes into the bank that does not hold the newest one. Its header is written last,
+ * when the data are safe, and makes the record valid. The user of a record chooses the magic number, which identifies
+ * the meaning of the data.
  *
  * Reading: ::ect_record_find, then ::ect_record_get at any offset.
- * Writing: ::ect_record_find, ::ect_record_begin, ::ect_record_put until all is there, ::ect_record_commit. Who must
- * not be held up by the medium writes a part at a time and, in place of the commit, asks ::ect_record_flush until it is
- * done, then calls ::ect_record_seal, then asks ::ect_record_flush again.
+ * Writing: ::ect_record_find, ::ect_record_begin, ::ect_record_put until all data are written, ::ect_record_commit.
+ * Code that must not wait for the medium writes one part at a time and, in place of the commit, repeats
+ * ::ect_record_flush until it reports completion, calls ::ect_record_seal, and repeats ::ect_record_flush again.
+ *
+ * Context: that of the storage. All functions only use the memory of their arguments.
  */
 #ifndef ECT_SEAMS_RECORD_H
 #define ECT_SEAMS_RECORD_H
@@ -23,7 +26,7 @@
 
 enum { ECT_RECORD_HEADER = 16, ECT_RECORD_PIECE = 32 };
 
-/** A record that was found, or one that is being written. */
+/** A record that was found, or that is being written. The caller's. */
 typedef struct ect_record {
     const ect_storage_t *medium;
     uint32_t sequence;
@@ -32,7 +35,7 @@ typedef struct ect_record {
     unsigned int bank;
 } ect_record_t;
 
-/** Check value of a whole record. @param data_crc  ::ect_crc32 of its data, begun with 0xFFFFFFFF */
+/** Check value of a whole record. @param data_crc  ::ect_crc32 of its data, started with 0xFFFFFFFF */
 static inline uint32_t ect_record_check(uint32_t data_crc, uint32_t sequence, uint32_t length)
 {
     uint8_t bytes[8];
@@ -41,14 +44,13 @@ static inline uint32_t ect_record_check(uint32_t data_crc, uint32_t sequence, ui
     return ect_crc32(data_crc, bytes, sizeof bytes);
 }
 
-/** Reads data of a found record; offset + length <= r->length. @return whether the medium answered */
+/** Reads data of a record that was found; offset + length <= r->length. @return false: the medium failed */
 static inline bool ect_record_get(const ect_record_t *r, uint32_t offset, void *data, uint32_t length)
 {
     return r->medium->read(r->medium->ctx, r->bank, ECT_RECORD_HEADER + offset, data, length) >= 0;
 }
 
-/* The three below: 1 yes, 0 no, -1 the medium does not answer. */
-
+/** Whether the data of a record match its check value. @return 1 · 0 · -1: the medium failed */
 static inline int ect_record_data_good(const ect_record_t *r)
 {
     uint8_t piece[ECT_RECORD_PIECE];
@@ -62,6 +64,7 @@ static inline int ect_record_data_good(const ect_record_t *r)
     return ect_record_check(crc, r->sequence, r->length) == r->check;
 }
 
+/** Reads the header in a bank. @return 1 · 0: no record with this magic number · -1: the medium failed */
 static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, uint32_t magic, ect_record_t *r)
 {
     uint8_t header[ECT_RECORD_HEADER];
@@ -76,9 +79,10 @@ static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, u
 }
 
 /**
- * Finds the newest valid record. A medium that does not answer is not one without a record.
- * @param[out] r  set when there is one, else `bank` names the one that a first record must not go to
- * @return 1 found · 0 there is none · -1 the medium does not answer, or has no room for any
+ * Finds the newest valid record. A failure of the medium is not taken for a missing record.
+ * @param magic   identifies the kind of record
+ * @param[out] r  the record; when there is none, its `bank` is the one that the first record does not use
+ * @return 1 found · 0 there is none · -1 the medium failed, or a bank is too small for a header
  */
 static inline int ect_record_find(const ect_storage_t *m, uint32_t magic, ect_record_t *r)
 {
@@ -104,8 +108,8 @@ static inline int ect_record_find(const ect_storage_t *m, uint32_t magic, ect_re
 }
 
 /**
- * Begins a record in the other bank than `newest`, which ect_record_find has set.
- * @return whether the medium answers
+ * Starts a record in the bank other than that of `newest`, which ect_record_find has set.
+ * @return false: the medium failed
  */
 static inline bool ect_record_begin(ect_record_t *r, const ect_record_t *newest)
 {
@@ -114,7 +118,7 @@ static inline bool ect_record_begin(ect_record_t *r, const ect_record_t *newest)
     return m->erase(m->ctx, r->bank) >= 0;
 }
 
-/** Writes the next piece of data. @return whether there is room and the medium answered */
+/** Writes the next piece of data. @return false: the bank is full, or the medium failed */
 static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t length)
 {
     const ect_storage_t *m = r->medium;
@@ -126,13 +130,13 @@ static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t le
     return true;
 }
 
-/** Makes safe what was put, or sealed. @return as ect_storage_t::flush */
+/** Makes the data or the header safe that were written before. @return as ect_storage_t::flush */
 static inline int ect_record_flush(const ect_record_t *r, bool wait)
 {
     return r->medium->flush ? r->medium->flush(r->medium->ctx, r->bank, wait) : 0;
 }
 
-/** Makes the record, whose data are safe, the newest one. @return whether the medium answered */
+/** Makes the record, whose data are safe, the newest one. @return false: the medium failed */
 static inline bool ect_record_seal(const ect_record_t *r, uint32_t magic)
 {
     uint8_t header[ECT_RECORD_HEADER];
@@ -143,7 +147,7 @@ static inline bool ect_record_seal(const ect_record_t *r, uint32_t magic)
     return r->medium->write(r->medium->ctx, r->bank, 0, header, ECT_RECORD_HEADER) >= 0;
 }
 
-/** Makes the record the newest one, and waits until it is safe. @return whether it is */
+/** Makes the record the newest one, and waits until it is safe. @return whether it is safe */
 static inline bool ect_record_commit(const ect_record_t *r, uint32_t magic)
 {
     return ect_record_flush(r, true) == 0 && ect_record_seal(r, magic) && ect_record_flush(r, true) == 0;

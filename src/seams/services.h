@@ -3,8 +3,9 @@
  * @file
  * Object services: standard objects with a behaviour of their own, which a device names and the stack provides.
  *
- * A description lists the services that its objects need; what nobody lists is not linked. The data of a service lie in
- * the device's instance, in the structure given here, and the dictionary entries of its objects point into it.
+ * A description lists the services that its objects need; a service that no description lists is not linked. The data
+ * of a service lie in the device's instance, in the structure defined here, and the dictionary entries of its objects
+ * point into it.
  */
 #ifndef ECT_SEAMS_SERVICES_H
 #define ECT_SEAMS_SERVICES_H
@@ -19,9 +20,10 @@ ECT_C_BEGIN
 typedef struct ect_service ect_service_t;
 
 /**
- * 16xxh, 1Axxh, 1C12h, 1C13h that can be changed (CF-074): entries only while sub-index 0 is 0, the count last; every
- * mapped object must exist, be mappable in that direction at its full length and fit the SyncManager; every assigned
- * PDO must exist, once. Make the entries ECT_ACCESS_RW_PREOP. By Complete Access the whole object is checked first.
+ * Changeable 16xxh, 1Axxh, 1C12h, 1C13h (CF-074): a master may write entries only while sub-index 0 is 0, and the count
+ * last. Every mapped object must exist, be mappable in that direction at its full length, and fit the SyncManager;
+ * every assigned PDO must exist and occur once. The entries have ECT_ACCESS_RW_PREOP. With Complete Access, the whole
+ * object is checked first.
  */
 extern const ect_service_t ect_service_pdo_config;
 
@@ -31,19 +33,19 @@ extern const ect_service_t ect_service_diagnosis;
 /** 1010h Store and 1011h Restore (CiA 301) of all entries with ECT_ACCESS_BACKUP, through ect_host_t::storage. */
 extern const ect_service_t ect_service_store;
 
-/** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: mode and cycle checks on the way to SAFEOP, missed
- * events. Too many in a row leave OP with 0x001A, a SYNC0 that no longer comes with 0x002C. */
+/** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: checks of mode and cycle on the way to SAFEOP, and missed
+ * events. Too many of them in a row end OP with 0x001A, a SYNC0 that no longer occurs with 0x002C. */
 extern const ect_service_t ect_service_sync;
 
-/** Calls ::ect_device_t::cyclic; without this service nobody does. It has no objects. Outputs are seen by the events of
+/** Calls ::ect_device_t::cyclic, which needs this service. It has no objects. It recognises outputs by the events of
  * their SyncManagers. */
 extern const ect_service_t ect_service_rhythm;
 
 /* --- 10F3h ------------------------------------------------------------------------------------------------------- */
 
 enum {
-    ECT_DIAGNOSIS_MESSAGES = 8, /**< kept */
-    ECT_DIAGNOSIS_BYTES = 24,   /**< of a message: 16, and two parameters of 16 bits with their types */
+    ECT_DIAGNOSIS_MESSAGES = 8, /**< capacity of the history */
+    ECT_DIAGNOSIS_BYTES = 24,   /**< length of a message: 16, and two parameters of 16 bits with their types */
 };
 
 /** Type of a message. */
@@ -52,19 +54,19 @@ enum { ECT_DIAGNOSIS_INFO = 0, ECT_DIAGNOSIS_WARNING = 1, ECT_DIAGNOSIS_ERROR = 
 /** Bits of 10F3h:5. */
 enum {
     ECT_DIAGNOSIS_EMERGENCY = 0x0001, /**< send an emergency for each message */
-    ECT_DIAGNOSIS_NO_INFO = 0x0002,   /**< do not record */
+    ECT_DIAGNOSIS_NO_INFO = 0x0002,   /**< do not record messages of this type */
     ECT_DIAGNOSIS_NO_WARNING = 0x0004,
     ECT_DIAGNOSIS_NO_ERROR = 0x0008,
-    ECT_DIAGNOSIS_ACKNOWLEDGE = 0x0010, /**< full: keep the old messages (else: overwrite the oldest) */
+    ECT_DIAGNOSIS_ACKNOWLEDGE = 0x0010, /**< when full: keep the old messages (else: overwrite the oldest) */
     ECT_DIAGNOSIS_LOST = 0x0020,        /**< read only: messages were overwritten unacknowledged, or not recorded */
 };
 
 /** Data of 10F3h; the entry of sub-index 1 must point to `maximum`. */
 typedef struct ect_diagnosis {
     uint8_t maximum;      /**< :1 */
-    uint8_t newest;       /**< :2 sub-index of the newest message, 0 none */
-    uint8_t acknowledged; /**< :3 sub-index up to which the master has acknowledged */
-    uint8_t available;    /**< :4 unacknowledged messages there */
+    uint8_t newest;       /**< :2 sub-index of the newest message, 0: none */
+    uint8_t acknowledged; /**< :3 sub-index of the newest message that the master has acknowledged */
+    uint8_t available;    /**< :4 there are unacknowledged messages */
     uint16_t flags;       /**< :5 ECT_DIAGNOSIS_... */
     uint8_t messages[ECT_DIAGNOSIS_MESSAGES][ECT_DIAGNOSIS_BYTES]; /**< :6.. */
 } ect_diagnosis_t;
@@ -95,22 +97,22 @@ typedef struct ect_diagnosis {
 /** Synchronisation types, 1C32h:1. */
 enum { ECT_SYNC_FREE_RUN = 0, ECT_SYNC_SM = 1, ECT_SYNC_DC_SYNC0 = 2 };
 
-/** Data of 1C32h, 1C33h and 10F1h; the entry 1C32h:1, or of a device without outputs 1C33h:1, must point to `type`. */
+/** Data of 1C32h, 1C33h and 10F1h. The entry 1C32h:1, or 1C33h:1 of a device without outputs, must point to `type`. */
 typedef struct ect_sync_data {
     uint16_t type;           /**< 1C32h:1, 1C33h:1 */
     uint32_t cycle_ns;       /**< :2 */
     uint16_t supported;      /**< :4 */
     uint32_t minimum_ns;     /**< :5 */
-    uint16_t sm_missed;      /**< :11 SYNC0 came and no new outputs had; never without outputs */
-    uint16_t cycle_exceeded; /**< :12 outputs came twice within one SYNC0 */
-    uint8_t sync_error;      /**< :32 the last cycle was not in order */
+    uint16_t sm_missed;      /**< :11 SYNC0 without new outputs; never counts in a device without outputs */
+    uint16_t cycle_exceeded; /**< :12 second write of outputs within one SYNC0 cycle */
+    uint8_t sync_error;      /**< :32 the last cycle had an error */
     uint32_t error_reaction; /**< 10F1h:1 */
-    uint16_t error_limit;    /**< 10F1h:2 missed events in a row, one more is a sync error; 0: never */
-    uint16_t errors;         /**< in a row; no object */
-    uint8_t outputs_new;     /**< since the last SYNC0; no object */
-    uint8_t dc;              /**< SYNC0 runs, whatever `type` says; no object */
-    uint8_t sync0;           /**< level of the SYNC0 event at the last look; no object */
-    uint64_t sync0_ns;       /**< when it came last; 0: not since SAFEOP; no object */
+    uint16_t error_limit;    /**< 10F1h:2 tolerated missed events in a row, one more is a sync error; 0: no limit */
+    uint16_t errors;         /**< missed events in a row; no object */
+    uint8_t outputs_new;     /**< outputs were written since the last SYNC0; no object */
+    uint8_t dc;              /**< SYNC0 is active, regardless of `type`; no object */
+    uint8_t sync0;           /**< previous level of the SYNC0 event; no object */
+    uint64_t sync0_ns;       /**< time of the last SYNC0; 0: none since SAFEOP; no object */
 } ect_sync_data_t;
 
 /** Entries of 1C32h or 1C33h for an instance type with a member of type ect_sync_data_t. */
@@ -137,11 +139,11 @@ typedef struct ect_sync_data {
 
 /* --- 1010h, 1011h ------------------------------------------------------------------------------------------------ */
 
-/** What must be written: "save" and "load" (CiA 301). */
+/** Values to write: "save" and "load" (CiA 301). */
 #define ECT_STORE_SIGNATURE 0x65766173u
 #define ECT_LOAD_SIGNATURE  0x64616F6Cu
 
-/** Entries of 1010h (save) and 1011h (load): :1 reads as 1, "on command". */
+/** Entries of 1010h (save) or 1011h (load): sub-index 1 reads as 1, "on command". */
 #define ECT_ENTRIES_STORE(name)                                                                                        \
     {                                                                                                                  \
         ECT_ENTRY_COUNT(1),                                                                                            \

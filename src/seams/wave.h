@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Waves for models of what stands outside a device. Pure; no libm, which a bare board has not. */
+/** @file Waves for models of a device's surroundings. Pure; without libm, which a bare board does not have. */
 #ifndef ECT_SEAMS_WAVE_H
 #define ECT_SEAMS_WAVE_H
 
-/** sin(2 pi x), by its series around 0: wrong by less than 1e-9. @param x  0 to 1, 1 excluded */
+/** sin(2 pi x), by its series around 0; the error is below 1e-9. @param x  0 to 1, 1 excluded */
 static inline double ect_wave_sine(double x)
 {
     double sign = x >= 0.5 ? -1.0 : 1.0;

@@ -71,7 +71,7 @@ static void wait_for_device(const ect_foe_t *foe, ect_slave_t *s)
     ect_foe_transfer_t *t = transfer_of(foe, s);
     ECT_ASSERT(foe->ready && t->doing != IDLE);
     t->pending = true;
-    t->told_busy = false;
+    t->busy_sent = false;
     t->pending_ns = s->now_ns;
 }
 
@@ -164,7 +164,7 @@ static void open_file(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *data,
         code = foe->open(foe, s->config.instance, &wish, &text);
     if (code == ECT_FOE_OK || code == ECT_FOE_LATER)
         *transfer_of(foe, s) =
-            (ect_foe_transfer_t){.doing = write ? WRITING : READING, .packet = write ? 0 : 1, .heard_ns = s->now_ns};
+            (ect_foe_transfer_t){.doing = write ? WRITING : READING, .packet = write ? 0 : 1, .activity_ns = s->now_ns};
     answer(foe, s, code, text);
 }
 
@@ -233,7 +233,7 @@ uint16_t ect_foe_request(const ect_protocol_t *self, ect_slave_t *s, const uint8
     ECT_ASSERT(foe->open && (foe->read || foe->write));
     if (length < HEADER)
         return ECT_MAILBOX_ERROR_TOO_SHORT;
-    transfer_of(foe, s)->heard_ns = s->now_ns;
+    transfer_of(foe, s)->activity_ns = s->now_ns;
     switch (data[0]) {
     case READ:
     case WRITE:
@@ -260,12 +260,12 @@ uint16_t ect_foe_request(const ect_protocol_t *self, ect_slave_t *s, const uint8
 
 static uint64_t deadline(const ect_foe_t *foe, const ect_foe_transfer_t *t)
 {
-    return t->heard_ns + (foe->timeout_ms != 0 ? foe->timeout_ms : TIMEOUT_MS) * (uint64_t)MS;
+    return t->activity_ns + (foe->timeout_ms != 0 ? foe->timeout_ms : TIMEOUT_MS) * (uint64_t)MS;
 }
 
 static bool busy_due(const ect_foe_t *foe, const ect_foe_transfer_t *t, uint64_t now_ns)
 {
-    return foe->busy_ms != 0 && t->doing == WRITING && !t->told_busy &&
+    return foe->busy_ms != 0 && t->doing == WRITING && !t->busy_sent &&
            now_ns - t->pending_ns >= foe->busy_ms * (uint64_t)MS;
 }
 
@@ -277,9 +277,9 @@ static bool look_again(const ect_foe_t *foe, ect_slave_t *s)
     uint32_t code = foe->ready(foe, s->config.instance, &text);
     if (code == ECT_FOE_LATER && !busy_due(foe, t, s->now_ns))
         return false;
-    t->heard_ns = s->now_ns;
+    t->activity_ns = s->now_ns;
     if (code == ECT_FOE_LATER) {
-        t->told_busy = true; /* again when it asks again */
+        t->busy_sent = true; /* again when it asks again */
         send_number(s, BUSY, 0);
         return true;
     }

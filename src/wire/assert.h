@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Assertions: what only a mistake of our own caller, or of ourselves, can break. What comes from the bus or from a
- * medium never is one of them: it is answered, or counted.
+ * Assertions for conditions that only a mistake in our own code or in its caller can break. Data from the bus or from a
+ * medium are never asserted: they get a reply, or are counted.
  *
- * - `-DECT_ASSERT_HOOK=name`: a failure calls `void name(const char *file, unsigned int line, const char *condition)`,
- *   of the firmware: to stop safely, to log, to reset. Works with NDEBUG too. When it returns, what follows is
- * undefined.
- * - NDEBUG without a hook: nothing is compiled, nothing is evaluated.
- * - else: the C library's assert().
+ * - `-DECT_ASSERT_HOOK=name`: a failed assertion calls `void name(const char *file, unsigned int line,
+ *   const char *condition)` of the firmware, which may stop safely, log or reset; with NDEBUG too. The behaviour after
+ *   a return from the hook is undefined.
+ * - NDEBUG without a hook: assertions generate no code, and their conditions are not evaluated.
+ * - Otherwise: assert() of the C library.
  */
 #ifndef ECT_WIRE_ASSERT_H
 #define ECT_WIRE_ASSERT_H

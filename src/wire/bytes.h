@@ -4,7 +4,7 @@
  * Bytes on the wire: the only way in which multi-byte values enter and leave a buffer.
  *
  * EtherCAT is little-endian (ETG.1000.4 §5), a few device payloads are big-endian; the host may be either. Every
- * function here is pure, works at any alignment and costs the bytes that it names. The pointer stays the caller's.
+ * function here is pure, works at any alignment and accesses exactly the bytes that it names. No pointer is kept.
  */
 #ifndef ECT_WIRE_BYTES_H
 #define ECT_WIRE_BYTES_H
@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/** Whether the host keeps numbers as the wire has them. A constant to any optimising compiler. */
+/** Whether the host stores numbers in the byte order of the wire. A constant to any optimising compiler. */
 static inline bool ect_host_is_little_endian(void)
 {
     const union {
@@ -85,8 +85,8 @@ static inline void ect_store_be16(void *bytes, uint16_t value)
 }
 
 /**
- * Copies `count` bits, least significant first (ETG.1000.4 §5): from bit `from_bit` of `from` on to bit `to_bit` of
- * `to` on. Bits around them stay as they are; the two must not overlap.
+ * Copies `count` bits, least significant first (ETG.1000.4 §5), from bit `from_bit` of `from` to bit `to_bit` of `to`.
+ * The bits around them are unchanged. The two areas must not overlap.
  */
 static inline void ect_copy_bits(uint8_t *to, unsigned int to_bit, const uint8_t *from, unsigned int from_bit,
                                  unsigned int count)

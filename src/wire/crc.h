@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Check values: of the SII (ETG.1000.6 §5.4), and of data that are stored or handed over. Bit by bit: none is
- * hot. */
+/** @file Check values of the SII (ETG.1000.6 §5.4) and of stored or transferred data. Computed bit by bit, without a
+ * table: no caller is time-critical. */
 #ifndef ECT_WIRE_CRC_H
 #define ECT_WIRE_CRC_H
 
 #include <stdint.h>
 
-/** Bytes of an SII that its check value, in the low byte of word 7, covers. */
+/** Length of the part of an SII that the check value in the low byte of word 7 covers, bytes. */
 enum { ECT_SII_CHECKED_BYTES = 14 };
 
 /** Check value of an SII: x^8 + x^2 + x + 1, initial value 0xFF. @param sii  at least ECT_SII_CHECKED_BYTES */
@@ -21,8 +21,8 @@ static inline uint8_t ect_crc_sii(const uint8_t *sii)
     return (uint8_t)crc;
 }
 
-/** CRC-32 (IEEE 802.3), one piece after the other: begin with 0xFFFFFFFF; the published value is the complement of the
- * last. */
+/** CRC-32 (IEEE 802.3) of data in successive pieces: the first call takes 0xFFFFFFFF, each other one the result before
+ * it; the published value is the complement of the last result. */
 static inline uint32_t ect_crc32(uint32_t crc, const uint8_t *data, uint32_t length)
 {
     for (uint32_t i = 0; i < length; i++) {

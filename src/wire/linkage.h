@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file What stands between ECT_C_BEGIN and ECT_C_END has the linkage of C, for a program in C++ too. */
+/** @file ECT_C_BEGIN and ECT_C_END: C linkage for the declarations between them in a C++ program. */
 #ifndef ECT_WIRE_LINKAGE_H
 #define ECT_WIRE_LINKAGE_H
 

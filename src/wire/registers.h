@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The register map of an EtherCAT slave controller: addresses and bits that both its sides talk about.
+ * The register map of an EtherCAT slave controller (ESC): addresses and bits, as master and slave stack use them.
  *
  * Facts of ETG.1000.4 and the ESC data sheets; no code. Addresses are byte addresses, sizes in bytes.
  */
@@ -33,7 +33,8 @@ enum {
     ECT_REG_LED_RUN = 0x0138,
     ECT_REG_LED_ERR = 0x0139,
     ECT_REG_PDI_CONTROL = 0x0140,
-    ECT_REG_PDI_INFORMATION = 0x0142, /**< these two: loaded from SII words 5 and 6, as the chip's kind has them */
+    ECT_REG_PDI_INFORMATION =
+        0x0142, /**< this and the next one: loaded from SII words 5 and 6, on chips that have them */
     ECT_REG_PDI_INFORMATION_2 = 0x0144,
     ECT_REG_PDI_STATE = 0x014E,
     ECT_REG_PDI_CONFIG = 0x0150,
@@ -81,13 +82,13 @@ enum {
     ECT_REG_DC_NEXT_SYNC1 = 0x0998,
     ECT_REG_DC_SYNC0_CYCLE = 0x09A0,
     ECT_REG_DC_SYNC1_CYCLE = 0x09A4,
-    ECT_REG_DC_LATCH_CONTROL = 0x09A8, /**< of latch 0; latch 1 follows */
+    ECT_REG_DC_LATCH_CONTROL = 0x09A8, /**< of latch 0; the byte of latch 1 follows */
     ECT_REG_DC_LATCH_STATUS = 0x09AE,
     ECT_REG_DC_LATCH_TIME = 0x09B0, /**< positive and negative edge of latch 0, then of latch 1: 8 bytes each */
     ECT_REG_DC_SM_TIME_ECAT = 0x09F0,
     ECT_REG_DC_SM_TIME_PDI_START = 0x09F8,
     ECT_REG_DC_SM_TIME_PDI_CHANGE = 0x09FC,
-    ECT_REG_DC_END = 0x0A00, /**< the first address beyond the unit */
+    ECT_REG_DC_END = 0x0A00, /**< first address behind the DC registers */
     ECT_REG_DIGITAL_OUTPUT = 0x0F00,
     ECT_REG_GENERAL_OUTPUT = 0x0F10,
     ECT_REG_USER_RAM = 0x0F80,

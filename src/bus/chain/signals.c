@@ -34,7 +34,7 @@ size_t ect_signal_size(const ect_signal_t *signal)
         return 1;
     case ECT_SIGNAL_I16:
     case ECT_SIGNAL_U16:
-    case ECT_SIGNAL_SAID:
+    case ECT_SIGNAL_DESCRIBED:
         return 2;
     case ECT_SIGNAL_I32:
     case ECT_SIGNAL_U32:
@@ -142,7 +142,7 @@ bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name,
 
 bool ect_signal_is_number(const ect_signal_t *signal)
 {
-    return signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES && signal->type != ECT_SIGNAL_SAID;
+    return signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES && signal->type != ECT_SIGNAL_DESCRIBED;
 }
 
 void ect_signal_read(const ect_signal_ref_t *ref, char *text)
@@ -197,8 +197,8 @@ void ect_signal_text(const ect_signal_ref_t *ref, const void *value, char *text)
         for (size_t i = 0; i < size && 2 * i + 2 < ECT_SIGNAL_TEXT_ROOM; i++)
             snprintf(text + 2 * i, 3, "%02x", v.bytes[i]);
         return;
-    case ECT_SIGNAL_SAID:
-        ref->plant->signal_say(signal, v.u16, text);
+    case ECT_SIGNAL_DESCRIBED:
+        ref->plant->signal_describe(signal, v.u16, text);
         return;
     }
 }
@@ -207,7 +207,7 @@ void ect_signal_range(const ect_signal_t *signal, char *text)
 {
     const char *unit = signal->unit ? signal->unit : "";
     const char *space = signal->unit ? " " : "";
-    if (signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_SAID)
+    if (signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_DESCRIBED)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "up to %" PRId64 " characters from space to ~", signal->maximum);
     else if (signal->type == ECT_SIGNAL_BYTES)
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%" PRId64 " bytes, %" PRId64 " hexadecimal digits", signal->maximum,

@@ -50,7 +50,7 @@ bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name,
 /** Bytes that a value takes in the instance. */
 size_t ect_signal_size(const ect_signal_t *signal);
 
-/** Whether a value reads as a number, and not as a text in quotes (TEXT, BYTES, SAID). */
+/** Whether a value reads as a number, and not as a text in quotes (TEXT, BYTES, DESCRIBED). */
 bool ect_signal_is_number(const ect_signal_t *signal);
 
 /**

@@ -30,8 +30,8 @@ static const ect_signal_t bu_signals[] = {
     BU(READ, es_link, "es_link", BOOL, 0, 1, NULL, "ES-Link relays closed"),
     BU(READ, armed, "armed", U8, 0, 3, NULL, "armed remote units"),
     BU(READ, unarmed, "unarmed", U8, 0, 8, NULL, "remote units in communication that are not armed"),
-    BU(READ, fault, "message", SAID, 0, 19, NULL, "message on the display"),
-    BU(READ, cause, "cause", SAID, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
+    BU(READ, fault, "message", DESCRIBED, 0, 19, NULL, "message on the display"),
+    BU(READ, cause, "cause", DESCRIBED, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
     BU(READ, modbus, "modbus", BOOL, 0, 1, NULL, "a controller does its duty over Modbus TCP"),
     BU(READ, pci, "pci", U8, 0, 255, NULL, "PCI"),
     BU(READ, cci, "cci", U8, 0, 255, NULL, "CCI"),
@@ -308,7 +308,7 @@ static void put_cause(uint16_t cause, char *text)
         text[2] = (char)('0' + (cause >> 8));
 }
 
-static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
+static void signal_describe(const ect_signal_t *signal, uint16_t value, char *text)
 {
     if (signal->offset == offsetof(eclink_bu_t, fault))
         put(text, message_of((uint8_t)value));
@@ -323,7 +323,7 @@ const ect_plant_t ect_eclink_plant = {
     .outside_size = offsetof(eclink_t, armed) - offsetof(eclink_t, bu),
     .signal_write = signal_write,
     .signal_written = signal_written,
-    .signal_say = signal_say,
+    .signal_describe = signal_describe,
     .bulk = bulk,
     .modbus = &eclink_modbus,
 };

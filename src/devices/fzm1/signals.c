@@ -103,17 +103,17 @@ static const ect_signal_t signals[] = {
     R(gate_level, "gate", BOOL, 0, 1, NULL, "GATE"),
     R(overall_ng, "or", BOOL, 0, 1, NULL, "OR: the overall judgement is NG"),
     R(continuous_level, "continuous", BOOL, 0, 1, NULL, "continuous measurement"),
-    R(errors, "error_cause", SAID, 0, CAUSE, NULL, "why ERR is on"),
+    R(errors, "error_cause", DESCRIBED, 0, CAUSE, NULL, "why ERR is on"),
     R(step_ignored.count, "steps_ignored", U32, 0, INT32_MAX, NULL, "edges of STEP that measured nothing"),
-    R(step_ignored.why, "step_ignored_cause", SAID, 0, CAUSE, NULL, "why the last one did not"),
+    R(step_ignored.why, "step_ignored_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one did not"),
     R(exe_ignored.count, "exes_ignored", U32, 0, INT32_MAX, NULL, "edges of EXE that began no command"),
-    R(exe_ignored.why, "exe_ignored_cause", SAID, 0, CAUSE, NULL, "why the last one did not"),
+    R(exe_ignored.why, "exe_ignored_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one did not"),
     R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands answered with -1"),
-    R(refused.why, "command_refused_cause", SAID, 0, CAUSE, NULL, "why the last one was"),
+    R(refused.why, "command_refused_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one was"),
     R(saving_level, "saving", BOOL, 0, 1, NULL, "the unit is being saved"),
     R(saves, "saves", U32, 0, INT32_MAX, NULL, "times that all was saved, and is safe"),
     R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "times that it was not"),
-    R(save_failed.why, "save_failed_cause", SAID, 0, CAUSE, NULL, "why the last time"),
+    R(save_failed.why, "save_failed_cause", DESCRIBED, 0, CAUSE, NULL, "why the last time"),
     R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
     R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "times that data were output"),
     R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for, or that Clear took back"),
@@ -211,7 +211,7 @@ static void append_errors(char *text, uint16_t errors)
     }
 }
 
-static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
+static void signal_describe(const ect_signal_t *signal, uint16_t value, char *text)
 {
     text[0] = 0;
     if (IS(signal, errors))
@@ -412,5 +412,5 @@ const ect_plant_t ect_fzm1_plant = {
     .unfinished = unfinished,
     .signal_write = signal_write,
     .signal_written = signal_written,
-    .signal_say = signal_say,
+    .signal_describe = signal_describe,
 };

@@ -52,8 +52,8 @@ static const ect_signal_t signals[] = {
     W(plant.quirk_reply, "quirk_pilz_reply", BOOL, 0, 1, NULL, "replies as the manual's example prints them"),
     W(plant.quirk_al_codes, "quirk_pilz_codes", BOOL, 0, 1, NULL, "AL status codes 0011, 0017 and 001A alone"),
 
-    R(state_shown, "state", SAID, 0, 31, NULL, "of the CiA 402 state machine"),
-    R(display, "display", SAID, 0, 3, NULL, "on the front: Fault, or the first warning"),
+    R(state_shown, "state", DESCRIBED, 0, 31, NULL, "of the CiA 402 state machine"),
+    R(display, "display", DESCRIBED, 0, 3, NULL, "on the front: Fault, or the first warning"),
     R(fault, "fault", U16, 0, PMC_FAULTS, NULL, "n of Fn, 0: none"),
     R(warnings, "warnings", U32, 0, INT32_MAX, NULL, "bit n-1: warning nn"),
     R(powered, "powered", BOOL, 0, 1, NULL, "the power stage is on"),
@@ -129,7 +129,7 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
     pmc_publish(u);
 }
 
-static void signal_say(const ect_signal_t *signal, uint16_t value, char *text)
+static void signal_describe(const ect_signal_t *signal, uint16_t value, char *text)
 {
     static const char *const states[DS402_STATES] = {
         "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
@@ -152,5 +152,5 @@ const ect_plant_t ect_pmctendo_dd5_plant = {
     .outside_size = sizeof(pmc_plant_t),
     .signal_write = signal_write,
     .signal_written = signal_written,
-    .signal_say = signal_say,
+    .signal_describe = signal_describe,
 };

@@ -287,7 +287,8 @@ typedef struct plant_row {
     X(range_below, s[0].minimum = -1, "signal p.a: its range is empty, or beyond its type")                            \
     X(text_room, s[1].maximum = 128, "signal p.b: its range is empty, or beyond its type")                             \
     X(text_no_room, s[1].maximum = 0, "signal p.b: its maximum is its room")                                           \
-    X(said_by_nobody, s[1].type = ECT_SIGNAL_SAID, "signal p.b: what is said is read only, and the plant has to say")  \
+    X(said_by_nobody, s[1].type = ECT_SIGNAL_DESCRIBED,                                                                \
+      "signal p.b: what is said is read only, and the plant has to say")                                               \
     X(signal_outside, s[1].offset = 30, "signal p.b: it is not inside its structure")                                  \
     X(kept_standard, (p->outside_offset = 8, p->outside_size = 8), "plant: what stands outside is not inside")         \
     X(kept_beyond, (p->outside_offset = 60, p->outside_size = sizeof(gauge_t)), "plant: what stands outside is not")
