@@ -37,6 +37,13 @@ void board_turn(uint64_t until_ns);
 /** Resets the processor, and the ESC if it can. Does not return. */
 _Noreturn void board_reset(void);
 
+/**
+ * The processor has met a fault, an interrupt without a handler, or a firmware that cannot start. The firmware's own
+ * (weak): the ERR lamp is on, nothing else happens. A board with outputs defines one that makes them safe first, and
+ * may reset then. Context: any, interrupts included; variables may be damaged. Does not return.
+ */
+_Noreturn void board_fault(void);
+
 /** Non-volatile memory, for ever; NULL: none. */
 const ect_storage_t *board_storage(void);
 

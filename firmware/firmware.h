@@ -14,7 +14,7 @@
 /** The device: as it is described, or with what the board adds (update.h). Constant from the first call on. */
 const ect_device_t *firmware_device(void);
 
-/** The firmware was put together wrongly: the ERR lamp goes on, and nothing else happens any more. */
+/** A number of the firmware's configuration does not fit its device: ::board_fault. */
 _Noreturn void firmware_stop(void);
 
 /** The configuration of the stack, for ecat_slv_init. After board_init. */

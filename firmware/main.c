@@ -3,13 +3,18 @@
 #include "board.h"
 #include "firmware.h"
 
-_Noreturn void firmware_stop(void)
+__attribute__((weak)) _Noreturn void board_fault(void)
 {
     const ect_leds_t *leds = board_leds();
     for (;;) {
         if (leds->err)
             leds->err(leds->ctx, true);
     }
+}
+
+_Noreturn void firmware_stop(void)
+{
+    board_fault();
 }
 
 int main(int argc, char **argv)

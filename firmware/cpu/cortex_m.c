@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "clock.h"
 #include "cpu.h"
 
 extern uint32_t cpu_stack_top[]; /* from flash.ld */
@@ -7,6 +8,46 @@ extern uint32_t cpu_stack_top[]; /* from flash.ld */
 #define SCB_VTOR       REGISTER(0xE000ED08)
 #define SCB_AIRCR      REGISTER(0xE000ED0C)
 #define SYSTEM_RESET   0x05FA0004u
+
+#define MPU_TYPE       REGISTER(0xE000ED90)
+#define MPU_CONTROL    REGISTER(0xE000ED94)
+#define MPU_REGION     REGISTER(0xE000ED98)
+#define MPU_BASE       REGISTER(0xE000ED9C)
+#define MPU_ATTRIBUTES REGISTER(0xE000EDA0)
+#define MPU_ON         5u          /* and the default map for privileged code, beside the regions */
+#define MPU_DEVICE     0x13050001u /* no code, full access, TEX 0 S 1 C 0 B 1, enabled */
+
+#define DEBUG_CONTROL REGISTER(0xE000EDFC)
+#define DWT_CONTROL   REGISTER(0xE0001000)
+#define DWT_CYCLES    REGISTER(0xE0001004)
+#define DWT_LOCK      REGISTER(0xE0001FB0) /* of a Cortex-M7 */
+#define TRACE_ON      0x01000000u
+#define UNLOCK        0xC5ACCE55u
+
+/* A counter of 32 bits, which stays 0 on a processor that has none. */
+#if __ARM_ARCH >= 7
+static void count_cycles(void)
+{
+    DEBUG_CONTROL |= TRACE_ON;
+    DWT_LOCK = UNLOCK;
+    DWT_CYCLES = 0;
+    DWT_CONTROL |= 1;
+}
+
+static uint32_t counted_cycles(void)
+{
+    return DWT_CYCLES;
+}
+#else
+static void count_cycles(void)
+{
+}
+
+static uint32_t counted_cycles(void)
+{
+    return 0;
+}
+#endif
 
 __attribute__((weak)) void cpu_fault(void)
 {
@@ -53,16 +94,32 @@ void cpu_sleep(void)
 uint64_t cpu_cycles(void)
 {
     static uint64_t cycles;
-    static uint32_t last = CPU_SYSTICK_LONGEST;
+    static uint32_t last = CPU_SYSTICK_LONGEST, last_counted;
     if (CPU_SYSTICK_CONTROL == 0) {
         CPU_SYSTICK_RELOAD = CPU_SYSTICK_LONGEST;
         CPU_SYSTICK_VALUE = 0;
         CPU_SYSTICK_CONTROL = CPU_SYSTICK_COUNTS;
+        count_cycles();
     }
-    uint32_t value = CPU_SYSTICK_VALUE; /* counts down */
-    cycles += (last - value) & CPU_SYSTICK_LONGEST;
+    uint32_t counted = counted_cycles();
+    uint32_t value = CPU_SYSTICK_VALUE;
+    cycles += clock_elapsed(last, value, counted - last_counted);
     last = value;
+    last_counted = counted;
     return cycles;
+}
+
+void cpu_device_memory(uint32_t base, unsigned int bits)
+{
+    uint32_t regions = MPU_TYPE >> 8 & 0xFF;
+    if (regions == 0)
+        return;
+    __asm volatile("dmb" ::: "memory");
+    MPU_REGION = regions - 1;
+    MPU_BASE = base;
+    MPU_ATTRIBUTES = MPU_DEVICE | (bits - 1) << 1;
+    MPU_CONTROL = MPU_ON;
+    __asm volatile("dsb\n\tisb" ::: "memory");
 }
 
 void cpu_interrupt_enable(unsigned int number)

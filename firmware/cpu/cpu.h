@@ -36,8 +36,8 @@ typedef void (*cpu_handler_t)(void);
 /** Cortex-M: SysTick. Defined by a board that starts it. */
 void cpu_systick(void);
 
-/** The processor has come upon a fault, or an interrupt without a handler. It stays here; a board may define another
- * one. */
+/** A fault, or an interrupt without a handler. Weak: an endless loop; the firmware's own calls board_fault (board.h).
+ */
 void cpu_fault(void);
 
 /** Begins a piece that no interrupt comes into. @return what ::cpu_interrupts_restore takes to end it; they may be
@@ -52,10 +52,24 @@ void cpu_interrupts_restore(uint32_t before);
 void cpu_sleep(void);
 
 /**
- * Cycles of the processor's clock since the first call. Cortex-M: of SysTick, which is then not there for anything
- * else, and to be called once in 2^24 cycles or more often. Mainline.
+ * Cycles of the processor's clock since the first call. Mainline.
+ *
+ * Cortex-M: takes SysTick for itself, which counts 24 bits. From a Cortex-M3 on it also takes the cycle counter of the
+ * DWT, so that 2^32 cycles may pass between two calls while the processor is awake, e.g. in an erase of flash; asleep,
+ * or on a Cortex-M0+, 2^24: a driver of flash that takes longer there calls this while it waits, from RAM. RISC-V:
+ * mcycle, without a limit.
  */
 uint64_t cpu_cycles(void);
+
+/**
+ * Makes addresses device memory: accesses are not cached, reordered, merged or speculated. For an ESC at an address
+ * that the processor takes for normal memory, as a Cortex-M7 does below 0x80000000 outside its peripherals. Takes the
+ * last region of the MPU, which beats the others; a processor without an MPU (ARMv6-M, ARMv7-M) has no cache either,
+ * and stays as it is. RISC-V: the chip's own attributes decide, nothing is done.
+ * @param base  a multiple of the size
+ * @param bits  the size is 2^bits bytes, 5..31
+ */
+void cpu_device_memory(uint32_t base, unsigned int bits);
 
 /** Cortex-M: lets interrupt `number` of the chip through. */
 void cpu_interrupt_enable(unsigned int number);

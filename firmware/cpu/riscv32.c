@@ -59,6 +59,12 @@ uint64_t cpu_cycles(void)
     return (uint64_t)high << 32 | low;
 }
 
+void cpu_device_memory(uint32_t base, unsigned int bits)
+{
+    (void)base; /* physical memory attributes are the chip's */
+    (void)bits;
+}
+
 /* There is no reset that all chips have: from the beginning, with interrupts off. */
 _Noreturn void cpu_reset(void)
 {

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* A chip with an ESC in its memory, as the CMake variables MMIO_... say. */
+/* A chip with an ESC in its memory, at the places of the CMake variables MMIO_... */
 #include "board.h"
 
+#include "clock.h"
 #include "cpu.h"
 #include "ports/mmio/mmio.h"
 
-enum { NS_PER_CYCLE = 1000000000 / MMIO_CLOCK_HZ };
+enum { ESC_BITS = 16 /* of its addresses */ };
+_Static_assert((MMIO_ESC & ((1ull << ESC_BITS) - 1)) == 0,
+               "MMIO_ESC: a multiple of 64 KB, so that the MPU can tell it from memory");
+_Static_assert(MMIO_CLOCK_HZ > 0 && MMIO_CLOCK_HZ <= UINT32_MAX, "MMIO_CLOCK_HZ: 1 to 4294967295");
 
 static const ect_mmio_t esc = {.base = (volatile void *)MMIO_ESC, .width = MMIO_ESC_WIDTH};
 static ect_pdi_t pdi;
@@ -14,15 +18,16 @@ void board_init(int argc, char **argv)
 {
     (void)argc;
     (void)argv;
+    cpu_device_memory(MMIO_ESC, ESC_BITS);
     while (!ect_mmio_ready(&esc)) {
-        /* it loads its EEPROM; without an ESC there is nothing to do */
+        /* the ESC loads its EEPROM; without an ESC there is nothing to do */
     }
     pdi = ect_mmio_pdi(&esc);
 }
 
 uint64_t board_now_ns(void)
 {
-    return cpu_cycles() * NS_PER_CYCLE;
+    return clock_ns(cpu_cycles(), MMIO_CLOCK_HZ);
 }
 
 const ect_pdi_t *board_pdi(void)
@@ -32,7 +37,7 @@ const ect_pdi_t *board_pdi(void)
 
 void board_turn(uint64_t until_ns)
 {
-    (void)until_ns; /* the ESC is asked all the time */
+    (void)until_ns; /* the ESC is polled continuously */
 }
 
 void board_reset(void)
