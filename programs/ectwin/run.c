@@ -87,7 +87,7 @@ int command_run(int argc, char **argv)
     if (status == EXIT_CLEAN)
         status = session_open_modbus(&session);
     if (status == EXIT_CLEAN) {
-        session.runner.control = open_control("ectwin run");
+        session.runner.exchange.control = open_control("ectwin run");
         session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
         status = session_power_on(&session);
     }

@@ -59,14 +59,14 @@ void session_init(session_t *s, const char *who, twin_args_t *twins)
     *s = (session_t){.who = who, .twins = twins};
     twins->scenario.refused = on_refused;
     twins->scenario.ctx = s;
-    s->runner = (ect_runner_t){.scenario = &twins->scenario,
-                               .filter = twins->filter.ctx ? &twins->filter : NULL,
-                               .signal_fd = -1,
-                               .busy_poll = twins->busy_poll,
-                               .link_fd = -1,
-                               .on_signal = on_signal,
-                               .on_circling = on_circling,
-                               .ctx = s};
+    s->runner =
+        (ect_runner_t){.exchange = {.scenario = &twins->scenario, .filter = twins->filter.ctx ? &twins->filter : NULL},
+                       .signal_fd = -1,
+                       .busy_poll = twins->busy_poll,
+                       .link_fd = -1,
+                       .on_signal = on_signal,
+                       .on_circling = on_circling,
+                       .ctx = s};
 }
 
 int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
@@ -156,7 +156,7 @@ void session_drop_rights(session_t *s, bool children)
 
 int session_power_on(session_t *s)
 {
-    int status = twin_args_power_on(s->twins, s->who, &s->runner.chain);
+    int status = twin_args_power_on(s->twins, s->who, &s->runner.exchange.chain);
     return status == EXIT_CLEAN ? run_before_others(s) : status;
 }
 
@@ -174,9 +174,9 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
 
 void session_close(session_t *s)
 {
-    ect_control_close(s->runner.control);
+    ect_control_close(s->runner.exchange.control);
     ect_modbus_server_close(s->runner.modbus);
-    ect_chain_free(s->runner.chain);
+    ect_chain_free(s->runner.exchange.chain);
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         if (s->runner.ports[end])
             ect_packet_close(s->runner.ports[end]);

@@ -258,7 +258,7 @@ static int serve(with_args_t *args, session_t *session)
     (void)print_ready(stderr, args->masters, args->twins.count, modbus);
     if (modbus)
         setenv("ECTWIN_MODBUS", modbus, 1);
-    bool started = start_command(args, &child, session->runner.control);
+    bool started = start_command(args, &child, session->runner.exchange.control);
     session_drop_rights(session, true);
     int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
     if (status != EXIT_CLEAN && started)
@@ -398,7 +398,7 @@ int command_with(int argc, char **argv)
     session_t session;
     session_init(&session, "ectwin with", &args.twins);
     session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
-    session.runner.control = open_control("ectwin with"); /* outside: where its user will look for it */
+    session.runner.exchange.control = open_control("ectwin with"); /* outside: where its user will look for it */
     session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
     int status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
     if (status == EXIT_CLEAN)

@@ -9,11 +9,7 @@
 
 #include <stdbool.h>
 
-#include "bus/chain/chain.h"
-#include "bus/chain/stats.h"
-#include "bus/control/control.h"
-#include "bus/faults/late.h"
-#include "bus/faults/scenario.h"
+#include "bus/exchange.h"
 #include "bus/modbus/modbus.h"
 #include "bus/net/endless.h"
 #include "bus/net/packet.h"
@@ -21,41 +17,22 @@
 
 ECT_C_BEGIN
 
-/** Stands between the wire and the chain and may change what passes, in place, the length never. */
-typedef struct ect_filter {
-    /** Before the chain sees a frame. Not NULL. */
-    void (*before)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);
-    /** Before the answer to that frame leaves; not called when there is none. Not NULL. */
-    void (*after)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);
-    void *ctx;
-} ect_filter_t;
-
 typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: nothing is plugged in there */
-    ect_chain_t *chain;
-    ect_control_t *control;      /**< NULL: none */
-    ect_modbus_server_t *modbus; /**< of the first twin; NULL: none */
+    ect_exchange_t exchange;       /**< chain, control socket, faults, filter; the loop sets its callbacks */
+    ect_modbus_server_t *modbus;   /**< of the first twin; NULL: none */
     /** From one piece of work for a client to the next, so that clients never take the whole processor; 0: none. */
     uint32_t control_rest_ns;
-    ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
-    const ect_filter_t *filter; /**< NULL: none */
-    bool busy_poll;             /**< looks for frames without a rest: a processor does nothing else */
-    int signal_fd;              /**< a signalfd */
-    int link_fd; /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
+    bool busy_poll; /**< looks for frames without a rest: a processor does nothing else */
+    int signal_fd;  /**< a signalfd */
+    int link_fd;    /**< of ::ect_packet_watch_links: cables at the ends come and go; -1: they are taken as in */
     /** A signal has come, from the terminal or from a process. Not NULL. @return true: go on; false: stop. */
     bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
     /** Something else at the other end of the wire answers as well. Not NULL; called once. */
     void (*on_circling)(void *ctx, const char *iface);
     void *ctx;
-    ect_stats_t stats; /**< may be read at any time; start at zero */
     /* The loop's own; start at zero. */
-    ect_late_t late[ECT_ENDS];
-    ect_late_t behind[ECT_ENDS]; /* answers that leave behind the next one */
     ect_endless_t circles[ECT_ENDS];
-    uint64_t deadline_ns; /* when the devices want to run */
-    uint64_t polled_ns;   /* the latest time that the chain has seen */
-    uint64_t touched_ns;  /* when a frame or a user last touched it, and the devices have not run since; ECT_NEVER */
-    uint64_t answered_ns; /* an answer has left just now; 0: or the clock has to be read */
     unsigned int frames_first;
     uint64_t looked_ns; /* when others than frames were looked at */
     bool frames_come;   /* and whether there was a frame then */

@@ -139,13 +139,12 @@ static void open_bench(bench_t *b, const char *device, size_t count)
     sigaddset(&signals, SIGUSR1);
     sigprocmask(SIG_BLOCK, &signals, NULL);
     b->runner = (ect_runner_t){.ports = {&b->port},
-                               .chain = b->wire.chain,
-                               .control = ect_control_open(message),
+                               .exchange = {.chain = b->wire.chain, .control = ect_control_open(message)},
                                .signal_fd = signalfd(-1, &signals, SFD_NONBLOCK),
                                .link_fd = -1,
                                .on_signal = stop,
                                .on_circling = circling};
-    assert_non_null(b->runner.control);
+    assert_non_null(b->runner.exchange.control);
     assert_true(b->runner.signal_fd >= 0);
 }
 
@@ -160,7 +159,7 @@ static void run(bench_t *b, script_t *script)
 static void close_bench(bench_t *b)
 {
     char command[96];
-    ect_control_close(b->runner.control);
+    ect_control_close(b->runner.exchange.control);
     ect_modbus_server_close(b->runner.modbus);
     ect_chain_free(b->wire.chain);
     close(b->runner.signal_fd);
@@ -173,7 +172,7 @@ static void close_bench(bench_t *b)
 static int connect_client(const bench_t *b)
 {
     uid_t owner;
-    int fd = ect_endpoint_connect(ect_control_path(b->runner.control), &owner);
+    int fd = ect_endpoint_connect(ect_control_path(b->runner.exchange.control), &owner);
     assert_true(fd >= 0);
     assert_int_equal(fcntl(fd, F_SETFL, O_NONBLOCK), 0);
     return fd;
@@ -197,7 +196,7 @@ enum { FRAMES = 100, IN_A_ROW = 8 };
 static void until_all_answered(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     (void)limit;
-    if (b->runner.stats.frames == FRAMES || n > 100 * FRAMES)
+    if (b->runner.exchange.stats.frames == FRAMES || n > 100 * FRAMES)
         (void)raise(SIGUSR1);
 }
 
@@ -216,8 +215,8 @@ static void frames_first(void **state)
     for (unsigned int i = 0; i < FRAMES; i++)
         send_frame(&b);
     run(&b, until_all_answered);
-    assert_int_equal(b.runner.stats.frames, FRAMES);
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.frames, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     unsigned int since = 0, frames = 0, served = 0;
     for (size_t i = 0; i < b.logged && frames < FRAMES; i++) {
         if (b.order[i] == 'C' && since < IN_A_ROW)
@@ -238,7 +237,7 @@ static void one_frame_at_a_time(bench_t *b, unsigned int n, const struct timespe
     (void)limit;
     if (n % 2 == 0)
         send_frame(b);
-    if (b->runner.stats.frames == FRAMES)
+    if (b->runner.exchange.stats.frames == FRAMES)
         (void)raise(SIGUSR1);
 }
 
@@ -251,7 +250,7 @@ static void once_between_frames(void **state)
     for (unsigned int n = 0; n < 40; n++)
         say(fd, "{\"op\":\"list\",\"slave\":0}\n");
     run(&b, one_frame_at_a_time);
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     if (strstr(b.order, "CC"))
         fail_msg("served twice while a frame waited: %s", b.order);
     assert_non_null(strstr(b.order, "FCFC"));
@@ -276,7 +275,7 @@ static void rests(void **state)
     int fd = connect_client(&b);
     say(fd, "{\"op\":\"list\"}\n");
     run(&b, until_frames_are_over);
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     const char *once = strchr(b.order, 'C');
     assert_non_null(once);
     assert_null(strchr(once + 1, 'C'));
@@ -332,7 +331,7 @@ static void frames_before_modbus(void **state)
         since = b.order[i] == 'M' ? 0 : since + 1;
         frames += b.order[i] == 'F';
     }
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     assert_true(count_of(&b, 'M') >= FRAMES / IN_A_ROW); /* and it does not starve */
     close(client);
     close_bench(&b);
@@ -376,7 +375,7 @@ static void rests_from_modbus(void **state)
     b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
     int client = ask_over_modbus(&b);
     run(&b, until_modbus_was_served);
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     assert_int_equal(count_of(&b, 'M'), 1);
     close(client);
     close_bench(&b);
@@ -399,11 +398,11 @@ static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
     for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
         send_frame(b);
     assert_true(n < LOOKS);
-    looks[n] = (struct look){b->runner.stats.frames, b->clock_ns};
+    looks[n] = (struct look){b->runner.exchange.stats.frames, b->clock_ns};
     look_count = n + 1;
-    if (b->runner.stats.frames < FRAMES && n > 0)
+    if (b->runner.exchange.stats.frames < FRAMES && n > 0)
         assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0); /* a look, no rest */
-    if (b->runner.stats.frames == FRAMES)
+    if (b->runner.exchange.stats.frames == FRAMES)
         (void)raise(SIGUSR1);
 }
 
@@ -424,7 +423,7 @@ static void waits_where_it_receives(void **state)
     b.clock_ns = ect_packet_now();
     b.clock_step_ns = 15000;
     run(&b, flood);
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     assert_int_equal(looks[0].frames, 0);
     assert_true(look_count > 4);
     for (unsigned int n = 2; n + 1 < look_count; n++) { /* the last one: none came for a while */
@@ -445,9 +444,9 @@ static void flood_with_client(bench_t *b, unsigned int n, const struct timespec 
         for (unsigned int i = 0; i < 40; i++)
             say(watcher, "{\"op\":\"list\",\"slave\":0}\n");
     }
-    if (b->runner.stats.frames < FRAMES && n % 2 == 0)
+    if (b->runner.exchange.stats.frames < FRAMES && n % 2 == 0)
         send_frame(b);
-    if (b->runner.stats.frames == FRAMES || n > 100 * FRAMES)
+    if (b->runner.exchange.stats.frames == FRAMES || n > 100 * FRAMES)
         (void)raise(SIGUSR1);
 }
 
@@ -457,7 +456,7 @@ static void clients_between_frames_in_a_row(void **state)
     (void)state;
     open_patient_bench(&b);
     run(&b, flood_with_client);
-    assert_int_equal(b.runner.stats.answered, FRAMES);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     assert_non_null(strstr(b.order, "FCF"));
     close(watcher);
     close_bench(&b);
@@ -469,7 +468,7 @@ static void spin(bench_t *b, unsigned int n, const struct timespec *limit)
     assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0);
     if (n == 0 || n == 3)
         send_frame(b);
-    if (b->runner.stats.frames == 2)
+    if (b->runner.exchange.stats.frames == 2)
         (void)raise(SIGUSR1);
 }
 
@@ -480,7 +479,7 @@ static void never_rests(void **state)
     open_bench(&b, "fzm1", 1);
     b.runner.busy_poll = true;
     run(&b, spin);
-    assert_int_equal(b.runner.stats.answered, 2);
+    assert_int_equal(b.runner.exchange.stats.answered, 2);
     close_bench(&b);
 }
 
@@ -502,7 +501,7 @@ static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
     (void)limit;
     if (n == 0)
         send_long_frame(b);
-    if (b->runner.stats.frames == 1 || n > 100)
+    if (b->runner.exchange.stats.frames == 1 || n > 100)
         (void)raise(SIGUSR1);
 }
 
@@ -521,11 +520,11 @@ static void too_long(void **state)
         if (end == ECT_END_OUT)
             b.runner.ports[ECT_END_IN] = NULL;
         b.runner.ports[end] = &b.port;
-        b.runner.scenario = &scenario;
+        b.runner.exchange.scenario = &scenario;
         run(&b, from_end);
-        assert_int_equal(b.runner.stats.frames, 1);
-        assert_int_equal(b.runner.stats.unanswered, 1);
-        assert_int_equal(b.runner.stats.answered, 0);
+        assert_int_equal(b.runner.exchange.stats.frames, 1);
+        assert_int_equal(b.runner.exchange.stats.unanswered, 1);
+        assert_int_equal(b.runner.exchange.stats.answered, 0);
         assert_int_equal(recv(b.master, answer, sizeof answer, MSG_DONTWAIT), -1);
         if (end == ECT_END_IN)
             assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1);
@@ -540,7 +539,7 @@ static void behind_another(bench_t *b, unsigned int n, const struct timespec *li
         send_frame(b);
         send_long_frame(b);
     }
-    if (b->runner.stats.frames == 2 || n > 100)
+    if (b->runner.exchange.stats.frames == 2 || n > 100)
         (void)raise(SIGUSR1);
 }
 
@@ -556,10 +555,10 @@ static void nothing_is_left_over(void **state)
         assert_true(ect_scenario_read(&scenario, "drop frame 1", message));
         assert_true(ect_scenario_read(&scenario, "drop frame 1 wire 1", message));
         open_bench(&b, "fzm1", 2);
-        b.runner.scenario = &scenario;
+        b.runner.exchange.scenario = &scenario;
         run(&b, behind_another);
-        assert_int_equal(b.runner.stats.dropped, 1);
-        assert_int_equal(b.runner.stats.unanswered, 1);
+        assert_int_equal(b.runner.exchange.stats.dropped, 1);
+        assert_int_equal(b.runner.exchange.stats.unanswered, 1);
         assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1); /* the long one has arrived */
         close_bench(&b);
     }
@@ -575,8 +574,8 @@ static uint64_t limit_of(const struct timespec *limit)
 /* Whether the clients have nothing to be done for them at this moment. */
 static bool at_rest(const bench_t *b)
 {
-    struct pollfd fd = {.fd = ect_control_fd(b->runner.control), .events = POLLIN};
-    return poll(&fd, 1, 0) == 0 && ect_control_due(b->runner.control) > ect_packet_now();
+    struct pollfd fd = {.fd = ect_control_fd(b->runner.exchange.control), .events = POLLIN};
+    return poll(&fd, 1, 0) == 0 && ect_control_due(b->runner.exchange.control) > ect_packet_now();
 }
 
 static unsigned int step;
@@ -623,7 +622,7 @@ static void a_short_measurement(bench_t *b, unsigned int n, const struct timespe
 {
     (void)n;
     (void)limit;
-    if (!at_rest(b) || b->runner.deadline_ns <= ect_packet_now())
+    if (!at_rest(b) || b->runner.exchange.deadline_ns <= ect_packet_now())
         return;
     switch (step++) {
     case 0:

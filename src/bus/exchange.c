@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/exchange.h"
+
+#include <stdlib.h>
+
+/* Runs of the devices that a late caller makes up for in a row. */
+enum { CATCH_UP = 64 };
+
+static uint64_t now(const ect_exchange_t *x)
+{
+    return x->clock(x->ctx);
+}
+
+/* The devices run at this time before any later one. */
+static void touch(ect_exchange_t *x, uint64_t now_ns)
+{
+    x->polled_ns = x->touched_ns = now_ns;
+}
+
+uint64_t ect_exchange_touch(ect_exchange_t *x)
+{
+    touch(x, now(x));
+    return x->touched_ns;
+}
+
+/* A reply that is late on purpose, and those behind it. */
+static void keep(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, uint64_t due_ns)
+{
+    if (ect_late_add(&x->late[end], frame, length, due_ns))
+        x->stats.delayed++;
+    else
+        x->stats.dropped++;
+}
+
+static void send_late(ect_exchange_t *x, uint64_t now_ns)
+{
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        ect_late_frame_t *late;
+        while ((late = ect_late_take(&x->late[end], now_ns))) {
+            x->send(x->ctx, end, late->frame, late->length);
+            x->stats.answered++;
+            free(late);
+        }
+    }
+}
+
+static ect_end_t through(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    const ect_filter_t *filter = x->filter;
+    if (filter)
+        filter->before(filter->ctx, x->chain, frame, length);
+    ect_end_t out = ect_chain_pass(x->chain, in, frame, length, now_ns);
+    if (filter && out != ECT_END_NONE)
+        filter->after(filter->ctx, x->chain, frame, length);
+    return out;
+}
+
+/* Replies that waited for this one leave behind it. */
+static void send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
+{
+    ect_late_frame_t *behind;
+    x->send(x->ctx, end, frame, length);
+    if (twice)
+        x->send(x->ctx, end, frame, length);
+    while ((behind = ect_late_take(&x->behind[end], UINT64_MAX))) {
+        x->send(x->ctx, end, behind->frame, behind->length);
+        x->stats.answered++;
+        free(behind);
+    }
+}
+
+/* A reply leaves at once, late, or behind the next one. */
+static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, size_t length, const ect_fate_t *fate,
+                       const ect_packet_time_t *time)
+{
+    if (fate->behind_next) {
+        if (!ect_late_add(&x->behind[out], frame, length, 0))
+            x->stats.dropped++;
+    } else if (fate->delay_us > 0 || x->late[out].first) {
+        keep(x, out, frame, length, time->now_ns + 1000ull * fate->delay_us);
+    } else {
+        send_with_others(x, out, frame, length, fate->twice);
+        x->answered_ns = now(x);
+        ect_stats_answer(&x->stats, time->waited_ns + (x->answered_ns - time->now_ns));
+    }
+}
+
+/* NULL: no fault is set or to come, and no frame is kept on a wire. */
+static ect_scenario_t *faults_of(const ect_exchange_t *x)
+{
+    return x->scenario && !ect_scenario_rests(x->scenario) ? x->scenario : NULL;
+}
+
+/* Frames that were kept on a wire continue when they are due. */
+static void release_kept(ect_exchange_t *x)
+{
+    ect_kept_t *kept;
+    ect_scenario_t *faults = faults_of(x);
+    uint64_t due_ns = faults ? ect_wires_due(&faults->wires) : ECT_NEVER;
+    if (due_ns == ECT_NEVER || due_ns > now(x))
+        return;
+    uint64_t now_ns = ect_exchange_touch(x);
+    while ((kept = ect_wires_release(&faults->wires, x->chain, now_ns))) {
+        if (kept->end != ECT_END_NONE && x->late[kept->end].first) {
+            keep(x, kept->end, kept->frame, kept->at.length, now_ns);
+        } else if (kept->end != ECT_END_NONE) {
+            send_with_others(x, kept->end, kept->frame, kept->at.length, false);
+            x->stats.answered++;
+        }
+        free(kept);
+    }
+}
+
+void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, const ect_packet_time_t *time)
+{
+    touch(x, time->now_ns);
+    ect_scenario_t *faults = faults_of(x);
+    ect_fate_t fate = {0};
+    if (faults)
+        fate = ect_scenario_frame(faults, x->chain, frame, &length, time->now_ns);
+    ect_end_t out = fate.lose_request ? ECT_END_NONE : through(x, in, frame, length, time->now_ns);
+    ect_wires_result_t on_wires = faults ? ect_scenario_answer(faults, &fate, frame, &length) : ECT_WIRES_PASSED;
+    if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
+        x->stats.dropped++;
+    else if (out != ECT_END_NONE)
+        reply_with(x, out, frame, length, &fate, time);
+    else if (on_wires == ECT_WIRES_KEEP)
+        x->stats.delayed++;
+    else
+        x->stats.unanswered++;
+    release_kept(x);
+}
+
+void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    touch(x, now_ns);
+    (void)ect_chain_pass(x->chain, in, frame, length, now_ns);
+    x->stats.unanswered++;
+}
+
+/* A late caller still runs the devices at the times that they asked for, so that clients see values which lasted only
+ * until the next of these times. */
+static void poll_devices(ect_exchange_t *x, uint64_t now_ns)
+{
+    uint64_t next_ns = ect_earlier(x->deadline_ns, x->touched_ns);
+    x->touched_ns = ECT_NEVER;
+    for (unsigned int i = 1; i <= CATCH_UP; i++) {
+        bool late = next_ns < now_ns && i < CATCH_UP;
+        x->polled_ns = late ? ect_later(next_ns, x->polled_ns) : now_ns;
+        next_ns = ect_chain_poll(x->chain, x->polled_ns);
+        if (x->control)
+            ect_control_note(x->control, x->chain, x->polled_ns);
+        if (next_ns > now_ns)
+            break;
+    }
+    x->deadline_ns = next_ns;
+}
+
+uint64_t ect_exchange_run(ect_exchange_t *x)
+{
+    release_kept(x);
+    uint64_t now_ns = x->answered_ns != 0 ? ect_later(x->answered_ns, x->polled_ns) : now(x);
+    x->answered_ns = 0;
+    x->run_ns = now_ns;
+    send_late(x, now_ns);
+    ect_stats_poll(&x->stats, now_ns > x->deadline_ns ? now_ns - x->deadline_ns : 0);
+    poll_devices(x, now_ns);
+    uint64_t late_ns = ect_earlier(ect_late_due(&x->late[ECT_END_IN]), ect_late_due(&x->late[ECT_END_OUT]));
+    ect_scenario_t *faults = faults_of(x);
+    uint64_t fault_ns = faults ? ect_scenario_tick(faults, x->chain, x->polled_ns) : ECT_NEVER;
+    return ect_earlier(ect_earlier(x->deadline_ns, fault_ns), late_ns);
+}
+
+void ect_exchange_start(ect_exchange_t *x)
+{
+    x->deadline_ns = x->touched_ns = ECT_NEVER;
+    x->stats.start_ns = now(x);
+    if (x->control)
+        ect_control_show(x->control, &x->stats, x->scenario);
+}
+
+void ect_exchange_end(ect_exchange_t *x)
+{
+    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+        ect_late_clear(&x->late[end]);
+        ect_late_clear(&x->behind[end]);
+    }
+    if (x->scenario)
+        ect_wires_clear(&x->scenario->wires);
+}
