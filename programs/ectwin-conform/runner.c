@@ -9,7 +9,7 @@
 #include "catalogue.h"
 
 /* Items of evidence that are kept: the end of a case that passed, enough to see the cause of any other verdict. */
-enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 40000 };
+enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 40000, AGAIN_MS = 1500, UNKNOWN_PROTOCOL = 9 };
 
 static void arm(cf_engine_t *e, uint32_t ms, bool running)
 {
@@ -75,18 +75,78 @@ static uint32_t missing(const cf_t *c, const cf_case_t *entry)
     return entry->needs & ~(has | CF_ON_REQUEST);
 }
 
-/* @return whether there is something to restore: a slave that was not ready for the case has been tried already */
-static bool judge(cf_t *c, cf_result_t *result)
+/* The least that a case relies on: INIT, PREOP, one mail there and back. */
+static void canary(cf_t *c)
 {
+    uint32_t code;
+    cf_mail_t mail;
+    cf_known_state(c);
+    if ((c->facts.has & CF_MAILBOX) == 0)
+        return;
+    cf_go(c, CF_PREOP);
+    if ((c->facts.has & CF_COE) != 0) {
+        (void)cf_object_exists(c, 0x1018, 1, &code);
+    } else {
+        cf_send_mail(c, UNKNOWN_PROTOCOL, "", 0);
+        cf_receive(c, CF_MBX_ERROR, &mail);
+    }
+    cf_known_state(c);
+}
+
+/* Two tries: one frame that a busy machine loses is no verdict. With --power a slave that fails both is switched off
+ * and on. A slave that failed for the case before gets one short try. */
+static bool canary_passes(cf_run_t *run)
+{
+    cf_t *c = &run->c;
+    if (run->since)
+        return guarded(c, canary, AGAIN_MS, true);
+    for (int tries = 0; tries < 2; tries++) {
+        if (guarded(c, canary, RESTORE_MS, true))
+            return true;
+        if (c->engine->verdict == CF_INTERRUPTED)
+            return false;
+    }
+    return c->power && guarded(c, cf_power_cycle, RESTORE_MS, true) && guarded(c, canary, RESTORE_MS, true);
+}
+
+/* A slave that passes the canary once must pass before each case; one that never does is judged case by case. */
+static bool prepare(cf_run_t *run)
+{
+    cf_engine_t *e = run->c.engine;
+    if (run->canary != CF_CANARY_UNABLE && canary_passes(run)) {
+        run->canary = CF_CANARY_ABLE;
+        run->since = NULL;
+        return true;
+    }
+    if (run->canary != CF_CANARY_ABLE && e->verdict != CF_INTERRUPTED) {
+        run->canary = CF_CANARY_UNABLE;
+        return guarded(&run->c, cf_known_state, RESTORE_MS, true);
+    }
+    if (e->verdict == CF_INTERRUPTED)
+        return false;
+    if (!run->since) {
+        run->since = run->last ? run->last : "the start";
+        memcpy(run->why, e->reason, sizeof run->why);
+    }
+    snprintf(e->reason, sizeof e->reason, "not judged since %s: %.350s", run->since, run->why);
+    e->verdict = CF_UNJUDGED;
+    return false;
+}
+
+/* @return whether there is something to restore: a slave that was not ready for the case has been tried already */
+static bool judge(cf_run_t *run, cf_result_t *result)
+{
+    cf_t *c = &run->c;
     cf_engine_t *e = c->engine;
     const cf_case_t *entry = result->entry;
     cf_record_begin(entry->id, entry->title);
     e->step[0] = 0;
-    bool ready = guarded(c, cf_known_state, RESTORE_MS, true);
+    bool ready = prepare(run);
     if (ready) {
-        cf_step(c, "the case begins");
+        cf_step(c, CF_CASE_BEGINS);
         e->step[0] = 0;
         (void)guarded(c, entry->run, entry->limit_ms != 0 ? entry->limit_ms : CF_LIMIT_MS, true);
+        run->last = entry->id;
     }
     result->verdict = e->verdict;
     result->frame = e->frame;
@@ -106,7 +166,7 @@ void cf_run_case(cf_run_t *run, const cf_section_t *section, const cf_case_t *en
         snprintf(result->reason, sizeof result->reason, "%s", cf_need_text(lacks));
         return;
     }
-    if (judge(&run->c, result))
+    if (judge(run, result))
         restore(&run->c, result);
     result->duration_ns = cf_now_ns() - start;
 }

@@ -9,7 +9,7 @@
 #include "wire/registers.h"
 
 enum { ETHERNET = 14, MAIL_HEADER = 6, UNKNOWN_COMMAND = 99, ANY_MAIL = 0xFFFF };
-enum { SM_0 = ECT_REG_SM, SM_1 = ECT_REG_SM + ECT_SM_SIZE, SM_2 = SM_1 + ECT_SM_SIZE };
+enum { SM_0 = ECT_REG_SM, SM_1 = ECT_REG_SM + ECT_SM_SIZE, SM_2 = SM_1 + ECT_SM_SIZE, SMS = 16 };
 
 /* One datagram of the frame that came, as it came and as it is now. */
 typedef struct datagram {
@@ -372,6 +372,33 @@ static void reads_latch(defect_t *d, datagram_t *g)
         data(g)[0] = (uint8_t)(data(g)[0] + ++d->memory[0]);
 }
 
+/* An SDO command that does not exist ends the mailbox until the twin restarts: SM0 takes no further mail. */
+static void mailbox_dies(defect_t *d, datagram_t *g)
+{
+    if (is_mail(g, true) && d->memory[0] == 0)
+        d->memory[0] = (data(g)[5] & 0x0F) == 3 && data(g)[7] >> 4 == 2 && data(g)[8] >> 5 == 7;
+    else if (is_mail(g, true))
+        hide(g);
+}
+
+/* Not a defect: chips change the status of a SyncManager at the end of the frame, the twin with the datagram. */
+static void remember_status(defect_t *d, datagram_t *g)
+{
+    uint8_t *status = (uint8_t *)d->memory;
+    for (unsigned int n = 0; g->sent == d->sent + ETHERNET + 2 && n < SMS; n++)
+        status[n] = g->chip[SM_0 + n * ECT_SM_SIZE + ECT_SM_STATUS];
+}
+
+static void status_of_the_start(defect_t *d, datagram_t *g)
+{
+    const uint8_t *status = (const uint8_t *)d->memory;
+    for (unsigned int n = 0; g->command == ECT_FPRD && n < SMS; n++) {
+        uint16_t address = (uint16_t)(SM_0 + n * ECT_SM_SIZE + ECT_SM_STATUS);
+        if (covers(g, address, 1))
+            data(g)[address - g->ado] = status[n];
+    }
+}
+
 /* A command that nobody knows stops the slave for two requests. */
 static void hangs(defect_t *d, datagram_t *g)
 {
@@ -524,6 +551,10 @@ static const defect_row_t rows[] = {
     {"CF-095", "two SyncManagers in one write are not taken", SWALLOW, ECT_FPWR, ECT_REG_SM, 16, .change = ANY(2, 1)},
     {"CF-096", "in SAFEOP a lost address is not given again at once", CUSTOM, .before = address_stays_lost,
      .after = uncounted_hidden},
+    {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_dies,
+     .after = uncounted_hidden},
+    {"END-OF-FRAME", "no defect: SyncManagers change their status at the end of the frame, as chips do", CUSTOM,
+     .before = remember_status, .after = status_of_the_start},
 };
 
 /* --- at work ------------------------------------------------------------------------------------------------------ */

@@ -31,7 +31,7 @@ typedef struct defect {
 /** @param id  "CF-016". @return whether there is a defect for that case */
 bool defect_choose(defect_t *defect, const char *id);
 
-/** Visits all that there are, in the order of their ids. */
+/** Visits all defects: those of cases in the order of their ids, then those for tests of the runner. */
 void defect_list(void (*visit)(void *ctx, const char *id, const char *what), void *ctx);
 
 /** As ect_filter_t wants them; ctx is a ::defect_t. */

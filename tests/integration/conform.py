@@ -8,9 +8,11 @@ usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what ap
 """
 import concurrent.futures
 import contextlib
+import hashlib
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -155,7 +157,7 @@ def find_defect(ectwin, conform, id_, twins, arguments):
 
 def defects(ectwin, conform, only):
     listed = subprocess.run([ectwin, "run", "--break", "help"], capture_output=True, text=True, check=True).stdout
-    ids = [line.split()[0] for line in listed.splitlines() if not only or line.split()[0] == only]
+    ids = [line.split()[0] for line in listed.splitlines() if line.startswith(only or "CF-")]
     with concurrent.futures.ThreadPoolExecutor(4) as pool:
         wrong = [text for text in pool.map(lambda id_: defect(ectwin, conform, id_), ids) if text]
     if not only and len(ids) < DEFECTS_LEAST:
@@ -247,16 +249,82 @@ def formats(ectwin, conform):
     expect("skips are counted", 1, result["summary"]["skip"])
     evidence = result["cases"][1]["evidence"]
     expect("evidence of both directions", {"step", "sent", "received"}, {e["kind"] for e in evidence})
-    expect("frames are numbered as they came", True, [e["frame"] for e in evidence if "frame" in e] ==
-           list(range(result["cases"][1]["last_frame"] - sum("frame" in e for e in evidence) + 1,
-                      result["cases"][1]["last_frame"] + 1)))
+    numbers = [e["frame"] for e in evidence if e["kind"] != "step"]
+    expect("frames are numbered as they came", (sorted(numbers), result["cases"][1]["last_frame"]), (numbers, numbers[-1]))
     junit = xml.dom.minidom.parseString(call(ectwin, conform, ["fzm1"], [*chosen, "--format", "junit"]).stdout)
     expect("test cases in JUnit", 5, len(junit.getElementsByTagName("testcase")))
     expect("skipped in JUnit", 1, len(junit.getElementsByTagName("skipped")))
     html = call(ectwin, conform, ["fzm1"], [*chosen, "--format", "html"]).stdout
-    for word in ("src=", "href=", "url(", "@import"):
+    for word in ("src=", "url(", "@import"):
         expect(f"{word} in HTML", False, word in html)
+    for target in re.findall('href="([^"]*)', html):
+        contains("target of a link in HTML", f'id="{target.removeprefix("#")}"', html)
     contains("HTML", 'id="CF-003"', html)
+
+
+def report_fields(ectwin, conform):
+    """HTML: verdict first, with a link to each failure; device, tool, command line, ESI hash; operator and firmware, or blanks"""
+    esi = ROOT / "esi/ectwin-fzm1.xml"
+    chosen = ["--esi", str(esi), "--only", "CF-01[67]", "--format", "html"]
+    html = call(ectwin, conform, ["--break", "CF-016", "fzm1"], [*chosen, "--operator", "Zoë <QA>", "--firmware", "1.2"]).stdout
+    version = subprocess.run([conform, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    places = [html.find(text) for text in (">FZM1: EtherCAT conformance</h1>", "<b>FAIL</b>", '<a href="#CF-016">',
+                                           "<td><span>1.2</span>", hashlib.sha256(esi.read_bytes()).hexdigest(),
+                                           "Zoë &lt;QA&gt;", version, "--only 'CF-01[67]'", 'id="CF-016"')]
+    expect("fields, in this order", True, -1 not in places and places == sorted(places))
+    html = call(ectwin, conform, ["fzm1"], chosen).stdout
+    contains("without a failure", "<b>PASS</b>", html)
+    expect("blank fields for operator and firmware", 2, html.count('class="blank">&nbsp;'))
+
+
+def output_lost(_, conform):
+    """--version names the version; --help and --list into a full disk end with 2 and a line"""
+    done = subprocess.run([conform, "--version"], capture_output=True, text=True, check=True)
+    expect("--version", True, re.fullmatch(r"ectwin-conform \d+\.\d+\.\d+\n", done.stdout) is not None)
+    for option in ("--help", "--list", "--version"):
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([conform, option], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        expect(f"{option} >/dev/full", (2, "ectwin-conform: cannot write to standard output: No space left on device\n"),
+               (done.returncode, done.stderr))
+
+
+def end_of_frame(ectwin, conform):
+    """CF-020: a chip that changes a SyncManager's status at the end of the frame passes all cases"""
+    done = call(ectwin, conform, ["--break", "END-OF-FRAME", "fzm1"], ["--format", "json"])
+    expect("cases that fail", [], [(c["id"], c["reason"]) for c in json.loads(done.stdout)["cases"] if c["verdict"] == "fail"])
+
+
+def canary(ectwin, conform):
+    """A mailbox that one case ends makes one failure; each later case is not judged since that one"""
+    chosen = ["--only", "CF-07[1-4],CF-08[37]", "--format"]
+    done = call(ectwin, conform, ["--break", "DEAD-MAILBOX", "fzm1"], [*chosen, "json"])
+    result = json.loads(done.stdout)
+    expect("exit code", 1, done.returncode)
+    expect("verdicts", ["pass", "fail", "skip", "unjudged", "unjudged", "unjudged"], [c["verdict"] for c in result["cases"]])
+    expect("summary", (1, 3), (result["summary"]["fail"], result["summary"]["unjudged"]))
+    for case in result["cases"][3:]:
+        contains(f"reason of {case['id']}", "not judged since CF-072: ", case["reason"])
+    revived = call(ectwin, conform, ["--break", "DEAD-MAILBOX", "fzm1"], [*chosen, "text", "--power", "exit 1"])
+    contains("a --power that fails changes nothing", "1 fail, 1 skip, 3 not judged", revived.stdout)
+
+
+def source_address(ectwin, conform):
+    """Frames leave with the interface's unicast address; the first ESC marks it as locally administered"""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "run.pcapng"
+        call(ectwin, conform, ["fzm1"], ["--only", "CF-00[12],CF-013,CF-095", "--pcap", str(path)])
+        sources = {frame[6] & 3 for frame in frames_of(path.read_bytes())}
+    expect("low bits of the first byte: sent and received", {0, 2}, sources)
+
+
+def frames_of(data):
+    """The EtherCAT frames of a pcapng file"""
+    at = 0
+    while at < len(data):
+        kind, total, length = (int.from_bytes(data[at + n:at + n + 4], sys.byteorder) for n in (0, 4, 20))
+        if kind == 6 and data[at + 40:at + 42] == b"\x88\xa4":
+            yield data[at + 28:at + 28 + length]
+        at += total
 
 
 def capture(ectwin, conform):
@@ -412,7 +480,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [exit_codes, listing, formats, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
+    tests = [exit_codes, listing, formats, report_fields, output_lost, end_of_frame, canary, source_address, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
     failed = 0
     for test in tests:
         if only and test.__name__ != only:

@@ -180,15 +180,18 @@ static void try_protocol(cf_t *c, const protocol_t *p)
 {
     cf_mail_t mail;
     bool offered = (c->facts.protocols & p->bit) != 0;
-    cf_step(c, "%s, which the SII %s", p->name, offered ? "names" : "does not name");
+    const char *named = offered ? "in the SII" : "not in the SII",
+               *wanted = offered ? "a reply" : "mailbox error 0x0002";
+    cf_step(c, "%s, %s", p->name, named);
     cf_send_mail(c, p->type, p->request, p->length);
     if (!cf_receive_mail(c, &mail, CF_MAIL_MS))
-        cf_fail(c, "%s, which the SII %s: expected %s, got no mail", p->name, offered ? "names" : "does not name",
-                offered ? "an answer" : "a mailbox error");
-    bool unsupported = mail.type == CF_MBX_ERROR && mail.length >= 4 && ect_load_le16(mail.data + 2) == ERROR_PROTOCOL;
-    cf_expect_that(c, offered != unsupported, "%s, which the SII %s: expected %s, got mailbox type %u%s", p->name,
-                   offered ? "names" : "does not name", offered ? "an answer" : "mailbox error 0x0002", mail.type,
-                   unsupported ? ", error 0x0002" : "");
+        cf_fail(c, "%s, %s: expected %s, got no mail within %d ms", p->name, named, wanted, (int)CF_MAIL_MS);
+    bool error = mail.type == CF_MBX_ERROR && mail.length >= 4;
+    uint16_t detail = error ? ect_load_le16(mail.data + 2) : 0;
+    if (offered == (error && detail == ERROR_PROTOCOL) && error)
+        cf_fail(c, "%s, %s: expected %s, got mailbox error 0x%04X", p->name, named, wanted, detail);
+    cf_expect_that(c, offered || error, "%s, %s: expected %s, got a mail of type %u", p->name, named, wanted,
+                   mail.type);
 }
 
 static void offered(cf_t *c)

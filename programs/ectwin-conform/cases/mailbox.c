@@ -11,8 +11,17 @@ enum { ERROR_PROTOCOL = 2 };
 
 /* --- files -------------------------------------------------------------------------------------------------------- */
 
-/* The content of the file, as it was and as it is read later: too large for a stack. */
-static uint8_t content[CF_FILE_MOST], again[CF_FILE_MOST];
+/* Content of the file before the case. */
+static uint8_t *content(cf_t *c)
+{
+    return cf_room(c, 0);
+}
+
+/* Content of the file, read later. */
+static uint8_t *again(cf_t *c)
+{
+    return cf_room(c, 1);
+}
 
 /* @return the error code */
 static uint32_t expect_error(cf_t *c, const char *what, const cf_foe_t *sent)
@@ -54,8 +63,8 @@ static uint8_t home(cf_t *c, uint8_t state, uint32_t elsewhere, size_t *size)
     cf_go(c, CF_INIT);
     cf_go(c, state);
     cf_step(c, "'%s' is read in %s", c->file, cf_state_name(state));
-    *size = sizeof content;
-    uint32_t code = cf_read_file(c, c->password, content, size);
+    *size = CF_FILE_MOST;
+    uint32_t code = cf_read_file(c, c->password, content(c), size);
     cf_expect_that(c, code == 0 || code == elsewhere, "'%s' in %s: expected data or error 0x%04X, got error 0x%04X",
                    c->file, cf_state_name(state), elsewhere, code);
     return code == 0 ? state : 0;
@@ -63,19 +72,19 @@ static uint8_t home(cf_t *c, uint8_t state, uint32_t elsewhere, size_t *size)
 
 static void expect_content(cf_t *c, const uint8_t *expected, size_t size)
 {
-    size_t got = sizeof again;
-    uint32_t code = cf_read_file(c, c->password, again, &got);
+    size_t got = CF_FILE_MOST;
+    uint32_t code = cf_read_file(c, c->password, again(c), &got);
     cf_expect_that(c, code == 0, "the file, read: expected data, got error 0x%04X", code);
     cf_expect_range(c, "bytes of the file", size, size, got);
-    cf_expect_bytes(c, "the file", expected, again, size);
+    cf_expect_bytes(c, "the file", expected, again(c), size);
 }
 
 static void wrong_password(cf_t *c)
 {
     uint32_t code;
-    size_t size = sizeof again;
+    size_t size = CF_FILE_MOST;
     cf_step(c, "another password");
-    code = cf_read_file(c, c->password + 1, again, &size);
+    code = cf_read_file(c, c->password + 1, again(c), &size);
     cf_expect_that(c, code != 0 || c->password == 0, "a wrong password: expected an error, got the file");
 }
 
@@ -106,12 +115,12 @@ static bool write_size(cf_t *c, size_t size)
 {
     cf_step(c, "%zu bytes are written and read", size);
     for (size_t i = 0; i < size; i++)
-        again[i] = (uint8_t)cf_random(c, 256);
-    uint32_t code = cf_write_file(c, c->password, again, size);
+        again(c)[i] = (uint8_t)cf_random(c, 256);
+    uint32_t code = cf_write_file(c, c->password, again(c), size);
     if (code != 0)
         return false;
-    uint8_t *sent = content + sizeof content - size;
-    memcpy(sent, again, size);
+    uint8_t *sent = content(c) + CF_FILE_MOST - size;
+    memcpy(sent, again(c), size);
     expect_content(c, sent, size);
     return true;
 }
@@ -163,7 +172,7 @@ static size_t without_end(cf_t *c)
 
 static void written(cf_t *c, size_t size)
 {
-    cf_keep_file(c, content, size);
+    cf_keep_file(c, content(c), size);
     unsigned int sizes = write_sizes(c);
     packet_jump(c);
     size_t taken = without_end(c);
@@ -188,11 +197,11 @@ static void known_file(cf_t *c)
     cf_go(c, CF_INIT);
     cf_go(c, state);
     cf_step(c, "the file once more");
-    expect_content(c, content, size);
+    expect_content(c, content(c), size);
     wrong_password(c);
     wrong_acknowledge(c);
     cf_step(c, "and the file again");
-    expect_content(c, content, size);
+    expect_content(c, content(c), size);
     cf_note(c, "%zu bytes read; written with --destructive only", size);
     if (c->destructive)
         written(c, size);

@@ -219,13 +219,15 @@ void cf_decode(const cf_t *c, const cf_item_t *item, char *text, size_t room)
         say(&o, "%s", (const char *)item->bytes);
     else
         say_frame(c, &o, item);
+    if (item->folded > 0)
+        say(&o, " (and %u times before)", item->folded);
 }
 
 size_t cf_evidence_start(const cf_evidence_t *evidence)
 {
     for (size_t i = 0; i < evidence->count; i++) {
         if (evidence->items[i].kind == CF_ITEM_STEP &&
-            strcmp((const char *)evidence->items[i].bytes, "the case begins") == 0)
+            strcmp((const char *)evidence->items[i].bytes, CF_CASE_BEGINS) == 0)
             return i + 1;
     }
     return 0;

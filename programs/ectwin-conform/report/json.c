@@ -31,6 +31,8 @@ static cJSON *evidence(const cf_run_t *run, const cf_evidence_t *e)
         cf_decode(&run->c, item, text, sizeof text);
         cJSON_AddStringToObject(one, "kind", kinds[item->kind]);
         cJSON_AddStringToObject(one, "text", text);
+        if (item->folded > 0)
+            cJSON_AddNumberToObject(one, "folded", item->folded);
         if (item->kind != CF_ITEM_STEP) {
             cJSON_AddNumberToObject(one, "frame", item->frame);
             cJSON_AddNumberToObject(one, "time_us", whole_us(item->time_ns));
@@ -78,15 +80,27 @@ static cJSON *result(const cf_run_t *run, const cf_result_t *r)
     return o;
 }
 
+/* @param text  NULL: null */
+static void add_text(cJSON *to, const char *name, const char *text)
+{
+    cJSON_AddItemToObject(to, name, text ? cJSON_CreateString(text) : cJSON_CreateNull());
+}
+
 void cf_report_json(FILE *to, const cf_run_t *run)
 {
     cf_counts_t n = cf_count(run, NULL);
     cJSON *report = cJSON_CreateObject();
+    cJSON_AddStringToObject(report, "tool", "ectwin-conform");
+    cJSON_AddStringToObject(report, "version", run->version);
+    cJSON_AddStringToObject(report, "command", run->command);
+    add_text(report, "operator", run->operator_);
+    add_text(report, "firmware", run->firmware);
     cJSON_AddStringToObject(report, "interface", run->iface);
     cJSON_AddStringToObject(report, "started", run->started);
     cJSON_AddNumberToObject(report, "duration_us", whole_us(run->duration_ns));
     cJSON_AddItemToObject(report, "slave", slave(run));
-    cJSON_AddItemToObject(report, "esi", run->esi ? cJSON_CreateString(run->esi) : cJSON_CreateNull());
+    add_text(report, "esi", run->esi);
+    add_text(report, "esi_sha256", run->esi_hash[0] != 0 ? run->esi_hash : NULL);
     cJSON *summary = cJSON_AddObjectToObject(report, "summary");
     for (int v = 0; v <= CF_INTERRUPTED; v++)
         cJSON_AddNumberToObject(summary, cf_verdict_name((cf_verdict_t)v), (double)n.of[v]);

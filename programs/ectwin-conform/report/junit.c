@@ -37,6 +37,8 @@ static void one(FILE *to, const cf_run_t *run, const cf_result_t *r)
     fprintf(to, "\" time=\"%.3f\">", (double)r->duration_ns / 1e9);
     if (r->verdict == CF_FAIL) {
         tagged(to, run, r, "failure");
+    } else if (r->verdict == CF_UNJUDGED) {
+        tagged(to, run, r, "error");
     } else if (r->verdict == CF_SKIPPED || r->verdict == CF_INTERRUPTED) {
         fprintf(to, "<skipped message=\"");
         cf_put_escaped(to, r->reason);
@@ -56,11 +58,12 @@ void cf_report_junit(FILE *to, const cf_run_t *run)
     for (size_t i = 0; i < run->count;) {
         const cf_section_t *section = run->results[i].section;
         cf_counts_t n = cf_count(run, section);
-        size_t total = n.of[CF_PASS] + n.of[CF_WARN] + n.of[CF_FAIL] + n.of[CF_SKIPPED] + n.of[CF_INTERRUPTED];
+        size_t total =
+            n.of[CF_PASS] + n.of[CF_WARN] + n.of[CF_FAIL] + n.of[CF_SKIPPED] + n.of[CF_UNJUDGED] + n.of[CF_INTERRUPTED];
         fprintf(to, "  <testsuite name=\"%c. ", section->letter);
         cf_put_escaped(to, section->title);
-        fprintf(to, "\" tests=\"%zu\" failures=\"%zu\" skipped=\"%zu\" timestamp=\"%s\">\n", total, n.of[CF_FAIL],
-                n.of[CF_SKIPPED] + n.of[CF_INTERRUPTED], run->started);
+        fprintf(to, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" timestamp=\"%s\">\n", total,
+                n.of[CF_FAIL], n.of[CF_UNJUDGED], n.of[CF_SKIPPED] + n.of[CF_INTERRUPTED], run->started);
         for (; i < run->count && run->results[i].section == section; i++)
             one(to, run, &run->results[i]);
         fprintf(to, "  </testsuite>\n");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file What a run found, for a reader or a machine. Each function writes one whole report. */
+/** @file Reports of a run, for readers and for programs. Each cf_report_* function writes one whole report. */
 #ifndef ECTWIN_CONFORM_REPORT_H
 #define ECTWIN_CONFORM_REPORT_H
 
@@ -14,30 +14,33 @@ void cf_report_json(FILE *to, const cf_run_t *run);
 void cf_report_junit(FILE *to, const cf_run_t *run);
 void cf_report_html(FILE *to, const cf_run_t *run);
 
-/** The histograms of a run, as parts of the reports; nothing when there are none. They put the values in order. */
+/** Histograms of a run, as parts of the reports; no output when there are none. Sort the values. */
 void cf_timing_text(FILE *to, const cf_run_t *run);
 void cf_timing_json(cJSON *report, const cf_run_t *run);
 void cf_timing_html(FILE *to, const cf_run_t *run);
 
-/** How many results have each verdict, by ::cf_verdict_t. */
+/** Number of results by ::cf_verdict_t. */
 typedef struct cf_counts {
     size_t of[CF_INTERRUPTED + 1];
 } cf_counts_t;
 
-/** @param section  NULL: all */
+/** Counts the results of one section. @param section  NULL: all sections */
 cf_counts_t cf_count(const cf_run_t *run, const cf_section_t *section);
+/** @return "pass", "warn", "fail", "skip", "unjudged", "interrupted": constant text */
 const char *cf_verdict_name(cf_verdict_t verdict);
-/** "frames 210-228, seen in 228" or "". */
+/** Writes "frames 210-228, seen in 228", or "" without frames. */
 void cf_frames_text(const cf_result_t *result, char *text, size_t room);
 
 /**
- * A line of evidence in words: a sentence as it is, a frame datagram by datagram, one to a line.
- * @param c  for the addresses of the mailbox
+ * Writes one item of evidence in words: a sentence unchanged, a frame as one line per datagram. Any bytes are allowed.
+ * @param c           the addresses of the mailbox are read
+ * @param[out] text   `room` bytes (1 or more), always terminated by zero; longer text is cut off
  */
 void cf_decode(const cf_t *c, const cf_item_t *item, char *text, size_t room);
-/** Where the case's own part begins, after the known state. */
+/** @return index of the first item behind the preparation of the slave */
 size_t cf_evidence_start(const cf_evidence_t *evidence);
-/** Text for XML and HTML: `&`, `<`, `>`, `"`; what is no character of XML as `?`. */
+/** Writes text for XML and HTML: `&`, `<`, `>`, `"` as entities, control characters and bytes that are no UTF-8 as `?`.
+ */
 void cf_put_escaped(FILE *to, const char *text);
 
 #endif

@@ -5,17 +5,20 @@
 
 #include "steps/engine.h"
 
-/** What came of a case. */
+/** Result of one case. */
 typedef struct cf_result {
     const cf_section_t *section;
     const cf_case_t *entry;
     cf_verdict_t verdict;
-    char reason[CF_REASON]; /**< why it failed, was skipped, is warned of; or the note of one that passed */
-    char step[CF_STEP];     /**< the last ::cf_step before that; "" none */
-    uint32_t frame;         /**< the last one before the verdict */
+    char reason[CF_REASON]; /**< of fail, skip, warn, unjudged; the note of pass */
+    char step[CF_STEP];     /**< the last ::cf_step before the verdict; "" none */
+    uint32_t frame;         /**< the last frame before the verdict */
     uint64_t duration_ns;
     cf_evidence_t evidence;
 } cf_result_t;
+
+/** Ability of the slave to pass the canary, a minimal start-up and mail exchange before each case. */
+typedef enum cf_canary { CF_CANARY_UNTRIED, CF_CANARY_ABLE, CF_CANARY_UNABLE } cf_canary_t;
 
 /** All cases that the user chose, in order. */
 typedef struct cf_run {
@@ -25,9 +28,18 @@ typedef struct cf_run {
     size_t count;
     size_t planned;
     const char *iface;
-    const char *esi;  /**< the ESI file, and which device of it; NULL: none */
-    char started[32]; /**< local time, ISO 8601 */
+    const char *esi;   /**< the ESI file and its device; NULL: none */
+    char esi_hash[65]; /**< SHA-256 of the file, hexadecimal; "" none */
+    char started[32];  /**< local time, ISO 8601 */
     uint64_t duration_ns;
+    const char *command;   /**< command line of the run, as typed */
+    const char *version;   /**< of ectwin-conform */
+    const char *operator_; /**< --operator, --firmware: NULL: not given, to be filled in by hand */
+    const char *firmware;
+    cf_canary_t canary;
+    const char *last;    /**< id of the last case that was judged; NULL: none */
+    const char *since;   /**< id of the case after which the canary fails; NULL: the canary passes */
+    char why[CF_REASON]; /**< reason of the first canary that failed since then */
 } cf_run_t;
 
 #endif

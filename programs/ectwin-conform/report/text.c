@@ -52,6 +52,8 @@ void cf_report_text(FILE *to, const cf_run_t *run)
             f->position + 1u, f->slaves, run->iface, f->name[0] != 0 ? f->name : "without a name", f->vendor,
             f->product, f->revision_no, f->type);
     fprintf(to, "ESI file: %s\n", run->esi ? run->esi : "none given (--esi)");
+    if (run->esi_hash[0] != 0)
+        fprintf(to, "SHA-256: %s\n", run->esi_hash);
     for (size_t i = 0; i < run->count; i++) {
         const cf_result_t *r = &run->results[i];
         if (r->section != section)
@@ -60,7 +62,9 @@ void cf_report_text(FILE *to, const cf_run_t *run)
         one(to, run, r);
     }
     cf_timing_text(to, run);
-    fprintf(to, "\n%zu of %zu cases in %.1f s: %zu pass, %zu warn, %zu fail, %zu skip%s\n", run->count, run->planned,
-            (double)run->duration_ns / 1e9, n.of[CF_PASS], n.of[CF_WARN], n.of[CF_FAIL], n.of[CF_SKIPPED],
-            n.of[CF_INTERRUPTED] > 0 ? ", interrupted" : "");
+    fprintf(to, "\n%zu of %zu cases in %.1f s: %zu pass, %zu warn, %zu fail, %zu skip", run->count, run->planned,
+            (double)run->duration_ns / 1e9, n.of[CF_PASS], n.of[CF_WARN], n.of[CF_FAIL], n.of[CF_SKIPPED]);
+    if (n.of[CF_UNJUDGED] > 0)
+        fprintf(to, ", %zu not judged", n.of[CF_UNJUDGED]);
+    fprintf(to, "%s\n", n.of[CF_INTERRUPTED] > 0 ? ", interrupted" : "");
 }

@@ -118,7 +118,7 @@ static void picture(FILE *to, const histogram_t *h)
         unsigned int width = (unsigned int)((uint64_t)h->classes[n] * (WIDTH - LABEL - 60) / h->most);
         fprintf(to,
                 "<text x=\"%d\" y=\"%u\" font-size=\"11\" text-anchor=\"end\">to %s</text>"
-                "<rect x=\"%d\" y=\"%u\" width=\"%u\" height=\"%d\" fill=\"#00458b\"/>"
+                "<rect x=\"%d\" y=\"%u\" width=\"%u\" height=\"%d\"/>"
                 "<text x=\"%u\" y=\"%u\" font-size=\"11\">%u</text>",
                 LABEL - 6, y + 12, class_name(n, name), LABEL, y + 2, width, ROW - 4, LABEL + width + 6, y + 12,
                 h->classes[n]);

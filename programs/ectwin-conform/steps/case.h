@@ -476,6 +476,13 @@ enum { CF_FOE_READ = 1, CF_FOE_WRITE = 2, CF_FOE_DATA = 3, CF_FOE_ACK = 4, CF_FO
 enum { CF_FOE_HEADER = 6 };
 enum { CF_FOE_LATER_MS = 10000, CF_FILE_MOST = 4 * 1024 * 1024 };
 
+/**
+ * @return one of two buffers of CF_FILE_MOST bytes, too large for a stack; it keeps its content from case to case and
+ *         belongs to the run. Leaves the case when there is no memory.
+ * @param n  0 or 1
+ */
+uint8_t *cf_room(cf_t *c, unsigned int n);
+
 /** One FoE mail: operation, number (packet, error code or password), and `length` further bytes. */
 typedef struct cf_foe {
     uint8_t operation;

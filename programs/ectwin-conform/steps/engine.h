@@ -8,9 +8,19 @@
 #include "steps/case.h"
 #include "steps/record.h"
 
-typedef enum cf_verdict { CF_PASS, CF_WARN, CF_FAIL, CF_SKIPPED, CF_INTERRUPTED } cf_verdict_t;
+typedef enum cf_verdict {
+    CF_PASS,
+    CF_WARN,
+    CF_FAIL,
+    CF_SKIPPED,
+    CF_UNJUDGED, /**< the canary before the case failed: an earlier case left the slave unable to reply */
+    CF_INTERRUPTED
+} cf_verdict_t;
 
 enum { CF_REASON = 400, CF_STEP = 120 };
+
+/** The step between the preparation of the slave and the function of the case. */
+#define CF_CASE_BEGINS "the case begins"
 
 /** What a case has changed for good, and what was there. */
 typedef struct cf_undo {
@@ -52,6 +62,7 @@ typedef struct cf_engine {
     uint64_t seed;
     cf_series_t series[CF_SERIES_MOST];
     size_t series_count;
+    uint8_t *room[2];     /**< of ::cf_room; NULL: not used yet */
     bool pulled;          /**< the slave's plug is pulled, to be put back */
     uint8_t port_control; /**< of the slave before it, as it was (0x0101); of the first slave: not used */
     bool silent;          /**< the last frame did not come back: the next is not waited for as long */
@@ -66,6 +77,8 @@ _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
 /** Room for one more change. Leaves the case when there is none. */
 cf_undo_t *cf_new_undo(cf_t *c);
+/** Frees the rooms, the histograms and the list of changes. */
+void cf_engine_free(cf_engine_t *e);
 /** Frees all changes of the list, undone or not. */
 void cf_forget_changes(cf_engine_t *e);
 /** Brings the slave back: plug, INIT, changes in reverse order, INIT. Leaves by the engine's jump when that fails. */

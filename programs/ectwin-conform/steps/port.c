@@ -14,9 +14,17 @@
 
 #include "ethercat.h"
 
+#include "steps/record.h"
 #include "wire/bytes.h"
 
-enum { ETHERNET = 14, DATAGRAM_HEADER = 10, WKC = 2, TYPE_DATAGRAMS = 0x1000, MORE = 0x8000 };
+enum {
+    ETHERNET = 14,
+    DATAGRAM_HEADER = 10,
+    WKC = 2,
+    TYPE_DATAGRAMS = 0x1000,
+    MORE = 0x8000,
+    LOCALLY_ADMINISTERED = 0x02
+};
 enum { SOEM_IMAGE = 65536, SOEM_STATE_US = 3000000, SOEM_CYCLES = 5000, SOEM_CYCLE_US = 500 };
 
 volatile sig_atomic_t cf_interrupted;
@@ -42,6 +50,18 @@ struct cf_port {
     ec_eepromFMMUt sii_fmmu;
 };
 
+/* SOEM's own source address is a multicast address; a station has a unicast one. The first ESC sets the bit for
+ * "locally administered", which tells a frame on its way back from a new one, so the address leaves without it. */
+static void use_own_address(int socket, const char *iface)
+{
+    struct ifreq request = {0};
+    snprintf(request.ifr_name, sizeof request.ifr_name, "%s", iface);
+    if (ioctl(socket, SIOCGIFHWADDR, &request) != 0)
+        return;
+    request.ifr_hwaddr.sa_data[0] &= ~LOCALLY_ADMINISTERED;
+    cf_record_source((const uint8_t *)request.ifr_hwaddr.sa_data);
+}
+
 const char *cf_port_open(cf_port_t **port, const char *iface)
 {
     if (strlen(iface) >= IF_NAMESIZE || if_nametoindex(iface) == 0)
@@ -51,11 +71,14 @@ const char *cf_port_open(cf_port_t **port, const char *iface)
         return errno == EPERM || errno == EACCES
                    ? "it needs the capability CAP_NET_RAW: run it with sudo, or inside 'ectwin with'"
                    : strerror(errno);
-    close(probe);
     *port = calloc(1, sizeof **port);
+    if (*port) {
+        snprintf((*port)->iface, sizeof(*port)->iface, "%s", iface);
+        use_own_address(probe, iface);
+    }
+    close(probe);
     if (!*port)
         return strerror(ENOMEM);
-    snprintf((*port)->iface, sizeof(*port)->iface, "%s", iface);
     if (ecx_setupnic(&(*port)->port, iface, FALSE) > 0)
         return NULL;
     cf_port_close(*port);

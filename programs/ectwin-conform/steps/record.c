@@ -25,7 +25,7 @@ enum {
     NANOSECONDS = 9,
 };
 
-enum { COMMENT = 600 };
+enum { COMMENT = 600, SOURCE = 6, MAC = 6, MULTICAST = 1, DATAGRAM_INDEX = 17, FRAME_MOST = 2048 };
 
 /* One record for the process: the wrapped send and recv have no other way to it. */
 static struct {
@@ -37,6 +37,8 @@ static struct {
     cf_item_t *items;      /* a ring */
     size_t next, count;
     uint32_t first_frame;
+    bool has_source;
+    uint8_t source[MAC];
 } record;
 
 uint64_t cf_now_ns(void)
@@ -135,9 +137,42 @@ static cf_item_t *new_item(cf_item_kind_t kind, const void *bytes, size_t length
     return item;
 }
 
+static size_t at(size_t nth)
+{
+    return (record.next + CF_EVIDENCE_MAX - record.count + nth) % CF_EVIDENCE_MAX;
+}
+
+/* Whether two frames differ in nothing but the index of their first datagram. */
+static bool same_frame(const cf_item_t *a, const cf_item_t *b)
+{
+    return a->kind == b->kind && a->kind != CF_ITEM_STEP && a->length == b->length && a->length > DATAGRAM_INDEX &&
+           memcmp(a->bytes, b->bytes, DATAGRAM_INDEX) == 0 &&
+           memcmp(a->bytes + DATAGRAM_INDEX + 1, b->bytes + DATAGRAM_INDEX + 1, a->length - DATAGRAM_INDEX - 1) == 0;
+}
+
+/* A slave that is polled for seconds must not push the request out of the evidence. */
+static void fold_poll(void)
+{
+    if (record.count < 4)
+        return;
+    cf_item_t *sent = &record.items[at(record.count - 4)], *received = &record.items[at(record.count - 3)];
+    cf_item_t *sent_again = &record.items[at(record.count - 2)], *received_again = &record.items[at(record.count - 1)];
+    if (sent->kind != CF_ITEM_SENT || received->kind != CF_ITEM_RECEIVED || !same_frame(sent, sent_again) ||
+        !same_frame(received, received_again))
+        return;
+    sent_again->folded = received_again->folded = received->folded + 1;
+    free(sent->bytes);
+    free(received->bytes);
+    *sent = *sent_again;
+    *received = *received_again;
+    sent_again->bytes = received_again->bytes = NULL;
+    record.count -= 2;
+    record.next = (record.next + CF_EVIDENCE_MAX - 2) % CF_EVIDENCE_MAX;
+}
+
 static void add_frame(cf_item_kind_t kind, const void *bytes, size_t length)
 {
-    if (!record.items || length > 2048)
+    if (!record.items || length > FRAME_MOST)
         return;
     cf_item_t *item = new_item(kind, bytes, length);
     item->frame = ++record.frame;
@@ -146,6 +181,8 @@ static void add_frame(cf_item_kind_t kind, const void *bytes, size_t length)
     if (record.capture)
         write_packet(item);
     record.comment[0] = 0;
+    if (kind == CF_ITEM_RECEIVED)
+        fold_poll();
 }
 
 static void add_comment(const char *text)
@@ -183,11 +220,6 @@ void cf_record_step(const char *text)
     new_item(CF_ITEM_STEP, text, strlen(text) + 1)->frame = record.frame + 1;
 }
 
-static size_t at(size_t nth)
-{
-    return (record.next + CF_EVIDENCE_MAX - record.count + nth) % CF_EVIDENCE_MAX;
-}
-
 cf_evidence_t cf_record_end(size_t most)
 {
     cf_evidence_t e = {.first_frame = record.first_frame, .last_frame = record.first_frame ? record.frame : 0};
@@ -206,7 +238,7 @@ cf_evidence_t cf_record_end(size_t most)
     record.count = 0;
     record.next = 0;
     if (record.capture)
-        (void)fflush(record.capture); /* whoever looks on sees whole cases */
+        (void)fflush(record.capture); /* a reader of the growing file sees whole cases */
     return e;
 }
 
@@ -223,9 +255,19 @@ uint32_t cf_record_frame(void)
     return record.frame;
 }
 
-uint64_t cf_record_start_ns(void)
+void cf_record_source(const uint8_t *mac)
 {
-    return record.start_ns;
+    record.has_source = mac != NULL;
+    if (mac)
+        memcpy(record.source, mac, MAC);
+}
+
+void cf_record_close(void)
+{
+    for (size_t i = 0; record.items && i < CF_EVIDENCE_MAX; i++)
+        free(record.items[i].bytes);
+    free(record.items);
+    memset(&record, 0, sizeof record);
 }
 
 /* --- what SOEM sends and receives --------------------------------------------------------------------------------- */
@@ -237,6 +279,13 @@ ssize_t __wrap_recv(int fd, void *bytes, size_t room, int flags);
 
 ssize_t __wrap_send(int fd, const void *bytes, size_t length, int flags)
 {
+    uint8_t copy[FRAME_MOST];
+    if (record.has_source && length <= sizeof copy && length >= SOURCE + MAC &&
+        (((const uint8_t *)bytes)[SOURCE] & MULTICAST) != 0) {
+        memcpy(copy, bytes, length);
+        memcpy(copy + SOURCE, record.source, MAC);
+        bytes = copy;
+    }
     add_frame(CF_ITEM_SENT, bytes, length);
     return __real_send(fd, bytes, length, flags);
 }

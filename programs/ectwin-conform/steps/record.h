@@ -18,12 +18,13 @@ typedef enum cf_item_kind { CF_ITEM_STEP, CF_ITEM_SENT, CF_ITEM_RECEIVED } cf_it
 typedef struct cf_item {
     cf_item_kind_t kind;
     uint32_t frame;   /**< its number in the capture, from 1; of a sentence that of the frame that follows */
+    uint32_t folded;  /**< equal exchanges directly before this one, which are in the capture only */
     uint64_t time_ns; /**< since the start of the run */
     uint32_t length;
     uint8_t *bytes; /**< a frame from the destination MAC on, or a text with its zero; belongs to the item */
 } cf_item_t;
 
-/** What is kept of a case: the last CF_EVIDENCE_MAX items. */
+/** Evidence of one case: its last CF_EVIDENCE_MAX items, with equal polls folded into one. */
 typedef struct cf_evidence {
     cf_item_t *items; /**< oldest first */
     size_t count;
@@ -34,6 +35,11 @@ enum { CF_EVIDENCE_MAX = 400 };
 
 /** Starts the record. @param capture  where the pcapng goes, kept open by the caller; NULL: nowhere */
 void cf_record_open(FILE *capture);
+/**
+ * Replaces the source address of frames that SOEM and cases send with a multicast address, which no station may have.
+ * @param mac  6 bytes, copied; NULL: frames leave as they are
+ */
+void cf_record_source(const uint8_t *mac);
 /** Begins a case: its title is the comment of its first frame. */
 void cf_record_begin(const char *id, const char *title);
 void cf_record_step(const char *text);
@@ -42,7 +48,7 @@ cf_evidence_t cf_record_end(size_t most);
 void cf_evidence_free(cf_evidence_t *evidence);
 /** Number of the last frame. */
 uint32_t cf_record_frame(void);
-/** Bytes and frames so far, both ways. */
-uint64_t cf_record_start_ns(void);
+/** Frees all items; the record is closed until ::cf_record_open. */
+void cf_record_close(void);
 
 #endif

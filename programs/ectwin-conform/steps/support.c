@@ -65,7 +65,6 @@ cf_undo_t *cf_new_undo(cf_t *c)
     return &e->undo[e->undo_count++];
 }
 
-/* Also of those that could not be put back. */
 void cf_forget_changes(cf_engine_t *e)
 {
     for (size_t i = 0; i < CF_UNDO_MOST; i++) {
@@ -73,4 +72,26 @@ void cf_forget_changes(cf_engine_t *e)
         e->undo[i].file = NULL;
     }
     e->undo_count = 0;
+}
+
+uint8_t *cf_room(cf_t *c, unsigned int n)
+{
+    uint8_t **room = &c->engine->room[n];
+    if (!*room)
+        *room = malloc(CF_FILE_MOST);
+    if (!*room)
+        cf_fail(c, "out of memory");
+    return *room;
+}
+
+void cf_engine_free(cf_engine_t *e)
+{
+    cf_forget_changes(e);
+    for (size_t i = 0; i < e->series_count; i++)
+        free(e->series[i].values_ns);
+    e->series_count = 0;
+    for (size_t i = 0; i < sizeof e->room / sizeof e->room[0]; i++) {
+        free(e->room[i]);
+        e->room[i] = NULL;
+    }
 }
