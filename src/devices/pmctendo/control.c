@@ -9,59 +9,6 @@
 #define OVERSPEED     1.2
 #define STANDSTILL    (3.0 / 60 * PMC_TURN) /* 3 turns a minute */
 
-static double within(double x, double limit)
-{
-    return x > limit ? limit : x < -limit ? -limit : x;
-}
-
-/* --- profile ------------------------------------------------------------------------------------------------------ */
-
-double pmc_towards(double from, double to, double most)
-{
-    if (from > to)
-        return from - most > to ? from - most : to;
-    return from + most < to ? from + most : to;
-}
-
-static double approach(double speed, double goal, double acceleration, double deceleration)
-{
-    return pmc_towards(speed, goal, (speed > goal ? deceleration : acceleration) * PMC_STEP_S);
-}
-
-/* The speed towards a target `left` away, one step later: faster as long as it could still stop there, then slower by
- * what is needed to end there exactly. */
-static double next_speed(double speed, double left, double most, double acceleration, double deceleration)
-{
-    if (speed < 0)
-        return approach(speed, 0, deceleration, 0);
-    double after = approach(speed, most, acceleration, deceleration);
-    double left_then = left - (speed + after) / 2 * PMC_STEP_S;
-    if (speed == 0 || after * after <= 2 * deceleration * left_then)
-        return after;
-    double needed = left > 0 ? speed * speed / (2 * left) : deceleration;
-    return speed - (needed < 1.2 * deceleration ? needed : deceleration) * PMC_STEP_S;
-}
-
-bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration)
-{
-    double direction = target < r->position ? -1 : 1;
-    double left = pmc_size(target - r->position);
-    double before = r->speed * direction;
-    double after = next_speed(before, left, speed, acceleration, deceleration);
-    double way = (before + after) / 2 * PMC_STEP_S;
-    double slow = 1.5 * PMC_STEP_S * (acceleration > deceleration ? acceleration : deceleration);
-    bool slow_enough = pmc_size(before) <= slow && pmc_size(after) <= slow;
-    r->loop = PMC_LOOP_POSITION;
-    if (slow_enough && (way >= left || after < 0)) {
-        r->position = target;
-        r->speed = 0;
-        return true;
-    }
-    r->position += direction * way;
-    r->speed = direction * after;
-    return false;
-}
-
 /* --- controllers -------------------------------------------------------------------------------------------------- */
 
 static bool blocked(const pmctendo_t *u, double speed)
@@ -81,7 +28,7 @@ static double speed_command(const pmctendo_t *u)
     double speed = r->speed;
     if (r->loop == PMC_LOOP_POSITION)
         speed += POSITION_GAIN * (r->position - u->plant.position);
-    speed = within(speed, u->speed_limit);
+    speed = pmc_within(speed, pmc_speed_limit(u));
     return blocked(u, speed) ? 0 : speed;
 }
 
@@ -93,18 +40,18 @@ static double speed_controller(pmctendo_t *u, double command, double ahead)
     double torque = SPEED_GAIN * error + u->sum + ahead;
     if (pmc_size(torque) < limit)
         u->sum += SPEED_GAIN * error * PMC_STEP_S / INTEGRAL_TIME;
-    return within(torque, limit);
+    return pmc_within(torque, limit);
 }
 
 /* A torque is followed as long as it does not turn the shaft too fast, or into a limit switch. */
 static double torque_controller(pmctendo_t *u)
 {
-    double torque = within(u->reference.torque, torque_limit(u));
+    double torque = pmc_within(u->reference.torque, torque_limit(u));
     double speed = u->plant.speed;
-    bool faster = pmc_size(speed) >= u->speed_limit && (speed > 0) == (torque > 0);
+    bool faster = pmc_size(speed) >= pmc_speed_limit(u) && (speed > 0) == (torque > 0);
     if (blocked(u, torque))
         return speed_controller(u, 0, 0);
-    return faster ? speed_controller(u, within(speed, u->speed_limit), 0) : torque;
+    return faster ? speed_controller(u, pmc_within(speed, pmc_speed_limit(u)), 0) : torque;
 }
 
 static void monitor(pmctendo_t *u)
@@ -114,7 +61,7 @@ static void monitor(pmctendo_t *u)
     bool watched = r->loop == PMC_LOOP_POSITION && u->error_window != 0 && !blocked(u, error);
     if (watched && pmc_size(error) > u->error_window)
         pmc_fault(u, PMC_F_FOLLOWING);
-    if (pmc_size(u->plant.speed) > OVERSPEED * u->speed_limit)
+    if (pmc_size(u->plant.speed) > OVERSPEED * pmc_speed_limit(u))
         pmc_fault(u, PMC_F_OVERSPEED);
 }
 

@@ -2,7 +2,7 @@
 /* The drive's time and its process data: what the stack calls, and the order of things in a step of 250 us. */
 #include "devices/pmctendo/instance.h"
 
-enum { MS_STEPS = PMC_STEPS_PER_S / 1000, RAMP_TOLERANCE_NS = 200000000 };
+enum { MS_STEPS = PMC_STEPS_PER_S / 1000, MS_NS = 1000000, RAMP_TOLERANCE_NS = 200 * MS_NS };
 
 /* --- the state machine -------------------------------------------------------------------------------------------- */
 
@@ -28,12 +28,23 @@ static void stop_begin(pmctendo_t *u)
     u->stop_until_ns = u->time_ns + RAMP_TOLERANCE_NS + (uint64_t)ramp_ns;
 }
 
+/* The drive closes the brake before it takes the torque from a shaft that stands; else the brake is late. */
+static void close_brake(pmctendo_t *u)
+{
+    bool late = !u->ds.supplied || !pmc_standing(u);
+    u->brake_ns = u->time_ns + (late ? (uint64_t)u->plant.brake_delay_ms * MS_NS : 0);
+}
+
 static void begin(pmctendo_t *u)
 {
-    if (u->action != DS402_FOLLOW)
+    if (u->action != DS402_FOLLOW && !pmc_halted(u)) {
         pmc_homing_abort(u);
+        pmc_task_drop(u);
+        u->task_known = false;
+    }
     switch (u->action) {
     case DS402_OFF:
+        close_brake(u);
         pmc_control_off(u);
         break;
     case DS402_HOLD:
@@ -119,7 +130,7 @@ static void move(pmctendo_t *u)
         pmc_follow(u);
         break;
     case DS402_RAMP:
-        pmc_brake(u, u->deceleration);
+        pmc_brake(u, u->homing.active ? u->home_acceleration : u->deceleration);
         break;
     case DS402_STOP:
         pmc_brake(u, stop_deceleration(u));
@@ -149,7 +160,7 @@ static void step(pmctendo_t *u)
 
 static bool resting(const pmctendo_t *u)
 {
-    return !powered(u) && u->plant.speed == 0;
+    return !powered(u) && pmc_motor_rests(u);
 }
 
 void pmc_advance(pmctendo_t *u, uint64_t now_ns)
@@ -189,7 +200,7 @@ static uint16_t status(const pmctendo_t *u)
                       status_bit(soft || stop, DS402_STATUS_LIMIT) |
                       status_bit(u->homing.active, DS402_STATUS_REFERENCING) |
                       status_bit(u->homing.error, DS402_STATUS_REFERENCE_ERROR) |
-                      status_bit(u->task, DS402_STATUS_TASK));
+                      status_bit(pmc_task_active(u), DS402_STATUS_TASK));
 }
 
 /* 60FDh as in CiA 402: limit switches and home, then the four inputs as they are. */
@@ -267,6 +278,8 @@ static void plant_defaults(pmc_plant_t *p)
 {
     *p = (pmc_plant_t){.known = true,
                        .friction = 0.05,
+                       .brake = PMC_PEAK_TORQUE,
+                       .brake_delay_ms = 30,
                        .input = {0, 0, 1, 1},
                        .stop_negative = {.at = INT32_MIN},
                        .stop_positive = {.at = INT32_MAX},
@@ -430,15 +443,23 @@ static bool one_of(int value, const int *values, unsigned int count)
     return false;
 }
 
+/* Both are off, or a pair; the first write of a new pair may leave them crossed, and then none is in force. */
+static ect_reason_t check_limit(const pmctendo_t *u, uint8_t subindex, int32_t value)
+{
+    int32_t lower = subindex == 1 ? value : u->limit[0];
+    int32_t upper = subindex == 2 ? value : u->limit[1];
+    return lower <= upper || u->limit[0] == u->limit[1] ? ECT_OK : ECT_REASON_MIN_MAX;
+}
+
 ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
 {
     static const int modes[] = {PMC_MODE_BY_PDO,       PMC_MODE_TASK,     PMC_MODE_SPEED_RAMP, PMC_MODE_HOMING,
                                 PMC_MODE_INTERPOLATED, PMC_MODE_POSITION, PMC_MODE_SPEED,      PMC_MODE_TORQUE};
     static const int options[] = {0, 1, 2, 5, 6};
-    (void)instance;
-    (void)subindex;
     if (size == 0 || !data)
         return ECT_OK;
+    if (index == 0x607D)
+        return check_limit(instance, subindex, (int32_t)ect_load_le32(data));
     int8_t byte = *(const int8_t *)data;
     bool good = true;
     if (index == 0x6060)

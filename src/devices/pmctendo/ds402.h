@@ -35,9 +35,11 @@ enum {
     DS402_NO_QUICK = 0x0004,  /**< 0: quick stop */
     DS402_ENABLE = 0x0008,    /**< its rising edge enables */
     DS402_START = 0x0010,     /**< motion task, mode 1; reference run, mode 6 */
-    DS402_RELATIVE = 0x0040,  /**< motion task: the target counts from the present one */
+    DS402_AT_ONCE = 0x0020,   /**< motion task: replaces the one under way */
+    DS402_RELATIVE = 0x0040,  /**< motion task: the target counts from the last one */
     DS402_RESET = 0x0080,     /**< its rising edge resets a fault */
     DS402_HALT = 0x0100,      /**< stops on the ramp, stays enabled */
+    DS402_THROUGH = 0x0200,   /**< motion task: the one before it does not stop at its target */
     DS402_REFERENCE = 0x0800, /**< reference run, mode 8 */
     DS402_SAVE = 0x1000,      /**< its rising edge stores the parameters */
 };

@@ -3,6 +3,7 @@
 #include "devices/pmctendo/instance.h"
 
 enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: so long a run shows, however soon it is done */ };
+#define AT_THE_POINT 1.0 /* counts */
 enum { UP = 1, DOWN = -1, NONE = 0 };
 
 typedef struct leg {
@@ -53,7 +54,8 @@ bool pmc_homing_known(int8_t method)
 static const leg_t *leg_at(const pmctendo_t *u)
 {
     const method_t *method = find(u->homing.method);
-    const leg_t *leg = method && u->homing.leg < MOST_LEGS ? &method->legs[u->homing.leg] : NULL;
+    unsigned int number = u->homing.searching ? 1 : u->homing.leg;
+    const leg_t *leg = method && number < MOST_LEGS ? &method->legs[number] : NULL;
     return leg && leg->direction != NONE ? leg : NULL;
 }
 
@@ -72,10 +74,25 @@ static void next_leg(pmctendo_t *u, double at)
         turn_back(u, at);
 }
 
+/* A first leg that is over before it begins, for the shaft is on that side of the switch already. When the second one
+ * looks for the switch, it does so at the speed of a search, and both legs follow slowly for the edge that counts. */
+static void skip_first_leg(pmctendo_t *u)
+{
+    const leg_t *leg = leg_at(u);
+    if (!leg || leg->line == PMC_INDEX || u->level[leg->line] != leg->until)
+        return;
+    const leg_t *second = leg + 1;
+    if (second->line == PMC_HOME && second->until)
+        u->homing.searching = u->homing.slow = true;
+    else
+        next_leg(u, u->plant.position);
+}
+
 void pmc_homing_start(pmctendo_t *u)
 {
     u->homing = (pmc_homing_t){.active = true, .method = u->home_method};
     u->homed = false;
+    pmc_task_drop(u);
     u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = u->plant.speed};
     if (!leg_at(u))
         turn_back(u, u->plant.position);
@@ -97,7 +114,11 @@ void pmc_homing_abort(pmctendo_t *u)
 void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge)
 {
     const leg_t *leg = u->homing.active && !u->homing.returning ? leg_at(u) : NULL;
-    if (leg && edge->line == leg->line && edge->rising == leg->until && u->plant.speed * leg->direction > 0)
+    if (!leg || edge->line != leg->line || edge->rising != leg->until || u->plant.speed * leg->direction <= 0)
+        return;
+    if (u->homing.searching)
+        u->homing.searching = false;
+    else
         next_leg(u, edge->position);
 }
 
@@ -110,15 +131,15 @@ static bool stuck(const pmctendo_t *u, const leg_t *leg)
 
 static void go(pmctendo_t *u)
 {
+    if (u->homing.leg == 0 && !u->homing.slow)
+        skip_first_leg(u);
     const leg_t *leg = leg_at(u);
-    if (leg->line != PMC_INDEX && u->level[leg->line] == leg->until && u->homing.leg == 0)
-        next_leg(u, u->plant.position); /* there already */
-    leg = leg_at(u);
+    bool search = u->homing.searching || (u->homing.leg == 0 && !u->homing.slow && leg->line != PMC_INDEX);
     if (stuck(u, leg)) {
         fail(u);
         return;
     }
-    uint32_t speed = u->home_speed[u->homing.leg == 0 && leg->line != PMC_INDEX ? 0 : 1];
+    uint32_t speed = u->home_speed[search ? 0 : 1];
     u->reference.loop = PMC_LOOP_SPEED;
     u->reference.speed =
         pmc_towards(u->reference.speed, (double)leg->direction * speed, u->home_acceleration * PMC_STEP_S);
@@ -128,9 +149,8 @@ static void go_back(pmctendo_t *u)
 {
     bool there =
         pmc_profile(&u->reference, u->homing.found, u->home_speed[1], u->home_acceleration, u->home_acceleration);
-    double off = u->plant.position - u->homing.found;
-    if (!there || !pmc_standing(u) || off > u->position_window || -off > u->position_window ||
-        u->homing.steps < SHORTEST_STEPS)
+    double off = pmc_size(u->plant.position - u->homing.found);
+    if (!there || !pmc_standing(u) || off > AT_THE_POINT || u->homing.steps < SHORTEST_STEPS)
         return;
     u->zero = u->homing.found - u->home_offset;
     u->homing.active = false;

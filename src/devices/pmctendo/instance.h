@@ -9,9 +9,12 @@
  *   drive.c      time, process data, AL states: what the stack calls
  *   sync.c       the cyclic rhythm: warning n17, fault F28
  *   modes.c      set values: what each mode of operation makes of them
+ *   task.c       motion tasks: set-points, one under way and one waiting
  *   homing.c     reference runs, as legs in a table
  *   latch.c      latch control and status word
- *   control.c    position and speed controller, limits
+ *   control.c    position and speed controller
+ *   limits.c     speed limit, software limit switches
+ *   profile.c    ramps
  *   motor.c      motor, load, switches, index pulse
  *   fault.c      faults F01 … F32 and warnings
  *   quirks.c     replies and AL status codes as the manual prints them
@@ -97,6 +100,8 @@ typedef struct pmc_plant {
     double load;         /* Nm, against the positive direction */
     double load_inertia; /* kg cm2, beside the motor's own */
     double friction;     /* Nm */
+    double brake;        /* Nm that it holds, 0: there is none */
+    uint32_t brake_delay_ms;
     uint8_t input[PMC_INPUTS];
     pmc_mark_t mark[2]; /* in front of DI1 and DI2 */
     pmc_stop_t stop_negative, stop_positive;
@@ -122,12 +127,21 @@ typedef struct pmc_set {
     int16_t torque, ahead;
 } pmc_set_t;
 
+/** Target and rates of a motion task, as they were at its edge of bit 4. */
+typedef struct pmc_set_point {
+    bool valid, at_once, relative, through;
+    int32_t target;
+    double speed, acceleration, deceleration;
+} pmc_set_point_t;
+
 /** A reference run under way. */
 typedef struct pmc_homing {
     int8_t method; /* it began with: 6098h may be another by now */
     uint8_t leg;   /* of the method's */
     bool active, error, done;
     bool returning; /* to the point that was found */
+    bool searching; /* for the switch, in the direction of the second leg, before the first one */
+    bool slow;      /* the switch has been found: no leg is a search */
     uint32_t steps; /* taken so far */
     double found;   /* machine */
 } pmc_homing_t;
@@ -196,6 +210,7 @@ typedef struct pmctendo {
     pmc_set_t set;
     bool control_known;     /* set.control is one of this OP: edges count from it */
     bool fresh;             /* outputs wait for SYNC0 */
+    uint64_t brake_ns;      /* the brake is closed from then on, while there is no torque */
     uint64_t stop_until_ns; /* a quick stop that is not over by then is given up (F30) */
 
     /* set values */
@@ -204,9 +219,14 @@ typedef struct pmctendo {
     uint32_t segment_steps; /* left of the way to the newest position set value */
     double segment_target;
     bool set_new;
-    bool task; /* under way */
-    double task_target;
+    bool task;       /* under way */
+    bool task_known; /* task_target is the target of the last one */
     bool task_reached;
+    bool task_taken; /* as bit 12 of CiA 402 shows it */
+    double task_target;
+    pmc_set_point_t running, next;
+    int8_t guarded; /* by the software limit switch in this direction, 0: by none */
+    double guard_target;
     pmc_homing_t homing;
     bool homed;
     double zero; /* machine coordinate of the reference's 0 */
@@ -266,6 +286,24 @@ void pmc_hold_begin(pmctendo_t *u);
 void pmc_brake_begin(pmctendo_t *u);
 void pmc_brake(pmctendo_t *u, double deceleration); /* one step of a ramp to a standstill */
 bool pmc_target_reached(const pmctendo_t *u);
+bool pmc_halted(const pmctendo_t *u);
+
+/* task.c */
+void pmc_task_take(pmctendo_t *u); /* an edge of bit 4 */
+void pmc_task_room(pmctendo_t *u); /* bit 4 or the queue has changed */
+void pmc_task_drop(pmctendo_t *u);
+void pmc_task_follow(pmctendo_t *u); /* one step */
+bool pmc_task_active(const pmctendo_t *u);
+
+/* limits.c */
+double pmc_speed_limit(const pmctendo_t *u);
+/* The machine position of a set value, absolute or relative, seen from machine position `from`. */
+double pmc_absolute(pmctendo_t *u, double from, int32_t position);
+double pmc_relative(pmctendo_t *u, double from, int32_t way);
+void pmc_limits_begin(pmctendo_t *u);
+/* One step: whether a software limit switch has the shaft, and the reference with it. */
+bool pmc_limit_holds_speed(pmctendo_t *u, double speed);
+bool pmc_limit_holds_torque(pmctendo_t *u, double torque);
 
 /* homing.c */
 void pmc_homing_start(pmctendo_t *u);
@@ -284,13 +322,16 @@ static inline double pmc_size(double x)
 }
 
 /* control.c */
+void pmc_control(pmctendo_t *u); /* torque_now from the reference */
+void pmc_control_off(pmctendo_t *u);
+bool pmc_standing(const pmctendo_t *u);
+
+/* profile.c */
+double pmc_within(double x, double limit);
 /* From one value to another, `most` at once. */
 double pmc_towards(double from, double to, double most);
 /* A step of the way to a standstill at `target`; @return whether it stands there. */
 bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration);
-void pmc_control(pmctendo_t *u); /* torque_now from the reference */
-void pmc_control_off(pmctendo_t *u);
-bool pmc_standing(const pmctendo_t *u);
 
 /* motor.c */
 #define PMC_RATED_TORQUE  3.0 /* Nm */
@@ -299,6 +340,7 @@ bool pmc_standing(const pmctendo_t *u);
 /* Counts/s2 of one Nm on so much inertia. */
 #define PMC_PER_NM(inertia) (PMC_TURN / 6.283185307179586 / (inertia))
 void pmc_motor_step(pmctendo_t *u, bool powered); /* with torque_now; fills in u->edge */
+bool pmc_motor_rests(const pmctendo_t *u);        /* without torque, and nothing will turn it */
 void pmc_motor_levels(pmctendo_t *u);             /* the inputs, as they stand; edges where they are others */
 int32_t pmc_counts(double counts);                /* a position: the nearest count, modulo 2^32 */
 int32_t pmc_saturated(double counts);             /* no position: the nearest count, within 32 bits */

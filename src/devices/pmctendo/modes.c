@@ -23,45 +23,12 @@ static bool is_position(int8_t mode)
     return mode == PMC_MODE_POSITION || mode == PMC_MODE_INTERPOLATED;
 }
 
-/* --- limits ------------------------------------------------------------------------------------------------------- */
-
-/* Software limit switches count once the reference is known. */
-static bool limits_on(const pmctendo_t *u)
-{
-    return u->homed && u->limit[0] < u->limit[1];
-}
-
-static double clamp(pmctendo_t *u, double user)
-{
-    bool on = limits_on(u);
-    pmc_warn(u, PMC_N_SOFT_NEGATIVE, on && user < u->limit[0]);
-    pmc_warn(u, PMC_N_SOFT_POSITIVE, on && user > u->limit[1]);
-    if (on && user < u->limit[0])
-        return u->limit[0];
-    return on && user > u->limit[1] ? u->limit[1] : user;
-}
-
-/* The machine position of a set value, seen from `from`. Between software limit switches the axis is a line; without
- * them a set value is a difference of 32 bits, whatever was counted before. */
-static double absolute(pmctendo_t *u, double from, int32_t position)
-{
-    double target = clamp(u, position);
-    return limits_on(u) ? pmc_beyond(u, from, target - pmc_counts(pmc_user(u, from))) : pmc_nearest(u, from, position);
-}
-
-static double relative(pmctendo_t *u, double from, int32_t way)
-{
-    double here = pmc_counts(pmc_user(u, from));
-    return pmc_beyond(u, from, clamp(u, here + way) - here);
-}
-
 /* --- standing still ----------------------------------------------------------------------------------------------- */
 
 void pmc_hold_begin(pmctendo_t *u)
 {
     u->reference = (pmc_reference_t){.loop = PMC_LOOP_POSITION, .position = u->plant.position};
     u->segment_steps = 0;
-    u->task = false;
 }
 
 /* What is left of an acceleration must not go on. */
@@ -91,29 +58,29 @@ static uint16_t homing_bit(int8_t mode)
     return mode == PMC_MODE_HOMING ? DS402_START : is_position(mode) ? DS402_REFERENCE : 0;
 }
 
-static void start_task(pmctendo_t *u)
-{
-    double from = u->reference.position;
-    bool is_relative = (u->set.control & DS402_RELATIVE) != 0;
-    u->task_target = is_relative ? relative(u, from, u->target) : absolute(u, from, u->target);
-    u->task = true;
-    u->task_reached = false;
-}
-
 void pmc_follow_begin(pmctendo_t *u)
 {
     pmc_hold_begin(u);
+    pmc_limits_begin(u);
+    if (pmc_mode(u) != u->mode_running) {
+        pmc_homing_abort(u);
+        pmc_task_drop(u);
+    }
     u->mode_running = pmc_mode(u);
-    u->task_reached = false;
     u->set_new = true;
 }
 
 static void take_mode(pmctendo_t *u, int8_t mode)
 {
-    if (mode == u->mode_running)
-        return;
-    pmc_homing_abort(u);
-    pmc_follow_begin(u);
+    if (mode != u->mode_running)
+        pmc_follow_begin(u);
+}
+
+/* A halt keeps tasks and reference runs, and takes new ones. */
+bool pmc_halted(const pmctendo_t *u)
+{
+    return u->state == DS402_OPERATION_ENABLED && u->action == DS402_RAMP &&
+           ds402_command(u->set.control, u->live) == DS402_ENABLE_OPERATION;
 }
 
 void pmc_set_values(pmctendo_t *u, uint16_t rising)
@@ -121,15 +88,17 @@ void pmc_set_values(pmctendo_t *u, uint16_t rising)
     int8_t mode = pmc_mode(u);
     uint16_t bit = homing_bit(mode);
     u->set_new = true;
-    if (u->action != DS402_FOLLOW)
+    pmc_task_room(u);
+    if (u->action != DS402_FOLLOW && !pmc_halted(u))
         return;
-    take_mode(u, mode);
-    if ((rising & bit) != 0)
+    if (u->action == DS402_FOLLOW)
+        take_mode(u, mode);
+    if ((rising & bit) != 0 && u->action == DS402_FOLLOW)
         pmc_homing_start(u);
     else if ((u->set.control & bit) == 0)
         pmc_homing_abort(u);
     if (mode == PMC_MODE_TASK && (rising & DS402_START) != 0)
-        start_task(u);
+        pmc_task_take(u);
 }
 
 /* --- following ---------------------------------------------------------------------------------------------------- */
@@ -142,7 +111,7 @@ static void follow_position(pmctendo_t *u)
         u->set_new = false;
         u->segment_steps = pmc_cycle_steps(u);
         u->segment_steps = u->segment_steps > 0 ? u->segment_steps : 1;
-        u->segment_target = absolute(u, r->position, u->set.position);
+        u->segment_target = pmc_absolute(u, r->position, u->set.position);
     }
     r->loop = PMC_LOOP_POSITION;
     r->speed = 0;
@@ -153,21 +122,35 @@ static void follow_position(pmctendo_t *u)
     r->position = --u->segment_steps > 0 ? r->position + way : u->segment_target;
 }
 
-static void follow_task(pmctendo_t *u)
+static double target_speed(const pmctendo_t *u)
 {
-    if (!u->task)
-        return;
-    u->task_reached = pmc_profile(&u->reference, u->task_target, u->task_speed, u->acceleration, u->deceleration);
-    u->task = !u->task_reached;
+    return pmc_within(u->set.speed, pmc_speed_limit(u));
 }
 
 static void follow_speed_ramp(pmctendo_t *u)
 {
     pmc_reference_t *r = &u->reference;
-    bool faster = pmc_size(u->set.speed) > pmc_size(r->speed) && (u->set.speed > 0) == (r->speed >= 0);
+    double target = target_speed(u);
+    if (pmc_limit_holds_speed(u, target))
+        return;
+    bool faster = pmc_size(target) > pmc_size(r->speed) && (target > 0) == (r->speed >= 0);
     double most = (faster ? u->acceleration : u->deceleration) * PMC_STEP_S;
     r->loop = PMC_LOOP_SPEED;
-    r->speed = pmc_towards(r->speed, u->set.speed, most);
+    r->speed = pmc_towards(r->speed, target, most);
+}
+
+static void follow_speed(pmctendo_t *u)
+{
+    double target = target_speed(u);
+    if (!pmc_limit_holds_speed(u, target))
+        u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = target};
+}
+
+static void follow_torque(pmctendo_t *u)
+{
+    double torque = u->set.torque / 1000.0 * PMC_RATED_TORQUE;
+    if (!pmc_limit_holds_torque(u, torque))
+        u->reference = (pmc_reference_t){.loop = PMC_LOOP_TORQUE, .torque = torque};
 }
 
 void pmc_follow(pmctendo_t *u)
@@ -184,16 +167,16 @@ void pmc_follow(pmctendo_t *u)
     }
     switch (mode) {
     case PMC_MODE_TASK:
-        follow_task(u);
+        pmc_task_follow(u);
         break;
     case PMC_MODE_SPEED_RAMP:
         follow_speed_ramp(u);
         break;
     case PMC_MODE_SPEED:
-        u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = u->set.speed};
+        follow_speed(u);
         break;
     case PMC_MODE_TORQUE:
-        u->reference = (pmc_reference_t){.loop = PMC_LOOP_TORQUE, .torque = u->set.torque / 1000.0 * PMC_RATED_TORQUE};
+        follow_torque(u);
         break;
     default:
         follow_position(u);
@@ -215,12 +198,12 @@ bool pmc_target_reached(const pmctendo_t *u)
         return false;
     switch (mode) {
     case PMC_MODE_TASK:
-        return u->task_reached && in_position(u, u->task_target);
+        return u->task_reached && !u->next.valid && in_position(u, u->task_target);
     case PMC_MODE_HOMING:
         return u->homing.done && in_position(u, u->homing.found);
     case PMC_MODE_SPEED_RAMP:
     case PMC_MODE_SPEED:
-        return pmc_size(u->set.speed - u->plant.speed) <= SPEED_WINDOW;
+        return pmc_size(target_speed(u) - u->plant.speed) <= SPEED_WINDOW;
     case PMC_MODE_TORQUE:
         return true;
     default:

@@ -7,24 +7,26 @@ static double inertia(const pmctendo_t *u)
     return PMC_MOTOR_INERTIA + u->plant.load_inertia * 1e-4;
 }
 
-/* Friction holds a shaft that stands, slows one that turns, and turns none. */
-static double next_speed(const pmctendo_t *u, double torque)
+/* Friction, and without torque the brake: they hold a shaft that stands, slow one that turns, and turn none. */
+static double holding_torque(const pmctendo_t *u, bool powered)
 {
-    const pmc_plant_t *p = &u->plant;
+    bool closed = !powered && u->time_ns >= u->brake_ns;
+    return u->plant.friction + (closed ? u->plant.brake : 0);
+}
+
+static double next_speed(const pmctendo_t *u, double torque, double holding)
+{
     double per_nm = PMC_PER_NM(inertia(u)) * PMC_STEP_S;
-    double free = p->speed + torque * per_nm;
-    double hold = p->friction * per_nm;
+    double free = u->plant.speed + torque * per_nm;
+    double hold = holding * per_nm;
     if (free > hold)
         return free - hold;
     return free < -hold ? free + hold : 0;
 }
 
-/* Without power the holding brake closes as soon as the shaft stands; until then load and friction have it. */
-static double unpowered_speed(const pmctendo_t *u)
+bool pmc_motor_rests(const pmctendo_t *u)
 {
-    double now = u->plant.speed;
-    double next = next_speed(u, -u->plant.load);
-    return now == 0 || (now > 0) != (next > 0) ? 0 : next;
+    return u->plant.speed == 0 && pmc_size(u->plant.load) <= holding_torque(u, false);
 }
 
 static int64_t whole(double x)
@@ -139,7 +141,8 @@ void pmc_motor_step(pmctendo_t *u, bool powered)
 {
     pmc_plant_t *p = &u->plant;
     double from = p->position;
-    double speed = powered ? next_speed(u, u->torque_now - p->load) : unpowered_speed(u);
+    double torque = (powered ? u->torque_now : 0) - p->load;
+    double speed = next_speed(u, torque, holding_torque(u, powered));
     p->position += (p->speed + speed) / 2 * PMC_STEP_S;
     p->speed = speed;
     u->edges = 0;

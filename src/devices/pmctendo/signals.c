@@ -29,6 +29,9 @@ static const ect_signal_t signals[] = {
     W(plant.load, "load", REAL, -100, 100, "Nm", "torque that the load needs to turn in positive direction"),
     W(plant.load_inertia, "load_inertia", REAL, 0, 1000, "kg cm2", "beside the motor's own 3"),
     W(plant.friction, "friction", REAL, 0, 100, "Nm", "Coulomb friction"),
+    W(plant.brake, "brake", REAL, 0, 1000, "Nm", "torque of the holding brake, closed without motor torque; 0: none"),
+    W(plant.brake_delay_ms, "brake_delay", U32, 0, 10000, "ms",
+      "time until the brake is closed when a fault, STO or the supply takes the torque"),
     W(plant.analog, "analog", I16, INT16_MIN, INT16_MAX, "mV", "analogue input"),
     W_COUNTS(plant.feedback2, "feedback2", "position of a second feedback"),
 

@@ -211,7 +211,7 @@ static void short_and_changed_tasks(void **state)
     assert_int_equal(drive_write(&d, 0x607A, 0, (uint32_t)(-2 * TURN), 4), 0);
     drive_control(&d, 0x0F);
     drive_cycle(&d);
-    drive_control(&d, 0x1F);
+    drive_control(&d, 0x3F); /* at once */
     drive_cycles(&d, 2000);
     expect_near("position", -2.0 * TURN, 2);
 }
