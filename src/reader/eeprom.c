@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/* The EEPROM over the registers of the slave information interface (ETG.1000.4 clause 6.4). */
+#include <string.h>
+
+#include "reader/internal.h"
+#include "wire/assert.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
+
+enum { BUSY = 0x8000, NO_ACK = 0x2000, REFUSED = 0x4000, READ = 0x0100, READS_8 = 0x0040 };
+enum { BUSY_MS = 1000, ATTEMPTS = 10, POLLS = 100000, HEADER = 0x80, SIZE_AT = 0x7C, UNIT = 128, BLOCK = 1024 };
+enum { BY_PDI = 0x01, TAKE_AWAY = 0x02, IN_USE = 0x01 };
+
+/* The PDI owns the interface, or has not finished with it: the master may take it away. */
+static ect_reader_result_t take(ect_reader_t *r)
+{
+    static const uint8_t steps[2] = {TAKE_AWAY, 0};
+    uint8_t owner[2];
+    if (reader_get(r, ECT_REG_SII_CONFIG, owner, sizeof owner) != ECT_READER_OK)
+        return r->result;
+    if ((owner[0] & BY_PDI) == 0 && (owner[1] & IN_USE) == 0)
+        return ECT_READER_OK;
+    r->sii_of_pdi = r->sii_of_pdi || (owner[0] & BY_PDI) != 0;
+    if ((owner[1] & IN_USE) != 0 && reader_put(r, ECT_REG_SII_CONFIG, steps, 1) != ECT_READER_OK)
+        return r->result;
+    return reader_put(r, ECT_REG_SII_CONFIG, steps + 1, 1);
+}
+
+static ect_reader_result_t wait_ready(ect_reader_t *r, uint16_t *control)
+{
+    const uint64_t until = reader_now(r) + BUSY_MS * NS_PER_MS;
+    for (unsigned int polls = 0; polls < POLLS; polls++) {
+        const bool late = reader_now(r) >= until;
+        uint8_t bytes[2];
+        if (reader_is_over(r) || reader_get(r, ECT_REG_SII_CONTROL, bytes, sizeof bytes) != ECT_READER_OK)
+            return r->result;
+        *control = ect_load_le16(bytes);
+        if ((*control & BUSY) == 0)
+            return ECT_READER_OK;
+        if (late)
+            break;
+        reader_pause(r, polls);
+    }
+    return reader_report(r, ECT_READER_SILENT, "the EEPROM interface stays busy for more than %d ms", (int)BUSY_MS);
+}
+
+static ect_reader_result_t command(ect_reader_t *r, uint32_t word, uint16_t *control)
+{
+    uint8_t bytes[6] = {0};
+    if (wait_ready(r, control) != ECT_READER_OK)
+        return r->result;
+    if ((*control & (NO_ACK | REFUSED)) != 0 && reader_put(r, ECT_REG_SII_CONTROL, bytes, 2) != ECT_READER_OK)
+        return r->result;
+    ect_store_le16(bytes, READ);
+    ect_store_le32(bytes + 2, word);
+    if (reader_put(r, ECT_REG_SII_CONTROL, bytes, sizeof bytes) != ECT_READER_OK)
+        return r->result;
+    return wait_ready(r, control);
+}
+
+/* 4 or 8 bytes, as the ESC reads them. */
+static ect_reader_result_t read_some(ect_reader_t *r, size_t at, uint8_t data[8], size_t *length)
+{
+    uint16_t control = 0;
+    for (unsigned int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        if (command(r, (uint32_t)(at / 2), &control) != ECT_READER_OK)
+            return r->result;
+        *length = (control & READS_8) != 0 ? 8 : 4;
+        if ((control & NO_ACK) == 0)
+            return reader_get(r, ECT_REG_SII_DATA, data, (uint16_t)*length);
+        reader_pause(r, POLLS); /* an EEPROM that is still writing does not acknowledge */
+    }
+    return reader_report(r, ECT_READER_WRONG, "the EEPROM does not acknowledge a read of word 0x%04X",
+                         (unsigned int)(at / 2));
+}
+
+static size_t size_of_header(const uint8_t *image)
+{
+    const size_t size = ((size_t)ect_load_le16(image + SIZE_AT) + 1) * UNIT;
+    return size <= ECT_READER_SII ? size : HEADER;
+}
+
+ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size, size_t *read)
+{
+    const bool by_header = size == 0;
+    size_t wanted = by_header ? HEADER : size;
+    ECT_ASSERT(size % 4 == 0 && size <= ECT_READER_SII);
+    *read = 0;
+    if (take(r) != ECT_READER_OK)
+        return r->result;
+    while (*read < wanted) {
+        uint8_t data[8];
+        size_t length = 0;
+        if (*read % BLOCK == 0 && !reader_progress(r, "EEPROM", (unsigned int)*read, (unsigned int)wanted))
+            return r->result;
+        if (read_some(r, *read, data, &length) != ECT_READER_OK)
+            return r->result;
+        length = length < wanted - *read ? length : wanted - *read;
+        memcpy(image + *read, data, length);
+        *read += length;
+        if (by_header && *read == HEADER)
+            wanted = size_of_header(image);
+    }
+    return reader_good(r);
+}

@@ -1,0 +1,548 @@
+/* SPDX-License-Identifier: MIT */
+/* The reader of a slave against honest slaves: every device of the house, in every state, over a wire that loses
+ * frames. */
+#define _GNU_SOURCE
+#include "reader/reader.h"
+
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "od/od.h"
+#include "seams/device.h"
+#include "support/every.h"
+#include "support/liar.h"
+#include "support/testdev.h"
+
+enum { INIT = 1, PREOP = 2, SAFEOP = 4, OP = 8, ABORT_NO_SUBINDEX = 0x06090011, ABORT_NO_OBJECT = 0x06020000 };
+
+static ect_reader_t reader;
+static uint8_t image[ECT_READER_SII];
+
+static void open_reader(liar_t *l, const ect_device_t *device, const liar_kind_t *kind)
+{
+    liar_open(l, device, kind);
+    assert_int_equal(ect_reader_open(&reader, &l->link, NULL), ECT_READER_OK);
+}
+
+static void close_reader(liar_t *l)
+{
+    ect_reader_close(&reader);
+    liar_close(l);
+}
+
+/* --- EEPROM ------------------------------------------------------------------------------------------------------- */
+
+static void the_eeprom_of_every_device_is_read(void **state)
+{
+    (void)state;
+    for (size_t i = 0; every_device(i) != NULL; i++) {
+        const ect_device_t *device = every_device(i);
+        liar_t l;
+        size_t size;
+        open_reader(&l, device, NULL);
+        assert_int_equal(reader.count, 1);
+        assert_int_equal(reader.vendor, device->identity.vendor_id);
+        assert_int_equal(reader.product, device->identity.product_code);
+        assert_int_equal(reader.revision, device->identity.revision);
+        assert_int_equal(reader.protocols, device->mailbox_protocols);
+        assert_int_equal(ect_reader_sii(&reader, image, 0, &size), ECT_READER_OK);
+        assert_int_equal(size, device->sii_size);
+        assert_memory_equal(image, ect_chain_esc(l.w.chain, 0)->config.sii, size);
+        assert_string_equal(reader.text, "");
+        close_reader(&l);
+    }
+}
+
+static void a_part_of_the_eeprom_is_read(void **state)
+{
+    liar_t l;
+    size_t size;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    memset(image, 0x5A, sizeof image);
+    assert_int_equal(ect_reader_sii(&reader, image, 20, &size), ECT_READER_OK);
+    assert_int_equal(size, 20);
+    assert_memory_equal(image, ect_chain_esc(l.w.chain, 0)->config.sii, 20);
+    assert_int_equal(image[20], 0x5A);
+    close_reader(&l);
+}
+
+static void the_pdi_gets_the_eeprom_back(void **state)
+{
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, NULL);
+    assert_int_equal(wire_write8(&l.w, 0, ECT_REG_SII_CONFIG, 1), 1);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG) & 1, 0);
+    ect_reader_close(&reader);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG) & 1, 1);
+    liar_close(&l);
+}
+
+/* --- states ------------------------------------------------------------------------------------------------------- */
+
+static void a_slave_in_init_returns_to_init_with_the_sync_managers_it_had(void **state)
+{
+    uint8_t before[16], after[16], value[4];
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, NULL);
+    wire_set_sm(&l.w, 0, 0, 0x1234, 0, 0);
+    assert_int_equal(wire_read(&l.w, 0, ECT_REG_SM, before, sizeof before), 1);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT); /* to read the EEPROM needs no state */
+    assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), PREOP);
+    ect_reader_close(&reader);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT);
+    assert_int_equal(wire_read(&l.w, 0, ECT_REG_SM, after, sizeof after), 1);
+    before[ECT_SM_STATUS] = after[ECT_SM_STATUS] = 0;
+    before[8 + ECT_SM_STATUS] = after[8 + ECT_SM_STATUS] = 0;
+    assert_memory_equal(before, after, sizeof before);
+    liar_close(&l);
+}
+
+static void a_slave_at_work_stays_in_its_state(void **state)
+{
+    static const uint8_t states[] = {PREOP, SAFEOP, OP};
+    (void)state;
+    for (size_t i = 0; i < sizeof states; i++) {
+        uint8_t value[4];
+        size_t size = sizeof value;
+        liar_t l;
+        liar_open(&l, &testdev, NULL);
+        wire_go(&l.w, 0, states[i]);
+        assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+        assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+        assert_int_equal(ect_load_le32(value), testdev.identity.vendor_id);
+        assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), states[i]);
+        ect_reader_close(&reader);
+        assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), states[i]);
+        liar_close(&l);
+    }
+}
+
+static void a_slave_with_the_error_flag_is_acknowledged(void **state)
+{
+    uint8_t value[4];
+    uint16_t code;
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, NULL);
+    assert_int_equal(wire_al(&l.w, 0, OP, &code), INIT | ECT_AL_ERROR);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    assert_int_equal(reader.found_status, INIT | ECT_AL_ERROR);
+    assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+    close_reader(&l);
+}
+
+static void a_refused_state_is_reported_with_its_code(void **state)
+{
+    uint8_t value[4];
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    testdev_of(&l.w, 0)->state_change_answer = 0x8123;
+    assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_REFUSED);
+    assert_int_equal(reader.code, 0x8123);
+    assert_string_equal(reader.text, "the slave refuses PREOP with AL status code 0x8123");
+    assert_int_equal(size, 0);
+    ect_reader_close(&reader);
+    assert_string_equal(reader.text, "the slave refuses PREOP with AL status code 0x8123");
+    liar_close(&l);
+}
+
+static void the_third_of_three_slaves_is_read_and_the_others_are_left_alone(void **state)
+{
+    const ect_device_t *const devices[] = {&testdev, &testdev, &testdev};
+    const ect_reader_config_t third = {.position = 2}, fourth = {.position = 3};
+    uint8_t value[4];
+    size_t size = sizeof value;
+    liar_t l = {0};
+    (void)state;
+    wire_open(&l.w, devices, 3);
+    liar_attach(&l, NULL);
+    assert_int_equal(ect_reader_open(&reader, &l.link, &third), ECT_READER_OK);
+    assert_int_equal(reader.count, 3);
+    testdev_of(&l.w, 2)->u32 = 77;
+    assert_int_equal(ect_reader_upload(&reader, 0x2000, 0, false, value, &size), ECT_READER_OK);
+    assert_int_equal(ect_load_le32(value), 77);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT);
+    assert_int_equal(wire_read8(&l.w, 1, ECT_REG_AL_STATUS), INIT);
+    ect_reader_close(&reader);
+    assert_int_equal(ect_reader_open(&reader, &l.link, &fourth), ECT_READER_LOST);
+    assert_string_equal(reader.text, "the segment has only 3 slaves");
+    close_reader(&l);
+}
+
+/* --- uploads ------------------------------------------------------------------------------------------------------ */
+
+static void uploads_of_every_length_arrive_whole(void **state)
+{
+    uint8_t value[1000];
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
+    testdev_t *t = testdev_of(&l.w, 0);
+    for (size_t i = 0; i < sizeof t->octets; i++)
+        t->octets[i] = (uint8_t)(i * 7 + i / 256);
+    const struct {
+        uint16_t index;
+        uint8_t subindex;
+        size_t size;
+        const void *data;
+    } entries[] = {{0x2006, 1, 1, &t->record_bool},
+                   {0x2007, 4, 2, &t->array[3]},
+                   {0x1018, 1, 4, &testdev.identity.vendor_id},
+                   {0x2009, 0, 8, &t->u64},
+                   {0x1008, 0, 18, "ectwin test device"},
+                   {0x2002, 0, 1000, t->octets}};
+    t->array[3] = 0x1234;
+    t->u64 = 0x1122334455667788u;
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++) {
+        size_t size = sizeof value;
+        assert_int_equal(ect_reader_upload(&reader, entries[i].index, entries[i].subindex, false, value, &size),
+                         ECT_READER_OK);
+        assert_int_equal(size, entries[i].size);
+        assert_memory_equal(value, entries[i].data, size);
+        size--; /* no room for the last byte */
+        const size_t room = size;
+        memset(value, 0xA5, sizeof value);
+        assert_int_equal(ect_reader_upload(&reader, entries[i].index, entries[i].subindex, false, value, &size),
+                         ECT_READER_TOO_LONG);
+        assert_int_equal(size, room + 1);
+        assert_int_equal(value[room], 0xA5);
+    }
+    close_reader(&l);
+}
+
+static void an_object_is_uploaded_by_complete_access(void **state)
+{
+    uint8_t value[64];
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
+    for (unsigned int i = 0; i < 4; i++)
+        testdev_of(&l.w, 0)->array[i] = (uint16_t)(0x1111 * (i + 1));
+    assert_int_equal(ect_reader_upload(&reader, 0x2007, 0, true, value, &size), ECT_READER_OK);
+    assert_int_equal(size, 10); /* sub-index 0 takes two bytes */
+    assert_int_equal(value[0], 4);
+    assert_int_equal(ect_load_le16(value + 8), 0x4444);
+    size = sizeof value;
+    assert_int_equal(ect_reader_upload(&reader, 0x2007, 1, true, value, &size), ECT_READER_OK);
+    assert_int_equal(size, 8);
+    assert_int_equal(ect_load_le16(value), 0x1111);
+    close_reader(&l);
+}
+
+static void an_abort_is_reported_with_its_code_and_the_next_upload_works(void **state)
+{
+    uint8_t value[4];
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    assert_int_equal(ect_reader_upload(&reader, 0x4711, 2, false, value, &size), ECT_READER_ABORTED);
+    assert_int_equal(reader.code, ABORT_NO_OBJECT);
+    assert_string_equal(reader.text, "4711:02: the slave aborts with 0x06020000");
+    size = sizeof value;
+    assert_int_equal(ect_reader_upload(&reader, 0x1018, 9, false, value, &size), ECT_READER_ABORTED);
+    assert_int_equal(reader.code, ABORT_NO_SUBINDEX);
+    size = sizeof value;
+    assert_int_equal(ect_reader_upload(&reader, 0x1018, 2, false, value, &size), ECT_READER_OK);
+    assert_int_equal(ect_load_le32(value), testdev.identity.product_code);
+    assert_string_equal(reader.text, "");
+    close_reader(&l);
+}
+
+/* --- descriptions ------------------------------------------------------------------------------------------------- */
+
+static void objects_and_entries_are_described(void **state)
+{
+    ect_reader_object_t object;
+    ect_reader_entry_t entry;
+    size_t count;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    assert_int_equal(ect_reader_list(&reader, &count), ECT_READER_OK);
+    assert_int_equal(count, testdev.object_count);
+    for (uint16_t i = 0; i < testdev.object_count; i++)
+        assert_true((reader.objects[testdev.objects[i].index / 8] >> testdev.objects[i].index % 8 & 1) != 0);
+    assert_int_equal(ect_reader_object(&reader, 0x2008, &object), ECT_READER_OK);
+    assert_true(object.described);
+    assert_int_equal(object.most, 5);
+    assert_int_equal(object.code, 9);
+    assert_int_equal(object.name.length, 13);
+    assert_memory_equal(object.name.data, "Sparse record", 13);
+    assert_int_equal(ect_reader_entry(&reader, 0x2005, 0, &entry), ECT_READER_OK);
+    assert_int_equal(entry.type, ECT_TYPE_INTEGER16);
+    assert_int_equal(entry.bits, 16);
+    assert_int_equal(entry.access, ECT_ACCESS_RW);
+    assert_int_equal(ect_load_le16(entry.unit.data), 0x2D);
+    assert_int_equal((int16_t)ect_load_le16(entry.minimum.data), -100);
+    assert_int_equal(ect_load_le16(entry.maximum.data), 200);
+    assert_int_equal(ect_load_le16(entry.preset.data), 5);
+    assert_memory_equal(entry.name.data, "Limited", 7);
+    assert_null(entry.value.data);
+    assert_int_equal(ect_reader_entry(&reader, 0x2008, 2, &entry), ECT_READER_OK); /* a gap */
+    assert_int_equal(entry.type, 0);
+    assert_int_equal(ect_reader_entry(&reader, 0x2008, 6, &entry), ECT_READER_ABORTED);
+    assert_int_equal(ect_reader_object(&reader, 0x2999, &object), ECT_READER_ABORTED);
+    assert_int_equal(reader.code, ABORT_NO_OBJECT);
+    close_reader(&l);
+}
+
+/* --- dictionary --------------------------------------------------------------------------------------------------- */
+
+typedef struct seen {
+    const ect_device_t *device;
+    bool described;
+    size_t objects, entries, values;
+    unsigned int last;
+} seen_t;
+
+static void see_begin(void *ctx, bool described)
+{
+    ((seen_t *)ctx)->described = described;
+}
+
+static void see_object(void *ctx, const ect_reader_object_t *object)
+{
+    seen_t *s = ctx;
+    const ect_od_t od = ect_device_od(s->device, NULL);
+    const ect_object_t *expected = ect_od_find(&od, object->index);
+    assert_non_null(expected);
+    assert_true(object->index > s->last || !s->described);
+    assert_int_equal(object->described, s->described);
+    assert_int_equal(object->code, s->described ? expected->object_code : 0);
+    if (object->name.data != NULL)
+        assert_memory_equal(object->name.data, expected->name, object->name.length);
+    s->last = object->index;
+    s->objects++;
+}
+
+static void see_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
+{
+    seen_t *s = ctx;
+    const ect_od_t od = ect_device_od(s->device, NULL);
+    const ect_entry_t *expected = ect_od_entry(ect_od_find(&od, object->index), entry->subindex);
+    assert_non_null(expected);
+    assert_int_equal(entry->type, s->described ? expected->data_type : 0);
+    assert_int_equal(entry->bits, s->described ? ect_od_bits(&od, expected) : 0);
+    s->entries++;
+    s->values += entry->value.data != NULL;
+}
+
+static size_t entries_of(const ect_device_t *device)
+{
+    size_t count = 0;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        for (const ect_entry_t *e = device->objects[i].entries; e; e = ect_od_next(&device->objects[i], e))
+            count++;
+    }
+    return count;
+}
+
+static void the_dictionary_of_every_device_is_read(void **state)
+{
+    (void)state;
+    for (size_t i = 0; every_device(i) != NULL; i++) {
+        seen_t s = {.device = every_device(i)};
+        const ect_reader_sink_t sink = {.ctx = &s, .begin = see_begin, .object = see_object, .entry = see_entry};
+        liar_t l;
+        open_reader(&l, s.device, NULL);
+        assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), ECT_READER_OK);
+        assert_int_equal(s.described, has_coe(s.device) && (s.device->coe_details & ECT_COE_SDO_INFO) != 0);
+        if (s.described || !has_coe(s.device)) {
+            assert_int_equal(s.objects, s.described ? s.device->object_count : 0);
+            assert_int_equal(s.entries, s.described ? entries_of(s.device) : 0);
+        } else {
+            assert_true(s.objects >= 3 && s.entries == s.values);
+        }
+        close_reader(&l);
+    }
+}
+
+static void all_values_are_uploaded_when_wanted(void **state)
+{
+    seen_t few = {.device = &testdev}, all = {.device = &testdev};
+    ect_reader_sink_t sink = {.ctx = &few, .begin = see_begin, .object = see_object, .entry = see_entry};
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), ECT_READER_OK);
+    sink.ctx = &all;
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_ALL_VALUES, &sink), ECT_READER_OK);
+    /* 1000h, 1008h, 1018h:0..4, two mappings of 0..3, two assignments of 0..1 */
+    assert_int_equal(few.values, 1 + 1 + 5 + 2 * 4 + 2 * 2);
+    assert_int_equal(all.values, all.entries - 1); /* 2003h is write only */
+    close_reader(&l);
+}
+
+static liar_mail_t no_information(liar_t *l, const uint8_t *r)
+{
+    static const uint8_t unsupported[4] = {1, 0, 2, 0};
+    if (r[7] >> 4 != 8)
+        return LIAR_PASSES;
+    liar_say(l, 0, unsupported, sizeof unsupported);
+    return LIAR_REPLIES;
+}
+
+static void without_sdo_information_identity_and_pdos_are_read(void **state)
+{
+    static const liar_kind_t kind = {.request = no_information};
+    static const uint16_t expected[] = {0x1000, 0x1008, 0x1018, 0x1C12, 0x1600, 0x1C13, 0x1A00};
+    char *json = NULL;
+    size_t length, i = 0;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    FILE *file = open_memstream(&json, &length);
+    assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
+    assert_int_equal(fclose(file), 0);
+    cJSON *root = cJSON_Parse(json);
+    assert_true(cJSON_IsFalse(cJSON_GetObjectItem(root, "described")));
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(root, "complete")));
+    const cJSON *object;
+    cJSON_ArrayForEach(object, cJSON_GetObjectItem(root, "objects"))
+    {
+        assert_int_equal(cJSON_GetObjectItem(object, "index")->valueint, expected[i++]);
+        assert_null(cJSON_GetObjectItem(object, "code"));
+    }
+    assert_int_equal(i, sizeof expected / sizeof expected[0]);
+    object = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "objects"), 4);
+    const cJSON *entry = cJSON_GetArrayItem(cJSON_GetObjectItem(object, "entries"), 3);
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(entry, "value")), "10020070");
+    cJSON_Delete(root);
+    free(json);
+    close_reader(&l);
+}
+
+static void the_json_text_has_every_field(void **state)
+{
+    char *json = NULL;
+    size_t length;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    FILE *file = open_memstream(&json, &length);
+    assert_int_equal(ect_reader_json(&reader, ECT_READER_ALL_VALUES, file), ECT_READER_OK);
+    assert_int_equal(fclose(file), 0);
+    assert_non_null(strstr(json, "{\"slave\": 1, \"described\": true, \"objects\": ["));
+    assert_non_null(strstr(json, "{\"index\": 8197, \"type\": 3, \"code\": 7, \"name\": \"Limited\", \"entries\": [\n"
+                                 "    {\"subindex\": 0, \"type\": 3, \"bits\": 16, \"access\": 63, \"unit\": \"2d00\", "
+                                 "\"default\": \"0500\", \"minimum\": \"9cff\", \"maximum\": \"c800\", "
+                                 "\"name\": \"Limited\", \"value\": \"0500\"}]},"));
+    assert_non_null(strstr(json, "\n], \"complete\": true}\n"));
+    free(json);
+    close_reader(&l);
+}
+
+/* --- wire --------------------------------------------------------------------------------------------------------- */
+
+static bool lose_some(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    (void)d;
+    (void)ado;
+    (void)data;
+    (void)length;
+    (void)wkc;
+    return l->frames % 5 != 0;
+}
+
+static void a_wire_that_loses_a_fifth_of_the_frames_changes_nothing(void **state)
+{
+    static const liar_kind_t kind = {.datagram = lose_some};
+    seen_t s = {.device = &testdev};
+    const ect_reader_sink_t sink = {.ctx = &s, .begin = see_begin, .object = see_object, .entry = see_entry};
+    const ect_reader_config_t patient = {.tries = 10};
+    size_t size;
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_open(&reader, &l.link, &patient), ECT_READER_OK);
+    assert_int_equal(ect_reader_sii(&reader, image, 0, &size), ECT_READER_OK);
+    assert_memory_equal(image, ect_chain_esc(l.w.chain, 0)->config.sii, size);
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), ECT_READER_OK);
+    assert_int_equal(s.objects, testdev.object_count);
+    assert_int_equal(s.entries, entries_of(&testdev));
+    close_reader(&l);
+}
+
+typedef struct stop {
+    unsigned int calls, after;
+    char what[20];
+    unsigned int all;
+} stop_t;
+
+static bool stop_after(void *ctx, const char *what, unsigned int done, unsigned int all)
+{
+    stop_t *s = ctx;
+    assert_true(done < all);
+    snprintf(s->what, sizeof s->what, "%s", what);
+    s->all = all;
+    return s->calls++ < s->after;
+}
+
+static void the_callback_shows_progress_and_stops(void **state)
+{
+    for (unsigned int after = 3; after < 30; after += 9) {
+        stop_t stop = {.after = after};
+        const ect_reader_config_t config = {.progress = stop_after, .progress_ctx = &stop};
+        seen_t s = {.device = &testdev};
+        const ect_reader_sink_t to = {.ctx = &s, .begin = see_begin, .object = see_object, .entry = see_entry};
+        size_t size;
+        liar_t l;
+        liar_open(&l, &testdev, NULL);
+        assert_int_equal(ect_reader_open(&reader, &l.link, &config), ECT_READER_OK);
+        assert_int_equal(ect_reader_sii(&reader, image, 0, &size), ECT_READER_OK);
+        assert_string_equal(stop.what, "EEPROM");
+        const ect_reader_result_t result = ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &to);
+        assert_string_equal(stop.what, "objects");
+        assert_int_equal(stop.all, testdev.object_count);
+        const unsigned int blocks = 1 + 2; /* the header, and two of 1 KiB */
+        if (after < blocks + testdev.object_count) {
+            assert_int_equal(result, ECT_READER_STOPPED);
+            assert_string_equal(reader.text, "stopped by the user");
+            assert_int_equal(s.objects, after - blocks);
+        } else {
+            assert_int_equal(result, ECT_READER_OK);
+        }
+        close_reader(&l);
+    }
+    (void)state;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_eeprom_of_every_device_is_read),
+        cmocka_unit_test(a_part_of_the_eeprom_is_read),
+        cmocka_unit_test(the_pdi_gets_the_eeprom_back),
+        cmocka_unit_test(a_slave_in_init_returns_to_init_with_the_sync_managers_it_had),
+        cmocka_unit_test(a_slave_at_work_stays_in_its_state),
+        cmocka_unit_test(a_slave_with_the_error_flag_is_acknowledged),
+        cmocka_unit_test(a_refused_state_is_reported_with_its_code),
+        cmocka_unit_test(the_third_of_three_slaves_is_read_and_the_others_are_left_alone),
+        cmocka_unit_test(uploads_of_every_length_arrive_whole),
+        cmocka_unit_test(an_object_is_uploaded_by_complete_access),
+        cmocka_unit_test(an_abort_is_reported_with_its_code_and_the_next_upload_works),
+        cmocka_unit_test(objects_and_entries_are_described),
+        cmocka_unit_test(the_dictionary_of_every_device_is_read),
+        cmocka_unit_test(all_values_are_uploaded_when_wanted),
+        cmocka_unit_test(without_sdo_information_identity_and_pdos_are_read),
+        cmocka_unit_test(the_json_text_has_every_field),
+        cmocka_unit_test(a_wire_that_loses_a_fifth_of_the_frames_changes_nothing),
+        cmocka_unit_test(the_callback_shows_progress_and_stops),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
