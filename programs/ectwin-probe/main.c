@@ -1,35 +1,54 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * ectwin-probe: what a slave on the wire says of itself. Its EEPROM over the bus, its dictionary by SDO information,
- * its PDOs and identity by SDO. Any vendor's slave; nothing is written to it but AL control and mailbox requests.
- *
- * This file is MIT; the program is linked with SOEM and as a binary covered by SOEM's licence, GPL-2.0 with an
- * exception.
- */
+/* ectwin-probe: reads the EEPROM and the dictionary of a slave of any vendor over the bus. */
 #define _GNU_SOURCE
 #include <argp.h>
 #include <errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "number.h"
-#include "open_bus.h"
-#include "probe.h"
+#include "reader/packet.h"
+#include "sii/sii.h"
 
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
+enum { SLAVES_MOST = 65535, SECONDS_MOST = 86400, KEY_LIMIT = 256, KEY_VALUES };
+enum { NAME_AT = 3, COE = 0x04 };
 
 typedef struct args {
     const char *iface, *sii, *od;
-    unsigned long slave;
+    unsigned long slave, limit_s;
+    ect_reader_values_t values;
 } args_t;
 
 static const struct argp_option options[] = {
-    {"interface", 'i', "IFACE", 0, "The network interface that the slaves are on", 0},
-    {"slave", 'n', "N", 0, "Which of them, from 1 (default 1)", 0},
-    {"sii", 's', "FILE", 0, "Write its SII (EEPROM) to FILE", 0},
-    {"od", 'd', "FILE.json", 0, "Write its dictionary to FILE.json", 0},
+    {"interface", 'i', "IFACE", 0, "Network interface with the slaves (required)", 0},
+    {"slave", 'n', "N", 0, "Number of the slave in the segment, from 1 (default 1)", 0},
+    {"sii", 's', "FILE", 0, "Write the EEPROM to FILE (binary)", 0},
+    {"od", 'd', "FILE.json", 0, "Write the dictionary to FILE.json", 0},
+    {"values", KEY_VALUES, NULL, 0,
+     "With --od: upload the value of each readable entry, and not only those of identity and PDOs", 0},
+    {"limit", KEY_LIMIT, "SECONDS", 0, "Stop after SECONDS, 1 to 86400 (default 600)", 0},
     {0},
 };
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+static unsigned long number_of(const struct argp_state *state, const char *option, const char *text, unsigned long most)
+{
+    char *end;
+    errno = 0;
+    const unsigned long number = strtoul(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end != '\0' || errno != 0 || number == 0 || number > most)
+        argp_error(state, "%s takes a number from 1 to %lu, not '%s'", option, most, text);
+    return number;
+}
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -39,15 +58,19 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->iface = text;
         return 0;
     case 'n':
-        args->slave = number_of(state, "-n", text, EC_MAXSLAVE - 1);
-        if (args->slave == 0)
-            argp_error(state, "-n takes the number of a slave, 1 to %d, not '%s'", EC_MAXSLAVE - 1, text);
+        args->slave = number_of(state, "-n", text, SLAVES_MOST);
         return 0;
     case 's':
         args->sii = text;
         return 0;
     case 'd':
         args->od = text;
+        return 0;
+    case KEY_VALUES:
+        args->values = ECT_READER_ALL_VALUES;
+        return 0;
+    case KEY_LIMIT:
+        args->limit_s = number_of(state, "--limit", text, SECONDS_MOST);
         return 0;
     case ARGP_KEY_END:
         if (args->iface == NULL)
@@ -58,48 +81,96 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static int save(const char *path, bool (*write)(uint16_t slave, FILE *file), uint16_t slave)
+/* On a terminal one line that overwrites itself. */
+static bool show_progress(void *ctx, const char *what, unsigned int done, unsigned int all)
+{
+    (void)ctx;
+    if (isatty(STDERR_FILENO))
+        fprintf(stderr, "\rectwin-probe: %s %u of %u \r", what, done, all);
+    return interrupted == 0;
+}
+
+static int fail(const ect_reader_t *r, const args_t *args)
+{
+    fprintf(stderr, "ectwin-probe: slave %lu on '%s': %s\n", args->slave, args->iface, r->text);
+    return EXIT_RUN;
+}
+
+static int cannot_write(const char *path, int error, int status)
+{
+    fprintf(stderr, "ectwin-probe: cannot write '%s': %s\n", path, strerror(error));
+    return status;
+}
+
+/* An incomplete file stays: the exit code marks it. */
+static int save(ect_reader_t *r, const args_t *args, const char *path,
+                ect_reader_result_t (*write)(ect_reader_t *r, const args_t *args, FILE *file))
 {
     FILE *file = fopen(path, "wb");
-    if (file == NULL) {
-        fprintf(stderr, "ectwin-probe: cannot write '%s': %s\n", path, strerror(errno));
-        return EXIT_OPEN;
-    }
-    bool read = write(slave, file);
+    if (file == NULL)
+        return cannot_write(path, errno, EXIT_OPEN);
+    const ect_reader_result_t result = write(r, args, file);
     bool written = fflush(file) == 0 && ferror(file) == 0;
     int error = errno;
     if (fclose(file) != 0 && written) {
         written = false;
         error = errno;
     }
-    if (!read)
-        fprintf(stderr, "ectwin-probe: slave %u stopped answering while its %s was read\n", (unsigned int)slave,
-                write == probe_sii ? "EEPROM" : "dictionary");
-    else if (!written)
-        fprintf(stderr, "ectwin-probe: cannot write '%s': %s\n", path, strerror(error));
-    return read && written ? EXIT_CLEAN : EXIT_RUN;
+    if (result != ECT_READER_OK)
+        return fail(r, args);
+    return written ? EXIT_CLEAN : cannot_write(path, error, EXIT_RUN);
 }
 
-static int run(const args_t *args)
+static uint8_t image[ECT_READER_SII];
+
+static ect_reader_result_t write_sii(ect_reader_t *r, const args_t *args, FILE *file)
 {
-    int count = ec_config_init(FALSE);
-    if (count <= 0 || (unsigned long)count < args->slave) {
-        fprintf(stderr, "ectwin-probe: there are %d slaves on '%s', none with number %lu\n", count > 0 ? count : 0,
-                args->iface, args->slave);
-        return EXIT_RUN;
-    }
-    uint16_t slave = (uint16_t)args->slave;
-    (void)ec_statecheck(slave, EC_STATE_PRE_OP, EC_TIMEOUTSTATE);
-    const ec_slavet *s = &ec_slave[slave];
-    if (args->sii == NULL && args->od == NULL)
-        printf("slave %u: %s, vendor 0x%08X, product 0x%08X, revision 0x%08X, mailbox %u bytes%s\n",
-               (unsigned int)slave, s->name, s->eep_man, s->eep_id, s->eep_rev, (unsigned int)s->mbx_l,
-               (s->mbx_proto & ECT_PROBE_COE) != 0 ? ", CoE" : "");
-    int status = args->sii != NULL ? save(args->sii, probe_sii, slave) : EXIT_CLEAN;
+    size_t size;
+    (void)args;
+    const ect_reader_result_t result = ect_reader_sii(r, image, 0, &size);
+    (void)fwrite(image, 1, size, file);
+    return result;
+}
+
+static ect_reader_result_t write_dictionary(ect_reader_t *r, const args_t *args, FILE *file)
+{
+    return ect_reader_json(r, args->values, file);
+}
+
+static int print_line(ect_reader_t *r, const args_t *args)
+{
+    size_t size, bytes = 0;
+    uint8_t length = 0;
+    if (ect_reader_sii(r, image, 0, &size) != ECT_READER_OK)
+        return fail(r, args);
+    const uint8_t *general = ect_sii_category(image, size, ECT_SII_GENERAL, &bytes);
+    const char *name =
+        general != NULL && bytes > NAME_AT ? ect_sii_string(image, size, general[NAME_AT], &length) : NULL;
+    printf("slave %lu: ", args->slave);
+    for (uint8_t i = 0; name != NULL && i < length; i++)
+        putchar(name[i] >= ' ' && name[i] <= '~' ? name[i] : '?');
+    printf("%svendor 0x%08X, product 0x%08X, revision 0x%08X, mailbox %u bytes%s\n", length > 0 ? ", " : "", r->vendor,
+           r->product, r->revision, (unsigned int)r->out_size, (r->protocols & COE) != 0 ? ", CoE" : "");
+    return EXIT_CLEAN;
+}
+
+static int run(ect_packet_t *port, const args_t *args)
+{
+    static ect_reader_t reader;
+    const ect_reader_link_t link = ect_reader_packet_link(port);
+    const ect_reader_config_t config = {.position = (uint16_t)(args->slave - 1),
+                                        .limit_ms = (uint32_t)(args->limit_s * 1000),
+                                        .progress = show_progress};
+    int status = EXIT_CLEAN;
+    if (ect_reader_open(&reader, &link, &config) != ECT_READER_OK)
+        status = fail(&reader, args);
+    else if (args->sii == NULL && args->od == NULL)
+        status = print_line(&reader, args);
+    if (status == EXIT_CLEAN && args->sii != NULL)
+        status = save(&reader, args, args->sii, write_sii);
     if (status == EXIT_CLEAN && args->od != NULL)
-        status = save(args->od, probe_dictionary, slave);
-    ec_slave[0].state = EC_STATE_INIT;
-    (void)ec_writestate(0);
+        status = save(&reader, args, args->od, write_dictionary);
+    ect_reader_close(&reader);
     return status;
 }
 
@@ -108,17 +179,26 @@ int main(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .doc =
-            "Reads what a slave says of itself: its EEPROM over the bus, its dictionary by SDO information, its PDOs "
-            "by SDO. Without files to write it prints one line. All slaves of the segment go to INIT and PREOP, and "
-            "to INIT at the end: not for a machine at work.",
+        .doc = "Reads the EEPROM and the dictionary of a slave: the EEPROM over the bus, objects by SDO information, "
+               "values, PDO mappings and assignments by SDO upload. Without --sii and --od it prints one line.\v"
+               "A slave in INIT goes to PREOP, and back to INIT at the end; a slave in another state stays there. "
+               "Nothing is written but mailbox requests and the EEPROM interface. End a master that uses the same "
+               "mailbox first: each would take replies of the other.\n\n"
+               "Exit codes: 0 all was read, 1 wrong usage, 2 the interface or a file cannot be opened, 3 the slave "
+               "could not be read, or not completely: the file then holds what was read.",
     };
-    args_t args = {.slave = 1};
+    args_t args = {.slave = 1, .limit_s = 600};
+    char message[ECT_PACKET_MESSAGE];
+    ect_packet_t port;
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    if (!open_bus("ectwin-probe", args.iface))
+    if (ect_packet_open(&port, args.iface, message) < 0) {
+        fprintf(stderr, "ectwin-probe: %s\n", message);
         return EXIT_OPEN;
-    int status = run(&args);
-    ec_close();
+    }
+    (void)signal(SIGINT, on_signal);
+    (void)signal(SIGTERM, on_signal);
+    const int status = run(&port, &args);
+    ect_packet_close(&port);
     return status;
 }

@@ -1,22 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include <errno.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "bus/chain/catalogue.h"
 #include "commands.h"
 #include "facts/facts.h"
 #include "products.h"
+#include "reader/packet.h"
 #include "sii_file.h"
 
 /* As of cmp: a difference is not trouble. */
 enum { SAME = 0, DIFFERENT = 1, TROUBLE = 2 };
-enum { SETS_MOST = 64 };
+enum { SETS_MOST = 64, SLAVES_MOST = 65535 };
 
 typedef struct verify {
     ect_arena_t arena; /* names of sources */
@@ -71,72 +69,75 @@ static bool add_device(verify_t *v, const char *operand, const char *name, bool 
 
 /* --- a slave on the wire ----------------------------------------------------------------------------------------- */
 
-/* Beside this program, else in PATH. */
-static const char *probe_path(ect_arena_t *arena)
-{
-    char self[4096];
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    while (length > 0 && self[length - 1] != '/')
-        length--;
-    const char *beside = ect_arena_print(arena, "%.*sectwin-probe", length > 0 ? (int)length : 0, self);
-    return length > 0 && access(beside, X_OK) == 0 ? beside : "ectwin-probe";
-}
+/* A slave: the wire to it, and its EEPROM. */
+typedef struct slave {
+    ect_packet_t port;
+    char why[ECT_PACKET_MESSAGE];
+    ect_reader_link_t link;
+    ect_reader_t reader;
+    uint8_t image[ECT_READER_SII];
+} slave_t;
 
-static bool run_probe(verify_t *v, const char *iface, const char *number, const char *sii, const char *od)
+static bool fail(verify_t *v, const char *operand, const char *why)
 {
-    char *arguments[] = {
-        "ectwin-probe",         "-i",   (char *)(uintptr_t)iface, "-n", (char *)(uintptr_t)number, "--sii",
-        (char *)(uintptr_t)sii, "--od", (char *)(uintptr_t)od,    NULL};
-    pid_t child;
-    int status = 0;
-    int error = posix_spawnp(&child, probe_path(&v->arena), NULL, NULL, arguments, environ);
-    if (error != 0) {
-        (void)snprintf(v->message, sizeof v->message,
-                       "slaves are read by ectwin-probe, which is neither beside this program nor in PATH: %s",
-                       strerror(error));
-        return false;
-    }
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-        continue;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return true;
-    (void)snprintf(v->message, sizeof v->message, "slave:%s:%s could not be read", iface, number);
+    (void)snprintf(v->message, sizeof v->message, "%s: %s", operand, why);
     return false;
 }
 
-static bool add_dictionary(verify_t *v, const char *operand, const char *path)
+static bool add_dictionary(verify_t *v, const char *operand, ect_reader_t *reader)
 {
-    FILE *file = fopen(path, "rb");
     char *json = NULL;
-    size_t room = 0;
-    bool fine = file != NULL && getdelim(&json, &room, '\0', file) > 0 &&
-                ect_facts_of_dictionary(new_set(v, operand, " dictionary"), json);
-    if (!fine)
-        (void)snprintf(v->message, sizeof v->message, "%s: its dictionary is not what ectwin-probe writes", operand);
+    size_t length = 0;
+    FILE *file = open_memstream(&json, &length);
+    if (file == NULL)
+        return fail(v, operand, "no memory for the dictionary");
+    const ect_reader_result_t result = ect_reader_json(reader, ECT_READER_IDENTITY_AND_PDOS, file);
+    const bool written = fclose(file) == 0 && ect_facts_of_dictionary(new_set(v, operand, " dictionary"), json);
     free(json);
-    if (file != NULL)
-        (void)fclose(file);
+    if (result != ECT_READER_OK)
+        return fail(v, operand, reader->text);
+    return written || fail(v, operand, "no memory for the dictionary");
+}
+
+static bool read_slave(verify_t *v, const char *operand, slave_t *slave, uint16_t position)
+{
+    const ect_reader_config_t config = {.position = position};
+    size_t size = 0;
+    slave->link = ect_reader_packet_link(&slave->port);
+    bool fine = ect_reader_open(&slave->reader, &slave->link, &config) == ECT_READER_OK &&
+                ect_reader_sii(&slave->reader, slave->image, 0, &size) == ECT_READER_OK;
+    if (fine) {
+        ect_facts_of_sii(new_set(v, operand, " EEPROM"), slave->image, size);
+        fine = add_dictionary(v, operand, &slave->reader);
+    } else {
+        (void)fail(v, operand, slave->reader.text);
+    }
+    ect_reader_close(&slave->reader);
     return fine;
 }
 
+/* slave:IFACE[:N] */
 static bool add_slave(verify_t *v, const char *operand)
 {
     const char *rest = strchr(operand, ':') + 1;
     const char *colon = strchr(rest, ':');
     const char *iface = colon != NULL ? ect_arena_copy(&v->arena, rest, (size_t)(colon - rest)) : rest;
-    const char *parent = getenv("TMPDIR");
-    char *folder = ect_arena_print(&v->arena, "%s/ectwin-XXXXXX", parent != NULL && *parent != '\0' ? parent : "/tmp");
-    if (mkdtemp(folder) == NULL) {
-        (void)snprintf(v->message, sizeof v->message, "cannot make a folder '%s': %s", folder, strerror(errno));
-        return false;
+    const char *number = colon != NULL ? colon + 1 : "1";
+    char *end;
+    const unsigned long n = strtoul(number, &end, 10);
+    if (*number < '0' || *number > '9' || *end != '\0' || n == 0 || n > SLAVES_MOST)
+        return fail(v, operand, "the number of a slave is 1 to 65535: slave:IFACE[:N]");
+    slave_t *slave = calloc(1, sizeof *slave);
+    if (slave == NULL)
+        return fail(v, operand, "no memory");
+    bool fine = ect_packet_open(&slave->port, iface, slave->why) == 0;
+    if (fine) {
+        fine = read_slave(v, operand, slave, (uint16_t)(n - 1));
+        ect_packet_close(&slave->port);
+    } else {
+        (void)fail(v, operand, slave->why);
     }
-    const char *sii = ect_arena_print(&v->arena, "%s/sii.bin", folder);
-    const char *od = ect_arena_print(&v->arena, "%s/od.json", folder);
-    bool fine = run_probe(v, iface, colon != NULL ? colon + 1 : "1", sii, od) &&
-                add_image(v, operand, " EEPROM", sii) && add_dictionary(v, operand, od);
-    (void)unlink(sii);
-    (void)unlink(od);
-    (void)rmdir(folder);
+    free(slave);
     return fine;
 }
 

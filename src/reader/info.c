@@ -165,7 +165,7 @@ ect_reader_result_t ect_reader_object(ect_reader_t *r, uint16_t index, ect_reade
     return ECT_READER_OK;
 }
 
-/* The details stand in the order of their bits; those with the length of the entry are missing when cut off. */
+/* The details come in the order of their bits; a detail that the mail cuts off is missing. */
 static size_t take_details(const ect_reader_t *r, const question_t *q, ect_reader_entry_t *entry)
 {
     const size_t bytes = ((size_t)entry->bits + 7) / 8;

@@ -170,7 +170,7 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r);
 
 /**
  * Reads the EEPROM from its start.
- * @param size  bytes, a multiple of 4, up to ::ECT_READER_SII; 0: as many as the header says
+ * @param size  bytes, a multiple of 4, up to ::ECT_READER_SII; 0: the size in the header
  * @param[out] image  room for `size` bytes, or for ::ECT_READER_SII
  * @param[out] read  bytes read, also on failure
  * @return ECT_READER_OK · ECT_READER_SILENT the interface stays busy · ECT_READER_WRONG the EEPROM does not acknowledge

@@ -128,7 +128,7 @@ static ect_reader_result_t put_sms(ect_reader_t *r, const uint8_t sms[2 * ECT_SM
     return reader_put(r, ECT_REG_SM, sms, 2 * ECT_SM_SIZE);
 }
 
-/* The mailbox in use is that of the SyncManagers, whatever the EEPROM says. */
+/* The SyncManagers define the mailbox in use; the EEPROM may name another. */
 static ect_reader_result_t adopt_mailbox(ect_reader_t *r)
 {
     const uint8_t *sm = r->found_sms;

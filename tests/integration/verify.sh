@@ -71,14 +71,14 @@ objects = {o['index']: o for o in json.load(open('$work/read.json'))['objects']}
 print(sum(e['subindex'] == 1 and e['bits'] == 32 for e in objects[0x1018]['entries']))")"
 "$ectwin" with fzm1 -- "$probe" -i {} -n 2 >/dev/null 2>"$work/err"
 expect "probe: no such slave: exit code" 3 $?
-expect "probe: no such slave" "ectwin-probe: there are 1 slaves on 'ecat0', none with number 2" "$(grep probe "$work/err")"
+expect "probe: no such slave" "ectwin-probe: slave 2 on 'ecat0': the segment has only 1 slave" "$(grep probe "$work/err")"
 "$ectwin" with fzm1 -- "$probe" -i {} --sii /dev/full >/dev/null 2>"$work/err"
 expect "probe: a full disk" "3 ectwin-probe: cannot write '/dev/full': No space left on device" "$? $(grep probe "$work/err")"
 expect "probe: no such interface" "ectwin-probe: there is no network interface 'nosuch': 'ip -br link' lists those there are 2" \
   "$("$probe" -i nosuch 2>&1 | tr '\n' ' '; echo "${PIPESTATUS[0]}")"
 "$ectwin" verify slave:nowhere0 fzm1 >/dev/null 2>"$work/err"
 expect "no such interface: exit code" 2 $?
-expect "no such interface" "ectwin verify: slave:nowhere0:1 could not be read" "$(grep verify "$work/err")"
+expect "no such interface" "ectwin verify: slave:nowhere0: there is no network interface 'nowhere0': 'ip -br link' lists those there are" "$(grep verify "$work/err")"
 "$ectwin" verify "$work/nothing.bin" fzm1 2>"$work/err"
 expect "no such file: exit code" 2 $?
 expect "no such file" "ectwin verify: $work/nothing.bin: No such file or directory" "$(cat "$work/err")"

@@ -12,7 +12,7 @@
 
 enum { LIAR_FRAME = 2100, FRAME_NS = 10000 };
 
-/* What becomes of a mail. */
+/* Ways to treat a mail. */
 typedef enum liar_mail {
     LIAR_PASSES,   /* the slave gets the request and replies */
     LIAR_SWALLOWS, /* neither gets anything */
