@@ -104,12 +104,19 @@ static size_t mapping_values(ect_build_t *build, const ect_build_pdo_t *pdo, uin
     return count;
 }
 
-static const char *why_not(const ect_build_pdo_t *pdo)
+static bool is_on_virtual(const ect_esi_device_t *model, const ect_esi_pdo_t *pdo)
+{
+    if (pdo->sm < 0 || (size_t)pdo->sm >= model->sm_count || !model->sms[pdo->sm].virtual_sm)
+        return false;
+    return pdo->tx ? is_input_sm(&model->sms[pdo->sm]) : is_output_sm(&model->sms[pdo->sm]);
+}
+
+static const char *why_not(const ect_build_pdo_t *pdo, bool on_virtual)
 {
     const ect_esi_pdo_t *model = pdo->model;
     uint16_t first = model->tx ? 0x1A00 : 0x1600;
-    if (model->virtual_pdo)
-        return "it maps registers of the controller";
+    if (model->virtual_pdo && !on_virtual)
+        return "it maps registers of the controller, and no virtual SyncManager has it";
     if (pdo->index < first || pdo->index >= first + 0x200)
         return model->tx ? "its index is none of a PDO of inputs" : "its index is none of a PDO of outputs";
     if (model->entry_count > LONGEST_MAPPING)
@@ -131,8 +138,10 @@ static bool counts_by_default(const ect_build_t *build, const ect_esi_pdo_t *mod
 static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
 {
     uint32_t values[LONGEST_MAPPING];
-    const char *why = why_not(pdo);
+    bool on_virtual = is_on_virtual(build->model, pdo->model);
+    const char *why = why_not(pdo, on_virtual);
     pdo->usable = why == NULL;
+    pdo->on_virtual = on_virtual && pdo->usable;
     if (why != NULL && counts_by_default(build, pdo->model)) {
         ect_build_fail(build, "line %d: PDO %04X (%s) is assigned to SyncManager %d, and %s", pdo->model->line,
                        (unsigned int)pdo->index, pdo->model->name, pdo->model->sm, why);
@@ -177,7 +186,7 @@ static const ect_build_pdo_t *rival(const ect_build_t *build, const ect_build_pd
 static void assign(ect_build_t *build, ect_build_pdo_t *pdo)
 {
     const ect_esi_pdo_t *model = pdo->model;
-    if (!pdo->usable || model->sm < 0)
+    if (!pdo->usable || model->sm < 0 || pdo->on_virtual)
         return;
     const ect_build_pdo_t *other = rival(build, pdo);
     if (!sm_takes(build->model, model->sm, model)) {
@@ -205,15 +214,18 @@ uint32_t ect_build_pdo_bits(const ect_build_pdo_t *pdo)
 uint32_t ect_build_assigned_bits(const ect_build_t *build, int sm)
 {
     uint32_t bits = 0;
-    for (size_t i = 0; i < build->pdo_count; i++)
-        bits += build->pdos[i].assigned && build->pdos[i].model->sm == sm ? ect_build_pdo_bits(&build->pdos[i]) : 0;
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        const ect_build_pdo_t *pdo = &build->pdos[i];
+        bits += (pdo->assigned || pdo->on_virtual) && pdo->model->sm == sm ? ect_build_pdo_bits(pdo) : 0;
+    }
     return bits;
 }
 
 /* Whether a master may assign it there: by default, or because the file leaves it free. */
 static bool may_be_assigned(const ect_build_t *build, const ect_build_pdo_t *pdo, int sm)
 {
-    return pdo->usable && (pdo->model->sm == sm || pdo->model->sm < 0) && sm_takes(build->model, sm, pdo->model);
+    return pdo->usable && !pdo->on_virtual && (pdo->model->sm == sm || pdo->model->sm < 0) &&
+           sm_takes(build->model, sm, pdo->model);
 }
 
 static bool shares(const ect_build_t *build, size_t i, size_t place)

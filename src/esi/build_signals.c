@@ -184,6 +184,18 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
     add_group(build, plant, plain_name(build, pdo->model->name, otherwise), &list);
 }
 
+/* Registers stand in the place of what a virtual PDO maps: nobody sees the values of the dictionary. */
+static void skip_pdo(const ect_build_t *build, const ect_build_pdo_t *pdo, bool *seen)
+{
+    for (size_t i = 0; i < pdo->model->entry_count; i++) {
+        const ect_esi_entry_t *model = &pdo->model->entries[i];
+        uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? pdo->index_shift : 0));
+        bool *flag = model->index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
+        if (flag != NULL)
+            *flag = true;
+    }
+}
+
 static bool is_of_the_stack(uint16_t index)
 {
     return index >= 0x1000 && index < 0x2000;
@@ -223,8 +235,12 @@ void ect_build_signals(ect_build_t *build, ect_plant_t *plant)
             add_pdo(build, plant, &build->pdos[i], seen);
     }
     for (size_t i = 0; i < build->pdo_count; i++) {
-        if (!build->pdos[i].assigned && build->pdos[i].usable)
+        if (!build->pdos[i].assigned && build->pdos[i].usable && !build->pdos[i].on_virtual)
             add_pdo(build, plant, &build->pdos[i], seen);
+    }
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (build->pdos[i].on_virtual)
+            skip_pdo(build, &build->pdos[i], seen);
     }
     add_objects(build, plant, seen);
 }

@@ -157,8 +157,9 @@ typedef struct ect_build_pdo {
     uint16_t index; /**< moved with the slot */
     uint32_t pdo_shift;
     uint32_t index_shift;
-    bool assigned;
+    bool assigned; /**< to a SyncManager with process data, by default */
     bool usable;
+    bool on_virtual; /**< of a virtual SyncManager: a master reaches registers in its place */
     size_t place; /**< in its assignment: those that exclude each other share one, the position of the first of them */
 } ect_build_pdo_t;
 

@@ -67,6 +67,7 @@ typedef struct ect_esi_sm {
     ect_esi_number_t size;     /**< `DefaultSize` */
     uint16_t minimum, maximum; /**< 0 when absent */
     bool enable;
+    uint8_t flags; /**< bits 1 to 3 of `Enable`, with `OpOnly` (8) and `Virtual` (4): byte 6 of the SII's SyncM */
     bool op_only;
     bool virtual_sm;
     int line;
@@ -190,7 +191,9 @@ typedef struct ect_esi_module {
 /** Mailbox protocols and abilities, `<Mailbox>`. */
 typedef struct ect_esi_mailbox {
     bool given;
+    bool data_link_layer;
     bool aoe, eoe, coe, foe, soe, voe;
+    uint8_t soe_channels; /**< `ChannelCount`, 0 when absent */
     bool sdo_info, pdo_assign, pdo_config, pdo_upload, complete_access;
     const ect_esi_init_t *inits;
     size_t init_count;
@@ -214,6 +217,7 @@ typedef struct ect_esi_device {
     uint32_t request_ms, response_ms;
     int ebus_current_ma;
     bool identification_134, alias_supported;
+    bool lrd_lwr; /**< `UseLrdLwr`: LRW is not supported */
     ect_esi_number_t identification_ado;
     uint32_t profile; /**< `<ProfileNo>`, the first, and in the upper half its `<AddInfo>`: 1000h; 0 none */
 

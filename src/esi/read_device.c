@@ -87,9 +87,13 @@ static void read_sms(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *
         sm->minimum = (uint16_t)ect_esi_attribute_number(xml, child, "MinSize", 0, UINT16_MAX, 0);
         sm->maximum = (uint16_t)ect_esi_attribute_number(xml, child, "MaxSize", 0, UINT16_MAX, 0);
         // Enable is a number of bits; absent means on, as masters read it.
-        sm->enable = (ect_esi_attribute_number(xml, child, "Enable", 0, UINT8_MAX, 1) & 1) != 0;
-        sm->op_only = ect_esi_flag(xml, child, "OpOnly");
-        sm->virtual_sm = ect_esi_flag(xml, child, "Virtual");
+        unsigned int bits = (unsigned int)ect_esi_attribute_number(xml, child, "Enable", 0, UINT8_MAX, 1);
+        bits |= ect_esi_flag(xml, child, "OpOnly") ? ECT_SM_FLAG_OP_ONLY : 0u;
+        bits |= ect_esi_flag(xml, child, "Virtual") ? ECT_SM_FLAG_VIRTUAL : 0u;
+        sm->enable = (bits & 1u) != 0;
+        sm->flags = bits & (ECT_SM_FLAG_FIXED | ECT_SM_FLAG_VIRTUAL | ECT_SM_FLAG_OP_ONLY);
+        sm->op_only = (bits & ECT_SM_FLAG_OP_ONLY) != 0;
+        sm->virtual_sm = (bits & ECT_SM_FLAG_VIRTUAL) != 0;
         sm->line = ect_esi_line(child);
     }
     device->sms = sms;
@@ -136,6 +140,10 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbo
     mailbox->foe = ect_esi_child(node, "FoE") != NULL;
     mailbox->soe = ect_esi_child(node, "SoE") != NULL;
     mailbox->voe = ect_esi_child(node, "VoE") != NULL;
+    mailbox->data_link_layer = node != NULL && ect_esi_flag(xml, node, "DataLinkLayer");
+    if (mailbox->soe)
+        mailbox->soe_channels =
+            (uint8_t)ect_esi_attribute_number(xml, ect_esi_child(node, "SoE"), "ChannelCount", 0, UINT8_MAX, 0);
     if (coe == NULL)
         return;
     mailbox->sdo_info = ect_esi_flag(xml, coe, "SdoInfo");
@@ -288,6 +296,7 @@ static void read_identity(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode
     device->type = ect_esi_text(xml, type);
     device->product_code = (uint32_t)ect_esi_attribute_number(xml, type, "ProductCode", 0, UINT32_MAX, 0);
     device->revision = (uint32_t)ect_esi_attribute_number(xml, type, "RevisionNo", 0, UINT32_MAX, 0);
+    device->lrd_lwr = ect_esi_flag(xml, type, "UseLrdLwr");
     device->name = ect_esi_name(xml, node, "Name");
     device->group_type = ect_esi_text(xml, ect_esi_child(node, "GroupType"));
     device->group_name = group_name(xml, ect_esi_child(root, "Descriptions"), device->group_type);

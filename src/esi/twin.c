@@ -34,8 +34,6 @@ struct ect_esi_twin {
 
 static uint8_t role_of(const ect_esi_sm_t *sm)
 {
-    if (sm->virtual_sm)
-        return ECT_SM_UNUSED;
     if (strcmp(sm->type, "MBoxOut") == 0)
         return ECT_SM_MAILBOX_OUT;
     if (strcmp(sm->type, "MBoxIn") == 0)
@@ -82,13 +80,26 @@ static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
     sm->maximum = (uint16_t)(most < LONGEST_IMAGE ? most : LONGEST_IMAGE);
 }
 
+static const uint16_t *virtual_pdos(const ect_build_t *build, int sm)
+{
+    uint16_t *indices = ect_arena_alloc(build->arena, (build->pdo_count + 1) * sizeof *indices);
+    size_t count = 0;
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (build->pdos[i].on_virtual && build->pdos[i].model->sm == sm)
+            indices[count++] = build->pdos[i].index;
+    }
+    return indices;
+}
+
 static void set_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
 {
     const ect_esi_sm_t *model = &build->model->sms[n];
-    *sm = (ect_sm_t){.start = model->start, .control = model->control, .type = role_of(model)};
+    *sm = (ect_sm_t){.start = model->start, .control = model->control, .type = role_of(model), .flags = model->flags};
     if (model->virtual_sm) {
-        ect_build_note(build, "line %d: SyncManager %zu stands for registers of the controller: it is unused",
-                       model->line, n);
+        sm->role = sm->type;
+        sm->type = ECT_SM_UNUSED;
+        sm->length = (uint16_t)((ect_build_assigned_bits(build, (int)n) + 7) / 8);
+        sm->pdos = virtual_pdos(build, (int)n);
         return;
     }
     if (sm->type == ECT_SM_OUTPUTS || sm->type == ECT_SM_INPUTS) {
@@ -227,6 +238,16 @@ static void set_mailbox(ect_build_t *build, ect_device_t *device)
                        m->eoe ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "", m->voe ? "VoE " : "");
     if (*build->model->dictionary_file != '\0')
         ect_build_note(build, "the dictionary in the file %s is not read", build->model->dictionary_file);
+}
+
+static void set_general(const ect_esi_device_t *model, ect_device_t *device)
+{
+    device->general_flags = (uint8_t)(ECT_GENERAL_GIVEN | (model->lrd_lwr ? ECT_GENERAL_NO_LRW : 0) |
+                                      (model->mailbox.data_link_layer ? ECT_GENERAL_MAIL_REPEAT : 0) |
+                                      (model->identification_134 ? ECT_GENERAL_ID_AL_STATUS : 0) |
+                                      (model->identification_ado.given ? ECT_GENERAL_ID_MEMORY : 0));
+    device->id_address = (uint16_t)model->identification_ado.value;
+    device->soe_channels = model->mailbox.soe_channels;
 }
 
 static void set_boot(const ect_esi_device_t *model, ect_device_t *device)
@@ -391,7 +412,7 @@ static void add_mandatory(ect_build_t *build)
     }
     add_text(build, 0x1008, "Device name", model->type);
     for (size_t i = 0; i < model->sm_count && i < ECT_SMS; i++)
-        types[i] = role_of(&model->sms[i]);
+        types[i] = model->sms[i].virtual_sm ? (uint32_t)ECT_SM_UNUSED : role_of(&model->sms[i]);
     size_t count = model->sm_count < ECT_SMS ? model->sm_count : ECT_SMS;
     ect_build_object_t *object =
         ect_build_numbers(build, 0x1C00, "", "Type", ECT_TYPE_UNSIGNED8, ECT_ACCESS_RO, types, count, count);
@@ -595,7 +616,8 @@ static void set_pdos(ect_build_t *build, ect_device_t *device)
         if (pdo->usable)
             pdos[count++] = (ect_pdo_t){
                 .index = pdo->index,
-                .flags = (uint16_t)((model->mandatory ? ECT_PDO_MANDATORY : 0) | (model->fixed ? ECT_PDO_FIXED : 0)),
+                .flags = (uint16_t)((model->mandatory ? ECT_PDO_MANDATORY : 0) | (model->fixed ? ECT_PDO_FIXED : 0) |
+                                    (pdo->on_virtual ? ECT_PDO_VIRTUAL : 0)),
                 .excludes = excludes_of(build, pdo),
             };
     }
@@ -670,6 +692,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_sms(b, device);
     set_fmmus(b, device);
     set_mailbox(b, device);
+    set_general(b->model, device);
     set_boot(b->model, device);
     set_dc(b, device);
     set_eeprom(b, device);

@@ -17,6 +17,7 @@ static void write_type(ect_pen_t *pen, const ect_device_t *device, const ect_ide
     ect_pen_attribute(pen, "RevisionNo", "#x%08" PRIX32, identity->revision);
     if (identity->serial != 0)
         ect_pen_attribute(pen, "SerialNo", "#x%08" PRIX32, identity->serial);
+    ect_pen_flag(pen, "UseLrdLwr", (ect_device_general_flags(device) & ECT_GENERAL_NO_LRW) != 0);
     ect_pen_content(pen, device->type_name);
     ect_pen_close(pen);
 }
@@ -30,6 +31,7 @@ static void write_timeout(ect_pen_t *pen, const char *element, uint16_t said_ms,
 static void write_info(ect_pen_t *pen, const ect_device_t *device)
 {
     const ect_timeouts_t *t = &device->timeouts;
+    uint8_t flags = ect_device_general_flags(device);
     ect_pen_open(pen, "Info");
     if (device->ebus_ma != 0) {
         ect_pen_open(pen, "Electrical");
@@ -52,9 +54,10 @@ static void write_info(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_close(pen);
         ect_pen_close(pen);
     }
-    ect_pen_open(pen, "IdentificationReg134"); /* the whole stack answers a request for the device id there */
-    ect_pen_content(pen, "true");
-    ect_pen_close(pen);
+    if ((flags & ECT_GENERAL_ID_MEMORY) != 0)
+        ect_pen_hex(pen, "IdentificationAdo", device->id_address, 4);
+    if ((flags & ECT_GENERAL_ID_AL_STATUS) != 0)
+        ect_pen_text(pen, "IdentificationReg134", "true");
     ect_pen_close(pen);
 }
 
@@ -102,8 +105,10 @@ static void write_sms(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_attribute(pen, "DefaultSize", "%u", (unsigned int)bytes);
         ect_pen_attribute(pen, "StartAddress", "#x%04X", (unsigned int)sm->start);
         ect_pen_attribute(pen, "ControlByte", "#x%02X", (unsigned int)sm->control);
-        ect_pen_attribute(pen, "Enable", "%d", bytes > 0 ? 1 : 0);
-        ect_pen_content(pen, sm->type < 5 ? roles[sm->type] : "");
+        ect_pen_attribute(pen, "Enable", "%u", (bytes > 0 ? 1u : 0u) | (sm->flags & ECT_SM_FLAG_FIXED));
+        ect_pen_flag(pen, "Virtual", (sm->flags & ECT_SM_FLAG_VIRTUAL) != 0);
+        ect_pen_flag(pen, "OpOnly", (sm->flags & ECT_SM_FLAG_OP_ONLY) != 0);
+        ect_pen_content(pen, ect_sm_role(sm) < 5 ? roles[ect_sm_role(sm)] : "");
         ect_pen_close(pen);
     }
 }
@@ -178,7 +183,8 @@ static void write_pdos(ect_pen_t *pen, const ect_device_t *device, bool outputs)
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *object = &device->objects[i];
         bool wanted = outputs ? ect_od_is_rxpdo(object->index) : ect_od_is_txpdo(object->index);
-        if (wanted && ect_sii_pdo_sm(device, object->index) >= ECT_SMS)
+        bool is_virtual = (ect_sii_pdo_flags(device, object) & ECT_PDO_VIRTUAL) != 0;
+        if (wanted && (is_virtual || ect_sii_pdo_sm(device, object->index) >= ECT_SMS))
             write_pdo(pen, device, object);
     }
 }
@@ -212,7 +218,7 @@ static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
     if (device->mailbox_protocols == 0)
         return;
     ect_pen_open(pen, "Mailbox");
-    ect_pen_flag(pen, "DataLinkLayer", true); /* a lost answer is repeated: the stack does so */
+    ect_pen_flag(pen, "DataLinkLayer", (ect_device_general_flags(device) & ECT_GENERAL_MAIL_REPEAT) != 0);
     for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
         if ((device->mailbox_protocols & protocols[i].bit) == 0)
             continue;
@@ -220,6 +226,8 @@ static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
             write_coe(pen, device);
         } else {
             ect_pen_open(pen, protocols[i].element);
+            if (protocols[i].bit == ECT_MAILBOX_SOE && device->soe_channels != 0)
+                ect_pen_attribute(pen, "ChannelCount", "%u", (unsigned int)device->soe_channels);
             ect_pen_close(pen);
         }
     }

@@ -13,13 +13,13 @@ static void add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int inde
     ect_facts_add_text(facts, kind, index, element, text, text ? strlen(text) : 0);
 }
 
-/* As an EEPROM tells them: MII, EBUS, or something else. */
+/* As an EEPROM has them: MII, EBUS, fast hot connect, or none. */
 static void add_ports(ect_facts_t *facts, const char *physics)
 {
     char ports[4];
     size_t count = 0;
     for (; count < sizeof ports && physics[count] != '\0'; count++)
-        ports[count] = physics[count] == 'Y' || physics[count] == 'K' ? physics[count] : ' ';
+        ports[count] = strchr("YKH", physics[count]) != NULL ? physics[count] : ' ';
     ect_facts_add_text(facts, ECT_FACT_PORTS, 0, 0, ports, count);
 }
 
@@ -68,10 +68,10 @@ static void add_layout(ect_facts_t *facts, const ect_device_t *device)
         uint16_t bytes = ect_device_sm_bytes(device, i);
         out = sm->type == ECT_SM_MAILBOX_OUT ? sm : out;
         in = sm->type == ECT_SM_MAILBOX_IN ? sm : in;
-        ect_facts_add_sm(facts, i, sm->type);
+        ect_facts_add_sm(facts, i, ect_sm_role(sm));
         (void)ect_facts_add(facts, ECT_FACT_SM_START, i, 0, "0x%04X", sm->start);
         (void)ect_facts_add(facts, ECT_FACT_SM_CONTROL, i, 0, "0x%02X", sm->control);
-        if (sm->type == ECT_SM_UNUSED)
+        if (ect_sm_role(sm) == ECT_SM_UNUSED)
             continue;
         (void)ect_facts_add(facts, ECT_FACT_SM_LENGTH, i, 0, "%u bytes", bytes);
         if (bytes > 0)

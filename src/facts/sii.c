@@ -47,7 +47,7 @@ static void add_header(const image_t *image)
 
 static void add_general(const image_t *image)
 {
-    static const char letters[] = " Y K            "; /* MII and EBUS; of others nobody tells the letter */
+    static const char letters[] = " Y KH           "; /* MII, EBUS, fast hot connect; others have no letter */
     size_t length = 0;
     const uint8_t *g = ect_sii_category(image->bytes, image->size, ECT_SII_GENERAL, &length);
     if (g == NULL || length < 18)

@@ -68,6 +68,19 @@ enum {
     ECT_SM_INPUTS = 4,
 };
 
+/**
+ * Flags of byte 11 of the SII category General. ECT_GENERAL_GIVEN is none of the SII: without it the flags are those of
+ * the stack, which are device identification by AL status and, with a mailbox, repetition of lost mails.
+ */
+enum {
+    ECT_GENERAL_SAFEOP = 0x01,      /**< SAFEOP is supported (older images) */
+    ECT_GENERAL_NO_LRW = 0x02,      /**< LRW is not supported: masters use LRD and LWR */
+    ECT_GENERAL_MAIL_REPEAT = 0x04, /**< mailbox data link layer: a lost mail is repeated (ETG.1000.4) */
+    ECT_GENERAL_ID_AL_STATUS = 0x08,
+    ECT_GENERAL_ID_MEMORY = 0x10, /**< device identification at ect_device_t::id_address */
+    ECT_GENERAL_GIVEN = 0x80,
+};
+
 /** Role of an FMMU, as in the SII category FMMU. */
 enum { ECT_FMMU_UNUSED = 0, ECT_FMMU_OUTPUTS = 1, ECT_FMMU_INPUTS = 2, ECT_FMMU_MAILBOX_STATE = 3 };
 
@@ -114,7 +127,22 @@ typedef struct ect_sm {
                          than by default */
     uint8_t control;  /**< control register: 0x26, 0x22, 0x64 (watchdog), 0x20 ... */
     uint8_t type;     /**< ECT_SM_... */
+    uint8_t flags;    /**< ECT_SM_FLAG_... */
+    uint8_t role;     /**< with ECT_SM_FLAG_VIRTUAL: ECT_SM_OUTPUTS or ECT_SM_INPUTS; `type` is ECT_SM_UNUSED then */
+    const uint16_t *pdos; /**< with ECT_SM_FLAG_VIRTUAL: indices of its PDOs, 0 at the end; NULL: none */
 } ect_sm_t;
+
+/**
+ * Flags of a SyncManager, as in byte 6 of the SII category SyncM. A virtual SyncManager stands for registers of the
+ * controller: the master's FMMUs reach them, and the stack moves no data. Its `length` is that of its PDOs.
+ */
+enum { ECT_SM_FLAG_FIXED = 0x02, ECT_SM_FLAG_VIRTUAL = 0x04, ECT_SM_FLAG_OP_ONLY = 0x08 };
+
+/** Role of a SyncManager for a master: its type, and of a virtual one its role. */
+static inline uint8_t ect_sm_role(const ect_sm_t *sm)
+{
+    return (sm->flags & ECT_SM_FLAG_VIRTUAL) != 0 ? sm->role : sm->type;
+}
 
 /** Properties of a PDO, as in the SII. */
 enum { ECT_PDO_MANDATORY = 0x0001, ECT_PDO_FIXED = 0x0010, ECT_PDO_VIRTUAL = 0x0020 };
@@ -264,10 +292,13 @@ typedef struct ect_device {
     ect_boot_mailbox_t boot_in;
     uint8_t mailbox_protocols; /**< ECT_MAILBOX_..., as the SII lists them; 0: no mailbox */
     const ect_protocol_t *const
-        *protocols;      /**< protocols that the stack serves, ended by NULL (mailbox.h); NULL: none */
-    uint8_t coe_details; /**< ECT_COE_... */
-    const char *physics; /**< ESI `Physics`, one letter for each port: "YY" */
-    int16_t ebus_ma;     /**< current drawn from the E-bus, mA; negative: current fed into it */
+        *protocols;        /**< protocols that the stack serves, ended by NULL (mailbox.h); NULL: none */
+    uint8_t coe_details;   /**< ECT_COE_... */
+    uint8_t general_flags; /**< ECT_GENERAL_...; 0: those of the stack */
+    uint8_t soe_channels;  /**< SII General: drives that SoE reaches */
+    uint16_t id_address;   /**< ECT_GENERAL_ID_MEMORY: ESC address of the identification, else 0 */
+    const char *physics;   /**< ESI `Physics`, one letter for each port: "YY" */
+    int16_t ebus_ma;       /**< current drawn from the E-bus, mA; negative: current fed into it */
     const ect_dc_mode_t *dc_modes;
     uint8_t dc_mode_count;
     ect_sync_t sync;
@@ -404,6 +435,14 @@ static inline uint16_t ect_device_sm_bytes(const ect_device_t *device, unsigned 
     if (n >= device->sm_count)
         return 0;
     return ect_device_sm_is_process(device, n) ? (uint16_t)((ect_od_sm_bits(&od, n) + 7) / 8) : device->sm[n].length;
+}
+
+/** Flags of the SII category General: ECT_GENERAL_... without ECT_GENERAL_GIVEN. */
+static inline uint8_t ect_device_general_flags(const ect_device_t *device)
+{
+    if ((device->general_flags & ECT_GENERAL_GIVEN) != 0)
+        return device->general_flags & (uint8_t)~ECT_GENERAL_GIVEN;
+    return (uint8_t)(ECT_GENERAL_ID_AL_STATUS | (device->mailbox_protocols != 0 ? ECT_GENERAL_MAIL_REPEAT : 0));
 }
 
 /** Sum of the default lengths of all SyncManagers of a type (ECT_SM_OUTPUTS, ECT_SM_INPUTS), bytes. */

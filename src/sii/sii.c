@@ -99,6 +99,10 @@ uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo)
 {
     ect_od_t od = ect_device_od(device, NULL);
     for (unsigned int sm = 0; sm < device->sm_count; sm++) {
+        for (const uint16_t *of = device->sm[sm].pdos; of && *of != 0; of++) {
+            if (*of == pdo)
+                return (uint8_t)sm;
+        }
         const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + sm));
         for (uint32_t i = 1; ect_device_sm_is_process(device, sm) && i <= ect_od_element(assignment, 0); i++) {
             if (ect_od_element(assignment, i) == pdo)
@@ -267,19 +271,24 @@ static void put_strings(pen_t *p)
     end(p, 0);
 }
 
-/* Port types of the physics letters, four bits a port: Y is MII, K is EBUS. */
+static unsigned int port(char letter)
+{
+    return letter == 'Y' ? 1u : letter == 'K' ? 3u : letter == 'H' ? 4u : 0u;
+}
+
+/* Port types of the physics letters, four bits a port: MII, EBUS, fast hot connect. */
 static unsigned int ports(const char *physics)
 {
     unsigned int value = 0;
     for (unsigned int i = 0; i < 4 && physics[i] != 0; i++)
-        value |= (physics[i] == 'Y' ? 1u : physics[i] == 'K' ? 3u : 0u) << (4 * i);
+        value |= port(physics[i]) << (4 * i);
     return value;
 }
 
 static void put_general(pen_t *p, uint16_t alias)
 {
-    enum { IDENT_BY_AL_STATUS = 0x08 };
     const ect_device_t *device = p->device;
+    unsigned int flags = ect_device_general_flags(device);
     begin(p, ECT_SII_GENERAL);
     put8(p, string_index(p, device->group_type));
     put8(p, 0);
@@ -289,14 +298,15 @@ static void put_general(pen_t *p, uint16_t alias)
     put8(p, device->coe_details);
     put8(p, (device->mailbox_protocols & ECT_MAILBOX_FOE) != 0);
     put8(p, (device->mailbox_protocols & ECT_MAILBOX_EOE) != 0);
-    put16(p, 0); /* SoE channels, DS402 channels */
-    put8(p, 0);  /* SysmanClass */
-    put8(p, alias != 0 ? IDENT_BY_AL_STATUS : 0);
+    put8(p, device->soe_channels);
+    put16(p, 0); /* DS402 channels, SysmanClass */
+    put8(p, alias != 0 ? flags | ECT_GENERAL_ID_AL_STATUS : flags);
     put16(p, (uint16_t)device->ebus_ma);
     put8(p, string_index(p, device->group_name));
     put8(p, 0);
     put16(p, ports(device->physics));
-    for (int i = 0; i < 14; i++)
+    put16(p, device->id_address);
+    for (int i = 0; i < 12; i++)
         put8(p, 0);
     end(p, 0);
 }
@@ -319,8 +329,8 @@ static void put_sms(pen_t *p)
         put16(p, bytes);
         put8(p, sm->control);
         put8(p, 0);
-        put8(p, bytes > 0 ? 1 : 0);
-        put8(p, sm->type);
+        put8(p, (bytes > 0 ? 1u : 0u) | sm->flags);
+        put8(p, ect_sm_role(sm));
     }
     end(p, 0);
 }

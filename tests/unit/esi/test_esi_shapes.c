@@ -5,7 +5,10 @@
 
 #include "bus/chain/signals.h"
 #include "from_text.h"
+#include "sii/sii.h"
 #include "support/wire.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
 
 enum { PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
 
@@ -323,6 +326,220 @@ static void too_many_entries(void **state)
     free(text);
 }
 
+/* --- virtual SyncManagers ---------------------------------------------------------------------------------------- */
+
+/* The image of a twin, to be freed. */
+static uint8_t *image_of(const ect_esi_twin_t *twin)
+{
+    const ect_device_t *device = ect_esi_twin_product(twin)->device;
+    uint8_t *image = malloc(device->sii_size);
+    assert_non_null(image);
+    assert_int_equal(ect_sii_write(device, NULL, 0, image, device->sii_size), device->sii_size);
+    return image;
+}
+
+static void virtual_in_the_sii(void **state)
+{
+    static const struct {
+        const char *selector;
+        unsigned int sm;
+        uint8_t bytes[8]; /* start, length, control, status, enable, type */
+    } table[] = {
+        {"STAMP", 0, {0x00, 0x10, 1, 0, 0x00, 0, 0x01, 4}}, {"STAMP", 1, {0xAE, 0x09, 2, 0, 0x00, 0, 0x05, 4}},
+        {"STAMP", 2, {0x10, 0x09, 8, 0, 0x00, 0, 0x05, 4}}, {"START", 0, {0x00, 0x0F, 1, 0, 0x44, 0, 0x09, 3}},
+        {"START", 1, {0x90, 0x09, 8, 0, 0x04, 0, 0x05, 3}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        ect_esi_twin_t *twin = make("virtual.xml", table[i].selector);
+        uint8_t *image = image_of(twin);
+        size_t length = 0;
+        const uint8_t *sms =
+            ect_sii_category(image, ect_esi_twin_product(twin)->device->sii_size, ECT_SII_SYNCM, &length);
+        assert_true(sms != NULL && length >= 8 * (table[i].sm + 1u));
+        const uint8_t *got = sms + 8 * (size_t)table[i].sm;
+        for (unsigned int k = 0; k < 8; k++) {
+            if (got[k] != table[i].bytes[k])
+                fail_msg("%s SM%u byte %u: expected %02X, got %02X", table[i].selector, table[i].sm, k,
+                         table[i].bytes[k], got[k]);
+        }
+        free(image);
+        ect_esi_twin_free(twin);
+    }
+}
+
+/* Index, entries and SyncManager of each PDO of the SII. */
+static void virtual_pdos(void **state)
+{
+    static const struct {
+        const char *selector;
+        uint16_t pdo;
+        uint8_t sm;
+        uint16_t flags;
+    } table[] = {
+        {"STAMP", 0x1A00, 0, ECT_PDO_FIXED | ECT_PDO_MANDATORY},
+        {"STAMP", 0x1A13, 1, ECT_PDO_FIXED | ECT_PDO_VIRTUAL},
+        {"STAMP", 0x1A14, 2, ECT_PDO_FIXED | ECT_PDO_VIRTUAL},
+        {"START", 0x1600, 0, ECT_PDO_FIXED | ECT_PDO_MANDATORY},
+        {"START", 0x1613, 1, ECT_PDO_FIXED | ECT_PDO_MANDATORY | ECT_PDO_VIRTUAL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        ect_esi_twin_t *twin = make("virtual.xml", table[i].selector);
+        const ect_device_t *device = ect_esi_twin_product(twin)->device;
+        ect_od_t od = ect_device_od(device, NULL);
+        const ect_object_t *pdo = ect_od_find(&od, table[i].pdo);
+        assert_non_null(pdo);
+        if (ect_sii_pdo_sm(device, table[i].pdo) != table[i].sm || ect_sii_pdo_flags(device, pdo) != table[i].flags)
+            fail_msg("%s PDO %04X: expected SM%u flags %02X, got SM%u flags %02X", table[i].selector, table[i].pdo,
+                     table[i].sm, table[i].flags, ect_sii_pdo_sm(device, table[i].pdo), ect_sii_pdo_flags(device, pdo));
+        ect_esi_twin_free(twin);
+    }
+    ect_esi_twin_t *twin = make("virtual.xml", "STAMP");
+    assert_string_equal(first_note(twin), "line 32: PDO 1A15 (Of no SyncManager) is left out: it maps registers of the "
+                                          "controller, and no virtual SyncManager has it");
+    ect_esi_twin_free(twin);
+}
+
+/* A signal of a register's entry would change nothing on the wire. */
+static void no_virtual_signals(void **state)
+{
+    wire_t w;
+    ect_signal_ref_t ref;
+    (void)state;
+    ect_esi_twin_t *twin = make("virtual.xml", "STAMP");
+    power_on(&w, twin);
+    assert_true(ect_chain_signal(w.chain, 0, "channels.input_2", &ref));
+    assert_false(ect_chain_signal(w.chain, 0, "latch.status_1", &ref));
+    assert_false(ect_chain_signal(w.chain, 0, "od.1d09_ae", &ref));
+    wire_close(&w);
+    ect_esi_twin_free(twin);
+}
+
+/* Through the FMMUs that a master sets for a virtual SyncManager it reads the clock and writes the start time. */
+static void registers_by_fmmu(void **state)
+{
+    wire_t w;
+    uint8_t time[8] = {0}, direct[8] = {0};
+    (void)state;
+    ect_esi_twin_t *twin = make("virtual.xml", "STAMP");
+    power_on(&w, twin);
+    wire_configure_process_data(&w, 0);
+    assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), SAFEOP);
+    wire_set_fmmu(&w, 0, 1, 0x10000, 8, 0, 7, 0x0910, 0, 1);
+    wire_advance(&w, 1000000);
+    assert_int_equal(wire_logical(&w, LRD, 0x10000, time, 8), 1);
+    assert_int_equal(wire_read(&w, 0, 0x0910, direct, 8), 1);
+    assert_true(ect_load_le64(time) > 0);
+    assert_true(ect_load_le64(direct) - ect_load_le64(time) < 100000);
+    wire_close(&w);
+    ect_esi_twin_free(twin);
+
+    twin = make("virtual.xml", "START");
+    power_on(&w, twin);
+    wire_configure_process_data(&w, 0);
+    assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), SAFEOP);
+    wire_set_fmmu(&w, 0, 1, 0x20000, 8, 0, 7, 0x0990, 0, 2);
+    uint8_t start[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    assert_int_equal(wire_logical(&w, LWR, 0x20000, start, 8), 1);
+    assert_int_equal(wire_read(&w, 0, 0x0990, direct, 8), 1);
+    assert_memory_equal(direct, start, 8);
+    wire_close(&w);
+    ect_esi_twin_free(twin);
+}
+
+/* --- the category General ---------------------------------------------------------------------------------------- */
+
+#define SHORT_MAIL ESI_MAILBOX_SMS
+
+static void general(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        unsigned int at; /* of the category General */
+        uint8_t value;
+    } table[] = {
+        {"nothing", ESI_DEVICE(ESI_EEPROM), 11, 0x00},
+        {"the mailbox's data link layer",
+         ESI_DEVICE(SHORT_MAIL "<Mailbox DataLinkLayer='1'><CoE/></Mailbox>" ESI_EEPROM), 11, 0x04},
+        {"none of it", ESI_DEVICE(SHORT_MAIL "<Mailbox><CoE/></Mailbox>" ESI_EEPROM), 11, 0x00},
+        {"identification by AL status",
+         ESI_DEVICE("<Info><IdentificationReg134>true</IdentificationReg134></Info>" ESI_EEPROM), 11, 0x08},
+        {"identification in memory",
+         ESI_DEVICE("<Info><IdentificationAdo>#x1234</IdentificationAdo></Info>" ESI_EEPROM), 11, 0x10},
+        {"its address, low", ESI_DEVICE("<Info><IdentificationAdo>#x1234</IdentificationAdo></Info>" ESI_EEPROM), 18,
+         0x34},
+        {"its address, high", ESI_DEVICE("<Info><IdentificationAdo>#x1234</IdentificationAdo></Info>" ESI_EEPROM), 19,
+         0x12},
+        {"no LRW",
+         ESI_HEAD "<Device Physics='Y'><Type ProductCode='1' RevisionNo='1' UseLrdLwr='1'>D</Type><Name>D</Name>"
+                  "</Device>" ESI_TAIL,
+         11, 0x02},
+        {"channels of SoE", ESI_DEVICE(SHORT_MAIL "<Mailbox><SoE ChannelCount='2'/></Mailbox>" ESI_EEPROM), 8, 2},
+        {"SoE alone", ESI_DEVICE(SHORT_MAIL "<Mailbox><SoE/></Mailbox>" ESI_EEPROM), 8, 0},
+        {"FoE", ESI_DEVICE(SHORT_MAIL "<Mailbox><FoE/></Mailbox>" ESI_EEPROM), 6, 1},
+        {"EoE", ESI_DEVICE(SHORT_MAIL "<Mailbox><EoE/></Mailbox>" ESI_EEPROM), 7, 1},
+        {"ports Y and K",
+         ESI_HEAD "<Device Physics='YK'><Type ProductCode='1' RevisionNo='1'>D</Type></Device>" ESI_TAIL, 16, 0x31},
+        {"port H", ESI_HEAD "<Device Physics='YH'><Type ProductCode='1' RevisionNo='1'>D</Type></Device>" ESI_TAIL, 16,
+         0x41},
+        {"ports 2 and 3",
+         ESI_HEAD "<Device Physics='Y HK'><Type ProductCode='1' RevisionNo='1'>D</Type></Device>" ESI_TAIL, 17, 0x34},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        uint8_t *image = image_of(m.twin);
+        size_t length = 0;
+        const uint8_t *category = ect_sii_category(image, device_of(&m)->sii_size, ECT_SII_GENERAL, &length);
+        assert_int_equal(length, 32);
+        if (category[table[i].at] != table[i].value)
+            fail_msg("%s: byte %u: expected %02X, got %02X", table[i].what, table[i].at, table[i].value,
+                     category[table[i].at]);
+        free(image);
+        free_made(&m);
+    }
+}
+
+/* Bits 1 to 3 of Enable are those of the SII; OpOnly and Virtual are attributes for two of them. */
+static void enable_bits(void **state)
+{
+    static const struct {
+        const char *attributes;
+        uint8_t byte;
+    } table[] = {
+        {"Enable='1'", 0x01},
+        {"Enable='#x09'", 0x09},
+        {"Enable='1' OpOnly='1'", 0x09},
+        {"Enable='3'", 0x03},
+        {"Enable='1' OpOnly='0'", 0x01},
+        {"Enable='#x81'", 0x01},
+        {"OpOnly='true'", 0x09},
+        {"", 0x01},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char text[1200];
+        (void)snprintf(text, sizeof text,
+                       ESI_HEAD "<Device Physics='Y'><Type ProductCode='1' RevisionNo='1'>D</Type><Name>D</Name>"
+                                "<Sm StartAddress='#x1000' ControlByte='#x20' %s>Inputs</Sm><TxPdo Sm='0'><Index>#x1A00"
+                                "</Index><Name>I</Name><Entry><Index>#x6000</Index><SubIndex>1</SubIndex><BitLen>8"
+                                "</BitLen><Name>N</Name></Entry></TxPdo></Device>" ESI_TAIL,
+                       table[i].attributes);
+        made_t m = make_text(table[i].attributes, text);
+        uint8_t *image = image_of(m.twin);
+        size_t length = 0;
+        const uint8_t *sms = ect_sii_category(image, device_of(&m)->sii_size, ECT_SII_SYNCM, &length);
+        assert_int_equal(length, 8);
+        if (sms[6] != table[i].byte)
+            fail_msg("%s: expected %02X, got %02X", table[i].attributes, table[i].byte, sms[6]);
+        free(image);
+        free_made(&m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -336,6 +553,13 @@ int main(void)
         {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},
         {"the time for a twin grows with its objects, not with their square", time_in_objects, NULL, NULL, NULL},
         {"a dictionary of more entries than a twin can have is refused", too_many_entries, NULL, NULL, NULL},
+        {"a virtual SyncManager is in the SII with its registers, its length and its flag", virtual_in_the_sii, NULL,
+         NULL, NULL},
+        {"PDOs of virtual SyncManagers are in the SII, with their SyncManager", virtual_pdos, NULL, NULL, NULL},
+        {"entries that stand for registers have no signals", no_virtual_signals, NULL, NULL, NULL},
+        {"FMMUs of virtual SyncManagers read 0910h and write 0990h", registers_by_fmmu, NULL, NULL, NULL},
+        {"the category General has the file's flags, identification, channels and ports", general, NULL, NULL, NULL},
+        {"the category SyncM has bits 0 to 3 of Enable, with OpOnly", enable_bits, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

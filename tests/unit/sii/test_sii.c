@@ -181,7 +181,8 @@ static void identity_and_alias(void **state)
     assert_int_equal(two_words(&image, 0xE), identity.serial);
     assert_int_equal(word(&image, 4), 0xBEEF);
     assert_int_equal(word(&image, 7), checksum(image.bytes));
-    assert_int_equal(category(&image, 30)->data[11], 0x08); /* identified by the AL status, and by nothing else */
+    assert_int_equal(category(&image, 30)->data[11],
+                     0x0C); /* lost mails are repeated; identified by the AL status alone */
 }
 
 /* --- categories --------------------------------------------------------------------------------------------------- */
@@ -247,12 +248,13 @@ static void check_general(const image_t *image)
     assert_int_equal(c->data[5], d->coe_details);
     assert_int_equal(c->data[6], (d->mailbox_protocols & 0x08) != 0);
     assert_int_equal(c->data[7], (d->mailbox_protocols & 0x02) != 0);
-    for (int i = 8; i < 12; i++)
+    for (int i = 8; i < 11; i++)
         assert_int_equal(c->data[i], 0);
+    assert_int_equal(c->data[11], d->mailbox_protocols != 0 ? 0x0C : 0x08); /* as its ESI: DataLinkLayer, Reg134 */
     assert_int_equal((int16_t)ect_load_le16(c->data + 12), d->ebus_ma);
     unsigned int ports = 0;
     for (size_t i = 0; i < strlen(d->physics); i++)
-        ports |= (d->physics[i] == 'Y' ? 1u : d->physics[i] == 'K' ? 3u : 0u) << (4 * i);
+        ports |= (d->physics[i] == 'Y' ? 1u : d->physics[i] == 'K' ? 3u : d->physics[i] == 'H' ? 4u : 0u) << (4 * i);
     assert_int_equal(c->data[16] | c->data[17] << 8, ports);
     for (int i = 18; i < 32; i++)
         assert_int_equal(c->data[i], 0);
