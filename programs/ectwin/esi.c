@@ -73,7 +73,9 @@ int command_esi(int argc, char **argv)
     int status = EXIT_RUN;
     ect_esi_part_t *parts = calloc(args.twins.count, sizeof *parts);
     for (size_t i = 0; parts && i < args.twins.count; i++)
-        parts[i] = (ect_esi_part_t){.device = args.twins.twins[i].device, .identity = &args.twins.twins[i].identity};
+        parts[i] = (ect_esi_part_t){.device = args.twins.twins[i].device,
+                                    .identity = &args.twins.twins[i].identity,
+                                    .plant = args.twins.twins[i].plant};
     if (parts)
         status = args.all ? write_families(parts, args.twins.count, args.output ? args.output : ".")
                           : write_parts(parts, args.twins.count, args.output);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "bus/chain/catalogue.h"
+#include "bus/chain/fields.h"
 #include "bus/chain/lamps.h"
 #include "bus/chain/wiring.h"
 #include "commands.h"
@@ -101,20 +102,28 @@ static void print_column(const char *text, int width)
     printf("%*s ", width > (int)strlen(text) ? width - (int)strlen(text) : 0, "");
 }
 
-static void print_signal(const char *name, const char *access, const char *range, const char *meaning)
+/* `field` is "" for a signal that shows no field of an entry. */
+static void print_signal(const char *name, const char *access, const char *range, const char *meaning,
+                         const char *field)
 {
     print_column(name, 22);
     print_column(access, 2);
     print_column(range, 34);
     print_text(stdout, meaning);
+    if (*field) {
+        fputs("  (", stdout);
+        print_text(stdout, field);
+        putchar(')');
+    }
     putchar('\n');
 }
 
 static void print_description(const cJSON *line)
 {
-    char room[4][32];
+    char room[5][32];
     print_signal(connection_text(line, "name", room[0]), connection_text(line, "access", room[1]),
-                 connection_text(line, "range", room[2]), connection_text(line, "meaning", room[3]));
+                 connection_text(line, "range", room[2]), connection_text(line, "meaning", room[3]),
+                 connection_text(line, "field", room[4]));
 }
 
 static void print_line(const cJSON *line)
@@ -197,7 +206,11 @@ static size_t print_signals(const ect_plant_t *plant, void *instance, const char
         if (fnmatch(pattern, ref.name, 0) != 0)
             continue;
         ect_signal_range(ref.signal, range);
-        print_signal(ref.name, ref.signal->access == ECT_SIGNAL_WRITE ? "rw" : "r", range, ref.signal->meaning);
+        const ect_field_t *field = ect_signal_field(&ref);
+        char text[ECT_FIELD_TEXT] = "";
+        if (field)
+            ect_field_text(field, text);
+        print_signal(ref.name, ref.signal->access == ECT_SIGNAL_WRITE ? "rw" : "r", range, ref.signal->meaning, text);
         count++;
     }
     return count;

@@ -264,6 +264,7 @@ void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
 typedef struct ect_pen {
     xmlTextWriterPtr writer;
     ect_arena_t *arena;
+    const ect_plant_t *plant; /* of the device that is being written; NULL: none */
     bool failed;
 } ect_pen_t;
 
@@ -287,6 +288,13 @@ void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, si
 
 /** `<Dictionary>` */
 void ect_pen_dictionary(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity);
+
+/** write_fields.c: name of the type with EnumInfo for an entry; NULL: its values have no names. */
+const char *ect_pen_enum_type(ect_pen_t *pen, const ect_od_t *od, uint16_t index, uint8_t subindex);
+/** `<DataType>` of all such types of the device. */
+void ect_pen_enum_types(ect_pen_t *pen, const ect_od_t *od);
+/** `<Comment>` with the named bits of an entry, if there are any. */
+void ect_pen_bits(ect_pen_t *pen, uint16_t index, uint8_t subindex);
 
 /** `<Device>` */
 void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part);

@@ -16,13 +16,14 @@
 #include <stddef.h>
 
 #include "esi/arena.h"
-#include "seams/device.h"
+#include "seams/plant.h"
 #include "wire/linkage.h"
 
 /** A device of a file. */
 typedef struct ect_esi_part {
     const ect_device_t *device;     /**< one that ect_device_check() has no objection to */
     const ect_identity_t *identity; /**< NULL: the description's */
+    const ect_plant_t *plant;       /**< names of bits and values; NULL: none */
 } ect_esi_part_t;
 
 ECT_C_BEGIN

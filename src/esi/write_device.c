@@ -127,6 +127,7 @@ static void write_entry(ect_pen_t *pen, const ect_od_t *od, uint32_t mapping)
     if (entry != NULL) {
         const char *type = ect_esi_type_of(pen->arena, entry->data_type, bits);
         ect_pen_text(pen, "Name", entry->name != NULL ? entry->name : "");
+        ect_pen_bits(pen, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8));
         if (type != NULL)
             ect_pen_text(pen, "DataType", type);
     }
@@ -300,6 +301,7 @@ void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part)
 {
     const ect_device_t *device = part->device;
     const ect_identity_t *identity = part->identity != NULL ? part->identity : &device->identity;
+    pen->plant = part->plant;
     ect_pen_open(pen, "Device");
     ect_pen_attribute(pen, "Physics", "%s", device->physics != NULL ? device->physics : "");
     write_type(pen, device, identity);

@@ -38,6 +38,12 @@ static const char *type_of(const list_t *list, const ect_entry_t *entry)
     return name != NULL ? name : ect_esi_type_of(list->pen->arena, ECT_TYPE_OCTET_STRING, (bits + 7u) / 8u * 8u);
 }
 
+static const char *type_of_item(const list_t *list, const ect_object_t *object, const ect_entry_t *entry)
+{
+    const char *named = ect_pen_enum_type(list->pen, &list->od, object->index, (uint8_t)entry->subindex);
+    return named != NULL ? named : type_of(list, entry);
+}
+
 /* --- types ------------------------------------------------------------------------------------------------------- */
 
 static bool is_new(list_t *list, const char *name)
@@ -132,7 +138,8 @@ static void write_item(list_t *list, const ect_object_t *object, const ect_entry
     ect_pen_text(pen, "Name", *name.unique != '\0' ? name.unique : name.name);
     if (*name.unique != '\0' && *name.name != '\0')
         ect_pen_text(pen, "DisplayName", name.name);
-    ect_pen_text(pen, "Type", type_of(list, entry));
+    ect_pen_text(pen, "Type", type_of_item(list, object, entry));
+    ect_pen_bits(pen, object->index, (uint8_t)entry->subindex);
     ect_pen_number(pen, "BitSize", ect_od_bits(&list->od, entry));
     ect_pen_number(pen, "BitOffs", ect_esi_item_offset(object, entry));
     write_flags(pen, object->index, entry->access, false);
@@ -194,6 +201,7 @@ static void write_types(list_t *list)
         for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e))
             write_basic_type(list, type_of(list, e), ect_od_bits(&list->od, e));
     }
+    ect_pen_enum_types(list->pen, &list->od);
     for (uint16_t i = 0; i < list->od.count; i++) {
         if (!is_var(&list->od.objects[i]))
             write_record_type(list, &list->od.objects[i]);
@@ -282,7 +290,7 @@ static void write_object(list_t *list, const ect_object_t *object)
     ect_pen_open(pen, "Object");
     ect_pen_hex(pen, "Index", object->index, 4);
     ect_pen_text(pen, "Name", object->name != NULL ? object->name : "");
-    ect_pen_text(pen, "Type", record ? record_type(object, "").text : type_of(list, object->entries));
+    ect_pen_text(pen, "Type", record ? record_type(object, "").text : type_of_item(list, object, object->entries));
     ect_pen_number(pen, "BitSize", ect_esi_object_bits(&list->od, object));
     if (record) {
         ect_pen_open(pen, "Info");

@@ -11,6 +11,7 @@
 #define ECT_SEAMS_PLANT_H
 
 #include "seams/device.h"
+#include "seams/fields.h"
 #include "seams/modbus.h"
 #include "seams/signals.h"
 
@@ -70,6 +71,9 @@ typedef struct ect_plant {
 
     /** Modbus TCP interface of the device, beside EtherCAT or in its place. NULL: none. */
     const ect_modbus_t *modbus;
+
+    /** Named bits and values of its entries, an element with index 0 at the end. NULL: none are known. */
+    const ect_field_t *fields;
 } ect_plant_t;
 
 /** A product that can be put on a bus as a twin: a description, and its surroundings. */

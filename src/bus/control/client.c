@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/fields.h"
 #include "bus/chain/settings.h"
 
 bool ect_client_room(const ect_client_t *client)
@@ -50,6 +51,16 @@ void ect_client_result(ect_client_t *client, const char *message)
 
 /* --- get, list, watch --------------------------------------------------------------------------------------------- */
 
+static void describe_field(ect_line_t *line, const ect_signal_ref_t *ref)
+{
+    const ect_field_t *field = ect_signal_field(ref);
+    char text[ECT_FIELD_TEXT];
+    if (!field)
+        return;
+    ect_field_text(field, text);
+    ect_line_string(line, "field", text);
+}
+
 static void describe(ect_client_t *client, const ect_signal_ref_t *ref, uint64_t now_ns)
 {
     const ect_visit_t *v = &client->visit;
@@ -62,6 +73,7 @@ static void describe(ect_client_t *client, const ect_signal_ref_t *ref, uint64_t
         ect_line_string(&line, "access", ref->signal->access == ECT_SIGNAL_WRITE ? "rw" : "r");
         ect_line_string(&line, "range", range);
         ect_line_string(&line, "meaning", ref->signal->meaning);
+        describe_field(&line, ref);
     } else if (v->op == ECT_VISIT_WATCH) {
         ect_line_time(&line, now_ns);
     }

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 
+#include "seams/fields.h"
 #include "seams/modbus.h"
 #include "seams/standard.h"
 
@@ -349,5 +350,8 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
 
 /* modbus.c */
 extern const ect_modbus_t eclink_modbus;
+
+/* fields.c */
+extern const ect_field_t eclink_states[]; /* for the plant */
 
 #endif

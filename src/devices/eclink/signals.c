@@ -326,4 +326,5 @@ const ect_plant_t ect_eclink_plant = {
     .signal_describe = signal_describe,
     .bulk = bulk,
     .modbus = &eclink_modbus,
+    .fields = eclink_states,
 };

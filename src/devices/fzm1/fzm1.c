@@ -113,7 +113,7 @@ static const ect_detail_t details[] = {
 static const uint32_t dc_cycles_ns[] = {250000, 500000, 1000000, 2000000, 4000000};
 static const ect_dc_mode_t dc_modes[] = {
     {.name = "FreeRun", .description = "No distributed clocks", .assign_activate = 0x0000},
-    {.name = "DC", .description = "Asynchronous DC mode 1", .assign_activate = 0x0300},
+    {.name = "DC", .description = "Asynchronous DC mode 1", .assign_activate = 0x0300, .factor_sync0 = 1},
 };
 static const ect_service_t *const services[] = {&ect_service_sync, NULL};
 

@@ -28,6 +28,7 @@
 
 #include <stdbool.h>
 
+#include "seams/fields.h"
 #include "seams/record.h"
 #include "seams/standard.h"
 
@@ -410,5 +411,8 @@ bool fzm1_expression(const char *text, const fzm1_result_t *of, double *value);
 void fzm1_set_error(fzm1_t *u, fzm1_error_t error);
 void fzm1_end_errors(fzm1_t *u, unsigned int errors); /* FZM1_ERROR_... */
 void fzm1_refuse(fzm1_refusal_t *refusal, fzm1_why_t why);
+
+/* fields.c */
+extern const ect_field_t fzm1_fields[]; /* for the plant */
 
 #endif

@@ -413,4 +413,5 @@ const ect_plant_t ect_fzm1_plant = {
     .signal_write = signal_write,
     .signal_written = signal_written,
     .signal_describe = signal_describe,
+    .fields = fzm1_fields,
 };

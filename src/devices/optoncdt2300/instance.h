@@ -20,6 +20,7 @@
 
 #include <stdbool.h>
 
+#include "seams/fields.h"
 #include "seams/services.h"
 #include "seams/standard.h"
 
@@ -195,5 +196,8 @@ typedef struct opto_peak {
 } opto_peak_t;
 opto_peak_t opto_find_peak(opto_t *u, unsigned int n, uint64_t at_ns);
 void opto_default_plant(opto_plant_t *p);
+
+/* fields.c */
+extern const ect_field_t opto_fields[]; /* for the plant */
 
 #endif

@@ -154,9 +154,22 @@ static const ect_object_t objects[] = {
     ECT_SPARSE(0x6065, RECORD, 0x11, "Measuring values", values),
 };
 
+/* Unit codes of ETG.1004. Shutter time (12.5 ns) and temperature (0.25 degC) have none: their factor is no power of
+ * ten. */
+enum { UNIT_MM = 0xFD01, UNIT_NM = 0xF701, UNIT_US = 0xFA03, UNIT_HZ = 0x0020 };
+#define UNIT(index, sub, unit) ECT_LIMITS(index, sub, unit, 0, 0)
 static const ect_detail_t details[] = {
     ECT_LIMITS(0x2001, 4, 0, OPTO_USER, OPTO_EXPERT),
+    UNIT(0x2005, 2, UNIT_MM),
     ECT_LIMITS(0x2131, 1, 0, OPTO_FULL_POWER, OPTO_NO_POWER),
+    UNIT(0x2250, 1, UNIT_HZ),
+    UNIT(0x6065, 0x03, UNIT_US),
+    UNIT(0x6065, 0x05, UNIT_NM),
+    UNIT(0x6065, 0x07, UNIT_NM),
+    UNIT(0x6065, 0x0D, UNIT_NM),
+    UNIT(0x6065, 0x0E, UNIT_NM),
+    UNIT(0x6065, 0x0F, UNIT_NM),
+    UNIT(0x6065, 0x10, UNIT_NM),
 };
 
 /* SYNC0 is the measuring rate, or for two sensors that take turns half of it, the second one a period later. */

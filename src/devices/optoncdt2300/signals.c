@@ -174,4 +174,5 @@ const ect_plant_t ect_optoncdt2300_plant = {
     .outside_size = sizeof(opto_plant_t),
     .signal_write = signal_write,
     .signal_written = signal_written,
+    .fields = opto_fields,
 };

@@ -20,7 +20,8 @@ static const char *write_one(ect_arena_t *arena, const ect_device_t *device, con
 {
     char text[200];
     size_t length;
-    const char *file = ect_esi_write(arena, &(ect_esi_part_t){device, identity}, 1, &length, text, sizeof text);
+    const char *file =
+        ect_esi_write(arena, &(ect_esi_part_t){.device = device, .identity = identity}, 1, &length, text, sizeof text);
     if (file == NULL)
         fail_msg("%s: %s", device->name, text);
     assert_int_equal(strlen(file), length);
@@ -201,7 +202,8 @@ static void refusals(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        const ect_esi_part_t parts[] = {{device, &one}, {device, table[i].second}};
+        const ect_esi_part_t parts[] = {{.device = device, .identity = &one},
+                                        {.device = device, .identity = table[i].second}};
         ect_arena_t arena = {0};
         char text[200] = "";
         size_t length;
@@ -213,6 +215,52 @@ static void refusals(void **state)
     }
 }
 
+static void expect_in(const char *file, const char *wanted)
+{
+    if (strstr(file, wanted) == NULL)
+        fail_msg("the file does not have %s", wanted);
+}
+
+/* What the plant knows by name: EnumInfo for values, a comment for bits; entries keep their types. */
+static void names_of_bits_and_values(void **state)
+{
+    const ect_product_t *product = ect_catalogue_find("fzm1");
+    ect_esi_part_t part = {.device = product->device, .plant = product->plant};
+    ect_arena_t arena = {0};
+    char text[200];
+    size_t length;
+    (void)state;
+    const char *file = ect_esi_write(&arena, &part, 1, &length, text, sizeof text);
+    expect_in(file, "<Name>DT2400EN01</Name>");
+    expect_in(file, "<Text>Handshaking</Text>");
+    expect_in(file, "<Type>DT2100EN02</Type>");
+    expect_in(file, "<Enum>4294967295</Enum>");
+    expect_in(file, "bit 2 READY: ");
+    assert_null(strstr(file, "<Name>DT2200EN02</Name>")); /* the codes of 2100h:2 once more */
+    ect_esi_twin_t *twin = read_back(file);
+    const ect_device_t *again = ect_esi_twin_product(twin)->device;
+    expect_same_sii(product->device, again, &product->device->identity);
+    const ect_od_t od = ect_device_od(again, NULL);
+    const ect_entry_t *entry = ect_od_entry(ect_od_find(&od, 0x2400), 1);
+    assert_int_equal(entry->data_type, ECT_TYPE_UNSIGNED8);
+    assert_int_equal(ect_od_detail(&od, 0x2400, 1)->maximum, 1);
+    ect_esi_twin_free(twin);
+    ect_arena_free(&arena);
+}
+
+/* SYNC0 that follows the bus, and a unit for each value that ETG.1004 can name. */
+static void what_tools_look_for(void **state)
+{
+    ect_arena_t arena = {0};
+    (void)state;
+    expect_in(write_one(&arena, ect_catalogue_find("fzm1")->device, NULL),
+              "<CycleTimeSync0 Factor=\"1\">0</CycleTimeSync0>");
+    const char *sensor = write_one(&arena, ect_catalogue_find("optoncdt2300")->device, NULL);
+    expect_in(sensor, "<Unit>#xF7010000</Unit>");
+    expect_in(sensor, "<Unit>#xFD010000</Unit>");
+    ect_arena_free(&arena);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -220,6 +268,10 @@ int main(void)
          catalogue, NULL, NULL, NULL},
         {"the ESI of a device that came from an ESI: the same", foreign, NULL, NULL, NULL},
         {"CF-057 identity overrides reach vendor, type and 1018h", overrides, NULL, NULL, NULL},
+        {"names of bits and values become types with EnumInfo and comments", names_of_bits_and_values, NULL, NULL,
+         NULL},
+        {"FZM-075 OPT-012 SYNC0 follows the bus cycle; the sensor's values have units", what_tools_look_for, NULL, NULL,
+         NULL},
         {"CF-063 devices that a file cannot have together are refused", refusals, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
