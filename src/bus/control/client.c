@@ -401,18 +401,46 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
         end_visit(client, why);
 }
 
-static void serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+static bool changes_something(const char *op)
 {
+    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
+}
+
+/* @return whether the request was served; of a client that is gone only one that changes something is */
+static bool serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+{
+    bool served = true;
     if (memchr(client->request, 0, client->line)) {
         ect_client_result(client, "a request is text: it has no zero byte in it");
     } else {
         cJSON *request = cJSON_ParseWithLength(client->request, client->line);
-        serve(client, chain, request, now_ns);
+        served = !client->deaf || changes_something(op_of(request));
+        if (served)
+            serve(client, chain, request, now_ns);
         cJSON_Delete(request);
     }
     client->received -= client->line;
     memmove(client->request, client->request + client->line, client->received);
     ect_client_received(client);
+    return served;
+}
+
+static void serve_lines(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+{
+    unsigned int most = client->deaf ? ECT_CLIENT_SKIPS : 1;
+    for (unsigned int i = 0; i < most && client->line > 0; i++) {
+        if (serve_line(client, chain, now_ns))
+            return;
+    }
+}
+
+void ect_client_gone(ect_client_t *client)
+{
+    client->deaf = true;
+    client->unsent = 0;
+    client->visit.op = ECT_VISIT_NONE;
+    ect_watch_free(client->watch);
+    client->watch = NULL;
 }
 
 void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain)
@@ -437,7 +465,7 @@ void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
 {
     client->every_room = every_room;
     if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
-        serve_line(client, chain, now_ns);
+        serve_lines(client, chain, now_ns);
     if (client->visit.op != ECT_VISIT_NONE)
         go_on(client, chain, now_ns);
     else if (client->watch)

@@ -27,6 +27,7 @@ enum {
     ECT_CLIENT_LINES = 8,      /**< that a step writes, and one more with its result */
     ECT_CLIENT_LOOKS = 32,     /**< signals whose name a step compares with a pattern */
     ECT_CLIENT_COMPARES = 512, /**< watched values that a step compares */
+    ECT_CLIENT_SKIPS = 64,     /**< requests of a client that is gone that a step skips */
     ECT_CLIENT_ANSWER = 3 * ECT_CLIENT_LINES * ECT_LINE_ROOM,
 };
 
@@ -45,7 +46,7 @@ typedef struct ect_client {
     uint32_t events; /**< that its descriptor is waited for */
     bool readable;   /**< there is something to receive */
     bool ended;      /**< it sends nothing more */
-    bool deaf;       /**< it reads nothing more: answers are thrown away, requests are served */
+    bool deaf;       /**< it reads nothing more: replies are dropped, only `set` and `fault` are carried out */
     bool blocked;    /**< its socket took only a part of what is unsent */
     bool closing;    /**< nothing more is received; it goes when it has read everything */
     size_t received;
@@ -77,6 +78,12 @@ void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
 
 /** Brings the lamps up to date that it watches. Cost: a comparison for each twin of which it watches one. */
 void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain);
+
+/**
+ * The client has closed its connection. It no longer watches anything, no reply is written, and of the requests that it
+ * has sent only `set` and `fault` are carried out.
+ */
+void ect_client_gone(ect_client_t *client);
 
 /** Adds the line that ends an answer. @param message  why not; NULL: it was done */
 void ect_client_result(ect_client_t *client, const char *message);

@@ -181,8 +181,10 @@ static void receive(ect_client_t *client)
         client->received += (size_t)got;
     else if (got == 0)
         end_of_requests(client);
-    else if (errno != EAGAIN && errno != EINTR)
-        client->ended = client->deaf = true;
+    else if (errno != EAGAIN && errno != EINTR) {
+        client->ended = true;
+        ect_client_gone(client);
+    }
     ect_client_received(client);
     if (client->line == 0 && client->received == ECT_ENDPOINT_REQUEST) {
         ect_client_result(client, "a request has at most 4095 characters");
@@ -194,8 +196,7 @@ static void flush(ect_client_t *client)
 {
     ssize_t sent = send(client->fd, client->answer, client->unsent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno != EAGAIN && errno != EINTR) {
-        client->deaf = true;
-        client->unsent = 0;
+        ect_client_gone(client);
     } else if (sent > 0) {
         client->unsent -= (size_t)sent;
         memmove(client->answer, client->answer + sent, client->unsent);
@@ -249,9 +250,8 @@ static void look(ect_control_t *c)
         client->readable |= (events[i].events & (uint32_t)~EPOLLOUT) != 0;
         client->blocked &= (events[i].events & EPOLLOUT) == 0;
         if ((events[i].events & (EPOLLHUP | EPOLLERR)) != 0) {
-            client->deaf = true;
+            ect_client_gone(client);
             client->blocked = false;
-            client->unsent = 0;
         }
     }
 }

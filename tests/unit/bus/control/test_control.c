@@ -551,6 +551,59 @@ static void gone_after_asking(void **state)
     close_bench(&b);
 }
 
+/* Writes as many requests as the socket takes, the last one sets a signal. */
+static void fill_with_requests(int fd, const char *request, const char *last)
+{
+    static char block[4096];
+    size_t used = 0;
+    while (used + strlen(request) < sizeof block) {
+        strcpy(block + used, request);
+        used += strlen(request);
+    }
+    no_waiting(fd);
+    say(fd, last);
+    while (write(fd, block, used) == (ssize_t)used)
+        ;
+}
+
+/* Sixteen clients that asked for everything, thousands of times, and closed their connections. */
+static void dead_clients_give_way(void **state)
+{
+    static const char *const requests[] = {"{\"op\":\"list\",\"slave\":0}\n", "{\"op\":\"watch\",\"slave\":0}\n", "\n"};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 16);
+    for (size_t r = 0; r < sizeof requests / sizeof requests[0]; r++) {
+        unsigned int matches = 0, calls = 0;
+        int fds[ECT_CONTROL_CLIENTS];
+        char last[96];
+        for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+            fds[i] = connect_client(&b);
+            serve(&b);
+        }
+        for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+            snprintf(last, sizeof last, "{\"op\":\"set\",\"slave\":%zu,\"name\":\"ru1.encoder\",\"value\":%zu}\n",
+                     i + 1, r + 7);
+            fill_with_requests(fds[i], requests[r], last);
+            close(fds[i]);
+        }
+        for (; wants_to_be_served(&b); calls++) {
+            serve_once(&b);
+            matches += work.matches;
+            if (calls > ECT_CONTROL_CLIENTS * 4000)
+                fail_msg("dead clients are still served after %u calls", calls);
+        }
+        assert_int_equal(matches, 0);
+        for (size_t i = 1; i <= ECT_CONTROL_CLIENTS; i++) {
+            char want[96];
+            snprintf(last, sizeof last, "{\"op\":\"get\",\"slave\":%zu,\"pattern\":\"ru1.encoder\"}\n", i);
+            snprintf(want, sizeof want, "{\"slave\":%zu,\"name\":\"ru1.encoder\",\"value\":%zu}\n" OK, i, r + 7);
+            expect_answer(&b, last, want);
+        }
+    }
+    close_bench(&b);
+}
+
 static void in_pieces(void **state)
 {
     const char *request = "{\"op\":\"get\",\"pattern\":\"bu.state\"}\n";
@@ -951,6 +1004,8 @@ int main(int argc, char **argv)
         {"A watcher that has ended sending is told on, and its place is free when it is gone", half_closed_watcher,
          NULL, NULL, NULL},
         {"What was asked before the connection was closed is done", gone_after_asking, NULL, NULL, NULL},
+        {"Attack: sixteen clients that are gone: only set and fault are carried out", dead_clients_give_way, NULL, NULL,
+         NULL},
         {"A request may come byte by byte", in_pieces, NULL, NULL, NULL},
         {"Attack: zero bytes and endless requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
         {"Attack: the 17th client is told, and does not stay", seventeenth_client, NULL, NULL, NULL},
