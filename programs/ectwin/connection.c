@@ -5,6 +5,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <glob.h>
+#include <poll.h>
 #include <pwd.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -18,6 +19,12 @@
 #include "commands.h"
 
 enum { LINE_ROOM = 2048 };
+
+struct connection {
+    int fd;
+    size_t used;
+    char received[LINE_ROOM]; /* the beginning of the next line */
+};
 
 void print_text(FILE *stream, const char *text)
 {
@@ -183,7 +190,7 @@ static int connect_to(const char *path, const char *who)
     return -1;
 }
 
-FILE *connection_open(const char *path, const char *who)
+connection_t *connection_open(const char *path, const char *who)
 {
     const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
     if (!path)
@@ -193,7 +200,46 @@ FILE *connection_open(const char *path, const char *who)
     if (fd < 0)
         return NULL;
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    return fdopen(fd, "r+");
+    connection_t *connection = calloc(1, sizeof *connection);
+    if (!connection) {
+        fprintf(stderr, "%s: not enough memory\n", who);
+        close(fd);
+        return NULL;
+    }
+    connection->fd = fd;
+    return connection;
+}
+
+void connection_close(connection_t *connection)
+{
+    close(connection->fd);
+    free(connection);
+}
+
+/* Takes a line out of what was received, without its line feed. @return whether there was one */
+static bool take_line(connection_t *c, char line[LINE_ROOM])
+{
+    const char *end = memchr(c->received, '\n', c->used);
+    if (!end && c->used < sizeof c->received)
+        return false;
+    size_t length = end ? (size_t)(end - c->received) : c->used - 1; /* a longer line is cut */
+    memcpy(line, c->received, length);
+    line[length] = 0;
+    c->used -= length + 1;
+    memmove(c->received, c->received + length + 1, c->used);
+    return true;
+}
+
+/* Waits for more bytes. @return false: there are none to come (errno: EAGAIN: none in time) */
+static bool receive(connection_t *c)
+{
+    ssize_t got;
+    do
+        got = recv(c->fd, c->received + c->used, sizeof c->received - c->used, 0);
+    while (got < 0 && errno == EINTR);
+    errno = got == 0 ? 0 : errno;
+    c->used += got > 0 ? (size_t)got : 0;
+    return got > 0;
 }
 
 /* --- asking ------------------------------------------------------------------------------------------------------- */
@@ -210,65 +256,109 @@ const char *connection_text(const cJSON *line, const char *member, char room[32]
     return room;
 }
 
-static int no_answer(FILE *connection, const char *who)
+/* After a failed receive(). */
+static int no_answer(const char *who)
 {
-    bool waited = ferror(connection) && (errno == EAGAIN || errno == EWOULDBLOCK);
-    if (waited)
+    if (errno == EAGAIN || errno == EWOULDBLOCK)
         fprintf(stderr, "%s: the twin does not answer: it is stopped, or very busy\n", who);
     else
         fprintf(stderr, "%s: the twin has ended, or has closed this connection\n", who);
     return EXIT_RUN;
 }
 
-static int take_answer(FILE *connection, const char *who, void (*print)(const cJSON *line))
+/* A reader of standard output that has ended has got what it wanted; other failures are reported at the end. */
+static int output_failed(void)
 {
-    char raw[LINE_ROOM], room[32];
-    while (fgets(raw, sizeof raw, connection)) {
-        cJSON *line = cJSON_Parse(raw);
-        const cJSON *ok = cJSON_GetObjectItemCaseSensitive(line, "ok");
-        int status = -1;
-        if (cJSON_IsBool(ok)) {
-            status = cJSON_IsTrue(ok) ? EXIT_CLEAN : EXIT_USAGE;
-            if (status != EXIT_CLEAN) {
-                fprintf(stderr, "%s: ", who);
-                print_text(stderr, connection_text(line, "message", room));
-                fputc('\n', stderr);
-            }
-        } else if (print) {
-            print(line);
-        }
-        cJSON_Delete(line);
-        if (status >= 0)
-            return status;
-        if (ferror(stdout))
-            return EXIT_RUN; /* nobody reads it any more */
-    }
-    return no_answer(connection, who);
+    if (errno != EPIPE)
+        return EXIT_RUN;
+    clearerr(stdout);
+    return EXIT_CLEAN;
 }
 
-int connection_ask(FILE *connection, cJSON *request, const char *who, void (*print)(const cJSON *line))
+/* Handles a line of a reply. @return the status of the request; -1: more lines follow */
+static int take_reply(const char *raw, const char *who, void (*print)(const cJSON *line))
+{
+    char room[32];
+    cJSON *line = cJSON_Parse(raw);
+    const cJSON *ok = cJSON_GetObjectItemCaseSensitive(line, "ok");
+    int status = -1;
+    if (cJSON_IsBool(ok)) {
+        status = cJSON_IsTrue(ok) ? EXIT_CLEAN : EXIT_USAGE;
+        if (status != EXIT_CLEAN) {
+            fprintf(stderr, "%s: ", who);
+            print_text(stderr, connection_text(line, "message", room));
+            fputc('\n', stderr);
+        }
+    } else if (print) {
+        print(line);
+    }
+    cJSON_Delete(line);
+    return status;
+}
+
+static int take_replies(connection_t *connection, const char *who, void (*print)(const cJSON *line))
+{
+    char line[LINE_ROOM];
+    for (;;) {
+        while (take_line(connection, line)) {
+            int status = take_reply(line, who, print);
+            if (status >= 0)
+                return status;
+            if (ferror(stdout))
+                return output_failed();
+        }
+        if (!receive(connection))
+            return no_answer(who);
+    }
+}
+
+static bool send_text(const connection_t *connection, const char *text, size_t length)
+{
+    while (length > 0) {
+        ssize_t sent = send(connection->fd, text, length, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR)
+            return false;
+        text += sent > 0 ? sent : 0;
+        length -= sent > 0 ? (size_t)sent : 0;
+    }
+    return true;
+}
+
+int connection_ask(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line))
 {
     char *text = cJSON_PrintUnformatted(request);
     bool fits = text && strlen(text) < ECT_ENDPOINT_REQUEST;
-    if (fits)
-        fprintf(connection, "%s\n", text);
-    else
+    if (!fits)
         fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
                 ECT_ENDPOINT_REQUEST - 1);
-    fflush(connection);
+    else if (send_text(connection, text, strlen(text))) /* if not, the twin may have said why before */
+        (void)send_text(connection, "\n", 1);
     cJSON_free(text);
     cJSON_Delete(request);
-    return fits ? take_answer(connection, who, print) : EXIT_USAGE;
+    return fits ? take_replies(connection, who, print) : EXIT_USAGE;
 }
 
-int connection_follow(FILE *connection, const char *who)
+/* Waits for the twin, or for the end of standard output's reader. @return false: nothing reads standard output */
+static bool wait_for_more(const connection_t *connection)
 {
-    const struct timeval for_ever = {0};
-    char raw[LINE_ROOM];
-    (void)setsockopt(fileno(connection), SOL_SOCKET, SO_RCVTIMEO, &for_ever, sizeof for_ever);
-    while (!ferror(stdout) && fgets(raw, sizeof raw, connection)) {
-        raw[strcspn(raw, "\n")] = 0;
-        print_json(raw);
+    struct pollfd fds[] = {{.fd = connection->fd, .events = POLLIN}, {.fd = STDOUT_FILENO}};
+    while (poll(fds, 2, -1) < 0 && errno == EINTR)
+        ;
+    return (fds[1].revents & (POLLERR | POLLHUP)) == 0;
+}
+
+int connection_follow(connection_t *connection, const char *who)
+{
+    char line[LINE_ROOM];
+    for (;;) {
+        while (take_line(connection, line)) {
+            print_json(line);
+            if (ferror(stdout))
+                return output_failed();
+        }
+        if (!wait_for_more(connection))
+            return EXIT_CLEAN;
+        if (!receive(connection))
+            return no_answer(who);
     }
-    return ferror(stdout) ? EXIT_RUN : no_answer(connection, who);
 }

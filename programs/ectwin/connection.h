@@ -11,15 +11,19 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+typedef struct connection connection_t;
+
 /**
  * Connects to the socket that is named, or to the only twin of this user that runs. On failure prints why, and what to
  * do: whose twins there are if none are this user's.
  * @param path  NULL: $ECTWIN_SOCKET, or look for it. What is looked for must be this user's own; what is named may be
  *              root's too, and for root anybody's
  * @param who   stands in front of what is printed
- * @return a stream to close with fclose(), or NULL
+ * @return a connection to close with ::connection_close, or NULL
  */
-FILE *connection_open(const char *path, const char *who);
+connection_t *connection_open(const char *path, const char *who);
+
+void connection_close(connection_t *connection);
 
 /** The option that says which: a row of the options of a command; its key is 's'. */
 #define CONNECTION_OPTION                                                                                              \
@@ -29,12 +33,15 @@ FILE *connection_open(const char *path, const char *who);
  * Sends a request, frees it, and hands lines of the answer to `print` (NULL: to nobody) until the one that says how it
  * went.
  * @return EXIT_CLEAN · EXIT_USAGE: it was refused, or is longer than the protocol allows; the reason is printed ·
- *         EXIT_RUN: no answer, or nobody reads ours
+ *         EXIT_RUN: no reply, or standard output failed
  */
-int connection_ask(FILE *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
+int connection_ask(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
 
-/** After the answer to "watch": hands on whole lines until the connection ends. @return EXIT_RUN */
-int connection_follow(FILE *connection, const char *who);
+/**
+ * After the reply to "watch": prints whole lines until the connection ends, or until nothing reads standard output.
+ * @return EXIT_CLEAN: standard output is no longer read · EXIT_RUN: the connection has ended
+ */
+int connection_follow(connection_t *connection, const char *who);
 
 /** Member of a line as text, "" if there is none. A number is written into `room`. */
 const char *connection_text(const cJSON *line, const char *member, char room[32]);

@@ -47,7 +47,7 @@ int command_fault(int argc, char **argv)
                                             "Without a fault: those of frames that are set."};
     fault_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    FILE *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(args.socket, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
@@ -55,6 +55,6 @@ int command_fault(int argc, char **argv)
     if (args.text[0] != 0)
         cJSON_AddStringToObject(request, "fault", args.text);
     int status = connection_ask(connection, request, argv[0], print_fault);
-    fclose(connection);
+    connection_close(connection);
     return status;
 }

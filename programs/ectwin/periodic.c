@@ -81,7 +81,7 @@ static void take_piece(const cJSON *line)
         take_hex(connection_text(line, "data", room));
 }
 
-static int fetch(FILE *connection, unsigned int slave, const char *who)
+static int fetch(connection_t *connection, unsigned int slave, const char *who)
 {
     int status = EXIT_CLEAN;
     double serial = -1;
@@ -137,11 +137,11 @@ int command_periodic(int argc, char **argv)
         .doc = "Shows the last complete set of periodic data that the controller has sent to a base unit."};
     periodic_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    FILE *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(args.socket, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     int status = fetch(connection, args.slave, argv[0]);
-    fclose(connection);
+    connection_close(connection);
     if (status != EXIT_CLEAN)
         return status;
     if (set.size == 0)

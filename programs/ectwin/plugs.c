@@ -64,7 +64,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static int set_plugs(const plug_args_t *args, const char *who, bool in)
 {
-    FILE *connection = connection_open(args->socket, who);
+    connection_t *connection = connection_open(args->socket, who);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
@@ -76,7 +76,7 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
             cJSON_AddNumberToObject(values, plugs[port], in ? 1 : 0);
     }
     int status = connection_ask(connection, request, who, NULL);
-    fclose(connection);
+    connection_close(connection);
     return status;
 }
 

@@ -144,7 +144,7 @@ static cJSON *make_request(const client_args_t *args, const char *op)
 static int ask(const client_args_t *args, const char *who, const char *op, const char *pattern,
                void (*print)(const cJSON *line))
 {
-    FILE *connection = connection_open(args->socket, who);
+    connection_t *connection = connection_open(args->socket, who);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = make_request(args, op);
@@ -155,7 +155,7 @@ static int ask(const client_args_t *args, const char *who, const char *op, const
     fflush(stdout);
     if (status == EXIT_CLEAN && strcmp(op, "watch") == 0)
         status = connection_follow(connection, who);
-    fclose(connection);
+    connection_close(connection);
     return status;
 }
 
@@ -256,14 +256,14 @@ int command_list_signals(int argc, char **argv)
 
 /* --- set, command ------------------------------------------------------------------------------------------------- */
 
-static int set_values(FILE *connection, const client_args_t *args, const char *who, cJSON *values)
+static int set_values(connection_t *connection, const client_args_t *args, const char *who, cJSON *values)
 {
     cJSON *request = make_request(args, "set");
     cJSON_AddItemToObject(request, "values", values);
     return connection_ask(connection, request, who, NULL);
 }
 
-static int set_arguments(FILE *connection, const client_args_t *args, const char *who)
+static int set_arguments(connection_t *connection, const client_args_t *args, const char *who)
 {
     cJSON *values = cJSON_CreateObject();
     for (size_t i = 0; i < args->count; i++) {
@@ -280,7 +280,7 @@ static int set_arguments(FILE *connection, const client_args_t *args, const char
     return set_values(connection, args, who, values);
 }
 
-static int set_row(FILE *connection, const client_args_t *args, const char *who, csv_t *csv)
+static int set_row(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv)
 {
     cJSON *values = cJSON_CreateObject();
     for (size_t i = 0; i < csv->columns; i++) {
@@ -297,7 +297,7 @@ static int set_row(FILE *connection, const client_args_t *args, const char *who,
     return status;
 }
 
-static int set_rows(FILE *connection, const client_args_t *args, const char *who, csv_t *csv)
+static int set_rows(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv)
 {
     int status = EXIT_CLEAN;
     size_t rows = 0;
@@ -311,7 +311,7 @@ static int set_rows(FILE *connection, const client_args_t *args, const char *who
     return status != EXIT_CLEAN ? status : EXIT_USAGE;
 }
 
-static int set_from_csv(FILE *connection, const client_args_t *args, const char *who)
+static int set_from_csv(connection_t *connection, const client_args_t *args, const char *who)
 {
     csv_t *csv = calloc(1, sizeof *csv);
     int status = EXIT_OPEN;
@@ -345,13 +345,13 @@ int command_set(int argc, char **argv)
                 argv[0]);
         return EXIT_USAGE;
     }
-    FILE *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(args.socket, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     int status = args.count > 0 ? set_arguments(connection, &args, argv[0]) : EXIT_CLEAN;
     if (args.csv && status == EXIT_CLEAN)
         status = set_from_csv(connection, &args, argv[0]);
-    fclose(connection);
+    connection_close(connection);
     return status;
 }
 
@@ -372,12 +372,12 @@ int command_command(int argc, char **argv)
     }
     char name[64];
     snprintf(name, sizeof name, "%.40s.command", args.arguments[0]);
-    FILE *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(args.socket, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     cJSON *values = cJSON_CreateObject();
     cJSON_AddStringToObject(values, name, args.arguments[1]);
     int status = set_values(connection, &args, argv[0], values);
-    fclose(connection);
+    connection_close(connection);
     return status;
 }

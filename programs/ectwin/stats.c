@@ -109,12 +109,12 @@ int command_stats(int argc, char **argv)
         .doc = "Prints what a running twin has counted since its start: frames, answer times, what came late."};
     stats_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    FILE *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(args.socket, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "stats");
     int status = connection_ask(connection, request, argv[0], args.json ? print_as_given : print_stats);
-    fclose(connection);
+    connection_close(connection);
     return status;
 }

@@ -83,6 +83,14 @@ numbers_are_numbers() {
     "$(python3 -c 'import json, sys; print(*(type(json.loads(l)["value"]).__name__ for l in sys.stdin))' <"$work/out")"
 }
 
+# A reader that ends, ends the watch: at once, though no signal changes.
+watch_ends_with_its_reader() {
+  # shellcheck disable=SC2016
+  "$ectwin" with fzm1 -- bash -c 'timeout 10 "$1" watch data1 | head -1; echo "${PIPESTATUS[0]}"' bash "$ectwin" >"$work/out" 2>"$work/err"
+  check "watch: 'head -1' ends it, without a word" '0 {"event":"ready","iface":"ecat0","slaves":1}' \
+    "$(tail -1 "$work/out") $(cat "$work/err")"
+}
+
 # A folder in which a name has brackets, and one whose sockets have longer paths than an address of a socket.
 odd_and_long_folders() {
   local long="$work/a [b] c/$(printf 'x%.0s' $(seq 120))"
@@ -190,7 +198,7 @@ work=$(mktemp -d)
 export XDG_RUNTIME_DIR=$work/runtime
 mkdir "$XDG_RUNTIME_DIR"
 trap 'rm -rf "$work"' EXIT
-for case_name in all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers odd_and_long_folders \
+for case_name in all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
   no_twin a_stopped_twin escapes squatters python_module; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
