@@ -26,13 +26,43 @@ struct ect_eeprom {
     uint8_t image[];
 };
 
-static bool write_all(ect_eeprom_t *e, const uint8_t *factory)
+static bool write_all(int fd, const ect_eeprom_t *e, const uint8_t *factory)
 {
     uint8_t header[HEADER] = {0};
     memcpy(header, magic, sizeof magic);
     ect_store_le32(header + SIZE_AT, e->size);
-    return pwrite(e->fd, header, HEADER, 0) == HEADER && pwrite(e->fd, factory, e->size, HEADER) == (ssize_t)e->size &&
-           pwrite(e->fd, e->image, e->size, HEADER + e->size) == (ssize_t)e->size;
+    return pwrite(fd, header, HEADER, 0) == HEADER && pwrite(fd, factory, e->size, HEADER) == (ssize_t)e->size &&
+           pwrite(fd, e->image, e->size, HEADER + e->size) == (ssize_t)e->size && fsync(fd) == 0;
+}
+
+/* A file of its own is written whole and takes the name then: the file under that name is never half written. */
+static bool replace_file(ect_eeprom_t *e, const char *path, const uint8_t *factory)
+{
+    char other[ECT_EEPROM_PATH + 8];
+    snprintf(other, sizeof other, "%s.new", path);
+    int fd = open(other, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+    if (fd < 0)
+        return false;
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && write_all(fd, e, factory) && rename(other, path) == 0) {
+        close(e->fd);
+        e->fd = fd;
+        return true;
+    }
+    int error = errno;
+    (void)unlink(other);
+    close(fd);
+    errno = error;
+    return false;
+}
+
+/* Another twin may have replaced the file between open() and flock(). */
+static bool take_lock(int fd, const char *path)
+{
+    struct stat ours, named;
+    if (flock(fd, LOCK_EX | LOCK_NB) < 0 || fstat(fd, &ours) < 0 || lstat(path, &named) < 0)
+        return false;
+    errno = EWOULDBLOCK;
+    return ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
 }
 
 static bool checksum_good(const uint8_t *image)
@@ -78,13 +108,13 @@ static bool load(ect_eeprom_t *e, const char *path, const uint8_t *factory)
 {
     uint8_t *before = malloc(e->size);
     e->fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-    int found = before && e->fd >= 0 && flock(e->fd, LOCK_EX | LOCK_NB) == 0 ? read_all(e, before) : -1;
+    int found = before && e->fd >= 0 && take_lock(e->fd, path) ? read_all(e, before) : -1;
     if (found > 0)
         merge(e->image, before, factory, e->size);
     else if (found == 0)
         memcpy(e->image, factory, e->size);
     bool same = found > 0 && memcmp(before, factory, e->size) == 0;
-    bool done = found >= 0 && (same || write_all(e, factory));
+    bool done = found >= 0 && (same || replace_file(e, path, factory));
     int error = errno;
     free(before);
     errno = error;
@@ -100,10 +130,12 @@ ect_eeprom_t *ect_eeprom_open(const char *path, const uint8_t *factory, uint32_t
     }
     if (e && load(e, path, factory))
         return e;
-    const char *why = errno == EWOULDBLOCK ? "another twin uses it"
-                      : errno == EINVAL ? "it is no EEPROM content of a twin of this size; move it away to begin anew"
-                      : errno == ELOOP  ? "it is a symbolic link"
-                                        : strerror(errno);
+    const char *why =
+        errno == EWOULDBLOCK ? "another twin uses it"
+        : errno == EINVAL
+            ? "it is no EEPROM content of a twin of this size; move it away to start from the factory's content"
+        : errno == ELOOP ? "it is a symbolic link"
+                         : strerror(errno);
     snprintf(message, ECT_EEPROM_MESSAGE, "cannot keep the EEPROM in '%s': %s", path, why);
     ect_eeprom_close(e);
     return NULL;

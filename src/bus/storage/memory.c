@@ -42,14 +42,6 @@ static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer
     return 0;
 }
 
-/* A file can be written over. */
-static int bank_erase(void *ctx, unsigned int bank)
-{
-    (void)ctx;
-    (void)bank;
-    return 0;
-}
-
 static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length)
 {
     ect_memory_t *m = ctx;
@@ -59,6 +51,13 @@ static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void 
         return 0;
     b->written = true;
     return pwrite(b->fd, data, length, (off_t)HEAD + (off_t)offset) == (ssize_t)length ? 0 : -1;
+}
+
+/* A file can be overwritten, so only the header goes: a save that is cut off leaves a bank without a record. */
+static int bank_erase(void *ctx, unsigned int bank)
+{
+    static const uint8_t nothing[ECT_RECORD_HEADER];
+    return bank_write(ctx, bank, 0, nothing, sizeof nothing);
 }
 
 /* A file that was deleted, cut or put aside under our hands keeps nothing for the next time. */
@@ -121,13 +120,6 @@ static int sync_folder(const char *name)
     return result;
 }
 
-static const char *make_empty(const bank_t *b, const char *name)
-{
-    bool done = ftruncate(b->fd, FILE_SIZE) == 0 && pwrite(b->fd, head, HEAD, 0) == HEAD && fsync(b->fd) == 0 &&
-                sync_folder(name) == 0;
-    return done ? NULL : strerror(errno);
-}
-
 /* What was never written to is not read: the banks of a thousand twins are nearly empty. */
 static bool read_image(const bank_t *b)
 {
@@ -140,9 +132,26 @@ static bool read_image(const bank_t *b)
     return true;
 }
 
+static const char *make_empty(const bank_t *b, const char *name)
+{
+    bool done = ftruncate(b->fd, FILE_SIZE) == 0 && pwrite(b->fd, head, HEAD, 0) == HEAD && fsync(b->fd) == 0 &&
+                sync_folder(name) == 0;
+    return done ? NULL : strerror(errno);
+}
+
+/* make_empty() was cut off, or met a full disk. */
+static bool is_unmade(const bank_t *b, const uint8_t found[HEAD])
+{
+    static const uint8_t nothing[HEAD];
+    if (memcmp(found, nothing, HEAD) != 0 || !read_image(b))
+        return false;
+    return b->image[0] == 0 && memcmp(b->image, b->image + 1, ECT_MEMORY_BANK - 1) == 0;
+}
+
 /* Nothing but a file of our own is taken, and nothing else is changed. @return why not, NULL */
 static const char *take_file(const bank_t *b, const char *name)
 {
+    static const char foreign[] = "it is not what a twin has saved; it stays as it is";
     struct stat info;
     uint8_t found[HEAD];
     if (fstat(b->fd, &info) < 0 || !S_ISREG(info.st_mode))
@@ -151,8 +160,10 @@ static const char *take_file(const bank_t *b, const char *name)
         return errno == EWOULDBLOCK ? "another twin uses it" : strerror(errno);
     if (info.st_size == 0)
         return make_empty(b, name);
-    if (info.st_size != FILE_SIZE || pread(b->fd, found, HEAD, 0) != HEAD || memcmp(found, head, HEAD) != 0)
-        return "it is not what a twin has saved; it stays as it is";
+    if (info.st_size != FILE_SIZE || pread(b->fd, found, HEAD, 0) != HEAD)
+        return foreign;
+    if (memcmp(found, head, HEAD) != 0)
+        return is_unmade(b, found) ? make_empty(b, name) : foreign;
     return read_image(b) ? NULL : strerror(errno);
 }
 
@@ -164,42 +175,61 @@ static const char *open_file(bank_t *b, const char *name)
     return take_file(b, name);
 }
 
-/* What was never written is empty; what was is whole, or the last save was cut off, or it is damaged. */
-static bool is_whole(const ect_storage_t *storage, unsigned int bank)
+static bool has_record(const ect_storage_t *storage, unsigned int bank, uint32_t magic, ect_record_t *record)
+{
+    return ect_record_header(storage, bank, magic, record) > 0 && ect_record_data_good(record) > 0;
+}
+
+/* A bank without a header has never been written to, or its last save was cut off. After a power failure the header of
+ * the record before that save may be there still: it is older than the record in the other bank. */
+static bool is_ordinary(const ect_storage_t *storage, unsigned int bank)
 {
     static const uint8_t empty[ECT_RECORD_HEADER];
     uint8_t header[ECT_RECORD_HEADER];
-    ect_record_t record;
+    ect_record_t record, other;
     (void)storage->read(storage->ctx, bank, 0, header, sizeof header);
-    if (memcmp(header, empty, sizeof header) == 0)
+    uint32_t magic = ect_load_le32(header);
+    if (memcmp(header, empty, sizeof header) == 0 || has_record(storage, bank, magic, &record))
         return true;
-    return ect_record_header(storage, bank, ect_load_le32(header), &record) > 0 && ect_record_data_good(&record) > 0;
+    return has_record(storage, bank ^ 1u, magic, &other) && (int32_t)(record.sequence - other.sequence) < 0;
 }
 
-/* Under another name, for those who may mend it; an empty file takes its place. @return why not, NULL */
+/* Gives a file another name, the first one that is free, or the last one. */
+static bool rename_damaged(const char *name, char *other, size_t room)
+{
+    for (int n = 1; n < MOST_KEPT; n++) {
+        snprintf(other, room, "%s.damaged%d", name, n);
+        if (link(name, other) == 0)
+            return unlink(name) == 0;
+        if (errno != EEXIST)
+            return false;
+    }
+    snprintf(other, room, "%s.damaged%d", name, MOST_KEPT);
+    return rename(name, other) == 0;
+}
+
+/* Keeps a damaged file for its user to mend; an empty one takes its place. @return why not, NULL */
 static const char *keep_aside(ect_memory_t *m, unsigned int bank, const char *name, char *message)
 {
     bank_t *b = &m->banks[bank];
     char other[NAME + 32];
-    for (int n = 1; n <= MOST_KEPT; n++) {
-        snprintf(other, sizeof other, "%s.damaged%d", name, n);
-        if (link(name, other) == 0) {
-            size_t used = strlen(message);
-            snprintf(message + used, ECT_MEMORY_MESSAGE - used,
-                     "%s'%.200s' holds no whole record, it is kept as '%.30s'", used > 0 ? "; " : "", name,
-                     strrchr(other, '/') ? strrchr(other, '/') + 1 : other);
-            (void)unlink(name);
-            close(b->fd);
-            memset(b->image, 0, ECT_MEMORY_BANK);
-            return open_file(b, name);
-        }
-        if (errno != EEXIST)
-            return strerror(errno);
-    }
-    return "it is damaged, and so are nine others: look at them, and remove some";
+    if (!rename_damaged(name, other, sizeof other))
+        return strerror(errno);
+    size_t used = strlen(message);
+    const char *end = strrchr(other, '/');
+    snprintf(message + used, ECT_MEMORY_MESSAGE - used, "%s'%.200s' holds no whole record, it is kept as '%.30s'",
+             used > 0 ? "; " : "", name, end ? end + 1 : other);
+    close(b->fd);
+    memset(b->image, 0, ECT_MEMORY_BANK);
+    return open_file(b, name);
 }
 
-static const char *open_bank(ect_memory_t *m, unsigned int bank, const char *path, char *message)
+static void name_bank(char name[NAME], const char *path, unsigned int bank)
+{
+    snprintf(name, NAME, "%s.%u", path, bank);
+}
+
+static const char *open_bank(ect_memory_t *m, unsigned int bank, const char *path)
 {
     char name[NAME];
     m->banks[bank].image = calloc(1, ECT_MEMORY_BANK);
@@ -207,9 +237,17 @@ static const char *open_bank(ect_memory_t *m, unsigned int bank, const char *pat
         return "not enough memory";
     if (!path)
         return NULL;
-    snprintf(name, sizeof name, "%s.%u", path, bank);
-    const char *why = open_file(&m->banks[bank], name);
-    return why || is_whole(&m->storage, bank) ? why : keep_aside(m, bank, name, message);
+    name_bank(name, path, bank);
+    return open_file(&m->banks[bank], name);
+}
+
+static const char *check_bank(ect_memory_t *m, unsigned int bank, const char *path, char *message)
+{
+    char name[NAME];
+    if (!path || is_ordinary(&m->storage, bank))
+        return NULL;
+    name_bank(name, path, bank);
+    return keep_aside(m, bank, name, message);
 }
 
 static ect_memory_t *make_memory(void)
@@ -233,14 +271,14 @@ ect_memory_t *ect_memory_open(const char *path, char *message)
     const char *why = !m                                        ? "not enough memory"
                       : path && strlen(path) >= ECT_MEMORY_PATH ? strerror(ENAMETOOLONG)
                                                                 : NULL;
-    unsigned int bank = 0;
+    unsigned int step = 0;
     *message = 0;
-    for (; bank < 2 && !why; bank++)
-        why = open_bank(m, bank, path, message);
+    for (; step < 4 && !why; step++)
+        why = step < 2 ? open_bank(m, step, path) : check_bank(m, step - 2, path, message);
     if (!why)
         return m;
     snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%.400s.%u': %s", path ? path : "",
-             bank > 0 ? bank - 1 : 0, why);
+             step > 0 ? (step - 1) % 2 : 0, why);
     ect_memory_close(m);
     return NULL;
 }

@@ -16,8 +16,10 @@ enum { ECT_MEMORY_BANK = 1024 * 1024, ECT_MEMORY_PATH = 512, ECT_MEMORY_MESSAGE 
 typedef struct ect_memory ect_memory_t;
 
 /**
- * Opens it. A file must be one that this has made, and no other twin's at present; anything else is refused, and left
- * as it is. One whose record is not whole (seams/record.h) is kept under another name, and begun anew.
+ * Opens the memory. A file must be one that this function has made and that no other twin uses; any other file is
+ * refused and left as it is. A file whose making was cut off is completed. A save that was cut off leaves the record
+ * before (seams/record.h). A file with a damaged record is kept under another name (PATH.0.damaged1 to 9, then the last
+ * of these is replaced), and an empty file takes its place.
  * @param path          the files are PATH.0 and PATH.1, made when they are missing; NULL: in memory only
  * @param[out] message  ECT_MEMORY_MESSAGE bytes. On failure one line for the user; else "", or a line about a file that
  *                      was put aside

@@ -2,9 +2,11 @@
 /* The EEPROM of a twin in a file: what a master has written is there again (bus/storage/eeprom.h). */
 #define _GNU_SOURCE
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -123,6 +125,42 @@ static void bad_checksum_stays_bad(void **state)
     ect_eeprom_close(eeprom);
 }
 
+/* A full disk, or a kill, while the file is made or replaced. */
+static void cut_off_first_start(void **state)
+{
+    uint8_t made[SIZE], image[SIZE];
+    char other[80];
+    struct rlimit before, small;
+    (void)state;
+    factory(made, 3);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    small = (struct rlimit){.rlim_cur = 30, .rlim_max = before.rlim_max};
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    ect_eeprom_t *eeprom = ect_eeprom_open(path, made, SIZE, message);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_null(eeprom);
+    eeprom = must_open(made);
+    memcpy(image, made, SIZE);
+    image[8] = 1;
+    ect_eeprom_write(eeprom, image, SIZE);
+    ect_eeprom_close(eeprom);
+    made[2] = 0xA0; /* the factory's content changes, and the disk is full */
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    eeprom = ect_eeprom_open(path, made, SIZE, message);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_null(eeprom);
+    snprintf(other, sizeof other, "%s.new", path);
+    int fd = open(other, O_WRONLY | O_CREAT, 0600); /* left by a kill */
+    assert_int_equal(write(fd, "half", 4), 4);
+    close(fd);
+    eeprom = must_open(made);
+    assert_int_equal(ect_eeprom_image(eeprom)[8], 1);
+    assert_int_equal(ect_eeprom_image(eeprom)[2], 0xA0);
+    ect_eeprom_close(eeprom);
+    assert_int_equal(access(other, F_OK), -1);
+}
+
 static void assert_refused(const char *what, const uint8_t made[SIZE], const char *why)
 {
     ect_eeprom_t *eeprom = ect_eeprom_open(path, made, SIZE, message);
@@ -214,6 +252,7 @@ int main(int argc, char **argv)
         EEPROM_TEST("EEPROM file: a newer factory's words win, the master's others stay, the check value is right",
                     newer_factory),
         EEPROM_TEST("EEPROM file: a wrong check value stays as the master wrote it", bad_checksum_stays_bad),
+        EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
         EEPROM_TEST("EEPROM file: what is not its own is refused and left alone", refused),
         EEPROM_TEST("CF-065: what a master writes to the EEPROM outlasts power cycle and process", written_by_a_master),
     };
