@@ -257,6 +257,14 @@ static bool another_waits(int fd)
     return recv(fd, &byte, sizeof byte, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
+/* if_nametoindex() opens a socket, which a running twin may not. */
+static bool is_there(const ect_packet_t *port)
+{
+    struct ifreq request = {0};
+    memcpy(request.ifr_name, port->iface, sizeof request.ifr_name);
+    return ioctl(port->fd, SIOCGIFINDEX, &request) == 0 && request.ifr_ifindex == (int)port->index;
+}
+
 /* A link that went down may come back; an interface that is gone may not, and Linux says the same of both. */
 static ssize_t why_nothing(const ect_packet_t *port)
 {
@@ -264,7 +272,7 @@ static ssize_t why_nothing(const ect_packet_t *port)
         return ECT_PACKET_NONE;
     if (errno != ENETDOWN)
         return ECT_PACKET_GONE;
-    if (if_nametoindex(port->iface) == port->index)
+    if (is_there(port))
         return ECT_PACKET_NONE;
     errno = ENODEV;
     return ECT_PACKET_GONE;

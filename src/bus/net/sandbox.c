@@ -4,9 +4,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/sockios.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
@@ -15,7 +19,7 @@
 static const int running[] = {
     SCMP_SYS(accept),
     SCMP_SYS(accept4),
-    SCMP_SYS(bind), /* only for sockets that are there: no other kind can be made */
+    SCMP_SYS(bind), /* of sockets that exist: socket() makes no others */
     SCMP_SYS(brk),
     SCMP_SYS(clock_gettime),
     SCMP_SYS(clock_gettime64),
@@ -49,14 +53,10 @@ static const int running[] = {
     SCMP_SYS(gettid),
     SCMP_SYS(gettimeofday),
     SCMP_SYS(getuid),
-    SCMP_SYS(ioctl),
     SCMP_SYS(lseek),
     SCMP_SYS(_llseek),
     SCMP_SYS(lstat),
     SCMP_SYS(madvise),
-    SCMP_SYS(mmap),
-    SCMP_SYS(mmap2),
-    SCMP_SYS(mprotect),
     SCMP_SYS(mremap),
     SCMP_SYS(munmap),
     SCMP_SYS(nanosleep),
@@ -126,23 +126,73 @@ static int allow(scmp_filter_ctx filter, const int *calls, size_t count)
     return error;
 }
 
-static int allow_if(scmp_filter_ctx filter, int call, struct scmp_arg_cmp condition)
+/* A call whose arguments satisfy all conditions. A call that this machine does not have needs no rule. */
+static int allow_if(scmp_filter_ctx filter, int call, const struct scmp_arg_cmp *conditions, unsigned int count)
 {
-    return seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, 1, &condition);
+    int error = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, count, conditions);
+    return error == -EDOM ? 0 : error;
 }
 
-/* Threads but no processes; local sockets, which cannot connect; files, but (without those of a master) only to read
- * them. */
+/* Threads, but no processes. */
+static int allow_threads(scmp_filter_ctx filter)
+{
+    const struct scmp_arg_cmp thread = {
+        .arg = 0, .op = SCMP_CMP_MASKED_EQ, .datum_a = CLONE_THREAD, .datum_b = CLONE_THREAD};
+    return allow_if(filter, SCMP_SYS(clone), &thread, 1);
+}
+
+/* Local stream sockets, which cannot connect. */
+static int allow_sockets(scmp_filter_ctx filter)
+{
+    const scmp_datum_t type = (uint32_t)~(SOCK_CLOEXEC | SOCK_NONBLOCK);
+    const struct scmp_arg_cmp local[] = {
+        {.arg = 0, .op = SCMP_CMP_EQ, .datum_a = AF_UNIX},
+        {.arg = 1, .op = SCMP_CMP_MASKED_EQ, .datum_a = type, .datum_b = SOCK_STREAM},
+    };
+    return allow_if(filter, SCMP_SYS(socket), local, COUNT(local));
+}
+
+/* Files that exist, for reading. */
+static int allow_reading(scmp_filter_ctx filter)
+{
+    const struct scmp_arg_cmp reading = {
+        .arg = 2, .op = SCMP_CMP_MASKED_EQ, .datum_a = O_ACCMODE | O_CREAT | O_TRUNC, .datum_b = O_RDONLY};
+    return allow_if(filter, SCMP_SYS(openat), &reading, 1);
+}
+
+/* Memory that is not executable. */
+static int allow_memory(scmp_filter_ctx filter)
+{
+    static const int calls[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
+    const struct scmp_arg_cmp data = {.arg = 2, .op = SCMP_CMP_MASKED_EQ, .datum_a = PROT_EXEC, .datum_b = 0};
+    int error = 0;
+    for (size_t i = 0; i < COUNT(calls) && error == 0; i++)
+        error = allow_if(filter, calls[i], &data, 1);
+    return error;
+}
+
+/* The interface's flags, address, number and link, the age of a frame, and what the C library asks of a terminal. */
+static int allow_ioctls(scmp_filter_ctx filter)
+{
+    static const unsigned long numbers[] = {SIOCGIFFLAGS, SIOCSIFFLAGS, SIOCGIFHWADDR, SIOCGIFINDEX, SIOCETHTOOL,
+                                            SIOCGSTAMPNS, FIONREAD,     TCGETS,        TIOCGWINSZ};
+    int error = 0;
+    for (size_t i = 0; i < COUNT(numbers) && error == 0; i++) {
+        const struct scmp_arg_cmp number = {
+            .arg = 1, .op = SCMP_CMP_MASKED_EQ, .datum_a = UINT32_MAX, .datum_b = numbers[i]};
+        error = allow_if(filter, SCMP_SYS(ioctl), &number, 1);
+    }
+    return error;
+}
+
 static int allow_in_part(scmp_filter_ctx filter)
 {
-    const struct scmp_arg_cmp threads = {
-        .arg = 0, .op = SCMP_CMP_MASKED_EQ, .datum_a = CLONE_THREAD, .datum_b = CLONE_THREAD};
-    const struct scmp_arg_cmp local = {.arg = 0, .op = SCMP_CMP_EQ, .datum_a = AF_UNIX};
-    const struct scmp_arg_cmp reading = {
-        .arg = 2, .op = SCMP_CMP_MASKED_EQ, .datum_a = O_ACCMODE | O_CREAT, .datum_b = O_RDONLY};
-    int error = allow_if(filter, SCMP_SYS(clone), threads);
-    error = error != 0 ? error : allow_if(filter, SCMP_SYS(socket), local);
-    return error != 0 ? error : allow_if(filter, SCMP_SYS(openat), reading);
+    static int (*const parts[])(scmp_filter_ctx filter) = {allow_threads, allow_sockets, allow_reading, allow_memory,
+                                                           allow_ioctls};
+    int error = 0;
+    for (size_t i = 0; i < COUNT(parts) && error == 0; i++)
+        error = parts[i](filter);
+    return error;
 }
 
 int ect_sandbox_enter(bool children, bool files)
