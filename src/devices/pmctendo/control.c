@@ -16,10 +16,17 @@ static bool blocked(const pmctendo_t *u, double speed)
     return (speed > 0 && !u->level[PMC_PSTOP]) || (speed < 0 && !u->level[PMC_NSTOP]);
 }
 
-static double torque_limit(const pmctendo_t *u)
+static uint16_t least(uint16_t a, uint16_t b)
 {
-    double set = u->max_torque / 1000.0 * PMC_RATED_TORQUE;
-    return set < PMC_PEAK_TORQUE ? set : PMC_PEAK_TORQUE;
+    return a < b ? a : b;
+}
+
+/* 6072h and 6073h both ways, 60E0h and 60E1h one way each. */
+static double limit_torque(const pmctendo_t *u, double torque)
+{
+    uint16_t one_way = torque > 0 ? u->torque_limit[0] : u->torque_limit[1];
+    double set = least(least(u->max_torque, u->max_current), one_way) / 1000.0 * PMC_RATED_TORQUE;
+    return pmc_within(torque, set < PMC_PEAK_TORQUE ? set : PMC_PEAK_TORQUE);
 }
 
 static double speed_command(const pmctendo_t *u)
@@ -35,18 +42,18 @@ static double speed_command(const pmctendo_t *u)
 /* The integral part stands still while the torque is at its limit: else it would have to be unwound. */
 static double speed_controller(pmctendo_t *u, double command, double ahead)
 {
-    double limit = torque_limit(u);
     double error = command - u->plant.speed;
     double torque = SPEED_GAIN * error + u->sum + ahead;
-    if (pmc_size(torque) < limit)
+    double limited = limit_torque(u, torque);
+    if (torque == limited)
         u->sum += SPEED_GAIN * error * PMC_STEP_S / INTEGRAL_TIME;
-    return pmc_within(torque, limit);
+    return limited;
 }
 
 /* A torque is followed as long as it does not turn the shaft too fast, or into a limit switch. */
 static double torque_controller(pmctendo_t *u)
 {
-    double torque = pmc_within(u->reference.torque, torque_limit(u));
+    double torque = limit_torque(u, u->reference.torque);
     double speed = u->plant.speed;
     bool faster = pmc_size(speed) >= pmc_speed_limit(u) && (speed > 0) == (torque > 0);
     if (blocked(u, torque))
@@ -54,12 +61,20 @@ static double torque_controller(pmctendo_t *u)
     return faster ? speed_controller(u, pmc_within(speed, pmc_speed_limit(u)), 0) : torque;
 }
 
+/* Beyond 6065h for longer than 6066h. */
+bool pmc_following_late(const pmctendo_t *u)
+{
+    return u->error_steps > u->error_time * (PMC_STEPS_PER_S / 1000u);
+}
+
 static void monitor(pmctendo_t *u)
 {
     const pmc_reference_t *r = &u->reference;
     double error = r->position - u->plant.position;
     bool watched = r->loop == PMC_LOOP_POSITION && u->error_window != 0 && !blocked(u, error);
-    if (watched && pmc_size(error) > u->error_window)
+    bool late = watched && pmc_size(error) > u->error_window;
+    u->error_steps = late ? u->error_steps + 1 : 0;
+    if (pmc_following_late(u))
         pmc_fault(u, PMC_F_FOLLOWING);
     if (pmc_size(u->plant.speed) > OVERSPEED * pmc_speed_limit(u))
         pmc_fault(u, PMC_F_OVERSPEED);
@@ -77,6 +92,7 @@ void pmc_control_off(pmctendo_t *u)
 {
     u->torque_now = 0;
     u->sum = 0;
+    u->error_steps = 0;
     u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED};
 }
 

@@ -2,30 +2,13 @@
 /* The drive's time and its process data: what the stack calls, and the order of things in a step of 250 us. */
 #include "devices/pmctendo/instance.h"
 
-enum { MS_STEPS = PMC_STEPS_PER_S / 1000, MS_NS = 1000000, RAMP_TOLERANCE_NS = 200 * MS_NS };
+enum { MS_STEPS = PMC_STEPS_PER_S / 1000, MS_NS = 1000000 };
 
 /* --- the state machine -------------------------------------------------------------------------------------------- */
 
 static bool powered(const pmctendo_t *u)
 {
     return u->action != DS402_OFF;
-}
-
-static bool quick_is_slow(const pmctendo_t *u)
-{
-    return u->quick_option == 1 || u->quick_option == 5;
-}
-
-static double stop_deceleration(const pmctendo_t *u)
-{
-    return u->state == DS402_QUICK_STOP && quick_is_slow(u) ? u->deceleration : u->quick_deceleration;
-}
-
-/* A ramp has its time: as long as it takes by its rate, half as much again and a little. */
-static void stop_begin(pmctendo_t *u)
-{
-    double ramp_ns = 1.5e9 * pmc_size(u->plant.speed) / stop_deceleration(u);
-    u->stop_until_ns = u->time_ns + RAMP_TOLERANCE_NS + (uint64_t)ramp_ns;
 }
 
 /* The drive closes the brake before it takes the torque from a shaft that stands; else the brake is late. */
@@ -40,7 +23,7 @@ static void begin(pmctendo_t *u)
     if (u->action != DS402_FOLLOW && !pmc_halted(u)) {
         pmc_homing_abort(u);
         pmc_task_drop(u);
-        u->task_known = false;
+        u->task_known = u->homing.done = false;
     }
     switch (u->action) {
     case DS402_OFF:
@@ -54,7 +37,7 @@ static void begin(pmctendo_t *u)
         pmc_follow_begin(u);
         break;
     case DS402_STOP:
-        stop_begin(u);
+        pmc_stop_begin(u);
         pmc_brake_begin(u);
         break;
     case DS402_RAMP:
@@ -63,27 +46,41 @@ static void begin(pmctendo_t *u)
     }
 }
 
-static void look_at_inputs(pmctendo_t *u, uint16_t rising)
+static bool supplied(const pmctendo_t *u)
 {
-    const pmc_plant_t *p = &u->plant;
-    bool supplied = p->power && p->enable && !p->sto;
-    bool in_time = u->action != DS402_STOP || u->time_ns < u->stop_until_ns || pmc_standing(u);
-    if (powered(u) && p->sto)
+    return u->plant.power && u->plant.enable && !u->plant.sto;
+}
+
+static void watch_supply(pmctendo_t *u)
+{
+    if (powered(u) && u->plant.sto)
         pmc_fault(u, PMC_F_STO);
-    if (powered(u) && !p->power)
+    if (powered(u) && !u->plant.power)
         pmc_fault(u, PMC_F_UNDERVOLTAGE);
-    if (u->state == DS402_QUICK_STOP && !in_time)
+    if (u->state == DS402_QUICK_STOP && !pmc_stop_in_time(u))
         pmc_fault(u, PMC_F_STOP);
+}
+
+static bool can_brake(const pmctendo_t *u)
+{
+    return powered(u) && supplied(u) && pmc_fault_brakes(u->fault) && u->fault_option != 0 && pmc_stop_in_time(u);
+}
+
+static void read_inputs(pmctendo_t *u, uint16_t rising)
+{
+    watch_supply(u);
     u->ds = (ds402_inputs_t){
         .control = u->live ? u->set.control : 0,
         .rising = rising,
         .live = u->live,
-        .supplied = supplied,
+        .by_level = u->plant.status_bits == PMC_STATUS_402,
+        .supplied = supplied(u),
         .fault = u->fault != 0,
         .resettable = !pmc_fault_needs_restart(u->fault),
-        .can_brake = powered(u) && supplied && pmc_fault_brakes(u->fault) && in_time,
-        .standing = pmc_standing(u) || (u->state == DS402_QUICK_STOP && u->quick_option == 0),
-        .stays = u->quick_option >= 5,
+        .can_brake = can_brake(u),
+        .standing = pmc_standing(u) || !pmc_stop_waits(u),
+        .stays = pmc_stop_stays(u),
+        .coasts = u->disable_option == 0,
     };
 }
 
@@ -91,7 +88,7 @@ static bool decide(pmctendo_t *u, uint16_t rising)
 {
     bool reset = false;
     ds402_action_t before = u->action;
-    look_at_inputs(u, rising);
+    read_inputs(u, rising);
     ds402_state_t next = ds402_next(u->state, &u->ds, &reset);
     bool changed = next != u->state;
     u->state = next;
@@ -130,10 +127,8 @@ static void move(pmctendo_t *u)
         pmc_follow(u);
         break;
     case DS402_RAMP:
-        pmc_brake(u, u->homing.active ? u->home_acceleration : u->deceleration);
-        break;
     case DS402_STOP:
-        pmc_brake(u, stop_deceleration(u));
+        pmc_brake(u, pmc_stop_deceleration(u));
         break;
     default:
         break;
@@ -154,6 +149,7 @@ static void step(pmctendo_t *u)
     move(u);
     pmc_motor_step(u, powered(u));
     hand_out_edges(u);
+    pmc_status_step(u);
     if (u->action != DS402_FOLLOW && !position_is_mapped(u))
         u->set.position = u->set_position = pmc_counts(pmc_user(u, u->plant.position)); /* nobody cares for it yet */
 }
@@ -185,24 +181,6 @@ void pmc_look(pmctendo_t *u)
 
 /* --- what is shown ------------------------------------------------------------------------------------------------ */
 
-static uint16_t status_bit(bool on, uint16_t mask)
-{
-    return on ? mask : 0;
-}
-
-static uint16_t status(const pmctendo_t *u)
-{
-    bool soft = (u->warnings & (1u << (PMC_N_SOFT_NEGATIVE - 1) | 1u << (PMC_N_SOFT_POSITIVE - 1))) != 0;
-    bool stop = !u->level[PMC_PSTOP] || !u->level[PMC_NSTOP];
-    return (uint16_t)(ds402_status(u->state, &u->ds) | status_bit(u->plant.power, DS402_STATUS_VOLTAGE) |
-                      status_bit(u->warnings != 0, DS402_STATUS_WARNING) | status_bit(u->live, DS402_STATUS_REMOTE) |
-                      status_bit(pmc_target_reached(u), DS402_STATUS_TARGET) |
-                      status_bit(soft || stop, DS402_STATUS_LIMIT) |
-                      status_bit(u->homing.active, DS402_STATUS_REFERENCING) |
-                      status_bit(u->homing.error, DS402_STATUS_REFERENCE_ERROR) |
-                      status_bit(pmc_task_active(u), DS402_STATUS_TASK));
-}
-
 /* 60FDh as in CiA 402: limit switches and home, then the four inputs as they are. */
 static uint32_t digital_inputs(const pmctendo_t *u)
 {
@@ -218,12 +196,12 @@ static void publish_actual(pmctendo_t *u)
     bool following = u->reference.loop == PMC_LOOP_POSITION && powered(u);
     double position = pmc_user(u, u->plant.position);
     double demand = following ? pmc_user(u, u->reference.position) : position;
-    u->status = status(u);
+    u->status = pmc_status(u);
     u->position = u->internal_position = pmc_counts(position);
     u->demand = pmc_counts(demand);
     u->following_error = pmc_saturated(demand - position);
     u->speed = pmc_saturated(u->plant.speed);
-    u->torque = (int16_t)pmc_saturated(u->torque_now / PMC_RATED_TORQUE * 1000);
+    u->torque = u->torque_demand = u->current = (int16_t)pmc_saturated(u->torque_now / PMC_RATED_TORQUE * 1000);
     u->inputs = digital_inputs(u);
     u->analog = u->plant.analog;
     u->feedback2 = u->plant.feedback2;
@@ -251,6 +229,14 @@ static void publish(pmctendo_t *u)
         publish_actual(u);
 }
 
+/* Of 60FEh where its mask is on, else of 2001h. */
+static uint8_t digital_output(const pmctendo_t *u, unsigned int number)
+{
+    bool masked = (u->physical[1] >> (16 + number) & 1u) != 0;
+    uint32_t bits = masked ? u->physical[0] >> 16 : u->outputs;
+    return u->live && (bits >> number & 1u) != 0;
+}
+
 /* Signals: a tick follows each exchange. */
 static void show(pmctendo_t *u)
 {
@@ -262,8 +248,8 @@ static void show(pmctendo_t *u)
     u->synchronised = u->sync.synchronised;
     u->homed_level = u->homed;
     u->powered = powered(u);
-    u->do1 = u->outputs & 1u;
-    u->do2 = u->outputs >> 1 & 1u;
+    u->do1 = digital_output(u, 0);
+    u->do2 = digital_output(u, 1);
 }
 
 void pmc_publish(pmctendo_t *u)
@@ -434,15 +420,6 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns)
 
 /* --- by mailbox --------------------------------------------------------------------------------------------------- */
 
-static bool one_of(int value, const int *values, unsigned int count)
-{
-    for (unsigned int i = 0; i < count; i++) {
-        if (values[i] == value)
-            return true;
-    }
-    return false;
-}
-
 /* Both are off, or a pair; the first write of a new pair may leave them crossed, and then none is in force. */
 static ect_reason_t check_limit(const pmctendo_t *u, uint8_t subindex, int32_t value)
 {
@@ -451,24 +428,46 @@ static ect_reason_t check_limit(const pmctendo_t *u, uint8_t subindex, int32_t v
     return lower <= upper || u->limit[0] == u->limit[1] ? ECT_OK : ECT_REASON_MIN_MAX;
 }
 
+static bool is_mode(int8_t mode)
+{
+    static const int8_t modes[] = {PMC_MODE_BY_PDO,       PMC_MODE_TASK,     PMC_MODE_SPEED_RAMP, PMC_MODE_HOMING,
+                                   PMC_MODE_INTERPOLATED, PMC_MODE_POSITION, PMC_MODE_SPEED,      PMC_MODE_TORQUE};
+    for (unsigned int i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        if (modes[i] == mode)
+            return true;
+    }
+    return false;
+}
+
+static bool is_known(uint16_t index, const uint8_t *data)
+{
+    switch (index) {
+    case 0x605A:
+    case 0x605B:
+    case 0x605C:
+    case 0x605D:
+    case 0x605E:
+        return pmc_stop_known(index, (int16_t)ect_load_le16(data));
+    case 0x6060:
+        return is_mode((int8_t)data[0]);
+    case 0x607E: /* the sense of rotation is fixed, the ramps are linear */
+        return data[0] == 0;
+    case 0x6086:
+        return ect_load_le16(data) == 0;
+    case 0x6098:
+        return pmc_homing_known((int8_t)data[0]);
+    default:
+        return true;
+    }
+}
+
 ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
 {
-    static const int modes[] = {PMC_MODE_BY_PDO,       PMC_MODE_TASK,     PMC_MODE_SPEED_RAMP, PMC_MODE_HOMING,
-                                PMC_MODE_INTERPOLATED, PMC_MODE_POSITION, PMC_MODE_SPEED,      PMC_MODE_TORQUE};
-    static const int options[] = {0, 1, 2, 5, 6};
     if (size == 0 || !data)
         return ECT_OK;
     if (index == 0x607D)
         return check_limit(instance, subindex, (int32_t)ect_load_le32(data));
-    int8_t byte = *(const int8_t *)data;
-    bool good = true;
-    if (index == 0x6060)
-        good = one_of(byte, modes, sizeof modes / sizeof modes[0]);
-    else if (index == 0x605A)
-        good = one_of((int16_t)ect_load_le16(data), options, sizeof options / sizeof options[0]);
-    else if (index == 0x6098)
-        good = pmc_homing_known(byte);
-    return good ? ECT_OK : ECT_REASON_RANGE;
+    return is_known(index, data) ? ECT_OK : ECT_REASON_RANGE;
 }
 
 void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)

@@ -73,7 +73,7 @@ static unsigned int flag(bool on, unsigned int mask)
 static unsigned int flags_of(const ds402_inputs_t *in)
 {
     bool reset = in->live && in->resettable && (in->rising & DS402_RESET) != 0;
-    bool enable = in->live && (in->rising & DS402_ENABLE) != 0;
+    bool enable = in->live && (in->by_level || (in->rising & DS402_ENABLE) != 0);
     return flag(in->supplied, SUPPLIED) | flag(in->fault, FAULT) | flag(reset, RESET) | flag(in->can_brake, CAN_BRAKE) |
            flag(in->standing, STANDING) | flag(in->stays && in->live, STAYS) | flag(enable, ENABLE_EDGE);
 }
@@ -99,7 +99,7 @@ ds402_action_t ds402_action(ds402_state_t state, const ds402_inputs_t *in)
     bool follow = ds402_command(in->control, in->live) == DS402_ENABLE_OPERATION && (in->control & DS402_HALT) == 0;
     switch (state) {
     case DS402_SWITCHED_ON:
-        return DS402_HOLD;
+        return in->coasts ? DS402_OFF : DS402_HOLD;
     case DS402_OPERATION_ENABLED:
         return follow ? DS402_FOLLOW : DS402_RAMP;
     case DS402_QUICK_STOP:

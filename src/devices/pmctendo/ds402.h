@@ -52,8 +52,10 @@ enum {
     DS402_STATUS_REMOTE = 0x0200,
     DS402_STATUS_TARGET = 0x0400,
     DS402_STATUS_LIMIT = 0x0800,
-    DS402_STATUS_REFERENCING = 0x1000,
-    DS402_STATUS_REFERENCE_ERROR = 0x2000,
+    DS402_STATUS_REFERENCING = 0x1000,     /**< the manual's bit 12 */
+    DS402_STATUS_ATTAINED = 0x1000,        /**< CiA 402's: set-point taken, speed is 0, homing attained, follows */
+    DS402_STATUS_REFERENCE_ERROR = 0x2000, /**< the manual's bit 13 */
+    DS402_STATUS_MODE_ERROR = 0x2000,      /**< CiA 402's: following error, homing error */
     DS402_STATUS_TASK = 0x8000,
 };
 
@@ -69,13 +71,15 @@ typedef enum ds402_command {
 typedef struct ds402_inputs {
     uint16_t control; /**< control word */
     uint16_t rising;  /**< bits of it that were 0 before; an edge is handed over once */
+    bool by_level;    /**< 0Fh enables by its level, as in CiA 402; else bit 3 must rise */
     bool live;        /**< the control word counts: OP. Else it stands for "quick stop" */
     bool supplied;    /**< DC link, enable input, no STO: may be switched on */
     bool fault;       /**< one is there, and not reset */
     bool resettable;  /**< ... and may be reset */
     bool can_brake;   /**< power stage is on and the fault leaves it under control */
     bool standing;    /**< the shaft stands, or nobody waits for it */
-    bool stays;       /**< after a quick stop the drive stays in that state (605Ah: 5, 6) */
+    bool stays;       /**< after a quick stop the drive stays in that state (605Ah: 5 to 8) */
+    bool coasts;      /**< Switched On has no torque (605Ch: 0) */
 } ds402_inputs_t;
 
 /** What the power stage and the set values do. */

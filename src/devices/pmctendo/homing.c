@@ -106,6 +106,7 @@ static void fail(pmctendo_t *u)
 
 void pmc_homing_abort(pmctendo_t *u)
 {
+    u->homing.interrupted |= u->homing.active;
     if (u->homing.active)
         fail(u);
 }

@@ -8,6 +8,8 @@
  *   signals.c    the plant: the user's side
  *   drive.c      time, process data, AL states: what the stack calls
  *   sync.c       the cyclic rhythm: warning n17, fault F28
+ *   status.c     status word
+ *   stop.c       option codes
  *   modes.c      set values: what each mode of operation makes of them
  *   task.c       motion tasks: set-points, one under way and one waiting
  *   homing.c     reference runs, as legs in a table
@@ -34,7 +36,7 @@
 #include "seams/standard.h"
 #include "wire/bytes.h"
 
-enum { PMC_STEP_NS = 250000, PMC_DISPLAYS_FAULT = 0x100 };
+enum { PMC_STEP_NS = 250000, PMC_DISPLAYS_FAULT = 0x100, PMC_STATUS_402 = 402 };
 
 /* In sums with numbers that are not whole. */
 #define PMC_TURN        1048576 /* counts */
@@ -109,6 +111,7 @@ typedef struct pmc_plant {
     uint8_t power, enable, sto;
     int16_t analog;
     int32_t feedback2;
+    uint16_t status_bits; /* 0: the manual's, PMC_STATUS_402 */
     uint32_t sync_patience_ms, sync_tolerance_ppm, sync_timeout_ms;
     uint8_t quirk_reply, quirk_al_codes;
 } pmc_plant_t;
@@ -139,11 +142,12 @@ typedef struct pmc_homing {
     int8_t method; /* it began with: 6098h may be another by now */
     uint8_t leg;   /* of the method's */
     bool active, error, done;
-    bool returning; /* to the point that was found */
-    bool searching; /* for the switch, in the direction of the second leg, before the first one */
-    bool slow;      /* the switch has been found: no leg is a search */
-    uint32_t steps; /* taken so far */
-    double found;   /* machine */
+    bool interrupted; /* the error is that the master ended it */
+    bool returning;   /* to the point that was found */
+    bool searching;   /* for the switch, in the direction of the second leg, before the first one */
+    bool slow;        /* the switch has been found: no leg is a search */
+    uint32_t steps;   /* taken so far */
+    double found;     /* machine */
 } pmc_homing_t;
 
 enum { PMC_LATCHES = 5 };
@@ -178,7 +182,7 @@ typedef struct pmctendo {
     uint16_t latch_control, latch_status;
     int32_t latch_position[2];
     int32_t position, internal_position, speed, following_error, demand;
-    int16_t torque, analog;
+    int16_t torque, torque_demand, current, analog;
     uint32_t inputs; /* 60FDh */
     int32_t feedback2;
     int8_t mode, mode_display;
@@ -190,7 +194,15 @@ typedef struct pmctendo {
     int32_t target;
     uint32_t task_speed, acceleration, deceleration, quick_deceleration, speed_limit;
     uint32_t error_window, position_window;
-    int16_t quick_option;
+    int16_t quick_option, shutdown_option, disable_option, halt_option, fault_option;
+    uint16_t error_time, position_time, speed_time, zero_time; /* ms */
+    uint16_t speed_window, zero_window;                        /* counts/s */
+    uint16_t max_current, torque_limit[2];                     /* per mille; positive, negative */
+    uint32_t motor_speed;                                      /* turns a minute */
+    uint32_t most_acceleration, most_deceleration;
+    uint32_t physical[2]; /* 60FEh: outputs, mask */
+    uint8_t polarity;
+    int16_t ramp_type;
     int8_t home_method;
     int32_t home_offset;
     uint32_t home_speed[2];
@@ -232,7 +244,10 @@ typedef struct pmctendo {
     double zero; /* machine coordinate of the reference's 0 */
     double sum;  /* the speed controller's integral part, Nm */
     double torque_now;
-    bool limited; /* something has been held back by a limit */
+    uint32_t error_steps;   /* that the following error has been beyond its window */
+    uint32_t reached_steps; /* that the target has been reached */
+    uint32_t slow_steps, fast_steps;
+    bool speed_is_zero;
 
     uint8_t level[PMC_INPUTS];
     pmc_edge_t edge[PMC_EDGES];
@@ -288,6 +303,18 @@ void pmc_brake(pmctendo_t *u, double deceleration); /* one step of a ramp to a s
 bool pmc_target_reached(const pmctendo_t *u);
 bool pmc_halted(const pmctendo_t *u);
 
+/* status.c */
+uint16_t pmc_status(const pmctendo_t *u);
+void pmc_status_step(pmctendo_t *u); /* windows and their times */
+
+/* stop.c */
+double pmc_stop_deceleration(const pmctendo_t *u);
+void pmc_stop_begin(pmctendo_t *u); /* a ramp has its time: half as long again as its rate says, and a little */
+bool pmc_stop_in_time(const pmctendo_t *u);
+bool pmc_stop_waits(const pmctendo_t *u); /* for a standstill; else the torque goes at once */
+bool pmc_stop_stays(const pmctendo_t *u); /* in Quick Stop Active */
+bool pmc_stop_known(uint16_t index, int option);
+
 /* task.c */
 void pmc_task_take(pmctendo_t *u); /* an edge of bit 4 */
 void pmc_task_room(pmctendo_t *u); /* bit 4 or the queue has changed */
@@ -297,6 +324,9 @@ bool pmc_task_active(const pmctendo_t *u);
 
 /* limits.c */
 double pmc_speed_limit(const pmctendo_t *u);
+double pmc_acceleration(const pmctendo_t *u);
+double pmc_deceleration(const pmctendo_t *u);
+bool pmc_limit_acts(const pmctendo_t *u); /* a software limit switch changes the set value */
 /* The machine position of a set value, absolute or relative, seen from machine position `from`. */
 double pmc_absolute(pmctendo_t *u, double from, int32_t position);
 double pmc_relative(pmctendo_t *u, double from, int32_t way);
@@ -322,6 +352,7 @@ static inline double pmc_size(double x)
 }
 
 /* control.c */
+bool pmc_following_late(const pmctendo_t *u);
 void pmc_control(pmctendo_t *u); /* torque_now from the reference */
 void pmc_control_off(pmctendo_t *u);
 bool pmc_standing(const pmctendo_t *u);

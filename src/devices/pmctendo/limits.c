@@ -8,9 +8,24 @@
 #define REACTION_S 0.002 /* of the speed controller: its lag is travelled before the ramp shows */
 #define CLOSE      10.0  /* counts: at the switch */
 
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
 double pmc_speed_limit(const pmctendo_t *u)
 {
-    return u->speed_limit;
+    return least(u->speed_limit, u->motor_speed / 60.0 * PMC_TURN);
+}
+
+double pmc_acceleration(const pmctendo_t *u)
+{
+    return least(u->acceleration, u->most_acceleration);
+}
+
+double pmc_deceleration(const pmctendo_t *u)
+{
+    return least(u->deceleration, u->most_deceleration);
 }
 
 static bool limits_on(const pmctendo_t *u)
@@ -46,6 +61,11 @@ double pmc_relative(pmctendo_t *u, double from, int32_t way)
 {
     double here = pmc_counts(pmc_user(u, from));
     return pmc_beyond(u, from, clamp(u, here + way) - here);
+}
+
+bool pmc_limit_acts(const pmctendo_t *u)
+{
+    return (u->warnings & (1u << (PMC_N_SOFT_NEGATIVE - 1) | 1u << (PMC_N_SOFT_POSITIVE - 1))) != 0;
 }
 
 /* --- speeds and torques ------------------------------------------------------------------------------------------- */
@@ -90,7 +110,7 @@ static bool guarded(pmctendo_t *u, int direction, double speed, double decelerat
         guard(u, direction);
     warn(u, u->guarded < 0, u->guarded > 0);
     if (u->guarded != 0)
-        (void)pmc_profile(&u->reference, u->guard_target, speed, u->acceleration, deceleration);
+        (void)pmc_profile(&u->reference, u->guard_target, speed, pmc_acceleration(u), deceleration);
     return u->guarded != 0;
 }
 
@@ -99,7 +119,7 @@ bool pmc_limit_holds_speed(pmctendo_t *u, double speed)
     int direction = sign(speed);
     if (u->guarded != direction)
         u->guarded = 0;
-    return guarded(u, direction, pmc_size(speed), u->deceleration);
+    return guarded(u, direction, pmc_size(speed), pmc_deceleration(u));
 }
 
 /* A shaft that stands at the switch is released by a torque that turns it back: less towards the switch than the one

@@ -2,8 +2,6 @@
 /* Set values: what each mode of operation makes of them, step by step. */
 #include "devices/pmctendo/instance.h"
 
-#define SPEED_WINDOW (10.0 / 60 * PMC_TURN) /* 10 turns a minute */
-
 int8_t pmc_mode(const pmctendo_t *u)
 {
     if (u->mode != PMC_MODE_BY_PDO)
@@ -134,7 +132,7 @@ static void follow_speed_ramp(pmctendo_t *u)
     if (pmc_limit_holds_speed(u, target))
         return;
     bool faster = pmc_size(target) > pmc_size(r->speed) && (target > 0) == (r->speed >= 0);
-    double most = (faster ? u->acceleration : u->deceleration) * PMC_STEP_S;
+    double most = (faster ? pmc_acceleration(u) : pmc_deceleration(u)) * PMC_STEP_S;
     r->loop = PMC_LOOP_SPEED;
     r->speed = pmc_towards(r->speed, target, most);
 }
@@ -192,8 +190,6 @@ static bool in_position(const pmctendo_t *u, double machine)
 bool pmc_target_reached(const pmctendo_t *u)
 {
     int8_t mode = pmc_mode(u);
-    if (u->action != DS402_FOLLOW)
-        return pmc_standing(u);
     if (u->homing.active)
         return false;
     switch (mode) {
@@ -203,7 +199,7 @@ bool pmc_target_reached(const pmctendo_t *u)
         return u->homing.done && in_position(u, u->homing.found);
     case PMC_MODE_SPEED_RAMP:
     case PMC_MODE_SPEED:
-        return pmc_size(target_speed(u) - u->plant.speed) <= SPEED_WINDOW;
+        return pmc_size(target_speed(u) - u->plant.speed) <= u->speed_window;
     case PMC_MODE_TORQUE:
         return true;
     default:

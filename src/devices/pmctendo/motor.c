@@ -7,10 +7,11 @@ static double inertia(const pmctendo_t *u)
     return PMC_MOTOR_INERTIA + u->plant.load_inertia * 1e-4;
 }
 
-/* Friction, and without torque the brake: they hold a shaft that stands, slow one that turns, and turn none. */
+/* Friction, and the brake while it is closed: they hold a shaft that stands, slow one that turns, and turn none. */
 static double holding_torque(const pmctendo_t *u, bool powered)
 {
-    bool closed = !powered && u->time_ns >= u->brake_ns;
+    bool by_master = u->live && (u->physical[0] & u->physical[1] & 1u) != 0; /* 60FEh */
+    bool closed = by_master || (!powered && u->time_ns >= u->brake_ns);
     return u->plant.friction + (closed ? u->plant.brake : 0);
 }
 

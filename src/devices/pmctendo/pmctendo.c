@@ -57,17 +57,32 @@ VAR(603F, U16, RO, "Error code", 0, error_code)
 VAR(6040, U16, OUT, "Control word", 0, control)
 VAR(6041, U16, IN, "Status word", 0, status)
 VAR(605A, I16, KEPT, "Quick stop option code", 2, quick_option)
+VAR(605B, I16, KEPT, "Shutdown option code", 1, shutdown_option)
+VAR(605C, I16, KEPT, "Disable operation option code", 1, disable_option)
+VAR(605D, I16, KEPT, "Halt option code", 1, halt_option)
+VAR(605E, I16, KEPT, "Fault reaction option code", 2, fault_option)
 VAR(6060, I8, KEPT, "Modes of operation", PMC_MODE_BY_PDO, mode)
 VAR(6061, I8, RO, "Modes of operation display", 0, mode_display)
 VAR(6062, I32, RO, "Position demand value", 0, demand)
 VAR(6063, I32, IN, "Position actual internal value", 0, internal_position)
 VAR(6064, I32, IN, "Position actual value", 0, position)
 VAR(6065, U32, KEPT, "Following error window", PMC_TURN, error_window)
+VAR(6066, U16, KEPT, "Following error time out", 0, error_time)
 VAR(6067, U32, KEPT, "Position window", 1000, position_window)
+VAR(6068, U16, KEPT, "Position window time", 0, position_time)
 VAR(606C, I32, RO, "Velocity actual value", 0, speed)
+VAR(606D, U16, KEPT, "Velocity window", 65535, speed_window)
+VAR(606E, U16, KEPT, "Velocity window time", 0, speed_time)
+VAR(606F, U16, KEPT, "Velocity threshold", 65535, zero_window)
+VAR(6070, U16, KEPT, "Velocity threshold time", 0, zero_time)
 VAR(6071, I16, SET, "Target torque", 0, set_torque)
 VAR(6072, U16, SET, "Max torque", 3000, max_torque)
+VAR(6073, U16, KEPT, "Max current", 3000, max_current)
+VAR(6074, I16, RO, "Torque demand", 0, torque_demand)
+static const ect_entry_t entry_6075[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Motor rated current", 5000)};
+static const ect_entry_t entry_6076[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Motor rated torque", 3000)};
 VAR(6077, I16, IN, "Torque actual value", 0, torque)
+VAR(6078, I16, RO, "Current actual value", 0, current)
 VAR(607A, I32, RW, "Target position", 0, target)
 VAR(607C, I32, KEPT, "Home offset", 0, home_offset)
 static const ect_entry_t limits[] = {
@@ -75,11 +90,23 @@ static const ect_entry_t limits[] = {
     I32(1, KEPT, "Min position limit", 0, limit[0]),
     I32(2, KEPT, "Max position limit", 0, limit[1]),
 };
+VAR(607E, U8, RW, "Polarity", 0, polarity)
 VAR(607F, U32, KEPT, "Max profile velocity", 100u * PMC_TURN, speed_limit)
+VAR(6080, U32, KEPT, "Max motor speed", 6000, motor_speed)
 VAR(6081, U32, KEPT, "Profile velocity", 10u * PMC_TURN, task_speed)
 VAR(6083, U32, KEPT, "Profile acceleration", 100u * PMC_TURN, acceleration)
 VAR(6084, U32, KEPT, "Profile deceleration", 100u * PMC_TURN, deceleration)
 VAR(6085, U32, KEPT, "Quick stop deceleration", 500u * PMC_TURN, quick_deceleration)
+VAR(6086, I16, RW, "Motion profile type", 0, ramp_type)
+#define RATIO(index, what, numerator, of, denominator)                                                                 \
+    static const ect_entry_t entry_##index[] = {                                                                       \
+        ECT_ENTRY_COUNT(2),                                                                                            \
+        {1, ECT_TYPE_UNSIGNED32, 32, RO, what, numerator, NULL},                                                       \
+        {2, ECT_TYPE_UNSIGNED32, 32, RO, of, denominator, NULL},                                                       \
+    };
+RATIO(608F, "Encoder increments", PMC_TURN, "Motor revolutions", 1)
+RATIO(6091, "Motor shaft revolutions", 1, "Driving shaft revolutions", 1)
+RATIO(6092, "Feed", PMC_TURN, "Shaft revolutions", 1)
 VAR(6098, I8, KEPT, "Homing method", 35, home_method)
 static const ect_entry_t home_speeds[] = {
     ECT_ENTRY_COUNT(2),
@@ -96,8 +123,17 @@ static const ect_entry_t cycle[] = {
     ECT_ENTRY_COUNT(2), U8(1, KEPT_PREOP, "Interpolation time units", 1, cycle_units),
     I8(2, KEPT_PREOP, "Interpolation time index", 0xFD, cycle_power), /* -3 */
 };
+VAR(60C5, U32, KEPT, "Max acceleration", UINT32_MAX, most_acceleration)
+VAR(60C6, U32, KEPT, "Max deceleration", UINT32_MAX, most_deceleration)
+VAR(60E0, U16, KEPT, "Positive torque limit value", 3000, torque_limit[0])
+VAR(60E1, U16, KEPT, "Negative torque limit value", 3000, torque_limit[1])
 VAR(60F4, I32, IN, "Following error actual value", 0, following_error)
 VAR(60FD, U32, IN, "Digital inputs", 0, inputs)
+static const ect_entry_t physical_outputs[] = {
+    ECT_ENTRY_COUNT(2),
+    U32(1, RW, "Physical outputs", 0, physical[0]),
+    U32(2, KEPT, "Bit mask", 0, physical[1]),
+};
 VAR(60FF, I32, SET, "Target velocity", 0, set_speed)
 static const ect_entry_t entry_6502[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Supported drive modes", 0x3E5)};
 
@@ -168,33 +204,59 @@ static const ect_object_t objects[] = {
     ECT_VAR(0x6040, "Control word", entry_6040),
     ECT_VAR(0x6041, "Status word", entry_6041),
     ECT_VAR(0x605A, "Quick stop option code", entry_605A),
+    ECT_VAR(0x605B, "Shutdown option code", entry_605B),
+    ECT_VAR(0x605C, "Disable operation option code", entry_605C),
+    ECT_VAR(0x605D, "Halt option code", entry_605D),
+    ECT_VAR(0x605E, "Fault reaction option code", entry_605E),
     ECT_VAR(0x6060, "Modes of operation", entry_6060),
     ECT_VAR(0x6061, "Modes of operation display", entry_6061),
     ECT_VAR(0x6062, "Position demand value", entry_6062),
     ECT_VAR(0x6063, "Position actual internal value", entry_6063),
     ECT_VAR(0x6064, "Position actual value", entry_6064),
     ECT_VAR(0x6065, "Following error window", entry_6065),
+    ECT_VAR(0x6066, "Following error time out", entry_6066),
     ECT_VAR(0x6067, "Position window", entry_6067),
+    ECT_VAR(0x6068, "Position window time", entry_6068),
     ECT_VAR(0x606C, "Velocity actual value", entry_606C),
+    ECT_VAR(0x606D, "Velocity window", entry_606D),
+    ECT_VAR(0x606E, "Velocity window time", entry_606E),
+    ECT_VAR(0x606F, "Velocity threshold", entry_606F),
+    ECT_VAR(0x6070, "Velocity threshold time", entry_6070),
     ECT_VAR(0x6071, "Target torque", entry_6071),
     ECT_VAR(0x6072, "Max torque", entry_6072),
+    ECT_VAR(0x6073, "Max current", entry_6073),
+    ECT_VAR(0x6074, "Torque demand", entry_6074),
+    ECT_VAR(0x6075, "Motor rated current", entry_6075),
+    ECT_VAR(0x6076, "Motor rated torque", entry_6076),
     ECT_VAR(0x6077, "Torque actual value", entry_6077),
+    ECT_VAR(0x6078, "Current actual value", entry_6078),
     ECT_VAR(0x607A, "Target position", entry_607A),
     ECT_VAR(0x607C, "Home offset", entry_607C),
     ECT_ARRAY(0x607D, "Software position limit", limits),
+    ECT_VAR(0x607E, "Polarity", entry_607E),
     ECT_VAR(0x607F, "Max profile velocity", entry_607F),
+    ECT_VAR(0x6080, "Max motor speed", entry_6080),
     ECT_VAR(0x6081, "Profile velocity", entry_6081),
     ECT_VAR(0x6083, "Profile acceleration", entry_6083),
     ECT_VAR(0x6084, "Profile deceleration", entry_6084),
     ECT_VAR(0x6085, "Quick stop deceleration", entry_6085),
+    ECT_VAR(0x6086, "Motion profile type", entry_6086),
+    ECT_ARRAY(0x608F, "Position encoder resolution", entry_608F),
+    ECT_ARRAY(0x6091, "Gear ratio", entry_6091),
+    ECT_ARRAY(0x6092, "Feed constant", entry_6092),
     ECT_VAR(0x6098, "Homing method", entry_6098),
     ECT_ARRAY(0x6099, "Homing speeds", home_speeds),
     ECT_VAR(0x609A, "Homing acceleration", entry_609A),
     ECT_VAR(0x60B2, "Torque offset", entry_60B2),
     ECT_ARRAY(0x60C1, "Interpolation data record", set_position),
     ECT_RECORD(0x60C2, "Interpolation time period", cycle),
+    ECT_VAR(0x60C5, "Max acceleration", entry_60C5),
+    ECT_VAR(0x60C6, "Max deceleration", entry_60C6),
+    ECT_VAR(0x60E0, "Positive torque limit value", entry_60E0),
+    ECT_VAR(0x60E1, "Negative torque limit value", entry_60E1),
     ECT_VAR(0x60F4, "Following error actual value", entry_60F4),
     ECT_VAR(0x60FD, "Digital inputs", entry_60FD),
+    ECT_ARRAY(0x60FE, "Digital outputs", physical_outputs),
     ECT_VAR(0x60FF, "Target velocity", entry_60FF),
     ECT_VAR(0x6502, "Supported drive modes", entry_6502),
 };
@@ -202,7 +264,9 @@ static const ect_object_t objects[] = {
 #define RATE(index, subindex) ECT_LIMITS(index, subindex, 0, 1, UINT32_MAX)
 static const ect_detail_t details[] = {
     ECT_LIMITS(0x6072, 0, 0, 0, 3000),
+    ECT_LIMITS(0x6073, 0, 0, 0, 3000),
     RATE(0x607F, 0),
+    RATE(0x6080, 0),
     RATE(0x6081, 0),
     RATE(0x6083, 0),
     RATE(0x6084, 0),
@@ -212,6 +276,10 @@ static const ect_detail_t details[] = {
     RATE(0x609A, 0),
     ECT_LIMITS(0x60C2, 1, 0, 1, 255),
     ECT_LIMITS(0x60C2, 2, 0, -6, 0),
+    RATE(0x60C5, 0),
+    RATE(0x60C6, 0),
+    ECT_LIMITS(0x60E0, 0, 0, 0, 3000),
+    ECT_LIMITS(0x60E1, 0, 0, 0, 3000),
 };
 
 /* One at a time: each excludes all others of its direction. */

@@ -52,6 +52,8 @@ static const ect_signal_t signals[] = {
     W(plant.sync_timeout_ms, "sync_timeout", U32, 1, 9000, "ms", "how long SAFEOP to OP waits for synchronisation"),
     W(plant.sync_tolerance_ppm, "sync_tolerance", U32, 0, 1000000, "ppm",
       "mean deviation of the master's frames from 60C2h that is borne without SYNC0; 0: any. The manual: 1000"),
+    W(plant.status_bits, "status_bits", U16, 0, PMC_STATUS_402, NULL,
+      "402: bits 10, 12, 13 of the status word and 0Fh after 06h as in CiA 402; 0: as in the manual"),
     W(plant.quirk_reply, "quirk_pilz_reply", BOOL, 0, 1, NULL, "replies as the manual's example prints them"),
     W(plant.quirk_al_codes, "quirk_pilz_codes", BOOL, 0, 1, NULL, "AL status codes 0011, 0017 and 001A alone"),
 
@@ -105,6 +107,11 @@ static const char *restart(pmctendo_t *u, uint8_t wanted)
     return "";
 }
 
+static const char *status_bits(uint16_t wanted)
+{
+    return wanted == 0 || wanted == PMC_STATUS_402 ? NULL : "status_bits is 0, the manual's, or 402";
+}
+
 static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns)
 {
@@ -115,6 +122,8 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
         return provoke(u, *(const uint8_t *)value);
     if (IS(signal, restart))
         return restart(u, *(const uint8_t *)value);
+    if (IS(signal, plant.status_bits))
+        return status_bits(*(const uint16_t *)value);
     return NULL;
 }
 

@@ -24,8 +24,8 @@ void pmc_task_take(pmctendo_t *u)
         .through = (u->set.control & DS402_THROUGH) != 0,
         .target = u->target,
         .speed = least(u->task_speed, pmc_speed_limit(u)),
-        .acceleration = u->acceleration,
-        .deceleration = u->deceleration,
+        .acceleration = pmc_acceleration(u),
+        .deceleration = pmc_deceleration(u),
     };
     u->task_taken = true;
     u->task_reached = false;

@@ -20,6 +20,7 @@ static void open_at(double machine)
     drive_open(&d);
     drive_instance(&d)->plant.position = machine;
     assert_int_equal(drive_write(&d, 0x607F, 0, FASTER * (uint32_t)TURN, 4), 0);
+    assert_int_equal(drive_write(&d, 0x6080, 0, FASTER * 60, 4), 0);
 }
 
 static void start(int8_t mode, uint16_t out)
