@@ -220,6 +220,36 @@ static bool clocks_good(const report_t *r)
     return true;
 }
 
+/* --- init commands ------------------------------------------------------------------------------------------------ */
+
+static bool transitions_good(const char *transitions)
+{
+    static const char known[] = "IP PS SO SP OP OS";
+    size_t length = transitions ? strlen(transitions) : 0;
+    for (size_t at = 0; at < length; at += 3) {
+        char name[3] = {transitions[at], transitions[at + 1], 0};
+        if (name[0] == ' ' || name[1] == ' ' || !strstr(known, name) || (at + 2 < length && transitions[at + 2] != ' '))
+            return false;
+    }
+    return length > 0;
+}
+
+static bool init_commands_good(const report_t *r)
+{
+    const ect_device_t *d = r->device;
+    if (d->init_command_count > 0 && !d->init_commands)
+        return wrong(r, "init_commands: they are missing");
+    for (unsigned int i = 0; i < d->init_command_count; i++) {
+        const ect_init_command_t *c = &d->init_commands[i];
+        if (!transitions_good(c->transitions))
+            return wrong(r, "init_commands: %04Xh:%u names transitions other than IP PS SO SP OP OS", c->index,
+                         c->subindex);
+        if (!c->data || c->size == 0)
+            return wrong(r, "init_commands: %04Xh:%u has no data", c->index, c->subindex);
+    }
+    return true;
+}
+
 static bool timeouts_good(const report_t *r)
 {
     const ect_timeouts_t *t = &r->device->timeouts;
@@ -230,7 +260,8 @@ static bool timeouts_good(const report_t *r)
 
 bool check_offers(const report_t *r)
 {
-    return protocols_good(r) && constants_good(r) && services_good(r) && clocks_good(r) && timeouts_good(r);
+    return protocols_good(r) && constants_good(r) && services_good(r) && clocks_good(r) && init_commands_good(r) &&
+           timeouts_good(r);
 }
 
 bool check_sii(const report_t *r)

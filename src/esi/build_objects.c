@@ -74,8 +74,10 @@ static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
         entry->minimum = limit_of(entry, info->minimum);
     if (info->maximum.given)
         entry->maximum = limit_of(entry, info->maximum);
-    if (info->unit != 0)
-        entry->unit = (uint16_t)(info->unit >> 16); // prefix and numerator; what it is divided by has no room
+    if (info->unit != 0) {
+        entry->unit = (uint16_t)(info->unit >> 16);
+        entry->per = (uint8_t)(info->unit >> 8);
+    }
 }
 
 /* One object while its entries are added. */

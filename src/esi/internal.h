@@ -135,7 +135,8 @@ typedef struct ect_build_entry {
     const char *name;
     ect_esi_bytes_t initial; /**< as on the wire; shorter than the entry: the rest is zero */
     ect_esi_number_t minimum, maximum;
-    uint16_t unit;
+    uint16_t unit; /* as in ect_detail_t */
+    uint8_t per;
     size_t offset; /**< in the instance, once it is laid out */
     bool identity; /**< its data is a member of ect_standard_t at `offset` */
 } ect_build_entry_t;

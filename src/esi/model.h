@@ -79,7 +79,9 @@ typedef struct ect_esi_init {
     uint16_t index;
     uint8_t subindex;
     bool complete;
+    bool adapts; /**< `AdaptAutomatically`: tools replace the data */
     ect_esi_bytes_t data;
+    const char *comment; /**< "" when absent */
 } ect_esi_init_t;
 
 /** `<OpMode>`. */

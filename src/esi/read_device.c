@@ -126,6 +126,9 @@ static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, 
         init->subindex = (uint8_t)ect_esi_number(xml, node, "SubIndex", 0, UINT8_MAX, 0);
         init->complete = ect_esi_flag(xml, node, "CompleteAccess");
         init->data = ect_esi_hex(xml, node, "Data");
+        const xmlNode *data = ect_esi_child(node, "Data");
+        init->adapts = data != NULL && ect_esi_flag(xml, data, "AdaptAutomatically");
+        init->comment = ect_esi_text(xml, ect_esi_child(node, "Comment"));
     }
     return inits;
 }

@@ -281,6 +281,29 @@ static void set_dc(ect_build_t *build, ect_device_t *device)
     device->dc_mode_count = (uint8_t)count;
 }
 
+static void set_init_commands(ect_build_t *build, ect_device_t *device)
+{
+    const ect_esi_mailbox_t *mailbox = &build->model->mailbox;
+    size_t count = mailbox->init_count < UINT8_MAX ? mailbox->init_count : UINT8_MAX;
+    ect_init_command_t *commands = ect_arena_alloc(build->arena, (count + 1) * sizeof *commands);
+    device->init_commands = commands;
+    for (size_t i = 0; i < count; i++) {
+        const ect_esi_init_t *init = &mailbox->inits[i];
+        if (*init->transitions == '\0' || init->data.length == 0 || init->data.length > UINT16_MAX)
+            continue;
+        commands[device->init_command_count++] = (ect_init_command_t){
+            .transitions = init->transitions,
+            .index = init->index,
+            .subindex = init->subindex,
+            .complete = init->complete,
+            .adapts = init->adapts,
+            .size = (uint16_t)init->data.length,
+            .data = init->data.bytes,
+            .comment = *init->comment != '\0' ? init->comment : NULL,
+        };
+    }
+}
+
 static void set_eeprom(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_device_t *model = build->model;
@@ -537,6 +560,7 @@ static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build
     detail->index = object->index;
     detail->subindex = entry->subindex;
     detail->unit = entry->unit;
+    detail->per = entry->per;
     if (limited) {
         detail->minimum = minimum;
         detail->maximum = maximum;
@@ -695,6 +719,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_general(b->model, device);
     set_boot(b->model, device);
     set_dc(b, device);
+    set_init_commands(b, device);
     set_eeprom(b, device);
     device->esc = esc_of(device);
     device->instance_size = lay_out(b);

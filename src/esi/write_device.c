@@ -192,6 +192,27 @@ static void write_pdos(ect_pen_t *pen, const ect_device_t *device, bool outputs)
 
 /* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
 
+static void write_init_command(ect_pen_t *pen, const ect_init_command_t *command)
+{
+    ect_pen_open(pen, "InitCmd");
+    ect_pen_flag(pen, "CompleteAccess", command->complete);
+    for (const char *from = command->transitions; *from != '\0'; from += strspn(from, " ")) {
+        size_t length = strcspn(from, " ");
+        ect_pen_text(pen, "Transition", ect_arena_print(pen->arena, "%.*s", (int)length, from));
+        from += length;
+    }
+    ect_pen_hex(pen, "Index", command->index, 4);
+    ect_pen_number(pen, "SubIndex", command->subindex);
+    ect_pen_open(pen, "Data");
+    ect_pen_flag(pen, "AdaptAutomatically", command->adapts);
+    for (uint16_t i = 0; i < command->size; i++)
+        ect_pen_content(pen, ect_arena_print(pen->arena, "%02X", command->data[i]));
+    ect_pen_close(pen);
+    if (command->comment != NULL)
+        ect_pen_text(pen, "Comment", command->comment);
+    ect_pen_close(pen);
+}
+
 static void write_coe(ect_pen_t *pen, const ect_device_t *device)
 {
     ect_od_t od = ect_device_od(device, NULL);
@@ -204,6 +225,8 @@ static void write_coe(ect_pen_t *pen, const ect_device_t *device)
     ect_pen_flag(pen, "CompleteAccess", (details & ECT_COE_COMPLETE_ACCESS) != 0);
     ect_pen_flag(pen, "SegmentedSdo", true);
     ect_pen_flag(pen, "DiagHistory", ect_od_find(&od, 0x10F3) != NULL);
+    for (unsigned int i = 0; i < device->init_command_count; i++)
+        write_init_command(pen, &device->init_commands[i]);
     ect_pen_close(pen);
 }
 

@@ -250,7 +250,7 @@ static void write_default(list_t *list, const ect_entry_t *entry, const ect_deta
 static void write_unit(ect_pen_t *pen, const ect_detail_t *detail)
 {
     if (detail != NULL && detail->unit != 0)
-        ect_pen_hex(pen, "Unit", (uint32_t)detail->unit << 16, 8);
+        ect_pen_hex(pen, "Unit", (uint32_t)detail->unit << 16 | (uint32_t)detail->per << 8, 8);
 }
 
 static void write_info(list_t *list, const ect_object_t *object, const ect_entry_t *entry, const char *display)

@@ -125,7 +125,8 @@ typedef struct ect_object {
 typedef struct ect_detail {
     uint16_t index;
     uint8_t subindex;
-    uint16_t unit;   /**< ETG.1004 unit code; 0: none */
+    uint16_t unit;   /**< ETG.1004, prefix and numerator as SDO information has them; 0: none */
+    uint8_t per;     /**< ETG.1004, denominator; 0: none */
     int64_t minimum; /**< inclusive; minimum == maximum: no limits */
     int64_t maximum; /**< inclusive */
     const void
@@ -133,7 +134,10 @@ typedef struct ect_detail {
 } ect_detail_t;
 
 /** An element of the second table: unit and limits of a number. */
-#define ECT_LIMITS(index, subindex, unit, minimum, maximum) {index, subindex, unit, minimum, maximum, NULL}
+#define ECT_LIMITS(index, subindex, unit, minimum, maximum) ECT_LIMITS_PER(index, subindex, unit, 0, minimum, maximum)
+/** The same with a denominator of the unit. */
+#define ECT_LIMITS_PER(index, subindex, unit, per, minimum, maximum)                                                   \
+    {index, subindex, unit, per, minimum, maximum, NULL}
 
 /** An object list together with an instance. A small value that may be copied freely. */
 typedef struct ect_od {

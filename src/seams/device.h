@@ -175,6 +175,18 @@ typedef struct ect_dc_mode {
     int32_t shift_sync1_ns;
 } ect_dc_mode_t;
 
+/** An SDO that a master writes at transitions, ESI `<InitCmd>`. */
+typedef struct ect_init_command {
+    const char *transitions; /**< "PS", or several of IP PS SO SP OP OS, separated by a blank */
+    uint16_t index;
+    uint8_t subindex;
+    bool complete;       /**< by Complete Access */
+    bool adapts;         /**< the configuration tool replaces the data, e.g. a cycle time by that of its bus */
+    uint16_t size;       /**< bytes of `data`, at least 1 */
+    const uint8_t *data; /**< wire form */
+    const char *comment; /**< or NULL */
+} ect_init_command_t;
+
 /** Longest time that the device takes for a transition or a mail, milliseconds (ESI `<Timeout>`); 0: the master's
  * default. */
 typedef struct ect_timeouts {
@@ -301,6 +313,8 @@ typedef struct ect_device {
     int16_t ebus_ma;       /**< current drawn from the E-bus, mA; negative: current fed into it */
     const ect_dc_mode_t *dc_modes;
     uint8_t dc_mode_count;
+    const ect_init_command_t *init_commands;
+    uint8_t init_command_count;
     ect_sync_t sync;
     ect_timeouts_t timeouts;
 

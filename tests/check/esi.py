@@ -32,6 +32,8 @@ ORDER = {
     "TxPdo": "Index Name Exclude Entry",
     "Entry": "Index SubIndex BitLen Name Comment DataType",
     "Mailbox": "Timeout AoE EoE CoE FoE SoE VoE",
+    "CoE": "InitCmd",
+    "InitCmd": "Transition Index SubIndex Data Comment",
     "OpMode": "Name Desc AssignActivate CycleTimeSync0 ShiftTimeSync0 CycleTimeSync1 ShiftTimeSync1",
     "Eeprom": "Data ByteSize ConfigData BootStrap",
 }

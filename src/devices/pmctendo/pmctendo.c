@@ -261,25 +261,65 @@ static const ect_object_t objects[] = {
     ECT_VAR(0x6502, "Supported drive modes", entry_6502),
 };
 
-#define RATE(index, subindex) ECT_LIMITS(index, subindex, 0, 1, UINT32_MAX)
+/* Units by ETG.1004: prefix and numerator, denominator. */
+enum { COUNT = 0x00B5, TURNS = 0x00B4, MILLI_S = 0xFD03, MILLI_A = 0xFD04, MILLI_V = 0xFD26, PER_MILLE = 0xFD00 };
+enum { PER_S = 0x03, PER_MIN = 0x47, PER_S2 = 0x57 };
+#define COUNTS(index, subindex) ECT_LIMITS(index, subindex, COUNT, 0, 0)
+#define SPEED(index)            ECT_LIMITS_PER(index, 0, COUNT, PER_S, 0, 0)
+#define RATE(index, subindex)   ECT_LIMITS_PER(index, subindex, COUNT, PER_S, 1, UINT32_MAX)
+#define RAMP(index)             ECT_LIMITS_PER(index, 0, COUNT, PER_S2, 1, UINT32_MAX)
+#define TIME(index)             ECT_LIMITS(index, 0, MILLI_S, 0, 0)
+#define SHARE(index)            ECT_LIMITS(index, 0, PER_MILLE, 0, 0)
+#define LIMIT(index)            ECT_LIMITS(index, 0, PER_MILLE, 0, 3000)
 static const ect_detail_t details[] = {
-    ECT_LIMITS(0x6072, 0, 0, 0, 3000),
-    ECT_LIMITS(0x6073, 0, 0, 0, 3000),
+    ECT_LIMITS(0x2002, 0, MILLI_V, 0, 0),
+    COUNTS(0x2003, 0),
+    COUNTS(0x20A6, 0),
+    COUNTS(0x20A7, 0),
+    COUNTS(0x6062, 0),
+    COUNTS(0x6063, 0),
+    COUNTS(0x6064, 0),
+    COUNTS(0x6065, 0),
+    TIME(0x6066),
+    COUNTS(0x6067, 0),
+    TIME(0x6068),
+    SPEED(0x606C),
+    SPEED(0x606D),
+    TIME(0x606E),
+    SPEED(0x606F),
+    TIME(0x6070),
+    SHARE(0x6071),
+    LIMIT(0x6072),
+    LIMIT(0x6073),
+    SHARE(0x6074),
+    ECT_LIMITS(0x6075, 0, MILLI_A, 0, 0),
+    SHARE(0x6077),
+    SHARE(0x6078),
+    COUNTS(0x607A, 0),
+    COUNTS(0x607C, 0),
+    COUNTS(0x607D, 1),
+    COUNTS(0x607D, 2),
     RATE(0x607F, 0),
-    RATE(0x6080, 0),
+    ECT_LIMITS_PER(0x6080, 0, TURNS, PER_MIN, 1, UINT32_MAX),
     RATE(0x6081, 0),
-    RATE(0x6083, 0),
-    RATE(0x6084, 0),
-    RATE(0x6085, 0),
+    RAMP(0x6083),
+    RAMP(0x6084),
+    RAMP(0x6085),
+    COUNTS(0x608F, 1),
+    COUNTS(0x6092, 1),
     RATE(0x6099, 1),
     RATE(0x6099, 2),
-    RATE(0x609A, 0),
+    RAMP(0x609A),
+    SHARE(0x60B2),
+    COUNTS(0x60C1, 1),
     ECT_LIMITS(0x60C2, 1, 0, 1, 255),
     ECT_LIMITS(0x60C2, 2, 0, -6, 0),
-    RATE(0x60C5, 0),
-    RATE(0x60C6, 0),
-    ECT_LIMITS(0x60E0, 0, 0, 0, 3000),
-    ECT_LIMITS(0x60E1, 0, 0, 0, 3000),
+    RAMP(0x60C5),
+    RAMP(0x60C6),
+    LIMIT(0x60E0),
+    LIMIT(0x60E1),
+    COUNTS(0x60F4, 0),
+    SPEED(0x60FF),
 };
 
 /* One at a time: each excludes all others of its direction. */
@@ -302,6 +342,18 @@ static const ect_dc_mode_t dc_modes[] = {
     {.name = "DC", .description = "Synchronised with SYNC0", .assign_activate = 0x0300},
     {.name = "SM", .description = "Synchronised with the process data", .assign_activate = 0x0000},
 };
+/* 1 ms, or the cycle of the bus where the configuration tool knows it. */
+static const uint8_t cycle_units[] = {1}, cycle_power[] = {0xFD};
+#define CYCLE(sub, bytes, what)                                                                                        \
+    {.transitions = "PS",                                                                                              \
+     .index = 0x60C2,                                                                                                  \
+     .subindex = sub,                                                                                                  \
+     .adapts = true,                                                                                                   \
+     .size = sizeof(bytes),                                                                                            \
+     .data = bytes,                                                                                                    \
+     .comment = what}
+static const ect_init_command_t init_commands[] = {CYCLE(1, cycle_units, "Cycle time"),
+                                                   CYCLE(2, cycle_power, "Cycle time, power of ten of a second")};
 static const ect_service_t *const services[] = {&ect_service_pdo_config, &ect_service_sync, &ect_service_store,
                                                 &ect_service_rhythm, NULL};
 static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, NULL};
@@ -333,6 +385,8 @@ const ect_device_t ect_pmctendo_dd5 = {
     .physics = "YY",
     .dc_modes = dc_modes,
     .dc_mode_count = sizeof dc_modes / sizeof dc_modes[0],
+    .init_commands = init_commands,
+    .init_command_count = sizeof init_commands / sizeof init_commands[0],
     .sync = {.supported = 0x0006, .minimum_cycle_ns = PMC_STEP_NS},
     .timeouts = {.preop_ms = 3000, .safeop_op_ms = 10000, .back_to_init_ms = 5000, .back_to_safeop_ms = 200},
     .objects = objects,

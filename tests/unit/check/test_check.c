@@ -187,6 +187,11 @@ typedef struct row {
     X(no_clocks, confdev, D.esc = "ipcore-small",                                                                      \
       "'DC' needs distributed clocks, which the ESC 'ipcore-small' has not")                                           \
     X(sync0_without_mode, confdev, D.dc_mode_count = 0, "sync: SYNC0 is supported, but no mode of dc_modes starts it") \
+    X(inits_missing, gauge, D.init_command_count = 1, "init_commands: they are missing")                               \
+    X(init_transition, gauge, init(c, "PS PX", 1), "1C12h:0 names transitions other than IP PS SO SP OP OS")           \
+    X(init_separator, gauge, init(c, "PSSO", 1), "1C12h:0 names transitions other than IP PS SO SP OP OS")             \
+    X(init_never, gauge, init(c, "", 1), "1C12h:0 names transitions other than IP PS SO SP OP OS")                     \
+    X(init_empty, gauge, init(c, "PS", 0), "1C12h:0 has no data")                                                      \
     X(no_timeout, confdev, D.timeouts.safeop_op_ms = 0, "timeouts: preop_ms and safeop_op_ms are needed")              \
     X(sii_odd, confdev, D.sii_size = 2000, "sii_size: 2000 is not a multiple of 128")                                  \
     X(sii_none, confdev, D.sii_size = 0, "sii_size: 0 is not a multiple of 128")                                       \
@@ -197,6 +202,16 @@ static void told(void *instance, uint8_t events, uint64_t now_ns)
     (void)instance;
     (void)events;
     (void)now_ns;
+}
+
+/* What one init command of a device writes. */
+static void init(copy_t *c, const char *transitions, uint16_t size)
+{
+    static const uint8_t data[2];
+    static ect_init_command_t command;
+    command = (ect_init_command_t){.transitions = transitions, .index = 0x1C12, .size = size, .data = data};
+    c->device.init_commands = &command;
+    c->device.init_command_count = 1;
 }
 
 static const ect_protocol_t *const sdo_only[] = {&ect_protocol_sdo, NULL};

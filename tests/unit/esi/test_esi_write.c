@@ -248,6 +248,24 @@ static void names_of_bits_and_values(void **state)
     ect_arena_free(&arena);
 }
 
+/* The cycle of the bus, whatever it is, reaches 60C2h of a drive before SAFEOP. */
+static void init_commands(void **state)
+{
+    static const char *const want[] = {"<InitCmd>",
+                                       "<Transition>PS</Transition>",
+                                       "<Index>#x60C2</Index>",
+                                       "<SubIndex>1</SubIndex>",
+                                       "<Data AdaptAutomatically=\"true\">01</Data>",
+                                       "<SubIndex>2</SubIndex>",
+                                       "<Data AdaptAutomatically=\"true\">FD</Data>"};
+    ect_arena_t arena = {0};
+    (void)state;
+    const char *drive = write_one(&arena, ect_catalogue_find("pmctendo-dd5")->device, NULL);
+    for (size_t i = 0; i < sizeof want / sizeof want[0]; i++)
+        expect_in(drive, want[i]);
+    ect_arena_free(&arena);
+}
+
 /* SYNC0 that follows the bus, and a unit for each value that ETG.1004 can name. */
 static void what_tools_look_for(void **state)
 {
@@ -258,6 +276,10 @@ static void what_tools_look_for(void **state)
     const char *sensor = write_one(&arena, ect_catalogue_find("optoncdt2300")->device, NULL);
     expect_in(sensor, "<Unit>#xF7010000</Unit>");
     expect_in(sensor, "<Unit>#xFD010000</Unit>");
+    const char *drive = write_one(&arena, ect_catalogue_find("pmctendo-dd5")->device, NULL);
+    expect_in(drive, "<Unit>#x00B50000</Unit>"); /* counts, a second, a second squared */
+    expect_in(drive, "<Unit>#x00B50300</Unit>");
+    expect_in(drive, "<Unit>#x00B55700</Unit>");
     ect_arena_free(&arena);
 }
 
@@ -270,8 +292,9 @@ int main(void)
         {"CF-057 identity overrides reach vendor, type and 1018h", overrides, NULL, NULL, NULL},
         {"names of bits and values become types with EnumInfo and comments", names_of_bits_and_values, NULL, NULL,
          NULL},
-        {"FZM-075 OPT-012 SYNC0 follows the bus cycle; the sensor's values have units", what_tools_look_for, NULL, NULL,
-         NULL},
+        {"DRV-100 InitCmd for 60C2h of a drive adapts to the cycle of the bus", init_commands, NULL, NULL, NULL},
+        {"DRV-100 FZM-075 OPT-012 SYNC0 follows the bus cycle; values of sensor and drive have units",
+         what_tools_look_for, NULL, NULL, NULL},
         {"CF-063 devices that a file cannot have together are refused", refusals, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
