@@ -170,12 +170,22 @@ files_agree() {
     check "$device: description, ESI and SII say the same" 0 "$("$ectwin" verify "$device" "$work/esi.xml" "$work/sii.hex" >"$work/out" 2>&1; echo $?)"
     "$ectwin" sii "$device" --format c | grep -o '0x[0-9A-F]*,' | sed 's/0x\(..\),/\1/' | tr -d '\n' >"$work/c"
     check "$device: the array in C is the image" "$(od -An -v -tx1 "$work/bin" | tr -d ' \n' | tr a-f A-F)" "$(cat "$work/c")"
-    check "$device: the page of HTML is whole" "</body></html>" "$("$ectwin" doc "$device" --html | tail -1)"
+    "$ectwin" doc "$device" --html -o "$work/page.html"
+    check "$device: the page of HTML is whole" "</body></html>" "$(tail -1 "$work/page.html")"
+    grep -o ' id="[^"]*' "$work/page.html" | cut -d'"' -f2 | sort >"$work/ids"
+    grep -o 'href="#[^"]*' "$work/page.html" | cut -d'#' -f2 | sort -u >"$work/links"
+    check "$device: links of the page lead to one place each" "" "$(uniq -d "$work/ids" | cat - <(comm -13 "$work/ids" "$work/links"))"
+    check "$device: contents, charts and totals are in the page" "1 1 1" \
+      "$(grep -c '<nav>' "$work/page.html") $(grep -c 'id="timing"' "$work/page.html") $(grep -c 'id="totals"' "$work/page.html")"
     rm -rf "$work/soes"
     "$ectwin" objects "$device" --soes -o "$work/soes"
     check "$device: an object list and options for SOES" "1 1" \
       "$(grep -c '^const _objectlist SDOobjects' "$work/soes/slave_objectlist.c") $(grep -c 'define MBX0_sma ' "$work/soes/ecat_options.h")"
   done
+  check "doc: named bits, in Markdown and HTML" "1 1" \
+    "$("$ectwin" doc fzm1 | grep -c '^| 2 | READY |') $("$ectwin" doc fzm1 --html | grep -c '<td>READY</td>')"
+  check "doc: states of the base unit" 1 "$("$ectwin" doc vr-bu-ect-map1 | grep -c '^| 0x10 | Disarmed |')"
+  check "list-signals: entry and names of values" 1 "$("$ectwin" list-signals vr-bu-ect-map1 bu.state | grep -c '2001h:8: 0 Initial, .*17 Armed')"
   check "sii: a format that there is none" 1 "$("$ectwin" sii fzm1 --format elf >/dev/null 2>&1; echo $?)"
   "$ectwin" objects "esi:$root/tests/esi/digital.xml#DI4" --soes -o "$work" 2>"$work/err"
   check "objects: no slave for SOES, and why" "1 1" "$? $(grep -c 'di4 does not have the SyncManagers of a SOES slave' "$work/err")"

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A page for people: the same headings and tables as Markdown or as one page of HTML that needs no other file.
+ *
+ * Texts are escaped as the format wants it. Links and their targets exist in HTML only.
+ */
+#ifndef ECTWIN_PAGE_H
+#define ECTWIN_PAGE_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/** A page that is being written. */
+typedef struct page {
+    FILE *file; /**< the caller's */
+    bool html;
+} page_t;
+
+/** A cell of a table. */
+typedef struct cell {
+    const char *text; /**< NULL ends a row */
+    const char *link; /**< id of a heading or row of the page; NULL: no link */
+} cell_t;
+
+void page_begin(page_t *p, const char *title, const char *subtitle);
+void page_end(page_t *p);
+
+/** @param level  2 to 4; @param id  target of links; NULL: none */
+void page_heading(page_t *p, int level, const char *id, const char *text);
+void page_paragraph(page_t *p, const char *text);
+
+/** Links in a row of text, one cell each, for a list of contents. In Markdown: nothing. */
+void page_links(page_t *p, const char *label, const cell_t *links);
+
+/** @param html  shown as it is, without escapes, in HTML only; @param caption  text below it */
+void page_figure(page_t *p, const char *html, size_t length, const char *caption);
+
+/** Between the two calls come rows, the head first. */
+void page_table(page_t *p, bool begin);
+void page_row(page_t *p, bool head, const char *id, const cell_t *cells);
+
+/** A head, and a row of plain texts. */
+#define PAGE_HEAD(p, ...) page_row(p, true, NULL, (const cell_t[]){__VA_ARGS__, {NULL, NULL}})
+#define PAGE_ROW(p, ...)  page_row(p, false, NULL, (const cell_t[]){__VA_ARGS__, {NULL, NULL}})
+/** A cell without a link. */
+#define CELL(words) {.text = (words)}
+
+#endif
