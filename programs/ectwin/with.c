@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -9,11 +9,11 @@
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "bus/net/netns.h"
 #include "commands.h"
+#include "contain.h"
 
 enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL };
 
@@ -40,14 +40,22 @@ typedef struct with_args {
     char **command;
 } with_args_t;
 
+/* The command, or process 1 of its namespace, and the slave of --external likewise. */
 typedef struct child {
     pid_t pid;
-    int status;       /* of the command, as a shell would give it; -1: still running */
-    pid_t slave;      /* of --external; 0: none */
+    int status;       /* as a shell reports it; -1: still running */
+    pid_t slave;      /* 0: none */
     int slave_status; /* as `status` */
 } child_t;
 
-enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126, STATUS_SIGNALLED = 128 };
+/* What a child process needs to know. */
+typedef struct start {
+    const with_args_t *args;
+    const ect_control_t *control; /* NULL: none */
+    int ready;                    /* descriptor for the ready line of a slave */
+} start_t;
+
+enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126 };
 
 static void take_names(with_args_t *args, const struct argp_state *state, char *names)
 {
@@ -140,21 +148,25 @@ static char *with_interfaces(const char *text, char *const masters[ECT_NETNS_WIR
     return result;
 }
 
-static void run_command(const with_args_t *args, pid_t parent, const ect_control_t *control)
+static void unblock_signals(void)
 {
-    char **command = args->command;
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+static void run_command(const void *ctx)
+{
+    const start_t *start = ctx;
+    const with_args_t *args = start->args;
+    char **command = args->command;
+    unblock_signals();
     signal(SIGPIPE, SIG_DFL);
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) /* it died before that took effect */
-        _exit(EXIT_RUN);
     setenv("ECTWIN_IFACE", args->masters[0], 1);
     if (args->masters[1])
         setenv("ECTWIN_IFACE2", args->masters[1], 1);
-    if (control)
-        setenv("ECTWIN_SOCKET", ect_control_path(control), 1);
+    if (start->control)
+        setenv("ECTWIN_SOCKET", ect_control_path(start->control), 1);
     for (char **argument = command + 1; *argument; argument++) {
         char *replaced = with_interfaces(*argument, args->masters);
         *argument = replaced ? replaced : *argument;
@@ -165,26 +177,21 @@ static void run_command(const with_args_t *args, pid_t parent, const ect_control
     _exit(error == ENOENT ? STATUS_NOT_FOUND : STATUS_NOT_EXECUTABLE);
 }
 
-static int status_of(int status)
-{
-    return WIFEXITED(status) ? WEXITSTATUS(status) : STATUS_SIGNALLED + WTERMSIG(status);
-}
-
-/* What the command leaves behind becomes ours (a subreaper), so others may end too. @return whether the command has */
+/* @return whether the command has ended */
 static bool reap(child_t *child)
 {
     int status;
     pid_t pid;
     while ((pid = waitpid(-1, &status, WNOHANG)) > 0) {
         if (pid == child->pid)
-            child->status = status_of(status);
+            child->status = contain_status(status);
         if (pid == child->slave)
-            child->slave_status = status_of(status);
+            child->slave_status = contain_status(status);
     }
     return child->status >= 0;
 }
 
-/* The command decides when it is over; a wish to end is passed on to it, unless the terminal has told it already. */
+/* The command decides when it ends: a signal is passed on to it, unless the terminal has sent it to both. */
 static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     child_t *child = ctx;
@@ -195,60 +202,41 @@ static bool on_signal(void *ctx, int signal_number, bool from_terminal)
     return true;
 }
 
-static pid_t parent_of(const char *pid)
-{
-    char path[300];
-    char line[512] = "";
-    int parent = 0;
-    snprintf(path, sizeof path, "/proc/%s/stat", pid);
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return 0;
-    (void)fgets(line, sizeof line, file);
-    fclose(file);
-    const char *after_name = strrchr(line, ')'); /* a name may have anything in it */
-    return after_name && sscanf(after_name + 1, " %*c %d", &parent) == 1 ? parent : 0;
-}
-
-static void signal_children(int signal_number)
-{
-    DIR *processes = opendir("/proc");
-    const struct dirent *entry;
-    while (processes && (entry = readdir(processes))) {
-        pid_t pid = (pid_t)strtol(entry->d_name, NULL, 10);
-        if (pid > 0 && parent_of(entry->d_name) == getpid())
-            kill(pid, signal_number);
-    }
-    if (processes)
-        closedir(processes);
-}
-
-/* Children of children become ours as theirs end: level by level all of them, by force after a second. */
-static void end_children(void)
-{
-    enum { ROUNDS = 40, GENTLE_ROUNDS = 20 };
-    const struct timespec pause = {.tv_nsec = 50000000};
-    for (unsigned int round = 0; round < ROUNDS; round++) {
-        while (waitpid(-1, NULL, WNOHANG) > 0)
-            ;
-        if (errno == ECHILD)
-            return;
-        signal_children(round < GENTLE_ROUNDS ? SIGTERM : SIGKILL);
-        (void)nanosleep(&pause, NULL);
-    }
-}
-
-/* @return whether it runs; why not was told */
-static bool start_command(const with_args_t *args, child_t *child, const ect_control_t *control)
+/* With --leave-children: without a namespace whose end would end them. */
+static pid_t start_freely(const start_t *start)
 {
     pid_t self = getpid();
+    pid_t pid = fork();
+    if (pid != 0)
+        return pid;
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != self) /* it ended before that took effect */
+        _exit(EXIT_RUN);
+    run_command(start);
+    _exit(EXIT_RUN);
+}
+
+/* @return whether the command runs; if not, the reason was printed */
+static bool start_command(const with_args_t *args, child_t *child, const ect_control_t *control)
+{
+    const start_t start = {.args = args, .control = control};
     fflush(NULL);
-    child->pid = fork();
-    if (child->pid == 0)
-        run_command(args, self, control);
+    child->pid = args->leave_children ? start_freely(&start) : contain_start(run_command, &start);
     if (child->pid < 0)
         fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
     return child->pid > 0;
+}
+
+/* Ends a child that still runs, and all processes of its namespace. */
+static void end_child(pid_t pid, int status)
+{
+    int unused;
+    if (pid <= 0 || status >= 0)
+        return;
+    kill(pid, SIGTERM);
+    for (unsigned int i = 0; i < 40 && waitpid(pid, &unused, WNOHANG) == 0; i++)
+        usleep(50000);
+    kill(pid, SIGKILL);
 }
 
 static int serve(with_args_t *args, session_t *session)
@@ -261,10 +249,8 @@ static int serve(with_args_t *args, session_t *session)
     bool started = start_command(args, &child, session->runner.exchange.control);
     session_drop_rights(session, true);
     int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
-    if (status != EXIT_CLEAN && started)
-        kill(child.pid, SIGTERM);
-    if (!args->leave_children)
-        end_children();
+    if (started)
+        end_child(child.pid, child.status);
     return status == EXIT_CLEAN ? child.status : status;
 }
 
@@ -292,21 +278,16 @@ static int enter_network(const with_args_t *args)
 
 /* --- a slave that is not ours ------------------------------------------------------------------------------------- */
 
-/* Its output is not to be taken for CMD's; when it is ready it says so at a descriptor. */
-static void run_slave(const with_args_t *args, pid_t parent, const int ready[2])
+/* CMD's output stays clean: the slave's goes to standard error, and its ready line to a descriptor of its own. */
+static void run_slave(const void *ctx)
 {
+    const start_t *start = ctx;
     char descriptor[12];
-    sigset_t none;
-    sigemptyset(&none);
-    sigprocmask(SIG_SETMASK, &none, NULL);
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent)
-        _exit(EXIT_RUN);
-    close(ready[0]);
-    snprintf(descriptor, sizeof descriptor, "%d", ready[1]);
+    unblock_signals();
+    snprintf(descriptor, sizeof descriptor, "%d", start->ready);
     setenv("ECTWIN_READY_FD", descriptor, 1);
     (void)dup2(STDERR_FILENO, STDOUT_FILENO);
-    execl("/bin/sh", "sh", "-c", "eval \"exec $1 -i $2\"", "ectwin with", args->external, ect_netns_twin[0],
+    execl("/bin/sh", "sh", "-c", "eval \"exec $1 -i $2\"", "ectwin with", start->args->external, ect_netns_twin[0],
           (char *)NULL);
     fprintf(stderr, "ectwin with: cannot run '/bin/sh': %s\n", strerror(errno));
     _exit(EXIT_RUN);
@@ -323,14 +304,16 @@ static void wait_until_ready(int ready)
         (void)fwrite(line, 1, (size_t)length, stderr);
 }
 
-/* @return whether it runs; what kept it from starting was told */
+/* @return whether the slave runs; if not, the reason was printed */
 static bool start_slave(const with_args_t *args, child_t *child)
 {
     int ready[2] = {-1, -1};
-    pid_t self = getpid();
-    child->slave = pipe(ready) == 0 ? fork() : -1;
-    if (child->slave == 0)
-        run_slave(args, self, ready);
+    child->slave = -1;
+    if (pipe(ready) == 0) {
+        const start_t start = {.args = args, .ready = ready[1]};
+        (void)fcntl(ready[0], F_SETFD, FD_CLOEXEC);
+        child->slave = contain_start(run_slave, &start);
+    }
     if (child->slave < 0)
         fprintf(stderr, "ectwin with: cannot start '%s': %s\n", args->external, strerror(errno));
     close(ready[1]);
@@ -367,12 +350,8 @@ static int serve_external(const with_args_t *args)
         wait_for_end(&child, signal_fd);
     if (child.slave_status >= 0 && child.status < 0)
         fprintf(stderr, "ectwin with: '%s' has ended with status %d\n", args->external, child.slave_status);
-    if (child.pid > 0 && child.status < 0)
-        kill(child.pid, SIGTERM);
-    if (child.slave > 0 && child.slave_status < 0)
-        kill(child.slave, SIGTERM);
-    if (!args->leave_children)
-        end_children();
+    end_child(child.pid, child.status);
+    end_child(child.slave, child.slave_status);
     close(signal_fd);
     return child.status >= 0 ? child.status : EXIT_RUN;
 }
@@ -392,7 +371,6 @@ int command_with(int argc, char **argv)
     with_args_t args = {.masters = {master}};
     argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
 
-    (void)prctl(PR_SET_CHILD_SUBREAPER, 1); /* what is left behind becomes ours, to be ended */
     if (args.external)
         return serve_external(&args);
     session_t session;

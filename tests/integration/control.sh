@@ -109,7 +109,19 @@ no_twin() {
 
 # What answers may be stopped, for good or for a while; a backlog may be full.
 a_stopped_twin() {
-  beside_an_fzm1 "kill -STOP \$PPID; '$ectwin' get data1; echo \$?; kill -CONT \$PPID; '$ectwin' get data1"
+  rm -f "$work/asks"
+  # shellcheck disable=SC2016
+  "$ectwin" with fzm1 -- sh -c 'until [ -e "$2" ]; do sleep 0.05; done
+    "$1" get data1; echo $?; rm "$2"; while [ ! -e "$2" ]; do sleep 0.05; done; "$1" get data1' sh "$ectwin" "$work/asks" \
+    >"$work/out" 2>"$work/err" &
+  local twin=$!
+  for _ in $(seq 100); do grep -q ready "$work/err" && break; sleep 0.1; done
+  kill -STOP $twin
+  touch "$work/asks"
+  while [ -e "$work/asks" ]; do sleep 0.1; done
+  kill -CONT $twin
+  touch "$work/asks"
+  wait $twin
   check "get: a stopped twin is not waited for, and answers when it goes on" "3 data1=0" "$(xargs <"$work/out")"
   has "get: it says so" "the twin does not answer" "$work/err"
 }

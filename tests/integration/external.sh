@@ -55,8 +55,7 @@ who_ends_what() {
   check "... says why" 1 "$(grep -c "cannot open the EEPROM's content" "$work/err")"
   with "$twin $(printf '%5000s' '') --sii $work/nothing" sleep 30
   check "a long command line is run whole" "3 1" "$? $(grep -c "cannot open the EEPROM's content" "$work/err")"
-  # shellcheck disable=SC2016
-  with "$twin" sh -c 'kill -9 $(pgrep -P $PPID -x "$(basename '"$twin"' | cut -c1-15)"); exec sleep 30'
+  with "timeout -s KILL 1 $twin" sleep 30
   check "a slave that dies" 3 $?
   check "... is told of" 1 "$(grep -c "has ended with status 137" "$work/err")"
 }

@@ -185,17 +185,47 @@ names_of_the_private_network() {
   fi
 }
 
-# What runs in a command's background when it ends.
+runs() { # COMMAND LINE: whether a process has exactly this one; "no" after 3 s at most
+  for _ in $(seq 30); do pgrep -xf "$1" >/dev/null || { echo no; return; }; sleep 0.1; done
+  echo yes
+}
+
+# Processes that a command leaves in the background when it ends.
 children_of_the_command() {
-  # shellcheck disable=SC2016
-  "$ectwin" with fzm1 -- sh -c 'sleep 300 & echo $! >"$1"; (sh -c "trap : TERM; sleep 301; sleep 302" & echo $! >>"$1"); exit 6' \
-    sh "$work/pids" 2>/dev/null
+  "$ectwin" with fzm1 -- sh -c 'sleep 31301 & (sh -c "trap : TERM; sleep 31302; sleep 31303" &); setsid sleep 31304 & exit 6' 2>/dev/null
   check "with: status of a command that leaves children" 6 $?
-  for pid in $(cat "$work/pids"); do
-    check "with: the child has ended too" no "$([ -e "/proc/$pid" ] && echo yes || echo no)"
+  for child in 31301 31302 31303 31304; do
+    check "with: the child has ended too" no "$(runs "sleep $child")"
   done
   "$ectwin" with --leave-children fzm1 -- sh -c 'sleep 300 >/dev/null 2>&1 & echo $! >"$1"' sh "$work/pids" 2>/dev/null
   check "with: --leave-children" yes "$(kill "$(cat "$work/pids")" && echo yes)"
+}
+
+# SIGKILL leaves no children, and the next twin removes the dead socket.
+killed_at_once() {
+  local pid slave
+  mkdir -p "$work/killed"
+  for slave in fzm1 "--external=sh -c 'sleep 31310; :'"; do
+    XDG_RUNTIME_DIR=$work/killed "$ectwin" with "$slave" -- sh -c 'setsid sleep 31311 & sleep 31312; :' 2>"$work/ready" &
+    pid=$!
+    for _ in $(seq 100); do pgrep -xf "sleep 31311" >/dev/null && break; sleep 0.1; done
+    check "with $slave: its child runs" yes "$(pgrep -xf 'sleep 31311' >/dev/null && echo yes)"
+    kill -9 $pid
+    wait $pid 2>/dev/null
+    check "with $slave: killed, its children have ended" "no no no" "$(runs 'sleep 31311') $(runs 'sleep 31312') $(runs 'sleep 31310')"
+  done
+  check "with: killed, it leaves its socket" 1 "$(find "$work/killed/ectwin" -type s | wc -l)"
+  XDG_RUNTIME_DIR=$work/killed "$ectwin" with fzm1 -- true 2>/dev/null
+  check "with: the next one removes it" 0 "$(find "$work/killed/ectwin" -type s | wc -l)"
+}
+
+# A signal to ectwin reaches the command, which decides.
+signals_reach_the_command() {
+  "$ectwin" with fzm1 -- sh -c 'trap "exit 9" TERM; echo $$ $PPID; while :; do sleep 0.1; done' >"$work/out" 2>/dev/null &
+  local pid=$!
+  wait_for "$work/out"
+  kill -TERM $pid; wait $pid
+  check "with: SIGTERM reaches the command, process 2 of its namespace" "9 2 1" "$? $(cat "$work/out")"
 }
 
 # Words 4 alias, 8 vendor, 0xA product code, 0xC revision, 0xE serial number.
@@ -286,15 +316,16 @@ rights_of_a_running_twin() {
   check "run: CAP_NET_ADMIN to take its interface down, then nothing at all" \
     "CapInh 0 CapPrm 1000 CapEff 1000 CapBnd 0 CapAmb 0 NoNewPrivs 1 0 CapInh 0 CapPrm 0 CapEff 0 CapBnd 0 CapAmb 0 NoNewPrivs 1 0" \
     "$(cat "$work/out")"
-  # shellcheck disable=SC2016
-  check "with: nothing for the twins, all for the command" "0 1 yes" "$("$ectwin" with fzm1 -- sh -c '
-    for _ in 1 2 3 4 5 6 7 8 9 10; do grep -q "NoNewPrivs:.1" /proc/$PPID/status && break; sleep 0.1; done
-    sed -n "s/^CapEff:\s*0*//p" /proc/$PPID/status | sed "s/^$/0/"; sed -n "s/NoNewPrivs:\s*//p" /proc/$PPID/status
-    ip link set lo down && echo yes' 2>/dev/null | xargs)"
+  "$ectwin" with fzm1 -- sh -c 'sed -n "s/^CapEff:\s*0*//p" /proc/self/status; ip link set lo down && echo yes; exec sleep 2' >"$work/out" 2>/dev/null &
+  local pid=$!
+  for _ in $(seq 30); do grep -q "NoNewPrivs:.1" /proc/$pid/status && break; sleep 0.1; done
+  check "with: nothing for the twins" "0 1" \
+    "$(sed -n 's/^CapEff:\s*0*\([0-9a-f]\)/\1/p; s/NoNewPrivs:\s*//p' /proc/$pid/status | xargs)"
   if strings "$ectwin" 2>/dev/null | grep -q seccomp_load; then
-    # shellcheck disable=SC2016
-    check "with: system calls are filtered" 2 "$("$ectwin" with fzm1 -- sh -c 'sleep 0.5; sed -n "s/Seccomp:\s*//p" /proc/$PPID/status' 2>/dev/null)"
+    check "with: system calls are filtered" 2 "$(sed -n 's/Seccomp:\s*//p' /proc/$pid/status)"
   fi
+  wait $pid
+  check "with: all rights for the command" "yes yes" "$([ "$(head -1 "$work/out")" != 0 ] && echo yes) $(tail -1 "$work/out")"
 }
 
 # As root the private network has a user namespace, too: nothing in there is root on this machine.
@@ -323,13 +354,18 @@ before_others() {
     echo "SKIPPED --realtime: no real-time priority may be had here"
     return
   fi
+  local pid option policy
+  policy='import os, sys
+pid = int(sys.argv[1])
+print(os.sched_getscheduler(pid) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(pid).sched_priority)'
   for option in "--realtime 7" "--realtime=7"; do
+    rm -f "$work/out"
     # shellcheck disable=SC2086
-    check "$option: the twins, not the command" "1 7 0" "$("$ectwin" with $option fzm1 -- python3 -c '
-import os
-parent = os.getppid()
-policy = os.sched_getscheduler(parent) & ~os.SCHED_RESET_ON_FORK
-print(policy, os.sched_getparam(parent).sched_priority, os.sched_getscheduler(0))' 2>"$work/err")"
+    "$ectwin" with $option fzm1 -- sh -c "python3 -c '$policy' 0; exec sleep 1" >"$work/out" 2>"$work/err" &
+    pid=$!
+    wait_for "$work/out"
+    check "$option: the twins, not the command" "1 7 0 0" "$(python3 -c "$policy" $pid) $(cat "$work/out")"
+    wait $pid
   done
 }
 
@@ -362,7 +398,7 @@ END
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for case_name in its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
-  faults_on_wires two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command rights_of_a_running_twin root_is_contained before_others looking_without_a_rest; do
+  faults_on_wires two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained before_others looking_without_a_rest; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

@@ -619,18 +619,20 @@ static void trigger_against_commands(void **state)
     }
 }
 
-/* The twin is held up while the master goes on: frames that were given up are not answered, or the master would take
- * the answers for those of newer frames and stay behind for good. */
+/* The twin is stopped while the master goes on: it must not reply to frames that the master has given up, since the
+ * master would take these replies for those to newer frames. */
 static void held_up(void **state)
 {
+    pid_t twin = getppid();
     (void)state;
+    assert_true(twin > 1); /* 1: in a namespace of its own; --leave-children runs it without */
     soem_watchdog(&master, 0);
-    kill(getppid(), SIGSTOP);
+    kill(twin, SIGSTOP);
     for (int i = 0; i < 300; i++) {
         ecx_send_processdata(&master.context);
         ecx_receive_processdata(&master.context, 1000);
     }
-    kill(getppid(), SIGCONT);
+    kill(twin, SIGCONT);
     for (int i = 0; i < 20; i++)
         cycle();
     AWAIT(fzm1_plc_command(&plc, PLC_GET_SCENE, 0, 0, 0));

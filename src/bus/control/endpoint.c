@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "bus/control/endpoint.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -146,6 +147,22 @@ static int bind_in(int fd, const char *folder, char *path)
     return -1;
 }
 
+/* Sockets that killed processes have left. */
+static void clear_folder(const char *folder)
+{
+    char path[ECT_ENDPOINT_PATH];
+    DIR *directory = opendir(folder);
+    const struct dirent *entry;
+    while (directory && (entry = readdir(directory)) != NULL) {
+        size_t length = strlen(entry->d_name);
+        if (length > 5 && strcmp(entry->d_name + length - 5, ".sock") == 0 &&
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
+            ect_endpoint_clear(path);
+    }
+    if (directory)
+        closedir(directory);
+}
+
 int ect_endpoint_listen(char *path, char *message)
 {
     char folder[ECT_ENDPOINT_PATH] = "";
@@ -155,6 +172,7 @@ int ect_endpoint_listen(char *path, char *message)
                  folder, why);
         return -1;
     }
+    clear_folder(folder);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd >= 0 && bind_in(fd, folder, path) == 0 && listen(fd, BACKLOG) == 0)
         return fd;

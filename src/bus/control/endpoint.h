@@ -36,7 +36,7 @@ int ect_endpoint_folder(char *path);
 int ect_endpoint_trust(const char *folder);
 
 /**
- * Makes the folder if need be, and a socket in it that listens.
+ * Makes the folder if need be, and a socket in it that listens. Dead sockets of this user in the folder are removed.
  * @param[out] path     of the socket; ECT_ENDPOINT_PATH bytes
  * @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
  * @return the descriptor, non-blocking; -1

@@ -96,7 +96,10 @@ static const int running[] = {
 };
 
 static const int with_children[] = {
-    SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(kill), SCMP_SYS(wait4), SCMP_SYS(waitid), SCMP_SYS(waitpid),
+    SCMP_SYS(kill),
+    SCMP_SYS(wait4),
+    SCMP_SYS(waitid),
+    SCMP_SYS(waitpid),
 };
 
 /* Files that a master writes are opened and renamed. */

@@ -171,6 +171,29 @@ static void dead_socket(void **state)
     ect_endpoint_close(fd, path[1], ect_endpoint_identity(path[1]));
 }
 
+/* Those that other processes left go, live ones and other files stay. */
+static void dead_sockets_of_others(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], left[ECT_ENDPOINT_PATH], live[ECT_ENDPOINT_PATH];
+    char file[ECT_ENDPOINT_PATH + 16];
+    (void)state;
+    runtime_folder("left", folder);
+    close(must_listen(path));
+    snprintf(left, sizeof left, "%.900s/1.sock", folder);
+    snprintf(live, sizeof live, "%.900s/2.sock", folder);
+    snprintf(file, sizeof file, "%s/3.sock", folder);
+    assert_int_equal(rename(path, left), 0);
+    int second = must_listen(path);
+    assert_int_equal(rename(path, live), 0);
+    close(open(file, O_CREAT | O_WRONLY, 0600));
+    int fd = must_listen(path);
+    assert_int_equal(access(left, F_OK), -1);
+    assert_int_equal(access(live, F_OK), 0);
+    assert_int_equal(access(file, F_OK), 0);
+    ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+    ect_endpoint_close(second, live, ect_endpoint_identity(live));
+}
+
 /* Somebody else has taken the name meanwhile: it is theirs. */
 static void name_of_another(void **state)
 {
@@ -270,6 +293,8 @@ int main(int argc, char **argv)
         {"A path that is too long is refused, not cut", too_long_a_path, NULL, NULL, NULL},
         {"Attack: a name that a live twin has is left to it", names_that_collide, NULL, NULL, NULL},
         {"The name of a twin that was killed is free", dead_socket, NULL, NULL, NULL},
+        {"Sockets that killed processes have left are removed at the next start", dead_sockets_of_others, NULL, NULL,
+         NULL},
         {"A name that another twin has taken meanwhile stays", name_of_another, NULL, NULL, NULL},
         {"Attack: what is no socket is never removed", what_is_no_socket, NULL, NULL, NULL},
         {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
