@@ -179,6 +179,7 @@ static void set_up(cf_run_t *run, const cf_options_t *options, cf_esi_t *esi)
     run->c.whole = options->whole;
     run->c.emulated = options->emulated;
     run->c.power = options->power;
+    run->c.plug = options->plug;
     run->c.file = options->file;
     run->c.password = (uint32_t)options->password;
     run->c.seconds = (uint32_t)options->seconds;

@@ -9,7 +9,13 @@
 #include "wire/registers.h"
 
 enum { ETHERNET = 14, MAIL_HEADER = 6, UNKNOWN_COMMAND = 99, ANY_MAIL = 0xFFFF };
-enum { SM_0 = ECT_REG_SM, SM_1 = ECT_REG_SM + ECT_SM_SIZE, SM_2 = SM_1 + ECT_SM_SIZE, SMS = 16 };
+enum {
+    SM_0 = ECT_REG_SM,
+    SM_1 = ECT_REG_SM + ECT_SM_SIZE,
+    SM_2 = SM_1 + ECT_SM_SIZE,
+    SM_3 = SM_2 + ECT_SM_SIZE,
+    SMS = 16
+};
 
 /* One datagram of the frame that came, as it came and as it is now. */
 typedef struct datagram {
@@ -157,6 +163,21 @@ static void own_station(defect_t *d, datagram_t *g)
     (void)d;
     if (g->command == ECT_FPRD)
         ect_store_le16(g->now + ECT_DATAGRAM_ADP, g->adp);
+}
+
+static void one_fmmu_more(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (g->command == ECT_FPWR && g->ado == ECT_REG_FMMU + ECT_FMMU_SIZE * g->chip[ECT_REG_FMMU_COUNT] &&
+        g->length == ECT_FMMU_SIZE)
+        set_counter(g, 1);
+}
+
+static void behind_the_ram(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (g->command == ECT_FPRD && g->ado == ECT_RAM + 1024 * g->chip[ECT_REG_RAM_SIZE])
+        set_counter(g, 1);
 }
 
 /* What is written to a register that is read-only shows until it is what it should be. */
@@ -399,6 +420,59 @@ static void status_of_the_start(defect_t *d, datagram_t *g)
     }
 }
 
+/* Each read of the inner bytes of an input buffer finds others. */
+static void buffer_is_taken(defect_t *d, datagram_t *g)
+{
+    const uint8_t *sm = g->chip + SM_3;
+    uint16_t start = ect_load_le16(sm), length = ect_load_le16(sm + ECT_SM_LENGTH);
+    if (g->command == ECT_FPRD && g->ado == start + 1 && g->length + 2 == length && counter(g) == 1)
+        data(g)[0] = (uint8_t)(data(g)[0] + ++d->memory[0]);
+}
+
+static void broadcast_does_not_latch(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (g->command == ECT_BWR && g->ado == ECT_REG_DC_RECEIVE_TIME)
+        hide(g);
+}
+
+static void second_pulse_is_first(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (g->command == ECT_FPRD && g->ado == ECT_REG_DC_NEXT_SYNC1 && g->length == 8)
+        ect_store_le64(data(g), ect_load_le64(data(g)) - ect_load_le32(g->chip + ECT_REG_DC_SYNC1_CYCLE));
+}
+
+static void mask_is_ignored(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    ect_store_le16(g->now + ECT_DATAGRAM_IRQ, ect_load_le16(g->chip + ECT_REG_ECAT_EVENT));
+}
+
+static void no_interrupt(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    ect_store_le16(g->now + ECT_DATAGRAM_IRQ, 0);
+}
+
+static void abort_is_not_seen(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_mail(g, true) && (data(g)[5] & 0x0F) == 3 && data(g)[8] == 0x80)
+        hide(g);
+}
+
+/* A mail of a type that does not exist: the slave is silent for two requests. */
+static void type_hangs(defect_t *d, datagram_t *g)
+{
+    if (is_mail(g, true) && (data(g)[5] & 0x0F) == 13 && d->memory[0] == 0)
+        d->memory[0] = 3;
+    if (g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL && d->memory[0] > 1) {
+        d->memory[0]--;
+        hide(g);
+    }
+}
+
 /* A command that nobody knows stops the slave for two requests. */
 static void hangs(defect_t *d, datagram_t *g)
 {
@@ -438,14 +512,14 @@ static void uncounted_hidden(defect_t *d, datagram_t *g)
 #define SDO(i, s, o) .kind = MAIL, .address = (i), .length = (s), .at = (o)
 
 static const defect_row_t rows[] = {
-    {"CF-001", "the chip has an FMMU more than it says", COUNT, ECT_FPWR, 0x0680, 16, .change = ANY(2, 1)},
+    {"CF-001", "the chip has an FMMU more than it reports", CUSTOM, .after = one_fmmu_more},
     {"CF-002", "BRD increments ADP twice", CUSTOM, .after = position_twice},
     {"CF-003", "APRD leaves ADP as it is", CUSTOM, .after = position_stays},
     {"CF-004", "every station address is its own for FPRD", CUSTOM, .before = any_station, .after = own_station},
     {"CF-005", "a write to a read-only register counts", COUNT, ECT_FPWR, 0x0000, 4, .change = ANY(2, 1)},
     {"CF-006", "ARMW does not count", COUNT, ECT_ARMW, 0x0600, 4, .change = ANY(2, 0)},
     {"CF-007", "NOP counts", COUNT, ECT_NOP, 0x0600, 4, .change = ANY(2, 8)},
-    {"CF-008", "what lies behind the RAM counts", COUNT, ECT_FPRD, 0x3000, 8, .change = ANY(2, 1)},
+    {"CF-008", "a read behind the end of the RAM counts", CUSTOM, .after = behind_the_ram},
     {"CF-009", "the AL status code can be written", CUSTOM, .address = ECT_REG_AL_STATUS_CODE, .after = keep_written},
     {"CF-010", "DL status does not say that the SII is loaded", ANSWER, ECT_FPRD, ECT_REG_DL_STATUS, 2,
      .change = CLEARED(1)},
@@ -458,9 +532,11 @@ static const defect_row_t rows[] = {
     {"CF-015", "the tenth datagram of a frame does not count", CUSTOM, .after = tenth_is_lost},
     {"CF-016", "the mailbox is full before its last byte", CUSTOM, .after = full_too_early},
     {"CF-017", "the mailbox is empty before its last byte", CUSTOM, .after = empty_too_early},
-    {"CF-018", "the last byte of a mail cannot be read alone", CUSTOM, .after = last_byte_alone},
-    {"CF-019", "the number of the output buffer never changes", ANSWER, ECT_FPRD, SM_2 + ECT_SM_STATUS, 1,
-     .change = CLEARED(0x30)},
+    {"CF-018", "the last byte of a mail cannot be read alone (needs a reply shorter than the mailbox)", CUSTOM,
+     .after = last_byte_alone},
+    {"CF-019", "the number of the output buffer never changes (needs outputs)", ANSWER, ECT_FPRD, SM_2 + ECT_SM_STATUS,
+     1, .change = CLEARED(0x30)},
+    {"CF-019b", "the slave writes the input buffer that the master reads", CUSTOM, .after = buffer_is_taken},
     {"CF-020", "a SyncManager does not show that it was written", ANSWER, ECT_FPRD, SM_1 + ECT_SM_STATUS, 1,
      .change = CLEARED(1)},
     {"CF-021", "a SyncManager that the slave disabled answers", CUSTOM, .after = disabled_answers},
@@ -471,7 +547,7 @@ static const defect_row_t rows[] = {
     {"CF-025", "a request while a reply waits is lost", CUSTOM, .before = second_is_lost, .after = give_back_hidden},
     {"CF-026", "a length beyond the mailbox is taken for good", CUSTOM, .before = length_is_believed},
     {"CF-027", "SM0 has no length in the SyncManager category", CATEGORY, .address = ECT_SII_SYNCM, .length = 2,
-     .change = ANY(1, 0)},
+     .change = ANY(2, 0)},
     {"CF-028", "LRD changes a byte that is not mapped", CUSTOM, .length = 16, .at = 0, .change = FLIPPED(1),
      .after = logical_bit},
     {"CF-029", "LRD of bits changes another one", CUSTOM, .length = 4, .at = 3, .change = FLIPPED(1),
@@ -480,7 +556,7 @@ static const defect_row_t rows[] = {
      .after = logical_bit},
     {"CF-031", "LRD counts without an FMMU", CUSTOM, .command = ECT_LRD, .length = 4, .change = FROM(2, 0, 1),
      .after = logical},
-    {"CF-032", "LRW over two slaves counts one too few", CUSTOM, .command = ECT_LRW, .length = 16,
+    {"CF-032", "LRW over two slaves counts one too few (needs two slaves)", CUSTOM, .command = ECT_LRW, .length = 16,
      .change = FROM(2, 6, 5), .after = logical},
     {"CF-033", "INIT is reached with a code", ANSWER, ECT_FPRD, ECT_REG_AL_STATUS_CODE, 2, 1, .change = ANY(2, 0x11)},
     {"CF-034", "SAFEOP refuses with another code", .state = 0x14, AL_CODE(0x11, 0x12)},
@@ -493,13 +569,16 @@ static const defect_row_t rows[] = {
     {"CF-040", "the code comes after the error flag", CUSTOM, .after = code_comes_late},
     {"CF-041", "INIT in INIT is an unknown state", REQUEST, ECT_FPWR, ECT_REG_AL_CONTROL, 2, 1,
      .change = FROM(1, 0x01, 0x05)},
-    {"CF-042", "a watchdog has the code of synchronisation", AL_CODE(0x1B, 0x1A)},
-    {"CF-046", "the identification value is 0", ANSWER, ECT_FPRD, ECT_REG_AL_STATUS_CODE, 2, 2, .change = ANY(2, 0)},
-    {"CF-048", "outputs move in SAFEOP", CUSTOM, .after = outputs_move},
-    {"CF-049", "the watchdog counter wraps", ANSWER, ECT_FPRD, ECT_REG_WD_COUNTER_PD, 1, .change = FROM(1, 255, 14)},
-    {"CF-050", "a watchdog that is off expires", CUSTOM, .after = off_expires},
-    {"CF-051", "the second expiry counts twice", ANSWER, ECT_FPRD, ECT_REG_WD_COUNTER_PD, 1, .change = FROM(1, 2, 3)},
-    {"CF-052", "a part of the outputs feeds the watchdog", CUSTOM, .after = part_feeds},
+    {"CF-042", "a watchdog has the code of synchronisation (needs outputs)", AL_CODE(0x1B, 0x1A)},
+    {"CF-046", "the identification value is 0 (needs --alias)", ANSWER, ECT_FPRD, ECT_REG_AL_STATUS_CODE, 2, 2,
+     .change = ANY(2, 0)},
+    {"CF-048", "outputs move in SAFEOP (needs outputs)", CUSTOM, .after = outputs_move},
+    {"CF-049", "the watchdog counter wraps (needs outputs)", ANSWER, ECT_FPRD, ECT_REG_WD_COUNTER_PD, 1,
+     .change = FROM(1, 255, 14)},
+    {"CF-050", "a watchdog that is off expires (needs outputs)", CUSTOM, .after = off_expires},
+    {"CF-051", "the second expiry counts twice (needs outputs)", ANSWER, ECT_FPRD, ECT_REG_WD_COUNTER_PD, 1,
+     .change = FROM(1, 2, 3)},
+    {"CF-052", "a part of the outputs feeds the watchdog (needs outputs)", CUSTOM, .after = part_feeds},
     {"CF-053", "the PDI watchdog shows expired", ANSWER, ECT_FPRD, ECT_REG_DL_STATUS, 2, .change = CLEARED(2)},
     {"CF-054", "the check value of the SII is wrong", SII_WORD, .address = 7, .change = ANY(1, 0x5A)},
     {"CF-055", "a bad EEPROM command makes no error", ANSWER, ECT_FPRD, ECT_REG_SII_CONTROL + 1, 2,
@@ -514,43 +593,66 @@ static const defect_row_t rows[] = {
      .change = ANY(1, 2)},
     {"CF-061", "an entry of the SII has another sub-index", CATEGORY, .address = ECT_SII_RXPDO, .length = 10,
      .change = ANY(1, 0x77)},
-    {"CF-062", "a clock mode has a name that does not exist", CATEGORY, .address = ECT_SII_DC, .length = 18,
-     .change = ANY(1, 0xF0)},
+    {"CF-062", "a clock mode has a name that does not exist (needs clock modes)", CATEGORY, .address = ECT_SII_DC,
+     .length = 18, .change = ANY(1, 0xF0)},
     {"CF-064", "a string of the General category does not exist", CATEGORY, .address = ECT_SII_GENERAL, .length = 2,
      .change = ANY(1, 0xF0)},
     {"CF-065", "the alias register shows another alias", ANSWER, ECT_FPRD, ECT_REG_STATION_ALIAS, 2,
      .change = ANY(2, 0x4711)},
     {"CF-066", "a word of the SII changes", CUSTOM, .address = 0x10, .after = sii_changes},
     {"CF-067", "1C00h:01 is a mailbox to the master", SDO(0x1C00, 1, 12), .command = 0x4F, .change = ANY(1, 2)},
-    {"CF-068", "behind the last of 1C00h there is no object", SDO(0x1C00, 5, 12), .command = 0x80,
-     .change = ANY(4, 0x06020000)},
-    {"CF-069", "1000h has three bytes", SDO(0x1000, 0, 8), .command = 0x43, .change = ANY(1, 0x47)},
+    {"CF-068", "behind the last of 1C00h there is no object (needs SDO information)", SDO(0x1C00, 5, 12),
+     .command = 0x80, .change = ANY(4, 0x06020000)},
+    {"CF-069", "1000h has three bytes (needs SDO information)", SDO(0x1000, 0, 8), .command = 0x43,
+     .change = ANY(1, 0x47)},
     {"CF-070", "a write to 1018h:01 is refused as unsupported", SDO(0x1018, 1, 12),
      .change = FROM(4, 0x06010002, 0x06010000)},
     {"CF-071", "an abort has another command", SDO(0x1018, 0x55, 8), .command = 0x80, .change = ANY(1, 0x8F)},
     {"CF-072", "an unknown command is a time-out", SDO(0x1018, 1, 12), .change = FROM(4, 0x05040001, 0x05040000)},
-    {"CF-073", "a complete upload of 1018h has a wrong count", SDO(0x1018, 0, 16), .command = 0x51,
-     .change = ANY(1, 3)},
-    {"CF-074", "a fixed assignment is refused for no reason", SDO(0x1C12, 0, 12), .command = 0x80,
+    {"CF-072b", "a transfer goes on after the master aborted it (needs an object longer than the mailbox)", CUSTOM,
+     .before = abort_is_not_seen, .after = give_back_hidden},
+    {"CF-073", "a complete upload of 1018h has a wrong count (needs Complete Access)", SDO(0x1018, 0, 16),
+     .command = 0x51, .change = ANY(1, 3)},
+    {"CF-074", "a fixed assignment is refused for no reason (needs 1C12h)", SDO(0x1C12, 0, 12), .command = 0x80,
      .change = ANY(4, 0x08000000)},
-    {"CF-076", "list 0 says one object too many", CUSTOM, .after = list_is_longer},
-    {"CF-077", "1018h has another name than in the ESI", CUSTOM, .address = 0x1018, .after = name_differs},
-    {"CF-078", "a write in the wrong state is a general error", SDO(0x1C32, 1, 12), .state = 4, .command = 0x80,
-     .change = ANY(4, 0x08000000)},
-    {"CF-082", "no synchronisation type is supported", SDO(0x1C32, 4, 12), .command = 0x4B, .change = ANY(2, 0)},
+    {"CF-076", "list 0 reports one object too many (needs SDO information)", CUSTOM, .after = list_is_longer},
+    {"CF-077", "1018h has another name than in the ESI (needs SDO information)", CUSTOM, .address = 0x1018,
+     .after = name_differs},
+    {"CF-078", "a write in the wrong state is a general error (needs 1C32h)", SDO(0x1C32, 1, 12), .state = 4,
+     .command = 0x80, .change = ANY(4, 0x08000000)},
+    {"CF-082", "no synchronisation type is supported (needs 1C32h)", SDO(0x1C32, 4, 12), .command = 0x4B,
+     .change = ANY(2, 0)},
     {"CF-083", "1018h:03 is another in OP", SDO(0x1018, 3, 12), .state = 8, .command = 0x43, .change = ANY(1, 0x99)},
-    {"CF-084", "a FoE packet out of order is refused as an illegal operation", CUSTOM, .after = foe_error_differs},
+    {"CF-084", "a FoE packet out of order is refused as an illegal operation (needs --files)", CUSTOM,
+     .after = foe_error_differs},
     {"CF-086", "SoE gets error 0x0004", CUSTOM, .after = soe_is_known},
     {"CF-087", "a read latches the receive time", CUSTOM, .after = reads_latch},
+    {"CF-087b", "BWR does not latch the receive times", CUSTOM, .before = broadcast_does_not_latch,
+     .after = give_back_hidden},
+    {"CF-087c", "the receive time of the processing unit has no upper half", ANSWER, ECT_FPRD,
+     ECT_REG_DC_RECEIVE_TIME_UNIT + 4, 8, .change = ANY(4, 0)},
     {"CF-088", "the difference of the clocks has the other sign", ANSWER, ECT_FPRD, ECT_REG_DC_DIFFERENCE + 3, 4,
      .change = FLIPPED(0x80)},
+    {"CF-088b", "the propagation delay has no effect", SWALLOW, ECT_FPWR, ECT_REG_DC_DELAY, 4, .change = ANY(2, 1)},
     {"CF-089", "SYNC0 is a nanosecond beside its grid", ANSWER, ECT_FPRD, ECT_REG_DC_START_TIME, 8,
      .change = FLIPPED(1)},
-    {"CF-092", "a cycle is refused as a wrong mailbox", AL_CODE(0x36, 0x16)},
+    {"CF-089b", "SYNC1 comes with SYNC0, without its shift", CUSTOM, .after = second_pulse_is_first},
+    {"CF-089c", "0x098E shows a pulse with SYNC0 off", ANSWER, ECT_FPRD, ECT_REG_DC_SYNC0_STATUS, 1,
+     .change = ANY(1, 1)},
+    {"CF-092", "a cycle is refused as a wrong mailbox (needs clock modes)", AL_CODE(0x36, 0x16)},
     {"CF-094", "an unknown command stops the slave", CUSTOM, .before = hangs, .after = give_back_hidden},
+    {"CF-094b", "a mail of type 13 stops the slave", CUSTOM, .before = type_hangs, .after = give_back_hidden},
     {"CF-095", "two SyncManagers in one write are not taken", SWALLOW, ECT_FPWR, ECT_REG_SM, 16, .change = ANY(2, 1)},
     {"CF-096", "in SAFEOP a lost address is not given again at once", CUSTOM, .before = address_stays_lost,
      .after = uncounted_hidden},
+    {"CF-096b", "a lost link is not counted (needs --plug of ectwin-conform)", ANSWER, ECT_APRD, ECT_REG_LOST_LINK, 4,
+     .change = ANY(4, 0)},
+    {"CF-097", "the event of AL status stays when AL status is read", ANSWER, ECT_FPRD, ECT_REG_ECAT_EVENT, 2,
+     .change = {.how = ALWAYS, .width = 1, .mask = 8, .becomes = 8}},
+    {"CF-097b", "events are in the IRQ field whatever their mask", CUSTOM, .after = mask_is_ignored},
+    {"CF-097c", "the IRQ field is always 0", CUSTOM, .after = no_interrupt},
+    {"CF-098", "mails have a foreign address", MAIL, .length = ANY_MAIL, .at = 2, .change = ANY(2, 0x7777)},
+    {"CF-098b", "mails have channel 1", MAIL, .length = ANY_MAIL, .at = 4, .change = ANY(1, 1)},
     {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_dies,
      .after = uncounted_hidden},
     {"END-OF-FRAME", "no defect: SyncManagers change their status at the end of the frame, as chips do", CUSTOM,
@@ -614,6 +716,8 @@ static void change_category(const defect_row_t *row, const datagram_t *g)
 {
     size_t length;
     const uint8_t *category = ect_sii_category(g->config->sii, g->config->sii_size, row->address, &length);
+    if (!category && row->address == ECT_SII_RXPDO) /* a device without outputs */
+        category = ect_sii_category(g->config->sii, g->config->sii_size, ECT_SII_TXPDO, &length);
     if (category && row->length < length)
         change_sii(row, g, (uint32_t)(category - g->config->sii) + row->length);
 }

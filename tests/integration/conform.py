@@ -5,6 +5,7 @@ usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what ap
        conform.py command ECTWIN CONFORM [TEST]      the runner's own command line
        conform.py others ECTWIN_OF_TESTS CONFORM     devices that are made for tests, for what no product has
        conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and only that
+       conform.py everywhere ECTWIN CONFORM [CF-nnn] each defect in each device is found by its case alone, with every seed
 """
 import concurrent.futures
 import contextlib
@@ -123,7 +124,13 @@ FOLLOW = {
 }
 # Where the usual twin, an FZM1, has nothing to break.
 DEFECT_TWINS = {"CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
-DEFECTS_LEAST = 60
+IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
+DEFECTS_LEAST = 100
+
+
+def case_of(id_):
+    """CF-087 of CF-087b, its second defect."""
+    return id_.rstrip("bcd")
 
 
 def defect(ectwin, conform, id_):
@@ -132,7 +139,10 @@ def defect(ectwin, conform, id_):
         with folder_with_a_file() as (twins, arguments):
             return find_defect(ectwin, conform, id_, ["--break", id_, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    return find_defect(ectwin, conform, id_, ["--break", id_, *devices_], esi_of(devices_[-1].split(",")[0]))
+    arguments = esi_of(devices_[-1].split(",")[0])
+    if id_ == "CF-096b":
+        arguments += ["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
+    return find_defect(ectwin, conform, id_, ["--break", id_, *devices_], arguments)
 
 
 def find_defect(ectwin, conform, id_, twins, arguments):
@@ -145,7 +155,7 @@ def find_defect(ectwin, conform, id_, twins, arguments):
     except json.JSONDecodeError:
         return f"{id_}: no report; exit code {done.returncode}\n{done.stderr}  alone: {alone}"
     failed = [c["id"] for c in cases if c["verdict"] == "fail"]
-    expected = sorted([id_, *FOLLOW.get(id_, [])])
+    expected = sorted([case_of(id_), *FOLLOW.get(id_, [])])
     # Four runs at once keep a machine busy, and a case has its time limits; what a defect breaks is broken the next time as well.
     surprises = [case for case in failed if case not in expected]
     if surprises:
@@ -158,6 +168,7 @@ def find_defect(ectwin, conform, id_, twins, arguments):
 def defects(ectwin, conform, only):
     listed = subprocess.run([ectwin, "run", "--break", "help"], capture_output=True, text=True, check=True).stdout
     ids = [line.split()[0] for line in listed.splitlines() if line.startswith(only or "CF-")]
+    ids = [id_ for id_ in ids if id_ not in IN_OTHERS]
     with concurrent.futures.ThreadPoolExecutor(4) as pool:
         wrong = [text for text in pool.map(lambda id_: defect(ectwin, conform, id_), ids) if text]
     if not only and len(ids) < DEFECTS_LEAST:
@@ -166,11 +177,45 @@ def defects(ectwin, conform, only):
     return len(wrong)
 
 
+# Defects that a device cannot have: `--break help` names the need. Other pairs of defect and device either fail or skip the case.
+WITHOUT = {
+    "CF-018": ["pmctendo-dd5"], "CF-019": ["vr-bu-ect-map1", "optoncdt2300"], "CF-048": ["vr-bu-ect-map1", "optoncdt2300"],
+    "CF-049": ["vr-bu-ect-map1", "optoncdt2300"], "CF-068": ["pmctendo-dd5"], "CF-072b": ["*"],
+    "CF-074": ["vr-bu-ect-map1", "optoncdt2300", "pmctendo-dd5"], "CF-078": ["optoncdt2300"], "CF-082": ["optoncdt2300"],
+}
+SEEDS = {"CF-094": range(1, 5), "CF-094b": range(1, 5)}
+
+
+def one_case(ectwin, conform, id_, device, seed):
+    """@return nothing, or what is wrong: each defect is found by its case, or cannot be in that device"""
+    arguments = [*esi_of(device), "--seed", str(seed), "--only", case_of(id_), "--format", "json",
+                 "--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
+    case = json.loads(call(ectwin, conform, ["--break", id_, device], arguments).stdout)["cases"][0]
+    absent = set(WITHOUT.get(id_, [])) & {device, "*"}
+    if case["verdict"] == "skip" or case["verdict"] == ("pass" if absent else "fail"):
+        return ""
+    return f"{id_} in {device}, seed {seed}: expected {'pass' if absent else 'fail'}, got {case['verdict']}: {case['reason']}"
+
+
+def everywhere(ectwin, conform, only):
+    """Each defect in each device, by its case alone; those that random numbers could find, with several seeds"""
+    devices_ = [line.split()[0] for line in subprocess.run([ectwin, "list"], capture_output=True, text=True, check=True).stdout.splitlines()]
+    listed = subprocess.run([ectwin, "run", "--break", "help"], capture_output=True, text=True, check=True).stdout
+    ids = [line.split()[0] for line in listed.splitlines() if line.startswith(only or "CF-")]
+    todo = [(id_, device, seed) for id_ in ids for device in devices_ for seed in SEEDS.get(id_, [1])]
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        wrong = [text for text in pool.map(lambda one: one_case(ectwin, conform, *one), todo) if text]
+    print(*wrong, f"{len(todo)} pairs of a defect and a device" if not wrong else "", sep="\n")
+    return len(wrong)
+
+
 # --- devices made for tests ---------------------------------------------------------------------------------------------
 
 
 # Device, what its run is asked for, the case that it is made for, what fails.
 OTHERS = (
+    ("network", ["--only", "CF-07*"], "CF-072", []),
+    ("--break CF-072b network", ["--only", "CF-07*"], "CF-072", ["CF-072"]),
     ("network", ["--only", "CF-02[34567],CF-058,CF-08[56]"], "CF-085", []),
     ("careless", ["--only", "CF-02[34567],CF-058,CF-08[56]"], "CF-085", ["CF-085"]),
     ("hesitant", ["--only", "CF-084", "--file", "data", "--destructive"], "CF-084", []),
@@ -179,10 +224,10 @@ OTHERS = (
 
 def others(ectwin, conform, _):
     """Ethernet over EtherCAT: a device that has it passes, one that puts together what does not belong together fails.
-    Files: one that is BUSY until a request is repeated passes"""
+    Files: one that is BUSY until a request is repeated passes. Segments: one that serves an aborted transfer fails"""
     wrong = 0
     for device, arguments, made_for, expected in OTHERS:
-        done = call(ectwin, conform, [device], [*arguments, "--format", "json"])
+        done = call(ectwin, conform, device.split(), [*arguments, "--format", "json"])
         cases = json.loads(done.stdout)["cases"]
         its = next(c for c in cases if c["id"] == made_for)
         failed = [c["id"] for c in cases if c["verdict"] == "fail"]
@@ -495,10 +540,10 @@ def command(ectwin, conform, only):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "others", "defects"):
+    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "others", "defects", "everywhere"):
         sys.exit(__doc__)
     paths = [os.path.abspath(p) for p in sys.argv[2:4]]
     if sys.argv[1] == "devices":
         sys.exit(devices(*paths, "--write" in sys.argv) != 0)
-    run = {"command": command, "others": others, "defects": defects}[sys.argv[1]]
+    run = {"command": command, "others": others, "defects": defects, "everywhere": everywhere}[sys.argv[1]]
     sys.exit(run(*paths, sys.argv[4] if len(sys.argv) > 4 else None) != 0)

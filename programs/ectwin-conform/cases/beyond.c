@@ -222,8 +222,7 @@ static void random_request(cf_t *c)
     (void)cf_write(c, ECT_REG_AL_CONTROL, value, sizeof value);
 }
 
-/* What is asked of the slave: that it is there afterwards, the same as before. @return its vendor id, 0 without CoE */
-static uint64_t start_up(cf_t *c)
+uint64_t cf_start_up(cf_t *c)
 {
     uint64_t vendor = 0;
     cf_step(c, "a standard start-up");
@@ -261,13 +260,13 @@ static void throw_one(cf_t *c)
 
 unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each)
 {
-    const uint64_t vendor = start_up(c), end = end_ns(c);
+    const uint64_t vendor = cf_start_up(c), end = end_ns(c);
     unsigned long thrown = 0;
     for (unsigned int round = 1; rounds != 0 ? round <= rounds : cf_now_ns() < end; round++) {
         cf_step(c, "round %u", round);
         for (unsigned int i = 0; i < each; i++, thrown++)
             throw_one(c);
-        cf_expect(c, "vendor id, 1018h:01", vendor, start_up(c));
+        cf_expect(c, "vendor id, 1018h:01", vendor, cf_start_up(c));
     }
     return thrown;
 }

@@ -14,6 +14,18 @@
  */
 unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each);
 
+/**
+ * Takes the slave to OP as a master does; the EEPROM then belongs to the slave, so no malformed request writes it.
+ * @return vendor id, 0 without CoE
+ */
+uint64_t cf_start_up(cf_t *c);
+
+/**
+ * Sends each datagram command, header field and length once, in a fixed order, with a start-up after each kind.
+ * @return number of mails, frames and requests
+ */
+unsigned long cf_sweep(cf_t *c);
+
 /** CF-085: Ethernet over EtherCAT. */
 void cf_ethernet(cf_t *c);
 

@@ -290,6 +290,10 @@ static void toggles(cf_t *c)
     cf_expect_that(c, begin_segments(c), "upload of %04Xh:%02X: expected in segments, got at once", longest.index,
                    longest.sub);
     cf_send_sdo(c, 0x80, longest.index, longest.sub, 0x08000000);
+    cf_step(c, "the next segment of the transfer that the master aborted");
+    cf_send_sdo(c, 0x60, 0, 0, 0);
+    cf_receive_coe(c, &mail);
+    cf_expect(c, "SDO command after a segment request for an aborted transfer", 0x80, mail.data[2]);
     good_upload(c);
 }
 

@@ -8,7 +8,7 @@
 enum { SCRATCH = ECT_REG_FMMU + ECT_FMMU_LOGICAL, NOBODY = 0x7ABC, PATTERN = 0xA5, IDENTITY_BYTES = 10 };
 enum { LOOP_CLOSED = 0x0100, COMMUNICATION = 0x0200, LINK = 0x0010 }; /* DL status of port 0; the others follow */
 enum { REG_WRITE_ENABLE = 0x0020, REG_WRITE_PROTECT = 0x0021, REG_RESET = 0x0040 };
-enum { ETHERNET = 14, FRAME_MIN = 60, ERRORS = 0x14 };
+enum { ETHERNET = 14, FRAME_MIN = 60, ERRORS = 0x14, EVENT_MS = 3000 };
 
 /* --- identity and addressing -------------------------------------------------------------------------------------- */
 
@@ -492,6 +492,49 @@ static void complete(cf_t *c)
     cf_note(c, "complete; how long a frame takes a PC cannot judge");
 }
 
+/* --- events ------------------------------------------------------------------------------------------------------- */
+
+/* The IRQ field of a datagram that reads no event away. */
+static uint16_t irq_field(cf_t *c)
+{
+    uint8_t type;
+    cf_datagram_t d = {
+        .command = CF_FPRD, .address = CF_AT(c->facts.station, ECT_REG_TYPE), .length = 1, .data = &type};
+    cf_exchange(c, &d, 1);
+    return d.irq;
+}
+
+static void event_mask(cf_t *c, uint16_t mask)
+{
+    uint8_t zeros[2] = {0};
+    (void)cf_command(c, CF_BWR, 0, ECT_REG_ECAT_EVENT_MASK, zeros,
+                     sizeof zeros); /* of all slaves: the field is an OR */
+    cf_put16(c, ECT_REG_ECAT_EVENT_MASK, mask);
+}
+
+static void ecat_events(cf_t *c)
+{
+    uint8_t status[6], last;
+    cf_set_mailbox(c, CF_PREOP);
+    event_mask(c, 0);
+    cf_get(c, ECT_REG_AL_STATUS, status, sizeof status);
+    cf_expect_bits(c, "ECAT event (0x0210) after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0,
+                   cf_get16(c, ECT_REG_ECAT_EVENT));
+    cf_step(c, "PREOP, and AL status is not read: its event says that it changed");
+    cf_put16(c, ECT_REG_AL_CONTROL, CF_PREOP);
+    bool came =
+        cf_wait_bits(c, ECT_REG_ECAT_EVENT, ECT_ECAT_EVENT_AL_STATUS, ECT_ECAT_EVENT_AL_STATUS, EVENT_MS, &last);
+    cf_expect_that(c, came, "ECAT event (0x0210): expected bit 3 within %d ms, got 0x%02X", (int)EVENT_MS, last);
+    cf_expect_bits(c, "IRQ field, event mask 0x0000", ECT_ECAT_EVENT_AL_STATUS, 0, irq_field(c));
+    event_mask(c, ECT_ECAT_EVENT_AL_STATUS);
+    cf_expect_bits(c, "IRQ field, event mask 0x0008", ECT_ECAT_EVENT_AL_STATUS, ECT_ECAT_EVENT_AL_STATUS, irq_field(c));
+    cf_step(c, "AL status is read: the event goes");
+    cf_get(c, ECT_REG_AL_STATUS, status, sizeof status);
+    cf_expect_bits(c, "ECAT event (0x0210) after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0,
+                   cf_get16(c, ECT_REG_ECAT_EVENT));
+    cf_expect_bits(c, "IRQ field after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0, irq_field(c));
+}
+
 static const cf_case_t cases[] = {
     {"CF-001", "Type, FMMUs, SyncManagers, RAM and features are consistent and read-only", 'R', 0, 0, information},
     {"CF-002", "BRD ORs the registers of all slaves; WKC and ADP count each of them", 'R', 0, 0, broadcast},
@@ -512,6 +555,8 @@ static const cf_case_t cases[] = {
      'R', 0, 0, frames},
     {"CF-014", "The circulating flag does not matter while port 0 is open", 'R', 0, 0, circulating},
     {"CF-015", "A frame of 1 to 15 datagrams comes back complete", 'T', 0, 0, complete},
+    {"CF-097", "A change of AL status is an ECAT event: masked, in the IRQ field, and gone once AL status is read", 'R',
+     CF_APPLICATION, 0, ecat_events},
 };
 
 CF_SECTION(cf_datalink, 'A', "Data link and ESC registers", cases);

@@ -4,8 +4,16 @@
 
 #include "steps/case.h"
 
-enum { DELAY_NS = 200000000, CYCLE_NS = 1000000, SHORT_CYCLE_NS = 1000, ACTIVE_SYNC0 = 3, SII_DC = 60 };
+enum {
+    DELAY_NS = 200000000,
+    CYCLE_NS = 1000000,
+    SHORT_CYCLE_NS = 1000,
+    ACTIVE_SYNC0 = 3,
+    SII_DC = 60,
+    GIGA = 1000000000
+};
 enum { SPEED_START = 0x1000, HELD_UP_NS = 100000000 };
+enum { STATUS_LOOKS = 20, SHIFT_NS = 300000, SOON_NS = 50000000, SLACK_NS = 1000000, ACTIVE_SYNC1 = 4 };
 
 static uint64_t system_time(cf_t *c)
 {
@@ -20,6 +28,37 @@ static uint32_t latch(cf_t *c, uint64_t *unit)
     uint32_t port = cf_get32(c, ECT_REG_DC_RECEIVE_TIME);
     *unit = cf_get64(c, ECT_REG_DC_RECEIVE_TIME_UNIT);
     return port;
+}
+
+/* The write that masters measure delays with addresses all slaves. */
+static void latch_by_all(cf_t *c, uint32_t before)
+{
+    uint8_t zeros[4] = {0};
+    cf_step(c, "BWR latches as well");
+    cf_sleep_ms(c, 5);
+    (void)cf_command(c, CF_BWR, 0, ECT_REG_DC_RECEIVE_TIME, zeros, sizeof zeros);
+    uint32_t passed = cf_get32(c, ECT_REG_DC_RECEIVE_TIME) - before;
+    cf_expect_that(c, passed >= 4500000, "receive time of BWR, 5 ms later: expected at least 4.5 ms later, got %u us",
+                   passed / 1000);
+}
+
+/* 64 bits count from the time that the chip started with; the upper half is not 0 after 4.3 s. */
+static void wide_receive_time(cf_t *c)
+{
+    uint64_t unit;
+    if ((c->facts.features & 0x0008) == 0)
+        return;
+    cf_step(c, "all 64 bits of the processing unit's receive time");
+    cf_put64(c, ECT_REG_DC_OFFSET, 0);
+    cf_put32(c, ECT_REG_DC_DELAY, 0);
+    while (system_time(c) >> 32 == 0)
+        cf_sleep_ms(c, 10);
+    uint64_t before = system_time(c);
+    (void)latch(c, &unit);
+    uint64_t after = system_time(c);
+    cf_expect_that(c, unit + SLACK_NS >= before && unit <= after + SLACK_NS,
+                   "receive time of the processing unit (0x0918): expected 0x%016llX to 0x%016llX, got 0x%016llX",
+                   (unsigned long long)before, (unsigned long long)after, (unsigned long long)unit);
 }
 
 static void receive_times(cf_t *c)
@@ -39,9 +78,12 @@ static void receive_times(cf_t *c)
     cf_expect_that(c, !wide || second_unit - first_unit == passed || second_unit - first_unit <= most,
                    "receive times of the processing unit: expected as of port 0, %u us, got %llu us", passed / 1000,
                    (unsigned long long)((second_unit - first_unit) / 1000));
+    latch_by_all(c, second);
     cf_step(c, "a read does not latch");
+    second = cf_get32(c, ECT_REG_DC_RECEIVE_TIME);
     (void)cf_get32(c, ECT_REG_DC_RECEIVE_TIME);
     cf_expect(c, "receive time of port 0 after reads", second, cf_get32(c, ECT_REG_DC_RECEIVE_TIME));
+    wide_receive_time(c);
 }
 
 static void compare(cf_t *c, int64_t ahead_ns, bool local_later)
@@ -63,6 +105,23 @@ static void compare(cf_t *c, int64_t ahead_ns, bool local_later)
     cf_expect_range(c, "magnitude of the difference, ns", 1, 0x3FFFFFFF, difference & 0x7FFFFFFF);
 }
 
+/* A frame reads the time at which it passed the reference clock: the local time less the delay. */
+static void delay(cf_t *c)
+{
+    cf_step(c, "a propagation delay of 1 s");
+    cf_put32(c, ECT_REG_DC_DELAY, 0);
+    uint64_t begun = cf_now_ns();
+    uint32_t before = cf_get32(c, ECT_REG_DC_SYSTEM_TIME);
+    cf_put32(c, ECT_REG_DC_DELAY, GIGA);
+    uint32_t after = cf_get32(c, ECT_REG_DC_SYSTEM_TIME);
+    uint64_t took = cf_now_ns() - begun;
+    cf_put32(c, ECT_REG_DC_DELAY, 0);
+    uint32_t passed = after + GIGA - before;
+    cf_expect_that(c, passed <= took + took / 10 + 1000000,
+                   "system time with a delay (0x0928) of 1 s: expected 1 s earlier, got %d us later than before",
+                   (int32_t)(after - before) / 1000);
+}
+
 static void offset_and_loop(cf_t *c)
 {
     const uint64_t offset = UINT64_C(3000000000);
@@ -76,6 +135,7 @@ static void offset_and_loop(cf_t *c)
     cf_expect_that(c, after - before >= offset && after - before <= most,
                    "system time after an offset of 3 s: expected 3 s later, got %llu us",
                    (unsigned long long)((after - before) / 1000));
+    delay(c);
     cf_step(c, "a reference that is half a second ahead, then behind");
     compare(c, 500000000, false);
     compare(c, -500000000, true);
@@ -87,12 +147,12 @@ static void offset_and_loop(cf_t *c)
 
 /* --- SYNC0 -------------------------------------------------------------------------------------------------------- */
 
-static void start(cf_t *c, uint64_t start_ns, uint32_t cycle_ns)
+static void start(cf_t *c, uint64_t start_ns, uint32_t cycle_ns, uint8_t active)
 {
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     cf_put32(c, ECT_REG_DC_SYNC0_CYCLE, cycle_ns);
     cf_put64(c, ECT_REG_DC_START_TIME, start_ns);
-    cf_put8(c, ECT_REG_DC_ACTIVATION, ACTIVE_SYNC0);
+    cf_put8(c, ECT_REG_DC_ACTIVATION, active);
 }
 
 /* Time and next SYNC0 of one frame. */
@@ -127,13 +187,58 @@ static void check_grid(cf_t *c, uint64_t start_ns)
     }
 }
 
+/* 0x098E shows a pulse of SYNC0 in bit 0. Where pulses have no length it holds it until the slave's software has read
+ * it. */
+static void sync0_status(cf_t *c, bool runs)
+{
+    uint8_t status = 0, length[2];
+    if (!runs) {
+        cf_expect(c, "SYNC0 status (0x098E) with SYNC0 off", 0, cf_get8(c, ECT_REG_DC_SYNC0_STATUS));
+        return;
+    }
+    cf_get(c, ECT_REG_DC_PULSE_LENGTH, length, sizeof length);
+    for (int i = 0; i < STATUS_LOOKS; i++) {
+        cf_sleep_ms(c, 1);
+        status |= cf_get8(c, ECT_REG_DC_SYNC0_STATUS);
+    }
+    cf_expect_bits(c, "reserved bits of SYNC0 status (0x098E)", 0xFE, 0, status);
+    cf_expect_that(c, (status & 1) != 0 || ect_load_le16(length) != 0,
+                   "SYNC0 status (0x098E) of unacknowledged pulses: expected 0x01, got 0x%02X", status);
+}
+
+/* SYNC1 follows SYNC0 after its cycle time, when that is shorter than the cycle of SYNC0. */
+static void sync1_shift(cf_t *c)
+{
+    uint8_t first[8] = {0}, second[8] = {0};
+    cf_datagram_t d[2] = {{.command = CF_FPRD,
+                           .address = CF_AT(c->facts.station, ECT_REG_DC_START_TIME),
+                           .length = sizeof first,
+                           .data = first},
+                          {.command = CF_FPRD,
+                           .address = CF_AT(c->facts.station, ECT_REG_DC_NEXT_SYNC1),
+                           .length = sizeof second,
+                           .data = second}};
+    cf_step(c, "SYNC1 behind SYNC0 by %d us", SHIFT_NS / 1000);
+    uint64_t start_ns = system_time(c) + SOON_NS;
+    cf_put32(c, ECT_REG_DC_SYNC1_CYCLE, SHIFT_NS);
+    start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0 | ACTIVE_SYNC1);
+    while (system_time(c) <= start_ns + 2 * CYCLE_NS)
+        cf_sleep_ms(c, 1);
+    cf_exchange(c, d, 2);
+    cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
+    uint64_t apart = (ect_load_le64(second) + 2 * CYCLE_NS - ect_load_le64(first)) % CYCLE_NS;
+    cf_expect_that(c, apart == SHIFT_NS, "next SYNC1 (0x0998) behind SYNC0: expected %d ns in the cycle, got %llu",
+                   SHIFT_NS, (unsigned long long)apart);
+}
+
 static void sync0(cf_t *c)
 {
     uint64_t now, next, start_ns = system_time(c) + DELAY_NS;
     if ((c->facts.features & 0x0008) == 0)
         cf_skip(c, "the clocks have 32 bits: this case reads 64");
+    sync0_status(c, false);
     cf_step(c, "SYNC0 every ms, from 200 ms ahead");
-    start(c, start_ns, CYCLE_NS);
+    start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0);
     look(c, &now, &next);
     cf_expect_that(c, now >= start_ns || next == start_ns,
                    "next SYNC0 before the start: expected the start time, got %lld us beside",
@@ -141,15 +246,17 @@ static void sync0(cf_t *c)
     while (system_time(c) <= start_ns + CYCLE_NS)
         cf_sleep_ms(c, 1);
     check_grid(c, start_ns);
+    sync0_status(c, true);
     cf_step(c, "off, and on with a start time in the past: none comes");
     start_ns = system_time(c) - DELAY_NS;
-    start(c, start_ns, CYCLE_NS);
+    start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0);
     cf_sleep_ms(c, 5);
     look(c, &now, &next);
     cf_expect_that(c, next == start_ns || next < now || next > now + DELAY_NS,
                    "SYNC0 with a start in the past: expected not to run, got the next one %lld us from now",
                    (long long)(int64_t)(next - now) / 1000);
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
+    sync1_shift(c);
 }
 
 static void jitter(cf_t *c)

@@ -4,7 +4,15 @@
 
 #include "steps/case.h"
 
-enum { MAIL_HEADER = 6, SHORT_MS = 50, DROPPED_MS = 500, FILL_MOST = 24, NO_COUNTER = 0xFF };
+enum {
+    MAIL_HEADER = 6,
+    SHORT_MS = 50,
+    DROPPED_MS = 500,
+    FILL_MOST = 24,
+    NO_COUNTER = 0xFF,
+    UNDER_READ = 4,
+    UNDER_READ_MS = 5
+};
 enum { STATUS_0 = ECT_REG_SM + ECT_SM_STATUS, STATUS_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_STATUS };
 enum { ACTIVATE_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE, MAP_LOGICAL = 0x20000 };
 enum { CODE_MAILBOX = 0x0016, CODE_OUTPUTS = 0x001D, CODE_INPUTS = 0x001E };
@@ -196,6 +204,26 @@ static int process_sm(const cf_t *c, uint8_t type)
     return -1;
 }
 
+/* The buffer of a begun read belongs to the master until its last byte is read, however often the slave writes others.
+ */
+static void buffer_under_read(cf_t *c, unsigned int n)
+{
+    uint8_t first[CF_MAX_DATA], later[CF_MAX_DATA];
+    const uint16_t start = c->facts.sm[n].start, length = c->facts.sm[n].length;
+    const uint16_t inner = (uint16_t)(length - 2);
+    if (inner == 0)
+        return;
+    cf_step(c, "a read that is begun: the bytes behind its first one do not change until its last one is read");
+    cf_expect_wkc(c, "a read of the first byte", 1, cf_read(c, start, first, 1));
+    cf_expect_wkc(c, "a read of the inner bytes", 1, cf_read(c, (uint16_t)(start + 1), first, inner));
+    for (int i = 0; i < UNDER_READ; i++) {
+        cf_sleep_ms(c, UNDER_READ_MS);
+        cf_expect_wkc(c, "a later read of the inner bytes", 1, cf_read(c, (uint16_t)(start + 1), later, inner));
+        cf_expect_bytes(c, "inner bytes of the buffer under read", first, later, inner);
+    }
+    cf_expect_wkc(c, "a read of the last byte", 1, cf_read(c, (uint16_t)(start + length - 1), later, 1));
+}
+
 static void input_buffers(cf_t *c, unsigned int n)
 {
     uint8_t data[CF_MAX_DATA];
@@ -207,6 +235,7 @@ static void input_buffers(cf_t *c, unsigned int n)
     cf_expect_wkc(c, "a second read of all inputs", 1, cf_read(c, start, data, length));
     cf_expect_wkc(c, "a read of the first byte", 1, cf_read(c, start, data, 1));
     cf_expect_wkc(c, "a read of the rest", 1, cf_read(c, (uint16_t)(start + 1), data, length - 1u));
+    buffer_under_read(c, n);
     uint8_t status = cf_get8(c, (uint16_t)(CF_SM(n) + ECT_SM_STATUS));
     cf_expect_that(c, (status & ECT_SM_STATUS_BUFFER) != ECT_SM_STATUS_BUFFER,
                    "status of the input SM: expected a last written buffer 0..2, got 0x%02X", status);
@@ -530,6 +559,28 @@ static void headers(cf_t *c)
     refused(c, "a protocol that does not exist", mail, length, 1u << ERROR_PROTOCOL | 1u << ERROR_SYNTAX);
 }
 
+/* ETG.1000.4, 5.6: a slave's mail has address 0 or its own, channel 0. */
+static void check_mail_header(cf_t *c, const char *what, const cf_mail_t *reply)
+{
+    cf_expect_that(c, reply->address == 0 || reply->address == c->facts.station,
+                   "address in the header of %s: expected 0x0000 or 0x%04X, got 0x%04X", what, c->facts.station,
+                   reply->address);
+    cf_expect_that(c, (reply->channel & 0x3F) == 0, "channel in the header of %s: expected 0, got %u", what,
+                   reply->channel & 0x3Fu);
+}
+
+static void mail_headers(cf_t *c)
+{
+    cf_mail_t reply;
+    cf_go(c, CF_PREOP);
+    ask(c, 1);
+    fetch(c, &reply);
+    check_mail_header(c, "a reply", &reply);
+    cf_send_mail(c, foreign_type(c), "", 0);
+    fetch(c, &reply);
+    check_mail_header(c, "a mailbox error", &reply);
+}
+
 static bool overlap(uint16_t a, uint16_t a_size, uint16_t b, uint16_t b_size)
 {
     return a < b + b_size && b < a + a_size;
@@ -594,6 +645,7 @@ static const cf_case_t cases[] = {
     {"CF-026", "Bad mailbox headers get an error reply, and the next request works", 'R', CF_MAILBOX, 0, headers},
     {"CF-027", "The mailboxes of the SII are consistent and those that the slave takes", 'R', CF_MAILBOX | CF_SII, 0,
      sizes},
+    {"CF-098", "Mails of the slave have address 0 or its own, and channel 0", 'R', CF_MAILBOX, 0, mail_headers},
 };
 
 CF_SECTION(cf_syncman, 'B', "SyncManagers", cases);

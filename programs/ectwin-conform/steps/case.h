@@ -192,6 +192,7 @@ typedef struct cf {
     bool whole;           /**< --long was given: long procedures take the time of the checklist */
     bool emulated;        /**< --emulated was given: cases of CF_REAL_TIME are skipped */
     const char *power;    /**< --power: command that switches the slave off and on; NULL: none */
+    const char *plug;     /**< --plug: command that pulls the slave's plug and puts it back; NULL: none */
     const char *file;     /**< --file: name of a file to read by FoE; NULL: none */
     uint32_t password;    /**< --password: FoE password of `file`; 0 none */
     uint32_t seconds;     /**< duration of --stress and --fuzz */
@@ -315,7 +316,8 @@ void cf_extend(cf_t *c, uint32_t ms);
 
 /**
  * Disconnects the slave for `ms`, as a pulled plug does: closes the port of the slave before it, or, for the first
- * slave, takes this PC's interface down. Leaves the case when the slave does not return.
+ * slave, takes this PC's interface down. With --plug that command does it, as long as it likes. Leaves the case when
+ * the command fails or the slave does not return.
  * @param[out] why  on false: the reason, constant text
  * @return false: not possible here; the wire is unchanged
  */

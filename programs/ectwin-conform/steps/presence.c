@@ -89,8 +89,24 @@ void cf_put_plug_back(cf_t *c)
     wait_found(c, "the plug is back");
 }
 
+static void run_command(cf_t *c, const char *option, const char *command)
+{
+    (void)fflush(NULL);
+    int status = system(command); /* the user's own words, run with the user's rights. NOLINT(cert-env33-c) */
+    if (status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        cf_fail(c, "%s '%s': expected exit code 0, got %d", option, command,
+                status != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+}
+
 bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why)
 {
+    if (c->plug) {
+        cf_extend(c, POWER_MS);
+        cf_step(c, "plug pulled and put back: %s", c->plug);
+        run_command(c, "--plug", c->plug);
+        wait_found(c, "the plug is back");
+        return true;
+    }
     if (!pull(c, why))
         return false;
     cf_sleep_ms(c, ms);
@@ -143,11 +159,7 @@ void cf_power_cycle(cf_t *c)
 {
     cf_extend(c, POWER_MS);
     cf_step(c, "power off and on: %s", c->power);
-    (void)fflush(NULL);
-    int status = system(c->power); /* the user's own words, run with his rights. NOLINT(cert-env33-c) */
-    if (status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        cf_fail(c, "--power '%s': expected exit code 0, got %d", c->power,
-                status != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+    run_command(c, "--power", c->power);
     wait_fresh(c);
     address_all(c);
 }

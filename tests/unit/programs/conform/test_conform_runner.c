@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: MIT */
+/* What runs cases: needs, the known state, the order in which changes are undone, the canary; and the catalogue. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "conform_support.h"
+
+static unsigned int ran;
+
+static void passes(cf_t *c)
+{
+    (void)c;
+    ran++;
+}
+
+/* --- needs -------------------------------------------------------------------------------------------------------- */
+
+static void needs(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    ran = 0;
+    start_run(&run);
+    assert_int_equal(run_one(&run, passes, CF_MAILBOX | CF_DC, &result), CF_SKIPPED);
+    assert_string_equal(result.reason, "the slave has no mailbox");
+    assert_int_equal(run_one(&run, passes, CF_WRITES_SII, &result), CF_SKIPPED);
+    assert_int_equal(run_one(&run, passes, CF_ESI, &result), CF_SKIPPED);
+    assert_int_equal(ran, 0);
+    assert_int_equal(frames_sent, 0);
+    run.c.destructive = true;
+    assert_int_equal(run_one(&run, passes, CF_WRITES_SII | CF_APPLICATION | CF_REAL_TIME | CF_FUZZ, &result), CF_PASS);
+    run.c.emulated = true;
+    assert_int_equal(run_one(&run, passes, CF_REAL_TIME, &result), CF_SKIPPED);
+    assert_int_equal(ran, 1);
+    end_run(&run);
+}
+
+/* --- changes ------------------------------------------------------------------------------------------------------ */
+
+static uint16_t written[8];
+static unsigned int writes;
+
+/* The EEPROM: a write command (0x0201) at 0x0502 puts the data at 0x0508 into a word. */
+static bool note_writes(cf_datagram_t *d)
+{
+    const uint16_t ado = (uint16_t)(d->address >> 16);
+    const uint8_t *data = d->data;
+    if (d->command == CF_FPWR && ado == ECT_REG_SII_CONTROL && d->length == 6 && ect_load_le16(data) == 0x0201 &&
+        writes < 8) {
+        written[writes++] = (uint16_t)(ect_load_le16(data + 2) << 8 | memory[ECT_REG_SII_DATA]);
+        ect_store_le16(d->data, 0);
+    }
+    return true;
+}
+
+static void change(cf_t *c, uint16_t word, uint8_t old)
+{
+    *cf_new_undo(c) = (cf_undo_t){.what = CF_UNDO_SII, .index = word, .size = 2, .data = {old, 0}};
+}
+
+static void changes_and_fails(cf_t *c)
+{
+    change(c, 1, 0x11);
+    change(c, 2, 0x22);
+    change(c, 1, 0x33);
+    cf_fail(c, "in the middle");
+}
+
+static void undo_order(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = note_writes;
+    writes = 0;
+    assert_int_equal(run_one(&run, changes_and_fails, 0, &result), CF_FAIL);
+    assert_string_equal(result.reason, "in the middle");
+    assert_int_equal(writes, 3); /* the newest change first, so that the oldest value stays */
+    assert_int_equal(written[0], 0x0133);
+    assert_int_equal(written[1], 0x0222);
+    assert_int_equal(written[2], 0x0111);
+    assert_int_equal(run.engine.undo_count, 0);
+    end_run(&run);
+}
+
+static void changes_too_much(cf_t *c)
+{
+    for (int i = 0; i <= CF_UNDO_MOST; i++)
+        change(c, 1, (uint8_t)i);
+}
+
+static void too_many_changes(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = note_writes;
+    writes = 0;
+    assert_int_equal(run_one(&run, changes_too_much, 0, &result), CF_FAIL);
+    assert_string_equal(result.reason, "this case changes more than 64 values");
+    end_run(&run);
+}
+
+/* --- the canary --------------------------------------------------------------------------------------------------- */
+
+static bool dead;
+
+static bool dies(cf_datagram_t *d)
+{
+    (void)d;
+    return !dead;
+}
+
+static void kills(cf_t *c)
+{
+    dead = true;
+    cf_get8(c, 0);
+}
+
+/* Only the slave's software is dead: it takes no more requests. */
+static bool stuck;
+
+static bool sticks(cf_datagram_t *d)
+{
+    if (stuck && d->command == CF_FPWR && d->address >> 16 == ECT_REG_AL_CONTROL)
+        ((uint8_t *)d->data)[0] = CF_OP;
+    return true;
+}
+
+static void canary(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = dies;
+    dead = false;
+    ran = 0;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_int_equal(run_one(&run, kills, 0, &result), CF_FAIL);
+    run.last = "CF-016";
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+        assert_string_equal(result.reason,
+                            "not judged since CF-016: no answer: the frame did not come back within 50 ms");
+    }
+    assert_int_equal(ran, 1);
+    dead = false; /* it is back: judged again */
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_null(run.since);
+    end_run(&run);
+}
+
+/* A slave that cannot do what the canary wants is judged case by case from the start. */
+static void never_able(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = dies;
+    dead = true;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_FAIL);
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_FAIL);
+    assert_null(run.since);
+    end_run(&run);
+}
+
+static void leaves_stuck(cf_t *c)
+{
+    stuck = true;
+    cf_put16(c, ECT_REG_AL_CONTROL, CF_OP);
+    c->engine->lame = true; /* not waited for as long */
+}
+
+/* A case that passes and leaves the slave in another state fails; the next ones are not judged. */
+static void not_as_before(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = sticks;
+    stuck = false;
+    assert_int_equal(run_one(&run, leaves_stuck, 0, &result), CF_FAIL);
+    assert_non_null(strstr(result.reason, "afterwards the slave is not as before: back to INIT"));
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+    assert_non_null(strstr(result.reason, "not judged since CF-900: back to INIT"));
+    end_run(&run);
+}
+
+/* --- the catalogue ------------------------------------------------------------------------------------------------ */
+
+static const cf_case_t *find(const char *id, unsigned int *count)
+{
+    const cf_case_t *found = NULL;
+    *count = 0;
+    for (size_t s = 0; s < cf_catalogue_count; s++) {
+        for (size_t i = 0; i < cf_catalogue[s]->count; i++) {
+            if (strcmp(cf_catalogue[s]->cases[i].id, id) == 0) {
+                found = &cf_catalogue[s]->cases[i];
+                ++*count;
+            }
+        }
+    }
+    return found;
+}
+
+static void ids(void **state)
+{
+    (void)state;
+    for (size_t s = 0; s < cf_catalogue_count; s++) {
+        const cf_section_t *section = cf_catalogue[s];
+        assert_true(s == 0 || section->letter >= cf_catalogue[s - 1]->letter);
+        for (size_t i = 0; i < section->count; i++) {
+            unsigned int count;
+            const cf_case_t *entry = find(section->cases[i].id, &count);
+            assert_int_equal(count, 1);
+            assert_ptr_equal(entry, &section->cases[i]);
+            assert_true(strncmp(entry->id, "CF-", 3) == 0 || (entry->needs & CF_ON_REQUEST) != 0);
+            assert_non_null(strchr("FRST", entry->class));
+            assert_true(entry->title[0] != 0 && entry->title[strlen(entry->title) - 1] != '.');
+        }
+    }
+}
+
+static void need_texts(void **state)
+{
+    (void)state;
+    for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++)
+        assert_true(strlen(cf_need_text(1u << n)) > 10);
+    assert_string_equal(cf_need_text(CF_COE | CF_FOE), "the slave has no CoE"); /* the first that is missing */
+    assert_string_equal(cf_need_text(CF_STRESS), "");
+}
+
+/* --- a case without frames: CF-060 -------------------------------------------------------------------------------- */
+
+/* A SyncManager category: SM0 and SM1 mailboxes, SM2 outputs, SM3 inputs. */
+static void lay_out(cf_run_t *run, uint8_t *sii, uint16_t inputs_at)
+{
+    static const uint8_t entries[] = {
+        0x00, 0x10, 0x80, 0x00, 0x26, 0, 1, 1, /* 0x1000, 128 bytes */
+        0x80, 0x10, 0x80, 0x00, 0x22, 0, 1, 2, /* 0x1080, 128 bytes */
+        0x00, 0x11, 0x10, 0x00, 0x64, 0, 1, 3, /* 0x1100, 16 bytes, three buffers: to 0x112F */
+        0x00, 0x00, 0x08, 0x00, 0x20, 0, 1, 4, /* inputs, 8 bytes */
+    };
+    static const cf_sm_t sms[] = {
+        {0x1000, 128, 0x26, 1, 1}, {0x1080, 128, 0x22, 1, 2}, {0x1100, 16, 0x64, 1, 3}, {0, 8, 0x20, 1, 4}};
+    uint8_t *at = sii + 0x80;
+    ect_store_le16(at, 30); /* General, 32 bytes */
+    ect_store_le16(at + 2, 16);
+    at += 4 + 32;
+    ect_store_le16(at, 41);
+    ect_store_le16(at + 2, sizeof entries / 2);
+    memcpy(at + 4, entries, sizeof entries);
+    ect_store_le16(at + 4 + 24, inputs_at);
+    ect_store_le16(at + 4 + sizeof entries, 0xFFFF);
+    memcpy(run->c.facts.sm, sms, sizeof sms);
+    run->c.facts.sm[3].start = inputs_at;
+    run->c.facts.sm_count = 4;
+    run->c.facts.sms = 8;
+    run->c.facts.fmmus = 8;
+    run->c.facts.sii = sii;
+    run->c.facts.sii_size = 0x80 + 4 + 32 + 4 + sizeof entries + 2;
+    run->c.facts.has |= CF_SII;
+}
+
+static cf_verdict_t judge_layout(uint16_t inputs_at, cf_result_t *result)
+{
+    static uint8_t sii[512];
+    cf_run_t run;
+    unsigned int count;
+    const cf_case_t *entry = find("CF-060", &count);
+    start_run(&run);
+    memset(sii, 0, sizeof sii);
+    lay_out(&run, sii, inputs_at);
+    cf_verdict_t verdict = run_one(&run, entry->run, entry->needs, result);
+    end_run(&run);
+    return verdict;
+}
+
+static void three_buffers(void **state)
+{
+    cf_result_t result;
+    (void)state;
+    (void)judge_layout(0x1130, &result);
+    assert_string_equal(result.reason, "");
+    assert_string_equal(result.reason, "");
+    assert_int_equal(judge_layout(0x112F, &result), CF_FAIL); /* in the third buffer of SM2 */
+    assert_string_equal(result.reason,
+                        "SM2 and SM3: expected apart, three buffers included, got 0x1100+48 and 0x112F+24");
+    assert_int_equal(judge_layout(0x2FE8, &result), CF_PASS); /* 24 bytes to the end of the RAM, 0x3000 */
+    assert_int_equal(judge_layout(0x2FE9, &result), CF_FAIL); /* two buffers would fit */
+    assert_string_equal(result.reason, "SM3: expected to fit the RAM up to 0x3000, got 0x2FE9 and 24 bytes");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(needs),  cmocka_unit_test(undo_order), cmocka_unit_test(too_many_changes),
+        cmocka_unit_test(canary), cmocka_unit_test(never_able), cmocka_unit_test(not_as_before),
+        cmocka_unit_test(ids),    cmocka_unit_test(need_texts), cmocka_unit_test(three_buffers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
