@@ -81,7 +81,7 @@ static void fail(axis_t *a, const char *why)
     go(a, AXIS_FAILED);
 }
 
-/* A step of the sequence for each state that the drive is seen in. @return the control word */
+/* The next step of the sequence, by the state of the drive. @return the control word */
 static uint16_t enabling(axis_t *a)
 {
     a->set = a->position;
@@ -96,7 +96,7 @@ static uint16_t enabling(axis_t *a)
     return (a->status & STATE_MASK) == ON || a->phase == AXIS_HOMING ? ENABLE : SHUTDOWN;
 }
 
-/* The run is over when the drive says that it stands at its point; it has to have begun before. */
+/* The run is over when the drive reports its target reached; the first cycles precede its start. */
 static uint16_t homing(axis_t *a)
 {
     a->set = a->position;
@@ -151,14 +151,14 @@ static uint16_t disabling(axis_t *a)
     return SHUTDOWN;
 }
 
-/* A fault on the way, or a phase without an end. */
+/* A fault on the way, or a phase that does not end. */
 static void watch(axis_t *a)
 {
     bool enabled = a->phase > AXIS_ENABLING && a->phase < AXIS_DISABLING;
     if (enabled && (a->status & STATE_MASK) != OPERATION)
         fail(a, "the drive has left Operation Enabled");
     else if (a->phase < AXIS_DONE && a->cycles * a->cycle_s > (double)PATIENCE_S)
-        fail(a, "nothing goes on any more");
+        fail(a, "no progress for 30 s");
 }
 
 static uint16_t control(axis_t *a, const uint8_t *in, uint16_t *latch)

@@ -2,9 +2,9 @@
 /**
  * @file
  * One axis with a PMCtendo DD5, cycle by cycle: enable it, find the reference, move a trapezoid with the touch probe
- * armed, read the probe, switch off. No master in it: hand it the inputs, send the outputs that it gives.
+ * armed, read the probe, switch off. It contains no master: pass it the inputs, send the outputs that it writes.
  *
- * It wants the PDOs 1720h (12 bytes out) and 1B25h (32 bytes in), mode 8 in 6060h, and a homing method in 6098h.
+ * Preconditions: PDOs 1720h (12 bytes out) and 1B25h (32 bytes in), mode 8 in 6060h, a homing method in 6098h.
  */
 #ifndef TOOLS_MOTION_AXIS_H
 #define TOOLS_MOTION_AXIS_H
@@ -33,28 +33,28 @@ typedef struct axis {
     double speed;        /**< counts a second, above 0 */
     double acceleration; /**< counts a second squared, above 0 */
 
-    /* what has come of it */
+    /* results */
     axis_phase_t phase;
-    const char *failure; /**< in AXIS_FAILED: why */
+    const char *failure; /**< in AXIS_FAILED: the cause */
     uint16_t status;     /**< as read last */
     int32_t set, position, following_error;
     int16_t torque; /**< per mille */
     bool probed;
     int32_t probe;
 
-    /* its own */
+    /* internal */
     unsigned int cycles; /* in this phase */
     double start;
 } axis_t;
 
-/** One cycle. `in` AXIS_IN bytes as read, `out` AXIS_OUT bytes to be sent. */
+/** Runs one cycle: reads `in`, AXIS_IN bytes of the slave, and writes `out`, AXIS_OUT bytes to send. */
 void axis_cycle(axis_t *axis, const uint8_t *in, uint8_t *out);
 
-/** Where the trapezoid is after `t` seconds, counts from its start; its end after axis_duration(). */
+/** Position of the trapezoid after `t` seconds, counts from its start. It ends after axis_duration() seconds. */
 double axis_trapezoid(const axis_t *axis, double t);
 double axis_duration(const axis_t *axis);
 
-/** For people. */
+/** The name of a phase, for output. */
 const char *axis_phase_name(axis_phase_t phase);
 
 #endif

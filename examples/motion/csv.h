@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file The motion program's lines, for a spreadsheet or examples/motion/plot.py. */
+/** @file The output of the motion program, for a spreadsheet or examples/motion/plot.py. */
 #ifndef TOOLS_MOTION_CSV_H
 #define TOOLS_MOTION_CSV_H
 

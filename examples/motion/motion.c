@@ -5,8 +5,8 @@
  *
  *   ectwin-motion IFACE [--way COUNTS] [--speed COUNTS] [--acceleration COUNTS] [--method N] [--dc] [--cycle-us N]
  *
- * Prints a line of CSV a cycle on standard output, what has come of it as one line of JSON on standard error. Exit code
- * 0: the axis has moved all the way.
+ * Prints one line of CSV a cycle on standard output, and the result as one line of JSON on standard error. Exit code 0:
+ * the axis has completed its motion.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
@@ -25,7 +25,7 @@
 #include "open_bus.h"
 
 enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3 };
-enum { PATIENT = 200 /* SYNC0s without outputs that the drive bears: a PC is no controller that keeps time */ };
+enum { PATIENT = 200 /* SYNC0 events without outputs that the drive tolerates: a PC does not keep time */ };
 
 #define TURN 1048576.0 /* counts */
 
@@ -60,7 +60,7 @@ static bool assign(uint16 slave, uint16 index, uint16 pdo)
            write_object(slave, index, 0, 1, 1);
 }
 
-/* In PREOP: the PDOs of the manual's sequence, the cycle time in units of 10 us, mode 8, how the reference is found. */
+/* In PREOP: PDOs in the sequence of the manual, cycle time in units of 10 us, mode 8, homing method. */
 static int configure(uint16 slave)
 {
     const settings_t *s = &settings;
@@ -69,7 +69,7 @@ static int configure(uint16 slave)
                 write_object(slave, 0x10F1, 2, PATIENT, 2) && write_object(slave, 0x6060, 0, 8, 1) &&
                 write_object(slave, 0x6098, 0, s->method, 1);
     if (!good)
-        fprintf(stderr, "the drive does not take its settings: see --method and --cycle-us\n");
+        fprintf(stderr, "the drive refuses its settings: check --method and --cycle-us\n");
     return good;
 }
 
@@ -102,7 +102,7 @@ static bool to_op(const settings_t *s)
     return false;
 }
 
-/* Cycles until the axis has come to its end; a frame that is lost is a cycle that the axis does not see. */
+/* Cycles until the axis has finished; a cycle whose frame is lost does not count. */
 static void run(const settings_t *s, axis_t *axis)
 {
     uint64_t start = now(), next = start;
@@ -118,7 +118,7 @@ static void run(const settings_t *s, axis_t *axis)
         if (next > t)
             osal_usleep((uint32)((next - t) / 1000));
         else
-            next = t; /* late: no cycles are made up for */
+            next = t; /* late: missed cycles are dropped */
     }
     exchange();
 }
@@ -199,16 +199,21 @@ static error_t parse(int key, char *text, struct argp_state *state)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"way", 'w', "COUNTS", 0, "From the reference point on, 2^20 a turn (default 10 turns)", 0},
-        {"speed", 's', "COUNTS", 0, "A second (default 10 turns)", 0},
-        {"acceleration", 'a', "COUNTS", 0, "A second squared (default 100 turns)", 0},
-        {"method", 'm', "N", 0, "How the reference is found, 6098h (default 35: it is here)", 0},
-        {"cycle-us", 'c', "N", 0, "Cycle, 250 to 2500 (default 1000)", 0},
-        {"dc", 'd', NULL, 0, "With SYNC0 at that cycle", 0},
+        {"way", 'w', "COUNTS", 0, "Way from the reference point, 2^20 counts a turn (default 10 turns)", 0},
+        {"speed", 's', "COUNTS", 0, "Speed in counts a second (default 10 turns)", 0},
+        {"acceleration", 'a', "COUNTS", 0, "Acceleration in counts a second squared (default 100 turns)", 0},
+        {"method", 'm', "N", 0, "Homing method, 6098h (default 35: the present position)", 0},
+        {"cycle-us", 'c', "N", 0, "Cycle time in microseconds: 250 to 2500 in steps of 250 (default 1000)", 0},
+        {"dc", 'd', NULL, 0, "Use SYNC0 at that cycle", 0},
         {0},
     };
     static const struct argp argp = {
-        .options = options, .parser = parse, .args_doc = "IFACE", .doc = "A motion program for one PMCtendo DD5."};
+        .options = options,
+        .parser = parse,
+        .args_doc = "IFACE",
+        .doc =
+            "Enables one PMCtendo DD5 on IFACE, runs a reference run and a trapezoid with the touch probe armed, and "
+            "prints a line of CSV a cycle."};
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &settings);
     if (!open_bus(argv[0], settings.iface))

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws what ectwin-motion prints as an SVG picture.  usage: plot.py [CSV] >motion.svg
+"""Draws the output of ectwin-motion as an SVG picture.  usage: plot.py [CSV] >motion.svg
 
 Three panels over one time: positions (turns), speed of the set position and of the shaft (turns a second), following
-error (turns) and torque (per mille). Phases stand at the top, a probe that was read as a mark.
+error (turns) and torque (per mille). Dashed lines separate the phases.
 """
 import csv
 import html
@@ -16,12 +16,12 @@ COLOURS = {"set": "#999", "actual": "#06c"}
 def read(lines):
     rows = list(csv.DictReader(lines))
     if len(rows) < 3 or "following_error" not in rows[0]:
-        sys.exit("plot.py: this is not what ectwin-motion prints")
+        sys.exit("plot.py: the input is not output of ectwin-motion")
     return rows
 
 
 def speeds(ms, counts):
-    """Turns a second, over 5 cycles; 0 where the position was set anew."""
+    """Turns a second, over 5 cycles; 0 where a reference run has set the position."""
     result = []
     for i in range(len(counts)):
         a, b = max(0, i - 5), i

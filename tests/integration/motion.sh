@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The motion program's command line: what is no number, or not one that an axis can have, is refused.  usage: motion.sh MOTION
+# The command line of the motion program: anything but a number in the range of its option is refused.  usage: motion.sh MOTION
 set -u
 motion=$1
 failed=0

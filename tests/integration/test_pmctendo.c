@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the manual 1002906 demands of a PMCtendo DD5, seen by SOEM on the wire and in real time, the machine played
- * through the control socket.  usage: test_pmctendo IFACE [TEST]
+ * The requirements of the manual 1002906 on a PMCtendo DD5, tested with SOEM on the wire and in real time; the control
+ * socket sets the signals of the machine.  usage: test_pmctendo IFACE [TEST]
  *
- * The axis is the example's (examples/motion). Numbers to the count are tests/unit/test_pmctendo_*.c.
+ * The axis is that of examples/motion. tests/unit/devices/pmctendo has the numbers to the count.
  */
 #define _DEFAULT_SOURCE
 #include <stdio.h>
@@ -59,9 +59,7 @@ static uint8 get8(uint16 address)
     return value;
 }
 
-/* --- up
- * ----------------------------------------------------------------------------------------------------------------
- */
+/* --- state changes ------------------------------------------------------------------------------------------------ */
 
 static int open_preop(void **state)
 {
@@ -202,7 +200,7 @@ static void mailbox(void **state)
     assert_string_equal(name, "PMCtendo DD5");
 }
 
-/* Mail and AL Event in one frame: the drive cannot have been faster. */
+/* Mail and AL Event in one frame, before the drive can reply. */
 static void mail_event(void **state)
 {
     uint8 mail[16] = {10, 0, 0, 0, 0, 3, 0, 0x20, 0x40, 0x41, 0x60}, event[2] = {0}, reply[16];
@@ -429,7 +427,7 @@ static void index_latch(void **state)
 
 /* --- the example -------------------------------------------------------------------------------------------------- */
 
-/* The machine of the manual, by what the shaft's position is now. */
+/* The machine of the manual, relative to the present position of the shaft. */
 static void build_machine(int32 here)
 {
     char text[96];

@@ -109,7 +109,7 @@ void drive_operational(drive_t *d, uint16_t out, uint16_t in)
 
 /* --- cycles ------------------------------------------------------------------------------------------------------- */
 
-uint16_t drive_look(drive_t *d)
+uint16_t drive_status(drive_t *d)
 {
     assert_int_equal(wire_read(&d->w, 0, INPUTS, d->in, d->from.bytes), 1);
     return ect_load_le16(d->in + d->from.status);
@@ -119,7 +119,7 @@ void drive_cycle(drive_t *d)
 {
     assert_int_equal(wire_write(&d->w, 0, OUTPUTS, d->out, d->to.bytes), 1);
     wire_advance(&d->w, d->cycle_ns);
-    (void)drive_look(d);
+    (void)drive_status(d);
 }
 
 void drive_cycles(drive_t *d, unsigned int count)
@@ -186,7 +186,7 @@ void drive_expect(drive_t *d, ds402_state_t state, const char *when)
         uint16_t mask, value;
     } codes[DS402_STATES] = {{0x4F, 0x00}, {0x4F, 0x40}, {0x6F, 0x21}, {0x6F, 0x23},
                              {0x6F, 0x27}, {0x6F, 0x07}, {0x4F, 0x0F}, {0x4F, 0x08}};
-    uint16_t status = drive_look(d);
+    uint16_t status = drive_status(d);
     if ((status & codes[state].mask) != codes[state].value)
         fail_msg("%s: expected status %02X of %02X, got %04X", when, codes[state].value, codes[state].mask, status);
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file A motion controller in front of a PMCtendo DD5 at position 0 of a ::wire_t, in virtual time: cycles of 1 ms.
- */
+/** @file A motion controller for the PMCtendo DD5 at position 0 of a ::wire_t, in virtual time: cycles of 1 ms. */
 #ifndef TESTS_SUPPORT_DRIVE_H
 #define TESTS_SUPPORT_DRIVE_H
 
@@ -8,7 +7,7 @@
 #include "support/signals.h"
 #include "support/wire.h"
 
-/* Where a value lies in a PDO; NOWHERE: not in this one. */
+/* Offsets of values in a PDO; NOWHERE: not in this one. */
 enum { DRIVE_NOWHERE = 0xFF };
 typedef struct drive_out {
     uint16_t pdo;
@@ -33,7 +32,8 @@ typedef struct drive {
 void drive_open(drive_t *d);
 void drive_open_with(drive_t *d, const ect_storage_t *storage);
 void drive_close(drive_t *d);
-/* From PREOP: chooses the PDOs, goes to SAFEOP, or to OP with outputs all 0. The process data as the PDOs have them. */
+/* From PREOP: chooses the PDOs, goes to SAFEOP, or to OP with outputs all 0. Process data are laid out as in the PDOs.
+ */
 void drive_safeop(drive_t *d, uint16_t out, uint16_t in);
 void drive_operational(drive_t *d, uint16_t out, uint16_t in);
 pmctendo_t *drive_instance(drive_t *d);
@@ -42,7 +42,7 @@ pmctendo_t *drive_instance(drive_t *d);
 void drive_cycle(drive_t *d);
 void drive_cycles(drive_t *d, unsigned int count);
 /* Inputs read, no time passes. @return the status word */
-uint16_t drive_look(drive_t *d);
+uint16_t drive_status(drive_t *d);
 
 void drive_control(drive_t *d, uint16_t control);
 uint16_t drive_controlled(const drive_t *d);
@@ -53,10 +53,9 @@ int32_t drive_position(const drive_t *d);
 uint16_t drive_latch_status(const drive_t *d);
 int32_t drive_latched(const drive_t *d, unsigned int n); /* 1, 2 */
 
-/* A control word, then cycles until the status word has `want` in `mask`; fails after `limit_ms`. @return milliseconds
- */
+/* Cycles until the status word has `want` in `mask`; fails after `limit_ms`. @return milliseconds */
 unsigned int drive_until(drive_t *d, uint16_t mask, uint16_t want, unsigned int limit_ms);
-/* The whole sequence to Operation Enabled, at a standstill; position set values begin where the shaft is. */
+/* The whole sequence to Operation Enabled, at a standstill; position set values begin at the shaft. */
 void drive_enable(drive_t *d);
 /* Asserts the state of the state machine, as the status word codes it. */
 void drive_expect(drive_t *d, ds402_state_t state, const char *when);

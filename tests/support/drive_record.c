@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The motion program's axis in front of a PMCtendo in virtual time: prints what ectwin-motion does.  usage:
- * drive_record The machine is that of the manual: a reference switch two turns away, a probe's mark at six turns.
+ * The axis of the motion program with a PMCtendo in virtual time: prints the output of ectwin-motion.
+ * usage: drive_record
+ * The machine has a reference switch two turns away, and a mark for the probe at six turns.
  */
 #include <stdio.h>
 

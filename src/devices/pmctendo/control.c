@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Position and speed controller, and what limits them. Tuned for the motor alone, as after commissioning. */
+/* Position and speed controller, their limits. Tuned for the motor alone, as after commissioning. */
 #include "devices/pmctendo/instance.h"
 
 #define POSITION_GAIN 50.0                                                 /* 1/s */
@@ -39,7 +39,7 @@ static double speed_command(const pmctendo_t *u)
     return blocked(u, speed) ? 0 : speed;
 }
 
-/* The integral part stands still while the torque is at its limit: else it would have to be unwound. */
+/* No integration while the torque is at its limit: the integral part would wind up. */
 static double speed_controller(pmctendo_t *u, double command, double ahead)
 {
     double error = command - u->plant.speed;
@@ -50,7 +50,7 @@ static double speed_controller(pmctendo_t *u, double command, double ahead)
     return limited;
 }
 
-/* A torque is followed as long as it does not turn the shaft too fast, or into a limit switch. */
+/* A torque is followed unless it turns the shaft too fast, or into a limit switch. */
 static double torque_controller(pmctendo_t *u)
 {
     double torque = limit_torque(u, u->reference.torque);

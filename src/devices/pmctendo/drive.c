@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The drive's time and its process data: what the stack calls, and the order of things in a step of 250 us. */
+/* The functions that the stack calls: time, process data, AL states, SDO; and the order within a step of 250 us. */
 #include "devices/pmctendo/instance.h"
 
 enum { MS_STEPS = PMC_STEPS_PER_S / 1000, MS_NS = 1000000 };
@@ -11,7 +11,7 @@ static bool powered(const pmctendo_t *u)
     return u->action != DS402_OFF;
 }
 
-/* The drive closes the brake before it takes the torque from a shaft that stands; else the brake is late. */
+/* The drive closes the brake before it takes the torque from a shaft at a standstill; else the brake is late. */
 static void close_brake(pmctendo_t *u)
 {
     bool late = !u->ds.supplied || !pmc_standing(u);
@@ -102,7 +102,7 @@ static bool decide(pmctendo_t *u, uint16_t rising)
     return changed;
 }
 
-/* As far as it leads without a new control word: an edge counts once. */
+/* Transitions until none is left without a new control word: an edge counts once. */
 static void settle(pmctendo_t *u, uint16_t rising)
 {
     while (decide(u, rising))
@@ -151,7 +151,8 @@ static void step(pmctendo_t *u)
     hand_out_edges(u);
     pmc_status_step(u);
     if (u->action != DS402_FOLLOW && !position_is_mapped(u))
-        u->set.position = u->set_position = pmc_counts(pmc_user(u, u->plant.position)); /* nobody cares for it yet */
+        u->set.position = u->set_position =
+            pmc_counts(pmc_user(u, u->plant.position)); /* set values by SDO begin at the shaft */
 }
 
 static bool resting(const pmctendo_t *u)
@@ -170,7 +171,7 @@ void pmc_advance(pmctendo_t *u, uint64_t now_ns)
     settle(u, 0);
 }
 
-void pmc_look(pmctendo_t *u)
+void pmc_read_levels(pmctendo_t *u)
 {
     u->edges = 0;
     pmc_motor_levels(u);
@@ -179,7 +180,7 @@ void pmc_look(pmctendo_t *u)
     settle(u, 0);
 }
 
-/* --- what is shown ------------------------------------------------------------------------------------------------ */
+/* --- actual values ------------------------------------------------------------------------------------------------ */
 
 /* 60FDh as in CiA 402: limit switches and home, then the four inputs as they are. */
 static uint32_t digital_inputs(const pmctendo_t *u)
@@ -190,7 +191,7 @@ static uint32_t digital_inputs(const pmctendo_t *u)
     return bits;
 }
 
-/* Actual values, in SAFEOP and OP; below they stay as they were. */
+/* In SAFEOP and OP; below, actual values keep their last state. */
 static void publish_actual(pmctendo_t *u)
 {
     bool following = u->reference.loop == PMC_LOOP_POSITION && powered(u);
@@ -208,7 +209,7 @@ static void publish_actual(pmctendo_t *u)
     u->mode_display = pmc_mode(u);
 }
 
-/* As on the front: the fault, else the first warning. */
+/* The display on the front: the fault, else the first warning. */
 static uint16_t displayed(const pmctendo_t *u)
 {
     if (u->fault != 0)
@@ -229,7 +230,7 @@ static void publish(pmctendo_t *u)
         publish_actual(u);
 }
 
-/* Of 60FEh where its mask is on, else of 2001h. */
+/* 60FEh sets the outputs that its mask names, 2001h the others. */
 static uint8_t digital_output(const pmctendo_t *u, unsigned int number)
 {
     bool masked = (u->physical[1] >> (16 + number) & 1u) != 0;
@@ -283,11 +284,11 @@ void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     u->sync.op_until_ns = ECT_NEVER;
     if (!u->plant.known)
         plant_defaults(&u->plant);
-    pmc_look(u);
+    pmc_read_levels(u);
     pmc_publish(u);
 }
 
-/* The way to SAFEOP clears what needs no restart, without a control word. */
+/* The transition to SAFEOP clears a fault that needs no restart, without a control word. */
 static void clear_fault(pmctendo_t *u)
 {
     if (u->state != DS402_FAULT || pmc_fault_needs_restart(u->fault))
@@ -296,7 +297,7 @@ static void clear_fault(pmctendo_t *u)
     u->state = DS402_SWITCH_ON_DISABLED;
 }
 
-/* Whose state changed: the rhythm, and what a change of state takes away by itself. */
+/* The effects of a transition by itself: on the rhythm, the torque offset, a fault. */
 static void enter(pmctendo_t *u, uint8_t from, uint8_t to)
 {
     bool up = to > from;
@@ -347,7 +348,7 @@ static void take_values(pmctendo_t *u)
     u->set.ahead = u->torque_ahead;
 }
 
-/* A control word counts, and the set values with it. */
+/* The control word and the set values of the outputs come into force. */
 static void take(pmctendo_t *u)
 {
     uint16_t rising = u->control_known ? u->control & (uint16_t)~u->set.control : 0;
@@ -374,7 +375,7 @@ void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns)
     publish(u);
 }
 
-/* With SYNC0 they count from the next one on. */
+/* With SYNC0 the outputs come into force at the next one. */
 void pmc_outputs(void *instance, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
@@ -420,7 +421,7 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns)
 
 /* --- by mailbox --------------------------------------------------------------------------------------------------- */
 
-/* Both are off, or a pair; the first write of a new pair may leave them crossed, and then none is in force. */
+/* Equal limits are off. The first write of a new pair may leave the limits crossed; then none is in force. */
 static ect_reason_t check_limit(const pmctendo_t *u, uint8_t subindex, int32_t value)
 {
     int32_t lower = subindex == 1 ? value : u->limit[0];

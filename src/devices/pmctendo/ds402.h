@@ -3,8 +3,8 @@
  * @file
  * The state machine of a drive (CiA 402, manual 1002906 §4.4), as a decision over its inputs and nothing else.
  *
- * Pure and table-driven: no instance, no time. Who drives it keeps the state, calls it whenever something has changed,
- * and does what it says. At most one transition a call.
+ * Pure and table-driven: no instance, no time. The caller keeps the state, calls ::ds402_next whenever an input has
+ * changed, and carries out ::ds402_action. At most one transition a call.
  */
 #ifndef ECT_DEVICES_PMCTENDO_DS402_H
 #define ECT_DEVICES_PMCTENDO_DS402_H
@@ -59,7 +59,7 @@ enum {
     DS402_STATUS_TASK = 0x8000,
 };
 
-/** What the control word asks for; the first one that fits counts. */
+/** The command of a control word; the first one that fits counts. */
 typedef enum ds402_command {
     DS402_DISABLE_VOLTAGE,
     DS402_QUICK_STOP_NOW,
@@ -72,17 +72,17 @@ typedef struct ds402_inputs {
     uint16_t control; /**< control word */
     uint16_t rising;  /**< bits of it that were 0 before; an edge is handed over once */
     bool by_level;    /**< 0Fh enables by its level, as in CiA 402; else bit 3 must rise */
-    bool live;        /**< the control word counts: OP. Else it stands for "quick stop" */
+    bool live;        /**< the control word counts: OP. Else the command is "quick stop" */
     bool supplied;    /**< DC link, enable input, no STO: may be switched on */
-    bool fault;       /**< one is there, and not reset */
-    bool resettable;  /**< ... and may be reset */
+    bool fault;       /**< present, and not reset */
+    bool resettable;  /**< the fault may be reset */
     bool can_brake;   /**< power stage is on and the fault leaves it under control */
-    bool standing;    /**< the shaft stands, or nobody waits for it */
+    bool standing;    /**< the shaft is at a standstill, or the stop does not wait for it */
     bool stays;       /**< after a quick stop the drive stays in that state (605Ah: 5 to 8) */
     bool coasts;      /**< Switched On has no torque (605Ch: 0) */
 } ds402_inputs_t;
 
-/** What the power stage and the set values do. */
+/** Power stage and set values in a state. */
 typedef enum ds402_action {
     DS402_OFF,    /**< no torque */
     DS402_HOLD,   /**< enabled, at a standstill */
@@ -91,17 +91,17 @@ typedef enum ds402_action {
     DS402_STOP,   /**< to a standstill, on the quick stop's ramp */
 } ds402_action_t;
 
-/** What a control word asks for, by the priority of its bits: 1, then 2, then 0, then 3. */
+/** The command of a control word, by the priority of its bits: 1, then 2, then 0, then 3. */
 ds402_command_t ds402_command(uint16_t control, bool live);
 
 /**
- * The next state.
- * @param[out] reset  NULL, or whether the transition is the reset of a fault (15): forget it
- * @return `state` itself when nothing leads out of it
+ * Takes one transition, or none.
+ * @param[out] reset  NULL, or set to whether the transition is the reset of a fault (15): the caller forgets the fault
+ * @return the next state; `state` itself when no transition leads out of it
  */
 ds402_state_t ds402_next(ds402_state_t state, const ds402_inputs_t *inputs, bool *reset);
 
-/** What a state means for power stage and set values. */
+/** The action of power stage and set values in a state. */
 ds402_action_t ds402_action(ds402_state_t state, const ds402_inputs_t *inputs);
 
 /** Bits 0 to 3, 5 and 6 of the status word. */

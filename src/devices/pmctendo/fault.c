@@ -68,7 +68,7 @@ void pmc_fault(pmctendo_t *u, uint16_t number)
     u->host->emergency(u->host->ctx, f->code, f->reg | GENERIC, data);
 }
 
-/* Its end is told as its beginning was. */
+/* The end of a fault is an emergency, as its beginning was. */
 void pmc_fault_reset(pmctendo_t *u)
 {
     static const uint8_t nothing[5];

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Reference runs, 6098h: each method is a few legs, and a leg goes one way until an edge comes. */
+/* Reference runs, 6098h: a method is one to three legs, and a leg is a motion in one direction until an edge. */
 #include "devices/pmctendo/instance.h"
 
-enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: so long a run shows, however soon it is done */ };
+enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: bit 12 shows every run */ };
 #define AT_THE_POINT 1.0 /* counts */
 enum { UP = 1, DOWN = -1, NONE = 0 };
 
 typedef struct leg {
     int8_t direction; /* 0: no leg */
     uint8_t line;
-    bool until; /* level; a limit switch that is hit is off */
+    bool until; /* level; a limit switch reads 0 when hit */
 } leg_t;
 
 typedef struct method {
@@ -17,7 +17,7 @@ typedef struct method {
     leg_t legs[MOST_LEGS];
 } method_t;
 
-/* CiA 402's: 17 to 22 end at a switch, 1 to 6 at the index pulse behind it. */
+/* The methods of CiA 402: 17 to 22 end at a switch, 1 to 6 at the index pulse behind it. */
 static const method_t methods[] = {
     {1, {{DOWN, PMC_NSTOP, false}, {UP, PMC_NSTOP, true}, {UP, PMC_INDEX, true}}},
     {2, {{UP, PMC_PSTOP, false}, {DOWN, PMC_PSTOP, true}, {DOWN, PMC_INDEX, true}}},
@@ -59,7 +59,7 @@ static const leg_t *leg_at(const pmctendo_t *u)
     return leg && leg->direction != NONE ? leg : NULL;
 }
 
-/* The point is found: back to it, for the shaft has run past. */
+/* The point is found, and the shaft has passed it. */
 static void turn_back(pmctendo_t *u, double found)
 {
     u->homing.returning = true;
@@ -74,8 +74,8 @@ static void next_leg(pmctendo_t *u, double at)
         turn_back(u, at);
 }
 
-/* A first leg that is over before it begins, for the shaft is on that side of the switch already. When the second one
- * looks for the switch, it does so at the speed of a search, and both legs follow slowly for the edge that counts. */
+/* The shaft is on the far side of the first leg already. When the second leg searches for the switch, the search runs
+ * at its speed first, and both legs follow slowly for the edge that counts. */
 static void skip_first_leg(pmctendo_t *u)
 {
     const leg_t *leg = leg_at(u);
@@ -111,7 +111,7 @@ void pmc_homing_abort(pmctendo_t *u)
         fail(u);
 }
 
-/* Only on the way that the leg goes: the shaft may still be turning round. */
+/* Only in the direction of the leg: the shaft may still be reversing. */
 void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge)
 {
     const leg_t *leg = u->homing.active && !u->homing.returning ? leg_at(u) : NULL;
@@ -123,7 +123,7 @@ void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge)
         next_leg(u, edge->position);
 }
 
-/* Into a limit switch that the leg is not looking for. */
+/* In a limit switch that is not the target of the leg. */
 static bool stuck(const pmctendo_t *u, const leg_t *leg)
 {
     unsigned int stop = leg->direction == UP ? PMC_PSTOP : PMC_NSTOP;

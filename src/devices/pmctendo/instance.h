@@ -3,14 +3,14 @@
  * @file
  * A PMCtendo DD5 in memory.
  *
- * Each file knows only those below it; `pmctendo.c`, the description, knows none but through its tables:
+ * Each file includes only those below it; `pmctendo.c`, the description, reaches them through its tables:
  *
- *   signals.c    the plant: the user's side
- *   drive.c      time, process data, AL states: what the stack calls
+ *   signals.c    the plant: signals of the user
+ *   drive.c      the functions that the stack calls: time, process data, AL states
  *   sync.c       the cyclic rhythm: warning n17, fault F28
  *   status.c     status word
  *   stop.c       option codes
- *   modes.c      set values: what each mode of operation makes of them
+ *   modes.c      set values, by mode of operation
  *   task.c       motion tasks: set-points, one under way and one waiting
  *   homing.c     reference runs, as legs in a table
  *   latch.c      latch control and status word
@@ -38,12 +38,12 @@
 
 enum { PMC_STEP_NS = 250000, PMC_DISPLAYS_FAULT = 0x100, PMC_STATUS_402 = 402 };
 
-/* In sums with numbers that are not whole. */
+/* In expressions with doubles. */
 #define PMC_TURN        1048576 /* counts */
 #define PMC_STEPS_PER_S 4000
 #define PMC_STEP_S      (1.0 / PMC_STEPS_PER_S)
 
-/** Modes of operation 6060h; 0: as the assigned PDO says. */
+/** Modes of operation 6060h; 0: by the assigned PDO. */
 enum {
     PMC_MODE_BY_PDO = 0,
     PMC_MODE_TASK = 1,
@@ -55,7 +55,7 @@ enum {
     PMC_MODE_TORQUE = 10,
 };
 
-/** The fixed PDOs: what they are is in pmctendo.c. */
+/** The fixed PDOs; their mappings are in pmctendo.c. */
 enum {
     PMC_PDO_POSITION = 0x1701,
     PMC_PDO_SPEED = 0x1702,
@@ -68,14 +68,14 @@ enum {
     PMC_PDO_ACTUAL_STATUS = 0x1B26,
 };
 
-/** Lines on which edges come: the four inputs, then the index pulse of the feedback. */
+/** Lines with edges: the four inputs, then the index pulse of the feedback. */
 enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INDEX };
 enum { PMC_INPUTS = PMC_INDEX };
 
-/** What the inputs are wired to (our assumption). */
+/** Functions of the inputs (our assumption). */
 enum { PMC_LATCH1 = PMC_DI1, PMC_LATCH2 = PMC_DI2, PMC_HOME = PMC_DI2, PMC_PSTOP = PMC_DI3, PMC_NSTOP = PMC_DI4 };
 
-enum { PMC_EDGES = 10 /* of a step, at most: two a mark, one a stop, the index */ };
+enum { PMC_EDGES = 10 /* the most in a step: two a mark, one a limit switch, the index */ };
 
 typedef struct pmc_edge {
     uint8_t line;
@@ -83,7 +83,7 @@ typedef struct pmc_edge {
     double position; /* machine */
 } pmc_edge_t;
 
-/** A strip on the machine that a switch sees: on from `at` on for `width` counts, 0: there is none. */
+/** A strip on the machine that turns a switch on, from `at` on for `width` counts; 0: no strip. */
 typedef struct pmc_mark {
     int32_t at, width;
 } pmc_mark_t;
@@ -94,7 +94,7 @@ typedef struct pmc_stop {
     int32_t at;
 } pmc_stop_t;
 
-/** What stands outside. Outlasts a power cycle. */
+/** The surroundings of the amplifier. They outlast a power cycle. */
 typedef struct pmc_plant {
     bool known;
     double position; /* of the shaft, machine coordinates */
@@ -116,14 +116,14 @@ typedef struct pmc_plant {
     uint8_t quirk_reply, quirk_al_codes;
 } pmc_plant_t;
 
-/** What the controllers are to follow. */
+/** The set value of the controllers. */
 typedef enum pmc_loop { PMC_LOOP_POSITION, PMC_LOOP_SPEED, PMC_LOOP_TORQUE } pmc_loop_t;
 typedef struct pmc_reference {
     pmc_loop_t loop;
     double position, speed, torque;
 } pmc_reference_t;
 
-/** Control word and set values that count now: those of the last SYNC0, or of the last outputs. */
+/** Control word and set values in force: those of the last SYNC0, or of the last outputs. */
 typedef struct pmc_set {
     uint16_t control;
     int32_t position, speed;
@@ -139,7 +139,7 @@ typedef struct pmc_set_point {
 
 /** A reference run under way. */
 typedef struct pmc_homing {
-    int8_t method; /* it began with: 6098h may be another by now */
+    int8_t method; /* at its start: 6098h may have changed since */
     uint8_t leg;   /* of the method's */
     bool active, error, done;
     bool interrupted; /* the error is that the master ended it */
@@ -158,21 +158,21 @@ typedef struct pmc_latch {
 
 typedef struct pmc_sync {
     bool synchronised, warned;  /* n17 */
-    unsigned int good;          /* events in order, one after the other */
-    unsigned int measured;      /* of the mean that is being taken */
-    uint64_t last_ns, first_ns; /* the last event, 0: none; where the mean begins */
-    uint64_t op_until_ns;       /* SAFEOP to OP waits for synchronisation until then; ECT_NEVER: it does not */
+    unsigned int good;          /* consecutive events in order */
+    unsigned int measured;      /* events in the present mean */
+    uint64_t last_ns, first_ns; /* the last event, 0: none; the start of the mean */
+    uint64_t op_until_ns;       /* deadline of SAFEOP to OP; ECT_NEVER: the transition is not waiting */
 } pmc_sync_t;
 
 typedef struct pmctendo {
     ect_standard_t standard;
     ect_sync_data_t sync_data;
 
-    /* process data, and what a master sets */
+    /* process data, and set values by SDO */
     uint16_t control;
     uint16_t status;
     uint16_t assigned_out, assigned_in;
-    uint8_t assigned_outs, assigned_ins; /* how many: 0 or 1 */
+    uint8_t assigned_outs, assigned_ins; /* numbers of PDOs: 0 or 1 */
     int32_t set_position;
     int32_t set_speed;
     int16_t set_torque;   /* per mille of the rated torque */
@@ -212,7 +212,7 @@ typedef struct pmctendo {
     int8_t cycle_power;
 
     const ect_host_t *host;
-    uint64_t time_ns; /* up to when everything has happened: on the grid of steps */
+    uint64_t time_ns; /* the end of the last step, on the grid of steps */
     uint8_t al;
     bool live; /* OP, and outputs have come */
 
@@ -220,15 +220,15 @@ typedef struct pmctendo {
     ds402_inputs_t ds;
     ds402_action_t action;
     pmc_set_t set;
-    bool control_known;     /* set.control is one of this OP: edges count from it */
+    bool control_known;     /* set.control was received in this OP: edges count from it */
     bool fresh;             /* outputs wait for SYNC0 */
     uint64_t brake_ns;      /* the brake is closed from then on, while there is no torque */
-    uint64_t stop_until_ns; /* a quick stop that is not over by then is given up (F30) */
+    uint64_t stop_until_ns; /* the deadline of a quick stop (F30) */
 
     /* set values */
     pmc_reference_t reference;
     int8_t mode_running;
-    uint32_t segment_steps; /* left of the way to the newest position set value */
+    uint32_t segment_steps; /* remaining steps to the newest position set value */
     double segment_target;
     bool set_new;
     bool task;       /* under way */
@@ -242,7 +242,7 @@ typedef struct pmctendo {
     pmc_homing_t homing;
     bool homed;
     double zero; /* machine coordinate of the reference's 0 */
-    double sum;  /* the speed controller's integral part, Nm */
+    double sum;  /* integral part of the speed controller, Nm */
     double torque_now;
     uint32_t error_steps;   /* that the following error has been beyond its window */
     uint32_t reached_steps; /* that the target has been reached */
@@ -257,7 +257,7 @@ typedef struct pmctendo {
 
     /* as signals */
     double position_turns, speed_rpm, torque_nm;
-    uint16_t display;     /* number of a warning, of a fault with PMC_DISPLAYS_FAULT; 0: nothing */
+    uint16_t display;     /* number of a warning, or of a fault with PMC_DISPLAYS_FAULT; 0: empty */
     uint16_t state_shown; /* ds402_state_t */
     uint8_t synchronised, homed_level, powered, do1, do2;
     uint8_t provoke, restart;
@@ -266,7 +266,7 @@ typedef struct pmctendo {
     pmc_plant_t plant; /* outlasts power: see ect_plant_t */
 } pmctendo_t;
 
-/* drive.c: what the stack calls */
+/* drive.c: called by the stack */
 void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t pmc_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns);
@@ -277,9 +277,9 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns);
 ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 uint16_t pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
-/* ... and the plant: everything that is due happens; levels of the inputs are looked at anew. */
+/* ... and by the plant: runs the steps that are due; reads the levels of the inputs again. */
 void pmc_advance(pmctendo_t *u, uint64_t now_ns);
-void pmc_look(pmctendo_t *u);
+void pmc_read_levels(pmctendo_t *u);
 void pmc_publish(pmctendo_t *u); /* to the master, and as signals */
 
 /* sync.c */
@@ -289,12 +289,12 @@ void pmc_sync_event(pmctendo_t *u, uint8_t events, uint64_t now_ns);
 void pmc_sync_wait(pmctendo_t *u, uint64_t now_ns); /* SAFEOP to OP */
 void pmc_sync_due(pmctendo_t *u, uint64_t now_ns);
 uint64_t pmc_sync_next(const pmctendo_t *u);
-/* Of the set values, 60C2h, in steps; 0: not one that the drive can have. */
+/* The cycle of the set values, 60C2h, in steps; 0: no multiple of a step. */
 uint32_t pmc_cycle_steps(const pmctendo_t *u);
 
 /* modes.c */
-int8_t pmc_mode(const pmctendo_t *u);                /* the one that counts now */
-void pmc_set_values(pmctendo_t *u, uint16_t rising); /* new ones have come */
+int8_t pmc_mode(const pmctendo_t *u);                /* the one in force */
+void pmc_set_values(pmctendo_t *u, uint16_t rising); /* new set values are in force */
 void pmc_follow_begin(pmctendo_t *u);
 void pmc_follow(pmctendo_t *u); /* one step */
 void pmc_hold_begin(pmctendo_t *u);
@@ -309,7 +309,7 @@ void pmc_status_step(pmctendo_t *u); /* windows and their times */
 
 /* stop.c */
 double pmc_stop_deceleration(const pmctendo_t *u);
-void pmc_stop_begin(pmctendo_t *u); /* a ramp has its time: half as long again as its rate says, and a little */
+void pmc_stop_begin(pmctendo_t *u); /* its deadline: 1.5 times the ramp, and 200 ms */
 bool pmc_stop_in_time(const pmctendo_t *u);
 bool pmc_stop_waits(const pmctendo_t *u); /* for a standstill; else the torque goes at once */
 bool pmc_stop_stays(const pmctendo_t *u); /* in Quick Stop Active */
@@ -359,9 +359,9 @@ bool pmc_standing(const pmctendo_t *u);
 
 /* profile.c */
 double pmc_within(double x, double limit);
-/* From one value to another, `most` at once. */
+/* From one value towards another, by at most `most`. */
 double pmc_towards(double from, double to, double most);
-/* A step of the way to a standstill at `target`; @return whether it stands there. */
+/* One step to a standstill at `target`; @return whether the reference has arrived. */
 bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration);
 
 /* motor.c */
@@ -371,8 +371,8 @@ bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceler
 /* Counts/s2 of one Nm on so much inertia. */
 #define PMC_PER_NM(inertia) (PMC_TURN / 6.283185307179586 / (inertia))
 void pmc_motor_step(pmctendo_t *u, bool powered); /* with torque_now; fills in u->edge */
-bool pmc_motor_rests(const pmctendo_t *u);        /* without torque, and nothing will turn it */
-void pmc_motor_levels(pmctendo_t *u);             /* the inputs, as they stand; edges where they are others */
+bool pmc_motor_rests(const pmctendo_t *u);        /* without motor torque the shaft stays at its standstill */
+void pmc_motor_levels(pmctendo_t *u);             /* the present levels of the inputs; a change is an edge */
 int32_t pmc_counts(double counts);                /* a position: the nearest count, modulo 2^32 */
 int32_t pmc_saturated(double counts);             /* no position: the nearest count, within 32 bits */
 static inline double pmc_user(const pmctendo_t *u, double machine)
@@ -381,7 +381,7 @@ static inline double pmc_user(const pmctendo_t *u, double machine)
 }
 /* The user's position `way` from that at `from`, in whole counts. */
 double pmc_beyond(const pmctendo_t *u, double from, double way);
-/* Of all the machine positions that a master's `position` stands for, the nearest to `from`. */
+/* The machine position nearest to `from` that the master counts as `position`, modulo 2^32. */
 double pmc_nearest(const pmctendo_t *u, double from, int32_t position);
 
 /* fault.c */
@@ -395,11 +395,11 @@ enum {
     PMC_FAULTS = 32
 };
 enum { PMC_N_SOFT_NEGATIVE = 6, PMC_N_SOFT_POSITIVE = 7, PMC_N_PSTOP = 10, PMC_N_NSTOP = 11, PMC_N_SYNC = 17 };
-void pmc_fault(pmctendo_t *u, uint16_t number); /* the first one stays */
+void pmc_fault(pmctendo_t *u, uint16_t number); /* a second fault does not replace the first */
 void pmc_fault_reset(pmctendo_t *u);
 bool pmc_fault_known(uint16_t number);
 bool pmc_fault_needs_restart(uint16_t number);
-bool pmc_fault_brakes(uint16_t number); /* on the ramp; else the power stage goes off */
+bool pmc_fault_brakes(uint16_t number); /* the drive brakes; else the power stage goes off */
 void pmc_warn(pmctendo_t *u, unsigned int number, bool on);
 
 /* quirks.c */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Latch control and status word (manual §4.9): arm, catch an edge, read the value. It does not wait for the cycle. */
+/* Latch control and status word (manual §4.9): arm, catch an edge, read the value, independent of the cycle. */
 #include "devices/pmctendo/instance.h"
 
 enum { ALL = (1 << PMC_LATCHES) - 1, CODE_SHIFT = 8, CODE_MASK = 0x0F, INPUT_SHIFT = 15 };
 
-/* What each latch catches: the bit of both words; its read code is one more. */
+/* The edge of each latch. Its position is the bit in both words; its read code is one more. */
 static const struct {
     uint8_t line;
     bool rising;
@@ -21,7 +21,7 @@ static uint16_t inputs(const pmctendo_t *u)
     return (uint16_t)bits;
 }
 
-/* A value that is wanted and there is shown, and that acknowledged. */
+/* Copies the value that the control word selects, when there is one; @return its acknowledge code. */
 static uint16_t answer(pmctendo_t *u)
 {
     unsigned int code = u->latch_control >> CODE_SHIFT & CODE_MASK;
@@ -36,7 +36,7 @@ static void show(pmctendo_t *u)
     u->latch_status = (uint16_t)(u->latch.valid | answer(u) | inputs(u));
 }
 
-/* An enable bit arms when it rises; what it has caught is kept until it falls. */
+/* An enable bit arms when it rises; the caught value is kept until the bit falls. */
 void pmc_latch_control(pmctendo_t *u)
 {
     pmc_latch_t *l = &u->latch;

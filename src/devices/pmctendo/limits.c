@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Limits of set values: the speed limit, and the software limit switches 607Dh once the reference is known. Set
- * positions end at a switch; a speed or a torque towards one brakes in time to stand there, and may only turn back.
+ * positions end at a switch; a speed or a torque towards one ends in a ramp to a standstill there, and back is free.
  */
 #include "devices/pmctendo/instance.h"
 
-#define REACTION_S 0.002 /* of the speed controller: its lag is travelled before the ramp shows */
+#define REACTION_S 0.002 /* of the speed controller: the way of this lag precedes the ramp */
 #define CLOSE      10.0  /* counts: at the switch */
 
 static double least(double a, double b)
@@ -122,8 +122,8 @@ bool pmc_limit_holds_speed(pmctendo_t *u, double speed)
     return guarded(u, direction, pmc_size(speed), pmc_deceleration(u));
 }
 
-/* A shaft that stands at the switch is released by a torque that turns it back: less towards the switch than the one
- * that holds it there, the integral part of the speed controller. */
+/* A torque that turns the shaft back releases it at the switch: less towards the switch than the holding torque, which
+ * is the integral part of the speed controller. */
 bool pmc_limit_holds_torque(pmctendo_t *u, double torque)
 {
     if (u->reference.speed == 0 && (torque - u->sum) * u->guarded < 0) {

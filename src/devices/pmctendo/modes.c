@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Set values: what each mode of operation makes of them, step by step. */
+/* Set values, by mode of operation, step by step. */
 #include "devices/pmctendo/instance.h"
 
 int8_t pmc_mode(const pmctendo_t *u)
@@ -29,7 +29,7 @@ void pmc_hold_begin(pmctendo_t *u)
     u->segment_steps = 0;
 }
 
-/* What is left of an acceleration must not go on. */
+/* The integral part of an acceleration must not act against the ramp. */
 void pmc_brake_begin(pmctendo_t *u)
 {
     u->reference = (pmc_reference_t){.loop = PMC_LOOP_SPEED, .speed = u->plant.speed};
@@ -101,7 +101,7 @@ void pmc_set_values(pmctendo_t *u, uint16_t rising)
 
 /* --- following ---------------------------------------------------------------------------------------------------- */
 
-/* To each new position in the time of a cycle; without a new one it stays. */
+/* Interpolates to each new position over one cycle; without a new one the reference holds. */
 static void follow_position(pmctendo_t *u)
 {
     pmc_reference_t *r = &u->reference;
@@ -160,7 +160,7 @@ void pmc_follow(pmctendo_t *u)
         return;
     }
     if ((u->set.control & homing_bit(mode)) != 0 || mode == PMC_MODE_HOMING) {
-        pmc_brake(u, u->home_acceleration); /* at the reference point, until the bit is taken back */
+        pmc_brake(u, u->home_acceleration); /* holds the reference point until the bit falls */
         return;
     }
     switch (mode) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The motor and what it turns: inertia, load, friction; marks, limit switches and the index pulse along the way. */
+/* Motor, load, friction, brake; marks, limit switches and the index pulse along the way. */
 #include "devices/pmctendo/instance.h"
 
 static double inertia(const pmctendo_t *u)
@@ -7,7 +7,7 @@ static double inertia(const pmctendo_t *u)
     return PMC_MOTOR_INERTIA + u->plant.load_inertia * 1e-4;
 }
 
-/* Friction, and the brake while it is closed: they hold a shaft that stands, slow one that turns, and turn none. */
+/* Friction, and the brake while it is closed: a torque against any motion that never starts one. */
 static double holding_torque(const pmctendo_t *u, bool powered)
 {
     bool by_master = u->live && (u->physical[0] & u->physical[1] & 1u) != 0; /* 60FEh */
@@ -77,7 +77,7 @@ static bool level(const pmctendo_t *u, unsigned int line)
     const pmc_plant_t *p = &u->plant;
     bool by_hand = p->input[line] != 0;
     switch (line) {
-    case PMC_PSTOP: /* closed unless the switch is hit: a broken wire counts as hit */
+    case PMC_PSTOP: /* closed unless the switch is hit: a broken wire reads as hit */
         return by_hand && !(p->stop_positive.fitted && p->position >= p->stop_positive.at);
     case PMC_NSTOP:
         return by_hand && !(p->stop_negative.fitted && p->position <= p->stop_negative.at);
@@ -103,7 +103,7 @@ static bool crossed(double from, double to, double boundary)
     return (from < boundary) != (to < boundary);
 }
 
-/* A boundary where the level changes going up: on, or off. The edge stands exactly there, wherever the step ends. */
+/* A boundary at which the level changes upwards: on, or off. The edge lies at the boundary, wherever the step ends. */
 static void pass(pmctendo_t *u, unsigned int line, double from, double boundary, bool on_upwards)
 {
     double to = u->plant.position;

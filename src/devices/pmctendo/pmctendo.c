@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a PMCtendo DD5 is to a master. Mailbox, worked example and names are the manual's (1002906-EN-02); contents of
- * the PDOs that it does not print, and object numbers of its family that it shares, stand in
- * docs/devices/pmctendo-dd5.md with their sources.
+ * The description of a PMCtendo DD5. Mailbox, worked example and names are those of the manual (1002906-EN-02);
+ * docs/devices/pmctendo-dd5.md names the sources of the PDOs that the manual does not print, and of the object numbers
+ * of its family.
  */
 #include "devices/pmctendo/pmctendo.h"
 
 #include "devices/pmctendo/instance.h"
 
-#define PRODUCT_CODE 0x00DD0005 /* a placeholder of ours */
+#define PRODUCT_CODE 0x00DD0005 /* our placeholder */
 #define REVISION     0x00010000
 
 enum {
@@ -67,7 +67,7 @@ VAR(6062, I32, RO, "Position demand value", 0, demand)
 VAR(6063, I32, IN, "Position actual internal value", 0, internal_position)
 VAR(6064, I32, IN, "Position actual value", 0, position)
 VAR(6065, U32, KEPT, "Following error window", PMC_TURN, error_window)
-VAR(6066, U16, KEPT, "Following error time out", 0, error_time)
+VAR(6066, U16, KEPT, "Following error timeout", 0, error_time)
 VAR(6067, U32, KEPT, "Position window", 1000, position_window)
 VAR(6068, U16, KEPT, "Position window time", 0, position_time)
 VAR(606C, I32, RO, "Velocity actual value", 0, speed)
@@ -214,7 +214,7 @@ static const ect_object_t objects[] = {
     ECT_VAR(0x6063, "Position actual internal value", entry_6063),
     ECT_VAR(0x6064, "Position actual value", entry_6064),
     ECT_VAR(0x6065, "Following error window", entry_6065),
-    ECT_VAR(0x6066, "Following error time out", entry_6066),
+    ECT_VAR(0x6066, "Following error timeout", entry_6066),
     ECT_VAR(0x6067, "Position window", entry_6067),
     ECT_VAR(0x6068, "Position window time", entry_6068),
     ECT_VAR(0x606C, "Velocity actual value", entry_606C),
@@ -322,7 +322,7 @@ static const ect_detail_t details[] = {
     SPEED(0x60FF),
 };
 
-/* One at a time: each excludes all others of its direction. */
+/* One a direction: each excludes the others. */
 static const uint16_t not_1701[] = {0x1702, 0x1704, 0x1720, 0x1721, 0x1722, 0};
 static const uint16_t not_1702[] = {0x1701, 0x1704, 0x1720, 0x1721, 0x1722, 0};
 static const uint16_t not_1704[] = {0x1701, 0x1702, 0x1720, 0x1721, 0x1722, 0};

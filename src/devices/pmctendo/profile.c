@@ -19,8 +19,8 @@ static double approach(double speed, double goal, double acceleration, double de
     return pmc_towards(speed, goal, (speed > goal ? deceleration : acceleration) * PMC_STEP_S);
 }
 
-/* The speed towards a target `left` away, one step later: faster as long as it could still stop there, then slower by
- * what is needed to end there exactly. */
+/* The speed one step later towards a target `left` away: faster as long as a stop there is possible, then slower at the
+ * rate that ends there exactly. */
 static double next_speed(double speed, double left, double most, double acceleration, double deceleration)
 {
     if (speed < 0)

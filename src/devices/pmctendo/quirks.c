@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the manual prints and the standard has otherwise: for masters that were written after the manual. */
+/* Differences of the manual from the standard, for masters written after the manual. */
 #include "devices/pmctendo/instance.h"
 
 enum { COE = 3, RESPONSE = 3, REQUEST = 2, COE_HEADER = 6, TELEGRAM = 16, HEADER_AND_LENGTH = 2 };
@@ -16,7 +16,7 @@ void pmc_mail(void *instance, uint8_t *mail, uint16_t size)
     mail[COE_HEADER + 1] = REQUEST << 4;
 }
 
-/* The manual's table of AL status codes has three, "other codes are not supported". */
+/* The manual lists three AL status codes; "other codes are not supported". */
 uint16_t pmc_al_code(const pmctendo_t *u, uint16_t code)
 {
     if (!u->plant.quirk_al_codes)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The user's side: supply, inputs, load, switches along the way, faults; and what the drive does, by name. */
+/* Signals: supply, inputs, load, switches along the way, faults, and the state of the drive. */
 #include <string.h>
 
 #include "devices/pmctendo/instance.h"
@@ -10,24 +10,25 @@
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
     ECT_SIGNAL(pmctendo_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define R_COUNTS(member, name, meaning) R(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
-/* An endless axis goes on: half a year at 60 turns a second. */
+/* The range of an endless axis: half a year at 60 turns a second. */
 #define FARTHEST                        ((int64_t)1 << 50)
 #define W_COUNTS(member, name, meaning) W(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
 
 static const ect_signal_t signals[] = {
-    W(plant.power, "power", BOOL, 0, 1, NULL, "DC link; without it the drive cannot be switched on (F05 when it is)"),
-    W(plant.enable, "enable", BOOL, 0, 1, NULL, "enable input; without it there is no torque"),
-    W(plant.sto, "sto", BOOL, 0, 1, NULL, "safe torque off; F27 when the drive is enabled"),
-    W(plant.input[PMC_DI1], "di1", BOOL, 0, 1, NULL, "digital input 1, external latch 1; a mark may hold it on too"),
-    W(plant.input[PMC_DI2], "di2", BOOL, 0, 1, NULL, "digital input 2, external latch 2 and reference switch"),
-    W(plant.input[PMC_DI3], "di3", BOOL, 0, 1, NULL,
-      "digital input 3, PSTOP: 0 as if the positive limit switch was hit"),
-    W(plant.input[PMC_DI4], "di4", BOOL, 0, 1, NULL, "digital input 4, NSTOP: 0 as if the negative one was hit"),
-    W(provoke, "provoke", U8, 0, PMC_FAULTS, NULL, "writing n raises fault Fn"),
-    W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 switches the amplifier's supply off and on"),
+    W(plant.power, "power", BOOL, 0, 1, NULL, "DC link; 0: the drive cannot be switched on, F05 when it is on"),
+    W(plant.enable, "enable", BOOL, 0, 1, NULL, "enable input; 0: no torque"),
+    W(plant.sto, "sto", BOOL, 0, 1, NULL, "safe torque off; 1: no torque, F27 when the drive is enabled"),
+    W(plant.input[PMC_DI1], "di1", BOOL, 0, 1, NULL,
+      "digital input 1, external latch 1; a mark at probe_at turns it on too"),
+    W(plant.input[PMC_DI2], "di2", BOOL, 0, 1, NULL,
+      "digital input 2, external latch 2 and reference switch; home_at turns it on too"),
+    W(plant.input[PMC_DI3], "di3", BOOL, 0, 1, NULL, "digital input 3, PSTOP; 0: the positive limit switch is hit"),
+    W(plant.input[PMC_DI4], "di4", BOOL, 0, 1, NULL, "digital input 4, NSTOP; 0: the negative limit switch is hit"),
+    W(provoke, "provoke", U8, 0, PMC_FAULTS, NULL, "write n: raises fault Fn"),
+    W(restart, "restart", BOOL, 0, 1, NULL, "write 1: power cycle of the amplifier"),
 
-    W(plant.load, "load", REAL, -100, 100, "Nm", "torque that the load needs to turn in positive direction"),
-    W(plant.load_inertia, "load_inertia", REAL, 0, 1000, "kg cm2", "beside the motor's own 3"),
+    W(plant.load, "load", REAL, -100, 100, "Nm", "torque of the load against the positive direction"),
+    W(plant.load_inertia, "load_inertia", REAL, 0, 1000, "kg cm2", "in addition to the 3 of the motor"),
     W(plant.friction, "friction", REAL, 0, 100, "Nm", "Coulomb friction"),
     W(plant.brake, "brake", REAL, 0, 1000, "Nm", "torque of the holding brake, closed without motor torque; 0: none"),
     W(plant.brake_delay_ms, "brake_delay", U32, 0, 10000, "ms",
@@ -35,45 +36,48 @@ static const ect_signal_t signals[] = {
     W(plant.analog, "analog", I16, INT16_MIN, INT16_MAX, "mV", "analogue input"),
     W_COUNTS(plant.feedback2, "feedback2", "position of a second feedback"),
 
-    W_COUNTS(plant.mark[0].at, "probe_at", "where on the machine the switch at DI1 comes on"),
-    W(plant.mark[0].width, "probe_width", I32, 0, INT32_MAX, "counts", "for how far; 0: there is none"),
-    W_COUNTS(plant.mark[1].at, "home_at", "where on the machine the switch at DI2 comes on"),
-    W(plant.mark[1].width, "home_width", I32, 0, INT32_MAX, "counts", "for how far; 0: there is none"),
-    W_COUNTS(plant.stop_positive.at, "stop_positive", "from here on the positive limit switch is hit; maximum: none"),
-    W_COUNTS(plant.stop_negative.at, "stop_negative", "down from here the negative one is; minimum: none"),
+    W_COUNTS(plant.mark[0].at, "probe_at", "machine position from which the switch at DI1 is on"),
+    W(plant.mark[0].width, "probe_width", I32, 0, INT32_MAX, "counts", "length of the mark at probe_at; 0: no mark"),
+    W_COUNTS(plant.mark[1].at, "home_at", "machine position from which the switch at DI2 is on"),
+    W(plant.mark[1].width, "home_width", I32, 0, INT32_MAX, "counts", "length of the mark at home_at; 0: no mark"),
+    W_COUNTS(plant.stop_positive.at, "stop_positive",
+             "machine position from which the positive limit switch is hit; 2147483647: none"),
+    W_COUNTS(plant.stop_negative.at, "stop_negative",
+             "machine position down from which the negative limit switch is hit; -2147483648: none"),
     W(plant.stop_positive.fitted, "stop_positive_fitted", BOOL, 0, 1, NULL,
-      "there is a positive limit switch; set by stop_positive, 0: the axis is endless that way"),
+      "there is a positive limit switch (writing stop_positive sets it); 0: endless that way"),
     W(plant.stop_negative.fitted, "stop_negative_fitted", BOOL, 0, 1, NULL,
-      "there is a negative limit switch; set by stop_negative"),
-    W_COUNTS(plant.index_at, "index_at", "where the feedback has an index pulse: there and every turn from there"),
+      "there is a negative limit switch (writing stop_negative sets it); 0: endless that way"),
+    W_COUNTS(plant.index_at, "index_at", "machine position of an index pulse; one more every turn"),
 
     W(plant.sync_patience_ms, "sync_patience", U32, 0, 10000, "ms",
-      "how long the cyclic event may stay away; 0: that is left to the watchdog"),
-    W(plant.sync_timeout_ms, "sync_timeout", U32, 1, 9000, "ms", "how long SAFEOP to OP waits for synchronisation"),
+      "longest time without a cyclic event; 0: the watchdog alone decides"),
+    W(plant.sync_timeout_ms, "sync_timeout", U32, 1, 9000, "ms",
+      "longest time that SAFEOP to OP waits for synchronisation"),
     W(plant.sync_tolerance_ppm, "sync_tolerance", U32, 0, 1000000, "ppm",
-      "mean deviation of the master's frames from 60C2h that is borne without SYNC0; 0: any. The manual: 1000"),
+      "without SYNC0: largest mean deviation of the frames from 60C2h; 0: any; manual: 1000"),
     W(plant.status_bits, "status_bits", U16, 0, PMC_STATUS_402, NULL,
       "402: bits 10, 12, 13 of the status word and 0Fh after 06h as in CiA 402; 0: as in the manual"),
-    W(plant.quirk_reply, "quirk_pilz_reply", BOOL, 0, 1, NULL, "replies as the manual's example prints them"),
-    W(plant.quirk_al_codes, "quirk_pilz_codes", BOOL, 0, 1, NULL, "AL status codes 0011, 0017 and 001A alone"),
+    W(plant.quirk_reply, "quirk_pilz_reply", BOOL, 0, 1, NULL, "1: replies as the example of the manual prints them"),
+    W(plant.quirk_al_codes, "quirk_pilz_codes", BOOL, 0, 1, NULL, "1: AL status codes 0011, 0017 and 001A alone"),
 
-    R(state_shown, "state", DESCRIBED, 0, 31, NULL, "of the CiA 402 state machine"),
-    R(display, "display", DESCRIBED, 0, 3, NULL, "on the front: Fault, or the first warning"),
+    R(state_shown, "state", DESCRIBED, 0, 31, NULL, "state of the CiA 402 state machine"),
+    R(display, "display", DESCRIBED, 0, 3, NULL, "display on the front: the fault, or the first warning"),
     R(fault, "fault", U16, 0, PMC_FAULTS, NULL, "n of Fn, 0: none"),
     R(warnings, "warnings", U32, 0, INT32_MAX, NULL, "bit n-1: warning nn"),
     R(powered, "powered", BOOL, 0, 1, NULL, "the power stage is on"),
     R(mode_display, "mode", I8, INT8_MIN, INT8_MAX, NULL, "mode of operation, 6061h"),
-    R(synchronised, "synchronised", BOOL, 0, 1, NULL, "with SYNC0, or the master's frames"),
+    R(synchronised, "synchronised", BOOL, 0, 1, NULL, "synchronised with SYNC0, or the frames of the master"),
     R(homed_level, "homed", BOOL, 0, 1, NULL, "a reference run has found its point"),
     R_COUNTS(position, "position", "actual position as the master sees it, 6064h"),
-    R_COUNTS(demand, "demand", "set position that the drive is at, 6062h"),
-    R_COUNTS(following_error, "following_error", "between these two, 60F4h"),
+    R_COUNTS(demand, "demand", "present set position, 6062h"),
+    R_COUNTS(following_error, "following_error", "difference of demand and position, 60F4h"),
     R(plant.position, "machine_position", REAL, -FARTHEST, FARTHEST, "counts",
-      "of the shaft, whatever the reference; does not wrap"),
+      "position of the shaft on the machine, whatever the reference; does not wrap"),
     R(position_turns, "turns", REAL, -FARTHEST / PMC_TURN, FARTHEST / PMC_TURN, "turns",
       "actual position; does not wrap"),
     R(speed_rpm, "speed", REAL, -100000, 100000, "1/min", "actual speed"),
-    R(torque_nm, "torque", REAL, -100, 100, "Nm", "of the motor"),
+    R(torque_nm, "torque", REAL, -100, 100, "Nm", "torque of the motor"),
     R(latch_status, "latch_status", U16, 0, UINT16_MAX, NULL, "20A5h"),
     R_COUNTS(latch_position[0], "latch1", "latch position 1, 20A6h"),
     R_COUNTS(latch_position[1], "latch2", "latch position 2, 20A7h"),
@@ -86,16 +90,16 @@ static const ect_signal_group_t groups[] = {
     {.signal_count = sizeof signals / sizeof signals[0], .signals = signals},
 };
 
-/* --- from the user ------------------------------------------------------------------------------------------------ */
+/* --- writes ------------------------------------------------------------------------------------------------ */
 
 #define IS(signal, member) ((signal)->offset == offsetof(pmctendo_t, member))
 
 static const char *provoke(pmctendo_t *u, uint8_t number)
 {
     if (!pmc_fault_known(number))
-        return "there is no such fault: 1 to 6, 8, 9, 14 to 16, 27, 28, 30, 32";
+        return "there is no such fault: use 1 to 6, 8, 9, 14 to 16, 27, 28, 30 or 32";
     pmc_fault(u, number);
-    pmc_look(u);
+    pmc_read_levels(u);
     pmc_publish(u);
     return "";
 }
@@ -127,7 +131,7 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     return NULL;
 }
 
-/* What stands outside counts from this moment on: edges are caught where the shaft is now. */
+/* A change of the surroundings counts from this moment on: edges lie at the present position of the shaft. */
 static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
@@ -137,7 +141,7 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
         u->plant.stop_positive.fitted = u->plant.stop_positive.at != INT32_MAX;
     if (IS(signal, plant.stop_negative.at))
         u->plant.stop_negative.fitted = u->plant.stop_negative.at != INT32_MIN;
-    pmc_look(u);
+    pmc_read_levels(u);
     pmc_publish(u);
 }
 

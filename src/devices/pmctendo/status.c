@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The status word 6041h: bits 10, 12 and 13 as the manual has them, or as CiA 402-2 does (`status_bits=402`). */
+/* The status word 6041h: bits 10, 12 and 13 of the manual, or of CiA 402-2 (`status_bits=402`). */
 #include "devices/pmctendo/instance.h"
 
 enum { STEPS_A_MS = PMC_STEPS_PER_S / 1000 };

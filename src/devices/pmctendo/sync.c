@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The cyclic rhythm (manual §4.3.4, §4.8): SYNC0 where the clocks run, else the master's outputs. Warning n17 as long
- * as there is none; OP is not entered without it, and left with fault F28 when it is lost.
+ * The cyclic rhythm (manual §4.3.4, §4.8): SYNC0 where the clocks run, else the outputs of the master. Without a rhythm
+ * warning n17 is on and OP is refused; its loss in OP is fault F28.
  */
 #include "devices/pmctendo/instance.h"
 
 enum { ENOUGH = 4, MEASURED = 16, MS_NS = 1000000 };
 
-/* Frames of a PC are no clock: their rate is looked at only when the user wants it. SYNC0 is one. */
+/* SYNC0 is a clock. The frames of a PC are none: their rate matters only with sync_tolerance. */
 bool pmc_sync_is_clocked(const pmctendo_t *u)
 {
     return u->sync_data.dc != 0 || u->plant.sync_tolerance_ppm != 0;
 }
 
-/* Whether the last event is too long ago. */
+/* Whether the last event is older than sync_patience. */
 static bool overdue(const pmctendo_t *u, uint64_t now_ns)
 {
     uint64_t patience_ns = (uint64_t)u->plant.sync_patience_ms * MS_NS;
     return patience_ns != 0 && now_ns - u->sync.last_ns > patience_ns;
 }
 
-/* Of 60C2h, nanoseconds; 0: too long for any cycle. */
+/* The cycle time of 60C2h. */
 static uint64_t cycle_ns(const pmctendo_t *u)
 {
     uint64_t ns = u->cycle_units;
@@ -48,7 +48,7 @@ void pmc_sync_lose(pmctendo_t *u)
     u->sync.last_ns = 0;
 }
 
-/* Whether this event came as it should after the one before. */
+/* Whether this event follows the last one in time. */
 static bool in_order(const pmctendo_t *u, uint64_t now_ns)
 {
     if (!pmc_sync_is_clocked(u))

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Motion tasks, mode 1 (CiA 402-2, profile position). An edge of bit 4 takes target and rates as one set-point: the one
- * under way is finished first, and one may wait. Bit 5 changes over at once, bit 9 without a stop at the first target.
- * A halt keeps both.
+ * Motion tasks, mode 1 (CiA 402-2, profile position). An edge of bit 4 takes target and rates as one set-point: the
+ * running one is finished first, and one may wait. Bit 5 changes over at once, bit 9 without a stop at the first
+ * target. A halt keeps both.
  */
 #include "devices/pmctendo/instance.h"
 
@@ -31,7 +31,7 @@ void pmc_task_take(pmctendo_t *u)
     u->task_reached = false;
 }
 
-/* "Taken" stays as long as bit 4, and until there is room for another. */
+/* "Taken" holds as long as bit 4, and until there is room for another. */
 void pmc_task_room(pmctendo_t *u)
 {
     if ((u->set.control & DS402_START) == 0 && !u->next.valid)
@@ -48,7 +48,7 @@ bool pmc_task_active(const pmctendo_t *u)
     return u->task || u->next.valid;
 }
 
-/* A relative target counts from the last one, while that is known: from the start of the task before it. */
+/* A relative target counts from the last target; after a stop that dropped it, from the present position. */
 static double target_of(pmctendo_t *u, const pmc_set_point_t *p)
 {
     double from = u->task || u->task_known ? u->task_target : u->reference.position;
@@ -65,7 +65,7 @@ static void begin(pmctendo_t *u)
     pmc_task_room(u);
 }
 
-/* Whether the way goes on past the target, without a stop. */
+/* Whether the next set-point lies beyond the target and its motion follows without a stop. */
 static bool passes(pmctendo_t *u, double *beyond)
 {
     if (!u->next.valid || !u->next.through)

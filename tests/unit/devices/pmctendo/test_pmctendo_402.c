@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The PMCtendo with status_bits=402, driven as a program does that knows CiA 402-2 alone; option codes, windows, limits
- * and the other objects that such a program looks for; on the virtual clock. */
+/* The PMCtendo with status_bits=402 for a program written from CiA 402-2 alone; option codes, windows, limits and the
+ * other objects that such a program reads; on the virtual clock. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -54,7 +54,7 @@ static void expect_near(const char *what, double want, double off, double got)
 
 static void expect_bits(const char *what, unsigned int want)
 {
-    unsigned int got = drive_look(&d) & ALL;
+    unsigned int got = drive_status(&d) & ALL;
     if (got != want)
         fail_msg("%s: expected bits 13, 12, 10 = %u %u %u, got %u %u %u", what, (want & B13) != 0, (want & B12) != 0,
                  (want & B10) != 0, (got & B13) != 0, (got & B12) != 0, (got & B10) != 0);
@@ -124,7 +124,7 @@ static void handshake(void **state)
     expect_bits("there", B10);
     drive_control(&d, 0x1F); /* the same target again */
     drive_cycle(&d);
-    assert_int_equal(drive_look(&d) & B12, B12);
+    assert_int_equal(drive_status(&d) & B12, B12);
 }
 
 static void task_bits(void **state)
@@ -194,7 +194,7 @@ static void speed_bits(void **state)
     drive_cycles(&d, 10);
     expect_bits("turning", 0);
     unsigned int ms = 0, outside = 0;
-    while ((drive_look(&d) & B10) == 0) {
+    while ((drive_status(&d) & B10) == 0) {
         drive_cycle(&d);
         ms++;
         outside = fabs(speed() - 10.0 * TURN) > 65535 ? ms : outside;
@@ -242,7 +242,7 @@ static void position_at_a_limit(void **state)
     drive_set(&d, 110000);
     drive_cycles(&d, 300);
     expect_bits("beyond", 0);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
     assert_in_range(drive_position(&d), 99998, 100002);
 }
 
@@ -264,7 +264,7 @@ static void following_error_time(void **state)
     drive_set(&d, 1500);
     drive_cycles(&d, 99);
     assert_int_equal(drive_instance(&d)->fault, 0);
-    assert_int_equal(drive_look(&d) & B13, 0);
+    assert_int_equal(drive_status(&d) & B13, 0);
     drive_cycles(&d, 3);
     assert_int_equal(drive_instance(&d)->fault, PMC_F_FOLLOWING);
     assert_int_equal(drive_instance(&d)->error_code, 0x8611);
@@ -280,7 +280,7 @@ static void position_window_time(void **state)
     drive_control(&d, 0x1F);
     drive_cycle(&d);
     unsigned int outside = 0, ms = 1;
-    while ((drive_look(&d) & B10) == 0) {
+    while ((drive_status(&d) & B10) == 0) {
         drive_cycle(&d);
         ms++;
         outside = abs(drive_position(&d) - TURN) > 10 ? ms : outside;

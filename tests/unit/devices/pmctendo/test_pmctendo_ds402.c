@@ -57,7 +57,7 @@ static void control_words(void **state)
 
 /* --- transitions -------------------------------------------------------------------------------------------------- */
 
-/* What each state does about each command, with supply, no fault, a standing shaft, and a rising edge of bit 3. */
+/* The next state by state and command, with supply, no fault, a standstill, and a rising edge of bit 3. */
 static const struct {
     ds402_state_t from;
     ds402_state_t to[5]; /* disable voltage, quick stop, shutdown, disable operation / switch on, enable operation */
@@ -248,7 +248,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"PLZ-022: every control word stands for the command of the truth table: bit 1 before 2 before 0 before 3",
          control_words, NULL, NULL, NULL},
-        {"PLZ-021 PLZ-022: each command leads from each state where the table says", transitions, NULL, NULL, NULL},
+        {"PLZ-021 PLZ-022: each command leads from each state to the one of the table", transitions, NULL, NULL, NULL},
         {"PLZ-021: no single word enables: Ready to Switch On, Switched On, and an edge of bit 3", whole_sequence, NULL,
          NULL, NULL},
         {"PLZ-022 PLZ-023: bits 0, 2 and 3 falling brake first, bit 1 does not", ramps, NULL, NULL, NULL},

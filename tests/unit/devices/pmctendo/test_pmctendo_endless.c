@@ -38,9 +38,9 @@ static int32_t difference(int32_t from, int32_t to)
 static void expect_free(const char *when)
 {
     const pmctendo_t *u = drive_instance(&d);
-    if (u->fault != 0 || u->warnings != 0 || (drive_look(&d) & (DS402_STATUS_LIMIT | DS402_STATUS_WARNING)) != 0)
+    if (u->fault != 0 || u->warnings != 0 || (drive_status(&d) & (DS402_STATUS_LIMIT | DS402_STATUS_WARNING)) != 0)
         fail_msg("%s, position %d, %.0f on the machine: F%02u, warnings %X, status %04X", when, drive_position(&d),
-                 u->plant.position, u->fault, u->warnings, drive_look(&d));
+                 u->plant.position, u->fault, u->warnings, drive_status(&d));
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 0); /* no limit switch */
 }
 
@@ -93,7 +93,7 @@ static void speed(void **state)
         one_speed(i);
 }
 
-/* Set values run ahead as the master's own int32 does: over its end, and on. */
+/* Set values of a master whose int32 wraps. */
 static void follow(int32_t step)
 {
     open_at(0);
@@ -117,7 +117,7 @@ static void follow(int32_t step)
     if (master < 0 ? master > -3 * (int64_t)WRAP : master < 3 * (int64_t)WRAP)
         fail_msg("expected more than three times 2^32 counts, got %lld", (long long)master);
     assert_true(fabs(drive_instance(&d)->plant.position - (double)master) <= 2);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
     drive_close(&d);
 }
 
@@ -160,7 +160,7 @@ static void task_to(int32_t target, uint16_t relative, double machine)
     expect_free("task");
 }
 
-/* Tasks too: an absolute one by the shorter way, relative ones as far as they say, one after the other. */
+/* An absolute task takes the shorter way, relative ones add up. */
 static void tasks(void **state)
 {
     (void)state;
@@ -179,7 +179,7 @@ static void tasks(void **state)
     drive_close(&d);
 }
 
-/* The latch, the index pulse and the reference know no bound either. */
+/* Latch, index pulse and reference run have no bound either. */
 static void latch_and_reference(void **state)
 {
     (void)state;

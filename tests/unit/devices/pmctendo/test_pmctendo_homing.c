@@ -100,7 +100,7 @@ static void mode_6(void **state)
         one_run(i, false);
 }
 
-/* The switch is not there: the limit switch ends the run, bit 13 tells, and nothing has become of the reference. */
+/* Without a switch the limit switch ends the run: bit 13, and no reference. */
 static void no_switch(void **state)
 {
     (void)state;
@@ -119,7 +119,7 @@ static void no_switch(void **state)
     drive_close(&d);
 }
 
-/* Taken back, the bit ends the run with bit 13; a new edge begins it anew. */
+/* A falling start bit ends the run with bit 13; the next edge starts another one. */
 static void aborted(void **state)
 {
     (void)state;
@@ -142,7 +142,7 @@ static void aborted(void **state)
     drive_close(&d);
 }
 
-/* 6098h becomes another on a leg of method 17, or on the way back: it ends as method 17. */
+/* 6098h changes on a leg of method 17, or on the way back: the run ends as method 17. */
 static void write_on_leg(unsigned int leg, int8_t other)
 {
     drive_open(&d);
@@ -154,7 +154,7 @@ static void write_on_leg(unsigned int leg, int8_t other)
     drive_cycles(&d, 100);
     while (drive_instance(&d)->homing.leg < leg)
         drive_cycles(&d, 1);
-    assert_int_not_equal(drive_look(&d) & DS402_STATUS_REFERENCING, 0);
+    assert_int_not_equal(drive_status(&d) & DS402_STATUS_REFERENCING, 0);
     assert_int_equal(drive_write(&d, 0x6098, 0, (uint8_t)other, 1), 0);
     (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
     drive_cycles(&d, 500);
@@ -188,7 +188,7 @@ static void no_edge(void **state)
     drive_cycles(&d, 100);
     drive_expect(&d, DS402_OPERATION_ENABLED, "enabled");
     assert_int_equal(signal_number(&d.w, "homed"), 0);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_REFERENCING, 0);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_REFERENCING, 0);
     drive_close(&d);
 }
 
@@ -224,11 +224,10 @@ static void save(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"PLZ-023 PLZ-024: mode 8, bit 11: each method finds its point to the count, and stands there", methods, NULL,
-         NULL, NULL},
+        {"PLZ-023 PLZ-024: mode 8, bit 11: each method ends at its point, to the count", methods, NULL, NULL, NULL},
         {"PLZ-024: mode 6, bit 4: the same", mode_6, NULL, NULL, NULL},
         {"PLZ-024: bit 13: a switch that is not found", no_switch, NULL, NULL, NULL},
-        {"PLZ-023 PLZ-024: the start bit taken back ends the run, its next edge begins it anew", aborted, NULL, NULL,
+        {"PLZ-023 PLZ-024: a falling start bit ends the run, its next edge starts another one", aborted, NULL, NULL,
          NULL},
         {"PLZ-024: 6098h written during a run counts from the next one on", written_under_way, NULL, NULL, NULL},
         {"PLZ-023: the start bit without an edge in Operation Enabled starts nothing", no_edge, NULL, NULL, NULL},

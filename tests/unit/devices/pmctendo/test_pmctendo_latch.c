@@ -100,7 +100,7 @@ static void one_latch(size_t i)
     expect("armed", VALID | ACKNOWLEDGE, 0);
     travel(up ? 0 : 800000, up ? 800000 : 0);
     expect(latches[i].what, VALID | ACKNOWLEDGE, latches[i].enable);
-    assert_int_equal(drive_latched(&d, latches[i].shown), 0); /* not before it is asked for */
+    assert_int_equal(drive_latched(&d, latches[i].shown), 0); /* not before the read code */
     drive_latch(&d, latches[i].enable | latches[i].read);
     expect(latches[i].what, VALID | ACKNOWLEDGE, latches[i].enable | latches[i].read);
     if (drive_latched(&d, latches[i].shown) != latches[i].value)
@@ -120,7 +120,7 @@ static void every_latch(void **state)
         one_latch(i);
 }
 
-/* An input that a person switches is caught where the shaft is at that moment; no power stage is needed for it. */
+/* An input switched by hand latches the present position, with the power stage off. */
 static void by_hand(void **state)
 {
     (void)state;
@@ -149,7 +149,7 @@ static void codes(void **state)
     }
 }
 
-/* Also without a PDO that carries it, by SDO, in PREOP. */
+/* By SDO, in PREOP, without a PDO that carries the words. */
 static void by_mailbox(void **state)
 {
     (void)state;

@@ -167,7 +167,7 @@ static void every_telegram(void **state)
     for (unsigned int command = 0; command < 256; command++) {
         telegram_t request, reply;
         if (command >> 5 == 4)
-            continue; /* the master aborts: that is the end of a transfer, not a telegram that asks */
+            continue; /* an abort by the master ends a transfer, and has no reply */
         memcpy(request, read, TELEGRAM);
         request[8] = (uint8_t)command;
         exchange(request, reply);
@@ -201,7 +201,7 @@ int main(int argc, char **argv)
          NULL},
         {"PLZ-027 PLZ-028: commands for 1 to 4 bytes, their replies, abort codes", commands, setup, teardown, NULL},
         {"PLZ-007 PLZ-008 PLZ-009 PLZ-010 PLZ-011 PLZ-012 PLZ-014: Mail Out raises its event, is read and freed, the "
-         "reply stands in Mail In",
+         "reply is in Mail In",
          handling, setup, teardown, NULL},
         {"PLZ-030: every telegram is answered, with a reply, an abort or a mailbox error", every_telegram, setup,
          teardown, NULL},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the PMCtendo does with a motor: modes of operation, ramps, reference runs, limits, faults; on the virtual clock,
- * so that the numbers are the same every time. */
+/* The PMCtendo with a motor: modes of operation, ramps, limits, faults; on the virtual clock, so that the numbers are
+ * the same every time. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,7 +45,7 @@ static void start(uint16_t out)
 
 /* --- set values --------------------------------------------------------------------------------------------------- */
 
-/* 1000 positions, 1000 counts apart: the shaft follows with the cycle's delay, and ends where it is told to. */
+/* 1000 positions, 10000 counts apart: the shaft follows one cycle later, and ends at the last one. */
 static void position(void **state)
 {
     (void)state;
@@ -58,7 +58,7 @@ static void position(void **state)
     }
     drive_cycles(&d, 400);
     expect_near("position", 10000000, 2);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
     assert_int_equal(drive_read(&d, 0x6061, 0), PMC_MODE_POSITION);
 }
 
@@ -72,7 +72,7 @@ static void cyclic_speed(void **state)
     int32_t before = drive_position(&d);
     drive_cycles(&d, 1000);
     expect_near("position", before - 3.0 * TURN, 100);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
     assert_int_equal(drive_read(&d, 0x6061, 0), PMC_MODE_SPEED);
 }
 
@@ -167,7 +167,7 @@ static void task(void **state)
     start(0x1701);
     drive_control(&d, 0x1F);
     drive_cycle(&d);
-    assert_int_equal(drive_look(&d) & (DS402_STATUS_TASK | DS402_STATUS_TARGET), DS402_STATUS_TASK);
+    assert_int_equal(drive_status(&d) & (DS402_STATUS_TASK | DS402_STATUS_TARGET), DS402_STATUS_TASK);
     drive_cycles(&d, 499);
     expect_near("speed", 10.0 * TURN, 20000);
     expect_near("position", 4.5 * TURN, 8000);
@@ -201,7 +201,7 @@ static void short_and_changed_tasks(void **state)
         drive_control(&d, 0x1F);
         drive_cycles(&d, 700);
         expect_near("position", ways[i], 2);
-        assert_int_equal(drive_look(&d) & DS402_STATUS_TASK, 0);
+        assert_int_equal(drive_status(&d) & DS402_STATUS_TASK, 0);
     }
     assert_int_equal(drive_write(&d, 0x607A, 0, 10 * TURN, 4), 0);
     drive_control(&d, 0x0F);
@@ -284,7 +284,7 @@ static void halt(void **state)
 
 /* --- limits ------------------------------------------------------------------------------------------------------- */
 
-/* Hit at a turn a second, the shaft stands behind the switch at once; back is allowed, on is not. */
+/* At a turn a second the shaft stops right behind the switch; back is allowed, on is not. */
 static void limit_switch(void **state)
 {
     (void)state;
@@ -294,14 +294,14 @@ static void limit_switch(void **state)
     drive_cycles(&d, 1000);
     expect_near("position", 501500, 1500);
     expect_near("speed", 0, 10);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_PSTOP - 1));
     assert_int_equal(drive_instance(&d)->fault, 0);
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 2); /* PSTOP */
     drive_set(&d, -TURN);
     drive_cycles(&d, 1000);
     assert_true(drive_position(&d) < 0);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_LIMIT, 0);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, 0);
     signal_set(&d.w, "stop_positive", "2147483647");
     signal_set(&d.w, "stop_negative", "-600000");
     drive_cycles(&d, 1000);
@@ -331,7 +331,7 @@ static void software_limits(void **state)
     drive_control(&d, 0x1F);
     drive_cycles(&d, 1000);
     expect_near("position", TURN, 2);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_SOFT_POSITIVE - 1));
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The PMCtendo against CiA 402-2, where the manual leaves it to the standard: limits, set-points, halt, reference runs,
- * the brake of the plant; on the virtual clock. */
+/* The PMCtendo against CiA 402-2 where the manual is silent: limits, set-points, halt, reference runs, the brake of the
+ * plant; on the virtual clock. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -57,7 +57,7 @@ static void expect_position(const char *what, double want, double off)
 
 static unsigned int status(uint16_t mask)
 {
-    return drive_look(&d) & mask;
+    return drive_status(&d) & mask;
 }
 
 /* --- software limit switches -------------------------------------------------------------------------------------- */
@@ -131,7 +131,7 @@ static void load_at_a_limit(void **state)
     assert_true(drive_position(&d) > -1.9 * TURN);
 }
 
-/* As large as you please before the pair is complete; once it is, no write may cross it. */
+/* The first write of a pair may cross the other limit, none after it. */
 static void crossed_limits(void **state)
 {
     (void)state;
@@ -255,7 +255,7 @@ static void through(void **state)
     }
 }
 
-/* What is written without an edge does nothing to the task under way. */
+/* A write without an edge does not change the running task. */
 static void no_edge(void **state)
 {
     (void)state;
@@ -339,7 +339,7 @@ static void build_machine(double from)
     drive_instance(&d)->plant.position = from;
 }
 
-/* Methods, where the shaft is: in front of the switch, so that the first leg is over before it begins. */
+/* The shaft begins in front of the switch, so that the first leg is satisfied. */
 static const struct {
     int8_t method;
     double from;
@@ -380,7 +380,7 @@ static void searching_speed(void **state)
         one_search(i);
 }
 
-/* A mark shorter than the way that the shaft needs to stop behind it. */
+/* A mark shorter than the way to a standstill behind it. */
 static void narrow_mark(void **state)
 {
     (void)state;
@@ -400,7 +400,7 @@ static void narrow_mark(void **state)
     }
 }
 
-/* The very moment at which bit 12 falls the shaft is at the point, whatever it carries and however wide 6067h is. */
+/* When bit 12 falls, the shaft is at the point, whatever its load and the width of 6067h. */
 static void run_ends_at_the_point(void **state)
 {
     static const struct {
@@ -490,7 +490,7 @@ static void brake_holds_a_falling_load(void **state)
     drive_close(&d);
 }
 
-/* Switched off in order, a standing load does not sink at all; without a brake it falls as soon as it is let go. */
+/* After a shutdown a hanging load does not sink; without a brake it falls. */
 static void brake_closes_before_the_torque_goes(void **state)
 {
     (void)state;
@@ -511,7 +511,7 @@ static void brake_closes_before_the_torque_goes(void **state)
     }
 }
 
-/* A load beyond the brake's torque turns a shaft that rested, at the moment at which it is put on. */
+/* A load beyond the torque of the brake turns the shaft as soon as it is set. */
 static void brake_slips(void **state)
 {
     (void)state;

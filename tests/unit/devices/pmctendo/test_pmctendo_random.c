@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A master, an operator and a bus that do everything at random: control words, set values, modes, halts, faults, STO,
- * supply, limit switches, changes of the AL state, cycles that are lost, masters that fall silent. What must hold is
- * looked at whenever anything can have changed.
+ * Random control words, set values, modes, halts, faults, STO, supply, limit switches, changes of the AL state, lost
+ * cycles, silent masters. The invariants are checked whenever an input has changed.
  */
 #include <math.h>
 #include <stdio.h>
@@ -15,15 +14,15 @@
 enum { SEEDS = 120, CYCLES = 1200 };
 
 static drive_t d;
-static uint32_t lot;
+static uint32_t random_state;
 static unsigned int seed;
 
 static uint32_t draw(uint32_t below)
 {
-    return ect_random_next(&lot) % below;
+    return ect_random_next(&random_state) % below;
 }
 
-/* What was before, and since when. */
+/* The state at the last check. */
 static struct {
     ds402_state_t state;
     double free_speed;    /* when set values ceased to count */
@@ -39,7 +38,7 @@ static void refuse(const char *what)
              wire_read8(&d.w, 0, ECT_REG_AL_STATUS), u->plant.speed, "test_pmctendo_random SEED");
 }
 
-/* How far up the sequence a state is. */
+/* The step of a state in the sequence. */
 static unsigned int rank(ds402_state_t state)
 {
     static const unsigned int ranks[DS402_STATES] = {[DS402_READY] = 1,
@@ -132,7 +131,7 @@ static void exchange(void)
     judge(known, before, drive_controlled(&d));
 }
 
-/* Mostly what leads somewhere, at times anything. */
+/* Mostly words of the sequence, at times any. */
 static void next_outputs(void)
 {
     static const uint16_t words[] = {0x06, 0x07, 0x0F, 0x0F, 0x0F, 0x0B, 0x0D, 0x80, 0x10F, 0x80F, 0x1F, 0x00};
@@ -182,7 +181,7 @@ static void change_al(void)
     judge(false, 0, 0);
 }
 
-/* For long enough that the watchdog has come and every ramp is over. */
+/* Longer than the watchdog and every ramp. */
 static void fall_silent(void)
 {
     bool op = wire_read8(&d.w, 0, ECT_REG_AL_STATUS) == ECT_STATE_OP;
@@ -202,7 +201,7 @@ static void session(unsigned int number)
     static const int16_t options[] = {0, 1, 2, 5, 6};
     char inertia[16];
     seed = number;
-    lot = 2463534242u + number * 7919;
+    random_state = 2463534242u + number * 7919;
     drive_open(&d);
     snprintf(inertia, sizeof inertia, "%u", draw(10));
     signal_set(&d.w, "load_inertia", inertia);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Phase run-up of the PMCtendo (manual §4.2, §4.3, §4.7, §4.8): what each AL state opens and locks, n17 and F28. */
+/* Phase run-up of the PMCtendo (manual §4.2, §4.3, §4.7, §4.8): functions of each AL state, n17 and F28. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,10 +84,10 @@ static void no_sync(void **state)
     expect_display("PREOP", "n17");
     drive_safeop(&d, 0x1701, 0x1B01);
     expect_display("SAFEOP without cycles", "n17");
-    assert_int_equal(drive_look(&d) & DS402_STATUS_WARNING, DS402_STATUS_WARNING);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_WARNING, DS402_STATUS_WARNING);
     drive_cycles(&d, 2);
     expect_display("SAFEOP with cycles", "");
-    assert_int_equal(drive_look(&d) & DS402_STATUS_WARNING, 0);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_WARNING, 0);
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);
     expect_display("OP", "");
     assert_int_equal(wire_al(&d.w, 0, PREOP, NULL), PREOP);
@@ -235,7 +235,7 @@ static void expect_emergency(uint16_t code, uint8_t error_register, uint8_t numb
                  error_register, number, ect_load_le16(e) >> 12, ect_load_le16(e + 2), e[4], e[5]);
 }
 
-/* Each is told, and ends in Fault; the way from PREOP to SAFEOP clears those that need no restart. */
+/* Each sends an emergency and ends in Fault; PREOP to SAFEOP clears those that need no restart. */
 static void faults(void **state)
 {
     static const struct {
@@ -303,11 +303,11 @@ static void locks(void **state)
     assert_int_equal(drive_read(&d, 0x6041, 0), 0); /* PREOP: no status word yet */
     drive_safeop(&d, 0x1702, 0x1B26);
     drive_cycle(&d);
-    assert_true((drive_look(&d) & 0x4F) == 0x40);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_REMOTE, 0);
+    assert_true((drive_status(&d) & 0x4F) == 0x40);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_REMOTE, 0);
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);
     drive_cycle(&d);
-    assert_int_equal(drive_look(&d) & DS402_STATUS_REMOTE, DS402_STATUS_REMOTE);
+    assert_int_equal(drive_status(&d) & DS402_STATUS_REMOTE, DS402_STATUS_REMOTE);
     drive_enable(&d);
     drive_set(&d, 10 * PMC_TURN);
     drive_cycles(&d, 100);
@@ -401,8 +401,8 @@ int main(int argc, char **argv)
         {"PLZ-025: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
         {"PLZ-017: sync_tolerance: the master's frames within 1000 ppm", tolerance, NULL, NULL, NULL},
         {"PLZ-017 PLZ-020: a rhythm that is lost in OP: F28, the drive brakes and is off", sync_lost, NULL, NULL, NULL},
-        {"PLZ-020: every fault is told; a way through PREOP clears those that need no restart", faults, NULL, NULL,
-         NULL},
+        {"PLZ-020: every fault sends an emergency; PREOP to SAFEOP clears those that need no restart", faults, NULL,
+         NULL, NULL},
         {"PLZ-031 PLZ-021: nothing moves without the whole sequence in OP", no_motion_without_enable, setup, teardown,
          NULL},
         {"PLZ-019 PLZ-020: set values count in OP alone; SAFEOP stops and keeps the shaft", locks, setup, teardown,
