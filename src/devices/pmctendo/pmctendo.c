@@ -132,7 +132,7 @@ VAR(60FD, U32, IN, "Digital inputs", 0, inputs)
 static const ect_entry_t physical_outputs[] = {
     ECT_ENTRY_COUNT(2),
     U32(1, RW, "Physical outputs", 0, physical[0]),
-    U32(2, KEPT, "Bit mask", 0, physical[1]),
+    U32(2, RW, "Bit mask", 0, physical[1]),
 };
 VAR(60FF, I32, SET, "Target velocity", 0, set_speed)
 static const ect_entry_t entry_6502[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Supported drive modes", 0x3E5)};
