@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 
 add_library(ectwin_core INTERFACE)
-target_link_libraries(ectwin_core INTERFACE ectwin_devices ectwin_template ectwin_ports ectwin_virtual ectwin_esc
+target_link_libraries(ectwin_core INTERFACE ectwin_devices ectwin_profiles ectwin_template ectwin_ports ectwin_virtual ectwin_esc
   ectwin_sii ectwin_slave ectwin_od)
 if(TARGET ectwin_linux)
   target_link_libraries(ectwin_core INTERFACE ectwin_linux)
@@ -39,7 +39,7 @@ endfunction()
 
 file(GLOB ports RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/src CONFIGURE_DEPENDS src/ports/*)
 list(REMOVE_ITEM ports ports/linux ports/soes_hal) # not everywhere
-foreach(room wire od seams esc slave sii soes devices ${ports})
+foreach(room wire od seams esc slave sii soes profiles devices ${ports})
   install_headers(${room} core)
 endforeach()
 if(TARGET ectwin_linux)

@@ -77,7 +77,7 @@ def over_budget(sizes):
 
 def sources(header):
     folder = pathlib.Path(header).parent
-    rooms = ["od", "slave", "soes", "ports/mmio", "ports/flash", str(folder)]
+    rooms = ["od", "slave", "soes", "ports/mmio", "ports/flash", "profiles/cia402", str(folder)]
     found = [path for room in rooms for path in sorted((ROOT / "src" / room).glob("*.c"))]
     unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "esc_foe.c", # an object list's
               "signals.c", "modbus.c"} # the plant, and what it names

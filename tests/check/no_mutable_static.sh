@@ -7,7 +7,7 @@ src=$1
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
-for source in "$src"/{od,esc,slave,sii}/*.c "$src"/{devices,ports}/*/*.c; do
+for source in "$src"/{od,esc,slave,sii}/*.c "$src"/{profiles,devices,ports}/*/*.c; do
   case "$source" in */ports/soes_hal/*) continue ;; esac
   # Not position-independent, so that constants that hold addresses stand in .rodata.
   ${CC:-cc} -std=c11 -O1 -fno-pic -DNDEBUG -I"$src" -c "$source" -o "$work/object.o"

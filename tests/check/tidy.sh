@@ -33,7 +33,7 @@ look_at() {
 }
 export -f preprocessed look_at
 
-printf '%s\0' "$root"/src/{od,esc,slave,sii}/*.c "$root"/src/{devices,ports}/*/*.c |
+printf '%s\0' "$root"/src/{od,esc,slave,sii}/*.c "$root"/src/{profiles,devices,ports}/*/*.c |
   xargs -0 -P "$(nproc)" -I{} bash -c 'look_at "$1"' look_at {}
 printf '%s\0' "$root"/src/{bus,bus/*,check,esi,facts}/*.c "$root"/{programs/*,programs/*/*,examples/{controller,demo,master,motion,plc},tools/dev/bench}/*.c |
   xargs -0 -P "$(nproc)" -I{} bash -c 'look_at "$1" "-clang-analyzer-*,-readability-non-const-parameter"' look_at {}

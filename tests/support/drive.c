@@ -180,12 +180,12 @@ unsigned int drive_until(drive_t *d, uint16_t mask, uint16_t want, unsigned int 
     return 0;
 }
 
-void drive_expect(drive_t *d, ds402_state_t state, const char *when)
+void drive_expect(drive_t *d, ect_402_state_t state, const char *when)
 {
     static const struct {
         uint16_t mask, value;
-    } codes[DS402_STATES] = {{0x4F, 0x00}, {0x4F, 0x40}, {0x6F, 0x21}, {0x6F, 0x23},
-                             {0x6F, 0x27}, {0x6F, 0x07}, {0x4F, 0x0F}, {0x4F, 0x08}};
+    } codes[ECT_402_STATES] = {{0x4F, 0x00}, {0x4F, 0x40}, {0x6F, 0x21}, {0x6F, 0x23},
+                               {0x6F, 0x27}, {0x6F, 0x07}, {0x4F, 0x0F}, {0x4F, 0x08}};
     uint16_t status = drive_status(d);
     if ((status & codes[state].mask) != codes[state].value)
         fail_msg("%s: expected status %02X of %02X, got %04X", when, codes[state].value, codes[state].mask, status);

@@ -58,7 +58,7 @@ unsigned int drive_until(drive_t *d, uint16_t mask, uint16_t want, unsigned int 
 /* The whole sequence to Operation Enabled, at a standstill; position set values begin at the shaft. */
 void drive_enable(drive_t *d);
 /* Asserts the state of the state machine, as the status word codes it. */
-void drive_expect(drive_t *d, ds402_state_t state, const char *when);
+void drive_expect(drive_t *d, ect_402_state_t state, const char *when);
 
 uint32_t drive_write(drive_t *d, uint16_t index, uint8_t subindex, uint32_t value, size_t size);
 uint32_t drive_read(drive_t *d, uint16_t index, uint8_t subindex);

@@ -8,7 +8,7 @@ enum { MS_STEPS = PMC_STEPS_PER_S / 1000, MS_NS = 1000000 };
 
 static bool powered(const pmctendo_t *u)
 {
-    return u->action != DS402_OFF;
+    return u->action != ECT_402_OFF;
 }
 
 /* The drive closes the brake before it takes the torque from a shaft at a standstill; else the brake is late. */
@@ -20,27 +20,27 @@ static void close_brake(pmctendo_t *u)
 
 static void begin(pmctendo_t *u)
 {
-    if (u->action != DS402_FOLLOW && !pmc_halted(u)) {
+    if (u->action != ECT_402_FOLLOW && !pmc_halted(u)) {
         pmc_homing_abort(u);
         pmc_task_drop(u);
         u->task_known = u->homing.done = false;
     }
     switch (u->action) {
-    case DS402_OFF:
+    case ECT_402_OFF:
         close_brake(u);
         pmc_control_off(u);
         break;
-    case DS402_HOLD:
+    case ECT_402_HOLD:
         pmc_hold_begin(u);
         break;
-    case DS402_FOLLOW:
+    case ECT_402_FOLLOW:
         pmc_follow_begin(u);
         break;
-    case DS402_STOP:
+    case ECT_402_STOP:
         pmc_stop_begin(u);
         pmc_brake_begin(u);
         break;
-    case DS402_RAMP:
+    case ECT_402_RAMP:
         pmc_brake_begin(u);
         break;
     }
@@ -57,7 +57,7 @@ static void watch_supply(pmctendo_t *u)
         pmc_fault(u, PMC_F_STO);
     if (powered(u) && !u->plant.power)
         pmc_fault(u, PMC_F_UNDERVOLTAGE);
-    if (u->state == DS402_QUICK_STOP && !pmc_stop_in_time(u))
+    if (u->state == ECT_402_QUICK_STOP && !pmc_stop_in_time(u))
         pmc_fault(u, PMC_F_STOP);
 }
 
@@ -69,7 +69,7 @@ static bool can_brake(const pmctendo_t *u)
 static void read_inputs(pmctendo_t *u, uint16_t rising)
 {
     watch_supply(u);
-    u->ds = (ds402_inputs_t){
+    u->ds = (ect_402_inputs_t){
         .control = u->live ? u->set.control : 0,
         .rising = rising,
         .live = u->live,
@@ -87,16 +87,16 @@ static void read_inputs(pmctendo_t *u, uint16_t rising)
 static bool decide(pmctendo_t *u, uint16_t rising)
 {
     bool reset = false;
-    ds402_action_t before = u->action;
+    ect_402_action_t before = u->action;
     read_inputs(u, rising);
-    ds402_state_t next = ds402_next(u->state, &u->ds, &reset);
+    ect_402_state_t next = ect_402_next(u->state, &u->ds, &reset);
     bool changed = next != u->state;
     u->state = next;
     if (reset) {
         pmc_fault_reset(u);
         u->ds.fault = false;
     }
-    u->action = ds402_action(next, &u->ds);
+    u->action = ect_402_action(next, &u->ds);
     if (u->action != before)
         begin(u);
     return changed;
@@ -123,11 +123,11 @@ static void hand_out_edges(pmctendo_t *u)
 static void move(pmctendo_t *u)
 {
     switch (u->action) {
-    case DS402_FOLLOW:
+    case ECT_402_FOLLOW:
         pmc_follow(u);
         break;
-    case DS402_RAMP:
-    case DS402_STOP:
+    case ECT_402_RAMP:
+    case ECT_402_STOP:
         pmc_brake(u, pmc_stop_deceleration(u));
         break;
     default:
@@ -150,7 +150,7 @@ static void step(pmctendo_t *u)
     pmc_motor_step(u, powered(u));
     hand_out_edges(u);
     pmc_status_step(u);
-    if (u->action != DS402_FOLLOW && !position_is_mapped(u))
+    if (u->action != ECT_402_FOLLOW && !position_is_mapped(u))
         u->set.position = u->set_position =
             pmc_counts(pmc_user(u, u->plant.position)); /* set values by SDO begin at the shaft */
 }
@@ -291,10 +291,10 @@ void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 /* The transition to SAFEOP clears a fault that needs no restart, without a control word. */
 static void clear_fault(pmctendo_t *u)
 {
-    if (u->state != DS402_FAULT || pmc_fault_needs_restart(u->fault))
+    if (u->state != ECT_402_FAULT || pmc_fault_needs_restart(u->fault))
         return;
     pmc_fault_reset(u);
-    u->state = DS402_SWITCH_ON_DISABLED;
+    u->state = ECT_402_SWITCH_ON_DISABLED;
 }
 
 /* The effects of a transition by itself: on the rhythm, the torque offset, a fault. */
@@ -357,7 +357,7 @@ static void take(pmctendo_t *u)
     take_values(u);
     settle(u, rising);
     pmc_set_values(u, rising);
-    if ((rising & DS402_SAVE) != 0) {
+    if ((rising & PMC_SAVE) != 0) {
         u->saves++;
         u->host->store(u->host->ctx);
     }

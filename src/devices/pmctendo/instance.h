@@ -20,7 +20,8 @@
  *   motor.c      motor, load, switches, index pulse
  *   fault.c      faults F01 … F32 and warnings
  *   quirks.c     replies and AL status codes as the manual prints them
- *   ds402.c      the state machine
+ *
+ * The state machine is that of the profile, profiles/cia402/state.h.
  *
  * Positions are counts, 2^20 a turn; speeds counts a second; torques Nm. Inside they are machine coordinates without a
  * bound: where the shaft is, whatever the reference. The master's positions count from `zero`, modulo 2^32: its set
@@ -32,7 +33,7 @@
 
 #include <stdbool.h>
 
-#include "devices/pmctendo/ds402.h"
+#include "profiles/cia402/state.h"
 #include "seams/standard.h"
 #include "wire/bytes.h"
 
@@ -42,6 +43,15 @@ enum { PMC_STEP_NS = 250000, PMC_DISPLAYS_FAULT = 0x100, PMC_STATUS_402 = 402 };
 #define PMC_TURN        1048576 /* counts */
 #define PMC_STEPS_PER_S 4000
 #define PMC_STEP_S      (1.0 / PMC_STEPS_PER_S)
+
+/** Bits of the control word and of the status word that the manual has beside those of CiA 402. */
+enum {
+    PMC_REFERENCE = 0x0800, /**< control: reference run, mode 8 */
+    PMC_SAVE = 0x1000,      /**< control: its rising edge stores the parameters */
+    PMC_STATUS_REFERENCING = 0x1000,
+    PMC_STATUS_REFERENCE_ERROR = 0x2000,
+    PMC_STATUS_TASK = 0x8000,
+};
 
 /** Modes of operation 6060h; 0: by the assigned PDO. */
 enum {
@@ -216,9 +226,9 @@ typedef struct pmctendo {
     uint8_t al;
     bool live; /* OP, and outputs have come */
 
-    ds402_state_t state;
-    ds402_inputs_t ds;
-    ds402_action_t action;
+    ect_402_state_t state;
+    ect_402_inputs_t ds;
+    ect_402_action_t action;
     pmc_set_t set;
     bool control_known;     /* set.control was received in this OP: edges count from it */
     bool fresh;             /* outputs wait for SYNC0 */
@@ -258,7 +268,7 @@ typedef struct pmctendo {
     /* as signals */
     double position_turns, speed_rpm, torque_nm;
     uint16_t display;     /* number of a warning, or of a fault with PMC_DISPLAYS_FAULT; 0: empty */
-    uint16_t state_shown; /* ds402_state_t */
+    uint16_t state_shown; /* ect_402_state_t */
     uint8_t synchronised, homed_level, powered, do1, do2;
     uint8_t provoke, restart;
     uint32_t saves;

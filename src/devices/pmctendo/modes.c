@@ -53,7 +53,7 @@ void pmc_brake(pmctendo_t *u, double deceleration)
 
 static uint16_t homing_bit(int8_t mode)
 {
-    return mode == PMC_MODE_HOMING ? DS402_START : is_position(mode) ? DS402_REFERENCE : 0;
+    return mode == PMC_MODE_HOMING ? ECT_402_START : is_position(mode) ? PMC_REFERENCE : 0;
 }
 
 void pmc_follow_begin(pmctendo_t *u)
@@ -77,8 +77,8 @@ static void take_mode(pmctendo_t *u, int8_t mode)
 /* A halt keeps tasks and reference runs, and takes new ones. */
 bool pmc_halted(const pmctendo_t *u)
 {
-    return u->state == DS402_OPERATION_ENABLED && u->action == DS402_RAMP &&
-           ds402_command(u->set.control, u->live) == DS402_ENABLE_OPERATION;
+    return u->state == ECT_402_OPERATION_ENABLED && u->action == ECT_402_RAMP &&
+           ect_402_command(u->set.control, u->live) == ECT_402_ENABLE_OPERATION;
 }
 
 void pmc_set_values(pmctendo_t *u, uint16_t rising)
@@ -87,15 +87,15 @@ void pmc_set_values(pmctendo_t *u, uint16_t rising)
     uint16_t bit = homing_bit(mode);
     u->set_new = true;
     pmc_task_room(u);
-    if (u->action != DS402_FOLLOW && !pmc_halted(u))
+    if (u->action != ECT_402_FOLLOW && !pmc_halted(u))
         return;
-    if (u->action == DS402_FOLLOW)
+    if (u->action == ECT_402_FOLLOW)
         take_mode(u, mode);
-    if ((rising & bit) != 0 && u->action == DS402_FOLLOW)
+    if ((rising & bit) != 0 && u->action == ECT_402_FOLLOW)
         pmc_homing_start(u);
     else if ((u->set.control & bit) == 0)
         pmc_homing_abort(u);
-    if (mode == PMC_MODE_TASK && (rising & DS402_START) != 0)
+    if (mode == PMC_MODE_TASK && (rising & ECT_402_START) != 0)
         pmc_task_take(u);
 }
 
@@ -203,7 +203,7 @@ bool pmc_target_reached(const pmctendo_t *u)
     case PMC_MODE_TORQUE:
         return true;
     default:
-        return (u->set.control & DS402_REFERENCE) != 0
+        return (u->set.control & PMC_REFERENCE) != 0
                    ? u->homing.done
                    : in_position(u, pmc_nearest(u, u->plant.position, u->set.position));
     }

@@ -147,7 +147,7 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
 
 static void signal_describe(const ect_signal_t *signal, uint16_t value, char *text)
 {
-    static const char *const states[DS402_STATES] = {
+    static const char *const states[ECT_402_STATES] = {
         "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
         "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
     unsigned int number = value & ~(unsigned int)PMC_DISPLAYS_FAULT;

@@ -23,7 +23,7 @@ static bool is_speed_mode(int8_t mode)
 
 static bool reached(const pmctendo_t *u)
 {
-    return u->action == DS402_FOLLOW ? pmc_target_reached(u) : pmc_standing(u);
+    return u->action == ECT_402_FOLLOW ? pmc_target_reached(u) : pmc_standing(u);
 }
 
 void pmc_status_step(pmctendo_t *u)
@@ -43,7 +43,7 @@ static bool target_reached(const pmctendo_t *u)
     uint32_t ms = is_speed_mode(pmc_mode(u)) ? u->speed_time : u->position_time;
     if (!reached(u))
         return false;
-    return u->action != DS402_FOLLOW || ms == 0 || for_ms(u->reached_steps, ms);
+    return u->action != ECT_402_FOLLOW || ms == 0 || for_ms(u->reached_steps, ms);
 }
 
 /* --- bits 10, 12, 13 ---------------------------------------------------------------------------------------------- */
@@ -55,40 +55,40 @@ static uint16_t bit(bool on, uint16_t mask)
 
 static uint16_t manual_bits(const pmctendo_t *u)
 {
-    return (uint16_t)(bit(target_reached(u), DS402_STATUS_TARGET) | bit(u->homing.active, DS402_STATUS_REFERENCING) |
-                      bit(u->homing.error, DS402_STATUS_REFERENCE_ERROR));
+    return (uint16_t)(bit(target_reached(u), ECT_402_STATUS_TARGET) | bit(u->homing.active, PMC_STATUS_REFERENCING) |
+                      bit(u->homing.error, PMC_STATUS_REFERENCE_ERROR));
 }
 
 /* In homing mode bit 10 is a standstill. */
 static uint16_t homing_bits(const pmctendo_t *u)
 {
     bool failed = u->homing.error && !u->homing.interrupted;
-    return (uint16_t)(bit(!u->homing.active && pmc_standing(u), DS402_STATUS_TARGET) |
-                      bit(u->homing.done, DS402_STATUS_ATTAINED) | bit(failed, DS402_STATUS_MODE_ERROR));
+    return (uint16_t)(bit(!u->homing.active && pmc_standing(u), ECT_402_STATUS_TARGET) |
+                      bit(u->homing.done, ECT_402_STATUS_ATTAINED) | bit(failed, ECT_402_STATUS_MODE_ERROR));
 }
 
 static bool follows(const pmctendo_t *u)
 {
-    return u->action == DS402_FOLLOW && !u->homing.active && !pmc_limit_acts(u);
+    return u->action == ECT_402_FOLLOW && !u->homing.active && !pmc_limit_acts(u);
 }
 
 static uint16_t profile_bits(const pmctendo_t *u)
 {
-    uint16_t target = bit(target_reached(u), DS402_STATUS_TARGET);
-    uint16_t error = bit(pmc_following_late(u), DS402_STATUS_MODE_ERROR);
+    uint16_t target = bit(target_reached(u), ECT_402_STATUS_TARGET);
+    uint16_t error = bit(pmc_following_late(u), ECT_402_STATUS_MODE_ERROR);
     switch (pmc_mode(u)) {
     case PMC_MODE_TASK:
-        return (uint16_t)(target | bit(u->task_taken, DS402_STATUS_ATTAINED) | error);
+        return (uint16_t)(target | bit(u->task_taken, ECT_402_STATUS_ATTAINED) | error);
     case PMC_MODE_SPEED_RAMP:
-        return (uint16_t)(target | bit(u->speed_is_zero, DS402_STATUS_ATTAINED));
+        return (uint16_t)(target | bit(u->speed_is_zero, ECT_402_STATUS_ATTAINED));
     case PMC_MODE_HOMING:
         return homing_bits(u);
     case PMC_MODE_INTERPOLATED:
-        return (uint16_t)(target | bit(follows(u), DS402_STATUS_ATTAINED) | error);
+        return (uint16_t)(target | bit(follows(u), ECT_402_STATUS_ATTAINED) | error);
     case PMC_MODE_POSITION:
-        return (uint16_t)(bit(follows(u), DS402_STATUS_ATTAINED) | error);
+        return (uint16_t)(bit(follows(u), ECT_402_STATUS_ATTAINED) | error);
     default: /* cyclic speed and torque */
-        return bit(follows(u), DS402_STATUS_ATTAINED);
+        return bit(follows(u), ECT_402_STATUS_ATTAINED);
     }
 }
 
@@ -96,8 +96,8 @@ uint16_t pmc_status(const pmctendo_t *u)
 {
     bool stop = !u->level[PMC_PSTOP] || !u->level[PMC_NSTOP];
     uint16_t mode = u->plant.status_bits == PMC_STATUS_402 ? profile_bits(u) : manual_bits(u);
-    return (uint16_t)(ds402_status(u->state, &u->ds) | bit(u->plant.power, DS402_STATUS_VOLTAGE) |
-                      bit(u->warnings != 0, DS402_STATUS_WARNING) | bit(u->live, DS402_STATUS_REMOTE) |
-                      bit(pmc_limit_acts(u) || stop, DS402_STATUS_LIMIT) | bit(pmc_task_active(u), DS402_STATUS_TASK) |
+    return (uint16_t)(ect_402_status(u->state, &u->ds) | bit(u->plant.power, ECT_402_STATUS_VOLTAGE) |
+                      bit(u->warnings != 0, ECT_402_STATUS_WARNING) | bit(u->live, ECT_402_STATUS_REMOTE) |
+                      bit(pmc_limit_acts(u) || stop, ECT_402_STATUS_LIMIT) | bit(pmc_task_active(u), PMC_STATUS_TASK) |
                       mode);
 }

@@ -26,9 +26,9 @@ double pmc_stop_deceleration(const pmctendo_t *u)
 {
     if (pmc_halted(u))
         return ramp(u, u->halt_option);
-    if (u->action == DS402_RAMP)
+    if (u->action == ECT_402_RAMP)
         return slow_ramp(u);
-    return ramp(u, u->state == DS402_QUICK_STOP ? u->quick_option : u->fault_option);
+    return ramp(u, u->state == ECT_402_QUICK_STOP ? u->quick_option : u->fault_option);
 }
 
 void pmc_stop_begin(pmctendo_t *u)
@@ -39,17 +39,17 @@ void pmc_stop_begin(pmctendo_t *u)
 
 bool pmc_stop_in_time(const pmctendo_t *u)
 {
-    return u->action != DS402_STOP || u->time_ns < u->stop_until_ns || pmc_standing(u);
+    return u->action != ECT_402_STOP || u->time_ns < u->stop_until_ns || pmc_standing(u);
 }
 
 bool pmc_stop_waits(const pmctendo_t *u)
 {
-    ds402_command_t command = ds402_command(u->set.control, u->live);
-    if (u->state == DS402_QUICK_STOP)
+    ect_402_command_t command = ect_402_command(u->set.control, u->live);
+    if (u->state == ECT_402_QUICK_STOP)
         return u->quick_option != OFF_AT_ONCE;
-    if (u->state != DS402_OPERATION_ENABLED)
+    if (u->state != ECT_402_OPERATION_ENABLED)
         return true;
-    return command == DS402_SHUTDOWN ? u->shutdown_option != OFF_AT_ONCE : u->disable_option != OFF_AT_ONCE;
+    return command == ECT_402_SHUTDOWN ? u->shutdown_option != OFF_AT_ONCE : u->disable_option != OFF_AT_ONCE;
 }
 
 bool pmc_stop_stays(const pmctendo_t *u)

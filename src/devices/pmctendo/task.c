@@ -14,14 +14,14 @@ static double least(uint32_t a, double b)
 void pmc_task_take(pmctendo_t *u)
 {
     pmc_set_point_t *next = &u->next;
-    bool at_once = (u->set.control & DS402_AT_ONCE) != 0;
+    bool at_once = (u->set.control & ECT_402_AT_ONCE) != 0;
     if (next->valid && !at_once)
         return;
     *next = (pmc_set_point_t){
         .valid = true,
         .at_once = at_once,
-        .relative = (u->set.control & DS402_RELATIVE) != 0,
-        .through = (u->set.control & DS402_THROUGH) != 0,
+        .relative = (u->set.control & ECT_402_RELATIVE) != 0,
+        .through = (u->set.control & ECT_402_THROUGH) != 0,
         .target = u->target,
         .speed = least(u->task_speed, pmc_speed_limit(u)),
         .acceleration = pmc_acceleration(u),
@@ -34,7 +34,7 @@ void pmc_task_take(pmctendo_t *u)
 /* "Taken" holds as long as bit 4, and until there is room for another. */
 void pmc_task_room(pmctendo_t *u)
 {
-    if ((u->set.control & DS402_START) == 0 && !u->next.valid)
+    if ((u->set.control & ECT_402_START) == 0 && !u->next.valid)
         u->task_taken = false;
 }
 

@@ -68,20 +68,20 @@ static void straight_to_enabled(void **state)
     drive_operational(&d, 0x1701, 0x1B25);
     drive_control(&d, 0x0F);
     drive_cycles(&d, 3);
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, "0Fh alone");
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "0Fh alone");
     drive_control(&d, 0x06);
     drive_cycles(&d, 2);
-    drive_expect(&d, DS402_READY, "06h");
+    drive_expect(&d, ECT_402_READY, "06h");
     drive_control(&d, 0x0F);
     drive_cycle(&d);
-    drive_expect(&d, DS402_OPERATION_ENABLED, "06h, then 0Fh");
+    drive_expect(&d, ECT_402_OPERATION_ENABLED, "06h, then 0Fh");
     drive_control(&d, 0x07);
     drive_cycles(&d, 2);
-    drive_expect(&d, DS402_SWITCHED_ON, "07h");
+    drive_expect(&d, ECT_402_SWITCHED_ON, "07h");
     signal_set(&d.w, "provoke", "3");
     drive_control(&d, 0x8F); /* the level of bits 0 to 3 enables from Ready on, never out of a fault */
     drive_cycles(&d, 5);
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, "reset");
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "reset");
 }
 
 /* Without the setting the manual's edge of bit 3 is wanted. */
@@ -94,7 +94,7 @@ static void manual_needs_the_edge(void **state)
     drive_cycles(&d, 2);
     drive_control(&d, 0x0F);
     drive_cycles(&d, 5);
-    drive_expect(&d, DS402_SWITCHED_ON, "06h, then 0Fh");
+    drive_expect(&d, ECT_402_SWITCHED_ON, "06h, then 0Fh");
     char message[ECT_SIGNAL_MESSAGE];
     assert_false(signal_try_set(&d.w, "status_bits", "401", message));
 }
@@ -177,7 +177,7 @@ static void homing_bits(void **state)
     expect_bits("failed, moving", B13);
     drive_cycles(&d, 300);
     expect_bits("failed, standing", B13 | B10);
-    drive_expect(&d, DS402_OPERATION_ENABLED, "failed");
+    drive_expect(&d, ECT_402_OPERATION_ENABLED, "failed");
 }
 
 static void speed_bits(void **state)
@@ -242,7 +242,7 @@ static void position_at_a_limit(void **state)
     drive_set(&d, 110000);
     drive_cycles(&d, 300);
     expect_bits("beyond", 0);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_LIMIT, ECT_402_STATUS_LIMIT);
     assert_in_range(drive_position(&d), 99998, 100002);
 }
 
@@ -297,17 +297,17 @@ static const struct {
     int16_t option;
     uint16_t control; /* 0: a fault */
     unsigned int from_ms, to_ms;
-    ds402_state_t end;
+    ect_402_state_t end;
 } stops[] = {
-    {"605Bh 0: coasts", 0x605B, 0, 0x0E, 0, 1, DS402_READY},
-    {"605Bh 1: 6084h", 0x605B, 1, 0x0E, 195, 215, DS402_READY},
-    {"605Ch 0: coasts", 0x605C, 0, 0x07, 0, 1, DS402_SWITCHED_ON},
-    {"605Ch 1: 6084h", 0x605C, 1, 0x07, 195, 215, DS402_SWITCHED_ON},
-    {"605Eh 0: coasts", 0x605E, 0, 0, 0, 1, DS402_FAULT},
-    {"605Eh 1: 6084h", 0x605E, 1, 0, 195, 215, DS402_FAULT},
-    {"605Eh 2: 6085h", 0x605E, 2, 0, 38, 60, DS402_FAULT},
-    {"605Eh 3: torque limit", 0x605E, 3, 0, 3, 20, DS402_FAULT},
-    {"605Eh 4: torque limit", 0x605E, 4, 0, 3, 20, DS402_FAULT},
+    {"605Bh 0: coasts", 0x605B, 0, 0x0E, 0, 1, ECT_402_READY},
+    {"605Bh 1: 6084h", 0x605B, 1, 0x0E, 195, 215, ECT_402_READY},
+    {"605Ch 0: coasts", 0x605C, 0, 0x07, 0, 1, ECT_402_SWITCHED_ON},
+    {"605Ch 1: 6084h", 0x605C, 1, 0x07, 195, 215, ECT_402_SWITCHED_ON},
+    {"605Eh 0: coasts", 0x605E, 0, 0, 0, 1, ECT_402_FAULT},
+    {"605Eh 1: 6084h", 0x605E, 1, 0, 195, 215, ECT_402_FAULT},
+    {"605Eh 2: 6085h", 0x605E, 2, 0, 38, 60, ECT_402_FAULT},
+    {"605Eh 3: torque limit", 0x605E, 3, 0, 3, 20, ECT_402_FAULT},
+    {"605Eh 4: torque limit", 0x605E, 4, 0, 3, 20, ECT_402_FAULT},
 };
 
 static void fast(void)
@@ -321,8 +321,8 @@ static void fast(void)
 
 static void one_stop(size_t i)
 {
-    static const uint16_t masks[DS402_STATES] = {0x4F, 0x4F, 0x6F, 0x6F, 0x6F, 0x6F, 0x4F, 0x4F};
-    static const uint16_t values[DS402_STATES] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08};
+    static const uint16_t masks[ECT_402_STATES] = {0x4F, 0x4F, 0x6F, 0x6F, 0x6F, 0x6F, 0x4F, 0x4F};
+    static const uint16_t values[ECT_402_STATES] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08};
     drive_open(&d);
     put(stops[i].index, 0, stops[i].option, 2);
     fast();
@@ -359,7 +359,7 @@ static void halts(void **state)
         unsigned int ms = drive_until(&d, B10, B10, 1000);
         if (ms < from_ms[option] || ms > until_ms[option])
             fail_msg("605Dh %d: expected %u to %u ms, got %u", option, from_ms[option], until_ms[option], ms);
-        drive_expect(&d, DS402_OPERATION_ENABLED, "halt");
+        drive_expect(&d, ECT_402_OPERATION_ENABLED, "halt");
         drive_close(&d);
     }
 }
@@ -375,7 +375,7 @@ static void switched_on_without_torque(void **state)
     drive_cycles(&d, 2);
     drive_control(&d, 0x07);
     drive_cycles(&d, 500);
-    drive_expect(&d, DS402_SWITCHED_ON, "605Ch 0");
+    drive_expect(&d, ECT_402_SWITCHED_ON, "605Ch 0");
     assert_int_equal(signal_number(&d.w, "powered"), 0);
     assert_int_equal(drive_position(&d), 0);
     drive_control(&d, 0x0F);

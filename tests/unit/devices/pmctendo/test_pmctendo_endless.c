@@ -38,7 +38,7 @@ static int32_t difference(int32_t from, int32_t to)
 static void expect_free(const char *when)
 {
     const pmctendo_t *u = drive_instance(&d);
-    if (u->fault != 0 || u->warnings != 0 || (drive_status(&d) & (DS402_STATUS_LIMIT | DS402_STATUS_WARNING)) != 0)
+    if (u->fault != 0 || u->warnings != 0 || (drive_status(&d) & (ECT_402_STATUS_LIMIT | ECT_402_STATUS_WARNING)) != 0)
         fail_msg("%s, position %d, %.0f on the machine: F%02u, warnings %X, status %04X", when, drive_position(&d),
                  u->plant.position, u->fault, u->warnings, drive_status(&d));
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 0); /* no limit switch */
@@ -117,7 +117,7 @@ static void follow(int32_t step)
     if (master < 0 ? master > -3 * (int64_t)WRAP : master < 3 * (int64_t)WRAP)
         fail_msg("expected more than three times 2^32 counts, got %lld", (long long)master);
     assert_true(fabs(drive_instance(&d)->plant.position - (double)master) <= 2);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET);
     drive_close(&d);
 }
 
@@ -152,7 +152,7 @@ static void task_to(int32_t target, uint16_t relative, double machine)
     drive_cycle(&d);
     drive_control(&d, 0x1F | relative);
     drive_cycle(&d);
-    (void)drive_until(&d, DS402_STATUS_TASK, 0, 20000);
+    (void)drive_until(&d, PMC_STATUS_TASK, 0, 20000);
     drive_cycles(&d, 500);
     double at = drive_instance(&d)->plant.position;
     if (fabs(at - machine) > 2)
@@ -173,7 +173,7 @@ static void tasks(void **state)
     task_to(INT32_MIN + 2 * TURN, 0, at);
     for (unsigned int n = 0; n < 7; n++) {
         at += 2000.0 * TURN;
-        task_to(2000 * TURN, DS402_RELATIVE, at);
+        task_to(2000 * TURN, ECT_402_RELATIVE, at);
     }
     assert_true(at > 3 * WRAP);
     drive_close(&d);
@@ -189,8 +189,8 @@ static void latch_and_reference(void **state)
     drive_operational(&d, 0x1720, 0x1B25);
     drive_enable(&d);
     drive_control(&d, 0x80F);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING, DS402_STATUS_REFERENCING, 2);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCING, 2);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     drive_cycles(&d, 300);
     assert_true(fabs(drive_instance(&d)->plant.position - (3 * WRAP + TURN)) <= 2);
     assert_in_range(drive_position(&d), 998, 1002);

@@ -58,7 +58,7 @@ static const struct {
 
 static void one_run(size_t i, bool mode8)
 {
-    uint16_t bit = mode8 ? DS402_REFERENCE : DS402_START;
+    uint16_t bit = mode8 ? PMC_REFERENCE : ECT_402_START;
     drive_open(&d);
     build_machine();
     drive_instance(&d)->plant.position = runs[i].from;
@@ -68,9 +68,9 @@ static void one_run(size_t i, bool mode8)
     drive_operational(&d, 0x1701, 0x1B25);
     drive_enable(&d);
     drive_control(&d, 0x0F | bit);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING | DS402_STATUS_TARGET, DS402_STATUS_REFERENCING, 2);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
-    (void)drive_until(&d, DS402_STATUS_TARGET | DS402_STATUS_REFERENCE_ERROR, DS402_STATUS_TARGET, 1000);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING | ECT_402_STATUS_TARGET, PMC_STATUS_REFERENCING, 2);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
+    (void)drive_until(&d, ECT_402_STATUS_TARGET | PMC_STATUS_REFERENCE_ERROR, ECT_402_STATUS_TARGET, 1000);
     drive_cycles(&d, 500);
     double at = drive_instance(&d)->plant.position;
     if (at < runs[i].found - 2 || at > runs[i].found + 2)
@@ -82,7 +82,7 @@ static void one_run(size_t i, bool mode8)
     drive_control(&d, 0x0F);
     drive_cycles(&d, 100);
     assert_in_range(drive_position(&d), 4998, 5002);
-    drive_expect(&d, DS402_OPERATION_ENABLED, "after the run");
+    drive_expect(&d, ECT_402_OPERATION_ENABLED, "after the run");
     drive_close(&d);
 }
 
@@ -111,11 +111,11 @@ static void no_switch(void **state)
     drive_operational(&d, 0x1701, 0x1B25);
     drive_enable(&d);
     drive_control(&d, 0x80F);
-    (void)drive_until(&d, DS402_STATUS_REFERENCE_ERROR | DS402_STATUS_REFERENCING, DS402_STATUS_REFERENCE_ERROR, 10000);
+    (void)drive_until(&d, PMC_STATUS_REFERENCE_ERROR | PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCE_ERROR, 10000);
     drive_cycles(&d, 300);
     assert_true(fabs(drive_instance(&d)->plant.speed) < 1000);
     assert_int_equal(signal_number(&d.w, "homed"), 0);
-    drive_expect(&d, DS402_OPERATION_ENABLED, "no switch");
+    drive_expect(&d, ECT_402_OPERATION_ENABLED, "no switch");
     drive_close(&d);
 }
 
@@ -132,12 +132,12 @@ static void aborted(void **state)
     drive_control(&d, 0x1F);
     drive_cycles(&d, 200);
     drive_control(&d, 0x0F);
-    (void)drive_until(&d, DS402_STATUS_REFERENCE_ERROR | DS402_STATUS_REFERENCING, DS402_STATUS_REFERENCE_ERROR, 2);
+    (void)drive_until(&d, PMC_STATUS_REFERENCE_ERROR | PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCE_ERROR, 2);
     drive_cycles(&d, 300);
     assert_true(fabs(drive_instance(&d)->plant.speed) < 1000);
     drive_control(&d, 0x1F);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING, DS402_STATUS_REFERENCING, 2);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING | DS402_STATUS_REFERENCE_ERROR, 0, 10000);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCING, 2);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING | PMC_STATUS_REFERENCE_ERROR, 0, 10000);
     assert_int_equal(signal_number(&d.w, "homed"), 1);
     drive_close(&d);
 }
@@ -150,13 +150,13 @@ static void write_on_leg(unsigned int leg, int8_t other)
     assert_int_equal(drive_write(&d, 0x6098, 0, 17, 1), 0);
     drive_operational(&d, 0x1701, 0x1B25);
     drive_enable(&d);
-    drive_control(&d, 0x0F | DS402_REFERENCE);
+    drive_control(&d, 0x0F | PMC_REFERENCE);
     drive_cycles(&d, 100);
     while (drive_instance(&d)->homing.leg < leg)
         drive_cycles(&d, 1);
-    assert_int_not_equal(drive_status(&d) & DS402_STATUS_REFERENCING, 0);
+    assert_int_not_equal(drive_status(&d) & PMC_STATUS_REFERENCING, 0);
     assert_int_equal(drive_write(&d, 0x6098, 0, (uint8_t)other, 1), 0);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     drive_cycles(&d, 500);
     double at = drive_instance(&d)->plant.position;
     if (signal_number(&d.w, "homed") != 1 || at < NEGATIVE - 2 || at > NEGATIVE + 2)
@@ -186,9 +186,9 @@ static void no_edge(void **state)
     drive_cycles(&d, 2);
     drive_control(&d, 0x80F);
     drive_cycles(&d, 100);
-    drive_expect(&d, DS402_OPERATION_ENABLED, "enabled");
+    drive_expect(&d, ECT_402_OPERATION_ENABLED, "enabled");
     assert_int_equal(signal_number(&d.w, "homed"), 0);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_REFERENCING, 0);
+    assert_int_equal(drive_status(&d) & PMC_STATUS_REFERENCING, 0);
     drive_close(&d);
 }
 
@@ -202,7 +202,7 @@ static void save(void **state)
     drive_open_with(&d, &memory.storage);
     assert_int_equal(drive_write(&d, 0x6098, 0, 21, 1), 0);
     drive_operational(&d, 0x1701, 0x1B01);
-    drive_control(&d, DS402_SAVE);
+    drive_control(&d, PMC_SAVE);
     drive_cycles(&d, 3); /* one edge, one SAVE */
     assert_int_equal(signal_number(&d.w, "saves"), 1);
     assert_int_equal(drive_write(&d, 0x6098, 0, 22, 1), 0);

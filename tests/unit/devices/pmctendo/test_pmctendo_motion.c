@@ -58,7 +58,7 @@ static void position(void **state)
     }
     drive_cycles(&d, 400);
     expect_near("position", 10000000, 2);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET);
     assert_int_equal(drive_read(&d, 0x6061, 0), PMC_MODE_POSITION);
 }
 
@@ -72,7 +72,7 @@ static void cyclic_speed(void **state)
     int32_t before = drive_position(&d);
     drive_cycles(&d, 1000);
     expect_near("position", before - 3.0 * TURN, 100);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_TARGET, DS402_STATUS_TARGET);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET);
     assert_int_equal(drive_read(&d, 0x6061, 0), PMC_MODE_SPEED);
 }
 
@@ -167,14 +167,14 @@ static void task(void **state)
     start(0x1701);
     drive_control(&d, 0x1F);
     drive_cycle(&d);
-    assert_int_equal(drive_status(&d) & (DS402_STATUS_TASK | DS402_STATUS_TARGET), DS402_STATUS_TASK);
+    assert_int_equal(drive_status(&d) & (PMC_STATUS_TASK | ECT_402_STATUS_TARGET), PMC_STATUS_TASK);
     drive_cycles(&d, 499);
     expect_near("speed", 10.0 * TURN, 20000);
     expect_near("position", 4.5 * TURN, 8000);
-    unsigned int ms = 500 + drive_until(&d, DS402_STATUS_TASK, 0, 1000);
+    unsigned int ms = 500 + drive_until(&d, PMC_STATUS_TASK, 0, 1000);
     if (ms < 1099 || ms > 1101)
         fail_msg("a task of 1100 ms took %u", ms);
-    (void)drive_until(&d, DS402_STATUS_TARGET, DS402_STATUS_TARGET, 300);
+    (void)drive_until(&d, ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET, 300);
     drive_cycles(&d, 400);
     expect_near("position", 10.0 * TURN, 2);
     drive_control(&d, 0x0F);
@@ -182,7 +182,7 @@ static void task(void **state)
     assert_int_equal(drive_write(&d, 0x607A, 0, (uint32_t)-TURN, 4), 0);
     drive_control(&d, 0x5F); /* relative */
     drive_cycle(&d);
-    (void)drive_until(&d, DS402_STATUS_TASK, 0, 1000);
+    (void)drive_until(&d, PMC_STATUS_TASK, 0, 1000);
     drive_cycles(&d, 600);
     expect_near("position", 9.0 * TURN, 2);
 }
@@ -201,7 +201,7 @@ static void short_and_changed_tasks(void **state)
         drive_control(&d, 0x1F);
         drive_cycles(&d, 700);
         expect_near("position", ways[i], 2);
-        assert_int_equal(drive_status(&d) & DS402_STATUS_TASK, 0);
+        assert_int_equal(drive_status(&d) & PMC_STATUS_TASK, 0);
     }
     assert_int_equal(drive_write(&d, 0x607A, 0, 10 * TURN, 4), 0);
     drive_control(&d, 0x0F);
@@ -224,22 +224,22 @@ static const struct {
     int16_t option;
     uint16_t control;
     unsigned int from_ms, to_ms;
-    ds402_state_t end;
+    ect_402_state_t end;
     bool powered;
 } stops[] = {
-    {"disable voltage: coasts", 2, 0x0D, 0, 1, DS402_SWITCH_ON_DISABLED, false},
-    {"quick stop, 500 turns a second squared", 2, 0x0B, 40, 60, DS402_SWITCH_ON_DISABLED, false},
-    {"quick stop, option 0: coasts", 0, 0x0B, 0, 1, DS402_SWITCH_ON_DISABLED, false},
-    {"quick stop, option 1: 100 turns a second squared", 1, 0x0B, 200, 215, DS402_SWITCH_ON_DISABLED, false},
-    {"quick stop, option 6: stays", 6, 0x0B, 0, 1, DS402_QUICK_STOP, true},
-    {"shutdown: 100 turns a second squared", 2, 0x0E, 200, 215, DS402_READY, false},
-    {"disable operation", 2, 0x07, 200, 215, DS402_SWITCHED_ON, true},
+    {"disable voltage: coasts", 2, 0x0D, 0, 1, ECT_402_SWITCH_ON_DISABLED, false},
+    {"quick stop, 500 turns a second squared", 2, 0x0B, 40, 60, ECT_402_SWITCH_ON_DISABLED, false},
+    {"quick stop, option 0: coasts", 0, 0x0B, 0, 1, ECT_402_SWITCH_ON_DISABLED, false},
+    {"quick stop, option 1: 100 turns a second squared", 1, 0x0B, 200, 215, ECT_402_SWITCH_ON_DISABLED, false},
+    {"quick stop, option 6: stays", 6, 0x0B, 0, 1, ECT_402_QUICK_STOP, true},
+    {"shutdown: 100 turns a second squared", 2, 0x0E, 200, 215, ECT_402_READY, false},
+    {"disable operation", 2, 0x07, 200, 215, ECT_402_SWITCHED_ON, true},
 };
 
 static void one_stop(size_t i)
 {
-    static const uint16_t masks[DS402_STATES] = {0x4F, 0x4F, 0x6F, 0x6F, 0x6F, 0x6F, 0x4F, 0x4F};
-    static const uint16_t values[DS402_STATES] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08};
+    static const uint16_t masks[ECT_402_STATES] = {0x4F, 0x4F, 0x6F, 0x6F, 0x6F, 0x6F, 0x4F, 0x4F};
+    static const uint16_t values[ECT_402_STATES] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08};
     drive_open(&d);
     assert_int_equal(drive_write(&d, 0x605A, 0, (uint16_t)stops[i].option, 2), 0);
     start(0x1702);
@@ -276,7 +276,7 @@ static void halt(void **state)
     expect_near("speed", 10.0 * TURN, TURN / 3.0);
     drive_cycles(&d, 300);
     expect_near("speed", 0, 1000);
-    drive_expect(&d, DS402_OPERATION_ENABLED, "halt");
+    drive_expect(&d, ECT_402_OPERATION_ENABLED, "halt");
     drive_control(&d, 0x0F);
     drive_cycles(&d, 500);
     expect_near("speed", 20.0 * TURN, 1000);
@@ -294,14 +294,14 @@ static void limit_switch(void **state)
     drive_cycles(&d, 1000);
     expect_near("position", 501500, 1500);
     expect_near("speed", 0, 10);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_LIMIT, ECT_402_STATUS_LIMIT);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_PSTOP - 1));
     assert_int_equal(drive_instance(&d)->fault, 0);
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 2); /* PSTOP */
     drive_set(&d, -TURN);
     drive_cycles(&d, 1000);
     assert_true(drive_position(&d) < 0);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, 0);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_LIMIT, 0);
     signal_set(&d.w, "stop_positive", "2147483647");
     signal_set(&d.w, "stop_negative", "-600000");
     drive_cycles(&d, 1000);
@@ -331,7 +331,7 @@ static void software_limits(void **state)
     drive_control(&d, 0x1F);
     drive_cycles(&d, 1000);
     expect_near("position", TURN, 2);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_LIMIT, DS402_STATUS_LIMIT);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_LIMIT, ECT_402_STATUS_LIMIT);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_SOFT_POSITIVE - 1));
 }
 
@@ -359,21 +359,21 @@ static void following_error(void **state)
     if (x < TURN || x > TURN + 30000)
         fail_msg("F03 at an error of %d counts, expected one turn", x);
     drive_cycles(&d, 20);
-    drive_expect(&d, DS402_FAULT, "F03");
+    drive_expect(&d, ECT_402_FAULT, "F03");
     assert_int_equal(drive_position(&d), 0);
     drive_control(&d, 0x8F); /* an edge of bit 7 resets it; enabling begins at the beginning */
     drive_cycles(&d, 2);
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, "reset");
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "reset");
     expect_fault(0);
 }
 
 static const struct {
     const char *what, *signal, *value;
     unsigned int fault; /* 0: none, the drive is simply switched off */
-    ds402_state_t state;
-} supplies[] = {{"STO", "sto", "1", PMC_F_STO, DS402_FAULT},
-                {"the DC link", "power", "0", PMC_F_UNDERVOLTAGE, DS402_FAULT},
-                {"the enable input", "enable", "0", 0, DS402_SWITCH_ON_DISABLED}};
+    ect_402_state_t state;
+} supplies[] = {{"STO", "sto", "1", PMC_F_STO, ECT_402_FAULT},
+                {"the DC link", "power", "0", PMC_F_UNDERVOLTAGE, ECT_402_FAULT},
+                {"the enable input", "enable", "0", 0, ECT_402_SWITCH_ON_DISABLED}};
 
 static void one_supply(size_t i)
 {
@@ -390,10 +390,10 @@ static void one_supply(size_t i)
     drive_cycle(&d);
     drive_control(&d, 0x06);
     drive_cycles(&d, 3);
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, supplies[i].what); /* not without it */
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, supplies[i].what); /* not without it */
     signal_set(&d.w, supplies[i].signal, supplies[i].value[0] == '1' ? "0" : "1");
     drive_cycles(&d, 3);
-    drive_expect(&d, DS402_READY, supplies[i].what);
+    drive_expect(&d, ECT_402_READY, supplies[i].what);
     drive_close(&d);
 }
 
@@ -413,7 +413,7 @@ static void overspeed(void **state)
     signal_set(&d.w, "load", "-1"); /* the load drives, and the drive has no torque against it */
     drive_cycles(&d, 50);
     expect_fault(PMC_F_OVERSPEED);
-    drive_expect(&d, DS402_FAULT, "overspeed");
+    drive_expect(&d, ECT_402_FAULT, "overspeed");
 }
 
 /* A quick stop that the torque is not enough for is given up: F30, no torque. */
@@ -427,10 +427,10 @@ static void stop_in_vain(void **state)
     assert_int_equal(drive_write(&d, 0x6072, 0, 1, 2), 0);
     drive_control(&d, 0x0B);
     drive_cycles(&d, 255); /* 40 ms, half as much again, and 200 ms */
-    drive_expect(&d, DS402_QUICK_STOP, "F30");
+    drive_expect(&d, ECT_402_QUICK_STOP, "F30");
     drive_cycles(&d, 10);
     expect_fault(PMC_F_STOP);
-    drive_expect(&d, DS402_FAULT, "F30");
+    drive_expect(&d, ECT_402_FAULT, "F30");
 }
 
 int main(int argc, char **argv)

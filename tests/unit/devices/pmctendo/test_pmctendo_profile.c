@@ -93,12 +93,12 @@ static void one_limited(size_t i, int sign)
     if (most > 2.005 * TURN)
         fail_msg("%s: ran to %.4f turns with a limit of 2", what, most / TURN);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (n - 1));
-    assert_int_equal(status(DS402_STATUS_LIMIT), DS402_STATUS_LIMIT);
+    assert_int_equal(status(ECT_402_STATUS_LIMIT), ECT_402_STATUS_LIMIT);
     assert_int_equal(drive_instance(&d)->fault, 0);
     drive_set(&d, sign * limited[i].back);
     drive_cycles(&d, 60);
     assert_true(speed() * sign < -0.5 * TURN); /* back is free */
-    assert_int_equal(status(DS402_STATUS_LIMIT), 0);
+    assert_int_equal(status(ECT_402_STATUS_LIMIT), 0);
     assert_int_equal(drive_instance(&d)->warnings, 0);
     drive_close(&d);
 }
@@ -159,9 +159,9 @@ static void task_above_the_speed_limit(void **state)
     drive_control(&d, 0x1F);
     drive_cycles(&d, 1000);
     expect_near("speed", 5.0 * TURN, 20000, speed());
-    unsigned int ms = 1000 + drive_until(&d, DS402_STATUS_TASK, 0, 2000);
+    unsigned int ms = 1000 + drive_until(&d, PMC_STATUS_TASK, 0, 2000);
     expect_near("task's time", 2050, 2, ms);
-    (void)drive_until(&d, DS402_STATUS_TARGET, DS402_STATUS_TARGET, 300);
+    (void)drive_until(&d, ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET, 300);
     assert_int_equal(drive_instance(&d)->fault, 0);
 }
 
@@ -172,11 +172,11 @@ static void target_reached_at_the_speed_limit(void **state)
     start(PMC_MODE_SPEED_RAMP, 0x1702);
     drive_set(&d, 20 * TURN);
     drive_cycle(&d);
-    assert_int_equal(status(DS402_STATUS_TARGET), 0);
-    (void)drive_until(&d, DS402_STATUS_TARGET, DS402_STATUS_TARGET, 200);
+    assert_int_equal(status(ECT_402_STATUS_TARGET), 0);
+    (void)drive_until(&d, ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET, 200);
     drive_cycles(&d, 300);
     expect_near("speed", 5.0 * TURN, 1000, speed());
-    assert_int_equal(status(DS402_STATUS_TARGET), DS402_STATUS_TARGET);
+    assert_int_equal(status(ECT_402_STATUS_TARGET), ECT_402_STATUS_TARGET);
     drive_set(&d, 0);
     drive_cycles(&d, 49); /* 5 turns a second at 100 turns a second squared: from the limit, not from 20 */
     assert_true(speed() < 0.5 * TURN);
@@ -209,7 +209,7 @@ static void queue(void **state)
     set_point(0, 30 * TURN); /* no place: ignored */
     drive_cycles(&d, 500);
     expect_near("first speed", 10.0 * TURN, 20000, speed());
-    unsigned int ms = 300 + 4 + 500 + drive_until(&d, DS402_STATUS_TASK, 0, 3000);
+    unsigned int ms = 300 + 4 + 500 + drive_until(&d, PMC_STATUS_TASK, 0, 3000);
     expect_near("time of both", 1800, 6, ms);
     drive_cycles(&d, 400);
     expect_position("the second one", 4.0 * TURN, 2);
@@ -222,10 +222,10 @@ static void at_once(void **state)
     set_point(0, 10 * TURN);
     drive_cycles(&d, 398); /* at 3.5 turns */
     set_point(0, 20 * TURN);
-    set_point(DS402_AT_ONCE, 0); /* back, and the one that waits is dropped */
+    set_point(ECT_402_AT_ONCE, 0); /* back, and the one that waits is dropped */
     drive_cycles(&d, 100);
     expect_near("turning round", 0, 4.0 * TURN, speed());
-    (void)drive_until(&d, DS402_STATUS_TASK, 0, 1000);
+    (void)drive_until(&d, PMC_STATUS_TASK, 0, 1000);
     drive_cycles(&d, 400);
     expect_position("the last one", 0, 2);
 }
@@ -239,7 +239,7 @@ static void through(void **state)
         start_tasks();
         set_point(0, 10 * TURN);
         put(0x6081, 0, 5 * TURN, 4);
-        set_point(bit9 ? DS402_THROUGH : 0, 20 * TURN);
+        set_point(bit9 ? ECT_402_THROUGH : 0, 20 * TURN);
         double slowest = 1e9;
         while (drive_position(&d) < 10.05 * TURN) {
             drive_cycle(&d);
@@ -248,7 +248,7 @@ static void through(void **state)
         }
         if (bit9 ? slowest < 4.5 * TURN : slowest > 2.0 * TURN)
             fail_msg("bit 9 %u: slowest at the first target %.2f turns/s", bit9, slowest / TURN);
-        (void)drive_until(&d, DS402_STATUS_TASK, 0, 5000);
+        (void)drive_until(&d, PMC_STATUS_TASK, 0, 5000);
         drive_cycles(&d, 400);
         expect_position("the second target", 20.0 * TURN, 2);
         drive_close(&d);
@@ -265,7 +265,7 @@ static void no_edge(void **state)
     put(0x607A, 0, -5 * TURN, 4);
     put(0x6081, 0, TURN, 4);
     put(0x6084, 0, TURN, 4);
-    unsigned int ms = 201 + drive_until(&d, DS402_STATUS_TASK, 0, 2000);
+    unsigned int ms = 201 + drive_until(&d, PMC_STATUS_TASK, 0, 2000);
     expect_near("task's time", 1100, 4, ms);
     drive_cycles(&d, 400);
     expect_position("target", 10.0 * TURN, 2);
@@ -278,8 +278,8 @@ static void relative(void **state)
     start_tasks();
     set_point(0, 10 * TURN);
     drive_cycles(&d, 300);
-    set_point(DS402_RELATIVE | DS402_AT_ONCE, 2 * TURN);
-    (void)drive_until(&d, DS402_STATUS_TASK, 0, 3000);
+    set_point(ECT_402_RELATIVE | ECT_402_AT_ONCE, 2 * TURN);
+    (void)drive_until(&d, PMC_STATUS_TASK, 0, 3000);
     drive_cycles(&d, 400);
     expect_position("12 turns", 12.0 * TURN, 2);
 }
@@ -293,21 +293,21 @@ static void halt_keeps_the_task(void **state)
     drive_cycles(&d, 300);
     drive_control(&d, 0x11F);
     drive_cycle(&d);
-    assert_int_equal(status(DS402_STATUS_TARGET), 0); /* brakes */
+    assert_int_equal(status(ECT_402_STATUS_TARGET), 0); /* brakes */
     drive_cycles(&d, 300);
     expect_near("halted", 0, 1000, speed());
     int32_t stands = drive_position(&d);
     assert_in_range(stands, 2 * TURN, 5 * TURN);
-    assert_int_equal(status(DS402_STATUS_TARGET | DS402_STATUS_TASK), DS402_STATUS_TARGET | DS402_STATUS_TASK);
+    assert_int_equal(status(ECT_402_STATUS_TARGET | PMC_STATUS_TASK), ECT_402_STATUS_TARGET | PMC_STATUS_TASK);
     drive_control(&d, 0x1F); /* no new edge */
-    (void)drive_until(&d, DS402_STATUS_TASK, 0, 3000);
+    (void)drive_until(&d, PMC_STATUS_TASK, 0, 3000);
     drive_cycles(&d, 400);
     expect_position("target", 12.0 * TURN, 2);
-    set_point(DS402_HALT, 5 * TURN); /* taken while halted, executed afterwards */
+    set_point(ECT_402_HALT, 5 * TURN); /* taken while halted, executed afterwards */
     drive_cycles(&d, 200);
     expect_position("halted", 12.0 * TURN, 2);
     drive_control(&d, 0x1F);
-    (void)drive_until(&d, DS402_STATUS_TASK, 0, 3000);
+    (void)drive_until(&d, PMC_STATUS_TASK, 0, 3000);
     drive_cycles(&d, 400);
     expect_position("target", 5.0 * TURN, 2);
 }
@@ -325,7 +325,7 @@ static void disabled_drops_the_task(void **state)
     int32_t stands = drive_position(&d);
     drive_control(&d, 0x0F);
     drive_cycles(&d, 500);
-    assert_int_equal(status(DS402_STATUS_TASK), 0);
+    assert_int_equal(status(PMC_STATUS_TASK), 0);
     assert_in_range(abs(drive_position(&d) - stands), 0, 20000);
 }
 
@@ -360,7 +360,7 @@ static void one_search(size_t i)
     double towards = searches[i].from < 0 ? 1 : -1;
     expect_near("speed of the search", towards * 2.0 * TURN, TURN / 50.0, speed());
     double at_edge = 0;
-    while (status(DS402_STATUS_REFERENCING) != 0) {
+    while (status(PMC_STATUS_REFERENCING) != 0) {
         double before = drive_instance(&d)->plant.position;
         drive_cycle(&d);
         double edge = searches[i].method > 14 ? searches[i].home : towards > 0 ? 2.0 * TURN : 4.0 * TURN;
@@ -393,7 +393,7 @@ static void narrow_mark(void **state)
         start(PMC_MODE_HOMING, 0x1701);
         drive_control(&d, 0x1F);
         drive_cycle(&d);
-        (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
+        (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
         drive_cycles(&d, 300);
         expect_near("home", method == 20 ? 2097152 : 2098152, 2, drive_instance(&d)->plant.position);
         drive_close(&d);
@@ -421,7 +421,7 @@ static void run_ends_at_the_point(void **state)
         signal_set(&d.w, "load", rows[i].load);
         drive_control(&d, 0x1F);
         drive_cycle(&d);
-        (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
+        (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
         expect_near("home", 2.0 * TURN, 2, drive_instance(&d)->plant.position);
         expect_position("home", 777, 2);
         drive_close(&d);
@@ -443,9 +443,9 @@ static void halted_run(void **state)
     expect_near("half way", 1.0 * TURN, TURN / 10.0, speed());
     drive_cycles(&d, 300);
     expect_near("halted", 0, 1000, speed());
-    assert_int_equal(status(DS402_STATUS_REFERENCE_ERROR), 0);
+    assert_int_equal(status(PMC_STATUS_REFERENCE_ERROR), 0);
     drive_control(&d, 0x1F);
-    (void)drive_until(&d, DS402_STATUS_REFERENCING, 0, 20000);
+    (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     assert_int_equal(signal_number(&d.w, "homed"), 1);
     expect_near("home", 2.0 * TURN, 2, drive_instance(&d)->plant.position);
 }
@@ -503,7 +503,7 @@ static void brake_closes_before_the_torque_goes(void **state)
         double from = drive_instance(&d)->plant.position;
         drive_control(&d, 0x06);
         drive_cycles(&d, 500);
-        drive_expect(&d, DS402_READY, "shutdown");
+        drive_expect(&d, ECT_402_READY, "shutdown");
         double sunk = from - drive_instance(&d)->plant.position;
         if (fitted ? fabs(sunk) > 1 : sunk < 10.0 * TURN)
             fail_msg("brake %u: sunk by %.0f counts", fitted, sunk);

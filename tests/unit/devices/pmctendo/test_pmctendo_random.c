@@ -24,7 +24,7 @@ static uint32_t draw(uint32_t below)
 
 /* The state at the last check. */
 static struct {
-    ds402_state_t state;
+    ect_402_state_t state;
     double free_speed;    /* when set values ceased to count */
     uint64_t stopping_ns; /* since when the drive stops on its ramp, 0: it does not */
     uint64_t stop_limit_ns;
@@ -39,13 +39,13 @@ static void refuse(const char *what)
 }
 
 /* The step of a state in the sequence. */
-static unsigned int rank(ds402_state_t state)
+static unsigned int rank(ect_402_state_t state)
 {
-    static const unsigned int ranks[DS402_STATES] = {[DS402_READY] = 1,
-                                                     [DS402_SWITCHED_ON] = 2,
-                                                     [DS402_OPERATION_ENABLED] = 3,
-                                                     [DS402_QUICK_STOP] = 3,
-                                                     [DS402_FAULT_REACTION] = 3};
+    static const unsigned int ranks[ECT_402_STATES] = {[ECT_402_READY] = 1,
+                                                       [ECT_402_SWITCHED_ON] = 2,
+                                                       [ECT_402_OPERATION_ENABLED] = 3,
+                                                       [ECT_402_QUICK_STOP] = 3,
+                                                       [ECT_402_FAULT_REACTION] = 3};
     return ranks[state];
 }
 
@@ -55,8 +55,8 @@ static void judge_power(const pmctendo_t *u)
     bool supplied = u->plant.power && u->plant.enable && !u->plant.sto;
     if (u->torque_now != 0 && (!may || !supplied))
         refuse("torque without being enabled, or without supply");
-    bool follow = u->state == DS402_OPERATION_ENABLED && u->al == ECT_STATE_OP && (u->set.control & 0x10F) == 0x0F;
-    if (u->action == DS402_FOLLOW && !follow)
+    bool follow = u->state == ECT_402_OPERATION_ENABLED && u->al == ECT_STATE_OP && (u->set.control & 0x10F) == 0x0F;
+    if (u->action == ECT_402_FOLLOW && !follow)
         refuse("set values are followed outside Operation Enabled");
     if (u->outputs != 0 && u->al != ECT_STATE_OP)
         refuse("digital outputs are on outside OP");
@@ -66,7 +66,7 @@ static void judge_power(const pmctendo_t *u)
 static void judge_speed(const pmctendo_t *u)
 {
     double speed = fabs(u->plant.speed);
-    if (u->action == DS402_FOLLOW)
+    if (u->action == ECT_402_FOLLOW)
         seen.free_speed = speed;
     else if (speed > seen.free_speed + 3.0 * PMC_TURN) /* two steps with all the torque: 2.4 turns a second */
         refuse("it gets faster though no set value counts");
@@ -74,7 +74,7 @@ static void judge_speed(const pmctendo_t *u)
 
 static void judge_stop(const pmctendo_t *u)
 {
-    bool stopping = u->state == DS402_QUICK_STOP || u->state == DS402_FAULT_REACTION;
+    bool stopping = u->state == ECT_402_QUICK_STOP || u->state == ECT_402_FAULT_REACTION;
     if (!stopping || pmc_standing(u)) {
         seen.stopping_ns = 0;
         return;
@@ -93,7 +93,7 @@ static void judge(bool new_word, uint16_t before, uint16_t word)
     const pmctendo_t *u = drive_instance(&d);
     unsigned int up = rank(u->state), was = rank(seen.state);
     bool edge = (word & 0x08) != 0 && (before & 0x08) == 0;
-    bool reaction = u->state == DS402_FAULT_REACTION || u->state == DS402_QUICK_STOP;
+    bool reaction = u->state == ECT_402_FAULT_REACTION || u->state == ECT_402_QUICK_STOP;
     if (up > was && !reaction) {
         bool one_up = up == was + 1 && u->al == ECT_STATE_OP;
         bool ready = up == 1 && (u->set.control & 7) == 6; /* its word may have waited for the supply */
@@ -101,9 +101,9 @@ static void judge(bool new_word, uint16_t before, uint16_t word)
         if (!one_up || !(ready || higher))
             refuse("a step of the sequence was left out");
     }
-    if (reaction && was < 2 && u->action != DS402_OFF)
+    if (reaction && was < 2 && u->action != ECT_402_OFF)
         refuse("power comes on with a fault");
-    if (seen.state == DS402_FAULT && u->state != DS402_FAULT && u->fault != 0)
+    if (seen.state == ECT_402_FAULT && u->state != ECT_402_FAULT && u->fault != 0)
         refuse("out of Fault with the fault still there");
     seen.state = u->state;
     judge_power(u);
@@ -140,7 +140,7 @@ static void next_outputs(void)
     else if (draw(4) == 0) { /* on the way up */
         static const uint16_t way[] = {0x06, 0x07, 0x0F};
         unsigned int r = rank(drive_instance(&d)->state);
-        drive_control(&d, drive_instance(&d)->state == DS402_FAULT ? 0x80 : way[r < 3 ? r : 2]);
+        drive_control(&d, drive_instance(&d)->state == ECT_402_FAULT ? 0x80 : way[r < 3 ? r : 2]);
     }
     if (d.to.pdo == PMC_PDO_SPEED && draw(10) == 0)
         drive_set(&d, (int32_t)draw(40 * PMC_TURN) - 20 * PMC_TURN);
@@ -189,9 +189,9 @@ static void fall_silent(void)
     pass(1200 * MS);
     if (wire_read8(&d.w, 0, ECT_REG_AL_STATUS) == ECT_STATE_OP)
         refuse("OP without a master");
-    if (u->torque_now != 0 || u->outputs != 0 || u->action != DS402_OFF)
+    if (u->torque_now != 0 || u->outputs != 0 || u->action != ECT_402_OFF)
         refuse("torque or outputs without a master");
-    if (op && u->state != DS402_FAULT)
+    if (op && u->state != ECT_402_FAULT)
         refuse("no fault though the master is gone");
 }
 

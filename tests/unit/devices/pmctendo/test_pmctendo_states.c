@@ -84,10 +84,10 @@ static void no_sync(void **state)
     expect_display("PREOP", "n17");
     drive_safeop(&d, 0x1701, 0x1B01);
     expect_display("SAFEOP without cycles", "n17");
-    assert_int_equal(drive_status(&d) & DS402_STATUS_WARNING, DS402_STATUS_WARNING);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_WARNING, ECT_402_STATUS_WARNING);
     drive_cycles(&d, 2);
     expect_display("SAFEOP with cycles", "");
-    assert_int_equal(drive_status(&d) & DS402_STATUS_WARNING, 0);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_WARNING, 0);
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);
     expect_display("OP", "");
     assert_int_equal(wire_al(&d.w, 0, PREOP, NULL), PREOP);
@@ -127,7 +127,7 @@ static void one_cycle_time(size_t i)
     assert_int_equal(wire_read8(&d.w, 0, ECT_REG_AL_STATUS), cycles[i].good ? OP : SAFEOP | ERR);
     assert_int_equal(wire_read16(&d.w, 0, ECT_REG_AL_STATUS_CODE), cycles[i].good ? 0 : 0x001A);
     expect_display("at the end", cycles[i].good ? "" : "F28");
-    drive_expect(&d, cycles[i].good ? DS402_SWITCH_ON_DISABLED : DS402_FAULT, "at the end");
+    drive_expect(&d, cycles[i].good ? ECT_402_SWITCH_ON_DISABLED : ECT_402_FAULT, "at the end");
     drive_close(&d);
 }
 
@@ -210,9 +210,9 @@ static void one_loss(size_t i)
                  losses[i].within_ms, code, (unsigned long long)((d.w.now_ns - from) / MS));
     assert_int_equal(wire_read8(&d.w, 0, ECT_REG_AL_STATUS), SAFEOP | ERR);
     expect_display(losses[i].what, "F28");
-    drive_expect(&d, DS402_FAULT_REACTION, losses[i].what);
+    drive_expect(&d, ECT_402_FAULT_REACTION, losses[i].what);
     wire_advance(&d.w, 80 * MS); /* 20 turns a second at 500 turns a second squared: 40 ms */
-    drive_expect(&d, DS402_FAULT, losses[i].what);
+    drive_expect(&d, ECT_402_FAULT, losses[i].what);
     assert_int_equal(signal_number(&d.w, "powered"), 0);
     drive_close(&d);
 }
@@ -258,7 +258,7 @@ static void faults(void **state)
         assert_int_equal(drive_read(&d, 0x2000, 1), number);
         assert_int_equal(drive_read(&d, 0x1001, 0), rows[i].error_register);
         drive_safeop(&d, 0x1701, 0x1B01);
-        drive_expect(&d, rows[i].stays ? DS402_FAULT : DS402_SWITCH_ON_DISABLED, rows[i].fault);
+        drive_expect(&d, rows[i].stays ? ECT_402_FAULT : ECT_402_SWITCH_ON_DISABLED, rows[i].fault);
         if (!rows[i].stays) {
             expect_emergency(0, 0, 0);
             assert_int_equal(drive_read(&d, 0x603F, 0), 0);
@@ -283,13 +283,13 @@ static void no_motion_without_enable(void **state)
     for (size_t i = 0; i < COUNT(words); i++) {
         drive_control(&d, words[i]);
         drive_cycles(&d, 50);
-        drive_expect(&d, DS402_SWITCH_ON_DISABLED, "SAFEOP");
+        drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "SAFEOP");
     }
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);
     for (unsigned int control = 0x07; control <= 0xFF; control += 0x08) { /* all that begin in the middle */
         drive_control(&d, (uint16_t)control);
         drive_cycles(&d, 3);
-        drive_expect(&d, DS402_SWITCH_ON_DISABLED, "OP");
+        drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "OP");
     }
     assert_int_equal(drive_position(&d), 0);
     assert_true(drive_instance(&d)->plant.speed == 0 && drive_instance(&d)->torque_now == 0);
@@ -304,17 +304,17 @@ static void locks(void **state)
     drive_safeop(&d, 0x1702, 0x1B26);
     drive_cycle(&d);
     assert_true((drive_status(&d) & 0x4F) == 0x40);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_REMOTE, 0);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_REMOTE, 0);
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);
     drive_cycle(&d);
-    assert_int_equal(drive_status(&d) & DS402_STATUS_REMOTE, DS402_STATUS_REMOTE);
+    assert_int_equal(drive_status(&d) & ECT_402_STATUS_REMOTE, ECT_402_STATUS_REMOTE);
     drive_enable(&d);
     drive_set(&d, 10 * PMC_TURN);
     drive_cycles(&d, 100);
     assert_int_equal(wire_al(&d.w, 0, SAFEOP, NULL), SAFEOP);
-    drive_expect(&d, DS402_QUICK_STOP, "OP to SAFEOP");
+    drive_expect(&d, ECT_402_QUICK_STOP, "OP to SAFEOP");
     drive_cycles(&d, 60); /* set values come all the same: 10 turns a second are gone after 20 ms */
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, "SAFEOP");
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "SAFEOP");
     int32_t stands = drive_position(&d);
     assert_true(stands > PMC_TURN / 2);
     drive_cycles(&d, 50);
@@ -324,9 +324,9 @@ static void locks(void **state)
     assert_int_equal(wire_al(&d.w, 0, SAFEOP, NULL), SAFEOP);
     drive_cycle(&d);
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, "OP again"); /* the control word is 0Fh all the time */
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "OP again"); /* the control word is 0Fh all the time */
     drive_cycles(&d, 10);
-    drive_expect(&d, DS402_SWITCH_ON_DISABLED, "OP again");
+    drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "OP again");
 }
 
 /* --- by the manual's codes ---------------------------------------------------------------------------------------- */
