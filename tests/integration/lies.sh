@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# lies: ectwin-probe and ectwin verify read slaves whose CoE lies. Both end in time, with a line and an exit code, and the
+# file of the probe is JSON.
+# usage: lies.sh ECTWIN-OF-TESTS ECTWIN ECTWIN-PROBE
+set -u
+tests=$1
+ectwin=$2
+probe=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+expect() { # WHAT EXPECTED ACTUAL
+  [ "$2" = "$3" ] && return 0
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
+  touch "$work/failed"
+}
+
+read_slave() { # DEVICE EXIT LINE: both programs at once, each with a slave of its own
+  timeout 60 "$tests" with "$1" -- "$probe" -i {} --limit 15 --sii "$work/$1.bin" --od "$work/$1.json" 2>"$work/$1.err" >/dev/null
+  expect "$1: exit code of the probe" "$2" $?
+  expect "$1: line of the probe" "$3" "$(sed -n "s/^ectwin-probe: slave 1 on 'ecat0': //p" "$work/$1.err")"
+  expect "$1: JSON" "$([ "$2" = 0 ] && echo True || echo False)" \
+    "$(python3 -c "import json; print(json.load(open('$work/$1.json'))['complete'])" 2>&1)"
+}
+
+verify() { # DEVICE EXIT
+  timeout 100 "$tests" with "$1" -- "$ectwin" verify "$work/$1.bin" slave:{} >"$work/$1.out" 2>"$work/$1.err"
+  expect "$1: exit code of verify" "$2" $?
+}
+
+read_slave liar-upload-4g 3 "1000:00: longer than there is room for" &
+read_slave liar-no-uploads 3 "no reply within 2000 ms" &
+read_slave liar-no-replies 3 "no reply within 2000 ms" &
+read_slave liar-other-index 3 "mails came within 2000 ms, but none that replies to the request" &
+read_slave liar-toggle 3 "1000:00: a segment with the wrong toggle bit" &
+read_slave liar-endless-list 3 "SDO information in fragments without an end" &
+read_slave liar-endless-mails 3 "mails came within 2000 ms, but none that replies to the request" &
+wait
+for device in liar-upload-4g liar-no-uploads liar-no-replies liar-endless-mails; do
+  verify $device 2 &
+done
+wait
+[ ! -e "$work/failed" ]
