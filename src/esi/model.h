@@ -212,7 +212,8 @@ typedef struct ect_esi_device {
     const char *group_type;
     const char *group_name; /**< "" when the group is not in the file */
     const char *physics;
-    size_t place; /**< among the devices of its file, from 0 */
+    size_t place;              /**< among the devices of its file, from 0 */
+    const struct ect_esi *esi; /**< the file, which owns this */
     int line;
 
     uint32_t preop_ms, safeop_op_ms, back_to_init_ms, back_to_safeop_ms; /**< 0 when absent */

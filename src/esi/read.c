@@ -265,6 +265,7 @@ const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, cha
     ect_esi_xml_t xml = context(esi, text, room);
     ect_esi_device_t *device = ect_esi_read_device(&xml, esi->root, esi->nodes[chosen]);
     device->place = chosen;
+    device->esi = esi;
     return xml.failed ? NULL : device;
 }
 

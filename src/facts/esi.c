@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "esi/leaves.h"
 #include "facts/facts.h"
 
 static bool has_object(const ect_esi_dictionary_t *dictionary, uint16_t index)
@@ -107,6 +108,11 @@ static void add_pdo(ect_facts_t *facts, const ect_esi_pdo_t *pdo)
     (void)ect_facts_add(facts, ECT_FACT_PDO_EXCLUDES, pdo->index, 0, "%s", excludes);
 }
 
+static void add_leaf(void *facts, bool modelled, const char *path, const char *value)
+{
+    ect_facts_add_leaf(facts, modelled ? ECT_FACT_FILE_TEXT : ECT_FACT_FILE, path, value);
+}
+
 void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model)
 {
     ect_facts_of_device(facts, device);
@@ -119,4 +125,6 @@ void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_
         if (!model->pdos[i].virtual_pdo)
             add_pdo(facts, &model->pdos[i]);
     }
+    ect_esi_leaves(model, add_leaf, facts);
+    facts->complete[ECT_FACT_FILE] = facts->complete[ECT_FACT_FILE_TEXT] = true;
 }

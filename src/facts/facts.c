@@ -7,8 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "wire/assert.h"
+
 /* How a place is written. */
-typedef enum area { WHOLE, BY_NUMBER, BY_INDEX, BY_ENTRY, BY_SUBINDEX } area_t;
+typedef enum area { WHOLE, BY_NUMBER, BY_INDEX, BY_ENTRY, BY_SUBINDEX, BY_PATH } area_t;
 
 static const struct row {
     const char *place; /* before the numbers */
@@ -67,6 +69,15 @@ static const struct row {
     [ECT_FACT_DC_ACTIVATE] = {"DC mode ", "AssignActivate", BY_NUMBER, ECT_FACT_DC},
     [ECT_FACT_DC_SYNC0] = {"DC mode ", "SYNC0", BY_NUMBER, ECT_FACT_DC},
     [ECT_FACT_DC_SYNC1] = {"DC mode ", "SYNC1", BY_NUMBER, ECT_FACT_DC},
+    [ECT_FACT_FILE] = {"", "", BY_PATH, ECT_FACT_FILE},
+    [ECT_FACT_FILE_TEXT] = {"", "", BY_PATH, ECT_FACT_FILE_TEXT},
+    [ECT_FACT_WORDS] = {"EEPROM", "reserved words", WHOLE, ECT_FACT_WORDS},
+    [ECT_FACT_CATEGORY] = {"EEPROM category ", "", BY_NUMBER, ECT_FACT_CATEGORY},
+    [ECT_FACT_GENERAL] = {"EEPROM General byte ", "", BY_NUMBER, ECT_FACT_GENERAL},
+    [ECT_FACT_SM_BITS] = {"SM", "in the EEPROM", BY_NUMBER, ECT_FACT_SM},
+    [ECT_FACT_PDO_BITS] = {"PDO ", "in the EEPROM", BY_INDEX, ECT_FACT_PDO},
+    [ECT_FACT_PDO_ENTRY_BITS] = {"PDO ", "in the EEPROM", BY_ENTRY, ECT_FACT_PDO_ENTRY},
+    [ECT_FACT_DC_TEXT] = {"DC mode ", "in the EEPROM", BY_NUMBER, ECT_FACT_DC},
 };
 
 /* --- adding ------------------------------------------------------------------------------------------------------ */
@@ -113,6 +124,30 @@ void ect_facts_add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int i
         (void)ect_facts_add(facts, kind, index, element, "\"%.*s\"", (int)length, text);
 }
 
+uint32_t ect_facts_sum(const void *bytes, size_t length)
+{
+    const uint8_t *byte = bytes;
+    uint32_t sum = 2166136261u;
+    for (size_t i = 0; i < length; i++)
+        sum = (sum ^ byte[i]) * 16777619u;
+    return sum;
+}
+
+void ect_facts_add_leaf(ect_facts_t *facts, ect_fact_kind_t kind, const char *path, const char *value)
+{
+    enum { SHORT = 60 };
+    const size_t length = strlen(value);
+    const uint32_t key = ect_facts_sum(path, strlen(path));
+    const char *copy = ect_arena_copy(&facts->arena, path, strlen(path));
+    ect_fact_t *fact;
+    if (length <= SHORT)
+        fact = ect_facts_add(facts, kind, key >> 16, key & 0xFFFF, "\"%s\"", value);
+    else
+        fact = ect_facts_add(facts, kind, key >> 16, key & 0xFFFF, "%zu characters, sum %08" PRIX32, length,
+                             ect_facts_sum(value, length));
+    fact->path = copy;
+}
+
 void ect_facts_add_mapping(ect_facts_t *facts, unsigned int pdo, unsigned int element, unsigned int index,
                            unsigned int subindex, unsigned int bits)
 {
@@ -131,6 +166,8 @@ static const char *names_of_bits(char *text, size_t room, const char *const *nam
         if ((bits >> i & 1u) != 0 && names[i] != NULL)
             used += (size_t)snprintf(text + used, room - used, "%s%s", used > 0 ? " " : "", names[i]);
     }
+    if (bits >> count != 0 && used < room)
+        used += (size_t)snprintf(text + used, room - used, "%sbits 0x%X", used > 0 ? " " : "", bits >> count << count);
     return used > 0 ? text : "none";
 }
 
@@ -203,7 +240,7 @@ void ect_facts_add_protocols(ect_facts_t *facts, unsigned int protocols, unsigne
 
 void ect_facts_add_mailbox(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int start, unsigned int length)
 {
-    if (length == 0)
+    if (length == 0 && start == 0)
         (void)ect_facts_add(facts, kind, 0, 0, "none");
     else
         (void)ect_facts_add(facts, kind, 0, 0, "%u bytes at 0x%04X", length, start);
@@ -272,6 +309,8 @@ static void print_place(const ect_fact_t *fact, FILE *out)
         fprintf(out, "%04X entry %u", fact->index, fact->element);
     else if (row->area == BY_SUBINDEX)
         fprintf(out, "%04X:%02X", fact->index, fact->element);
+    else if (row->area == BY_PATH)
+        fputs(fact->path, out);
     if (*row->what != '\0')
         fprintf(out, " %s", row->what);
 }
@@ -298,44 +337,87 @@ static bool same(const ect_fact_t *a, const ect_fact_t *b)
     return a->text == NULL || b->text == NULL || strcmp(a->text, b->text) == 0;
 }
 
-static size_t compare_known(const ect_facts_t *known, const ect_facts_t *found, const order_t *order, FILE *out)
+typedef struct comparison {
+    ect_facts_t *known;
+    const ect_facts_t *found;
+    order_t of_known, of_found;
+    FILE *out;
+} comparison_t;
+
+/* Facts of `known` that `found` has otherwise, or has not and should. `texts`: those of ECT_FACT_FILE_TEXT, or the
+ * others. */
+static size_t compare_known(const comparison_t *c, bool texts)
 {
     size_t lines = 0;
-    for (size_t i = 0; i < known->count; i++) {
-        const ect_fact_t *expected = &known->list[i];
-        const ect_fact_t *actual = find(order, expected->kind, expected->index, expected->element);
-        if (actual ? same(expected, actual) : !is_missed(found, order, expected))
+    for (size_t i = 0; i < c->known->count; i++) {
+        const ect_fact_t *expected = &c->known->list[i];
+        if ((expected->kind == ECT_FACT_FILE_TEXT) != texts)
             continue;
-        print(found, expected->source, expected, actual, out);
+        const ect_fact_t *actual = find(&c->of_found, expected->kind, expected->index, expected->element);
+        if (actual ? same(expected, actual) : !is_missed(c->found, &c->of_found, expected))
+            continue;
+        print(c->found, expected->source, expected, actual, c->out);
         lines++;
     }
     return lines;
 }
 
-size_t ect_facts_compare(ect_facts_t *known, const ect_facts_t *found, FILE *out)
+/* Facts of `found` that `known` has not and should. */
+static size_t compare_found(const comparison_t *c, bool texts)
 {
-    order_t of_known = order_of(&known->arena, known);
-    order_t of_found = order_of(&known->arena, found);
-    size_t lines = compare_known(known, found, &of_found, out);
+    size_t lines = 0;
+    for (size_t i = 0; i < c->found->count; i++) {
+        const ect_fact_t *fact = &c->found->list[i];
+        if ((fact->kind == ECT_FACT_FILE_TEXT) != texts ||
+            find(&c->of_known, fact->kind, fact->index, fact->element) != NULL ||
+            !is_missed(c->known, &c->of_known, fact))
+            continue;
+        print(c->found, c->known->source, NULL, fact, c->out);
+        lines++;
+    }
+    return lines;
+}
+
+static void learn(const comparison_t *c)
+{
+    ect_facts_t *known = c->known;
+    const size_t before = known->count;
     ect_fact_t *list = NULL;
     size_t count = 0;
-    for (size_t i = 0; i < found->count; i++) {
-        const ect_fact_t *fact = &found->list[i];
-        if (find(&of_known, fact->kind, fact->index, fact->element))
+    for (size_t i = 0; i < c->found->count; i++) {
+        const ect_fact_t *fact = &c->found->list[i];
+        if (find(&c->of_known, fact->kind, fact->index, fact->element) != NULL)
             continue;
-        if (is_missed(known, &of_known, fact)) {
-            print(found, known->source, NULL, fact, out);
-            lines++;
-        }
         list = ect_arena_grow(&known->arena, list, count, sizeof *list);
         list[count++] = *fact;
     }
+    /* The order refers to the list, which moves as it grows. */
     for (size_t i = 0; i < count; i++) {
         known->list = ect_arena_grow(&known->arena, known->list, known->count, sizeof *known->list);
         known->list[known->count++] = list[i];
     }
+    ECT_ASSERT(known->count == before + count);
     for (size_t i = 0; i < ECT_FACT_KINDS; i++)
-        known->complete[i] = known->complete[i] || found->complete[i];
+        known->complete[i] = known->complete[i] || c->found->complete[i];
+}
+
+size_t ect_facts_compare(ect_facts_t *known, const ect_facts_t *found, FILE *out)
+{
+    ect_arena_t arena = {0};
+    const comparison_t c = {.known = known,
+                            .found = found,
+                            .of_known = order_of(&arena, known),
+                            .of_found = order_of(&arena, found),
+                            .out = out};
+    ECT_ASSERT(known != found);
+    size_t lines = compare_known(&c, false);
+    lines += compare_found(&c, false);
+    if (lines == 0)
+        lines = compare_known(&c, true);
+    if (lines == 0)
+        lines = compare_found(&c, true);
+    learn(&c);
+    ect_arena_free(&arena);
     return lines;
 }
 

@@ -75,6 +75,15 @@ typedef enum ect_fact_kind {
     ECT_FACT_DC_ACTIVATE,
     ECT_FACT_DC_SYNC0,
     ECT_FACT_DC_SYNC1,
+    ECT_FACT_FILE,           /**< an element or attribute of an ESI file that no other kind has */
+    ECT_FACT_FILE_TEXT,      /**< one that others have: a difference only when there is no other */
+    ECT_FACT_WORDS,          /**< reserved words of the header of an EEPROM */
+    ECT_FACT_CATEGORY,       /**< a category is in an EEPROM, by type; the content of those that no other kind has */
+    ECT_FACT_GENERAL,        /**< a byte of the category General that no other kind has */
+    ECT_FACT_SM_BITS,        /**< status and flags of a SyncManager in an EEPROM */
+    ECT_FACT_PDO_BITS,       /**< synchronization and flags of a PDO in an EEPROM */
+    ECT_FACT_PDO_ENTRY_BITS, /**< flags of an entry of a PDO in an EEPROM */
+    ECT_FACT_DC_TEXT,        /**< description of a mode of the clocks in an EEPROM, and its reserved bytes */
     ECT_FACT_KINDS
 } ect_fact_kind_t;
 
@@ -83,6 +92,7 @@ typedef struct ect_fact {
     uint16_t index;
     uint16_t element;
     bool made;          /**< it follows from others: a source without it has it none the less */
+    const char *path;   /**< of ECT_FACT_FILE and ECT_FACT_FILE_TEXT; else NULL */
     const char *text;   /**< NULL: it is there, and what it is is not known */
     const char *source; /**< who says so */
 } ect_fact_t;
@@ -127,6 +137,17 @@ bool ect_facts_are_of_pdos(unsigned int index);
 /** True for identity and roles of SyncManagers: what they hold is told by other facts. */
 bool ect_facts_are_told_elsewhere(unsigned int index);
 
+/** FNV-1a of bytes: for contents that are compared and not printed. */
+uint32_t ect_facts_sum(const void *bytes, size_t length);
+
+/**
+ * Adds an element or attribute of an ESI file. Its place in the order of facts is a check sum of the path: two paths
+ * with the same one, a case in four thousand million, are one fact.
+ * @param kind  ECT_FACT_FILE or ECT_FACT_FILE_TEXT
+ * @param value  up to 60 characters are kept, of a longer one its length and check sum
+ */
+void ect_facts_add_leaf(ect_facts_t *facts, ect_fact_kind_t kind, const char *path, const char *value);
+
 /** Adds the role of a SyncManager or FMMU: ECT_SM_..., ECT_FMMU_... */
 void ect_facts_add_sm(ect_facts_t *facts, unsigned int sm, unsigned int type);
 void ect_facts_add_fmmus(ect_facts_t *facts, const uint8_t *roles, size_t count);
@@ -139,7 +160,8 @@ void ect_facts_add_mailbox(ect_facts_t *facts, ect_fact_kind_t kind, unsigned in
 
 /**
  * Compares and learns: prints a line for each fact of `found` that is another in `known`, then adds to `known` what it
- * did not know.
+ * did not know. Facts of the kind ECT_FACT_FILE_TEXT follow when there are no other differences: so two files that
+ * differ in any value are never the same, and no value has two lines.
  * @param[in,out] known  the expectation; keeps pointers into `found`, which must outlive it
  * @return how many lines
  */

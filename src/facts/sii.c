@@ -20,6 +20,13 @@ static void add_string(const image_t *image, ect_fact_kind_t kind, unsigned int 
     const char *text = ect_sii_string(image->bytes, image->size, number, &length);
     if (text != NULL)
         ect_facts_add_text(image->facts, kind, index, element, text, length);
+    else if (number != 0)
+        (void)ect_facts_add(image->facts, kind, index, element, "string %u, which is not there", number);
+}
+
+static const char *text_or_none(uint8_t string)
+{
+    return string != 0 ? "a text" : "no text";
 }
 
 static void add_header(const image_t *image)
@@ -45,6 +52,70 @@ static void add_header(const image_t *image)
     (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%u bytes", (ect_load_le16(w + 0x7C) + 1u) * 128u);
 }
 
+/* Words that ETG.2010 reserves, and the version: what a vendor keeps there is its own, and one fact. */
+static void add_reserved(const image_t *image)
+{
+    enum { DELAYS = 0x20, DELAYS_END = 0x28, RESERVED = 0x3A, RESERVED_END = 0x7C, VERSION = 0x7E };
+    uint8_t words[DELAYS_END - DELAYS + RESERVED_END - RESERVED + 3];
+    const uint8_t *w = image->bytes;
+    size_t used = 0;
+    memcpy(words, w + DELAYS, DELAYS_END - DELAYS);
+    used += DELAYS_END - DELAYS;
+    memcpy(words + used, w + RESERVED, RESERVED_END - RESERVED);
+    used += RESERVED_END - RESERVED;
+    words[used++] = w[15];
+    memcpy(words + used, w + VERSION, 2);
+    (void)ect_facts_add(image->facts, ECT_FACT_WORDS, 0, 0, "sum %08" PRIX32, ect_facts_sum(words, sizeof words));
+}
+
+/* A category with facts of its own. Bytes behind the last whole element have none. */
+static void add_category(const image_t *image, uint16_t type, size_t bytes)
+{
+    const size_t rest = type == ECT_SII_DC ? bytes % 24 : type == ECT_SII_SYNCM ? bytes % 8 : 0;
+    if (rest == 0)
+        (void)ect_facts_add(image->facts, ECT_FACT_CATEGORY, type, 0, "there");
+    else
+        (void)ect_facts_add(image->facts, ECT_FACT_CATEGORY, type, 0, "there, with %zu bytes at its end", rest);
+}
+
+/* Categories in the order of the image. */
+static void add_categories(const image_t *image)
+{
+    size_t at = ECT_SII_CATEGORIES;
+    while (at + 4 <= image->size) {
+        const uint16_t type = ect_load_le16(image->bytes + at);
+        const size_t bytes = (size_t)ect_load_le16(image->bytes + at + 2) * 2;
+        if (type == ECT_SII_END) {
+            (void)ect_facts_add(image->facts, ECT_FACT_CATEGORY, type, 0, "the end");
+            break;
+        }
+        if (bytes > image->size - at - 4)
+            break;
+        const uint8_t *data = image->bytes + at + 4;
+        if (type == ECT_SII_STRINGS || type == ECT_SII_GENERAL || type == ECT_SII_FMMU || type == ECT_SII_SYNCM ||
+            type == ECT_SII_TXPDO || type == ECT_SII_RXPDO || type == ECT_SII_DC)
+            add_category(image, type, bytes);
+        else
+            (void)ect_facts_add(image->facts, ECT_FACT_CATEGORY, type, 0, "%zu bytes, sum %08" PRIX32, bytes,
+                                ect_facts_sum(data, bytes));
+        at += 4 + bytes;
+    }
+    image->facts->complete[ECT_FACT_CATEGORY] = true;
+}
+
+/* Bytes of General without a fact of their own: picture, reserved ones, details of protocols, flags, places of the id.
+ * Which string is a text depends on the tool that wrote the image; whether there is one does not. */
+static void add_general_bytes(const image_t *image, const uint8_t *g, size_t length)
+{
+    static const uint32_t texts = 1u << 0 | 1u << 2 | 1u << 3 | 1u << 14, read = 1u << 5 | 1u << 12 | 1u << 13;
+    for (unsigned int i = 0; i < length && i < 256; i++) {
+        if (i < 32 && (texts >> i & 1u) != 0)
+            (void)ect_facts_add(image->facts, ECT_FACT_GENERAL, i, 0, "%s", text_or_none(g[i]));
+        else if (i >= 32 || (read >> i & 1u) == 0)
+            (void)ect_facts_add(image->facts, ECT_FACT_GENERAL, i, 0, "0x%02X", g[i]);
+    }
+}
+
 static void add_general(const image_t *image)
 {
     static const char letters[] = " Y KH           "; /* MII, EBUS, fast hot connect; others have no letter */
@@ -62,6 +133,7 @@ static void add_general(const image_t *image)
     for (unsigned int i = 0; i < 4; i++)
         ports[i] = letters[ect_load_le16(g + 16) >> (4 * i) & 0xF];
     ect_facts_add_text(image->facts, ECT_FACT_PORTS, 0, 0, ports, 4);
+    add_general_bytes(image, g, length);
 }
 
 static void add_layout(const image_t *image)
@@ -77,6 +149,7 @@ static void add_layout(const image_t *image)
         ect_facts_add_sm(image->facts, i, sm[7]);
         (void)ect_facts_add(image->facts, ECT_FACT_SM_START, i, 0, "0x%04X", ect_load_le16(sm));
         (void)ect_facts_add(image->facts, ECT_FACT_SM_CONTROL, i, 0, "0x%02X", sm[4]);
+        (void)ect_facts_add(image->facts, ECT_FACT_SM_BITS, i, 0, "status 0x%02X, flags 0x%02X", sm[5], sm[6] & 0xFEu);
         if (sm[7] == ECT_SM_UNUSED)
             continue;
         (void)ect_facts_add(image->facts, ECT_FACT_SM_LENGTH, i, 0, "%u bytes", bytes);
@@ -94,6 +167,8 @@ static void add_pdo_entries(const image_t *image, uint16_t pdo, const uint8_t *e
         add_string(image, ECT_FACT_PDO_ENTRY_NAME, pdo, n, entries[3]);
         if (entries[4] != 0)
             (void)ect_facts_add(image->facts, ECT_FACT_PDO_ENTRY_TYPE, pdo, n, "0x%02X", entries[4]);
+        (void)ect_facts_add(image->facts, ECT_FACT_PDO_ENTRY_BITS, pdo, n, "%s, %s, 0x%04X", text_or_none(entries[3]),
+                            entries[4] != 0 ? "a type" : "no type", ect_load_le16(entries + 6));
     }
 }
 
@@ -116,6 +191,8 @@ static void add_pdos(const image_t *image, uint16_t category)
                             (flags & ECT_PDO_FIXED) != 0 ? "yes" : "no");
         (void)ect_facts_add(image->facts, ECT_FACT_PDO_MANDATORY, index, 0, "%s",
                             (flags & ECT_PDO_MANDATORY) != 0 ? "yes" : "no");
+        (void)ect_facts_add(image->facts, ECT_FACT_PDO_BITS, index, 0, "%s, synchronization %u, flags 0x%04X",
+                            text_or_none(pdo[5]), pdo[4], flags & ~(unsigned int)(ECT_PDO_FIXED | ECT_PDO_MANDATORY));
         add_pdo_entries(image, index, pdo + 8, pdo[2]);
         pdo += bytes;
         length -= bytes;
@@ -134,6 +211,10 @@ static void add_clocks(const image_t *image)
         (void)ect_facts_add(image->facts, ECT_FACT_DC_ACTIVATE, i, 0, "0x%04X", ect_load_le16(dc + 14));
         (void)ect_facts_add(image->facts, ECT_FACT_DC_SYNC0, i, 0, "%" PRIu32 " ns, factor %d, shift %" PRId32 " ns",
                             ect_load_le32(dc), (int16_t)ect_load_le16(dc + 16), (int32_t)ect_load_le32(dc + 4));
+        uint8_t description = 0;
+        const char *text = ect_sii_string(image->bytes, image->size, dc[19], &description);
+        (void)ect_facts_add(image->facts, ECT_FACT_DC_TEXT, i, 0, "%s, \"%.*s\", 0x%08" PRIX32, text_or_none(dc[18]),
+                            (int)description, text != NULL ? text : "", ect_load_le32(dc + 20));
         (void)ect_facts_add(image->facts, ECT_FACT_DC_SYNC1, i, 0, "factor %d, shift %" PRId32 " ns",
                             (int16_t)ect_load_le16(dc + 12), (int32_t)ect_load_le32(dc + 8));
     }
@@ -147,6 +228,8 @@ void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size)
         return;
     }
     add_header(&image);
+    add_reserved(&image);
+    add_categories(&image);
     add_general(&image);
     add_layout(&image);
     add_pdos(&image, ECT_SII_TXPDO);
