@@ -10,6 +10,7 @@
 #include "esi/values.h"
 #include "output.h"
 #include "page.h"
+#include "products.h"
 
 static const char who[] = "ectwin doc";
 
@@ -295,8 +296,9 @@ static void layout(doc_t *d)
     PAGE_HEAD(p, CELL("Number"), CELL("Role"), CELL("Start"), CELL("Bytes"), CELL("Control"));
     for (unsigned int i = 0; i < d->device->sm_count; i++) {
         const ect_sm_t *sm = &d->device->sm[i];
-        PAGE_ROW(p, CELL(plain(d, i)), CELL(roles[sm->type < 5 ? sm->type : 0]), CELL(hex(d, sm->start, 4)),
-                 CELL(plain(d, ect_device_sm_bytes(d->device, i))), CELL(hex(d, sm->control, 2)));
+        PAGE_ROW(p, CELL(plain(d, i)), CELL(roles[ect_sm_role(sm) < 5 ? ect_sm_role(sm) : 0]),
+                 CELL(hex(d, sm->start, 4)), CELL(plain(d, ect_device_sm_bytes(d->device, i))),
+                 CELL(hex(d, sm->control, 2)));
     }
     page_table(p, false);
 }
@@ -477,6 +479,118 @@ static void dictionary(doc_t *d)
     }
 }
 
+/* --- elements of an ESI file beyond the description --------------------------------------------------------------- */
+
+static const ect_esi_device_t *model_of(const doc_t *d)
+{
+    const ect_esi_twin_t *twin = product_twin_of_device(d->device);
+    return twin ? ect_esi_twin_model(twin) : NULL;
+}
+
+static const char *bytes_text(doc_t *d, const uint8_t *bytes, size_t length)
+{
+    char *text = ect_arena_alloc(&d->arena, 2 * length + 1);
+    for (size_t i = 0; i < length; i++)
+        snprintf(text + 2 * i, 3, "%02X", bytes[i]);
+    return text;
+}
+
+static bool has_start_up(const doc_t *d)
+{
+    const ect_esi_device_t *model = model_of(d);
+    return model && model->mailbox.init_count > 0;
+}
+
+static void start_up(doc_t *d)
+{
+    const ect_esi_mailbox_t *mailbox = &model_of(d)->mailbox;
+    page_table(&d->page, true);
+    PAGE_HEAD(&d->page, CELL("Transitions"), CELL("Object"), CELL("Data"), CELL("Comment"));
+    for (size_t i = 0; i < mailbox->init_count; i++) {
+        const ect_esi_init_t *init = &mailbox->inits[i];
+        PAGE_ROW(&d->page, CELL(init->transitions),
+                 CELL(ect_arena_print(&d->arena, "%04Xh:%u%s", init->index, init->subindex,
+                                      init->complete ? " complete" : "")),
+                 CELL(bytes_text(d, init->data.bytes, init->data.length)), CELL(init->comment));
+    }
+    page_table(&d->page, false);
+}
+
+static bool has_slots(const doc_t *d)
+{
+    const ect_esi_device_t *model = model_of(d);
+    return model && model->slot_count > 0;
+}
+
+static const char *accepts(doc_t *d, const ect_esi_slot_t *slot)
+{
+    const char *text = "";
+    for (size_t k = 0; k < slot->ident_count; k++)
+        text = ect_arena_print(&d->arena, "%s%s0x%08" PRIX32 "%s", text, *text ? ", " : "", slot->idents[k],
+                               slot->idents[k] == slot->preset ? " (preset)" : "");
+    for (size_t k = 0; k < slot->class_count; k++)
+        text = ect_arena_print(&d->arena, "%s%sclass %s", text, *text ? ", " : "", slot->classes[k]);
+    return text;
+}
+
+static void slots(doc_t *d)
+{
+    const ect_esi_device_t *model = model_of(d);
+    page_table(&d->page, true);
+    PAGE_HEAD(&d->page, CELL("Slot"), CELL("Modules"), CELL("Accepts"));
+    for (size_t i = 0; i < model->slot_count; i++) {
+        const ect_esi_slot_t *slot = &model->slots[i];
+        PAGE_ROW(&d->page, CELL(slot->name),
+                 CELL(ect_arena_print(&d->arena, "%u to %u", slot->instances_min, slot->instances_max)),
+                 CELL(accepts(d, slot)));
+    }
+    page_table(&d->page, false);
+}
+
+static bool has_assignments(const doc_t *d)
+{
+    const ect_esi_device_t *model = model_of(d);
+    return model && model->alternative_count + model->mode_assignment_count > 0;
+}
+
+static void assignment_rows(doc_t *d, const char *kind, const ect_esi_assignment_t *list, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const char *pdos_text = "";
+        for (size_t k = 0; k < list[i].pdo_count; k++)
+            pdos_text = ect_arena_print(&d->arena, "%s%s%04Xh", pdos_text, k > 0 ? " " : "", list[i].pdos[k]);
+        PAGE_ROW(&d->page, CELL(kind),
+                 CELL(ect_arena_print(&d->arena, "%s%s", list[i].name, list[i].preset ? " (preset)" : "")),
+                 CELL(plain(d, list[i].sm)), CELL(pdos_text));
+    }
+}
+
+static void alternatives(doc_t *d)
+{
+    const ect_esi_device_t *model = model_of(d);
+    page_table(&d->page, true);
+    PAGE_HEAD(&d->page, CELL("Kind"), CELL("Name"), CELL("SyncManager"), CELL("PDOs"));
+    assignment_rows(d, "assignment", model->alternatives, model->alternative_count);
+    assignment_rows(d, "clock mode", model->mode_assignments, model->mode_assignment_count);
+    page_table(&d->page, false);
+}
+
+static bool has_categories(const doc_t *d)
+{
+    return d->device->category_count > 0;
+}
+
+static void categories(doc_t *d)
+{
+    page_table(&d->page, true);
+    PAGE_HEAD(&d->page, CELL("Number"), CELL("Data"));
+    for (unsigned int i = 0; i < d->device->category_count; i++) {
+        const ect_category_t *category = &d->device->categories[i];
+        PAGE_ROW(&d->page, CELL(plain(d, category->number)), CELL(bytes_text(d, category->data, category->length)));
+    }
+    page_table(&d->page, false);
+}
+
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
 
 static bool has_clocks(const doc_t *d)
@@ -508,6 +622,10 @@ static const struct section {
     {"clocks", "Distributed clocks", clocks, has_clocks},
     {"pdos", "Process data", pdos, NULL},
     {"fields", "Bits and values", fields, has_fields},
+    {"start-up", "Start-up commands", start_up, has_start_up},
+    {"slots", "Slots", slots, has_slots},
+    {"alternatives", "Alternative PDO assignments", alternatives, has_assignments},
+    {"categories", "EEPROM categories", categories, has_categories},
     {"timing", "Behaviour over time", timing, has_charts},
     {"objects", "Objects", dictionary, NULL},
 };

@@ -5,6 +5,7 @@
 
 #include "esi/write.h"
 #include "output.h"
+#include "products.h"
 
 static const char who[] = "ectwin esi";
 
@@ -75,7 +76,8 @@ int command_esi(int argc, char **argv)
     for (size_t i = 0; parts && i < args.twins.count; i++)
         parts[i] = (ect_esi_part_t){.device = args.twins.twins[i].device,
                                     .identity = &args.twins.twins[i].identity,
-                                    .plant = args.twins.twins[i].plant};
+                                    .plant = args.twins.twins[i].plant,
+                                    .twin = product_twin_of_device(args.twins.twins[i].device)};
     if (parts)
         status = args.all ? write_families(parts, args.twins.count, args.output ? args.output : ".")
                           : write_parts(parts, args.twins.count, args.output);

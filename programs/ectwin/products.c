@@ -88,6 +88,15 @@ const ect_esi_twin_t *product_twin(const ect_product_t *product)
     return NULL;
 }
 
+const ect_esi_twin_t *product_twin_of_device(const ect_device_t *device)
+{
+    for (const made_t *made = all; made; made = made->next) {
+        if (ect_esi_twin_product(made->twin)->device == device)
+            return made->twin;
+    }
+    return NULL;
+}
+
 bool product_list_file(const char *path, char *message)
 {
     ect_esi_t *esi = ect_esi_open(path, message, PRODUCT_MESSAGE);
@@ -96,8 +105,9 @@ bool product_list_file(const char *path, char *message)
     size_t count;
     const ect_esi_head_t *heads = ect_esi_heads(esi, &count);
     for (size_t i = 0; i < count; i++)
-        printf("%-24s @0x%08" PRIX32 "/0x%08" PRIX32 "  %s\n", heads[i].type, heads[i].product_code, heads[i].revision,
-               heads[i].name);
+        printf("%-24s @0x%08" PRIX32 "/0x%08" PRIX32 "  %s%s%s%s\n", heads[i].type, heads[i].product_code,
+               heads[i].revision, heads[i].name, *heads[i].extras != '\0' ? " (" : "", heads[i].extras,
+               *heads[i].extras != '\0' ? ")" : "");
     ect_esi_close(esi);
     return true;
 }

@@ -25,6 +25,9 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
 /** @return the twin that a product of an ESI file is; NULL: it is none of a file */
 const ect_esi_twin_t *product_twin(const ect_product_t *product);
 
+/** The same for a device. */
+const ect_esi_twin_t *product_twin_of_device(const ect_device_t *device);
+
 /** @return what follows `esi:` in a name, NULL when it is none of a file */
 const char *product_file(const char *name);
 

@@ -79,6 +79,7 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
     for (size_t i = 0; i < module->pdo_count; i++)
         add_pdo(build, &module->pdos[i], steps * place->slot->pdo_increment, index_shift);
     ect_build_objects(build, &module->dictionary, index_shift);
+    ect_build_inits(build, module->inits, module->init_count, index_shift);
 }
 
 /* What stands in a place: what the user chose, else what the file presets in as many as must be there. */

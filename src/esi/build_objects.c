@@ -235,3 +235,60 @@ void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionar
     for (size_t i = 0; i < dictionary->object_count; i++)
         add_object(build, dictionary, &dictionary->objects[i], shift);
 }
+
+/* --- start-up commands ------------------------------------------------------------------------------------------- */
+
+/* The states in which a master writes at one of the transitions: from PREOP on, where there is a mailbox. */
+static uint16_t written_in(const char *transitions)
+{
+    uint16_t bits = 0;
+    bits |= strstr(transitions, "IP") != NULL || strstr(transitions, "PS") != NULL ? ECT_ACCESS_W_PREOP : 0;
+    bits |= strstr(transitions, "SO") != NULL || strstr(transitions, "SP") != NULL ? ECT_ACCESS_W_SAFEOP : 0;
+    bits |= strstr(transitions, "OS") != NULL || strstr(transitions, "OP") != NULL ? ECT_ACCESS_W_OP : 0;
+    return bits != 0 ? bits : (uint16_t)ECT_ACCESS_WO;
+}
+
+static ect_build_entry_t *make_entry(ect_build_t *build, const ect_esi_init_t *init, uint16_t index)
+{
+    ect_esi_basic_t basic;
+    ect_build_object_t *object = ect_build_find(build, index);
+    const char *name = *init->comment != '\0' ? init->comment : "Start-up parameter";
+    if (object == NULL)
+        object = ect_build_object(build, index, init->subindex == 0 ? ECT_OBJECT_VAR : ECT_OBJECT_RECORD, name);
+    if (!ect_esi_resolve(NULL, "", (uint32_t)(8 * init->data.length), &basic) ||
+        (object->code == ECT_OBJECT_VAR && init->subindex != 0))
+        return NULL;
+    ect_build_note(build, "line %d: a start-up command writes %04X:%u, which the dictionary has not: it is made",
+                   init->line, (unsigned int)index, (unsigned int)init->subindex);
+    ect_build_entry_t *zero = ect_build_entry(object, 0);
+    if (zero != NULL && init->subindex > ect_build_number(zero))
+        ect_build_initial(build, zero, init->subindex);
+    return ect_build_add(build, object, init->subindex, basic.code, basic.bits, ECT_ACCESS_RO, name);
+}
+
+/* Mappings and assignments have rules of their own; a whole object is written as its entries are. */
+static bool is_left_alone(const ect_esi_init_t *init, uint16_t index)
+{
+    return init->complete || init->data.length == 0 || ect_od_is_rxpdo(index) || ect_od_is_txpdo(index) ||
+           (index >= ECT_OD_ASSIGNMENT && index < ECT_OD_ASSIGNMENT + ASSIGNMENTS);
+}
+
+void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, uint32_t shift)
+{
+    for (size_t i = 0; i < count; i++) {
+        const ect_esi_init_t *init = &inits[i];
+        uint16_t index = (uint16_t)(init->index + (init->depends_on_slot ? shift : 0));
+        ect_build_object_t *object = ect_build_find(build, index);
+        ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, init->subindex) : NULL;
+        uint16_t wanted = written_in(init->transitions);
+        if (is_left_alone(init, index))
+            continue;
+        if (entry == NULL)
+            entry = make_entry(build, init, index);
+        else if ((entry->access & wanted) != wanted)
+            ect_build_note(build, "line %d: a start-up command writes %04X:%u, which is read-only: it is writable",
+                           init->line, (unsigned int)index, (unsigned int)init->subindex);
+        if (entry != NULL)
+            entry->access |= wanted;
+    }
+}

@@ -244,6 +244,9 @@ void ect_build_sort(ect_build_t *build);
 /** build_objects.c: adds the objects of a dictionary, moved by `shift` where they depend on a slot. */
 void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift);
 
+/** build_objects.c: makes what start-up commands write exist and writable; `shift` as of ::ect_build_objects. */
+void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, uint32_t shift);
+
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
 
@@ -287,6 +290,15 @@ void ect_pen_number(ect_pen_t *pen, const char *element, int64_t value);
 void ect_pen_hex(ect_pen_t *pen, const char *element, uint32_t value, int digits);
 void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, size_t length);
 
+/** Copies an element of a file with all that is in it. */
+void ect_pen_copy(ect_pen_t *pen, const xmlNode *node);
+
+/** Copies the children of an element of a file that have that name; NULL: all children. */
+void ect_pen_copy_children(ect_pen_t *pen, const xmlNode *parent, const char *name);
+
+/** @return the `<Device>` of the file that a part comes from; NULL: it comes from none */
+const xmlNode *ect_pen_source(const ect_esi_part_t *part);
+
 /** `<Dictionary>` */
 void ect_pen_dictionary(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity);
 
@@ -297,7 +309,7 @@ void ect_pen_enum_types(ect_pen_t *pen, const ect_od_t *od);
 /** `<Comment>` with the named bits of an entry, if there are any. */
 void ect_pen_bits(ect_pen_t *pen, uint16_t index, uint8_t subindex);
 
-/** `<Device>` */
-void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part);
+/** `<Device>`. @param slots  whether the slots of its file are copied */
+void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part, bool slots);
 
 #endif

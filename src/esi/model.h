@@ -81,8 +81,26 @@ typedef struct ect_esi_init {
     bool complete;
     bool adapts; /**< `AdaptAutomatically`: tools replace the data */
     ect_esi_bytes_t data;
-    const char *comment; /**< "" when absent */
+    const char *comment;  /**< "" when absent */
+    bool depends_on_slot; /**< `DependOnSlot`: the index moves with the module's slot */
+    int line;
 } ect_esi_init_t;
+
+/** `<Sm>` with its PDOs, of an `<AlternativeSmMapping>` or an `<OpMode>`. */
+typedef struct ect_esi_assignment {
+    const char *name; /**< of the alternative or the mode */
+    bool preset;      /**< `Default` of the alternative */
+    unsigned int sm;
+    const uint16_t *pdos;
+    size_t pdo_count;
+} ect_esi_assignment_t;
+
+/** `<Category>` of the EEPROM. */
+typedef struct ect_esi_category {
+    uint16_t number;
+    ect_esi_bytes_t data; /**< of `<Data>`, `<DataString>`, `<DataUINT>` (2 bytes) or `<DataUDINT>` (4 bytes) */
+    int line;
+} ect_esi_category_t;
 
 /** `<OpMode>`. */
 typedef struct ect_esi_dc {
@@ -236,10 +254,16 @@ typedef struct ect_esi_device {
     ect_esi_dictionary_t dictionary;
     const char *dictionary_file; /**< "" when the dictionary is not in a file of its own */
 
-    uint32_t eeprom_size;      /**< bytes, 0 when absent */
-    ect_esi_bytes_t eeprom;    /**< `<Data>`: the whole image */
-    ect_esi_bytes_t config;    /**< `<ConfigData>` */
-    ect_esi_bytes_t bootstrap; /**< `<BootStrap>` */
+    uint32_t eeprom_size;                     /**< bytes, 0 when absent */
+    ect_esi_bytes_t eeprom;                   /**< `<Data>`: the whole image */
+    ect_esi_bytes_t config;                   /**< `<ConfigData>` */
+    ect_esi_bytes_t bootstrap;                /**< `<BootStrap>` */
+    const ect_esi_assignment_t *alternatives; /**< one for each SyncManager of each alternative */
+    size_t alternative_count;
+    const ect_esi_assignment_t *mode_assignments; /**< one for each SyncManager of each mode of the clocks */
+    size_t mode_assignment_count;
+    const ect_esi_category_t *categories;
+    size_t category_count;
 
     const ect_esi_slot_t *slots;
     size_t slot_count;

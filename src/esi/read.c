@@ -63,6 +63,32 @@ static xmlDocPtr parse(const char *name, const void *data, size_t length, char *
     return document;
 }
 
+static size_t count_of(const xmlNode *parent, const char *name)
+{
+    size_t count = 0;
+    ECT_ESI_EACH(node, parent, name)
+    count++;
+    return count;
+}
+
+static const char *add_extra(ect_esi_xml_t *xml, const char *text, size_t count, const char *what)
+{
+    if (count == 0)
+        return text;
+    return ect_arena_print(xml->arena, "%s%s%s: %zu", text, *text != '\0' ? ", " : "", what, count);
+}
+
+static const char *extras_of(ect_esi_xml_t *xml, const xmlNode *device)
+{
+    const xmlNode *vendor = ect_esi_child(ect_esi_child(device, "Info"), "VendorSpecific");
+    const char *text = add_extra(xml, "", count_of(ect_esi_child(device, "Slots"), "Slot"), "slots");
+    text = add_extra(xml, text, count_of(ect_esi_child(ect_esi_child(device, "Mailbox"), "CoE"), "InitCmd"),
+                     "start-up commands");
+    text = add_extra(xml, text, count_of(ect_esi_child(vendor, "TwinCAT"), "AlternativeSmMapping"),
+                     "alternative assignments");
+    return add_extra(xml, text, count_of(ect_esi_child(device, "Eeprom"), "Category"), "EEPROM categories");
+}
+
 static void read_heads(ect_esi_t *esi, ect_esi_xml_t *xml, const xmlNode *devices)
 {
     ECT_ESI_EACH(node, devices, "Device")
@@ -80,6 +106,7 @@ static void read_heads(ect_esi_t *esi, ect_esi_xml_t *xml, const xmlNode *device
         head->name = ect_esi_name(xml, node, "Name");
         head->product_code = (uint32_t)ect_esi_attribute_number(xml, type, "ProductCode", 0, UINT32_MAX, 0);
         head->revision = (uint32_t)ect_esi_attribute_number(xml, type, "RevisionNo", 0, UINT32_MAX, 0);
+        head->extras = extras_of(xml, node);
         head->line = ect_esi_line(node);
     }
 }

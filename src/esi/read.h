@@ -27,6 +27,7 @@ typedef struct ect_esi_head {
     const char *name;
     uint32_t product_code;
     uint32_t revision;
+    const char *extras; /**< "slots: 2, start-up commands: 1", "" when it has none of what ::ect_esi_part_t copies */
     int line;
 } ect_esi_head_t;
 

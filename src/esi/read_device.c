@@ -128,7 +128,10 @@ static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, 
         init->data = ect_esi_hex(xml, node, "Data");
         const xmlNode *data = ect_esi_child(node, "Data");
         init->adapts = data != NULL && ect_esi_flag(xml, data, "AdaptAutomatically");
-        init->comment = ect_esi_text(xml, ect_esi_child(node, "Comment"));
+        init->comment = ect_esi_name(xml, node, "Comment");
+        init->depends_on_slot =
+            ect_esi_child(node, "Index") != NULL && ect_esi_flag(xml, ect_esi_child(node, "Index"), "DependOnSlot");
+        init->line = ect_esi_line(node);
     }
     return inits;
 }
@@ -157,6 +160,38 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbo
     mailbox->inits = read_inits(xml, coe, &mailbox->init_count);
 }
 
+/* Appends the SyncManagers below an element that assigns PDOs to them. */
+static const ect_esi_assignment_t *read_assignments(ect_esi_xml_t *xml, const xmlNode *parent, const char *name,
+                                                    const ect_esi_assignment_t *list, size_t *count)
+{
+    ect_esi_assignment_t *assignments = (ect_esi_assignment_t *)(uintptr_t)list; // ours, growing
+    ect_esi_assignment_t *assignment;
+    ECT_ESI_EACH(node, parent, "Sm")
+    {
+        uint16_t *pdos = NULL;
+        uint16_t *pdo;
+        ECT_APPEND(xml, assignments, *count, assignment);
+        assignment->name = name;
+        assignment->preset = ect_esi_flag(xml, parent, "Default");
+        assignment->sm = (unsigned int)ect_esi_attribute_number(xml, node, "No", 0, UINT8_MAX, 0);
+        ECT_ESI_EACH(child, node, "Pdo")
+        {
+            ECT_APPEND(xml, pdos, assignment->pdo_count, pdo);
+            *pdo = (uint16_t)ect_esi_value(xml, child, 0, UINT16_MAX);
+        }
+        assignment->pdos = pdos;
+    }
+    return assignments;
+}
+
+static void read_alternatives(ect_esi_xml_t *xml, const xmlNode *info, ect_esi_device_t *device)
+{
+    const xmlNode *vendor = ect_esi_child(ect_esi_child(info, "VendorSpecific"), "TwinCAT");
+    ECT_ESI_EACH(node, vendor, "AlternativeSmMapping")
+    device->alternatives =
+        read_assignments(xml, node, ect_esi_name(xml, node, "Name"), device->alternatives, &device->alternative_count);
+}
+
 static int factor_of(ect_esi_xml_t *xml, const xmlNode *mode, const char *name)
 {
     const xmlNode *node = ect_esi_child(mode, name);
@@ -179,6 +214,8 @@ static void read_dcs(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *
         dc->shift_sync1_ns = ect_esi_number(xml, mode, "ShiftTimeSync1", INT32_MIN, UINT32_MAX, 0);
         dc->sync0_factor = factor_of(xml, mode, "CycleTimeSync0");
         dc->sync1_factor = factor_of(xml, mode, "CycleTimeSync1");
+        device->mode_assignments =
+            read_assignments(xml, mode, dc->name, device->mode_assignments, &device->mode_assignment_count);
     }
     device->dcs = dcs;
 }
@@ -200,12 +237,51 @@ static void read_info(ect_esi_xml_t *xml, const xmlNode *info, ect_esi_device_t 
     device->identification_ado = ect_esi_optional(xml, info, "IdentificationAdo");
 }
 
+/* A number of `size` bytes, little-endian. */
+static ect_esi_bytes_t bytes_of(ect_esi_xml_t *xml, const xmlNode *node, size_t size)
+{
+    int64_t value = ect_esi_value(xml, node, INT32_MIN, UINT32_MAX);
+    uint8_t *bytes = ect_arena_alloc(xml->arena, size);
+    for (size_t i = 0; i < size; i++)
+        bytes[i] = (uint8_t)((uint64_t)value >> 8 * i);
+    return (ect_esi_bytes_t){.bytes = bytes, .length = size};
+}
+
+static ect_esi_bytes_t category_data(ect_esi_xml_t *xml, const xmlNode *node)
+{
+    const xmlNode *text = ect_esi_child(node, "DataString");
+    const xmlNode *word = ect_esi_child(node, "DataUINT");
+    const xmlNode *words = ect_esi_child(node, "DataUDINT");
+    if (text != NULL) {
+        const char *string = ect_esi_text(xml, text);
+        return (ect_esi_bytes_t){.bytes = (const uint8_t *)string, .length = strlen(string)};
+    }
+    if (word != NULL || words != NULL)
+        return bytes_of(xml, word != NULL ? word : words, word != NULL ? 2 : 4);
+    return ect_esi_hex(xml, node, "Data");
+}
+
+static void read_categories(ect_esi_xml_t *xml, const xmlNode *eeprom, ect_esi_device_t *device)
+{
+    ect_esi_category_t *categories = NULL;
+    ect_esi_category_t *category;
+    ECT_ESI_EACH(node, eeprom, "Category")
+    {
+        ECT_APPEND(xml, categories, device->category_count, category);
+        category->number = (uint16_t)ect_esi_number(xml, node, "CatNo", 0, UINT16_MAX, 0);
+        category->data = category_data(xml, node);
+        category->line = ect_esi_line(node);
+    }
+    device->categories = categories;
+}
+
 static void read_eeprom(ect_esi_xml_t *xml, const xmlNode *eeprom, ect_esi_device_t *device)
 {
     device->eeprom = ect_esi_hex(xml, eeprom, "Data");
     device->eeprom_size = (uint32_t)ect_esi_number(xml, eeprom, "ByteSize", 0, 4 * 1024 * 1024, 0);
     device->config = ect_esi_hex(xml, eeprom, "ConfigData");
     device->bootstrap = ect_esi_hex(xml, eeprom, "BootStrap");
+    read_categories(xml, eeprom, device);
 }
 
 static void read_slot(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device, ect_esi_slot_t *slot)
@@ -320,6 +396,7 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
     ect_esi_device_t *device = ect_arena_alloc(xml->arena, sizeof *device);
     read_identity(xml, root, node, device);
     read_info(xml, ect_esi_child(node, "Info"), device);
+    read_alternatives(xml, ect_esi_child(node, "Info"), device);
     read_fmmus(xml, node, device);
     read_sms(xml, node, device);
     device->pdos = read_pdos(xml, node, &device->pdo_count);

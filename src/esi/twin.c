@@ -14,7 +14,7 @@ enum {
     OUTPUT_REGISTERS = 0x0F00,
     RAM_START = 0x1000,
     RAM_END_SMALL = 0x3000,
-    SMALLEST_EEPROM = 1024,
+    USUAL_EEPROM = 1024, /* where the file has no size; it grows to what the image needs */
     LARGEST_EEPROM = 0xFF80
 };
 
@@ -24,6 +24,8 @@ enum { LONGEST_IMAGE = 1486 };
 struct ect_esi_twin {
     ect_arena_t arena;
     ect_esi_t *own; /* the file, when it is the twin's */
+    const ect_esi_t *esi;
+    bool chosen; /* the user named modules */
     ect_build_t build;
     ect_device_t device;
     ect_plant_t plant;
@@ -311,7 +313,7 @@ static void set_eeprom(ect_build_t *build, ect_device_t *device)
     if (length > 0)
         memcpy(device->esc_config, model->config.bytes, length);
     uint32_t size = model->eeprom_size > model->eeprom.length ? model->eeprom_size : (uint32_t)model->eeprom.length;
-    size = size > SMALLEST_EEPROM ? (size + 127) / 128 * 128 : SMALLEST_EEPROM;
+    size = size > 0 ? (size + 127) / 128 * 128 : USUAL_EEPROM;
     if (size > LARGEST_EEPROM) {
         ect_build_note(build, "its EEPROM has %u bytes; the twin's has %u", (unsigned int)size,
                        (unsigned int)LARGEST_EEPROM);
@@ -326,25 +328,66 @@ static void set_eeprom(ect_build_t *build, ect_device_t *device)
     device->sii = image;
 }
 
-/* The image is written from the description: where it does not fit the size that the file says, the chip is larger. */
-static void grow_eeprom(ect_build_t *build, ect_device_t *device)
+/* Categories that the image has of itself are the description's. */
+static void set_categories(ect_build_t *build, ect_device_t *device)
 {
-    uint16_t said = device->sii_size;
-    for (;; device->sii_size = (uint16_t)(2 * device->sii_size)) {
-        uint8_t *image = malloc(device->sii_size);
-        bool fits = image != NULL && ect_sii_write(device, NULL, 0, image, device->sii_size) >= 0;
-        free(image);
-        if (fits)
-            break;
+    static const uint16_t own[] = {ECT_SII_STRINGS, ECT_SII_GENERAL, ECT_SII_FMMU, ECT_SII_SYNCM,
+                                   ECT_SII_TXPDO,   ECT_SII_RXPDO,   ECT_SII_DC,   ECT_SII_END};
+    const ect_esi_device_t *model = build->model;
+    ect_category_t *categories = ect_arena_alloc(build->arena, (model->category_count + 1) * sizeof *categories);
+    size_t count = 0;
+    for (size_t i = 0; i < model->category_count && count < UINT8_MAX; i++) {
+        const ect_esi_category_t *category = &model->categories[i];
+        bool taken = category->data.length > LARGEST_EEPROM;
+        for (size_t k = 0; k < sizeof own / sizeof own[0]; k++)
+            taken = taken || own[k] == category->number;
+        if (taken)
+            ect_build_note(build, "line %d: category %u of the EEPROM is left out: its number or length is taken",
+                           category->line, (unsigned int)category->number);
+        else
+            categories[count++] = (ect_category_t){
+                .number = category->number, .length = (uint16_t)category->data.length, .data = category->data.bytes};
+    }
+    device->categories = categories;
+    device->category_count = (uint8_t)count;
+}
+
+/* Leaves out what the EEPROM has no room for, and says so. An EEPROM whose size the file does not tell has room. */
+static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
+{
+    static const char *const parts[] = {
+        [ECT_OMIT_ENTRY_NAMES] = "the names of PDO entries",
+        [ECT_OMIT_PDO_NAMES] = "the names of PDOs and their entries",
+        [ECT_OMIT_MODE_TEXTS] = "the names of PDOs, their entries and the modes of the clocks",
+        [ECT_OMIT_FREE_PDOS] = "the PDOs that are not assigned, and all names of PDOs, entries and clock modes",
+        [ECT_OMIT_PDOS] = "all PDOs, which the dictionary has, and the names of the clock modes",
+    };
+    uint8_t *image = malloc(device->sii_size);
+    device->sii_omit = told ? ECT_OMIT_PDOS : 0;
+    int omitted = image != NULL && device->sii_size >= ECT_SII_CATEGORIES ? ect_sii_omission(device, image) : -1;
+    free(image);
+    if (omitted > 0)
+        ect_build_note(build, "an EEPROM of %u bytes has no room for %s: left out", (unsigned int)device->sii_size,
+                       parts[omitted]);
+    return omitted >= 0;
+}
+
+/* The image is written from the description: where nothing that can be left out is enough, the EEPROM is larger. */
+static void fit_eeprom(ect_build_t *build, ect_device_t *device)
+{
+    uint16_t given = device->sii_size;
+    bool told = build->model->eeprom_size > 0;
+    while (!fit_image(build, device, told)) {
         if (device->sii_size > LARGEST_EEPROM / 2) {
             ect_build_fail(
                 build, "its SII does not fit an EEPROM of %u bytes, or needs more than the 255 texts that it can have",
                 (unsigned int)device->sii_size);
             return;
         }
+        device->sii_size = (uint16_t)(2 * device->sii_size);
     }
-    if (device->sii_size != said)
-        ect_build_note(build, "its SII does not fit %u bytes; the twin's EEPROM has %u", (unsigned int)said,
+    if (told && device->sii_size != given)
+        ect_build_note(build, "its SII does not fit %u bytes; the twin's EEPROM has %u", (unsigned int)given,
                        (unsigned int)device->sii_size);
 }
 
@@ -708,6 +751,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     ect_build_objects(b, &b->model->dictionary, 0);
     ect_build_modules(b, modules, module_count);
     ect_build_pdos(b);
+    ect_build_inits(b, b->model->mailbox.inits, b->model->mailbox.init_count, 0);
     if (b->model->mailbox.coe)
         add_mandatory(b);
     add_identity(b);
@@ -721,6 +765,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_dc(b, device);
     set_init_commands(b, device);
     set_eeprom(b, device);
+    set_categories(b, device);
     device->esc = esc_of(device);
     device->instance_size = lay_out(b);
     set_objects(b, device);
@@ -731,7 +776,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     device->tick = tick;
     device->context = twin;
     if (device->sii == NULL && b->failure == NULL)
-        grow_eeprom(b, device);
+        fit_eeprom(b, device);
     if (b->failure == NULL)
         ect_build_signals(b, &twin->plant);
     ect_build_count_notes(b);
@@ -748,6 +793,8 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
         return NULL;
     }
     twin->build = (ect_build_t){.arena = &twin->arena, .model = model};
+    twin->esi = esi;
+    twin->chosen = module_count > 0;
     build(twin, modules, module_count);
     if (twin->build.failure == NULL && (!ect_device_check(&twin->device, why, sizeof why) ||
                                         !ect_plant_check(&twin->plant, &twin->device, why, sizeof why)))
@@ -786,6 +833,28 @@ const char *const *ect_esi_twin_notes(const ect_esi_twin_t *twin, size_t *count)
 const ect_esi_device_t *ect_esi_twin_model(const ect_esi_twin_t *twin)
 {
     return twin->build.model;
+}
+
+const ect_esi_t *ect_esi_twin_file(const ect_esi_twin_t *twin)
+{
+    return twin->esi;
+}
+
+ect_esi_twin_t *ect_esi_twin_without_modules(const ect_esi_twin_t *twin)
+{
+    char text[200];
+    const ect_esi_device_t *model = twin->build.model;
+    size_t count = 0;
+    for (size_t i = 0; i < model->slot_count; i++)
+        count += model->slots[i].instances_max;
+    ect_module_choice_t *empty = count > 0 && !twin->chosen ? calloc(count, sizeof *empty) : NULL;
+    if (empty == NULL)
+        return NULL;
+    for (size_t i = 0; i < count; i++)
+        empty[i].slot = (unsigned int)i; /* ident 0: no module */
+    ect_esi_twin_t *bare = ect_esi_twin_of(twin->esi, model, empty, count, text, sizeof text);
+    free(empty);
+    return bare;
 }
 
 void ect_esi_twin_free(ect_esi_twin_t *twin)

@@ -56,6 +56,16 @@ const char *const *ect_esi_twin_notes(const ect_esi_twin_t *twin, size_t *count)
 /** The model that it was made from. */
 const ect_esi_device_t *ect_esi_twin_model(const ect_esi_twin_t *twin);
 
+/** The file that it was made from. */
+const ect_esi_t *ect_esi_twin_file(const ect_esi_twin_t *twin);
+
+/**
+ * Makes another twin of the same device with all slots empty, as a file describes a modular device.
+ * @return to be freed before `twin`; NULL: the device has no slots, modules were chosen for `twin`, or there is no
+ *         memory left
+ */
+ect_esi_twin_t *ect_esi_twin_without_modules(const ect_esi_twin_t *twin);
+
 /** Frees it; no chain may use its product any more. NULL is allowed. */
 void ect_esi_twin_free(ect_esi_twin_t *twin);
 

@@ -55,6 +55,37 @@ static void write_head(ect_pen_t *pen, const ect_esi_part_t *part)
     ect_pen_close(pen);
 }
 
+/* A modular device is written without modules: those of its file are copied, and stand in its slots. */
+static void write_device(ect_pen_t *pen, const ect_esi_part_t *part)
+{
+    ect_esi_twin_t *bare = part->twin != NULL ? ect_esi_twin_without_modules(part->twin) : NULL;
+    ect_esi_part_t written = *part;
+    if (bare != NULL)
+        written.device = ect_esi_twin_product(bare)->device;
+    ect_pen_device(pen, &written, bare != NULL);
+    ect_esi_twin_free(bare);
+}
+
+/* The modules of each file that a device with slots comes from, once a file. */
+static void write_modules(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
+{
+    const xmlNode *written = NULL;
+    bool open = false;
+    for (size_t i = 0; i < count; i++) {
+        const xmlNode *device = ect_pen_source(&parts[i]);
+        const xmlNode *descriptions = device != NULL ? device->parent->parent : NULL;
+        if (ect_esi_child(device, "Slots") == NULL || descriptions == written)
+            continue;
+        if (!open)
+            ect_pen_open(pen, "Modules");
+        open = true;
+        written = descriptions;
+        ect_pen_copy_children(pen, ect_esi_child(descriptions, "Modules"), "Module");
+    }
+    if (open)
+        ect_pen_close(pen);
+}
+
 static void write_descriptions(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
 {
     ect_pen_open(pen, "Descriptions");
@@ -70,8 +101,9 @@ static void write_descriptions(ect_pen_t *pen, const ect_esi_part_t *parts, size
     ect_pen_close(pen);
     ect_pen_open(pen, "Devices");
     for (size_t i = 0; i < count; i++)
-        ect_pen_device(pen, &parts[i]);
+        write_device(pen, &parts[i]);
     ect_pen_close(pen);
+    write_modules(pen, parts, count);
     ect_pen_close(pen);
 }
 

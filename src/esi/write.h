@@ -16,6 +16,7 @@
 #include <stddef.h>
 
 #include "esi/arena.h"
+#include "esi/twin.h"
 #include "seams/plant.h"
 #include "wire/linkage.h"
 
@@ -24,6 +25,12 @@ typedef struct ect_esi_part {
     const ect_device_t *device;     /**< one that ect_device_check() has no objection to */
     const ect_identity_t *identity; /**< NULL: the description's */
     const ect_plant_t *plant;       /**< names of bits and values; NULL: none */
+    /**
+     * The twin that `device` is of, or NULL. Elements of its file that a description has no place for are copied:
+     * children of the mailbox protocols (`InitCmd`), `OpMode/Sm`, `Info/VendorSpecific` (`AlternativeSmMapping`), and,
+     * unless modules were chosen for it, `Slots` and `Modules`, in which case the device is written without modules.
+     */
+    const ect_esi_twin_t *twin;
 } ect_esi_part_t;
 
 ECT_C_BEGIN

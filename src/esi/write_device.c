@@ -28,7 +28,7 @@ static void write_timeout(ect_pen_t *pen, const char *element, uint16_t said_ms,
     ect_pen_number(pen, element, said_ms != 0 ? said_ms : default_ms);
 }
 
-static void write_info(ect_pen_t *pen, const ect_device_t *device)
+static void write_info(ect_pen_t *pen, const ect_device_t *device, const xmlNode *source)
 {
     const ect_timeouts_t *t = &device->timeouts;
     uint8_t flags = ect_device_general_flags(device);
@@ -54,6 +54,7 @@ static void write_info(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_close(pen);
         ect_pen_close(pen);
     }
+    ect_pen_copy_children(pen, ect_esi_child(source, "Info"), "VendorSpecific");
     if ((flags & ECT_GENERAL_ID_MEMORY) != 0)
         ect_pen_hex(pen, "IdentificationAdo", device->id_address, 4);
     if ((flags & ECT_GENERAL_ID_AL_STATUS) != 0)
@@ -213,7 +214,7 @@ static void write_init_command(ect_pen_t *pen, const ect_init_command_t *command
     ect_pen_close(pen);
 }
 
-static void write_coe(ect_pen_t *pen, const ect_device_t *device)
+static void write_coe(ect_pen_t *pen, const ect_device_t *device, const xmlNode *source)
 {
     ect_od_t od = ect_device_od(device, NULL);
     uint8_t details = device->coe_details;
@@ -225,12 +226,13 @@ static void write_coe(ect_pen_t *pen, const ect_device_t *device)
     ect_pen_flag(pen, "CompleteAccess", (details & ECT_COE_COMPLETE_ACCESS) != 0);
     ect_pen_flag(pen, "SegmentedSdo", true);
     ect_pen_flag(pen, "DiagHistory", ect_od_find(&od, 0x10F3) != NULL);
-    for (unsigned int i = 0; i < device->init_command_count; i++)
+    for (unsigned int i = 0; source == NULL && i < device->init_command_count; i++)
         write_init_command(pen, &device->init_commands[i]);
+    ect_pen_copy_children(pen, source, NULL);
     ect_pen_close(pen);
 }
 
-static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
+static void write_mailbox(ect_pen_t *pen, const ect_device_t *device, const xmlNode *source)
 {
     static const struct {
         const char *element;
@@ -247,11 +249,12 @@ static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
         if ((device->mailbox_protocols & protocols[i].bit) == 0)
             continue;
         if (protocols[i].bit == ECT_MAILBOX_COE) {
-            write_coe(pen, device);
+            write_coe(pen, device, ect_esi_child(source, "CoE"));
         } else {
             ect_pen_open(pen, protocols[i].element);
             if (protocols[i].bit == ECT_MAILBOX_SOE && device->soe_channels != 0)
                 ect_pen_attribute(pen, "ChannelCount", "%u", (unsigned int)device->soe_channels);
+            ect_pen_copy_children(pen, ect_esi_child(source, protocols[i].element), NULL);
             ect_pen_close(pen);
         }
     }
@@ -271,8 +274,10 @@ static void write_time(ect_pen_t *pen, const char *element, int64_t time_ns, int
     ect_pen_close(pen);
 }
 
-static void write_dc(ect_pen_t *pen, const ect_device_t *device)
+/* The modes of a twin are those of its file, in their order. */
+static void write_dc(ect_pen_t *pen, const ect_device_t *device, const xmlNode *source)
 {
+    const xmlNode *mode_of_file = ect_esi_child(source, "OpMode");
     if (device->dc_mode_count == 0)
         return;
     ect_pen_open(pen, "Dc");
@@ -287,6 +292,8 @@ static void write_dc(ect_pen_t *pen, const ect_device_t *device)
         write_time(pen, "ShiftTimeSync0", mode->shift_sync0_ns, 0);
         write_time(pen, "CycleTimeSync1", 0, mode->factor_sync1);
         write_time(pen, "ShiftTimeSync1", mode->shift_sync1_ns, 0);
+        ect_pen_copy_children(pen, mode_of_file, "Sm");
+        mode_of_file = mode_of_file != NULL ? ect_esi_next(mode_of_file, "OpMode") : NULL;
         ect_pen_close(pen);
     }
     ect_pen_close(pen);
@@ -304,6 +311,17 @@ static void write_boot(ect_pen_t *pen, const ect_device_t *device)
     ect_pen_bytes(pen, "BootStrap", words, sizeof words);
 }
 
+static void write_categories(ect_pen_t *pen, const ect_device_t *device)
+{
+    for (unsigned int i = 0; i < device->category_count; i++) {
+        const ect_category_t *category = &device->categories[i];
+        ect_pen_open(pen, "Category");
+        ect_pen_number(pen, "CatNo", category->number);
+        ect_pen_bytes(pen, "Data", category->data, category->length);
+        ect_pen_close(pen);
+    }
+}
+
 /* A tool makes the image from these, or takes one that the description brings along. */
 static void write_eeprom(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
 {
@@ -316,28 +334,32 @@ static void write_eeprom(ect_pen_t *pen, const ect_device_t *device, const ect_i
         ect_pen_number(pen, "ByteSize", device->sii_size);
         ect_pen_bytes(pen, "ConfigData", device->esc_config, sizeof device->esc_config);
         write_boot(pen, device);
+        write_categories(pen, device);
     }
     ect_pen_close(pen);
 }
 
-void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part)
+void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part, bool slots)
 {
     const ect_device_t *device = part->device;
     const ect_identity_t *identity = part->identity != NULL ? part->identity : &device->identity;
     pen->plant = part->plant;
+    const xmlNode *source = ect_pen_source(part);
     ect_pen_open(pen, "Device");
     ect_pen_attribute(pen, "Physics", "%s", device->physics != NULL ? device->physics : "");
     write_type(pen, device, identity);
     ect_pen_text(pen, "Name", device->full_name != NULL ? device->full_name : device->type_name);
-    write_info(pen, device);
+    write_info(pen, device, source);
     ect_pen_text(pen, "GroupType", device->group_type);
     write_profile(pen, device, identity);
     write_fmmus(pen, device);
     write_sms(pen, device);
     write_pdos(pen, device, true);
     write_pdos(pen, device, false);
-    write_mailbox(pen, device);
-    write_dc(pen, device);
+    write_mailbox(pen, device, ect_esi_child(source, "Mailbox"));
+    write_dc(pen, device, ect_esi_child(source, "Dc"));
+    if (slots)
+        ect_pen_copy_children(pen, source, "Slots");
     write_eeprom(pen, device, identity);
     ect_pen_close(pen);
 }

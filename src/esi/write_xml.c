@@ -70,3 +70,56 @@ void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, si
         note(pen, xmlTextWriterWriteBinHex(pen->writer, (const char *)bytes, 0, (int)length));
     ect_pen_close(pen);
 }
+
+static void copy_attributes(ect_pen_t *pen, const xmlNode *node)
+{
+    for (const xmlAttr *a = node->properties; a != NULL; a = a->next) {
+        const char *prefix = a->ns != NULL && a->ns->prefix != NULL ? (const char *)a->ns->prefix : "";
+        const char *value = a->children != NULL ? (const char *)a->children->content : "";
+        const char *name =
+            ect_arena_print(pen->arena, "%s%s%s", prefix, *prefix != '\0' ? ":" : "", (const char *)a->name);
+        ect_pen_attribute(pen, name, "%s", value != NULL ? value : "");
+    }
+}
+
+static void copy_node(ect_pen_t *pen, const xmlNode *node)
+{
+    if (node->type == XML_ELEMENT_NODE) {
+        ect_pen_open(pen, (const char *)node->name);
+        copy_attributes(pen, node);
+    } else if ((node->type == XML_TEXT_NODE || node->type == XML_CDATA_SECTION_NODE) && node->content != NULL) {
+        ect_pen_content(pen, (const char *)node->content);
+    }
+}
+
+void ect_pen_copy(ect_pen_t *pen, const xmlNode *top)
+{
+    const xmlNode *node = top;
+    while (node != NULL) {
+        copy_node(pen, node);
+        if (node->type == XML_ELEMENT_NODE && node->children != NULL) {
+            node = node->children;
+            continue;
+        }
+        if (node->type == XML_ELEMENT_NODE)
+            ect_pen_close(pen);
+        while (node != top && node->next == NULL) {
+            node = node->parent;
+            ect_pen_close(pen);
+        }
+        node = node != top ? node->next : NULL;
+    }
+}
+
+void ect_pen_copy_children(ect_pen_t *pen, const xmlNode *parent, const char *name)
+{
+    for (const xmlNode *node = parent != NULL ? parent->children : NULL; node != NULL; node = node->next) {
+        if (node->type == XML_ELEMENT_NODE && (name == NULL || ect_esi_is(node, name)))
+            ect_pen_copy(pen, node);
+    }
+}
+
+const xmlNode *ect_pen_source(const ect_esi_part_t *part)
+{
+    return part->twin != NULL ? ect_esi_twin_file(part->twin)->nodes[ect_esi_twin_model(part->twin)->place] : NULL;
+}

@@ -157,6 +157,19 @@ typedef struct ect_pdo {
     const uint16_t *excludes; /**< PDOs that cannot be assigned together with this one, ended by 0; NULL: none */
 } ect_pdo_t;
 
+/**
+ * Parts that an SII image leaves out when the EEPROM has no room for all, each together with those before it. Only a
+ * device with CoE can do without ECT_OMIT_PDOS: its dictionary has the PDOs.
+ */
+enum { ECT_OMIT_ENTRY_NAMES = 1, ECT_OMIT_PDO_NAMES, ECT_OMIT_MODE_TEXTS, ECT_OMIT_FREE_PDOS, ECT_OMIT_PDOS };
+
+/** A category of the SII that the description brings along as it is (ESI `<Category>`). */
+typedef struct ect_category {
+    uint16_t number;
+    uint16_t length; /**< bytes; an odd length gets a zero byte more */
+    const uint8_t *data;
+} ect_category_t;
+
 /** A mailbox of the BOOT state, SII words 0x14..0x17. */
 typedef struct ect_boot_mailbox {
     uint16_t start;
@@ -295,7 +308,10 @@ typedef struct ect_device {
     const char *esc;        /**< personality of the ESC: "np40", "et1100" … (esc/personality.h) */
     uint8_t esc_config[14]; /**< SII words 0..6, ESI ConfigData */
     uint16_t sii_size;      /**< bytes of the EEPROM: a multiple of 128 */
+    uint8_t sii_omit;       /**< most that an image may leave out for want of room: ECT_OMIT_...; 0: names of entries */
     const uint8_t *sii;     /**< content of the EEPROM, `sii_size` bytes; NULL: written from this description */
+    const ect_category_t *categories; /**< written behind those that follow from the description */
+    uint8_t category_count;
     ect_sm_t sm[ECT_SMS];
     uint8_t sm_count;
     uint8_t fmmu[ECT_FMMUS]; /**< ECT_FMMU_... */

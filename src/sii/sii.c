@@ -16,9 +16,9 @@ typedef struct pen {
     uint8_t *image;
     size_t size;
     size_t at;
-    size_t category;  /* where the present category begins */
-    size_t strings;   /* data of the string category */
-    bool entry_names; /* the least important texts: written while there is room for them */
+    size_t category;   /* where the present category begins */
+    size_t strings;    /* data of the string category */
+    unsigned int omit; /* ECT_OMIT_...: left out for want of room */
     bool overflow;
 } pen_t;
 
@@ -151,12 +151,12 @@ static void intern_entries(pen_t *p, const ect_object_t *pdo)
 static void intern_pdos(pen_t *p)
 {
     const ect_device_t *device = p->device;
-    for (unsigned int round = 0; round < (p->entry_names ? 2u : 1u); round++) {
+    for (unsigned int round = p->omit; round < ECT_OMIT_PDO_NAMES; round++) {
         for (uint16_t i = 0; i < device->object_count; i++) {
             const ect_object_t *object = &device->objects[i];
             if (!is_pdo(object, true) && !is_pdo(object, false))
                 continue;
-            if (round == 0)
+            if (round == p->omit)
                 intern(p, object->name);
             else
                 intern_entries(p, object);
@@ -182,12 +182,12 @@ static void put_pdos(pen_t *p, bool outputs)
     bool any = false;
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *object = &device->objects[i];
-        if (!is_pdo(object, outputs))
+        uint8_t sm = ect_sii_pdo_sm(device, object->index);
+        if (!is_pdo(object, outputs) || p->omit >= ECT_OMIT_PDOS || (p->omit >= ECT_OMIT_FREE_PDOS && sm == 0xFF))
             continue;
         if (!any)
             begin(p, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO);
         any = true;
-        uint8_t sm = ect_sii_pdo_sm(device, object->index);
         put16(p, object->index);
         put8(p, ect_od_element(object, 0));
         put8(p, sm);
@@ -263,7 +263,7 @@ static void put_strings(pen_t *p)
     intern(p, device->type_name);
     intern(p, device->group_type);
     intern(p, device->group_name);
-    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
+    for (unsigned int i = 0; p->omit < ECT_OMIT_MODE_TEXTS && i < device->dc_mode_count; i++) {
         intern(p, device->dc_modes[i].name);
         intern(p, device->dc_modes[i].description);
     }
@@ -356,11 +356,22 @@ static void put_dc(pen_t *p)
     end(p, 0);
 }
 
+static void put_categories(pen_t *p)
+{
+    for (unsigned int i = 0; i < p->device->category_count; i++) {
+        const ect_category_t *category = &p->device->categories[i];
+        begin(p, category->number);
+        for (unsigned int k = 0; k < category->length; k++)
+            put8(p, category->data[k]);
+        end(p, 0);
+    }
+}
+
 /* @return whether everything found room */
 static bool write_image(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
-                        bool entry_names)
+                        unsigned int omit)
 {
-    pen_t pen = {.device = device, .image = image, .size = device->sii_size, .entry_names = entry_names};
+    pen_t pen = {.device = device, .image = image, .size = device->sii_size, .omit = omit};
     memset(image, 0xFF, device->sii_size);
     put_header(&pen, identity, alias);
     put_strings(&pen);
@@ -370,8 +381,27 @@ static bool write_image(const ect_device_t *device, const ect_identity_t *identi
     put_pdos(&pen, false);
     put_pdos(&pen, true);
     put_dc(&pen);
+    put_categories(&pen);
     put16(&pen, ECT_SII_END);
     return !pen.overflow;
+}
+
+/* Writes the image with the least left out; as ect_sii_omission. */
+static int write_fitting(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image)
+{
+    int most = device->sii_omit != 0 ? device->sii_omit : ECT_OMIT_ENTRY_NAMES;
+    if (most >= ECT_OMIT_PDOS && (device->mailbox_protocols & ECT_MAILBOX_COE) == 0)
+        most = ECT_OMIT_FREE_PDOS;
+    for (int omit = 0; omit <= most; omit++) {
+        if (write_image(device, identity, alias, image, (unsigned int)omit))
+            return omit;
+    }
+    return -1;
+}
+
+int ect_sii_omission(const ect_device_t *device, uint8_t *scratch)
+{
+    return write_fitting(device, &device->identity, 0, scratch);
 }
 
 int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
@@ -386,9 +416,7 @@ int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity
         put_identity(image, identity, alias);
         return device->sii_size;
     }
-    if (write_image(device, identity, alias, image, true) || write_image(device, identity, alias, image, false))
-        return device->sii_size;
-    return -2;
+    return write_fitting(device, identity, alias, image) >= 0 ? device->sii_size : -2;
 }
 
 /* --- reading ----------------------------------------------------------------------------------------------------- */

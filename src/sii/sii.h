@@ -36,7 +36,8 @@ enum { ECT_SII_CATEGORIES = 0x80 };
  * Writes the image of a device: identity, mailboxes, strings, general, FMMUs, SyncManagers, PDOs with all entries,
  * distributed clocks, and 0xFF up to the end of the EEPROM. Of an image that the description brings along
  * (::ect_device_t::sii) only identity and alias are renewed.
- * Names of PDO entries are left out when the EEPROM has no room for them, and those beyond the 255 that a table takes.
+ * Where the EEPROM has no room for all, the image leaves out the least that ::ect_device_t::sii_omit allows; names of
+ * PDO entries beyond the 255 strings that a table takes are left out, too.
  * @param identity  NULL: the description's
  * @param alias     configured station alias, word 4; not 0: it is the explicit device id too, and the image says so
  * @param[out] image  `size` bytes; undefined on failure
@@ -46,6 +47,13 @@ enum { ECT_SII_CATEGORIES = 0x80 };
  */
 int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
                       size_t size);
+
+/**
+ * Determines what an image leaves out for want of room.
+ * @param[out] scratch  device->sii_size bytes, overwritten
+ * @return 0: nothing · ECT_OMIT_... · -1: even what ::ect_device_t::sii_omit allows to leave out is not enough
+ */
+int ect_sii_omission(const ect_device_t *device, uint8_t *scratch);
 
 /**
  * Flags of a PDO as SII and ESI have them: what the description says (::ect_pdo_t), else by the rule given there.

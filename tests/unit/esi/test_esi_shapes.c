@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "bus/chain/signals.h"
+#include "esi/write.h"
 #include "from_text.h"
 #include "sii/sii.h"
 #include "support/wire.h"
@@ -540,6 +541,275 @@ static void enable_bits(void **state)
     }
 }
 
+/* --- an EEPROM of the file's size -------------------------------------------------------------------------------- */
+
+/* Four PDOs, two of them assigned, with names, and a mode of the clocks. */
+static char *sized(const char *eeprom, bool coe)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    (void)fputs(ESI_HEAD "<Device Physics='YY'><Type ProductCode='1' RevisionNo='2'>D</Type><Name>D</Name>", out);
+    if (coe)
+        (void)fputs(ESI_MAILBOX_SMS, out);
+    (void)fputs("<Sm StartAddress='#x1400' ControlByte='#x20' Enable='1'>Inputs</Sm>", out);
+    for (unsigned int i = 0; i < 4; i++) {
+        (void)fprintf(out, "<TxPdo%s><Index>#x%04X</Index><Name>Input data of channel %u</Name>",
+                      i > 1 ? ""
+                      : coe ? " Sm='2'"
+                            : " Sm='0'",
+                      0x1A00 + i, i);
+        for (unsigned int k = 1; k <= 4; k++)
+            (void)fprintf(out,
+                          "<Entry><Index>#x%04X</Index><SubIndex>%u</SubIndex><BitLen>8</BitLen><Name>A value %u"
+                          "%u</Name></Entry>",
+                          0x6000 + 16 * i, k, i, k);
+        (void)fputs("</TxPdo>", out);
+    }
+    (void)fputs(coe ? "<Mailbox><CoE/></Mailbox>" : "", out);
+    (void)fputs("<Dc><OpMode><Name>A name of a mode</Name><Desc>And what it is good for</Desc><AssignActivate>0"
+                "</AssignActivate></OpMode></Dc>",
+                out);
+    (void)fputs(eeprom, out);
+    (void)fputs("</Device>" ESI_TAIL, out);
+    (void)fclose(out);
+    return text;
+}
+
+#define EEPROM_OF(bytes) "<Eeprom><ByteSize>" bytes "</ByteSize><ConfigData>0504</ConfigData></Eeprom>"
+
+static void eeprom_of_the_file(void **state)
+{
+    static const struct {
+        const char *what, *eeprom;
+        bool coe;
+        uint16_t size;
+        const char *note;
+    } table[] = {
+        {"room for all", EEPROM_OF("1024"), true, 1024, NULL},
+        {"no names of entries", EEPROM_OF("640"), true, 640, "an EEPROM of 640 bytes has no room for the names of PDO"},
+        {"no names of PDOs", EEPROM_OF("512"), true, 512,
+         "an EEPROM of 512 bytes has no room for the names of PDOs and their entries"},
+        {"no names of modes", EEPROM_OF("500"), true, 512,
+         "an EEPROM of 512 bytes has no room for the names of PDOs and their entries"},
+        {"no PDOs that are free", EEPROM_OF("384"), true, 384,
+         "an EEPROM of 384 bytes has no room for the PDOs that are not assigned, and all names of PDOs"},
+        {"no PDOs", EEPROM_OF("256"), true, 256, "an EEPROM of 256 bytes has no room for all PDOs, which"},
+        {"not even that", EEPROM_OF("128"), true, 256, "an EEPROM of 256 bytes has no room for all PDOs, which"},
+        {"without CoE the PDOs stay", EEPROM_OF("256"), false, 512,
+         "an EEPROM of 512 bytes has no room for the names of PDOs and their entries"},
+        {"no size in the file", "", true, 1024, NULL},
+        {"a size of zero", EEPROM_OF("0"), true, 1024, NULL},
+        {"more than the address of a word", EEPROM_OF("131072"), true, 0xFF80, "its EEPROM has 131072 bytes; the"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char *text = sized(table[i].eeprom, table[i].coe);
+        made_t m = make_text(table[i].what, text);
+        size_t count;
+        (void)ect_esi_twin_notes(m.twin, &count);
+        uint8_t *image = image_of(m.twin); /* it fits */
+        if (device_of(&m)->sii_size != table[i].size || (table[i].note == NULL && count > 0) ||
+            (table[i].note != NULL && note_of(&m, table[i].note) == NULL))
+            fail_msg("%s: expected %u bytes and \"%s\", got %u and \"%s\"", table[i].what, table[i].size,
+                     table[i].note ? table[i].note : "no note", device_of(&m)->sii_size, first_note(m.twin));
+        free(image);
+        free_made(&m);
+        free(text);
+    }
+}
+
+/* What is left out, part by part. */
+static void parts_left_out(void **state)
+{
+    static const struct {
+        const char *eeprom;
+        unsigned int strings, pdos;
+        bool modes;
+    } table[] = {{EEPROM_OF("1024"), 24, 4, true},
+                 {EEPROM_OF("640"), 8, 4, true},
+                 {EEPROM_OF("512"), 4, 4, true},
+                 {EEPROM_OF("384"), 2, 2, false},
+                 {EEPROM_OF("256"), 2, 0, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char *text = sized(table[i].eeprom, true);
+        made_t m = make_text("parts", text);
+        uint8_t *image = image_of(m.twin);
+        size_t size = device_of(&m)->sii_size, length = 0;
+        const uint8_t *strings = ect_sii_category(image, size, ECT_SII_STRINGS, &length);
+        const uint8_t *dc = ect_sii_category(image, size, ECT_SII_DC, &length);
+        assert_true(strings != NULL && dc != NULL && length == 24);
+        bool modes = dc[18] != 0;
+        bool pdos = ect_sii_category(image, size, ECT_SII_TXPDO, &length) != NULL;
+        size_t bytes = pdos ? length : 0;
+        if (strings[0] != table[i].strings || bytes != table[i].pdos * (8u + 4 * 8) || modes != table[i].modes)
+            fail_msg("%u bytes: expected %u strings, %u PDOs, modes %d, got %u, %zu bytes, %d", (unsigned int)size,
+                     table[i].strings, table[i].pdos, table[i].modes, strings[0], bytes, modes);
+        free(image);
+        free_made(&m);
+        free(text);
+    }
+}
+
+/* --- what only the file has -------------------------------------------------------------------------------------- */
+
+static void start_up_commands(void **state)
+{
+    static const uint8_t filter[2] = {7, 0}, key[4] = {1, 2, 3, 4};
+    wire_t w;
+    uint8_t got[8];
+    size_t size = sizeof got;
+    (void)state;
+    ect_esi_twin_t *twin = make("extras.xml", "");
+    power_on(&w, twin);
+    wire_go(&w, 0, PREOP);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x8000, 0, false, filter, 2), 0);
+    assert_int_equal(wire_sdo_download(&w, 0, 0x8001, 0, false, filter, 2), 0);
+    assert_int_equal(wire_sdo_download(&w, 0, 0xF800, 2, false, key, 4), 0);
+    assert_int_equal(wire_sdo_upload(&w, 0, 0xF800, 2, false, got, &size), 0);
+    assert_int_equal(size, 4);
+    assert_memory_equal(got, key, 4);
+    wire_close(&w);
+    ect_esi_twin_free(twin);
+}
+
+static void start_up_notes(void **state)
+{
+    static const char *const expected[] = {
+        "line 63: category 30 of the EEPROM is left out: its number or length is taken",
+        "line 56: a start-up command writes 8000:0, which is read-only: it is writable",
+        "line 58: a start-up command writes F800:2, which the dictionary has not: it is made",
+    };
+    (void)state;
+    ect_esi_twin_t *twin = make("extras.xml", "");
+    size_t count;
+    const char *const *lines = ect_esi_twin_notes(twin, &count);
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
+        const char *colon = strchr(expected[i], ':');
+        bool there = false;
+        for (size_t k = 0; k < count; k++)
+            there = there || strstr(lines[k], colon) != NULL;
+        if (!there)
+            fail_msg("expected the note \"%s\" of %zu, the first \"%s\"", colon, count, lines[0]);
+    }
+    ect_esi_twin_free(twin);
+}
+
+static void categories_in_the_sii(void **state)
+{
+    static const struct {
+        uint16_t number;
+        size_t length;
+        uint8_t bytes[6];
+    } table[] = {{2048, 6, {1, 2, 3, 4, 5, 0}},
+                 {2049, 6, {'H', 'e', 'l', 'l', 'o', 0}},
+                 {2050, 2, {2, 1}},
+                 {2051, 4, {0xFE, 0xFF, 0xFF, 0xFF}}};
+    (void)state;
+    ect_esi_twin_t *twin = make("extras.xml", "");
+    uint8_t *image = image_of(twin);
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        size_t length = 0;
+        const uint8_t *data =
+            ect_sii_category(image, ect_esi_twin_product(twin)->device->sii_size, table[i].number, &length);
+        if (data == NULL || length != table[i].length || memcmp(data, table[i].bytes, length) != 0)
+            fail_msg("category %u: expected %zu bytes %02X %02X.., got %zu bytes", table[i].number, table[i].length,
+                     table[i].bytes[0], table[i].bytes[1], data != NULL ? length : 0);
+    }
+    free(image);
+    ect_esi_twin_free(twin);
+}
+
+static void assignments(void **state)
+{
+    char text[300];
+    (void)state;
+    ect_esi_t *esi = ect_esi_open(ESI_FILES "/extras.xml", text, sizeof text);
+    assert_non_null(esi);
+    size_t count;
+    assert_string_equal(ect_esi_heads(esi, &count)->extras,
+                        "start-up commands: 3, alternative assignments: 2, EEPROM categories: 5");
+    const ect_esi_device_t *m = ect_esi_select(esi, "", text, sizeof text);
+    assert_non_null(m);
+    assert_int_equal(m->alternative_count, 3);
+    assert_string_equal(m->alternatives[0].name, "Standard");
+    assert_true(m->alternatives[0].preset && !m->alternatives[1].preset);
+    assert_string_equal(m->alternatives[2].name, "Compact & small");
+    assert_int_equal(m->alternatives[1].pdo_count, 0);
+    assert_int_equal(m->alternatives[2].sm, 3);
+    assert_int_equal(m->alternatives[2].pdo_count, 2);
+    assert_int_equal(m->alternatives[2].pdos[1], 0x1A02);
+    assert_int_equal(m->mode_assignment_count, 1);
+    assert_string_equal(m->mode_assignments[0].name, "DC");
+    assert_int_equal(m->mode_assignments[0].pdos[0], 0x1A00);
+    ect_esi_close(esi);
+}
+
+/* The file of a twin, as `ectwin esi` writes it. */
+static const char *written(ect_arena_t *arena, const ect_esi_twin_t *twin)
+{
+    char why[300];
+    size_t length;
+    const ect_esi_part_t part = {.device = ect_esi_twin_product(twin)->device, .twin = twin};
+    const char *text = ect_esi_write(arena, &part, 1, &length, why, sizeof why);
+    if (text == NULL)
+        fail_msg("expected a file, got: %s", why);
+    return text;
+}
+
+static void extras_survive(void **state)
+{
+    static const struct {
+        const char *file;
+        const char *parts[12];
+    } table[] = {
+        {"extras.xml",
+         {"<AlternativeSmMapping Default=\"1\">", "<Name><![CDATA[Compact & small]]></Name>", "<Pdo>#x1a02</Pdo>",
+          "<InitCmd>", "<Data>01020304</Data>", "<InitCmd Chn=\"1\">", "<Pdo OSFac=\"2\">#x1a00</Pdo>",
+          "<CatNo>2048</CatNo>", "<Data>0102030405</Data>", "<Data>48656C6C6F</Data>", "ChannelCount=\"2\""}},
+        {"modular.xml",
+         {"<Slots MaxSlotCount=\"4\" SlotPdoIncrement=\"1\"", "<ModuleIdent Default=\"1\">#x00000110</ModuleIdent>",
+          "<ModuleClass>", "<Modules>", "<Type ModuleIdent=\"#x00000110\" ModuleClass=\"IO\">IN</Type>",
+          "<Index DependOnSlot=\"1\">#x7000</Index>"}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        ect_arena_t arena = {0};
+        ect_esi_twin_t *twin = make(table[i].file, "");
+        const char *text = written(&arena, twin);
+        for (const char *const *part = table[i].parts; *part != NULL; part++) {
+            if (strstr(text, *part) == NULL)
+                fail_msg("%s: expected %s in the file, got %s", table[i].file, *part, text);
+        }
+        made_t again = make_text(table[i].file, text);
+        const char *twice = written(&arena, again.twin);
+        assert_string_equal(twice, text);
+        assert_int_equal(device_of(&again)->object_count, ect_esi_twin_product(twin)->device->object_count);
+        free_made(&again);
+        ect_esi_twin_free(twin);
+        ect_arena_free(&arena);
+    }
+}
+
+/* With modules that a user chose the file describes the device as it stands: without slots. */
+static void chosen_modules_stay(void **state)
+{
+    static const ect_module_choice_t choice = {.slot = 1, .ident = 0x120};
+    char why[300];
+    ect_arena_t arena = {0};
+    (void)state;
+    ect_esi_twin_t *twin = ect_esi_twin_make(ESI_FILES "/modular.xml", "", &choice, 1, why, sizeof why);
+    assert_non_null(twin);
+    assert_null(ect_esi_twin_without_modules(twin));
+    const char *text = written(&arena, twin);
+    assert_null(strstr(text, "<Slots"));
+    assert_non_null(strstr(text, "<Index>#x1601</Index>"));
+    ect_esi_twin_free(twin);
+    ect_arena_free(&arena);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -560,6 +830,14 @@ int main(void)
         {"FMMUs of virtual SyncManagers read 0910h and write 0990h", registers_by_fmmu, NULL, NULL, NULL},
         {"the category General has the file's flags, identification, channels and ports", general, NULL, NULL, NULL},
         {"the category SyncM has bits 0 to 3 of Enable, with OpOnly", enable_bits, NULL, NULL, NULL},
+        {"an EEPROM has the file's ByteSize, and leaves out in order", eeprom_of_the_file, NULL, NULL, NULL},
+        {"an EEPROM too small has no names, then no free PDOs, then no PDOs", parts_left_out, NULL, NULL, NULL},
+        {"what a start-up command writes exists and is writable", start_up_commands, NULL, NULL, NULL},
+        {"a start-up command that the dictionary contradicts is a note", start_up_notes, NULL, NULL, NULL},
+        {"categories of the file are in the EEPROM", categories_in_the_sii, NULL, NULL, NULL},
+        {"alternative assignments and PDOs of clock modes are in the model", assignments, NULL, NULL, NULL},
+        {"start-up commands, alternatives, categories, slots survive writing", extras_survive, NULL, NULL, NULL},
+        {"a device with chosen modules is written as it stands", chosen_modules_stay, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
