@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "wire/assert.h"
+
 enum { BLOCK_SIZE = 64 * 1024, ALIGNMENT = _Alignof(max_align_t) };
 
 typedef struct ect_arena_block {
@@ -32,6 +34,7 @@ void *ect_arena_alloc(ect_arena_t *arena, size_t size)
     size_t rounded = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     if (arena->blocks == NULL || arena->room < rounded)
         add_block(arena, rounded);
+    ECT_ASSERT(rounded >= size && arena->room >= rounded);
     void *memory = arena->blocks->bytes + arena->blocks->used;
     arena->blocks->used += rounded;
     arena->room -= rounded;
@@ -40,6 +43,7 @@ void *ect_arena_alloc(ect_arena_t *arena, size_t size)
 
 char *ect_arena_copy(ect_arena_t *arena, const char *text, size_t length)
 {
+    ECT_ASSERT(text != NULL);
     char *copy = ect_arena_alloc(arena, length + 1);
     memcpy(copy, text, length);
     return copy;
@@ -52,6 +56,7 @@ char *ect_arena_print(ect_arena_t *arena, const char *format, ...)
     va_start(arguments, format);
     va_copy(again, arguments);
     int length = vsnprintf(NULL, 0, format, arguments);
+    ECT_ASSERT(length >= 0); /* the formats are ours */
     char *text = ect_arena_alloc(arena, (size_t)length + 1);
     (void)vsnprintf(text, (size_t)length + 1, format, again);
     va_end(again);
@@ -61,6 +66,7 @@ char *ect_arena_print(ect_arena_t *arena, const char *format, ...)
 
 void *ect_arena_grow(ect_arena_t *arena, void *array, size_t count, size_t element_size)
 {
+    ECT_ASSERT(element_size > 0 && (array != NULL || count == 0));
     if (count == 0)
         return ect_arena_alloc(arena, 4 * element_size);
     if (count < 4 || (count & (count - 1)) != 0)

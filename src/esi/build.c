@@ -152,6 +152,7 @@ ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object,
 
 void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t value)
 {
+    ECT_ASSERT(entry->bits > 0);
     size_t length = (entry->bits + 7u) / 8u;
     uint8_t *bytes = ect_arena_alloc(build->arena, 8);
     for (unsigned int i = 0; i < 8; i++)
@@ -163,6 +164,20 @@ bool ect_build_is_signed(uint16_t data_type)
 {
     return data_type == ECT_TYPE_INTEGER8 || data_type == ECT_TYPE_INTEGER16 || data_type == ECT_TYPE_INTEGER32 ||
            data_type == ECT_TYPE_INTEGER64;
+}
+
+bool ect_build_range(const ect_build_entry_t *entry, int64_t *minimum, int64_t *maximum)
+{
+    bool bytes = entry->data_type == ECT_TYPE_VISIBLE_STRING || entry->data_type == ECT_TYPE_OCTET_STRING;
+    bool real = entry->data_type == ECT_TYPE_REAL32 || entry->data_type == ECT_TYPE_REAL64;
+    if (bytes || real)
+        return false;
+    ECT_ASSERT(entry->bits > 0 && entry->bits <= 64);
+    bool is_signed = ect_build_is_signed(entry->data_type);
+    unsigned int magnitude = entry->bits - (is_signed ? 1u : 0u);
+    *maximum = magnitude < 63 ? (INT64_C(1) << magnitude) - 1 : INT64_MAX;
+    *minimum = is_signed ? -*maximum - 1 : 0;
+    return true;
 }
 
 uint64_t ect_build_number(const ect_build_entry_t *entry)
@@ -185,6 +200,7 @@ ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const 
                                       uint16_t data_type, uint16_t access, const uint32_t *values, size_t count,
                                       size_t capacity)
 {
+    ECT_ASSERT(count <= capacity && capacity <= UINT8_MAX);
     uint32_t bits = data_type == ECT_TYPE_UNSIGNED8 ? 8 : data_type == ECT_TYPE_UNSIGNED16 ? 16 : 32;
     ect_build_object_t *object = ect_build_find(build, index);
     if (object == NULL)
@@ -232,6 +248,8 @@ void ect_build_sort(ect_build_t *build)
     }
     if (build->object_count > 0)
         qsort(build->objects, build->object_count, sizeof *build->objects, compare_objects);
+    for (size_t i = 1; i < build->object_count; i++)
+        ECT_ASSERT(build->objects[i - 1].index < build->objects[i].index);
     for (size_t i = 0; i < build->object_count; i++)
         build->positions[build->objects[i].index] = (uint32_t)i + 1;
 }

@@ -68,6 +68,7 @@ typedef struct place {
 
 static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
 {
+    ECT_ASSERT(ident != 0 && place->instance < place->slot->instances_max);
     const ect_esi_module_t *module = find_module(build->model, ident);
     if (module == NULL || !slot_takes(place->slot, module)) {
         ect_build_fail(build, "slot %u (%s) takes no module 0x%08X", place->number + 1, place->slot->name,

@@ -65,6 +65,7 @@ static ect_esi_number_t limit_of(const ect_build_entry_t *entry, ect_esi_number_
 static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
 {
     size_t room = (entry->bits + 7u) / 8u;
+    ECT_ASSERT(info->initial.bytes != NULL || info->initial.length == 0);
     if (info->initial.bytes != NULL) {
         entry->initial = info->initial;
         if (entry->initial.length > room)

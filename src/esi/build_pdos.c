@@ -153,6 +153,7 @@ static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
         return;
     }
     size_t count = mapping_values(build, pdo, values);
+    ECT_ASSERT(count <= LONGEST_MAPPING);
     if (count == 0)
         ect_build_note(build, "line %d: PDO %04X (%s) has no entries: it carries no data", pdo->model->line,
                        (unsigned int)pdo->index, pdo->model->name);
@@ -243,6 +244,7 @@ static void find_place(ect_build_t *build, size_t i)
     size_t place = 0;
     while (place < i && !shares(build, i, place))
         place++;
+    ECT_ASSERT(place <= i);
     build->pdos[i].place = place;
 }
 
@@ -282,6 +284,7 @@ static void add_assignment(ect_build_t *build, int sm)
         if (pdo->assigned && pdo->model->sm == sm && count < LONGEST_MAPPING)
             values[count++] = pdo->index;
     }
+    ECT_ASSERT(sm >= 0 && (size_t)sm < build->model->sm_count && count <= capacity);
     bool changeable = build->model->mailbox.pdo_assign;
     (void)ect_build_numbers(build, (uint16_t)(ASSIGNMENT + sm), "", "Assigned PDO", ECT_TYPE_UNSIGNED16,
                             changeable ? ECT_ACCESS_RW_PREOP : ECT_ACCESS_RO, values, count,

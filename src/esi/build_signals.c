@@ -68,30 +68,18 @@ static ect_signal_type_t type_of(const ect_build_entry_t *entry)
 
 static void set_range(const ect_build_entry_t *entry, ect_signal_t *signal)
 {
-    unsigned int bits = entry->bits;
-    bool is_signed = signal->type == ECT_SIGNAL_I8 || signal->type == ECT_SIGNAL_I16 ||
-                     signal->type == ECT_SIGNAL_I32 || signal->type == ECT_SIGNAL_I64;
-    bool has_limits = is_signed || (signal->type != ECT_SIGNAL_TEXT && signal->type != ECT_SIGNAL_BYTES &&
-                                    signal->type != ECT_SIGNAL_REAL && signal->type != ECT_SIGNAL_REAL32);
-    if (signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_BYTES) {
-        signal->maximum = (entry->bits + 7) / 8;
-        return;
-    }
     signal->minimum = INT64_MIN;
     signal->maximum = INT64_MAX;
-    if (!has_limits)
-        return;
-    if (is_signed && bits < 64) {
-        signal->minimum = -(INT64_C(1) << (bits - 1));
-        signal->maximum = (INT64_C(1) << (bits - 1)) - 1;
-    } else if (!is_signed) {
+    if (signal->type == ECT_SIGNAL_TEXT || signal->type == ECT_SIGNAL_BYTES) {
         signal->minimum = 0;
-        signal->maximum = bits < 63 ? (INT64_C(1) << bits) - 1 : INT64_MAX;
+        signal->maximum = (entry->bits + 7) / 8;
+    } else if (ect_build_range(entry, &signal->minimum, &signal->maximum)) {
+        if (entry->minimum.given && entry->minimum.value > signal->minimum && entry->minimum.value <= signal->maximum)
+            signal->minimum = entry->minimum.value;
+        if (entry->maximum.given && entry->maximum.value < signal->maximum && entry->maximum.value >= signal->minimum)
+            signal->maximum = entry->maximum.value;
     }
-    if (entry->minimum.given && entry->minimum.value > signal->minimum && entry->minimum.value <= signal->maximum)
-        signal->minimum = entry->minimum.value;
-    if (entry->maximum.given && entry->maximum.value < signal->maximum && entry->maximum.value >= signal->minimum)
-        signal->maximum = entry->maximum.value;
+    ECT_ASSERT(signal->minimum <= signal->maximum);
 }
 
 /* A group while it grows. */

@@ -224,6 +224,9 @@ void ect_build_drop_last(ect_build_t *build);
 /** Gives an entry a number of 1 to 8 bytes as its default. */
 void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t value);
 
+/** @param[out] minimum, maximum  the range of an integer entry. @return false: it is none, the range is unchanged */
+bool ect_build_range(const ect_build_entry_t *entry, int64_t *minimum, int64_t *maximum);
+
 /** @return true for a data type of signed integers */
 bool ect_build_is_signed(uint16_t data_type);
 

@@ -174,6 +174,12 @@ static void want_text(lint_t *l, const xmlNode *parent, const char *child)
         tell(l, true, parent, "%s has no %s", tag(parent), child);
 }
 
+/* Of a number with a sign, of the smallest one too: the height of a picture from top to bottom is negative. */
+static uint32_t magnitude(uint32_t number)
+{
+    return number > INT32_MAX ? 0u - number : number;
+}
+
 /* A bitmap, as a file of that format is. */
 static void check_picture(lint_t *l, const xmlNode *parent)
 {
@@ -186,9 +192,10 @@ static void check_picture(lint_t *l, const xmlNode *parent)
     else if (data.length < BMP_HEADER || data.bytes[0] != 'B' || data.bytes[1] != 'M')
         tell(l, true, node, "ImageData16x14 of %s is not a bitmap: it does not begin with 424D", tag(parent));
     else if (ect_load_le32(data.bytes + BMP_WIDTH) != PICTURE_WIDTH ||
-             abs((int32_t)ect_load_le32(data.bytes + BMP_HEIGHT)) != PICTURE_HEIGHT)
+             magnitude(ect_load_le32(data.bytes + BMP_HEIGHT)) != PICTURE_HEIGHT)
         tell(l, true, node, "ImageData16x14 of %s is a bitmap of %u x %u", tag(parent),
-             (unsigned int)ect_load_le32(data.bytes + BMP_WIDTH), (unsigned int)ect_load_le32(data.bytes + BMP_HEIGHT));
+             (unsigned int)ect_load_le32(data.bytes + BMP_WIDTH),
+             (unsigned int)magnitude(ect_load_le32(data.bytes + BMP_HEIGHT)));
 }
 
 static void check_group(lint_t *l, const xmlNode *node, const ect_esi_device_t *device)

@@ -289,6 +289,7 @@ const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, cha
                        esi->heads[chosen].type, esi->heads[other].type, esi->file, esi->heads[chosen].type);
         return NULL;
     }
+    ECT_ASSERT(chosen < esi->count);
     ect_esi_xml_t xml = context(esi, text, room);
     ect_esi_device_t *device = ect_esi_read_device(&xml, esi->root, esi->nodes[chosen]);
     device->place = chosen;

@@ -93,8 +93,29 @@ static const uint16_t *virtual_pdos(const ect_build_t *build, int sm)
     return indices;
 }
 
+static void set_mailbox_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
+{
+    const ect_esi_sm_t *model = &build->model->sms[n];
+    if (!has_protocols(build->model)) {
+        ect_build_note(build, "line %d: SyncManager %zu is for a mailbox, and the device has none: it is unused",
+                       model->line, n);
+        sm->type = ECT_SM_UNUSED;
+        return;
+    }
+    sm->length = (uint16_t)model->size.value;
+    sm->minimum = model->minimum;
+    uint32_t most = model->maximum < gap_behind(build, n) ? model->maximum : gap_behind(build, n);
+    if (most > LONGEST_IMAGE) {
+        ect_build_note(build, "line %d: a mailbox of %u bytes does not fit a frame; the twin's has at most %u",
+                       model->line, (unsigned int)most, (unsigned int)LONGEST_IMAGE);
+        most = LONGEST_IMAGE;
+    }
+    sm->maximum = (uint16_t)(most > sm->length ? most : sm->length);
+}
+
 static void set_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
 {
+    ECT_ASSERT(n < ECT_SMS && n < build->model->sm_count);
     const ect_esi_sm_t *model = &build->model->sms[n];
     *sm = (ect_sm_t){.start = model->start, .control = model->control, .type = role_of(model), .flags = model->flags};
     if (model->virtual_sm) {
@@ -106,20 +127,8 @@ static void set_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
     }
     if (sm->type == ECT_SM_OUTPUTS || sm->type == ECT_SM_INPUTS) {
         set_process_sm(build, n, sm);
-    } else if (sm->type != ECT_SM_UNUSED && !has_protocols(build->model)) {
-        ect_build_note(build, "line %d: SyncManager %zu is for a mailbox, and the device has none: it is unused",
-                       model->line, n);
-        sm->type = ECT_SM_UNUSED;
     } else if (sm->type != ECT_SM_UNUSED) {
-        sm->length = (uint16_t)model->size.value;
-        sm->minimum = model->minimum;
-        uint32_t most = model->maximum < gap_behind(build, n) ? model->maximum : gap_behind(build, n);
-        if (most > LONGEST_IMAGE) {
-            ect_build_note(build, "line %d: a mailbox of %u bytes does not fit a frame; the twin's has at most %u",
-                           model->line, (unsigned int)most, (unsigned int)LONGEST_IMAGE);
-            most = LONGEST_IMAGE;
-        }
-        sm->maximum = (uint16_t)(most > sm->length ? most : sm->length);
+        set_mailbox_sm(build, n, sm);
     }
     bool in_registers = sm->start >= OUTPUT_REGISTERS && sm->start < RAM_START;
     if (sm->start < RAM_START && !in_registers && sm->maximum > 0)
@@ -366,6 +375,7 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
     device->sii_omit = told ? ECT_OMIT_PDOS : 0;
     int omitted = image != NULL && device->sii_size >= ECT_SII_CATEGORIES ? ect_sii_omission(device, image) : -1;
     free(image);
+    ECT_ASSERT(omitted < (int)(sizeof parts / sizeof parts[0]));
     if (omitted > 0)
         ect_build_note(build, "an EEPROM of %u bytes has no room for %s: left out", (unsigned int)device->sii_size,
                        parts[omitted]);
@@ -522,34 +532,12 @@ static size_t lay_out(ect_build_t *build)
                 continue;
             size_t alignment = bytes >= 8 ? 8 : bytes >= 4 ? 4 : bytes >= 2 ? 2 : 1;
             at = (at + alignment - 1) / alignment * alignment;
+            ECT_ASSERT(at % alignment == 0);
             entry->offset = at;
             at += bytes + (entry->data_type == ECT_TYPE_VISIBLE_STRING ? 1 : 0);
         }
     }
     return at;
-}
-
-/* The range of an integer type; false for what is none. */
-static bool range_of(const ect_build_entry_t *entry, int64_t *minimum, int64_t *maximum)
-{
-    switch (entry->data_type) {
-    case ECT_TYPE_INTEGER8:
-    case ECT_TYPE_INTEGER16:
-    case ECT_TYPE_INTEGER32:
-    case ECT_TYPE_INTEGER64:
-        *minimum = entry->bits < 64 ? -(INT64_C(1) << (entry->bits - 1)) : INT64_MIN;
-        *maximum = entry->bits < 64 ? (INT64_C(1) << (entry->bits - 1)) - 1 : INT64_MAX;
-        return true;
-    case ECT_TYPE_REAL32:
-    case ECT_TYPE_REAL64:
-    case ECT_TYPE_VISIBLE_STRING:
-    case ECT_TYPE_OCTET_STRING:
-        return false;
-    default:
-        *minimum = 0;
-        *maximum = entry->bits < 63 ? (INT64_C(1) << entry->bits) - 1 : INT64_MAX;
-        return true;
-    }
 }
 
 static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
@@ -563,7 +551,7 @@ static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
 static bool limits_of(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry,
                       int64_t *minimum, int64_t *maximum)
 {
-    if ((!entry->minimum.given && !entry->maximum.given) || !range_of(entry, minimum, maximum))
+    if ((!entry->minimum.given && !entry->maximum.given) || !ect_build_range(entry, minimum, maximum))
         return false;
     int64_t lowest = *minimum;
     int64_t highest = *maximum;
@@ -610,6 +598,7 @@ static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build
     }
     if (long_default) {
         uint8_t *bytes = ect_arena_alloc(build->arena, (entry->bits + 7u) / 8u);
+        ECT_ASSERT(entry->initial.length <= (entry->bits + 7u) / 8u);
         memcpy(bytes, entry->initial.bytes, entry->initial.length);
         detail->initial = bytes;
     }
@@ -632,6 +621,7 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
     ect_object_t *objects = ect_arena_alloc(build->arena, (build->object_count + 1) * sizeof *objects);
     for (size_t i = 0; i < build->object_count; i++) {
         const ect_build_object_t *from = &build->objects[i];
+        ECT_ASSERT(from->count > 0 && from->count <= UINT8_MAX + 1u);
         ect_entry_t *entries = ect_arena_alloc(build->arena, from->count * sizeof *entries);
         for (size_t k = 0; k < from->count; k++) {
             const ect_build_entry_t *entry = &from->entries[k];
@@ -704,6 +694,7 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     const ect_device_t *device = standard->device;
     const ect_build_t *build = &((const ect_esi_twin_t *)device->context)->build;
     ect_od_t od = ect_device_od(device, instance);
+    ECT_ASSERT(build->object_count == device->object_count);
     (void)now_ns;
     for (size_t i = 0; i < build->object_count; i++) {
         const ect_build_object_t *from = &build->objects[i];

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "od/od.h"
+#include "wire/assert.h"
 
 /* How many types may rest on one another: more is a circle. */
 enum { DEPTH = 8 };
@@ -146,6 +147,7 @@ bool ect_esi_resolve(const ect_esi_dictionary_t *dictionary, const char *name, u
 
 const char *ect_esi_type_name(uint16_t code, uint32_t bits, char *text, size_t room)
 {
+    ECT_ASSERT(bits > 0 && room > 0);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (names[i].code == code && names[i].bits == bits)
             return names[i].name;

@@ -6,6 +6,7 @@
 
 #include "esi/types.h"
 #include "seams/standard.h"
+#include "wire/assert.h"
 
 enum { FIRST_ITEM = 16 /* bits of sub-index 0 and its padding */ };
 
@@ -26,6 +27,7 @@ const uint8_t *ect_esi_entry_value(ect_arena_t *arena, const ect_od_t *od, const
 {
     uint8_t *bytes = ect_arena_alloc(arena, (size_t)ect_od_bytes(entry) + 1);
     *size = ect_od_is_string(entry) ? ect_od_upload_size(od, entry) : ect_od_bytes(entry);
+    ECT_ASSERT(*size <= ect_od_bytes(entry));
     ect_od_read(od, entry, 0, bytes, (uint16_t)*size);
     return bytes;
 }
@@ -90,6 +92,7 @@ uint32_t ect_esi_item_offset(const ect_object_t *object, const ect_entry_t *entr
 uint32_t ect_esi_object_bits(const ect_od_t *od, const ect_object_t *object)
 {
     const ect_entry_t *last = object->entries;
+    ECT_ASSERT(last != NULL);
     for (const ect_entry_t *e = last; e != NULL; e = ect_od_next(object, e))
         last = e;
     return last->subindex == 0 && object->object_code != ECT_OBJECT_VAR

@@ -121,6 +121,7 @@ static bool write_file(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count
 const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
                           size_t room)
 {
+    ECT_ASSERT(parts != NULL && count > 0);
     if (!agree(parts, count, text, room))
         return NULL;
     const char *file = NULL;

@@ -59,6 +59,7 @@ void ect_pen_number(ect_pen_t *pen, const char *element, int64_t value)
 void ect_pen_hex(ect_pen_t *pen, const char *element, uint32_t value, int digits)
 {
     char text[16];
+    ECT_ASSERT(digits > 0 && digits <= 8);
     (void)snprintf(text, sizeof text, "#x%0*" PRIX32, digits, value);
     ect_pen_text(pen, element, text);
 }
@@ -95,6 +96,7 @@ static void copy_node(ect_pen_t *pen, const xmlNode *node)
 void ect_pen_copy(ect_pen_t *pen, const xmlNode *top)
 {
     const xmlNode *node = top;
+    ECT_ASSERT(top != NULL && top->type == XML_ELEMENT_NODE);
     while (node != NULL) {
         copy_node(pen, node);
         if (node->type == XML_ELEMENT_NODE && node->children != NULL) {

@@ -7,6 +7,7 @@
 
 void ect_esi_fail(ect_esi_xml_t *xml, const xmlNode *node, const char *format, ...)
 {
+    ECT_ASSERT(node != NULL && format != NULL);
     if (xml->failed)
         return;
     xml->failed = true;
@@ -43,6 +44,7 @@ const xmlNode *ect_esi_child(const xmlNode *parent, const char *name)
 
 const xmlNode *ect_esi_next(const xmlNode *node, const char *name)
 {
+    ECT_ASSERT(node != NULL && ect_esi_is(node, name));
     return first_of(node->next, name);
 }
 
@@ -89,6 +91,7 @@ const char *ect_esi_name(ect_esi_xml_t *xml, const xmlNode *parent, const char *
 
 const char *ect_esi_attribute(ect_esi_xml_t *xml, const xmlNode *node, const char *name)
 {
+    ECT_ASSERT(node != NULL && node->type == XML_ELEMENT_NODE);
     const xmlAttr *attribute = node->properties;
     while (attribute != NULL && strcmp((const char *)attribute->name, name) != 0)
         attribute = attribute->next;
@@ -107,6 +110,7 @@ static int64_t within(ect_esi_xml_t *xml, const xmlNode *node, const char *what,
                       int64_t maximum)
 {
     int64_t value;
+    ECT_ASSERT(minimum <= maximum);
     if (!ect_esi_parse_number(text, &value)) {
         ect_esi_fail(xml, node, "%s is \"%.40s\", not a number", what, text);
         return 0;
