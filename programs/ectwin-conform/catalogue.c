@@ -40,9 +40,9 @@ const char *cf_need_text(uint32_t bit)
         "the chip has no APRW, FPRW, BRW",
         "the chip has no LRW",
         "there is no EEPROM that can be read",
-        "it writes the EEPROM: only with --destructive",
+        "needs --destructive: it writes the EEPROM",
         "no ESI file was given (--esi FILE)",
-        "it needs real time, which an emulated slave does not keep (--emulated)",
+        "needs real time, which an emulated slave does not keep (--emulated)",
     };
     for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++) {
         if ((bit & (1u << n)) != 0)

@@ -50,7 +50,7 @@ static const struct argp_option options_[] = {
     {"firmware", OPTION_FIRMWARE, "VERSION", 0, "Firmware version of the slave for the HTML and JSON report", 0},
     {"pcap", OPTION_PCAP, "FILE", 0, "Record all frames to FILE (pcapng, for Wireshark)", 0},
     {"destructive", OPTION_DESTRUCTIVE, NULL, 0,
-     "Also run cases that write the EEPROM or a file; they write the previous content back", 0},
+     "Run the cases that write the EEPROM or a file, too; they restore the previous content", 0},
     {"power", OPTION_POWER, "COMMAND", 0,
      "Shell command that switches the slave off and on, for cases that need a power cycle", 0},
     {"plug", OPTION_PLUG, "COMMAND", 0,

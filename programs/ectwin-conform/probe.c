@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is there: slaves on the segment, and what the one under test has. */
+/* Slaves on the segment, and the features of the slave under test. */
 #include "probe.h"
 
 #include <stdio.h>
@@ -20,8 +20,8 @@ enum {
 };
 enum { GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, SII_MOST = 65536, SCAN_MS = 500 };
 
-/* Nobody is left in a state that another master has brought it to. The second one is for device emulation, which shows
- * the acknowledge as an error; software behind a chip has had no time to read the first and does not see it. */
+/* No slave keeps a state of another master. The second request is for device emulation, which shows the acknowledge as
+ * an error; software behind a chip has had no time to read the first request and sees only the second. */
 static void all_to_init(cf_t *c)
 {
     static const uint8_t requests[] = {CF_INIT | ECT_AL_ACKNOWLEDGE, CF_INIT};
@@ -89,7 +89,7 @@ static size_t read_words(cf_t *c, uint8_t *image, size_t have, size_t words)
     return have;
 }
 
-/* Category by category until the end mark: the rest of a large EEPROM costs time and says nothing. */
+/* Category by category until the end mark: the rest of a large EEPROM costs time and adds nothing. */
 static void read_image(cf_t *c)
 {
     cf_facts_t *f = &c->facts;
@@ -127,7 +127,7 @@ static void take_protocols(cf_t *c)
     f->has |= (f->protocols & CF_PROTO_FOE) != 0 ? CF_FOE : 0;
     f->has |= (f->protocols & CF_PROTO_EOE) != 0 ? CF_EOE : 0;
     if (f->boot.out_size > 0 && f->boot.in_size > 0 && (f->has & CF_FOE) != 0)
-        f->has |= CF_BOOTSTRAP; /* sizes alone stand in many images; BOOT is for files */
+        f->has |= CF_BOOTSTRAP; /* many images have the sizes alone; BOOT is for files */
 }
 
 static void take_head(cf_t *c)
@@ -153,7 +153,7 @@ static void take_sm(cf_facts_t *f, unsigned int n, const uint8_t *entry)
                          .control = entry[4],
                          .enable = entry[6],
                          .type = entry[7]};
-    if (f->sm[n].type == 0 && f->sm[n].start != 0) { /* images from before the type byte: control says it */
+    if (f->sm[n].type == 0 && f->sm[n].start != 0) { /* images from before the type byte: control implies it */
         bool mailbox = (entry[4] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
         bool writes = (entry[4] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
         f->sm[n].type = (uint8_t)((mailbox ? ECT_SM_MAILBOX_OUT : ECT_SM_OUTPUTS) + (writes ? 0 : 1));
@@ -196,7 +196,7 @@ static void take_categories(cf_t *c)
     }
     take_fmmus(c);
     take_general(c);
-    if ((f->has & CF_MAILBOX) != 0 && f->sm_count < 2) { /* an image without the category: what everybody uses */
+    if ((f->has & CF_MAILBOX) != 0 && f->sm_count < 2) { /* an image without the category: the usual control bytes */
         f->sm[0].control = ECT_SM_CONTROL_MAILBOX | ECT_SM_CONTROL_ECAT_WRITES | ECT_SM_CONTROL_AL_EVENT;
         f->sm[1].control = ECT_SM_CONTROL_MAILBOX | ECT_SM_CONTROL_AL_EVENT;
     }
@@ -279,7 +279,7 @@ static void take_lengths(cf_t *c, bool coe)
     f->has |= (f->output_bytes > 0 ? CF_OUTPUTS : 0) | (f->input_bytes > 0 ? CF_INPUTS : 0);
 }
 
-/* What answers counts as offered, whatever the SII says; CF-058 compares the two. */
+/* A service that replies counts as offered, whatever the SII contains; CF-058 compares the two. */
 static void try_services(cf_t *c)
 {
     cf_facts_t *f = &c->facts;

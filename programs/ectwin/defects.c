@@ -38,7 +38,7 @@ typedef enum kind {
     CUSTOM,
 } kind_t;
 
-/* What happens to the bits of `mask` in a value. */
+/* A change of the bits of `mask` in a value. */
 typedef struct change {
     enum { IF_EXPECTED, ALWAYS, INVERTED } how; /* they become `becomes`: where they are `was`, or whatever they are */
     uint8_t width;
@@ -52,7 +52,7 @@ struct defect_row {
     uint16_t address; /* that the datagram covers (MAIL: index; SII_WORD: word; CATEGORY: which) */
     uint16_t length;  /* of the datagram, 0: any (MAIL: sub-index; CATEGORY: offset) */
     uint8_t state;    /* AL status of the slave, error flag included; 0: any */
-    uint8_t at;       /* MAIL: where the value stands, from the mail's beginning */
+    uint8_t at;       /* MAIL: offset of the value in the mail */
     bool empty;       /* a datagram without data */
     change_t change;
     void (*before)(defect_t *d, datagram_t *g);
@@ -180,7 +180,7 @@ static void behind_the_ram(defect_t *d, datagram_t *g)
         set_counter(g, 1);
 }
 
-/* What is written to a register that is read-only shows until it is what it should be. */
+/* A read-only register shows the written value until the right one is written. */
 static void keep_written(defect_t *d, datagram_t *g)
 {
     uint16_t address = d->row->address;
@@ -473,7 +473,7 @@ static void type_hangs(defect_t *d, datagram_t *g)
     }
 }
 
-/* A command that nobody knows stops the slave for two requests. */
+/* An unknown command stops the slave for two requests. */
 static void hangs(defect_t *d, datagram_t *g)
 {
     if (g->command == UNKNOWN_COMMAND && d->memory[0] == 0)
@@ -521,7 +521,7 @@ static const defect_row_t rows[] = {
     {"CF-007", "NOP counts", COUNT, ECT_NOP, 0x0600, 4, .change = ANY(2, 8)},
     {"CF-008", "a read behind the end of the RAM counts", CUSTOM, .after = behind_the_ram},
     {"CF-009", "the AL status code can be written", CUSTOM, .address = ECT_REG_AL_STATUS_CODE, .after = keep_written},
-    {"CF-010", "DL status does not say that the SII is loaded", ANSWER, ECT_FPRD, ECT_REG_DL_STATUS, 2,
+    {"CF-010", "DL status does not report that the SII is loaded", ANSWER, ECT_FPRD, ECT_REG_DL_STATUS, 2,
      .change = CLEARED(1)},
     {"CF-011", "an error counter stops at 127", ANSWER, ECT_FPRD, ECT_REG_PROCESSING_ERROR, 1,
      .change = FROM(1, 255, 127)},
@@ -608,7 +608,8 @@ static const defect_row_t rows[] = {
     {"CF-070", "a write to 1018h:01 is refused as unsupported", SDO(0x1018, 1, 12),
      .change = FROM(4, 0x06010002, 0x06010000)},
     {"CF-071", "an abort has another command", SDO(0x1018, 0x55, 8), .command = 0x80, .change = ANY(1, 0x8F)},
-    {"CF-072", "an unknown command is a time-out", SDO(0x1018, 1, 12), .change = FROM(4, 0x05040001, 0x05040000)},
+    {"CF-072", "an unknown command is refused as a timeout", SDO(0x1018, 1, 12),
+     .change = FROM(4, 0x05040001, 0x05040000)},
     {"CF-072b", "a transfer goes on after the master aborted it (needs an object longer than the mailbox)", CUSTOM,
      .before = abort_is_not_seen, .after = give_back_hidden},
     {"CF-073", "a complete upload of 1018h has a wrong count (needs Complete Access)", SDO(0x1018, 0, 16),

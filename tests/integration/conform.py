@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The conformance runner over all devices, and the table that docs/conformance.md shows.
 
-usage: conform.py devices ECTWIN CONFORM [--write]   every device passes what applies to it, as the table says
+usage: conform.py devices ECTWIN CONFORM [--write]   every device passes the cases that apply, as in the table
        conform.py command ECTWIN CONFORM [TEST]      the runner's own command line
        conform.py others ECTWIN_OF_TESTS CONFORM     devices that are made for tests, for what no product has
        conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and only that
@@ -32,7 +32,7 @@ def call(ectwin, conform, twins, arguments):
 
 
 def esi_of(device):
-    """What a run compares a device of ours with: the file of its family, and the schema where there is one."""
+    """ESI options for a device of ours: the file of its family, and the schema when there is one."""
     files = [path for path in sorted((ROOT / "esi").glob("*.xml")) if device.startswith(path.stem.removeprefix("ectwin-"))]
     if len(files) != 1:
         sys.exit(f"{device}: expected one file of its family in esi/, got {[path.name for path in files]}")
@@ -122,7 +122,7 @@ FOLLOW = {
     "CF-030": ["CF-020"], "CF-031": ["CF-005"], "CF-036": ["CF-022"], "CF-037": ["CF-022"], "CF-039": ["CF-022"],
     "CF-058": ["CF-026", "CF-086"], "CF-060": ["CF-027", "CF-095"], "CF-065": ["CF-004"], "CF-086": ["CF-058"],
 }
-# Where the usual twin, an FZM1, has nothing to break.
+# Twins for defects that the usual twin, an FZM1, cannot have.
 DEFECT_TWINS = {"CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
 IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
 DEFECTS_LEAST = 100
@@ -212,7 +212,7 @@ def everywhere(ectwin, conform, only):
 # --- devices made for tests ---------------------------------------------------------------------------------------------
 
 
-# Device, what its run is asked for, the case that it is made for, what fails.
+# Device, options of its run, the case that it is made for, cases that fail.
 OTHERS = (
     ("network", ["--only", "CF-07*"], "CF-072", []),
     ("--break CF-072b network", ["--only", "CF-07*"], "CF-072", ["CF-072"]),
@@ -252,7 +252,7 @@ def contains(what, part, text):
 
 
 def exit_codes(ectwin, conform):
-    """0 with all passed, 2 without a slave or an interface, 64 for wrong usage, each with a line that says what to do"""
+    """0 with all passed, 2 without a slave or an interface, 64 for wrong usage, each with a line that names the remedy"""
     done = call(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
     expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
     for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 answer on 'ecat0'"),
@@ -393,7 +393,7 @@ def capture(ectwin, conform):
 
 
 def on_request(ectwin, conform):
-    """--stress, --fuzz and --timing are not run unasked; their histograms stand in JSON, text and HTML"""
+    """--stress, --fuzz and --timing are not run unasked; JSON, text and HTML contain their histograms"""
     listed = subprocess.run([conform, "--list"], capture_output=True, text=True, check=True).stdout
     expect("unasked", False, any(word in listed for word in ("STRESS", "FUZZ", "TIMING")))
     asked = ["--stress=1", "--fuzz=1", "--timing", "--seed", "7", "--only", "STRESS,FUZZ,TIMING"]
@@ -408,7 +408,7 @@ def on_request(ectwin, conform):
     contains("text", "INIT to PREOP: 20 times", call(ectwin, conform, ["fzm1"], timing).stdout)
 
 
-# What is wrong in the file: the mistake behind a text, and the cases that find it.
+# Mistakes in the file: the text to change, the change, and the cases that find it.
 MISTAKES = {
     "another product code": ("<Device ", 'ProductCode="#x00F20001"', 'ProductCode="#x00F20009"', "CF-057"),
     "a revision that the slave is too old for": ("<Device ", 'RevisionNo="#x00010000"', 'RevisionNo="#x00020000"', "CF-057"),
@@ -494,7 +494,7 @@ def power(ectwin, conform):
 
 
 def in_the_middle(ectwin, conform, arguments, what):
-    """Runs the shell commands `what` when a run, $run, has come to CF-016: its capture says so"""
+    """Runs the shell commands `what` when a run, $run, has come to CF-016, which its capture shows"""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "run.pcapng"
         script = (f"{conform} -i $ECTWIN_IFACE {arguments} --pcap {path} & run=$!; "

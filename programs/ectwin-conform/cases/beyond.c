@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Beyond the checklist, on request: much at once, nonsense, and how long things take. All random, all seeded. */
+/* Cases on request: load, malformed requests, measured times. Random numbers start with --seed. */
 #include <string.h>
 
 #include "cases/beyond.h"
@@ -13,7 +13,7 @@ static uint64_t end_ns(const cf_t *c)
 
 /* --- stress ------------------------------------------------------------------------------------------------------- */
 
-/* An object that stays what it is: whatever else comes back is another's reply. */
+/* A constant object: any other value is the reply to another request. */
 typedef struct constant {
     uint16_t index;
     uint8_t sub;
@@ -24,7 +24,7 @@ typedef struct constant {
 typedef struct stress {
     constant_t constants[CONSTANTS_MOST];
     size_t count;
-    uint8_t state; /* in which process data are judged; 0: it changes just now */
+    uint8_t state; /* in which process data are judged; 0: during a change */
     unsigned long cycles, transfers, changes;
 } stress_t;
 
@@ -65,8 +65,8 @@ static void transfer(cf_t *c, stress_t *s)
     size_t size = sizeof data;
     uint32_t code = cf_upload(c, k->index, k->sub, false, data, &size);
     cf_expect_that(c, code == 0, "upload of %04Xh:%02X: expected data, got abort 0x%08X", k->index, k->sub, code);
-    cf_expect_range(c, "bytes of an object that stays what it is", k->size, k->size, size);
-    cf_expect_bytes(c, "an object that stays what it is", k->data, data, size);
+    cf_expect_range(c, "bytes of a constant object", k->size, k->size, size);
+    cf_expect_bytes(c, "a constant object", k->data, data, size);
     s->transfers++;
 }
 
@@ -80,7 +80,7 @@ static void change(cf_t *c, stress_t *s, uint8_t state)
     s->changes++;
 }
 
-/* A request goes out, the state changes, and the reply is there all the same. */
+/* A change of state between a request and its reply loses neither. */
 static void change_with_a_mail(cf_t *c, stress_t *s)
 {
     const constant_t *k = any(c, s);
@@ -140,7 +140,7 @@ static void fill(cf_t *c, uint8_t *bytes, size_t length)
         bytes[i] = (uint8_t)cf_random(c, 256);
 }
 
-/* What would last: a download of an object, a file, an IP address, writes of other protocols. */
+/* Requests with lasting effects become harmless: downloads, files, IP addresses, writes of other protocols. */
 static void disarm(const cf_t *c, uint8_t *mail)
 {
     switch (mail[5] & 0x0F) {
@@ -159,7 +159,7 @@ static void disarm(const cf_t *c, uint8_t *mail)
     }
 }
 
-/* Often enough a good header with a bad inside. */
+/* A valid header lets a malformed content reach the protocol. */
 static void likely_header(cf_t *c, uint8_t *mail)
 {
     ect_store_le16(mail, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 12) : 10));
@@ -169,7 +169,7 @@ static void likely_header(cf_t *c, uint8_t *mail)
     ect_store_le16(mail + 6, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 16) << 12 : CF_COE_REQUEST << 12));
 }
 
-/* A mail that may be wrong anywhere, but orders nothing that lasts. */
+/* A mail that may be wrong anywhere, without a lasting effect. */
 static void random_mail(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL] = {0};
@@ -202,7 +202,7 @@ static void random_datagrams(cf_t *c)
     cf_exchange(c, d, count);
 }
 
-/* A frame of reads whose lengths and flags are anything. Its bytes are such that no misreading makes a write of them.
+/* A frame of reads with random lengths and flags. No misreading of its bytes makes a write.
  */
 static void random_frame(cf_t *c)
 {
@@ -212,7 +212,7 @@ static void random_frame(cf_t *c)
     for (size_t i = ETHERNET; i < length; i++)
         frame[i] = harmless[cf_random(c, sizeof harmless)];
     frame[ETHERNET + 1] = (uint8_t)(cf_random(c, 4) == 0 ? cf_random(c, 256) : 0x10);
-    frame[ETHERNET + 3] = 0xEE; /* the index: none that is waited for */
+    frame[ETHERNET + 3] = 0xEE; /* an index that no exchange waits for */
     (void)cf_raw_frame(c, frame, length, NULL);
 }
 
@@ -231,7 +231,7 @@ uint64_t cf_start_up(cf_t *c)
     cf_go(c, CF_OP);
     if ((c->facts.has & CF_COE) != 0)
         vendor = cf_upload_number(c, 0x1018, 1);
-    cf_put8(c, ECT_REG_SII_CONFIG, 1); /* the EEPROM belongs to the slave: whatever comes, nobody writes it */
+    cf_put8(c, ECT_REG_SII_CONFIG, 1); /* the EEPROM belongs to the slave: no request writes it */
     return vendor;
 }
 
@@ -322,7 +322,7 @@ static void measure_mails(cf_t *c)
             (void)cf_upload_number(c, 0x1000, 0);
         } else {
             cf_mail_t mail;
-            cf_send_mail(c, 9, "", 0); /* refused, which takes its time as well */
+            cf_send_mail(c, 9, "", 0); /* refused, which takes time as well */
             cf_receive(c, CF_MBX_ERROR, &mail);
         }
         cf_measure(c, "a mailbox request and its reply", cf_now_ns() - start);
@@ -338,7 +338,7 @@ static int input_sm(const cf_t *c)
     return -1;
 }
 
-/* From outputs that left to the next inputs that the slave has put into its buffers. */
+/* From a frame with outputs to the next write of an input buffer. */
 static void measure_inputs(cf_t *c)
 {
     const int in = input_sm(c);
@@ -365,15 +365,15 @@ static void timing(cf_t *c)
     cf_go(c, CF_INIT);
     measure_changes(c);
     measure_inputs(c);
-    cf_note(c, "times as this PC sees them: its own are in them");
+    cf_note(c, "measured by this PC, its own delays included");
 }
 
 static const cf_case_t cases[] = {
-    {"STRESS", "SDO traffic, process data and changes of state at once: nothing lost, nothing mixed", 'F',
+    {"STRESS", "SDO transfers, process data and state changes at once: no reply is lost or mixed up", 'F',
      CF_STRESS | CF_COE, LIMIT_MS, stress},
-    {"FUZZ", "After malformed mails and frames the slave answers as before", 'F', CF_FUZZ, LIMIT_MS, fuzz},
-    {"TIMING", "How long frames, mails, changes of state and process data take", 'T', CF_TIMING | CF_APPLICATION,
-     120000, timing},
+    {"FUZZ", "After malformed mails and frames the slave replies as before", 'F', CF_FUZZ, LIMIT_MS, fuzz},
+    {"TIMING", "Times of frames, mails, state changes and process data", 'T', CF_TIMING | CF_APPLICATION, 120000,
+     timing},
 };
 
 CF_SECTION(cf_beyond, 'K', "Beyond the checklist", cases);

@@ -77,7 +77,7 @@ static void check_count(cf_t *c, const coe_object_t *o)
         cf_expect_that(c, code == 0 && size == 1, "%04Xh:00: expected one byte, got %zu, abort 0x%08X", o->index, size,
                        code);
         count = value[0];
-        cf_expect_that(c, count <= o->most, "%04Xh:00: expected at most %u as its description says, got %u", o->index,
+        cf_expect_that(c, count <= o->most, "%04Xh:00: expected at most %u as in its description, got %u", o->index,
                        o->most, (unsigned int)count);
     }
     if (o->most == 0xFF)
@@ -113,12 +113,12 @@ static void check_size(cf_t *c, const coe_object_t *o)
         bool text = e.type >= COE_VISIBLE_STRING && e.type <= COE_UNICODE_STRING;
         size_t bytes = (e.bits + 7u) / 8;
         cf_expect_that(c, size == bytes || (text && size <= bytes) || e.bits == 0,
-                       "upload of %04Xh:%02X: expected %zu bytes as its description says, got %zu", o->index, sub,
-                       bytes, size);
+                       "upload of %04Xh:%02X: expected %zu bytes as in its description, got %zu", o->index, sub, bytes,
+                       size);
     }
 }
 
-/* The size bits of a reply, looked at byte by byte. */
+/* The size bits of a reply, byte by byte. */
 static void check_expedited(cf_t *c)
 {
     cf_mail_t mail;
@@ -309,7 +309,7 @@ static void protocol(cf_t *c)
     cf_step(c, "a segment of a transfer that was not begun");
     cf_send_sdo(c, 0x60, 0, 0, 0);
     cf_receive_coe(c, &mail);
-    cf_expect(c, "SDO command after a segment out of the blue", 0x80, mail.data[2]);
+    cf_expect(c, "SDO command after a segment without a transfer", 0x80, mail.data[2]);
     good_upload(c);
     cf_step(c, "a CoE service that does not exist");
     cf_send_coe(c, 15, data, sizeof data);
@@ -322,7 +322,7 @@ static void protocol(cf_t *c)
 
 /* --- complete access ---------------------------------------------------------------------------------------------- */
 
-/* What Complete Access must give: sub-index 0 as 16 bits, then each entry. Bits are left to other tools. @return bytes,
+/* The content of a complete upload: sub-index 0 as 16 bits, then each entry, without bit types. @return bytes,
  * 0: not of whole bytes, or an entry that cannot be read alone */
 static size_t put_together(cf_t *c, const coe_object_t *o, uint8_t *all)
 {

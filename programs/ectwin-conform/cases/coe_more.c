@@ -68,7 +68,7 @@ static void expect_abort(cf_t *c, const char *what, uint32_t code)
     cf_expect_that(c, code != 0, "%s: expected an abort, got an answer", what);
 }
 
-/* One that cannot be changed must say so, whatever is tried. @return whether it is fixed */
+/* One that cannot be changed must refuse every write. @return whether it is fixed */
 static bool fixed(cf_t *c, uint16_t index, uint8_t count)
 {
     uint32_t code = write8(c, index, 0, 0);
@@ -90,7 +90,7 @@ static void remap(cf_t *c)
     const uint8_t count = (uint8_t)cf_upload_number(c, index, 0);
     const uint16_t first = (uint16_t)cf_upload_number(c, index, 1);
     if (fixed(c, index, count)) {
-        cf_note(c, "the assignment is fixed, and says so");
+        cf_note(c, "the assignment is fixed and refuses writes");
     } else {
         cf_step(c, "a PDO that does not exist: refused at once or with the count");
         uint32_t code = write16(c, index, 1, MISSING_PDO);
@@ -150,7 +150,7 @@ static void lists(cf_t *c)
     }
     for (uint16_t type = 2; type <= 5; type++) {
         size_t n = cf_object_list(c, type, some, COE_OBJECTS_MOST);
-        cf_expect_that(c, n == lengths[type - 1], "list %u: expected %u indices as list 0 says, got %zu", type,
+        cf_expect_that(c, n == lengths[type - 1], "list %u: expected %u indices as in list 0, got %zu", type,
                        lengths[type - 1], n);
         for (size_t i = 0; i < n; i++)
             cf_expect_that(c, holds(all, count, some[i]), "list %u: expected indices of list 1, got %04Xh", type,

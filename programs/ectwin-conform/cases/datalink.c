@@ -93,7 +93,7 @@ static void by_position(cf_t *c)
     uint8_t data[2] = {PATTERN, PATTERN};
     cf_expect_wkc(c, "APRD behind the last slave", 0,
                   cf_command(c, CF_APRD, (uint16_t)-c->facts.slaves, ECT_REG_STATION_ADDRESS, data, 2));
-    cf_expect(c, "data of a datagram that nobody answers", 0xA5A5, ect_load_le16(data));
+    cf_expect(c, "data of a datagram without a receiver", 0xA5A5, ect_load_le16(data));
     cf_step(c, "APWR, then APRW");
     uint8_t value[4] = {1, 2, 3, 4};
     cf_expect_wkc(c, "APWR", 1, cf_command(c, CF_APWR, c->facts.ring, SCRATCH, value, 4));
@@ -126,10 +126,10 @@ static void by_alias(cf_t *c)
 static void by_station(cf_t *c)
 {
     uint8_t data[4] = {PATTERN, PATTERN, PATTERN, PATTERN};
-    cf_expect_wkc(c, "FPRD of nobody's address", 0, cf_command(c, CF_FPRD, NOBODY, SCRATCH, data, 4));
-    cf_expect(c, "data that nobody answered", 0xA5A5A5A5, ect_load_le32(data));
-    cf_expect_wkc(c, "FPWR to nobody's address", 0, cf_command(c, CF_FPWR, NOBODY, SCRATCH, data, 4));
-    cf_expect(c, "a register that nobody wrote", 0, cf_get32(c, SCRATCH));
+    cf_expect_wkc(c, "FPRD of an unused address", 0, cf_command(c, CF_FPRD, NOBODY, SCRATCH, data, 4));
+    cf_expect(c, "data of an FPRD without a receiver", 0xA5A5A5A5, ect_load_le32(data));
+    cf_expect_wkc(c, "FPWR to an unused address", 0, cf_command(c, CF_FPWR, NOBODY, SCRATCH, data, 4));
+    cf_expect(c, "a register that was not written", 0, cf_get32(c, SCRATCH));
     cf_put32(c, SCRATCH, 0x11223344);
     cf_expect(c, "FPRD of what FPWR wrote", 0x11223344, cf_get32(c, SCRATCH));
     if ((c->facts.has & CF_RW) != 0) {
@@ -238,7 +238,7 @@ static void no_operation(cf_t *c)
     cf_exchange(c, &d, 1);
     cf_expect_wkc(c, "a command that does not exist, begun at 7", 7, d.wkc);
     cf_expect(c, "data of a command that does not exist", 0xA5A5A5A5, ect_load_le32(data));
-    cf_expect(c, "a register that nobody wrote", 0, cf_get32(c, SCRATCH));
+    cf_expect(c, "a register that was not written", 0, cf_get32(c, SCRATCH));
 }
 
 /* --- ranges ------------------------------------------------------------------------------------------------------- */
@@ -470,7 +470,7 @@ static void must_pass(cf_t *c, const char *what, const uint8_t *frame, size_t le
     cf_expect_that(c, got >= ETHERNET + 18, "%s: expected to pass, got no answer", what);
 }
 
-/* The flag that tells a frame in a cut-off part of a ring: with port 0 open nobody sets it and nobody minds it. */
+/* The flag marks a frame in a cut-off part of a ring; with port 0 open no ESC sets or checks it. */
 static void circulating(cf_t *c)
 {
     uint8_t frame[FRAME_MIN], reply[CF_MAX_FRAME] = {0};
@@ -520,7 +520,7 @@ static void ecat_events(cf_t *c)
     cf_get(c, ECT_REG_AL_STATUS, status, sizeof status);
     cf_expect_bits(c, "ECAT event (0x0210) after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0,
                    cf_get16(c, ECT_REG_ECAT_EVENT));
-    cf_step(c, "PREOP, and AL status is not read: its event says that it changed");
+    cf_step(c, "PREOP, and AL status is not read: its event reports the change");
     cf_put16(c, ECT_REG_AL_CONTROL, CF_PREOP);
     bool came =
         cf_wait_bits(c, ECT_REG_ECAT_EVENT, ECT_ECAT_EVENT_AL_STATUS, ECT_ECAT_EVENT_AL_STATUS, EVENT_MS, &last);

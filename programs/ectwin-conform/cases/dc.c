@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* I. Distributed clocks, as far as a master without a clock of its own can look at them. */
+/* I. Distributed clocks, as far as a master without a clock of its own can judge them. */
 #include <string.h>
 
 #include "steps/case.h"
@@ -91,9 +91,9 @@ static void compare(cf_t *c, int64_t ahead_ns, bool local_later)
     uint8_t received[4];
     uint32_t difference;
     uint64_t begun;
-    do { /* as often as the PC is held up in between */
+    do { /* again when the PC was held up in between */
         begun = cf_now_ns();
-        cf_put16(c, ECT_REG_DC_SPEED_START, SPEED_START); /* the filter begins anew */
+        cf_put16(c, ECT_REG_DC_SPEED_START, SPEED_START); /* resets the filter */
         ect_store_le32(received, (uint32_t)(system_time(c) + (uint64_t)ahead_ns));
         cf_put(c, ECT_REG_DC_SYSTEM_TIME, received, sizeof received);
         difference = cf_get32(c, ECT_REG_DC_DIFFERENCE);
@@ -187,8 +187,8 @@ static void check_grid(cf_t *c, uint64_t start_ns)
     }
 }
 
-/* 0x098E shows a pulse of SYNC0 in bit 0. Where pulses have no length it holds it until the slave's software has read
- * it. */
+/* Bit 0 of 0x098E shows a pulse of SYNC0; a pulse without a length stays until the slave's software reads the register.
+ */
 static void sync0_status(cf_t *c, bool runs)
 {
     uint8_t status = 0, length[2];
@@ -247,7 +247,7 @@ static void sync0(cf_t *c)
         cf_sleep_ms(c, 1);
     check_grid(c, start_ns);
     sync0_status(c, true);
-    cf_step(c, "off, and on with a start time in the past: none comes");
+    cf_step(c, "off, and on with a start time in the past: no SYNC0");
     start_ns = system_time(c) - DELAY_NS;
     start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0);
     cf_sleep_ms(c, 5);
@@ -261,12 +261,12 @@ static void sync0(cf_t *c)
 
 static void jitter(cf_t *c)
 {
-    cf_skip(c, "a PC's clock cannot judge jitter; what the loss of SYNC0 does is CF-043");
+    cf_skip(c, "a PC's clock cannot judge jitter; CF-043 judges the loss of SYNC0");
 }
 
 static void latches(cf_t *c)
 {
-    cf_skip(c, "somebody would have to give the board's latch pins an edge");
+    cf_skip(c, "needs an edge at the latch pins of the board");
 }
 
 /* The first mode of the SII with SYNC0; skips the case when there is none. */
@@ -311,10 +311,10 @@ static const cf_case_t cases[] = {
      receive_times},
     {"CF-088", "The offset moves the system time; the difference has the right sign", 'R', CF_DC | CF_REAL_TIME, 0,
      offset_and_loop},
-    {"CF-089", "SYNC0 begins at its start time and keeps its grid; from the past it does not begin", 'R',
+    {"CF-089", "SYNC0 starts at its start time and keeps its grid; a start time in the past starts nothing", 'R',
      CF_DC | CF_REAL_TIME, 0, sync0},
     {"CF-090", "SYNC0 and SYNC1 keep their distance to the frames", 'T', CF_DC, 0, jitter},
-    {"CF-091", "Latches take the time of an edge", 'R', CF_DC, 0, latches},
+    {"CF-091", "Latch registers hold the time of an edge", 'R', CF_DC, 0, latches},
     {"CF-092", "A cycle that is not supported is refused", 'F', CF_DC | CF_APPLICATION | CF_SII, 0, cycle_refused},
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* F. The EEPROM: its interface, and whether what stands in it is consistent and true. */
+/* F. The EEPROM: its interface, and whether its content is consistent and true. */
 #include <string.h>
 
 #include "steps/esi.h"
@@ -216,7 +216,8 @@ static void size(cf_t *c)
     cf_expect_that(c, ends, "categories: expected an end mark within %u bytes, got none", f->eeprom_bytes);
     bool wide = (cf_get16(c, ECT_REG_SII_CONTROL) & WIDE) != 0;
     if (f->eeprom_bytes > SMALL_EEPROM && !wide)
-        cf_warn(c, "word 0x3E says %u bytes, the chip addresses its EEPROM with one byte: up to 2048", f->eeprom_bytes);
+        cf_warn(c, "word 0x3E gives %u bytes, but the chip addresses its EEPROM with one byte: up to 2048",
+                f->eeprom_bytes);
     cf_esi_expect_sii(c, ECT_FACT_EEPROM_SIZE, ECT_FACT_CONFIG);
 }
 
@@ -405,7 +406,7 @@ static void find(void *ctx, bool wrong, const char *line)
         cf_remark(f->c, "%s", line);
 }
 
-/* Nothing of the slave: what it says is compared with this file by other cases. */
+/* The file alone: other cases compare the slave with it. */
 static void file(cf_t *c)
 {
     findings_t f = {.c = c};
@@ -481,10 +482,10 @@ static void again(cf_t *c)
 }
 
 static const cf_case_t cases[] = {
-    {"CF-054", "The check value of the first words is right, and PDI control is that of the chip", 'S', CF_SII, 0,
+    {"CF-054", "The checksum of the first words is right, and PDI control is that of the chip", 'S', CF_SII, 0,
      checksum},
-    {"CF-055", "Reads give 4 or 8 bytes as the chip says; bad commands and addresses end in good order", 'R', CF_SII, 0,
-     reading},
+    {"CF-055", "Reads give 4 or 8 bytes as the chip announces; bad commands and addresses end without damage", 'R',
+     CF_SII, 0, reading},
     {"CF-056", "A write needs its enable bit, commands need ownership; reload changes nothing", 'R', CF_SII, 0,
      writing},
     {"CF-057", "Identity in the SII, in 1018h and in the ESI is the same", 'S', CF_SII, 0, identity},
@@ -498,7 +499,7 @@ static const cf_case_t cases[] = {
      mapping},
     {"CF-062", "Clock modes fit the chip and are those of the ESI", 'S', CF_SII, 0, clocks},
     {"CF-063", "The ESI file is as a file should be, and describes a device that can be", 'S', CF_ESI, 0, file},
-    {"CF-064", "Every string that is referred to exists and is whole; names are those of the ESI", 'S', CF_SII, 0,
+    {"CF-064", "Every string that is referenced exists and is complete; names are those of the ESI", 'S', CF_SII, 0,
      strings},
     {"CF-065", "Alias of EEPROM and register agree; identification is declared once", 'S', CF_SII, 0, alias},
     {"CF-066", "The image reads the same a second time", 'F', CF_SII, 60000, again},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* CF-085: Ethernet over EtherCAT, as far as a slave without known applications can be asked. */
+/* CF-085: Ethernet over EtherCAT, as far as a slave with unknown applications can be judged. */
 #include <string.h>
 
 #include "cases/beyond.h"
@@ -20,7 +20,7 @@ enum {
 enum { FRAME_MOST = 1514, FRAME_LEAST = 60, ARP = 42, ETHERTYPE_ARP = 0x0806, ETHERTYPE_TEST = 0x88B5, QUIET_MS = 200 };
 enum { OVERSIZE_UNITS = 0x3F };
 
-/* What the slave said of itself. */
+/* The parameters of the slave. */
 typedef struct host {
     uint8_t data[CF_MAX_MAIL]; /* flags and parameters, byte for byte */
     uint16_t length;
@@ -60,8 +60,8 @@ static void expect_result(cf_t *c, const char *what, uint16_t result, uint16_t a
                    "%s: expected result 0x0000, 0x0002, 0x0202 or 0x%04X, got 0x%04X", what, allowed, result);
 }
 
-/* --- services
- * --------------------------------------------------------------------------------------------------------- */
+/* --- services ------------------------------------------------------------------------------------------------------
+ */
 
 static void take_host(const cf_mail_t *mail, host_t *h)
 {
@@ -74,7 +74,7 @@ static void take_host(const cf_mail_t *mail, host_t *h)
     if ((flags & HAS_IP) == 0 || h->length < ip_at + ADDRESS)
         return;
     for (unsigned int i = 0; i < ADDRESS; i++)
-        h->ip[i] = h->data[ip_at + (ADDRESS - 1u) - i]; /* octets stand the other way round there */
+        h->ip[i] = h->data[ip_at + (ADDRESS - 1u) - i]; /* octets have the reverse order there */
     h->has_ip = ect_load_le32(h->ip) != 0;
 }
 
@@ -89,7 +89,7 @@ static void get_ip(cf_t *c, host_t *h)
         take_host(&mail, h);
 }
 
-/* What it has already: nothing changes. */
+/* The present parameters: nothing changes. */
 static void set_ip(cf_t *c, const host_t *h)
 {
     const uint8_t nothing[FLAGS] = {0};
@@ -113,8 +113,8 @@ static void filter(cf_t *c)
     expect_result(c, "set filter", answer(c, FILTER_WAS_SET, &mail), NO_FILTER);
 }
 
-/* --- frames
- * ----------------------------------------------------------------------------------------------------------- */
+/* --- frames --------------------------------------------------------------------------------------------------------
+ */
 
 /* Bytes of a fragment that is not the last: what the mailbox takes, in units. */
 static uint16_t fragment_most(const cf_t *c)
@@ -138,7 +138,7 @@ static void broadcast(uint8_t *frame, uint16_t type)
     ect_store_be16(frame + 2 * MAC, type);
 }
 
-/* Who has this address? Asked from an address of the same net. */
+/* An ARP request for this address, from an address of the same net. */
 static void arp_request(uint8_t *frame, const host_t *h)
 {
     static const uint8_t kind[] = {0, 1, 8, 0, 6, 4, 0, 1};
@@ -189,7 +189,7 @@ static void take(cf_t *c, host_t *h, uint32_t ms)
     h->replies += is_arp_reply(frame, length, h);
 }
 
-/* A whole frame in fragments of `size` bytes. What the slave sends meanwhile is taken: it may hold the next until then.
+/* A whole frame in fragments of `size` bytes. Frames of the slave are read in between: it may wait for that.
  * @param skip  one of them that gets lost; -1: none */
 static void send_frame(cf_t *c, host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,
                        int skip)
@@ -221,7 +221,7 @@ static void frames(cf_t *c, host_t *h)
 {
     uint8_t frame[FRAME_MOST];
     const uint16_t most = fragment_most(c);
-    cf_step(c, "a broadcast as long as the MTU allows, in fragments; nobody knows its type");
+    cf_step(c, "a broadcast as long as the MTU allows, in fragments, of an unassigned type");
     broadcast(frame, ETHERTYPE_TEST);
     send_frame(c, h, frame, FRAME_MOST, most, 1, -1);
     cf_step(c, "the same, of which a fragment is lost; then without its end");
@@ -232,7 +232,7 @@ static void frames(cf_t *c, host_t *h)
         send(c, FRAGMENT,
              (uint16_t)(fragment | (fragment == 0 ? OVERSIZE_UNITS : fragment * most / UNIT) << 6 | 4 << 12), frame,
              most, false);
-    cf_step(c, "what comes now is taken as ever");
+    cf_step(c, "a frame after these is processed");
     if (!h->has_ip)
         return;
     arp_request(frame, h);
@@ -259,7 +259,7 @@ void cf_ethernet(cf_t *c)
     cf_expect_range(c, "bytes of its parameters afterwards", host.length, host.length, later.length);
     cf_expect_bytes(c, "its parameters afterwards", host.data, later.data, host.length);
     if (host.has_ip)
-        cf_note(c, "it answers as %u.%u.%u.%u", host.ip[0], host.ip[1], host.ip[2], host.ip[3]);
+        cf_note(c, "it replies as %u.%u.%u.%u", host.ip[0], host.ip[1], host.ip[2], host.ip[3]);
     else
-        cf_note(c, "it has no address: whether frames arrive cannot be seen");
+        cf_note(c, "it has no address: the arrival of frames cannot be judged");
 }

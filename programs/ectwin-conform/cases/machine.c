@@ -401,7 +401,7 @@ static uint32_t sync0_cycle(cf_t *c, uint32_t cycle_ns)
     return cycle_ns < SYNC0_CYCLE_NS ? SYNC0_CYCLE_NS : cycle_ns;
 }
 
-/* Where it can be chosen: SYNC0; and patience, for this is no controller that keeps time. */
+/* Synchronisation by SYNC0 where the slave offers the choice, with a long limit: this PC is no real-time controller. */
 static void choose_sync0(cf_t *c)
 {
     const uint8_t sync0[2] = {2, 0}, limit[2] = {200, 0};
@@ -527,7 +527,7 @@ static void identification(cf_t *c)
     cf_note(c, "identification value 0x%04X", id);
 }
 
-/* The first mapped output that an SDO may look at. @return whether there is one; *index, *sub */
+/* The first mapped output that an SDO may read. @return whether there is one; *index, *sub */
 static bool first_output(cf_t *c, uint16_t *index, uint8_t *sub)
 {
     uint32_t code;
@@ -556,7 +556,7 @@ static void outputs_stay(cf_t *c)
     }
     sub_index = sub;
     (void)cf_upload(c, index, sub, false, before, &size);
-    cf_step(c, "outputs 0x55 in SAFEOP; %04Xh:%02X, the first of them, is looked at", index, sub_index);
+    cf_step(c, "outputs 0x55 in SAFEOP; %04Xh:%02X is the first of them", index, sub_index);
     memset(outputs, 0x55, sizeof outputs);
     for (int i = 0; i < 10; i++)
         (void)cf_cycle(c, outputs, NULL);

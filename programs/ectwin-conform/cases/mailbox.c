@@ -35,7 +35,7 @@ static uint32_t expect_error(cf_t *c, const char *what, const cf_foe_t *sent)
     return number;
 }
 
-/* What needs no file that is there. */
+/* Requests that need no existing file. */
 static void refusals(cf_t *c)
 {
     static const char name[] = "none"; /* fits the shortest of mailboxes */
@@ -57,7 +57,8 @@ static void refusals(cf_t *c)
     }
 }
 
-/* Where the file is at home it is read; elsewhere the error says where that is. @return the state, 0: it is not here */
+/* Reads the file in the state that offers it; in the other state the error names the right one. @return the state, 0:
+ * not here */
 static uint8_t home(cf_t *c, uint8_t state, uint32_t elsewhere, size_t *size)
 {
     cf_go(c, CF_INIT);
@@ -218,7 +219,7 @@ static void files(cf_t *c)
 
 /* --- others ------------------------------------------------------------------------------------------------------- */
 
-/* What is not offered is refused, and the mailbox goes on. */
+/* A protocol that is not offered is refused, and the mailbox continues. */
 static void not_offered(cf_t *c)
 {
     static const struct {
@@ -242,9 +243,10 @@ static void not_offered(cf_t *c)
 static const cf_case_t cases[] = {
     {"CF-084", "FoE: files are read and written whole; wrong names, passwords, packets are refused", 'F',
      CF_MAILBOX | CF_FOE, 60000, files},
-    {"CF-085", "EoE: address and filter are told; frames of any length pass in fragments, broken ones do no harm", 'F',
+    {"CF-085",
+     "EoE: address and filter are reported; frames of any length pass in fragments, incomplete ones are dropped", 'F',
      CF_MAILBOX | CF_EOE, 60000, cf_ethernet},
-    {"CF-086", "AoE, SoE and VoE get a mailbox error where they are not offered", 'R', CF_MAILBOX, 0, not_offered},
+    {"CF-086", "AoE, SoE and VoE get a mailbox error when they are not offered", 'R', CF_MAILBOX, 0, not_offered},
 };
 
 CF_SECTION(cf_mailbox, 'H', "Other mailbox protocols", cases);

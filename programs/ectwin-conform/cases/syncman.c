@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* B. SyncManagers. The mailbox is tried with requests that every slave answers; what stands in them does not matter. */
+/* B. SyncManagers. The mailbox is tried with requests that every slave replies to; their content does not matter. */
 #include <string.h>
 
 #include "steps/case.h"
@@ -70,7 +70,7 @@ static void fetch(cf_t *c, cf_mail_t *mail)
         cf_fail(c, "a reply: expected in SM1 within %d ms, got none", (int)CF_MAIL_MS);
 }
 
-/* Which sub-index a reply is for; the sub that was asked when the slave has no CoE and all replies look alike. */
+/* Which sub-index a reply is for; the requested one when the slave has no CoE and all replies look alike. */
 static uint8_t reply_sub(const cf_t *c, const cf_mail_t *mail, uint8_t asked)
 {
     return (c->facts.has & CF_COE) != 0 ? mail->data[5] : asked;
@@ -130,7 +130,7 @@ static void one_mail(cf_t *c)
     unsigned int accepted = fill(c, &was_full);
     if (!was_full)
         cf_note(c, "the slave took %u requests without a reply being fetched: SM0 was never full", accepted);
-    cf_step(c, "all %u replies: the mail that stood in SM0 is what it was", accepted);
+    cf_step(c, "all %u replies: the mail in SM0 is unchanged", accepted);
     for (unsigned int i = 0; i < accepted; i++) {
         fetch(c, &reply);
         cf_expect(c, "sub-index of the reply", i % 4 + 1, reply_sub(c, &reply, (uint8_t)(i % 4 + 1)));
@@ -425,7 +425,7 @@ static uint8_t repeat(cf_t *c)
     return status;
 }
 
-/* There is no mail to bring back. Who waits for the acknowledge waits for ever with some slaves. */
+/* There is no mail to repeat. Some slaves never acknowledge this. */
 static void repeat_of_nothing(cf_t *c)
 {
     uint8_t status;
@@ -461,7 +461,7 @@ static void repeated(cf_t *c)
     repeat_of_nothing(c);
 }
 
-/* The same counter as the last request: whatever stands in it, it is that request once more. */
+/* The same counter as the last request: it is that request once more, whatever its content. */
 static void duplicate(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL];
@@ -553,7 +553,7 @@ static void headers(cf_t *c)
     refused(c, "a length of 0", mail, length, lengths);
     length = build(c, mail, 1);
     mail[5] = (uint8_t)((mail[5] & 0xF0) | foreign_type(c));
-    refused(c, "a protocol that the slave has not", mail, length, 1u << ERROR_PROTOCOL);
+    refused(c, "a protocol that the slave lacks", mail, length, 1u << ERROR_PROTOCOL);
     length = build(c, mail, 1);
     mail[5] = (uint8_t)((mail[5] & 0xF0) | 9);
     refused(c, "a protocol that does not exist", mail, length, 1u << ERROR_PROTOCOL | 1u << ERROR_SYNTAX);

@@ -33,7 +33,7 @@ static void survives(cf_t *c)
     cf_note(c, "%lu mails, frames and requests%s", thrown, c->whole ? "" : "; --long throws a million");
 }
 
-/* SOEM knows nothing but the SII and CoE. */
+/* SOEM uses the SII and CoE only. */
 static void soem(cf_t *c)
 {
     char what[200];
@@ -42,7 +42,7 @@ static void soem(cf_t *c)
     cf_expect_that(c, reached, "SOEM on its way to OP: %s", what);
 }
 
-/* The station address is gone; the state is not, and the slave is found again by its position. */
+/* A slave without its station address keeps its state and is reached by its position. */
 static void lose_address(cf_t *c, uint8_t state)
 {
     uint8_t byte, zero[2] = {0}, address[2];
@@ -57,8 +57,8 @@ static void lose_address(cf_t *c, uint8_t state)
     cf_expect(c, "AL status afterwards", state, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
 }
 
-/* What a slave may be in that was not heard of for a while: as before, or lower, and then it says so. */
-static void expect_kept_or_told(cf_t *c, uint8_t state)
+/* State of a slave that was unreachable for a while: the same, or a lower one with the error flag and a code. */
+static void expect_kept_or_reported(cf_t *c, uint8_t state)
 {
     uint8_t bytes[6] = {0};
     uint16_t wkc = cf_command(c, CF_APRD, c->facts.ring, ECT_REG_AL_STATUS, bytes, sizeof bytes);
@@ -98,7 +98,7 @@ static bool pulled_in(cf_t *c, uint8_t state, const char **why)
     if (!cf_pull_plug(c, PULLED_MS, why))
         return false;
     expect_lost_link(c);
-    expect_kept_or_told(c, state);
+    expect_kept_or_reported(c, state);
     cf_step(c, "configured again");
     cf_known_state(c);
     cf_go(c, state);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Frames in words. What cannot be decoded is shown as bytes: a runner must be able to show what a broken slave sends.
- */
+/* Frames in words. Bytes that cannot be decoded are shown as bytes: a defective slave may send anything. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

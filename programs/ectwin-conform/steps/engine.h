@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Behind the steps: the port, the run, the results. Not for cases. */
+/** @file The state behind the steps: port, time limit, verdict, changes. Not for cases. */
 #ifndef ECTWIN_CONFORM_ENGINE_H
 #define ECTWIN_CONFORM_ENGINE_H
 
@@ -22,24 +22,24 @@ enum { CF_REASON = 400, CF_STEP = 120 };
 /** The step between the preparation of the slave and the function of the case. */
 #define CF_CASE_BEGINS "the case begins"
 
-/** What a case has changed for good, and what was there. */
+/** A lasting change of a case, with the old value. */
 typedef struct cf_undo {
     enum { CF_UNDO_OBJECT, CF_UNDO_SII, CF_UNDO_FILE } what;
-    uint16_t index; /**< of the object, or the word */
+    uint16_t index; /**< index of the object, or word of the EEPROM */
     uint8_t sub;
-    uint8_t state; /**< in which the file is written */
+    uint8_t state; /**< AL state for writing the file */
     size_t size;
     uint8_t data[CF_CHANGE_MOST];
-    uint8_t *file; /**< its content; freed with the change */
+    uint8_t *file; /**< content of the file; freed with the change */
 } cf_undo_t;
 
 enum { CF_UNDO_MOST = 64 };
 
-/** A histogram: every value is kept, up to the limit. */
+/** A histogram of up to CF_VALUES_MOST values. */
 typedef struct cf_series {
     const char *name;
     uint32_t count;
-    uint64_t *values_ns; /**< CF_VALUES_MOST of them; belongs to the run */
+    uint64_t *values_ns; /**< CF_VALUES_MOST values; owned by the engine */
 } cf_series_t;
 
 enum { CF_VALUES_MOST = 2000 };
@@ -47,7 +47,7 @@ enum { CF_VALUES_MOST = 2000 };
 typedef struct cf_engine {
     cf_port_t *port;
     jmp_buf leave;
-    bool running;         /**< a case is; `leave` is set */
+    bool running;         /**< a case runs; `leave` is set */
     uint64_t deadline_ns; /**< of the case */
     uint32_t limit_ms;
     cf_verdict_t verdict;
@@ -56,7 +56,7 @@ typedef struct cf_engine {
     uint32_t frame;
     cf_undo_t undo[CF_UNDO_MOST]; /**< in the order of the changes */
     size_t undo_count;
-    void (*look)(cf_t *c, void *ctx); /**< while a step waits */
+    void (*look)(cf_t *c, void *ctx); /**< called while a step waits */
     void *look_ctx;
     bool looking;
     uint64_t seed;
@@ -64,18 +64,18 @@ typedef struct cf_engine {
     size_t series_count;
     uint8_t *room[2];     /**< of ::cf_room; NULL: not used yet */
     bool pulled;          /**< the slave's plug is pulled, to be put back */
-    uint8_t port_control; /**< of the slave before it, as it was (0x0101); of the first slave: not used */
-    bool silent;          /**< the last frame did not come back: the next is not waited for as long */
-    bool lame;            /**< the slave could not be brought back to INIT: it is not waited for as long */
+    uint8_t port_control; /**< old value of 0x0101 of the slave before it; unused for the first slave */
+    bool silent;          /**< the last frame was lost: the next one gets a shorter timeout */
+    bool lame;            /**< the slave did not return to INIT: it gets a shorter timeout */
 } cf_engine_t;
 
-/** Puts the plug back if it is pulled, and waits until all slaves are found. */
+/** Puts a pulled plug back and waits until all slaves reply. */
 void cf_put_plug_back(cf_t *c);
 
-/** Ends what runs with that verdict. */
+/** Leaves the case, or the preparation of the slave, with that verdict. */
 _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
-/** Room for one more change. Leaves the case when there is none. */
+/** Adds a change to the list. Leaves the case when the list is full. */
 cf_undo_t *cf_new_undo(cf_t *c);
 /** Frees the rooms, the histograms and the list of changes. */
 void cf_engine_free(cf_engine_t *e);
@@ -83,9 +83,9 @@ void cf_engine_free(cf_engine_t *e);
 void cf_forget_changes(cf_engine_t *e);
 /** Brings the slave back: plug, INIT, changes in reverse order, INIT. Leaves by the engine's jump when that fails. */
 void cf_put_back(cf_t *c);
-/** What a waiting step does between two looks: the case's function, or a short sleep. */
+/** Pause of a waiting step between two polls: the case's function, or a short sleep. */
 void cf_between_looks(cf_t *c);
-/** Leaves the case when its time is over or the user wants out. */
+/** Leaves the case at the end of its time limit and on Ctrl-C. */
 void cf_check_time(cf_t *c);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include "steps/coe_walk.h"
 
-enum { VALUE = 256, ASSIGNMENT = 0x1C10, LINES_TOLD = 20 };
+enum { VALUE = 256, ASSIGNMENT = 0x1C10, LINES_MOST = 20 };
 
 /* --- the file ----------------------------------------------------------------------------------------------------- */
 
@@ -85,7 +85,7 @@ const ect_esi_device_t *cf_esi_model(const cf_t *c)
 
 /* --- comparing ---------------------------------------------------------------------------------------------------- */
 
-/* What modules bring, or their number of bytes, is another for each that is plugged in. */
+/* Content and number of bytes of a module depend on the module that is plugged in. */
 static bool is_of_modules(const ect_fact_t *fact)
 {
     return (fact->kind >= ECT_FACT_PDO && fact->kind <= ECT_FACT_PDO_ENTRY_TYPE) || fact->kind == ECT_FACT_SM_LENGTH ||
@@ -117,7 +117,7 @@ static void expect_same(cf_t *c)
         cf_fail(c, "out of memory");
     size_t all = ect_facts_compare(&c->esi->known, &c->esi->found, out);
     (void)fclose(out);
-    for (const char *line = lines; *line != 0 && count < LINES_TOLD; count++) {
+    for (const char *line = lines; *line != 0 && count < LINES_MOST; count++) {
         int length = (int)strcspn(line, "\n");
         if (count == 0)
             snprintf(first, sizeof first, "%.*s", length, line);
@@ -176,7 +176,7 @@ static void add_bytes(cJSON *entry, const char *name, const uint8_t *bytes, size
     cJSON_AddStringToObject(entry, name, text);
 }
 
-/* The values of objects that say what the slave is. @return whether it could be read */
+/* The values of objects that identify the slave. @return whether the upload succeeded */
 static bool add_value(cf_t *c, cJSON *entry, uint16_t index, uint8_t sub)
 {
     uint8_t value[VALUE] = {0};
@@ -187,12 +187,12 @@ static bool add_value(cf_t *c, cJSON *entry, uint16_t index, uint8_t sub)
     return true;
 }
 
-static bool tells_what_it_is(uint16_t index)
+static bool is_identity(uint16_t index)
 {
     return index == 0x1000 || index == 0x1008 || index == 0x1018 || ect_facts_are_of_pdos(index);
 }
 
-/* The optional fields stand in the order of their bits, those with the entry's length among them; then the name. */
+/* The optional fields have the order of their bits, those with the entry's length among them; then the name. */
 static void add_details(cf_t *c, cJSON *entry, const uint8_t *answer, int bytes)
 {
     static const struct {
@@ -229,7 +229,7 @@ static void add_described_entry(cf_t *c, cJSON *entries, uint16_t index, uint8_t
     cJSON_AddNumberToObject(entry, "bits", ect_load_le16(answer + 6));
     cJSON_AddNumberToObject(entry, "access", ect_load_le16(answer + 8));
     add_details(c, entry, answer, bytes);
-    if (tells_what_it_is(index))
+    if (is_identity(index))
         (void)add_value(c, entry, index, sub);
 }
 
@@ -243,7 +243,7 @@ static void add_described(cf_t *c, const coe_object_t *o)
         add_described_entry(c, entries, o->index, (uint8_t)sub);
 }
 
-/* An object of numbers, as many as sub-index 0 says. @return false: there is none */
+/* An object of numbers, as many as sub-index 0 counts. @return false: there is none */
 static bool add_numbers(cf_t *c, cJSON *objects, uint16_t index)
 {
     uint32_t code;
@@ -265,7 +265,7 @@ static void add_assigned(cf_t *c, cJSON *objects, uint16_t assignment)
         (void)add_numbers(c, objects, (uint16_t)cf_upload_number(c, assignment, (uint8_t)n));
 }
 
-/* --- and compared ------------------------------------------------------------------------------------------------- */
+/* --- comparisons ------------------------------------------------------------------------------------------------ */
 
 static void take_dictionary(cf_t *c)
 {

@@ -51,7 +51,7 @@ struct cf_port {
 };
 
 /* SOEM's own source address is a multicast address; a station has a unicast one. The first ESC sets the bit for
- * "locally administered", which tells a frame on its way back from a new one, so the address leaves without it. */
+ * "locally administered" as the mark of a frame on its way back, so the address leaves without that bit. */
 static void use_own_address(int socket, const char *iface)
 {
     struct ifreq request = {0};
@@ -66,7 +66,7 @@ const char *cf_port_open(cf_port_t **port, const char *iface)
 {
     if (strlen(iface) >= IF_NAMESIZE || if_nametoindex(iface) == 0)
         return "there is no network interface of that name: 'ip -br link' lists those there are";
-    int probe = socket(PF_PACKET, SOCK_RAW, 0); /* SOEM does not say why it cannot */
+    int probe = socket(PF_PACKET, SOCK_RAW, 0); /* SOEM gives no reason */
     if (probe < 0)
         return errno == EPERM || errno == EACCES
                    ? "it needs the capability CAP_NET_RAW: run it with sudo, or inside 'ectwin with'"
@@ -152,7 +152,7 @@ static void build(uint8_t *frame, uint8_t index, const cf_datagram_t *d, size_t 
     ect_store_le16(frame + ETHERNET, (uint16_t)(TYPE_DATAGRAMS | (*length - ETHERNET - 2)));
 }
 
-/* The answer to an older frame, given up on, has the same index now and then: commands and lengths tell. */
+/* A late reply to an older frame may have the same index; commands, addresses and lengths differ. */
 static bool is_answer(const uint8_t *payload, const cf_datagram_t *d, size_t count)
 {
     const uint8_t *at = payload + 2;
@@ -178,7 +178,7 @@ static void take(const uint8_t *payload, cf_datagram_t *d, size_t count)
     }
 }
 
-/* Whether something came to be read before the deadline. */
+/* Whether a frame is readable before the deadline. */
 static bool readable(const ecx_portt *port, uint64_t deadline_ns)
 {
     uint64_t now = cf_now_ns();
@@ -218,7 +218,7 @@ bool cf_port_exchange(cf_port_t *holder, cf_datagram_t *d, size_t count, uint32_
 
 /* --- frames as they are ------------------------------------------------------------------------------------------- */
 
-/* EtherType, header and address of the datagram, which nobody changes: a NOP. */
+/* EtherType, header and address of the datagram: no slave changes those of a NOP. */
 static bool is_marker(const uint8_t *got, ssize_t length, const uint8_t *marker, size_t marker_length)
 {
     return length >= (ssize_t)marker_length && memcmp(got + 12, marker + 12, 2 + 2 + 6) == 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOEM's port: its socket, buffers and index carry datagrams of any kind. The only file beside it that knows SOEM is
- * port.c: SOEM and wire/registers.h use the same names for registers.
+ * SOEM's port: its socket, buffers and index carry datagrams of any kind. Only port.c includes SOEM, because SOEM and
+ * wire/registers.h use the same names for registers.
  */
 #ifndef ECTWIN_CONFORM_PORT_H
 #define ECTWIN_CONFORM_PORT_H
@@ -13,47 +13,46 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/** One datagram. Nothing interprets it on the way: any command, any address. */
+/** One datagram of any command and address, sent unchanged. */
 typedef struct cf_datagram {
     uint8_t command;
-    uint32_t address; /**< ADP in the low, ADO in the high 16 bits; or the logical address; as it came back */
+    uint32_t address; /**< ADP in the low, ADO in the high 16 bits, or the logical address; then that of the reply */
     uint16_t length;  /**< 0..CF_MAX_DATA */
-    void *data;       /**< `length` bytes: sent as they are, then what came back; NULL: zeros, and nothing kept */
-    uint16_t wkc;     /**< sent with this value (0 as a rule), then what came back */
-    uint16_t irq;     /**< what came back */
+    void *data;       /**< `length` bytes to send, then those of the reply; NULL: sends zeros, drops the reply */
+    uint16_t wkc;     /**< value to send (usually 0), then that of the reply */
+    uint16_t irq;     /**< of the reply */
 } cf_datagram_t;
 
 typedef struct cf_port cf_port_t;
 
-/** Counts SIGINT and SIGTERM: the case that runs is left, no other begins. The second one does not even wait for an
- * answer. */
+/** Number of SIGINT and SIGTERM: the first ends the running case and the run, the second also ends the wait for a
+ * reply. */
 extern volatile sig_atomic_t cf_interrupted;
 
 /** Monotonic, nanoseconds. */
 uint64_t cf_now_ns(void);
 
-/** Opens an interface. @return NULL, or why it cannot be opened (constant text, or errno's) */
+/** Opens an interface. @return NULL, or the reason (constant text, or errno's) */
 const char *cf_port_open(cf_port_t **port, const char *iface);
 /** @param port  may be NULL */
 void cf_port_close(cf_port_t *port);
 /**
- * Takes the interface down, as if its cable were pulled, or up again.
- * @return NULL, or why that is not possible (constant text, or errno's)
+ * Takes the interface down, which disconnects all slaves, or up.
+ * @return NULL, or the reason why that is not possible (constant text, or errno's)
  */
 const char *cf_port_link(cf_port_t *port, bool up);
-/** One frame there and back; sent once. @return false: it did not come back in time */
+/** Sends one frame, once, and waits for its return. @return false: not within the timeout */
 bool cf_port_exchange(cf_port_t *port, cf_datagram_t *d, size_t count, uint32_t timeout_ms);
 /**
- * Any frame, with a NOP of its own behind it. A wire keeps the order: what has not come back before the NOP does not
- * come.
- * @return bytes of the answer, 0 none, -1: the NOP did not come back in time
+ * Sends any frame, then a NOP. A wire keeps the order of frames: a frame that has not returned before the NOP is lost.
+ * @return bytes of the reply, 0 none, -1: the NOP did not return within the timeout
  */
 ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *reply, size_t room,
                     uint32_t timeout_ms);
 /**
- * SOEM's own way over this port: all slaves configured and mapped, process data, one of them to OP.
+ * SOEM's own start-up over this port: configures and maps all slaves, takes one of them to OP with process data.
  * @param slave     its number, from 1
- * @param[out] what  on failure: how far it came
+ * @param[out] what  on failure: the state that was reached
  */
 bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room);
 

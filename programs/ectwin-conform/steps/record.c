@@ -9,7 +9,8 @@
 
 #include "steps/case.h"
 
-/* pcapng (draft-ietf-opsawg-pcapng): block types and options. Numbers are the host's own, the magic says which. */
+/* pcapng (draft-ietf-opsawg-pcapng): block types and options. Numbers have the host's byte order, which the magic
+ * number shows. */
 enum {
     BLOCK_SECTION = 0x0A0D0D0A,
     BLOCK_INTERFACE = 1,
@@ -27,7 +28,7 @@ enum {
 
 enum { COMMENT = 600, SOURCE = 6, MAC = 6, MULTICAST = 1, DATAGRAM_INDEX = 17, FRAME_MOST = 2048 };
 
-/* One record for the process: the wrapped send and recv have no other way to it. */
+/* One record for the process: the wrapped send and recv have no parameter for it. */
 static struct {
     FILE *capture;
     uint64_t start_ns;
@@ -270,7 +271,8 @@ void cf_record_close(void)
     memset(&record, 0, sizeof record);
 }
 
-/* --- what SOEM sends and receives --------------------------------------------------------------------------------- */
+/* --- send and recv of SOEM and cases --------------------------------------------------------------------------------
+ */
 
 ssize_t __real_send(int fd, const void *bytes, size_t length, int flags);
 ssize_t __real_recv(int fd, void *bytes, size_t room, int flags);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The record of a run: each frame that leaves or comes, numbered, in a capture file and as evidence of the case that
- * runs. Whatever SOEM sends by itself is in it too: its send() and recv() are wrapped by the linker.
+ * The record of a run: each frame sent or received, numbered, in a capture file and as evidence of the running case.
+ * The linker wraps send() and recv(), so frames of SOEM itself are recorded too.
  */
 #ifndef ECTWIN_CONFORM_RECORD_H
 #define ECTWIN_CONFORM_RECORD_H
@@ -17,11 +17,11 @@ typedef enum cf_item_kind { CF_ITEM_STEP, CF_ITEM_SENT, CF_ITEM_RECEIVED } cf_it
 /** A line of evidence: a sentence, or a frame. */
 typedef struct cf_item {
     cf_item_kind_t kind;
-    uint32_t frame;   /**< its number in the capture, from 1; of a sentence that of the frame that follows */
+    uint32_t frame;   /**< its number in the capture, from 1; of a sentence: the number of the next frame */
     uint32_t folded;  /**< equal exchanges directly before this one, which are in the capture only */
     uint64_t time_ns; /**< since the start of the run */
     uint32_t length;
-    uint8_t *bytes; /**< a frame from the destination MAC on, or a text with its zero; belongs to the item */
+    uint8_t *bytes; /**< a frame from the destination MAC on, or a text with its zero; owned by the item */
 } cf_item_t;
 
 /** Evidence of one case: its last CF_EVIDENCE_MAX items, with equal polls folded into one. */
@@ -33,20 +33,21 @@ typedef struct cf_evidence {
 
 enum { CF_EVIDENCE_MAX = 400 };
 
-/** Starts the record. @param capture  where the pcapng goes, kept open by the caller; NULL: nowhere */
+/** Starts the record. @param capture  pcapng file, which the caller closes after ::cf_record_close; NULL: none */
 void cf_record_open(FILE *capture);
 /**
  * Replaces the source address of frames that SOEM and cases send with a multicast address, which no station may have.
  * @param mac  6 bytes, copied; NULL: frames leave as they are
  */
 void cf_record_source(const uint8_t *mac);
-/** Begins a case: its title is the comment of its first frame. */
+/** Starts the evidence of a case; the title becomes the comment of its first frame in the capture. */
 void cf_record_begin(const char *id, const char *title);
+/** Adds a sentence to the evidence, and to the comment of the next frame. */
 void cf_record_step(const char *text);
-/** Ends the case. @return what was kept, to be freed with ::cf_evidence_free; the last `most` items of it */
+/** Ends the case. @return its last `most` items, for ::cf_evidence_free */
 cf_evidence_t cf_record_end(size_t most);
 void cf_evidence_free(cf_evidence_t *evidence);
-/** Number of the last frame. */
+/** @return number of the last frame */
 uint32_t cf_record_frame(void);
 /** Frees all items; the record is closed until ::cf_record_open. */
 void cf_record_close(void);

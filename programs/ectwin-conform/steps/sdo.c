@@ -239,7 +239,7 @@ uint64_t cf_upload_number(cf_t *c, uint16_t index, uint8_t sub)
 
 bool cf_object_exists(cf_t *c, uint16_t index, uint8_t sub, uint32_t *code)
 {
-    static uint8_t data[65536]; /* whatever it is; nobody looks */
+    static uint8_t data[65536]; /* any content; it is dropped */
     size_t size = sizeof data;
     *code = cf_upload(c, index, sub, false, data, &size);
     return *code == 0;

@@ -75,7 +75,7 @@ void cf_sii_write(cf_t *c, uint16_t word, uint16_t value)
 {
     uint8_t data[8];
     if (!c->destructive)
-        cf_fail(c, "this case writes the EEPROM and does not say so in its needs");
+        cf_fail(c, "this case writes the EEPROM without CF_WRITES_SII in its needs");
     (void)cf_sii_read(c, word, data);
     *cf_new_undo(c) = (cf_undo_t){.what = CF_UNDO_SII, .index = word, .size = 2, .data = {data[0], data[1]}};
     cf_sii_write_word(c, word, value);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The slave's state, what has to be configured on the way, process data. */
+/* The state of the slave, the configuration for each state, process data. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 enum { LOGICAL = 0x00010000, READS = 1, WRITES = 2 };
 /* 6 s of the default divider. A case is no controller: it has pauses, and so has a machine under load. */
 enum { LONG_WATCHDOG = 60000 };
-/* ETG.2000, where the ESI says nothing; the way back to SAFEOP with the others, for a judgement of time is not here. */
+/* ETG.2000, for an ESI without timeouts. The way back to SAFEOP has the longer limit: no step judges speed. */
 enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, LAME_MS = 300, SETTLE_MS = 100 };
 
 const char *cf_state_name(uint16_t al_status)
@@ -199,7 +199,7 @@ static uint32_t transition_ms(uint16_t al_control)
     }
 }
 
-/* One that could not be brought back once is not waited for each time again. */
+/* A slave that did not return to INIT once gets a shorter timeout from then on. */
 static uint32_t init_ms(const cf_t *c)
 {
     return c->engine->lame ? LAME_MS : INIT_MS;
@@ -235,9 +235,8 @@ static bool is_answered(uint16_t wanted, al_t before, al_t now)
     return (now.status & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK) && now.code == 0;
 }
 
-/* What is judged only when it stays: an error that was there before and still is (not acknowledged, or refused again
- * for the same reason), a code behind the state that it belongs to, and an error whose code is gone already or not
- * there yet. */
+/* A reply only when it stays: an old error (not acknowledged, or refused again for the same reason), a code that comes
+ * after its state, and an error without a code, which has gone already or is to come. */
 static bool may_be_the_answer(uint16_t wanted, al_t before, al_t now)
 {
     if ((now.status & ECT_AL_ERROR) != 0)
@@ -341,7 +340,7 @@ static void back_to_init(cf_t *c)
             cf_state_name(got), code);
 }
 
-/* Registers at their values after power-on; what a chip lacks is none of it, so working counters are not looked at. */
+/* Registers at their values after power-on; a chip may lack some of them, so working counters do not matter. */
 static void reset_registers(cf_t *c)
 {
     static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What steps share while a case runs: random numbers, waiting, histograms, the list of changes to undo. */
+/* Shared by all steps: random numbers, waiting, histograms, the list of changes. */
 #define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>

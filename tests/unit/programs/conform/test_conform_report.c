@@ -134,7 +134,7 @@ static void frames_text(void **state)
     end_run(&run);
 }
 
-/* The texts stand in the report, in this order. */
+/* The report contains the texts in this order. */
 static void in_order(const char *report_, const char *const *texts)
 {
     const char *at = report_;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What runs cases: needs, the known state, the order in which changes are undone, the canary; and the catalogue. */
+/* The runner of cases: needs, the known state, the order in which changes are undone, the canary; and the catalogue. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
