@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Refuses circles among the files of a room, and among the folders of a program.  usage: order.py BUILD [--graph]
+"""Refuses loops among the files of a room, and among the folders of a program.  usage: order.py BUILD [--graph]
 
 A file knows another when its object uses a symbol that the other's defines, or when it includes the other's header. The folders
 of a program know each other by their files; its own folder, which holds the main function, is one of them. The folders of src
@@ -30,7 +30,7 @@ def objects(build):
 
 
 def symbols(path):
-    """What an object defines and what it uses of others."""
+    """The symbols that an object defines, and those that it uses of others."""
     defines, uses = set(), set()
     for line in subprocess.run(["nm", path], check=True, capture_output=True, text=True).stdout.splitlines():
         kind, name = line.split()[-2:]
@@ -53,7 +53,7 @@ def headers(path):
 
 def included(path, room):
     """Files of the room whose header a file includes."""
-    program = program_of(room)  # a program's folder stands on its include path, so its files begin there
+    program = program_of(room)  # a program's folder is on its include path
     prefix = str(pathlib.Path(room).relative_to(program or "src")) + "/"
     return {name.removeprefix(prefix) for name in headers(path) if "/" not in name.removeprefix(prefix)}
 
@@ -93,7 +93,7 @@ def folders_know(program, rooms):
 
 
 def layers(graph):
-    """Files from the lowest up; what is left over stands in circles or above them."""
+    """Files from the lowest up; the rest is in loops or above them."""
     order, left = [], dict(graph)
     while True:
         ready = sorted(name for name in left if all(other in order for other in left[name]))
@@ -104,8 +104,8 @@ def layers(graph):
             del left[name]
 
 
-def circle(left):
-    """One circle among files that wait for each other."""
+def loop(left):
+    """One loop among files that wait for each other."""
     path, name = [], next(iter(left))
     while name not in path:
         path.append(name)
@@ -132,9 +132,9 @@ def main():
                 print(f"  {name:14} {' '.join(sorted(graph[name]))}")
         if left:
             failed = True
-            path = circle(left)
+            path = loop(left)
             steps = [f"{a} -> {b} ({graph[a][b]})" for a, b in zip(path, path[1:])]
-            print(f"{room}: a circle: {', '.join(steps)}")
+            print(f"{room}: a loop: {', '.join(steps)}")
     return 1 if failed else 0
 
 
