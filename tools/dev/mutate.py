@@ -2,6 +2,7 @@
 """Breaks the core in small ways, one at a time, and asks the unit tests whether they notice.
 
 usage: tools/dev/mutate.py [--seconds N] [--seed N] [ROOM...]      (default 600 s, seed 1, rooms od esc slave sii)
+       tools/dev/mutate.py [--seconds N] [--seed N] conform       the judgements of ectwin-conform
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
 compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. What no test notices
@@ -27,6 +28,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build/mutate"
 EQUIVALENT = ROOT / "tests/budget/equivalent"
 LINK = ["--coverage", "-fsanitize=undefined"]
+CONFORM = ROOT / "programs/ectwin-conform"
+JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
+              "steps/undo.c", "steps/verdict.c"]
 
 SWAPS = {
     " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",
@@ -126,14 +130,19 @@ class Program:
 
     What a test's target compiles for itself, a device with ECT_SMALL say, goes before what the library holds."""
 
-    def __init__(self):
+    def build(self, *targets):
+        """Builds targets, or all. Returns target -> source -> Compiled."""
         run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
             "-DCMAKE_C_FLAGS_DEBUG=", cwd=ROOT)
-        run("cmake", "--build", str(BUILD))
-        targets = {}
+        run("cmake", "--build", str(BUILD), *(["--target", *targets] if targets else []))
+        found = {}
         for entry in json.loads((BUILD / "compile_commands.json").read_text()):
             compiled = Compiled(entry)
-            targets.setdefault(compiled.target, {})[compiled.source] = compiled
+            found.setdefault(compiled.target, {})[compiled.source] = compiled
+        return found
+
+    def __init__(self):
+        targets = self.build()
         applications = [ROOT / "src/soes", ROOT / "src/ports/soes_hal"]  # compiled with each, for its own variables
         self.core = {s: c for sources in targets.values() for s, c in sources.items()
                      if BUILD / "src" in c.object.parents and s.parent not in applications}
@@ -144,7 +153,7 @@ class Program:
         self.link(BUILD / "libcore.so", {})
         self.support = targets["test_support"]
         unit = ROOT / "tests/unit"
-        self.own = {name: sources for name, sources in sorted(targets.items()) if any(s.parent == unit for s in sources)}
+        self.own = {name: sources for name, sources in sorted(targets.items()) if any(unit in s.parents for s in sources)}
         self.tests = {}
         for name in self.own:
             linked = self.link_test(name, BUILD / name, {})
@@ -205,6 +214,41 @@ class Program:
         return reached
 
 
+class Conform(Program):
+    """The unit tests of ectwin-conform, linked as CMake does it: the object of a mutant goes before the runner's library."""
+
+    def __init__(self):
+        names = [path.stem for path in sorted((ROOT / "tests/unit/programs/conform").glob("test_*.c"))]
+        targets = self.build(*names)
+        self.core = targets["ectwin_conform"]
+        self.own = {name: targets[name] for name in names}
+        self.tests = {name: BUILD / "tests" / name for name in names}
+
+    def link(self, library, instead):
+        """Each test is linked with the mutant when it is its turn."""
+
+    def with_mutant(self, name, source, changed, work):
+        commands = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", f"tests/{name}").strip().split("\n")
+        command = [word for word in shlex.split(commands[-1]) if word not in (":", "&&")]
+        at = command.index("-o") + 1
+        library = next(i for i, word in enumerate(command) if word.endswith("libectwin_conform.a"))
+        command[at] = str(work / name)
+        subprocess.run([*command[:library], str(work / "mutant.o"), *command[library:]], cwd=BUILD, check=True, capture_output=True)
+        return work / name
+
+
+def run_for_text(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def sources_of(room):
+    return [CONFORM / name for name in JUDGEMENTS] if room == "conform" else sorted((ROOT / "src" / room).glob("*.c"))
+
+
+def room_of(source):
+    return "conform" if CONFORM in source.parents else source.relative_to(ROOT / "src").parts[0]
+
+
 def environment(library_folder, **more):
     return {**os.environ, "LD_LIBRARY_PATH": str(library_folder), **more}
 
@@ -251,7 +295,7 @@ def equivalents():
     """What is known to change nothing: (file, function or "", line before, line after)."""
     known, name, function = set(), None, ""
     for line in EQUIVALENT.read_text().splitlines() if EQUIVALENT.exists() else []:
-        if line.startswith("src/"):
+        if line.startswith(("src/", "programs/")):
             name, _, function = line.strip().partition(" ")
         elif line.startswith("  - "):
             before = line[4:]
@@ -266,8 +310,8 @@ def is_known(known, mutant):
 
 
 def judge(arguments):
-    sources = [s for room in arguments.rooms for s in sorted((ROOT / "src" / room).glob("*.c"))]
-    program = Program()
+    sources = [s for room in arguments.rooms for s in sources_of(room)]
+    program = Conform() if arguments.rooms == ["conform"] else Program()
     reached = program.measure(sources)
     known = equivalents()
     todo = [m for s in sources for m in mutants(s) if not is_known(known, m)]
@@ -283,7 +327,7 @@ def judge(arguments):
         for mutant, noticed in pool.map(one, todo):
             if noticed == "":
                 continue
-            room = mutant["source"].relative_to(ROOT / "src").parts[0]
+            room = room_of(mutant["source"])
             counts[room][0] += 1
             counts[room][1] += noticed is not None
             if noticed is None:

@@ -218,7 +218,9 @@ void cf_decode(const cf_t *c, const cf_item_t *item, char *text, size_t room)
         say(&o, "%s", (const char *)item->bytes);
     else
         say_frame(c, &o, item);
-    if (item->folded > 0)
+    if (item->folded == 1)
+        say(&o, " (and once before)");
+    else if (item->folded > 1)
         say(&o, " (and %u times before)", item->folded);
 }
 

@@ -122,7 +122,10 @@ static void sdo_words(void **state)
         {"00201000000000000000", "SDO request segment, toggle 1"},
         {"00306010100000000000", "SDO response downloaded 1010h:00"},
         {"00302000000000000000", "SDO response segment taken"},
-        {"00800100000000000000", "information opcode 1, 0 fragments left"},
+        {"00808200070000000000", "information opcode 2, 7 fragments left"},
+        {"0080820007", "CoE information  |"}, /* too short for its header */
+        {"002040181001000000", "CoE SDO request  |"},
+        {"0010", "CoE emergency  |"},
         {"00900000000000000000", "of an unknown service"},
     };
     (void)state;
@@ -131,6 +134,66 @@ static void sdo_words(void **state)
         snprintf(hex, sizeof hex, "0A0000000013%s", rows[i].coe);
         assert_non_null(strstr(one(CF_ITEM_SENT, CF_FPWR, CF_AT(0x1001, 0x1000), hex, 0), rows[i].words));
     }
+}
+
+/* First and last address of each block of registers, and the addresses beside it. */
+static void places(void **state)
+{
+    static const struct {
+        uint16_t first, last;
+        const char *name;
+    } blocks[] = {{0x0000, 0x0009, " chip information"},
+                  {0x0130, 0x0135, " AL status"},
+                  {0x0210, 0x0211, " ECAT event"},
+                  {0x0300, 0x0313, " error counters"},
+                  {0x0500, 0x050F, " SII"},
+                  {0x0600, 0x06FF, " FMMU"},
+                  {0x0800, 0x087F, " SM"},
+                  {0x0900, 0x09FF, " distributed clocks"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
+        assert_non_null(strstr(one(CF_ITEM_SENT, CF_FPRD, CF_AT(1, blocks[i].first), "00", 0), blocks[i].name));
+        assert_non_null(strstr(one(CF_ITEM_SENT, CF_FPRD, CF_AT(1, blocks[i].last), "00", 0), blocks[i].name));
+        assert_null(strstr(one(CF_ITEM_SENT, CF_FPRD, CF_AT(1, blocks[i].last + 1), "00", 0), blocks[i].name));
+        if (blocks[i].first > 0)
+            assert_null(strstr(one(CF_ITEM_SENT, CF_FPRD, CF_AT(1, blocks[i].first - 1), "00", 0), blocks[i].name));
+    }
+    assert_string_equal(one(CF_ITEM_SENT, CF_FPRD, CF_AT(1, 0x06FF), "00", 0), "FPRD 0001:06FF FMMU15, 1 byte");
+    assert_string_equal(one(CF_ITEM_SENT, CF_FPRD, CF_AT(1, 0x087F), "00", 0), "FPRD 0001:087F SM15, 1 byte");
+    assert_string_equal(one(CF_ITEM_SENT, CF_ARMW, CF_AT(1, 0x0F00), "01", 0), "ARMW 0001:0F00, 1 byte: 01");
+    assert_string_equal(one(CF_ITEM_SENT, CF_FRMW, CF_AT(1, 0x0F00), "01", 0), "FRMW 0001:0F00, 1 byte: 01");
+    assert_string_equal(one(CF_ITEM_SENT, 15, CF_AT(1, 0x0F00), "01", 0), "command 15 0001:0F00, 1 byte: 01");
+}
+
+/* Each command shows the data that it sends, and those that it brings back. */
+static void directions(void **state)
+{
+    static const struct {
+        uint8_t command;
+        bool writes, reads;
+    } rows[] = {{CF_APRD, false, true}, {CF_APWR, true, false}, {CF_APRW, true, true}, {CF_FPRD, false, true},
+                {CF_FPWR, true, false}, {CF_FPRW, true, true},  {CF_BRD, false, true}, {CF_BWR, true, false},
+                {CF_BRW, true, true},   {CF_LRD, false, true},  {CF_LWR, true, false}, {CF_LRW, true, true}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const char *sent = one(CF_ITEM_SENT, rows[i].command, CF_AT(1, 0x0F00), "5A", 0);
+        assert_int_equal(strstr(sent, ": 5A") != NULL, rows[i].writes);
+        const char *received = one(CF_ITEM_RECEIVED, rows[i].command, CF_AT(1, 0x0F00), "5A", 1);
+        assert_int_equal(strstr(received, ": 5A") != NULL, rows[i].reads);
+    }
+}
+
+/* Data beyond 48 bytes are cut off. */
+static void long_data(void **state)
+{
+    char hex[2 * 49 + 1] = "";
+    (void)state;
+    for (int i = 0; i < 48; i++)
+        snprintf(hex + 2 * i, 3, "AB");
+    assert_null(strstr(one(CF_ITEM_SENT, CF_FPWR, CF_AT(1, 0x0F00), hex, 0), "..."));
+    snprintf(hex + 96, 3, "CD");
+    assert_non_null(strstr(one(CF_ITEM_SENT, CF_FPWR, CF_AT(1, 0x0F00), hex, 0), "AB AB ... (49 bytes)"));
+    assert_null(strstr(text, "CD"));
 }
 
 /* A mail that claims more bytes than came shows those that came. */
@@ -201,6 +264,9 @@ static void sentences(void **state)
     folded.length = (uint32_t)length;
     cf_decode(&slave, &folded, text, sizeof text);
     assert_string_equal(text, "FPRD 1001:080D SM1, 1 byte (and 7 times before)");
+    folded.folded = 1;
+    cf_decode(&slave, &folded, text, sizeof text);
+    assert_string_equal(text, "FPRD 1001:080D SM1, 1 byte (and once before)");
 }
 
 int main(void)
@@ -208,6 +274,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(registers), cmocka_unit_test(logical),       cmocka_unit_test(mails),
         cmocka_unit_test(sdo_words), cmocka_unit_test(mail_too_long), cmocka_unit_test(several),
+        cmocka_unit_test(places),    cmocka_unit_test(directions),    cmocka_unit_test(long_data),
         cmocka_unit_test(damaged),   cmocka_unit_test(small_room),    cmocka_unit_test(sentences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

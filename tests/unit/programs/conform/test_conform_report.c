@@ -54,6 +54,25 @@ static void escaping(void **state)
     assert_string_equal(escaped(""), "");
 }
 
+/* The first and the last sequence of each well-formed kind pass; their neighbours do not. */
+static void utf8_limits(void **state)
+{
+    static const char *const good[] = {"\xC2\x80",         "\xDF\xBF",         "\xE0\xA0\x80",     "\xE0\xBF\xBF",
+                                       "\xE1\x80\x80",     "\xEC\xBF\xBF",     "\xED\x80\x80",     "\xED\x9F\xBF",
+                                       "\xEE\x80\x80",     "\xEF\xBF\xBF",     "\xF0\x90\x80\x80", "\xF0\xBF\xBF\xBF",
+                                       "\xF1\x80\x80\x80", "\xF3\xBF\xBF\xBF", "\xF4\x80\x80\x80", "\xF4\x8F\xBF\xBF"};
+    static const char *const bad[] = {"\xC1\xBF",         "\xC2\x7F",         "\xC2\xC0",         "\xE0\x9F\xBF",
+                                      "\xE0\xC0\x80",     "\xE1\x7F\x80",     "\xEC\xC0\x80",     "\xED\xA0\x80",
+                                      "\xEE\x7F\x80",     "\xEF\xC0\x80",     "\xF0\x8F\xBF\xBF", "\xF0\xC0\x80\x80",
+                                      "\xF1\x7F\x80\x80", "\xF3\xC0\x80\x80", "\xF4\x90\x80\x80", "\xF5\x80\x80\x80",
+                                      "\xE1\x80\x7F",     "\xE1\x80\xC0",     "\xF1\x80\x80\x7F", "\x80"};
+    (void)state;
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
+        assert_string_equal(escaped(good[i]), good[i]);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        assert_int_equal(escaped(bad[i])[0], '?');
+}
+
 /* --- a run of five cases in two sections -------------------------------------------------------------------------- */
 
 static void nothing(cf_t *c)
@@ -95,6 +114,12 @@ static void fill(void)
     run.results = results;
     run.count = run.planned = 5;
     snprintf(run.c.facts.name, sizeof run.c.facts.name, "Slave <1>");
+    run.c.facts.slaves = 3;
+    run.c.facts.position = 1;
+    run.c.facts.input_bytes = 6;
+    run.c.facts.output_bytes = 9;
+    run.c.facts.vendor = 0xE57;
+    run.c.facts.type = 0x11;
 }
 
 static const char *report(cf_report_t write)
@@ -148,29 +173,41 @@ static void in_order(const char *report_, const char *const *texts)
 
 static void html(void **state)
 {
-    static const char *const texts[] = {"<title>Slave &lt;1&gt;: EtherCAT conformance",
-                                        "prefers-color-scheme:dark",
-                                        "@media print",
-                                        "<div class=\"verdict fail\"><b>FAIL</b>",
-                                        "5 of 5 cases ran: 1 pass, 1 warn, 1 fail, 1 skip, 1 not judged",
-                                        "href=\"#CF-902\"",
-                                        "href=\"#CF-905\"",
-                                        "href=\"#CF-903\"",
-                                        "class=\"blank\"",
-                                        "class=\"blank\"",
-                                        "ectwin-conform 1.2.3",
-                                        "ectwin-conform -i test0",
-                                        "X. First &amp; foremost",
-                                        "id=\"CF-901\"",
-                                        "One &lt;passes&gt;",
-                                        "<div class=\"case failed\" id=\"CF-902\">",
-                                        "expected &lt;1&gt;, got 2",
-                                        "at: the step",
-                                        "frames 7-12, seen in 9",
-                                        "a step &amp; more",
-                                        "id=\"CF-905\"",
-                                        "</html>",
-                                        NULL};
+    static const char *const texts[] = {
+        "<title>Slave &lt;1&gt;: EtherCAT conformance",
+        "prefers-color-scheme:dark",
+        "@media print",
+        "<div class=\"verdict fail\"><b>FAIL</b>",
+        "5 of 5 cases ran: 1 pass, 1 warn, 1 fail, 1 skip, 1 not judged",
+        "href=\"#CF-902\"",
+        "href=\"#CF-905\"",
+        "href=\"#CF-903\"",
+        "vendor 0x00000E57",
+        "class=\"blank\"",
+        "type 0x11 revision 0",
+        "6 bytes of inputs, 9 bytes of outputs",
+        "slave 2 of 3 on test0",
+        "2026-01-02, 0.0 s",
+        "class=\"blank\"",
+        "ectwin-conform 1.2.3",
+        "ectwin-conform -i test0",
+        "href=\"#from-CF-901\">X. First &amp; foremost</a></td><td class=\"n pass\">1</td><td class=\"n "
+        "skip\">&middot;</td>"
+        "<td class=\"n fail\">1</td><td class=\"n skip\">&middot;</td>"
+        "<td class=\"n skip\">&middot;</td></tr>",
+        "<tr><th>All</th><td class=\"n pass\">1</td><td class=\"n warn\">1</td>"
+        "<td class=\"n fail\">1</td><td class=\"n unjudged\">1</td><td class=\"n skip\">1</td>",
+        "<h2 id=\"from-CF-901\">X. First &amp; foremost",
+        "id=\"CF-901\"",
+        "One &lt;passes&gt;",
+        "<div class=\"case failed\" id=\"CF-902\">",
+        "expected &lt;1&gt;, got 2",
+        "at: the step",
+        "frames 7-12, seen in 9",
+        "<span class=\"s\">a step &amp; more</span>",
+        "id=\"CF-905\"",
+        "</html>",
+        NULL};
     (void)state;
     fill();
     in_order(report(cf_report_html), texts);
@@ -189,23 +226,37 @@ static void html(void **state)
     fill();
     run.count = run.planned = 1;
     assert_non_null(strstr(report(cf_report_html), "<div class=\"verdict pass\"><b>PASS</b>"));
+    assert_null(strstr(written, "<ul>"));
+    assert_null(strstr(written, "not judged."));
+    free(written);
+    fill();
+    run.results = &results[2]; /* a warning alone passes, and has a link */
+    run.count = run.planned = 1;
+    assert_non_null(strstr(report(cf_report_html), "<b>PASS</b>"));
+    assert_non_null(strstr(written, "<a href=\"#CF-903\">"));
+    free(written);
+    fill();
+    run.results = &results[4]; /* a case that is not judged alone is no pass */
+    run.count = run.planned = 1;
+    assert_non_null(strstr(report(cf_report_html), "<div class=\"verdict fail\"><b>FAIL</b>"));
     free(written);
 }
 
 static void plain(void **state)
 {
-    static const char *const texts[] = {"slave 1 of 1 on test0: Slave <1>",
-                                        "ESI file: none given (--esi)",
-                                        "X. First & foremost",
-                                        "  pass CF-901",
-                                        "  FAIL CF-902  One fails  (frames 7-12, seen in 9)",
-                                        "expected <1>, got 2",
-                                        "at: the step",
-                                        "-- a step & more",
-                                        "Y. Second",
-                                        "unjudged CF-905",
-                                        "5 of 5 cases in 0.0 s: 1 pass, 1 warn, 1 fail, 1 skip, 1 not judged\n",
-                                        NULL};
+    static const char *const texts[] = {
+        "slave 2 of 3 on test0: Slave <1>, vendor 0x00000E57 product 0x00000000 revision 0x00000000, ESC type 0x11",
+        "ESI file: none given (--esi)",
+        "X. First & foremost",
+        "  pass CF-901",
+        "  FAIL CF-902  One fails  (frames 7-12, seen in 9)",
+        "expected <1>, got 2",
+        "at: the step",
+        "-- a step & more",
+        "Y. Second",
+        "unjudged CF-905",
+        "5 of 5 cases in 0.0 s: 1 pass, 1 warn, 1 fail, 1 skip, 1 not judged\n",
+        NULL};
     (void)state;
     fill();
     in_order(report(cf_report_text), texts);
@@ -360,6 +411,59 @@ static void unicast_source(void **state)
     close(wire[1]);
 }
 
+static uint32_t number_at(const uint8_t *at)
+{
+    uint32_t value;
+    memcpy(&value, at, sizeof value);
+    return value;
+}
+
+/* pcapng: a section, an interface of Ethernet in nanoseconds, a packet a frame; the first has the title as its comment.
+ */
+static void capture(void **state)
+{
+    static const uint8_t interface[] = {1, 0, 0, 0, 0, 0, 0, 0, 9, 0, 1, 0, 9, 0, 0, 0, 0, 0, 0, 0};
+    (void)state;
+    FILE *to = to_memory();
+    assert_int_equal(socketpair(AF_UNIX, SOCK_DGRAM, 0, wire), 0);
+    cf_record_open(to);
+    cf_record_begin("CF-900", "a title");
+    cf_record_step("a step");
+    exchange(1, 0x11);
+    cf_evidence_t e = cf_record_end(10);
+    cf_evidence_free(&e);
+    cf_record_close();
+    fclose(to);
+    close(wire[0]);
+    close(wire[1]);
+    const uint8_t *at = (const uint8_t *)written;
+    assert_int_equal(number_at(at), 0x0A0D0D0A);
+    assert_int_equal(number_at(at + 4), 28);
+    assert_int_equal(number_at(at + 8), 0x1A2B3C4D);
+    assert_int_equal(number_at(at + 24), 28);
+    at += 28;
+    assert_int_equal(number_at(at), 1);
+    assert_memory_equal(at + 8, interface, sizeof interface);
+    at += number_at(at + 4);
+    assert_int_equal(number_at(at), 6);
+    assert_int_equal(number_at(at + 20), 60);
+    assert_int_equal(number_at(at + 24), 60);
+    assert_int_equal(at[28 + 26], 0x11);
+    assert_int_equal(number_at(at + 88), 2 | 4 << 16); /* direction: outbound */
+    assert_int_equal(number_at(at + 92), 2);
+    assert_int_equal(number_at(at + 96), 1 | 21 << 16);
+    assert_memory_equal(at + 100, "CF-900 a title\na step\0\0\0", 24);
+    assert_int_equal(number_at(at + 124), 0);
+    assert_int_equal(number_at(at + 4), 132);
+    at += 132;
+    assert_int_equal(number_at(at), 6);
+    assert_int_equal(number_at(at + 92), 1); /* inbound, without a comment */
+    assert_int_equal(number_at(at + 4), 104);
+    at += 104;
+    assert_ptr_equal(at, written + written_size);
+    free(written);
+}
+
 /* --- SHA-256 ------------------------------------------------------------------------------------------------------ */
 
 static void expect_hash(const char *text, size_t times, const char *hash)
@@ -391,10 +495,11 @@ static void hashes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(escaping),       cmocka_unit_test(counts),     cmocka_unit_test(frames_text),
-        cmocka_unit_test(html),           cmocka_unit_test(plain),      cmocka_unit_test(machine_readable),
-        cmocka_unit_test(histograms),     cmocka_unit_test(polls_fold), cmocka_unit_test(evidence_is_bounded),
-        cmocka_unit_test(unicast_source), cmocka_unit_test(hashes),
+        cmocka_unit_test(escaping),   cmocka_unit_test(utf8_limits),         cmocka_unit_test(capture),
+        cmocka_unit_test(counts),     cmocka_unit_test(frames_text),         cmocka_unit_test(html),
+        cmocka_unit_test(plain),      cmocka_unit_test(machine_readable),    cmocka_unit_test(histograms),
+        cmocka_unit_test(polls_fold), cmocka_unit_test(evidence_is_bounded), cmocka_unit_test(unicast_source),
+        cmocka_unit_test(hashes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

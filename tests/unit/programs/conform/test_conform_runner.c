@@ -92,6 +92,246 @@ static void undo_order(void **state)
     end_run(&run);
 }
 
+/* --- a slave with one object, 2000h, of two bytes ----------------------------------------------------------------- */
+
+static uint16_t object;
+static uint32_t refusal; /* abort code of downloads; 0: none */
+static unsigned int downloads;
+
+static void reply_to(const uint8_t *mail)
+{
+    uint8_t *reply = memory + 0x1080;
+    memset(reply, 0, 128);
+    ect_store_le16(reply, 10);
+    reply[5] = 0x13;
+    ect_store_le16(reply + 6, CF_COE_RESPONSE << 12);
+    memcpy(reply + 9, mail + 9, 3);
+    if (mail[8] == 0x40) {
+        reply[8] = 0x4B;
+        ect_store_le16(reply + 12, object);
+    } else if (refusal != 0) {
+        ect_store_le16(reply + 6, CF_COE_REQUEST << 12);
+        reply[8] = 0x80;
+        ect_store_le32(reply + 12, refusal);
+    } else {
+        reply[8] = 0x60;
+        object = ect_load_le16(mail + 12);
+        written[downloads++ % 8] = object;
+    }
+    memory[CF_SM(1) + ECT_SM_STATUS] = ECT_SM_STATUS_FULL;
+}
+
+static bool has_object(cf_datagram_t *d)
+{
+    const uint16_t ado = (uint16_t)(d->address >> 16);
+    if (d->command == CF_FPWR && ado == 0x1000)
+        reply_to(d->data);
+    else if (d->command == CF_FPRD && ado == 0x1080)
+        memory[CF_SM(1) + ECT_SM_STATUS] = 0;
+    return true;
+}
+
+static void start_with_object(cf_run_t *run)
+{
+    start_run(run);
+    run->c.facts.has |= CF_MAILBOX | CF_COE;
+    run->c.mailbox = (cf_mailbox_t){0x1000, 128, 0x1080, 128};
+    on_datagram = has_object;
+    object = 0x1111;
+    refusal = 0;
+    downloads = 0;
+}
+
+static void put(cf_t *c, uint16_t value)
+{
+    uint8_t bytes[2];
+    ect_store_le16(bytes, value);
+    cf_expect(c, "abort code", refusal, cf_change(c, 0x2000, 0, bytes, sizeof bytes));
+}
+
+static void changes_object(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    put(c, 0x2222);
+    put(c, 0x3333);
+    put(c, 0x4444);
+}
+
+static void undo_objects(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    assert_int_equal(run_one(&run, changes_object, CF_COE, &result), CF_PASS);
+    assert_int_equal(downloads, 6); /* three changes, and back in the reverse order */
+    assert_int_equal(written[3], 0x3333);
+    assert_int_equal(written[4], 0x2222);
+    assert_int_equal(written[5], 0x1111);
+    assert_int_equal(object, 0x1111);
+    end_run(&run);
+}
+
+static void changes_once(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    put(c, 0x2222);
+    refusal = 0x08000022;
+}
+
+static void changes_nothing(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    refusal = 0x06010002;
+    put(c, 0x2222);
+}
+
+/* An old value that the slave refuses fails the case; a change that it refuses is none. */
+static void undo_refused(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    assert_int_equal(run_one(&run, changes_once, CF_COE, &result), CF_FAIL);
+    assert_string_equal(result.reason,
+                        "afterwards the slave is not as before: putting back 2000h:00: abort 0x08000022");
+    refusal = 0;
+    assert_int_equal(run_one(&run, changes_nothing, CF_COE, &result), CF_PASS);
+    assert_int_equal(run.engine.undo_count, 0);
+    end_run(&run);
+}
+
+/* The canary of a slave with CoE is an upload. */
+static void silent_mailbox(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    on_datagram = NULL; /* INIT and PREOP still work, but no mail is replied to */
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+    assert_string_equal(result.reason,
+                        "not judged since CF-900: a reply of mailbox type 3: expected within 2000 ms, got none");
+    end_run(&run);
+}
+
+/* --- limits ------------------------------------------------------------------------------------------------------- */
+
+static void waits_for_ever(cf_t *c)
+{
+    cf_extend(c, 5);
+    cf_check_time(c);
+    for (;;)
+        cf_sleep_ms(c, 1);
+}
+
+static void time_limit(void **state)
+{
+    const cf_case_t entry = {"CF-900", "A case of a test", 'R', 0, 20, waits_for_ever};
+    const cf_section_t section = {'Z', "Tests", &entry, 1};
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    cf_run_case(&run, &section, &entry, &result);
+    assert_int_equal(result.verdict, CF_FAIL);
+    assert_string_equal(result.reason, "time limit: not done within 25 ms");
+    assert_true(result.duration_ns >= 25000000);
+    cf_evidence_free(&result.evidence);
+    end_run(&run);
+}
+
+static unsigned int looks;
+
+static void look(cf_t *c, void *ctx)
+{
+    looks++;
+    *(unsigned int *)ctx += 1;
+    if (looks < 3)
+        cf_between_looks(c); /* waits in turn: not called again */
+    memory[0x0F00] = looks >= 5;
+}
+
+static void polls(cf_t *c)
+{
+    unsigned int count = 0;
+    uint8_t last;
+    looks = 0;
+    memory[0x0F00] = 0;
+    cf_while_waiting(c, look, &count);
+    cf_expect_that(c, cf_wait_bits(c, 0x0F00, 1, 1, 1000, &last) && last == 1, "waited in vain");
+    cf_expect_range(c, "calls", 5, 5, count);
+    cf_while_waiting(c, NULL, NULL);
+    cf_expect_that(c, !cf_wait_bits(c, 0x0F00, 2, 2, 1, NULL), "came");
+    cf_expect_range(c, "calls", 5, 5, looks);
+}
+
+static void waiting(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    assert_int_equal(run_one(&run, polls, 0, &result), CF_PASS);
+    assert_string_equal(result.reason, "");
+    end_run(&run);
+}
+
+static void interrupts(cf_t *c)
+{
+    cf_interrupted = 1;
+    cf_get8(c, 0);
+}
+
+/* Ctrl-C leaves the case and still restores the slave. */
+static void interrupted(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    assert_int_equal(run_one(&run, interrupts, 0, &result), CF_INTERRUPTED);
+    assert_string_equal(result.reason, "interrupted");
+    assert_int_equal(memory[ECT_REG_AL_STATUS], CF_INIT);
+    cf_interrupted = 0;
+    end_run(&run);
+}
+
+static void uses_rooms(cf_t *c)
+{
+    uint8_t *first = cf_room(c, 0), *second = cf_room(c, 1);
+    first[0] = 1;
+    first[CF_FILE_MOST - 1] = 2;
+    second[CF_FILE_MOST - 1] = 3;
+    cf_expect_that(c, first == cf_room(c, 0) && first[0] == 1 && first != second, "another room");
+}
+
+static void measures_too_much(cf_t *c)
+{
+    static const char names[CF_SERIES_MOST + 1][3] = {"a", "b", "c", "d", "e", "f", "g", "h", "i",
+                                                      "j", "k", "l", "m", "n", "o", "p", "q"};
+    for (unsigned int i = 0; i < CF_VALUES_MOST + 5; i++)
+        cf_measure(c, names[0], i);
+    for (unsigned int i = 0; i <= CF_SERIES_MOST; i++)
+        cf_measure(c, names[i], 1);
+}
+
+static void engine_limits(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    assert_int_equal(run_one(&run, uses_rooms, 0, &result), CF_PASS);
+    assert_int_equal(run_one(&run, measures_too_much, 0, &result), CF_FAIL);
+    assert_string_equal(result.reason, "more than 16 histograms");
+    assert_int_equal(run.engine.series[0].count, CF_VALUES_MOST);
+    assert_int_equal(run.engine.series[1].count, 1);
+    end_run(&run);
+}
+
 static void changes_too_much(cf_t *c)
 {
     for (int i = 0; i <= CF_UNDO_MOST; i++)
@@ -307,9 +547,12 @@ static void three_buffers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(needs),  cmocka_unit_test(undo_order), cmocka_unit_test(too_many_changes),
-        cmocka_unit_test(canary), cmocka_unit_test(never_able), cmocka_unit_test(not_as_before),
-        cmocka_unit_test(ids),    cmocka_unit_test(need_texts), cmocka_unit_test(three_buffers),
+        cmocka_unit_test(needs),         cmocka_unit_test(undo_order),   cmocka_unit_test(too_many_changes),
+        cmocka_unit_test(canary),        cmocka_unit_test(never_able),   cmocka_unit_test(not_as_before),
+        cmocka_unit_test(undo_objects),  cmocka_unit_test(undo_refused), cmocka_unit_test(silent_mailbox),
+        cmocka_unit_test(time_limit),    cmocka_unit_test(waiting),      cmocka_unit_test(interrupted),
+        cmocka_unit_test(engine_limits), cmocka_unit_test(ids),          cmocka_unit_test(need_texts),
+        cmocka_unit_test(three_buffers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
