@@ -257,13 +257,27 @@ static int run_with_esi(const cf_options_t *options, cf_run_t *run)
 
 /* --- the process -------------------------------------------------------------------------------------------------- */
 
-static void add(char *line, char c)
+static void add(char *line, const char *text)
 {
     size_t used = strlen(line);
-    if (used + 1 < COMMAND) {
-        line[used] = c;
-        line[used + 1] = 0;
+    snprintf(line + used, COMMAND - used, "%s", text);
+}
+
+static bool is_plain(const char *word)
+{
+    for (const char *at = word; *at != 0; at++) {
+        if (!isalnum((unsigned char)*at) && !strchr("-_./=:,%+@", *at))
+            return false;
     }
+    return word[0] != 0;
+}
+
+static void add_quoted(char *line, const char *word)
+{
+    add(line, "'");
+    for (const char *at = word; *at != 0; at++)
+        add(line, *at == '\'' ? "'\\''" : (const char[]){*at, 0});
+    add(line, "'");
 }
 
 /* The command line as a shell takes it. */
@@ -271,20 +285,11 @@ static void join(char line[COMMAND], int argc, char **argv)
 {
     line[0] = 0;
     for (int i = 0; i < argc; i++) {
-        bool plain = argv[i][0] != 0;
-        for (const char *at = argv[i]; *at != 0; at++)
-            plain = plain && (isalnum((unsigned char)*at) || strchr("-_./=:,%+@", *at));
-        if (i > 0)
-            add(line, ' ');
-        for (const char *at = plain ? "" : "'"; *at != 0; at++)
-            add(line, *at);
-        for (const char *at = argv[i]; *at != 0; at++) {
-            for (const char *quoted = *at == '\'' ? "'\\'" : ""; *quoted != 0; quoted++)
-                add(line, *quoted);
-            add(line, *at);
-        }
-        if (!plain)
-            add(line, '\'');
+        add(line, i > 0 ? " " : "");
+        if (is_plain(argv[i]))
+            add(line, argv[i]);
+        else
+            add_quoted(line, argv[i]);
     }
 }
 

@@ -29,6 +29,7 @@ static cJSON *evidence(const cf_run_t *run, const cf_evidence_t *e)
         char text[LINE];
         cJSON *one = cJSON_CreateObject();
         cf_decode(&run->c, item, text, sizeof text);
+        cf_clean(text);
         cJSON_AddStringToObject(one, "kind", kinds[item->kind]);
         cJSON_AddStringToObject(one, "text", text);
         if (item->folded > 0)
@@ -43,11 +44,20 @@ static cJSON *evidence(const cf_run_t *run, const cf_evidence_t *e)
     return list;
 }
 
+/* A text that the slave may have sent. */
+static void add_clean(cJSON *to, const char *name, const char *text)
+{
+    char copy[LINE];
+    snprintf(copy, sizeof copy, "%s", text);
+    cf_clean(copy);
+    cJSON_AddStringToObject(to, name, copy);
+}
+
 static cJSON *slave(const cf_run_t *run)
 {
     const cf_facts_t *f = &run->c.facts;
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "name", f->name);
+    add_clean(o, "name", f->name);
     cJSON_AddNumberToObject(o, "number", f->position + 1);
     cJSON_AddNumberToObject(o, "of", f->slaves);
     cJSON_AddNumberToObject(o, "vendor", f->vendor);
@@ -70,8 +80,8 @@ static cJSON *result(const cf_run_t *run, const cf_result_t *r)
     cJSON_AddStringToObject(o, "section", letter);
     cJSON_AddStringToObject(o, "class", class);
     cJSON_AddStringToObject(o, "verdict", cf_verdict_name(r->verdict));
-    cJSON_AddStringToObject(o, "reason", r->reason);
-    cJSON_AddStringToObject(o, "step", r->verdict == CF_FAIL ? r->step : "");
+    add_clean(o, "reason", r->reason);
+    add_clean(o, "step", r->verdict == CF_FAIL ? r->step : "");
     cJSON_AddNumberToObject(o, "frame", r->frame);
     cJSON_AddNumberToObject(o, "first_frame", r->evidence.first_frame);
     cJSON_AddNumberToObject(o, "last_frame", r->evidence.last_frame);

@@ -42,5 +42,7 @@ size_t cf_evidence_start(const cf_evidence_t *evidence);
 /** Writes text for XML and HTML: `&`, `<`, `>`, `"` as entities, control characters and bytes that are no UTF-8 as `?`.
  */
 void cf_put_escaped(FILE *to, const char *text);
+/** Replaces control characters but the line feed, and bytes that are no UTF-8, by `?`: JSON takes neither. */
+void cf_clean(char *text);
 
 #endif

@@ -52,6 +52,17 @@ static size_t utf8(const unsigned char *at)
     return 0;
 }
 
+void cf_clean(char *text)
+{
+    unsigned char *at = (unsigned char *)text;
+    while (*at != 0) {
+        size_t length = *at >= 0x80 ? utf8(at) : 1;
+        if (length == 0 || *at == 0x7F || (*at < 0x20 && *at != '\n'))
+            *at = '?';
+        at += length > 0 ? length : 1;
+    }
+}
+
 static const char *entity(unsigned char byte)
 {
     switch (byte) {

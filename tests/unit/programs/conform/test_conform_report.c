@@ -287,6 +287,13 @@ static void machine_readable(void **state)
     assert_string_equal(cJSON_GetObjectItem(json, "version")->valuestring, "1.2.3");
     assert_true(cJSON_IsNull(cJSON_GetObjectItem(json, "operator")));
     cJSON_Delete(json);
+    fill(); /* a name in Latin-1 is no JSON */
+    snprintf(run.c.facts.name, sizeof run.c.facts.name, "M\xFCller \xC3\xBC\x7F\t");
+    json = cJSON_Parse(report(cf_report_json));
+    free(written);
+    assert_string_equal(cJSON_GetObjectItem(cJSON_GetObjectItem(json, "slave"), "name")->valuestring,
+                        "M?ller \xC3\xBC??");
+    cJSON_Delete(json);
 }
 
 /* --- histograms --------------------------------------------------------------------------------------------------- */
