@@ -7,6 +7,8 @@
 #ifndef CONFORM_SUPPORT_H
 #define CONFORM_SUPPORT_H
 
+#include <sys/socket.h>
+
 #include "catalogue.h"
 #include "report/report.h"
 #include "runner.h"
@@ -27,9 +29,11 @@ static bool is_read(uint8_t command)
 
 bool __wrap_cf_port_exchange(cf_port_t *port, cf_datagram_t *d, size_t count, uint32_t timeout_ms)
 {
+    const uint8_t frame[60] = {(uint8_t)frames_sent, (uint8_t)(frames_sent >> 8)};
     (void)port;
     (void)timeout_ms;
     frames_sent++;
+    (void)send(-1, frame, sizeof frame, 0); /* the record takes it, no socket does */
     for (size_t i = 0; i < count; i++) {
         uint8_t *at = memory + (d[i].address >> 16);
         if (on_datagram && !on_datagram(&d[i]))

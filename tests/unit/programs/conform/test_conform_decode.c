@@ -165,6 +165,39 @@ static void places(void **state)
     assert_string_equal(one(CF_ITEM_SENT, 15, CF_AT(1, 0x0F00), "01", 0), "command 15 0001:0F00, 1 byte: 01");
 }
 
+/* A logical address has no mailbox and no AL status, other RAM no mailbox. */
+static void lookalikes(void **state)
+{
+    static const uint8_t commands[] = {CF_LRD, CF_LWR, CF_LRW};
+    (void)state;
+    for (size_t i = 0; i < sizeof commands; i++) {
+        const cf_item_kind_t kind = commands[i] == CF_LRD ? CF_ITEM_RECEIVED : CF_ITEM_SENT;
+        assert_null(strstr(one(kind, commands[i], 0x10000000, "040000000010010002000000", 1), "mail"));
+        assert_null(strstr(one(kind, commands[i], 0x01300000, "010000000000", 1), "INIT"));
+    }
+    assert_null(strstr(one(CF_ITEM_SENT, CF_FPWR, CF_AT(1, 0x1100), "040000000010010002000000", 0), "mail"));
+    assert_null(strstr(one(CF_ITEM_SENT, CF_FPWR, CF_AT(1, 0x1000), "0400000000", 0), " | mail")); /* no whole header */
+    slave.mailbox = (cf_mailbox_t){0};
+    start();
+    slave.mailbox = (cf_mailbox_t){0x0F00, 128, 0x0F80, 128}; /* below the RAM there is no mailbox */
+    add(CF_FPWR, CF_AT(1, 0x0F00), "040000000010010002000000", 0, false);
+    assert_null(strstr(decoded(CF_ITEM_SENT), "mail"));
+}
+
+static void lengths(void **state)
+{
+    (void)state;
+    assert_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(1, 0x0130), "0100000000", 1), "code"));
+    assert_non_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(1, 0x0130), "01", 1), "| INIT"));
+    assert_non_null(strstr(one(CF_ITEM_SENT, CF_FPWR, CF_AT(1, 0x0120), "04", 0), "| SAFEOP"));
+    assert_non_null(
+        strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(1, 0x1080), "04000000001300103054", 1), "emergency code 0x5430"));
+    assert_non_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(1, 0x1080), "030000000013001030", 1), "emergency  |"));
+    assert_non_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(1, 0x1080), "0600000000130080820003000000", 1),
+                           "information opcode 2, 3 fragments left"));
+    assert_non_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(1, 0x1080), "030000000010010002", 1), "type 0"));
+}
+
 /* Each command shows the data that it sends, and those that it brings back. */
 static void directions(void **state)
 {
@@ -228,6 +261,10 @@ static void damaged(void **state)
         free(copy);
     }
     start();
+    add(CF_FPRD, CF_AT(0x1001, 0), "00", 0, false);
+    length -= 1; /* the first datagram itself is cut off */
+    assert_memory_equal(decoded(CF_ITEM_SENT), "cut off:", 8);
+    start();
     frame[13] = 0xA5;
     add(CF_FPRD, CF_AT(0x1001, 0), "00", 0, false);
     assert_memory_equal(decoded(CF_ITEM_SENT), "frame of 29 bytes:", 18);
@@ -272,10 +309,11 @@ static void sentences(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(registers), cmocka_unit_test(logical),       cmocka_unit_test(mails),
-        cmocka_unit_test(sdo_words), cmocka_unit_test(mail_too_long), cmocka_unit_test(several),
-        cmocka_unit_test(places),    cmocka_unit_test(directions),    cmocka_unit_test(long_data),
-        cmocka_unit_test(damaged),   cmocka_unit_test(small_room),    cmocka_unit_test(sentences),
+        cmocka_unit_test(registers),  cmocka_unit_test(logical),       cmocka_unit_test(mails),
+        cmocka_unit_test(sdo_words),  cmocka_unit_test(mail_too_long), cmocka_unit_test(several),
+        cmocka_unit_test(places),     cmocka_unit_test(lookalikes),    cmocka_unit_test(lengths),
+        cmocka_unit_test(directions), cmocka_unit_test(long_data),     cmocka_unit_test(damaged),
+        cmocka_unit_test(small_room), cmocka_unit_test(sentences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

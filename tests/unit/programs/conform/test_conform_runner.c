@@ -217,6 +217,96 @@ static void silent_mailbox(void **state)
     end_run(&run);
 }
 
+/* Without CoE it is a mail of a protocol that does not exist, and its error. */
+static unsigned int errors_sent;
+
+static bool replies_error(cf_datagram_t *d)
+{
+    const uint16_t ado = (uint16_t)(d->address >> 16);
+    if (d->command == CF_FPWR && ado == 0x1000) {
+        static const uint8_t error[] = {4, 0, 0, 0, 0, 0x10, 1, 0, 2, 0};
+        memcpy(memory + 0x1080, error, sizeof error);
+        memory[CF_SM(1) + ECT_SM_STATUS] = ECT_SM_STATUS_FULL;
+        errors_sent++;
+    } else if (d->command == CF_FPRD && ado == 0x1080) {
+        memory[CF_SM(1) + ECT_SM_STATUS] = 0;
+    }
+    return true;
+}
+
+static void canary_without_coe(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    run.c.facts.has &= ~(uint32_t)CF_COE;
+    on_datagram = replies_error;
+    errors_sent = 0;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_int_equal(errors_sent, 1);
+    assert_int_equal(run.canary, CF_CANARY_ABLE);
+    on_datagram = NULL;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+    end_run(&run);
+}
+
+/* --- evidence ----------------------------------------------------------------------------------------------------- */
+
+static uint32_t warned_at;
+
+static void warns_early(cf_t *c)
+{
+    cf_step(c, "a step");
+    (void)cf_get8(c, 0);
+    warned_at = cf_record_frame();
+    cf_warn(c, "unusual");
+    (void)cf_get8(c, 0);
+}
+
+static void fails_plainly(cf_t *c)
+{
+    (void)cf_get8(c, 0);
+    cf_fail(c, "plainly");
+}
+
+/* Runs a function as a case and keeps its evidence. */
+static cf_result_t run_whole(cf_run_t *run, void (*function)(cf_t *c))
+{
+    static cf_case_t entry = {"CF-900", "A case of a test", 'R', 0, 0, NULL};
+    static const cf_section_t section = {'Z', "Tests", &entry, 1};
+    cf_result_t result;
+    entry.run = function;
+    cf_run_case(run, &section, &entry, &result);
+    return result;
+}
+
+static void frames_of_verdicts(void **state)
+{
+    cf_run_t run;
+    (void)state;
+    start_run(&run);
+    cf_result_t warned = run_whole(&run, warns_early);
+    assert_int_equal(warned.verdict, CF_WARN);
+    assert_int_equal(warned.frame, warned_at);
+    assert_int_equal(warned.evidence.first_frame, 1);
+    assert_int_equal(warned.evidence.last_frame, warned_at + 1);
+    assert_string_equal(warned.step, "a step");
+    cf_result_t failed = run_whole(&run, fails_plainly);
+    assert_string_equal(failed.reason, "plainly");
+    assert_string_equal(failed.step, ""); /* not that of the case before */
+    assert_true(failed.evidence.first_frame > warned.evidence.last_frame);
+    assert_int_equal(failed.frame, failed.evidence.last_frame);
+    cf_result_t passed = run_whole(&run, passes);
+    assert_string_equal(passed.reason, "");
+    assert_true(passed.evidence.first_frame > failed.evidence.last_frame);
+    assert_true(passed.evidence.count <= 24);
+    cf_evidence_free(&warned.evidence);
+    cf_evidence_free(&failed.evidence);
+    cf_evidence_free(&passed.evidence);
+    end_run(&run);
+}
+
 /* --- limits ------------------------------------------------------------------------------------------------------- */
 
 static void waits_for_ever(cf_t *c)
@@ -439,6 +529,27 @@ static void not_as_before(void **state)
     end_run(&run);
 }
 
+/* A failure after the case adds the frames of the way back. */
+static void evidence_of_the_way_back(void **state)
+{
+    cf_run_t run;
+    (void)state;
+    start_run(&run);
+    on_datagram = sticks;
+    stuck = false;
+    cf_result_t failed = run_whole(&run, leaves_stuck);
+    stuck = false;
+    assert_int_equal(failed.verdict, CF_FAIL);
+    assert_int_equal(failed.frame, failed.evidence.last_frame);
+    assert_int_equal(failed.evidence.last_frame, cf_record_frame());
+    assert_true(failed.evidence.count > 20);
+    for (size_t i = 1; i < failed.evidence.count; i++)
+        assert_true(failed.evidence.items[i].frame >= failed.evidence.items[i - 1].frame);
+    assert_true(cf_evidence_start(&failed.evidence) > 0);
+    cf_evidence_free(&failed.evidence);
+    end_run(&run);
+}
+
 /* --- the catalogue ------------------------------------------------------------------------------------------------ */
 
 static const cf_case_t *find(const char *id, unsigned int *count)
@@ -547,11 +658,24 @@ static void three_buffers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(needs),         cmocka_unit_test(undo_order),   cmocka_unit_test(too_many_changes),
-        cmocka_unit_test(canary),        cmocka_unit_test(never_able),   cmocka_unit_test(not_as_before),
-        cmocka_unit_test(undo_objects),  cmocka_unit_test(undo_refused), cmocka_unit_test(silent_mailbox),
-        cmocka_unit_test(time_limit),    cmocka_unit_test(waiting),      cmocka_unit_test(interrupted),
-        cmocka_unit_test(engine_limits), cmocka_unit_test(ids),          cmocka_unit_test(need_texts),
+        cmocka_unit_test(needs),
+        cmocka_unit_test(undo_order),
+        cmocka_unit_test(too_many_changes),
+        cmocka_unit_test(canary),
+        cmocka_unit_test(never_able),
+        cmocka_unit_test(not_as_before),
+        cmocka_unit_test(undo_objects),
+        cmocka_unit_test(undo_refused),
+        cmocka_unit_test(silent_mailbox),
+        cmocka_unit_test(time_limit),
+        cmocka_unit_test(canary_without_coe),
+        cmocka_unit_test(frames_of_verdicts),
+        cmocka_unit_test(evidence_of_the_way_back),
+        cmocka_unit_test(waiting),
+        cmocka_unit_test(interrupted),
+        cmocka_unit_test(engine_limits),
+        cmocka_unit_test(ids),
+        cmocka_unit_test(need_texts),
         cmocka_unit_test(three_buffers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
