@@ -35,7 +35,7 @@ static void wkc(cf_t *c)
 
 static void bytes(cf_t *c)
 {
-    cf_expect_bytes(c, "bytes", "abc", actual == 0 ? "abc" : "abX", actual == 2 ? 2 : 3);
+    cf_expect_bytes(c, "bytes", "abc", actual == 0 ? "abc" : actual == 3 ? "Xbc" : "abX", actual == 2 ? 2 : 3);
 }
 
 static void that(cf_t *c)
@@ -124,6 +124,8 @@ static void others(void **state)
     expect_pass(bytes);
     actual = 1;
     expect_fail(bytes, "bytes: byte 2 of 3: expected 0x63, got 0x58");
+    actual = 3;
+    expect_fail(bytes, "bytes: byte 0 of 3: expected 0x61, got 0x58");
     actual = 2;
     expect_pass(bytes);
     expect_pass(that);

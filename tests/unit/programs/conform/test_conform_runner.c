@@ -203,6 +203,25 @@ static void undo_refused(void **state)
 }
 
 /* The canary of a slave with CoE is an upload. */
+static void starts_in_init(cf_t *c)
+{
+    cf_expect(c, "AL status at the start of a case", CF_INIT, memory[ECT_REG_AL_STATUS]);
+    cf_expect_range(c, "mail counter at the start of a case", 0, 0, c->mail_counter);
+}
+
+static void canary_leaves_init(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(run_one(&run, starts_in_init, 0, &result), CF_PASS);
+        assert_string_equal(result.reason, "");
+    }
+    end_run(&run);
+}
+
 static void silent_mailbox(void **state)
 {
     cf_run_t run;
@@ -491,6 +510,33 @@ static void canary(void **state)
     end_run(&run);
 }
 
+/* One lost frame of a busy machine is no verdict; a second one is. */
+static unsigned int lose;
+
+static bool loses(cf_datagram_t *d)
+{
+    (void)d;
+    return lose == 0 || lose-- == 0;
+}
+
+static void lost_frames(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = loses;
+    lose = 0;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    lose = 1;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    lose = 2;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+    assert_int_equal(lose, 0);
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    end_run(&run);
+}
+
 /* A slave that cannot do what the canary wants is judged case by case from the start. */
 static void never_able(void **state)
 {
@@ -667,6 +713,8 @@ int main(void)
         cmocka_unit_test(undo_objects),
         cmocka_unit_test(undo_refused),
         cmocka_unit_test(silent_mailbox),
+        cmocka_unit_test(lost_frames),
+        cmocka_unit_test(canary_leaves_init),
         cmocka_unit_test(time_limit),
         cmocka_unit_test(canary_without_coe),
         cmocka_unit_test(frames_of_verdicts),
