@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The sections in the order of the checklist. A new one: its file, its line here. */
+/* The sections in the order of the checklist. A new section needs its file and its line here. */
 #include "catalogue.h"
 
 extern const cf_section_t cf_datalink;

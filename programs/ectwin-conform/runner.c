@@ -18,7 +18,7 @@ static void arm(cf_engine_t *e, uint32_t ms, bool running)
     e->running = running;
 }
 
-/* Runs a step of the engine or a case. @return whether it came to its end */
+/* Runs a preparation or a case. @return whether it returned by itself */
 static bool guarded(cf_t *c, void (*run)(cf_t *c), uint32_t ms, bool running)
 {
     cf_engine_t *e = c->engine;
@@ -49,7 +49,7 @@ static void append(cf_evidence_t *to, cf_evidence_t *more)
     free(more->items);
 }
 
-/* Brings the slave back; what is wrong with that is the case's failure, unless it has one already. */
+/* Restores the slave. A failure of this is the failure of the case, unless it has one already. */
 static void restore(cf_t *c, cf_result_t *result)
 {
     cf_engine_t *e = c->engine;
@@ -75,7 +75,7 @@ static uint32_t missing(const cf_t *c, const cf_case_t *entry)
     return entry->needs & ~(has | CF_ON_REQUEST);
 }
 
-/* The least that a case relies on: INIT, PREOP, one mail there and back. */
+/* The minimum that a case relies on: INIT, PREOP, one mail and its reply. */
 static void canary(cf_t *c)
 {
     uint32_t code;
@@ -133,7 +133,7 @@ static bool prepare(cf_run_t *run)
     return false;
 }
 
-/* @return whether there is something to restore: a slave that was not ready for the case has been tried already */
+/* @return whether to restore the slave afterwards: not after a failed preparation */
 static bool judge(cf_run_t *run, cf_result_t *result)
 {
     cf_t *c = &run->c;

@@ -150,7 +150,7 @@ typedef struct found {
 } found_t;
 static found_t writable, write_only;
 
-/* A number that may be written and does nothing by being written: not a command, not a mapping, not a count. */
+/* A number without an effect when written: not a command, not a mapping, not a count. */
 static bool is_plain_number(const coe_object_t *o, unsigned int sub, const coe_entry_t *e)
 {
     bool mapping = o->index >= 0x1600 && o->index < 0x1C40, count = sub == 0 && o->code != COE_VAR;
@@ -262,7 +262,7 @@ static void good_upload(cf_t *c)
     cf_expect(c, "the next transfer, 1018h:01", c->facts.vendor, cf_upload_number(c, 0x1018, 1));
 }
 
-/* An upload in segments, begun. @return false: nothing is that long */
+/* Starts an upload in segments. @return false: no object is that long */
 static bool begin_segments(cf_t *c)
 {
     cf_mail_t mail;
@@ -355,7 +355,7 @@ static void compare(cf_t *c, const coe_object_t *o, const uint8_t *got, size_t f
     }
 }
 
-/* Objects without gaps, and without messages that come meanwhile. */
+/* Objects without gaps, and without messages that may arrive in between. */
 static bool comparable(const coe_object_t *o)
 {
     return o->code != COE_VAR && o->index >= 0x1018 && o->index != 0x10F3 && o->index != 0x1C32 && o->index != 0x1C33;
@@ -407,7 +407,7 @@ static void complete(cf_t *c)
 }
 
 static const cf_case_t cases[] = {
-    {"CF-067", "The mandatory objects are there", 'F', CF_COE, 0, mandatory},
+    {"CF-067", "The mandatory objects exist", 'F', CF_COE, 0, mandatory},
     {"CF-068", "Sub-index 0 counts the entries; behind the last is abort 0x06090011", 'F', CF_COE, 60000, counts},
     {"CF-069", "Uploads have the sizes of their descriptions, expedited, normal and in segments", 'F',
      CF_COE | CF_SDO_INFO, 60000, uploads},
@@ -416,7 +416,7 @@ static const cf_case_t cases[] = {
     {"CF-071", "An abort is command 0x80 in service 2 with index, sub-index and code", 'R', CF_COE, 0, aborts},
     {"CF-072", "Wrong toggles, commands and services are refused, and the next transfer works", 'R', CF_COE, 60000,
      protocol},
-    {"CF-073", "Complete Access gives what the entries give one by one", 'F', CF_COE | CF_COMPLETE, 60000, complete},
+    {"CF-073", "Complete Access equals the entries read one by one", 'F', CF_COE | CF_COMPLETE, 60000, complete},
 };
 
 CF_SECTION(cf_coe, 'G', "CoE: objects and transfers", cases);

@@ -16,7 +16,7 @@ enum {
 enum { MISSING_PDO = 0x17F3, EMERGENCY_BYTES = 10, EMERGENCY_MS = 500, PARALLEL = 500 };
 enum { DIAGNOSIS = 0x10F3, STORE = 0x1010, RESTORE = 0x1011, SYNC_OUT = 0x1C32, SYNC_IN = 0x1C33, TICKS_10MS = 100 };
 
-/* Whatever was uploaded last; too large for a stack. */
+/* The last upload; too large for a stack. */
 static uint8_t value[65536];
 
 static uint16_t missing_index(cf_t *c)
@@ -82,7 +82,7 @@ static bool fixed(cf_t *c, uint16_t index, uint8_t count)
     return true;
 }
 
-/* Count 0, entries, count: the order in which it is done, and what must not be accepted on the way. */
+/* Count 0, entries, count: the order of an assignment, and the writes to be refused on the way. */
 static void remap(cf_t *c)
 {
     cf_go(c, CF_PREOP);
@@ -249,7 +249,8 @@ static bool is_emergency(const cf_mail_t *mail)
     return mail->type == CF_MBX_COE && mail->length >= 2 && ect_load_le16(mail->data) >> 12 == CF_COE_EMERGENCY;
 }
 
-/* Lets a slave with outputs lose them, one without make a wrong request: most that send emergencies send one now. */
+/* Takes the outputs away, or sends a wrong request to a slave without outputs: most slaves with emergencies send one.
+ */
 static void provoke(cf_t *c)
 {
     if (c->facts.output_bytes > 0) {
@@ -388,23 +389,22 @@ static void parallel(cf_t *c)
 }
 
 static const cf_case_t cases[] = {
-    {"CF-074", "PDOs are assigned by count 0, entries, count, in PREOP only; what is wrong is refused", 'F', CF_COE, 0,
-     remap},
+    {"CF-074", "PDOs are assigned by count 0, entries, count, in PREOP only; wrong assignments are refused", 'F',
+     CF_COE, 0, remap},
     {"CF-075", "A PDO entry longer than its object is refused", 'F', CF_COE, 0, too_large},
-    {"CF-076", "The information service lists and describes what there is", 'F', CF_COE | CF_SDO_INFO, 60000,
+    {"CF-076", "The information service lists and describes all objects", 'F', CF_COE | CF_SDO_INFO, 60000,
      information},
-    {"CF-077", "The dictionary is that of the ESI: objects, types, lengths, rights, names, defaults", 'S',
+    {"CF-077", "The dictionary equals that of the ESI: objects, types, lengths, rights, names, defaults", 'S',
      CF_COE | CF_SDO_INFO | CF_ESI, 120000, as_in_file},
     {"CF-078", "An entry that may be written in PREOP only is refused in SAFEOP", 'F', CF_COE | CF_SDO_INFO, 60000,
      by_state},
-    {"CF-079", "An emergency has its code and form, and none comes below PREOP", 'F', CF_COE | CF_APPLICATION, 0,
-     emergencies},
+    {"CF-079", "An emergency has a valid code and form; the slave sends none below PREOP", 'F', CF_COE | CF_APPLICATION,
+     0, emergencies},
     {"CF-080", "The diagnosis history names its newest message and takes the acknowledge", 'F', CF_COE, 0, diagnosis},
     {"CF-081", "Store and restore take their signature only", 'F', CF_COE, 0, store},
-    {"CF-082", "Synchronisation types are those that are supported, others are refused", 'F', CF_COE, 0,
-     synchronisation},
-    {"CF-083", "500 SDO transfers during process data: none lost, none mixed", 'F', CF_COE | CF_APPLICATION, 60000,
-     parallel},
+    {"CF-082", "Supported synchronisation types are accepted, others refused", 'F', CF_COE, 0, synchronisation},
+    {"CF-083", "500 SDO transfers during process data: no reply is lost or mixed up", 'F', CF_COE | CF_APPLICATION,
+     60000, parallel},
 };
 
 CF_SECTION(cf_coe_more, 'G', "CoE: mapping, information, events", cases);

@@ -142,7 +142,7 @@ static void by_station(cf_t *c)
 
 /* --- working counters --------------------------------------------------------------------------------------------- */
 
-/* Writes what is there already: a chip that takes what it should not keeps its values. */
+/* Writes the present value: a chip that accepts a forbidden write keeps its values. */
 static uint16_t counted(cf_t *c, uint8_t command, uint16_t address, uint16_t begun)
 {
     uint8_t data[4];
@@ -189,7 +189,7 @@ static void counters(cf_t *c)
     logical_counters(c);
 }
 
-/* Slaves before the reader write what was sent, those behind it what it read. */
+/* Slaves before the reader write the value sent, slaves behind it the value read. */
 static void check_others(cf_t *c, uint32_t sent, uint32_t read)
 {
     for (uint16_t n = 0; n < c->facts.slaves; n++) {
@@ -352,7 +352,7 @@ static void error_counters(cf_t *c)
     (void)cf_write(c, ECT_REG_RX_ERROR, zeros, 1);
 }
 
-/* The protection is off again before anything is judged. @return whether the chip offers it */
+/* Ends the protection before it judges. @return whether the chip offers it */
 static bool protection(cf_t *c)
 {
     uint8_t on = 1, off = 0, any = 1, value[4] = {1, 0, 0, 0};
@@ -376,7 +376,7 @@ static bool protection(cf_t *c)
 }
 
 /* Two letters of the three: the chip counts them, and a wrong third one ends it. A frame between two letters, such as
- * one that reads the progress, ends it as well: so each time from the beginning, which a wrong letter makes sure of.
+ * one that reads the progress, ends it as well, so each try starts from the beginning, after a wrong letter.
  * @return whether the chip offers it */
 static bool reset_sequence(cf_t *c)
 {
@@ -437,7 +437,7 @@ static void lengths(cf_t *c)
     cf_expect_wkc(c, "a datagram without data", 0, none.wkc);
 }
 
-/* Not answered at all, or come back as it was sent: not processed. */
+/* Not processed: no reply, or the frame unchanged. */
 static void not_processed(cf_t *c, const uint8_t *frame, size_t length, const char *what)
 {
     uint8_t reply[CF_MAX_FRAME];
@@ -461,7 +461,7 @@ static void frames(cf_t *c)
     cf_expect(c, "station address afterwards", c->facts.station, cf_get16(c, ECT_REG_STATION_ADDRESS));
 }
 
-/* A frame that must pass; one of two may get lost on a machine that is held up. */
+/* A frame that must pass; a busy machine may lose one of two. */
 static void must_pass(cf_t *c, const char *what, const uint8_t *frame, size_t length, uint8_t *reply)
 {
     size_t got = 0;
@@ -551,10 +551,10 @@ static const cf_case_t cases[] = {
     {"CF-010", "DL status fits the cabling", 'R', 0, 0, cabling},
     {"CF-011", "Error counters count, stop at 255 and are cleared by a write", 'R', 0, 0, error_counters},
     {"CF-012", "Write protection and reset sequence work as described", 'R', 0, 0, protection_and_reset},
-    {"CF-013", "Frames: several datagrams, odd, longest and no lengths; damaged and foreign ones are not processed",
+    {"CF-013", "Frames: several datagrams, odd, longest and no lengths; damaged and foreign frames are not processed",
      'R', 0, 0, frames},
-    {"CF-014", "The circulating flag does not matter while port 0 is open", 'R', 0, 0, circulating},
-    {"CF-015", "A frame of 1 to 15 datagrams comes back complete", 'T', 0, 0, complete},
+    {"CF-014", "The circulating flag has no effect while port 0 is open", 'R', 0, 0, circulating},
+    {"CF-015", "A frame of 1 to 15 datagrams returns complete", 'T', 0, 0, complete},
     {"CF-097", "A change of AL status is an ECAT event: masked, in the IRQ field, and gone once AL status is read", 'R',
      CF_APPLICATION, 0, ecat_events},
 };

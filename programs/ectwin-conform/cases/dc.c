@@ -42,7 +42,7 @@ static void latch_by_all(cf_t *c, uint32_t before)
                    passed / 1000);
 }
 
-/* 64 bits count from the time that the chip started with; the upper half is not 0 after 4.3 s. */
+/* 64 bits count from the start of the chip; the upper half is not 0 after 4.3 s. */
 static void wide_receive_time(cf_t *c)
 {
     uint64_t unit;

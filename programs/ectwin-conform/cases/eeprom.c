@@ -73,7 +73,7 @@ static void reading(cf_t *c)
     expect_word(c, 8, word(c, 8));
 }
 
-/* Writes what is there already, without the enable bit: refused, and harmless where it is not. */
+/* Writes the present value without the enable bit: refused, and harmless when accepted. */
 static void unenabled_write(cf_t *c)
 {
     cf_step(c, "a write without its enable bit");
@@ -127,7 +127,7 @@ static void writing(cf_t *c)
     enabled_write(c);
 }
 
-/* --- is it true? -------------------------------------------------------------------------------------------------- */
+/* --- SII against the slave ---------------------------------------------------------------------------------------- */
 
 /* A device may be newer than its file, not older. */
 static void identity_in_file(cf_t *c)
@@ -166,7 +166,7 @@ typedef struct protocol {
     uint8_t request[12];
 } protocol_t;
 
-/* Requests that order nothing: a read of 1018h:00, of a file that does not exist, of the IP address. */
+/* Requests without an effect: a read of 1018h:00, of a file that does not exist, of the IP address. */
 static const protocol_t protocols[] = {
     {"AoE", CF_MBX_AOE, CF_PROTO_AOE, 4, {0}},
     {"EoE", CF_MBX_EOE, CF_PROTO_EOE, 4, {EOE_GET_IP, 0x01, 0, 0}},
@@ -221,7 +221,7 @@ static void size(cf_t *c)
     cf_esi_expect_sii(c, ECT_FACT_EEPROM_SIZE, ECT_FACT_CONFIG);
 }
 
-/* --- is it consistent? -------------------------------------------------------------------------------------------- */
+/* --- the SII alone ------------------------------------------------------------------------------------------------ */
 
 static void check_sm(cf_t *c, unsigned int n, const uint8_t *entry)
 {
@@ -489,20 +489,19 @@ static const cf_case_t cases[] = {
     {"CF-056", "A write needs its enable bit, commands need ownership; reload changes nothing", 'R', CF_SII, 0,
      writing},
     {"CF-057", "Identity in the SII, in 1018h and in the ESI is the same", 'S', CF_SII, 0, identity},
-    {"CF-058", "Each protocol that the SII names (as the ESI does) answers, each other gets mailbox error 0x0002", 'S',
+    {"CF-058", "Each protocol that SII and ESI name replies, every other gets mailbox error 0x0002", 'S',
      CF_SII | CF_MAILBOX, 0, offered},
-    {"CF-059", "The image ends within the size that it names; size and first words are those of the ESI", 'S', CF_SII,
-     0, size},
-    {"CF-060", "General, FMMU and SyncManager categories fit each other, the chip and the ESI", 'S', CF_SII, 0,
+    {"CF-059", "The image ends within its size; size and first words equal those of the ESI", 'S', CF_SII, 0, size},
+    {"CF-060", "General, FMMU and SyncManager categories match each other, the chip and the ESI", 'S', CF_SII, 0,
      categories},
-    {"CF-061", "PDOs of the SII are those of the dictionary and of the ESI, entry by entry", 'S', CF_SII, 60000,
+    {"CF-061", "PDOs of the SII equal those of the dictionary and of the ESI, entry by entry", 'S', CF_SII, 60000,
      mapping},
-    {"CF-062", "Clock modes fit the chip and are those of the ESI", 'S', CF_SII, 0, clocks},
-    {"CF-063", "The ESI file is as a file should be, and describes a device that can be", 'S', CF_ESI, 0, file},
-    {"CF-064", "Every string that is referenced exists and is complete; names are those of the ESI", 'S', CF_SII, 0,
+    {"CF-062", "Clock modes match the chip and the ESI", 'S', CF_SII, 0, clocks},
+    {"CF-063", "The ESI file follows the rules for files and describes a possible device", 'S', CF_ESI, 0, file},
+    {"CF-064", "Every string that is referenced exists and is complete; names equal those of the ESI", 'S', CF_SII, 0,
      strings},
     {"CF-065", "Alias of EEPROM and register agree; identification is declared once", 'S', CF_SII, 0, alias},
-    {"CF-066", "The image reads the same a second time", 'F', CF_SII, 60000, again},
+    {"CF-066", "A second read of the image gives the same bytes", 'F', CF_SII, 60000, again},
 };
 
 CF_SECTION(cf_eeprom, 'F', "EEPROM and SII", cases);

@@ -44,7 +44,7 @@ static uint8_t type_of(cf_t *c, const cf_mail_t *mail)
     return mail->data[0] & 0x0F;
 }
 
-/* The answer of a service; frames that the slave sends meanwhile are not it. @return its result */
+/* Reads the reply of a service, past frames of the slave. @return its result */
 static uint16_t answer(cf_t *c, uint8_t type, cf_mail_t *mail)
 {
     do
@@ -60,8 +60,7 @@ static void expect_result(cf_t *c, const char *what, uint16_t result, uint16_t a
                    "%s: expected result 0x0000, 0x0002, 0x0202 or 0x%04X, got 0x%04X", what, allowed, result);
 }
 
-/* --- services ------------------------------------------------------------------------------------------------------
- */
+/* --- services ----------------------------------------------------------------------------------------------------- */
 
 static void take_host(const cf_mail_t *mail, host_t *h)
 {
@@ -113,10 +112,9 @@ static void filter(cf_t *c)
     expect_result(c, "set filter", answer(c, FILTER_WAS_SET, &mail), NO_FILTER);
 }
 
-/* --- frames --------------------------------------------------------------------------------------------------------
- */
+/* --- frames ------------------------------------------------------------------------------------------------------- */
 
-/* Bytes of a fragment that is not the last: what the mailbox takes, in units. */
+/* Bytes of a fragment before the last: whole units that fit the mailbox. */
 static uint16_t fragment_most(const cf_t *c)
 {
     return (uint16_t)((c->mailbox.out_size - MAIL_HEADER - HEADER) / UNIT * UNIT);
@@ -150,7 +148,7 @@ static void arp_request(uint8_t *frame, const host_t *h)
     memcpy(frame + 38, h->ip, ADDRESS);
 }
 
-/* The next frame of the slave, put together; its fragments are checked. @return bytes, 0: none came in that time */
+/* Assembles the next frame of the slave and checks its fragments. @return bytes, 0: none within `ms` */
 static uint16_t receive_frame(cf_t *c, uint8_t *frame, uint32_t ms)
 {
     cf_mail_t mail;
@@ -190,7 +188,7 @@ static void take(cf_t *c, host_t *h, uint32_t ms)
 }
 
 /* A whole frame in fragments of `size` bytes. Frames of the slave are read in between: it may wait for that.
- * @param skip  one of them that gets lost; -1: none */
+ * @param skip  fragment to leave out; -1: none */
 static void send_frame(cf_t *c, host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,
                        int skip)
 {
@@ -204,7 +202,7 @@ static void send_frame(cf_t *c, host_t *h, const uint8_t *frame, uint16_t length
     }
 }
 
-/* The replies to what was sent since the last time: as many as wanted, and then no more. */
+/* Exactly `wanted` replies since the last call. */
 static void expect_replies(cf_t *c, host_t *h, const char *what, unsigned int wanted)
 {
     uint64_t until = cf_now_ns() + CF_MAIL_MS * UINT64_C(1000000);

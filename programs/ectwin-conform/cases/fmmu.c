@@ -85,8 +85,8 @@ static void two_and_split(cf_t *c, uint16_t ram)
     map_bytes(c, 0, LOGICAL, 4, (uint16_t)(ram + 8), READS);
     map_bytes(c, 1, LOGICAL + 4, 4, ram, READS);
     cf_expect_wkc(c, "LRD over two FMMUs", 1, cf_logical(c, CF_LRD, LOGICAL, data, 8));
-    cf_expect_bytes(c, "what the first FMMU maps", numbers + 8, data, 4);
-    cf_expect_bytes(c, "what the second FMMU maps", numbers, data + 4, 4);
+    cf_expect_bytes(c, "bytes of the first FMMU", numbers + 8, data, 4);
+    cf_expect_bytes(c, "bytes of the second FMMU", numbers, data + 4, 4);
     cf_step(c, "one FMMU over two datagrams of a frame");
     cf_clear_fmmu(c, 1);
     map_bytes(c, 0, LOGICAL, 8, ram, READS);
@@ -178,7 +178,7 @@ static void bits(cf_t *c)
     write_bits(c);
 }
 
-/* The flag that a mail waits as one bit of a byte that other slaves' bits share. */
+/* The flag of a waiting mail is one bit of a byte that it shares with the bits of other slaves. */
 static void mailbox_state(cf_t *c)
 {
     uint8_t mapped = 0xFF;
@@ -205,7 +205,7 @@ static void mailbox_state(cf_t *c)
     cf_expect(c, "logical byte after the mail was read", 0xFB, mapped);
 }
 
-/* --- what maps nothing -------------------------------------------------------------------------------------------- */
+/* --- FMMUs without effect ----------------------------------------------------------------------------------------- */
 
 static void expect_nothing(cf_t *c, const char *what, uint8_t command)
 {

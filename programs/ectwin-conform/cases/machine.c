@@ -41,7 +41,7 @@ static int used_sm(const cf_t *c, uint8_t type)
 
 /* --- transitions -------------------------------------------------------------------------------------------------- */
 
-/* Straight from one state to the next, with what the master has to configure and send on the way. */
+/* One transition, with the configuration and process data that the master owes it. */
 static void take(cf_t *c, uint8_t from, uint8_t to)
 {
     cf_go(c, from);
@@ -64,7 +64,7 @@ static void legal(cf_t *c)
     }
 }
 
-/* BOOT from elsewhere than INIT is an invalid change, or, where there is no BOOT, that. Some stacks leave OP for it. */
+/* BOOT from another state than INIT: an invalid change, or an unsupported BOOT. Some stacks leave OP for it. */
 static void refuse_jump(cf_t *c, uint8_t from, uint8_t to)
 {
     uint16_t code;
@@ -234,7 +234,7 @@ static void acknowledge_and_go(cf_t *c)
     cf_expect_state(c, CF_SAFEOP | ACK, CF_SAFEOP);
 }
 
-/* Whoever sees the error flag finds its reason. Status and code come in one read. */
+/* A read that shows the error flag shows its code. Status and code are one read. */
 static void code_before_flag(cf_t *c)
 {
     cf_go(c, CF_PREOP);
@@ -321,7 +321,7 @@ static void counter_stops(cf_t *c)
     cf_expect(c, "AL status", CF_SAFEOP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
 }
 
-/* Not a frame for so long; then the slave is where its watchdog brought it, counted once, and can be taken on. */
+/* No frame for a long time: the watchdog counts once, and the slave can be started again. */
 static void nobody_there(cf_t *c, uint32_t seconds)
 {
     const bool watched = is_watched(c);
@@ -390,7 +390,7 @@ static uint64_t start_sync0(cf_t *c, uint16_t activate, uint32_t cycle_ns)
     return start_ns + UINT64_C(10) * cycle_ns;
 }
 
-/* The cycle that the SII names: perhaps no other is accepted. Else the shortest that 1C32h names, 1 ms at least. */
+/* The cycle of the SII, possibly the only one allowed; else the shortest of 1C32h, 1 ms at least. */
 static uint32_t sync0_cycle(cf_t *c, uint32_t cycle_ns)
 {
     uint32_t code;
@@ -507,7 +507,7 @@ static void identify_in(cf_t *c, uint8_t state, uint16_t *id)
     cf_expect(c, "0x0134 without the request", 0, cf_get16(c, ECT_REG_AL_STATUS_CODE));
 }
 
-/* A slave whose alias is 0 may have no value: whether it has one shows in its reply alone. */
+/* A slave with alias 0 may have no value; only its reply shows that. */
 static void expect_value(cf_t *c)
 {
     if (c->facts.alias != 0)
@@ -595,29 +595,29 @@ static void safe_outputs(cf_t *c)
 static const cf_case_t cases[] = {
     {"CF-033", "Every legal transition is made in time, without an error", 'R', 0, 60000, legal},
     {"CF-034", "An illegal transition is refused: the state stays, code 0x0011", 'R', CF_APPLICATION, 60000, illegal},
-    {"CF-035", "An unknown state is refused with 0x0012, BOOT where there is none with 0x0013", 'R', CF_APPLICATION, 0,
+    {"CF-035", "An unknown state is refused with 0x0012, an unsupported BOOT with 0x0013", 'R', CF_APPLICATION, 0,
      unknown},
     {"CF-036", "With a wrong SM0 or SM1 the slave stays in INIT, code 0x0016 (BOOT: 0x0015)", 'R',
      CF_APPLICATION | CF_MAILBOX, 60000, wrong_mailbox},
     {"CF-037", "With a wrong SyncManager for process data it stays in PREOP, code 0x001D or 0x001E", 'R',
      CF_APPLICATION, 60000, wrong_process_data},
     {"CF-038", "With the error flag set a request without acknowledge is ignored", 'R', CF_APPLICATION, 0, acknowledge},
-    {"CF-039", "An acknowledge together with a higher state is both", 'R', CF_APPLICATION, 0, acknowledge_and_go},
-    {"CF-040", "The code is there before the error flag, and goes with it", 'R', CF_APPLICATION, 0, code_before_flag},
-    {"CF-041", "A state requested again, or another before it is reached, does no harm", 'R', CF_APPLICATION, 60000,
+    {"CF-039", "An acknowledge together with a higher state does both", 'R', CF_APPLICATION, 0, acknowledge_and_go},
+    {"CF-040", "The code precedes the error flag, and clears with it", 'R', CF_APPLICATION, 0, code_before_flag},
+    {"CF-041", "Repeated requests, and a request during a transition, do no harm", 'R', CF_APPLICATION, 60000,
      repeated},
-    {"CF-042", "Without outputs OP falls back to SAFEOP, code 0x001B; inputs go on; OP can be reached again", 'R',
+    {"CF-042", "Without outputs OP falls back to SAFEOP, code 0x001B; inputs continue; OP is reachable again", 'R',
      CF_APPLICATION | CF_OUTPUTS, 0, fallback},
     {"CF-043", "Without SYNC0 OP falls back with a code of synchronisation", 'R',
      CF_APPLICATION | CF_DC | CF_SII | CF_REAL_TIME, 30000, sync_lost},
     {"CF-044", "A local error falls to the ordered state with its own code", 'R', CF_APPLICATION, 0, local_error},
     {"CF-045", "With device emulation AL status mirrors AL control", 'R', CF_EMULATION, 0, emulation},
-    {"CF-046", "The identification value is given on request in each state, not with an error pending", 'R',
+    {"CF-046", "The slave gives its identification value on request in each state, not with an error pending", 'R',
      CF_APPLICATION | CF_SII, 0, identification},
     {"CF-047", "After power-up: INIT, all registers at their reset values", 'R', 0, 0, power_up},
     {"CF-048", "In SAFEOP inputs are valid and outputs do not move", 'R', CF_APPLICATION, 0, safe_outputs},
-    {"CF-049", "The watchdog counter stops at 255; after a long absence of the master it has counted once", 'R',
-     CF_APPLICATION, 60000, long_absence},
+    {"CF-049", "The watchdog counter stops at 255; a long absence of the master counts once", 'R', CF_APPLICATION,
+     60000, long_absence},
 };
 
 CF_SECTION(cf_machine, 'D', "State machine", cases);

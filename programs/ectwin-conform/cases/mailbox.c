@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* H. Mailbox protocols other than CoE. Files are written with --destructive only, and put back. */
+/* H. Mailbox protocols other than CoE. Files are written and restored with --destructive only. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -111,7 +111,7 @@ static void expect_ack(cf_t *c, uint32_t expected, const cf_foe_t *sent)
                    "packet %u: expected its acknowledge, got operation %u, number 0x%04X", expected, operation, number);
 }
 
-/* @return whether the slave takes a file of that length; not all do, a firmware's is what it is */
+/* @return whether the slave takes a file of that length; a firmware may have to have its own */
 static bool write_size(cf_t *c, size_t size)
 {
     cf_step(c, "%zu bytes are written and read", size);
@@ -148,7 +148,7 @@ static void packet_jump(cf_t *c)
               expect_error(c, "a packet out of order", &(cf_foe_t){CF_FOE_DATA, 3, packet, full}));
 }
 
-/* The slave refuses it at some point; that it has room for more is fine. @return bytes it took */
+/* The slave refuses the file at some point, or has room for all of it. @return bytes taken */
 static size_t without_end(cf_t *c)
 {
     uint8_t packet[CF_MAX_MAIL] = {0};

@@ -63,7 +63,7 @@ static unsigned long frames(cf_t *c)
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
 
-/* Takes replies until SM0 is free: a mail into a full SM0 would not arrive. */
+/* Reads replies until SM0 is free: a full SM0 refuses the next mail. */
 static void drain(cf_t *c)
 {
     uint8_t reply[CF_MAX_MAIL];

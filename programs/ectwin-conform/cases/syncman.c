@@ -18,9 +18,9 @@ enum { ACTIVATE_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE, MAP_LOGICAL = 0x
 enum { CODE_MAILBOX = 0x0016, CODE_OUTPUTS = 0x001D, CODE_INPUTS = 0x001E };
 enum { ERROR_SYNTAX = 1, ERROR_PROTOCOL = 2, ERROR_CHANNEL = 3, ERROR_HEADER = 5, ERROR_SHORT = 6, ERROR_SIZE = 8 };
 
-/* --- requests that are answered by any slave with a mailbox ------------------------------------------------------- */
+/* --- requests that any slave with a mailbox replies to ------------------------------------------------------------ */
 
-/* A mailbox type that the slave does not offer: it answers with a mailbox error. */
+/* A mailbox type that the slave does not offer: it replies with a mailbox error. */
 static uint8_t foreign_type(const cf_t *c)
 {
     static const struct {
@@ -629,21 +629,21 @@ static const cf_case_t cases[] = {
     {"CF-016", "A mailbox takes one mail, is full with its last byte, and refuses a second one", 'R', CF_MAILBOX, 0,
      one_mail},
     {"CF-017", "A mail is read from its first byte and is gone with its last", 'R', CF_MAILBOX, 0, reading},
-    {"CF-018", "First and last byte in accesses of their own work as one access does", 'R', CF_MAILBOX, 0, split},
-    {"CF-019", "Three buffers change with their last byte, and only when begun with their first", 'R', CF_APPLICATION,
-     0, three_buffers},
+    {"CF-018", "First and last byte in separate accesses work like one access", 'R', CF_MAILBOX, 0, split},
+    {"CF-019", "Three buffers: an access starts with the first byte and ends with the last", 'R', CF_APPLICATION, 0,
+     three_buffers},
     {"CF-020", "A SyncManager's status shows full, written, read, also through an FMMU", 'R', CF_MAILBOX, 0,
      status_byte},
-    {"CF-021", "A SyncManager that the slave disables answers nothing, and works again after", 'R', CF_MAILBOX, 0,
+    {"CF-021", "A SyncManager that the slave disables has WKC 0, and works again later", 'R', CF_MAILBOX, 0,
      deactivated},
     {"CF-022", "Switching a SyncManager off makes the slave fall back with the right code", 'R', CF_APPLICATION, 0,
      changed},
-    {"CF-023", "A repeat request brings the same mail back before it is acknowledged", 'R', CF_MAILBOX, 0, repeated},
+    {"CF-023", "A repeat request returns the same mail before its acknowledge", 'R', CF_MAILBOX, 0, repeated},
     {"CF-024", "Replies count 1 to 7; a request with the last counter is not carried out again", 'R', CF_MAILBOX, 0,
      mail_counters},
     {"CF-025", "A request while a reply waits is held, and neither is lost", 'R', CF_MAILBOX, 0, busy},
     {"CF-026", "Bad mailbox headers get an error reply, and the next request works", 'R', CF_MAILBOX, 0, headers},
-    {"CF-027", "The mailboxes of the SII are consistent and those that the slave takes", 'R', CF_MAILBOX | CF_SII, 0,
+    {"CF-027", "The mailboxes of the SII are consistent, and the slave accepts them", 'R', CF_MAILBOX | CF_SII, 0,
      sizes},
     {"CF-098", "Mails of the slave have address 0 or its own, and channel 0", 'R', CF_MAILBOX, 0, mail_headers},
 };

@@ -136,8 +136,8 @@ static const cf_case_t cases[] = {
     {"CF-093", "The RUN indicator shows the state", 'T', 0, 0, indicators},
     {"CF-094", "After every command, header field and length, and random frames, a start-up succeeds", 'F', 0, 120000,
      survives},
-    {"CF-095", "SOEM brings it to OP from SII and CoE alone", 'F', CF_SII, 60000, soem},
-    {"CF-096", "A slave that lost its address, its wire or its power is found again in every state", 'F', 0, 60000,
+    {"CF-095", "SOEM takes the slave to OP from SII and CoE alone", 'F', CF_SII, 60000, soem},
+    {"CF-096", "A slave without its address, after a lost link or power, is found again in every state", 'F', 0, 60000,
      found_again},
 };
 

@@ -311,8 +311,7 @@ bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint3
 /** Extends the time limit of the case, for --long. */
 void cf_extend(cf_t *c, uint32_t ms);
 
-/* --- plug and power ------------------------------------------------------------------------------------------------
- */
+/* --- plug and power ----------------------------------------------------------------------------------------------- */
 
 /**
  * Disconnects the slave for `ms`, as a pulled plug does: closes the port of the slave before it, or, for the first

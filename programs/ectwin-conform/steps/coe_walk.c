@@ -53,7 +53,7 @@ bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *en
     return true;
 }
 
-/* Without descriptions: what every slave with CoE has. */
+/* Without descriptions: the objects of every slave with CoE. */
 static unsigned int walk_usual(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object))
 {
     static const coe_object_t usual[] = {{.index = 0x1000, .type = 7, .code = COE_VAR},

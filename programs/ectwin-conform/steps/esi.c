@@ -265,7 +265,7 @@ static void add_assigned(cf_t *c, cJSON *objects, uint16_t assignment)
         (void)add_numbers(c, objects, (uint16_t)cf_upload_number(c, assignment, (uint8_t)n));
 }
 
-/* --- comparisons ------------------------------------------------------------------------------------------------ */
+/* --- comparisons -------------------------------------------------------------------------------------------------- */
 
 static void take_dictionary(cf_t *c)
 {

@@ -6,7 +6,7 @@
 
 enum { HEADER = 6, COE_HEADER = 2 };
 
-/* The mailbox in force: in BOOT it is another. */
+/* The mailbox in force: BOOT has its own. */
 static const cf_mailbox_t *mailbox(cf_t *c)
 {
     return (cf_get8(c, ECT_REG_AL_STATUS) & ECT_AL_STATE_MASK) == CF_BOOT ? &c->facts.boot : &c->mailbox;

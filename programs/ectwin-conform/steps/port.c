@@ -130,7 +130,7 @@ static ecx_contextt *soem_context(cf_port_t *p)
     return &p->context;
 }
 
-/* --- a frame there and back --------------------------------------------------------------------------------------- */
+/* --- exchange of a frame ------------------------------------------------------------------------------------------ */
 
 static void build(uint8_t *frame, uint8_t index, const cf_datagram_t *d, size_t count, size_t *length)
 {
@@ -216,7 +216,7 @@ bool cf_port_exchange(cf_port_t *holder, cf_datagram_t *d, size_t count, uint32_
     return came;
 }
 
-/* --- frames as they are ------------------------------------------------------------------------------------------- */
+/* --- raw frames --------------------------------------------------------------------------------------------------- */
 
 /* EtherType, header and address of the datagram: no slave changes those of a NOP. */
 static bool is_marker(const uint8_t *got, ssize_t length, const uint8_t *marker, size_t marker_length)
@@ -249,7 +249,7 @@ ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *
     return -1;
 }
 
-/* --- SOEM by itself ----------------------------------------------------------------------------------------------- */
+/* --- SOEM's start-up ---------------------------------------------------------------------------------------------- */
 
 static bool soem_reached(ecx_contextt *soem, uint16_t slave, uint16_t state, char *what, size_t room)
 {

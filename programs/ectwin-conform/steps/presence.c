@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A slave that goes and comes: its plug, its power. */
+/* Plug and power of the slave. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 enum { PORT_CONTROL = ECT_REG_DL_CONTROL + 1, CLOSED = 3, PORTS = 4, PROBE_MS = 100, POWER_MS = 60000 };
 
-/* How many slaves answer; a wire that is cut answers nothing. */
+/* Number of slaves that reply; 0 when no frame returns. */
 static uint16_t count(cf_t *c)
 {
     uint8_t byte = 0;
@@ -38,14 +38,14 @@ static uint16_t before(const cf_t *c)
     return (uint16_t)(c->facts.ring + 1);
 }
 
-/* The register of the slave before: by position, for addresses are what may be lost. */
+/* The register of the slave before, by position: station addresses may be lost. */
 static void set_ports(cf_t *c, uint8_t control)
 {
     uint16_t wkc = cf_command(c, CF_APWR, before(c), PORT_CONTROL, &control, 1);
     cf_expect_wkc(c, "the ports (0x0101) of the slave before", 1, wkc);
 }
 
-/* Which of its ports leads here shows when it is closed. */
+/* Closes the ports of the slave before one by one, until this slave is unreachable. */
 static bool close_port(cf_t *c)
 {
     cf_engine_t *e = c->engine;
@@ -116,7 +116,7 @@ bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why)
 
 /* --- power -------------------------------------------------------------------------------------------------------- */
 
-/* Whether a slave is there that has no longer the address it was given. It may vanish at any moment. */
+/* Whether a slave without its station address replies. It may vanish at any moment. */
 static bool is_fresh(cf_t *c)
 {
     uint8_t address[2] = {0};
@@ -144,7 +144,7 @@ static void wait_fresh(cf_t *c)
     wait_found(c, "switched off and on");
 }
 
-/* All slaves that are switched by it have lost their addresses. */
+/* All slaves on that switch have lost their addresses. */
 static void address_all(cf_t *c)
 {
     for (uint16_t n = 0; n < c->facts.slaves; n++) {

@@ -271,8 +271,7 @@ void cf_record_close(void)
     memset(&record, 0, sizeof record);
 }
 
-/* --- send and recv of SOEM and cases --------------------------------------------------------------------------------
- */
+/* --- send and recv of SOEM and cases ------------------------------------------------------------------------------ */
 
 ssize_t __real_send(int fd, const void *bytes, size_t length, int flags);
 ssize_t __real_recv(int fd, void *bytes, size_t room, int flags);

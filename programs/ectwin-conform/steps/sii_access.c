@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The EEPROM over its registers, as every master reads it. */
+/* The EEPROM by its registers, as masters read it. */
 
 #include "sii/sii.h"
 #include "steps/engine.h"
@@ -48,7 +48,7 @@ unsigned int cf_sii_read(cf_t *c, uint16_t word, uint8_t data[8])
     return bytes;
 }
 
-/* The write enable bit is good for the frame it comes in: data and command travel together. */
+/* The write enable bit holds for its own frame: data and command share one frame. */
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value)
 {
     uint16_t control = 0;

@@ -6,7 +6,7 @@
 #include "steps/engine.h"
 
 enum { LOGICAL = 0x00010000, READS = 1, WRITES = 2 };
-/* 6 s of the default divider. A case is no controller: it has pauses, and so has a machine under load. */
+/* 6 s of the default divider. A case pauses where a controller does not, and so does a machine under load. */
 enum { LONG_WATCHDOG = 60000 };
 /* ETG.2000, for an ESI without timeouts. The way back to SAFEOP has the longer limit: no step judges speed. */
 enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, LAME_MS = 300, SETTLE_MS = 100 };
@@ -226,7 +226,7 @@ typedef struct al {
     uint16_t status, code;
 } al_t;
 
-/* Whether a slave that has taken a request has answered it. */
+/* Whether a slave has replied to a request that it has read. */
 static bool is_answered(uint16_t wanted, al_t before, al_t now)
 {
     if ((now.status & ECT_AL_ERROR) != 0)
@@ -289,7 +289,7 @@ void cf_expect_state(cf_t *c, uint16_t al_control, uint8_t state)
                    cf_state_name(state), cf_state_name(got), got_code);
 }
 
-/* --- ordinary ways ------------------------------------------------------------------------------------------------ */
+/* --- start-up ----------------------------------------------------------------------------------------------------- */
 
 static void step_to(cf_t *c, uint8_t state)
 {
@@ -331,7 +331,7 @@ static void back_to_init(cf_t *c)
     if (wkc != 1)
         cf_fail(c, "no answer: APWR of the station address: WKC expected 1, got %u", wkc);
     bool emulation = (c->facts.has & CF_EMULATION) != 0;
-    for (int tries = 0; tries < 2; tries++) { /* an error that comes just now is acknowledged the second time */
+    for (int tries = 0; tries < 2; tries++) { /* the second try acknowledges an error that comes during the first */
         write_al_control(c, emulation ? CF_INIT : CF_INIT | ECT_AL_ACKNOWLEDGE);
         if (cf_wait_status(c, CF_INIT, init_ms(c), false, &got, &code) && code == 0)
             return;

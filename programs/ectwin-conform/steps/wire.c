@@ -6,7 +6,7 @@
 
 #include "steps/engine.h"
 
-/* A wire answers in microseconds; a machine under load may keep the process waiting for long. */
+/* A frame returns in microseconds; a machine under load may delay the process for long. */
 enum { ANSWER_MS = 500, SILENT_MS = 50 };
 
 void cf_exchange(cf_t *c, cf_datagram_t *d, size_t count)
@@ -14,7 +14,7 @@ void cf_exchange(cf_t *c, cf_datagram_t *d, size_t count)
     cf_check_time(c);
     int ms = c->engine->silent ? SILENT_MS : ANSWER_MS;
     c->engine->silent = !cf_port_exchange(c->engine->port, d, count, (uint32_t)ms);
-    cf_check_time(c); /* Ctrl-C may be why it did not come */
+    cf_check_time(c); /* Ctrl-C may be the cause */
     if (c->engine->silent)
         cf_fail(c, "no answer: the frame did not come back within %d ms", ms);
 }
@@ -31,7 +31,7 @@ size_t cf_raw_frame(cf_t *c, const void *frame, size_t length, uint8_t *reply)
     return (size_t)answered;
 }
 
-/* SOEM waits 2 ms for a frame; a machine under load takes longer now and then, so it has three goes. */
+/* SOEM waits 2 ms for a frame, which a machine under load may exceed: three tries. */
 bool cf_soem_to_op(cf_t *c, char *what, size_t room)
 {
     for (int tries = 0; tries < 3; tries++) {
