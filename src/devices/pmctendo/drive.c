@@ -2,46 +2,70 @@
 /* The functions that the stack calls: time, process data, AL states, SDO; and the order within a step of 250 us. */
 #include "devices/pmctendo/instance.h"
 
-enum { MS_STEPS = PMC_STEPS_PER_S / 1000, MS_NS = 1000000 };
+enum { MS_STEPS = ECT_402_STEPS_PER_S / 1000, MS_NS = 1000000 };
+
+static const ect_402_config_t config = {
+    .turn = PMC_TURN, .rated_torque = 3.0, .peak_torque = 9.0, .inertia = 3e-4, .reference_bit = PMC_REFERENCE};
+
+static int8_t mode(const pmctendo_t *u)
+{
+    if (u->mode != PMC_MODE_BY_PDO)
+        return u->mode;
+    switch (u->assigned_out) {
+    case PMC_PDO_SPEED:
+        return PMC_MODE_SPEED;
+    case PMC_PDO_TORQUE:
+        return PMC_MODE_TORQUE;
+    default:
+        return PMC_MODE_POSITION;
+    }
+}
+
+/* The objects that the axis does not read itself. */
+static void refresh(pmctendo_t *u)
+{
+    u->axis.mode = mode(u);
+    u->axis.cycle_steps = pmc_cycle_steps(u);
+}
 
 /* --- the state machine -------------------------------------------------------------------------------------------- */
 
 static bool powered(const pmctendo_t *u)
 {
-    return u->action != ECT_402_OFF;
+    return u->axis.action != ECT_402_OFF;
 }
 
 /* The drive closes the brake before it takes the torque from a shaft at a standstill; else the brake is late. */
 static void close_brake(pmctendo_t *u)
 {
-    bool late = !u->ds.supplied || !pmc_standing(u);
-    u->brake_ns = u->time_ns + (late ? (uint64_t)u->plant.brake_delay_ms * MS_NS : 0);
+    bool late = !u->axis.inputs.supplied || !ect_402_standing(&u->axis);
+    u->axis.brake_ns = u->axis.time_ns + (late ? (uint64_t)u->plant.machine.brake_delay_ms * MS_NS : 0);
 }
 
 static void begin(pmctendo_t *u)
 {
-    if (u->action != ECT_402_FOLLOW && !pmc_halted(u)) {
-        pmc_homing_abort(u);
-        pmc_task_drop(u);
-        u->task_known = u->homing.done = false;
+    if (u->axis.action != ECT_402_FOLLOW && !ect_402_halted(&u->axis)) {
+        ect_402_homing_abort(&u->axis);
+        ect_402_task_drop(&u->axis);
+        u->axis.task_known = u->axis.homing.done = false;
     }
-    switch (u->action) {
+    switch (u->axis.action) {
     case ECT_402_OFF:
         close_brake(u);
-        pmc_control_off(u);
+        ect_402_control_off(&u->axis);
         break;
     case ECT_402_HOLD:
-        pmc_hold_begin(u);
+        ect_402_hold_begin(&u->axis);
         break;
     case ECT_402_FOLLOW:
-        pmc_follow_begin(u);
+        ect_402_follow_begin(&u->axis);
         break;
     case ECT_402_STOP:
-        pmc_stop_begin(u);
-        pmc_brake_begin(u);
+        ect_402_stop_begin(&u->axis);
+        ect_402_brake_begin(&u->axis);
         break;
     case ECT_402_RAMP:
-        pmc_brake_begin(u);
+        ect_402_brake_begin(&u->axis);
         break;
     }
 }
@@ -57,47 +81,48 @@ static void watch_supply(pmctendo_t *u)
         pmc_fault(u, PMC_F_STO);
     if (powered(u) && !u->plant.power)
         pmc_fault(u, PMC_F_UNDERVOLTAGE);
-    if (u->state == ECT_402_QUICK_STOP && !pmc_stop_in_time(u))
+    if (u->axis.state == ECT_402_QUICK_STOP && !ect_402_stop_in_time(&u->axis))
         pmc_fault(u, PMC_F_STOP);
 }
 
 static bool can_brake(const pmctendo_t *u)
 {
-    return powered(u) && supplied(u) && pmc_fault_brakes(u->fault) && u->fault_option != 0 && pmc_stop_in_time(u);
+    return powered(u) && supplied(u) && pmc_fault_brakes(u->fault) && u->axis.fault_option != 0 &&
+           ect_402_stop_in_time(&u->axis);
 }
 
 static void read_inputs(pmctendo_t *u, uint16_t rising)
 {
     watch_supply(u);
-    u->ds = (ect_402_inputs_t){
-        .control = u->live ? u->set.control : 0,
+    u->axis.inputs = (ect_402_inputs_t){
+        .control = u->axis.live ? u->axis.set.control : 0,
         .rising = rising,
-        .live = u->live,
+        .live = u->axis.live,
         .by_level = u->plant.status_bits == PMC_STATUS_402,
         .supplied = supplied(u),
         .fault = u->fault != 0,
         .resettable = !pmc_fault_needs_restart(u->fault),
         .can_brake = can_brake(u),
-        .standing = pmc_standing(u) || !pmc_stop_waits(u),
-        .stays = pmc_stop_stays(u),
-        .coasts = u->disable_option == 0,
+        .standing = ect_402_standing(&u->axis) || !ect_402_stop_waits(&u->axis),
+        .stays = ect_402_stop_stays(&u->axis),
+        .coasts = u->axis.disable_option == 0,
     };
 }
 
 static bool decide(pmctendo_t *u, uint16_t rising)
 {
     bool reset = false;
-    ect_402_action_t before = u->action;
+    ect_402_action_t before = u->axis.action;
     read_inputs(u, rising);
-    ect_402_state_t next = ect_402_next(u->state, &u->ds, &reset);
-    bool changed = next != u->state;
-    u->state = next;
+    ect_402_state_t next = ect_402_next(u->axis.state, &u->axis.inputs, &reset);
+    bool changed = next != u->axis.state;
+    u->axis.state = next;
     if (reset) {
         pmc_fault_reset(u);
-        u->ds.fault = false;
+        u->axis.inputs.fault = false;
     }
-    u->action = ect_402_action(next, &u->ds);
-    if (u->action != before)
+    u->axis.action = ect_402_action(next, &u->axis.inputs);
+    if (u->axis.action != before)
         begin(u);
     return changed;
 }
@@ -113,28 +138,34 @@ static void settle(pmctendo_t *u, uint16_t rising)
 
 static void hand_out_edges(pmctendo_t *u)
 {
-    for (unsigned int i = 0; i < u->edges; i++) {
-        pmc_latch_edge(u, &u->edge[i]);
-        pmc_homing_edge(u, &u->edge[i]);
+    for (unsigned int i = 0; i < u->axis.edges; i++) {
+        pmc_latch_edge(u, &u->axis.edge[i]);
+        ect_402_homing_edge(&u->axis, &u->axis.edge[i]);
     }
-    u->edges = 0;
+    u->axis.edges = 0;
 }
 
 static void move(pmctendo_t *u)
 {
-    switch (u->action) {
+    switch (u->axis.action) {
     case ECT_402_FOLLOW:
-        pmc_follow(u);
+        ect_402_follow(&u->axis);
         break;
     case ECT_402_RAMP:
     case ECT_402_STOP:
-        pmc_brake(u, pmc_stop_deceleration(u));
+        ect_402_brake(&u->axis, ect_402_stop_deceleration(&u->axis));
         break;
     default:
         break;
     }
-    if (powered(u))
-        pmc_control(u);
+    if (!powered(u))
+        return;
+    ect_402_control(&u->axis);
+    if ((u->axis.troubles & ECT_402_LATE) != 0)
+        pmc_fault(u, PMC_F_FOLLOWING);
+    if ((u->axis.troubles & ECT_402_OVERSPEED) != 0)
+        pmc_fault(u, PMC_F_OVERSPEED);
+    u->axis.troubles = 0;
 }
 
 static bool position_is_mapped(const pmctendo_t *u)
@@ -144,27 +175,28 @@ static bool position_is_mapped(const pmctendo_t *u)
 
 static void step(pmctendo_t *u)
 {
-    u->time_ns += PMC_STEP_NS;
+    u->axis.time_ns += PMC_STEP_NS;
+    refresh(u);
     settle(u, 0);
     move(u);
-    pmc_motor_step(u, powered(u));
+    ect_402_motor_step(&u->axis, powered(u));
     hand_out_edges(u);
-    pmc_status_step(u);
-    if (u->action != ECT_402_FOLLOW && !position_is_mapped(u))
-        u->set.position = u->set_position =
-            pmc_counts(pmc_user(u, u->plant.position)); /* set values by SDO begin at the shaft */
+    ect_402_status_step(&u->axis);
+    if (u->axis.action != ECT_402_FOLLOW && !position_is_mapped(u))
+        u->axis.set.position = u->set_position = ect_402_counts(
+            ect_402_user(&u->axis, u->plant.machine.position)); /* set values by SDO begin at the shaft */
 }
 
 static bool resting(const pmctendo_t *u)
 {
-    return !powered(u) && pmc_motor_rests(u);
+    return !powered(u) && ect_402_motor_rests(&u->axis);
 }
 
 void pmc_advance(pmctendo_t *u, uint64_t now_ns)
 {
-    while (u->time_ns + PMC_STEP_NS <= now_ns) {
+    while (u->axis.time_ns + PMC_STEP_NS <= now_ns) {
         if (resting(u))
-            u->time_ns += (now_ns - u->time_ns) / PMC_STEP_NS * PMC_STEP_NS;
+            u->axis.time_ns += (now_ns - u->axis.time_ns) / PMC_STEP_NS * PMC_STEP_NS;
         else
             step(u);
     }
@@ -173,8 +205,8 @@ void pmc_advance(pmctendo_t *u, uint64_t now_ns)
 
 void pmc_read_levels(pmctendo_t *u)
 {
-    u->edges = 0;
-    pmc_motor_levels(u);
+    u->axis.edges = 0;
+    ect_402_motor_levels(&u->axis);
     hand_out_edges(u);
     pmc_latch_control(u); /* shows the levels */
     settle(u, 0);
@@ -185,28 +217,30 @@ void pmc_read_levels(pmctendo_t *u)
 /* 60FDh as in CiA 402: limit switches and home, then the four inputs as they are. */
 static uint32_t digital_inputs(const pmctendo_t *u)
 {
-    uint32_t bits = (u->level[PMC_NSTOP] ? 0u : 1u) | (u->level[PMC_PSTOP] ? 0u : 2u) | (u->level[PMC_HOME] ? 4u : 0u);
-    for (unsigned int line = 0; line < PMC_INPUTS; line++)
-        bits |= (uint32_t)u->level[line] << (16 + line);
+    uint32_t bits = (u->axis.level[PMC_NSTOP] ? 0u : 1u) | (u->axis.level[PMC_PSTOP] ? 0u : 2u) |
+                    (u->axis.level[PMC_HOME] ? 4u : 0u);
+    for (unsigned int line = 0; line < ECT_402_INPUTS; line++)
+        bits |= (uint32_t)u->axis.level[line] << (16 + line);
     return bits;
 }
 
 /* In SAFEOP and OP; below, actual values keep their last state. */
 static void publish_actual(pmctendo_t *u)
 {
-    bool following = u->reference.loop == PMC_LOOP_POSITION && powered(u);
-    double position = pmc_user(u, u->plant.position);
-    double demand = following ? pmc_user(u, u->reference.position) : position;
+    bool following = u->axis.reference.loop == ECT_402_LOOP_POSITION && powered(u);
+    double position = ect_402_user(&u->axis, u->plant.machine.position);
+    double demand = following ? ect_402_user(&u->axis, u->axis.reference.position) : position;
     u->status = pmc_status(u);
-    u->position = u->internal_position = pmc_counts(position);
-    u->demand = pmc_counts(demand);
-    u->following_error = pmc_saturated(demand - position);
-    u->speed = pmc_saturated(u->plant.speed);
-    u->torque = u->torque_demand = u->current = (int16_t)pmc_saturated(u->torque_now / PMC_RATED_TORQUE * 1000);
+    u->position = u->internal_position = ect_402_counts(position);
+    u->demand = ect_402_counts(demand);
+    u->following_error = ect_402_saturated(demand - position);
+    u->speed = ect_402_saturated(u->plant.machine.speed);
+    u->torque = u->torque_demand = u->current =
+        (int16_t)ect_402_saturated(u->axis.torque_now / config.rated_torque * 1000);
     u->inputs = digital_inputs(u);
     u->analog = u->plant.analog;
     u->feedback2 = u->plant.feedback2;
-    u->mode_display = pmc_mode(u);
+    u->mode_display = u->axis.mode;
 }
 
 /* The display on the front: the fault, else the first warning. */
@@ -224,8 +258,11 @@ static uint16_t displayed(const pmctendo_t *u)
 /* To the master. */
 static void publish(pmctendo_t *u)
 {
-    pmc_warn(u, PMC_N_PSTOP, !u->level[PMC_PSTOP]);
-    pmc_warn(u, PMC_N_NSTOP, !u->level[PMC_NSTOP]);
+    refresh(u);
+    pmc_warn(u, PMC_N_SOFT_NEGATIVE, u->axis.limit_negative);
+    pmc_warn(u, PMC_N_SOFT_POSITIVE, u->axis.limit_positive);
+    pmc_warn(u, PMC_N_PSTOP, !u->axis.level[PMC_PSTOP]);
+    pmc_warn(u, PMC_N_NSTOP, !u->axis.level[PMC_NSTOP]);
     if (u->al >= ECT_STATE_SAFEOP)
         publish_actual(u);
 }
@@ -233,21 +270,21 @@ static void publish(pmctendo_t *u)
 /* 60FEh sets the outputs that its mask names, 2001h the others. */
 static uint8_t digital_output(const pmctendo_t *u, unsigned int number)
 {
-    bool masked = (u->physical[1] >> (16 + number) & 1u) != 0;
-    uint32_t bits = masked ? u->physical[0] >> 16 : u->outputs;
-    return u->live && (bits >> number & 1u) != 0;
+    bool masked = (u->axis.physical[1] >> (16 + number) & 1u) != 0;
+    uint32_t bits = masked ? u->axis.physical[0] >> 16 : u->outputs;
+    return u->axis.live && (bits >> number & 1u) != 0;
 }
 
 /* Signals: a tick follows each exchange. */
 static void show(pmctendo_t *u)
 {
-    u->state_shown = (uint16_t)u->state;
+    u->state_shown = (uint16_t)u->axis.state;
     u->display = displayed(u);
-    u->position_turns = pmc_user(u, u->plant.position) / PMC_TURN;
-    u->speed_rpm = u->plant.speed * 60 / PMC_TURN;
-    u->torque_nm = u->torque_now;
+    u->position_turns = ect_402_user(&u->axis, u->plant.machine.position) / PMC_TURN;
+    u->speed_rpm = u->plant.machine.speed * 60 / PMC_TURN;
+    u->torque_nm = u->axis.torque_now;
     u->synchronised = u->sync.synchronised;
-    u->homed_level = u->homed;
+    u->homed_level = u->axis.homed;
     u->powered = powered(u);
     u->do1 = digital_output(u, 0);
     u->do2 = digital_output(u, 1);
@@ -264,12 +301,12 @@ void pmc_publish(pmctendo_t *u)
 static void plant_defaults(pmc_plant_t *p)
 {
     *p = (pmc_plant_t){.known = true,
-                       .friction = 0.05,
-                       .brake = PMC_PEAK_TORQUE,
-                       .brake_delay_ms = 30,
-                       .input = {0, 0, 1, 1},
-                       .stop_negative = {.at = INT32_MIN},
-                       .stop_positive = {.at = INT32_MAX},
+                       .machine = {.friction = 0.05,
+                                   .brake = config.peak_torque,
+                                   .brake_delay_ms = 30,
+                                   .input = {0, 0, 1, 1},
+                                   .stop_negative = {.at = INT32_MIN},
+                                   .stop_positive = {.at = INT32_MAX}},
                        .power = 1,
                        .enable = 1,
                        .sync_timeout_ms = 2000};
@@ -279,7 +316,9 @@ void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
     u->host = host;
-    u->time_ns = now_ns;
+    u->axis.config = &config;
+    u->axis.plant = &u->plant.machine;
+    u->axis.time_ns = now_ns;
     u->al = ECT_STATE_INIT;
     u->sync.op_until_ns = ECT_NEVER;
     if (!u->plant.known)
@@ -291,10 +330,10 @@ void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 /* The transition to SAFEOP clears a fault that needs no restart, without a control word. */
 static void clear_fault(pmctendo_t *u)
 {
-    if (u->state != ECT_402_FAULT || pmc_fault_needs_restart(u->fault))
+    if (u->axis.state != ECT_402_FAULT || pmc_fault_needs_restart(u->fault))
         return;
     pmc_fault_reset(u);
-    u->state = ECT_402_SWITCH_ON_DISABLED;
+    u->axis.state = ECT_402_SWITCH_ON_DISABLED;
 }
 
 /* The effects of a transition by itself: on the rhythm, the torque offset, a fault. */
@@ -342,21 +381,22 @@ uint16_t pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now
 
 static void take_values(pmctendo_t *u)
 {
-    u->set.position = u->set_position;
-    u->set.speed = u->set_speed;
-    u->set.torque = u->set_torque;
-    u->set.ahead = u->torque_ahead;
+    u->axis.set.position = u->set_position;
+    u->axis.set.speed = u->set_speed;
+    u->axis.set.torque = u->set_torque;
+    u->axis.set.ahead = u->torque_ahead;
 }
 
 /* The control word and the set values of the outputs come into force. */
 static void take(pmctendo_t *u)
 {
-    uint16_t rising = u->control_known ? u->control & (uint16_t)~u->set.control : 0;
+    uint16_t rising = u->control_known ? u->control & (uint16_t)~u->axis.set.control : 0;
     u->control_known = true;
-    u->set.control = u->control;
+    u->axis.set.control = u->control;
     take_values(u);
+    refresh(u);
     settle(u, rising);
-    pmc_set_values(u, rising);
+    ect_402_set_values(&u->axis, rising);
     if ((rising & PMC_SAVE) != 0) {
         u->saves++;
         u->host->store(u->host->ctx);
@@ -380,7 +420,7 @@ void pmc_outputs(void *instance, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
     pmc_advance(u, now_ns);
-    u->live = true;
+    u->axis.live = true;
     u->al = ECT_STATE_OP;
     pmc_latch_control(u);
     if (u->sync_data.dc != 0)
@@ -394,7 +434,7 @@ void pmc_safe_outputs(void *instance, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
     pmc_advance(u, now_ns);
-    u->live = u->control_known = u->fresh = false;
+    u->axis.live = u->control_known = u->fresh = false;
     u->outputs = 0;
     settle(u, 0);
     publish(u);
@@ -415,7 +455,7 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns)
     settle(u, 0);
     pmc_publish(u);
     uint64_t sync = pmc_sync_next(u);
-    uint64_t soon = u->time_ns + (uint64_t)MS_STEPS * PMC_STEP_NS;
+    uint64_t soon = u->axis.time_ns + (uint64_t)MS_STEPS * PMC_STEP_NS;
     return resting(u) || sync < soon ? sync : soon;
 }
 
@@ -424,9 +464,9 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns)
 /* Equal limits are off. The first write of a new pair may leave the limits crossed; then none is in force. */
 static ect_reason_t check_limit(const pmctendo_t *u, uint8_t subindex, int32_t value)
 {
-    int32_t lower = subindex == 1 ? value : u->limit[0];
-    int32_t upper = subindex == 2 ? value : u->limit[1];
-    return lower <= upper || u->limit[0] == u->limit[1] ? ECT_OK : ECT_REASON_MIN_MAX;
+    int32_t lower = subindex == 1 ? value : u->axis.limit[0];
+    int32_t upper = subindex == 2 ? value : u->axis.limit[1];
+    return lower <= upper || u->axis.limit[0] == u->axis.limit[1] ? ECT_OK : ECT_REASON_MIN_MAX;
 }
 
 static bool is_mode(int8_t mode)
@@ -440,15 +480,22 @@ static bool is_mode(int8_t mode)
     return false;
 }
 
+/* The manual has no stop at the current or voltage limit: 3, 4, 7, 8. */
+static bool is_quick_option(int option)
+{
+    return ect_402_stop_known(0x605A, option) && (option == 0 || option % 4 == 1 || option % 4 == 2);
+}
+
 static bool is_known(uint16_t index, const uint8_t *data)
 {
     switch (index) {
     case 0x605A:
+        return is_quick_option((int16_t)ect_load_le16(data));
     case 0x605B:
     case 0x605C:
     case 0x605D:
     case 0x605E:
-        return pmc_stop_known(index, (int16_t)ect_load_le16(data));
+        return ect_402_stop_known(index, (int16_t)ect_load_le16(data));
     case 0x6060:
         return is_mode((int8_t)data[0]);
     case 0x607E: /* the sense of rotation is fixed, the ramps are linear */
@@ -456,7 +503,7 @@ static bool is_known(uint16_t index, const uint8_t *data)
     case 0x6086:
         return ect_load_le16(data) == 0;
     case 0x6098:
-        return pmc_homing_known((int8_t)data[0]);
+        return ect_402_homing_known((int8_t)data[0]);
     default:
         return true;
     }

@@ -9,40 +9,25 @@
  *   drive.c      the functions that the stack calls: time, process data, AL states
  *   sync.c       the cyclic rhythm: warning n17, fault F28
  *   status.c     status word
- *   stop.c       option codes
- *   modes.c      set values, by mode of operation
- *   task.c       motion tasks: set-points, one under way and one waiting
- *   homing.c     reference runs, as legs in a table
  *   latch.c      latch control and status word
- *   control.c    position and speed controller
- *   limits.c     speed limit, software limit switches
- *   profile.c    ramps
- *   motor.c      motor, load, switches, index pulse
  *   fault.c      faults F01 … F32 and warnings
  *   quirks.c     replies and AL status codes as the manual prints them
  *
- * The state machine is that of the profile, profiles/cia402/state.h.
- *
- * Positions are counts, 2^20 a turn; speeds counts a second; torques Nm. Inside they are machine coordinates without a
- * bound: where the shaft is, whatever the reference. The master's positions count from `zero`, modulo 2^32: its set
- * values are differences of 32 bits. Time goes in steps of 250 us, the cycle of the position controller; each step is
- * the same whenever it is taken, so a session has the same numbers every time.
+ * Everything that CiA 402 standardises is the axis of profiles/cia402, with one control step of 250 us. The members
+ * that follow are the additions and differences of the manual.
  */
 #ifndef ECT_DEVICES_PMCTENDO_INSTANCE_H
 #define ECT_DEVICES_PMCTENDO_INSTANCE_H
 
 #include <stdbool.h>
 
-#include "profiles/cia402/state.h"
+#include "profiles/cia402/axis.h"
 #include "seams/standard.h"
 #include "wire/bytes.h"
 
-enum { PMC_STEP_NS = 250000, PMC_DISPLAYS_FAULT = 0x100, PMC_STATUS_402 = 402 };
+enum { PMC_STEP_NS = ECT_402_STEP_NS, PMC_DISPLAYS_FAULT = 0x100, PMC_STATUS_402 = 402 };
 
-/* In expressions with doubles. */
-#define PMC_TURN        1048576 /* counts */
-#define PMC_STEPS_PER_S 4000
-#define PMC_STEP_S      (1.0 / PMC_STEPS_PER_S)
+#define PMC_TURN 1048576 /* counts; for expressions with doubles */
 
 /** Bits of the control word and of the status word that the manual has beside those of CiA 402. */
 enum {
@@ -56,13 +41,13 @@ enum {
 /** Modes of operation 6060h; 0: by the assigned PDO. */
 enum {
     PMC_MODE_BY_PDO = 0,
-    PMC_MODE_TASK = 1,
-    PMC_MODE_SPEED_RAMP = 3,
-    PMC_MODE_HOMING = 6,
-    PMC_MODE_INTERPOLATED = 7,
-    PMC_MODE_POSITION = 8,
-    PMC_MODE_SPEED = 9,
-    PMC_MODE_TORQUE = 10,
+    PMC_MODE_TASK = ECT_402_PP,
+    PMC_MODE_SPEED_RAMP = ECT_402_PV,
+    PMC_MODE_HOMING = ECT_402_HM,
+    PMC_MODE_INTERPOLATED = ECT_402_IP,
+    PMC_MODE_POSITION = ECT_402_CSP,
+    PMC_MODE_SPEED = ECT_402_CSV,
+    PMC_MODE_TORQUE = ECT_402_CST,
 };
 
 /** The fixed PDOs; their mappings are in pmctendo.c. */
@@ -78,46 +63,14 @@ enum {
     PMC_PDO_ACTUAL_STATUS = 0x1B26,
 };
 
-/** Lines with edges: the four inputs, then the index pulse of the feedback. */
-enum { PMC_DI1, PMC_DI2, PMC_DI3, PMC_DI4, PMC_INDEX };
-enum { PMC_INPUTS = PMC_INDEX };
-
-/** Functions of the inputs (our assumption). */
+/** The wiring of the inputs (our assumption). */
+enum { PMC_DI1 = ECT_402_PROBE, PMC_DI2 = ECT_402_HOME, PMC_DI3 = ECT_402_POSITIVE, PMC_DI4 = ECT_402_NEGATIVE };
 enum { PMC_LATCH1 = PMC_DI1, PMC_LATCH2 = PMC_DI2, PMC_HOME = PMC_DI2, PMC_PSTOP = PMC_DI3, PMC_NSTOP = PMC_DI4 };
-
-enum { PMC_EDGES = 10 /* the most in a step: two a mark, one a limit switch, the index */ };
-
-typedef struct pmc_edge {
-    uint8_t line;
-    bool rising;
-    double position; /* machine */
-} pmc_edge_t;
-
-/** A strip on the machine that turns a switch on, from `at` on for `width` counts; 0: no strip. */
-typedef struct pmc_mark {
-    int32_t at, width;
-} pmc_mark_t;
-
-/** A limit switch, machine coordinates. Without one the axis is endless that way. */
-typedef struct pmc_stop {
-    uint8_t fitted;
-    int32_t at;
-} pmc_stop_t;
 
 /** The surroundings of the amplifier. They outlast a power cycle. */
 typedef struct pmc_plant {
     bool known;
-    double position; /* of the shaft, machine coordinates */
-    double speed;
-    double load;         /* Nm, against the positive direction */
-    double load_inertia; /* kg cm2, beside the motor's own */
-    double friction;     /* Nm */
-    double brake;        /* Nm that it holds, 0: there is none */
-    uint32_t brake_delay_ms;
-    uint8_t input[PMC_INPUTS];
-    pmc_mark_t mark[2]; /* in front of DI1 and DI2 */
-    pmc_stop_t stop_negative, stop_positive;
-    int32_t index_at;
+    ect_402_plant_t machine;
     uint8_t power, enable, sto;
     int16_t analog;
     int32_t feedback2;
@@ -125,40 +78,6 @@ typedef struct pmc_plant {
     uint32_t sync_patience_ms, sync_tolerance_ppm, sync_timeout_ms;
     uint8_t quirk_reply, quirk_al_codes;
 } pmc_plant_t;
-
-/** The set value of the controllers. */
-typedef enum pmc_loop { PMC_LOOP_POSITION, PMC_LOOP_SPEED, PMC_LOOP_TORQUE } pmc_loop_t;
-typedef struct pmc_reference {
-    pmc_loop_t loop;
-    double position, speed, torque;
-} pmc_reference_t;
-
-/** Control word and set values in force: those of the last SYNC0, or of the last outputs. */
-typedef struct pmc_set {
-    uint16_t control;
-    int32_t position, speed;
-    int16_t torque, ahead;
-} pmc_set_t;
-
-/** Target and rates of a motion task, as they were at its edge of bit 4. */
-typedef struct pmc_set_point {
-    bool valid, at_once, relative, through;
-    int32_t target;
-    double speed, acceleration, deceleration;
-} pmc_set_point_t;
-
-/** A reference run under way. */
-typedef struct pmc_homing {
-    int8_t method; /* at its start: 6098h may have changed since */
-    uint8_t leg;   /* of the method's */
-    bool active, error, done;
-    bool interrupted; /* the error is that the master ended it */
-    bool returning;   /* to the point that was found */
-    bool searching;   /* for the switch, in the direction of the second leg, before the first one */
-    bool slow;        /* the switch has been found: no leg is a search */
-    uint32_t steps;   /* taken so far */
-    double found;     /* machine */
-} pmc_homing_t;
 
 enum { PMC_LATCHES = 5 };
 typedef struct pmc_latch {
@@ -187,8 +106,7 @@ typedef struct pmctendo {
     int32_t set_speed;
     int16_t set_torque;   /* per mille of the rated torque */
     int16_t torque_ahead; /* feed-forward */
-    uint16_t max_torque;
-    uint16_t outputs; /* digital ones */
+    uint16_t outputs;     /* digital ones */
     uint16_t latch_control, latch_status;
     int32_t latch_position[2];
     int32_t position, internal_position, speed, following_error, demand;
@@ -201,67 +119,16 @@ typedef struct pmctendo {
     uint32_t warnings; /* bit n-1: nn */
 
     /* parameters */
-    int32_t target;
-    uint32_t task_speed, acceleration, deceleration, quick_deceleration, speed_limit;
-    uint32_t error_window, position_window;
-    int16_t quick_option, shutdown_option, disable_option, halt_option, fault_option;
-    uint16_t error_time, position_time, speed_time, zero_time; /* ms */
-    uint16_t speed_window, zero_window;                        /* counts/s */
-    uint16_t max_current, torque_limit[2];                     /* per mille; positive, negative */
-    uint32_t motor_speed;                                      /* turns a minute */
-    uint32_t most_acceleration, most_deceleration;
-    uint32_t physical[2]; /* 60FEh: outputs, mask */
     uint8_t polarity;
     int16_t ramp_type;
-    int8_t home_method;
-    int32_t home_offset;
-    uint32_t home_speed[2];
-    uint32_t home_acceleration;
-    int32_t limit[2]; /* software limit switches, lower and upper; equal: none */
     uint8_t cycle_units;
     int8_t cycle_power;
 
+    ect_402_axis_t axis;
     const ect_host_t *host;
-    uint64_t time_ns; /* the end of the last step, on the grid of steps */
     uint8_t al;
-    bool live; /* OP, and outputs have come */
-
-    ect_402_state_t state;
-    ect_402_inputs_t ds;
-    ect_402_action_t action;
-    pmc_set_t set;
-    bool control_known;     /* set.control was received in this OP: edges count from it */
-    bool fresh;             /* outputs wait for SYNC0 */
-    uint64_t brake_ns;      /* the brake is closed from then on, while there is no torque */
-    uint64_t stop_until_ns; /* the deadline of a quick stop (F30) */
-
-    /* set values */
-    pmc_reference_t reference;
-    int8_t mode_running;
-    uint32_t segment_steps; /* remaining steps to the newest position set value */
-    double segment_target;
-    bool set_new;
-    bool task;       /* under way */
-    bool task_known; /* task_target is the target of the last one */
-    bool task_reached;
-    bool task_taken; /* as bit 12 of CiA 402 shows it */
-    double task_target;
-    pmc_set_point_t running, next;
-    int8_t guarded; /* by the software limit switch in this direction, 0: by none */
-    double guard_target;
-    pmc_homing_t homing;
-    bool homed;
-    double zero; /* machine coordinate of the reference's 0 */
-    double sum;  /* integral part of the speed controller, Nm */
-    double torque_now;
-    uint32_t error_steps;   /* that the following error has been beyond its window */
-    uint32_t reached_steps; /* that the target has been reached */
-    uint32_t slow_steps, fast_steps;
-    bool speed_is_zero;
-
-    uint8_t level[PMC_INPUTS];
-    pmc_edge_t edge[PMC_EDGES];
-    unsigned int edges;
+    bool control_known; /* set.control was received in this OP: edges count from it */
+    bool fresh;         /* outputs wait for SYNC0 */
     pmc_latch_t latch;
     pmc_sync_t sync;
 
@@ -302,97 +169,12 @@ uint64_t pmc_sync_next(const pmctendo_t *u);
 /* The cycle of the set values, 60C2h, in steps; 0: no multiple of a step. */
 uint32_t pmc_cycle_steps(const pmctendo_t *u);
 
-/* modes.c */
-int8_t pmc_mode(const pmctendo_t *u);                /* the one in force */
-void pmc_set_values(pmctendo_t *u, uint16_t rising); /* new set values are in force */
-void pmc_follow_begin(pmctendo_t *u);
-void pmc_follow(pmctendo_t *u); /* one step */
-void pmc_hold_begin(pmctendo_t *u);
-void pmc_brake_begin(pmctendo_t *u);
-void pmc_brake(pmctendo_t *u, double deceleration); /* one step of a ramp to a standstill */
-bool pmc_target_reached(const pmctendo_t *u);
-bool pmc_halted(const pmctendo_t *u);
-
 /* status.c */
 uint16_t pmc_status(const pmctendo_t *u);
-void pmc_status_step(pmctendo_t *u); /* windows and their times */
-
-/* stop.c */
-double pmc_stop_deceleration(const pmctendo_t *u);
-void pmc_stop_begin(pmctendo_t *u); /* its deadline: 1.5 times the ramp, and 200 ms */
-bool pmc_stop_in_time(const pmctendo_t *u);
-bool pmc_stop_waits(const pmctendo_t *u); /* for a standstill; else the torque goes at once */
-bool pmc_stop_stays(const pmctendo_t *u); /* in Quick Stop Active */
-bool pmc_stop_known(uint16_t index, int option);
-
-/* task.c */
-void pmc_task_take(pmctendo_t *u); /* an edge of bit 4 */
-void pmc_task_room(pmctendo_t *u); /* bit 4 or the queue has changed */
-void pmc_task_drop(pmctendo_t *u);
-void pmc_task_follow(pmctendo_t *u); /* one step */
-bool pmc_task_active(const pmctendo_t *u);
-
-/* limits.c */
-double pmc_speed_limit(const pmctendo_t *u);
-double pmc_acceleration(const pmctendo_t *u);
-double pmc_deceleration(const pmctendo_t *u);
-bool pmc_limit_acts(const pmctendo_t *u); /* a software limit switch changes the set value */
-/* The machine position of a set value, absolute or relative, seen from machine position `from`. */
-double pmc_absolute(pmctendo_t *u, double from, int32_t position);
-double pmc_relative(pmctendo_t *u, double from, int32_t way);
-void pmc_limits_begin(pmctendo_t *u);
-/* One step: whether a software limit switch has the shaft, and the reference with it. */
-bool pmc_limit_holds_speed(pmctendo_t *u, double speed);
-bool pmc_limit_holds_torque(pmctendo_t *u, double torque);
-
-/* homing.c */
-void pmc_homing_start(pmctendo_t *u);
-void pmc_homing_abort(pmctendo_t *u);
-void pmc_homing_step(pmctendo_t *u);
-void pmc_homing_edge(pmctendo_t *u, const pmc_edge_t *edge);
-bool pmc_homing_known(int8_t method);
 
 /* latch.c */
 void pmc_latch_control(pmctendo_t *u);
-void pmc_latch_edge(pmctendo_t *u, const pmc_edge_t *edge);
-
-static inline double pmc_size(double x)
-{
-    return x < 0 ? -x : x;
-}
-
-/* control.c */
-bool pmc_following_late(const pmctendo_t *u);
-void pmc_control(pmctendo_t *u); /* torque_now from the reference */
-void pmc_control_off(pmctendo_t *u);
-bool pmc_standing(const pmctendo_t *u);
-
-/* profile.c */
-double pmc_within(double x, double limit);
-/* From one value towards another, by at most `most`. */
-double pmc_towards(double from, double to, double most);
-/* One step to a standstill at `target`; @return whether the reference has arrived. */
-bool pmc_profile(pmc_reference_t *r, double target, double speed, double acceleration, double deceleration);
-
-/* motor.c */
-#define PMC_RATED_TORQUE  3.0 /* Nm */
-#define PMC_PEAK_TORQUE   9.0
-#define PMC_MOTOR_INERTIA 3e-4 /* kg m2 */
-/* Counts/s2 of one Nm on so much inertia. */
-#define PMC_PER_NM(inertia) (PMC_TURN / 6.283185307179586 / (inertia))
-void pmc_motor_step(pmctendo_t *u, bool powered); /* with torque_now; fills in u->edge */
-bool pmc_motor_rests(const pmctendo_t *u);        /* without motor torque the shaft stays at its standstill */
-void pmc_motor_levels(pmctendo_t *u);             /* the present levels of the inputs; a change is an edge */
-int32_t pmc_counts(double counts);                /* a position: the nearest count, modulo 2^32 */
-int32_t pmc_saturated(double counts);             /* no position: the nearest count, within 32 bits */
-static inline double pmc_user(const pmctendo_t *u, double machine)
-{
-    return machine - u->zero;
-}
-/* The user's position `way` from that at `from`, in whole counts. */
-double pmc_beyond(const pmctendo_t *u, double from, double way);
-/* The machine position nearest to `from` that the master counts as `position`, modulo 2^32. */
-double pmc_nearest(const pmctendo_t *u, double from, int32_t position);
+void pmc_latch_edge(pmctendo_t *u, const ect_402_edge_t *edge);
 
 /* fault.c */
 enum {

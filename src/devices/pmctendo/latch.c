@@ -10,14 +10,15 @@ static const struct {
     bool rising;
     uint8_t shown; /* in latch position 1 or 2 */
 } latches[PMC_LATCHES] = {
-    {PMC_LATCH1, true, 0}, {PMC_LATCH1, false, 0}, {PMC_LATCH2, true, 1}, {PMC_LATCH2, false, 1}, {PMC_INDEX, true, 0},
+    {PMC_LATCH1, true, 0},  {PMC_LATCH1, false, 0},   {PMC_LATCH2, true, 1},
+    {PMC_LATCH2, false, 1}, {ECT_402_INDEX, true, 0},
 };
 
 static uint16_t inputs(const pmctendo_t *u)
 {
     unsigned int bits = 0;
-    for (unsigned int line = 0; line < PMC_INPUTS; line++)
-        bits |= (unsigned int)u->level[line] << (INPUT_SHIFT - line);
+    for (unsigned int line = 0; line < ECT_402_INPUTS; line++)
+        bits |= (unsigned int)u->axis.level[line] << (INPUT_SHIFT - line);
     return (uint16_t)bits;
 }
 
@@ -46,12 +47,12 @@ void pmc_latch_control(pmctendo_t *u)
     show(u);
 }
 
-void pmc_latch_edge(pmctendo_t *u, const pmc_edge_t *edge)
+void pmc_latch_edge(pmctendo_t *u, const ect_402_edge_t *edge)
 {
     for (unsigned int i = 0; i < PMC_LATCHES; i++) {
         if (latches[i].line != edge->line || latches[i].rising != edge->rising || (u->latch.armed & 1u << i) == 0)
             continue;
-        u->latch.value[i] = pmc_counts(pmc_user(u, edge->position));
+        u->latch.value[i] = ect_402_counts(ect_402_user(&u->axis, edge->position));
         u->latch.valid |= (uint8_t)(1u << i);
         u->latch.armed &= (uint8_t)~(1u << i);
     }

@@ -56,47 +56,47 @@ VAR(20A7, I32, IN, "Latch position 2", 0, latch_position[1])
 VAR(603F, U16, RO, "Error code", 0, error_code)
 VAR(6040, U16, OUT, "Control word", 0, control)
 VAR(6041, U16, IN, "Status word", 0, status)
-VAR(605A, I16, KEPT, "Quick stop option code", 2, quick_option)
-VAR(605B, I16, KEPT, "Shutdown option code", 1, shutdown_option)
-VAR(605C, I16, KEPT, "Disable operation option code", 1, disable_option)
-VAR(605D, I16, KEPT, "Halt option code", 1, halt_option)
-VAR(605E, I16, KEPT, "Fault reaction option code", 2, fault_option)
+VAR(605A, I16, KEPT, "Quick stop option code", 2, axis.quick_option)
+VAR(605B, I16, KEPT, "Shutdown option code", 1, axis.shutdown_option)
+VAR(605C, I16, KEPT, "Disable operation option code", 1, axis.disable_option)
+VAR(605D, I16, KEPT, "Halt option code", 1, axis.halt_option)
+VAR(605E, I16, KEPT, "Fault reaction option code", 2, axis.fault_option)
 VAR(6060, I8, KEPT, "Modes of operation", PMC_MODE_BY_PDO, mode)
 VAR(6061, I8, RO, "Modes of operation display", 0, mode_display)
 VAR(6062, I32, RO, "Position demand value", 0, demand)
 VAR(6063, I32, IN, "Position actual internal value", 0, internal_position)
 VAR(6064, I32, IN, "Position actual value", 0, position)
-VAR(6065, U32, KEPT, "Following error window", PMC_TURN, error_window)
-VAR(6066, U16, KEPT, "Following error timeout", 0, error_time)
-VAR(6067, U32, KEPT, "Position window", 1000, position_window)
-VAR(6068, U16, KEPT, "Position window time", 0, position_time)
+VAR(6065, U32, KEPT, "Following error window", PMC_TURN, axis.error_window)
+VAR(6066, U16, KEPT, "Following error timeout", 0, axis.error_time)
+VAR(6067, U32, KEPT, "Position window", 1000, axis.position_window)
+VAR(6068, U16, KEPT, "Position window time", 0, axis.position_time)
 VAR(606C, I32, RO, "Velocity actual value", 0, speed)
-VAR(606D, U16, KEPT, "Velocity window", 65535, speed_window)
-VAR(606E, U16, KEPT, "Velocity window time", 0, speed_time)
-VAR(606F, U16, KEPT, "Velocity threshold", 65535, zero_window)
-VAR(6070, U16, KEPT, "Velocity threshold time", 0, zero_time)
+VAR(606D, U16, KEPT, "Velocity window", 65535, axis.speed_window)
+VAR(606E, U16, KEPT, "Velocity window time", 0, axis.speed_time)
+VAR(606F, U16, KEPT, "Velocity threshold", 65535, axis.zero_window)
+VAR(6070, U16, KEPT, "Velocity threshold time", 0, axis.zero_time)
 VAR(6071, I16, SET, "Target torque", 0, set_torque)
-VAR(6072, U16, SET, "Max torque", 3000, max_torque)
-VAR(6073, U16, KEPT, "Max current", 3000, max_current)
+VAR(6072, U16, SET, "Max torque", 3000, axis.max_torque)
+VAR(6073, U16, KEPT, "Max current", 3000, axis.max_current)
 VAR(6074, I16, RO, "Torque demand", 0, torque_demand)
 static const ect_entry_t entry_6075[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Motor rated current", 5000)};
 static const ect_entry_t entry_6076[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Motor rated torque", 3000)};
 VAR(6077, I16, IN, "Torque actual value", 0, torque)
 VAR(6078, I16, RO, "Current actual value", 0, current)
-VAR(607A, I32, RW, "Target position", 0, target)
-VAR(607C, I32, KEPT, "Home offset", 0, home_offset)
+VAR(607A, I32, RW, "Target position", 0, axis.target)
+VAR(607C, I32, KEPT, "Home offset", 0, axis.home_offset)
 static const ect_entry_t limits[] = {
     ECT_ENTRY_COUNT(2),
-    I32(1, KEPT, "Min position limit", 0, limit[0]),
-    I32(2, KEPT, "Max position limit", 0, limit[1]),
+    I32(1, KEPT, "Min position limit", 0, axis.limit[0]),
+    I32(2, KEPT, "Max position limit", 0, axis.limit[1]),
 };
 VAR(607E, U8, RW, "Polarity", 0, polarity)
-VAR(607F, U32, KEPT, "Max profile velocity", 100u * PMC_TURN, speed_limit)
-VAR(6080, U32, KEPT, "Max motor speed", 6000, motor_speed)
-VAR(6081, U32, KEPT, "Profile velocity", 10u * PMC_TURN, task_speed)
-VAR(6083, U32, KEPT, "Profile acceleration", 100u * PMC_TURN, acceleration)
-VAR(6084, U32, KEPT, "Profile deceleration", 100u * PMC_TURN, deceleration)
-VAR(6085, U32, KEPT, "Quick stop deceleration", 500u * PMC_TURN, quick_deceleration)
+VAR(607F, U32, KEPT, "Max profile velocity", 100u * PMC_TURN, axis.speed_limit)
+VAR(6080, U32, KEPT, "Max motor speed", 6000, axis.motor_speed)
+VAR(6081, U32, KEPT, "Profile velocity", 10u * PMC_TURN, axis.task_speed)
+VAR(6083, U32, KEPT, "Profile acceleration", 100u * PMC_TURN, axis.acceleration)
+VAR(6084, U32, KEPT, "Profile deceleration", 100u * PMC_TURN, axis.deceleration)
+VAR(6085, U32, KEPT, "Quick stop deceleration", 500u * PMC_TURN, axis.quick_deceleration)
 VAR(6086, I16, RW, "Motion profile type", 0, ramp_type)
 #define RATIO(index, what, numerator, of, denominator)                                                                 \
     static const ect_entry_t entry_##index[] = {                                                                       \
@@ -107,13 +107,13 @@ VAR(6086, I16, RW, "Motion profile type", 0, ramp_type)
 RATIO(608F, "Encoder increments", PMC_TURN, "Motor revolutions", 1)
 RATIO(6091, "Motor shaft revolutions", 1, "Driving shaft revolutions", 1)
 RATIO(6092, "Feed", PMC_TURN, "Shaft revolutions", 1)
-VAR(6098, I8, KEPT, "Homing method", 35, home_method)
+VAR(6098, I8, KEPT, "Homing method", 35, axis.home_method)
 static const ect_entry_t home_speeds[] = {
     ECT_ENTRY_COUNT(2),
-    U32(1, KEPT, "Speed during search for switch", 2u * PMC_TURN, home_speed[0]),
-    U32(2, KEPT, "Speed during search for zero", PMC_TURN / 2, home_speed[1]),
+    U32(1, KEPT, "Speed during search for switch", 2u * PMC_TURN, axis.home_speed[0]),
+    U32(2, KEPT, "Speed during search for zero", PMC_TURN / 2, axis.home_speed[1]),
 };
-VAR(609A, U32, KEPT, "Homing acceleration", 50u * PMC_TURN, home_acceleration)
+VAR(609A, U32, KEPT, "Homing acceleration", 50u * PMC_TURN, axis.home_acceleration)
 VAR(60B2, I16, OUT, "Torque offset", 0, torque_ahead)
 static const ect_entry_t set_position[] = {
     ECT_ENTRY_COUNT(1),
@@ -123,16 +123,16 @@ static const ect_entry_t cycle[] = {
     ECT_ENTRY_COUNT(2), U8(1, KEPT_PREOP, "Interpolation time units", 1, cycle_units),
     I8(2, KEPT_PREOP, "Interpolation time index", 0xFD, cycle_power), /* -3 */
 };
-VAR(60C5, U32, KEPT, "Max acceleration", UINT32_MAX, most_acceleration)
-VAR(60C6, U32, KEPT, "Max deceleration", UINT32_MAX, most_deceleration)
-VAR(60E0, U16, KEPT, "Positive torque limit value", 3000, torque_limit[0])
-VAR(60E1, U16, KEPT, "Negative torque limit value", 3000, torque_limit[1])
+VAR(60C5, U32, KEPT, "Max acceleration", UINT32_MAX, axis.most_acceleration)
+VAR(60C6, U32, KEPT, "Max deceleration", UINT32_MAX, axis.most_deceleration)
+VAR(60E0, U16, KEPT, "Positive torque limit value", 3000, axis.torque_limit[0])
+VAR(60E1, U16, KEPT, "Negative torque limit value", 3000, axis.torque_limit[1])
 VAR(60F4, I32, IN, "Following error actual value", 0, following_error)
 VAR(60FD, U32, IN, "Digital inputs", 0, inputs)
 static const ect_entry_t physical_outputs[] = {
     ECT_ENTRY_COUNT(2),
-    U32(1, RW, "Physical outputs", 0, physical[0]),
-    U32(2, RW, "Bit mask", 0, physical[1]),
+    U32(1, RW, "Physical outputs", 0, axis.physical[0]),
+    U32(2, RW, "Bit mask", 0, axis.physical[1]),
 };
 VAR(60FF, I32, SET, "Target velocity", 0, set_speed)
 static const ect_entry_t entry_6502[] = {ECT_ENTRY_CONST(ECT_TYPE_UNSIGNED32, 32, RO, "Supported drive modes", 0x3E5)};

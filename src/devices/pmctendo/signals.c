@@ -18,37 +18,42 @@ static const ect_signal_t signals[] = {
     W(plant.power, "power", BOOL, 0, 1, NULL, "DC link; 0: the drive cannot be switched on, F05 when it is on"),
     W(plant.enable, "enable", BOOL, 0, 1, NULL, "enable input; 0: no torque"),
     W(plant.sto, "sto", BOOL, 0, 1, NULL, "safe torque off; 1: no torque, F27 when the drive is enabled"),
-    W(plant.input[PMC_DI1], "di1", BOOL, 0, 1, NULL,
+    W(plant.machine.input[PMC_DI1], "di1", BOOL, 0, 1, NULL,
       "digital input 1, external latch 1; a mark at probe_at turns it on too"),
-    W(plant.input[PMC_DI2], "di2", BOOL, 0, 1, NULL,
+    W(plant.machine.input[PMC_DI2], "di2", BOOL, 0, 1, NULL,
       "digital input 2, external latch 2 and reference switch; home_at turns it on too"),
-    W(plant.input[PMC_DI3], "di3", BOOL, 0, 1, NULL, "digital input 3, PSTOP; 0: the positive limit switch is hit"),
-    W(plant.input[PMC_DI4], "di4", BOOL, 0, 1, NULL, "digital input 4, NSTOP; 0: the negative limit switch is hit"),
+    W(plant.machine.input[PMC_DI3], "di3", BOOL, 0, 1, NULL,
+      "digital input 3, PSTOP; 0: the positive limit switch is hit"),
+    W(plant.machine.input[PMC_DI4], "di4", BOOL, 0, 1, NULL,
+      "digital input 4, NSTOP; 0: the negative limit switch is hit"),
     W(provoke, "provoke", U8, 0, PMC_FAULTS, NULL, "write n: raises fault Fn"),
     W(restart, "restart", BOOL, 0, 1, NULL, "write 1: power cycle of the amplifier"),
 
-    W(plant.load, "load", REAL, -100, 100, "Nm", "torque of the load against the positive direction"),
-    W(plant.load_inertia, "load_inertia", REAL, 0, 1000, "kg cm2", "in addition to the 3 of the motor"),
-    W(plant.friction, "friction", REAL, 0, 100, "Nm", "Coulomb friction"),
-    W(plant.brake, "brake", REAL, 0, 1000, "Nm", "torque of the holding brake, closed without motor torque; 0: none"),
-    W(plant.brake_delay_ms, "brake_delay", U32, 0, 10000, "ms",
+    W(plant.machine.load, "load", REAL, -100, 100, "Nm", "torque of the load against the positive direction"),
+    W(plant.machine.load_inertia, "load_inertia", REAL, 0, 1000, "kg cm2", "in addition to the 3 of the motor"),
+    W(plant.machine.friction, "friction", REAL, 0, 100, "Nm", "Coulomb friction"),
+    W(plant.machine.brake, "brake", REAL, 0, 1000, "Nm",
+      "torque of the holding brake, closed without motor torque; 0: none"),
+    W(plant.machine.brake_delay_ms, "brake_delay", U32, 0, 10000, "ms",
       "time until the brake is closed when a fault, STO or the supply takes the torque"),
     W(plant.analog, "analog", I16, INT16_MIN, INT16_MAX, "mV", "analogue input"),
     W_COUNTS(plant.feedback2, "feedback2", "position of a second feedback"),
 
-    W_COUNTS(plant.mark[0].at, "probe_at", "machine position from which the switch at DI1 is on"),
-    W(plant.mark[0].width, "probe_width", I32, 0, INT32_MAX, "counts", "length of the mark at probe_at; 0: no mark"),
-    W_COUNTS(plant.mark[1].at, "home_at", "machine position from which the switch at DI2 is on"),
-    W(plant.mark[1].width, "home_width", I32, 0, INT32_MAX, "counts", "length of the mark at home_at; 0: no mark"),
-    W_COUNTS(plant.stop_positive.at, "stop_positive",
+    W_COUNTS(plant.machine.mark[0].at, "probe_at", "machine position from which the switch at DI1 is on"),
+    W(plant.machine.mark[0].width, "probe_width", I32, 0, INT32_MAX, "counts",
+      "length of the mark at probe_at; 0: no mark"),
+    W_COUNTS(plant.machine.mark[1].at, "home_at", "machine position from which the switch at DI2 is on"),
+    W(plant.machine.mark[1].width, "home_width", I32, 0, INT32_MAX, "counts",
+      "length of the mark at home_at; 0: no mark"),
+    W_COUNTS(plant.machine.stop_positive.at, "stop_positive",
              "machine position from which the positive limit switch is hit; 2147483647: none"),
-    W_COUNTS(plant.stop_negative.at, "stop_negative",
+    W_COUNTS(plant.machine.stop_negative.at, "stop_negative",
              "machine position down from which the negative limit switch is hit; -2147483648: none"),
-    W(plant.stop_positive.fitted, "stop_positive_fitted", BOOL, 0, 1, NULL,
+    W(plant.machine.stop_positive.fitted, "stop_positive_fitted", BOOL, 0, 1, NULL,
       "there is a positive limit switch (writing stop_positive sets it); 0: endless that way"),
-    W(plant.stop_negative.fitted, "stop_negative_fitted", BOOL, 0, 1, NULL,
+    W(plant.machine.stop_negative.fitted, "stop_negative_fitted", BOOL, 0, 1, NULL,
       "there is a negative limit switch (writing stop_negative sets it); 0: endless that way"),
-    W_COUNTS(plant.index_at, "index_at", "machine position of an index pulse; one more every turn"),
+    W_COUNTS(plant.machine.index_at, "index_at", "machine position of an index pulse; one more every turn"),
 
     W(plant.sync_patience_ms, "sync_patience", U32, 0, 10000, "ms",
       "longest time without a cyclic event; 0: the watchdog alone decides"),
@@ -72,7 +77,7 @@ static const ect_signal_t signals[] = {
     R_COUNTS(position, "position", "actual position as the master sees it, 6064h"),
     R_COUNTS(demand, "demand", "present set position, 6062h"),
     R_COUNTS(following_error, "following_error", "difference of demand and position, 60F4h"),
-    R(plant.position, "machine_position", REAL, -FARTHEST, FARTHEST, "counts",
+    R(plant.machine.position, "machine_position", REAL, -FARTHEST, FARTHEST, "counts",
       "position of the shaft on the machine, whatever the reference; does not wrap"),
     R(position_turns, "turns", REAL, -FARTHEST / PMC_TURN, FARTHEST / PMC_TURN, "turns",
       "actual position; does not wrap"),
@@ -137,10 +142,10 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
     pmctendo_t *u = instance;
     (void)number;
     (void)now_ns;
-    if (IS(signal, plant.stop_positive.at))
-        u->plant.stop_positive.fitted = u->plant.stop_positive.at != INT32_MAX;
-    if (IS(signal, plant.stop_negative.at))
-        u->plant.stop_negative.fitted = u->plant.stop_negative.at != INT32_MIN;
+    if (IS(signal, plant.machine.stop_positive.at))
+        u->plant.machine.stop_positive.fitted = u->plant.machine.stop_positive.at != INT32_MAX;
+    if (IS(signal, plant.machine.stop_negative.at))
+        u->plant.machine.stop_negative.fitted = u->plant.machine.stop_negative.at != INT32_MIN;
     pmc_read_levels(u);
     pmc_publish(u);
 }

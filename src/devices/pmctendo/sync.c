@@ -123,7 +123,7 @@ void pmc_sync_due(pmctendo_t *u, uint64_t now_ns)
         end_waiting(u, ECT_AL_NO_ERROR);
     else if (now_ns >= s->op_until_ns)
         end_waiting(u, ECT_AL_SYNC);
-    if (!s->synchronised && u->live) {
+    if (!s->synchronised && u->axis.live) {
         pmc_fault(u, PMC_F_SYNC);
         u->host->drop(u->host->ctx, ECT_STATE_SAFEOP, ECT_AL_SYNC);
     }

@@ -43,7 +43,7 @@ static void start(int8_t mode, uint16_t out)
 
 static double speed(void)
 {
-    return drive_instance(&d)->plant.speed;
+    return drive_instance(&d)->plant.machine.speed;
 }
 
 static void expect_near(const char *what, double want, double off, double got)
@@ -234,7 +234,7 @@ static void position_at_a_limit(void **state)
 {
     (void)state;
     put(0x607D, 2, 100000, 4);
-    drive_instance(&d)->homed = true;
+    drive_instance(&d)->axis.homed = true;
     start(PMC_MODE_POSITION, 0x1701);
     drive_set(&d, 100000);
     drive_cycles(&d, 300);

@@ -18,7 +18,7 @@ static drive_t d;
 static void open_at(double machine)
 {
     drive_open(&d);
-    drive_instance(&d)->plant.position = machine;
+    drive_instance(&d)->plant.machine.position = machine;
     assert_int_equal(drive_write(&d, 0x607F, 0, FASTER * (uint32_t)TURN, 4), 0);
     assert_int_equal(drive_write(&d, 0x6080, 0, FASTER * 60, 4), 0);
 }
@@ -40,7 +40,7 @@ static void expect_free(const char *when)
     const pmctendo_t *u = drive_instance(&d);
     if (u->fault != 0 || u->warnings != 0 || (drive_status(&d) & (ECT_402_STATUS_LIMIT | ECT_402_STATUS_WARNING)) != 0)
         fail_msg("%s, position %d, %.0f on the machine: F%02u, warnings %X, status %04X", when, drive_position(&d),
-                 u->plant.position, u->fault, u->warnings, drive_status(&d));
+                 u->plant.machine.position, u->fault, u->warnings, drive_status(&d));
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 0); /* no limit switch */
 }
 
@@ -82,7 +82,7 @@ static void one_speed(size_t i)
     expect_free(speeds[i].what);
     turn_steadily(speeds[i].what, (double)speeds[i].turns_s * TURN, speeds[i].cycles);
     if (speeds[i].cycles > 10000)
-        assert_true(fabs(drive_instance(&d)->plant.position) > 3 * WRAP);
+        assert_true(fabs(drive_instance(&d)->plant.machine.position) > 3 * WRAP);
     drive_close(&d);
 }
 
@@ -116,7 +116,7 @@ static void follow(int32_t step)
     assert_in_range(labs((long)difference(drive_position(&d), set)), 0, 2);
     if (master < 0 ? master > -3 * (int64_t)WRAP : master < 3 * (int64_t)WRAP)
         fail_msg("expected more than three times 2^32 counts, got %lld", (long long)master);
-    assert_true(fabs(drive_instance(&d)->plant.position - (double)master) <= 2);
+    assert_true(fabs(drive_instance(&d)->plant.machine.position - (double)master) <= 2);
     assert_int_equal(drive_status(&d) & ECT_402_STATUS_TARGET, ECT_402_STATUS_TARGET);
     drive_close(&d);
 }
@@ -140,7 +140,7 @@ static void one_step(void **state)
     drive_cycles(&d, 500);
     expect_free("a step over 2^31");
     assert_in_range(labs((long)difference(drive_position(&d), -2147483600)), 0, 2);
-    assert_true(fabs(drive_instance(&d)->plant.position - 2147483696.0) <= 2);
+    assert_true(fabs(drive_instance(&d)->plant.machine.position - 2147483696.0) <= 2);
     assert_int_equal((int32_t)drive_read(&d, 0x6062, 0), -2147483600);
     drive_close(&d);
 }
@@ -154,7 +154,7 @@ static void task_to(int32_t target, uint16_t relative, double machine)
     drive_cycle(&d);
     (void)drive_until(&d, PMC_STATUS_TASK, 0, 20000);
     drive_cycles(&d, 500);
-    double at = drive_instance(&d)->plant.position;
+    double at = drive_instance(&d)->plant.machine.position;
     if (fabs(at - machine) > 2)
         fail_msg("task to %d: expected %.0f on the machine, got %.0f", target, machine, at);
     expect_free("task");
@@ -192,7 +192,7 @@ static void latch_and_reference(void **state)
     (void)drive_until(&d, PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCING, 2);
     (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     drive_cycles(&d, 300);
-    assert_true(fabs(drive_instance(&d)->plant.position - (3 * WRAP + TURN)) <= 2);
+    assert_true(fabs(drive_instance(&d)->plant.machine.position - (3 * WRAP + TURN)) <= 2);
     assert_in_range(drive_position(&d), 998, 1002);
     drive_latch(&d, 0x0510);
     drive_set(&d, drive_position(&d));
@@ -225,12 +225,12 @@ static void no_switch_is_a_state(void **state)
     drive_set(&d, TURN);
     drive_cycles(&d, 200);
     expect_free("no switch");
-    assert_true(drive_instance(&d)->plant.position > INT32_MAX);
+    assert_true(drive_instance(&d)->plant.machine.position > INT32_MAX);
     signal_set(&d.w, "stop_positive_fitted", "1");
     drive_cycles(&d, 200);
     assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_PSTOP - 1));
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 2);
-    assert_true(fabs(drive_instance(&d)->plant.speed) < 10);
+    assert_true(fabs(drive_instance(&d)->plant.machine.speed) < 10);
     drive_close(&d);
 }
 

@@ -61,7 +61,7 @@ static void one_run(size_t i, bool mode8)
     uint16_t bit = mode8 ? PMC_REFERENCE : ECT_402_START;
     drive_open(&d);
     build_machine();
-    drive_instance(&d)->plant.position = runs[i].from;
+    drive_instance(&d)->plant.machine.position = runs[i].from;
     assert_int_equal(drive_write(&d, 0x6060, 0, mode8 ? PMC_MODE_POSITION : PMC_MODE_HOMING, 1), 0);
     assert_int_equal(drive_write(&d, 0x6098, 0, (uint8_t)runs[i].method, 1), 0);
     assert_int_equal(drive_write(&d, 0x607C, 0, 5000, 4), 0);
@@ -72,7 +72,7 @@ static void one_run(size_t i, bool mode8)
     (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     (void)drive_until(&d, ECT_402_STATUS_TARGET | PMC_STATUS_REFERENCE_ERROR, ECT_402_STATUS_TARGET, 1000);
     drive_cycles(&d, 500);
-    double at = drive_instance(&d)->plant.position;
+    double at = drive_instance(&d)->plant.machine.position;
     if (at < runs[i].found - 2 || at > runs[i].found + 2)
         fail_msg("method %d from %.0f: expected the shaft at %.0f, got %.0f", runs[i].method, runs[i].from,
                  runs[i].found, at);
@@ -113,7 +113,7 @@ static void no_switch(void **state)
     drive_control(&d, 0x80F);
     (void)drive_until(&d, PMC_STATUS_REFERENCE_ERROR | PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCE_ERROR, 10000);
     drive_cycles(&d, 300);
-    assert_true(fabs(drive_instance(&d)->plant.speed) < 1000);
+    assert_true(fabs(drive_instance(&d)->plant.machine.speed) < 1000);
     assert_int_equal(signal_number(&d.w, "homed"), 0);
     drive_expect(&d, ECT_402_OPERATION_ENABLED, "no switch");
     drive_close(&d);
@@ -134,7 +134,7 @@ static void aborted(void **state)
     drive_control(&d, 0x0F);
     (void)drive_until(&d, PMC_STATUS_REFERENCE_ERROR | PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCE_ERROR, 2);
     drive_cycles(&d, 300);
-    assert_true(fabs(drive_instance(&d)->plant.speed) < 1000);
+    assert_true(fabs(drive_instance(&d)->plant.machine.speed) < 1000);
     drive_control(&d, 0x1F);
     (void)drive_until(&d, PMC_STATUS_REFERENCING, PMC_STATUS_REFERENCING, 2);
     (void)drive_until(&d, PMC_STATUS_REFERENCING | PMC_STATUS_REFERENCE_ERROR, 0, 10000);
@@ -152,13 +152,13 @@ static void write_on_leg(unsigned int leg, int8_t other)
     drive_enable(&d);
     drive_control(&d, 0x0F | PMC_REFERENCE);
     drive_cycles(&d, 100);
-    while (drive_instance(&d)->homing.leg < leg)
+    while (drive_instance(&d)->axis.homing.leg < leg)
         drive_cycles(&d, 1);
     assert_int_not_equal(drive_status(&d) & PMC_STATUS_REFERENCING, 0);
     assert_int_equal(drive_write(&d, 0x6098, 0, (uint8_t)other, 1), 0);
     (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     drive_cycles(&d, 500);
-    double at = drive_instance(&d)->plant.position;
+    double at = drive_instance(&d)->plant.machine.position;
     if (signal_number(&d.w, "homed") != 1 || at < NEGATIVE - 2 || at > NEGATIVE + 2)
         fail_msg("6098h=%d on leg %u of method 17: expected the shaft at %d, got %.0f", other, leg, NEGATIVE, at);
     drive_close(&d);

@@ -27,7 +27,7 @@ static int setup(void **state)
 
 static double speed(void)
 {
-    return drive_instance(&d)->plant.speed;
+    return drive_instance(&d)->plant.machine.speed;
 }
 
 static void expect_near(const char *what, double want, double off)
@@ -326,7 +326,7 @@ static void software_limits(void **state)
     expect_near("position", 2.0 * TURN, 2); /* no reference yet: they do not count */
     drive_control(&d, 0x0F);
     drive_cycle(&d);
-    drive_instance(&d)->homed = true;
+    drive_instance(&d)->axis.homed = true;
     assert_int_equal(drive_write(&d, 0x607A, 0, 3 * TURN, 4), 0);
     drive_control(&d, 0x1F);
     drive_cycles(&d, 1000);
@@ -385,7 +385,7 @@ static void one_supply(size_t i)
     drive_cycle(&d);
     expect_fault(supplies[i].fault);
     drive_expect(&d, supplies[i].state, supplies[i].what);
-    assert_true(drive_instance(&d)->torque_now == 0);
+    assert_true(drive_instance(&d)->axis.torque_now == 0);
     drive_control(&d, 0x80); /* reset */
     drive_cycle(&d);
     drive_control(&d, 0x06);

@@ -41,7 +41,7 @@ static void start(int8_t mode, uint16_t out)
 
 static double speed(void)
 {
-    return drive_instance(&d)->plant.speed;
+    return drive_instance(&d)->plant.machine.speed;
 }
 
 static void expect_near(const char *what, double want, double off, double got)
@@ -81,7 +81,7 @@ static void one_limited(size_t i, int sign)
     drive_open(&d);
     put(0x607D, 1, -2 * TURN, 4);
     put(0x607D, 2, 2 * TURN, 4);
-    drive_instance(&d)->homed = true;
+    drive_instance(&d)->axis.homed = true;
     start(limited[i].mode, limited[i].pdo);
     drive_set(&d, sign * limited[i].out);
     double most = 0;
@@ -118,7 +118,7 @@ static void load_at_a_limit(void **state)
     (void)state;
     put(0x607D, 1, -2 * TURN, 4);
     put(0x607D, 2, 2 * TURN, 4);
-    drive_instance(&d)->homed = true;
+    drive_instance(&d)->axis.homed = true;
     start(PMC_MODE_TORQUE, 0x1704);
     signal_set(&d.w, "load", "1");
     drive_cycles(&d, 1500); /* no torque: it sinks */
@@ -336,7 +336,7 @@ static void build_machine(double from)
     signal_set(&d.w, "home_at", "2097152");
     signal_set(&d.w, "home_width", "2097152"); /* 2 to 4 turns */
     signal_set(&d.w, "index_at", "262144");
-    drive_instance(&d)->plant.position = from;
+    drive_instance(&d)->plant.machine.position = from;
 }
 
 /* The shaft begins in front of the switch, so that the first leg is satisfied. */
@@ -361,15 +361,16 @@ static void one_search(size_t i)
     expect_near("speed of the search", towards * 2.0 * TURN, TURN / 50.0, speed());
     double at_edge = 0;
     while (status(PMC_STATUS_REFERENCING) != 0) {
-        double before = drive_instance(&d)->plant.position;
+        double before = drive_instance(&d)->plant.machine.position;
         drive_cycle(&d);
         double edge = searches[i].method > 14 ? searches[i].home : towards > 0 ? 2.0 * TURN : 4.0 * TURN;
-        if ((before < edge) != (drive_instance(&d)->plant.position < edge) && !drive_instance(&d)->homing.returning)
+        if ((before < edge) != (drive_instance(&d)->plant.machine.position < edge) &&
+            !drive_instance(&d)->axis.homing.returning)
             at_edge = fabs(speed());
     }
     expect_near("speed at the edge that counts", TURN / 2.0, TURN / 50.0, at_edge);
     drive_cycles(&d, 300);
-    expect_near("home", searches[i].home, 2, drive_instance(&d)->plant.position);
+    expect_near("home", searches[i].home, 2, drive_instance(&d)->plant.machine.position);
     drive_close(&d);
 }
 
@@ -388,14 +389,14 @@ static void narrow_mark(void **state)
         drive_open(&d);
         signal_set(&d.w, "home_at", "2097152");
         signal_set(&d.w, "home_width", "1000");
-        drive_instance(&d)->plant.position = method == 20 ? 0 : 4.0 * TURN;
+        drive_instance(&d)->plant.machine.position = method == 20 ? 0 : 4.0 * TURN;
         put(0x6098, 0, method, 1);
         start(PMC_MODE_HOMING, 0x1701);
         drive_control(&d, 0x1F);
         drive_cycle(&d);
         (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
         drive_cycles(&d, 300);
-        expect_near("home", method == 20 ? 2097152 : 2098152, 2, drive_instance(&d)->plant.position);
+        expect_near("home", method == 20 ? 2097152 : 2098152, 2, drive_instance(&d)->plant.machine.position);
         drive_close(&d);
     }
 }
@@ -422,7 +423,7 @@ static void run_ends_at_the_point(void **state)
         drive_control(&d, 0x1F);
         drive_cycle(&d);
         (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
-        expect_near("home", 2.0 * TURN, 2, drive_instance(&d)->plant.position);
+        expect_near("home", 2.0 * TURN, 2, drive_instance(&d)->plant.machine.position);
         expect_position("home", 777, 2);
         drive_close(&d);
     }
@@ -447,7 +448,7 @@ static void halted_run(void **state)
     drive_control(&d, 0x1F);
     (void)drive_until(&d, PMC_STATUS_REFERENCING, 0, 20000);
     assert_int_equal(signal_number(&d.w, "homed"), 1);
-    expect_near("home", 2.0 * TURN, 2, drive_instance(&d)->plant.position);
+    expect_near("home", 2.0 * TURN, 2, drive_instance(&d)->plant.machine.position);
 }
 
 /* --- the brake ---------------------------------------------------------------------------------------------------- */
@@ -462,10 +463,10 @@ static double fall(const char *brake, const char *delay, unsigned int ms)
     signal_set(&d.w, "load", "1");
     drive_set(&d, -TURN);
     drive_cycles(&d, 500);
-    double from = drive_instance(&d)->plant.position;
+    double from = drive_instance(&d)->plant.machine.position;
     signal_set(&d.w, "sto", "1");
     drive_cycles(&d, ms);
-    double turns = (from - drive_instance(&d)->plant.position) / TURN;
+    double turns = (from - drive_instance(&d)->plant.machine.position) / TURN;
     return turns;
 }
 
@@ -500,11 +501,11 @@ static void brake_closes_before_the_torque_goes(void **state)
         start(PMC_MODE_SPEED, 0x1702);
         signal_set(&d.w, "load", "1");
         drive_cycles(&d, 1000);
-        double from = drive_instance(&d)->plant.position;
+        double from = drive_instance(&d)->plant.machine.position;
         drive_control(&d, 0x06);
         drive_cycles(&d, 500);
         drive_expect(&d, ECT_402_READY, "shutdown");
-        double sunk = from - drive_instance(&d)->plant.position;
+        double sunk = from - drive_instance(&d)->plant.machine.position;
         if (fitted ? fabs(sunk) > 1 : sunk < 10.0 * TURN)
             fail_msg("brake %u: sunk by %.0f counts", fitted, sunk);
         drive_close(&d);

@@ -34,8 +34,8 @@ static void refuse(const char *what)
 {
     const pmctendo_t *u = drive_instance(&d);
     fail_msg("seed %u, %.3f s: %s: state %u (was %d), control word %04X, AL %02X, %.0f counts/s; run: %s", seed,
-             (double)d.w.now_ns / 1e9, what, u->state_shown, (int)seen.state, u->set.control,
-             wire_read8(&d.w, 0, ECT_REG_AL_STATUS), u->plant.speed, "test_pmctendo_random SEED");
+             (double)d.w.now_ns / 1e9, what, u->state_shown, (int)seen.state, u->axis.set.control,
+             wire_read8(&d.w, 0, ECT_REG_AL_STATUS), u->plant.machine.speed, "test_pmctendo_random SEED");
 }
 
 /* The step of a state in the sequence. */
@@ -51,12 +51,13 @@ static unsigned int rank(ect_402_state_t state)
 
 static void judge_power(const pmctendo_t *u)
 {
-    bool may = rank(u->state) >= 2;
+    bool may = rank(u->axis.state) >= 2;
     bool supplied = u->plant.power && u->plant.enable && !u->plant.sto;
-    if (u->torque_now != 0 && (!may || !supplied))
+    if (u->axis.torque_now != 0 && (!may || !supplied))
         refuse("torque without being enabled, or without supply");
-    bool follow = u->state == ECT_402_OPERATION_ENABLED && u->al == ECT_STATE_OP && (u->set.control & 0x10F) == 0x0F;
-    if (u->action == ECT_402_FOLLOW && !follow)
+    bool follow =
+        u->axis.state == ECT_402_OPERATION_ENABLED && u->al == ECT_STATE_OP && (u->axis.set.control & 0x10F) == 0x0F;
+    if (u->axis.action == ECT_402_FOLLOW && !follow)
         refuse("set values are followed outside Operation Enabled");
     if (u->outputs != 0 && u->al != ECT_STATE_OP)
         refuse("digital outputs are on outside OP");
@@ -65,8 +66,8 @@ static void judge_power(const pmctendo_t *u)
 /* Nothing accelerates the shaft but set values: there is no load. */
 static void judge_speed(const pmctendo_t *u)
 {
-    double speed = fabs(u->plant.speed);
-    if (u->action == ECT_402_FOLLOW)
+    double speed = fabs(u->plant.machine.speed);
+    if (u->axis.action == ECT_402_FOLLOW)
         seen.free_speed = speed;
     else if (speed > seen.free_speed + 3.0 * PMC_TURN) /* two steps with all the torque: 2.4 turns a second */
         refuse("it gets faster though no set value counts");
@@ -74,15 +75,16 @@ static void judge_speed(const pmctendo_t *u)
 
 static void judge_stop(const pmctendo_t *u)
 {
-    bool stopping = u->state == ECT_402_QUICK_STOP || u->state == ECT_402_FAULT_REACTION;
-    if (!stopping || pmc_standing(u)) {
+    bool stopping = u->axis.state == ECT_402_QUICK_STOP || u->axis.state == ECT_402_FAULT_REACTION;
+    if (!stopping || ect_402_standing(&u->axis)) {
         seen.stopping_ns = 0;
         return;
     }
     if (seen.stopping_ns == 0) {
-        double rate = u->quick_option == 1 || u->quick_option == 5 ? u->deceleration : u->quick_deceleration;
+        double rate =
+            u->axis.quick_option == 1 || u->axis.quick_option == 5 ? u->axis.deceleration : u->axis.quick_deceleration;
         seen.stopping_ns = d.w.now_ns;
-        seen.stop_limit_ns = (uint64_t)(1.5e9 * fabs(u->plant.speed) / rate) + 205 * MS;
+        seen.stop_limit_ns = (uint64_t)(1.5e9 * fabs(u->plant.machine.speed) / rate) + 205 * MS;
     }
     if (d.w.now_ns - seen.stopping_ns > seen.stop_limit_ns)
         refuse("a stop does not end in its time");
@@ -91,21 +93,21 @@ static void judge_stop(const pmctendo_t *u)
 static void judge(bool new_word, uint16_t before, uint16_t word)
 {
     const pmctendo_t *u = drive_instance(&d);
-    unsigned int up = rank(u->state), was = rank(seen.state);
+    unsigned int up = rank(u->axis.state), was = rank(seen.state);
     bool edge = (word & 0x08) != 0 && (before & 0x08) == 0;
-    bool reaction = u->state == ECT_402_FAULT_REACTION || u->state == ECT_402_QUICK_STOP;
+    bool reaction = u->axis.state == ECT_402_FAULT_REACTION || u->axis.state == ECT_402_QUICK_STOP;
     if (up > was && !reaction) {
         bool one_up = up == was + 1 && u->al == ECT_STATE_OP;
-        bool ready = up == 1 && (u->set.control & 7) == 6; /* its word may have waited for the supply */
+        bool ready = up == 1 && (u->axis.set.control & 7) == 6; /* its word may have waited for the supply */
         bool higher = up >= 2 && new_word && (word & 7) == 7 && (up == 2 || edge);
         if (!one_up || !(ready || higher))
             refuse("a step of the sequence was left out");
     }
-    if (reaction && was < 2 && u->action != ECT_402_OFF)
+    if (reaction && was < 2 && u->axis.action != ECT_402_OFF)
         refuse("power comes on with a fault");
-    if (seen.state == ECT_402_FAULT && u->state != ECT_402_FAULT && u->fault != 0)
+    if (seen.state == ECT_402_FAULT && u->axis.state != ECT_402_FAULT && u->fault != 0)
         refuse("out of Fault with the fault still there");
-    seen.state = u->state;
+    seen.state = u->axis.state;
     judge_power(u);
     judge_speed(u);
     judge_stop(u);
@@ -124,7 +126,7 @@ static void pass(uint64_t ns)
 
 static void exchange(void)
 {
-    uint16_t before = drive_instance(&d)->set.control;
+    uint16_t before = drive_instance(&d)->axis.set.control;
     bool known = drive_instance(&d)->control_known;
     if (wire_write(&d.w, 0, 0x1100, d.out, d.to.bytes) != 1)
         return; /* below SAFEOP */
@@ -139,8 +141,8 @@ static void next_outputs(void)
         drive_control(&d, draw(8) == 0 ? (uint16_t)draw(0x10000) : words[draw(COUNT(words))]);
     else if (draw(4) == 0) { /* on the way up */
         static const uint16_t way[] = {0x06, 0x07, 0x0F};
-        unsigned int r = rank(drive_instance(&d)->state);
-        drive_control(&d, drive_instance(&d)->state == ECT_402_FAULT ? 0x80 : way[r < 3 ? r : 2]);
+        unsigned int r = rank(drive_instance(&d)->axis.state);
+        drive_control(&d, drive_instance(&d)->axis.state == ECT_402_FAULT ? 0x80 : way[r < 3 ? r : 2]);
     }
     if (d.to.pdo == PMC_PDO_SPEED && draw(10) == 0)
         drive_set(&d, (int32_t)draw(40 * PMC_TURN) - 20 * PMC_TURN);
@@ -189,9 +191,9 @@ static void fall_silent(void)
     pass(1200 * MS);
     if (wire_read8(&d.w, 0, ECT_REG_AL_STATUS) == ECT_STATE_OP)
         refuse("OP without a master");
-    if (u->torque_now != 0 || u->outputs != 0 || u->action != ECT_402_OFF)
+    if (u->axis.torque_now != 0 || u->outputs != 0 || u->axis.action != ECT_402_OFF)
         refuse("torque or outputs without a master");
-    if (op && u->state != ECT_402_FAULT)
+    if (op && u->axis.state != ECT_402_FAULT)
         refuse("no fault though the master is gone");
 }
 
@@ -206,7 +208,7 @@ static void session(unsigned int number)
     snprintf(inertia, sizeof inertia, "%u", draw(10));
     signal_set(&d.w, "load_inertia", inertia);
     assert_int_equal(drive_write(&d, 0x605A, 0, (uint16_t)options[draw(COUNT(options))], 2), 0);
-    seen.state = drive_instance(&d)->state;
+    seen.state = drive_instance(&d)->axis.state;
     seen.free_speed = 0;
     seen.stopping_ns = 0;
     drive_operational(&d, pdos[number % COUNT(pdos)], 0x1B25);

@@ -195,7 +195,7 @@ static void one_loss(size_t i)
     drive_enable(&d);
     drive_set(&d, 20 * PMC_TURN);
     drive_cycles(&d, 200);
-    assert_true(drive_instance(&d)->plant.speed > 19.0 * PMC_TURN);
+    assert_true(drive_instance(&d)->plant.machine.speed > 19.0 * PMC_TURN);
     if (losses[i].stop_sync0)
         assert_int_equal(wire_write8(&d.w, 0, ECT_REG_DC_ACTIVATION, 0), 1);
     uint64_t from = d.w.now_ns;
@@ -292,7 +292,7 @@ static void no_motion_without_enable(void **state)
         drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "OP");
     }
     assert_int_equal(drive_position(&d), 0);
-    assert_true(drive_instance(&d)->plant.speed == 0 && drive_instance(&d)->torque_now == 0);
+    assert_true(drive_instance(&d)->plant.machine.speed == 0 && drive_instance(&d)->axis.torque_now == 0);
 }
 
 /* Actual values from SAFEOP on, set values in OP; leaving OP locks them and stops the shaft. */

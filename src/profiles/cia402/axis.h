@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An axis of CiA 402-2: modes of operation, set-points, stops, limits, reference runs, controllers, and the plant: a
+ * motor with load, friction, brake, switches and index pulse.
+ *
+ * A product embeds an ::ect_402_axis_t in its instance. Its dictionary entries lie in the parameters of the axis, and
+ * it calls the functions below in the order of a control step:
+ *
+ *   state.h      the state machine: inputs -> state -> action
+ *   modes.c      set values, by mode of operation          task.c     set-points of mode 1
+ *   status.c     bits 10, 12, 13 of the status word        stop.c     option codes 605Ah to 605Eh
+ *   homing.c     reference runs                            limits.c   speed limit, software limit switches
+ *   control.c    position and speed controller             ramp.c     ramps
+ *   motor.c      the plant
+ *
+ * Each file includes only those below it. Positions are counts, speeds counts a second, torques Nm. Internal positions
+ * are machine coordinates without a bound; the positions of the master count from `zero`, modulo 2^32: its set values
+ * are differences of 32 bits. Time goes in steps of ::ECT_402_STEP_NS; each step is the same whenever it is taken.
+ *
+ * No function allocates, blocks or reads a clock. The caller owns the axis, its plant and its configuration, which stay
+ * where they are as long as the axis is used. Context: mainline and exchange, one at a time.
+ */
+#ifndef ECT_PROFILES_CIA402_AXIS_H
+#define ECT_PROFILES_CIA402_AXIS_H
+
+#include "profiles/cia402/state.h"
+
+ECT_C_BEGIN
+
+enum { ECT_402_STEP_NS = 250000, ECT_402_STEPS_PER_S = 4000 };
+#define ECT_402_STEP_S (1.0 / ECT_402_STEPS_PER_S)
+
+/** Modes of operation, 6060h. */
+enum {
+    ECT_402_PP = 1,
+    ECT_402_PV = 3,
+    ECT_402_HM = 6,
+    ECT_402_IP = 7,
+    ECT_402_CSP = 8,
+    ECT_402_CSV = 9,
+    ECT_402_CST = 10,
+};
+
+/** Lines with edges: the inputs, then the index pulse. A limit switch reads 0 when hit. */
+enum { ECT_402_PROBE, ECT_402_HOME, ECT_402_POSITIVE, ECT_402_NEGATIVE, ECT_402_INDEX };
+enum { ECT_402_INPUTS = ECT_402_INDEX };
+enum { ECT_402_EDGES = 10 /* the most in a step: two a mark, one a limit switch, the index */ };
+
+typedef struct ect_402_edge {
+    uint8_t line;
+    bool rising;
+    double position; /**< machine */
+} ect_402_edge_t;
+
+/** A strip on the machine that turns a switch on, from `at` on for `width` counts; 0: no strip. */
+typedef struct ect_402_mark {
+    int32_t at, width;
+} ect_402_mark_t;
+
+/** A limit switch, machine coordinates. Without one the axis is endless that way. */
+typedef struct ect_402_switch {
+    uint8_t fitted;
+    int32_t at;
+} ect_402_switch_t;
+
+/** The machine. It may outlast a power cycle of the axis. */
+typedef struct ect_402_plant {
+    double position; /**< of the shaft, machine coordinates */
+    double speed;
+    double load;         /**< Nm, against the positive direction */
+    double load_inertia; /**< kg cm2, beside the motor's own */
+    double friction;     /**< Nm */
+    double brake;        /**< holding torque, Nm; 0: no brake */
+    uint32_t brake_delay_ms;
+    uint8_t input[ECT_402_INPUTS]; /**< switched by hand */
+    ect_402_mark_t mark[2];        /**< at ECT_402_PROBE and ECT_402_HOME */
+    ect_402_switch_t stop_negative, stop_positive;
+    int32_t index_at; /**< an index pulse, and one every turn from there */
+} ect_402_plant_t;
+
+/** The motor, and the choices of a product. Constant. */
+typedef struct ect_402_config {
+    double turn;            /**< counts */
+    double rated_torque;    /**< Nm: 1000 per mille */
+    double peak_torque;     /**< Nm */
+    double inertia;         /**< kg m2 */
+    uint16_t reference_bit; /**< bit of the control word that starts a reference run in modes 7 and 8; 0: none */
+} ect_402_config_t;
+
+/** The set value of the controllers. */
+typedef enum ect_402_loop { ECT_402_LOOP_POSITION, ECT_402_LOOP_SPEED, ECT_402_LOOP_TORQUE } ect_402_loop_t;
+typedef struct ect_402_reference {
+    ect_402_loop_t loop;
+    double position, speed, torque;
+} ect_402_reference_t;
+
+/** Control word and set values in force. */
+typedef struct ect_402_set {
+    uint16_t control;
+    int32_t position, speed;
+    int16_t torque, ahead; /**< per mille; feed-forward */
+} ect_402_set_t;
+
+/** Target and rates of mode 1, as they were at their edge of bit 4. */
+typedef struct ect_402_set_point {
+    bool valid, at_once, relative, through;
+    int32_t target;
+    double speed, acceleration, deceleration;
+} ect_402_set_point_t;
+
+/** A reference run under way. */
+typedef struct ect_402_homing {
+    int8_t method; /**< at its start: 6098h may have changed since */
+    uint8_t leg;   /**< of the method */
+    bool active, error, done;
+    bool interrupted; /**< by the master; with `error` */
+    bool returning;   /**< to the point that was found */
+    bool searching;   /**< for the switch, in the direction of the second leg, before the first one */
+    bool slow;        /**< the switch has been found: no leg is a search */
+    uint32_t steps;   /**< since the start */
+    double found;     /**< machine */
+} ect_402_homing_t;
+
+/** Reasons for a fault that the axis finds. The product clears them. */
+enum { ECT_402_LATE = 0x01 /**< following error, 6065h, 6066h */, ECT_402_OVERSPEED = 0x02 };
+
+typedef struct ect_402_axis {
+    const ect_402_config_t *config;
+    ect_402_plant_t *plant;
+
+    /* parameters: entries of the dictionary */
+    int32_t target;
+    uint32_t task_speed, acceleration, deceleration, quick_deceleration, speed_limit;
+    uint32_t error_window, position_window;
+    int16_t quick_option, shutdown_option, disable_option, halt_option, fault_option;
+    uint16_t error_time, position_time, speed_time, zero_time; /**< ms */
+    uint16_t speed_window, zero_window;                        /**< counts/s */
+    uint16_t max_torque, max_current, torque_limit[2];         /**< per mille; positive, negative */
+    uint32_t motor_speed;                                      /**< turns a minute */
+    uint32_t most_acceleration, most_deceleration;
+    uint32_t physical[2]; /**< 60FEh: outputs, mask */
+    int8_t home_method;
+    int32_t home_offset;
+    uint32_t home_speed[2];
+    uint32_t home_acceleration;
+    int32_t limit[2]; /**< software limit switches, lower and upper; equal: none */
+
+    /* inputs: the product keeps them up to date */
+    int8_t mode;          /**< in force */
+    bool live;            /**< control word and set values count */
+    uint32_t cycle_steps; /**< of set positions, in steps; 0: as 1 */
+    ect_402_set_t set;
+
+    /* state */
+    uint64_t time_ns; /**< the end of the last step, on the grid of steps */
+    ect_402_state_t state;
+    ect_402_inputs_t inputs;
+    ect_402_action_t action;
+    uint8_t troubles;       /**< ECT_402_LATE, ... */
+    uint64_t brake_ns;      /**< the brake is closed from then on, while there is no torque */
+    uint64_t stop_until_ns; /**< the deadline of a quick stop */
+
+    ect_402_reference_t reference;
+    int8_t mode_running;
+    uint32_t segment_steps; /**< remaining steps to the newest set position */
+    double segment_target;
+    bool set_new;
+    bool task;       /**< under way */
+    bool task_known; /**< task_target is the target of the last one */
+    bool task_reached;
+    bool task_taken; /**< bit 12 of mode 1 */
+    double task_target;
+    ect_402_set_point_t running, next;
+    int8_t guarded;                      /**< by the software limit switch in this direction, 0: by none */
+    bool limit_negative, limit_positive; /**< a software limit switch changes the set value */
+    double guard_target;
+    ect_402_homing_t homing;
+    bool homed;
+    double zero; /**< machine coordinate of position 0 */
+    double sum;  /**< integral part of the speed controller, Nm */
+    double torque_now;
+    uint32_t error_steps;   /**< with the following error beyond its window */
+    uint32_t reached_steps; /**< with the target reached */
+    uint32_t slow_steps, fast_steps;
+    bool speed_is_zero;
+
+    uint8_t level[ECT_402_INPUTS];
+    ect_402_edge_t edge[ECT_402_EDGES]; /**< of the last step */
+    unsigned int edges;
+} ect_402_axis_t;
+
+/* --- modes.c ------------------------------------------------------------------------------------------------------ */
+
+/** New set values are in force; `rising`: bits of the control word that were 0 before. */
+void ect_402_set_values(ect_402_axis_t *a, uint16_t rising);
+void ect_402_follow_begin(ect_402_axis_t *a);
+/** One step of set values. */
+void ect_402_follow(ect_402_axis_t *a);
+void ect_402_hold_begin(ect_402_axis_t *a);
+void ect_402_brake_begin(ect_402_axis_t *a);
+/** One step of a ramp to a standstill. */
+void ect_402_brake(ect_402_axis_t *a, double deceleration);
+/** Bit 10, without the times of its windows; while set values are followed. */
+bool ect_402_target_reached(const ect_402_axis_t *a);
+/** Operation Enabled with bit 8: set-points and reference runs are kept. */
+bool ect_402_halted(const ect_402_axis_t *a);
+
+/* --- status.c ----------------------------------------------------------------------------------------------------- */
+
+/** Bits 10, 12 and 13 of the status word, by mode. */
+uint16_t ect_402_mode_bits(const ect_402_axis_t *a);
+/** Bit 10 with the times of its windows, in any state. */
+bool ect_402_reached(const ect_402_axis_t *a);
+/** Once a step: the times of windows. */
+void ect_402_status_step(ect_402_axis_t *a);
+
+/* --- stop.c ------------------------------------------------------------------------------------------------------- */
+
+double ect_402_stop_deceleration(const ect_402_axis_t *a);
+/** Sets the deadline of a quick stop: 1.5 times its ramp, and 200 ms. */
+void ect_402_stop_begin(ect_402_axis_t *a);
+bool ect_402_stop_in_time(const ect_402_axis_t *a);
+/** Whether a transition out of Operation Enabled or Quick Stop Active waits for a standstill. */
+bool ect_402_stop_waits(const ect_402_axis_t *a);
+/** 605Ah: the drive stays in Quick Stop Active. */
+bool ect_402_stop_stays(const ect_402_axis_t *a);
+/** Whether 605Ah to 605Eh has such an option. */
+bool ect_402_stop_known(uint16_t index, int option);
+
+/* --- task.c ------------------------------------------------------------------------------------------------------- */
+
+/** An edge of bit 4. */
+void ect_402_task_take(ect_402_axis_t *a);
+/** Bit 4 or the queue has changed. */
+void ect_402_task_room(ect_402_axis_t *a);
+void ect_402_task_drop(ect_402_axis_t *a);
+/** One step. */
+void ect_402_task_follow(ect_402_axis_t *a);
+bool ect_402_task_active(const ect_402_axis_t *a);
+
+/* --- homing.c ----------------------------------------------------------------------------------------------------- */
+
+void ect_402_homing_start(ect_402_axis_t *a);
+void ect_402_homing_abort(ect_402_axis_t *a);
+/** One step. */
+void ect_402_homing_step(ect_402_axis_t *a);
+void ect_402_homing_edge(ect_402_axis_t *a, const ect_402_edge_t *edge);
+bool ect_402_homing_known(int8_t method);
+
+/* --- control.c ---------------------------------------------------------------------------------------------------- */
+
+/** The following error has been beyond 6065h for longer than 6066h. */
+bool ect_402_following_late(const ect_402_axis_t *a);
+/** One step: sets `torque_now` from the reference, and `troubles`. */
+void ect_402_control(ect_402_axis_t *a);
+void ect_402_control_off(ect_402_axis_t *a);
+/** Reference at 0 and shaft below 3 turns a minute. */
+bool ect_402_standing(const ect_402_axis_t *a);
+
+/* --- limits.c ----------------------------------------------------------------------------------------------------- */
+
+double ect_402_speed_limit(const ect_402_axis_t *a);
+double ect_402_acceleration(const ect_402_axis_t *a);
+double ect_402_deceleration(const ect_402_axis_t *a);
+bool ect_402_limit_acts(const ect_402_axis_t *a);
+/** Machine position of a set value, absolute or relative, seen from machine position `from`. */
+double ect_402_absolute(ect_402_axis_t *a, double from, int32_t position);
+double ect_402_relative(ect_402_axis_t *a, double from, int32_t way);
+void ect_402_limits_begin(ect_402_axis_t *a);
+/** One step: whether a software limit switch has the shaft, and the reference with it. */
+bool ect_402_limit_holds_speed(ect_402_axis_t *a, double speed);
+bool ect_402_limit_holds_torque(ect_402_axis_t *a, double torque);
+
+/* --- ramp.c ------------------------------------------------------------------------------------------------------- */
+
+double ect_402_within(double x, double limit);
+/** From one value towards another, by at most `most`. */
+double ect_402_towards(double from, double to, double most);
+/** One step to a standstill at `target`. @return whether the reference has arrived */
+bool ect_402_ramp(ect_402_reference_t *r, double target, double speed, double acceleration, double deceleration);
+
+static inline double ect_402_size(double x)
+{
+    return x < 0 ? -x : x;
+}
+
+/* --- motor.c ------------------------------------------------------------------------------------------------------ */
+
+/** Acceleration by 1 Nm on an inertia in kg m2, counts/s2. */
+static inline double ect_402_per_nm(const ect_402_axis_t *a, double inertia)
+{
+    return a->config->turn / 6.283185307179586 / inertia;
+}
+
+/** One step of the shaft with `torque_now`; fills in `edge` and `level`. */
+void ect_402_motor_step(ect_402_axis_t *a, bool powered);
+/** Whether the shaft stays at its standstill without motor torque. */
+bool ect_402_motor_rests(const ect_402_axis_t *a);
+/** The present levels of the inputs; a change is an edge. */
+void ect_402_motor_levels(ect_402_axis_t *a);
+/** A position: the nearest count, modulo 2^32. */
+int32_t ect_402_counts(double counts);
+/** Any other value: the nearest count, within 32 bits. */
+int32_t ect_402_saturated(double counts);
+static inline double ect_402_user(const ect_402_axis_t *a, double machine)
+{
+    return machine - a->zero;
+}
+/** Machine position `way` from that at `from`, in whole counts of the master. */
+double ect_402_beyond(const ect_402_axis_t *a, double from, double way);
+/** Machine position nearest to `from` that the master counts as `position`. */
+double ect_402_nearest(const ect_402_axis_t *a, double from, int32_t position);
+
+ECT_C_END
+
+#endif

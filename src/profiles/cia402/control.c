@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/* Position and speed controller, their limits. Tuned for the motor alone, as after commissioning. */
+#include "profiles/cia402/axis.h"
+
+#define POSITION_GAIN 50.0  /* 1/s */
+#define SPEED_TIME    0.002 /* s, of the speed controller */
+#define INTEGRAL_TIME 0.02  /* s */
+#define OVERSPEED     1.2
+#define STANDSTILL    (3.0 / 60) /* turns a second */
+
+/* --- controllers -------------------------------------------------------------------------------------------------- */
+
+static bool blocked(const ect_402_axis_t *a, double speed)
+{
+    return (speed > 0 && !a->level[ECT_402_POSITIVE]) || (speed < 0 && !a->level[ECT_402_NEGATIVE]);
+}
+
+static uint16_t least(uint16_t a, uint16_t b)
+{
+    return a < b ? a : b;
+}
+
+/* 6072h and 6073h both ways, 60E0h and 60E1h one way each. */
+static double limit_torque(const ect_402_axis_t *a, double torque)
+{
+    uint16_t one_way = torque > 0 ? a->torque_limit[0] : a->torque_limit[1];
+    double set = least(least(a->max_torque, a->max_current), one_way) / 1000.0 * a->config->rated_torque;
+    return ect_402_within(torque, set < a->config->peak_torque ? set : a->config->peak_torque);
+}
+
+static double speed_command(const ect_402_axis_t *a)
+{
+    const ect_402_reference_t *r = &a->reference;
+    double speed = r->speed;
+    if (r->loop == ECT_402_LOOP_POSITION)
+        speed += POSITION_GAIN * (r->position - a->plant->position);
+    speed = ect_402_within(speed, ect_402_speed_limit(a));
+    return blocked(a, speed) ? 0 : speed;
+}
+
+/* No integration while the torque is at its limit: the integral part would wind up. */
+static double speed_controller(ect_402_axis_t *a, double command, double ahead)
+{
+    double gain = 1.0 / (ect_402_per_nm(a, a->config->inertia) * SPEED_TIME); /* Nm a count/s */
+    double error = command - a->plant->speed;
+    double torque = gain * error + a->sum + ahead;
+    double limited = limit_torque(a, torque);
+    if (torque == limited)
+        a->sum += gain * error * ECT_402_STEP_S / INTEGRAL_TIME;
+    return limited;
+}
+
+/* A torque is followed unless it turns the shaft too fast, or into a limit switch. */
+static double torque_controller(ect_402_axis_t *a)
+{
+    double torque = limit_torque(a, a->reference.torque);
+    double speed = a->plant->speed;
+    bool faster = ect_402_size(speed) >= ect_402_speed_limit(a) && (speed > 0) == (torque > 0);
+    if (blocked(a, torque))
+        return speed_controller(a, 0, 0);
+    return faster ? speed_controller(a, ect_402_within(speed, ect_402_speed_limit(a)), 0) : torque;
+}
+
+/* Beyond 6065h for longer than 6066h. */
+bool ect_402_following_late(const ect_402_axis_t *a)
+{
+    return a->error_steps > a->error_time * (ECT_402_STEPS_PER_S / 1000u);
+}
+
+static void monitor(ect_402_axis_t *a)
+{
+    const ect_402_reference_t *r = &a->reference;
+    double error = r->position - a->plant->position;
+    bool watched = r->loop == ECT_402_LOOP_POSITION && a->error_window != 0 && !blocked(a, error);
+    bool late = watched && ect_402_size(error) > a->error_window;
+    a->error_steps = late ? a->error_steps + 1 : 0;
+    if (ect_402_following_late(a))
+        a->troubles |= ECT_402_LATE;
+    if (ect_402_size(a->plant->speed) > OVERSPEED * ect_402_speed_limit(a))
+        a->troubles |= ECT_402_OVERSPEED;
+}
+
+void ect_402_control(ect_402_axis_t *a)
+{
+    double ahead = a->reference.loop == ECT_402_LOOP_POSITION ? a->set.ahead / 1000.0 * a->config->rated_torque : 0;
+    a->torque_now =
+        a->reference.loop == ECT_402_LOOP_TORQUE ? torque_controller(a) : speed_controller(a, speed_command(a), ahead);
+    monitor(a);
+}
+
+void ect_402_control_off(ect_402_axis_t *a)
+{
+    a->torque_now = 0;
+    a->sum = 0;
+    a->error_steps = 0;
+    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED};
+}
+
+bool ect_402_standing(const ect_402_axis_t *a)
+{
+    return a->reference.speed == 0 && ect_402_size(a->plant->speed) < STANDSTILL * a->config->turn;
+}

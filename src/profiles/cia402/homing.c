@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: MIT */
+/* Reference runs, 6098h: a method is one to three legs, and a leg is a motion in one direction until an edge. */
+#include <stddef.h>
+
+#include "profiles/cia402/axis.h"
+
+enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: bit 12 shows every run */ };
+#define AT_THE_POINT 1.0 /* counts */
+enum { UP = 1, DOWN = -1, NONE = 0 };
+
+typedef struct leg {
+    int8_t direction; /* 0: no leg */
+    uint8_t line;
+    bool until; /* level; a limit switch reads 0 when hit */
+} leg_t;
+
+typedef struct method {
+    int8_t number;
+    leg_t legs[MOST_LEGS];
+} method_t;
+
+/* The methods of CiA 402: 17 to 22 end at a switch, 1 to 6 at the index pulse behind it. */
+static const method_t methods[] = {
+    {1, {{DOWN, ECT_402_NEGATIVE, false}, {UP, ECT_402_NEGATIVE, true}, {UP, ECT_402_INDEX, true}}},
+    {2, {{UP, ECT_402_POSITIVE, false}, {DOWN, ECT_402_POSITIVE, true}, {DOWN, ECT_402_INDEX, true}}},
+    {3, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {DOWN, ECT_402_INDEX, true}}},
+    {4, {{DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}, {UP, ECT_402_INDEX, true}}},
+    {5, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {UP, ECT_402_INDEX, true}}},
+    {6, {{UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_INDEX, true}}},
+    {17, {{DOWN, ECT_402_NEGATIVE, false}, {UP, ECT_402_NEGATIVE, true}}},
+    {18, {{UP, ECT_402_POSITIVE, false}, {DOWN, ECT_402_POSITIVE, true}}},
+    {19, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}}},
+    {20, {{DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}}},
+    {21, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}}},
+    {22, {{UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}}},
+    {33, {{DOWN, ECT_402_INDEX, true}}},
+    {34, {{UP, ECT_402_INDEX, true}}},
+    {35, {{NONE, 0, false}}},
+    {37, {{NONE, 0, false}}},
+};
+
+static const method_t *find(int8_t number)
+{
+    for (unsigned int i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        if (methods[i].number == number)
+            return &methods[i];
+    }
+    return NULL;
+}
+
+bool ect_402_homing_known(int8_t method)
+{
+    return find(method) != NULL;
+}
+
+static const leg_t *leg_at(const ect_402_axis_t *a)
+{
+    const method_t *method = find(a->homing.method);
+    unsigned int number = a->homing.searching ? 1 : a->homing.leg;
+    const leg_t *leg = method && number < MOST_LEGS ? &method->legs[number] : NULL;
+    return leg && leg->direction != NONE ? leg : NULL;
+}
+
+/* The point is found, and the shaft has passed it. */
+static void turn_back(ect_402_axis_t *a, double found)
+{
+    a->homing.returning = true;
+    a->homing.found = found;
+    a->reference =
+        (ect_402_reference_t){.loop = ECT_402_LOOP_POSITION, .position = a->plant->position, .speed = a->plant->speed};
+}
+
+static void next_leg(ect_402_axis_t *a, double at)
+{
+    a->homing.leg++;
+    if (!leg_at(a))
+        turn_back(a, at);
+}
+
+/* The shaft is on the far side of the first leg already. When the second leg searches for the switch, the search runs
+ * at its speed first, and both legs follow slowly for the edge that counts. */
+static void skip_first_leg(ect_402_axis_t *a)
+{
+    const leg_t *leg = leg_at(a);
+    if (!leg || leg->line == ECT_402_INDEX || a->level[leg->line] != leg->until)
+        return;
+    const leg_t *second = leg + 1;
+    if (second->line == ECT_402_HOME && second->until)
+        a->homing.searching = a->homing.slow = true;
+    else
+        next_leg(a, a->plant->position);
+}
+
+void ect_402_homing_start(ect_402_axis_t *a)
+{
+    a->homing = (ect_402_homing_t){.active = true, .method = a->home_method};
+    a->homed = false;
+    ect_402_task_drop(a);
+    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};
+    if (!leg_at(a))
+        turn_back(a, a->plant->position);
+}
+
+static void fail(ect_402_axis_t *a)
+{
+    a->homing.active = false;
+    a->homing.error = true;
+}
+
+void ect_402_homing_abort(ect_402_axis_t *a)
+{
+    a->homing.interrupted |= a->homing.active;
+    if (a->homing.active)
+        fail(a);
+}
+
+/* Only in the direction of the leg: the shaft may still be reversing. */
+void ect_402_homing_edge(ect_402_axis_t *a, const ect_402_edge_t *edge)
+{
+    const leg_t *leg = a->homing.active && !a->homing.returning ? leg_at(a) : NULL;
+    if (!leg || edge->line != leg->line || edge->rising != leg->until || a->plant->speed * leg->direction <= 0)
+        return;
+    if (a->homing.searching)
+        a->homing.searching = false;
+    else
+        next_leg(a, edge->position);
+}
+
+/* In a limit switch that is not the target of the leg. */
+static bool stuck(const ect_402_axis_t *a, const leg_t *leg)
+{
+    unsigned int stop = leg->direction == UP ? ECT_402_POSITIVE : ECT_402_NEGATIVE;
+    return leg->line != stop && !a->level[stop];
+}
+
+static void go(ect_402_axis_t *a)
+{
+    if (a->homing.leg == 0 && !a->homing.slow)
+        skip_first_leg(a);
+    const leg_t *leg = leg_at(a);
+    bool search = a->homing.searching || (a->homing.leg == 0 && !a->homing.slow && leg->line != ECT_402_INDEX);
+    if (stuck(a, leg)) {
+        fail(a);
+        return;
+    }
+    uint32_t speed = a->home_speed[search ? 0 : 1];
+    a->reference.loop = ECT_402_LOOP_SPEED;
+    a->reference.speed =
+        ect_402_towards(a->reference.speed, (double)leg->direction * speed, a->home_acceleration * ECT_402_STEP_S);
+}
+
+static void go_back(ect_402_axis_t *a)
+{
+    bool there =
+        ect_402_ramp(&a->reference, a->homing.found, a->home_speed[1], a->home_acceleration, a->home_acceleration);
+    double off = ect_402_size(a->plant->position - a->homing.found);
+    if (!there || !ect_402_standing(a) || off > AT_THE_POINT || a->homing.steps < SHORTEST_STEPS)
+        return;
+    a->zero = a->homing.found - a->home_offset;
+    a->homing.active = false;
+    a->homing.done = true;
+    a->homed = true;
+}
+
+void ect_402_homing_step(ect_402_axis_t *a)
+{
+    a->homing.steps++;
+    if (a->homing.returning)
+        go_back(a);
+    else
+        go(a);
+}

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT */
+/* Set values, by mode of operation, step by step. */
+#include "profiles/cia402/axis.h"
+
+static bool is_position(int8_t mode)
+{
+    return mode == ECT_402_CSP || mode == ECT_402_IP;
+}
+
+/* --- standing still ----------------------------------------------------------------------------------------------- */
+
+void ect_402_hold_begin(ect_402_axis_t *a)
+{
+    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_POSITION, .position = a->plant->position};
+    a->segment_steps = 0;
+}
+
+/* The integral part of an acceleration must not act against the ramp. */
+void ect_402_brake_begin(ect_402_axis_t *a)
+{
+    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};
+    if (a->sum * a->plant->speed > 0)
+        a->sum = 0;
+}
+
+void ect_402_brake(ect_402_axis_t *a, double deceleration)
+{
+    ect_402_reference_t *r = &a->reference;
+    if (r->loop == ECT_402_LOOP_POSITION && r->speed == 0)
+        return;
+    if (r->loop != ECT_402_LOOP_SPEED)
+        *r = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};
+    r->speed = ect_402_towards(r->speed, 0, deceleration * ECT_402_STEP_S);
+    if (r->speed == 0 && ect_402_standing(a))
+        ect_402_hold_begin(a);
+}
+
+/* --- new set values ----------------------------------------------------------------------------------------------- */
+
+static uint16_t homing_bit(const ect_402_axis_t *a)
+{
+    return a->mode == ECT_402_HM ? ECT_402_START : is_position(a->mode) ? a->config->reference_bit : 0;
+}
+
+void ect_402_follow_begin(ect_402_axis_t *a)
+{
+    ect_402_hold_begin(a);
+    ect_402_limits_begin(a);
+    if (a->mode != a->mode_running) {
+        ect_402_homing_abort(a);
+        ect_402_task_drop(a);
+    }
+    a->mode_running = a->mode;
+    a->set_new = true;
+}
+
+static void take_mode(ect_402_axis_t *a, int8_t mode)
+{
+    if (mode != a->mode_running)
+        ect_402_follow_begin(a);
+}
+
+/* A halt keeps tasks and reference runs, and takes new ones. */
+bool ect_402_halted(const ect_402_axis_t *a)
+{
+    return a->state == ECT_402_OPERATION_ENABLED && a->action == ECT_402_RAMP &&
+           ect_402_command(a->set.control, a->live) == ECT_402_ENABLE_OPERATION;
+}
+
+void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
+{
+    int8_t mode = a->mode;
+    uint16_t bit = homing_bit(a);
+    a->set_new = true;
+    ect_402_task_room(a);
+    if (a->action != ECT_402_FOLLOW && !ect_402_halted(a))
+        return;
+    if (a->action == ECT_402_FOLLOW)
+        take_mode(a, mode);
+    if ((rising & bit) != 0 && a->action == ECT_402_FOLLOW)
+        ect_402_homing_start(a);
+    else if ((a->set.control & bit) == 0)
+        ect_402_homing_abort(a);
+    if (mode == ECT_402_PP && (rising & ECT_402_START) != 0)
+        ect_402_task_take(a);
+}
+
+/* --- following ---------------------------------------------------------------------------------------------------- */
+
+/* Interpolates to each new position over one cycle; without a new one the reference holds. */
+static void follow_position(ect_402_axis_t *a)
+{
+    ect_402_reference_t *r = &a->reference;
+    if (a->set_new) {
+        a->set_new = false;
+        a->segment_steps = a->cycle_steps;
+        a->segment_steps = a->segment_steps > 0 ? a->segment_steps : 1;
+        a->segment_target = ect_402_absolute(a, r->position, a->set.position);
+    }
+    r->loop = ECT_402_LOOP_POSITION;
+    r->speed = 0;
+    if (a->segment_steps == 0)
+        return;
+    double way = (a->segment_target - r->position) / a->segment_steps;
+    r->speed = way * ECT_402_STEPS_PER_S;
+    r->position = --a->segment_steps > 0 ? r->position + way : a->segment_target;
+}
+
+static double target_speed(const ect_402_axis_t *a)
+{
+    return ect_402_within(a->set.speed, ect_402_speed_limit(a));
+}
+
+static void follow_speed_ramp(ect_402_axis_t *a)
+{
+    ect_402_reference_t *r = &a->reference;
+    double target = target_speed(a);
+    if (ect_402_limit_holds_speed(a, target))
+        return;
+    bool faster = ect_402_size(target) > ect_402_size(r->speed) && (target > 0) == (r->speed >= 0);
+    double most = (faster ? ect_402_acceleration(a) : ect_402_deceleration(a)) * ECT_402_STEP_S;
+    r->loop = ECT_402_LOOP_SPEED;
+    r->speed = ect_402_towards(r->speed, target, most);
+}
+
+static void follow_speed(ect_402_axis_t *a)
+{
+    double target = target_speed(a);
+    if (!ect_402_limit_holds_speed(a, target))
+        a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = target};
+}
+
+static void follow_torque(ect_402_axis_t *a)
+{
+    double torque = a->set.torque / 1000.0 * a->config->rated_torque;
+    if (!ect_402_limit_holds_torque(a, torque))
+        a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_TORQUE, .torque = torque};
+}
+
+void ect_402_follow(ect_402_axis_t *a)
+{
+    int8_t mode = a->mode;
+    take_mode(a, mode);
+    if (a->homing.active) {
+        ect_402_homing_step(a);
+        return;
+    }
+    if ((a->set.control & homing_bit(a)) != 0 || mode == ECT_402_HM) {
+        ect_402_brake(a, a->home_acceleration); /* holds the reference point until the bit falls */
+        return;
+    }
+    switch (mode) {
+    case ECT_402_PP:
+        ect_402_task_follow(a);
+        break;
+    case ECT_402_PV:
+        follow_speed_ramp(a);
+        break;
+    case ECT_402_CSV:
+        follow_speed(a);
+        break;
+    case ECT_402_CST:
+        follow_torque(a);
+        break;
+    default:
+        follow_position(a);
+        break;
+    }
+}
+
+static bool in_position(const ect_402_axis_t *a, double machine)
+{
+    return ect_402_size(machine - a->plant->position) <= a->position_window;
+}
+
+bool ect_402_target_reached(const ect_402_axis_t *a)
+{
+    int8_t mode = a->mode;
+    if (a->homing.active)
+        return false;
+    switch (mode) {
+    case ECT_402_PP:
+        return a->task_reached && !a->next.valid && in_position(a, a->task_target);
+    case ECT_402_HM:
+        return a->homing.done && in_position(a, a->homing.found);
+    case ECT_402_PV:
+    case ECT_402_CSV:
+        return ect_402_size(target_speed(a) - a->plant->speed) <= a->speed_window;
+    case ECT_402_CST:
+        return true;
+    default:
+        return (a->set.control & a->config->reference_bit) != 0
+                   ? a->homing.done
+                   : in_position(a, ect_402_nearest(a, a->plant->position, a->set.position));
+    }
+}

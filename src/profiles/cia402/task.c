@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Motion tasks, mode 1 (CiA 402-2, profile position). An edge of bit 4 takes target and rates as one set-point: the
+ * running one is finished first, and one may wait. Bit 5 changes over at once, bit 9 without a stop at the first
+ * target. A halt keeps both.
+ */
+#include "profiles/cia402/axis.h"
+
+static double least(uint32_t a, double b)
+{
+    return a < b ? a : b;
+}
+
+void ect_402_task_take(ect_402_axis_t *a)
+{
+    ect_402_set_point_t *next = &a->next;
+    bool at_once = (a->set.control & ECT_402_AT_ONCE) != 0;
+    if (next->valid && !at_once)
+        return;
+    *next = (ect_402_set_point_t){
+        .valid = true,
+        .at_once = at_once,
+        .relative = (a->set.control & ECT_402_RELATIVE) != 0,
+        .through = (a->set.control & ECT_402_THROUGH) != 0,
+        .target = a->target,
+        .speed = least(a->task_speed, ect_402_speed_limit(a)),
+        .acceleration = ect_402_acceleration(a),
+        .deceleration = ect_402_deceleration(a),
+    };
+    a->task_taken = true;
+    a->task_reached = false;
+}
+
+/* "Taken" holds as long as bit 4, and until there is room for another. */
+void ect_402_task_room(ect_402_axis_t *a)
+{
+    if ((a->set.control & ECT_402_START) == 0 && !a->next.valid)
+        a->task_taken = false;
+}
+
+void ect_402_task_drop(ect_402_axis_t *a)
+{
+    a->task = a->next.valid = a->task_reached = a->task_taken = false;
+}
+
+bool ect_402_task_active(const ect_402_axis_t *a)
+{
+    return a->task || a->next.valid;
+}
+
+/* A relative target counts from the last target; after a stop that dropped it, from the present position. */
+static double target_of(ect_402_axis_t *a, const ect_402_set_point_t *p)
+{
+    double from = a->task || a->task_known ? a->task_target : a->reference.position;
+    return p->relative ? ect_402_relative(a, from, p->target) : ect_402_absolute(a, a->reference.position, p->target);
+}
+
+static void begin(ect_402_axis_t *a)
+{
+    a->task_target = target_of(a, &a->next);
+    a->running = a->next;
+    a->next.valid = false;
+    a->task = a->task_known = true;
+    a->task_reached = false;
+    ect_402_task_room(a);
+}
+
+/* Whether the next set-point lies beyond the target and its motion follows without a stop. */
+static bool passes(ect_402_axis_t *a, double *beyond)
+{
+    if (!a->next.valid || !a->next.through)
+        return false;
+    *beyond = target_of(a, &a->next);
+    return (a->task_target - a->reference.position) * (*beyond - a->task_target) > 0;
+}
+
+void ect_402_task_follow(ect_402_axis_t *a)
+{
+    double target = a->task_target;
+    const ect_402_set_point_t *p = &a->running;
+    if (a->next.valid && (!a->task || a->next.at_once))
+        begin(a);
+    if (!a->task)
+        return;
+    bool through = passes(a, &target);
+    double before = a->task_target - a->reference.position;
+    target = through ? target : a->task_target;
+    bool there = ect_402_ramp(&a->reference, target, p->speed, p->acceleration, p->deceleration);
+    bool passed = through && before * (a->task_target - a->reference.position) <= 0;
+    a->task_reached = there && !through;
+    a->task = !a->task_reached;
+    if (passed || (a->task_reached && a->next.valid))
+        begin(a);
+}
