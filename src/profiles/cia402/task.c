@@ -74,21 +74,28 @@ static bool passes(ect_402_axis_t *a, double *beyond)
     return (a->task_target - a->reference.position) * (*beyond - a->task_target) > 0;
 }
 
+/* One step. @return whether the running set-point is finished */
+static bool step(ect_402_axis_t *a)
+{
+    double beyond = 0;
+    const ect_402_set_point_t *p = &a->running;
+    bool through = passes(a, &beyond);
+    double before = a->task_target - a->reference.position;
+    double target = through ? beyond : a->task_target;
+    bool there = ect_402_ramp(&a->reference, target, p->speed, p->acceleration, p->deceleration);
+    if (through)
+        return before * (a->task_target - a->reference.position) <= 0;
+    a->task_reached = there;
+    return there;
+}
+
 void ect_402_task_follow(ect_402_axis_t *a)
 {
-    double target = a->task_target;
-    const ect_402_set_point_t *p = &a->running;
     if (a->next.valid && (!a->task || a->next.at_once))
         begin(a);
-    if (!a->task)
+    if (!a->task || !step(a))
         return;
-    bool through = passes(a, &target);
-    double before = a->task_target - a->reference.position;
-    target = through ? target : a->task_target;
-    bool there = ect_402_ramp(&a->reference, target, p->speed, p->acceleration, p->deceleration);
-    bool passed = through && before * (a->task_target - a->reference.position) <= 0;
-    a->task_reached = there && !through;
-    a->task = !a->task_reached;
-    if (passed || (a->task_reached && a->next.valid))
+    a->task = false;
+    if (a->next.valid)
         begin(a);
 }

@@ -229,11 +229,29 @@ static void cyclic_bits(void **state)
     }
 }
 
+/* Mode 7: bit 10 is the position window, bit 12 follows. */
+static void interpolated_bits(void **state)
+{
+    (void)state;
+    start(PMC_MODE_INTERPOLATED, 0x1701);
+    drive_cycles(&d, 10);
+    expect_bits("at the set position", B12 | B10);
+    drive_set(&d, 200000);
+    drive_cycle(&d);
+    expect_bits("on the way", B12);
+    drive_cycles(&d, 300);
+    expect_bits("there", B12 | B10);
+    drive_control(&d, 0x10F);
+    drive_cycles(&d, 20);
+    expect_bits("halted", B10);
+}
+
 /* A set position beyond 607Dh is not followed: bit 12 falls, bit 11 rises. */
 static void position_at_a_limit(void **state)
 {
     (void)state;
     put(0x607D, 2, 100000, 4);
+    put(0x607D, 1, -100000, 4);
     drive_instance(&d)->axis.homed = true;
     start(PMC_MODE_POSITION, 0x1701);
     drive_set(&d, 100000);
@@ -244,6 +262,14 @@ static void position_at_a_limit(void **state)
     expect_bits("beyond", 0);
     assert_int_equal(drive_status(&d) & ECT_402_STATUS_LIMIT, ECT_402_STATUS_LIMIT);
     assert_in_range(drive_position(&d), 99998, 100002);
+    for (int32_t x = 100000; x >= -110000; x -= 10000) {
+        drive_set(&d, x);
+        drive_cycle(&d);
+    }
+    drive_cycles(&d, 300);
+    expect_bits("beyond the other one", 0);
+    assert_in_range(drive_position(&d) + 100000, 0, 2);
+    assert_int_equal(drive_instance(&d)->warnings, 1u << (PMC_N_SOFT_NEGATIVE - 1));
 }
 
 /* --- following error, windows ------------------------------------------------------------------------------------- */
@@ -539,6 +565,7 @@ int main(int argc, char **argv)
         {"DRV-246 DRV-247 DRV-414: PV: bit 10 after 606Eh in the window, bit 12 speed is 0", speed_bits, setup,
          teardown, NULL},
         {"DRV-258 DRV-259: CSP, CSV, CST: bit 12 follows, bit 10 is 0", cyclic_bits, NULL, NULL, NULL},
+        {"DRV-262: IP: bit 10 in position, bit 12 follows", interpolated_bits, setup, teardown, NULL},
         {"DRV-258 DRV-113: CSP: bit 12 is 0 and bit 11 is 1 beyond 607Dh", position_at_a_limit, setup, teardown, NULL},
         {"DRV-241 DRV-413: 8611h after 6066h beyond 6065h, not before", following_error_time, setup, teardown, NULL},
         {"DRV-218 DRV-412: PP: bit 10 after 6068h within 6067h", position_window_time, setup, teardown, NULL},
