@@ -2,7 +2,7 @@
 /* The functions that the stack calls: time, process data, AL states, SDO; and the order within a step of 250 us. */
 #include "devices/pmctendo/instance.h"
 
-enum { MS_STEPS = ECT_402_STEPS_PER_S / 1000, MS_NS = 1000000 };
+enum { MS_STEPS = ECT_402_STEPS_PER_S / 1000 };
 
 static const ect_402_config_t config = {
     .turn = PMC_TURN, .rated_torque = 3.0, .peak_torque = 9.0, .inertia = 3e-4, .reference_bit = PMC_REFERENCE};
@@ -30,137 +30,43 @@ static void refresh(pmctendo_t *u)
 
 /* --- the state machine -------------------------------------------------------------------------------------------- */
 
-static bool powered(const pmctendo_t *u)
-{
-    return u->axis.action != ECT_402_OFF;
-}
-
-/* The drive closes the brake before it takes the torque from a shaft at a standstill; else the brake is late. */
-static void close_brake(pmctendo_t *u)
-{
-    bool late = !u->axis.inputs.supplied || !ect_402_standing(&u->axis);
-    u->axis.brake_ns = u->axis.time_ns + (late ? (uint64_t)u->plant.machine.brake_delay_ms * MS_NS : 0);
-}
-
-static void begin(pmctendo_t *u)
-{
-    if (u->axis.action != ECT_402_FOLLOW && !ect_402_halted(&u->axis)) {
-        ect_402_homing_abort(&u->axis);
-        ect_402_task_drop(&u->axis);
-        u->axis.task_known = u->axis.homing.done = false;
-    }
-    switch (u->axis.action) {
-    case ECT_402_OFF:
-        close_brake(u);
-        ect_402_control_off(&u->axis);
-        break;
-    case ECT_402_HOLD:
-        ect_402_hold_begin(&u->axis);
-        break;
-    case ECT_402_FOLLOW:
-        ect_402_follow_begin(&u->axis);
-        break;
-    case ECT_402_STOP:
-        ect_402_stop_begin(&u->axis);
-        ect_402_brake_begin(&u->axis);
-        break;
-    case ECT_402_RAMP:
-        ect_402_brake_begin(&u->axis);
-        break;
-    }
-}
-
-static bool supplied(const pmctendo_t *u)
-{
-    return u->plant.power && u->plant.enable && !u->plant.sto;
-}
-
 static void watch_supply(pmctendo_t *u)
 {
-    if (powered(u) && u->plant.sto)
+    bool on = ect_402_powered(&u->axis);
+    if (on && u->plant.sto)
         pmc_fault(u, PMC_F_STO);
-    if (powered(u) && !u->plant.power)
+    if (on && !u->plant.power)
         pmc_fault(u, PMC_F_UNDERVOLTAGE);
     if (u->axis.state == ECT_402_QUICK_STOP && !ect_402_stop_in_time(&u->axis))
         pmc_fault(u, PMC_F_STOP);
 }
 
-static bool can_brake(const pmctendo_t *u)
-{
-    return powered(u) && supplied(u) && pmc_fault_brakes(u->fault) && u->axis.fault_option != 0 &&
-           ect_402_stop_in_time(&u->axis);
-}
-
-static void read_inputs(pmctendo_t *u, uint16_t rising)
-{
-    watch_supply(u);
-    u->axis.inputs = (ect_402_inputs_t){
-        .control = u->axis.live ? u->axis.set.control : 0,
-        .rising = rising,
-        .live = u->axis.live,
-        .by_level = u->plant.status_bits == PMC_STATUS_402,
-        .supplied = supplied(u),
-        .fault = u->fault != 0,
-        .resettable = !pmc_fault_needs_restart(u->fault),
-        .can_brake = can_brake(u),
-        .standing = ect_402_standing(&u->axis) || !ect_402_stop_waits(&u->axis),
-        .stays = ect_402_stop_stays(&u->axis),
-        .coasts = u->axis.disable_option == 0,
-    };
-}
-
-static bool decide(pmctendo_t *u, uint16_t rising)
-{
-    bool reset = false;
-    ect_402_action_t before = u->axis.action;
-    read_inputs(u, rising);
-    ect_402_state_t next = ect_402_next(u->axis.state, &u->axis.inputs, &reset);
-    bool changed = next != u->axis.state;
-    u->axis.state = next;
-    if (reset) {
-        pmc_fault_reset(u);
-        u->axis.inputs.fault = false;
-    }
-    u->axis.action = ect_402_action(next, &u->axis.inputs);
-    if (u->axis.action != before)
-        begin(u);
-    return changed;
-}
-
-/* Transitions until none is left without a new control word: an edge counts once. */
 static void settle(pmctendo_t *u, uint16_t rising)
 {
-    while (decide(u, rising))
-        rising = 0;
+    watch_supply(u);
+    u->axis.conditions = (ect_402_conditions_t){
+        .supplied = u->plant.power && u->plant.enable && !u->plant.sto,
+        .fault = u->fault != 0,
+        .resettable = !pmc_fault_needs_restart(u->fault),
+        .fault_brakes = pmc_fault_brakes(u->fault),
+        .by_level = u->plant.status_bits == PMC_STATUS_402,
+    };
+    ect_402_settle(&u->axis, rising);
+    if (u->axis.was_reset)
+        pmc_fault_reset(u);
+    u->axis.was_reset = false;
 }
 
 /* --- a step ------------------------------------------------------------------------------------------------------- */
 
-static void hand_out_edges(pmctendo_t *u)
+static void latch_edges(pmctendo_t *u)
 {
-    for (unsigned int i = 0; i < u->axis.edges; i++) {
+    for (unsigned int i = 0; i < u->axis.edges; i++)
         pmc_latch_edge(u, &u->axis.edge[i]);
-        ect_402_homing_edge(&u->axis, &u->axis.edge[i]);
-    }
-    u->axis.edges = 0;
 }
 
-static void move(pmctendo_t *u)
+static void raise_faults(pmctendo_t *u)
 {
-    switch (u->axis.action) {
-    case ECT_402_FOLLOW:
-        ect_402_follow(&u->axis);
-        break;
-    case ECT_402_RAMP:
-    case ECT_402_STOP:
-        ect_402_brake(&u->axis, ect_402_stop_deceleration(&u->axis));
-        break;
-    default:
-        break;
-    }
-    if (!powered(u))
-        return;
-    ect_402_control(&u->axis);
     if ((u->axis.troubles & ECT_402_LATE) != 0)
         pmc_fault(u, PMC_F_FOLLOWING);
     if ((u->axis.troubles & ECT_402_OVERSPEED) != 0)
@@ -178,24 +84,18 @@ static void step(pmctendo_t *u)
     u->axis.time_ns += PMC_STEP_NS;
     refresh(u);
     settle(u, 0);
-    move(u);
-    ect_402_motor_step(&u->axis, powered(u));
-    hand_out_edges(u);
-    ect_402_status_step(&u->axis);
+    ect_402_step(&u->axis);
+    raise_faults(u);
+    latch_edges(u);
     if (u->axis.action != ECT_402_FOLLOW && !position_is_mapped(u))
         u->axis.set.position = u->set_position = ect_402_counts(
             ect_402_user(&u->axis, u->plant.machine.position)); /* set values by SDO begin at the shaft */
 }
 
-static bool resting(const pmctendo_t *u)
-{
-    return !powered(u) && ect_402_motor_rests(&u->axis);
-}
-
 void pmc_advance(pmctendo_t *u, uint64_t now_ns)
 {
     while (u->axis.time_ns + PMC_STEP_NS <= now_ns) {
-        if (resting(u))
+        if (ect_402_rests(&u->axis))
             u->axis.time_ns += (now_ns - u->axis.time_ns) / PMC_STEP_NS * PMC_STEP_NS;
         else
             step(u);
@@ -205,9 +105,8 @@ void pmc_advance(pmctendo_t *u, uint64_t now_ns)
 
 void pmc_read_levels(pmctendo_t *u)
 {
-    u->axis.edges = 0;
-    ect_402_motor_levels(&u->axis);
-    hand_out_edges(u);
+    ect_402_read_levels(&u->axis);
+    latch_edges(u);
     pmc_latch_control(u); /* shows the levels */
     settle(u, 0);
 }
@@ -227,7 +126,7 @@ static uint32_t digital_inputs(const pmctendo_t *u)
 /* In SAFEOP and OP; below, actual values keep their last state. */
 static void publish_actual(pmctendo_t *u)
 {
-    bool following = u->axis.reference.loop == ECT_402_LOOP_POSITION && powered(u);
+    bool following = u->axis.reference.loop == ECT_402_LOOP_POSITION && ect_402_powered(&u->axis);
     double position = ect_402_user(&u->axis, u->plant.machine.position);
     double demand = following ? ect_402_user(&u->axis, u->axis.reference.position) : position;
     u->status = pmc_status(u);
@@ -285,7 +184,7 @@ static void show(pmctendo_t *u)
     u->torque_nm = u->axis.torque_now;
     u->synchronised = u->sync.synchronised;
     u->homed_level = u->axis.homed;
-    u->powered = powered(u);
+    u->powered = ect_402_powered(&u->axis);
     u->do1 = digital_output(u, 0);
     u->do2 = digital_output(u, 1);
 }
@@ -456,7 +355,7 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns)
     pmc_publish(u);
     uint64_t sync = pmc_sync_next(u);
     uint64_t soon = u->axis.time_ns + (uint64_t)MS_STEPS * PMC_STEP_NS;
-    return resting(u) || sync < soon ? sync : soon;
+    return ect_402_rests(&u->axis) || sync < soon ? sync : soon;
 }
 
 /* --- by mailbox --------------------------------------------------------------------------------------------------- */

@@ -4,15 +4,23 @@
  * An axis of CiA 402-2: modes of operation, set-points, stops, limits, reference runs, controllers, and the plant: a
  * motor with load, friction, brake, switches and index pulse.
  *
- * A product embeds an ::ect_402_axis_t in its instance. Its dictionary entries lie in the parameters of the axis, and
- * it calls the functions below in the order of a control step:
+ * A product embeds an ::ect_402_axis_t in its instance; its dictionary entries lie in the parameters of the axis.
  *
- *   state.h      the state machine: inputs -> state -> action
+ *   step.c       the state machine at work, a control step
  *   modes.c      set values, by mode of operation          task.c     set-points of mode 1
  *   status.c     bits 10, 12, 13 of the status word        stop.c     option codes 605Ah to 605Eh
  *   homing.c     reference runs                            limits.c   speed limit, software limit switches
  *   control.c    position and speed controller             ramp.c     ramps
- *   motor.c      the plant
+ *   motor.c      the plant                                 state.c    the state machine, a pure function
+ *
+ * A step of a product:
+ *
+ *     axis.time_ns += ECT_402_STEP_NS;
+ *     axis.mode, axis.cycle_steps, axis.conditions = ...
+ *     ect_402_settle(&axis, 0);       then, with axis.was_reset, its own reset of the fault
+ *     ect_402_step(&axis);            then axis.troubles become faults, axis.edge[] latches
+ *
+ * New outputs: axis.set = ..., ect_402_settle with the rising bits of the control word, ect_402_set_values.
  *
  * Each file includes only those below it. Positions are counts, speeds counts a second, torques Nm. Internal positions
  * are machine coordinates without a bound; the positions of the master count from `zero`, modulo 2^32: its set values
@@ -122,6 +130,15 @@ typedef struct ect_402_homing {
     double found;     /**< machine */
 } ect_402_homing_t;
 
+/** Supply and faults, as the product knows them. */
+typedef struct ect_402_conditions {
+    bool supplied;     /**< DC link, enable input, no STO: may be switched on */
+    bool fault;        /**< present, and not reset */
+    bool resettable;   /**< by bit 7 */
+    bool fault_brakes; /**< by 605Eh; else the power stage goes off */
+    bool by_level;     /**< 0Fh enables by its level */
+} ect_402_conditions_t;
+
 /** Reasons for a fault that the axis finds. The product clears them. */
 enum { ECT_402_LATE = 0x01 /**< following error, 6065h, 6066h */, ECT_402_OVERSPEED = 0x02 };
 
@@ -150,6 +167,7 @@ typedef struct ect_402_axis {
     int8_t mode;          /**< in force */
     bool live;            /**< control word and set values count */
     uint32_t cycle_steps; /**< of set positions, in steps; 0: as 1 */
+    ect_402_conditions_t conditions;
     ect_402_set_t set;
 
     /* state */
@@ -157,7 +175,8 @@ typedef struct ect_402_axis {
     ect_402_state_t state;
     ect_402_inputs_t inputs;
     ect_402_action_t action;
-    uint8_t troubles;       /**< ECT_402_LATE, ... */
+    uint8_t troubles;       /**< ECT_402_LATE, ...; the product clears them */
+    bool was_reset;         /**< bit 7 has reset the fault; the product clears it */
     uint64_t brake_ns;      /**< the brake is closed from then on, while there is no torque */
     uint64_t stop_until_ns; /**< the deadline of a quick stop */
 
@@ -189,6 +208,19 @@ typedef struct ect_402_axis {
     ect_402_edge_t edge[ECT_402_EDGES]; /**< of the last step */
     unsigned int edges;
 } ect_402_axis_t;
+
+/* --- step.c ------------------------------------------------------------------------------------------------------- */
+
+/** The motor has torque. */
+bool ect_402_powered(const ect_402_axis_t *a);
+/** No torque and a shaft that stays: time may pass without steps. */
+bool ect_402_rests(const ect_402_axis_t *a);
+/** Transitions until none is left; `rising`: bits of a new control word that were 0 before, else 0. */
+void ect_402_settle(ect_402_axis_t *a, uint16_t rising);
+/** One step of set values, controllers and plant, up to `time_ns`. */
+void ect_402_step(ect_402_axis_t *a);
+/** A switch was set by hand: reads levels, edges lie at the present position. */
+void ect_402_read_levels(ect_402_axis_t *a);
 
 /* --- modes.c ------------------------------------------------------------------------------------------------------ */
 

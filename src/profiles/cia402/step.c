@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/* The state machine of an axis at work, and a control step. */
+#include "profiles/cia402/axis.h"
+
+enum { MS_NS = 1000000 };
+
+bool ect_402_powered(const ect_402_axis_t *a)
+{
+    return a->action != ECT_402_OFF;
+}
+
+bool ect_402_rests(const ect_402_axis_t *a)
+{
+    return !ect_402_powered(a) && ect_402_motor_rests(a);
+}
+
+/* --- the state machine -------------------------------------------------------------------------------------------- */
+
+/* The drive closes the brake before it takes the torque from a shaft at a standstill; else the brake is late. */
+static void close_brake(ect_402_axis_t *a)
+{
+    bool late = !a->inputs.supplied || !ect_402_standing(a);
+    a->brake_ns = a->time_ns + (late ? (uint64_t)a->plant->brake_delay_ms * MS_NS : 0);
+}
+
+static void begin(ect_402_axis_t *a)
+{
+    if (a->action != ECT_402_FOLLOW && !ect_402_halted(a)) {
+        ect_402_homing_abort(a);
+        ect_402_task_drop(a);
+        a->task_known = a->homing.done = false;
+    }
+    switch (a->action) {
+    case ECT_402_OFF:
+        close_brake(a);
+        ect_402_control_off(a);
+        break;
+    case ECT_402_HOLD:
+        ect_402_hold_begin(a);
+        break;
+    case ECT_402_FOLLOW:
+        ect_402_follow_begin(a);
+        break;
+    case ECT_402_STOP:
+        ect_402_stop_begin(a);
+        ect_402_brake_begin(a);
+        break;
+    case ECT_402_RAMP:
+        ect_402_brake_begin(a);
+        break;
+    }
+}
+
+static bool can_brake(const ect_402_axis_t *a)
+{
+    const ect_402_conditions_t *c = &a->conditions;
+    return ect_402_powered(a) && c->supplied && c->fault_brakes && a->fault_option != 0 && ect_402_stop_in_time(a);
+}
+
+static void read_inputs(ect_402_axis_t *a, uint16_t rising)
+{
+    a->inputs = (ect_402_inputs_t){
+        .control = a->live ? a->set.control : 0,
+        .rising = rising,
+        .live = a->live,
+        .by_level = a->conditions.by_level,
+        .supplied = a->conditions.supplied,
+        .fault = a->conditions.fault,
+        .resettable = a->conditions.resettable,
+        .can_brake = can_brake(a),
+        .standing = ect_402_standing(a) || !ect_402_stop_waits(a),
+        .stays = ect_402_stop_stays(a),
+        .coasts = a->disable_option == 0,
+    };
+}
+
+static bool decide(ect_402_axis_t *a, uint16_t rising)
+{
+    bool reset = false;
+    ect_402_action_t before = a->action;
+    read_inputs(a, rising);
+    ect_402_state_t next = ect_402_next(a->state, &a->inputs, &reset);
+    bool changed = next != a->state;
+    a->state = next;
+    if (reset) {
+        a->was_reset = true;
+        a->conditions.fault = a->inputs.fault = false;
+    }
+    a->action = ect_402_action(next, &a->inputs);
+    if (a->action != before)
+        begin(a);
+    return changed;
+}
+
+void ect_402_settle(ect_402_axis_t *a, uint16_t rising)
+{
+    while (decide(a, rising))
+        rising = 0;
+}
+
+/* --- a step ------------------------------------------------------------------------------------------------------- */
+
+static void hand_out_edges(ect_402_axis_t *a)
+{
+    for (unsigned int i = 0; i < a->edges; i++)
+        ect_402_homing_edge(a, &a->edge[i]);
+}
+
+void ect_402_step(ect_402_axis_t *a)
+{
+    if (a->action == ECT_402_FOLLOW)
+        ect_402_follow(a);
+    else if (a->action == ECT_402_RAMP || a->action == ECT_402_STOP)
+        ect_402_brake(a, ect_402_stop_deceleration(a));
+    if (ect_402_powered(a))
+        ect_402_control(a);
+    ect_402_motor_step(a, ect_402_powered(a));
+    hand_out_edges(a);
+    ect_402_status_step(a);
+}
+
+void ect_402_read_levels(ect_402_axis_t *a)
+{
+    a->edges = 0;
+    ect_402_motor_levels(a);
+    hand_out_edges(a);
+}
