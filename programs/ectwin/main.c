@@ -25,6 +25,7 @@ static const struct command {
     {"objects", command_objects},   {"unplug", command_unplug},
     {"plug", command_plug},         {"cut", command_cut},
     {"mend", command_mend},         {"fault", command_fault},
+    {"lint", command_lint},
 };
 
 static int usage(FILE *stream, int status)
@@ -37,6 +38,7 @@ static int usage(FILE *stream, int status)
           "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
           "       ectwin verify A B...                          in what ESI files, EEPROM images, devices, slaves "
           "differ\n"
+          "       ectwin lint FILE.xml[#TYPE]                   mistakes of an ESI file\n"
           "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
           "       ectwin doc  DEVICE [--html] [-o FILE]         write its dictionary and process data for people\n"
           "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# verify: description, EEPROM image and running twin of each device say the same, ours and those of ESI files; and an old
-# image that is still in a chip is found (CF-054, CF-066).
+# verify: description, EEPROM image and running twin of each device agree, ours and those of ESI files; and an old image
+# that is still in a chip is found (CF-054, CF-066).
 # usage: verify.sh ECTWIN ECTWIN-PROBE ECTWIN-CONFORM ESI-FOLDER
 set -u
 ectwin=$1
@@ -82,4 +82,25 @@ expect "no such interface" "ectwin verify: slave:nowhere0: there is no network i
 "$ectwin" verify "$work/nothing.bin" fzm1 2>"$work/err"
 expect "no such file: exit code" 2 $?
 expect "no such file" "ectwin verify: $work/nothing.bin: No such file or directory" "$(cat "$work/err")"
+
+# lint: our own files are without mistakes; a file with two, one of them of the vendor, which each device shares.
+for file in "$esi"/../../esi/*.xml; do
+  "$ectwin" lint --no-notes "$file" >"$work/out" 2>"$work/err"
+  expect "lint $file: exit code" 0 $?
+  expect "lint $file" "" "$(cat "$work/out" "$work/err")"
+done
+sed -e 's/<Id>#x00000E57/<Id>0x00000E57/' -e 's/<ByteSize>2048<\/ByteSize><ConfigData>050E0344640000/<ByteSize>2048<\/ByteSize><ConfigData>050E03/' \
+  "$esi/analog.xml" >"$work/wrong.xml"
+"$ectwin" lint --no-notes "$work/wrong.xml" >"$work/out" 2>"$work/err"
+expect "lint: mistakes: exit code" 3 $?
+expect "lint: each mistake once" "$(sort -u "$work/out" | wc -l)" "$(wc -l <"$work/out")"
+expect "lint: the number that only some tools read" 1 "$(grep -c "^$work/wrong.xml:5: .*0x" "$work/out")"
+"$ectwin" lint "$work/wrong.xml#NONE" >/dev/null 2>"$work/err"
+expect "lint: no such device: exit code" 1 $?
+"$ectwin" lint "$work/fzm1.bin" >/dev/null 2>"$work/err"
+expect "lint: no ESI file: exit code" 2 $?
+"$ectwin" lint --schema "$work/fzm1.bin" "$esi/analog.xml" >/dev/null 2>"$work/err"
+expect "lint: no schema: exit code" 2 $?
+"$ectwin" lint >/dev/null 2>"$work/err"
+expect "lint: no file: exit code" 1 $?
 exit $failed
