@@ -22,7 +22,7 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* What is written of. */
+/* The device, and the file that is being written. */
 typedef struct source {
     FILE *file;
     ect_arena_t arena;
@@ -308,7 +308,7 @@ static int write_image(const ect_twin_config_t *twin, const char *folder)
     return status;
 }
 
-/* In a folder that need not be there. */
+/* Makes the folder where it is missing. */
 static int write_all(source_t *s, const char *folder)
 {
     static const struct {
@@ -316,7 +316,7 @@ static int write_all(source_t *s, const char *folder)
         void (*write)(source_t *s);
     } files[] = {{"utypes.h", write_types}, {"slave_objectlist.c", write_list}, {"ecat_options.h", write_options}};
     int status = EXIT_CLEAN;
-    (void)mkdir(folder, 0777); /* what is not possible is told when a file is written */
+    (void)mkdir(folder, 0777); /* a folder that cannot be made shows when a file is written */
     for (size_t i = 0; i < sizeof files / sizeof files[0] && status == EXIT_CLEAN; i++)
         status = write_source(s, folder, files[i].name, files[i].write);
     return status;
@@ -336,7 +336,7 @@ int command_objects(int argc, char **argv)
     const ect_device_t *device = args.twins.twins[0].device;
     int status = EXIT_USAGE;
     if (!args.given) {
-        fprintf(stderr, "%s: say for whom: --soes\n", who);
+        fprintf(stderr, "%s: name the stack to write for: --soes\n", who);
     } else if (!suits(device)) {
         fprintf(stderr, "%s: %s does not have the SyncManagers of a SOES slave: two mailboxes, outputs, inputs\n", who,
                 device->name);

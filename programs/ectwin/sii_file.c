@@ -13,7 +13,7 @@ typedef struct hex_record {
     size_t count;
 } hex_record_t;
 
-/* @return what is wrong with the line, NULL: nothing */
+/* @return the mistake in the line, NULL: none */
 static const char *parse_record(const char *line, hex_record_t *record)
 {
     unsigned int byte;
@@ -28,11 +28,11 @@ static const char *parse_record(const char *line, hex_record_t *record)
         sum = (uint8_t)(sum + byte);
     }
     if (record->count < 5 || record->count != 5u + record->bytes[0])
-        return "has another length than it says";
+        return "has another length than its first byte";
     return sum != 0 ? "has a wrong sum" : NULL;
 }
 
-/* @return what is wrong; NULL: nothing */
+/* @return the mistake; NULL: none */
 static const char *apply(const hex_record_t *record, uint32_t *base, uint8_t *image, long *size)
 {
     const uint8_t *r = record->bytes;

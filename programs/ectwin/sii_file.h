@@ -13,17 +13,17 @@
 enum { SII_FILE_MOST = 0x20000 };
 
 /**
- * Reads an image; a file whose first character is ':' is Intel HEX, what it leaves out is 0xFF.
+ * Reads an image; a file whose first character is ':' is Intel HEX; bytes without a record are 0xFF.
  * @param[out] image  SII_FILE_MOST bytes
- * @param[out] message, room  the line that says why not
+ * @param[out] message, room  one line with the cause of a failure
  * @return bytes, or -1
  */
 long sii_file_read(const char *path, uint8_t *image, char *message, size_t room);
 
 /**
- * The image that a device comes with.
+ * Makes the image of a device.
  * @param identity, alias  as of ::ect_sii_write
- * @param[out] message, room  the line that says why not
+ * @param[out] message, room  one line with the cause of a failure
  * @return device->sii_size bytes for free(), or NULL
  */
 uint8_t *sii_file_make(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, char *message,

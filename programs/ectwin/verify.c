@@ -205,11 +205,11 @@ int command_verify(int argc, char **argv)
     static const struct argp argp = {
         .parser = parse,
         .args_doc = "A [B...]",
-        .doc = "Compares what is said of a device: by an ESI file (FILE.xml[#TYPE]), an EEPROM image (FILE.bin, "
+        .doc = "Compares the sources of a device: an ESI file (FILE.xml[#TYPE]), an EEPROM image (FILE.bin, "
                "FILE.hex), a DEVICE ('ectwin list' or esi:FILE.xml#TYPE) with the EEPROM that it has, a slave on the "
-               "wire (slave:IFACE[:N]) with its EEPROM and its dictionary. The first is the expectation; what it does "
-               "not say, the next do. One line a difference.\v"
-               "Exits with 0 when there is no difference, 1 when there is one, 2 when something could not be read. "
+               "wire (slave:IFACE[:N]) with its EEPROM and its dictionary. The first is the expectation; the "
+               "next ones add what it leaves open. One line a difference.\v"
+               "Exit codes: 0 no difference, 1 differences, 2 wrong usage, or a source cannot be read. "
                "Serial number and alias, which are each slave's own, are not compared.",
     };
     operands_t operands = {.names = calloc((size_t)argc + 1, sizeof *operands.names)};
@@ -224,7 +224,7 @@ int command_verify(int argc, char **argv)
             status = TROUBLE;
     }
     if (status == SAME && v->count < 2) {
-        (void)snprintf(v->message, sizeof v->message, "'%s' is one thing alone: name what to compare it with",
+        (void)snprintf(v->message, sizeof v->message, "'%s' is one source alone: name another one to compare it with",
                        operands.names[0]);
         status = TROUBLE;
     }

@@ -6,6 +6,7 @@
 #include "check/internal.h"
 #include "esc/personality.h"
 #include "seams/layout.h"
+#include "wire/assert.h"
 
 enum { SHORTEST_MAILBOX = 16, SHORTEST_WITH_INFO = 34, LONGEST_DATAGRAM = 1486 };
 
@@ -34,7 +35,7 @@ static bool roles_good(const report_t *r, unsigned int n)
     if (has_mailbox(r) && n < 2 && sm->type != mailboxes[n])
         return wrong(r, "SM%u: with a mailbox its type is %u, not %u", n, mailboxes[n], sm->type);
     if (is_mailbox(sm) && (!has_mailbox(r) || n >= 2))
-        return wrong(r, "SM%u: a mailbox stands in SM0 and SM1, and only with mailbox_protocols", n);
+        return wrong(r, "SM%u: a mailbox is in SM0 and SM1, and only with mailbox_protocols", n);
     return true;
 }
 
@@ -173,6 +174,8 @@ bool check_esc(const report_t *r)
 
 bool check_layout(const report_t *r)
 {
+    ECT_ASSERT(ect_esc_personality(r->device->esc) != NULL); /* check_esc */
+    ECT_ASSERT(r->device->sm_count <= ECT_SMS);
     unsigned int kilobytes = ect_esc_personality(r->device->esc)->ram_kb;
     for (unsigned int n = 0; n < r->device->sm_count; n++) {
         if (!sm_good(r, n, kilobytes))

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "check/internal.h"
+#include "wire/assert.h"
 
 static bool order_good(const report_t *r, unsigned int i)
 {
@@ -18,6 +19,7 @@ static bool order_good(const report_t *r, unsigned int i)
 
 static int64_t lowest_of(const ect_entry_t *entry)
 {
+    ECT_ASSERT(entry->bit_length > 0 && entry->bit_length <= 64); /* check_objects, of an integer */
     return is_signed_type(entry->data_type) ? INT64_MIN >> (64 - entry->bit_length) : 0;
 }
 
@@ -32,6 +34,7 @@ static int64_t default_of(const ect_entry_t *entry, const ect_detail_t *detail)
 {
     unsigned int bits = entry->bit_length;
     uint64_t value = entry->value;
+    ECT_ASSERT(bits > 0 && bits <= 64);
     if (detail->initial && bits == 64)
         memcpy(&value, detail->initial, sizeof value);
     bool negative = is_signed_type(entry->data_type) && bits < 64 && (value >> (bits - 1) & 1u) != 0;
@@ -72,7 +75,7 @@ static bool initial_good(const report_t *r, const ect_detail_t *d, const ect_ent
     if (!d->initial)
         return true;
     if (e->bit_length <= 32 && !ect_od_is_string(e) && e->data_type != ECT_TYPE_OCTET_STRING)
-        return wrong(r, "%04Xh:%u: a default of up to 32 bits stands in its entry", d->index, d->subindex);
+        return wrong(r, "%04Xh:%u: a default of up to 32 bits is in its entry", d->index, d->subindex);
     if (e->value != 0)
         return wrong(r, "%04Xh:%u: it has two defaults", d->index, d->subindex);
     return true;

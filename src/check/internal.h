@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the files of check/ know of each other.
+ * Interfaces between the files of check/.
  *
  *   report.c   the line
  *   chip.c     ESC, SyncManagers, FMMUs, mailboxes
@@ -12,7 +12,7 @@
  *   plant.c    signals
  *   check.c    all of it, in an order in which each may rely on the ones before
  *
- * Each function returns whether nothing was wrong; what was is in the report then.
+ * Each function returns whether there was no mistake; the first one is in the report.
  */
 #ifndef ECT_CHECK_INTERNAL_H
 #define ECT_CHECK_INTERNAL_H

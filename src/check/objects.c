@@ -137,7 +137,7 @@ static bool described_good(const place_t *p)
     return text ? true : wrong_at(p, "the description has no such text");
 }
 
-/* Inside the instance, and not over what the stack keeps at its beginning. */
+/* Inside the instance, and not over the part of the stack at its beginning. */
 static bool offset_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -163,7 +163,7 @@ static bool place_good(const place_t *p)
     return offset_good(p);
 }
 
-/* What can be changed has to lie somewhere. */
+/* A value that can be changed needs memory. */
 static bool memory_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -222,7 +222,7 @@ static bool count_good(const place_t *p)
     if (e->subindex != 0 || e->data_type != ECT_TYPE_UNSIGNED8)
         return wrong(p->r, "%04Xh: a record or array begins with sub-index 0, UNSIGNED8", p->object->index);
     if (count > highest(p->object) || (count < p->object->max_subindex && !list && !e->data))
-        return wrong_at(p, "it says %u elements, but the last is %u", count, highest(p->object));
+        return wrong_at(p, "it has %u elements, but the last is %u", count, highest(p->object));
     return true;
 }
 
@@ -278,8 +278,7 @@ static bool object_good(const report_t *r, const ect_object_t *o)
     if ((list && !count_good(&p)) || !entries_good(&p))
         return false;
     if (p.entry->subindex != highest(o) || p.entry != ect_od_last(o))
-        return wrong(r, "%04Xh: its last sub-index is %u, max_subindex says %u", o->index, p.entry->subindex,
-                     highest(o));
+        return wrong(r, "%04Xh: its last sub-index is %u, max_subindex is %u", o->index, p.entry->subindex, highest(o));
     return true;
 }
 

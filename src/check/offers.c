@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Names, and what the device offers with what that needs: protocols, object services, clocks, an SII of its size. */
+/* Names, and the offers of a device with their needs: protocols, object services, clocks, an SII of its size. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -98,7 +98,7 @@ static bool constant_good(const report_t *r, uint16_t index, uint8_t subindex, u
     const ect_entry_t *e = NULL;
     if (ect_od_lookup(&r->od, index, subindex, &object, &e) != ECT_OK || e->data || e->value == want)
         return true;
-    return wrong(r, "%04Xh:%u: it says %Xh, the description %Xh", index, subindex, e->value, want);
+    return wrong(r, "%04Xh:%u: it has %Xh, the description %Xh", index, subindex, e->value, want);
 }
 
 static bool constants_good(const report_t *r)
@@ -190,7 +190,7 @@ static bool services_good(const report_t *r)
     if (names_service(r, &ect_service_store) && !can_be_written(r, 0x1010, "ect_service_store"))
         return false;
     if (r->device->cyclic && !names_service(r, &ect_service_rhythm))
-        return wrong(r, "cyclic: nobody calls it without ect_service_rhythm");
+        return wrong(r, "cyclic: it needs ect_service_rhythm, which calls it");
     return !names_service(r, &ect_service_pdo_config) || can_be_configured(r);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Assignments, mappings and what they come to, by default. */
 #include "check/internal.h"
+#include "wire/assert.h"
 
 static bool elements_good(const report_t *r, const ect_object_t *o, uint16_t type)
 {
@@ -17,6 +18,7 @@ static bool elements_good(const report_t *r, const ect_object_t *o, uint16_t typ
 
 static bool mapping_good(const report_t *r, const ect_object_t *pdo, uint32_t n)
 {
+    ECT_ASSERT(n >= 1 && n <= ect_od_element(pdo, 0));
     uint32_t mapping = ect_od_element(pdo, n);
     uint16_t direction = ect_od_is_rxpdo(pdo->index) ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
     unsigned int bits = mapping & 0xFF;
@@ -66,6 +68,7 @@ static bool assigned_good(const report_t *r, const ect_object_t *assignment, uin
 
 static bool assignment_good(const report_t *r, const ect_object_t *assignment, unsigned int sm)
 {
+    ECT_ASSERT(sm < r->device->sm_count);
     const ect_sm_t *of = &r->device->sm[sm];
     if (assignment->object_code == ECT_OBJECT_VAR)
         return wrong(r, "%04Xh: an assignment is an array", assignment->index);

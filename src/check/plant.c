@@ -7,6 +7,7 @@
 #include "check/internal.h"
 #include "seams/modbus.h"
 #include "seams/standard.h"
+#include "wire/assert.h"
 
 enum { LONGEST_NAME = 40, LONGEST_TEXT = 255 };
 
@@ -30,6 +31,8 @@ static size_t size_of(const ect_signal_t *signal)
         [ECT_SIGNAL_BOOL] = 1, [ECT_SIGNAL_U8] = 1,     [ECT_SIGNAL_I16] = 2,  [ECT_SIGNAL_U16] = 2,
         [ECT_SIGNAL_I32] = 4,  [ECT_SIGNAL_U32] = 4,    [ECT_SIGNAL_I8] = 1,   [ECT_SIGNAL_I64] = 8,
         [ECT_SIGNAL_U64] = 8,  [ECT_SIGNAL_REAL32] = 4, [ECT_SIGNAL_REAL] = 8, [ECT_SIGNAL_DESCRIBED] = 2};
+    ECT_ASSERT((unsigned int)signal->type <= ECT_SIGNAL_DESCRIBED); /* range_good */
+    ECT_ASSERT(signal->maximum >= 0 || signal->type != ECT_SIGNAL_TEXT);
     if (signal->type == ECT_SIGNAL_TEXT)
         return (size_t)signal->maximum + 1;
     return signal->type == ECT_SIGNAL_BYTES ? (size_t)signal->maximum : sizes[signal->type];
@@ -78,7 +81,8 @@ static bool signal_good(const signal_place_t *p)
     if (!text_good(p->r, "a signal's meaning", s->meaning, LONGEST_TEXT) || !range_good(p))
         return false;
     if (s->type == ECT_SIGNAL_DESCRIBED && (s->access != ECT_SIGNAL_READ || !p->plant->signal_describe))
-        return wrong_signal(p, "what is said is read only, and the plant has to say it");
+        return wrong_signal(p, "a described signal is read only and needs signal_describe");
+    ECT_ASSERT(g->offset <= p->r->device->instance_size); /* group_place_good */
     size_t room = g->count > 1 ? g->stride : p->r->device->instance_size - g->offset;
     if (s->offset > room || size_of(s) > room - s->offset)
         return wrong_signal(p, "it is not inside its structure");
@@ -134,7 +138,7 @@ static bool outside_good(const ect_plant_t *plant, const report_t *r)
         return true;
     if (plant->outside_offset < sizeof(ect_standard_t) || plant->outside_offset > whole ||
         plant->outside_size > whole - plant->outside_offset)
-        return wrong(r, "plant: what stands outside is not inside the instance, behind ect_standard_t");
+        return wrong(r, "plant: its outside part is not inside the instance, behind ect_standard_t");
     return true;
 }
 

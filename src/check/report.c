@@ -4,10 +4,12 @@
 #include <string.h>
 
 #include "check/internal.h"
+#include "wire/assert.h"
 
 bool wrong(const report_t *r, const char *format, ...)
 {
     va_list arguments;
+    ECT_ASSERT(r->text != NULL || r->room == 0);
     va_start(arguments, format);
     (void)vsnprintf(r->text, r->room, format, arguments);
     va_end(arguments);
@@ -16,6 +18,7 @@ bool wrong(const report_t *r, const char *format, ...)
 
 bool text_good(const report_t *r, const char *what, const char *text, size_t most)
 {
+    ECT_ASSERT(what != NULL && most > 0);
     if (!text || *text == 0)
         return wrong(r, "%s is missing", what);
     if (strlen(text) > most)

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What a description says. */
+/* Facts of a description. */
 #include <inttypes.h>
 #include <string.h>
 
 #include "facts/facts.h"
 #include "sii/sii.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 
 static void add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int index, unsigned int element,
@@ -13,7 +14,7 @@ static void add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int inde
     ect_facts_add_text(facts, kind, index, element, text, text ? strlen(text) : 0);
 }
 
-/* As an EEPROM has them: MII, EBUS, fast hot connect, or none. */
+/* In the form of an EEPROM: MII, EBUS, or unknown. */
 static void add_ports(ect_facts_t *facts, const char *physics)
 {
     char ports[4];
@@ -122,31 +123,42 @@ static void add_pdo(ect_facts_t *facts, const ect_device_t *device, const ect_od
 
 /* --- dictionary -------------------------------------------------------------------------------------------------- */
 
+static void load_default(const ect_entry_t *entry, const ect_detail_t *detail, uint8_t *wire, uint16_t size)
+{
+    if (detail && detail->initial)
+        memcpy(wire, detail->initial, size);
+    else
+        ect_store_le32(wire, entry->value);
+}
+
+/* Device type and name: constants have the value that a slave replies with. */
+static void add_identity_default(ect_facts_t *facts, const ect_od_t *od, uint16_t index, const ect_entry_t *entry)
+{
+    const bool constant = (entry->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
+    const uint16_t length = constant ? ect_od_upload_size(od, entry) : ect_od_bytes(entry);
+    uint8_t wire[256] = {0};
+    if (length > sizeof wire)
+        return;
+    if (constant && ect_od_data(od, entry) != NULL)
+        ect_od_read(od, entry, 0, wire, length);
+    else
+        load_default(entry, ect_od_detail(od, index, (uint8_t)entry->subindex), wire, length);
+    ect_facts_add_default(facts, index, entry->subindex, wire, length);
+}
+
 static void add_default(ect_facts_t *facts, const ect_od_t *od, uint16_t index, const ect_entry_t *entry)
 {
-    const ect_detail_t *detail = ect_od_detail(od, index, (uint8_t)entry->subindex);
-    uint16_t size = ect_od_bytes(entry);
-    bool constant = (entry->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
-    uint8_t wire[256] = {0};
+    const bool constant = (entry->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;
+    const uint16_t size = ect_od_bytes(entry);
+    uint8_t wire[8] = {0};
     if (index == 0x1000 || index == 0x1008) {
-        const void *data = constant ? ect_od_data(od, entry) : NULL;
-        uint16_t length = constant ? ect_od_upload_size(od, entry) : size;
-        if (length > sizeof wire)
-            return;
-        if (data != NULL)
-            ect_od_read(od, entry, 0, wire, length);
-        else if (detail && detail->initial)
-            memcpy(wire, detail->initial, length);
-        else
-            ect_store_le32(wire, entry->value);
-        ect_facts_add_default(facts, index, entry->subindex, wire, length);
-    } else if (!ect_facts_are_told_elsewhere(index) && !constant && size > 0 && size <= 8 && !ect_od_is_string(entry)) {
-        if (detail && detail->initial)
-            memcpy(wire, detail->initial, size);
-        else
-            ect_store_le32(wire, entry->value);
-        ect_facts_add_default(facts, index, entry->subindex, wire, size);
+        add_identity_default(facts, od, index, entry);
+        return;
     }
+    if (ect_facts_are_known_elsewhere(index) || constant || size == 0 || size > sizeof wire || ect_od_is_string(entry))
+        return;
+    load_default(entry, ect_od_detail(od, index, (uint8_t)entry->subindex), wire, size);
+    ect_facts_add_default(facts, index, entry->subindex, wire, size);
 }
 
 static void add_entry(ect_facts_t *facts, const ect_od_t *od, uint16_t index, const ect_entry_t *entry)
@@ -182,6 +194,8 @@ static void add_dictionary(ect_facts_t *facts, const ect_device_t *device, const
 
 void ect_facts_of_device(ect_facts_t *facts, const ect_device_t *device)
 {
+    ECT_ASSERT(device->sm_count <= ECT_SMS && device->fmmu_count <= ECT_FMMUS);
+    ECT_ASSERT(device->objects != NULL || device->object_count == 0);
     ect_od_t od = ect_device_od(device, NULL);
     add_identity(facts, device);
     add_timeouts(facts, &device->timeouts);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a slave's dictionary says, as ectwin-probe read it over the bus. */
+/* Facts of a slave's dictionary, as ectwin-probe reads it over the bus. */
 #include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <string.h>
@@ -90,7 +90,7 @@ static void add_entry(ect_facts_t *facts, unsigned int index, const cJSON *entry
                        strlen(text_of(entry, "name")));
     bool told = index == 0x1000 || index == 0x1008
                     ? bytes_of(entry, "value", &value)
-                    : !ect_facts_are_told_elsewhere(index) && bytes_of(entry, "default", &value);
+                    : !ect_facts_are_known_elsewhere(index) && bytes_of(entry, "default", &value);
     if (told && !ect_facts_are_of_pdos(index))
         ect_facts_add_default(facts, index, subindex, value.bytes, value.length);
     if (bytes_of(entry, "minimum", &value) && bytes_of(entry, "maximum", &maximum))
@@ -167,7 +167,7 @@ static bool has(const ect_facts_t *facts, ect_fact_kind_t kind, uint16_t index)
     return false;
 }
 
-/* What no assignment names is assigned nowhere, if the slave has assignments. */
+/* A PDO that no assignment names belongs to no SyncManager, if the slave has assignments. */
 static void add_unassigned(ect_facts_t *facts, const cJSON *objects)
 {
     const cJSON *object;

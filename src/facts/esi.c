@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What an ESI file says beyond the twin that is made of it. */
+/* Facts of an ESI file beyond those of the twin that is made of it. */
 #include <inttypes.h>
 #include <string.h>
 
 #include "esi/leaves.h"
 #include "facts/facts.h"
+#include "wire/assert.h"
 
 static bool has_object(const ect_esi_dictionary_t *dictionary, uint16_t index)
 {
@@ -22,7 +23,7 @@ static bool is_made(const ect_fact_t *fact, const ect_esi_device_t *model)
            !has_object(&model->dictionary, fact->index);
 }
 
-/* A module's objects move with the slot: then nobody knows here which are all. */
+/* A module's objects move with the slot: the list of objects of a modular device is never whole. */
 static void mark_made(ect_facts_t *facts, const ect_esi_device_t *model)
 {
     for (size_t i = 0; i < facts->count; i++) {
@@ -44,7 +45,7 @@ static bool is_default_timeout(const ect_fact_t *fact, const ect_esi_device_t *m
     return fact->kind == ECT_FACT_TIMEOUT && said[fact->index % 6] == 0;
 }
 
-/* The twin has names of its own there. */
+/* Names that the twin chooses. */
 static bool is_own_name(const ect_fact_t *fact)
 {
     bool standard = fact->index == 0x1018 || fact->index == 0x1C00;
@@ -52,27 +53,44 @@ static bool is_own_name(const ect_fact_t *fact)
            (fact->kind == ECT_FACT_ENTRY_NAME && (standard || ect_facts_are_of_pdos(fact->index)));
 }
 
-/* The twin's PDOs come to some length; whether the file means that, it has not said. */
+/* The length that the twin's PDOs add up to; a file without DefaultSize has none. */
 static bool is_own_length(const ect_fact_t *fact, const ect_esi_device_t *model)
 {
     return fact->kind == ECT_FACT_SM_LENGTH && fact->index < model->sm_count && !model->sms[fact->index].size.given;
 }
 
-/* What a twin puts in the place of what a file leaves out is no fact of the file. */
-static void forget_unsaid(ect_facts_t *facts, const ect_esi_device_t *model)
+/* Texts of a file that may be missing. */
+static bool is_missing_text(const ect_fact_t *fact, const ect_esi_device_t *model)
+{
+    const struct {
+        ect_fact_kind_t kind;
+        const char *text;
+    } texts[] = {{ECT_FACT_GROUP, model->group_type},
+                 {ECT_FACT_GROUP_NAME, model->group_name},
+                 {ECT_FACT_VENDOR_NAME, model->vendor_name},
+                 {ECT_FACT_PORTS, model->physics}};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        if (fact->kind == texts[i].kind)
+            return *texts[i].text == '\0';
+    }
+    return false;
+}
+
+static bool is_of_twin(const ect_fact_t *fact, const ect_esi_device_t *model)
+{
+    const bool eeprom = fact->kind == ECT_FACT_EEPROM_SIZE ||
+                        (fact->kind == ECT_FACT_CONFIG && fact->index * 2u + 2u > model->config.length);
+    return eeprom || is_missing_text(fact, model) || is_default_timeout(fact, model) || is_own_name(fact) ||
+           is_own_length(fact, model);
+}
+
+/* Defaults that the twin takes where the file has no value are no facts of the file. */
+static void forget_defaults(ect_facts_t *facts, const ect_esi_device_t *model)
 {
     size_t kept = 0;
     for (size_t i = 0; i < facts->count; i++) {
-        const ect_fact_t *fact = &facts->list[i];
-        bool unsaid = (fact->kind == ECT_FACT_GROUP && *model->group_type == '\0') ||
-                      (fact->kind == ECT_FACT_GROUP_NAME && *model->group_name == '\0') ||
-                      (fact->kind == ECT_FACT_VENDOR_NAME && *model->vendor_name == '\0') ||
-                      (fact->kind == ECT_FACT_PORTS && *model->physics == '\0') ||
-                      (fact->kind == ECT_FACT_EEPROM_SIZE) ||
-                      (fact->kind == ECT_FACT_CONFIG && fact->index * 2u + 2u > model->config.length) ||
-                      is_default_timeout(fact, model) || is_own_name(fact) || is_own_length(fact, model);
-        if (!unsaid)
-            facts->list[kept++] = *fact;
+        if (!is_of_twin(&facts->list[i], model))
+            facts->list[kept++] = facts->list[i];
     }
     facts->count = kept;
 }
@@ -85,7 +103,8 @@ static void add_sm(ect_facts_t *facts, unsigned int number, const ect_esi_sm_t *
     (void)ect_facts_add(facts, ECT_FACT_SM_MAXIMUM, number, 0, "%u", sm->maximum);
 }
 
-/* What the twin has in another form: an EEPROM with room for all that a twin's has, objects that every slave has. */
+/* Values that the twin changes: the size of the EEPROM, which has to hold its content, and names of standard objects.
+ */
 static void add_own_words(ect_facts_t *facts, const ect_esi_device_t *model)
 {
     if (model->eeprom_size != 0)
@@ -115,8 +134,10 @@ static void add_leaf(void *facts, bool modelled, const char *path, const char *v
 
 void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model)
 {
+    ECT_ASSERT(model->esi != NULL);
+    ECT_ASSERT(facts->count == 0);
     ect_facts_of_device(facts, device);
-    forget_unsaid(facts, model);
+    forget_defaults(facts, model);
     mark_made(facts, model);
     add_own_words(facts, model);
     for (size_t i = 0; i < model->sm_count; i++)

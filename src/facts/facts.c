@@ -9,7 +9,7 @@
 
 #include "wire/assert.h"
 
-/* How a place is written. */
+/* Forms of a place in the text of a line. */
 typedef enum area { WHOLE, BY_NUMBER, BY_INDEX, BY_ENTRY, BY_SUBINDEX, BY_PATH } area_t;
 
 static const struct row {
@@ -28,7 +28,7 @@ static const struct row {
     [ECT_FACT_GROUP_NAME] = {"device", "group's name", WHOLE, ECT_FACT_GROUP_NAME},
     [ECT_FACT_PORTS] = {"device", "ports", WHOLE, ECT_FACT_PORTS},
     [ECT_FACT_EBUS] = {"device", "E-bus current", WHOLE, ECT_FACT_EBUS},
-    [ECT_FACT_TIMEOUT] = {"time-out ", "", BY_NUMBER, ECT_FACT_TIMEOUT},
+    [ECT_FACT_TIMEOUT] = {"timeout ", "", BY_NUMBER, ECT_FACT_TIMEOUT},
     [ECT_FACT_EEPROM_SIZE] = {"EEPROM", "size", WHOLE, ECT_FACT_EEPROM_SIZE},
     [ECT_FACT_CONFIG] = {"EEPROM word ", "", BY_NUMBER, ECT_FACT_CONFIG},
     [ECT_FACT_CHECKSUM] = {"EEPROM", "checksum", WHOLE, ECT_FACT_CHECKSUM},
@@ -86,6 +86,9 @@ ect_fact_t *ect_facts_add(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int
                           const char *format, ...)
 {
     char text[600];
+    ECT_ASSERT(facts->source != NULL);
+    ECT_ASSERT((unsigned int)kind < ECT_FACT_KINDS);
+    ECT_ASSERT(index <= UINT16_MAX && element <= UINT16_MAX);
     facts->list = ect_arena_grow(&facts->arena, facts->list, facts->count, sizeof *facts->list);
     ect_fact_t *fact = &facts->list[facts->count++];
     *fact = (ect_fact_t){.kind = kind, .index = (uint16_t)index, .element = (uint16_t)element, .source = facts->source};
@@ -99,7 +102,7 @@ ect_fact_t *ect_facts_add(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int
     return fact;
 }
 
-/* What tools write where they have no name, or no room for it: an array in an ESI file has none for its elements. */
+/* Text that tools write for an entry without a name: an array in an ESI file has no names for its elements. */
 static bool is_placeholder(const char *text, size_t length)
 {
     static const char word[] = "SubIndex ";
@@ -114,6 +117,7 @@ static bool is_placeholder(const char *text, size_t length)
 void ect_facts_add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int index, unsigned int element,
                         const char *text, size_t length)
 {
+    ECT_ASSERT(text != NULL || length == 0);
     while (length > 0 && (text[length - 1] == '\0' || text[length - 1] == ' '))
         length--;
     for (size_t i = 0; i < length; i++) {
@@ -136,6 +140,7 @@ uint32_t ect_facts_sum(const void *bytes, size_t length)
 void ect_facts_add_leaf(ect_facts_t *facts, ect_fact_kind_t kind, const char *path, const char *value)
 {
     enum { SHORT = 60 };
+    ECT_ASSERT(kind == ECT_FACT_FILE || kind == ECT_FACT_FILE_TEXT);
     const size_t length = strlen(value);
     const uint32_t key = ect_facts_sum(path, strlen(path));
     const char *copy = ect_arena_copy(&facts->arena, path, strlen(path));
@@ -161,6 +166,7 @@ void ect_facts_add_mapping(ect_facts_t *facts, unsigned int pdo, unsigned int el
 static const char *names_of_bits(char *text, size_t room, const char *const *names, size_t count, unsigned int bits)
 {
     size_t used = 0;
+    ECT_ASSERT(room > 0 && count < 32);
     text[0] = '\0';
     for (size_t i = 0; i < count && used < room; i++) {
         if ((bits >> i & 1u) != 0 && names[i] != NULL)
@@ -185,6 +191,7 @@ void ect_facts_add_default(ect_facts_t *facts, unsigned int index, unsigned int 
 {
     char text[3 * 64 + 4] = "";
     size_t used = 0;
+    ECT_ASSERT(bytes != NULL || length == 0);
     while (length > 1 && bytes[length - 1] == 0)
         length--;
     for (size_t i = 0; i < length && i < 64; i++)
@@ -198,7 +205,7 @@ bool ect_facts_are_of_pdos(unsigned int index)
     return (index >= 0x1600 && index < 0x1C00) || (index >= 0x1C10 && index < 0x1C30);
 }
 
-bool ect_facts_are_told_elsewhere(unsigned int index)
+bool ect_facts_are_known_elsewhere(unsigned int index)
 {
     return index == 0x1018 || index == 0x1C00;
 }
@@ -283,10 +290,11 @@ static const ect_fact_t *find(const order_t *order, ect_fact_kind_t kind, uint16
     return at ? *at : NULL;
 }
 
-/* That something is not there is said once, not for each of its parts. */
+/* A missing thing is one line, without lines for its parts. */
 static bool is_missed(const ect_facts_t *facts, const order_t *order, const ect_fact_t *fact)
 {
     ect_fact_kind_t parent = rows[fact->kind].parent;
+    ECT_ASSERT(rows[parent].parent == parent || rows[rows[parent].parent].parent == rows[parent].parent);
     if (!facts->complete[fact->kind] || fact->made)
         return false;
     uint16_t element = rows[parent].area == BY_ENTRY || rows[parent].area == BY_SUBINDEX ? fact->element : 0;
@@ -298,6 +306,8 @@ static void print_place(const ect_fact_t *fact, FILE *out)
     static const char *const timeouts[] = {"to PREOP",       "to SAFEOP or OP", "back to INIT",
                                            "back to SAFEOP", "mailbox request", "mailbox response"};
     const struct row *row = &rows[fact->kind];
+    ECT_ASSERT(row->place != NULL);
+    ECT_ASSERT(row->area != BY_PATH || fact->path != NULL);
     fputs(row->place, out);
     if (fact->kind == ECT_FACT_TIMEOUT)
         fputs(timeouts[fact->index % 6], out);
@@ -323,6 +333,7 @@ static void print_text(const ect_fact_t *fact, FILE *out)
 static void print(const ect_facts_t *found, const char *expecting, const ect_fact_t *expected, const ect_fact_t *actual,
                   FILE *out)
 {
+    ECT_ASSERT(expected != NULL || actual != NULL);
     fprintf(out, "%s: ", found->source);
     print_place(expected ? expected : actual, out);
     fputs(": expected ", out);
@@ -423,6 +434,8 @@ size_t ect_facts_compare(ect_facts_t *known, const ect_facts_t *found, FILE *out
 
 void ect_facts_take(ect_facts_t *to, const ect_facts_t *from, ect_fact_kind_t first, ect_fact_kind_t last)
 {
+    ECT_ASSERT(to != from);
+    ECT_ASSERT(first <= last && last < ECT_FACT_KINDS);
     for (size_t i = 0; i < from->count; i++) {
         if (from->list[i].kind < first || from->list[i].kind > last)
             continue;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Facts: what a source (a description, an EEPROM image, a slave on the wire) says of a device, in a form that all
+ * Facts: the content of a source (a description, an EEPROM image, an ESI file, a slave's dictionary) in a form that all
  * sources have in common, so that any two can be compared.
  *
- * A fact is a kind, a place (index and element) and a text. A source says what it knows and is silent of the rest: only
- * what two of them know is compared. Where a source knows all of a kind (all entries of its PDOs), what it does not
- * have is a difference too.
+ * A fact is a kind, a place (index and element) and a text. A source has facts of what it knows and is silent of the
+ * rest: only kinds that two sources know are compared. A source that knows all of a kind (all entries of its PDOs) is
+ * complete in it: a fact of the other source that it lacks is a difference, too.
  *
- * Host only, mainline. Memory that is short ends the program (esi/arena.h).
+ * Host only, mainline. The program ends when memory is exhausted (esi/arena.h).
  */
 #ifndef ECT_FACTS_FACTS_H
 #define ECT_FACTS_FACTS_H
@@ -22,7 +22,7 @@
 #include "seams/device.h"
 #include "wire/linkage.h"
 
-/** What a fact is about; facts.c has a row for each. */
+/** Subjects of facts; facts.c has a row for each. */
 typedef enum ect_fact_kind {
     ECT_FACT_VENDOR,
     ECT_FACT_PRODUCT,
@@ -49,7 +49,7 @@ typedef enum ect_fact_kind {
     ECT_FACT_SM_LENGTH,
     ECT_FACT_SM_CONTROL,
     ECT_FACT_SM_ENABLED,
-    ECT_FACT_SM_DEFAULT, /**< what an ESI file says in DefaultSize */
+    ECT_FACT_SM_DEFAULT, /**< DefaultSize of an ESI file */
     ECT_FACT_SM_MINIMUM,
     ECT_FACT_SM_MAXIMUM,
     ECT_FACT_FMMU, /**< an FMMU is there: its role */
@@ -91,51 +91,58 @@ typedef struct ect_fact {
     ect_fact_kind_t kind;
     uint16_t index;
     uint16_t element;
-    bool made;          /**< it follows from others: a source without it has it none the less */
+    bool made;          /**< derived from others: a source without it is not different */
     const char *path;   /**< of ECT_FACT_FILE and ECT_FACT_FILE_TEXT; else NULL */
-    const char *text;   /**< NULL: it is there, and what it is is not known */
-    const char *source; /**< who says so */
+    const char *text;   /**< NULL: the thing exists, its content is not known */
+    const char *source; /**< source of the fact; outlives it */
 } ect_fact_t;
 
-/** What a source says. All zero but for `source`: nothing. Freed with ::ect_facts_free. */
+/** The facts of a source. All zero but for `source`: none. Freed with ::ect_facts_free. */
 typedef struct ect_facts {
     const char *source; /**< as the user named it; outlives the facts */
     ect_arena_t arena;
     ect_fact_t *list;
     size_t count;
-    bool complete[ECT_FACT_KINDS]; /**< of kinds that tell that something is there: all of them are told */
+    bool complete[ECT_FACT_KINDS]; /**< of kinds that list things: the list is whole */
 } ect_facts_t;
 
 struct cJSON;
 
 ECT_C_BEGIN
 
-/** Adds a fact and returns it. `format` NULL: there, and not known. */
+/**
+ * Adds a fact.
+ * @param index, element  up to 0xFFFF each
+ * @param format  NULL: the thing exists, its content is not known; the text is cut at 599 characters
+ * @return the fact, valid until the next one is added
+ */
 __attribute__((format(printf, 5, 6))) ect_fact_t *ect_facts_add(ect_facts_t *facts, ect_fact_kind_t kind,
                                                                 unsigned int index, unsigned int element,
                                                                 const char *format, ...);
 
-/** Adds a text: what is none (NULL, empty) or has letters beyond ISO 646, which each source spells its own way, is not.
+/**
+ * Adds a text of `length` bytes, without trailing blanks and zeros. A text that is empty, a placeholder ("SubIndex
+ * 001"), or with letters beyond ISO 646, which each source spells its own way, is no fact.
  */
 void ect_facts_add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int index, unsigned int element,
                         const char *text, size_t length);
 
-/** Adds what is mapped by the three numbers of a PDO's entry. */
+/** Adds an entry of a PDO; `index` 0 is padding. @param element  from 1 */
 void ect_facts_add_mapping(ect_facts_t *facts, unsigned int pdo, unsigned int element, unsigned int index,
                            unsigned int subindex, unsigned int bits);
 
-/** Adds the rights of an entry: ECT_ACCESS_... */
+/** Adds the rights of an entry. @param access  ECT_ACCESS_... */
 void ect_facts_add_access(ect_facts_t *facts, unsigned int index, unsigned int subindex, unsigned int access);
 
-/** Adds bytes as a default, without the zeros at the end. */
+/** Adds a default in the byte order of the wire, without trailing zeros, up to 64 bytes. */
 void ect_facts_add_default(ect_facts_t *facts, unsigned int index, unsigned int subindex, const uint8_t *bytes,
                            size_t length);
 
-/** True for mapping and assignment objects: what they hold are facts of PDOs, and a difference in it is told there. */
+/** @return true for mapping and assignment objects: their content is facts of PDOs, and differences belong there */
 bool ect_facts_are_of_pdos(unsigned int index);
 
-/** True for identity and roles of SyncManagers: what they hold is told by other facts. */
-bool ect_facts_are_told_elsewhere(unsigned int index);
+/** @return true for identity and roles of SyncManagers (1018h, 1C00h): other facts have their content */
+bool ect_facts_are_known_elsewhere(unsigned int index);
 
 /** FNV-1a of bytes: for contents that are compared and not printed. */
 uint32_t ect_facts_sum(const void *bytes, size_t length);
@@ -148,7 +155,7 @@ uint32_t ect_facts_sum(const void *bytes, size_t length);
  */
 void ect_facts_add_leaf(ect_facts_t *facts, ect_fact_kind_t kind, const char *path, const char *value);
 
-/** Adds the role of a SyncManager or FMMU: ECT_SM_..., ECT_FMMU_... */
+/** Adds the role of a SyncManager (ECT_SM_...), or those of all FMMUs (ECT_FMMU_..., 0xFF: unused). */
 void ect_facts_add_sm(ect_facts_t *facts, unsigned int sm, unsigned int type);
 void ect_facts_add_fmmus(ect_facts_t *facts, const uint8_t *roles, size_t count);
 
@@ -159,17 +166,17 @@ void ect_facts_add_protocols(ect_facts_t *facts, unsigned int protocols, unsigne
 void ect_facts_add_mailbox(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int start, unsigned int length);
 
 /**
- * Compares and learns: prints a line for each fact of `found` that is another in `known`, then adds to `known` what it
- * did not know. Facts of the kind ECT_FACT_FILE_TEXT follow when there are no other differences: so two files that
+ * Compares and learns: prints a line for each fact of `found` that differs in `known`, then adds the facts that `known`
+ * lacks. Facts of the kind ECT_FACT_FILE_TEXT follow when there are no other differences: so two files that
  * differ in any value are never the same, and no value has two lines.
  * @param[in,out] known  the expectation; keeps pointers into `found`, which must outlive it
- * @return how many lines
+ * @return number of lines
  */
 size_t ect_facts_compare(ect_facts_t *known, const ect_facts_t *found, FILE *out);
 
 /**
- * Takes over the facts of the kinds `first` to `last`, both inclusive, and whether all of them are told: for comparing
- * a part.
+ * Copies the facts of the kinds `first` to `last`, both inclusive, and whether their lists are whole: for comparing a
+ * part.
  * @param[in,out] to  keeps pointers into `from`, which must outlive it
  */
 void ect_facts_take(ect_facts_t *to, const ect_facts_t *from, ect_fact_kind_t first, ect_fact_kind_t last);
@@ -178,22 +185,22 @@ void ect_facts_free(ect_facts_t *facts);
 
 /* --- sources ------------------------------------------------------------------------------------------------------ */
 
-/** What a description says. */
+/** Facts of a description: the dictionary with CoE only. */
 void ect_facts_of_device(ect_facts_t *facts, const ect_device_t *device);
 
 /**
- * What an ESI file says: what the twin that is made of it says, and what only a file does. Objects that the twin has
- * and the file has not are made up.
+ * Facts of an ESI file: those of the twin that is made of it, less what the twin adds, and those that only a file has.
+ * Objects of the twin that the file lacks are marked as made.
  */
 void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model);
 
-/** What an EEPROM's image says; any bytes. */
+/** Facts of an EEPROM image; any bytes, any size. */
 void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size);
 
-/** What a slave's dictionary says, as ectwin-probe writes it. @return false: `json` is not that */
+/** Facts of a dictionary as ectwin-probe writes it (reader/reader.h). @return false: `json` is no such text */
 bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json);
 
-/** The same, parsed (a cJSON). */
+/** The same, parsed. */
 bool ect_facts_of_objects(ect_facts_t *facts, const struct cJSON *dictionary);
 
 ECT_C_END

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What an EEPROM's image says, of any origin. */
+/* Facts of an EEPROM image of any origin. */
 #include <inttypes.h>
 #include <string.h>
 
 #include "facts/facts.h"
 #include "sii/sii.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 
 typedef struct image {
@@ -65,6 +66,7 @@ static void add_reserved(const image_t *image)
     used += RESERVED_END - RESERVED;
     words[used++] = w[15];
     memcpy(words + used, w + VERSION, 2);
+    ECT_ASSERT(used + 2 == sizeof words);
     (void)ect_facts_add(image->facts, ECT_FACT_WORDS, 0, 0, "sum %08" PRIX32, ect_facts_sum(words, sizeof words));
 }
 
@@ -223,6 +225,7 @@ static void add_clocks(const image_t *image)
 void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size)
 {
     image_t image = {.facts = facts, .bytes = bytes, .size = size};
+    ECT_ASSERT(bytes != NULL || size == 0);
     if (size < ECT_SII_CATEGORIES) {
         (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%zu bytes, less than its header", size);
         return;

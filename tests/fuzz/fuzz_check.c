@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Descriptions with anything in them that is no pointer: a copy of a device, each table in memory of just its size,
- * changed as the input says, then asked of ect_device_check. What it refuses is forgotten; what it accepts must be safe
- * to run: SII, a twin up to OP, every entry by SDO and SDO information.
+ * changed by the input, then passed to ect_device_check. A copy that it accepts must be safe to run: SII, a twin up to
+ * OP, every entry by SDO and SDO information.
  *
  * The input: a byte that chooses the device, then steps of 8 bytes: which table, two bytes that choose the element,
  * which member, four bytes of value.
@@ -116,7 +116,7 @@ static void change_object(copy_t *c, uint8_t i, uint8_t which, uint32_t value)
     o->last = (uint8_t)least(o->last, last);
 }
 
-/* What is shared is a pointer, and stays one. */
+/* The data of a shared entry are a pointer, and stay one. */
 static void change_entry(copy_t *c, uint8_t i, uint8_t k, uint8_t which, uint32_t value)
 {
     static const member_t members[] = {MEMBER(ect_entry_t, subindex),   MEMBER(ect_entry_t, data_type),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What people and programs write as text: faults with their moments, a slave's dictionary as JSON. */
+/* Texts of users and programs: faults with their moments, a slave's dictionary as JSON. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Descriptions with one thing wrong in each, and the line that says what (check/check.h). */
+/* Descriptions with one thing wrong in each, and the line that names it (check/check.h). */
 #include "check/check.h"
 
 #include <stdio.h>
@@ -26,7 +26,7 @@ typedef struct row {
 #define ENTRY(index, sub) copy_entry(c, index, sub)
 #define D                 c->device
 
-/* X(name, device, what is done to it, what the line says) */
+/* X(name, device, what is done to it, a part of the line) */
 #define NAMES(X)                                                                                                       \
     X(no_name, confdev, D.name = NULL, "name is missing")                                                              \
     X(name_empty, confdev, D.name = "", "name is missing")                                                             \
@@ -56,17 +56,17 @@ typedef struct row {
     X(no_entries, confdev, OBJECT(0x6000)->entries = NULL, "6000h: it has no entries")                                 \
     X(var_of_two, confdev, OBJECT(0x2100)->max_subindex = 1, "2100h: a VAR has one entry")                             \
     X(not_counted, confdev, OBJECT(0x6000)->last = 0, "6000h: its entries are not counted")                            \
-    X(max_too_high, confdev, OBJECT(0x6000)->max_subindex++, "6000h:0: it says 4 elements, but the last is 5")         \
+    X(max_too_high, confdev, OBJECT(0x6000)->max_subindex++, "6000h:0: it has 4 elements, but the last is 5")          \
     X(max_and_count_too_high, confdev, (OBJECT(0x6000)->max_subindex++, ENTRY(0x6000, 0)->value++),                    \
-      "6000h: its last sub-index is 4, max_subindex says 5")                                                           \
-    X(max_too_low, confdev, OBJECT(0x6000)->max_subindex--, "6000h:0: it says 4 elements, but the last is 3")          \
+      "6000h: its last sub-index is 4, max_subindex is 5")                                                             \
+    X(max_too_low, confdev, OBJECT(0x6000)->max_subindex--, "6000h:0: it has 4 elements, but the last is 3")           \
     X(entry_twice, confdev, ENTRY(0x6000, 3)->subindex = 2, "6000h: its entries are not in ascending order")           \
     X(entry_order, confdev, ENTRY(0x6000, 1)->subindex = 3, "6000h: its entries are not in ascending order")           \
     X(entry_beyond, confdev, ENTRY(0x6000, 4)->subindex = 9, "not up to 4: 9 comes after 3")                           \
     X(entry_missing, confdev, ENTRY(0x6000, 4)->subindex = 0, "6000h: its entries are not in ascending order")         \
     X(no_sub0, confdev, ENTRY(0x6000, 0)->data_type = ECT_TYPE_UNSIGNED16, "6000h: a record or array begins with")     \
-    X(count_low, confdev, ENTRY(0x6000, 0)->value = 3, "6000h:0: it says 3 elements, but the last is 4")               \
-    X(count_high, confdev, ENTRY(0x1600, 0)->value = 5, "1600h:0: it says 5 elements, but the last is 4")              \
+    X(count_low, confdev, ENTRY(0x6000, 0)->value = 3, "6000h:0: it has 3 elements, but the last is 4")                \
+    X(count_high, confdev, ENTRY(0x1600, 0)->value = 5, "1600h:0: it has 5 elements, but the last is 4")               \
     X(entry_name, confdev, ENTRY(0x6000, 2)->name = NULL, "6000h:2: it has no name")                                   \
     X(type_unknown, confdev, ENTRY(0x6000, 2)->data_type = 0x40, "6000h:2: its data type 0040h is none")               \
     X(type_none, confdev, ENTRY(0x6000, 2)->data_type = 0, "6000h:2: its data type 0000h is none")                     \
@@ -102,7 +102,7 @@ typedef struct row {
     X(default_high, testdev, ENTRY(0x2005, 0)->value = 201, "2005h:0: its default 201 is above its maximum 200")       \
     X(limits_of_text, testdev, (c->details[0].index = 0x2001, c->details[0].minimum = 0),                              \
       "2001h:0: only integers have limits")                                                                            \
-    X(long_default_of_short, testdev, c->details[0].initial = "12", "2005h:0: a default of up to 32 bits stands in")   \
+    X(long_default_of_short, testdev, c->details[0].initial = "12", "2005h:0: a default of up to 32 bits is in")       \
     X(two_defaults, testdev,                                                                                           \
       (copy_detail(c, 0x2009, 0), c->details[1].initial = "12345678", ENTRY(0x2009, 0)->value = 1),                    \
       "2009h:0: it has two defaults")
@@ -137,7 +137,7 @@ typedef struct row {
     X(fmmu_role, gauge, D.fmmu[1] = 4, "FMMU1: there is no role 4")                                                    \
     X(sm_type, gauge, D.sm[2].type = 5, "SM2: there is no type 5")                                                     \
     X(sm0_type, gauge, D.sm[0].type = ECT_SM_UNUSED, "SM0: with a mailbox its type is 1, not 0")                       \
-    X(mailbox_elsewhere, gauge, D.sm[2].type = ECT_SM_MAILBOX_IN, "SM2: a mailbox stands in SM0 and SM1")              \
+    X(mailbox_elsewhere, gauge, D.sm[2].type = ECT_SM_MAILBOX_IN, "SM2: a mailbox is in SM0 and SM1")                  \
     X(mailbox_without, terminal, D.sm[0].type = ECT_SM_MAILBOX_OUT, "1C10h: SM0 has no process data")                  \
     X(direction, terminal, D.sm[1].control = 0x24, "SM1: control 24h has the direction of the other way")              \
     X(direction_out, terminal, D.sm[0].control = 0x60, "SM0: control 60h has the direction of the other way")          \
@@ -175,8 +175,8 @@ typedef struct row {
     X(no_identity, gauge, OBJECT(0x1018)->index = 0x1019, "a device with CoE has 1000h and 1018h")                     \
     X(sm_types_other, gauge, D.sm_count = 5, "1C00h: it has 4 SyncManagers, the description 5")                        \
     X(identity_other, gauge, (ENTRY(0x1018, 2)->data = NULL, ENTRY(0x1018, 2)->value = 7),                             \
-      "1018h:2: it says 7h, the description 7E59h")                                                                    \
-    X(rhythm_without, confdev, D.cyclic = told, "cyclic: nobody calls it without ect_service_rhythm")                  \
+      "1018h:2: it has 7h, the description 7E59h")                                                                     \
+    X(rhythm_without, confdev, D.cyclic = told, "cyclic: it needs ect_service_rhythm, which calls it")                 \
     X(sync_without, confdev, OBJECT(0x1C32)->index = 0x1C31, "ect_service_sync needs 1C32h:1 in memory")               \
     X(sync_outside, confdev, ENTRY(0x1C32, 1)->data = AT(sizeof(confdev_t) - 8), "ect_service_sync, from 1C32h:1 on")  \
     X(sync_crooked, confdev, ENTRY(0x1C32, 1)->data = AT(offsetof(confdev_t, sync) + 2), "are not aligned")            \
@@ -204,7 +204,7 @@ static void told(void *instance, uint8_t events, uint64_t now_ns)
     (void)now_ns;
 }
 
-/* What one init command of a device writes. */
+/* The write of one init command of a device. */
 static void init(copy_t *c, const char *transitions, uint16_t size)
 {
     static const uint8_t data[2];
@@ -284,6 +284,10 @@ typedef struct plant_row {
     const char *want;
 } plant_row_t;
 
+#define FORTY "a123456789b123456789c123456789d123456789"
+/* Offset of the last byte of the instance, in a group that begins behind ect_standard_t. */
+#define LAST (sizeof(gauge_t) - sizeof(ect_standard_t) - 1)
+
 #define PLANTS(X)                                                                                                      \
     X(modbus_empty, p->modbus = &modbus_of_nothing, "Modbus: a function, its connections or its idle time is missing") \
     X(groups_missing, p->signal_groups = NULL, "signals: their groups are missing")                                    \
@@ -302,11 +306,87 @@ typedef struct plant_row {
     X(range_below, s[0].minimum = -1, "signal p.a: its range is empty, or beyond its type")                            \
     X(text_room, s[1].maximum = 128, "signal p.b: its range is empty, or beyond its type")                             \
     X(text_no_room, s[1].maximum = 0, "signal p.b: its maximum is its room")                                           \
-    X(said_by_nobody, s[1].type = ECT_SIGNAL_DESCRIBED,                                                                \
-      "signal p.b: what is said is read only, and the plant has to say")                                               \
+    X(said_by_nobody, s[1].type = ECT_SIGNAL_DESCRIBED, "signal p.b: a described signal is read only")                 \
     X(signal_outside, s[1].offset = 30, "signal p.b: it is not inside its structure")                                  \
-    X(kept_standard, (p->outside_offset = 8, p->outside_size = 8), "plant: what stands outside is not inside")         \
-    X(kept_beyond, (p->outside_offset = 60, p->outside_size = sizeof(gauge_t)), "plant: what stands outside is not")
+    X(modbus_whole, p->modbus = modbus_but(MODBUS_WHOLE), NULL)                                                        \
+    X(modbus_read, p->modbus = modbus_but(MODBUS_READ), "Modbus: a function, its connections or its idle time")        \
+    X(modbus_may_write, p->modbus = modbus_but(MODBUS_MAY_WRITE), "Modbus: a function, its connections or its idle")   \
+    X(modbus_write, p->modbus = modbus_but(MODBUS_WRITE), "Modbus: a function, its connections or its idle time")      \
+    X(modbus_connections, p->modbus = modbus_but(MODBUS_CONNECTIONS), "Modbus: a function, its connections or its")    \
+    X(modbus_idle, p->modbus = modbus_but(MODBUS_IDLE), "Modbus: a function, its connections or its idle time")        \
+    X(no_groups, (p->signal_groups = NULL, p->signal_group_count = 0), NULL)                                           \
+    X(no_signals, (g->signals = NULL, g->signal_count = 0), NULL)                                                      \
+    X(name_longest, s[0].name = FORTY, NULL)                                                                           \
+    X(name_too_long, s[0].name = FORTY "a", ": a name has lower case, digits and '_', at most 40")                     \
+    X(name_empty_signal, s[0].name = "", "signal p.: a name has lower case")                                           \
+    X(prefix_longest, g->prefix = FORTY, NULL)                                                                         \
+    X(prefix_too_long, g->prefix = FORTY "a", "signals: a prefix has lower case")                                      \
+    X(prefix_empty, g->prefix = "", "signals: a prefix has lower case")                                                \
+    X(twice_not_ascending, (s[0].name = "c", s[1].name = "c"), "signal p.c: there are two of that name")               \
+    X(descending, (s[0].name = "c", s[1].name = "b"), NULL)                                                            \
+    X(last_byte, s[0].offset = 9, NULL)                                                                                \
+    X(behind_last_byte, s[0].offset = 10, "signal p.a: it is not inside its structure")                                \
+    X(text_at_the_end, s[1].offset = 2, NULL)                                                                          \
+    X(text_beyond_the_end, s[1].offset = 3, "signal p.b: it is not inside its structure")                              \
+    X(bytes_at_the_end, (s[1].type = ECT_SIGNAL_BYTES, s[1].offset = 3), NULL)                                         \
+    X(bytes_beyond_the_end, (s[1].type = ECT_SIGNAL_BYTES, s[1].offset = 4), "signal p.b: it is not inside")           \
+    X(far_beyond, s[0].offset = UINT16_MAX, "signal p.a: it is not inside its structure")                              \
+    X(alone_last_byte, (g->count = 1, s[0].offset = LAST), NULL)                                                       \
+    X(alone_behind, (g->count = 1, s[0].offset = LAST + 1), "signal p.a: it is not inside its structure")              \
+    X(unnumbered_last_byte, (g->count = 0, g->prefix = NULL, s[0].offset = LAST), NULL)                                \
+    X(unnumbered_behind, (g->count = 0, g->prefix = NULL, s[0].offset = LAST + 1), "signal a: it is not inside")       \
+    X(groups_fill_the_instance, (g->offset = sizeof(gauge_t) - 20, g->count = 2), NULL)                                \
+    X(groups_one_too_far, (g->offset = sizeof(gauge_t) - 19, g->count = 2), "signals: the structures of 'p' are not")  \
+    X(group_at_the_end, (g->offset = sizeof(gauge_t), g->count = 0, g->signal_count = 0), NULL)                        \
+    X(group_behind_the_end, (g->offset = sizeof(gauge_t) + 1, g->count = 0, g->signal_count = 0),                      \
+      "signals: the structures of 'p' are not inside the instance")                                                    \
+    X(range_of_one, (s[0].minimum = 3, s[0].maximum = 3), NULL)                                                        \
+    X(text_longest, (g->stride = 10, s[1].maximum = 8, s[1].offset = 1), NULL)                                         \
+    X(text_minimum, s[1].minimum = 1, "signal p.b: its maximum is its room, its minimum 0")                            \
+    X(bytes_no_room, (s[1].type = ECT_SIGNAL_BYTES, s[1].maximum = 0), "signal p.b: its maximum is its room")          \
+    X(described_written,                                                                                               \
+      (s[1].type = ECT_SIGNAL_DESCRIBED, p->signal_describe = describe_nothing, s[1].access = ECT_SIGNAL_WRITE),       \
+      "signal p.b: a described signal is read only")                                                                   \
+    X(described,                                                                                                       \
+      (s[1].type = ECT_SIGNAL_DESCRIBED, p->signal_describe = describe_nothing, s[1].access = ECT_SIGNAL_READ), NULL)  \
+    X(kept_whole,                                                                                                      \
+      (p->outside_offset = sizeof(ect_standard_t), p->outside_size = sizeof(gauge_t) - sizeof(ect_standard_t)), NULL)  \
+    X(kept_one_too_long,                                                                                               \
+      (p->outside_offset = sizeof(ect_standard_t), p->outside_size = sizeof(gauge_t) - sizeof(ect_standard_t) + 1),    \
+      "plant: its outside part is not inside the instance")                                                            \
+    X(kept_too_early, (p->outside_offset = sizeof(ect_standard_t) - 1, p->outside_size = 1), "plant: its outside")     \
+    X(kept_behind, (p->outside_offset = sizeof(gauge_t) + 1, p->outside_size = 1), "plant: its outside part")          \
+    X(kept_nothing, (p->outside_offset = 0, p->outside_size = 0), NULL)                                                \
+    X(kept_standard, (p->outside_offset = 8, p->outside_size = 8), "plant: its outside part is not inside")            \
+    X(kept_beyond, (p->outside_offset = 60, p->outside_size = sizeof(gauge_t)), "plant: its outside part is not")
+
+/* The Modbus side of a base unit without one of its parts. */
+enum { MODBUS_WHOLE, MODBUS_READ, MODBUS_MAY_WRITE, MODBUS_WRITE, MODBUS_CONNECTIONS, MODBUS_IDLE, MODBUS_PARTS };
+
+static const ect_modbus_t *modbus_but(unsigned int missing)
+{
+    static ect_modbus_t sides[MODBUS_PARTS];
+    ect_modbus_t *m = &sides[missing];
+    for (size_t i = 0; every_product(i) != NULL; i++) {
+        const ect_plant_t *plant = plant_of(every_product(i));
+        if (plant != NULL && plant->modbus != NULL)
+            *m = *plant->modbus;
+    }
+    assert_true(m->connections > 0);
+    m->read = missing == MODBUS_READ ? NULL : m->read;
+    m->may_write = missing == MODBUS_MAY_WRITE ? NULL : m->may_write;
+    m->write = missing == MODBUS_WRITE ? NULL : m->write;
+    m->connections = missing == MODBUS_CONNECTIONS ? 0 : m->connections;
+    m->idle_ms = missing == MODBUS_IDLE ? 0 : m->idle_ms;
+    return m;
+}
+
+static void describe_nothing(const ect_signal_t *signal, uint16_t value, char *text)
+{
+    (void)signal;
+    (void)value;
+    *text = '\0';
+}
 
 static const ect_modbus_t modbus_of_nothing = {.connections = 4, .idle_ms = 1000};
 
@@ -345,14 +425,65 @@ static void each_plant_wrong(void **state)
     }
 }
 
+/* Lowest and highest bound of each type, and the bytes that a value takes in its structure. */
+static void each_type_has_its_range_and_its_size(void **state)
+{
+    static const struct {
+        ect_signal_type_t type;
+        int64_t lowest, highest;
+        uint16_t bytes;
+    } types[] = {{ECT_SIGNAL_BOOL, 0, 1, 1},
+                 {ECT_SIGNAL_U8, 0, UINT8_MAX, 1},
+                 {ECT_SIGNAL_I8, INT8_MIN, INT8_MAX, 1},
+                 {ECT_SIGNAL_U16, 0, UINT16_MAX, 2},
+                 {ECT_SIGNAL_I16, INT16_MIN, INT16_MAX, 2},
+                 {ECT_SIGNAL_U32, 0, UINT32_MAX, 4},
+                 {ECT_SIGNAL_I32, INT32_MIN, INT32_MAX, 4},
+                 {ECT_SIGNAL_U64, 0, INT64_MAX, 8},
+                 {ECT_SIGNAL_I64, INT64_MIN, INT64_MAX, 8},
+                 {ECT_SIGNAL_REAL32, INT64_MIN, INT64_MAX, 4},
+                 {ECT_SIGNAL_REAL, INT64_MIN, INT64_MAX, 8}};
+    (void)state;
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
+        char text[ECT_CHECK_TEXT];
+        ect_signal_t s = {
+            .name = "a", .meaning = "A", .type = types[i].type, .offset = (uint16_t)(20 - types[i].bytes)};
+        const ect_signal_group_t group = {.prefix = "p",
+                                          .count = 2,
+                                          .signal_count = 1,
+                                          .offset = sizeof(ect_standard_t),
+                                          .stride = 20,
+                                          .signals = &s};
+        const ect_plant_t plant = {.signal_groups = &group, .signal_group_count = 1};
+        s.minimum = types[i].lowest;
+        s.maximum = types[i].highest;
+        if (!ect_plant_check(&plant, &gauge, text, sizeof text))
+            fail_msg("type %u: %s", (unsigned int)s.type, text);
+        s.offset++;
+        assert_false(ect_plant_check(&plant, &gauge, text, sizeof text));
+        assert_string_equal(text, "signal p.a: it is not inside its structure");
+        s.offset--;
+        if (types[i].highest < INT64_MAX) {
+            s.maximum = types[i].highest + 1;
+            assert_false(ect_plant_check(&plant, &gauge, text, sizeof text));
+            s.maximum = types[i].highest;
+        }
+        if (types[i].lowest > INT64_MIN) {
+            s.minimum = types[i].lowest - 1;
+            assert_false(ect_plant_check(&plant, &gauge, text, sizeof text));
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
 #define T(title, test) {title, test, NULL, NULL, NULL}
     const struct CMUnitTest tests[] = {
-        T("every device, and what stands around it, is described well", every_good),
+        T("every device and every plant is described well", every_good),
         T("CF-057 CF-067 CF-077: each member of a description that can be wrong is found, and named in a line",
           each_wrong),
         T("each member of a plant that can be wrong is found, and named in a line", each_plant_wrong),
+        T("each type of signal has its range and its size", each_type_has_its_range_and_its_size),
         T("the line is cut off where its room ends", cut_off),
     };
     if (argc > 1)

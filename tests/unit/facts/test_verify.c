@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `ectwin verify` finds: nothing between what belongs together, and each of 59 changes by its name. */
+/* Findings of `ectwin verify`: none between sources of one device, and each of 59 changes by its name. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -33,7 +33,7 @@ static char *load(const char *file)
     return text;
 }
 
-/* The file with `change` in place of `text` where it stands first behind `after`. */
+/* The file with `change` in place of `text` at its first place behind `after`. */
 static char *changed(const char *file, const char *after, const char *text, const char *change)
 {
     char *original = load(file);
@@ -48,7 +48,7 @@ static char *changed(const char *file, const char *after, const char *text, cons
     return result;
 }
 
-/* What the twin of a file's device says; nothing of it outlives the twin. */
+/* Facts of a file's device; they outlive the twin that they come from. */
 static void facts_of_text(ect_facts_t *facts, const char *text, const char *selector)
 {
     char message[300] = "";
@@ -110,7 +110,7 @@ static void esi_mutations(void **state)
         {"analog.xml", "AI2", "<Groups", "Analog terminals", "Analogue",
          "device group's name: expected \"Analog terminals\" (old), found \"Analogue\""},
         {"analog.xml", "AI2", "<Device ", ">9000<", ">8000<",
-         "time-out to SAFEOP or OP: expected 9000 ms (old), found 8000 ms"},
+         "timeout to SAFEOP or OP: expected 9000 ms (old), found 8000 ms"},
         {"analog.xml", "AI2", "<Objects", "89130000", "8A130000",
          "object 1000:00 default: expected 89 13 (old), found 8A 13"},
         {"analog.xml", "AI2", "<Objects", "AI Settings", "AO Settings",
@@ -276,7 +276,7 @@ static void silent(void **state)
     }
 }
 
-/* What is missing as a whole is one line, not one for each of its parts. */
+/* A missing thing is one line, without lines for its parts. */
 static void missing(void **state)
 {
     (void)state;
@@ -302,11 +302,11 @@ static const char *fact_of(const ect_facts_t *facts, ect_fact_kind_t kind, uint1
         if (facts->list[i].kind == kind && facts->list[i].index == index)
             return facts->list[i].text;
     }
-    return "not said";
+    return "no fact";
 }
 
-/* The twin of a file has things its own way: room in its EEPROM, names of standard objects, lengths of what it maps. */
-static void as_the_file_says(void **state)
+/* The twin of a file changes values: room in its EEPROM, names of standard objects, lengths of what it maps. */
+static void as_in_the_file(void **state)
 {
     static const struct {
         const char *what, *after, *text, *change;
@@ -314,18 +314,18 @@ static void as_the_file_says(void **state)
         uint16_t index;
         const char *fact;
     } table[] = {
-        {"an EEPROM too small for the twin's", "AI2", "<ByteSize>2048<", "<ByteSize>256<", ECT_FACT_EEPROM_SIZE, 0,
-         "256 bytes"},
+        {"an EEPROM too small for the content of the twin", "AI2", "<ByteSize>2048<", "<ByteSize>256<",
+         ECT_FACT_EEPROM_SIZE, 0, "256 bytes"},
         {"its size as it is", "AI2", "<ByteSize>2048<", "<ByteSize>2048<", ECT_FACT_EEPROM_SIZE, 0, "2048 bytes"},
-        {"no size at all", "AI2", "<ByteSize>2048</ByteSize>", "", ECT_FACT_EEPROM_SIZE, 0, "not said"},
-        {"process data without a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm ", ECT_FACT_SM_LENGTH, 2, "not said"},
+        {"no size at all", "AI2", "<ByteSize>2048</ByteSize>", "", ECT_FACT_EEPROM_SIZE, 0, "no fact"},
+        {"process data without a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm ", ECT_FACT_SM_LENGTH, 2, "no fact"},
         {"process data with a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm DefaultSize=\"2\" ", ECT_FACT_SM_LENGTH, 2,
          "2 bytes"},
         {"another name of 1018h", "<Objects>", "<Object>",
          "<Object><Index>#x1018</Index><Name>Identity "
          "Object</Name><Type>UDINT</Type><BitSize>32</BitSize></Object><Object>",
          ECT_FACT_OBJECT_NAME, 0x1018, "\"Identity Object\""},
-        {"no name of 1018h", "<Objects>", "<Object>", "<Object>", ECT_FACT_OBJECT_NAME, 0x1018, "not said"},
+        {"no name of 1018h", "<Objects>", "<Object>", "<Object>", ECT_FACT_OBJECT_NAME, 0x1018, "no fact"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -340,7 +340,7 @@ static void as_the_file_says(void **state)
     }
 }
 
-/* A part of what is said is compared alone. */
+/* Facts of some kinds are compared alone. */
 static void parts(void **state)
 {
     (void)state;
@@ -366,7 +366,7 @@ static void parts(void **state)
     ect_facts_free(&found);
 }
 
-/* Names that are none, and texts that each tool spells its own way, are nobody's facts. */
+/* Placeholders, and texts that each tool spells its own way, are no facts. */
 static void texts(void **state)
 {
     static const struct {
@@ -400,7 +400,7 @@ static void texts(void **state)
     }
 }
 
-/* Any bytes are an image; those that are cut off say less. */
+/* Any bytes are an image; images that are cut off have fewer facts. */
 static void cut_images(void **state)
 {
     const ect_device_t *device = ect_catalogue_find("fzm1")->device;
@@ -432,7 +432,7 @@ static void intel_hex(void **state)
         {":02000200AABB97\r\n:00000001FF\r\n", 4, ""},
         {":020000040000FA\n:0100FF005AA6\n:00000001FF\n", 256, ""},
         {":0400000001020304F3\n", -1, ":1: a line of Intel HEX that has a wrong sum"},
-        {":0400000001020304\n", -1, ":1: a line of Intel HEX that has another length than it says"},
+        {":0400000001020304\n", -1, ":1: a line of Intel HEX that has another length than its first byte"},
         {":00000001FF\nnothing", 0, ""},
         {":020000040002F8\n", -1, ":1: a line of Intel HEX that is beyond the largest EEPROM"},
         {":01000007AA4E\n", -1, ":1: a line of Intel HEX that has an unknown type"},
@@ -463,10 +463,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"verify names each of 35 changes of an ESI file (CF-066)", esi_mutations, NULL, NULL, NULL},
         {"verify names each of 24 changes of an EEPROM image (CF-054)", sii_mutations, NULL, NULL, NULL},
-        {"verify is silent of a description and its EEPROM image (CF-054)", silent, NULL, NULL, NULL},
-        {"what is missing as a whole is one line", missing, NULL, NULL, NULL},
-        {"a part of what is said is compared alone", parts, NULL, NULL, NULL},
-        {"what a twin has otherwise than its file is told as the file says it", as_the_file_says, NULL, NULL, NULL},
+        {"verify finds nothing between a description and its EEPROM image (CF-054)", silent, NULL, NULL, NULL},
+        {"a missing thing is one line", missing, NULL, NULL, NULL},
+        {"facts of some kinds are compared alone", parts, NULL, NULL, NULL},
+        {"a value that the twin changes is compared as in the file", as_in_the_file, NULL, NULL, NULL},
         {"placeholders and letters beyond ISO 646 are not compared", texts, NULL, NULL, NULL},
         {"an image that is cut off anywhere is read as far as it goes", cut_images, NULL, NULL, NULL},
         {"EEPROM images as bytes and as Intel HEX", intel_hex, NULL, NULL, NULL},
