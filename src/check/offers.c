@@ -228,7 +228,8 @@ static bool transitions_good(const char *transitions)
     size_t length = transitions ? strlen(transitions) : 0;
     for (size_t at = 0; at < length; at += 3) {
         char name[3] = {transitions[at], transitions[at + 1], 0};
-        if (name[0] == ' ' || name[1] == ' ' || !strstr(known, name) || (at + 2 < length && transitions[at + 2] != ' '))
+        if (strlen(name) != 2 || strchr(name, ' ') || !strstr(known, name) ||
+            (at + 2 < length && (transitions[at + 2] != ' ' || at + 3 == length)))
             return false;
     }
     return length > 0;

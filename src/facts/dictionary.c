@@ -23,6 +23,12 @@ static unsigned int number_of(const cJSON *parent, const char *name)
                : 0;
 }
 
+/* An index or a sub-index, of a text that may hold any number. */
+static unsigned int place_of(const cJSON *parent, const char *name)
+{
+    return number_of(parent, name) & UINT16_MAX;
+}
+
 static const char *text_of(const cJSON *parent, const char *name)
 {
     const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(parent, name));
@@ -60,7 +66,7 @@ static const cJSON *entry_of(const cJSON *object, unsigned int subindex)
     const cJSON *entry;
     cJSON_ArrayForEach(entry, cJSON_GetObjectItemCaseSensitive(object, "entries"))
     {
-        if (number_of(entry, "subindex") == subindex)
+        if (place_of(entry, "subindex") == subindex)
             return entry;
     }
     return NULL;
@@ -78,7 +84,7 @@ static bool element(const cJSON *object, unsigned int subindex, uint32_t *number
 
 static void add_entry(ect_facts_t *facts, unsigned int index, const cJSON *entry)
 {
-    unsigned int subindex = number_of(entry, "subindex");
+    unsigned int subindex = place_of(entry, "subindex");
     unsigned int type = number_of(entry, "type");
     value_t value;
     value_t maximum;
@@ -103,7 +109,7 @@ static void add_entry(ect_facts_t *facts, unsigned int index, const cJSON *entry
 
 static void add_object(ect_facts_t *facts, const cJSON *object)
 {
-    unsigned int index = number_of(object, "index");
+    unsigned int index = place_of(object, "index");
     const cJSON *entry;
     (void)ect_facts_add(facts, ECT_FACT_OBJECT, index, 0, "code %u", number_of(object, "code"));
     if (!ect_facts_are_of_pdos(index))
@@ -114,7 +120,7 @@ static void add_object(ect_facts_t *facts, const cJSON *object)
 
 static void add_pdo(ect_facts_t *facts, const cJSON *object)
 {
-    unsigned int index = number_of(object, "index");
+    unsigned int index = place_of(object, "index");
     uint32_t count;
     uint32_t mapping;
     if (!element(object, 0, &count))
@@ -134,7 +140,7 @@ static void add_assignment(ect_facts_t *facts, const cJSON *object)
         return;
     for (unsigned int n = 1; n <= count && n <= 255 && element(object, n, &pdo); n++)
         (void)ect_facts_add(facts, ECT_FACT_PDO_SM, pdo & 0xFFFF, 0, "%u",
-                            number_of(object, "index") - ECT_OD_ASSIGNMENT);
+                            place_of(object, "index") - ECT_OD_ASSIGNMENT);
 }
 
 static void add_identity(ect_facts_t *facts, const cJSON *object)
@@ -149,7 +155,7 @@ static void add_identity(ect_facts_t *facts, const cJSON *object)
 
 static void add_values(ect_facts_t *facts, const cJSON *object)
 {
-    unsigned int index = number_of(object, "index");
+    unsigned int index = place_of(object, "index");
     if (index == 0x1018)
         add_identity(facts, object);
     else if (ect_od_is_rxpdo((uint16_t)index) || ect_od_is_txpdo((uint16_t)index))
@@ -175,7 +181,7 @@ static void add_unassigned(ect_facts_t *facts, const cJSON *objects)
     cJSON_ArrayForEach(object, objects)
     {
         uint32_t count;
-        unsigned int index = number_of(object, "index");
+        unsigned int index = place_of(object, "index");
         assigns = assigns || ((index == 0x1C12 || index == 0x1C13) && element(object, 0, &count));
     }
     for (size_t i = 0, count = facts->count; assigns && i < count; i++) {

@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: MIT */
+/* Facts one by one: the line of each kind, the facts of each part of a dictionary, and the rules of comparing. */
+#define _GNU_SOURCE
+#include "facts/facts.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "seams/device.h"
+
+/* --- lines -------------------------------------------------------------------------------------------------------- */
+
+static char *lines_of(const ect_facts_t *expected, const ect_facts_t *found, size_t *count)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    ect_facts_t known = {.source = expected->source};
+    assert_non_null(out);
+    assert_int_equal(ect_facts_compare(&known, expected, out), 0);
+    *count = ect_facts_compare(&known, found, out);
+    (void)fclose(out);
+    ect_facts_free(&known);
+    return text;
+}
+
+static void each_kind_has_its_place_in_words(void **state)
+{
+    static const struct {
+        ect_fact_kind_t kind;
+        const char *place; /* of index 1A2Bh, element 3 */
+    } kinds[ECT_FACT_KINDS] = {
+        {ECT_FACT_VENDOR, "identity vendor id"},
+        {ECT_FACT_PRODUCT, "identity product code"},
+        {ECT_FACT_REVISION, "identity revision"},
+        {ECT_FACT_TYPE, "device type"},
+        {ECT_FACT_NAME, "device name"},
+        {ECT_FACT_VENDOR_NAME, "device vendor's name"},
+        {ECT_FACT_GROUP, "device group"},
+        {ECT_FACT_GROUP_NAME, "device group's name"},
+        {ECT_FACT_PORTS, "device ports"},
+        {ECT_FACT_EBUS, "device E-bus current"},
+        {ECT_FACT_TIMEOUT, "timeout back to SAFEOP"},
+        {ECT_FACT_EEPROM_SIZE, "EEPROM size"},
+        {ECT_FACT_CONFIG, "EEPROM word 6699"},
+        {ECT_FACT_CHECKSUM, "EEPROM checksum"},
+        {ECT_FACT_PROTOCOLS, "mailbox protocols"},
+        {ECT_FACT_COE, "mailbox CoE abilities"},
+        {ECT_FACT_MAILBOX_OUT, "mailbox to the slave"},
+        {ECT_FACT_MAILBOX_IN, "mailbox from the slave"},
+        {ECT_FACT_BOOT_OUT, "mailbox to the slave in BOOT"},
+        {ECT_FACT_BOOT_IN, "mailbox from the slave in BOOT"},
+        {ECT_FACT_SM, "SM6699"},
+        {ECT_FACT_SM_START, "SM6699 start"},
+        {ECT_FACT_SM_LENGTH, "SM6699 length"},
+        {ECT_FACT_SM_CONTROL, "SM6699 control byte"},
+        {ECT_FACT_SM_ENABLED, "SM6699 enabled"},
+        {ECT_FACT_SM_DEFAULT, "SM6699 DefaultSize"},
+        {ECT_FACT_SM_MINIMUM, "SM6699 smallest length"},
+        {ECT_FACT_SM_MAXIMUM, "SM6699 largest length"},
+        {ECT_FACT_FMMU, "FMMU6699"},
+        {ECT_FACT_PDO, "PDO 1A2B"},
+        {ECT_FACT_PDO_SM, "PDO 1A2B SyncManager"},
+        {ECT_FACT_PDO_NAME, "PDO 1A2B name"},
+        {ECT_FACT_PDO_FIXED, "PDO 1A2B fixed"},
+        {ECT_FACT_PDO_MANDATORY, "PDO 1A2B mandatory"},
+        {ECT_FACT_PDO_EXCLUDES, "PDO 1A2B excludes"},
+        {ECT_FACT_PDO_ENTRY, "PDO 1A2B entry 3"},
+        {ECT_FACT_PDO_ENTRY_NAME, "PDO 1A2B entry 3 name"},
+        {ECT_FACT_PDO_ENTRY_TYPE, "PDO 1A2B entry 3 data type"},
+        {ECT_FACT_OBJECT, "object 1A2B"},
+        {ECT_FACT_OBJECT_NAME, "object 1A2B name"},
+        {ECT_FACT_ENTRY, "object 1A2B:03 length"},
+        {ECT_FACT_ENTRY_TYPE, "object 1A2B:03 data type"},
+        {ECT_FACT_ENTRY_ACCESS, "object 1A2B:03 access"},
+        {ECT_FACT_ENTRY_NAME, "object 1A2B:03 name"},
+        {ECT_FACT_ENTRY_DEFAULT, "object 1A2B:03 default"},
+        {ECT_FACT_ENTRY_LIMITS, "object 1A2B:03 limits"},
+        {ECT_FACT_ENTRY_UNIT, "object 1A2B:03 unit"},
+        {ECT_FACT_DC, "DC mode 6699 name"},
+        {ECT_FACT_DC_ACTIVATE, "DC mode 6699 AssignActivate"},
+        {ECT_FACT_DC_SYNC0, "DC mode 6699 SYNC0"},
+        {ECT_FACT_DC_SYNC1, "DC mode 6699 SYNC1"},
+        {ECT_FACT_FILE, "Device/Somewhere"},
+        {ECT_FACT_FILE_TEXT, "Device/Somewhere"},
+        {ECT_FACT_WORDS, "EEPROM reserved words"},
+        {ECT_FACT_CATEGORY, "EEPROM category 6699"},
+        {ECT_FACT_GENERAL, "EEPROM General byte 6699"},
+        {ECT_FACT_SM_BITS, "SM6699 in the EEPROM"},
+        {ECT_FACT_PDO_BITS, "PDO 1A2B in the EEPROM"},
+        {ECT_FACT_PDO_ENTRY_BITS, "PDO 1A2B entry 3 in the EEPROM"},
+        {ECT_FACT_DC_TEXT, "DC mode 6699 in the EEPROM"},
+    };
+    (void)state;
+    for (size_t i = 0; i < ECT_FACT_KINDS; i++) {
+        ect_facts_t expected = {.source = "A"}, found = {.source = "B"};
+        char line[200];
+        size_t count;
+        assert_int_equal(kinds[i].kind, i);
+        ect_facts_add(&expected, kinds[i].kind, 0x1A2B, 3, "%d", 7)->path = "Device/Somewhere";
+        ect_facts_add(&found, kinds[i].kind, 0x1A2B, 3, "%d", 8)->path = "Device/Somewhere";
+        char *lines = lines_of(&expected, &found, &count);
+        (void)snprintf(line, sizeof line, "B: %s: expected 7 (A), found 8\n", kinds[i].place);
+        assert_string_equal(lines, line);
+        assert_int_equal(count, 1);
+        free(lines);
+        ect_facts_free(&expected);
+        ect_facts_free(&found);
+    }
+}
+
+static void each_timeout_has_its_name(void **state)
+{
+    static const char *const names[] = {"to PREOP",       "to SAFEOP or OP", "back to INIT",
+                                        "back to SAFEOP", "mailbox request", "mailbox response"};
+    (void)state;
+    for (unsigned int i = 0; i < sizeof names / sizeof names[0]; i++) {
+        ect_facts_t expected = {.source = "A"}, found = {.source = "B"};
+        char line[200];
+        size_t count;
+        (void)ect_facts_add(&expected, ECT_FACT_TIMEOUT, i, 0, "1 ms");
+        (void)ect_facts_add(&found, ECT_FACT_TIMEOUT, i, 0, "2 ms");
+        char *lines = lines_of(&expected, &found, &count);
+        (void)snprintf(line, sizeof line, "B: timeout %s: expected 1 ms (A), found 2 ms\n", names[i]);
+        assert_string_equal(lines, line);
+        free(lines);
+        ect_facts_free(&expected);
+        ect_facts_free(&found);
+    }
+}
+
+/* --- helpers ------------------------------------------------------------------------------------------------------ */
+
+/* The only fact, or that with a number. */
+static const char *text_of(const ect_facts_t *facts, ect_fact_kind_t kind, unsigned int index, unsigned int element)
+{
+    for (size_t i = 0; i < facts->count; i++) {
+        const ect_fact_t *f = &facts->list[i];
+        if (f->kind == kind && f->index == index && f->element == element)
+            return f->text != NULL ? f->text : "?";
+    }
+    return "none";
+}
+
+static void helpers_write_facts_as_texts(void **state)
+{
+    static const uint8_t roles[] = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, 0xFF, ECT_FMMU_MAILBOX_STATE, 9, 0xFF, 0};
+    static const uint8_t bytes[] = {1, 0xAB, 0, 0};
+    uint8_t many[100];
+    ect_facts_t f = {.source = "A"};
+    (void)state;
+    memset(many, 0x11, sizeof many);
+    ect_facts_add_mapping(&f, 0x1600, 1, 0x7000, 0x11, 16);
+    ect_facts_add_mapping(&f, 0x1600, 2, 0, 0, 7);
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1600, 1), "7000:11, 16 bits");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1600, 2), "7 bits of padding");
+    ect_facts_add_access(&f, 0x2000, 1, 0);
+    ect_facts_add_access(&f, 0x2000, 2, ECT_ACCESS_RW | ECT_ACCESS_RXPDO | ECT_ACCESS_BACKUP);
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_ACCESS, 0x2000, 1), "none");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_ACCESS, 0x2000, 2),
+                        "R.PREOP R.SAFEOP R.OP W.PREOP W.SAFEOP W.OP RxPDO backup");
+    ect_facts_add_default(&f, 0x2000, 1, bytes, sizeof bytes);
+    ect_facts_add_default(&f, 0x2000, 2, bytes + 2, 2);
+    ect_facts_add_default(&f, 0x2000, 3, bytes, 0);
+    ect_facts_add_default(&f, 0x2000, 4, many, sizeof many);
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 1), "01 AB");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 2), "00");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 3), "none");
+    assert_int_equal(strlen(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 4)), 64 * 3 - 1);
+    ect_facts_add_fmmus(&f, roles, sizeof roles);
+    assert_string_equal(text_of(&f, ECT_FACT_FMMU, 0, 0), "outputs");
+    assert_string_equal(text_of(&f, ECT_FACT_FMMU, 1, 0), "inputs");
+    assert_string_equal(text_of(&f, ECT_FACT_FMMU, 2, 0), "unused");
+    assert_string_equal(text_of(&f, ECT_FACT_FMMU, 3, 0), "mailbox state");
+    assert_string_equal(text_of(&f, ECT_FACT_FMMU, 4, 0), "role 9");
+    assert_string_equal(text_of(&f, ECT_FACT_FMMU, 5, 0), "none"); /* unused ones at the end are not there */
+    assert_true(f.complete[ECT_FACT_FMMU]);
+    ect_facts_add_protocols(&f, ECT_MAILBOX_COE | ECT_MAILBOX_FOE | 0x100, 0x41);
+    assert_string_equal(text_of(&f, ECT_FACT_PROTOCOLS, 0, 0), "CoE FoE bits 0x100");
+    assert_string_equal(text_of(&f, ECT_FACT_COE, 0, 0), "SDO bits 0x40");
+    ect_facts_add_mailbox(&f, ECT_FACT_MAILBOX_OUT, 0x1000, 128);
+    ect_facts_add_mailbox(&f, ECT_FACT_MAILBOX_IN, 0, 0);
+    ect_facts_add_mailbox(&f, ECT_FACT_BOOT_IN, 0x1000, 0);
+    assert_string_equal(text_of(&f, ECT_FACT_MAILBOX_OUT, 0, 0), "128 bytes at 0x1000");
+    assert_string_equal(text_of(&f, ECT_FACT_MAILBOX_IN, 0, 0), "none");
+    assert_string_equal(text_of(&f, ECT_FACT_BOOT_IN, 0, 0), "0 bytes at 0x1000");
+    ect_facts_free(&f);
+}
+
+static void long_values_of_a_file_are_compared_by_their_sum(void **state)
+{
+    char a[200], b[200];
+    ect_facts_t f = {.source = "A"}, g = {.source = "B"};
+    size_t count;
+    (void)state;
+    memset(a, 'a', sizeof a);
+    a[199] = '\0';
+    memcpy(b, a, sizeof b);
+    b[100] = 'b';
+    ect_facts_add_leaf(&f, ECT_FACT_FILE, "Device/Long", a);
+    ect_facts_add_leaf(&g, ECT_FACT_FILE, "Device/Long", b);
+    ect_facts_add_leaf(&f, ECT_FACT_FILE, "Device/Short", "12");
+    ect_facts_add_leaf(&g, ECT_FACT_FILE, "Device/Short", "12");
+    char *lines = lines_of(&f, &g, &count);
+    assert_int_equal(count, 1);
+    assert_non_null(strstr(lines, "B: Device/Long: expected 199 characters, sum "));
+    free(lines);
+    ect_facts_free(&f);
+    ect_facts_free(&g);
+}
+
+/* --- comparing ---------------------------------------------------------------------------------------------------- */
+
+static void a_part_is_missed_only_where_its_whole_is_there(void **state)
+{
+    static const struct {
+        ect_fact_kind_t whole, part;
+        unsigned int element;
+    } pairs[] = {{ECT_FACT_SM, ECT_FACT_SM_START, 0},
+                 {ECT_FACT_PDO, ECT_FACT_PDO_ENTRY, 2},
+                 {ECT_FACT_PDO_ENTRY, ECT_FACT_PDO_ENTRY_NAME, 2},
+                 {ECT_FACT_OBJECT, ECT_FACT_ENTRY, 2},
+                 {ECT_FACT_ENTRY, ECT_FACT_ENTRY_TYPE, 2},
+                 {ECT_FACT_DC, ECT_FACT_DC_SYNC0, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        for (unsigned int there = 0; there < 2; there++) {
+            ect_facts_t expected = {.source = "A"}, found = {.source = "B"};
+            size_t count;
+            (void)ect_facts_add(&expected, pairs[i].part, 5, pairs[i].element, "part");
+            found.complete[pairs[i].part] = true;
+            if (there)
+                (void)ect_facts_add(&found, pairs[i].whole, 5,
+                                    pairs[i].whole == ECT_FACT_PDO_ENTRY || pairs[i].whole == ECT_FACT_ENTRY ? 2 : 0,
+                                    "whole");
+            char *lines = lines_of(&expected, &found, &count);
+            assert_int_equal(count, there);
+            free(lines);
+            ect_facts_free(&expected);
+            ect_facts_free(&found);
+        }
+    }
+}
+
+static void facts_without_a_text_are_equal_to_any(void **state)
+{
+    ect_facts_t expected = {.source = "A"}, found = {.source = "B"};
+    size_t count;
+    (void)state;
+    (void)ect_facts_add(&expected, ECT_FACT_DC, 0, 0, NULL);
+    (void)ect_facts_add(&found, ECT_FACT_DC, 0, 0, "\"DC\"");
+    char *lines = lines_of(&expected, &found, &count);
+    assert_int_equal(count, 0);
+    free(lines);
+    ect_facts_free(&expected);
+    ect_facts_free(&found);
+}
+
+static void a_made_fact_is_not_missed(void **state)
+{
+    for (unsigned int made = 0; made < 2; made++) {
+        ect_facts_t expected = {.source = "A"}, found = {.source = "B"};
+        size_t count;
+        ect_facts_add(&expected, ECT_FACT_OBJECT, 0x2000, 0, "code 7")->made = made != 0;
+        found.complete[ECT_FACT_OBJECT] = true;
+        char *lines = lines_of(&expected, &found, &count);
+        assert_int_equal(count, 1 - made);
+        free(lines);
+        ect_facts_free(&expected);
+        ect_facts_free(&found);
+    }
+    (void)state;
+}
+
+/* The third source is compared with what the first two know, and each line names the source that it comes from. */
+static void later_sources_are_compared_with_all_before(void **state)
+{
+    ect_facts_t known = {.source = "A"}, second = {.source = "B"}, third = {.source = "C"};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    (void)state;
+    (void)ect_facts_add(&known, ECT_FACT_VENDOR, 0, 0, "1");
+    (void)ect_facts_add(&second, ECT_FACT_PRODUCT, 0, 0, "2");
+    (void)ect_facts_add(&third, ECT_FACT_VENDOR, 0, 0, "1");
+    (void)ect_facts_add(&third, ECT_FACT_PRODUCT, 0, 0, "3");
+    assert_int_equal(ect_facts_compare(&known, &second, out), 0);
+    assert_int_equal(known.count, 2);
+    assert_int_equal(ect_facts_compare(&known, &third, out), 1);
+    assert_int_equal(known.count, 2);
+    (void)fclose(out);
+    assert_string_equal(text, "C: identity product code: expected 2 (B), found 3\n");
+    free(text);
+    ect_facts_free(&known);
+    ect_facts_free(&second);
+    ect_facts_free(&third);
+}
+
+static void texts_of_a_file_follow_only_without_other_differences(void **state)
+{
+    for (unsigned int other = 0; other < 2; other++) {
+        ect_facts_t f = {.source = "A"}, g = {.source = "B"};
+        size_t count;
+        ect_facts_add_leaf(&f, ECT_FACT_FILE_TEXT, "Device/Name", "one");
+        ect_facts_add_leaf(&g, ECT_FACT_FILE_TEXT, "Device/Name", "two");
+        ect_facts_add_leaf(&g, ECT_FACT_FILE_TEXT, "Device/More", "three");
+        f.complete[ECT_FACT_FILE_TEXT] = true;
+        (void)ect_facts_add(&f, ECT_FACT_NAME, 0, 0, "one");
+        (void)ect_facts_add(&g, ECT_FACT_NAME, 0, 0, other ? "two" : "one");
+        char *lines = lines_of(&f, &g, &count);
+        assert_int_equal(count, 1);
+        assert_string_equal(lines, other ? "B: device name: expected one (A), found two\n"
+                                         : "B: Device/Name: expected \"one\" (A), found \"two\"\n");
+        free(lines);
+        ect_facts_free(&f);
+        ect_facts_free(&g);
+    }
+    (void)state;
+}
+
+/* --- dictionaries ------------------------------------------------------------------------------------------------- */
+
+static void a_dictionary_has_facts_of_objects_and_of_pdos(void **state)
+{
+    static const char json[] =
+        "{\"described\": true, \"objects\": ["
+        "{\"index\": 4096, \"code\": 7, \"name\": \"Type\", \"entries\": [{\"subindex\": 0, \"type\": 7, \"bits\": 32,"
+        " \"access\": 7, \"name\": \"Type\", \"value\": \"92010200\"}]},"
+        "{\"index\": 4120, \"code\": 9, \"name\": \"Identity\", \"entries\": [{\"subindex\": 1, \"value\": "
+        "\"570e0000\"},"
+        "{\"subindex\": 2, \"value\": \"01000000\"}, {\"subindex\": 3, \"value\": \"02000000\"}]},"
+        "{\"index\": 5632, \"name\": \"Out\", \"entries\": [{\"subindex\": 0, \"value\": \"02\"},"
+        "{\"subindex\": 1, \"value\": \"10010070\"}, {\"subindex\": 2, \"value\": \"08000000\"}]},"
+        "{\"index\": 5633, \"entries\": [{\"subindex\": 0, \"value\": \"00\"}]},"
+        "{\"index\": 7186, \"entries\": [{\"subindex\": 0, \"value\": \"01\"}, {\"subindex\": 1, \"value\": "
+        "\"0016\"}]},"
+        "{\"index\": 8192, \"code\": 7, \"name\": \"Number\", \"entries\": [{\"subindex\": 0, \"type\": 3, \"bits\": "
+        "16,"
+        " \"access\": 63, \"default\": \"fbff\", \"minimum\": \"18fc\", \"maximum\": \"e803\", \"unit\": \"0b00\"}]}]}";
+    ect_facts_t f = {.source = "slave"};
+    (void)state;
+    assert_true(ect_facts_of_dictionary(&f, json));
+    assert_true(f.complete[ECT_FACT_OBJECT] && f.complete[ECT_FACT_ENTRY] && f.complete[ECT_FACT_PDO_ENTRY]);
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1000, 0), "92 01 02");
+    assert_string_equal(text_of(&f, ECT_FACT_VENDOR, 0, 0), "0x00000E57");
+    assert_string_equal(text_of(&f, ECT_FACT_PRODUCT, 0, 0), "0x00000001");
+    assert_string_equal(text_of(&f, ECT_FACT_REVISION, 0, 0), "0x00000002");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO, 0x1600, 0), "outputs");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_NAME, 0x1600, 0), "\"Out\"");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1600, 1), "7000:01, 16 bits");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1600, 2), "8 bits of padding");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1600, 0), "2");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1601, 0), "none"); /* no assignment names it */
+    assert_string_equal(text_of(&f, ECT_FACT_OBJECT, 0x2000, 0), "code 7");
+    assert_string_equal(text_of(&f, ECT_FACT_OBJECT_NAME, 0x2000, 0), "\"Number\"");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY, 0x2000, 0), "16 bits");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_TYPE, 0x2000, 0), "0x0003");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 0), "FB FF");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_LIMITS, 0x2000, 0), "-1000 to 1000");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_UNIT, 0x2000, 0), "0x000B");
+    assert_string_equal(text_of(&f, ECT_FACT_OBJECT_NAME, 0x1600, 0), "none"); /* a fact of the PDO */
+    ect_facts_free(&f);
+}
+
+/* Texts that users and slaves may have written. */
+static void any_dictionary_is_read_or_refused(void **state)
+{
+    static const struct {
+        const char *json;
+        bool read;
+    } texts[] = {
+        {"", false},
+        {"nothing", false},
+        {"{}", false},
+        {"[]", false},
+        {"{\"objects\": 5}", false},
+        {"{\"objects\": []}", true},
+        {"{\"objects\": [5, null, \"x\", []]}", true},
+        {"{\"described\": true, \"objects\": [{\"index\": 70000, \"entries\": [{\"subindex\": 99999}]}]}", true},
+        {"{\"described\": true, \"objects\": [{\"index\": -1, \"code\": -2, \"entries\": [{\"subindex\": -3}]}]}",
+         true},
+        {"{\"described\": true, \"objects\": [{\"index\": 1e99, \"name\": 5, \"entries\": {}}]}", true},
+        {"{\"objects\": [{\"index\": 5632, \"entries\": [{\"subindex\": 0, \"value\": \"ff\"}]}]}", true},
+        {"{\"objects\": [{\"index\": 5632, \"entries\": [{\"subindex\": 0, \"value\": \"f\"}]}]}", true},
+        {"{\"objects\": [{\"index\": 5632, \"entries\": [{\"subindex\": 0, \"value\": \"zz\"}]}]}", true},
+        {"{\"objects\": [{\"index\": 7186, \"entries\": [{\"subindex\": 0, \"value\": \"ffffffff\"}]}]}", true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        ect_facts_t f = {.source = "any"};
+        if (ect_facts_of_dictionary(&f, texts[i].json) != texts[i].read)
+            fail_msg("%s: expected %s", texts[i].json, texts[i].read ? "read" : "refused");
+        ect_facts_free(&f);
+    }
+}
+
+static void objects_with_facts_elsewhere_are_known(void **state)
+{
+    (void)state;
+    for (unsigned int index = 0; index < 0x10000; index++) {
+        const bool pdos = (index >= 0x1600 && index < 0x1C00) || (index >= 0x1C10 && index < 0x1C30);
+        assert_int_equal(ect_facts_are_of_pdos(index), pdos);
+        assert_int_equal(ect_facts_are_known_elsewhere(index), index == 0x1018 || index == 0x1C00);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_kind_has_its_place_in_words),
+        cmocka_unit_test(each_timeout_has_its_name),
+        cmocka_unit_test(helpers_write_facts_as_texts),
+        cmocka_unit_test(long_values_of_a_file_are_compared_by_their_sum),
+        cmocka_unit_test(a_part_is_missed_only_where_its_whole_is_there),
+        cmocka_unit_test(facts_without_a_text_are_equal_to_any),
+        cmocka_unit_test(a_made_fact_is_not_missed),
+        cmocka_unit_test(later_sources_are_compared_with_all_before),
+        cmocka_unit_test(texts_of_a_file_follow_only_without_other_differences),
+        cmocka_unit_test(a_dictionary_has_facts_of_objects_and_of_pdos),
+        cmocka_unit_test(any_dictionary_is_read_or_refused),
+        cmocka_unit_test(objects_with_facts_elsewhere_are_known),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
