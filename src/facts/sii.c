@@ -237,7 +237,7 @@ void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size)
     add_layout(&image);
     add_pdos(&image, ECT_SII_TXPDO);
     add_pdos(&image, ECT_SII_RXPDO);
-    size_t length = 0; /* an image without PDOs left them to the dictionary: it does not say that there are none */
+    size_t length = 0; /* without categories of PDOs, those of a slave with CoE are in its dictionary */
     bool coe = (ect_load_le16(bytes + 0x38) & ECT_MAILBOX_COE) != 0;
     facts->complete[ECT_FACT_PDO] = !coe || ect_sii_category(bytes, size, ECT_SII_TXPDO, &length) != NULL ||
                                     ect_sii_category(bytes, size, ECT_SII_RXPDO, &length) != NULL;

@@ -873,6 +873,109 @@ static void any_bytes_in_any_mail_are_survived(void **state)
         lie(&row);
 }
 
+/* --- the wire ends at each step ----------------------------------------------------------------------------------- */
+
+static bool cut_from(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
+{
+    (void)d;
+    (void)ado;
+    (void)data;
+    (void)length;
+    (void)wkc;
+    return l->frames < l->number;
+}
+
+static bool lost_once(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
+{
+    (void)d;
+    (void)ado;
+    (void)data;
+    (void)length;
+    (void)wkc;
+    return l->frames != l->number;
+}
+
+/* @return the first result that is not ECT_READER_OK, else that */
+static ect_reader_result_t read_all(liar_t *l, const ect_reader_config_t *config)
+{
+    uint8_t value[1000];
+    size_t bytes = sizeof value, size = 0;
+    FILE *nowhere = fopen("/dev/null", "w");
+    assert_non_null(nowhere);
+    ect_reader_result_t result = ect_reader_open(&reader, &l->link, config);
+    if (result == OK)
+        result = ect_reader_sii(&reader, image, 64, &size);
+    if (result == OK)
+        result = ect_reader_upload(&reader, 0x2002, 0, false, value, &bytes);
+    if (result == OK)
+        result = ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, nowhere);
+    assert_int_equal(fclose(nowhere), 0);
+    assert_true((result == OK) == (reader.text[0] == '\0'));
+    ect_reader_close(&reader);
+    assert_false(reader.brought_up);
+    return result;
+}
+
+/* Each of the first frames, then some on the way. */
+static unsigned int next_step(unsigned int frame)
+{
+    return frame < 300 ? frame + 1 : frame + 61;
+}
+
+static void at_each_frame(bool (*datagram)(liar_t *, bytes_t *, uint16_t, bytes_t *, uint16_t, bytes_t *),
+                          unsigned int tries, bool must_fail)
+{
+    const liar_kind_t kind = {.name = "cut", .datagram = datagram};
+    const ect_reader_config_t config = {
+        .tries = tries, .frame_ms = 1, .reply_ms = 5, .state_ms = 10, .limit_ms = 60000};
+    unsigned int frames = 0;
+    liar_t l;
+    liar_open(&l, &testdev, NULL);
+    assert_int_equal(read_all(&l, &config), OK);
+    frames = l.frames - 10; /* the last ones close the reader */
+    liar_close(&l);
+    for (unsigned int frame = 1; frame < frames; frame = next_step(frame)) {
+        liar_open(&l, &testdev, &kind);
+        l.number = frame;
+        const ect_reader_result_t result = read_all(&l, &config);
+        if (must_fail && result == OK)
+            fail_msg("a wire that is cut at frame %u of %u: nothing was noticed", frame, frames);
+        if (!must_fail && tries > 1 && result != OK)
+            fail_msg("frame %u of %u was lost: %s", frame, frames, reader.text);
+        liar_close(&l);
+    }
+}
+
+static void a_wire_that_is_cut_at_any_frame_is_noticed(void **state)
+{
+    (void)state;
+    at_each_frame(cut_from, 1, true);
+}
+
+static void any_one_frame_may_be_lost(void **state)
+{
+    (void)state;
+    at_each_frame(lost_once, 1, false);
+    at_each_frame(lost_once, 3, false);
+}
+
+static void a_limit_may_pass_at_any_time(void **state)
+{
+    (void)state;
+    for (uint32_t limit = 1; limit < 25; limit++) {
+        const ect_reader_config_t config = {.limit_ms = limit};
+        liar_t l;
+        liar_open(&l, &testdev, NULL);
+        const uint64_t begin = l.w.now_ns;
+        const ect_reader_result_t result = read_all(&l, &config);
+        assert_true(result == OK || result == STOPPED);
+        if (result == STOPPED)
+            assert_non_null(strstr(reader.text, "not finished within"));
+        assert_true(l.w.now_ns - begin < (limit + 10) * MS);
+        liar_close(&l);
+    }
+}
+
 /* Category headers that lead nowhere, into themselves, or beyond the end. */
 static void images_of_any_bytes_are_facts_or_nothing(void **state)
 {
@@ -896,6 +999,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(whatever_a_slave_does_the_reader_ends_in_time),
         cmocka_unit_test(any_bytes_in_any_mail_are_survived),
+        cmocka_unit_test(a_wire_that_is_cut_at_any_frame_is_noticed),
+        cmocka_unit_test(any_one_frame_may_be_lost),
+        cmocka_unit_test(a_limit_may_pass_at_any_time),
         cmocka_unit_test(images_of_any_bytes_are_facts_or_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
