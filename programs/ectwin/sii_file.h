@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file EEPROM images: of a description, and in files, bytes as they are or Intel HEX. */
+/**
+ * @file
+ * EEPROM images: of a description, and in files, binary or Intel HEX.
+ */
 #ifndef ECTWIN_SII_FILE_H
 #define ECTWIN_SII_FILE_H
 

@@ -173,6 +173,7 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r);
  * @param size  bytes, a multiple of 4, up to ::ECT_READER_SII; 0: the size in the header
  * @param[out] image  room for `size` bytes, or for ::ECT_READER_SII
  * @param[out] read  bytes read, also on failure
+ * Cost: four frames for each 4 or 8 bytes, as the ESC reads them, and polls while the interface is busy.
  * @return ECT_READER_OK · ECT_READER_SILENT the interface stays busy · ECT_READER_WRONG the EEPROM does not acknowledge
  * · ECT_READER_LOST · ECT_READER_STOPPED
  */
@@ -180,6 +181,7 @@ ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size,
 
 /**
  * Uploads an entry, or an object by Complete Access: expedited, normal or segmented, as the slave replies.
+ * Cost: about six frames for each mail, and polls until the reply.
  * @param subindex  with `complete` 0 or 1
  * @param[in,out] size  room in `data`; bytes read; with ECT_READER_TOO_LONG the size that the slave announces, if any
  * @return ECT_READER_OK · ECT_READER_ABORTED · ECT_READER_REFUSED · ECT_READER_SILENT · ECT_READER_WRONG ·

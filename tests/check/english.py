@@ -53,6 +53,7 @@ CLEAN = [
     "tests/check/order.py",
     "tests/check/pages.py",
     "tests/fuzz/fuzz_check.c",
+    "tests/fuzz/fuzz_reader.c",
     "tests/fuzz/fuzz_text.c",
     "tests/integration/conform.py",
     "tests/integration/lies.sh",
