@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bus/chain/catalogue.h"
 #include "sii_file.h"
@@ -13,6 +14,12 @@ const struct argp_child output_children[] = {{&twin_argp, 0, "The twin:", 1}, {0
 
 int output_save(const char *who, const char *path, const void *data, size_t size)
 {
+    if (!path && memchr(data, 0, size) && isatty(STDOUT_FILENO)) {
+        fprintf(stderr,
+                "%s: binary data are not written to a terminal: name a file with -o FILE, or redirect the output\n",
+                who);
+        return EXIT_USAGE;
+    }
     FILE *file = path ? fopen(path, "wb") : stdout;
     bool fine = file && fwrite(data, 1, size, file) == size;
     fine = file && (path ? fclose(file) : fflush(file)) == 0 && fine;

@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "connection.h"
+#include "output.h"
 
 enum { MOST_BYTES = 51200, MOST_TRIES = 100 };
 
@@ -118,17 +119,6 @@ static void print_row(size_t at)
     putchar('\n');
 }
 
-static int save(const char *path, const char *who)
-{
-    FILE *file = strcmp(path, "-") == 0 ? stdout : fopen(path, "wb");
-    bool fine = file && fwrite(set.bytes, 1, set.have, file) == set.have;
-    fine = file && (file == stdout ? fflush(file) : fclose(file)) == 0 && fine;
-    if (fine)
-        return EXIT_CLEAN;
-    fprintf(stderr, "%s: cannot write '%s': %s\n", who, path, strerror(errno));
-    return EXIT_OPEN;
-}
-
 int command_periodic(int argc, char **argv)
 {
     static const struct argp argp = {
@@ -147,7 +137,7 @@ int command_periodic(int argc, char **argv)
     if (set.size == 0)
         fprintf(stderr, "%s: no set has come yet\n", argv[0]);
     if (args.output)
-        return save(args.output, argv[0]);
+        return output_save(argv[0], strcmp(args.output, "-") == 0 ? NULL : args.output, set.bytes, set.have);
     for (size_t at = 0; at < set.have; at += 16)
         print_row(at);
     return EXIT_CLEAN;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "bus/chain/catalogue.h"
 #include "esi/number.h"
@@ -71,6 +72,12 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
     const ect_product_t *product = ect_catalogue_find(name);
     if (product)
         return product;
+    size_t length = strcspn(name, "#");
+    if (length > 4 && strncasecmp(name + length - 4, ".xml", 4) == 0) {
+        (void)snprintf(message, PRODUCT_MESSAGE, "'%.200s' is the name of a file: write esi:%.200s for a device of it",
+                       name, name);
+        return NULL;
+    }
     int used = snprintf(message, PRODUCT_MESSAGE, "there is no device '%.60s'; there are: ", name);
     for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL && used < PRODUCT_MESSAGE; i++)
         used += snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "%s, ", product->device->name);

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <string.h>
 
@@ -58,6 +62,41 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
+/* The address of an interface that other programs use, but for one that the kernel gives to every interface. */
+static bool find_address(const char *iface, char address[INET6_ADDRSTRLEN])
+{
+    struct ifaddrs *all = NULL;
+    bool found = false;
+    if (getifaddrs(&all) < 0)
+        return false;
+    for (const struct ifaddrs *one = all; one && !found; one = one->ifa_next) {
+        if (!one->ifa_addr || strcmp(one->ifa_name, iface) != 0)
+            continue;
+        const void *sockaddr = one->ifa_addr;
+        const struct sockaddr_in *in = sockaddr;
+        const struct sockaddr_in6 *in6 = sockaddr;
+        if (one->ifa_addr->sa_family == AF_INET)
+            found = inet_ntop(AF_INET, &in->sin_addr, address, INET6_ADDRSTRLEN) != NULL;
+        else if (one->ifa_addr->sa_family == AF_INET6 && !IN6_IS_ADDR_LINKLOCAL(&in6->sin6_addr))
+            found = inet_ntop(AF_INET6, &in6->sin6_addr, address, INET6_ADDRSTRLEN) != NULL;
+    }
+    freeifaddrs(all);
+    return found;
+}
+
+/* A link that this program has just brought up may still be negotiating. */
+static void advise(const ect_packet_t *port)
+{
+    char address[INET6_ADDRSTRLEN];
+    if (!port->was_down && !ect_packet_has_link(port))
+        fprintf(stderr, "ectwin run: '%s' has no link: plug the cable in, or bring the other end up\n", port->iface);
+    if (find_address(port->iface, address))
+        fprintf(stderr,
+                "ectwin run: '%s' has the address %s: other traffic shares this wire and delays frames; 'ip addr flush "
+                "dev %s' removes it\n",
+                port->iface, address, port->iface);
+}
+
 static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     (void)ctx;
@@ -84,6 +123,10 @@ int command_run(int argc, char **argv)
     session.runner.signal_fd = open_signals(); /* first: from here on a signal ends it in good order */
     const char *const ends[ECT_ENDS] = {args.ifaces[ECT_END_IN], args.ifaces[ECT_END_OUT]};
     int status = session_open(&session, ends);
+    for (unsigned int end = 0; end < ECT_ENDS && status == EXIT_CLEAN; end++) {
+        if (ends[end])
+            advise(&session.ports[end]);
+    }
     if (status == EXIT_CLEAN)
         status = session_open_modbus(&session);
     if (status == EXIT_CLEAN) {

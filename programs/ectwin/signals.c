@@ -141,17 +141,28 @@ static cJSON *make_request(const client_args_t *args, const char *op)
     return request;
 }
 
-static int ask(const client_args_t *args, const char *who, const char *op, const char *pattern,
+static int ask_one(connection_t *connection, const client_args_t *args, const char *who, const char *op,
+                   const char *pattern, void (*print)(const cJSON *line))
+{
+    cJSON *request = make_request(args, op);
+    cJSON_AddStringToObject(request, "pattern", pattern);
+    if (args->every)
+        cJSON_AddTrueToObject(request, "every");
+    return connection_ask(connection, request, who, print);
+}
+
+/* Asks for each pattern of the command line from `first` on; without any for all signals. @return the worst status */
+static int ask(const client_args_t *args, size_t first, const char *who, const char *op,
                void (*print)(const cJSON *line))
 {
     connection_t *connection = connection_open(args->socket, who);
     if (!connection)
         return EXIT_OPEN;
-    cJSON *request = make_request(args, op);
-    cJSON_AddStringToObject(request, "pattern", pattern);
-    if (args->every)
-        cJSON_AddTrueToObject(request, "every");
-    int status = connection_ask(connection, request, who, print);
+    int status = args->count > first ? EXIT_CLEAN : ask_one(connection, args, who, op, "*", print);
+    for (size_t i = first; i < args->count && status <= EXIT_USAGE; i++) {
+        int one = ask_one(connection, args, who, op, args->arguments[i], print);
+        status = one > status ? one : status;
+    }
     fflush(stdout);
     if (status == EXIT_CLEAN && strcmp(op, "watch") == 0)
         status = connection_follow(connection, who);
@@ -159,40 +170,27 @@ static int ask(const client_args_t *args, const char *who, const char *op, const
     return status;
 }
 
-/* @return the pattern among the arguments, the only one; NULL: told */
-static const char *pattern_of(const client_args_t *args, const char *who)
-{
-    if (args->count <= 1)
-        return args->count > 0 ? args->arguments[0] : "*";
-    fprintf(stderr, "%s: one pattern is enough; '*' stands for anything, '[ab]' for a or b\n", who);
-    return NULL;
-}
-
-static const char *parse_pattern(int argc, char **argv, const struct argp_option *known, const char *doc,
-                                 client_args_t *args)
-{
-    const struct argp argp = {.options = known, .parser = parse, .args_doc = "[PATTERN]", .doc = doc};
-    argp_parse(&argp, argc, argv, 0, NULL, args);
-    return pattern_of(args, argv[0]);
-}
-
 int command_get(int argc, char **argv)
 {
+    static const struct argp argp = {.options = options,
+                                     .parser = parse,
+                                     .args_doc = "[PATTERN...]",
+                                     .doc = "Prints the signals of a running twin whose names match a shell pattern."};
     client_args_t args = {.slave = 1};
-    const char *pattern = parse_pattern(
-        argc, argv, options, "Prints the signals of a running twin whose names match a shell pattern.", &args);
-    if (!pattern)
-        return EXIT_USAGE;
-    return ask(&args, argv[0], "get", pattern, args.slave == 0 ? print_value_of_slave : print_value);
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    return ask(&args, 0, argv[0], "get", args.slave == 0 ? print_value_of_slave : print_value);
 }
 
 int command_watch(int argc, char **argv)
 {
+    static const struct argp argp = {.options = watch_options,
+                                     .parser = parse,
+                                     .args_doc = "[PATTERN...]",
+                                     .doc =
+                                         "Prints one line of JSON for each value, then for each change, until Ctrl-C."};
     client_args_t args = {.slave = 1};
-    const char *pattern =
-        parse_pattern(argc, argv, watch_options,
-                      "Prints one line of JSON for each value, then for each change, until Ctrl-C.", &args);
-    return pattern ? ask(&args, argv[0], "watch", pattern, print_line) : EXIT_USAGE;
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    return ask(&args, 0, argv[0], "watch", print_line);
 }
 
 /* @return how many signals of a plant match; those are printed */
@@ -216,20 +214,35 @@ static size_t print_signals(const ect_plant_t *plant, void *instance, const char
     return count;
 }
 
-/* Of a device that need not run. */
-static int list_device(const ect_product_t *product, const char *who, const char *pattern)
+/* @return EXIT_CLEAN; EXIT_USAGE with a line: no signal of a device matches a pattern */
+static int list_pattern(const ect_product_t *product, void *instance, const char *who, const char *pattern)
 {
     ect_lamps_t lamps;
     ect_wiring_t wiring;
-    void *instance = calloc(1, product->device->instance_size);
-    size_t count = instance ? print_signals(product->plant, instance, pattern) : 0;
+    size_t count = print_signals(product->plant, instance, pattern);
     count += print_signals(&ect_lamps_plant, &lamps, pattern);
     count += print_signals(&ect_wiring_plant, &wiring, pattern);
-    free(instance);
     if (count > 0)
         return EXIT_CLEAN;
     fprintf(stderr, "%s: no signal of %s matches '%s'\n", who, product->device->name, pattern);
     return EXIT_USAGE;
+}
+
+/* The signals of a device that need not run. */
+static int list_device(const ect_product_t *product, const client_args_t *args, const char *who)
+{
+    void *instance = calloc(1, product->device->instance_size);
+    int status = instance ? EXIT_CLEAN : EXIT_RUN;
+    if (!instance)
+        fprintf(stderr, "%s: not enough memory\n", who);
+    else if (args->count < 2)
+        status = list_pattern(product, instance, who, "*");
+    for (size_t i = 1; instance && i < args->count; i++) {
+        int one = list_pattern(product, instance, who, args->arguments[i]);
+        status = one > status ? one : status;
+    }
+    free(instance);
+    return status;
 }
 
 int command_list_signals(int argc, char **argv)
@@ -237,7 +250,7 @@ int command_list_signals(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .args_doc = "[DEVICE] [PATTERN]",
+        .args_doc = "[DEVICE] [PATTERN...]",
         .doc = "Lists the signals of a running twin, or of a device that need not run: name, r or rw, range, meaning."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
@@ -248,10 +261,7 @@ int command_list_signals(int argc, char **argv)
         fprintf(stderr, "%s: %s\n", argv[0], message);
         return EXIT_OPEN;
     }
-    if (product && args.count <= 2)
-        return list_device(product, argv[0], args.count > 1 ? args.arguments[1] : "*");
-    const char *pattern = pattern_of(&args, argv[0]);
-    return pattern ? ask(&args, argv[0], "list", pattern, print_description) : EXIT_USAGE;
+    return product ? list_device(product, &args, argv[0]) : ask(&args, 0, argv[0], "list", print_description);
 }
 
 /* --- set, command ------------------------------------------------------------------------------------------------- */

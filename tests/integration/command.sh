@@ -43,6 +43,40 @@ wrong_usage_is_1() {
   done
 }
 
+# Texts that name the cure.
+advice() {
+  "$ectwin" with --set datta1=1 fzm1 -- true 2>"$work/err"
+  check "--set: a wrong name, and the nearest one" yes "$(grep -q "no signal 'datta1'; did you mean 'data1'?" "$work/err" && echo yes)"
+  "$ectwin" with --set nosuch=1 fzm1 -- true 2>"$work/err"
+  check "--set: the command that lists the names works" yes \
+    "$(grep -q "'ectwin list-signals DEVICE'" "$work/err" && "$ectwin" list-signals fzm1 | grep -q '^data1 ' && echo yes)"
+  "$ectwin" sii device.xml 2>"$work/err"
+  check "a file in place of a device" "1 yes" "$? $(grep -q "write esi:device.xml" "$work/err" && echo yes)"
+  "$ectwin" with fzm1,fzm1 -- "$ectwin" get nosuch 2>"$work/err"
+  check "get: of several slaves -n chooses one" yes "$(grep -q -- "-n chooses one of 2 slaves" "$work/err" && echo yes)"
+  check "get: several patterns" "data1=0 data2=0 scene=0" "$("$ectwin" with fzm1 -- "$ectwin" get data1 'data[2]' scene 2>/dev/null | xargs)"
+  check "list-signals: several patterns" "data1 scene" "$("$ectwin" list-signals fzm1 data1 scene | awk '{print $1}' | xargs)"
+  python3 -c '
+import os, pty, sys
+status = pty.spawn([sys.argv[1], "sii", "fzm1"])
+print(os.waitstatus_to_exitcode(status))' "$ectwin" >"$work/out" </dev/null
+  check "sii: binary data are not written to a terminal" "1 yes" \
+    "$(tail -1 "$work/out") $(grep -q 'not written to a terminal: name a file with -o FILE' "$work/out" && echo yes)"
+}
+
+# A link that is down and an address on the interface get a line each, and the twin runs.
+advice_of_the_interface() {
+  # shellcheck disable=SC2016
+  ectwin=$ectwin work=$work unshare -Urn bash -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip addr add 192.0.2.1/24 dev tw0 || exit 9
+    "$ectwin" run -i tw0 fzm1 >"$work/ready" 2>"$work/err" & pid=$!
+    for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
+    kill $pid; wait $pid'
+  check "run: a link that is down" yes "$(grep -q "'tw0' has no link: " "$work/err" && echo yes)"
+  check "run: an address" yes "$(grep -q "'tw0' has the address 192.0.2.1: " "$work/err" && echo yes)"
+  check "run: it runs" yes "$(grep -q '"ready"' "$work/ready" && echo yes)"
+}
+
 what_cannot_be_opened_is_2() {
   unshare -Urn "$ectwin" run -i nosuch vr-bu-ect-map1 2>"$work/err"
   check "run: no such interface" 2 $?
@@ -224,7 +258,7 @@ identity_reaches_each_file() {
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
+for case_name in list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
   run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image files_agree identity_reaches_each_file; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name

@@ -98,71 +98,129 @@ static bool number(reader_t *r, const char *unit, long long minimum, long long m
     return true;
 }
 
+static void drop_words(reader_t *r, size_t at, size_t count)
+{
+    memmove(&r->words[at], &r->words[at + count], (WORDS + 1 - at - count) * sizeof r->words[0]);
+}
+
+static bool is_kind(const reader_t *r, size_t at, const kind_t *kind)
+{
+    if (strcmp(r->words[at], kind->name) != 0)
+        return false;
+    return !kind->second || (r->words[at + 1] && strcmp(r->words[at + 1], kind->second) == 0);
+}
+
+/* Finds the name of a kind and takes it out of the words. */
 static bool read_kind(reader_t *r, ect_fault_t *fault)
 {
-    for (unsigned int i = 0; i < ECT_FAULT_KINDS; i++) {
-        const kind_t *kind = &kinds[i];
-        size_t before = r->at;
-        if (!take(r, kind->name) || (kind->second && !take(r, kind->second))) {
-            r->at = before;
-            continue;
+    for (size_t at = 0; r->words[at]; at++) {
+        for (unsigned int i = 0; i < ECT_FAULT_KINDS; i++) {
+            if (!is_kind(r, at, &kinds[i]))
+                continue;
+            fault->kind = (ect_fault_kind_t)i;
+            drop_words(r, at, kinds[i].second ? 2 : 1);
+            return true;
         }
-        long long amount = 0;
-        fault->kind = (ect_fault_kind_t)i;
-        if (kind->amount != NO_AMOUNT && !number(r, unit_of(kind->amount), kind->minimum, kind->maximum, &amount))
-            return false;
-        fault->amount = (int32_t)amount;
-        return true;
     }
     return wrong(r,
                  "expected drop, damage, delay, duplicate, reorder, truncate, corrupt, counter, off, hang, resume, "
                  "reset, identity, lose-event, eeprom busy|nack|flip|ok or clock",
-                 r->words[r->at]);
+                 r->words[0]);
 }
 
-static bool read_when(reader_t *r, ect_fault_t *fault)
+/* What has been read of a fault, beside its kind. */
+typedef struct parts {
+    bool when, place, amount;
+} parts_t;
+
+/* "every N", "frame N", "N%". @return whether the next word begins one; then in *good whether it is right */
+static bool read_when(reader_t *r, ect_fault_t *fault, bool *good)
 {
     long long value = 0;
     const char *word = r->words[r->at];
     if (take(r, "every")) {
         fault->when = ECT_FAULT_EVERY;
-        if (!number(r, "", 1, 1000000000, &value))
-            return false;
+        *good = number(r, "", 1, 1000000000, &value);
     } else if (take(r, "frame")) {
         fault->when = ECT_FAULT_ONCE;
-        if (!number(r, "", 1, 1000000000, &value))
-            return false;
-    } else if (word && strchr(word, '%')) {
+        *good = number(r, "", 1, 1000000000, &value);
+    } else if (strchr(word, '%')) {
         fault->when = ECT_FAULT_SHARE;
-        if (!number(r, "%", 0, 100, &value))
-            return false;
+        *good = number(r, "%", 0, 100, &value);
+    } else {
+        return false;
     }
     fault->number = (uint32_t)value;
     return true;
 }
 
-static bool read_place(reader_t *r, ect_fault_t *fault)
+/* "slave N", or "wire N". @return as read_when() */
+static bool read_place(reader_t *r, ect_fault_t *fault, bool *good)
 {
     long long slave = 0;
-    bool of_slave = fault->kind > ECT_FAULT_OFF;
-    bool named = of_slave ? take(r, "slave") : kinds[fault->kind].wire && take(r, "wire");
-    if (of_slave && !named)
-        return wrong(r, "expected 'slave N' at the end", r->words[r->at]);
-    if (named && !number(r, "", 1, UINT16_MAX, &slave))
+    bool of_slave = !ect_fault_is_of_frames(fault) && fault->kind != ECT_FAULT_OFF;
+    if (!(of_slave ? take(r, "slave") : kinds[fault->kind].wire && take(r, "wire")))
         return false;
+    *good = number(r, "", 1, UINT16_MAX, &slave);
     fault->slave = (uint16_t)slave;
-    fault->back = named && !of_slave && take(r, "back");
-    if (fault->kind == ECT_FAULT_DAMAGE && !named)
-        return wrong(r, "expected 'wire N' at the end: damage happens on a wire", r->words[r->at]);
-    return !r->words[r->at] || wrong(r, "expected nothing more", r->words[r->at]);
+    return true;
+}
+
+static bool read_amount(reader_t *r, ect_fault_t *fault)
+{
+    const kind_t *kind = &kinds[fault->kind];
+    long long amount = 0;
+    if (!number(r, unit_of(kind->amount), kind->minimum, kind->maximum, &amount))
+        return false;
+    fault->amount = (int32_t)amount;
+    return true;
+}
+
+/* The next part, whichever it is. */
+static bool read_part(reader_t *r, ect_fault_t *fault, parts_t *parts)
+{
+    bool good = true;
+    if (!parts->when && ect_fault_is_of_frames(fault) && read_when(r, fault, &good)) {
+        parts->when = true;
+    } else if (!parts->place && read_place(r, fault, &good)) {
+        parts->place = true;
+    } else if (!fault->back && ect_fault_is_of_frames(fault) && take(r, "back")) {
+        fault->back = true;
+    } else if (!parts->amount && kinds[fault->kind].amount != NO_AMOUNT) {
+        parts->amount = true;
+        good = read_amount(r, fault);
+    } else {
+        return wrong(r, "expected nothing more", r->words[r->at]);
+    }
+    return good;
+}
+
+static bool is_complete(reader_t *r, const ect_fault_t *fault, const parts_t *parts)
+{
+    const kind_t *kind = &kinds[fault->kind];
+    if (kind->amount != NO_AMOUNT && !parts->amount) {
+        long long none;
+        return number(r, unit_of(kind->amount), kind->minimum, kind->maximum, &none);
+    }
+    if (fault->kind > ECT_FAULT_OFF && !parts->place)
+        return wrong(r, "expected 'slave N'", NULL);
+    if (fault->kind == ECT_FAULT_DAMAGE && !parts->place)
+        return wrong(r, "expected 'wire N': damage happens on a wire", NULL);
+    return !fault->back || parts->place || wrong(r, "expected 'wire N' with 'back'", "back");
 }
 
 bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message)
 {
     reader_t reader = {.message = message};
+    parts_t parts = {0};
     *fault = (ect_fault_t){0};
-    return cut(&reader, text) && read_kind(&reader, fault) &&
-           (!ect_fault_is_of_frames(fault) || read_when(&reader, fault)) && read_place(&reader, fault);
+    if (!cut(&reader, text) || !read_kind(&reader, fault))
+        return false;
+    while (reader.words[reader.at]) {
+        if (!read_part(&reader, fault, &parts))
+            return false;
+    }
+    return is_complete(&reader, fault, &parts);
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */

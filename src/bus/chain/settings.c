@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct step {
     ect_signal_ref_t ref;
@@ -10,16 +11,66 @@ typedef struct step {
     bool waits; /* refused so far, because of another perhaps */
 } step_t;
 
-/* What can be said before anything is changed: names, rights, ranges. */
+/* The number of characters to change, insert or leave out that make one name the other (Levenshtein). */
+static size_t distance(const char *a, const char *b)
+{
+    size_t row[ECT_SIGNAL_NAME + 1];
+    size_t length = strlen(b);
+    for (size_t i = 0; i <= length; i++)
+        row[i] = i;
+    for (size_t n = 1; *a != 0; a++, n++) {
+        size_t corner = row[0];
+        row[0] = n;
+        for (size_t i = 1; i <= length; i++) {
+            size_t best = corner + (*a != b[i - 1]);
+            corner = row[i];
+            best = row[i] + 1 < best ? row[i] + 1 : best;
+            row[i] = row[i - 1] + 1 < best ? row[i - 1] + 1 : best;
+        }
+    }
+    return row[length];
+}
+
+/* The signal whose name is closest to a wrong one, if few characters differ. @return whether there is one */
+static bool find_nearest(const ect_chain_t *chain, size_t position, const char *wrong, char name[ECT_SIGNAL_NAME])
+{
+    enum { MOST = 2 };
+    ect_chain_cursor_t cursor = {0};
+    ect_signal_ref_t ref;
+    size_t best = MOST + 1;
+    size_t length = strlen(wrong);
+    while (length < ECT_SIGNAL_NAME && ect_chain_next_signal(chain, position, &cursor, &ref)) {
+        size_t other = strlen(ref.name);
+        if (other + MOST < length || length + MOST < other || other >= ECT_SIGNAL_NAME)
+            continue;
+        size_t now = distance(wrong, ref.name);
+        if (now < best && now < length) {
+            best = now;
+            strcpy(name, ref.name);
+        }
+    }
+    return best <= MOST;
+}
+
+static void report_unknown(const ect_chain_t *chain, size_t position, const char *wrong, char *message)
+{
+    char name[ECT_SIGNAL_NAME];
+    int used = snprintf(message, ECT_SIGNAL_MESSAGE, "slave %zu has no signal '%.60s'", position + 1, wrong);
+    size_t at = used > 0 ? (size_t)used : 0;
+    if (find_nearest(chain, position, wrong, name))
+        snprintf(message + at, ECT_SIGNAL_MESSAGE - at, "; did you mean '%s'?", name);
+    else
+        snprintf(message + at, ECT_SIGNAL_MESSAGE - at, ": 'ectwin list-signals DEVICE' lists those of a device%s",
+                 ect_chain_count(chain) > 1 ? "; -n chooses the slave" : "");
+}
+
+/* Checks names, access and ranges, before anything is changed. */
 static bool prepare(const ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                     step_t *steps, char *message)
 {
     for (size_t i = 0; i < count; i++) {
         if (!ect_chain_signal(chain, position, settings[i].name, &steps[i].ref)) {
-            snprintf(
-                message, ECT_SIGNAL_MESSAGE,
-                "slave %zu has no signal '%.60s': 'ectwin list-signals -n %zu' names them all; -n chooses the slave",
-                position + 1, settings[i].name, position + 1);
+            report_unknown(chain, position, settings[i].name, message);
             return false;
         }
         if (!ect_signal_check(&steps[i].ref, settings[i].value, message))

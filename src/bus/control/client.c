@@ -114,6 +114,21 @@ static bool next_signal(ect_visit_t *v, const ect_chain_t *chain, ect_signal_ref
     return first && ect_chain_signal(chain, v->slave, v->pattern, ref);
 }
 
+static void end_search(ect_client_t *client, const ect_chain_t *chain)
+{
+    const ect_visit_t *v = &client->visit;
+    char message[ECT_SIGNAL_MESSAGE];
+    if (ect_chain_count(chain) == 1 || v->all)
+        snprintf(message, sizeof message, "no signal matches '%.60s': 'ectwin list-signals' lists them", v->pattern);
+    else
+        snprintf(
+            message, sizeof message,
+            "no signal of slave %zu matches '%.60s': 'ectwin list-signals -n %zu' lists them; -n chooses one of %zu "
+            "slaves",
+            v->slave + 1, v->pattern, v->slave + 1, ect_chain_count(chain));
+    end_visit(client, v->matched > 0 ? NULL : message);
+}
+
 static void go_on(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     ect_visit_t *v = &client->visit;
@@ -129,7 +144,7 @@ static void go_on(ect_client_t *client, const ect_chain_t *chain, uint64_t now_n
             v->matched++;
             lines++;
         } else if (v->slave == v->last) {
-            end_visit(client, v->matched > 0 ? NULL : "no signal matches: 'ectwin list-signals' names them all");
+            end_search(client, chain);
             return;
         } else {
             v->slave++;
@@ -162,6 +177,7 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
         return "\"pattern\" is a text of at most 127 characters";
     v->cursor = (ect_chain_cursor_t){0};
     v->matched = 0;
+    v->all = slave == 0;
     v->slave = slave > 0 ? slave - 1 : 0;
     v->last = slave > 0 ? slave - 1 : ect_chain_count(chain) - 1;
     v->literal = strpbrk(pattern, "*?[\\") == NULL;

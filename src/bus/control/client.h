@@ -38,6 +38,7 @@ typedef struct ect_visit {
     ect_chain_cursor_t cursor;
     size_t matched;
     bool literal; /**< the pattern is a name */
+    bool all;     /**< of all slaves */
     char pattern[2 * ECT_SIGNAL_NAME];
 } ect_visit_t;
 

@@ -82,6 +82,31 @@ static void round_trip(void **state)
     }
 }
 
+static void any_order(void **state)
+{
+    static const struct {
+        const char *text, *same;
+    } rows[] = {
+        {"5% drop", "drop 5%"},
+        {"slave 2 hang", "hang slave 2"},
+        {"wire 3 back drop", "drop wire 3 back"},
+        {"drop back wire 3 5%", "drop 5% wire 3 back"},
+        {"every 10 wire 2 delay 3000us", "delay 3000us every 10 wire 2"},
+        {"frame 3 truncate 20", "truncate 20 frame 3"},
+        {"slave 1 eeprom flip 5", "eeprom flip 5 slave 1"},
+        {"clock slave 2 -5000ns", "clock -5000ns slave 2"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_FAULT_MESSAGE] = "", text[ECT_FAULT_TEXT];
+        ect_fault_t fault;
+        if (!ect_fault_parse(rows[i].text, &fault, message))
+            fail_msg("'%s' was refused: %s", rows[i].text, message);
+        ect_fault_print(&fault, text);
+        assert_string_equal(text, rows[i].same);
+    }
+}
+
 static void refused(void **state)
 {
     static const struct {
@@ -97,7 +122,12 @@ static void refused(void **state)
         {"drop wire", "1 to 65535"},
         {"drop wire 0", "1 to 65535"},
         {"drop slave 1", "nothing more"},
-        {"drop back", "nothing more"},
+        {"drop back", "expected 'wire N'"},
+        {"drop 5% every 3", "nothing more"},
+        {"drop wire 1 wire 2", "nothing more"},
+        {"drop back wire 1 back", "nothing more"},
+        {"off 5%", "nothing more"},
+        {"5%", "expected drop"},
         {"damage", "damage happens on a wire"},
         {"delay", "us"},
         {"delay 5ms", "us"},
@@ -635,6 +665,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"a fault that is written reads back as the same", round_trip, NULL, NULL, NULL},
+        {"the words of a fault may come in any order", any_order, NULL, NULL, NULL},
         {"what is no fault is refused with a line that says what was expected", refused, NULL, NULL, NULL},
         TEST("faults of frames concern the frames that they name", which_frames),
         TEST("the same seed makes the same run, of about the share that was asked for", same_seed_same_run),
