@@ -100,7 +100,7 @@ bool twin_args_given(const twin_args_t *args);
  * @param[out] chain  the caller's to free, before twin_args_free; NULL on failure
  * @return EXIT_CLEAN, or what to exit with
  */
-int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain);
+int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain);
 void twin_args_free(twin_args_t *args);
 
 /**

@@ -18,6 +18,12 @@ typedef struct made {
 } made_t;
 
 static made_t *all;
+static bool quiet;
+
+void product_quiet(void)
+{
+    quiet = true;
+}
 
 static void free_all(void)
 {
@@ -58,6 +64,7 @@ static const ect_product_t *from_file(const char *file, const ect_module_choice_
         return NULL;
     size_t count;
     const char *const *notes = ect_esi_twin_notes(twin, &count);
+    count = quiet ? 0 : count;
     for (size_t i = 0; i < count; i++)
         (void)fprintf(stderr, "ectwin: %s: %s\n", ect_esi_twin_product(twin)->device->type_name, notes[i]);
     return ect_esi_twin_product(twin);

@@ -22,6 +22,9 @@ enum { PRODUCT_MESSAGE = 600 };
 const ect_product_t *product_find(const char *name, const ect_module_choice_t *modules, size_t module_count,
                                   char *message);
 
+/** Features that a twin of a file does not support are not listed from here on. */
+void product_quiet(void);
+
 /** @return the twin that a product of an ESI file is; NULL: it is none of a file */
 const ect_esi_twin_t *product_twin(const ect_product_t *product);
 

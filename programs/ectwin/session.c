@@ -156,7 +156,7 @@ void session_drop_rights(session_t *s, bool children)
 
 int session_power_on(session_t *s)
 {
-    int status = twin_args_power_on(s->twins, s->who, &s->runner.exchange.chain);
+    int status = twin_args_power_on(s->twins, s->who, ect_packet_now(), &s->runner.exchange.chain);
     return status == EXIT_CLEAN ? run_before_others(s) : status;
 }
 

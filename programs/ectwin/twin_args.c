@@ -501,7 +501,8 @@ static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
 }
 
 /* Of one twin: all that the command line asks for, or only what outlasts the power. @return whether it was done */
-static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who)
+static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who,
+                  uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE] = "out of memory";
     named_t *named = calloc(args->setting_count, sizeof *named);
@@ -513,7 +514,7 @@ static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, boo
             continue;
         settings[count++] = (ect_setting_t){.name = one->name, .value = one->value};
     }
-    bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, ect_packet_now(), message);
+    bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, now_ns, message);
     if (!done)
         fprintf(stderr, "%s: --set: %s\n", who, message);
     free(named);
@@ -535,32 +536,32 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
 }
 
 /* First what stands outside the devices, which they see when they are powered on, then everything. */
-static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
+static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who, uint64_t now_ns)
 {
     if (!all_for_a_twin(args, who))
         return false;
     for (unsigned int round = 0; round < 2 && args->setting_count > 0; round++) {
         for (size_t slave = 1; slave <= args->count; slave++) {
-            if (!apply(args, chain, slave, round == 0, who))
+            if (!apply(args, chain, slave, round == 0, who, now_ns))
                 return false;
         }
         if (round == 0)
-            ect_chain_power_cycle(chain, ect_packet_now());
+            ect_chain_power_cycle(chain, now_ns);
     }
     return true;
 }
 
-int twin_args_power_on(twin_args_t *args, const char *who, ect_chain_t **chain)
+int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain)
 {
     *chain = NULL;
     if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
-    *chain = ect_chain_new(args->twins, args->count, ect_packet_now());
+    *chain = ect_chain_new(args->twins, args->count, now_ns);
     if (!*chain) {
         fprintf(stderr, "%s: not enough memory for %zu twins\n", who, args->count);
         return EXIT_RUN;
     }
-    if (apply_all(args, *chain, who))
+    if (apply_all(args, *chain, who, now_ns))
         return EXIT_CLEAN;
     ect_chain_free(*chain);
     *chain = NULL;

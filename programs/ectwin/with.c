@@ -14,8 +14,9 @@
 #include "bus/net/netns.h"
 #include "commands.h"
 #include "contain.h"
+#include "inprocess.h"
 
-enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL };
+enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_VIRTUAL_TIME };
 
 static const struct argp_option options[] = {
     {"iface", KEY_IFACE, "NAME[,NAME]", 0,
@@ -26,6 +27,13 @@ static const struct argp_option options[] = {
      "In place of DEVICE: a slave of your own, run by the shell with -i and its end of the wire behind it (a firmware "
      "with ectwin's soes_hal, docs/SOES.md)",
      0},
+    {"in-process", KEY_IN_PROCESS, NULL, 0,
+     "Run the twins inside CMD: no network, no namespaces, no rights. Each process of CMD that opens the interface has "
+     "a "
+     "bus of its own. CMD must reach its sockets through the C library (docs/IN-PROCESS.md)",
+     0},
+    {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
+     "With --in-process: a virtual clock, which passes while CMD waits; runs are fast and repeatable", 0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
      "Let processes that CMD left behind live on when it has ended (default: they end too)", 0},
     {0},
@@ -37,6 +45,9 @@ typedef struct with_args {
     char *masters[ECT_NETNS_WIRES]; /* the master's ends */
     char *external;                 /* the slave, NULL: twins of ours */
     bool leave_children;
+    bool in_process, virtual_time;
+    char *const *words; /* options and devices, as they were given */
+    int word_count;
     char **command;
 } with_args_t;
 
@@ -78,6 +89,13 @@ static void check_arguments(with_args_t *args, const struct argp_state *state)
         argp_error(state, "either a device or --external");
     if (args->external && args->masters[1])
         argp_error(state, "--external has one wire: one name in --iface");
+    if (args->virtual_time && !args->in_process)
+        argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
+    if (args->in_process && args->external)
+        argp_error(state, "--external is a process of its own, and --in-process has none: leave one of them out");
+    if (args->in_process && (args->twins.modbus || args->twins.realtime != 0 || args->twins.busy_poll))
+        argp_error(state,
+                   "--modbus, --realtime and --busy-poll need a process of the twins' own: leave out --in-process");
     if (args->external && twin_args_given(&args->twins))
         argp_error(state, "--external is a slave of your own: the options of twins do nothing to it, leave them out");
     if (!args->command)
@@ -100,12 +118,20 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_LEAVE_CHILDREN:
         args->leave_children = true;
         return 0;
+    case KEY_IN_PROCESS:
+        args->in_process = true;
+        return 0;
+    case KEY_VIRTUAL_TIME:
+        args->virtual_time = true;
+        return 0;
     case KEY_EXTERNAL:
         args->external = text;
         return 0;
     case ARGP_KEY_ARG:
         if (!args->devices && !args->external) {
             args->devices = text;
+            args->words = state->argv + 1;
+            args->word_count = state->next - 1;
             return 0;
         }
         args->command = &state->argv[state->next - 1];
@@ -356,6 +382,93 @@ static int serve_external(const with_args_t *args)
     return child.status >= 0 ? child.status : EXIT_RUN;
 }
 
+/* --- twins inside CMD ----------------------------------------------------------------------------------------------
+ */
+
+/* Signals the processes that CMD left behind; as their parents end they become children of this one, a subreaper.
+ * @return whether there are any */
+static bool signal_orphans(int signal_number)
+{
+    char path[64];
+    bool any = false;
+    int pid;
+    snprintf(path, sizeof path, "/proc/self/task/%d/children", (int)getpid());
+    FILE *children = fopen(path, "re");
+    while (children && fscanf(children, "%d", &pid) == 1) {
+        any = true;
+        kill(pid, signal_number);
+    }
+    if (children)
+        fclose(children);
+    return any;
+}
+
+static void end_orphans(void)
+{
+    enum { ROUNDS = 40, GENTLE_ROUNDS = 20, PAUSE_US = 50000 };
+    for (unsigned int round = 0; round < ROUNDS; round++) {
+        while (waitpid(-1, NULL, WNOHANG) > 0)
+            ;
+        if (!signal_orphans(round < GENTLE_ROUNDS ? SIGTERM : SIGKILL))
+            return;
+        usleep(PAUSE_US);
+    }
+}
+
+/* Mistakes that only show when the twins are powered on are reported here, not in the middle of CMD. */
+static int try_power_on(with_args_t *args)
+{
+    ect_chain_t *chain = NULL;
+    int status = twin_args_power_on(&args->twins, "ectwin with", 0, &chain);
+    ect_chain_free(chain);
+    return status;
+}
+
+static int wait_in_process(const with_args_t *args, int signal_fd)
+{
+    child_t child = {.status = -1, .slave_status = -1};
+    const start_t start = {.args = args};
+    fflush(NULL);
+    child.pid = start_freely(&start);
+    if (child.pid < 0) {
+        fprintf(stderr, "ectwin with: cannot start another process: %s\n", strerror(errno));
+        return EXIT_RUN;
+    }
+    wait_for_end(&child, signal_fd);
+    if (!args->leave_children)
+        end_orphans();
+    return child.status;
+}
+
+static int serve_in_process(with_args_t *args)
+{
+    char message[INPROCESS_MESSAGE];
+    in_process_t twins = {.virtual_time = args->virtual_time,
+                          .words = args->words,
+                          .word_count = args->word_count,
+                          .command = args->command[0]};
+    int signal_fd = open_signals();
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+    int status = try_power_on(args);
+    size_t count = args->twins.count;
+    twin_args_free(&args->twins);
+    if (status == EXIT_CLEAN && !in_process_prepare(&twins, message)) {
+        fprintf(stderr, "ectwin with: %s\n", message);
+        status = EXIT_OPEN;
+    }
+    if (status != EXIT_CLEAN)
+        return status;
+    (void)print_ready(stderr, args->masters, count, NULL);
+    status = wait_in_process(args, signal_fd);
+    if (!in_process_finish(&twins) && status != STATUS_NOT_FOUND && status != STATUS_NOT_EXECUTABLE)
+        fprintf(
+            stderr,
+            "ectwin with: '%s' has not opened %s through the C library (a static or setuid program, Go, system calls "
+            "of its own): run it without --in-process\n",
+            args->command[0], args->masters[0]);
+    return status;
+}
+
 int command_with(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
@@ -373,6 +486,8 @@ int command_with(int argc, char **argv)
 
     if (args.external)
         return serve_external(&args);
+    if (args.in_process)
+        return serve_in_process(&args);
     session_t session;
     session_init(&session, "ectwin with", &args.twins);
     session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */

@@ -31,7 +31,7 @@
 
 ECT_C_BEGIN
 
-/** Stands between the wire and the chain and may change what passes, in place, the length never. */
+/** Sees each frame between the wire and the chain and may change its bytes, never its length. */
 typedef struct ect_filter {
     /** Before the chain sees a frame. Not NULL. */
     void (*before)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);

@@ -155,7 +155,8 @@ static ect_reader_result_t bring_up(ect_reader_t *r)
 
 ect_reader_result_t ect_reader_preop(ect_reader_t *r)
 {
-    uint16_t status, code;
+    uint16_t status = 0;
+    uint16_t code = 0;
     if (r->out_size == 0 && r->found_sms[ECT_SM_ACTIVATE] == 0)
         return reader_report(r, ECT_READER_WRONG, "the slave has no mailbox");
     if (al_status(r, &status, &code) != ECT_READER_OK)

@@ -68,7 +68,9 @@ static void explain(const char *step, int error, char *message)
     else if (read_flag("/proc/sys/user/max_user_namespaces", &flag) && flag == '0')
         advice = "this system allows no user namespaces: run 'sudo sysctl -w user.max_user_namespaces=1000', or run "
                  "it as root ('sudo ectwin with ...')";
-    snprintf(message, ECT_NETNS_MESSAGE, "no private network: %s failed (%s); %s", step, strerror(error), advice);
+    snprintf(message, ECT_NETNS_MESSAGE,
+             "no private network: %s failed (%s); %s; or run the twins inside CMD: --in-process", step, strerror(error),
+             advice);
 }
 
 enum { NAMESPACES = CLONE_NEWNET | CLONE_NEWNS };

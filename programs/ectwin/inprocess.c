@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "inprocess.h"
+
+#include <elf.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <link.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { SEPARATOR = 0x1F };
+
+/* Beside the program, as in a build; else in lib/ectwin beside its folder, as installed. */
+static const char *const places[] = {"", "../lib/ectwin/", "../" ECTWIN_LIBDIR "/ectwin/"};
+
+static bool find_library(const char *name, char path[PATH_MAX])
+{
+    char self[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length <= 0)
+        return false;
+    self[length] = 0;
+    char *slash = strrchr(self, '/');
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        char candidate[2 * PATH_MAX];
+        snprintf(candidate, sizeof candidate, "%.*s/%s%s", (int)(slash - self), self, places[i], name);
+        if (realpath(candidate, path))
+            return true;
+    }
+    return false;
+}
+
+/* CMD as the shell would find it; false: not there, which running it will report. */
+static bool find_command(const char *name, char path[PATH_MAX])
+{
+    if (strchr(name, '/'))
+        return snprintf(path, PATH_MAX, "%s", name) < PATH_MAX;
+    const char *folders = getenv("PATH");
+    while (folders && *folders) {
+        size_t length = strcspn(folders, ":");
+        snprintf(path, PATH_MAX, "%.*s/%s", (int)length, folders, name);
+        if (access(path, X_OK) == 0)
+            return true;
+        folders += length + (folders[length] == ':');
+    }
+    return false;
+}
+
+/* The library and CMD must be of one word size and one processor. A script has no such header and passes. */
+static bool fits(const char *command, char *message)
+{
+    char path[PATH_MAX];
+    ElfW(Ehdr) header;
+    ElfW(Ehdr) ours;
+    int fd = find_command(command, path) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    ssize_t length = fd >= 0 ? read(fd, &header, sizeof header) : 0;
+    if (fd >= 0)
+        close(fd);
+    fd = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+    bool whole = fd >= 0 && read(fd, &ours, sizeof ours) == (ssize_t)sizeof ours;
+    if (fd >= 0)
+        close(fd);
+    if (!whole || length != (ssize_t)sizeof header || memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+        return true;
+    if (header.e_ident[EI_CLASS] == ours.e_ident[EI_CLASS] && header.e_machine == ours.e_machine)
+        return true;
+    snprintf(message, INPROCESS_MESSAGE,
+             "'%s' is a program of another processor or word size than ectwin: run it without --in-process", command);
+    return false;
+}
+
+static bool set_words(const in_process_t *p)
+{
+    size_t room = 1;
+    for (int i = 0; i < p->word_count; i++)
+        room += strlen(p->words[i]) + 1;
+    char *all = calloc(1, room);
+    size_t used = 0;
+    for (int i = 0; all && i < p->word_count; i++) {
+        size_t length = strlen(p->words[i]);
+        if (i > 0)
+            all[used++] = SEPARATOR;
+        memcpy(all + used, p->words[i], length);
+        used += length;
+    }
+    bool done = all && setenv("ECTWIN_INPROCESS", all, 1) == 0;
+    free(all);
+    return done;
+}
+
+/* Where the program itself was built with a sanitizer, its library has to come first. */
+static bool set_preload(const char *library)
+{
+    const char *before = getenv("LD_PRELOAD");
+    char *all = NULL;
+    bool more = before && *before;
+    if (asprintf(&all, "%s%s%s%s", ECTWIN_PRELOAD_FIRST, library, more ? ":" : "", more ? before : "") < 0)
+        return false;
+    bool done = setenv("LD_PRELOAD", all, 1) == 0;
+    free(all);
+    return done;
+}
+
+static bool make_mark(in_process_t *p)
+{
+    const char *folder = getenv("TMPDIR");
+    if (!folder || strlen(folder) > sizeof p->mark / 2)
+        folder = "/tmp";
+    snprintf(p->mark, sizeof p->mark, "%s/ectwin-XXXXXX", folder);
+    int fd = mkostemp(p->mark, O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    close(fd);
+    return setenv("ECTWIN_INPROCESS_MARK", p->mark, 1) == 0;
+}
+
+bool in_process_prepare(in_process_t *p, char *message)
+{
+    char path[PATH_MAX];
+    char here[PATH_MAX];
+    const char *name = p->virtual_time ? "libectwin-virtual.so" : "libectwin-real.so";
+    if (!fits(p->command, message))
+        return false;
+    if (!find_library(name, path)) {
+        snprintf(message, INPROCESS_MESSAGE, "%s is not where ectwin is installed: install ectwin again", name);
+        return false;
+    }
+    if (set_words(p) && set_preload(path) && make_mark(p) && getcwd(here, sizeof here) &&
+        setenv("ECTWIN_INPROCESS_CWD", here, 1) == 0)
+        return true;
+    snprintf(message, INPROCESS_MESSAGE, "the environment of CMD cannot be made: %s", strerror(errno));
+    return false;
+}
+
+bool in_process_finish(in_process_t *p)
+{
+    struct stat its;
+    bool used = stat(p->mark, &its) == 0 && its.st_size > 0;
+    (void)unlink(p->mark);
+    return used;
+}

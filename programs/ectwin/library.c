@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/* The bus of bus/library.h. It is part of the command, for the command knows how twins are described in words. */
+#define _GNU_SOURCE
+#include "bus/library.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/settings.h"
+#include "bus/exchange.h"
+#include "commands.h"
+#include "products.h"
+
+typedef struct reply {
+    struct reply *next;
+    ect_end_t end;
+    size_t length;
+    uint8_t frame[];
+} reply_t;
+
+struct ectwin_bus {
+    twin_args_t twins;
+    char **words; /* options point into them */
+    const char *devices;
+    ect_exchange_t exchange;
+    uint64_t now_ns;
+    reply_t *first, **last;
+};
+
+const char *ectwin_version(void)
+{
+    return ECTWIN_VERSION;
+}
+
+/* Time never goes back. */
+static void advance(ectwin_bus_t *bus, uint64_t now_ns)
+{
+    bus->now_ns = now_ns > bus->now_ns ? now_ns : bus->now_ns;
+}
+
+static uint64_t present(void *ctx)
+{
+    const ectwin_bus_t *bus = ctx;
+    return bus->now_ns;
+}
+
+/* A reply without memory is a lost frame. */
+static void queue(void *ctx, ect_end_t end, const uint8_t *frame, size_t length)
+{
+    ectwin_bus_t *bus = ctx;
+    reply_t *reply = malloc(sizeof *reply + length);
+    if (!reply)
+        return;
+    reply->next = NULL;
+    reply->end = end;
+    reply->length = length;
+    memcpy(reply->frame, frame, length);
+    *bus->last = reply;
+    bus->last = &reply->next;
+}
+
+/* The words may be those of a whole `ectwin with`, whose own options mean nothing here. */
+enum { KEY_OF_WITH = 0x300 };
+static const struct argp_option options_of_with[] = {
+    {"iface", KEY_OF_WITH, "NAME", OPTION_HIDDEN, NULL, 0},
+    {"leave-children", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
+    {"in-process", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
+    {"virtual-time", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    ectwin_bus_t *bus = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &bus->twins;
+        return 0;
+    case KEY_OF_WITH:
+        return 0;
+    case ARGP_KEY_ARG:
+        if (bus->devices)
+            argp_error(state, "one list of devices is enough: separate them by commas");
+        bus->devices = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (!bus->devices)
+            argp_error(state, "name a device");
+        twin_args_devices(&bus->twins, state, bus->devices);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static bool read_words(ectwin_bus_t *bus, int count, const char *const words[])
+{
+    static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
+    static const struct argp argp = {
+        .options = options_of_with, .parser = parse, .args_doc = "DEVICE[,DEVICE...]", .children = children};
+    static char name[] = "ectwin";
+    char **copy = calloc((size_t)count + 2, sizeof *copy);
+    if (!copy)
+        return false;
+    bus->words = copy;
+    copy[0] = name;
+    for (int i = 0; i < count; i++) {
+        copy[i + 1] = strdup(words[i]);
+        if (!copy[i + 1])
+            return false;
+    }
+    return argp_parse(&argp, count + 1, copy, ARGP_IN_ORDER, NULL, bus) == 0;
+}
+
+static void free_bus(ectwin_bus_t *bus)
+{
+    twin_args_free(&bus->twins);
+    for (char **word = bus->words ? bus->words + 1 : NULL; word && *word; word++)
+        free(*word);
+    free(bus->words);
+    free(bus);
+}
+
+ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns)
+{
+    ectwin_bus_t *bus = calloc(1, sizeof *bus);
+    if (!bus)
+        return NULL;
+    product_quiet();
+    if (!read_words(bus, count, words) ||
+        twin_args_power_on(&bus->twins, "ectwin", now_ns, &bus->exchange.chain) != EXIT_CLEAN) {
+        free_bus(bus);
+        return NULL;
+    }
+    bus->now_ns = now_ns;
+    bus->last = &bus->first;
+    bus->exchange.scenario = &bus->twins.scenario;
+    bus->exchange.filter = bus->twins.filter.ctx ? &bus->twins.filter : NULL;
+    bus->exchange.send = queue;
+    bus->exchange.clock = present;
+    bus->exchange.ctx = bus;
+    ect_exchange_start(&bus->exchange);
+    ect_chain_set_link(bus->exchange.chain, ECT_END_IN, true);
+    return bus;
+}
+
+static void forget_replies(ectwin_bus_t *bus)
+{
+    while (bus->first) {
+        reply_t *next = bus->first->next;
+        free(bus->first);
+        bus->first = next;
+    }
+    bus->last = &bus->first;
+}
+
+/* A save under way is finished; by then no more than two seconds of the bus have passed. */
+static void finish(ectwin_bus_t *bus)
+{
+    enum { STEP_NS = 1000000, STEPS = 2000 };
+    for (unsigned int i = 0; i < STEPS && ect_chain_unfinished(bus->exchange.chain); i++) {
+        bus->now_ns += STEP_NS;
+        (void)ect_exchange_run(&bus->exchange);
+    }
+}
+
+void ectwin_bus_close(ectwin_bus_t *bus)
+{
+    if (!bus)
+        return;
+    finish(bus);
+    ect_exchange_end(&bus->exchange);
+    forget_replies(bus);
+    if (bus->exchange.control)
+        ect_control_close(bus->exchange.control);
+    ect_chain_free(bus->exchange.chain);
+    free_bus(bus);
+}
+
+size_t ectwin_bus_slaves(const ectwin_bus_t *bus)
+{
+    return ect_chain_count(bus->exchange.chain);
+}
+
+void ectwin_bus_link(ectwin_bus_t *bus, unsigned int end, int link, uint64_t now_ns)
+{
+    if (end >= ECT_ENDS)
+        return;
+    advance(bus, now_ns);
+    (void)ect_exchange_touch(&bus->exchange);
+    ect_chain_set_link(bus->exchange.chain, (ect_end_t)end, link != 0);
+    (void)ect_exchange_run(&bus->exchange);
+}
+
+void ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, size_t length, uint64_t now_ns)
+{
+    uint8_t copy[ECTWIN_FRAME_MAX];
+    if (end >= ECT_ENDS || length == 0 || length > sizeof copy)
+        return;
+    advance(bus, now_ns);
+    memcpy(copy, frame, length);
+    const ect_packet_time_t time = {.now_ns = bus->now_ns};
+    bus->exchange.stats.frames++;
+    if (length <= ECT_ESC_MAX_FRAME)
+        ect_exchange_frame(&bus->exchange, (ect_end_t)end, copy, length, &time);
+    else
+        ect_exchange_long_frame(&bus->exchange, (ect_end_t)end, copy, length, bus->now_ns);
+    (void)ect_exchange_run(&bus->exchange);
+}
+
+size_t ectwin_bus_reply(ectwin_bus_t *bus, unsigned int *end, void *frame, size_t room)
+{
+    reply_t *reply = bus->first;
+    if (!reply)
+        return 0;
+    size_t length = reply->length;
+    *end = (unsigned int)reply->end;
+    memcpy(frame, reply->frame, length < room ? length : room);
+    bus->first = reply->next;
+    if (!bus->first)
+        bus->last = &bus->first;
+    free(reply);
+    return length;
+}
+
+uint64_t ectwin_bus_run(ectwin_bus_t *bus, uint64_t now_ns)
+{
+    advance(bus, now_ns);
+    return ect_exchange_run(&bus->exchange);
+}
+
+int ectwin_bus_get(const ectwin_bus_t *bus, size_t slave, const char *name, char *text, size_t room)
+{
+    ect_signal_ref_t ref;
+    char value[ECT_SIGNAL_TEXT_ROOM];
+    if (slave < 1 || slave > ectwin_bus_slaves(bus) || !ect_chain_signal(bus->exchange.chain, slave - 1, name, &ref))
+        return -1;
+    ect_signal_read(&ref, value);
+    size_t length = strlen(value);
+    if (length >= room)
+        return -1;
+    memcpy(text, value, length + 1);
+    return 0;
+}
+
+int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name, const char *value, uint64_t now_ns, char *message,
+                   size_t room)
+{
+    char why[ECT_SIGNAL_MESSAGE] = "there is no such slave";
+    const ect_setting_t setting = {.name = name, .value = value};
+    advance(bus, now_ns);
+    (void)ect_exchange_touch(&bus->exchange);
+    bool done = slave >= 1 && slave <= ectwin_bus_slaves(bus) &&
+                ect_settings_apply(bus->exchange.chain, slave - 1, &setting, 1, bus->now_ns, why);
+    (void)ect_exchange_run(&bus->exchange);
+    if (!done && room > 0)
+        snprintf(message, room, "%s", why);
+    return done ? 0 : -1;
+}
+
+int ectwin_bus_control(ectwin_bus_t *bus)
+{
+    if (!bus->exchange.control) {
+        bus->exchange.control = open_control("ectwin");
+        if (bus->exchange.control)
+            ect_control_show(bus->exchange.control, &bus->exchange.stats, bus->exchange.scenario);
+    }
+    return bus->exchange.control ? ect_control_fd(bus->exchange.control) : -1;
+}
+
+const char *ectwin_bus_control_path(const ectwin_bus_t *bus)
+{
+    return bus->exchange.control ? ect_control_path(bus->exchange.control) : NULL;
+}
+
+int ectwin_bus_serve(ectwin_bus_t *bus, uint64_t now_ns)
+{
+    ect_control_t *control = bus->exchange.control;
+    if (!control)
+        return 0;
+    struct pollfd fd = {.fd = ect_control_fd(control), .events = POLLIN};
+    advance(bus, now_ns);
+    if (ect_control_due(control) != 0 && poll(&fd, 1, 0) <= 0)
+        return 0;
+    ect_control_serve(control, bus->exchange.chain, ect_exchange_touch(&bus->exchange));
+    (void)ect_exchange_run(&bus->exchange);
+    return 1;
+}

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/inprocess/bus.h"
+
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bus/inprocess/ports.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/time.h"
+#include "bus/library.h"
+
+enum { WORDS_MOST = 4096, SEPARATOR = 0x1F };
+
+/* Functions of libectwin.so. */
+typedef struct library {
+    __typeof__(&ectwin_bus_open) open;
+    __typeof__(&ectwin_bus_close) close;
+    __typeof__(&ectwin_bus_link) link;
+    __typeof__(&ectwin_bus_frame) frame;
+    __typeof__(&ectwin_bus_reply) reply;
+    __typeof__(&ectwin_bus_run) run;
+    __typeof__(&ectwin_bus_control) control;
+    __typeof__(&ectwin_bus_control_path) control_path;
+    __typeof__(&ectwin_bus_serve) serve;
+} library_t;
+
+static struct {
+    library_t library;
+    ectwin_bus_t *bus;
+    pid_t pid;
+    int control_fd;
+    bool failed;
+} state = {.control_fd = -1};
+
+__thread int ect_inside __attribute__((tls_model("initial-exec")));
+
+const char *ect_bus_name(unsigned int end)
+{
+    return getenv(end == 0 ? "ECTWIN_IFACE" : "ECTWIN_IFACE2");
+}
+
+int ect_bus_end_of_name(const char *name)
+{
+    for (unsigned int end = 0; end < ECT_BUS_ENDS; end++) {
+        const char *its = ect_bus_name(end);
+        if (its && strcmp(its, name) == 0)
+            return (int)end;
+    }
+    return -1;
+}
+
+int ect_bus_end_of_index(int index)
+{
+    int end = index - ECT_BUS_INDEX;
+    return end >= 0 && end < ECT_BUS_ENDS && ect_bus_name((unsigned int)end) ? end : -1;
+}
+
+static void *symbol(void *handle, const char *name, bool *whole)
+{
+    void *found = dlsym(handle, name);
+    *whole &= found != NULL;
+    return found;
+}
+
+/* libectwin.so lies in the folder of this library. */
+static bool load(library_t *library)
+{
+    Dl_info self;
+    char path[PATH_MAX];
+    if (dladdr((void *)&state, &self) == 0 || !self.dli_fname)
+        return false;
+    const char *slash = strrchr(self.dli_fname, '/');
+    int folder = slash ? (int)(slash - self.dli_fname + 1) : 0;
+    snprintf(path, sizeof path, "%.*slibectwin.so", folder, self.dli_fname);
+    void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!handle) {
+        fprintf(stderr, "ectwin: %s; install ectwin again\n", dlerror());
+        return false;
+    }
+    bool whole = true;
+    *library = (library_t){.open = symbol(handle, "ectwin_bus_open", &whole),
+                           .close = symbol(handle, "ectwin_bus_close", &whole),
+                           .link = symbol(handle, "ectwin_bus_link", &whole),
+                           .frame = symbol(handle, "ectwin_bus_frame", &whole),
+                           .reply = symbol(handle, "ectwin_bus_reply", &whole),
+                           .run = symbol(handle, "ectwin_bus_run", &whole),
+                           .control = symbol(handle, "ectwin_bus_control", &whole),
+                           .control_path = symbol(handle, "ectwin_bus_control_path", &whole),
+                           .serve = symbol(handle, "ectwin_bus_serve", &whole)};
+    if (!whole)
+        fprintf(stderr, "ectwin: %s is of another version; install ectwin again\n", path);
+    return whole;
+}
+
+static void leave_mark(void)
+{
+    const char *path = getenv("ECTWIN_INPROCESS_MARK");
+    int fd = path ? open(path, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
+    if (fd < 0)
+        return;
+    (void)!write(fd, "+", 1);
+    close(fd);
+}
+
+static ectwin_bus_t *open_bus(char *words)
+{
+    const char *list[WORDS_MOST];
+    const char separators[] = {SEPARATOR, 0};
+    int count = 0;
+    for (char *word = strsep(&words, separators); word && count < WORDS_MOST; word = strsep(&words, separators))
+        list[count++] = word;
+    const char *folder = getenv("ECTWIN_INPROCESS_CWD");
+    int here = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    bool moved = folder && here >= 0 && chdir(folder) == 0;
+    ectwin_bus_t *bus = state.library.open(count, list, ect_time_now());
+    if (moved)
+        (void)!fchdir(here);
+    if (here >= 0)
+        close(here);
+    return bus;
+}
+
+static bool start(void)
+{
+    const char *words = getenv("ECTWIN_INPROCESS");
+    char *copy = words ? strdup(words) : NULL;
+    if (!copy || (!state.library.open && !load(&state.library))) {
+        free(copy);
+        return false;
+    }
+    state.bus = open_bus(copy);
+    free(copy);
+    if (!state.bus)
+        return false;
+    leave_mark();
+    state.control_fd = state.library.control(state.bus);
+    if (state.control_fd >= 0)
+        setenv("ECTWIN_SOCKET", state.library.control_path(state.bus), 1);
+    return true;
+}
+
+bool ect_bus_running(void)
+{
+    return state.bus && state.pid == getpid();
+}
+
+bool ect_bus_start(void)
+{
+    if (ect_bus_running())
+        return true;
+    if (state.failed && state.pid == getpid())
+        return false;
+    state.pid = getpid();
+    state.control_fd = -1;
+    ect_inside++;
+    state.failed = !start();
+    ect_inside--;
+    if (!state.failed)
+        ect_time_bus_started();
+    return !state.failed;
+}
+
+static void deliver(void)
+{
+    uint8_t frame[ECTWIN_FRAME_MAX];
+    unsigned int end;
+    size_t length;
+    while ((length = state.library.reply(state.bus, &end, frame, sizeof frame)) > 0)
+        ect_ports_deliver(end, frame, length);
+}
+
+void ect_bus_plug(unsigned int end)
+{
+    ect_inside++;
+    state.library.link(state.bus, end, 1, ect_time_now());
+    ect_inside--;
+}
+
+uint64_t ect_bus_run(uint64_t now_ns)
+{
+    ect_inside++;
+    uint64_t next_ns = state.library.run(state.bus, now_ns);
+    deliver();
+    ect_inside--;
+    return next_ns;
+}
+
+void ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns)
+{
+    ect_inside++;
+    state.library.frame(state.bus, end, frame, length, now_ns);
+    uint64_t next_ns = state.library.run(state.bus, now_ns);
+    deliver();
+    ect_inside--;
+    ect_time_bus_next(next_ns);
+}
+
+bool ect_bus_serve(uint64_t now_ns)
+{
+    ect_inside++;
+    bool more = state.library.serve(state.bus, now_ns) != 0;
+    deliver();
+    ect_inside--;
+    return more;
+}
+
+int ect_bus_control_fd(void)
+{
+    return state.control_fd;
+}
+
+void ect_bus_end(void)
+{
+    if (!ect_bus_running())
+        return;
+    ect_inside++;
+    state.library.close(state.bus);
+    state.bus = NULL;
+    state.control_fd = -1;
+    ect_inside--;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/** @file
+ * Times of the C library as times of the virtual clock. */
+#ifndef ECT_BUS_INPROCESS_DEADLINE_H
+#define ECT_BUS_INPROCESS_DEADLINE_H
+
+#include <stdint.h>
+#include <sys/time.h>
+#include <time.h>
+
+#include "bus/inprocess/threads.h"
+
+#define ECT_NS_PER_S      1000000000ull
+#define ECT_DAY_OFFSET_NS (ECT_VIRTUAL_DAY_NS - ECT_VIRTUAL_START_NS)
+
+static inline uint64_t ect_ns_of(const struct timespec *time)
+{
+    return (uint64_t)time->tv_sec * ECT_NS_PER_S + (uint64_t)time->tv_nsec;
+}
+
+/** An absolute time of a clock. */
+static inline uint64_t ect_deadline_on(clockid_t clock, const struct timespec *time)
+{
+    uint64_t at_ns = ect_ns_of(time);
+    if (clock != CLOCK_REALTIME && clock != CLOCK_TAI)
+        return at_ns;
+    return at_ns > ECT_DAY_OFFSET_NS ? at_ns - ECT_DAY_OFFSET_NS : 0;
+}
+
+/** An absolute time whose clock the caller does not name: a time of day is beyond 2026, a monotonic one far below. */
+static inline uint64_t ect_deadline(const struct timespec *time)
+{
+    return ect_deadline_on(ect_ns_of(time) > ECT_DAY_OFFSET_NS / 2 ? CLOCK_REALTIME : CLOCK_MONOTONIC, time);
+}
+
+/** A span of time from now; NULL: without a limit. */
+static inline uint64_t ect_deadline_in(const struct timespec *span)
+{
+    return span ? ect_virtual_now() + ect_ns_of(span) : UINT64_MAX;
+}
+
+/** A timeout in milliseconds from now; negative: without a limit. */
+static inline uint64_t ect_deadline_in_ms(int timeout_ms)
+{
+    return timeout_ms < 0 ? UINT64_MAX : ect_virtual_now() + (uint64_t)timeout_ms * 1000000u;
+}
+
+#endif

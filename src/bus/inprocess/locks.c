@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Threads, mutexes, conditions, semaphores and futexes on the virtual clock. One thread runs at a time (threads.h), so
+ * the try variants of the real functions keep the state of an object, and only waiting is done here.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <limits.h>
+#include <linux/futex.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "bus/inprocess/deadline.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/threads.h"
+#include "bus/inprocess/time.h"
+
+/* --- threads -------------------------------------------------------------------------------------------------------
+ */
+
+typedef struct created {
+    struct created *next;
+    void *(*start)(void *arg);
+    void *arg;
+    void *record;
+    pthread_t thread;
+    int ended;
+} created_t;
+
+static created_t *created; /* not joined yet; changed by the thread that has the turn */
+
+static void *run_created(void *arg)
+{
+    created_t *its = arg;
+    ect_virtual_thread_begin(its->record);
+    return its->start(its->arg); /* its end is that of the thread's key, also after pthread_exit */
+}
+
+REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *restrict attributes,
+                            void *(*start)(void *arg), void *restrict arg)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_create)(thread, attributes, start, arg);
+    created_t *its = calloc(1, sizeof *its);
+    if (!its)
+        return EAGAIN;
+    *its = (created_t){.start = start, .arg = arg};
+    its->record = ect_virtual_thread_new(&its->ended);
+    int error = its->record ? REAL(pthread_create)(thread, attributes, run_created, its) : EAGAIN;
+    if (error != 0) {
+        if (its->record)
+            ect_virtual_thread_cancel(its->record);
+        free(its);
+        return error;
+    }
+    its->thread = *thread;
+    its->next = created;
+    created = its;
+    ect_virtual_yield(); /* a sanitizer's pthread_create returns only when the thread has begun */
+    return 0;
+}
+
+static created_t *take_created(pthread_t thread)
+{
+    for (created_t **at = &created; *at; at = &(*at)->next) {
+        created_t *its = *at;
+        if (pthread_equal(its->thread, thread)) {
+            *at = its->next;
+            return its;
+        }
+    }
+    return NULL;
+}
+
+REPLACES int pthread_join(pthread_t thread, void **result)
+{
+    created_t *its = ect_inside > 0 ? NULL : take_created(thread);
+    while (its && !its->ended)
+        (void)ect_virtual_wait(&its->ended, UINT64_MAX);
+    int error = REAL(pthread_join)(thread, result);
+    free(its);
+    return error;
+}
+
+/* --- mutexes -------------------------------------------------------------------------------------------------------
+ */
+
+static int lock_until(pthread_mutex_t *mutex, uint64_t until_ns)
+{
+    int error;
+    while ((error = REAL(pthread_mutex_trylock)(mutex)) == EBUSY) {
+        if (!ect_virtual_wait(mutex, until_ns))
+            return ETIMEDOUT;
+    }
+    return error;
+}
+
+REPLACES int pthread_mutex_lock(pthread_mutex_t *mutex)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_mutex_lock)(mutex);
+    return lock_until(mutex, UINT64_MAX);
+}
+
+REPLACES int pthread_mutex_timedlock(pthread_mutex_t *restrict mutex, const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_mutex_timedlock)(mutex, until);
+    return lock_until(mutex, ect_deadline_on(CLOCK_REALTIME, until));
+}
+
+REPLACES int pthread_mutex_unlock(pthread_mutex_t *mutex)
+{
+    int error = REAL(pthread_mutex_unlock)(mutex);
+    if (ect_inside == 0)
+        (void)ect_virtual_wake(mutex, 1);
+    return error;
+}
+
+static void relock(pthread_mutex_t *mutex)
+{
+    (void)lock_until(mutex, UINT64_MAX);
+}
+
+/* --- conditions ----------------------------------------------------------------------------------------------------
+ */
+
+static int wait_until(const pthread_cond_t *condition, pthread_mutex_t *mutex, uint64_t until_ns)
+{
+    int error = REAL(pthread_mutex_unlock)(mutex);
+    if (error != 0)
+        return error;
+    (void)ect_virtual_wake(mutex, 1);
+    bool woken = ect_virtual_wait(condition, until_ns);
+    relock(mutex);
+    return woken ? 0 : ETIMEDOUT;
+}
+
+REPLACES int pthread_cond_wait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_cond_wait)(condition, mutex);
+    return wait_until(condition, mutex, UINT64_MAX);
+}
+
+REPLACES int pthread_cond_timedwait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex,
+                                    const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_cond_timedwait)(condition, mutex, until);
+    return wait_until(condition, mutex, ect_deadline(until));
+}
+
+int pthread_cond_clockwait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex, clockid_t clock,
+                           const struct timespec *restrict until);
+REPLACES int pthread_cond_clockwait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex,
+                                    clockid_t clock, const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_cond_clockwait)(condition, mutex, clock, until);
+    return wait_until(condition, mutex, ect_deadline_on(clock, until));
+}
+
+REPLACES int pthread_cond_signal(pthread_cond_t *condition)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_cond_signal)(condition);
+    (void)ect_virtual_wake(condition, 1);
+    return 0;
+}
+
+REPLACES int pthread_cond_broadcast(pthread_cond_t *condition)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_cond_broadcast)(condition);
+    (void)ect_virtual_wake(condition, UINT_MAX);
+    return 0;
+}
+
+/* --- read-write locks ----------------------------------------------------------------------------------------------
+ */
+
+REPLACES int pthread_rwlock_rdlock(pthread_rwlock_t *lock)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_rwlock_rdlock)(lock);
+    int error;
+    while ((error = REAL(pthread_rwlock_tryrdlock)(lock)) == EBUSY)
+        (void)ect_virtual_wait(lock, UINT64_MAX);
+    return error;
+}
+
+REPLACES int pthread_rwlock_wrlock(pthread_rwlock_t *lock)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_rwlock_wrlock)(lock);
+    int error;
+    while ((error = REAL(pthread_rwlock_trywrlock)(lock)) == EBUSY)
+        (void)ect_virtual_wait(lock, UINT64_MAX);
+    return error;
+}
+
+REPLACES int pthread_rwlock_unlock(pthread_rwlock_t *lock)
+{
+    int error = REAL(pthread_rwlock_unlock)(lock);
+    if (ect_inside == 0)
+        (void)ect_virtual_wake(lock, UINT_MAX);
+    return error;
+}
+
+/* --- semaphores ----------------------------------------------------------------------------------------------------
+ */
+
+static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
+{
+    while (REAL(sem_trywait)(semaphore) != 0) {
+        if (errno != EAGAIN)
+            return -1;
+        if (!ect_virtual_wait(semaphore, until_ns)) {
+            errno = ETIMEDOUT;
+            return -1;
+        }
+    }
+    return 0;
+}
+
+REPLACES int sem_wait(sem_t *semaphore)
+{
+    return ect_inside > 0 ? REAL(sem_wait)(semaphore) : wait_semaphore(semaphore, UINT64_MAX);
+}
+
+REPLACES int sem_timedwait(sem_t *restrict semaphore, const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(sem_timedwait)(semaphore, until);
+    return wait_semaphore(semaphore, ect_deadline_on(CLOCK_REALTIME, until));
+}
+
+int sem_clockwait(sem_t *restrict semaphore, clockid_t clock, const struct timespec *restrict until);
+REPLACES int sem_clockwait(sem_t *restrict semaphore, clockid_t clock, const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(sem_clockwait)(semaphore, clock, until);
+    return wait_semaphore(semaphore, ect_deadline_on(clock, until));
+}
+
+REPLACES int sem_post(sem_t *semaphore)
+{
+    int result = REAL(sem_post)(semaphore);
+    if (ect_inside == 0)
+        (void)ect_virtual_wake(semaphore, 1);
+    return result;
+}
+
+/* --- futexes: the locks of Rust's standard library
+ * -------------------------------------------------------------------- */
+
+static long wait_futex(const int *word, int operation, int expected, const struct timespec *timeout)
+{
+    bool absolute = (operation & FUTEX_CMD_MASK) == FUTEX_WAIT_BITSET;
+    clockid_t clock = (operation & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
+    uint64_t until_ns = absolute && timeout ? ect_deadline_on(clock, timeout) : ect_deadline_in(timeout);
+    if (__atomic_load_n(word, __ATOMIC_SEQ_CST) != expected) {
+        errno = EAGAIN;
+        return -1;
+    }
+    if (ect_virtual_wait(word, until_ns))
+        return 0;
+    errno = ETIMEDOUT;
+    return -1;
+}
+
+REPLACES long syscall(long number, ...)
+{
+    long a[6];
+    va_list arguments;
+    va_start(arguments, number);
+    for (unsigned int i = 0; i < 6; i++)
+        a[i] = va_arg(arguments, long);
+    va_end(arguments);
+    int command = number == SYS_futex && ect_inside == 0 ? (int)a[1] & FUTEX_CMD_MASK : -1;
+    const int *word = (const int *)a[0];
+    if (command == FUTEX_WAIT || command == FUTEX_WAIT_BITSET)
+        return wait_futex(word, (int)a[1], (int)a[2], (const struct timespec *)a[3]);
+    if (command == FUTEX_WAKE || command == FUTEX_WAKE_BITSET)
+        return (long)ect_virtual_wake(word, (unsigned int)a[2]);
+    return REAL(syscall)(number, a[0], a[1], a[2], a[3], a[4], a[5]);
+}

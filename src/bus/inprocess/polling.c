@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/* poll, select, epoll and timer descriptors on the virtual clock. Sockets of the bus are eventfds, so the real calls,
+ * without waiting, find out what is ready. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/select.h>
+#include <sys/socket.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include "bus/inprocess/deadline.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/threads.h"
+#include "bus/inprocess/time.h"
+
+typedef struct polling {
+    struct pollfd *fds;
+    nfds_t count;
+    int result;
+} polling_t;
+
+static bool poll_now(void *arg)
+{
+    polling_t *p = arg;
+    p->result = REAL(poll)(p->fds, p->count, 0);
+    return p->result != 0;
+}
+
+static int poll_until(struct pollfd *fds, nfds_t count, uint64_t until_ns)
+{
+    polling_t p = {.fds = fds, .count = count};
+    (void)ect_virtual_wait_until(poll_now, &p, until_ns);
+    return p.result;
+}
+
+REPLACES int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
+{
+    if (ect_inside > 0)
+        return REAL(poll)(fds, count, timeout_ms);
+    ect_virtual_charge(ECT_COST_SOCKET_NS);
+    return poll_until(fds, count, ect_deadline_in_ms(timeout_ms));
+}
+
+int __poll_chk(struct pollfd *fds, nfds_t count, int timeout_ms, size_t room);
+REPLACES int __poll_chk(struct pollfd *fds, nfds_t count, int timeout_ms, size_t room)
+{
+    return count <= room / sizeof *fds ? poll(fds, count, timeout_ms) : REAL(__poll_chk)(fds, count, timeout_ms, room);
+}
+
+REPLACES int ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask)
+{
+    if (ect_inside > 0)
+        return REAL(ppoll)(fds, count, timeout, mask);
+    ect_virtual_charge(ECT_COST_SOCKET_NS);
+    return poll_until(fds, count, ect_deadline_in(timeout));
+}
+
+typedef struct selecting {
+    int count;
+    fd_set *sets[3];
+    fd_set wanted[3];
+    int result;
+} selecting_t;
+
+static bool select_now(void *arg)
+{
+    selecting_t *s = arg;
+    struct timeval none = {0};
+    for (unsigned int i = 0; i < 3; i++) {
+        if (s->sets[i])
+            *s->sets[i] = s->wanted[i];
+    }
+    s->result = REAL(select)(s->count, s->sets[0], s->sets[1], s->sets[2], &none);
+    return s->result != 0;
+}
+
+static int select_until(int count, fd_set *to_read, fd_set *to_write, fd_set *except, uint64_t until_ns)
+{
+    selecting_t s = {.count = count, .sets = {to_read, to_write, except}};
+    for (unsigned int i = 0; i < 3; i++) {
+        if (s.sets[i])
+            s.wanted[i] = *s.sets[i];
+    }
+    ect_virtual_charge(ECT_COST_SOCKET_NS);
+    (void)ect_virtual_wait_until(select_now, &s, until_ns);
+    return s.result;
+}
+
+REPLACES int select(int count, fd_set *restrict to_read, fd_set *restrict to_write, fd_set *restrict except,
+                    struct timeval *restrict timeout)
+{
+    if (ect_inside > 0)
+        return REAL(select)(count, to_read, to_write, except, timeout);
+    uint64_t until_ns =
+        timeout ? ect_virtual_now() + (uint64_t)timeout->tv_sec * ECT_NS_PER_S + (uint64_t)timeout->tv_usec * 1000u
+                : UINT64_MAX;
+    return select_until(count, to_read, to_write, except, until_ns);
+}
+
+REPLACES int pselect(int count, fd_set *restrict to_read, fd_set *restrict to_write, fd_set *restrict except,
+                     const struct timespec *restrict timeout, const sigset_t *restrict mask)
+{
+    if (ect_inside > 0)
+        return REAL(pselect)(count, to_read, to_write, except, timeout, mask);
+    return select_until(count, to_read, to_write, except, ect_deadline_in(timeout));
+}
+
+typedef struct epolling {
+    int fd;
+    struct epoll_event *events;
+    int most;
+    int result;
+} epolling_t;
+
+static bool epoll_now(void *arg)
+{
+    epolling_t *e = arg;
+    e->result = REAL(epoll_wait)(e->fd, e->events, e->most, 0);
+    return e->result != 0;
+}
+
+static int epoll_until(int fd, struct epoll_event *events, int most, uint64_t until_ns)
+{
+    epolling_t e = {.fd = fd, .events = events, .most = most};
+    ect_virtual_charge(ECT_COST_SOCKET_NS);
+    (void)ect_virtual_wait_until(epoll_now, &e, until_ns);
+    return e.result;
+}
+
+REPLACES int epoll_wait(int fd, struct epoll_event *events, int most, int timeout_ms)
+{
+    if (ect_inside > 0)
+        return REAL(epoll_wait)(fd, events, most, timeout_ms);
+    return epoll_until(fd, events, most, ect_deadline_in_ms(timeout_ms));
+}
+
+REPLACES int epoll_pwait(int fd, struct epoll_event *events, int most, int timeout_ms, const sigset_t *mask)
+{
+    if (ect_inside > 0)
+        return REAL(epoll_pwait)(fd, events, most, timeout_ms, mask);
+    return epoll_until(fd, events, most, ect_deadline_in_ms(timeout_ms));
+}
+
+int epoll_pwait2(int fd, struct epoll_event *events, int most, const struct timespec *timeout, const sigset_t *mask);
+REPLACES int epoll_pwait2(int fd, struct epoll_event *events, int most, const struct timespec *timeout,
+                          const sigset_t *mask)
+{
+    if (ect_inside > 0)
+        return REAL(epoll_pwait2)(fd, events, most, timeout, mask);
+    return epoll_until(fd, events, most, ect_deadline_in(timeout));
+}
+
+static uint64_t receive_deadline(int fd)
+{
+    struct timeval timeout = {0};
+    socklen_t length = sizeof timeout;
+    if (REAL(getsockopt)(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, &length) != 0 ||
+        (timeout.tv_sec == 0 && timeout.tv_usec == 0))
+        return UINT64_MAX;
+    return ect_virtual_now() + (uint64_t)timeout.tv_sec * ECT_NS_PER_S + (uint64_t)timeout.tv_usec * 1000u;
+}
+
+/* A pipe, a socket or an event descriptor of another thread, or of another process. */
+void ect_time_before_read(int fd, int flags)
+{
+    struct pollfd one = {.fd = fd, .events = POLLIN};
+    if ((flags & MSG_DONTWAIT) != 0 || REAL(poll)(&one, 1, 0) != 0 || (REAL(fcntl)(fd, F_GETFL) & O_NONBLOCK) != 0)
+        return;
+    (void)poll_until(&one, 1, receive_deadline(fd));
+}
+
+/* --- timer descriptors: eventfds to which expiries are written
+ * -------------------------------------------------------- */
+
+typedef struct timer_fd {
+    ect_timer_t timer; /* first */
+    struct timer_fd *next;
+    int fd;
+    clockid_t clock;
+} timer_fd_t;
+
+static timer_fd_t *timer_fds;
+
+static void expire(ect_timer_t *timer)
+{
+    timer_fd_t *its = (timer_fd_t *)timer;
+    eventfd_t one = 1;
+    (void)!REAL(write)(its->fd, &one, sizeof one);
+}
+
+static timer_fd_t *timer_of(int fd)
+{
+    for (timer_fd_t *one = timer_fds; one; one = one->next) {
+        if (one->fd == fd)
+            return one;
+    }
+    return NULL;
+}
+
+void ect_time_closed(int fd)
+{
+    for (timer_fd_t **at = &timer_fds; *at; at = &(*at)->next) {
+        timer_fd_t *one = *at;
+        if (one->fd != fd)
+            continue;
+        *at = one->next;
+        ect_virtual_remove_timer(&one->timer);
+        free(one);
+        return;
+    }
+}
+
+REPLACES int timerfd_create(int clock, int flags)
+{
+    if (ect_inside > 0)
+        return REAL(timerfd_create)(clock, flags);
+    int fd =
+        eventfd(0, ((flags & TFD_CLOEXEC) != 0 ? EFD_CLOEXEC : 0) | ((flags & TFD_NONBLOCK) != 0 ? EFD_NONBLOCK : 0));
+    timer_fd_t *its = fd >= 0 ? calloc(1, sizeof *its) : NULL;
+    if (!its)
+        return fd;
+    *its =
+        (timer_fd_t){.timer = {.next_ns = UINT64_MAX, .expired = expire}, .next = timer_fds, .fd = fd, .clock = clock};
+    ect_virtual_add_timer(&its->timer);
+    timer_fds = its;
+    return fd;
+}
+
+REPLACES int timerfd_gettime(int fd, struct itimerspec *value)
+{
+    const timer_fd_t *its = ect_inside > 0 ? NULL : timer_of(fd);
+    if (!its)
+        return REAL(timerfd_gettime)(fd, value);
+    uint64_t now_ns = ect_virtual_now();
+    uint64_t left_ns = its->timer.next_ns == UINT64_MAX ? 0
+                       : its->timer.next_ns > now_ns    ? its->timer.next_ns - now_ns
+                                                        : 1;
+    value->it_value =
+        (struct timespec){.tv_sec = (time_t)(left_ns / ECT_NS_PER_S), .tv_nsec = (long)(left_ns % ECT_NS_PER_S)};
+    value->it_interval = (struct timespec){.tv_sec = (time_t)(its->timer.interval_ns / ECT_NS_PER_S),
+                                           .tv_nsec = (long)(its->timer.interval_ns % ECT_NS_PER_S)};
+    return 0;
+}
+
+REPLACES int timerfd_settime(int fd, int flags, const struct itimerspec *value, struct itimerspec *before)
+{
+    timer_fd_t *its = ect_inside > 0 ? NULL : timer_of(fd);
+    eventfd_t expiries;
+    if (!its)
+        return REAL(timerfd_settime)(fd, flags, value, before);
+    if (before)
+        (void)timerfd_gettime(fd, before);
+    struct pollfd one = {.fd = fd, .events = POLLIN};
+    if (REAL(poll)(&one, 1, 0) > 0)
+        (void)!REAL(read)(fd, &expiries, sizeof expiries);
+    uint64_t span_ns = ect_ns_of(&value->it_value);
+    bool absolute = (flags & TFD_TIMER_ABSTIME) != 0;
+    its->timer.interval_ns = ect_ns_of(&value->it_interval);
+    its->timer.next_ns = span_ns == 0 ? UINT64_MAX
+                         : absolute   ? ect_deadline_on(its->clock, &value->it_value)
+                                      : ect_virtual_now() + span_ns;
+    return 0;
+}

@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/inprocess/ports.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/if_packet.h>
+#include <net/ethernet.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/time.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include "bus/inprocess/bus.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/time.h"
+#include "bus/library.h"
+
+enum {
+    DESCRIPTORS = 65536,
+    WAITING_MOST = 1024, /* frames; as in the kernel, a socket that is full loses the next ones */
+    HEADER = 14,
+    TAG = 4,
+    LONGEST = 1518,
+};
+
+typedef struct waiting {
+    struct waiting *next;
+    size_t length;
+    uint8_t frame[];
+} waiting_t;
+
+struct ect_port {
+    ect_port_t *next; /* of the bound ones */
+    int fd;           /* the eventfd, as it was made */
+    unsigned int descriptors;
+    int end;           /* -1: not bound */
+    uint16_t protocol; /* network order */
+    uint64_t timeout_ns;
+    waiting_t *first, **last;
+    size_t count;
+};
+
+static ect_port_t *by_descriptor[DESCRIPTORS];
+static ect_port_t *bound;
+
+ect_port_t *ect_port_of(int fd)
+{
+    return fd >= 0 && fd < DESCRIPTORS ? by_descriptor[fd] : NULL;
+}
+
+int ect_port_open(int type, int protocol)
+{
+    int flags = EFD_SEMAPHORE | EFD_NONBLOCK | ((type & SOCK_CLOEXEC) != 0 ? EFD_CLOEXEC : 0);
+    ect_port_t *port = calloc(1, sizeof *port);
+    int fd = port ? eventfd(0, flags) : -1;
+    if (fd < 0 || fd >= DESCRIPTORS) {
+        if (fd >= 0)
+            close(fd);
+        free(port);
+        errno = fd >= 0 ? EMFILE : errno;
+        return -1;
+    }
+    *port = (ect_port_t){.fd = fd, .descriptors = 1, .end = -1, .protocol = (uint16_t)protocol};
+    port->last = &port->first;
+    /* The state of O_NONBLOCK is that of the eventfd, which the master reads and sets with fcntl. */
+    if ((type & SOCK_NONBLOCK) == 0)
+        (void)REAL(fcntl)(fd, F_SETFL, O_RDWR);
+    ect_time_lock();
+    by_descriptor[fd] = port;
+    ect_time_unlock();
+    return fd;
+}
+
+void ect_port_copied(int fd, int copy)
+{
+    ect_port_t *port = ect_port_of(fd);
+    if (!port || copy < 0 || copy >= DESCRIPTORS)
+        return;
+    ect_time_lock();
+    port->descriptors++;
+    by_descriptor[copy] = port;
+    ect_time_unlock();
+}
+
+static void forget(ect_port_t *port)
+{
+    for (ect_port_t **at = &bound; *at; at = &(*at)->next) {
+        if (*at == port) {
+            *at = port->next;
+            break;
+        }
+    }
+    while (port->first) {
+        waiting_t *next = port->first->next;
+        free(port->first);
+        port->first = next;
+    }
+    free(port);
+}
+
+void ect_port_closed(int fd)
+{
+    ect_port_t *port = ect_port_of(fd);
+    if (!port)
+        return;
+    ect_time_lock();
+    by_descriptor[fd] = NULL;
+    if (--port->descriptors == 0)
+        forget(port);
+    else if (port->fd == fd) {
+        for (int other = 0; other < DESCRIPTORS; other++) {
+            if (by_descriptor[other] == port)
+                port->fd = other;
+        }
+    }
+    ect_time_unlock();
+}
+
+static int fail(int error)
+{
+    errno = error;
+    return -1;
+}
+
+int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length)
+{
+    struct sockaddr_ll to;
+    if (length < offsetof(struct sockaddr_ll, sll_addr) || address->sa_family != AF_PACKET)
+        return fail(EINVAL);
+    memset(&to, 0, sizeof to);
+    memcpy(&to, address, length < sizeof to ? length : sizeof to);
+    int end = ect_bus_end_of_index(to.sll_ifindex);
+    if (end < 0)
+        return fail(ENODEV);
+    ect_time_lock();
+    bool started = ect_bus_start();
+    if (started) {
+        if (to.sll_protocol != 0)
+            port->protocol = to.sll_protocol;
+        if (port->end < 0) {
+            port->next = bound;
+            bound = port;
+        }
+        port->end = end;
+        ect_bus_plug((unsigned int)end);
+    }
+    ect_time_unlock();
+    return started ? 0 : fail(ENETDOWN);
+}
+
+int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length)
+{
+    if (level == SOL_SOCKET && name == SO_RCVTIMEO && length >= sizeof(struct timeval)) {
+        struct timeval time;
+        memcpy(&time, value, sizeof time);
+        ect_time_lock();
+        port->timeout_ns = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_usec * 1000u;
+        ect_time_unlock();
+        return 0;
+    }
+    /* Without these the master receives by calls, as it does where a kernel has none. */
+    if (level == SOL_PACKET && (name == PACKET_RX_RING || name == PACKET_TX_RING || name == PACKET_FANOUT))
+        return fail(ENOPROTOOPT);
+    return 0;
+}
+
+int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *length)
+{
+    struct timeval time = {.tv_sec = (time_t)(port->timeout_ns / 1000000000u),
+                           .tv_usec = (suseconds_t)(port->timeout_ns % 1000000000u / 1000u)};
+    int number = 0;
+    const void *from = &number;
+    size_t size = sizeof number;
+    if (level == SOL_SOCKET && name == SO_RCVTIMEO) {
+        from = &time;
+        size = sizeof time;
+    } else if (level == SOL_SOCKET && name == SO_TYPE) {
+        number = SOCK_RAW;
+    } else if (level == SOL_SOCKET && name == SO_DOMAIN) {
+        number = AF_PACKET;
+    } else if (level == SOL_SOCKET && (name == SO_RCVBUF || name == SO_SNDBUF)) {
+        number = 212992;
+    }
+    memcpy(value, from, *length < size ? *length : size);
+    *length = (socklen_t)(*length < size ? *length : size);
+    return 0;
+}
+
+static void put_address(const ect_port_t *port, uint16_t protocol, struct sockaddr *address, socklen_t *length)
+{
+    struct sockaddr_ll its = {.sll_family = AF_PACKET,
+                              .sll_protocol = protocol,
+                              .sll_ifindex = port->end >= 0 ? ECT_BUS_INDEX + port->end : 0,
+                              .sll_hatype = 1,
+                              .sll_pkttype = PACKET_HOST,
+                              .sll_halen = 6,
+                              .sll_addr = {2, 0, 0, 0, 0, 1}};
+    memcpy(address, &its, *length < sizeof its ? *length : sizeof its);
+    *length = sizeof its;
+}
+
+int ect_port_name(ect_port_t *port, struct sockaddr *address, socklen_t *length)
+{
+    put_address(port, port->protocol, address, length);
+    return 0;
+}
+
+static size_t gather(const struct iovec *pieces, size_t count, uint8_t *frame, size_t room)
+{
+    size_t length = 0;
+    for (size_t i = 0; i < count; i++) {
+        size_t part = pieces[i].iov_len < room - length ? pieces[i].iov_len : room - length;
+        memcpy(frame + length, pieces[i].iov_base, part);
+        length += part;
+        if (part < pieces[i].iov_len)
+            return room + 1;
+    }
+    return length;
+}
+
+ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to)
+{
+    uint8_t frame[LONGEST];
+    size_t length = gather(pieces, count, frame, sizeof frame);
+    int end = port->end;
+    if (to && to->sa_family == AF_PACKET)
+        end = ect_bus_end_of_index(((const struct sockaddr_ll *)(const void *)to)->sll_ifindex);
+    if (end < 0)
+        return fail(ENXIO);
+    if (length < HEADER)
+        return fail(EINVAL);
+    if (length > sizeof frame)
+        return fail(EMSGSIZE);
+    ect_time_charge(ECT_COST_SOCKET_NS);
+    ect_time_lock();
+    bool running = ect_bus_start();
+    if (running)
+        ect_bus_frame((unsigned int)end, frame, length, ect_time_now());
+    ect_time_unlock();
+    return running ? (ssize_t)length : fail(ENETDOWN);
+}
+
+static bool is_waiting(const void *arg)
+{
+    const ect_port_t *port = arg;
+    return port->first != NULL;
+}
+
+/* The kernel takes a VLAN tag out of a frame before a packet socket sees it. */
+static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
+{
+    *tag = length >= HEADER + TAG && frame[12] == 0x81 && frame[13] == 0x00 ? TAG : 0;
+    return length - *tag;
+}
+
+void ect_ports_deliver(unsigned int end, const uint8_t *frame, size_t length)
+{
+    size_t tag;
+    size_t left = without_tag(frame, length, &tag);
+    uint16_t protocol;
+    memcpy(&protocol, frame + 12 + tag, sizeof protocol);
+    for (ect_port_t *port = bound; port; port = port->next) {
+        if (port->end != (int)end || (port->protocol != protocol && port->protocol != htons(ETH_P_ALL)) ||
+            port->count >= WAITING_MOST)
+            continue;
+        waiting_t *one = malloc(sizeof *one + left);
+        if (!one)
+            continue;
+        one->next = NULL;
+        one->length = left;
+        memcpy(one->frame, frame, 12);
+        memcpy(one->frame + 12, frame + 12 + tag, left - 12);
+        *port->last = one;
+        port->last = &one->next;
+        port->count++;
+        eventfd_write(port->fd, 1);
+    }
+}
+
+static void take(ect_port_t *port)
+{
+    waiting_t *one = port->first;
+    eventfd_t value;
+    port->first = one->next;
+    if (!port->first)
+        port->last = &port->first;
+    port->count--;
+    (void)REAL(read)(port->fd, &value, sizeof value);
+    free(one);
+}
+
+static size_t scatter(const waiting_t *one, const struct iovec *pieces, size_t count)
+{
+    size_t done = 0;
+    for (size_t i = 0; i < count && done < one->length; i++) {
+        size_t part = pieces[i].iov_len < one->length - done ? pieces[i].iov_len : one->length - done;
+        memcpy(pieces[i].iov_base, one->frame + done, part);
+        done += part;
+    }
+    return done;
+}
+
+static bool waits(const ect_port_t *port, int flags)
+{
+    return (flags & MSG_DONTWAIT) == 0 && (REAL(fcntl)(port->fd, F_GETFL) & O_NONBLOCK) == 0;
+}
+
+ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,
+                         struct sockaddr *from, socklen_t *from_length)
+{
+    ect_time_charge(ECT_COST_SOCKET_NS);
+    ect_time_lock();
+    if (!port->first && waits(port, flags)) {
+        uint64_t until_ns = port->timeout_ns != 0 ? ect_time_now() + port->timeout_ns : ECTWIN_NEVER;
+        (void)ect_time_wait(port->fd, is_waiting, port, until_ns);
+    }
+    if (!port->first) {
+        ect_time_unlock();
+        return fail(EAGAIN);
+    }
+    const waiting_t *one = port->first;
+    size_t length = one->length;
+    size_t done = scatter(one, pieces, count);
+    uint16_t protocol;
+    memcpy(&protocol, one->frame + 12, sizeof protocol);
+    if (from && from_length)
+        put_address(port, protocol, from, from_length);
+    if ((flags & MSG_PEEK) == 0)
+        take(port);
+    ect_time_unlock();
+    if (result_flags)
+        *result_flags = done < length ? MSG_TRUNC : 0;
+    return (ssize_t)((flags & MSG_TRUNC) != 0 ? length : done);
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Packet sockets of the master that end at the bus in this process.
+ *
+ * A socket is an eventfd, so that a real poll, select or epoll finds it readable while frames wait. Descriptors that
+ * dup, dup2 and fcntl make of it stand for the same socket.
+ */
+#ifndef ECT_BUS_INPROCESS_PORTS_H
+#define ECT_BUS_INPROCESS_PORTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/socket.h>
+#include <sys/types.h>
+
+typedef struct ect_port ect_port_t;
+
+/** The socket behind a descriptor; NULL: none of ours. Cost: a look into a table. */
+ect_port_t *ect_port_of(int fd);
+
+/** Makes a socket. @param type as of socket(2) @param protocol network order @return the descriptor; -1 (errno) */
+int ect_port_open(int type, int protocol);
+/** The descriptor `copy` stands for the socket too; without effect when `fd` is none of ours. */
+void ect_port_copied(int fd, int copy);
+/** A descriptor is closed. */
+void ect_port_closed(int fd);
+
+/** The functions of a socket with the results of their system calls: -1 and errno on failure. */
+int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length);
+int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length);
+int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *length);
+int ect_port_name(ect_port_t *port, struct sockaddr *address, socklen_t *length);
+ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to);
+/** @param flags  MSG_DONTWAIT, MSG_PEEK, MSG_TRUNC @param from  NULL: not wanted */
+ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,
+                         struct sockaddr *from, socklen_t *from_length);
+
+/** A frame has left the bus at an end. With the lock (time.h). */
+void ect_ports_deliver(unsigned int end, const uint8_t *frame, size_t length);
+
+#endif

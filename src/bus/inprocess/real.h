@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The functions behind those that the library replaces, and the guard by which its own calls reach them.
+ */
+#ifndef ECT_BUS_INPROCESS_REAL_H
+#define ECT_BUS_INPROCESS_REAL_H
+
+#include <dlfcn.h>
+
+/** The next definition of a function behind this library, found once for each place of use. */
+#define REAL(name)                                                                                                     \
+    (__extension__({                                                                                                   \
+        static void *found;                                                                                            \
+        if (!found)                                                                                                    \
+            found = dlsym(RTLD_NEXT, #name);                                                                           \
+        (__typeof__(&name))found;                                                                                      \
+    }))
+
+/** A replacement that the master's program sees. */
+#define REPLACES __attribute__((visibility("default")))
+
+/** Depth of the calls into the bus: inside, every replacement is the real function. */
+extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
+
+#endif

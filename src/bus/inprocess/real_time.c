@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/* The bus on the real clock: between frames a thread of the library runs the devices and serves the control socket. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "bus/inprocess/bus.h"
+#include "bus/inprocess/ports.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/time.h"
+#include "bus/library.h"
+
+enum { NS_PER_S = 1000000000, REST_NS = 50000 };
+
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static int wake_fd = -1;
+static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* the thread of the library */
+
+void ect_time_lock(void)
+{
+    pthread_mutex_lock(&mutex);
+}
+
+void ect_time_unlock(void)
+{
+    pthread_mutex_unlock(&mutex);
+}
+
+uint64_t ect_time_now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (uint64_t)time.tv_sec * NS_PER_S + (uint64_t)time.tv_nsec;
+}
+
+void ect_time_charge(uint64_t cost_ns)
+{
+    (void)cost_ns; /* the call costs what it costs */
+}
+
+void ect_time_before_read(int fd, int flags)
+{
+    (void)fd;
+    (void)flags;
+}
+
+void ect_time_closed(int fd)
+{
+    (void)fd;
+}
+
+static int wait_until(struct pollfd *fds, nfds_t count, uint64_t until_ns)
+{
+    uint64_t now_ns = ect_time_now();
+    uint64_t left_ns = until_ns > now_ns ? until_ns - now_ns : 0;
+    const struct timespec limit = {.tv_sec = (time_t)(left_ns / NS_PER_S), .tv_nsec = (long)(left_ns % NS_PER_S)};
+    return REAL(ppoll)(fds, count, until_ns != ECTWIN_NEVER ? &limit : NULL, NULL);
+}
+
+bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint64_t until_ns)
+{
+    struct pollfd one = {.fd = fd, .events = POLLIN};
+    while (!ready(arg)) {
+        ect_time_unlock();
+        int result = wait_until(&one, 1, until_ns);
+        ect_time_lock();
+        if (result == 0 || (result < 0 && errno != EINTR))
+            break;
+    }
+    return ready(arg);
+}
+
+void ect_time_bus_next(uint64_t next_ns)
+{
+    if (next_ns < sleeps_until_ns)
+        eventfd_write(wake_fd, 1);
+}
+
+static void *run(void *unused)
+{
+    eventfd_t value;
+    bool more = false;
+    (void)unused;
+    ect_inside++;
+    ect_time_lock();
+    while (ect_bus_running()) {
+        uint64_t now_ns = ect_time_now();
+        uint64_t next_ns = ect_bus_run(now_ns);
+        if (ect_bus_control_fd() >= 0)
+            more = ect_bus_serve(now_ns);
+        sleeps_until_ns = more ? now_ns + REST_NS : next_ns;
+        struct pollfd fds[] = {{.fd = wake_fd, .events = POLLIN},
+                               {.fd = more ? -1 : ect_bus_control_fd(), .events = POLLIN}};
+        ect_time_unlock();
+        (void)wait_until(fds, 2, sleeps_until_ns);
+        if (fds[0].revents != 0)
+            (void)eventfd_read(wake_fd, &value);
+        ect_time_lock();
+    }
+    ect_time_unlock();
+    return NULL;
+}
+
+/* Without a thread the devices run with frames only. */
+void ect_time_bus_started(void)
+{
+    pthread_t thread;
+    sigset_t all, before;
+    wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    if (pthread_create(&thread, NULL, run, NULL) == 0)
+        pthread_detach(thread);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+__attribute__((destructor)) static void end(void)
+{
+    ect_time_lock();
+    ect_bus_end();
+    ect_time_unlock();
+}

@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: MIT */
+/* The socket functions of the C library, for packet sockets on the interfaces of the bus; all others are the real
+ * ones. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <netpacket/packet.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include "bus/inprocess/bus.h"
+#include "bus/inprocess/ports.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/time.h"
+
+static ect_port_t *ours(int fd)
+{
+    return ect_inside > 0 ? NULL : ect_port_of(fd);
+}
+
+REPLACES int socket(int domain, int type, int protocol)
+{
+    if (ect_inside > 0 || domain != AF_PACKET || (type & 0xF) != SOCK_RAW)
+        return REAL(socket)(domain, type, protocol);
+    return ect_port_open(type, protocol);
+}
+
+REPLACES int bind(int fd, __CONST_SOCKADDR_ARG address, socklen_t length)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_bind(port, address.__sockaddr__, length) : REAL(bind)(fd, address, length);
+}
+
+REPLACES int setsockopt(int fd, int level, int name, const void *value, socklen_t length)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_set(port, level, name, value, length) : REAL(setsockopt)(fd, level, name, value, length);
+}
+
+REPLACES int getsockopt(int fd, int level, int name, void *restrict value, socklen_t *restrict length)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_get(port, level, name, value, length) : REAL(getsockopt)(fd, level, name, value, length);
+}
+
+REPLACES int getsockname(int fd, __SOCKADDR_ARG address, socklen_t *restrict length)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_name(port, address.__sockaddr__, length) : REAL(getsockname)(fd, address, length);
+}
+
+/* --- interfaces ----------------------------------------------------------------------------------------------------
+ */
+
+/* A request about an interface of the bus. @return 0; -1 (errno) */
+static int about_interface(unsigned long request, struct ifreq *its, int end)
+{
+    static const unsigned char address[] = {2, 0, 0, 0, 0, 1};
+    switch (request) {
+    case SIOCGIFINDEX:
+        its->ifr_ifindex = ECT_BUS_INDEX + end;
+        return 0;
+    case SIOCGIFFLAGS:
+        its->ifr_flags = IFF_UP | IFF_BROADCAST | IFF_RUNNING | IFF_PROMISC | IFF_MULTICAST;
+        return 0;
+    case SIOCGIFMTU:
+        its->ifr_mtu = 1500;
+        return 0;
+    case SIOCGIFHWADDR:
+        its->ifr_hwaddr.sa_family = 1;
+        memcpy(its->ifr_hwaddr.sa_data, address, sizeof address);
+        return 0;
+    case SIOCSIFFLAGS:
+    case SIOCSIFMTU:
+        return 0;
+    default:
+        errno = EOPNOTSUPP;
+        return -1;
+    }
+}
+
+static int on_port(int fd, unsigned long request, void *argument)
+{
+    if (request == FIONBIO) {
+        int flags = REAL(fcntl)(fd, F_GETFL) & ~O_NONBLOCK;
+        return REAL(fcntl)(fd, F_SETFL, flags | (*(const int *)argument != 0 ? O_NONBLOCK : 0));
+    }
+    int end = argument ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
+    if (end < 0) {
+        errno = ENODEV;
+        return -1;
+    }
+    return about_interface(request, argument, end);
+}
+
+REPLACES int ioctl(int fd, unsigned long request, ...)
+{
+    va_list arguments;
+    va_start(arguments, request);
+    void *argument = va_arg(arguments, void *);
+    va_end(arguments);
+    if (ours(fd))
+        return on_port(fd, request, argument);
+    /* A master may put such a question to a socket of any kind. */
+    bool interface = ect_inside == 0 && (request == SIOCGIFINDEX || request == SIOCGIFFLAGS || request == SIOCGIFMTU ||
+                                         request == SIOCGIFHWADDR || request == SIOCSIFFLAGS || request == SIOCSIFMTU);
+    int end = interface ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
+    return end >= 0 ? about_interface(request, argument, end) : REAL(ioctl)(fd, request, argument);
+}
+
+REPLACES unsigned int if_nametoindex(const char *name)
+{
+    int end = ect_inside > 0 ? -1 : ect_bus_end_of_name(name);
+    return end >= 0 ? (unsigned int)(ECT_BUS_INDEX + end) : REAL(if_nametoindex)(name);
+}
+
+REPLACES char *if_indextoname(unsigned int index, char name[IF_NAMESIZE])
+{
+    int end = ect_inside > 0 ? -1 : ect_bus_end_of_index((int)index);
+    if (end < 0)
+        return REAL(if_indextoname)(index, name);
+    strncpy(name, ect_bus_name((unsigned int)end), IF_NAMESIZE - 1);
+    name[IF_NAMESIZE - 1] = 0;
+    return name;
+}
+
+/* The interfaces of the bus come behind those of the machine. if_freenameindex frees each name and the list. */
+REPLACES struct if_nameindex *if_nameindex(void)
+{
+    struct if_nameindex *real = REAL(if_nameindex)();
+    size_t count = 0;
+    while (real && real[count].if_index != 0)
+        count++;
+    struct if_nameindex *all = calloc(count + ECT_BUS_ENDS + 1, sizeof *all);
+    for (size_t i = 0; all && i < count; i++)
+        all[i] = (struct if_nameindex){.if_index = real[i].if_index, .if_name = strdup(real[i].if_name)};
+    if (real)
+        REAL(if_freenameindex)(real);
+    for (unsigned int end = 0; all && end < ECT_BUS_ENDS; end++) {
+        const char *name = ect_bus_name(end);
+        if (name)
+            all[count++] = (struct if_nameindex){.if_index = ECT_BUS_INDEX + end, .if_name = strdup(name)};
+    }
+    return all;
+}
+
+REPLACES void if_freenameindex(struct if_nameindex *list)
+{
+    for (struct if_nameindex *one = list; one && one->if_index != 0; one++)
+        free(one->if_name);
+    free(list);
+}
+
+/* --- sending -------------------------------------------------------------------------------------------------------
+ */
+
+REPLACES ssize_t send(int fd, const void *data, size_t size, int flags)
+{
+    ect_port_t *port = ours(fd);
+    const struct iovec piece = {.iov_base = (void *)(uintptr_t)data, .iov_len = size};
+    return port ? ect_port_send(port, &piece, 1, NULL) : REAL(send)(fd, data, size, flags);
+}
+
+REPLACES ssize_t sendto(int fd, const void *data, size_t size, int flags, __CONST_SOCKADDR_ARG to, socklen_t length)
+{
+    ect_port_t *port = ours(fd);
+    const struct iovec piece = {.iov_base = (void *)(uintptr_t)data, .iov_len = size};
+    return port ? ect_port_send(port, &piece, 1, to.__sockaddr__) : REAL(sendto)(fd, data, size, flags, to, length);
+}
+
+REPLACES ssize_t sendmsg(int fd, const struct msghdr *message, int flags)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_send(port, message->msg_iov, message->msg_iovlen, message->msg_name)
+                : REAL(sendmsg)(fd, message, flags);
+}
+
+REPLACES int sendmmsg(int fd, struct mmsghdr *messages, unsigned int count, int flags)
+{
+    ect_port_t *port = ours(fd);
+    if (!port)
+        return REAL(sendmmsg)(fd, messages, count, flags);
+    for (unsigned int i = 0; i < count; i++) {
+        const struct msghdr *message = &messages[i].msg_hdr;
+        ssize_t sent = ect_port_send(port, message->msg_iov, message->msg_iovlen, message->msg_name);
+        if (sent < 0)
+            return i > 0 ? (int)i : -1;
+        messages[i].msg_len = (unsigned int)sent;
+    }
+    return (int)count;
+}
+
+REPLACES ssize_t write(int fd, const void *data, size_t size)
+{
+    ect_port_t *port = ours(fd);
+    const struct iovec piece = {.iov_base = (void *)(uintptr_t)data, .iov_len = size};
+    return port ? ect_port_send(port, &piece, 1, NULL) : REAL(write)(fd, data, size);
+}
+
+REPLACES ssize_t writev(int fd, const struct iovec *pieces, int count)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_send(port, pieces, (size_t)count, NULL) : REAL(writev)(fd, pieces, count);
+}
+
+/* --- receiving -----------------------------------------------------------------------------------------------------
+ */
+
+/* A descriptor that is none of ours may keep the master waiting. */
+static void before(int fd, int flags)
+{
+    if (ect_inside == 0)
+        ect_time_before_read(fd, flags);
+}
+
+static ssize_t receive(ect_port_t *port, void *data, size_t size, int flags)
+{
+    const struct iovec piece = {.iov_base = data, .iov_len = size};
+    return ect_port_receive(port, &piece, 1, flags, NULL, NULL, NULL);
+}
+
+REPLACES ssize_t recv(int fd, void *data, size_t size, int flags)
+{
+    ect_port_t *port = ours(fd);
+    if (port)
+        return receive(port, data, size, flags);
+    before(fd, flags);
+    return REAL(recv)(fd, data, size, flags);
+}
+
+REPLACES ssize_t recvfrom(int fd, void *restrict data, size_t size, int flags, __SOCKADDR_ARG from,
+                          socklen_t *restrict length)
+{
+    ect_port_t *port = ours(fd);
+    const struct iovec piece = {.iov_base = data, .iov_len = size};
+    if (port)
+        return ect_port_receive(port, &piece, 1, flags, NULL, from.__sockaddr__, length);
+    before(fd, flags);
+    return REAL(recvfrom)(fd, data, size, flags, from, length);
+}
+
+static ssize_t receive_message(ect_port_t *port, struct msghdr *message, int flags)
+{
+    socklen_t length = message->msg_name ? message->msg_namelen : 0;
+    ssize_t got = ect_port_receive(port, message->msg_iov, message->msg_iovlen, flags, &message->msg_flags,
+                                   message->msg_name, message->msg_name ? &length : NULL);
+    if (got >= 0) {
+        message->msg_namelen = length;
+        message->msg_controllen = 0;
+    }
+    return got;
+}
+
+REPLACES ssize_t recvmsg(int fd, struct msghdr *message, int flags)
+{
+    ect_port_t *port = ours(fd);
+    if (port)
+        return receive_message(port, message, flags);
+    before(fd, flags);
+    return REAL(recvmsg)(fd, message, flags);
+}
+
+REPLACES int recvmmsg(int fd, struct mmsghdr *messages, unsigned int count, int flags, struct timespec *timeout)
+{
+    ect_port_t *port = ours(fd);
+    if (!port)
+        return REAL(recvmmsg)(fd, messages, count, flags, timeout);
+    for (unsigned int i = 0; i < count; i++) {
+        int how = i > 0 && (flags & MSG_WAITFORONE) != 0 ? flags | MSG_DONTWAIT : flags;
+        ssize_t got = receive_message(port, &messages[i].msg_hdr, how);
+        if (got < 0)
+            return i > 0 ? (int)i : -1;
+        messages[i].msg_len = (unsigned int)got;
+    }
+    return (int)count;
+}
+
+REPLACES ssize_t readv(int fd, const struct iovec *pieces, int count)
+{
+    ect_port_t *port = ours(fd);
+    return port ? ect_port_receive(port, pieces, (size_t)count, 0, NULL, NULL, NULL) : REAL(readv)(fd, pieces, count);
+}
+
+REPLACES ssize_t read(int fd, void *data, size_t size)
+{
+    ect_port_t *port = ours(fd);
+    if (port)
+        return receive(port, data, size, 0);
+    before(fd, 0);
+    return REAL(read)(fd, data, size);
+}
+
+/* The variants that a compiler with _FORTIFY_SOURCE calls. */
+ssize_t __read_chk(int fd, void *data, size_t size, size_t room);
+REPLACES ssize_t __read_chk(int fd, void *data, size_t size, size_t room)
+{
+    return size <= room ? read(fd, data, size) : REAL(__read_chk)(fd, data, size, room);
+}
+
+ssize_t __recv_chk(int fd, void *data, size_t size, size_t room, int flags);
+REPLACES ssize_t __recv_chk(int fd, void *data, size_t size, size_t room, int flags)
+{
+    ect_port_t *port = ours(fd);
+    return port ? receive(port, data, size < room ? size : room, flags) : REAL(__recv_chk)(fd, data, size, room, flags);
+}
+
+ssize_t __recvfrom_chk(int fd, void *data, size_t size, size_t room, int flags, struct sockaddr *from,
+                       socklen_t *length);
+REPLACES ssize_t __recvfrom_chk(int fd, void *data, size_t size, size_t room, int flags, struct sockaddr *from,
+                                socklen_t *length)
+{
+    ect_port_t *port = ours(fd);
+    const struct iovec piece = {.iov_base = data, .iov_len = size < room ? size : room};
+    return port ? ect_port_receive(port, &piece, 1, flags, NULL, from, length)
+                : REAL(__recvfrom_chk)(fd, data, size, room, flags, from, length);
+}
+
+REPLACES int accept(int fd, __SOCKADDR_ARG address, socklen_t *restrict length)
+{
+    before(fd, 0);
+    return REAL(accept)(fd, address, length);
+}
+
+REPLACES int accept4(int fd, __SOCKADDR_ARG address, socklen_t *restrict length, int flags)
+{
+    before(fd, 0);
+    return REAL(accept4)(fd, address, length, flags);
+}
+
+/* --- descriptors ---------------------------------------------------------------------------------------------------
+ */
+
+REPLACES int close(int fd)
+{
+    if (ours(fd))
+        ect_port_closed(fd);
+    else if (ect_inside == 0)
+        ect_time_closed(fd);
+    return REAL(close)(fd);
+}
+
+REPLACES int dup(int fd)
+{
+    int copy = REAL(dup)(fd);
+    if (ours(fd))
+        ect_port_copied(fd, copy);
+    return copy;
+}
+
+REPLACES int dup2(int fd, int to)
+{
+    if (fd != to && ours(to))
+        ect_port_closed(to);
+    int copy = REAL(dup2)(fd, to);
+    if (fd != to && ours(fd))
+        ect_port_copied(fd, copy);
+    return copy;
+}
+
+REPLACES int dup3(int fd, int to, int flags)
+{
+    if (fd != to && ours(to))
+        ect_port_closed(to);
+    int copy = REAL(dup3)(fd, to, flags);
+    if (copy >= 0 && ours(fd))
+        ect_port_copied(fd, copy);
+    return copy;
+}
+
+static int control(int fd, int command, void *argument)
+{
+    int result = REAL(fcntl)(fd, command, argument);
+    if (result >= 0 && (command == F_DUPFD || command == F_DUPFD_CLOEXEC) && ours(fd))
+        ect_port_copied(fd, result);
+    return result;
+}
+
+REPLACES int fcntl(int fd, int command, ...)
+{
+    va_list arguments;
+    va_start(arguments, command);
+    void *argument = va_arg(arguments, void *);
+    va_end(arguments);
+    return control(fd, command, argument);
+}
+
+REPLACES int fcntl64(int fd, int command, ...)
+{
+    va_list arguments;
+    va_start(arguments, command);
+    void *argument = va_arg(arguments, void *);
+    va_end(arguments);
+    return control(fd, command, argument);
+}

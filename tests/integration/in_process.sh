@@ -1,0 +1,111 @@
+#!/usr/bin/env bash
+# `ectwin with --in-process`: its contract, its errors, equal runs.  usage: in_process.sh ECTWIN SLAVEINFO CALLS
+set -u
+ectwin=$1
+slaveinfo=$2
+calls=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export ASAN_OPTIONS=detect_leaks=0
+failed=0
+
+check() { # TITLE COMMAND...: COMMAND succeeds
+  local title=$1
+  shift
+  if "$@" >"$work/log" 2>&1; then
+    echo "ok      $title"
+  else
+    echo "FAILED  $title"
+    sed 's/^/        /' "$work/log" | head -20
+    failed=1
+  fi
+}
+
+# exits STATUS COMMAND...
+exits() {
+  local wanted=$1 got=0
+  shift
+  "$@" >"$work/out" 2>"$work/err" || got=$?
+  [ "$got" -eq "$wanted" ] || { echo "exit status $got, expected $wanted"; cat "$work/err"; return 1; }
+}
+# reports TEXT COMMAND...: a line on standard error contains TEXT
+reports() {
+  local text=$1
+  shift
+  "$@" >"$work/out" 2>"$work/err"
+  grep -qF -- "$text" "$work/err" || { echo "no line contains: $text"; cat "$work/err"; return 1; }
+}
+with() { "$ectwin" with --in-process "$@"; }
+
+ready_line() { reports '{"event":"ready","iface":"ecat7","slaves":2}' with --iface ecat7 fzm1,fzm1 -- true; }
+check "The ready line names the interface and the number of twins" ready_line
+
+status_of_command() { exits 23 with fzm1 -- sh -c 'exit 23'; }
+check "The exit status is that of CMD" status_of_command
+status_of_signal() { exits 137 with fzm1 -- sh -c 'kill -KILL $$'; }
+check "A signal that ends CMD is 128 + its number" status_of_signal
+status_of_missing() { exits 127 with fzm1 -- ./no-such-program; }
+check "A CMD that is not there is 127" status_of_missing
+
+wrong_device() { exits 1 with no-such-device -- true && reports "there is no device 'no-such-device'" with no-such-device -- true; }
+check "An unknown device is wrong usage, before CMD runs" wrong_device
+wrong_signal() { exits 1 with --set data1=x fzm1 -- true; }
+check "A value that a signal refuses is wrong usage, before CMD runs" wrong_signal
+virtual_alone() { exits 1 "$ectwin" with --virtual-time fzm1 -- true; }
+check "--virtual-time without --in-process is wrong usage" virtual_alone
+modbus() { exits 1 with --modbus 0 vr-bu-ect-map7 -- true; }
+check "--modbus needs a process of the twins' own" modbus
+
+not_opened() { reports "has not opened ecat0 through the C library" with fzm1 -- true; }
+check "A CMD that never opens the interface is reported" not_opened
+
+preload_kept() {
+  local first
+  first=$(ldd "$ectwin" | awk '/libasan/ { print $3 ":" }') # a program with AddressSanitizer wants it in front
+  LD_PRELOAD=${first}libm.so.6 with fzm1 -- sh -c 'case $LD_PRELOAD in *libectwin-real.so*:libm.so.6) ;; *) echo "$LD_PRELOAD"; exit 1 ;; esac'
+}
+check "A preloaded library of the caller stays" preload_kept
+
+without_namespaces() {
+  unshare -Ur sh -c "echo 0 >/proc/sys/user/max_user_namespaces && exec '$ectwin' with --in-process fzm1,fzm1 -- '$calls' {} real 'sendmmsg*'"
+}
+check "No user namespace is necessary" without_namespaces
+
+leaves_nothing() {
+  with fzm1 -- sh -c 'sleep 300 & echo $!' >"$work/pid" 2>/dev/null
+  ! kill -0 "$(cat "$work/pid")" 2>/dev/null
+}
+check "A process that CMD leaves behind ends with it" leaves_nothing
+
+relative_files() {
+  mkdir -p "$work/store"
+  (cd "$work" && "$ectwin" with --in-process --store store fzm1,fzm1 -- sh -c "cd / && '$calls' {} real 'sendmmsg*'") && [ -n "$(ls "$work/store")" ]
+}
+check "Relative paths start where ectwin was started" relative_files
+
+if [ -n "$slaveinfo" ]; then
+  foreign_master() { with --virtual-time vr-bu-ect-map7 -- "$slaveinfo" {} >"$work/out" && grep -q 'Name:VR-BU-ECT-Map7' "$work/out"; }
+  check "SOEM's own slaveinfo finds the twin" foreign_master
+  equal_runs() {
+    for _ in 1 2 3 4 5; do
+      with --virtual-time --fault 'drop 5%' fzm1,vr-bu-ect-map7 -- "$slaveinfo" {} -sdo 2>/dev/null | md5sum
+    done | sort | uniq -c >"$work/hashes"
+    cat "$work/hashes"
+    [ "$(wc -l <"$work/hashes")" -eq 1 ]
+  }
+  check "Five runs on the virtual clock, with lost frames, are equal" equal_runs
+fi
+
+control() {
+  with fzm1,fzm1 -- sh -c "'$calls' {} real 'Sleeps*' & sleep 0.2; wait" >/dev/null 2>&1
+  with --set data1=2.5 fzm1,fzm1 -- python3 -c "
+import os, socket, subprocess
+s = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, 0xA488)
+s.bind((os.environ['ECTWIN_IFACE'], 0x88A4))
+out = subprocess.run(['$ectwin', 'get', '-n', '1', 'data1'], capture_output=True, text=True, timeout=20)
+print(out.stdout, out.stderr)
+assert '2.5' in out.stdout
+"
+}
+[ "${ECTWIN_NO_PYTHON:-}" ] || check "The control socket of a bus in a process is that of any bus" control
+exit $failed

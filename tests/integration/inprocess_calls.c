@@ -1,0 +1,566 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The calls by which masters reach a packet socket, one test each, against twins in this process.
+ * usage: ectwin with --in-process [--virtual-time] fzm1,fzm1 -- inprocess_calls {} real|virtual [CASE]
+ */
+#define _GNU_SOURCE
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <netpacket/packet.h>
+#include <poll.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/select.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/timerfd.h>
+#include <sys/uio.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* CMocka needs the headers above. */
+#include <cmocka.h>
+
+enum { ETHERCAT = 0x88A4, MS = 1000000, FRAME = 60 };
+
+static const char *interface;
+static bool is_virtual;
+
+/* A frame with one datagram BRD 0000h, two bytes. */
+static void frame_of(uint8_t frame[FRAME], uint8_t index)
+{
+    static const uint8_t head[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 2, 0, 0, 0, 0, 1, 0x88, 0xA4, 0x0E, 0x10, 0x07};
+    memset(frame, 0, FRAME);
+    memcpy(frame, head, sizeof head);
+    frame[17] = index;
+    frame[22] = 2;
+}
+
+/* The working counter of its reply: one for each twin. */
+static unsigned int counter_of(const uint8_t *frame)
+{
+    return frame[28];
+}
+
+static int open_socket(int type)
+{
+    struct sockaddr_ll to = {.sll_family = AF_PACKET, .sll_protocol = htons(ETHERCAT)};
+    int fd = socket(AF_PACKET, SOCK_RAW | type, htons(ETHERCAT));
+    assert_true(fd >= 0);
+    to.sll_ifindex = (int)if_nametoindex(interface);
+    assert_int_equal(bind(fd, (struct sockaddr *)&to, sizeof to), 0);
+    return fd;
+}
+
+static void send_one(int fd, uint8_t index)
+{
+    uint8_t frame[FRAME];
+    frame_of(frame, index);
+    assert_int_equal(send(fd, frame, sizeof frame, 0), FRAME);
+}
+
+static void assert_reply(const uint8_t *frame, ssize_t length, uint8_t index)
+{
+    assert_int_equal(length, FRAME);
+    assert_int_equal(frame[17], index);
+    assert_int_equal(counter_of(frame), 2);
+}
+
+static uint64_t now_ns(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+/* On the virtual clock a wait takes what was asked for and the stated cost of the calls; a real one may take longer. */
+static void assert_took(uint64_t since_ns, uint64_t asked_ns)
+{
+    uint64_t took_ns = now_ns() - since_ns;
+    assert_true(took_ns >= asked_ns);
+    if (is_virtual)
+        assert_true(took_ns < asked_ns + MS / 10);
+}
+
+/* --- sockets -------------------------------------------------------------------------------------------------------
+ */
+
+static void sends_and_receives(void **state)
+{
+    uint8_t frame[FRAME];
+    struct sockaddr_ll from;
+    socklen_t length = sizeof from;
+    struct iovec piece = {.iov_base = frame, .iov_len = sizeof frame};
+    struct msghdr message = {.msg_iov = &piece, .msg_iovlen = 1};
+    (void)state;
+    int fd = open_socket(0);
+    frame_of(frame, 1);
+    assert_int_equal(write(fd, frame, sizeof frame), FRAME);
+    assert_reply(frame, read(fd, frame, sizeof frame), 1);
+    frame_of(frame, 2);
+    assert_int_equal(sendto(fd, frame, sizeof frame, 0, NULL, 0), FRAME);
+    assert_reply(frame, recvfrom(fd, frame, sizeof frame, 0, (struct sockaddr *)&from, &length), 2);
+    assert_int_equal(from.sll_ifindex, if_nametoindex(interface));
+    frame_of(frame, 3);
+    assert_int_equal(sendmsg(fd, &message, 0), FRAME);
+    assert_reply(frame, recvmsg(fd, &message, 0), 3);
+    frame_of(frame, 4);
+    assert_int_equal(writev(fd, &piece, 1), FRAME);
+    assert_reply(frame, readv(fd, &piece, 1), 4);
+    assert_int_equal(close(fd), 0);
+}
+
+static void sends_and_receives_many(void **state)
+{
+    enum { MANY = 4 };
+    uint8_t frames[MANY][FRAME];
+    struct iovec pieces[MANY];
+    struct mmsghdr messages[MANY];
+    (void)state;
+    int fd = open_socket(0);
+    memset(messages, 0, sizeof messages);
+    for (uint8_t i = 0; i < MANY; i++) {
+        frame_of(frames[i], i);
+        pieces[i] = (struct iovec){.iov_base = frames[i], .iov_len = FRAME};
+        messages[i].msg_hdr = (struct msghdr){.msg_iov = &pieces[i], .msg_iovlen = 1};
+    }
+    assert_int_equal(sendmmsg(fd, messages, MANY, 0), MANY);
+    assert_int_equal(recvmmsg(fd, messages, MANY, MSG_WAITFORONE, NULL), MANY);
+    for (uint8_t i = 0; i < MANY; i++)
+        assert_reply(frames[i], messages[i].msg_len, i);
+    close(fd);
+}
+
+static void refuses_as_the_kernel(void **state)
+{
+    uint8_t frame[2000] = {0};
+    struct sockaddr_ll to = {.sll_family = AF_PACKET, .sll_ifindex = 77};
+    (void)state;
+    int fd = socket(AF_PACKET, SOCK_RAW, htons(ETHERCAT));
+    assert_int_equal(send(fd, frame, FRAME, 0), -1);
+    assert_int_equal(errno, ENXIO);
+    assert_int_equal(bind(fd, (struct sockaddr *)&to, sizeof to), -1);
+    assert_int_equal(errno, ENODEV);
+    close(fd);
+    fd = open_socket(0);
+    assert_int_equal(send(fd, frame, 13, 0), -1);
+    assert_int_equal(errno, EINVAL);
+    assert_int_equal(send(fd, frame, sizeof frame, 0), -1);
+    assert_int_equal(errno, EMSGSIZE);
+    close(fd);
+}
+
+static void waits_as_long_as_asked(void **state)
+{
+    static const struct {
+        const char *how;
+        int type;
+        int flags;
+        struct timeval timeout;
+        uint64_t takes_ns;
+    } cases[] = {
+        {"SOCK_NONBLOCK", SOCK_NONBLOCK, 0, {0, 0}, 0},
+        {"MSG_DONTWAIT", 0, MSG_DONTWAIT, {0, 0}, 0},
+        {"SO_RCVTIMEO of 1 ms", 0, 0, {0, 1000}, MS},
+        {"SO_RCVTIMEO of 20 ms", 0, 0, {0, 20000}, 20 * MS},
+    };
+    uint8_t frame[FRAME];
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        print_message("%s\n", cases[i].how);
+        int fd = open_socket(cases[i].type);
+        assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &cases[i].timeout, sizeof cases[i].timeout), 0);
+        uint64_t since_ns = now_ns();
+        assert_int_equal(recv(fd, frame, sizeof frame, cases[i].flags), -1);
+        assert_int_equal(errno, EAGAIN);
+        assert_took(since_ns, cases[i].takes_ns);
+        close(fd);
+    }
+}
+
+static void fcntl_and_ioctl_set_nonblocking(void **state)
+{
+    uint8_t frame[FRAME];
+    int on = 1;
+    (void)state;
+    int fd = open_socket(0);
+    assert_int_equal(fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK), 0);
+    assert_int_equal(recv(fd, frame, sizeof frame, 0), -1);
+    close(fd);
+    fd = open_socket(0);
+    assert_int_equal(ioctl(fd, FIONBIO, &on), 0);
+    assert_int_equal(recv(fd, frame, sizeof frame, 0), -1);
+    close(fd);
+}
+
+static void peeks_and_truncates(void **state)
+{
+    uint8_t frame[FRAME];
+    (void)state;
+    int fd = open_socket(0);
+    send_one(fd, 7);
+    assert_reply(frame, recv(fd, frame, sizeof frame, MSG_PEEK), 7);
+    assert_int_equal(recv(fd, frame, 20, MSG_TRUNC), FRAME);
+    assert_int_equal(recv(fd, frame, sizeof frame, MSG_DONTWAIT), -1);
+    close(fd);
+}
+
+static void interface_has_its_attributes(void **state)
+{
+    struct ifreq its = {0};
+    char name[IF_NAMESIZE];
+    bool listed = false;
+    (void)state;
+    int fd = socket(AF_PACKET, SOCK_RAW, htons(ETHERCAT));
+    strncpy(its.ifr_name, interface, IFNAMSIZ - 1);
+    assert_int_equal(ioctl(fd, SIOCGIFINDEX, &its), 0);
+    assert_int_equal(its.ifr_ifindex, if_nametoindex(interface));
+    assert_string_equal(if_indextoname((unsigned int)its.ifr_ifindex, name), interface);
+    assert_int_equal(ioctl(fd, SIOCGIFFLAGS, &its), 0);
+    assert_true((its.ifr_flags & IFF_UP) != 0 && (its.ifr_flags & IFF_RUNNING) != 0);
+    its.ifr_flags |= IFF_PROMISC;
+    assert_int_equal(ioctl(fd, SIOCSIFFLAGS, &its), 0);
+    assert_int_equal(ioctl(fd, SIOCGIFMTU, &its), 0);
+    assert_int_equal(its.ifr_mtu, 1500);
+    assert_int_equal(ioctl(fd, SIOCGIFHWADDR, &its), 0);
+    assert_int_equal(its.ifr_hwaddr.sa_data[0] & 1, 0);
+    close(fd);
+    struct if_nameindex *all = if_nameindex();
+    for (const struct if_nameindex *one = all; one->if_index != 0; one++)
+        listed |= strcmp(one->if_name, interface) == 0;
+    if_freenameindex(all);
+    assert_true(listed);
+}
+
+static void copies_of_a_descriptor_are_the_socket(void **state)
+{
+    uint8_t frame[FRAME];
+    (void)state;
+    int fd = open_socket(0);
+    int copies[] = {dup(fd), fcntl(fd, F_DUPFD, 50), dup2(fd, 60), dup3(fd, 61, O_CLOEXEC)};
+    close(fd);
+    for (uint8_t i = 0; i < 4; i++) {
+        send_one(copies[i], i);
+        assert_reply(frame, recv(copies[3], frame, sizeof frame, 0), i);
+    }
+    for (unsigned int i = 0; i < 4; i++)
+        close(copies[i]);
+    assert_int_equal(send(copies[0], frame, sizeof frame, 0), -1);
+    assert_int_equal(errno, EBADF);
+}
+
+static void two_sockets_both_receive(void **state)
+{
+    uint8_t frame[FRAME];
+    (void)state;
+    int one = open_socket(0);
+    int two = open_socket(0);
+    send_one(one, 9);
+    assert_reply(frame, recv(one, frame, sizeof frame, 0), 9);
+    assert_reply(frame, recv(two, frame, sizeof frame, 0), 9);
+    close(one);
+    close(two);
+}
+
+static void a_tagged_frame_returns_without_tag(void **state)
+{
+    uint8_t frame[FRAME + 4];
+    uint8_t plain[FRAME];
+    (void)state;
+    int fd = open_socket(0);
+    frame_of(plain, 5);
+    memcpy(frame, plain, 12);
+    memcpy(frame + 12, (const uint8_t[]){0x81, 0x00, 0x00, 0x05}, 4);
+    memcpy(frame + 16, plain + 12, FRAME - 12);
+    assert_int_equal(send(fd, frame, sizeof frame, 0), sizeof frame);
+    assert_reply(plain, recv(fd, plain, sizeof plain, 0), 5);
+    close(fd);
+}
+
+/* --- waiting for several things
+ * --------------------------------------------------------------------------------------- */
+
+static void polling_finds_a_reply(void **state)
+{
+    uint8_t frame[FRAME];
+    (void)state;
+    int fd = open_socket(0);
+    struct pollfd one = {.fd = fd, .events = POLLIN};
+    struct epoll_event event = {.events = EPOLLIN, .data.fd = fd};
+    fd_set set;
+    int all = epoll_create1(0);
+    assert_int_equal(epoll_ctl(all, EPOLL_CTL_ADD, fd, &event), 0);
+
+    uint64_t since_ns = now_ns();
+    assert_int_equal(poll(&one, 1, 5), 0);
+    assert_took(since_ns, 5 * MS);
+    since_ns = now_ns();
+    assert_int_equal(epoll_wait(all, &event, 1, 5), 0);
+    assert_took(since_ns, 5 * MS);
+    since_ns = now_ns();
+    FD_ZERO(&set);
+    FD_SET(fd, &set);
+    struct timeval timeout = {.tv_usec = 5000};
+    assert_int_equal(select(fd + 1, &set, NULL, NULL, &timeout), 0);
+    assert_took(since_ns, 5 * MS);
+
+    send_one(fd, 1);
+    assert_int_equal(poll(&one, 1, -1), 1);
+    assert_int_equal(ppoll(&one, 1, NULL, NULL), 1);
+    assert_int_equal(epoll_wait(all, &event, 1, -1), 1);
+    FD_SET(fd, &set);
+    assert_int_equal(select(fd + 1, &set, NULL, NULL, NULL), 1);
+    FD_SET(fd, &set);
+    assert_int_equal(pselect(fd + 1, &set, NULL, NULL, NULL, NULL), 1);
+    assert_reply(frame, recv(fd, frame, sizeof frame, 0), 1);
+    assert_int_equal(poll(&one, 1, 0), 0);
+    close(all);
+    close(fd);
+}
+
+static void timer_descriptors_expire(void **state)
+{
+    uint64_t expiries;
+    (void)state;
+    int fd = timerfd_create(CLOCK_MONOTONIC, 0);
+    const struct itimerspec every = {.it_value = {.tv_nsec = 3 * MS}, .it_interval = {.tv_nsec = 2 * MS}};
+    uint64_t since_ns = now_ns();
+    assert_int_equal(timerfd_settime(fd, 0, &every, NULL), 0);
+    for (unsigned int i = 0; i < 3; i++)
+        assert_int_equal(read(fd, &expiries, sizeof expiries), sizeof expiries);
+    assert_took(since_ns, is_virtual ? 7 * MS : 3 * MS);
+    close(fd);
+}
+
+/* --- time ----------------------------------------------------------------------------------------------------------
+ */
+
+static void sleeps_take_their_time(void **state)
+{
+    const struct timespec five = {.tv_nsec = 5 * MS};
+    struct timespec until;
+    (void)state;
+    uint64_t since_ns = now_ns();
+    assert_int_equal(usleep(5000), 0);
+    assert_took(since_ns, 5 * MS);
+    since_ns = now_ns();
+    assert_int_equal(nanosleep(&five, NULL), 0);
+    assert_took(since_ns, 5 * MS);
+    since_ns = now_ns();
+    assert_int_equal(clock_nanosleep(CLOCK_MONOTONIC, 0, &five, NULL), 0);
+    assert_took(since_ns, 5 * MS);
+    since_ns = now_ns();
+    until = (struct timespec){.tv_sec = (time_t)((since_ns + 5 * MS) / 1000000000u),
+                              .tv_nsec = (long)((since_ns + 5 * MS) % 1000000000u)};
+    assert_int_equal(clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL), 0);
+    assert_took(since_ns, 5 * MS);
+}
+
+static void clocks_of_the_day_agree(void **state)
+{
+    struct timeval day;
+    struct timespec real;
+    (void)state;
+    gettimeofday(&day, NULL);
+    clock_gettime(CLOCK_REALTIME, &real);
+    assert_true(real.tv_sec - day.tv_sec <= 1);
+    assert_true(time(NULL) - day.tv_sec <= 1);
+}
+
+/* --- threads -------------------------------------------------------------------------------------------------------
+ */
+
+typedef struct relay {
+    pthread_mutex_t mutex;
+    pthread_cond_t condition;
+    sem_t semaphore;
+    unsigned int turn;
+    unsigned int rounds;
+    int fd;
+} relay_t;
+
+static void *play(void *arg)
+{
+    relay_t *relay = arg;
+    for (unsigned int i = 0; i < relay->rounds; i++) {
+        pthread_mutex_lock(&relay->mutex);
+        while (relay->turn % 2 == 0)
+            pthread_cond_wait(&relay->condition, &relay->mutex);
+        relay->turn++;
+        usleep(1000); /* with the mutex held */
+        pthread_cond_signal(&relay->condition);
+        pthread_mutex_unlock(&relay->mutex);
+    }
+    sem_post(&relay->semaphore);
+    return relay;
+}
+
+static void threads_take_turns(void **state)
+{
+    relay_t relay = {.mutex = PTHREAD_MUTEX_INITIALIZER, .condition = PTHREAD_COND_INITIALIZER, .rounds = 20};
+    pthread_t thread;
+    void *result = NULL;
+    (void)state;
+    sem_init(&relay.semaphore, 0, 0);
+    uint64_t since_ns = now_ns();
+    assert_int_equal(pthread_create(&thread, NULL, play, &relay), 0);
+    for (unsigned int i = 0; i < relay.rounds; i++) {
+        pthread_mutex_lock(&relay.mutex);
+        while (relay.turn % 2 == 1)
+            pthread_cond_wait(&relay.condition, &relay.mutex);
+        relay.turn++;
+        usleep(1000);
+        pthread_cond_signal(&relay.condition);
+        pthread_mutex_unlock(&relay.mutex);
+    }
+    sem_wait(&relay.semaphore);
+    assert_int_equal(pthread_join(thread, &result), 0);
+    assert_ptr_equal(result, &relay);
+    assert_int_equal(relay.turn, 2 * relay.rounds);
+    assert_took(since_ns, 40 * MS);
+}
+
+static void a_condition_times_out(void **state)
+{
+    relay_t relay = {.mutex = PTHREAD_MUTEX_INITIALIZER, .condition = PTHREAD_COND_INITIALIZER};
+    struct timespec until;
+    (void)state;
+    sem_init(&relay.semaphore, 0, 0);
+    uint64_t since_ns = now_ns();
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 10 * MS;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_mutex_lock(&relay.mutex);
+    assert_int_equal(pthread_cond_timedwait(&relay.condition, &relay.mutex, &until), ETIMEDOUT);
+    pthread_mutex_unlock(&relay.mutex);
+    assert_took(since_ns, 10 * MS);
+    assert_int_equal(sem_timedwait(&relay.semaphore, &until), -1);
+    assert_int_equal(errno, ETIMEDOUT);
+}
+
+static void *receive_one(void *arg)
+{
+    static uint8_t frame[FRAME];
+    const relay_t *relay = arg;
+    ssize_t length = recv(relay->fd, frame, sizeof frame, 0);
+    return length == FRAME ? frame : NULL;
+}
+
+static void one_thread_receives_for_another(void **state)
+{
+    relay_t relay = {.fd = open_socket(0)};
+    pthread_t thread;
+    void *frame = NULL;
+    (void)state;
+    assert_int_equal(pthread_create(&thread, NULL, receive_one, &relay), 0);
+    usleep(5000);
+    send_one(relay.fd, 11);
+    assert_int_equal(pthread_join(thread, &frame), 0);
+    assert_non_null(frame);
+    assert_reply(frame, FRAME, 11);
+    close(relay.fd);
+}
+
+static void *write_event(void *arg)
+{
+    const relay_t *relay = arg;
+    usleep(3000);
+    eventfd_write(relay->fd, 1);
+    return NULL;
+}
+
+static void an_event_of_another_thread_ends_a_read(void **state)
+{
+    relay_t relay = {.fd = eventfd(0, 0)};
+    pthread_t thread;
+    eventfd_t value = 0;
+    (void)state;
+    uint64_t since_ns = now_ns();
+    assert_int_equal(pthread_create(&thread, NULL, write_event, &relay), 0);
+    assert_int_equal(read(relay.fd, &value, sizeof value), sizeof value);
+    assert_took(since_ns, 3 * MS);
+    pthread_join(thread, NULL);
+    close(relay.fd);
+}
+
+/* --- processes ------------------------------------------------------------------------------------------------------
+ */
+
+static void a_child_has_a_bus_of_its_own(void **state)
+{
+    uint8_t frame[FRAME];
+    int status = -1;
+    (void)state;
+    int fd = open_socket(0);
+    send_one(fd, 1);
+    assert_reply(frame, recv(fd, frame, sizeof frame, 0), 1);
+    pid_t child = fork();
+    if (child == 0) {
+        close(fd);
+        fd = open_socket(0);
+        frame_of(frame, 2);
+        bool done = send(fd, frame, sizeof frame, 0) == FRAME && recv(fd, frame, sizeof frame, 0) == FRAME &&
+                    counter_of(frame) == 2;
+        _exit(done ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    send_one(fd, 3);
+    assert_reply(frame, recv(fd, frame, sizeof frame, 0), 3);
+    close(fd);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"write, sendto, sendmsg, writev send; read, recvfrom, recvmsg, readv receive", sends_and_receives, NULL, NULL,
+         NULL},
+        {"sendmmsg and recvmmsg carry several frames", sends_and_receives_many, NULL, NULL, NULL},
+        {"Unbound sockets, foreign interfaces, short and long frames: the kernel's errors", refuses_as_the_kernel, NULL,
+         NULL, NULL},
+        {"A receive without a frame waits as long as the socket is set to", waits_as_long_as_asked, NULL, NULL, NULL},
+        {"O_NONBLOCK by fcntl and FIONBIO by ioctl", fcntl_and_ioctl_set_nonblocking, NULL, NULL, NULL},
+        {"MSG_PEEK leaves the frame, MSG_TRUNC returns its length", peeks_and_truncates, NULL, NULL, NULL},
+        {"The interface has an index, flags, MTU and address, and is listed", interface_has_its_attributes, NULL, NULL,
+         NULL},
+        {"dup, dup2, dup3 and F_DUPFD make descriptors of the same socket", copies_of_a_descriptor_are_the_socket, NULL,
+         NULL, NULL},
+        {"Two sockets on one interface both receive a reply", two_sockets_both_receive, NULL, NULL, NULL},
+        {"A frame with a VLAN tag is replied to; the socket sees the reply without the tag",
+         a_tagged_frame_returns_without_tag, NULL, NULL, NULL},
+        {"poll, ppoll, select, pselect, epoll wait for a reply, or for their timeout", polling_finds_a_reply, NULL,
+         NULL, NULL},
+        {"A timer descriptor expires at its times", timer_descriptors_expire, NULL, NULL, NULL},
+        {"Sleeps take the time that they are asked for", sleeps_take_their_time, NULL, NULL, NULL},
+        {"Clocks of the time of day agree", clocks_of_the_day_agree, NULL, NULL, NULL},
+        {"Threads hand over by mutex, condition and semaphore", threads_take_turns, NULL, NULL, NULL},
+        {"A condition and a semaphore end at their deadlines", a_condition_times_out, NULL, NULL, NULL},
+        {"A thread that waits in recv gets the reply to a frame of another thread", one_thread_receives_for_another,
+         NULL, NULL, NULL},
+        {"A read of an event descriptor ends when another thread writes", an_event_of_another_thread_ends_a_read, NULL,
+         NULL, NULL},
+        {"A child made by fork has a bus of its own", a_child_has_a_bus_of_its_own, NULL, NULL, NULL},
+    };
+    if (argc < 3) {
+        print_error("usage: inprocess_calls INTERFACE real|virtual [CASE]\n");
+        return 1;
+    }
+    interface = argv[1];
+    is_virtual = strcmp(argv[2], "virtual") == 0;
+    if (argc > 3)
+        cmocka_set_test_filter(argv[3]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
