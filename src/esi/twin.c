@@ -427,9 +427,9 @@ static const char *physics_of(ect_build_t *build)
 /* A name as the command's own devices have: what files of the twin are named after. */
 static const char *command_name(ect_build_t *build, const char *type)
 {
-    char *name = ect_arena_alloc(build->arena, strlen(type) + 4);
+    char *name = ect_arena_alloc(build->arena, ECT_BUILD_NAME + 1);
     size_t length = 0;
-    for (; *type != '\0'; type++) {
+    for (; *type != '\0' && length < ECT_BUILD_NAME; type++) {
         if (isalnum((unsigned char)*type) && (unsigned char)*type < 0x80)
             name[length++] = (char)tolower((unsigned char)*type);
         else if (length > 0 && name[length - 1] != '-')
