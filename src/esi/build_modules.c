@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Modular devices: a module brings PDOs and objects, whose indices move with the slot in which it stands. */
+/* Modular devices: a module brings PDOs and objects, whose indices move with its slot. */
 #include <string.h>
 
 #include "esi/internal.h"
@@ -83,7 +83,7 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
     ect_build_inits(build, module->inits, module->init_count, index_shift);
 }
 
-/* What stands in a place: what the user chose, else what the file presets in as many as must be there. */
+/* The module of a place: the choice of the user, else the preset of the file, in as many places as must have one. */
 static uint32_t ident_in(const place_t *place, const ect_module_choice_t *choices, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

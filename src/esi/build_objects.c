@@ -7,7 +7,7 @@
 
 enum { ASSIGNMENTS = 32 /* 1C10h to 1C2Fh */ };
 
-/* In which states an access is allowed; what a file says otherwise means all. */
+/* In which states an access is allowed; any other word means all states. */
 static uint16_t states(const char *restriction, uint16_t preop, uint16_t safeop, uint16_t op)
 {
     const struct {
@@ -24,7 +24,7 @@ static uint16_t states(const char *restriction, uint16_t preop, uint16_t safeop,
     return (uint16_t)(preop | safeop | op);
 }
 
-/* A sub-item says it itself, or its object does. */
+/* The flag of the sub-item itself, else that of its object. */
 static const char *either(const char *own, const char *inherited)
 {
     return *own != '\0' ? own : inherited;
@@ -89,7 +89,7 @@ typedef struct maker {
     ect_build_object_t *object;
 } maker_t;
 
-/* What the object says of an entry: by the sub-item's name, or by its place among the entries. */
+/* The info of the object for an entry: by the name of the sub-item, else by its place among the entries. */
 static const ect_esi_info_t *info_of(const ect_esi_object_t *model, const char *name, size_t place)
 {
     if (place < model->item_count && strcmp(model->items[place].name, name) == 0)
@@ -101,7 +101,7 @@ static const ect_esi_info_t *info_of(const ect_esi_object_t *model, const char *
     return place < model->item_count ? &model->items[place] : NULL;
 }
 
-/* What it is called where names need not differ: names of a type's sub-items must, so that many are "SubIndex 001". */
+/* The name for display. Names of the sub-items of a type must differ, so that many are "SubIndex 001". */
 static const char *display_of(const ect_esi_item_t *item, const ect_esi_info_t *info, const char *name)
 {
     if (info != NULL && info->display != NULL && *info->display != '\0')
@@ -161,7 +161,7 @@ static void add_items(maker_t *m, const ect_esi_type_t *type)
     }
 }
 
-/* Sub-index 0 says how many there are: where the file does not, they are counted. */
+/* Sub-index 0 holds the number of entries; without a default in the file they are counted. */
 static void count_entries(ect_build_t *build, ect_build_object_t *object)
 {
     ect_build_entry_t *zero = ect_build_entry(object, 0);
@@ -228,7 +228,7 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
         add_entry(&maker, 0, &alone, model->name, model->type, model->bits);
     }
     if (maker.object->count == 0)
-        ect_build_drop_last(build); /* nothing of it could be read; a note says why */
+        ect_build_drop_last(build); /* no entry could be read; a note has the reason */
 }
 
 void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift)

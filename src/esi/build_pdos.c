@@ -128,7 +128,7 @@ static const char *why_not(const ect_build_pdo_t *pdo, bool on_virtual)
     return NULL;
 }
 
-/* Without it the process data would not be what the file says. */
+/* A PDO without which the process data would differ from those of the file. */
 static bool counts_by_default(const ect_build_t *build, const ect_esi_pdo_t *model)
 {
     return !model->virtual_pdo && model->sm >= 0 && (size_t)model->sm < build->model->sm_count &&

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Signals: what each assigned PDO maps, as `pdo_name.entry_name`, and every other value of the dictionary as
- * `od.8000_01`. What the device would measure can be set, what it would drive can be read.
+ * `od.8000_01`. Inputs can be set, outputs can be read.
  */
 #include <ctype.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 #include "esi/internal.h"
 
-/* Of a name: the prefix and the dot take room too, and a number that makes it unique. */
+/* Characters of a name; prefix, dot and the number that makes the name unique need room, too. */
 enum { LONGEST_PART = 28, LONGEST_VALUE = 60 };
 
 /* Lower case, digits and `_`, beginning with a letter: what the names of signals are made of. */
@@ -143,7 +143,7 @@ static void add_group(ect_build_t *build, ect_plant_t *plant, const char *prefix
     plant->signal_groups = groups;
 }
 
-/* What was named by a PDO is not named again, by another PDO or as an object. */
+/* An entry that one PDO named is not named again, by another PDO or as an object. */
 static bool *seen_flag(const ect_build_t *build, bool *seen, uint16_t index, uint8_t subindex)
 {
     const ect_build_object_t *object = ect_build_find(build, index);
@@ -172,7 +172,7 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
     add_group(build, plant, plain_name(build, pdo->model->name, otherwise), &list);
 }
 
-/* Registers stand in the place of what a virtual PDO maps: nobody sees the values of the dictionary. */
+/* A master reads registers in the place of the entries of a virtual PDO, never the values of the dictionary. */
 static void skip_pdo(const ect_build_t *build, const ect_build_pdo_t *pdo, bool *seen)
 {
     for (size_t i = 0; i < pdo->model->entry_count; i++) {

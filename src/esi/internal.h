@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the files of esi/ know of each other. Nobody else includes this.
+ * Declarations that the files of esi/ share. No other room includes this header.
  *
  * From the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
  *
@@ -14,11 +14,11 @@
  *   lint.c             what of a file is not as files should be
  *   build.c            the list of objects while it grows; notes
  *   build_objects.c    objects of the dictionary
- *   build_modules.c    which module stands in which slot
+ *   build_modules.c    modules in their slots
  *   build_pdos.c       PDOs, what they map, which are assigned
  *   build_signals.c    signals from PDO entries and objects
  *   twin.c             the description and its behaviour
- *   values.c           what a dictionary says before anybody has written to it
+ *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes, the first failure kept
  *   write_dictionary.c  data types and objects
  *   write_device.c     a device
@@ -49,7 +49,7 @@
 
 /* --- reading ----------------------------------------------------------------------------------------------------- */
 
-/** Where memory comes from and the first mistake goes to. */
+/** Source of memory, and destination of the first mistake. */
 typedef struct ect_esi_xml {
     ect_arena_t *arena;
     const char *file;
@@ -98,7 +98,7 @@ const char *ect_esi_name(ect_esi_xml_t *xml, const xmlNode *parent, const char *
 /** @return an attribute's text without blanks around it, "" when it is absent */
 const char *ect_esi_attribute(ect_esi_xml_t *xml, const xmlNode *node, const char *name);
 
-/** @return true when the attribute is there and says 1 or true */
+/** @return true when the attribute is 1 or true */
 bool ect_esi_flag(ect_esi_xml_t *xml, const xmlNode *node, const char *name);
 
 /** A child's number between two limits, both inclusive; 0 and a mistake noted when it is another; `none` if absent. */
@@ -164,7 +164,7 @@ typedef struct ect_build_pdo {
     size_t place; /**< in its assignment: those that exclude each other share one, the position of the first of them */
 } ect_build_pdo_t;
 
-/** What notes have in common. */
+/** Notes with one format. */
 typedef struct ect_build_note_kind {
     const char *format;
     size_t repeated; /**< notes of that kind after the first */
@@ -187,8 +187,8 @@ typedef struct ect_build {
 } ect_build_t;
 
 /**
- * Tells the user that something of the file is not represented. A second note of the same kind, which is one with the
- * same format, is counted: ::ect_build_count_notes.
+ * Reports to the user that something of the file is not represented. A second note of the same kind, which is one with
+ * the same format, is counted: ::ect_build_count_notes.
  */
 __attribute__((format(printf, 2, 3))) void ect_build_note(ect_build_t *build, const char *format, ...);
 
@@ -218,7 +218,7 @@ ect_build_entry_t *ect_build_entry(const ect_build_object_t *object, uint8_t sub
 ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object, uint8_t subindex, uint16_t data_type,
                                  uint32_t bits, uint16_t access, const char *name);
 
-/** Takes back the last object, which nobody else knows yet. */
+/** Removes the last object, which no other object refers to yet. */
 void ect_build_drop_last(ect_build_t *build);
 
 /** Gives an entry a number of 1 to 8 bytes as its default. */
@@ -267,7 +267,7 @@ void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 
-/** Where XML goes; what fails is noted and asked for at the end. */
+/** Destination of XML; a failure is kept until the end. */
 typedef struct ect_pen {
     xmlTextWriterPtr writer;
     ect_arena_t *arena;

@@ -15,12 +15,12 @@ enum { BMP_WIDTH = 18, BMP_HEIGHT = 22, BMP_HEADER = 26, PICTURE_WIDTH = 16, PIC
 
 typedef struct lint {
     ect_esi_xml_t xml;
-    ect_esi_tell_t tell;
+    ect_esi_report_t report;
     void *ctx;
 } lint_t;
 
-__attribute__((format(printf, 4, 5))) static void tell(const lint_t *l, bool wrong, const xmlNode *node,
-                                                       const char *format, ...)
+__attribute__((format(printf, 4, 5))) static void finding(const lint_t *l, bool wrong, const xmlNode *node,
+                                                          const char *format, ...)
 {
     char line[LINE];
     int used = snprintf(line, sizeof line, "%s:%d: ", l->xml.file, ect_esi_line(node));
@@ -29,7 +29,7 @@ __attribute__((format(printf, 4, 5))) static void tell(const lint_t *l, bool wro
     if (used > 0 && (size_t)used < sizeof line)
         (void)vsnprintf(line + used, sizeof line - (size_t)used, format, arguments);
     va_end(arguments);
-    l->tell(l->ctx, wrong, line);
+    l->report(l->ctx, wrong, line);
 }
 
 static const char *tag(const xmlNode *node)
@@ -37,7 +37,7 @@ static const char *tag(const xmlNode *node)
     return (const char *)node->name;
 }
 
-/* Where a word stands in a list of words with a blank between them, -1: nowhere. */
+/* Position of a word in a list of words with a blank between them; -1: it is not among them. */
 static int place_of(const char *words, const char *word)
 {
     size_t length = strlen(word);
@@ -66,7 +66,7 @@ static const struct order {
     {"Eeprom", "Data ByteSize ConfigData BootStrap Category VendorSpecific"},
 };
 
-/* One picture of three kinds and PDOs of both directions may stand in any order among themselves. */
+/* One picture of three kinds and PDOs of both directions may be in any order among themselves. */
 static int rank(const struct order *order, const char *name)
 {
     int place = place_of(order->children, name);
@@ -82,10 +82,10 @@ static void check_order(const lint_t *l, const xmlNode *parent, const struct ord
         if (node->type != XML_ELEMENT_NODE)
             continue;
         if (rank(order, tag(node)) < 0)
-            tell(l, true, node, "%s in %s, where there is no such element", tag(node), order->parent);
+            finding(l, true, node, "%s in %s, where there is no such element", tag(node), order->parent);
         else if (before != NULL && rank(order, tag(node)) < rank(order, tag(before)))
-            tell(l, true, node, "%s behind %s in %s: tools that keep to the order of the schema pass over the file",
-                 tag(node), tag(before), order->parent);
+            finding(l, true, node, "%s behind %s in %s: tools that keep to the order of the schema pass over the file",
+                    tag(node), tag(before), order->parent);
         before = rank(order, tag(node)) < 0 ? before : node;
     }
 }
@@ -110,7 +110,7 @@ static const struct obsolete {
 };
 static const char obsolete_elements[] = "Image16x14 StationAliasSupported";
 
-/* SII and file can say that a SyncManager is enabled in OP alone, but few masters do it. */
+/* SII and file can enable a SyncManager in OP alone, but few masters do it. */
 static const char op_only[] = "OpOnly";
 
 static void check_attribute(const lint_t *l, const xmlNode *node, const char *name)
@@ -118,10 +118,10 @@ static void check_attribute(const lint_t *l, const xmlNode *node, const char *na
     for (size_t i = 0; i < sizeof obsolete_attributes / sizeof obsolete_attributes[0]; i++) {
         if (strcmp(tag(node), obsolete_attributes[i].element) == 0 &&
             place_of(obsolete_attributes[i].attributes, name) >= 0)
-            tell(l, true, node, "%s of %s is obsolete", name, tag(node));
+            finding(l, true, node, "%s of %s is obsolete", name, tag(node));
     }
     if (strcmp(tag(node), "Sm") == 0 && strcmp(name, op_only) == 0)
-        tell(l, false, node, "OpOnly of Sm: many masters do not know it");
+        finding(l, false, node, "OpOnly of Sm: many masters do not know it");
 }
 
 /* --- numbers ----------------------------------------------------------------------------------------------------- */
@@ -133,7 +133,7 @@ static const char number_elements[] = "Id Index SubIndex SubIdx AssignActivate B
 static void check_number(const lint_t *l, const xmlNode *node, const char *what, const char *text)
 {
     if (text[0] == '0' && (text[1] == 'x' || text[1] == 'X'))
-        tell(l, true, node, "%s %s: a hexadecimal number is written #x%s", what, text, text + 2);
+        finding(l, true, node, "%s %s: a hexadecimal number is written #x%s", what, text, text + 2);
 }
 
 static void check_element(lint_t *l, const xmlNode *node)
@@ -145,7 +145,7 @@ static void check_element(lint_t *l, const xmlNode *node)
             check_number(l, node, name, ect_esi_attribute(&l->xml, node, name));
     }
     if (place_of(obsolete_elements, tag(node)) >= 0)
-        tell(l, true, node, "%s is obsolete", tag(node));
+        finding(l, true, node, "%s is obsolete", tag(node));
     if (place_of(number_elements, tag(node)) >= 0)
         check_number(l, node, tag(node), ect_esi_text(&l->xml, node));
 }
@@ -166,15 +166,15 @@ static void walk(lint_t *l, const xmlNode *top)
     }
 }
 
-/* --- what single elements hold ----------------------------------------------------------------------------------- */
+/* --- content of single elements ----------------------------------------------------------------------------------- */
 
 static void want_text(lint_t *l, const xmlNode *parent, const char *child)
 {
     if (*ect_esi_name(&l->xml, parent, child) == '\0')
-        tell(l, true, parent, "%s has no %s", tag(parent), child);
+        finding(l, true, parent, "%s has no %s", tag(parent), child);
 }
 
-/* Of a number with a sign, of the smallest one too: the height of a picture from top to bottom is negative. */
+/* Absolute value, defined for the smallest number, too: the height of a picture from top to bottom is negative. */
 static uint32_t magnitude(uint32_t number)
 {
     return number > INT32_MAX ? 0u - number : number;
@@ -188,41 +188,41 @@ static void check_picture(lint_t *l, const xmlNode *parent)
         return;
     ect_esi_bytes_t data = ect_esi_hex(&l->xml, parent, "ImageData16x14");
     if (data.length == 0)
-        tell(l, true, node, "ImageData16x14 of %s is empty or not hexadecimal", tag(parent));
+        finding(l, true, node, "ImageData16x14 of %s is empty or not hexadecimal", tag(parent));
     else if (data.length < BMP_HEADER || data.bytes[0] != 'B' || data.bytes[1] != 'M')
-        tell(l, true, node, "ImageData16x14 of %s is not a bitmap: it does not begin with 424D", tag(parent));
+        finding(l, true, node, "ImageData16x14 of %s is not a bitmap: it does not begin with 424D", tag(parent));
     else if (ect_load_le32(data.bytes + BMP_WIDTH) != PICTURE_WIDTH ||
              magnitude(ect_load_le32(data.bytes + BMP_HEIGHT)) != PICTURE_HEIGHT)
-        tell(l, true, node, "ImageData16x14 of %s is a bitmap of %u x %u", tag(parent),
-             (unsigned int)ect_load_le32(data.bytes + BMP_WIDTH),
-             (unsigned int)magnitude(ect_load_le32(data.bytes + BMP_HEIGHT)));
+        finding(l, true, node, "ImageData16x14 of %s is a bitmap of %u x %u", tag(parent),
+                (unsigned int)ect_load_le32(data.bytes + BMP_WIDTH),
+                (unsigned int)magnitude(ect_load_le32(data.bytes + BMP_HEIGHT)));
 }
 
 static void check_group(lint_t *l, const xmlNode *node, const ect_esi_device_t *device)
 {
     const xmlNode *type = ect_esi_child(node, "GroupType");
     if (*device->group_type == '\0')
-        tell(l, true, type != NULL ? type : node, "Device has no GroupType");
+        finding(l, true, type != NULL ? type : node, "Device has no GroupType");
     else if (*device->group_name == '\0')
-        tell(l, false, type, "GroupType %s is no group with a name in this file", device->group_type);
+        finding(l, false, type, "GroupType %s is no group with a name in this file", device->group_type);
 }
 
 static void check_eeprom(lint_t *l, const xmlNode *node, const ect_esi_device_t *device)
 {
     const xmlNode *eeprom = ect_esi_child(node, "Eeprom");
     if (eeprom == NULL)
-        tell(l, false, node, "Device has no Eeprom: no tool can write one");
+        finding(l, false, node, "Device has no Eeprom: no tool can write one");
     else if (device->eeprom.length == 0 && device->eeprom_size == 0)
-        tell(l, true, eeprom, "Eeprom has neither Data nor ByteSize");
+        finding(l, true, eeprom, "Eeprom has neither Data nor ByteSize");
     else if (device->config.length > CONFIG_BYTES)
-        tell(l, true, eeprom, "ConfigData has %zu bytes, more than the %d of an EEPROM's first words",
-             device->config.length, (int)CONFIG_BYTES);
+        finding(l, true, eeprom, "ConfigData has %zu bytes, more than the %d of an EEPROM's first words",
+                device->config.length, (int)CONFIG_BYTES);
 }
 
 static void check_device(lint_t *l, const xmlNode *node, const ect_esi_device_t *device)
 {
     if (*device->physics == '\0')
-        tell(l, true, node, "Device has no Physics");
+        finding(l, true, node, "Device has no Physics");
     want_text(l, node, "Type");
     want_text(l, node, "Name");
     check_group(l, node, device);
@@ -247,7 +247,7 @@ static void check_head(lint_t *l, const xmlNode *root, const xmlNode *descriptio
     check_orders(l, descriptions);
     const xmlNode *vendor = ect_esi_child(root, "Vendor");
     if (vendor == NULL) {
-        tell(l, true, root, "there is no Vendor");
+        finding(l, true, root, "there is no Vendor");
         return;
     }
     check_orders(l, vendor);
@@ -269,11 +269,11 @@ static void check_groups(lint_t *l, const xmlNode *groups, const ect_esi_device_
     }
 }
 
-void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t told, void *ctx)
+void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_report_t report, void *ctx)
 {
-    char unread[LINE]; /* mistakes that keep a file from being read were told by who read it */
+    char unread[LINE]; /* the reader has reported mistakes that keep a file from being read */
     lint_t l = {.xml = {.arena = &esi->arena, .file = esi->file, .text = unread, .room = sizeof unread},
-                .tell = told,
+                .report = report,
                 .ctx = ctx};
     const xmlNode *descriptions = ect_esi_child(esi->root, "Descriptions");
     check_head(&l, esi->root, descriptions);
@@ -296,7 +296,7 @@ struct ect_esi_schema {
 
 typedef struct validation {
     const ect_esi_t *esi;
-    ect_esi_tell_t tell;
+    ect_esi_report_t report;
     void *ctx;
     size_t count;
 } validation_t;
@@ -311,7 +311,7 @@ __attribute__((format(printf, 2, 3))) static void invalid(void *ctx, const char 
     const char *message = error != NULL && error->message != NULL ? error->message : "not valid";
     (void)snprintf(line, sizeof line, "%s:%d: %.*s", v->esi->file, error != NULL ? error->line : 1,
                    (int)strcspn(message, "\n"), message);
-    v->tell(v->ctx, true, line);
+    v->report(v->ctx, true, line);
     v->count++;
 }
 
@@ -340,9 +340,9 @@ ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room)
     return NULL;
 }
 
-void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_tell_t told, void *ctx)
+void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_report_t report, void *ctx)
 {
-    validation_t v = {.esi = esi, .tell = told, .ctx = ctx};
+    validation_t v = {.esi = esi, .report = report, .ctx = ctx};
     xmlSchemaSetValidErrors(schema->valid, invalid, invalid, &v);
     if (xmlSchemaValidateDoc(schema->valid, esi->document) != 0 && v.count == 0)
         invalid(&v, "not valid");

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Lint: what of an ESI file is not as a file should be, beyond what keeps it from being read (esi/read.h).
+ * Lint: mistakes of an ESI file that do not keep it from being read (esi/read.h).
  *
- * Engineering tools pass over a file with such a mistake without a word, or misread it. Looked at are the vendor, the
- * groups and one device: order of elements, names, the group, numbers written 0x…, which only some tools read,
- * pictures, ConfigData, and what the schema calls obsolete. Whether the whole file is valid only its schema says, which
- * is the ETG's and not here: ::ect_esi_validate takes the user's copy.
+ * Engineering tools ignore a file with such a mistake silently, or misread it. The checks cover the vendor, the groups
+ * and one device: order of elements, names, the group, numbers written 0x…, which only some tools read, pictures,
+ * ConfigData, and what the schema calls obsolete. The validity of the whole file follows from the schema of the ETG,
+ * which is not part of this project: ::ect_esi_validate takes the user's copy.
  *
- * Each finding is told in one line `FILE:LINE: what`, which is there during the call only. Context: mainline, host
+ * Each finding is one line `FILE:LINE: FINDING`, valid during the call only. Context: mainline, host
  * only.
  *
  * Clauses: ETG.2000 and its schema 1.17.
@@ -19,30 +19,30 @@
 #include "esi/read.h"
 #include "wire/linkage.h"
 
-/** Takes a finding. @param wrong  false: it is allowed, and yet worth a word */
-typedef void (*ect_esi_tell_t)(void *ctx, bool wrong, const char *line);
+/** Takes a finding. @param wrong  false: allowed, and yet worth a remark */
+typedef void (*ect_esi_report_t)(void *ctx, bool wrong, const char *line);
 
 ECT_C_BEGIN
 
 /**
- * Looks at the file's vendor and groups, and at one device.
+ * Checks the vendor and the groups of a file, and one device.
  * @param device  from ::ect_esi_select of this file
  */
-void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_tell_t told, void *ctx);
+void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_report_t report, void *ctx);
 
 /** A schema that was read. */
 typedef struct ect_esi_schema ect_esi_schema_t;
 
 /**
  * Reads a schema.
- * @param path  of EtherCATInfo.xsd; what it includes must stand beside it
- * @param[out] text, room  the line that says why not
+ * @param path  of EtherCATInfo.xsd; its includes must be in the same folder
+ * @param[out] text, room  the reason of the failure, one line
  * @return to be closed with ::ect_esi_schema_close; NULL: it cannot be read, or is none
  */
 ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room);
 
-/** Validates the whole file; each mistake is told, all as wrong. */
-void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_tell_t told, void *ctx);
+/** Validates the whole file; each mistake is reported as wrong. */
+void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_report_t report, void *ctx);
 
 /** NULL is allowed. */
 void ect_esi_schema_close(ect_esi_schema_t *schema);

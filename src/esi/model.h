@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Model: what an ESI file says of one device, as plain structures.
+ * Model: one device of an ESI file, as plain structures.
  *
  * Made by esi/read.h from a file, used by esi/twin.h to build a device that runs, and by `ectwin verify` to compare.
- * Nothing is interpreted here: a default is what the file says, not what follows from it. All memory belongs to the
- * ::ect_esi_t that it came from. Texts are UTF-8 and never NULL unless said otherwise; where a file has a name in
+ * Nothing is interpreted here: a default is that of the file, not one that follows from it. All memory belongs to the
+ * ::ect_esi_t that it came from. Texts are UTF-8 and never NULL unless stated otherwise; where a file has a name in
  * several languages it is the English one (LcId 1033), else the first.
  *
  * Clauses: ETG.2000 and its schema 1.17.
@@ -181,11 +181,11 @@ typedef struct ect_esi_dictionary {
     size_t object_count;
 } ect_esi_dictionary_t;
 
-/** `<Slot>` and what may stand in it. */
+/** `<Slot>` and the modules that it accepts. */
 typedef struct ect_esi_slot {
     const char *name;
     unsigned int instances_min, instances_max;
-    uint32_t pdo_increment, index_increment; /**< for each slot that a module stands behind the first one */
+    uint32_t pdo_increment, index_increment; /**< for each slot between the module and the first slot */
     bool own_increments;    /**< counted from this slot's first instance, else from the device's first slot */
     const uint32_t *idents; /**< `<ModuleIdent>` */
     size_t ident_count;

@@ -218,7 +218,7 @@ const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count)
     return esi->heads;
 }
 
-/* What a user asked for: a type, or numbers. */
+/* The selector of a user: a type, or numbers. */
 typedef struct wish {
     const char *type; // NULL: any
     bool product_given, revision_given;

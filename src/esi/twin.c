@@ -9,7 +9,7 @@
 #include "check/check.h"
 #include "sii/sii.h"
 
-/* What a chip of ours can be at most: the registers of digital outputs, and 8 KB or 60 KB of RAM. */
+/* Limits of the ESC: the registers of digital outputs, and 8 KB or 60 KB of RAM. */
 enum {
     OUTPUT_REGISTERS = 0x0F00,
     RAM_START = 0x1000,
@@ -18,7 +18,7 @@ enum {
     LARGEST_EEPROM = 0xFF80
 };
 
-/* What an Ethernet frame takes of process data in one datagram. */
+/* Most process data in one datagram of an Ethernet frame, bytes. */
 enum { LONGEST_IMAGE = 1486 };
 
 struct ect_esi_twin {
@@ -184,7 +184,7 @@ static const char *or_unnamed(const char *text)
 
 /* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
 
-/* What a file names and the twin does not serve: an entry that wants no request, so that it is answered as unsupported.
+/* Protocols that a file names and the twin does not serve: an entry that takes no request is answered as unsupported.
  */
 #define UNSERVED(name) {.type = ECT_MAILBOX_TYPE_##name, .states = ECT_IN_PREOP_AND_ABOVE}
 static const ect_protocol_t aoe = UNSERVED(AOE), eoe = UNSERVED(EOE), foe = UNSERVED(FOE), soe = UNSERVED(SOE),
@@ -361,7 +361,7 @@ static void set_categories(ect_build_t *build, ect_device_t *device)
     device->category_count = (uint8_t)count;
 }
 
-/* Leaves out what the EEPROM has no room for, and says so. An EEPROM whose size the file does not tell has room. */
+/* Leaves out the parts that the EEPROM has no room for, with a note. Without a size in the file the EEPROM grows. */
 static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
 {
     static const char *const parts[] = {
@@ -401,9 +401,9 @@ static void fit_eeprom(ect_build_t *build, ect_device_t *device)
                        (unsigned int)device->sii_size);
 }
 
-/* --- who it is --------------------------------------------------------------------------------------------------- */
+/* --- identity ---------------------------------------------------------------------------------------------------- */
 
-/* What a file does not say is the standard's default (ETG.2000). */
+/* A timeout that is absent in the file is the default of the standard (ETG.2000). */
 static uint16_t timeout(uint32_t said_ms, uint16_t default_ms)
 {
     return said_ms == 0 ? default_ms : (uint16_t)(said_ms < UINT16_MAX ? said_ms : UINT16_MAX);
@@ -496,7 +496,7 @@ static void add_mandatory(ect_build_t *build)
         object->name = "SyncManager type";
 }
 
-/* 1018h is who the twin says it is, which a user may override: its values are the instance's. */
+/* 1018h is the identity of the twin, which a user may override: its values are in the instance. */
 static void add_identity(ect_build_t *build)
 {
     static const struct {
@@ -547,7 +547,7 @@ static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
     return is_signed && (value & sign) != 0 ? (int64_t)(value | ~(2 * sign - 1)) : (int64_t)value;
 }
 
-/* What a file says of limits, as far as the type can have them. */
+/* Limits of the file, as far as the type can have them. */
 static bool limits_of(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry,
                       int64_t *minimum, int64_t *maximum)
 {
@@ -647,9 +647,9 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
     device->object_count = (uint16_t)build->object_count;
 }
 
-/* --- PDOs: what their objects do not say ------------------------------------------------------------------------ */
+/* --- PDOs: properties beyond their objects ----------------------------------------------------------------------- */
 
-/* Those that there are: a file may exclude PDOs that it has not. */
+/* Exclusions of existing PDOs: a file may exclude PDOs that it has not. */
 static const uint16_t *excludes_of(ect_build_t *build, const ect_build_pdo_t *pdo)
 {
     const ect_esi_pdo_t *model = pdo->model;
@@ -687,7 +687,7 @@ static void set_pdos(ect_build_t *build, ect_device_t *device)
 
 /* --- behaviour --------------------------------------------------------------------------------------------------- */
 
-/* Outputs that nobody commands any more are what they are after power-on. What can be mapped has at most 255 bits. */
+/* Outputs without a master return to their values after power-on. An entry that can be mapped has at most 255 bits. */
 static void safe_outputs(void *instance, uint64_t now_ns)
 {
     const ect_standard_t *standard = instance;
@@ -710,7 +710,7 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     }
 }
 
-/* It has no time of its own; being asked at all means that a signal was set, and the inputs are sent anew. */
+/* The twin has no time of its own; a call means that a signal was set, and the inputs are sent again. */
 static uint64_t tick(void *instance, uint64_t now_ns)
 {
     (void)instance;

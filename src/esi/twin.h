@@ -6,7 +6,7 @@
  *
  * The twin has the identity, layout, PDOs, dictionary and clocks of the file, and no behaviour of its own: inputs are
  * what somebody sets through signals (or a master by SDO), outputs are shown, and go to their defaults when OP is left.
- * What the file has and the twin cannot be is told in notes; nothing is left out silently.
+ * Notes list every feature of the file that the twin does not have.
  *
  * Host only. Context: mainline.
  */
@@ -17,7 +17,7 @@
 #include "seams/plant.h"
 #include "wire/linkage.h"
 
-/** What a user wants to stand in which slot. */
+/** The choice of a user: a module for a slot. */
 typedef struct ect_module_choice {
     unsigned int slot; /**< from 0 */
     uint32_t ident;
@@ -32,8 +32,8 @@ typedef struct ect_esi_twin ect_esi_twin_t;
  * Makes a twin of a file that is open.
  * @param esi    stays the caller's; open until the twin is freed
  * @param model  from ::ect_esi_select of this file
- * @param modules, module_count  which module stands in which slot; where nothing is said, what the file presets
- * @param[out] text, room  the line that says why not
+ * @param modules, module_count  modules for slots; other slots have the presets of the file
+ * @param[out] text, room  the reason of the failure, one line
  * @return the twin, or NULL: the model describes something that no ESC of ours can be
  */
 ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *model, const ect_module_choice_t *modules,
@@ -50,7 +50,7 @@ ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const 
 /** The product, valid until the twin is freed. */
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin);
 
-/** What of the file is not represented, a line each. @param[out] count  may be 0 */
+/** Features of the file that the twin does not have, a line each. @param[out] count  may be 0 */
 const char *const *ect_esi_twin_notes(const ect_esi_twin_t *twin, size_t *count);
 
 /** The model that it was made from. */

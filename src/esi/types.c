@@ -47,7 +47,7 @@ const ect_esi_type_t *ect_esi_find_type(const ect_esi_dictionary_t *dictionary, 
                                                                                   : NULL;
 }
 
-/* "STRING(20)", "ARRAY [0..7] OF BYTE", "BIT3": the name says how long. */
+/* "STRING(20)", "ARRAY [0..7] OF BYTE", "BIT3": the name has the length. */
 static bool resolve_sized(const char *name, ect_esi_basic_t *basic)
 {
     unsigned int first;
@@ -107,7 +107,7 @@ static bool fits(uint16_t code, uint32_t bits)
     return false;
 }
 
-/* What a type of the dictionary rests on: the name, or the elements of an array of bytes. */
+/* The base of a type of the dictionary: the name, or the elements of an array of bytes. */
 static bool resolve_type(const ect_esi_dictionary_t *dictionary, const char *name, unsigned int depth,
                          ect_esi_basic_t *basic)
 {

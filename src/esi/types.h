@@ -27,8 +27,8 @@ const ect_esi_type_t *ect_esi_find_type(const ect_esi_dictionary_t *dictionary, 
  * Resolves a name to a basic type: IEC names (`UINT`, `STRING(20)`, `ARRAY [0..7] OF BYTE`), types of the dictionary
  * that rest on one, and enumerations. A type that is not known becomes the number of that many bits, or bytes.
  * @param dictionary  may be NULL
- * @param bits        what the place that uses it says, 0 when it says nothing: then the type's own
- * @return true; false when it is a record, or when neither name nor place says how long it is
+ * @param bits        length at the place that uses it, 0 when it has none: then that of the type
+ * @return true; false when it is a record, or when neither name nor place has a length
  */
 bool ect_esi_resolve(const ect_esi_dictionary_t *dictionary, const char *name, uint32_t bits, ect_esi_basic_t *basic);
 

@@ -27,7 +27,7 @@ static bool agree(const ect_esi_part_t *parts, size_t count, char *text, size_t 
                 continue;
             (void)snprintf(text, room,
                            "%s and %s both have product code 0x%08" PRIX32 " and revision 0x%08" PRIX32
-                           ": no tool can tell them apart",
+                           ": no tool can distinguish them",
                            parts[k].device->type_name, parts[i].device->type_name, own->product_code, own->revision);
             return false;
         }
@@ -55,7 +55,7 @@ static void write_head(ect_pen_t *pen, const ect_esi_part_t *part)
     ect_pen_close(pen);
 }
 
-/* A modular device is written without modules: those of its file are copied, and stand in its slots. */
+/* A modular device is written without modules: those of its file are copied, with its slots. */
 static void write_device(ect_pen_t *pen, const ect_esi_part_t *part)
 {
     ect_esi_twin_t *bare = part->twin != NULL ? ect_esi_twin_without_modules(part->twin) : NULL;

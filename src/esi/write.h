@@ -3,9 +3,9 @@
  * @file
  * Writes ESI files from device descriptions: what an engineering tool imports (ETG.2000, its schema 1.14 and later).
  *
- * The same descriptions in the same order give the same bytes. Nothing is said that the description does not say;
- * docs/ESI.md has the table of what ends up where, and why blocks of bytes look as they do. Attributes that the
- * standard calls obsolete, or advises against, are not written.
+ * The same descriptions in the same order give the same bytes. A file has only elements that follow from the
+ * description; docs/ESI.md has the table of elements, and the reason for the form of blocks of bytes. Attributes that
+ * the standard calls obsolete, or advises against, are not written.
  *
  * Host only. Context: mainline.
  */
@@ -39,9 +39,9 @@ ECT_C_BEGIN
  * Writes a file with devices of one vendor.
  * @param parts, count   at least one; the vendor is that of the first
  * @param[out] length    bytes of the file, without the zero behind them
- * @param[out] text, room  the line that says why not
+ * @param[out] text, room  the reason of the failure, one line
  * @return the file (UTF-8), as long as the arena; NULL: the devices have different vendors, two have the same product
- *         code and revision, which no tool could tell apart, or there is no memory left
+ *         code and revision, which no tool could distinguish, or there is no memory left
  */
 const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
                           size_t room);

@@ -62,7 +62,7 @@ static void write_info(ect_pen_t *pen, const ect_device_t *device, const xmlNode
     ect_pen_close(pen);
 }
 
-/* A dictionary that no master can ask for is not told: what is in it of use stands among the PDOs. */
+/* A dictionary that no master can read is left out: the PDOs have its useful part. */
 static void write_profile(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
 {
     if ((device->mailbox_protocols & ECT_MAILBOX_COE) == 0)
@@ -85,7 +85,8 @@ static void write_fmmus(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_text(pen, "Fmmu", device->fmmu[i] < 4 ? roles[device->fmmu[i]] : "");
 }
 
-/* A mailbox of one size says so twice; process data have the length of their PDOs, and a limit only if that varies. */
+/* A mailbox of one size has it as both limits; process data have the length of their PDOs, and a limit only if that
+ * varies. */
 static void write_limits(ect_pen_t *pen, const ect_sm_t *sm, unsigned int bytes)
 {
     bool mailbox = sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_MAILBOX_IN;
@@ -165,7 +166,7 @@ static void write_pdo(ect_pen_t *pen, const ect_device_t *device, const ect_obje
     ect_pen_close(pen);
 }
 
-/* Those that are assigned in the order of the assignment, which is the order of the data; then the others. */
+/* Assigned PDOs first, in the order of the assignment, which is that of the data; then the others. */
 static void write_assigned(ect_pen_t *pen, const ect_device_t *device, uint8_t role)
 {
     ect_od_t od = ect_device_od(device, NULL);

@@ -5,7 +5,7 @@
 
 #include "esi/internal.h"
 
-/* What is written of. */
+/* The dictionary, and its types already written. */
 typedef struct list {
     ect_pen_t *pen;
     ect_od_t od;
@@ -30,7 +30,7 @@ static bool is_var(const ect_object_t *object)
     return object->object_code == ECT_OBJECT_VAR || object->object_code == ECT_OBJECT_DOMAIN;
 }
 
-/* What the whole dictionary writes of entries' types goes through here. */
+/* Type of an entry, for all places that name one. */
 static const char *type_of(const list_t *list, const ect_entry_t *entry)
 {
     uint16_t bits = ect_od_bits(&list->od, entry);
@@ -117,7 +117,7 @@ static void write_entry_flags(ect_pen_t *pen, uint16_t bits)
         ect_pen_number(pen, "Setting", 1);
 }
 
-/* Of a record as a whole only who may do anything with it, since its sub-items inherit what they do not say. */
+/* A record as a whole has its access alone: its sub-items inherit all other flags that they leave out. */
 static void write_flags(ect_pen_t *pen, uint16_t index, uint16_t bits, bool whole_record)
 {
     bool mandatory = index == 0x1000 || index == 0x1018 || index == 0x1C00; /* ETG.1000.6 §5.6.7 */
@@ -264,7 +264,7 @@ static void write_info(list_t *list, const ect_object_t *object, const ect_entry
     ect_pen_close(list->pen);
 }
 
-/* An array's type has one name for all elements: what each is called stands here. */
+/* The type of an array has one name for all elements; the name of each element is here. */
 static void write_item_info(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
 {
     ect_item_name_t name = ect_esi_item_name(object, entry);

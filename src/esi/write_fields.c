@@ -8,7 +8,7 @@
 
 #include "esi/internal.h"
 
-/* Of a device whose product has no names. */
+/* Without names of the product. */
 static const ect_field_t none[] = {{0}};
 
 static const ect_field_t *fields_of(const ect_pen_t *pen)

@@ -112,7 +112,7 @@ uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo)
     return 0xFF;
 }
 
-/* Nothing of it is in memory, so nobody changes it. */
+/* No entry is in memory, so the object is constant. */
 static bool is_constant(const ect_object_t *object)
 {
     for (const ect_entry_t *e = object ? object->entries : NULL; e; e = ect_od_next(object, e)) {
@@ -213,7 +213,7 @@ static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
     return &none;
 }
 
-/* What an installation may override. */
+/* Words that an installation may override. */
 static void put_identity(uint8_t *w, const ect_identity_t *identity, uint16_t alias)
 {
     ect_store_le16(w + 8, alias);

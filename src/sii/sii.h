@@ -34,12 +34,12 @@ enum { ECT_SII_CATEGORIES = 0x80 };
 
 /**
  * Writes the image of a device: identity, mailboxes, strings, general, FMMUs, SyncManagers, PDOs with all entries,
- * distributed clocks, and 0xFF up to the end of the EEPROM. Of an image that the description brings along
- * (::ect_device_t::sii) only identity and alias are renewed.
- * Where the EEPROM has no room for all, the image leaves out the least that ::ect_device_t::sii_omit allows; names of
- * PDO entries beyond the 255 strings that a table takes are left out, too.
+ * distributed clocks, and 0xFF up to the end of the EEPROM. An image of the description (::ect_device_t::sii) gets a
+ * new identity and alias only. The image of an EEPROM that has no room for all leaves out the least that
+ * ::ect_device_t::sii_omit allows; names of PDO entries beyond the 255 strings that a table takes are left out, too.
  * @param identity  NULL: the description's
- * @param alias     configured station alias, word 4; not 0: it is the explicit device id too, and the image says so
+ * @param alias     configured station alias, word 4; not 0: it is the explicit device id, too, and the image has the
+ * flag
  * @param[out] image  `size` bytes; undefined on failure
  * @param size        at least device->sii_size
  * @return bytes of the image (device->sii_size) · -1 `size` is too small · -2 the content does not fit the EEPROM
@@ -56,7 +56,7 @@ int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity
 int ect_sii_omission(const ect_device_t *device, uint8_t *scratch);
 
 /**
- * Flags of a PDO as SII and ESI have them: what the description says (::ect_pdo_t), else by the rule given there.
+ * Flags of a PDO as SII and ESI have them: those of the description (::ect_pdo_t), else by the rule given there.
  * @param pdo  a mapping object of the device
  * @return ECT_PDO_...
  */

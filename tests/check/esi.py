@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Looks whether what an ESI file says fits together: order of elements, references, lengths, nothing that is obsolete.
+"""Looks whether the elements of an ESI file fit together: order of elements, references, lengths, nothing that is obsolete.
 
 usage: esi.py FILE...
        esi.py --committed ECTWIN FOLDER   regenerates the files of FOLDER and wants no difference, then checks them

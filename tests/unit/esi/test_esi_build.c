@@ -313,9 +313,9 @@ static void records(void **state)
         {"a number twice", RECORD(COUNT ITEM("1", "A", "UINT", "16", "") ITEM("1", "B", "UINT", "16", ""), "", ""),
          ECT_OBJECT_RECORD, 1, 1, 16, "A",
          "line 2: object 2000: sub-index 1 of type UINT is left out: it is there already"},
-        {"a type that nobody knows",
-         RECORD(COUNT ITEM("1", "A", "UINT", "16", "") ITEM("2", "B", "X", "0", ""), "", ""), ECT_OBJECT_RECORD, 1, 1,
-         16, "A", "line 2: object 2000: sub-index 2 of type X is left out: its length is not known"},
+        {"an unknown type", RECORD(COUNT ITEM("1", "A", "UINT", "16", "") ITEM("2", "B", "X", "0", ""), "", ""),
+         ECT_OBJECT_RECORD, 1, 1, 16, "A",
+         "line 2: object 2000: sub-index 2 of type X is left out: its length is not known"},
         {"a name to be shown", RECORD(COUNT ITEM("1", "A", "UINT", "16", "<DisplayName>Shown</DisplayName>"), "", ""),
          ECT_OBJECT_RECORD, 1, 1, 16, "Shown", NULL},
         {"the object's name to be shown",
@@ -351,7 +351,7 @@ static void records(void **state)
     }
 }
 
-/* Where names agree they decide, else the place does. */
+/* Names decide where they agree, else the place does. */
 static void infos(void **state)
 {
 #define INFO(name, data) "<SubItem><Name>" name "</Name><Info><DefaultData>" data "</DefaultData></Info></SubItem>"
@@ -497,7 +497,7 @@ static void mappings(void **state)
     }
 }
 
-/* What no ESC can be, or what would not be the file's process data. */
+/* Devices that no ESC can be, or whose process data would differ from the file's. */
 static void refusals(void **state)
 {
 #define SM(start, control, role) "<Sm StartAddress='" start "' ControlByte='" control "'>" role "</Sm>"
@@ -569,7 +569,7 @@ static void assignments(void **state)
     }
 }
 
-/* What a SyncManager may come to: the longest assignment, the file's sizes, and the room before the next. */
+/* The longest data of a SyncManager: the longest assignment, the file's sizes, and the room before the next. */
 static void rooms_of_sms(void **state)
 {
 #define INPUTS(attributes)    "<Sm StartAddress='#x1400' ControlByte='#x20' " attributes ">Inputs</Sm>"
@@ -880,7 +880,7 @@ int main(void)
         {"infos of sub-items by name, else by place", infos, NULL, NULL, NULL},
         {"mappings: entries, gaps, exclusion, and what is left out", mappings, NULL, NULL, NULL},
         {"devices that no controller can be are refused", refusals, NULL, NULL, NULL},
-        {"an assignment has room for what may stand beside one another", assignments, NULL, NULL, NULL},
+        {"an assignment has room for all PDOs that do not exclude each other", assignments, NULL, NULL, NULL},
         {"the most that a SyncManager may come to", rooms_of_sms, NULL, NULL, NULL},
         {"command names and type names", names_of_devices, NULL, NULL, NULL},
         {"a letter a port", ports_of_physics, NULL, NULL, NULL},

@@ -35,7 +35,7 @@
 static const struct mistake {
     const char *what, *from, *to; /* `from` in GOOD becomes `to` */
     bool wrong;
-    const char *told; /* NULL: nothing */
+    const char *line; /* NULL: nothing */
 } mistakes[] = {
     {"the file as it is", "", "", false, NULL},
     {"a picture of 16 x 14", "</Eeprom>",
@@ -63,8 +63,7 @@ static const struct mistake {
 
     {"the SyncManager before the FMMU", "<Fmmu>Inputs</Fmmu>", "<Sm>Inputs</Sm><Fmmu>Inputs</Fmmu>", true,
      "f.xml:6: Fmmu behind Sm in Device"},
-    {"an element that nobody knows", "<Eeprom>", "<Eprom/><Eeprom>", true,
-     "f.xml:8: Eprom in Device, where there is no"},
+    {"an unknown element", "<Eeprom>", "<Eprom/><Eeprom>", true, "f.xml:8: Eprom in Device, where there is no"},
     {"modules before groups", "<Groups>", "<Modules/><Groups>", true, "f.xml:4: Groups behind Modules in Descriptions"},
     {"the size behind the first words", "<ByteSize>2048</ByteSize><ConfigData>050C</ConfigData>",
      "<ConfigData>050C</ConfigData><ByteSize>2048</ByteSize>", true, "f.xml:8: ByteSize behind ConfigData in Eeprom"},
@@ -177,18 +176,18 @@ static const struct mistake {
      "f.xml:2: Vendors in EtherCATInfo, where there is no"},
 };
 
-typedef struct heard {
+typedef struct found {
     unsigned int wrong, words;
     char first[300];
-} heard_t;
+} findings_t;
 
-static void hear(void *ctx, bool wrong, const char *line)
+static void take(void *ctx, bool wrong, const char *line)
 {
-    heard_t *heard = ctx;
-    if (heard->wrong + heard->words == 0)
-        (void)snprintf(heard->first, sizeof heard->first, "%s", line);
-    heard->wrong += wrong;
-    heard->words += !wrong;
+    findings_t *found = ctx;
+    if (found->wrong + found->words == 0)
+        (void)snprintf(found->first, sizeof found->first, "%s", line);
+    found->wrong += wrong;
+    found->words += !wrong;
 }
 
 static char *changed(const struct mistake *m)
@@ -201,17 +200,17 @@ static char *changed(const struct mistake *m)
     return text;
 }
 
-static heard_t heard_of(const char *text, const char *selector)
+static findings_t findings_of(const char *text, const char *selector)
 {
     char why[300] = "";
-    heard_t heard = {.wrong = 0};
+    findings_t found = {.wrong = 0};
     ect_esi_t *esi = ect_esi_parse("f.xml", text, strlen(text), why, sizeof why);
     const ect_esi_device_t *device = esi != NULL ? ect_esi_select(esi, selector, why, sizeof why) : NULL;
     if (device == NULL)
         fail_msg("expected a device, got: %s", why);
-    ect_esi_lint(esi, device, hear, &heard);
+    ect_esi_lint(esi, device, take, &found);
     ect_esi_close(esi);
-    return heard;
+    return found;
 }
 
 static void each_mistake(void **state)
@@ -220,21 +219,21 @@ static void each_mistake(void **state)
     for (size_t i = 0; i < sizeof mistakes / sizeof mistakes[0]; i++) {
         const struct mistake *m = &mistakes[i];
         char *text = changed(m);
-        heard_t heard = heard_of(text, "");
-        bool as_expected = m->told == NULL ? heard.wrong + heard.words == 0
-                                           : heard.wrong == m->wrong && heard.words == !m->wrong &&
-                                                 strncmp(heard.first, m->told, strlen(m->told)) == 0;
+        findings_t found = findings_of(text, "");
+        bool as_expected = m->line == NULL ? found.wrong + found.words == 0
+                                           : found.wrong == m->wrong && found.words == !m->wrong &&
+                                                 strncmp(found.first, m->line, strlen(m->line)) == 0;
         if (!as_expected)
             fail_msg("%s: expected %s \"%s\", got %u wrong, %u words, first \"%s\"", m->what,
-                     m->told == NULL ? "nothing"
+                     m->line == NULL ? "nothing"
                      : m->wrong      ? "wrong"
                                      : "a word",
-                     m->told ? m->told : "", heard.wrong, heard.words, heard.first);
+                     m->line ? m->line : "", found.wrong, found.words, found.first);
         free(text);
     }
 }
 
-/* Of a file of many devices only the one that was selected counts. */
+/* Only the selected device of a file counts. */
 static void other_devices(void **state)
 {
 #define BAD "<Device><Sm OneByteMode='1'/><Type ProductCode='0x2' RevisionNo='1'>B</Type></Device>"
@@ -244,7 +243,7 @@ static void other_devices(void **state)
                  {"before it, on the same line", FILE_OF(VENDOR, GROUP, BAD DEVICE(BODY))}};
     (void)state;
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
-        heard_t good = heard_of(files[i].text, "A"), bad = heard_of(files[i].text, "B");
+        findings_t good = findings_of(files[i].text, "A"), bad = findings_of(files[i].text, "B");
         if (good.wrong + good.words != 0 || bad.wrong < 4)
             fail_msg("a bad device %s: expected nothing of A and at least 4 of B, got %u and %u, first \"%s\"",
                      files[i].what, good.wrong + good.words, bad.wrong, good.first);
@@ -275,7 +274,7 @@ static void schemas(void **state)
         const char *what, *schema;
         bool read;
         unsigned int wrong;
-        const char *told;
+        const char *line;
     } table[] = {
         {"one that allows all", SCHEMA("xs:anyType"), true, 0, ""},
         {"one that wants a number", SCHEMA("xs:int"), true, 2, "f.xml:1: Element 'EtherCATInfo'"},
@@ -286,18 +285,18 @@ static void schemas(void **state)
     ect_esi_t *esi = ect_esi_parse("f.xml", GOOD, strlen(GOOD), why, sizeof why);
     assert_non_null(esi);
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        heard_t heard = {.wrong = 0};
+        findings_t found = {.wrong = 0};
         const char *path = write_schema(table[i].schema);
         ect_esi_schema_t *schema = ect_esi_schema_open(path, why, sizeof why);
         bool read = schema != NULL;
         (void)remove(path);
         if (read)
-            ect_esi_validate(esi, schema, hear, &heard);
+            ect_esi_validate(esi, schema, take, &found);
         ect_esi_schema_close(schema);
-        if (read != table[i].read || heard.wrong != table[i].wrong ||
-            strncmp(heard.first, table[i].told, strlen(table[i].told)) != 0)
+        if (read != table[i].read || found.wrong != table[i].wrong ||
+            strncmp(found.first, table[i].line, strlen(table[i].line)) != 0)
             fail_msg("%s: expected %d, %u wrong \"%s\", got %d, %u wrong \"%s\"", table[i].what, table[i].read,
-                     table[i].wrong, table[i].told, read, heard.wrong, heard.first);
+                     table[i].wrong, table[i].line, read, found.wrong, found.first);
     }
     ect_esi_close(esi);
 }
@@ -305,7 +304,7 @@ static void schemas(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-063: each mistake of a file is told, with its line, and how bad it is", each_mistake, NULL, NULL, NULL},
+        {"CF-063: each mistake of a file is reported, with its line and its weight", each_mistake, NULL, NULL, NULL},
         {"CF-063: what is wrong with other devices of a file does not matter", other_devices, NULL, NULL, NULL},
         {"CF-063: a file is validated against the schema that the user has", schemas, NULL, NULL, NULL},
     };

@@ -381,7 +381,7 @@ static void bounds(void **state)
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */
 
-/* What the file of a twin says, of a line of the file that it was made from. */
+/* The line of a written file for a line of the file that the twin was made from. */
 static void written(void **state)
 {
 #define MAIL    ESI_MAILBOX_SMS

@@ -56,7 +56,7 @@ static void numbers(void **state)
 #define DEVICE(content)                                                                                                \
     HEAD "<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='1'>A</Type>\n" content "</Device>" TAIL
 
-/* What a reader must refuse; reading it in full counts as well as opening it. */
+/* Files that a reader must refuse, when it opens them or when it reads a device in full. */
 static void refusals(void **state)
 {
     static const struct {
@@ -79,7 +79,7 @@ static void refusals(void **state)
         {"an external entity",
          "<!DOCTYPE a [<!ENTITY a SYSTEM \"file:///etc/passwd\">]><EtherCATInfo>&a;</EtherCATInfo>",
          "f.xml: has a document type definition"},
-        {"an entity that nobody defined", DEVICE("<Name>&a;</Name>"), "no well-formed XML"},
+        {"an undefined entity", DEVICE("<Name>&a;</Name>"), "no well-formed XML"},
         {"a product code that is no number", HEAD "<Device><Type ProductCode='x'>A</Type></Device>" TAIL,
          "f.xml:2: ProductCode is \"x\", not a number"},
         {"a PDO without an index", DEVICE("<RxPdo/>"), "f.xml:3: RxPdo has no Index"},
@@ -260,7 +260,7 @@ int main(void)
         {"what is no readable file is refused", files, NULL, NULL, NULL},
         {"a device is selected by type, product, revision; of several revisions the newest", selectors, NULL, NULL,
          NULL},
-        {"everything that a file says of a device is in its model", model, NULL, NULL, NULL},
+        {"all that a file has of a device is in its model", model, NULL, NULL, NULL},
         {"names of types: IEC 61131, enumerations, lengths that do not fit their name", types, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -156,7 +156,7 @@ static void limits_by_sign(void **state)
     }
 }
 
-/* --- what a file says of nothing --------------------------------------------------------------------------------- */
+/* --- PDOs and entries of no length ------------------------------------------------------------------------------- */
 
 #define OUT_PDO(entries) "<RxPdo Sm='2'><Index>#x1600</Index><Name>O</Name>" entries "</RxPdo>"
 #define CHANGEABLE(body) ESI_DEVICE(body "<Mailbox><CoE SdoInfo='1' PdoAssign='1' PdoConfig='1'/></Mailbox>" ESI_EEPROM)
@@ -620,7 +620,7 @@ static void eeprom_of_the_file(void **state)
     }
 }
 
-/* What is left out, part by part. */
+/* The parts that are left out. */
 static void parts_left_out(void **state)
 {
     static const struct {
@@ -793,7 +793,7 @@ static void extras_survive(void **state)
     }
 }
 
-/* With modules that a user chose the file describes the device as it stands: without slots. */
+/* With modules that a user chose the file describes the device without slots. */
 static void chosen_modules_stay(void **state)
 {
     static const ect_module_choice_t choice = {.slot = 1, .ident = 0x120};
@@ -837,7 +837,7 @@ int main(void)
         {"categories of the file are in the EEPROM", categories_in_the_sii, NULL, NULL, NULL},
         {"alternative assignments and PDOs of clock modes are in the model", assignments, NULL, NULL, NULL},
         {"start-up commands, alternatives, categories, slots survive writing", extras_survive, NULL, NULL, NULL},
-        {"a device with chosen modules is written as it stands", chosen_modules_stay, NULL, NULL, NULL},
+        {"a device with chosen modules is written with them", chosen_modules_stay, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

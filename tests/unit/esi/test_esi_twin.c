@@ -314,7 +314,7 @@ static void flags(void **state)
     ect_esi_twin_free(twin);
 }
 
-/* Files contradict themselves: the twin runs, and says what it left out. */
+/* Files contradict themselves: the twin runs, with a note. */
 static void contradictions(void **state)
 {
     static const char text[] =
@@ -356,7 +356,7 @@ static void contradictions(void **state)
     ect_esi_close(esi);
 }
 
-/* A device whose process data would be others than the file says is refused, with the line. */
+/* A device whose process data would differ from those of the file is refused, with the line. */
 static void no_hole(void **state)
 {
     static const char text[] = "<EtherCATInfo><Vendor><Id>1</Id></Vendor><Descriptions><Devices><Device>\n"
@@ -388,14 +388,15 @@ int main(void)
          NULL, NULL, NULL},
         {"limits, rights and restrictions to AL states are the file's", writing, NULL, NULL, NULL},
         {"PDOs that exclude each other are chosen by 1C13h", alternatives, NULL, NULL, NULL},
-        {"inputs are what signals say, outputs are shown, and go when OP is left", process_data, NULL, NULL, NULL},
+        {"signals set inputs and show outputs, which are cleared when OP is left", process_data, NULL, NULL, NULL},
         {"CF-045 terminals without a mailbox: AL status follows by itself, outputs in registers", without_a_mailbox,
          NULL, NULL, NULL},
         {"a module's PDOs and objects move with its slot", modules, NULL, NULL, NULL},
-        {"what the twin cannot be is told in a line", notes, NULL, NULL, NULL},
-        {"PDOs are fixed, mandatory and exclude each other as the file says", flags, NULL, NULL, NULL},
+        {"each feature that the twin does not have is a note", notes, NULL, NULL, NULL},
+        {"PDOs are fixed, mandatory and exclude each other as in the file", flags, NULL, NULL, NULL},
         {"a device whose assigned PDO cannot be is refused", no_hole, NULL, NULL, NULL},
-        {"a default outside of its limits or its length is told, and the twin runs", contradictions, NULL, NULL, NULL},
+        {"a default outside of its limits or its length is a note, and the twin runs", contradictions, NULL, NULL,
+         NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

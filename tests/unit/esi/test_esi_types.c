@@ -261,7 +261,7 @@ static void there_and_back(void **state)
     }
 }
 
-/* --- values.h: what files say of entries -------------------------------------------------------------------------- */
+/* --- values.h: entries in files ----------------------------------------------------------------------------------- */
 
 static void type_of(void **state)
 {
@@ -347,7 +347,7 @@ static void defaults_worth_a_word(void **state)
         {"outputs of zero", ECT_ACCESS_RW | ECT_ACCESS_RXPDO, zero, 4, false},
         {"inputs, the last byte set", ECT_ACCESS_RO | ECT_ACCESS_TXPDO, last, 4, true},
         {"inputs, the first byte set", ECT_ACCESS_RO | ECT_ACCESS_TXPDO, first, 4, true},
-        {"inputs, the last byte not looked at", ECT_ACCESS_RO | ECT_ACCESS_TXPDO, last, 3, false},
+        {"inputs, without the last byte", ECT_ACCESS_RO | ECT_ACCESS_TXPDO, last, 3, false},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ESI files of ours: what they say comes back when they are read. Whether they keep to the schema, and whether what
- * they say fits together, is looked at by tests/check/esi.py.
+ * ESI files of ours: their content comes back when they are read. tests/check/esi.py checks their order and their
+ * references.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
@@ -196,7 +196,7 @@ static void refusals(void **state)
         const ect_identity_t *second;
         const char *why;
     } table[] = {
-        {&one, "FZM1 and FZM1 both have product code 0x00000002 and revision 0x00000003: no tool can tell them apart"},
+        {&one, "FZM1 and FZM1 both have product code 0x00000002 and revision 0x00000003: no tool can distinguish them"},
         {&other_vendor, "FZM1 and FZM1 have different vendors: a file has one"},
         {&other_revision, NULL},
     };
@@ -221,7 +221,7 @@ static void expect_in(const char *file, const char *wanted)
         fail_msg("the file does not have %s", wanted);
 }
 
-/* What the plant knows by name: EnumInfo for values, a comment for bits; entries keep their types. */
+/* Names of the plant: EnumInfo for values, a comment for bits; entries keep their types. */
 static void names_of_bits_and_values(void **state)
 {
     const ect_product_t *product = ect_catalogue_find("fzm1");
