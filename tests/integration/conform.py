@@ -222,9 +222,23 @@ OTHERS = (
 )
 
 
+# Slaves that lie in CoE: the run ends with 2 and the reason. (liar-endless-mails does so too, after the 60 s of the examination.)
+LIARS = {
+    "liar-upload-4g": "slave 1 cannot be examined", "liar-no-uploads": "expected within 2000 ms, got none",
+    "liar-no-replies": "expected within 2000 ms, got none", "liar-toggle": "command and toggle of a segment",
+    "liar-other-index": "index of the reply: expected", "liar-endless-list": "slave 1 cannot be examined",
+}
+
+
+def liar(ectwin, conform, device):
+    done = call(ectwin, conform, [device], ["--format", "json"])
+    return "" if done.returncode == 2 and LIARS[device] in done.stderr and done.stdout == "" else \
+        f"{device}: expected exit code 2 and '{LIARS[device]}', got {done.returncode}: {done.stderr}"
+
+
 def others(ectwin, conform, _):
     """Ethernet over EtherCAT: a device that has it passes, one that puts together what does not belong together fails.
-    Files: one that is BUSY until a request is repeated passes. Segments: one that serves an aborted transfer fails"""
+    Files: one that is BUSY until a request is repeated passes. Segments: one that serves an aborted transfer fails. Liars end the run with a reason"""
     wrong = 0
     for device, arguments, made_for, expected in OTHERS:
         done = call(ectwin, conform, device.split(), [*arguments, "--format", "json"])
@@ -235,7 +249,10 @@ def others(ectwin, conform, _):
             print(f"{device}: expected to fail {expected}, got {failed}; {made_for}: {its['verdict']}, {its['reason']}\n"
                   f"  alone: {ectwin} with {device} -- {conform} -i {{}} {' '.join(arguments)}")
             wrong += 1
-    return wrong
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        lies = [text for text in pool.map(lambda device: liar(ectwin, conform, device), LIARS) if text]
+    print(*lies, sep="\n")
+    return wrong + len(lies)
 
 
 # --- command line -----------------------------------------------------------------------------------------------------
