@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The demo's master: takes whatever base units are on the wire from INIT to OP with SOEM, shows what it reads from
- * them, exchanges process data (for 3 s unless told otherwise), sends one command and goes back to INIT.
+ * The demo's master: takes the base units on the wire from INIT to OP step by step, prints each state and what the
+ * units report, exchanges process data for some seconds, sends one command and requests INIT.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
 #include <inttypes.h>
-#include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "ethercat.h"
-#include "open_bus.h"
+#include "master.h"
 
-enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
 enum { CYCLE_US = 2000, STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 20000 };
-enum { PCO_CYCLES = 125, SHOWN = 12, COMMAND_CYCLE = 500, CYCLES_A_SECOND = 500, SECONDS = 3, LONGEST = 86400 };
+enum { PCO_CYCLES = 125, LINES = 12, COMMAND_CYCLE = 500, CYCLES_A_SECOND = 500, SECONDS = 3, LONGEST = 86400 };
 /* TS-0007 chapters 8 and 9. */
 enum { PCI = 0, CAI = 3, PCO = 0, CCO = 1, COMMAND = 6, COMMAND_BYTES = 16 };
 
+typedef struct settings {
+    const char *iface;
+    unsigned int seconds;
+} settings_t;
+
 static uint8 image[4096];
-static int total_cycles = SECONDS * CYCLES_A_SECOND;
 
 static const char *state_name(uint16 state)
 {
@@ -68,11 +68,13 @@ static void show_slave(int i)
            i, s->name, s->Ibytes, s->Obytes, s->eep_man, s->eep_id, s->eep_rev, serial, software);
 }
 
+/* Patient: the demo fails at the first lost frame, and a PC may be busy for some milliseconds. */
 static int cycle(void)
 {
+    static uint64_t next_ns;
     ec_send_processdata();
     int wkc = ec_receive_processdata(REPLY_TIMEOUT_US);
-    osal_usleep(CYCLE_US);
+    master_pace(&next_ns, CYCLE_US);
     return wkc;
 }
 
@@ -84,18 +86,22 @@ static void show_counters(int n, int wkc)
     printf("\n");
 }
 
-/* Returns the number of slaves that acknowledged the command, or -1 when process data was lost. */
-static int exchange(int expected)
+static void send_commands(void)
+{
+    printf("sending a command to the remote units (CCO 0 -> 1)\n");
+    for (int i = 1; i <= ec_slavecount; i++) {
+        memset(ec_slave[i].outputs + COMMAND, 0xA5, COMMAND_BYTES);
+        ec_slave[i].outputs[CCO]++;
+    }
+}
+
+/* @return the number of slaves that acknowledged the command; -1: process data were lost */
+static int exchange(int expected, int cycles)
 {
     int acknowledged = 0;
-    for (int n = 1; n <= total_cycles; n++) {
-        if (n == COMMAND_CYCLE) {
-            printf("sending a command to the remote units (CCO 0 -> 1)\n");
-            for (int i = 1; i <= ec_slavecount; i++) {
-                memset(ec_slave[i].outputs + COMMAND, 0xA5, COMMAND_BYTES);
-                ec_slave[i].outputs[CCO]++;
-            }
-        }
+    for (int n = 1; n <= cycles; n++) {
+        if (n == COMMAND_CYCLE)
+            send_commands();
         for (int i = 1; i <= ec_slavecount; i++)
             ec_slave[i].outputs[PCO] = (uint8)(n / PCO_CYCLES);
         int wkc = cycle();
@@ -103,7 +109,7 @@ static int exchange(int expected)
             printf("cycle %d: working counter %d instead of %d\n", n, wkc, expected);
             return -1;
         }
-        if (n % (total_cycles / SHOWN) == 0)
+        if (n % (cycles / LINES) == 0)
             show_counters(n, wkc);
     }
     for (int i = 1; i <= ec_slavecount; i++)
@@ -124,58 +130,60 @@ static int to_operational(int expected)
     return reached(EC_STATE_OPERATIONAL) && cycle() == expected;
 }
 
-static int run(void)
+static int request(uint16 state)
+{
+    ec_slave[0].state = state;
+    ec_writestate(0);
+    return reached(state);
+}
+
+static int run(const settings_t *s)
 {
     if (ec_config_init(FALSE) <= 0) {
         printf("no slaves found\n");
-        return EXIT_RUN;
+        return MASTER_FAILED;
     }
-    if (!reached(EC_STATE_INIT))
-        return EXIT_RUN;
-    ec_slave[0].state = EC_STATE_PRE_OP;
-    ec_writestate(0);
-    if (!reached(EC_STATE_PRE_OP))
-        return EXIT_RUN;
+    if (!reached(EC_STATE_INIT) || !request(EC_STATE_PRE_OP))
+        return MASTER_FAILED;
     int bytes = ec_config_map(image);
-    ec_slave[0].state = EC_STATE_SAFE_OP;
-    ec_writestate(0);
-    if (!reached(EC_STATE_SAFE_OP))
-        return EXIT_RUN;
+    if (!request(EC_STATE_SAFE_OP))
+        return MASTER_FAILED;
     for (int i = 1; i <= ec_slavecount; i++)
         show_slave(i);
-    int expected = ec_group[0].outputsWKC * 2 + ec_group[0].inputsWKC;
+    int expected = master_expected();
     printf("process image: %d bytes, expected working counter %d\n", bytes, expected);
-    if (!to_operational(expected) || exchange(expected) != ec_slavecount)
-        return EXIT_RUN;
-    ec_slave[0].state = EC_STATE_INIT;
-    ec_writestate(0);
-    return reached(EC_STATE_INIT) ? EXIT_CLEAN : EXIT_RUN;
+    if (!to_operational(expected) || exchange(expected, (int)s->seconds * CYCLES_A_SECOND) != ec_slavecount)
+        return MASTER_FAILED;
+    return request(EC_STATE_INIT) ? 0 : MASTER_FAILED;
 }
 
-/* How long process data are exchanged. @return false: that is no number of seconds */
-static bool set_seconds(const char *text)
+static error_t parse(int key, char *text, struct argp_state *state)
 {
-    char *end;
-    long seconds = strtol(text, &end, 10);
-    if (*text == '\0' || *end != '\0' || seconds < SECONDS || seconds > LONGEST)
-        return false;
-    total_cycles = (int)seconds * CYCLES_A_SECOND;
-    return true;
+    settings_t *s = state->input;
+    if (key == ARGP_KEY_ARG && s->iface) {
+        s->seconds = master_number(state, "SECONDS", text, SECONDS, LONGEST);
+        return 0;
+    }
+    return master_parse_iface(key, text, state, &s->iface);
 }
 
 int main(int argc, char **argv)
 {
+    static const struct argp argp = {
+        .parser = parse,
+        .args_doc = "IFACE [SECONDS]",
+        .doc = "The demo's master: takes base units to OP, exchanges process data for SECONDS (3 to 86400, default 3), "
+               "sends one command, and requests INIT."};
+    settings_t s = {.seconds = SECONDS};
+    argp_err_exit_status = MASTER_USAGE;
     setvbuf(stdout, NULL, _IOLBF, 0);
-    if (argc < 2 || argc > 3 || (argc == 3 && !set_seconds(argv[2]))) {
-        fprintf(stderr, "usage: %s IFACE [SECONDS]     %d to %d seconds in OP\n", argv[0], SECONDS, LONGEST);
-        return EXIT_USAGE;
-    }
-    if (!open_bus(argv[0], argv[1]))
-        return EXIT_OPEN;
+    argp_parse(&argp, argc, argv, 0, NULL, &s);
+    if (!master_open(argv[0], s.iface))
+        return MASTER_OPEN;
     ecx_context.manualstatechange = 1;
-    printf("SOEM is looking for slaves on %s\n", argv[1]);
-    int status = run();
+    printf("SOEM is looking for slaves on %s\n", s.iface);
+    int status = run(&s);
     ec_close();
-    printf(status == EXIT_CLEAN ? "done\n" : "failed\n");
+    printf(status == 0 ? "done\n" : "failed\n");
     return status;
 }

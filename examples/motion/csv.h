@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** @file The output of the motion program, for a spreadsheet or examples/motion/plot.py. */
-#ifndef TOOLS_MOTION_CSV_H
-#define TOOLS_MOTION_CSV_H
+#ifndef EXAMPLES_MOTION_CSV_H
+#define EXAMPLES_MOTION_CSV_H
 
 #include <stdio.h>
 

@@ -10,21 +10,15 @@
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
-#define _DEFAULT_SOURCE
-#include <argp.h>
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "axis.h"
 #include "csv.h"
-#include "ethercat.h"
-#include "number.h"
-#include "open_bus.h"
+#include "master.h"
 
-enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3 };
 enum { PATIENT = 200 /* SYNC0 events without outputs that the drive tolerates: a PC does not keep time */ };
 
 #define TURN 1048576.0 /* counts */
@@ -37,16 +31,8 @@ typedef struct settings {
     bool dc;
 } settings_t;
 
-static char image[4096];
 static settings_t settings = {
     .way = 10.0 * TURN, .speed = 10.0 * TURN, .acceleration = 100.0 * TURN, .method = 35, .cycle_us = 1000};
-
-static uint64_t now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
 
 static bool write_object(uint16 slave, uint16 index, uint8 subindex, uint32 value, int size)
 {
@@ -73,79 +59,49 @@ static int configure(uint16 slave)
     return good;
 }
 
-static void exchange(void)
+static bool is_axis(void)
 {
-    ec_send_processdata();
-    ec_receive_processdata(EC_TIMEOUTRET);
-}
-
-static bool to_op(const settings_t *s)
-{
-    if (ec_config_init(FALSE) < 1)
-        return false;
-    ec_slave[1].PO2SOconfig = configure;
-    ec_configdc();
-    if (s->dc)
-        ec_dcsync0(1, TRUE, s->cycle_us * 1000, 0);
-    ec_config_map(&image);
-    if (ec_slave[1].Obytes != AXIS_OUT || ec_slave[1].Ibytes != AXIS_IN ||
-        ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) != EC_STATE_SAFE_OP)
-        return false;
-    exchange();
-    ec_slave[0].state = EC_STATE_OPERATIONAL;
-    ec_writestate(0);
-    for (unsigned int i = 0; i < 1000; i++) {
-        exchange();
-        if (ec_statecheck(0, EC_STATE_OPERATIONAL, 2000) == EC_STATE_OPERATIONAL)
-            return true;
-    }
-    return false;
+    return ec_slave[1].Obytes == AXIS_OUT && ec_slave[1].Ibytes == AXIS_IN;
 }
 
 /* Cycles until the axis has finished; a cycle whose frame is lost does not count. */
 static void run(const settings_t *s, axis_t *axis)
 {
-    uint64_t start = now(), next = start;
+    uint64_t start = master_now(), next = start;
     csv_head();
     while (axis->phase < AXIS_DONE) {
-        ec_send_processdata();
-        if (ec_receive_processdata(EC_TIMEOUTRET) > 0) {
+        if (master_exchange() > 0) {
             axis_cycle(axis, ec_slave[1].inputs, ec_slave[1].outputs);
-            csv_line(axis, (double)(now() - start) / 1e6);
+            csv_line(axis, (double)(master_now() - start) / 1e6);
         }
-        next += s->cycle_us * 1000u;
-        uint64_t t = now();
-        if (next > t)
-            osal_usleep((uint32)((next - t) / 1000));
-        else
-            next = t; /* late: missed cycles are dropped */
+        master_pace(&next, s->cycle_us);
     }
-    exchange();
+    master_exchange();
 }
 
 static int drive(const settings_t *s)
 {
     axis_t axis = {.cycle_s = s->cycle_us / 1e6, .way = s->way, .speed = s->speed, .acceleration = s->acceleration};
-    if (!to_op(s)) {
+    const master_start_t way = {
+        .configure = configure, .clocks = true, .sync0_ns = s->dc ? s->cycle_us * 1000 : 0, .fits = is_axis};
+    if (!master_to_op(&way)) {
         ec_readstate();
         fprintf(stderr, "no PMCtendo DD5 reached OP on '%s' (%d slaves, AL status 0x%02X, code 0x%04X)\n", s->iface,
                 ec_slavecount, ec_slave[1].state, ec_slave[1].ALstatuscode);
-        return EXIT_FAILED;
+        return MASTER_FAILED;
     }
     run(s, &axis);
     fprintf(stderr, "{\"event\":\"end\",\"done\":%s,\"position\":%" PRId32 ",\"probed\":%s,\"probe\":%" PRId32 "}\n",
             axis.phase == AXIS_DONE ? "true" : "false", axis.position, axis.probed ? "true" : "false", axis.probe);
     if (axis.failure)
         fprintf(stderr, "%s (status 0x%04X)\n", axis.failure, axis.status);
-    return axis.phase == AXIS_DONE ? 0 : EXIT_FAILED;
+    return axis.phase == AXIS_DONE ? 0 : MASTER_FAILED;
 }
 
 /* --- command line ------------------------------------------------------------------------------------------------- */
 
 static const char *complaint(const settings_t *s)
 {
-    if (!s->iface)
-        return "name the interface";
     if (s->cycle_us < 250 || s->cycle_us % 250 != 0 || s->cycle_us > 2500)
         return "--cycle-us takes 250, 500 and so on up to 2500";
     return s->speed > 0 && s->acceleration > 0 ? NULL : "--speed and --acceleration take numbers above 0";
@@ -174,25 +130,20 @@ static error_t parse(int key, char *text, struct argp_state *state)
         s->acceleration = real(state, "--acceleration", text, UINT32_MAX);
         return 0;
     case 'm':
-        s->method = (uint8)number_of(state, "--method", text, INT8_MAX);
+        s->method = (uint8)master_number(state, "--method", text, 0, INT8_MAX);
         return 0;
     case 'c':
-        s->cycle_us = number_of(state, "--cycle-us", text, 2500);
+        s->cycle_us = master_number(state, "--cycle-us", text, 0, 2500);
         return 0;
     case 'd':
         s->dc = true;
         return 0;
-    case ARGP_KEY_ARG:
-        if (s->iface)
-            return ARGP_ERR_UNKNOWN;
-        s->iface = text;
-        return 0;
     case ARGP_KEY_END:
-        if (complaint(s))
+        if (s->iface && complaint(s))
             argp_error(state, "%s", complaint(s));
-        return 0;
+        return master_parse_iface(key, text, state, &s->iface);
     default:
-        return ARGP_ERR_UNKNOWN;
+        return master_parse_iface(key, text, state, &s->iface);
     }
 }
 
@@ -214,13 +165,11 @@ int main(int argc, char **argv)
         .doc =
             "Enables one PMCtendo DD5 on IFACE, runs a reference run and a trapezoid with the touch probe armed, and "
             "prints a line of CSV a cycle."};
-    argp_err_exit_status = EXIT_USAGE;
+    argp_err_exit_status = MASTER_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &settings);
-    if (!open_bus(argv[0], settings.iface))
-        return EXIT_OPEN;
+    if (!master_open(argv[0], settings.iface))
+        return MASTER_OPEN;
     int status = drive(&settings);
-    ec_slave[0].state = EC_STATE_INIT;
-    ec_writestate(0);
-    ec_close();
+    master_close();
     return status;
 }

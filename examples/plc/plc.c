@@ -6,19 +6,13 @@
  *
  * Prints one line of JSON an event; data as fixed point. Exit code 0: all measurements had their data.
  */
-#define _DEFAULT_SOURCE
-#include <argp.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <time.h>
 
-#include "ethercat.h"
 #include "fzm1_plc.h"
-#include "number.h"
-#include "open_bus.h"
+#include "master.h"
 
-enum { EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_FAILED = 3, PATIENCE_S = 20 };
+enum { PATIENCE_S = 20 };
 
 typedef struct settings {
     const char *iface;
@@ -26,16 +20,8 @@ typedef struct settings {
     bool handshaking;
 } settings_t;
 
-static char image[4096];
 static fzm1_plc_t plc;
 static unsigned int received;
-
-static uint64_t now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
 
 static void on_data(void *ctx, const int32_t data[FZM1_PLC_DATA])
 {
@@ -49,13 +35,13 @@ static void on_data(void *ctx, const int32_t data[FZM1_PLC_DATA])
 
 static void cycle(const settings_t *s)
 {
-    ec_send_processdata();
-    if (ec_receive_processdata(EC_TIMEOUTRET) > 0)
-        fzm1_plc_cycle(&plc, ec_slave[1].inputs, ec_slave[1].outputs, now());
-    osal_usleep(s->cycle_us);
+    static uint64_t next_ns;
+    if (master_exchange() > 0)
+        fzm1_plc_cycle(&plc, ec_slave[1].inputs, ec_slave[1].outputs, master_now());
+    master_pace(&next_ns, s->cycle_us);
 }
 
-/* In PREOP: what the "EtherCAT" window of the controller sets. */
+/* The settings of the controller's "EtherCAT" window, in PREOP. */
 static int configure(uint16 slave)
 {
     const settings_t *s = plc.ctx;
@@ -63,32 +49,12 @@ static int configure(uint16 slave)
     return ec_SDOwrite(slave, 0x2400, 1, FALSE, sizeof control, &control, EC_TIMEOUTRXM);
 }
 
-static bool to_op(const settings_t *s)
+static bool is_sensor(void)
 {
-    if (ec_config_init(FALSE) < 1)
-        return false;
-    ec_slave[1].PO2SOconfig = configure;
-    ec_configdc();
-    if (s->dc_ns > 0)
-        ec_dcsync0(1, TRUE, s->dc_ns, 0);
-    ec_config_map(&image);
-    if (ec_slave[1].Obytes != FZM1_PLC_OUT || ec_slave[1].Ibytes != FZM1_PLC_IN ||
-        ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) != EC_STATE_SAFE_OP)
-        return false;
-    ec_send_processdata();
-    ec_receive_processdata(EC_TIMEOUTRET);
-    ec_slave[0].state = EC_STATE_OPERATIONAL;
-    ec_writestate(0);
-    for (unsigned int i = 0; i < 1000; i++) {
-        ec_send_processdata();
-        ec_receive_processdata(EC_TIMEOUTRET);
-        if (ec_statecheck(0, EC_STATE_OPERATIONAL, 2000) == EC_STATE_OPERATIONAL)
-            return true;
-    }
-    return false;
+    return ec_slave[1].Obytes == FZM1_PLC_OUT && ec_slave[1].Ibytes == FZM1_PLC_IN;
 }
 
-/* Why nothing goes on any more. */
+/* Prints why the program ends. */
 static bool fail(const char *why)
 {
     ec_readstate();
@@ -97,16 +63,16 @@ static bool fail(const char *why)
     return false;
 }
 
-/* @return whether the sensor has answered OK */
+/* @return whether the response is OK */
 static bool command(const settings_t *s, const char *name, uint32_t code, int32_t p1)
 {
-    uint64_t end = now() + PATIENCE_S * 1000000000ull;
+    uint64_t end = master_now() + PATIENCE_S * 1000000000ull;
     while (!fzm1_plc_command(&plc, code, p1, 0, 0)) {
         cycle(s);
-        if (now() >= end)
+        if (master_now() >= end)
             return fail("the sensor stays busy");
     }
-    while (!plc.done && now() < end)
+    while (!plc.done && master_now() < end)
         cycle(s);
     printf("{\"event\":\"command\",\"name\":\"%s\",\"done\":%s,\"result\":%d,\"data\":%d}\n", name,
            plc.done ? "true" : "false", (int)plc.result, plc.data);
@@ -117,14 +83,14 @@ static bool command(const settings_t *s, const char *name, uint32_t code, int32_
 
 static bool measure_all(const settings_t *s)
 {
-    uint64_t end = now() + PATIENCE_S * 1000000000ull;
+    uint64_t end = master_now() + PATIENCE_S * 1000000000ull;
     unsigned int steps = 0, before = 0;
-    while (received < s->measurements && now() < end) {
+    while (received < s->measurements && master_now() < end) {
         if (steps < s->measurements && fzm1_plc_measure(&plc))
             steps++;
         cycle(s);
         if (steps + received != before)
-            end = now() + PATIENCE_S * 1000000000ull;
+            end = master_now() + PATIENCE_S * 1000000000ull;
         before = steps + received;
         if (steps == 0 && (plc.signals & PLC_RUN) == 0)
             return fail("READY is off: the sensor does not show its RUN window");
@@ -136,6 +102,19 @@ static bool measure_all(const settings_t *s)
                                : "data are missing: is GATE shorter than a cycle? --handshaking waits");
 }
 
+/* @return false: the reason is on standard error */
+static bool start(const settings_t *s)
+{
+    const master_start_t way = {.configure = configure, .clocks = true, .sync0_ns = s->dc_ns, .fits = is_sensor};
+    if (master_to_op(&way))
+        return true;
+    if (ec_slavecount < 1) {
+        fprintf(stderr, "no slave answers on '%s'\n", s->iface);
+        return false;
+    }
+    return fail(is_sensor() || ec_slave[1].Obytes == 0 ? "the FZM1 does not reach OP" : "the first slave is no FZM1");
+}
+
 static int run(const settings_t *s)
 {
     plc = (fzm1_plc_t){.handshaking = s->handshaking,
@@ -143,21 +122,14 @@ static int run(const settings_t *s)
                        .exe_retry_ns = 500000000,
                        .on_data = on_data,
                        .ctx = (void *)(uintptr_t)s};
-    if (!to_op(s)) {
-        if (ec_slavecount < 1) {
-            fprintf(stderr, "no slave answers on '%s'\n", s->iface);
-            return EXIT_FAILED;
-        }
-        bool sensor = ec_slave[1].Obytes == FZM1_PLC_OUT && ec_slave[1].Ibytes == FZM1_PLC_IN;
-        fail(sensor || ec_slave[1].Obytes == 0 ? "the FZM1 does not reach OP" : "the first slave is no FZM1");
-        return EXIT_FAILED;
-    }
+    if (!start(s))
+        return MASTER_FAILED;
     fzm1_plc_start(&plc);
     for (unsigned int i = 0; i < 10; i++)
         cycle(s);
     bool good = command(s, "switch scene", PLC_SWITCH_SCENE, (int32_t)s->scene) &&
                 command(s, "get scene", PLC_GET_SCENE, 0) && measure_all(s);
-    return good ? 0 : EXIT_FAILED;
+    return good ? 0 : MASTER_FAILED;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -165,55 +137,47 @@ static error_t parse(int key, char *text, struct argp_state *state)
     settings_t *s = state->input;
     switch (key) {
     case 'm':
-        s->measurements = number_of(state, "--measurements", text, UINT32_MAX);
+        s->measurements = master_number(state, "--measurements", text, 0, UINT32_MAX);
         return 0;
     case 'h':
         s->handshaking = true;
         return 0;
     case 'n':
-        s->scene = number_of(state, "--scene", text, INT32_MAX);
+        s->scene = master_number(state, "--scene", text, 0, INT32_MAX);
         return 0;
     case 'd':
-        s->dc_ns = number_of(state, "--dc", text, UINT32_MAX);
+        s->dc_ns = master_number(state, "--dc", text, 0, UINT32_MAX);
         return 0;
     case 'c':
-        s->cycle_us = number_of(state, "--cycle-us", text, 1000000);
-        return 0;
-    case ARGP_KEY_ARG:
-        if (s->iface)
-            argp_error(state, "one interface is enough");
-        s->iface = text;
-        return 0;
-    case ARGP_KEY_END:
-        if (!s->iface)
-            argp_error(state, "name the interface");
+        s->cycle_us = master_number(state, "--cycle-us", text, 0, 1000000);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return master_parse_iface(key, text, state, &s->iface);
     }
 }
 
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"measurements", 'm', "N", 0, "How many (default 10)", 0},
+        {"measurements", 'm', "N", 0, "Measurements to make (default 10)", 0},
         {"handshaking", 'h', NULL, 0, "Fetch data with DSA and GATE (default: without handshaking)", 0},
-        {"scene", 'n', "N", 0, "Scene to switch to (default 0)", 0},
+        {"scene", 'n', "N", 0, "Scene to switch to before measuring (default 0)", 0},
         {"dc", 'd', "NS", 0, "SYNC0 cycle in nanoseconds (default: no SYNC0)", 0},
-        {"cycle-us", 'c', "N", 0, "Pause between cycles (default 500)", 0},
+        {"cycle-us", 'c', "N", 0, "Cycle in microseconds (default 500)", 0},
         {0},
     };
     static const struct argp argp = {
-        .options = options, .parser = parse, .args_doc = "IFACE", .doc = "A PLC for one FZM1."};
+        .options = options,
+        .parser = parse,
+        .args_doc = "IFACE",
+        .doc = "A PLC for one FZM1: switches to a scene, measures, and prints the data, a line of JSON an event."};
     settings_t s = {.measurements = 10, .cycle_us = 500};
-    argp_err_exit_status = EXIT_USAGE;
-    setvbuf(stdout, NULL, _IOLBF, 0); /* an event is told when it happens */
+    argp_err_exit_status = MASTER_USAGE;
+    setvbuf(stdout, NULL, _IOLBF, 0); /* each event at its time */
     argp_parse(&argp, argc, argv, 0, NULL, &s);
-    if (!open_bus(argv[0], s.iface))
-        return EXIT_OPEN;
+    if (!master_open(argv[0], s.iface))
+        return MASTER_OPEN;
     int status = run(&s);
-    ec_slave[0].state = EC_STATE_INIT;
-    ec_writestate(0);
-    ec_close();
+    master_close();
     return status;
 }

@@ -144,20 +144,31 @@ static void put_rule(page_t *p, const cell_t *cells)
     fputs("|\n", p->file);
 }
 
+static void put_row(page_t *p, bool head, const char *id, const cell_t *cells)
+{
+    fputs(head ? "<thead>" : "", p->file);
+    put_tag(p, "tr", id);
+    for (; cells->text; cells++) {
+        fputs(head ? "<th>" : "<td>", p->file);
+        put_cell(p, cells);
+        fputs(head ? "</th>" : "</td>", p->file);
+    }
+    fputs(head ? "</tr></thead><tbody>\n" : "</tr>\n", p->file);
+}
+
 void page_row(page_t *p, bool head, const char *id, const cell_t *cells)
 {
     if (p->html) {
-        fputs(head ? "<thead>" : "", p->file);
-        put_tag(p, "tr", id);
-    } else {
-        fputc('|', p->file);
+        put_row(p, head, id, cells);
+        return;
     }
+    fputc('|', p->file);
     for (const cell_t *cell = cells; cell->text; cell++) {
-        fputs(!p->html ? " " : head ? "<th>" : "<td>", p->file);
+        fputc(' ', p->file);
         put_cell(p, cell);
-        fputs(!p->html ? " |" : head ? "</th>" : "</td>", p->file);
+        fputs(" |", p->file);
     }
-    fputs(!p->html ? "\n" : head ? "</tr></thead><tbody>\n" : "</tr>\n", p->file);
-    if (head && !p->html)
+    fputc('\n', p->file);
+    if (head)
         put_rule(p, cells);
 }
