@@ -18,7 +18,7 @@ int16_t board_temperature(void);
 /** @param percent  0..100 */
 void board_heat(uint8_t percent);
 
-/** Tells the board's own watchdog that the main loop runs. */
+/** Feeds the board's own watchdog that the main loop runs. */
 void board_alive(void);
 
 /** Resets the processor. */

@@ -26,8 +26,8 @@ void bu_controller_start(bu_controller_t *c)
     c->safe = true;
 }
 
-/* Without counters from before there is no knowing whether the last command was done: it counts as done. */
-static void find_bearings(bu_controller_t *c, const uint8_t *in, uint64_t now_ns)
+/* Without known counters the last command counts as done. */
+static void take_counters(bu_controller_t *c, const uint8_t *in, uint64_t now_ns)
 {
     if (!c->counters_known) {
         c->cco = in[IN_CAI];
@@ -56,7 +56,7 @@ static void receive_command(bu_controller_t *c, const uint8_t *in)
     if (in[IN_CCI] == c->cao)
         return;
     uint16_t ru = (uint16_t)(in[IN_COMMAND_RU] << 8 | in[IN_COMMAND_RU + 1]);
-    if (c->on_command && ru != 0) /* 0: the base unit was restarted, there is none */
+    if (c->on_command && ru != 0) /* 0: the base unit was restarted, there is no command */
         c->on_command(c->ctx, ru, in + IN_COMMAND);
     c->cao = in[IN_CCI];
 }
@@ -88,7 +88,8 @@ static void write_block(bu_controller_t *c, uint8_t *out)
     }
 }
 
-/* The next block when the last one was taken (PAI); PCO counts in any case, or the base unit reports an error. */
+/* Writes the next block when PAI has acknowledged the last one. PCO counts in any case, or the base unit reports an
+ * error. */
 static void send_periodic(bu_controller_t *c, const uint8_t *in, uint8_t *out, uint64_t now_ns)
 {
     bool taken = in[IN_PAI] == c->pco;
@@ -103,7 +104,7 @@ static void send_periodic(bu_controller_t *c, const uint8_t *in, uint8_t *out, u
 void bu_controller_step(bu_controller_t *c, const uint8_t *in, uint8_t *out, uint64_t now_ns)
 {
     if (!c->running)
-        find_bearings(c, in, now_ns);
+        take_counters(c, in, now_ns);
     watch_pci(c, in, now_ns);
     if (c->output_bytes == 0)
         return; /* Input Only */

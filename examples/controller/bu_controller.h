@@ -4,9 +4,9 @@
  * The machine controller's side of TS-0007: what a PLC program has to do with a base unit's process data.
  *
  * To copy from. No bus, no clock: call ::bu_controller_step once a cycle, between reading the inputs and sending the
- * outputs, with the present time. It keeps the counters of chapter 10 and tells you about commands through a callback.
+ * outputs, with the present time. It keeps the counters of chapter 10 and reports commands through a callback.
  *
- *   10.1  CCI changed: take the command, then CAO := CCI. No remote has id 0: that is a base unit that was restarted
+ *   10.1  CCI changed: take the command, then CAO := CCI. Id 0 is no remote: the base unit was restarted
  *   10.2  command to send: wait for CAI = CCO, write it, CCO := CCO + 1
  *   10.3  PCI does not change for 500 ms: bring the machine to a safe state
  *   10.4  write a block of periodic data, PCO := PCO + 1; at the latest every 500 ms, the base unit waits for 2000 ms
@@ -45,13 +45,13 @@ typedef struct bu_controller {
     uint8_t send_data[BU_COMMAND_BYTES];
 } bu_controller_t;
 
-/** The bus is (again) in OP: the next step finds its bearings. Counters that are known are kept. */
+/** Call when the bus is (again) in OP: the next step takes the unit's counters. Known counters are kept. */
 void bu_controller_start(bu_controller_t *c);
 
 /** One cycle: reads `in` (66 or 142 bytes), writes `out` (output_bytes). */
 void bu_controller_step(bu_controller_t *c, const uint8_t *in, uint8_t *out, uint64_t now_ns);
 
-/** Sends a command to a remote unit (0: all). @return false: the one before is still on its way */
+/** Sends a command to a remote unit (0: all). @return false: the command before is not acknowledged yet */
 bool bu_controller_send(bu_controller_t *c, uint16_t ru, const uint8_t command[BU_COMMAND_BYTES]);
 
 #endif

@@ -19,7 +19,7 @@
 /** Exit codes: 0, wrong usage, an interface that cannot be opened, a bus that failed. */
 enum { MASTER_USAGE = 1, MASTER_OPEN = 2, MASTER_FAILED = 3 };
 
-/** The way to OP. A member that is left out means what its line says. */
+/** The way to OP. Zero members have the meaning in their lines. */
 typedef struct master_start {
     int (*configure)(uint16 slave); /**< writes settings of slave 1 in PREOP, > 0: taken; NULL: it has none */
     bool clocks;                    /**< synchronise distributed clocks */

@@ -67,7 +67,7 @@ static void do_command(fzm1_plc_t *p, const uint8_t *in, uint8_t *out, uint64_t 
     switch (p->exe) {
     case PLC_EXE_IDLE:
         return;
-    case PLC_EXE_WANTED: /* the sensor sees code and parameters a cycle before EXE */
+    case PLC_EXE_WANTED: /* code and parameters reach the sensor a cycle before EXE */
         store(out + OUT_CODE, p->code);
         for (unsigned int i = 0; i < 3; i++)
             store(out + OUT_PARAMETER + 4 * i, (uint32_t)p->parameter[i]);

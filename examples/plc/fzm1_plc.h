@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The PLC's side of an FZM1: what a program has to do with its signals (Q179 §4-2, §4-4).
+ * The PLC's side of an FZM1: the handshakes of its signals (Q179 §4-2, §4-4).
  *
  * To copy from. No bus, no clock: call ::fzm1_plc_cycle once a cycle, between reading the inputs and sending the
  * outputs, with the present time. Three independent handshakes:
  *
- *   STEP  on while READY is on; off when READY has gone, or after `step_hold_ns` when the cycle is too slow to see that
+ *   STEP  on while READY is on; off when READY is off, or after `step_hold_ns` in a cycle too slow to read that
  *   EXE   on a cycle after code and parameters; the response is read when FLG is on; EXE off; done when FLG is off
  *   DSA   on to fetch the next data; they are read when GATE is on; DSA off; on again when GATE is off
  *
- * Each wait has its end: EXE that was ignored (the sensor got BUSY at the same moment, by a trigger of its own) falls
- * and rises again; DSA that the sensor has given up waiting for (ERR) falls and rises again.
+ * Each wait has an end: EXE that the sensor ignored (BUSY rose at the same moment, by a trigger of its own) falls and
+ * rises again, and so does DSA after a timeout of the sensor (ERR).
  *
- * The sensor ignores EXE that rises while it is BUSY (but of Clear, End continuous and Restart), and STEP while it
- * switches scenes: so a command is not begun while a STEP is on, nor a STEP during a command.
+ * The sensor ignores EXE that rises while it is BUSY (except for Clear, End continuous and Restart), and STEP while it
+ * switches scenes: no command begins while STEP is on, and no STEP during a command.
  *
  * Without handshaking of the data output DSA stays off, and data are read when GATE rises.
  */
@@ -59,8 +59,7 @@ typedef struct fzm1_plc {
     /* set before the first cycle */
     bool handshaking;      /**< output control of the sensor, 2400h:1 */
     uint64_t step_hold_ns; /**< longer than the image input and two cycles */
-    uint64_t exe_retry_ns; /**< longer than any command takes without BUSY: EXE that the sensor did not take is given
-                              again */
+    uint64_t exe_retry_ns; /**< longer than any command without BUSY; then an ignored EXE is repeated */
     void (*on_data)(void *ctx, const int32_t data[FZM1_PLC_DATA]);
     void *ctx;
 
@@ -80,7 +79,7 @@ typedef struct fzm1_plc {
     uint32_t before;
 } fzm1_plc_t;
 
-/** The bus is in OP (again): all handshakes begin anew. */
+/** Call when the bus is in OP (again): all handshakes start from the beginning. */
 void fzm1_plc_start(fzm1_plc_t *p);
 
 /** One cycle: reads `in`, writes `out`. */
@@ -89,7 +88,7 @@ void fzm1_plc_cycle(fzm1_plc_t *p, const uint8_t in[FZM1_PLC_IN], uint8_t out[FZ
 /** Measures once. @return false: READY is off, the last STEP is still on, or a command is under way */
 bool fzm1_plc_measure(fzm1_plc_t *p);
 
-/** Executes a command; `done` tells when. @return false: one is under way, STEP is on, or the sensor is busy */
+/** Executes a command; `done` is set at its end. @return false: one is under way, STEP is on, or the sensor is busy */
 bool fzm1_plc_command(fzm1_plc_t *p, uint32_t code, int32_t p1, int32_t p2, int32_t p3);
 
 #endif

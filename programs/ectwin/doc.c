@@ -166,7 +166,7 @@ static const ect_field_t *shown_with(const doc_t *d, const ect_field_t *field)
     return f;
 }
 
-/* Where the names of bits and values of an entry are; NULL: it has none. */
+/* The id of the section with an entry's names of bits and values; NULL: it has none. */
 static const char *names_of(doc_t *d, uint16_t index, uint8_t subindex)
 {
     for (const ect_field_t *f = first_field(d); f; f = next_field(d, f + 1)) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The base unit: its rhythm, what it makes of the links, and what it tells the controller (TS-0007 §8, §10, §11).
+ * The base unit: its rhythm, supervision of its links, and the input data (TS-0007 §8, §10, §11).
  *
- * Input data change every 125 ms and then PCI counts; what happens in between waits for that. Supervision does not
- * wait: BU state, relays and message follow at once, and the controller sees them with the next input data.
+ * Input data change every 125 ms, and PCI counts with them. Supervision does not wait for that: BU state, relays and
+ * message follow at once, and the controller reads them in the next input data.
  */
 #include <string.h>
 
@@ -23,16 +23,16 @@ static uint8_t fmap_of(const ect_device_t *device)
 
 /* --- links, message, state ---------------------------------------------------------------------------------------- */
 
-/* How a fault of the EC-Link is told (§8.2, §11). */
+/* EC-Link status for each fault (§8.2, §11). */
 static uint8_t link_status(uint8_t fault)
 {
-    static const uint8_t told[] = {
+    static const uint8_t status[] = {
         [ECLINK_WHY_NONE] = ECLINK_LINK_OPERATIONAL,       [ECLINK_WHY_DISABLED] = ECLINK_LINK_UNUSED,
         [ECLINK_WHY_MODULE] = ECLINK_LINK_INTERFACE_ERROR, [ECLINK_WHY_CONFIGURATION] = ECLINK_LINK_ERROR,
         [ECLINK_WHY_NO_DATA] = ECLINK_LINK_NONE,           [ECLINK_WHY_NOT_READ] = ECLINK_LINK_NONE,
         [ECLINK_WHY_PCO] = ECLINK_LINK_DATA_ERROR,         [ECLINK_WHY_CAO] = ECLINK_LINK_DATA_ERROR,
     };
-    return told[fault];
+    return status[fault];
 }
 
 static uint8_t why_silent(const eclink_t *unit)
@@ -99,7 +99,7 @@ static uint16_t why_stopped(const eclink_t *unit)
     return eclink_why((unsigned int)(ru - unit->ru) + 1, why);
 }
 
-/* Why the unit is in its state, unless that is as it should be. */
+/* The cause of a state that is not Armed or Disarmed. */
 static uint16_t cause(const eclink_t *unit, uint8_t fault, bool ec_link_bad)
 {
     switch (unit->bu.state) {
@@ -131,7 +131,7 @@ void eclink_evaluate(eclink_t *unit)
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
 
-/* What stands around a unit that is new. */
+/* Surroundings of a new unit. */
 static void outside_defaults(eclink_t *unit)
 {
     unit->bu.enabled = 1;
@@ -161,7 +161,7 @@ void eclink_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     unit->read_deadline_ns = ECT_NEVER;
     unit->modbus_deadline_ns = ECT_NEVER;
     unit->hold_deadline_ns = ECT_NEVER;
-    if (unit->ru[0].id == 0) /* no remote has that: there was no power before */
+    if (unit->ru[0].id == 0) /* no remote has that id: this is the first power-on */
         outside_defaults(unit);
     ZERO_FROM(&unit->bu, eclink_bu_t, state);
     for (unsigned int i = 0; i < ECLINK_RUS; i++)
@@ -181,10 +181,10 @@ static void stop_exchange(eclink_t *unit)
     unit->pco_deadline_ns = ECT_NEVER;
     unit->cao_deadline_ns = ECT_NEVER;
     unit->read_deadline_ns = ECT_NEVER;
-    eclink_periodic_drop(unit); /* half a set from before an interruption is never completed */
+    eclink_periodic_drop(unit); /* an interruption ends a set */
 }
 
-/* With outputs, their coming decides whether data flow; without, that the inputs are read. */
+/* In Input Only data flow while inputs are read; in other modes while outputs arrive. */
 static void begin_exchange(eclink_t *unit, uint64_t now_ns)
 {
     if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
@@ -198,7 +198,7 @@ static bool has_modbus(const eclink_t *unit)
     return unit->modbus_deadline_ns != ECT_NEVER;
 }
 
-/* Who writes outputs has the unit until he stops: it is not taken from him by the other bus. */
+/* A bus that writes outputs keeps the unit until it stops: the other one cannot take it. */
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
 {
     eclink_t *unit = instance;
@@ -236,7 +236,7 @@ static bool says_mismatch(uint16_t code)
            (code >= ECT_AL_INPUT_MAPPING && code <= ECT_AL_NO_SYNC);
 }
 
-/* A refused configuration stays the reason until the controller gets further, or something else is wrong. */
+/* A refused configuration stays the cause until the controller gets further, or another error comes. */
 uint16_t eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
 {
     eclink_t *unit = instance;
@@ -272,7 +272,7 @@ void eclink_outputs(void *instance, uint64_t now_ns)
     unit->bu.pai = unit->last_pco;
     if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
         eclink_command_outputs(unit, first, now_ns);
-} /* what follows from it is evaluated by the tick that follows */
+} /* the tick that follows evaluates it */
 
 void eclink_modbus_came(eclink_t *unit, uint64_t now_ns)
 {
@@ -299,7 +299,7 @@ static void publish(eclink_t *unit)
     eclink_remotes_publish(unit, in);
 }
 
-/* @return whether it has passed; it is then over */
+/* @return whether it has passed; then it is cleared */
 static bool passed(uint64_t *deadline_ns, uint64_t now_ns)
 {
     if (now_ns < *deadline_ns)
@@ -308,7 +308,7 @@ static bool passed(uint64_t *deadline_ns, uint64_t now_ns)
     return true;
 }
 
-/* In Input Only an EtherCAT master may read beside it, and is watched by himself. */
+/* In Input Only an EtherCAT master may read as well; its own deadline watches it. */
 static void modbus_went(eclink_t *unit)
 {
     unit->bu.modbus = 0;
@@ -331,7 +331,7 @@ static void supervise(eclink_t *unit, uint64_t now_ns)
         unit->exchanging = has_modbus(unit);
 }
 
-/* Late calls do not shift the rhythm, and do not make up for missed updates. */
+/* A late call neither shifts the rhythm nor makes up for missed updates. */
 uint64_t eclink_tick(void *instance, uint64_t now_ns)
 {
     eclink_t *unit = instance;

@@ -2,9 +2,9 @@
 /*
  * Commands, both ways, each exactly once (TS-0007 §10.1, §10.2).
  *
- * From a remote: CCI counts when the next command stands in the input data, and that is when the controller has
- * acknowledged the one before (CAO = CCI). To the remotes: a change of CCO is a command; CAI acknowledges it when all
- * that it is for have room for it.
+ * From a remote: the next command enters the input data, and CCI counts, once the controller has acknowledged the one
+ * before (CAO = CCI). To the remotes: a change of CCO is a command; CAI acknowledges it once all its receivers have
+ * room for it.
  */
 #include <string.h>
 
@@ -32,7 +32,7 @@ static bool take(eclink_queue_t *queue, eclink_command_t *command)
 
 /* --- from the remotes --------------------------------------------------------------------------------------------- */
 
-/* Only while a command waits for it: what CAO is otherwise does not matter. The time-out runs while data flow. */
+/* CAO matters only while a command waits for it. The timeout runs while data flow. */
 static void watch_cao(eclink_t *unit, uint64_t now_ns)
 {
     if (unit->cci_waits && unit->outputs[ECLINK_OUT_CAO] == unit->bu.cci)
@@ -133,8 +133,8 @@ static void take_command(eclink_t *unit)
 }
 
 /*
- * A controller that has just come (back) brings some value of CCO: only one more than the last is a command of its, any
- * other is where it starts from. Later each change is one; what CCO has passed over meanwhile is lost.
+ * The first outputs of a controller bring some value of CCO: one more than the last is a command, any other value is
+ * its start. Later each change is a command; commands that CCO has passed over are lost.
  */
 static void watch_cco(eclink_t *unit, bool first)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The descriptions of the four base units. The fields of TS-0007 stand once, in the lists below: the records 2001h and
- * 2002h, the mapping objects, the SII and the ESI all follow from them.
+ * The descriptions of the four base units. The lists below are the only place of TS-0007's fields: the records 2001h
+ * and 2002h, the mapping objects, the SII and the ESI follow from them.
  */
 #include "devices/eclink/eclink.h"
 
 #include "devices/eclink/instance.h"
 
-/* Placeholders: we are not Vision Remote, and nobody has published their codes. An installation overrides them. */
+/* Placeholders: Vision Remote's codes are not public. An installation overrides them. */
 enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM };
 #define REVISION 0x00020000 /* Visionlinkserver 2.0 */
 
@@ -29,7 +29,7 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(12, ECLINK_IN_EC_LINK, U8, "EC-Link status")                                                                     \
     F(13, ECLINK_IN_SPARE, U8, "Spare")
 
-/* One remote unit: its first sub-index is s, its first byte o, R is how it is called. */
+/* One remote unit: first sub-index s, first byte o, name R. */
 #define RU_FIELDS(F, s, o, R)                                                                                          \
     F((s) + 0, (o) + ECLINK_RU_ID, U16, "Armed " R)                                                                    \
     F((s) + 1, (o) + ECLINK_RU_STATE, U8, R " state")                                                                  \
@@ -108,7 +108,7 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(24, 184, 191)                                                                                                    \
     F(25, 192, 199)
 
-/* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian and these are not
+/* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian, these are big-endian
  * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
 enum { BYTES_U8 = 1, BYTES_U16 = 2, BYTES_I16 = 2, BYTES_HALF = 8 };
 enum {
@@ -232,7 +232,7 @@ static const ect_object_t objects_multiarm[] = {
 static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
                                                   NULL};
 
-/* The Anybus CompactCom 40 inside the base unit: its controller, mailboxes and time-outs. */
+/* The Anybus CompactCom 40 inside the base unit: controller, mailboxes and timeouts. */
 #define BASE_UNIT(cli_name, what, node_name, product, object_list, buffer_bytes)                                       \
     {                                                                                                                  \
         .name = cli_name,                                                                                              \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The Vision Remote EC-Link base unit (BU), TS-0007 rev 11: four operational modes, each a device of its own.
+ * The Vision Remote EC-Link base unit (BU), TS-0007 rev 11: a device for each of four operational modes.
  *
  *   Map1      Input Only          66 /   0 bytes   (FMAP 1)
  *   Map3      Input + Commands    66 /  24 bytes   (FMAP 3)
@@ -21,7 +21,7 @@ extern const ect_device_t ect_eclink_map3;
 extern const ect_device_t ect_eclink_map7;
 extern const ect_device_t ect_eclink_multiarm;
 
-/** The operator's side, the same of all four. */
+/** The operator's side of all four. */
 extern const ect_plant_t ect_eclink_plant;
 
 ECT_C_END

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A base unit in memory, and where the fields of TS-0007 chapters 8 and 9 stand in the process data.
+ * The base unit's instance, and the offsets of the fields of TS-0007 chapters 8 and 9 in the process data.
  */
 #ifndef ECT_DEVICES_ECLINK_INSTANCE_H
 #define ECT_DEVICES_ECLINK_INSTANCE_H
@@ -94,7 +94,7 @@ enum {
 /** RU state (§8.3). */
 enum { ECLINK_RU_INITIAL = 0, ECLINK_RU_ARMED = 2, ECLINK_RU_ENABLED = 3, ECLINK_RU_STOPPED = 4, ECLINK_RU_FAILED = 5 };
 
-/** What is fitted at a switch position (§8.5). */
+/** Equipment of a switch position (§8.5). */
 typedef enum eclink_equipment {
     ECLINK_NOT_FITTED,
     ECLINK_PUSHBUTTON,     /* 0, 1 */
@@ -114,22 +114,22 @@ enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITC
 #define ECLINK_SUPERVISION_NS 2000000000ull
 
 /** Largest set of periodic data: 256 blocks (§10.4). The host's buffer has room for two: the last complete one, and the
- * one that is being assembled. Without it sets are counted, and nobody sees what is in them. */
+ * one that is being assembled. Without the buffer the unit counts sets and keeps no content. */
 enum { ECLINK_PERIODIC_ROOM = 51200, ECLINK_BUFFER = 2 * ECLINK_PERIODIC_ROOM };
 
 typedef struct eclink_command {
-    uint16_t ru; /* id of the remote it comes from, or goes to (0: all) */
+    uint16_t ru; /* id of the sending or receiving remote (0: all) */
     uint8_t data[ECLINK_COMMAND_BYTES];
 } eclink_command_t;
 
-/** Commands in the order in which they came; when full, new ones are turned away. */
+/** Commands in the order of their arrival. A full queue refuses new ones. */
 typedef struct eclink_queue {
     eclink_command_t commands[ECLINK_QUEUE];
     uint8_t first;
     uint8_t count;
 } eclink_queue_t;
 
-/** How a remote unit is reached. */
+/** Path to a remote unit. */
 typedef enum eclink_path {
     ECLINK_PATH_NONE,   /* out of communication */
     ECLINK_PATH_C_LINK, /* on fallback */
@@ -143,7 +143,7 @@ typedef struct eclink_ru {
     uint16_t id;   /* unique */
     uint8_t on;    /* switched on and in radio range */
     uint8_t stop;  /* stop switch pressed */
-    uint8_t shock; /* free fall or shock was detected */
+    uint8_t shock; /* free fall or shock detected */
     uint8_t failed;
     uint8_t disabled; /* 0 enabled, 1 tilt, 2 inactivity, 3 popup */
     uint8_t battery;
@@ -159,26 +159,26 @@ typedef struct eclink_ru {
     int16_t forced_c_link;           /* a link status of §8.2, or ECLINK_NOT_FORCED */
     int16_t forced_g_link;
 
-    uint8_t armed; /* from here on what the base unit makes of it: gone with its power */
+    uint8_t armed; /* from here on results of the base unit: lost with its power */
     uint8_t state;
     int16_t c_link;
     int16_t g_link;
     eclink_path_t path;
-    uint8_t command[ECLINK_COMMAND_BYTES];  /* writing it sends it */
+    uint8_t command[ECLINK_COMMAND_BYTES];  /* a write sends it */
     uint8_t received[ECLINK_COMMAND_BYTES]; /* the last command from the controller */
     uint32_t received_count;
     uint32_t periodic_count; /* sets of periodic data shown */
     eclink_queue_t to_ru;
-    bool periodic_waits;       /* a set is to be shown when the link has room */
+    bool periodic_waits;       /* a set waits until the link has room */
     uint8_t sent;              /* its commands that C-Link still has to carry, on fallback */
     bool vlap;                 /* it has one */
     uint32_t commands_dropped; /* commands of `to_ru` that were gone with its communication */
 } eclink_ru_t;
 
-/** Why the base unit is in its state. The words for it are the plant's. */
+/** Cause of the base unit's state. The plant has its words. */
 typedef enum eclink_why {
     ECLINK_WHY_NONE,
-    ECLINK_WHY_DISABLED, /* what may be wrong with the EC-Link (§8.2, §11), the worst of two faults first */
+    ECLINK_WHY_DISABLED, /* faults of the EC-Link (§8.2, §11), the worse of two first */
     ECLINK_WHY_MODULE,
     ECLINK_WHY_CONFIGURATION,
     ECLINK_WHY_NO_DATA,
@@ -190,13 +190,13 @@ typedef enum eclink_why {
     ECLINK_WHY_EG_ERROR,
     ECLINK_WHY_EG_INTERFACE,
     ECLINK_WHY_EG_DATA,
-    ECLINK_WHY_LOST, /* from here on with the number of a remote, from 1 */
+    ECLINK_WHY_LOST, /* from here on combined with the number of a remote, from 1 */
     ECLINK_WHY_FAILED,
     ECLINK_WHY_STOP,
     ECLINK_WHY_SHOCK,
 } eclink_why_t;
 
-/* ... as `bu.cause` keeps it. */
+/* The same with the number of a remote, for `bu.cause`. */
 static inline uint16_t eclink_why(unsigned int number, eclink_why_t why)
 {
     return (uint16_t)(number << 8 | (unsigned int)why);
@@ -213,28 +213,28 @@ typedef struct eclink_bu {
     uint8_t lock_errors;          /* §11 read strictly: an EC-Link error stays until power is cycled */
     uint32_t command_lifetime_ms; /* commands from the remotes that wait longer are dropped; 0: none is */
 
-    uint8_t state;  /* from here on what it makes of it: gone with its power */
-    uint8_t frozen; /* its input data stand still */
+    uint8_t state;  /* from here on results: lost with its power */
+    uint8_t frozen; /* its input data do not change */
     uint8_t restart;
     uint8_t ec_link;
     uint8_t es_link; /* relays closed */
     uint8_t unarmed;
     uint8_t armed;
     uint8_t pci, cci, pai, cai;
-    uint16_t fault;              /* eclink_why_t up to ECLINK_WHY_CAO: what the display shows as a message */
-    uint16_t cause;              /* eclink_why(): why it is in its state, unless that is as it should be */
-    uint8_t modbus;              /* a controller does its duty over Modbus TCP */
-    uint32_t overflows;          /* commands from the remotes that were turned away */
+    uint16_t fault;              /* eclink_why_t up to ECLINK_WHY_CAO: the message on the display */
+    uint16_t cause;              /* eclink_why(): cause of a state that is not Armed or Disarmed */
+    uint8_t modbus;              /* a controller works over Modbus TCP */
+    uint32_t overflows;          /* commands from the remotes that a full queue refused */
     uint32_t commands_lost;      /* commands from the controller that CCO passed over */
-    uint32_t commands_unknown;   /* ... to an id that nobody has */
-    uint32_t commands_unreached; /* ... acknowledged, and no remote was there to receive them */
+    uint32_t commands_unknown;   /* ... to an id that no remote has */
+    uint32_t commands_unreached; /* ... acknowledged without a remote to receive them */
     uint32_t commands_expired;   /* commands from the remotes that outlived command_lifetime_ms */
     uint32_t cco_resyncs;        /* first outputs whose CCO was neither the last one nor that plus one */
     uint32_t pco_jumps;          /* changes of PCO by other than one */
     uint32_t periodic_sets;
     uint32_t periodic_errors;
     uint32_t periodic_skipped;    /* blocks of a set whose block 0 did not come */
-    uint32_t periodic_unfinished; /* sets that were begun and did not become whole */
+    uint32_t periodic_unfinished; /* sets that never became complete */
     uint32_t periodic_lost;       /* blocks missing in them */
     uint16_t periodic_size;       /* of the last complete set */
     uint16_t periodic_pending;    /* size of the set that is being assembled; 0: none is */
@@ -242,13 +242,13 @@ typedef struct eclink_bu {
     uint32_t periodic_check;      /* CRC-32 of the last complete set */
 } eclink_bu_t;
 
-/** Periodic output data on its way to completeness. */
+/** The set of periodic output data that is being assembled. */
 typedef struct eclink_periodic {
     uint8_t have[32]; /* a bit for each block */
     uint8_t shown;    /* which half of the buffer holds the last complete set */
 } eclink_periodic_t;
 
-/** Numbers 0..7 of remotes, in the order in which they came. */
+/** Numbers 0..7 of remotes, in the order of entry. */
 typedef struct eclink_list {
     uint8_t numbers[ECLINK_MOST_ARMED];
     uint8_t count;
@@ -262,29 +262,29 @@ typedef struct eclink {
     uint8_t output_numbers[ECLINK_OUT_PERIODIC];
     const ect_host_t *host;
     uint8_t fmap;
-    eclink_bu_t bu; /* with `ru`: the operator's side. What of it stands outside outlasts power */
+    eclink_bu_t bu; /* with `ru`: the operator's side; its surroundings outlast power */
     eclink_ru_t ru[ECLINK_RUS];
     eclink_list_t armed; /* together with `lost` at most as many as may be armed */
-    eclink_list_t lost;  /* while armed: each keeps its place until it is rearmed or replaced */
+    eclink_list_t lost;  /* lost while armed: each keeps its place until it is rearmed or replaced */
 
-    bool remotes_due;   /* a signal was set or a remote disarmed since the remotes were looked at: nothing else changes
-                           them */
+    bool remotes_due;   /* a signal was set or a remote disarmed since the last update of the remotes: nothing else
+                           changes them */
     bool in_op;         /* an EtherCAT master has the unit */
     bool exchanging;    /* process data flow */
     bool good_once;     /* there was a good exchange since power-on */
-    bool outputs_known; /* outputs have come since they began to flow */
+    bool outputs_known; /* outputs have arrived since data began to flow */
     bool pco_alive;
-    bool config_refused; /* the configuration that would have led out of `refused_in` */
+    bool config_refused; /* the configuration that the controller needed to leave `refused_in` */
     uint8_t refused_in;
-    uint8_t locked; /* with lock_errors: what is wrong with the EC-Link and stays */
+    uint8_t locked; /* with lock_errors: the fault of the EC-Link that stays */
     uint8_t last_pco, last_cco;
     bool cci_waits;           /* the command in the input data is not acknowledged */
-    bool cao_late;            /* ... and should have been */
+    bool cao_late;            /* ... and its time is over */
     bool cco_waits;           /* a remote has no room yet for `waiting` */
     eclink_command_t waiting; /* the command of last_cco */
     uint64_t pco_deadline_ns;
     uint64_t cao_deadline_ns;
-    uint64_t read_deadline_ns;   /* Input Only: inputs must be read until then */
+    uint64_t read_deadline_ns;   /* Input Only: latest next read of the inputs */
     uint64_t modbus_deadline_ns; /* the next request that is a controller's duty must come until then; ECT_NEVER: none
                                     has come */
     uint64_t hold_deadline_ns;   /* an EtherCAT master that has left OP keeps the outputs until then */
@@ -294,13 +294,13 @@ typedef struct eclink {
     eclink_periodic_t periodic;
 } eclink_t;
 
-/* A link status that tells of an error: 2 to 5 of §8.2. */
+/* Whether a link status is an error: 2 to 5 of §8.2. */
 static inline bool eclink_is_error(int link_status)
 {
     return link_status >= ECLINK_LINK_NONE && link_status <= ECLINK_LINK_DATA_ERROR;
 }
 
-/* What this mode has: ECLINK_FMAP_... */
+/* Whether the mode has a function, ECLINK_FMAP_... */
 static inline bool eclink_has(const eclink_t *unit, unsigned int function)
 {
     return (unit->fmap & function) != 0;
@@ -313,29 +313,29 @@ void eclink_outputs(void *instance, uint64_t now_ns);
 void eclink_inputs_read(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
 ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
-/* 3001h or 3002h: its entries say where the fields of the image stand, as their places in the instance less `base`. */
+/* 3001h or 3002h. The place of an entry in the instance, less `base`, is the offset of the field in the image. */
 const ect_object_t *eclink_fields(const eclink_t *unit, bool inputs, size_t *base);
 
 /* base_unit.c */
-/* A controller has done over Modbus what keeps data flowing: it has written outputs, or read inputs in a mode that has
- * no outputs. */
+/* Call when a Modbus controller has written outputs, or has read inputs in a mode without outputs: its duty, which
+ * keeps data flowing. */
 void eclink_modbus_came(eclink_t *unit, uint64_t now_ns);
-/* Links, BU state, relays, message and cause, from what is known now. */
+/* Computes links, BU state, relays, message and cause. */
 void eclink_evaluate(eclink_t *unit);
 
 /* commands.c */
 /* Queues a command from a remote. @return false: the queue is full */
 bool eclink_command_from_ru(eclink_t *unit, const eclink_command_t *command, uint64_t now_ns);
 void eclink_command_to_rus(eclink_t *unit);
-/* Hands the controller's command on and acknowledges it, as soon as all that it is for have room. */
+/* Hands the controller's command to its remotes and acknowledges it, once all of them have room. */
 void eclink_pass_command(eclink_t *unit);
 void eclink_show_command(eclink_t *unit, uint64_t now_ns);
 void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns);
 
 /* periodic.c */
-/* The outputs hold a block that has not been looked at yet. */
+/* Takes the block in the outputs. Call once a block. */
 void eclink_periodic_outputs(eclink_t *unit);
-/* The set that is being assembled is given up. */
+/* Drops the set that is being assembled. */
 void eclink_periodic_drop(eclink_t *unit);
 /* The last complete set, bu.periodic_size bytes; NULL without a buffer. */
 const uint8_t *eclink_periodic_set(const eclink_t *unit);
@@ -344,7 +344,7 @@ const uint8_t *eclink_periodic_set(const eclink_t *unit);
 void eclink_remotes_update(eclink_t *unit);
 void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs);
 bool eclink_reachable(const eclink_ru_t *ru);
-/* @return what to tell the user, NULL when the remote can be reached */
+/* @return the reason for the user; NULL: the remote can be reached */
 const char *eclink_why_unreachable(const eclink_ru_t *ru);
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed);
 

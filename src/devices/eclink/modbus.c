@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The process data as Modbus tables (TS-0007 §5.2). Bits are those of the bytes of chapters 8 and 9, the lowest one of
- * byte 0 first. A register is two bytes; where they are a field of 16 bits it is that number, else the first byte is
- * its lower half. Sizes are those of the mode: the figures of §5.2 are of a time before revision 8 (224 and 64 bytes).
+ * byte 0 first. A register is two bytes: a field of 16 bits is that number, of other fields the first byte is the lower
+ * half. Sizes are those of the mode; the figures of §5.2 (224 and 64 bytes) predate revision 8.
  */
 #include <string.h>
 
@@ -11,14 +11,14 @@
 
 enum { MIRROR = 2048 }; /* the input data among the holding registers */
 
-/* Four connections (§5.2); after a minute without a request the interface module closes one, which is its default. */
+/* Four connections (§5.2). The interface module closes one after a minute without a request, its default. */
 enum { CONNECTIONS = 4, IDLE_MS = 60000 };
 
-/* Where a range stands. */
+/* A range in the process data. */
 typedef struct area {
     bool inputs;
     uint16_t first;
-    uint16_t end; /* of what there is, in bits or registers as the table has them */
+    uint16_t end; /* of the data, in bits or registers as the table has them */
 } area_t;
 
 static uint16_t input_bytes(const eclink_t *unit)
@@ -33,7 +33,7 @@ static uint16_t output_bytes(const eclink_t *unit)
     return eclink_has(unit, ECLINK_FMAP_COMMANDS) ? ECLINK_OUT_PERIODIC_SIZE : 0;
 }
 
-/* @return whether there is all of it */
+/* @return whether the table has the whole range */
 static bool find(const eclink_t *unit, const ect_modbus_range_t *range, area_t *area)
 {
     bool mirror = range->table == ECT_MODBUS_HOLDING_REGISTERS && range->first >= MIRROR;
@@ -44,7 +44,7 @@ static bool find(const eclink_t *unit, const ect_modbus_range_t *range, area_t *
     return area->first + range->count <= area->end;
 }
 
-/* 3001h and 3002h say which fields are numbers of 16 bits. Their registers have the first byte in the upper half. */
+/* Swaps registers of 16-bit fields, which 3001h and 3002h name: their first byte is the upper half. */
 static void turn_numbers(const eclink_t *unit, const area_t *area, uint16_t count, uint16_t *values)
 {
     size_t base;

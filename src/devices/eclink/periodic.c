@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Periodic output data: blocks of 200 bytes become whole sets. Block 0 begins a set, always; the others may follow in
- * any order. A set is handed over when it is complete, and the next one is assembled beside it (TS-0007 §10.4).
+ * Periodic output data: blocks of 200 bytes become sets. Block 0 always begins a set; the others may follow in any
+ * order. A complete set is handed over, and the next one is assembled beside it (TS-0007 §10.4).
  */
 #include <string.h>
 
@@ -88,7 +88,7 @@ void eclink_periodic_outputs(eclink_t *unit)
     } else if (size == unit->bu.periodic_pending) {
         take_block(unit, block);
     } else {
-        eclink_periodic_drop(unit); /* of another set, whose block 0 did not come */
+        eclink_periodic_drop(unit); /* a block of another set, whose block 0 is missing */
         unit->bu.periodic_skipped++;
     }
 }

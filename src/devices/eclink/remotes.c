@@ -25,7 +25,7 @@ static void list_remove(eclink_list_t *list, unsigned int number)
     list->count = kept;
 }
 
-/* Its VLAP is another's from now on. */
+/* Its VLAP becomes free. */
 static void disarm(eclink_t *unit, unsigned int number)
 {
     unit->remotes_due |= unit->ru[number].armed;
@@ -56,15 +56,15 @@ static unsigned int reserved_vlaps(const eclink_t *unit)
     return count;
 }
 
-/* Once it can be reached: NULL, or what keeps it from being armed. */
+/* @return why a remote that can be reached cannot be armed; NULL: it can */
 static const char *why_not_armed(const eclink_t *unit, const eclink_ru_t *ru)
 {
     if (unit->bu.state == ECLINK_BU_INITIAL)
-        return "the base unit is Initial, not fully operative yet (TS-0007 8.1, 11): 'bu.cause' says why";
+        return "the base unit is Initial, not fully operative yet (TS-0007 8.1, 11): read 'bu.cause'";
     if (unit->bu.state == ECLINK_BU_LINK_ERROR)
-        return "there is an External link error, no normal operation (TS-0007 8.1, 11): 'bu.cause' says why";
+        return "there is an External link error, no normal operation (TS-0007 8.1, 11): read 'bu.cause'";
     if (unit->bu.state == ECLINK_BU_FAILED)
-        return "the base unit has failed (TS-0007 8.1): 'bu.failed'";
+        return "the base unit has failed (TS-0007 8.1): set 'bu.failed' to 0";
     if (unit->armed.count == most_armed(unit))
         return most_armed(unit) == 1 ? "another remote unit is armed, and without MultiArm there can be only one"
                                      : "three remote units are armed already";
@@ -75,8 +75,7 @@ static const char *why_not_armed(const eclink_t *unit, const eclink_ru_t *ru)
     return NULL;
 }
 
-/* Rearmed, it is no longer lost. Where no place is left for those that were lost, it comes in the place of the first.
- */
+/* A rearmed remote is no longer lost. Without a free place an armed remote replaces the one that was lost first. */
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
 {
     eclink_ru_t *ru = &unit->ru[number];
@@ -99,7 +98,8 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
     return NULL;
 }
 
-/* Out of sight: what was on its way is gone. While armed, the base unit blocks until it is armed again (§8.1). */
+/* Out of communication: commands and data on their way are lost. An armed remote blocks the unit until it is rearmed
+ * (§8.1). */
 static void lose(eclink_t *unit, unsigned int number)
 {
     unit->ru[number].commands_dropped += unit->ru[number].to_ru.count;
@@ -136,7 +136,7 @@ static bool take(unsigned int *vlaps)
     return true;
 }
 
-/* A status that is forced is also what the radio is then like. */
+/* A forced status decides how the radio works. */
 static bool g_link_works(const eclink_ru_t *ru)
 {
     if (ru->forced_g_link == ECLINK_NOT_FORCED)
@@ -204,7 +204,7 @@ static void update_all(eclink_t *unit)
     unit->bu.armed = unit->armed.count;
 }
 
-/* Each time round one armed remote fewer, or it is over. */
+/* Each pass leaves one armed remote fewer, or is the last. */
 void eclink_remotes_update(eclink_t *unit)
 {
     while (unit->remotes_due)
@@ -232,7 +232,7 @@ static void publish_one(const eclink_ru_t *ru, uint8_t *to)
     to[ECLINK_RU_ENCODER_SWITCH] = ru->encoder_switch;
 }
 
-/* No remote armed: all its fields are 0 (§8), but for byte 36 where the installation wants "passive" there (EC-C9). */
+/* Without an armed remote all fields are 0 (§8); byte 36 can report "passive" instead (EC-C9). */
 void eclink_remotes_publish(const eclink_t *unit, uint8_t *inputs)
 {
     memset(inputs + ECLINK_IN_RU, 0, ECLINK_INPUT_BYTES - ECLINK_IN_RU);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The operator's side of a base unit: what it is called, `bu.*` and `ru1.*` .. `ru8.*`, and what follows from setting
- * it. */
+/* The operator's side of a base unit: its signals `bu.*` and `ru1.*` .. `ru8.*`, and the effect of setting them. */
 #include <string.h>
 
 #include "devices/eclink/eclink.h"
@@ -13,7 +12,7 @@
     ECT_SIGNAL(eclink_ru_t, member, name, kind, access, minimum, maximum, unit, meaning)
 
 static const ect_signal_t bu_signals[] = {
-    BU(WRITE, enabled, "enabled", BOOL, 0, 1, NULL, "0: mode Disabled, neither EtherCAT nor Modbus is answered"),
+    BU(WRITE, enabled, "enabled", BOOL, 0, 1, NULL, "0: mode Disabled, no reply over EtherCAT or Modbus"),
     BU(WRITE, vlaps, "vlaps", U8, 0, 3, NULL, "VLAPs connected"),
     BU(WRITE, eg_link, "eg_link", U8, 0, 7, NULL, "EG-Link status, values of TS-0007 8.2; 2 to 5 are errors"),
     BU(WRITE, failed, "failed", BOOL, 0, 1, NULL, "self-diagnostics has found a fatal error"),
@@ -22,22 +21,22 @@ static const ect_signal_t bu_signals[] = {
     BU(WRITE, lock_errors, "lock_errors", BOOL, 0, 1, NULL,
        "an EC-Link error after the first good exchange stays until 'restart' (TS-0007 11 read strictly)"),
     BU(WRITE, command_lifetime_ms, "command_lifetime", U32, 0, 86400000, "ms",
-       "commands from remote units that wait longer than this are dropped; 0: they wait for ever"),
-    BU(WRITE, frozen, "frozen", BOOL, 0, 1, NULL, "PCI and all input data stand still, the bus stays in OP"),
-    BU(WRITE, restart, "restart", BOOL, 0, 1, NULL, "writing 1 takes the power away and puts it back"),
+       "drop commands from remote units that wait longer than this; 0: keep them"),
+    BU(WRITE, frozen, "frozen", BOOL, 0, 1, NULL, "PCI and all input data do not change, the bus stays in OP"),
+    BU(WRITE, restart, "restart", BOOL, 0, 1, NULL, "writing 1 cycles the power"),
     BU(READ, state, "state", U8, 0, 17, NULL, "BU state, values of TS-0007 8.1"),
     BU(READ, ec_link, "ec_link", U8, 0, 7, NULL, "EC-Link status"),
     BU(READ, es_link, "es_link", BOOL, 0, 1, NULL, "ES-Link relays closed"),
     BU(READ, armed, "armed", U8, 0, 3, NULL, "armed remote units"),
     BU(READ, unarmed, "unarmed", U8, 0, 8, NULL, "remote units in communication that are not armed"),
     BU(READ, fault, "message", DESCRIBED, 0, 19, NULL, "message on the display"),
-    BU(READ, cause, "cause", DESCRIBED, 0, 63, NULL, "why the BU is in its state, if that is not Armed or Disarmed"),
-    BU(READ, modbus, "modbus", BOOL, 0, 1, NULL, "a controller does its duty over Modbus TCP"),
+    BU(READ, cause, "cause", DESCRIBED, 0, 63, NULL, "cause of a BU state other than Armed and Disarmed"),
+    BU(READ, modbus, "modbus", BOOL, 0, 1, NULL, "a controller works over Modbus TCP"),
     BU(READ, pci, "pci", U8, 0, 255, NULL, "PCI"),
     BU(READ, cci, "cci", U8, 0, 255, NULL, "CCI"),
     BU(READ, pai, "pai", U8, 0, 255, NULL, "PAI"),
     BU(READ, cai, "cai", U8, 0, 255, NULL, "CAI"),
-    BU(READ, overflows, "overflows", U32, 0, UINT32_MAX, NULL, "commands from remote units turned away: queue full"),
+    BU(READ, overflows, "overflows", U32, 0, UINT32_MAX, NULL, "commands from remote units refused: queue full"),
     BU(READ, commands_lost, "commands_lost", U32, 0, UINT32_MAX, NULL,
        "commands from the controller that CCO passed over before CAI acknowledged them"),
     BU(READ, commands_unknown, "commands_unknown", U32, 0, UINT32_MAX, NULL,
@@ -52,11 +51,13 @@ static const ect_signal_t bu_signals[] = {
     BU(READ, periodic_sets, "periodic_sets", U32, 0, UINT32_MAX, NULL, "complete sets of periodic data"),
     BU(READ, periodic_size, "periodic_size", U16, 0, 51200, "bytes", "size of the last complete set"),
     BU(READ, periodic_check, "periodic_check", U32, 0, UINT32_MAX, NULL, "CRC-32 of the last complete set"),
-    BU(READ, periodic_pending, "periodic_pending", U16, 0, 51200, "bytes", "size of the set that is coming in; 0 none"),
-    BU(READ, periodic_missing, "periodic_missing", U16, 0, 256, "blocks", "of it that have not come yet"),
+    BU(READ, periodic_pending, "periodic_pending", U16, 0, 51200, "bytes",
+       "size of the set that is being assembled; 0 none"),
+    BU(READ, periodic_missing, "periodic_missing", U16, 0, 256, "blocks", "missing in the set that is being assembled"),
     BU(READ, periodic_unfinished, "periodic_unfinished", U32, 0, UINT32_MAX, NULL, "sets that never became complete"),
-    BU(READ, periodic_lost, "periodic_lost", U32, 0, UINT32_MAX, "blocks", "that were missing in them"),
-    BU(READ, periodic_skipped, "periodic_skipped", U32, 0, UINT32_MAX, "blocks", "of sets whose block 0 did not come"),
+    BU(READ, periodic_lost, "periodic_lost", U32, 0, UINT32_MAX, "blocks",
+       "missing in the sets that never became complete"),
+    BU(READ, periodic_skipped, "periodic_skipped", U32, 0, UINT32_MAX, "blocks", "of sets without their block 0"),
     BU(READ, periodic_errors, "periodic_errors", U32, 0, UINT32_MAX, NULL, "impossible sizes and block numbers"),
 };
 
@@ -86,21 +87,24 @@ static const ect_signal_t ru_signals[] = {
     RU(WRITE, switches[6], "switch7", I16, -1, 1000, NULL, "switch 7, range as fitted"),
     RU(WRITE, switches[7], "switch8", I16, -1, 1000, NULL, "switch 8, range as fitted"),
     RU(WRITE, fitted[0], "fitted1", U8, 0, 6, NULL,
-       "0 nothing, 1 pushbutton, 2 two positions, 3 three positions, 4 potentiometer, 5 pushbutton with LED, 6 dual "
+       "equipment of position 1: 0 nothing, 1 pushbutton, 2 two positions, 3 three positions, 4 potentiometer, 5 "
+       "pushbutton with LED, 6 dual "
        "LED"),
-    RU(WRITE, fitted[1], "fitted2", U8, 0, 6, NULL, "what is fitted at position 2"),
-    RU(WRITE, fitted[2], "fitted3", U8, 0, 6, NULL, "what is fitted at position 3"),
-    RU(WRITE, fitted[3], "fitted4", U8, 0, 6, NULL, "what is fitted at position 4"),
-    RU(WRITE, fitted[4], "fitted5", U8, 0, 6, NULL, "what is fitted at position 5"),
-    RU(WRITE, fitted[5], "fitted6", U8, 0, 6, NULL, "what is fitted at position 6"),
-    RU(WRITE, fitted[6], "fitted7", U8, 0, 6, NULL, "what is fitted at position 7"),
-    RU(WRITE, fitted[7], "fitted8", U8, 0, 6, NULL, "what is fitted at position 8"),
+    RU(WRITE, fitted[1], "fitted2", U8, 0, 6, NULL, "equipment of position 2, as fitted1"),
+    RU(WRITE, fitted[2], "fitted3", U8, 0, 6, NULL, "equipment of position 3, as fitted1"),
+    RU(WRITE, fitted[3], "fitted4", U8, 0, 6, NULL, "equipment of position 4, as fitted1"),
+    RU(WRITE, fitted[4], "fitted5", U8, 0, 6, NULL, "equipment of position 5, as fitted1"),
+    RU(WRITE, fitted[5], "fitted6", U8, 0, 6, NULL, "equipment of position 6, as fitted1"),
+    RU(WRITE, fitted[6], "fitted7", U8, 0, 6, NULL, "equipment of position 7, as fitted1"),
+    RU(WRITE, fitted[7], "fitted8", U8, 0, 6, NULL, "equipment of position 8, as fitted1"),
     RU(WRITE, encoder, "encoder", U8, 0, 255, NULL, "encoder value, wraps"),
     RU(WRITE, encoder_switch, "encoder_switch", BOOL, 0, 1, NULL, "encoder pushed down"),
-    RU(WRITE, command, "command", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "writing it sends a command to the controller"),
+    RU(WRITE, command, "command", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "a write sends a command to the controller"),
     RU(READ, state, "state", U8, 0, 5, NULL, "RU state, values of TS-0007 8.3"),
-    RU(WRITE, c_link, "c_link", I16, -1, 7, NULL, "C-Link status of TS-0007 8.2; setting forces it, -1: as it is"),
-    RU(WRITE, g_link, "g_link", I16, -1, 7, NULL, "G-Link status of TS-0007 8.2; setting forces it, -1: as it is"),
+    RU(WRITE, c_link, "c_link", I16, -1, 7, NULL,
+       "C-Link status of TS-0007 8.2; a write forces it, -1: as the radio is"),
+    RU(WRITE, g_link, "g_link", I16, -1, 7, NULL,
+       "G-Link status of TS-0007 8.2; a write forces it, -1: as the radio is"),
     RU(READ, received, "received", BYTES, 0, ECLINK_COMMAND_BYTES, NULL, "last command from the controller"),
     RU(READ, received_count, "received_count", U32, 0, UINT32_MAX, NULL, "commands received from the controller"),
     RU(READ, commands_dropped, "commands_dropped", U32, 0, UINT32_MAX, NULL,
@@ -138,7 +142,7 @@ static const char *send_command(eclink_t *unit, unsigned int number, const uint8
     memcpy(command.data, data, sizeof command.data);
     if (!eclink_command_from_ru(unit, &command, now_ns)) {
         unit->bu.overflows++;
-        return "the base unit's queue is full: the controller does not acknowledge in CAO";
+        return "the base unit's queue is full: the controller has to acknowledge in CAO first";
     }
     ru->sent++;
     return NULL;
@@ -171,14 +175,14 @@ static const char *write_id(const eclink_t *unit, const eclink_ru_t *ru, uint16_
     return NULL;
 }
 
-/* @return whether the signal is an element of an array of the remote; *position is then which */
+/* @return whether the signal is an element of an array of the remote; then *position is its number, from 0 */
 static bool is_element(const ect_signal_t *signal, size_t first, size_t size, size_t element, unsigned int *position)
 {
     *position = (unsigned int)((signal->offset - first) / element);
     return signal->offset >= first && signal->offset < first + size;
 }
 
-/* The values of two bytes. */
+/* Signals of two bytes. */
 static const char *write_number(eclink_t *unit, eclink_ru_t *ru, const ect_signal_t *signal, int16_t value)
 {
     unsigned int position;
@@ -276,7 +280,7 @@ static const char *message_of(uint8_t fault)
     }
 }
 
-/* All are shorter than the room that their signals have. */
+/* All texts fit into the room of their signals. */
 static void put(char *text, const char *words)
 {
     memcpy(text, words, strlen(words) + 1);

@@ -2,7 +2,7 @@
 /* The controller's time and its process data. */
 #include "devices/fzm1/instance.h"
 
-/* Of one call: a host that was away for longer finds a continuous measurement that waited for it. */
+/* Longest time that one call makes up for: after a longer pause of the host a continuous measurement has waited. */
 enum { MOST_EVENTS = 4096 };
 
 /* --- time --------------------------------------------------------------------------------------------------------- */
@@ -21,7 +21,7 @@ static void settle(fzm1_t *u)
         ;
 }
 
-/* However late the call: what is due happens one after the other, each at its own time. */
+/* A late call runs all due events in order, each at its own time. */
 static void advance(fzm1_t *u, uint64_t now_ns)
 {
     u->poll_ns = now_ns;
@@ -82,7 +82,7 @@ static void take_levels(fzm1_t *u, uint32_t levels)
         take_step(u);
 }
 
-/* The first levels in OP are where edges are counted from: none of them starts anything. */
+/* The first levels in OP are no edges. */
 static void begin_levels(fzm1_t *u)
 {
     const fzm1_why_t why = FZM1_WHY_NO_EDGE;
@@ -161,7 +161,7 @@ void fzm1_outputs(void *instance, uint64_t now_ns)
     else
         begin_levels(u);
     settle(u);
-    advance(u, now_ns); /* what takes no time */
+    advance(u, now_ns); /* events without duration */
     publish(u);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ERR and its causes (Q179 §4-2), and why something that was asked for was not done. */
+/* ERR and its causes (Q179 §4-2), and the reasons of refusals. */
 #include "devices/fzm1/instance.h"
 
 void fzm1_set_error(fzm1_t *u, fzm1_error_t error)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What one of the eight data is (Q179 §3-2, "Expression"): D1 to D8, what the scene measures; JG, the overall
- * judgement, and JG0 to JG7, a unit's, 1 or -1; numbers; + - * / and parentheses. Q179 does not say how the windows
- * spell it.
+ * The expression of an output data (Q179 §3-2, "Expression"): D1 to D8, the measured values; JG, the overall judgement,
+ * and JG0 to JG7, a unit's, 1 or -1; numbers; + - * / and parentheses. The spelling is ours, for Q179 has none.
  */
 #include <stddef.h>
 
@@ -20,7 +19,7 @@ typedef struct reader {
 static double sum(reader_t *r);
 static double factor(reader_t *r);
 
-/* @return whether it was there, and is read */
+/* @return whether the text continues with it; then it is read */
 static bool take(reader_t *r, char c)
 {
     while (*r->at == ' ')
@@ -90,7 +89,7 @@ static double signed_factor(reader_t *r)
     return take(r, 'J') ? judgement(r) : number(r);
 }
 
-/* Limits how deep an expression may go, and with it the stack. */
+/* Limits the depth of an expression, and with it the stack. */
 static double factor(reader_t *r)
 {
     if (++r->depth > DEEPEST)
@@ -108,7 +107,7 @@ static double product(reader_t *r)
             value *= factor(r);
         } else if (take(r, '/')) {
             double by = factor(r);
-            value = by < 0 || by > 0 ? value / by : 0; /* what has no value is 0 */
+            value = by < 0 || by > 0 ? value / by : 0; /* a division by 0 gives 0 */
         } else {
             break;
         }

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * An FZM1 in memory.
+ * The instance of an FZM1.
  *
- * Each file knows only those below it; `fzm1.c`, the description, knows none but through its tables:
+ * Each file includes only those below it; `fzm1.c`, the description, reaches them through its tables:
  *
  *   signals.c     the plant: the user's side
- *   settings.c    what SDO writes ask for
- *   controller.c  time and process data: what is due happens in the order of its times, then the signals are published
+ *   settings.c    SDO writes
+ *   controller.c  time and process data: due events in the order of their times, then the signals
  *   commands.c    EXE, FLG: the eleven commands
  *   restart.c     off, off the bus, power-on
  *   switch.c      switching scene and scene group; preparing scenes
- *   save.c        what "Save to unit" keeps, and the scenes of a group, wherever they are
+ *   save.c        the record of "Save to unit", and the scenes of a group from memory or record
  *   measure.c     STEP, READY, BUSY: image input, the queue of images, results
  *   output.c      DSA, GATE: the output area, with and without handshaking
- *   view.c        what the cameras see, and how long they take
- *   group.c       scenes of the current group that stand in memory
+ *   view.c        the model of the cameras
+ *   group.c       scenes of the current group in memory
  *   prepared.c    scenes that a user has prepared
- *   scene.c       a scene: from the factory, and what may stand in one
- *   expression.c  what one of the eight data is
- *   error.c       ERR and its causes; why something was not done
+ *   scene.c       a scene: the factory's, and the limits of its values
+ *   expression.c  the expression of an output data
+ *   error.c       ERR and its causes; reasons of refusals
  *
  * All times are nanoseconds of the caller's clock; ECT_NEVER: nothing is due.
  */
@@ -78,10 +78,10 @@ enum { FZM1_SHORTEST_US = 100, FZM1_MINUTE_US = 60000000 };
 enum { FZM1_SCENES = 128 }; /**< of a scene group */
 
 /**
- * What takes memory: less in a firmware for a board (ECT_SMALL). Scenes of the current group that stand in memory (some
- * 620 bytes, twice): with fewer than FZM1_SCENES the others are read when they are switched to, and so many at most can
- * be changed before they are saved. Scenes that can be prepared (620 bytes), and rows of the table (80 bytes): both are
- * the plant's, which a board has none of.
+ * Sizes, smaller in a firmware for a board (ECT_SMALL). FZM1_KEPT: scenes of the current group in memory (some 620
+ * bytes, twice); with fewer than FZM1_SCENES a switch reads the others, and only so many can be changed before a save.
+ * FZM1_PREPARED: scenes that can be prepared (620 bytes). FZM1_TABLE: rows of the table (80 bytes). A board has no
+ * plant and needs one of each.
  */
 #ifdef ECT_SMALL
 enum { FZM1_KEPT = 2, FZM1_PREPARED = 1, FZM1_TABLE = 1 };
@@ -89,10 +89,10 @@ enum { FZM1_KEPT = 2, FZM1_PREPARED = 1, FZM1_TABLE = 1 };
 enum { FZM1_KEPT = FZM1_SCENES, FZM1_PREPARED = 256, FZM1_TABLE = 256 };
 #endif
 
-/** Where a value comes from, on top of the scene's own; of the times FIXED, RANDOM and TABLE. */
+/** Source of a value, added to the scene's own; times have FIXED, RANDOM and TABLE. */
 enum { FZM1_SOURCE_FIXED, FZM1_SOURCE_RAMP, FZM1_SOURCE_SINE, FZM1_SOURCE_RANDOM, FZM1_SOURCE_TABLE };
 
-/** Why ERR is on: any of these. */
+/** Causes of ERR, a bit each. */
 typedef enum fzm1_error {
     FZM1_ERROR_NO_DSA = 0x01,
     FZM1_ERROR_DSA_STAYED = 0x02,
@@ -102,7 +102,7 @@ typedef enum fzm1_error {
     FZM1_ERROR_ALL = 0x1F,
 } fzm1_error_t;
 
-/** Why something was not done. The words for it are the plant's. */
+/** Reason of a refusal. The plant has its words. */
 typedef enum fzm1_why {
     FZM1_DONE,
     FZM1_WHY_NO_UNIT,
@@ -142,46 +142,46 @@ typedef enum fzm1_why {
     FZM1_WHY_FORMATS,
 } fzm1_why_t;
 
-/** How often something was not done, and why the last time. */
+/** Refusals: their number, and the reason of the last one. */
 typedef struct fzm1_refusal {
     uint32_t count;
     uint16_t why; /* fzm1_why_t */
 } fzm1_refusal_t;
 
-/** One scene: its flow of processing units, and what they will find. */
+/** One scene: its flow of processing units, and their results. */
 typedef struct fzm1_scene {
     double data[FZM1_DATA];
     int16_t judgement[FZM1_UNITS]; /* 1 OK, -1 NG */
     uint8_t units;                 /* in the flow */
-    uint8_t output_unit;           /* which of them is Fieldbus Data Output; its settings follow */
+    uint8_t output_unit;           /* number of Fieldbus Data Output; its settings follow */
     uint8_t format;
     char comment[FZM1_DATA][FZM1_TEXT + 1];
-    char expression[FZM1_DATA][FZM1_TEXT + 1]; /* "": what is measured under the same number */
+    char expression[FZM1_DATA][FZM1_TEXT + 1]; /* "": the measured value of the same number */
 } fzm1_scene_t;
 
 /** A scene of the current group in memory. */
 typedef struct fzm1_place {
     uint8_t number;
-    bool changed; /* other than saved or prepared */
+    bool changed; /* differs from the saved or prepared scene */
     fzm1_scene_t content;
 } fzm1_place_t;
 
-/** Scenes of a group. One that has no place is as from the factory; if `partial`, as it was prepared or saved. */
+/** Scenes of a group. A scene without a place is the factory's; if `partial`, the prepared or saved one. */
 typedef struct fzm1_group {
     fzm1_place_t places[FZM1_KEPT];
     uint8_t count;
     bool partial;
 } fzm1_group_t;
 
-/** What one measurement found. */
+/** Result of a measurement. */
 typedef struct fzm1_result {
     double data[FZM1_DATA];
     int16_t judgement[FZM1_UNITS];
     int16_t overall;
-    uint32_t row_processing_us; /* what the table says about it, 0: nothing */
+    uint32_t row_processing_us; /* the table's value, 0: none */
 } fzm1_result_t;
 
-/** System data: what the setting windows show (§3-2). */
+/** System data: the setting windows (§3-2). */
 typedef struct fzm1_settings {
     uint8_t fieldbus; /* 0 OFF, 1 EtherCAT */
     uint8_t output_control;
@@ -194,7 +194,7 @@ typedef struct fzm1_settings {
 
 typedef struct fzm1_row {
     double data[FZM1_DATA];
-    int16_t judgement;                      /* 0: as the units say */
+    int16_t judgement;                      /* 0: each unit its own */
     uint32_t image_input_us, processing_us; /* 0: as set */
 } fzm1_row_t;
 
@@ -204,7 +204,7 @@ typedef struct fzm1_prepared {
     fzm1_scene_t content;
 } fzm1_prepared_t;
 
-/** What stands outside: the switch on the front, cameras, what they see. Outlasts a restart. */
+/** Surroundings: the switch on the front, the cameras and their view. They outlast a restart. */
 typedef struct fzm1_plant {
     bool known;
     uint8_t node_address;
@@ -217,12 +217,12 @@ typedef struct fzm1_plant {
     uint32_t command_us;
     uint32_t switch_us;
     uint32_t start_ms;
-    int16_t judgement; /* 0: as the units say, else that */
+    int16_t judgement; /* 0: each unit its own */
     uint8_t source[FZM1_DATA];
     double amplitude[FZM1_DATA];
     uint32_t period[FZM1_DATA]; /* measurements */
     uint32_t seed;
-    uint32_t random, time_random; /* apart, so that values are the same whatever the times are */
+    uint32_t random, time_random; /* two, so that values do not depend on the times */
     uint32_t shots;
     fzm1_row_t row; /* the next one to be added */
     uint16_t rows;
@@ -256,26 +256,27 @@ typedef struct fzm1 {
     int32_t output[FZM1_DATA];
 
     const ect_host_t *host;
-    uint64_t time_ns; /* up to when everything has happened */
-    uint32_t levels;  /* control signals as seen last */
+    uint64_t time_ns; /* all events up to this time have happened */
+    uint32_t levels;  /* last control signals */
     bool levels_known;
 
     fzm1_settings_t settings;
-    fzm1_scene_t scene;   /* the current one, as it is worked on */
-    fzm1_group_t group;   /* as it was when a scene was switched to last */
-    fzm1_group_t loading; /* another one, until all of it is there; first during a save: the current scene as written */
+    fzm1_scene_t scene; /* the current one */
+    fzm1_group_t group; /* as of the last switch of a scene */
+    fzm1_group_t
+        loading; /* the next group while it is loaded; during a save its first place: the current scene as written */
     uint8_t scene_number, scene_group;
     uint64_t switched_due_ns; /* by hand: BUSY until then */
 
-    ect_record_t record; /* what is saved */
-    int8_t record_found; /* 1; 0 nothing is; -1 the memory has not answered */
+    ect_record_t record; /* the saved one */
+    int8_t record_found; /* 1 found; 0 none; -1 the memory has not responded */
     fzm1_saving_t saving;
 
     /* measurement */
     uint8_t run; /* RUN window shown */
     bool continuous;
     fzm1_result_t last;                /* all 0: nothing measured yet */
-    fzm1_result_t images[FZM1_IMAGES]; /* what has been taken in and waits, oldest first */
+    fzm1_result_t images[FZM1_IMAGES]; /* taken and waiting, oldest first */
     uint8_t first_image, image_count;
     uint64_t image_due_ns, processing_due_ns;
 
@@ -303,7 +304,7 @@ typedef struct fzm1 {
 
     /* as signals */
     uint8_t ready, busy, overall_ng, err;
-    uint16_t errors; /* fzm1_error_t, why `err` is on */
+    uint16_t errors; /* fzm1_error_t, causes of `err` */
     uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
     uint8_t saving_level, prepared_clear;
@@ -338,7 +339,7 @@ void fzm1_all_off(fzm1_t *u);
 void fzm1_begin_restart(fzm1_t *u);
 void fzm1_restart_due(fzm1_t *u);
 
-/* switch.c: each returns FZM1_DONE, or why not */
+/* switch.c: each returns FZM1_DONE, or the reason of a refusal */
 fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number);
 fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number);
 fzm1_why_t fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number);
@@ -352,12 +353,12 @@ bool fzm1_saving(const fzm1_t *u);
 void fzm1_save_due(fzm1_t *u);
 void fzm1_save_reset(fzm1_t *u); /* power-on: nothing is being written */
 void fzm1_load(fzm1_t *u);       /* at power-on */
-/* A group into u->group and a scene of it into *scene, or a scene alone: as prepared or saved. @return false: the
- * memory does not answer */
+/* Loads a group into u->group and a scene of it into *scene, or a scene alone: as prepared or saved. @return false: the
+ * memory does not respond */
 bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene); /* of the current group; the same */
-/* A scene of the current group is like that from now on */
+/* Changes a scene of the current group. */
 fzm1_why_t fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content);
 
 /* measure.c */
@@ -365,19 +366,19 @@ fzm1_why_t fzm1_not_ready(const fzm1_t *u); /* why READY is off */
 bool fzm1_busy(const fzm1_t *u);
 void fzm1_step(fzm1_t *u); /* READY is on */
 void fzm1_measure_due(fzm1_t *u);
-void fzm1_measure_put_off(fzm1_t *u, uint64_t ns); /* what is under way takes so much longer */
+void fzm1_measure_put_off(fzm1_t *u, uint64_t ns); /* delays image input and processing under way */
 void fzm1_start_continuous(fzm1_t *u);
-void fzm1_clear(fzm1_t *u); /* as if nothing had been measured */
+void fzm1_clear(fzm1_t *u); /* back to: nothing measured */
 
 /* output.c */
 void fzm1_output_put(fzm1_t *u, const double *data); /* lost when sixteen wait already */
-void fzm1_output_discard(fzm1_t *u);                 /* what waits */
-void fzm1_output_begin(fzm1_t *u);                   /* OP begins: DSA counts from when it was off */
-void fzm1_output_end(fzm1_t *u);                     /* OP ends: GATE goes, and nobody waits for DSA */
-bool fzm1_output_step(fzm1_t *u); /* one change of GATE that is possible now; @return whether there was one */
+void fzm1_output_discard(fzm1_t *u);                 /* drops the waiting results */
+void fzm1_output_begin(fzm1_t *u);                   /* OP begins: DSA has to be off first */
+void fzm1_output_end(fzm1_t *u);                     /* OP ends: GATE falls, and the wait for DSA is over */
+bool fzm1_output_step(fzm1_t *u); /* makes one change of GATE that is possible now; @return whether it made one */
 void fzm1_output_due(fzm1_t *u);
 void fzm1_output_reset(fzm1_t *u);
-void fzm1_output_new_period(fzm1_t *u, uint16_t period); /* 0.1 ms: counts for the next output already */
+void fzm1_output_new_period(fzm1_t *u, uint16_t period); /* 0.1 ms: valid for the next output already */
 uint64_t fzm1_output_next(const fzm1_t *u);
 int32_t fzm1_fixed_point(double value);
 
@@ -389,19 +390,19 @@ void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
 /* group.c */
 const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number); /* NULL: it has no place */
 void fzm1_group_add(fzm1_group_t *group, uint8_t number,
-                    const fzm1_scene_t *content); /* as it is; if there is a place for it */
-/* Changed, where that is what it is. @return false: all places are taken by changed ones */
+                    const fzm1_scene_t *content); /* unchanged; without a free place: nothing */
+/* Marks the scene as changed if `content` differs from `before`. @return false: changed scenes have all places */
 bool fzm1_group_change(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *before, const fzm1_scene_t *content);
 void fzm1_group_saved(fzm1_group_t *group);
 
 /* prepared.c */
-fzm1_prepared_t *fzm1_prepared_find(fzm1_t *u, uint8_t group, uint8_t scene);            /* NULL: it is not */
+fzm1_prepared_t *fzm1_prepared_find(fzm1_t *u, uint8_t group, uint8_t scene);            /* NULL: not prepared */
 bool fzm1_prepare(fzm1_t *u, uint8_t group, uint8_t scene, const fzm1_scene_t *content); /* false: no room */
 void fzm1_prepared_forget(fzm1_t *u, uint8_t group);
 
 /* scene.c */
 void fzm1_default_scene(fzm1_scene_t *scene);
-fzm1_why_t fzm1_scene_fault(const fzm1_scene_t *scene); /* FZM1_DONE: all of it makes sense */
+fzm1_why_t fzm1_scene_fault(const fzm1_scene_t *scene); /* FZM1_DONE: valid */
 
 /* expression.c */
 /* @return false: `text` is no expression; *value is then unchanged */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* STEP, READY and BUSY (Q179 §4-4): images are taken in one after the other, and measured in the same order. Nothing of
- * it waits for the data output. */
+/* STEP, READY and BUSY (Q179 §4-4): images are taken one after the other and measured in the same order, independent of
+ * the data output. */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
 
-/* Images that may be loaded and not measured yet; the 5 million pixel camera has no multiple image input. */
+/* Largest number of images that wait; the 5 million pixel camera has no multiple image input. */
 static unsigned int image_room(const fzm1_t *u)
 {
     static const uint8_t rooms[] = {16, 4, 1};

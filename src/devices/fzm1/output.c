@@ -10,7 +10,7 @@
 #define TENTH_MS 100000ull
 #define TENTH_S  100000000ull
 
-/* The integer part of a thousandfold, at the limits of 32 bits the limit; what is no number is 0. */
+/* The integer part of the thousandfold, limited to 32 bits; NaN is 0. */
 int32_t fzm1_fixed_point(double value)
 {
     double scaled = value * 1000.0;
@@ -37,7 +37,7 @@ static bool handshaking(const fzm1_t *u)
     return u->settings.output_control == FZM1_HANDSHAKING;
 }
 
-/* Output and measuring are apart: a result that finds no room is lost, and nothing waits for room. */
+/* Output and measuring are independent: a result without room is lost, and no measurement waits for room. */
 void fzm1_output_put(fzm1_t *u, const double *data)
 {
     if (u->output_count == FZM1_OUTPUTS) {
@@ -51,7 +51,7 @@ void fzm1_output_put(fzm1_t *u, const double *data)
     u->output_count++;
 }
 
-/* The oldest ones go; with the last of them all is normal again. */
+/* The oldest results leave the queue; with the last one the loss ends. */
 static void drop(fzm1_t *u, uint8_t count)
 {
     u->first_output = (uint8_t)((u->first_output + count) % FZM1_OUTPUTS);
@@ -91,12 +91,12 @@ static bool step_handshake(fzm1_t *u)
 {
     bool dsa = (u->levels & FZM1_DSA) != 0;
     if (!u->levels_known)
-        return false; /* there is nobody to shake hands with */
+        return false; /* no external device takes part in the handshake */
     u->dsa_was_off |= !dsa;
     if (u->gate && !dsa) {
         u->gate = false;
         u->dsa_due_ns = ECT_NEVER;
-        fzm1_end_errors(u, FZM1_ERROR_NO_DSA | FZM1_ERROR_DSA_STAYED); /* the external device answers again */
+        fzm1_end_errors(u, FZM1_ERROR_NO_DSA | FZM1_ERROR_DSA_STAYED); /* the external device replies again */
         return true;
     }
     if (u->gate || u->output_count == 0)
@@ -125,7 +125,7 @@ void fzm1_output_end(fzm1_t *u)
     u->dsa_due_ns = ECT_NEVER;
 }
 
-/* Waiting for DSA to come, the result is given up; waiting for it to go, GATE is taken back. */
+/* A missing DSA drops the result; a DSA that stays on ends GATE. */
 static void dsa_timeout(fzm1_t *u)
 {
     u->dsa_due_ns = ECT_NEVER;
@@ -150,8 +150,8 @@ static uint64_t off_time(const fzm1_t *u)
     return (uint64_t)u->settings.output_period * TENTH_MS - (uint64_t)u->settings.output_time * TENTH_MS;
 }
 
-/* GATE's times count from the poll that shows it, however late that is, and each poll shows one change: a master that
- * looks as often sees every pulse. */
+/* The times of GATE start with the poll that shows it, however late, and each poll shows one change: a master with the
+ * same rhythm reads every pulse. */
 static bool step_period(fzm1_t *u)
 {
     if (u->gate || u->gate_changed || !to_show(u) || u->next_output_ns > u->time_ns)
@@ -202,7 +202,7 @@ void fzm1_output_new_period(fzm1_t *u, uint16_t period)
     u->next_output_ns = u->next_output_ns < latest ? u->next_output_ns : latest;
 }
 
-/* The kind of output control has changed, or the controller starts: GATE is off for as long as between two outputs. */
+/* After a change of output control, and at start, GATE is off for as long as between two outputs. */
 void fzm1_output_reset(fzm1_t *u)
 {
     u->gate = false;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes that a user has prepared: they stand in their group whenever it is loaded, until it is saved with them. */
+/* Prepared scenes: each load of their group includes them, until the group is saved with them. */
 #include "devices/fzm1/instance.h"
 
 fzm1_prepared_t *fzm1_prepared_find(fzm1_t *u, uint8_t group, uint8_t scene)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Restart (Q179 §4-3): no answer, the signals off, the slave off the bus, at last a power cycle. */
+/* Restart (Q179 §4-3): no response, the signals off, the slave off the bus, then a power cycle. */
 #include "devices/fzm1/instance.h"
 
-enum { SHOWN_OFF_NS = 20000000 }; /* how long the signals show off before a restart takes the slave off the bus */
+enum { SHOWN_OFF_NS = 20000000 }; /* time of the signals off before a restart takes the slave off the bus */
 enum { STARTING_OFF = 1, STARTING_AWAY = 2 };
 
 void fzm1_all_off(fzm1_t *u)
@@ -31,7 +31,7 @@ void fzm1_restart_due(fzm1_t *u)
         u->start_due_ns = u->time_ns + u->plant.start_ms * 1000000ull;
         u->host->off_bus(u->host->ctx, true);
     } else if (fzm1_saving(u)) {
-        u->start_due_ns = u->time_ns + 1000000; /* what is being written is not cut off */
+        u->start_due_ns = u->time_ns + 1000000; /* a save under way is finished first */
     } else {
         u->host->restart(u->host->ctx);
     }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * "Save to unit" (Q179 §3-2, §4-3): system data, then each scene that is not as from the factory. A save writes the
- * current group anew and takes the others over from the record before.
+ * "Save to unit" (Q179 §3-2, §4-3): system data, then each scene that differs from the factory's. A save writes the
+ * current group and copies the others from the record before.
  *
- * It is written in steps, some scenes a poll, and then waited for until the medium is sure: nobody else is held up.
- * Scenes of a group stand in the order of their numbers, so that a save meets each once.
+ * A save takes steps, some scenes a poll, and then waits for the medium; no other work waits for it. Scenes of a group
+ * are in the order of their numbers, so that a save meets each once.
  */
 #include <string.h>
 
@@ -12,19 +12,19 @@
 
 #define MAGIC   0x314D5A46u /* "FZM1" */
 #define STEP_NS 100000u     /* from one step to the next */
-#define ASK_NS  1000000u    /* between two questions whether the medium is sure */
+#define ASK_NS  1000000u    /* between two queries of the medium */
 
 enum {
-    LAYOUT = 2,                 /* of what follows: another one is not read */
+    LAYOUT = 2,                 /* version: records of another one are not read */
     SYSTEM = 1 + 3 + 4 * 2 + 2, /* layout, flags, numbers, scene and group */
-    ENTRY = 4,                  /* of a scene: its group, its number, how long it is packed */
+    ENTRY = 4,                  /* of a scene: its group, its number, its packed length */
     FIXED = 8 * FZM1_DATA + 4,  /* packed: data, judgements, flow and format; then texts, each behind its length */
     TEXTS = 2 * FZM1_DATA,      /* comments, expressions */
     SCENE = FIXED + TEXTS * (1 + FZM1_TEXT), /* at most */
     SCENES_A_STEP = 8,
 };
 
-enum { IDLE, OWN, OTHERS, DATA, HEADER }; /* what is being written; DATA, HEADER: made safe */
+enum { IDLE, OWN, OTHERS, DATA, HEADER }; /* part that is being written; DATA, HEADER: being made safe */
 
 /* --- packing ------------------------------------------------------------------------------------------------------ */
 
@@ -43,7 +43,7 @@ static void pack_system(const fzm1_t *u, uint8_t *b)
     b[13] = u->scene_number;
 }
 
-/* Only what a user could have set: a record may come from anywhere. */
+/* Accepts only values that a user could have set: a record may come from anywhere. */
 static bool valid_settings(const fzm1_settings_t *s)
 {
     return s->fieldbus <= 1 && s->output_control <= 1 && s->output_repeat <= 1 && s->output_period >= 20 &&
@@ -73,7 +73,7 @@ static const char *text_of(const fzm1_scene_t *scene, unsigned int n)
     return n < FZM1_DATA ? scene->comment[n] : scene->expression[n - FZM1_DATA];
 }
 
-/* @return how long it is */
+/* @return its length */
 static uint16_t pack_scene(const fzm1_scene_t *scene, uint8_t *b)
 {
     uint8_t ng = 0;
@@ -132,7 +132,7 @@ static bool unpack_scene(fzm1_scene_t *scene, const uint8_t *b, uint16_t size)
 
 /* --- the record --------------------------------------------------------------------------------------------------- */
 
-/* The newest record, if this firmware can read it. 1 found, 0 none, -1 the memory does not answer, or there is none. */
+/* The newest record, if this firmware can read it. 1 found, 0 none, -1 there is no memory, or it does not respond. */
 static int8_t find_record(fzm1_t *u)
 {
     uint8_t layout;
@@ -160,7 +160,7 @@ typedef struct entry {
     uint8_t group, scene;
 } entry_t;
 
-/* The entry at `from`. 1 it is there, 0 the record ends, -1 the memory does not answer */
+/* The entry at `from`. 1 found, 0 the record ends, -1 the memory does not respond */
 static int read_entry(const ect_record_t *r, uint32_t from, entry_t *e)
 {
     uint8_t header[ENTRY];
@@ -174,7 +174,7 @@ static int read_entry(const ect_record_t *r, uint32_t from, entry_t *e)
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
 
-/* A scene that makes no sense is as from the factory. @return whether the memory answers */
+/* An invalid scene becomes the factory's. @return whether the memory responds */
 static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *scene)
 {
     uint8_t packed[SCENE];
@@ -185,7 +185,7 @@ static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *sc
     return true;
 }
 
-/* The next scene of a group at or behind `from`. 1 it is there, 0 there is none, -1 the memory does not answer */
+/* The next scene of a group at or behind `from`. 1 found, 0 none, -1 the memory does not respond */
 static int next_of_group(const fzm1_t *u, uint8_t group, uint32_t from, entry_t *e)
 {
     int there = u->record_found;
@@ -236,7 +236,7 @@ static void add_prepared(const fzm1_t *u, uint8_t group, fzm1_group_t *to)
     }
 }
 
-/* A scene of a group, of which some stand in memory. */
+/* A scene of a group, from memory or from the record. */
 static bool scene_of(fzm1_t *u, const fzm1_group_t *in, uint8_t group, uint8_t number, fzm1_scene_t *scene)
 {
     const fzm1_scene_t *found = fzm1_group_find(in, number);
@@ -299,8 +299,8 @@ static bool put_scene(ect_record_t *to, uint8_t group, uint8_t number, const uin
     return ect_record_put(to, header, ENTRY) && ect_record_put(to, packed, size);
 }
 
-/* The next scene of the current group in the record before, to be asked for each number. 1 it is there, 0 it is not
- * saved, -1 the memory does not answer, or the record is not in order */
+/* The scene of the current group in the record before; call with each number in order. 1 found, 0 not saved, -1 the
+ * memory does not respond, or the record is damaged */
 static int next_saved(fzm1_t *u, uint8_t number, entry_t *e)
 {
     fzm1_saving_t *s = &u->saving;
@@ -320,7 +320,7 @@ static const fzm1_scene_t *keep_written(fzm1_t *u)
     return &u->loading.places[0].content;
 }
 
-/* As it is to be saved. @return whether the memory answers */
+/* A scene as it will be saved. @return whether the memory responds */
 static bool own_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
 {
     entry_t e;
@@ -339,7 +339,7 @@ static bool own_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
     return saved >= 0;
 }
 
-/* Scenes of the current group. @return whether the memory has room and answers */
+/* Scenes of the current group. @return whether the memory has room and responds */
 static bool put_own(fzm1_t *u)
 {
     fzm1_saving_t *s = &u->saving;
@@ -360,7 +360,7 @@ static bool put_own(fzm1_t *u)
     return true;
 }
 
-/* Scenes of the other groups, as they were saved before. @return whether the memory has room and answers */
+/* Scenes of the other groups, as saved before. @return whether the memory has room and responds */
 static bool put_others(fzm1_t *u)
 {
     fzm1_saving_t *s = &u->saving;
@@ -392,7 +392,7 @@ static void end(fzm1_t *u, fzm1_why_t failure)
         u->saves++;
 }
 
-/* The whole is safe: it is what a group is loaded from. */
+/* The record is safe: groups are loaded from it from now on. */
 static void sealed(fzm1_t *u)
 {
     u->record = u->saving.to;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene: as it is from the factory, and what may stand in one. */
+/* A scene: the factory's, and the limits of its values. */
 #include <stddef.h>
 
 #include "devices/fzm1/instance.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What SDO writes ask for: the communication settings 2400h, Clear error 2401h. */
+/* SDO writes: the communication settings 2400h, Clear error 2401h. */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"

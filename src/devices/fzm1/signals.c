@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The user's side: settings, scene, plant and results by name, and what follows from setting them. */
+/* The user's side: settings, scene, plant and results by name, and the effect of setting them. */
 #include <string.h>
 
 #include "devices/fzm1/fzm1.h"
@@ -16,18 +16,19 @@ enum { CAUSE = 96 }; /* the longest */
 
 /* A scene, at `base` in the instance. */
 #define SCENE_DATA(base, n)                                                                                            \
-    W(base.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "what the scene measures as D" #n)
+    W(base.data[n - 1], "data" #n, REAL, -LARGEST, LARGEST, NULL, "measured value D" #n " of the scene")
 #define SCENE_COMMENT(base, n) W(base.comment[n - 1], "comment" #n, TEXT, 0, FZM1_TEXT, NULL, "comment on data " #n)
 #define SCENE_EXPRESSION(base, n)                                                                                      \
     W(base.expression[n - 1], "expression" #n, TEXT, 0, FZM1_TEXT, NULL,                                               \
       "data " #n " of D1 to D8, JG, JG0 to JG7, numbers, + - * / ( ); empty: D" #n)
 #define SCENE(base)                                                                                                    \
     EIGHT_OF(SCENE_DATA, base), W(base.units, "units", U8, 1, FZM1_UNITS, NULL, "processing units in the flow"),       \
-        W(base.output_unit, "output_unit", U8, 0, FZM1_UNITS - 1, NULL, "which of them is Fieldbus Data Output"),      \
+        W(base.output_unit, "output_unit", U8, 0, FZM1_UNITS - 1, NULL,                                                \
+          "number of the unit that is Fieldbus Data Output"),                                                          \
         JUDGEMENTS(base), W(base.format, "output_format", U8, 0, 1, NULL, "0 fixed point, 1 floating point"),          \
         EIGHT_OF(SCENE_EXPRESSION, base), EIGHT_OF(SCENE_COMMENT, base)
 #define JUDGEMENT(base, n)                                                                                             \
-    W(base.judgement[n], "judgement" #n, I16, -1, 1, NULL, "what unit " #n " will find: 1 OK, -1 NG")
+    W(base.judgement[n], "judgement" #n, I16, -1, 1, NULL, "judgement of unit " #n ": 1 OK, -1 NG")
 #define JUDGEMENTS(base)                                                                                               \
     JUDGEMENT(base, 0), JUDGEMENT(base, 1), JUDGEMENT(base, 2), JUDGEMENT(base, 3), JUDGEMENT(base, 4),                \
         JUDGEMENT(base, 5), JUDGEMENT(base, 6), JUDGEMENT(base, 7)
@@ -41,16 +42,15 @@ enum { CAUSE = 96 }; /* the longest */
 #define ROW(n)       W(plant.row.data[n - 1], "row" #n, REAL, -LARGEST, LARGEST, NULL, "data " #n " of the next row")
 #define RESULT(n)                                                                                                      \
     R(last.data[n - 1], "result" #n, REAL, -LARGEST - 1, LARGEST + 1, NULL, "data " #n " of the last measurement")
-#define OUTPUT(n)                                                                                                      \
-    R(output[n - 1], "output" #n, I32, INT32_MIN, INT32_MAX, NULL, "data " #n " as it stands in the output area")
-#define EIGHT(F) F(1), F(2), F(3), F(4), F(5), F(6), F(7), F(8)
+#define OUTPUT(n) R(output[n - 1], "output" #n, I32, INT32_MIN, INT32_MAX, NULL, "data " #n " in the output area")
+#define EIGHT(F)  F(1), F(2), F(3), F(4), F(5), F(6), F(7), F(8)
 
 static const ect_signal_t signals[] = {
     W(trigger, "trigger", BOOL, 0, 1, NULL, "writing 1 measures, as the rising edge of STEP does"),
     W(scene_number, "scene", U8, 0, FZM1_SCENES - 1, NULL, "current scene"),
     W(scene_group, "scene_group", U8, 0, FZM1_GROUPS - 1, NULL, "current scene group; begins with its scene 0"),
     W(plant.judgement, "judgement", I16, -1, 1, NULL,
-      "of all units, in the next measurements: 0 as they find, 1 OK, -1 NG"),
+      "of all units, in the next measurements: 0 each its own, 1 OK, -1 NG"),
     W(run, "run", BOOL, 0, 1, NULL, "RUN window shown; without it nothing is measured"),
     W(err, "err", BOOL, 0, 1, NULL, "controller error; writing sets or clears it"),
     W(plant.camera, "camera", U8, 0, 2, NULL, "0: 0.3, 1: 2, 2: 5 million pixels; 16, 4, 1 images may wait"),
@@ -58,40 +58,38 @@ static const ect_signal_t signals[] = {
 
     W(settings.fieldbus, "fieldbus", BOOL, 0, 1, NULL, "0 OFF, 1 EtherCAT; saved, from the next restart on"),
     W(settings.output_control, "output_control", U8, 0, 1, NULL, "0 None, 1 Handshaking"),
-    W(settings.output_period, "output_period", U16, 20, 50000, "0.1 ms", "None: from one output to the next"),
-    W(settings.output_time, "output_time", U16, 10, 10000, "0.1 ms", "None: how long GATE is on"),
+    W(settings.output_period, "output_period", U16, 20, 50000, "0.1 ms", "None: time from one output to the next"),
+    W(settings.output_time, "output_time", U16, 10, 10000, "0.1 ms", "None: time with GATE on"),
     W(settings.output_repeat, "output_repeat", BOOL, 0, 1, NULL,
       "None: the last result again when there is no new one"),
-    W(settings.timeout, "timeout", U16, 5, 1200, "0.1 s", "Handshaking: how long DSA may keep it waiting"),
-    W(settings.exe_timeout, "exe_timeout", U16, 0, 1200, "0.1 s", "how long EXE may stay on after FLG; 0: for ever"),
+    W(settings.timeout, "timeout", U16, 5, 1200, "0.1 s", "Handshaking: longest wait for DSA"),
+    W(settings.exe_timeout, "exe_timeout", U16, 0, 1200, "0.1 s", "longest time with EXE on after FLG; 0: no limit"),
 
     SCENE(scene),
     EIGHT(SOURCE),
     EIGHT(AMPLITUDE),
     EIGHT(PERIOD),
-    W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "of the random values; writing it begins them anew"),
+    W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "random seed; a write restarts the random values"),
     EIGHT(ROW),
-    W(plant.row.judgement, "row_judgement", I16, -1, 1, NULL, "judgement of the next row; 0 as the units find"),
+    W(plant.row.judgement, "row_judgement", I16, -1, 1, NULL, "judgement of the next row; 0: each unit its own"),
     W(plant.row.image_input_us, "row_image_input", U32, 0, FZM1_MINUTE_US, "us", "of the next row; 0 as set"),
     W(plant.row.processing_us, "row_processing", U32, 0, FZM1_MINUTE_US, "us", "of the next row; 0 as set"),
-    W(row_add, "row_add", BOOL, 0, 1, NULL,
-      "writing 1 adds what stands in the row_ signals and row1 to row8 to the table"),
+    W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds the row_ signals and row1 to row8 to the table as a row"),
     W(row_clear, "row_clear", BOOL, 0, 1, NULL, "writing 1 empties the table"),
-    R(plant.rows, "rows", U16, 0, FZM1_TABLE, NULL, "rows of the table; measurements go through them in a circle"),
+    R(plant.rows, "rows", U16, 0, FZM1_TABLE, NULL, "rows of the table; measurements use them in a loop"),
 
     W(plant.image_input_us, "image_input", U32, FZM1_SHORTEST_US, FZM1_MINUTE_US, "us",
-      "how long READY is off for a camera image"),
-    W(plant.processing_us, "processing", U32, FZM1_SHORTEST_US, FZM1_MINUTE_US, "us",
-      "how long the measurement of an image takes"),
-    W(plant.time_source, "time_source", U8, 0, 4, NULL, "these two: 0 as set, 3 random (normal), 4 from the table"),
+      "time with READY off for a camera image"),
+    W(plant.processing_us, "processing", U32, FZM1_SHORTEST_US, FZM1_MINUTE_US, "us", "time to measure an image"),
+    W(plant.time_source, "time_source", U8, 0, 4, NULL,
+      "image_input and processing: 0 as set, 3 random (normal), 4 from the table"),
     W(plant.image_input_spread_us, "image_input_spread", U32, 0, FZM1_MINUTE_US, "us", "standard deviation, if random"),
     W(plant.processing_spread_us, "processing_spread", U32, 0, FZM1_MINUTE_US, "us", "standard deviation, if random"),
     W(plant.command_us, "command_time", U32, 0, FZM1_MINUTE_US, "us", "from EXE to FLG"),
-    W(plant.switch_us, "switch_time", U32, 0, FZM1_MINUTE_US, "us",
-      "how long switching a scene or group keeps BUSY on"),
-    W(plant.start_ms, "start_time", U32, 1, 600000, "ms", "how long a restart keeps the slave off the bus"),
+    W(plant.switch_us, "switch_time", U32, 0, FZM1_MINUTE_US, "us", "time with BUSY on to switch a scene or group"),
+    W(plant.start_ms, "start_time", U32, 1, 600000, "ms", "time off the bus in a restart"),
     W(plant.sdo_abort, "sdo_abort", U32, 0, INT32_MAX, NULL, "abort code that refuses the next SDO request; 0 none"),
-    W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit: `saves` or `saves_failed` tells when it is safe"),
+    W(save, "save", BOOL, 0, 1, NULL, "writing 1 saves to the unit: `saves` or `saves_failed` counts at its end"),
     W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 restarts the controller"),
 
     R(exe_level, "exe", BOOL, 0, 1, NULL, "EXE, from the master"),
@@ -111,13 +109,13 @@ static const ect_signal_t signals[] = {
     R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands answered with -1"),
     R(refused.why, "command_refused_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one was"),
     R(saving_level, "saving", BOOL, 0, 1, NULL, "the unit is being saved"),
-    R(saves, "saves", U32, 0, INT32_MAX, NULL, "times that all was saved, and is safe"),
-    R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "times that it was not"),
-    R(save_failed.why, "save_failed_cause", DESCRIBED, 0, CAUSE, NULL, "why the last time"),
+    R(saves, "saves", U32, 0, INT32_MAX, NULL, "complete saves"),
+    R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "saves that failed"),
+    R(save_failed.why, "save_failed_cause", DESCRIBED, 0, CAUSE, NULL, "reason of the last failure"),
     R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
-    R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "times that data were output"),
-    R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results that no DSA came for, or that Clear took back"),
-    R(lost, "lost", U32, 0, INT32_MAX, NULL, "results that found 16 others waiting for output"),
+    R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "data output since power-on"),
+    R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results dropped without DSA or by Clear"),
+    R(lost, "lost", U32, 0, INT32_MAX, NULL, "results lost because 16 others waited for output"),
     R(image_count, "images", U8, 0, FZM1_IMAGES, NULL, "images that wait to be measured"),
     R(output_count, "pending", U8, 0, FZM1_OUTPUTS, NULL, "results that wait to be output"),
     R(last.overall, "overall", I16, -1, 1, NULL, "overall judgement of the last measurement, 0: none"),
@@ -127,11 +125,12 @@ static const ect_signal_t signals[] = {
 
 /* Any scene of any group, present or not: `group` and `scene` open it, the others change it at once. */
 static const ect_signal_t edit[] = {
-    W(plant.edit.group, "group", U8, 0, FZM1_GROUPS - 1, NULL, "group of the scene to look at and to change"),
-    W(plant.edit.scene, "scene", U8, 0, FZM1_SCENES - 1, NULL, "its number; writing group or scene reads it anew"),
+    W(plant.edit.group, "group", U8, 0, FZM1_GROUPS - 1, NULL, "group of the scene to read and to change"),
+    W(plant.edit.scene, "scene", U8, 0, FZM1_SCENES - 1, NULL,
+      "number of the scene; a write of group or scene opens it"),
     SCENE(plant.edit.content),
-    R(plant.prepared_count, "prepared", U16, 0, FZM1_PREPARED, NULL, "scenes that were changed here, and not saved"),
-    W(prepared_clear, "clear", BOOL, 0, 1, NULL, "writing 1 forgets them when their group is loaded again"),
+    R(plant.prepared_count, "prepared", U16, 0, FZM1_PREPARED, NULL, "scenes changed here and not saved"),
+    W(prepared_clear, "clear", BOOL, 0, 1, NULL, "writing 1 discards them when their group is loaded again"),
 };
 
 static const ect_signal_group_t groups[] = {

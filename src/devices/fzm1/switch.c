@@ -18,8 +18,7 @@ fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number)
     return FZM1_DONE;
 }
 
-/* As it was saved or prepared; what was changed in the old group and not saved is forgotten. The new one begins with
- * scene 0. */
+/* Loads a group as it was saved or prepared, and begins with its scene 0. Unsaved changes of the old group are lost. */
 fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number)
 {
     if (number >= FZM1_GROUPS)
@@ -43,7 +42,8 @@ static fzm1_why_t not_by_hand(const fzm1_t *u)
     return fzm1_saving(u) ? FZM1_WHY_SAVING : FZM1_DONE;
 }
 
-/* The new scene counts at once, so that what is set next is set in it; BUSY stays on for as long as switching takes. */
+/* The new scene is current at once, so that later settings are its own; BUSY stays on for as long as switching takes.
+ */
 fzm1_why_t fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number)
 {
     fzm1_why_t why = not_by_hand(u);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the cameras see, and how long they take: our model of it. */
+/* The model of the cameras: measured values, judgements, times. */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
@@ -31,7 +31,7 @@ static const fzm1_row_t *next_row(const fzm1_plant_t *p)
     return used && p->rows > 0 ? &p->table[p->shots % p->rows] : NULL;
 }
 
-/* `row`: what the table says, 0: nothing. */
+/* `row`: the table's value, 0: none. */
 static uint32_t time_us(fzm1_plant_t *p, uint32_t set, uint32_t spread, uint32_t row)
 {
     if (p->time_source == FZM1_SOURCE_TABLE)
@@ -57,7 +57,7 @@ uint64_t fzm1_processing_ns(fzm1_t *u, const fzm1_result_t *image)
     return time_us(p, p->processing_us, p->processing_spread_us, image->row_processing_us) * 1000ull;
 }
 
-/* A judgement of all, by hand or by the table, is that of each unit. */
+/* A judgement by hand or by the table is that of each unit. */
 static void judge(const fzm1_t *u, const fzm1_row_t *row, fzm1_result_t *result)
 {
     int16_t all = u->plant.judgement != 0 ? u->plant.judgement : row ? row->judgement : 0;
@@ -68,7 +68,7 @@ static void judge(const fzm1_t *u, const fzm1_row_t *row, fzm1_result_t *result)
     }
 }
 
-/* Within the limits of the FZ family's values (OM-C6); what is no number is 0. */
+/* Within the limits of the FZ family's values (OM-C6); NaN is 0. */
 static double limited(double value)
 {
     if (value > FZM1_LARGEST)
@@ -88,7 +88,7 @@ static void output_data(const fzm1_scene_t *scene, const fzm1_result_t *measured
     }
 }
 
-/* What an image shows is settled when it is taken, not when it is measured. */
+/* The content of an image is decided at its input, not at its measurement. */
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image)
 {
     fzm1_plant_t *p = &u->plant;

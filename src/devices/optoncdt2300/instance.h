@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * An optoNCDT 2300 in memory.
+ * The instance of an optoNCDT 2300.
  *
- * Each file knows only those below it; `optoncdt2300.c`, the description, knows none but through its tables:
+ * Each file includes only those below it; `optoncdt2300.c`, the description, reaches them through its tables:
  *
  *   signals.c   the plant: the user's side
- *   settings.c  what SDO writes ask for: user level, selection of measurements, measuring rate
- *   samples.c   which records an exchange holds
+ *   settings.c  SDO writes: user level, selection of measurements, measuring rate
+ *   samples.c   selection of the records of an exchange
  *   sensor.c    time: a record at each period of the measuring rate, or at each SYNC0
- *   keep.c      what is chosen of the last records
- *   record.c    what a record holds
- *   target.c    what the laser finds
+ *   keep.c      the selected values of the last records
+ *   record.c    the values of a record
+ *   target.c    the model of the target
  *
  * All times are nanoseconds of the caller's clock.
  */
@@ -24,7 +24,7 @@
 #include "seams/services.h"
 #include "seams/standard.h"
 
-/** What may stand in place of a distance (manual §9.2). */
+/** Errors in place of a distance (manual §9.2). */
 enum {
     OPTO_LASER_OFF = 0x7FFFFFF5,
     OPTO_TOO_WIDE = 0x7FFFFFF6,
@@ -60,8 +60,8 @@ enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 whole records; three buf
 enum { OPTO_ROOM = 3 * OPTO_LONGEST / 4 /* measurements that are kept: of three exchanges */ };
 
 /**
- * What takes memory and time: less in a firmware for a board (ECT_SMALL). Rows that a user may give, which are the
- * plant's; records that are taken in one call: who was away for longer finds the last ones.
+ * Memory and time, less of both in a firmware for a board (ECT_SMALL). OPTO_TABLE: rows of the plant's table.
+ * OPTO_MOST_RECORDS: records that one call takes; after a longer pause these are the last ones.
  */
 #ifdef ECT_SMALL
 enum { OPTO_TABLE = 1, OPTO_MOST_RECORDS = 100 };
@@ -73,17 +73,17 @@ enum { OPTO_USER = 0, OPTO_EXPERT = 1 };
 enum { OPTO_PASSWORD = 31 };
 enum { OPTO_FULL_POWER = 0, OPTO_REDUCED_POWER = 1, OPTO_NO_POWER = 2 };
 
-/** Where a surface is, on top of its distance; TABLE: instead. */
+/** Movement of a surface, added to its distance; TABLE replaces it. */
 enum { OPTO_SOURCE_FIXED, OPTO_SOURCE_RAMP, OPTO_SOURCE_SINE, OPTO_SOURCE_TABLE };
 
 enum { OPTO_ERROR_TEXT = 60 };
 
-/** One of each: a record, as 6065h shows it. */
+/** A record: one value each, as in 6065h. */
 typedef struct opto_record {
     int32_t value[OPTO_VALUES];
 } opto_record_t;
 
-/** What a user may have done to one surface. */
+/** Settings of one surface. */
 typedef struct opto_surface {
     uint8_t present;
     double distance; /* mm, from the start of the measuring range */
@@ -93,7 +93,7 @@ typedef struct opto_surface {
     double noise;       /* mm, standard deviation */
     double intensity;   /* % */
     uint8_t fault;      /* 0 none, or the last digit of the error: 6, 7, 8 */
-    uint64_t origin_ns; /* where ramp, sine and table begin */
+    uint64_t origin_ns; /* begin of ramp, sine and table */
 } opto_surface_t;
 
 typedef struct opto_row {
@@ -101,7 +101,7 @@ typedef struct opto_row {
     uint8_t present;
 } opto_row_t;
 
-/** What stands outside, and what the sensor keeps without power. */
+/** Surroundings, and the settings that outlast power. */
 typedef struct opto_plant {
     bool known;
     opto_surface_t surface[OPTO_SURFACES];
@@ -137,20 +137,20 @@ typedef struct opto {
 
     const ect_host_t *host;
     uint64_t start_ns;
-    uint64_t next_ns; /* when the next record is taken */
+    uint64_t next_ns; /* time of the next record */
     uint8_t al_state;
     bool synchronised;
     int32_t kept[OPTO_ROOM]; /* see keep.c */
-    uint64_t oldest;         /* record that stands there */
-    uint64_t taken;          /* records, also those that nobody could see any more */
-    uint64_t sent;           /* up to which the master has them */
-    uint64_t shown;          /* up to which they stand in the process data */
-    bool statistic;          /* minimum and maximum are some */
+    uint64_t oldest;         /* number of the record there */
+    uint64_t taken;          /* records, with those that no exchange could hold */
+    uint64_t sent;           /* records that the master has read */
+    uint64_t shown;          /* records up to those in the process data */
+    bool statistic;          /* minimum and maximum are valid */
     int32_t minimum, maximum;
 
     uint8_t user;
     uint8_t logout;
-    char login[OPTO_PASSWORD + 1]; /* as written, until they are looked at */
+    char login[OPTO_PASSWORD + 1]; /* as written, until the check */
     char password_old[OPTO_PASSWORD + 1], password_new[OPTO_PASSWORD + 1], password_repeat[OPTO_PASSWORD + 1];
 
     /* as signals */
@@ -161,7 +161,7 @@ typedef struct opto {
 } opto_t;
 
 /* settings.c */
-void opto_choose(opto_t *u); /* 1A00h becomes what 21B0h says, and so do records, from the last one on */
+void opto_choose(opto_t *u); /* updates 1A00h and the kept records to the selection in 21B0h, from the last record on */
 bool opto_is_rate(uint32_t hz);
 ect_reason_t opto_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void opto_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
@@ -175,14 +175,14 @@ void opto_inputs_read(void *instance, uint64_t now_ns);
 void opto_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t opto_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 uint64_t opto_tick(void *instance, uint64_t now_ns);
-/* Everything until now has happened. */
+/* Takes all records that are due. */
 void opto_advance(opto_t *u, uint64_t now_ns);
 void opto_new_rate(opto_t *u, uint64_t now_ns); /* the next record comes a period from now */
 
 /* keep.c */
-void opto_keep(opto_t *u);      /* u->record is one more */
-void opto_keep_anew(opto_t *u); /* another choice of the last one, and of those to come; the others are gone */
-/* What is chosen of a record that was taken; of the oldest one that there is, if it is gone. */
+void opto_keep(opto_t *u);      /* adds u->record */
+void opto_keep_anew(opto_t *u); /* after a new selection: keeps the last record alone */
+/* The selected values of a record; of the oldest one, if that record is gone. */
 const int32_t *opto_kept(opto_t *u, uint64_t number);
 
 /* record.c */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is chosen of the last records, in the order of 1A00h, side by side in a circle. There are as many as three of
- * the longest exchanges hold: few long records or many short ones. Another choice begins with the last record.
+ * The selected values of the last records, in the order of 1A00h, in a ring. It holds as much as three of the longest
+ * exchanges: few long records or many short ones. A new selection begins with the last record.
  */
 #include "devices/optoncdt2300/instance.h"
 
-/* Records that there is room for. */
+/* Number of records that the ring holds. */
 static uint32_t room(const opto_t *u)
 {
     return u->mapped > 0 ? (uint32_t)OPTO_ROOM / u->mapped : 1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an optoNCDT 2300 is to a master. States and CoE are A 7.2.5 and A 7.2.6; 1A00h, 2001h, 2005h, 603Fh, 6065h are
- * printed in the manual, 21B0h is named there; all other indices and sub-indices are ours.
+ * The description. States and CoE follow A 7.2.5 and A 7.2.6; the manual prints 1A00h, 2001h, 2005h, 603Fh, 6065h and
+ * names 21B0h; all other indices and sub-indices are ours.
  */
 #include "devices/optoncdt2300/optoncdt2300.h"
 

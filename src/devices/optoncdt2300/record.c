@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One measurement: what the laser found, and what follows from it. */
+/* One measurement: the peaks of the laser, and the values computed from them. */
 #include "devices/optoncdt2300/instance.h"
 
 enum { COUNTER = 0xFFFFFF, EXPOSURE = 0x1FFFF, NIBBLE = 0xF, ERROR_BITS = 4 };
@@ -23,7 +23,7 @@ static void count_in(opto_t *u, int32_t distance)
     u->statistic = true;
 }
 
-/* Why there is no distance, four bits a surface: the last digit of its error. */
+/* Reason of a missing distance, four bits a surface: the last digit of its error. */
 static int32_t state_of(const int32_t distance[OPTO_SURFACES])
 {
     int32_t state = 0;
@@ -34,7 +34,7 @@ static int32_t state_of(const int32_t distance[OPTO_SURFACES])
     return state;
 }
 
-/* In steps of 12.5 ns (§8.2.2); nobody exposes for longer than a period. */
+/* In steps of 12.5 ns (§8.2.2); the exposure ends with the period. */
 static int32_t exposure(const opto_t *u, uint64_t period_ns)
 {
     uint64_t ns = (uint64_t)(u->plant.exposure * 1000);

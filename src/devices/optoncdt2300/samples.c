@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Which records an exchange holds (A 7.6): as many as PDOs are assigned, the oldest first. */
+/* Selection of the records of an exchange (A 7.6): as many as assigned PDOs, the oldest first. */
 #include "devices/optoncdt2300/instance.h"
 #include "wire/bytes.h"
 
 /*
- * One: the last one. Several: those that follow what the master has, so that it gets each of them once, though it may
- * come a little early or late. When there are not as many, or it is so late that three times as many wait: the last
- * ones.
+ * One: the last record. Several: the records behind those that the master has read, so that it reads each once, though
+ * it may be early or late. With fewer records, or with three times as many waiting: the last ones.
  */
 void opto_inputs(void *instance, uint64_t now_ns)
 {
@@ -24,7 +23,7 @@ void opto_inputs_read(void *instance, uint64_t now_ns)
     u->sent = u->shown;
 }
 
-/* While there are fewer records than samples the first one stands there several times. */
+/* With fewer records than samples the first one is repeated. */
 void opto_inputs_packed(void *instance, unsigned int sm, uint8_t *image, uint16_t size)
 {
     opto_t *u = instance;

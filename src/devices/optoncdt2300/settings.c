@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What SDO writes ask for: who may, and what follows. */
+/* SDO writes: user level, and the effect of settings. */
 #include <string.h>
 
 #include "devices/optoncdt2300/instance.h"
@@ -61,7 +61,7 @@ static ect_reason_t check_user(const opto_t *u, uint8_t subindex, const void *da
     return right ? ECT_OK : ECT_REASON_STORE;
 }
 
-/* Old and new password have to be told for each change. */
+/* Each change needs the old and the new password. */
 static void change_password(opto_t *u)
 {
     memcpy(u->plant.password, u->password_new, sizeof u->plant.password);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The user's side: what is in front of the sensor and around it, and what the sensor says, by name. */
+/* The user's side by name: target and surroundings of the sensor, and its results. */
 #include <string.h>
 
 #include "devices/optoncdt2300/instance.h"
@@ -21,28 +21,28 @@ static const ect_signal_t signals[] = {
     W(plant.range, "range", REAL, 1, 500, "mm", "measuring range"),
     W(plant.exposure, "exposure", REAL, 0, 1310, "us", "exposure time; at most a period of the measuring rate"),
     W(plant.temperature, "temperature", REAL, -55, 127, "degC", "of the sensor"),
-    W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "of the noise; writing it begins it anew"),
+    W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "random seed of the noise; a write restarts the noise"),
     W(rate_hz, "rate", U32, 1500, 49140, "Hz", "measuring rate: 1500, 2500, 5000, 10000, 20000, 30000, 49140"),
     W(laser_power, "laser_power", U8, 0, 2, NULL, "0 full, 1 reduced: half the intensity, 2 off"),
-    W(plant.default_user, "default_user", U8, 0, 1, NULL, "who is logged in after power-on: 0 user, 1 expert"),
-    W(user, "user", U8, 0, 1, NULL, "who is logged in: 0 user, 1 expert"),
+    W(plant.default_user, "default_user", U8, 0, 1, NULL, "user level after power-on: 0 user, 1 expert"),
+    W(user, "user", U8, 0, 1, NULL, "user level: 0 user, 1 expert"),
     W(error_number, "error_number", U16, 0, UINT16_MAX, NULL, "sensor error, as in 603Fh"),
     W(error_text, "error_text", TEXT, 0, OPTO_ERROR_TEXT, NULL, "its description"),
-    W(statistic_reset, "statistic_reset", BOOL, 0, 1, NULL, "writing 1 begins minimum and maximum anew"),
+    W(statistic_reset, "statistic_reset", BOOL, 0, 1, NULL, "writing 1 resets minimum and maximum"),
     W(restart, "restart", BOOL, 0, 1, NULL, "writing 1 switches the sensor off and on again"),
 
     W(plant.row.distance[0], "row1", REAL, -FARTHEST, FARTHEST, "mm", "surface 1 in the next row of the table"),
     W(plant.row.distance[1], "row2", REAL, -FARTHEST, FARTHEST, "mm", "surface 2 in the next row"),
-    W(plant.row.present, "row_present", BOOL, 0, 1, NULL, "0: there is nothing in the next row"),
-    W(plant.row_time_us, "row_time", U32, 1, MINUTE_US, "us", "how long each row is in front of the sensor"),
-    W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds what stands in row1, row2, row_present to the table"),
+    W(plant.row.present, "row_present", BOOL, 0, 1, NULL, "0: no target in the next row"),
+    W(plant.row_time_us, "row_time", U32, 1, MINUTE_US, "us", "time of each row in front of the sensor"),
+    W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds row1, row2, row_present to the table as a row"),
     W(row_clear, "row_clear", BOOL, 0, 1, NULL, "writing 1 empties the table"),
-    R(plant.rows, "rows", U16, 0, OPTO_TABLE, NULL, "rows of the table; they go by in a circle"),
+    R(plant.rows, "rows", U16, 0, OPTO_TABLE, NULL, "rows of the table; they pass in a loop"),
 
     VALUE(DISTANCE_1, "distance1", "distance 1 of the last record, or its error, from 2147483637 on"),
     VALUE(DISTANCE_2, "distance2", "distance 2, or its error"),
-    R(why[0], "error1", TEXT, 0, OPTO_ERROR_TEXT, NULL, "why there is no distance 1"),
-    R(why[1], "error2", TEXT, 0, OPTO_ERROR_TEXT, NULL, "why there is no distance 2"),
+    R(why[0], "error1", TEXT, 0, OPTO_ERROR_TEXT, NULL, "reason of a missing distance 1"),
+    R(why[1], "error2", TEXT, 0, OPTO_ERROR_TEXT, NULL, "reason of a missing distance 2"),
     VALUE(DIFFERENCE, "difference", "distance 2 less distance 1"),
     VALUE(MINIMUM, "minimum", "the smallest distance 1 so far"),
     VALUE(MAXIMUM, "maximum", "the largest one"),
@@ -50,7 +50,7 @@ static const ect_signal_t signals[] = {
     COUNT(INTENSITY_1, "intensity1", NULL, "of surface 1, 0 to 1023"),
     COUNT(INTENSITY_2, "intensity2", NULL, "of surface 2"),
     COUNT(COUNTER, "counter", NULL, "number of the last record, modulo 2^24"),
-    COUNT(TIMESTAMP, "timestamp", "us", "when it was taken, from power-on"),
+    COUNT(TIMESTAMP, "timestamp", "us", "time of the last record, from power-on"),
     COUNT(STATE, "state", NULL, "last digit of the errors: bits 0 to 3 of distance 1, 4 to 7 of distance 2"),
     R(synchronised_level, "synchronised", BOOL, 0, 1, NULL, "records are taken at SYNC0"),
     R(assigned, "samples", U8, 0, OPTO_SAMPLES, NULL, "records in an exchange"),
@@ -59,11 +59,11 @@ static const ect_signal_t signals[] = {
 static const ect_signal_t surface[] = {
     S(present, "present", BOOL, 0, 1, NULL, "the laser meets this surface"),
     S(distance, "distance", REAL, -FARTHEST, FARTHEST, "mm", "from the start of the measuring range"),
-    S(source, "source", U8, 0, 3, NULL, "0 as it is, plus 1 ramp, 2 sine; 3 from the table; writing it begins there"),
+    S(source, "source", U8, 0, 3, NULL, "0 fixed, 1 plus ramp, 2 plus sine; 3 from the table; a write starts it"),
     S(amplitude, "amplitude", REAL, -FARTHEST, FARTHEST, "mm", "of ramp and sine"),
     S(period_us, "period", U32, 1, MINUTE_US, "us", "of ramp and sine"),
     S(noise, "noise", REAL, 0, 100, "mm", "standard deviation of each record"),
-    S(intensity, "intensity", REAL, 0, 100, "%", "of the light that comes back; 0: no peak"),
+    S(intensity, "intensity", REAL, 0, 100, "%", "of the reflected light; 0: no peak"),
     S(fault, "fault", U8, 0, 8, NULL, "0 none, 6 peak too wide, 7 cannot be evaluated, 8 cannot be calculated"),
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the laser finds: our model of what stands in front of the sensor. */
+/* The model of the target in front of the sensor. */
 #include <string.h>
 
 #include "devices/optoncdt2300/instance.h"
@@ -7,7 +7,7 @@
 #include "seams/wave.h"
 
 #define NM_IN_A_MM 1e6
-#define FARTHEST   2147.0 /* mm: what fits into the value (§9.2) */
+#define FARTHEST   2147.0 /* mm: the limit of the value (§9.2) */
 #define BRIGHTEST  1023.0
 
 void opto_default_plant(opto_plant_t *p)
@@ -27,7 +27,7 @@ void opto_default_plant(opto_plant_t *p)
             .present = n == 0, .distance = n == 0 ? 10 : 12, .amplitude = 1, .period_us = 1000000, .intensity = 50};
 }
 
-/* How far a ramp or a sine is: 0 to 1. */
+/* Phase of a ramp or a sine: 0 to 1. */
 static double phase(const opto_surface_t *s, uint64_t at_ns)
 {
     uint64_t period_ns = s->period_us * 1000ull;
@@ -42,7 +42,7 @@ static const opto_row_t *row_at(const opto_plant_t *p, const opto_surface_t *s, 
     return p->rows > 0 ? &p->table[since_ns / (p->row_time_us * 1000ull) % p->rows] : NULL;
 }
 
-/* Where the surface is, in mm. @return false: there is none */
+/* Distance of the surface in mm. @return false: there is none */
 static bool position(const opto_plant_t *p, unsigned int n, uint64_t at_ns, double *mm)
 {
     const opto_surface_t *s = &p->surface[n];
@@ -63,7 +63,7 @@ static int32_t nanometres(double mm)
     return (int32_t)(nm < 0 ? nm - 0.5 : nm + 0.5);
 }
 
-/* A value, or why there is none. */
+/* A value, or the error in its place. */
 static int32_t evaluate(const opto_t *u, const opto_surface_t *s, double mm)
 {
     if (s->fault != 0)
@@ -75,8 +75,7 @@ static int32_t evaluate(const opto_t *u, const opto_surface_t *s, double mm)
     return nanometres(mm);
 }
 
-/* The noise goes on while nothing is seen: values are the same ones for the same seed, whatever was hidden meanwhile.
- */
+/* The noise continues without a target: the values of a seed do not depend on hidden surfaces. */
 opto_peak_t opto_find_peak(opto_t *u, unsigned int n, uint64_t at_ns)
 {
     const opto_surface_t *s = &u->plant.surface[n];
