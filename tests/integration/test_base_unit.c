@@ -124,7 +124,7 @@ static void counters(void **state)
     assert_true(soem_until(&master, acknowledged, 1000));
 }
 
-/* What the master writes at an offset is what 2002h and 2003h show: the image is TS-0007's, byte for byte. */
+/* 2002h and 2003h show the bytes that the master writes at an offset: the image is TS-0007's, byte for byte. */
 static void output_offsets(void **state)
 {
     static const struct {
@@ -294,7 +294,7 @@ int main(int argc, char **argv)
         TEST("CF-033: every transition up and down", up_and_down),
         TEST("ECL-011 ECL-012: by position and station to OP, then 1000 logical cycles, none lost", no_lost_frames),
         TEST("ECL-020 ECL-024 ECL-025: PCI counts, PCO and CCO are acknowledged", counters),
-        TEST("ECL-050..055: outputs stand at TS-0007's offsets", output_offsets),
+        TEST("ECL-050..055: outputs are at TS-0007's offsets", output_offsets),
         TEST("CF-034 CF-035: wrong state requests are refused with 0x0011, 0x0012, 0x0013", wrong_requests),
         TEST("CF-036 CF-037: wrong SM lengths are refused with 0x0016, 0x001D, 0x001E", wrong_lengths),
         TEST("CF-067 CF-073 CF-076: every object is described and readable, singly and as a whole", every_object),

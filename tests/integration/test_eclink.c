@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What TS-0007 demands of a base unit, seen by SOEM on the wire and in real time, the operator played through the
+ * The requirements of TS-0007, tested by SOEM on the wire and in real time; the test plays the operator through the
  * control socket.  usage: test_eclink IFACE map1|map3|map7|multiarm [TEST]
  *
- * The machine controller is the example's (examples/controller). Nothing here asserts wall-clock time: time-outs have
+ * The machine controller is the example's (examples/controller). Nothing here asserts wall-clock time: timeouts have
  * to come, and the unit's own PCI (125 ms) bounds them; that they come to the millisecond is
  * tests/unit/test_eclink_*.c.
  */
@@ -248,7 +248,7 @@ static void watchdog(void **state)
     AWAIT(in[22] == 0x10 && in[26] == 1);
 }
 
-/* Input Only, and the controller's program has died: nothing is read any more, and nobody leaves OP. */
+/* Input Only, and the controller's program has died: no read comes any more, and the unit stays in OP. */
 static void inputs_not_read(void **state)
 {
     (void)state;
@@ -261,7 +261,7 @@ static void inputs_not_read(void **state)
     assert_int_equal(plant_number("bu.es_link"), 0);
     long long pci = plant_number("bu.pci");
     for (int tries = 0; tries < 200 && plant_number("bu.pci") == pci; tries++)
-        osal_usleep(10000); /* until the input data say so too */
+        osal_usleep(10000); /* until the input data have it too */
     AWAIT(in[22] == 0x02 && in[26] == 2);
     AWAIT(in[22] == 0x11 && in[26] == 1);
     assert_string_equal(plant_get("bu.message"), "");
@@ -269,7 +269,7 @@ static void inputs_not_read(void **state)
     assert_int_equal(master.slaves[1].state, EC_STATE_OPERATIONAL);
 }
 
-/* The bus runs, the unit does not: only PCI tells. */
+/* The bus runs, the unit does not: only PCI shows it. */
 static void frozen(void **state)
 {
     (void)state;
@@ -463,7 +463,7 @@ static void fields(void **state)
     plant_set_all("ru1.id=1 ru1.cable=0");
 }
 
-/* What is fitted, its least and largest value; one beyond them is refused. */
+/* Each equipment, its least and largest value; one beyond them is refused. */
 static void switches(void **state)
 {
     static const struct {
@@ -613,7 +613,7 @@ static void commands_both_ways(void **state)
     assert_string_equal(plant_get("ru1.received"), "a2000000000000000000000000000000");
 }
 
-/* CAI acknowledges what the unit has processed: counters say what no remote has received. */
+/* CAI acknowledges processed commands: counters show those that no remote has received. */
 static void nobody_receives(void **state)
 {
     (void)state;
@@ -628,7 +628,7 @@ static void nobody_receives(void **state)
     assert_int_equal(plant_number("bu.commands_unknown") - unknown, 1);
 }
 
-/* C-Link without signal: byte 36 says what arming says. */
+/* C-Link without signal: byte 36 and arming agree. */
 static void no_signal(void **state)
 {
     (void)state;
@@ -726,7 +726,7 @@ static void lamps(void **state)
 static const struct CMUnitTest map1_tests[] = {
     POWER_ON("ECL-018 ECL-058: Input Only is in order as soon as data flow, without any duty", from_power_on),
     POWER_ON("ECL-020 ECL-021: PCI counts from 255 to 0", pci_wraps),
-    TEST("ECL-018 ECL-029 ECL-066: inputs that nobody reads for 2000 ms: No Data, ES-Link open, and back",
+    TEST("ECL-018 ECL-029 ECL-066: inputs that no master reads for 2000 ms: No Data, ES-Link open, and back",
          inputs_not_read),
     TEST("ECL-002 ECL-022 ECL-069: Disabled no slave answers, and the controller goes to its safe state", disabled),
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What Q179 demands of an FZM1, seen by SOEM on the wire and in real time, the plant played through the control socket.
+ * The requirements of Q179, tested by SOEM on the wire and in real time; the test plays the plant through the control
+ * socket.
  * usage: test_fzm1 IFACE [TEST]
  *
  * The PLC is the example's (examples/plc). That times are kept to the microsecond is tests/unit/test_fzm1_*.c; here
@@ -261,7 +262,7 @@ static unsigned int sync_counter(uint8 subindex)
     return etohs(value);
 }
 
-/* Nobody keeps SYNC0 and these cycles together, and the sensor's oscillator is wrong: they slide over each other. */
+/* SYNC0 and these cycles are not synchronised, and the sensor's oscillator is wrong: they slide over each other. */
 static void await_sync_events(void)
 {
     for (int left = PATIENCE; left > 0 && sync_counter(11) + sync_counter(12) == 0; left -= 20) {
@@ -532,7 +533,7 @@ static void no_dsa(void **state)
     AWAIT(data_count == 1);
 }
 
-/* Nobody fetches: sixteen results wait, one more is lost, and commands are answered all the same. */
+/* Without DSA sixteen results wait, one more is lost, and commands still get their responses. */
 static void full_queue(void **state)
 {
     (void)state;
@@ -558,7 +559,7 @@ static void full_queue(void **state)
     assert_int_equal(plant_number("pending"), 0);
 }
 
-/* A result waits, and DSA is on when OP begins: no request, and no time-out before OP. */
+/* A result waits, and DSA is on when OP begins: no request, and no timeout before OP. */
 static void dsa_when_op_begins(void **state)
 {
     (void)state;
@@ -642,7 +643,7 @@ static void held_up(void **state)
     assert_in_range(cycles, 1, 100);
 }
 
-/* EXE that comes while BUSY gets no FLG, and -1 is an answer: both are told with their causes. */
+/* EXE while BUSY gets no FLG, and -1 is a response: both are counted, with their causes. */
 static void why_not(void **state)
 {
     (void)state;
@@ -792,7 +793,7 @@ int main(int argc, char **argv)
         TEST("FZM-043 FZM-044 FZM-069: commands against triggers at the sensor: each has its answer at last",
              trigger_against_commands),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA: time-out and ERR, and back", no_dsa),
-        TEST("FZM-040 FZM-062: EXE that begins nothing and -1 are told, with their causes", why_not),
+        TEST("FZM-040 FZM-062: EXE that begins nothing and -1 are counted, with their causes", why_not),
         TEST("FZM-030 FZM-044 FZM-058 FZM-059: a scene prepared before, with an expression; BUSY when switched by hand",
              scenes),
         TEST("FZM-075: handshakes in cycles as fast as they get", fast_cycles),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What A 7.2.5, A 7.2.6 and public pages of the manual demand of an optoNCDT 2300, seen by SOEM on the wire and in real
- * time, the plant played through the control socket.
- * usage: test_optoncdt IFACE [TEST [no-plant]]     no-plant: a board, where nobody plays; it is as at power-on
+ * The requirements of A 7.2.5, A 7.2.6 and public pages of the manual, tested by SOEM on the wire and in real time; the
+ * test plays the plant through the control socket.
+ * usage: test_optoncdt IFACE [TEST [no-plant]]     no-plant: a board, without signals; it is as at power-on
  */
 #define _DEFAULT_SOURCE
 #include <stdio.h>
@@ -156,7 +156,7 @@ static void states(void **state)
     assert_int_equal(read_number(0x1018, 1, &vendor), 0);
 }
 
-/* SM2 is unused: SOEM leaves it off, and its type says so. SM3 as it is not described is refused. */
+/* SM2 is unused: SOEM leaves it off because of its type. SM3 with another configuration than described is refused. */
 static void sync_managers(void **state)
 {
     (void)state;
@@ -389,7 +389,7 @@ int main(int argc, char **argv)
 #define O(title, function) {title, function, open_operational, close_master, NULL}
     const struct CMUnitTest tests[] = {
         M("OPT-001 OPT-002 OPT-003 OPT-005 OPT-006: what goes in INIT, PREOP, SAFEOP and OP", states),
-        M("OPT-004 OPT-009: SM3 as the mapping says, SM2 unused (public manual, p. 151)", sync_managers),
+        M("OPT-004 OPT-009: SM3 as long as the mapping, SM2 unused (public manual, p. 151)", sync_managers),
         M("OPT-007 OPT-008 OPT-012: the object directory (public manual, pp. 157, 161, 172)", every_object),
         E("OPT-010 OPT-011: 1A00h by default, and as chosen in 21B0h (public manual, pp. 153, 157)", mapping),
         M("OPT-014: settings are the expert's (public manual, pp. 131, 161)", user_level),

@@ -100,7 +100,7 @@ static void start(rig_t *r, const ect_device_t *device, unsigned int on)
     run(r, 20 * MS);
 }
 
-/* Sixteen bytes that say which command it is. */
+/* Sixteen bytes that identify the command. */
 static void content(unsigned int serial, uint8_t data[BYTES])
 {
     for (unsigned int i = 0; i < BYTES; i++)
@@ -298,7 +298,7 @@ static void waits_for_the_controller(void **state)
     wire_close(&r.w);
 }
 
-/* A command stands unacknowledged when the controller goes away and comes back, with its old CAO or a fresh one. */
+/* A command is not acknowledged when the controller goes away and comes back, with its old CAO or a fresh one. */
 static void controller_back_with_cao(void **state)
 {
     static const struct {
@@ -723,7 +723,7 @@ static void controller_acts(soak_t *s)
     }
 }
 
-/* What the model makes of outputs that have arrived. */
+/* Updates the model with outputs that have arrived. */
 static void outputs_arrived(soak_t *s)
 {
     uint16_t id = ect_load_be16(s->r.out + TO_RU);
@@ -814,9 +814,8 @@ static void soak(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST(
-            "ECL-023 ECL-026 ECL-027 ECL-003: a command stands in the input data with CCI + 1, id big-endian, 16 bytes",
-            from_a_remote),
+        TEST("ECL-023 ECL-026 ECL-027 ECL-003: a command is in the input data with CCI + 1, id big-endian, 16 bytes",
+             from_a_remote),
         TEST("ECL-060 EC-C7 EC-C8: commands go both ways whether the remote is armed, disarmed, or another is armed",
              regardless_of_arming),
         TEST(
@@ -845,7 +844,7 @@ int main(int argc, char **argv)
              room_for_the_waiting),
         TEST("ECL-025 ECL-050: a command that waits is neither lost nor repeated when the controller comes back",
              waiting_over_an_interruption),
-        TEST("ECL-003 ECL-051: commands to an id that nobody has are counted", ids_that_nobody_has),
+        TEST("ECL-003 ECL-051: commands to an id that no remote has are counted", ids_that_nobody_has),
         TEST("ECL-050: a controller that comes back brings a command only with the old CCO plus one",
              controller_back_with_cco),
         TEST("ECL-050: after power-on CCO is 0: 1 in the first outputs is a command, another value only the start",

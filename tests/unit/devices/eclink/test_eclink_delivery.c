@@ -111,7 +111,7 @@ static const struct start {
     {"a PLC that begins at 0", 5, 0, 1, 0},
     {"two commands ahead", 5, 7, 1, 0},
     {"a PLC that begins at 1 on a fresh unit", 0, 1, 0, 1},
-    {"the phantom: a PLC that begins at 0 sends nothing, the unit stands at 255", 255, 0, 0, 1},
+    {"the phantom: a PLC that begins at 0 sends nothing, the unit is at 255", 255, 0, 0, 1},
 };
 
 static void first_outputs(void **state)

@@ -467,7 +467,7 @@ static void fallback_is_a_matter_of_each_remote(void **state)
     wire_close(&r.w);
 }
 
-/* What waits for a remote on fallback is gone with it: commands and a set of periodic data. */
+/* A lost remote on fallback loses its waiting commands and its set of periodic data. */
 static void nothing_waits_for_the_lost(void **state)
 {
     (void)state;
@@ -491,7 +491,7 @@ static void nothing_waits_for_the_lost(void **state)
     wire_close(&r.w);
 }
 
-/* What a remote wanted to say on fallback before it was lost holds nothing up when it is back. */
+/* Commands that a remote sent on fallback before it was lost delay nothing when it is back. */
 static void lost_on_fallback(void **state)
 {
     (void)state;
@@ -521,7 +521,7 @@ int main(int argc, char **argv)
              "fallback",
              c_link_has_one_truth),
         TEST("ECL-033: on cable C-Link is operational without VLAP and signal", cable_needs_no_c_link),
-        TEST("ECL-031: the number of VLAPs is told", vlaps_are_told),
+        TEST("ECL-031: the input data have the number of VLAPs", vlaps_are_told),
         TEST("ECL-033 ECL-064 ECL-065: an armed remote without G-Link is on fallback, without VLAP it is lost",
              armed_falls_back),
         TEST("ECL-064 ECL-065 ECL-032: armed remotes have a VLAP of their own, the others share what is left",

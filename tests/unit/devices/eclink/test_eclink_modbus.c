@@ -133,7 +133,7 @@ static void only_outputs_can_be_written(void **state)
         {"inputs as holding registers", HOLDING, MIRROR, 1, {2, 2, 2, 2}},
         {"discrete inputs", DISCRETE, 0, 1, {2, 2, 2, 2}},
         {"input registers", INPUT, 0, 1, {2, 2, 2, 2}},
-        {"what nobody has", HOLDING, 65535, 1, {2, 2, 2, 2}},
+        {"no table has it", HOLDING, 65535, 1, {2, 2, 2, 2}},
         {"beyond the last address", HOLDING, 65535, 2, {2, 2, 2, 2}},
     };
     (void)state;
@@ -540,11 +540,11 @@ static void both_read_in_input_only(void **state)
     bu_run(&r, 100 * MS);
     work(&r, 10 * MS);
     wire_advance(&r.w, 2000 * MS);
-    bu_expect(&r, "in OP, and nobody reads", LINK_ERROR, NO_LINK);
+    bu_expect(&r, "in OP, and no read", LINK_ERROR, NO_LINK);
     wire_close(&r.w);
 }
 
-/* --- nobody there ------------------------------------------------------------------------------------------------- */
+/* --- no reply ----------------------------------------------------------------------------------------------------- */
 
 static void disabled_and_hung(void **state)
 {
@@ -628,8 +628,8 @@ int main(int argc, char **argv)
              "last request it is not",
              modbus_has_it),
         TEST("Both sides, Input Only: both may read, and one of them is enough", both_read_in_input_only),
-        TEST("ECL-002: nobody answers over Modbus in mode Disabled, or while the unit hangs", disabled_and_hung),
-        TEST("After a power cycle the outputs are zero and the controller begins anew", power_cycle),
+        TEST("ECL-002: no reply over Modbus in mode Disabled, or while the unit hangs", disabled_and_hung),
+        TEST("After a power cycle the outputs are zero and the controller starts again", power_cycle),
         TEST("ECL-070: the base units have a Modbus side with four connections, the other products none",
              others_have_none),
     };

@@ -95,7 +95,7 @@ static unsigned int blocks_of(unsigned int size)
     return size / BLOCK_BYTES + (size % BLOCK_BYTES != 0 ? 1 : 0);
 }
 
-/* One block of a set, announced by PCO. What follows the set's last byte in the block is not part of it. */
+/* One block of a set, announced by PCO. Bytes behind the set's last byte are not part of it. */
 static void give_block(rig_t *r, const uint8_t *bytes, unsigned int size, unsigned int block)
 {
     ect_store_be16(r->out + SIZE, (uint16_t)size);
@@ -116,7 +116,7 @@ static void expect_set(rig_t *r, const char *when, const uint8_t *bytes, unsigne
                  number(r, "bu.periodic_check"), number(r, "bu.periodic_errors"));
     ect_bulk_t shown = ect_chain_bulk(r->w.chain, 0);
     if (size > 0 && (shown.size != size || !shown.data || memcmp(shown.data, bytes, size) != 0))
-        fail_msg("%s: what can be looked at is not the set of %u bytes that is counted", when, size);
+        fail_msg("%s: the set that can be read is not that of %u bytes that is counted", when, size);
 }
 
 static uint8_t *new_set(unsigned int number_of_set)
@@ -420,7 +420,7 @@ static void lost_last_block(void **state)
     wire_close(&r.w);
 }
 
-/* The outputs stand ready when OP is entered: the first block of the first set, or one from the middle. */
+/* The outputs are ready when OP is entered: the first block of the first set, or one from the middle. */
 static void first_outputs(void **state)
 {
     (void)state;
@@ -454,7 +454,7 @@ static void first_outputs(void **state)
 /* Blocks of sets a, b, c of 600 bytes, as "a0 b1 ..."; what becomes of them. */
 static const struct sequence {
     const char *blocks;
-    char last; /* the set that stands at the end, 0 none */
+    char last; /* the complete set at the end, 0 none */
     unsigned int sets, unfinished, lost, skipped;
 } sequences[] = {
     {"a0 a1 a2", 'a', 1, 0, 0, 0},        {"a0 a2 a1", 'a', 1, 0, 0, 0},
@@ -608,7 +608,7 @@ static void pao_and_spares_do_not_matter(void **state)
     wire_close(&r.w);
 }
 
-/* A board that has no memory for them: sets are counted, and nobody sees what is in them. */
+/* A board without memory for sets counts them and keeps no content. */
 static void without_a_buffer(void **state)
 {
     (void)state;
@@ -687,13 +687,13 @@ int main(int argc, char **argv)
         TEST("ECL-049 ECL-059: only PCO makes a block count", without_pco_nothing),
         TEST("ECL-059: a repeated block counts once, and its newer bytes are taken", repeated_blocks),
         TEST("ECL-054 ECL-059: another size in the middle begins another set", size_changes_in_the_middle),
-        TEST("ECL-054 ECL-059: after another size in between the first set begins anew", size_changes_and_returns),
+        TEST("ECL-054 ECL-059: after another size in between the first set starts again", size_changes_and_returns),
         TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored",
              impossible),
         TEST("ECL-054 ECL-059: a block of another size ends the set that is coming in", block_of_another_size),
-        TEST("ECL-054 ECL-059: the size of the set that is coming in and its missing blocks are told",
+        TEST("ECL-054 ECL-059: signals show the size of the set that is being assembled and its missing blocks",
              what_is_coming_in),
-        TEST("ECL-059: the old set stands until the new one is complete", hand_over_is_atomic),
+        TEST("ECL-059: the old set stays until the new one is complete", hand_over_is_atomic),
         TEST("ECL-059: an interrupted exchange never completes a set with blocks from before it", interrupted_exchange),
         TEST("ECL-059: when the last block of a set is lost, the next set is shown whole", lost_last_block),
         TEST("ECL-024 ECL-059: the first outputs are taken when they hold block 0, else the next set is the first",

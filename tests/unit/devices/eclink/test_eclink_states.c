@@ -525,7 +525,7 @@ int main(int argc, char **argv)
              disabled_alone),
         TEST("ECL-002: a disabled unit in a chain is gone with all behind it", disabled_in_a_chain),
         TEST("ECL-002: the unit before a disabled one shows no link at that port", neighbour_sees_no_link),
-        TEST("ECL-028 ECL-068: power is cycled: Initial, counters 0, nothing armed; what stands outside stays",
+        TEST("ECL-028 ECL-068: power is cycled: Initial, counters 0, nothing armed; the surroundings stay",
              power_is_cycled),
         TEST("ECL-002: a disabled unit is disabled after a restart too", restart_of_a_disabled_unit),
         TEST("ECL-020 ECL-021: PCI counts exactly every 125 ms, from 255 to 0", pci_rhythm),

@@ -435,7 +435,7 @@ static void inputs_never_read(void **state)
     wire_close(&r.w);
 }
 
-/* With outputs the watchdog tells; only writing, never reading, is the controller's own affair. */
+/* With outputs the watchdog supervises the controller; a controller that writes and never reads is in order. */
 static void reading_is_no_duty_with_outputs(void **state)
 {
     (void)state;

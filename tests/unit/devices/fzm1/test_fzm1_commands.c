@@ -31,7 +31,7 @@ static void measure(void)
     (void)sensor_until(&s, FZM1_BUSY, 0);
 }
 
-/* What is asked in turn, from power-on with data1 = 1.5 and data8 = -2.0005 in unit 3, measured once. */
+/* Commands in turn, from power-on with data1 = 1.5 and data8 = -2.0005 in unit 3, measured once. */
 static void every_command(void **state)
 {
     static const struct {
@@ -432,7 +432,7 @@ static void scene_by_hand(void **state)
     signal_set(&s.w, "scene", "12");
     signal_set(&s.w, "data1", "12"); /* the new scene's already */
     sensor_expect(&s, "switching by hand", FZM1_BUSY | FZM1_READY, FZM1_BUSY);
-    signal_set(&s.w, "scene_group", "3"); /* another one at once: it begins anew */
+    signal_set(&s.w, "scene_group", "3"); /* another one at once: BUSY starts again */
     signal_set(&s.w, "scene_group", "0");
     signal_set(&s.w, "scene", "12");
     signal_set(&s.w, "data1", "12");

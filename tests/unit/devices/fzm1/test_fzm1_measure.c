@@ -257,7 +257,7 @@ static void continuous_after_step(void **state)
     assert_int_equal(measurements(), 2);
 }
 
-/* Nobody polls for a second: all images were measured meanwhile, and each result still gets a GATE that can be seen. */
+/* A second without polls: all images were measured meanwhile, and each result still gets a GATE that can be seen. */
 static void late_polls(void **state)
 {
     (void)state;
@@ -315,7 +315,7 @@ static void overall_judgement(void **state)
     }
 }
 
-/* What unit data 0 of each unit says, and OR, when all are overruled by hand or by a row of the table. */
+/* Unit data 0 of each unit, and OR, when all are overridden by hand or by a row of the table. */
 static void judgement_of_all(void **state)
 {
     static const char *const ways[][2] = {{"judgement", "-1"}, {"judgement", "1"}, {"row", "-1"}, {"row", "1"}};
@@ -434,7 +434,7 @@ static void table(void **state)
     assert_true(measure("result2") == 0);
 }
 
-/* What an expression is, of D1 to D8 = 10, 20, ..., units 0 to 2 OK, unit 3 NG; NULL: it is none. */
+/* Values of expressions with D1 to D8 = 10, 20, ..., units 0 to 2 OK, unit 3 NG; NULL: invalid. */
 static void expressions(void **state)
 {
     static const struct {
@@ -501,7 +501,7 @@ static void expressions(void **state)
     assert_int_equal(signal_number(&s.w, "result2"), 20);
 }
 
-/* What stands in the output area and in unit data when an expression is a judgement: a thousandfold of 1 or -1. */
+/* Output area and unit data of an expression that is a judgement: a thousandfold of 1 or -1. */
 static void judgement_as_data(void **state)
 {
     int32_t data = 0;
@@ -647,7 +647,7 @@ int main(int argc, char **argv)
         TEST("FZM-046: STEP while READY is off is not accepted, then or later", not_ready),
         TEST("FZM-004 FZM-063: levels with which OP begins are no edges", level_at_start),
         TEST("FZM-041 FZM-046: each STEP that measures nothing is counted, with its cause", why_no_step),
-        TEST("FZM-067: 16, 4 or 1 images may wait, by camera; READY says so", queue),
+        TEST("FZM-067: 16, 4 or 1 images may wait, by camera; READY shows it", queue),
         TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
         TEST("FZM-067: pending images are measured in their order, with what they showed", order),
         TEST("FZM-053 FZM-054 FZM-050 OM-C7: continuous measurement from Start to End", continuous),

@@ -115,7 +115,7 @@ static void format_by_command(void **state)
     memcpy(&bits, &single, sizeof bits);
     assert_int_equal(sensor_data(&s, 1), bits);
     assert_int_equal(sensor_command(&s, FZM1_SET_UNIT_DATA, 3, 150, 0, NULL), 0);
-    assert_int_equal(sensor_data(&s, 1), bits); /* what stands there stays */
+    assert_int_equal(sensor_data(&s, 1), bits); /* the area keeps its content */
 }
 
 /* --- without handshaking ------------------------------------------------------------------------------------------ */
@@ -296,9 +296,9 @@ static void timeout(void **state)
         long long discarded = signal_number(&s.w, "discarded");
         measure(1);
         sensor_wait(&s, rows[i].ns - 1);
-        sensor_expect(&s, "just before the time-out", FZM1_ERR, 0);
+        sensor_expect(&s, "just before the timeout", FZM1_ERR, 0);
         sensor_wait(&s, 1);
-        sensor_expect(&s, "time-out", FZM1_ERR | FZM1_GATE, FZM1_ERR);
+        sensor_expect(&s, "timeout", FZM1_ERR | FZM1_GATE, FZM1_ERR);
         expect_cause("DSA did not come");
         assert_int_equal(signal_number(&s.w, "discarded"), discarded + 1);
         assert_int_equal(signal_number(&s.w, "pending"), 0);
@@ -435,7 +435,7 @@ static void clear_takes_back(void **state)
     assert_int_equal(sensor_data(&s, 1), 3000);
 }
 
-/* Several causes at a time: each is told, and each ends by its own. */
+/* Several causes at a time: each is listed, and each ends on its own. */
 static void causes_together(void **state)
 {
     (void)state;
@@ -455,7 +455,7 @@ static void causes_together(void **state)
     expect_cause("");
 }
 
-/* Outputs that stand there when OP begins ask for nothing, and without OP nobody can be late. */
+/* Outputs from before OP are no request, and no timeout runs without OP. */
 static void dsa_level_at_start(void **state)
 {
     (void)state;
@@ -586,14 +586,14 @@ int main(int argc, char **argv)
         TEST("FZM-073: None with output_repeat: the last data every period", repeated),
         TEST("FZM-027 FZM-028 FZM-029 OM-C13: ranges, and the output time stays below the period", time_below_period),
         TEST("FZM-048 FZM-066 FZM-069 FZM-073: None: measurements that come too fast: the newest are lost and counted, "
-             "ERR says so, BUSY does not care",
+             "ERR shows it, BUSY is unaffected",
              too_fast),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: data with DSA, GATE until DSA falls", handshake),
         HANDSHAKING("FZM-071: DSA may be on before there are data", dsa_first),
         HANDSHAKING("FZM-071: of several results each DSA fetches the next", several_pending),
-        HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA within the time-out: ERR, the result is given up", timeout),
-        HANDSHAKING("FZM-072: each waiting result has its own time-out", each_result_has_its_time),
-        HANDSHAKING("FZM-072: DSA that does not fall is a time-out too", dsa_does_not_fall),
+        HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA within the timeout: ERR, the result is dropped", timeout),
+        HANDSHAKING("FZM-072: each waiting result has its own timeout", each_result_has_its_time),
+        HANDSHAKING("FZM-072: DSA that does not fall is a timeout too", dsa_does_not_fall),
         HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and by hand", error_is_cleared),
         HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
@@ -607,7 +607,7 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-043 FZM-055 FZM-069: commands do not wait for the data output", commands_with_a_full_queue),
         HANDSHAKING("FZM-048: several errors at a time, each with its cause and its end", causes_together),
         HANDSHAKING("FZM-004 FZM-071: DSA that is on when OP begins is no request", dsa_level_at_start),
-        HANDSHAKING("FZM-004 FZM-072: the time-out of DSA begins with OP", time_out_begins_with_op),
+        HANDSHAKING("FZM-004 FZM-072: the timeout of DSA begins with OP", time_out_begins_with_op),
         HANDSHAKING("FZM-004 FZM-045: GATE goes with OP", gate_goes_with_op),
     };
     if (argc > 1)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A PLC that does everything at random: edges at any time, cycles from 250 us to 50 ms, cycles that are lost. Between
- * its cycles the sensor is looked at whenever anything of it changes.
+ * its cycles the test checks the sensor at each change.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ static uint32_t draw(uint32_t below)
     return lot % below;
 }
 
-/* What the sensor must never show, given what it showed before. */
+/* The signals before, against which impossible changes are found. */
 typedef struct watch {
     uint32_t control;
     int32_t output[FZM1_DATA];

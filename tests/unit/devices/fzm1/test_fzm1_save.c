@@ -300,7 +300,7 @@ static void spoilt(void **state)
     expect_text("data1", "0");
 }
 
-/* A memory that stops to answer: what says that it was saved was saved, and what was saved before stays. */
+/* A memory that stops to respond: a reported save is complete, and the save before stays. */
 static void unreadable(void **state)
 {
     char message[ECT_SIGNAL_MESSAGE], want[ECT_SIGNAL_TEXT_ROOM], value[16];
@@ -560,7 +560,7 @@ int main(int argc, char **argv)
         TEST("FZM-056: without memory Save answers -1", no_memory),
         TEST("FZM-056: the power may be cut at any byte of a Save", power_cut),
         TEST("FZM-056: a record that was spoilt is not used", spoilt),
-        TEST("FZM-056: a memory that stops to answer: what is said to be saved is, and what was before stays",
+        TEST("FZM-056: a memory that stops to respond: a reported save is complete, and the save before stays",
              unreadable),
         TEST("FZM-056: a memory that does not answer at power-on: factory settings, or what was saved",
              unreadable_at_power_on),
@@ -573,7 +573,8 @@ int main(int argc, char **argv)
              "safe",
              power_cut_with_cache),
         TEST("FZM-051 FZM-056: a memory that does not keep what is written: -1 and the cause", not_safe),
-        TEST("FZM-043 FZM-056 FZM-069: Save of 32 groups holds nobody up, and FLG comes when it is safe", in_steps),
+        TEST("FZM-043 FZM-056 FZM-069: Save of 32 groups delays no other work, and FLG comes when it is safe",
+             in_steps),
         TEST("FZM-052 FZM-056 FZM-058: a save by hand, and commands meanwhile", save_and_commands),
         TEST("FZM-052 FZM-077: Restart: no answer, signals off, off the bus, INIT, saved settings", restart),
         TEST("FZM-077: a restart by hand; switches and cameras stay as they are", restart_by_hand),

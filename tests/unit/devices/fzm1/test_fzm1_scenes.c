@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What belongs to a scene (Q179 §3-2, §3-3), and scenes that are prepared before anybody switches to them. */
+/* The values of a scene (Q179 §3-2, §3-3), and scenes that are prepared before a switch to them. */
 #include <stdio.h>
 #include <string.h>
 
@@ -117,7 +117,7 @@ static void prepared(void **state)
         assert_int_equal(measured(2), 62000);
         command(FZM1_SWITCH_GROUP, 0);
     }
-    signal_set(&s.w, "restart", "1"); /* what is prepared stands outside the controller */
+    signal_set(&s.w, "restart", "1"); /* prepared scenes are outside the controller */
     wire_advance(&s.w, 4000 * MS);
     wire_assign_stations(&s.w);
     sensor_operational(&s);
@@ -139,7 +139,7 @@ static void current_scene(void **state)
     expect_text("edit.data1", "5");
 }
 
-/* What was saved is seen, changed in one value, and saved with its group. */
+/* Saved scenes are shown, changed in one value, and saved with their group. */
 static void saved_scenes(void **state)
 {
     (void)state;

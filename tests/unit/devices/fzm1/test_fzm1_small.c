@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The FZM1 of a board with little memory: two scenes of the current group stand in it, the others where they are saved.
+/* The FZM1 of a board with little memory: it holds two scenes of the current group, the record has the others.
  */
 #include <stdio.h>
 #include <string.h>
@@ -198,8 +198,8 @@ static void back_to_the_factory(void **state)
     expect_scene(0, "1");
 }
 
-/* 400 scenes of ten groups are saved. However many stand in front of a group's, and whichever of its own there are:
- * what a step reads is bounded. */
+/* 400 scenes of ten groups are saved. The reads of a step are bounded, for any number of scenes before a group's and
+ * any of its own. */
 static void reads_of_a_step(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What an FZM1 shows a master before it measures: states, objects, mapping, settings, abort codes, clocks (Q179 §1,
+/* An FZM1 before it measures: states, objects, mapping, settings, abort codes, clocks (Q179 §1,
  * §2). */
 #include <stdio.h>
 #include <string.h>
@@ -51,7 +51,7 @@ static void states(void **state)
     } want[] = {{true, false, false}, {true, true, false}, {true, true, true}};
     (void)state;
     wire_advance(&w, 10000 * MS);
-    assert_int_equal(wire_read8(&w, 0, ECT_REG_AL_STATUS), INIT); /* nobody asked it to climb */
+    assert_int_equal(wire_read8(&w, 0, ECT_REG_AL_STATUS), INIT); /* no request to leave INIT */
     for (size_t i = 0; i < COUNT(climb); i++) {
         uint32_t value = 0;
         uint8_t data[48] = {0};
@@ -219,7 +219,7 @@ static void natural_aborts(void **state)
     assert_int_equal(wire_sdo_download(&w, 0, 0x2400, 0, true, data, 8), 0x06010000);
 }
 
-/* What SDO information says of each sub-index of 1C32h, up to the last: gaps are described as nothing. */
+/* SDO information of each sub-index of 1C32h, up to the last: gaps have no type. */
 static void gaps(void **state)
 {
     (void)state;
@@ -292,7 +292,7 @@ static void all_aborts(void **state)
     }
 }
 
-/* What is refused, and with which words; buttons do nothing at 0. */
+/* Refusals and their texts; buttons do nothing at 0. */
 static void signals(void **state)
 {
     static const struct {
@@ -448,7 +448,7 @@ int main(int argc, char **argv)
              settings),
         TEST("FZM-026 FZM-027 FZM-028 FZM-029 FZM-031 OM-C12: factory settings", defaults),
         TEST("FZM-010 FZM-030: a comment on each output, by SDO", comments),
-        TEST("FZM-009 FZM-010 FZM-012 OM-C9: what a request asks wrong, it is told", natural_aborts),
+        TEST("FZM-009 FZM-010 FZM-012 OM-C9: each wrong request gets its abort code", natural_aborts),
         TEST("FZM-009 FZM-010: gaps of 1C32h and 1C33h have data type 0 and 0 bits in SDO information", gaps),
         TEST(
             "FZM-011 FZM-012 FZM-013 FZM-014: each of the 26 abort codes can be had, and no other, for any SDO request",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an optoNCDT 2300 shows a master before it measures: states (A 7.2.5), CoE (A 7.2.6), and, from pages of the
+ * An optoNCDT 2300 before it measures: states (A 7.2.5), CoE (A 7.2.6), and, from pages of the
  * manual that are public, object directory, mapping and user level.
  */
 #include <string.h>
@@ -46,7 +46,7 @@ static void states(void **state)
     uint8_t type = 0;
     (void)state;
     wire_advance(&r.w, 10000 * MS);
-    assert_int_equal(wire_read8(&r.w, 0, ECT_REG_AL_STATUS), INIT); /* nobody asked it to climb */
+    assert_int_equal(wire_read8(&r.w, 0, ECT_REG_AL_STATUS), INIT); /* no request to leave INIT */
     assert_int_equal(wire_read(&r.w, 0, 0x0000, &type, 1), 1);      /* its registers can be read ... */
     assert_int_equal(type, 0x11);
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -61,7 +61,7 @@ static void states(void **state)
     }
 }
 
-/* Mailbox SyncManagers as they are not described are refused, and without them nobody answers. */
+/* Mailbox SyncManagers other than described are refused, and without them no mail gets a reply. */
 static void mailbox_in_init(void **state)
 {
     uint8_t mail[256] = {10, 0, 0, 0, 0, 0x13, 0, 0x20, 0x40, 0x18, 0x10, 1};
@@ -80,7 +80,7 @@ static void mailbox_in_init(void **state)
     assert_int_equal(wire_al(&r.w, 0, PREOP, &code), PREOP);
 }
 
-/* What the master has to configure before SAFEOP: SM3, as long as the mapping; SM2 must stay off. */
+/* The configuration that SAFEOP needs: SM3, as long as the mapping; SM2 must stay off. */
 static void process_sm(void **state)
 {
     static const struct {
@@ -334,7 +334,7 @@ static void user_level(void **state)
             assert_int_equal(ranger_number(&r, 0x2001, 1), 0);
             assert_int_equal(ranger_text(&r, 0x2001, 2, "000"), 0);
         } else {
-            ranger_write(&r, 0x2001, 3, 0, 1); /* FALSE logs nobody out */
+            ranger_write(&r, 0x2001, 3, 0, 1); /* FALSE is no logout */
             assert_int_equal(ranger_number(&r, 0x2001, 1), expert);
             ranger_write(&r, 0x2001, 3, 1, 1);
             assert_int_equal(ranger_number(&r, 0x2001, 3), 0);
@@ -370,7 +370,7 @@ static void passwords(void **state)
             fail_msg("'%s' to '%s', '%s': expected %08X, got %08X", rows[i].old, rows[i].new, rows[i].repeat,
                      rows[i].code, code);
     }
-    assert_int_equal(ranger_text(&r, 0x2001, 7, "Z"), 0x08000020); /* old and new have to be told each time */
+    assert_int_equal(ranger_text(&r, 0x2001, 7, "Z"), 0x08000020); /* each change needs old and new */
     ranger_write(&r, 0x2001, 3, 1, 1);
     assert_int_equal(ranger_text(&r, 0x2001, 2, "000"), 0x08000020);
     assert_int_equal(ranger_text(&r, 0x2001, 2, "Z"), 0);
@@ -448,7 +448,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         T("OPT-001 OPT-003 OPT-005 OPT-006: what goes in INIT, PREOP, SAFEOP and OP", states),
         T("OPT-001 OPT-002: no mailbox before its SyncManagers are configured as described", mailbox_in_init),
-        T("OPT-004: SAFEOP wants SM3 as the mapping says", process_sm),
+        T("OPT-004: SAFEOP needs SM3 as long as the mapping", process_sm),
         T("OPT-005 OPT-006 OPT-009: no outputs to wait for, SM2 unused (public manual, p. 151)", no_outputs),
         T("OPT-007 OPT-008: the object directory reads as printed (public manual, pp. 157, 161, 172)", directory),
         E("OPT-007 OPT-008: what is not there, or not to be written, is refused", refusals),

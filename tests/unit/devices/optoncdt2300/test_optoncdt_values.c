@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an optoNCDT 2300 measures, when, and what of it a master gets; from pages of the manual that are public: values
+ * The records of an optoNCDT 2300, their times, and those that a master reads; from public pages of the manual: values
  * (§8.2.2, §9.2), oversampling (A 7.6), distributed clocks (A 7.7).
  */
 #include <math.h>
@@ -160,7 +160,7 @@ static void laser_power(void **state)
     want("full", OPTO_INTENSITY_1, 512);
 }
 
-/* What SDOs read is what was measured last; 10 ms old at most before there are process data. */
+/* SDOs read the last measurement; before there are process data it is 10 ms old at most. */
 static void by_sdo(void **state)
 {
     (void)state;
@@ -463,7 +463,7 @@ static void late(void **state)
     }
 }
 
-/* What was taken before there was a choice is of another form: the last record stands for what is not there. */
+/* Records from before the selection have another form: the last record replaces them. */
 static void choice_anew(void **state)
 {
     enum { SAMPLES = 20 };
