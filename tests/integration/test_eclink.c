@@ -182,7 +182,7 @@ static void pci_wraps(void **state)
 
 /* --- supervision -------------------------------------------------------------------------------------------------- */
 
-static void pco_stands_still(void **state)
+static void pco_does_not_change(void **state)
 {
     (void)state;
     plant_set_all("ru1.on=1 ru1.armed=1");
@@ -199,7 +199,7 @@ static void pco_stands_still(void **state)
     assert_int_equal(plant_number("bu.es_link"), 1);
 }
 
-static void cao_stands_still(void **state)
+static void cao_does_not_change(void **state)
 {
     (void)state;
     plant_set_all("ru1.on=1 ru1.armed=1");
@@ -614,7 +614,7 @@ static void commands_both_ways(void **state)
 }
 
 /* CAI acknowledges processed commands: counters show those that no remote has received. */
-static void nobody_receives(void **state)
+static void no_remote_receives(void **state)
 {
     (void)state;
     plant_set("ru1.on", "0");
@@ -734,7 +734,7 @@ static const struct CMUnitTest map3_tests[] = {
     POWER_ON("ECL-018 ECL-058: Input + Commands is in order without PCO", from_power_on),
     TEST("ECL-058: Input + Commands never watches PCO", pco_is_no_duty),
     TEST("ECL-023 ECL-055 ECL-060: commands go both ways with 24 bytes of outputs", commands_both_ways),
-    TEST("ECL-056 ECL-058: a command that CAO does not acknowledge is an error here too", cao_stands_still),
+    TEST("ECL-056 ECL-058: a command that CAO does not acknowledge is an error here too", cao_does_not_change),
 };
 static const struct CMUnitTest map7_tests[] = {
     POWER_ON(
@@ -746,11 +746,11 @@ static const struct CMUnitTest map7_tests[] = {
     TEST("ECL-033 ECL-034 ECL-038 ECL-043 ECL-065: every C-Link and G-Link status; joysticks passive when tilted",
          forced_links),
     TEST("ECL-028 ECL-048: a lost remote is replaced by another", replaced),
-    TEST("ECL-025 ECL-051: CAI acknowledges commands that no remote receives; counters name them", nobody_receives),
+    TEST("ECL-025 ECL-051: CAI acknowledges commands that no remote receives; counters name them", no_remote_receives),
     TEST("ECL-033 ECL-042: an armed remote without signal has no C-Link, and is not armed again", no_signal),
     TEST("ECL-025 ECL-050 ECL-063: on fallback CAI waits for room, and every command arrives", cai_waits),
-    TEST("ECL-029 ECL-049 ECL-057 ECL-067: PCO stands still: Bad data, ES-Link open, and back", pco_stands_still),
-    TEST("ECL-029 ECL-056 ECL-067: CAO stands still: Bad data, ES-Link open, and back", cao_stands_still),
+    TEST("ECL-029 ECL-049 ECL-057 ECL-067: PCO stands still: Bad data, ES-Link open, and back", pco_does_not_change),
+    TEST("ECL-029 ECL-056 ECL-067: CAO stands still: Bad data, ES-Link open, and back", cao_does_not_change),
     POWER_ON("ECL-014 ECL-015 ECL-016: RUN, ERROR and Link/Activity lamps by state, error and traffic", lamps),
     TEST("ECL-066 ECL-073: outputs stop: watchdog, External link error, No Data, and back", watchdog),
     TEST("ECL-066 ECL-072: a SyncManager of another size: Cfg. Error, and back", wrong_size),

@@ -81,7 +81,7 @@ void bu_expect(bu_rig_t *r, const char *when, int state, int link)
                  (unsigned long)bu_number(r, "bu.state"), bu_number(r, "bu.ec_link"), relays, message, cause);
 }
 
-void bu_expect_told(bu_rig_t *r, const char *when, int state, int link)
+void bu_expect_reported(bu_rig_t *r, const char *when, int state, int link)
 {
     bu_expect(r, when, state, link);
     bu_run(r, 125 * MS);
@@ -101,7 +101,7 @@ int bu_in_order(bu_rig_t *r, const bu_node_t *node, bool armed)
         bu_set(r, "ru1.on", "1");
         bu_set(r, "ru1.armed", "1");
     }
-    bu_expect_told(r, "in order", armed ? ARMED : DISARMED, OPERATIONAL);
+    bu_expect_reported(r, "in order", armed ? ARMED : DISARMED, OPERATIONAL);
     return armed ? ARMED : DISARMED;
 }
 

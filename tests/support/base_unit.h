@@ -81,7 +81,7 @@ void bu_arm(bu_rig_t *r, unsigned int ru);
  * state but Armed and Disarmed, and when EC-Link is not used. */
 void bu_expect(bu_rig_t *r, const char *when, int state, int link);
 /* The same, and after the next update also what the controller reads. */
-void bu_expect_told(bu_rig_t *r, const char *when, int state, int link);
+void bu_expect_reported(bu_rig_t *r, const char *when, int state, int link);
 
 /* After the next update: the armed remotes' ids in the order of their blocks ("" none), and the BU state; the rest of
  * an empty block is 0. */

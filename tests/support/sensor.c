@@ -41,7 +41,7 @@ fzm1_t *sensor_instance(sensor_t *s)
     return ect_chain_slave(s->w.chain, 0)->config.instance;
 }
 
-uint32_t sensor_look(sensor_t *s)
+uint32_t sensor_read(sensor_t *s)
 {
     assert_int_equal(wire_read(&s->w, 0, INPUTS, s->in, sizeof s->in), 1);
     return ect_load_le32(s->in + CONTROL_OUT);
@@ -50,7 +50,7 @@ uint32_t sensor_look(sensor_t *s)
 void sensor_exchange(sensor_t *s)
 {
     assert_int_equal(wire_write(&s->w, 0, OUTPUTS, s->out, sizeof s->out), 1);
-    (void)sensor_look(s);
+    (void)sensor_read(s);
 }
 
 void sensor_set(sensor_t *s, uint32_t signals, bool on)
@@ -63,12 +63,12 @@ void sensor_set(sensor_t *s, uint32_t signals, bool on)
 uint32_t sensor_wait(sensor_t *s, uint64_t ns)
 {
     wire_advance(&s->w, ns);
-    return sensor_look(s);
+    return sensor_read(s);
 }
 
 void sensor_expect(sensor_t *s, const char *when, uint32_t mask, uint32_t want)
 {
-    uint32_t got = sensor_look(s) & mask;
+    uint32_t got = sensor_read(s) & mask;
     if (got != want)
         fail_msg("%s: expected control signals %05X of %05X, got %05X", when, want, mask, got);
 }
@@ -76,9 +76,9 @@ void sensor_expect(sensor_t *s, const char *when, uint32_t mask, uint32_t want)
 uint64_t sensor_until(sensor_t *s, uint32_t mask, uint32_t want)
 {
     uint64_t from = s->w.now_ns;
-    while ((sensor_look(s) & mask) != want) {
+    while ((sensor_read(s) & mask) != want) {
         if (s->w.now_ns - from > 60000 * MS)
-            fail_msg("control signals %05X of %05X never came, they are %05X", want, mask, sensor_look(s) & mask);
+            fail_msg("control signals %05X of %05X never came, they are %05X", want, mask, sensor_read(s) & mask);
         uint64_t next = ect_chain_poll(s->w.chain, s->w.now_ns);
         wire_advance(&s->w, next == ECT_NEVER ? 61000 * MS : next - s->w.now_ns);
     }
@@ -87,7 +87,7 @@ uint64_t sensor_until(sensor_t *s, uint32_t mask, uint32_t want)
 
 int32_t sensor_data(sensor_t *s, unsigned int n)
 {
-    (void)sensor_look(s);
+    (void)sensor_read(s);
     return (int32_t)ect_load_le32(s->in + DATA + 4 * (n - 1));
 }
 

@@ -26,7 +26,7 @@ void sensor_exchange(sensor_t *s);
 /* Control signals on or off, and exchanges. */
 void sensor_set(sensor_t *s, uint32_t signals, bool on);
 /* Reads the inputs; @return the control signals */
-uint32_t sensor_look(sensor_t *s);
+uint32_t sensor_read(sensor_t *s);
 /* Lets time pass, then looks. */
 uint32_t sensor_wait(sensor_t *s, uint64_t ns);
 /* Asserts which of `mask` are on, now. */

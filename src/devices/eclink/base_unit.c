@@ -229,7 +229,7 @@ void eclink_inputs_read(void *instance, uint64_t now_ns)
         eclink_evaluate(unit);
 }
 
-static bool says_mismatch(uint16_t code)
+static bool is_mismatch(uint16_t code)
 {
     return (code >= ECT_AL_BOOT_MAILBOX && code <= ECT_AL_SM) ||
            (code >= ECT_AL_SM_TYPES && code <= ECT_AL_WATCHDOG_SETTING) ||
@@ -242,7 +242,7 @@ uint16_t eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t 
     eclink_t *unit = instance;
     (void)now_ns;
     if (code != ECT_AL_NO_ERROR) {
-        unit->config_refused = says_mismatch(code);
+        unit->config_refused = is_mismatch(code);
         unit->refused_in = state;
         eclink_evaluate(unit);
     }

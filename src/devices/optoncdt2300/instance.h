@@ -181,7 +181,7 @@ void opto_new_rate(opto_t *u, uint64_t now_ns); /* the next record comes a perio
 
 /* keep.c */
 void opto_keep(opto_t *u);      /* adds u->record */
-void opto_keep_anew(opto_t *u); /* after a new selection: keeps the last record alone */
+void opto_keep_last(opto_t *u); /* after a new selection: keeps the last record alone */
 /* The selected values of a record; of the oldest one, if that record is gone. */
 const int32_t *opto_kept(opto_t *u, uint64_t number);
 

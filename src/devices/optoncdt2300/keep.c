@@ -32,7 +32,7 @@ void opto_keep(opto_t *u)
     keep(u, u->taken++);
 }
 
-void opto_keep_anew(opto_t *u)
+void opto_keep_last(opto_t *u)
 {
     u->oldest = u->taken - 1;
     keep(u, u->oldest);

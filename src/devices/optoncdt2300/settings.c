@@ -22,7 +22,7 @@ void opto_choose(opto_t *u)
         if (u->chosen[n])
             u->mapping[u->mapped++] = ECT_MAP(0x6065, sources[n], 32);
     }
-    opto_keep_anew(u);
+    opto_keep_last(u);
 }
 
 /* One more measurement goes into each assigned PDO. */

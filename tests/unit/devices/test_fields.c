@@ -67,7 +67,7 @@ static void fields_fit_their_entries(void **state)
 }
 
 /* A table is shared by products: one of them at least has the entry. */
-static bool somebody_has(const ect_field_t *table, const ect_field_t *field)
+static bool a_product_has(const ect_field_t *table, const ect_field_t *field)
 {
     const ect_device_t *device;
     for (size_t i = 0; (device = every_product(i)) != NULL; i++) {
@@ -84,7 +84,7 @@ static void every_field_has_its_entry(void **state)
     for (size_t i = 0; (device = every_product(i)) != NULL; i++) {
         const ect_field_t *table = plant_of(device)->fields;
         for (const ect_field_t *field = table; field && field->index != 0; field++) {
-            if (!somebody_has(table, field))
+            if (!a_product_has(table, field))
                 fail_msg("%s: %04Xh:%u is in the dictionary of no product", device->name, field->index,
                          field->subindex);
         }

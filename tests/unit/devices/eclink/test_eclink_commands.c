@@ -565,7 +565,7 @@ static void waiting_over_an_interruption(void **state)
 }
 
 /* Id 1 with its bytes in the wrong order is 256. */
-static void ids_that_nobody_has(void **state)
+static void unknown_ids(void **state)
 {
     static const struct {
         uint16_t id;
@@ -844,7 +844,7 @@ int main(int argc, char **argv)
              room_for_the_waiting),
         TEST("ECL-025 ECL-050: a command that waits is neither lost nor repeated when the controller comes back",
              waiting_over_an_interruption),
-        TEST("ECL-003 ECL-051: commands to an id that no remote has are counted", ids_that_nobody_has),
+        TEST("ECL-003 ECL-051: commands to an id that no remote has are counted", unknown_ids),
         TEST("ECL-050: a controller that comes back brings a command only with the old CCO plus one",
              controller_back_with_cco),
         TEST("ECL-050: after power-on CCO is 0: 1 in the first outputs is a command, another value only the start",

@@ -28,7 +28,7 @@ static void expect_counts(bu_rig_t *r, const char *when, long unreached, long un
         fail_msg("%s: CCO %u is acknowledged as %u", when, r->out[CCO], r->in[CAI]);
 }
 
-static void nobody_receives(void **state)
+static void no_remote_receives(void **state)
 {
     (void)state;
     for (unsigned int n = FIRST_WITH_COMMANDS; n < BU_NODES; n++) {
@@ -205,7 +205,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("ECL-025 ECL-051: CAI acknowledges a command that no remote receives, and bu.commands_unreached counts it",
-             nobody_receives),
+             no_remote_receives),
         TEST("ECL-025: acknowledged commands of a remote that leaves are counted in ruN.commands_dropped",
              queued_for_one_that_leaves),
         TEST("ECL-025: the command that waits for room when its remote leaves counts as unreached",

@@ -16,7 +16,7 @@ static void send_command(bu_rig_t *r, unsigned int ru)
 
 /* --- links -------------------------------------------------------------------------------------------------------- */
 
-static void vlaps_are_told(void **state)
+static void vlaps_are_reported(void **state)
 {
     (void)state;
     bu_rig_t r;
@@ -521,7 +521,7 @@ int main(int argc, char **argv)
              "fallback",
              c_link_has_one_truth),
         TEST("ECL-033: on cable C-Link is operational without VLAP and signal", cable_needs_no_c_link),
-        TEST("ECL-031: the input data have the number of VLAPs", vlaps_are_told),
+        TEST("ECL-031: the input data have the number of VLAPs", vlaps_are_reported),
         TEST("ECL-033 ECL-064 ECL-065: an armed remote without G-Link is on fallback, without VLAP it is lost",
              armed_falls_back),
         TEST("ECL-064 ECL-065 ECL-032: armed remotes have a VLAP of their own, the others share what is left",

@@ -378,7 +378,7 @@ static void dies_after_two_seconds(void **state)
     }
 }
 
-static void pco_stands_still(void **state)
+static void pco_does_not_change(void **state)
 {
     (void)state;
     for (unsigned int n = 1; n < BU_NODES; n++) {
@@ -617,7 +617,7 @@ int main(int argc, char **argv)
         TEST("ECL-066 ECL-029: a Modbus controller that is silent for 2000 ms is No Data, relays open; before it is in "
              "order",
              dies_after_two_seconds),
-        TEST("ECL-057 ECL-067: PCO over Modbus, unchanged for 2000 ms, is Bad data", pco_stands_still),
+        TEST("ECL-057 ECL-067: PCO over Modbus, unchanged for 2000 ms, is Bad data", pco_does_not_change),
         TEST("ECL-023 ECL-025 ECL-050 ECL-056: commands both ways over Modbus; CAO that does not follow is Bad data",
              commands_both_ways),
         TEST("ECL-054 ECL-059: periodic data in blocks over Modbus", periodic_blocks),

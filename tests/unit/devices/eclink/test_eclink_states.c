@@ -20,15 +20,15 @@ static void module_error(void **state)
         bu_to_op(&r);
         r.counting = true;
         bu_run(&r, 20 * MS);
-        bu_expect_told(&r, "module error since power-on", INITIAL, MODULE_ERROR);
+        bu_expect_reported(&r, "module error since power-on", INITIAL, MODULE_ERROR);
         bu_set(&r, "bu.module_error", "0");
-        bu_expect_told(&r, "no module error", DISARMED, OPERATIONAL);
+        bu_expect_reported(&r, "no module error", DISARMED, OPERATIONAL);
         bu_set(&r, "ru1.on", "1");
         bu_set(&r, "ru1.armed", "1");
         bu_set(&r, "bu.module_error", "1");
-        bu_expect_told(&r, "module error after the first good exchange", LINK_ERROR, MODULE_ERROR);
+        bu_expect_reported(&r, "module error after the first good exchange", LINK_ERROR, MODULE_ERROR);
         bu_set(&r, "bu.module_error", "0");
-        bu_expect_told(&r, "no module error any more", ARMED, OPERATIONAL);
+        bu_expect_reported(&r, "no module error any more", ARMED, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -46,12 +46,12 @@ static void failed(void **state)
         wire_close(&r.w);
         int good = bu_in_order(&r, node, true);
         bu_set(&r, "bu.failed", "1");
-        bu_expect_told(&r, "failed", FAILED, OPERATIONAL);
+        bu_expect_reported(&r, "failed", FAILED, OPERATIONAL);
         bu_set(&r, "bu.module_error", "1");
-        bu_expect_told(&r, "failed, and a module error", FAILED, MODULE_ERROR);
+        bu_expect_reported(&r, "failed, and a module error", FAILED, MODULE_ERROR);
         bu_set(&r, "bu.module_error", "0");
         bu_set(&r, "bu.failed", "0");
-        bu_expect_told(&r, "repaired", good, OPERATIONAL);
+        bu_expect_reported(&r, "repaired", good, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -67,10 +67,10 @@ static void eg_link(void **state)
             char text[2] = {(char)('0' + value), 0};
             int good = bu_in_order(&r, node, true);
             bu_set(&r, "bu.eg_link", text);
-            bu_expect_told(&r, text, value >= 2 && value <= 5 ? LINK_ERROR : good, OPERATIONAL);
+            bu_expect_reported(&r, text, value >= 2 && value <= 5 ? LINK_ERROR : good, OPERATIONAL);
             assert_int_equal(r.in[EG_LINK], value);
             bu_set(&r, "bu.eg_link", "0");
-            bu_expect_told(&r, "EG-Link unused", good, OPERATIONAL);
+            bu_expect_reported(&r, "EG-Link unused", good, OPERATIONAL);
             wire_close(&r.w);
         }
     }
@@ -177,12 +177,12 @@ static void errors_that_stay(void **state)
     bu_expect(&r, "before the first good exchange", INITIAL, DATA_ERROR);
     r.counting = true;
     bu_run(&r, 30 * MS);
-    bu_expect_told(&r, "an error at the start does not stay", DISARMED, OPERATIONAL);
+    bu_expect_reported(&r, "an error at the start does not stay", DISARMED, OPERATIONAL);
     r.counting = false;
     bu_run(&r, 2000 * MS);
     r.counting = true;
     bu_run(&r, 200 * MS);
-    bu_expect_told(&r, "PCO counts again", INITIAL, DATA_ERROR);
+    bu_expect_reported(&r, "PCO counts again", INITIAL, DATA_ERROR);
     expect_cause(&r, "PCO counts again", INITIAL, "PCO does not increment");
     bu_set(&r, "bu.module_error", "1");
     bu_set(&r, "bu.module_error", "0");
@@ -200,7 +200,7 @@ static void errors_that_stay(void **state)
     wire_assign_stations(&r.w);
     bu_to_op(&r);
     bu_run(&r, 30 * MS);
-    bu_expect_told(&r, "after the restart", DISARMED, OPERATIONAL);
+    bu_expect_reported(&r, "after the restart", DISARMED, OPERATIONAL);
     r.counting = false;
     bu_run(&r, 2000 * MS);
     r.counting = true;
@@ -219,20 +219,20 @@ static void worse_state_wins(void **state)
     bu_set(&r, "ru2.on", "1");
     bu_set(&r, "ru2.armed", "1");
     bu_set(&r, "ru1.stop", "1");
-    bu_expect_told(&r, "an armed remote stops", STOPPED, OPERATIONAL);
+    bu_expect_reported(&r, "an armed remote stops", STOPPED, OPERATIONAL);
     bu_set(&r, "ru2.on", "0");
-    bu_expect_told(&r, "another is lost", BLOCKED, OPERATIONAL);
+    bu_expect_reported(&r, "another is lost", BLOCKED, OPERATIONAL);
     r.counting = false;
     bu_run(&r, 2000 * MS);
-    bu_expect_told(&r, "PCO is late", LINK_ERROR, DATA_ERROR);
+    bu_expect_reported(&r, "PCO is late", LINK_ERROR, DATA_ERROR);
     r.counting = true;
     bu_run(&r, 10 * MS);
-    bu_expect_told(&r, "PCO again", BLOCKED, OPERATIONAL);
+    bu_expect_reported(&r, "PCO again", BLOCKED, OPERATIONAL);
     bu_set(&r, "ru2.on", "1");
     bu_set(&r, "ru2.armed", "1");
-    bu_expect_told(&r, "rearmed", STOPPED, OPERATIONAL);
+    bu_expect_reported(&r, "rearmed", STOPPED, OPERATIONAL);
     bu_set(&r, "ru1.stop", "0");
-    bu_expect_told(&r, "released", good, OPERATIONAL);
+    bu_expect_reported(&r, "released", good, OPERATIONAL);
     wire_close(&r.w);
 }
 
@@ -264,7 +264,7 @@ static void disabled_alone(void **state)
         bu_to_op(&r);
         r.counting = true;
         bu_run(&r, 20 * MS);
-        bu_expect_told(&r, "in order", ARMED, OPERATIONAL);
+        bu_expect_reported(&r, "in order", ARMED, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -360,7 +360,7 @@ static void power_is_cycled(void **state)
         memset(r.out, 0, sizeof r.out);
         bu_to_op(&r);
         bu_run(&r, 200 * MS);
-        bu_expect_told(&r, "in order again", DISARMED, OPERATIONAL);
+        bu_expect_reported(&r, "in order again", DISARMED, OPERATIONAL);
         wire_close(&r.w);
     }
 }

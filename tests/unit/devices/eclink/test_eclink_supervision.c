@@ -21,7 +21,7 @@ static void initial_until_data(void **state)
         bu_expect(&r, "10 s in PREOP", INITIAL, NO_LINK);
         wire_go(&r.w, 0, ECT_STATE_SAFEOP);
         bu_run(&r, 1000 * MS);
-        bu_expect_told(&r, "SAFEOP", INITIAL, NO_LINK);
+        bu_expect_reported(&r, "SAFEOP", INITIAL, NO_LINK);
         wire_close(&r.w);
     }
 }
@@ -37,17 +37,17 @@ static void normal_with_the_duties_of_the_mode(void **state)
         if ((node->duties & PERIODIC) != 0) {
             bu_expect(&r, "OP, PCO has not moved", INITIAL, DATA_ERROR);
             bu_run(&r, 5000 * MS);
-            bu_expect_told(&r, "OP for 5 s, PCO has not moved", INITIAL, DATA_ERROR);
+            bu_expect_reported(&r, "OP for 5 s, PCO has not moved", INITIAL, DATA_ERROR);
             r.out[PCO]++;
             bu_cycle(&r);
         }
-        bu_expect_told(&r, "in order", DISARMED, OPERATIONAL);
+        bu_expect_reported(&r, "in order", DISARMED, OPERATIONAL);
         bu_set(&r, "ru1.on", "1");
-        bu_expect_told(&r, "a remote is on", DISARMED, OPERATIONAL);
+        bu_expect_reported(&r, "a remote is on", DISARMED, OPERATIONAL);
         bu_set(&r, "ru1.armed", "1");
-        bu_expect_told(&r, "armed", ARMED, OPERATIONAL);
+        bu_expect_reported(&r, "armed", ARMED, OPERATIONAL);
         bu_set(&r, "ru1.armed", "0");
-        bu_expect_told(&r, "disarmed", DISARMED, OPERATIONAL);
+        bu_expect_reported(&r, "disarmed", DISARMED, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -87,12 +87,12 @@ static void pco_limit(void **state)
         bu_expect(&r, "1 ns before 2000 ms after PCO", good, OPERATIONAL);
         bu_run(&r, 1);
         bu_expect(&r, "2000 ms after PCO", LINK_ERROR, DATA_ERROR);
-        bu_expect_told(&r, "2000 ms after PCO", LINK_ERROR, DATA_ERROR);
+        bu_expect_reported(&r, "2000 ms after PCO", LINK_ERROR, DATA_ERROR);
         bu_run(&r, 3000 * MS);
         bu_expect(&r, "5 s after PCO", LINK_ERROR, DATA_ERROR);
         r.out[PCO]++;
         bu_cycle(&r);
-        bu_expect_told(&r, "PCO again", good, OPERATIONAL);
+        bu_expect_reported(&r, "PCO again", good, OPERATIONAL);
         bu_run(&r, 1874 * MS);
         bu_expect(&r, "1999 ms after PCO again", good, OPERATIONAL);
         bu_run(&r, 1 * MS);
@@ -136,7 +136,7 @@ static void pco_wraps_back_to_order(void **state)
         bu_expect(&r, "stuck", LINK_ERROR, DATA_ERROR);
         r.out[PCO] = rows[i].next;
         bu_cycle(&r);
-        bu_expect_told(&r, "one more", good, OPERATIONAL);
+        bu_expect_reported(&r, "one more", good, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -155,12 +155,12 @@ static void cao_limit(void **state)
         bu_run(&r, 1 * MS);
         bu_expect(&r, "1999 ms without acknowledge", good, OPERATIONAL);
         bu_run(&r, 1 * MS);
-        bu_expect_told(&r, "2000 ms without acknowledge", LINK_ERROR, DATA_ERROR);
+        bu_expect_reported(&r, "2000 ms without acknowledge", LINK_ERROR, DATA_ERROR);
         bu_run(&r, 3000 * MS);
         bu_expect(&r, "5 s without acknowledge", LINK_ERROR, DATA_ERROR);
         r.out[CAO] = r.in[CCI];
         bu_cycle(&r);
-        bu_expect_told(&r, "acknowledged late", good, OPERATIONAL);
+        bu_expect_reported(&r, "acknowledged late", good, OPERATIONAL);
         bu_run(&r, 5000 * MS);
         bu_expect(&r, "nothing more to acknowledge", good, OPERATIONAL);
         wire_close(&r.w);
@@ -204,7 +204,7 @@ static void cao_of_something_else(void **state)
         bu_run(&r, 990 * MS);
         bu_expect(&r, "not acknowledged for 1990 ms", good, OPERATIONAL);
         bu_run(&r, 10 * MS);
-        bu_expect_told(&r, "another number is no acknowledge", LINK_ERROR, DATA_ERROR);
+        bu_expect_reported(&r, "another number is no acknowledge", LINK_ERROR, DATA_ERROR);
         r.out[CAO] = r.in[CCI];
         bu_cycle(&r);
         bu_expect(&r, "acknowledged", good, OPERATIONAL);
@@ -224,7 +224,7 @@ static void cao_without_a_command(void **state)
         bu_to_op(&r);
         r.counting = true;
         bu_run(&r, 3000 * MS);
-        bu_expect_told(&r, "a retained CAO of 7", DISARMED, OPERATIONAL);
+        bu_expect_reported(&r, "a retained CAO of 7", DISARMED, OPERATIONAL);
         bu_command_shown(&r);
         bu_run(&r, 2000 * MS);
         bu_expect(&r, "now a command waits for it", LINK_ERROR, DATA_ERROR);
@@ -291,7 +291,7 @@ static void no_commands_in_input_only(void **state)
     assert_false(ect_signal_write(&ref, "000102030405060708090a0b0c0d0e0f", r.w.now_ns, message));
     assert_true(strlen(message) > 0);
     bu_run(&r, 5000 * MS);
-    bu_expect_told(&r, "no command went out", good, OPERATIONAL);
+    bu_expect_reported(&r, "no command went out", good, OPERATIONAL);
     assert_int_equal(r.in[CCI], 0);
     wire_close(&r.w);
 }
@@ -314,7 +314,7 @@ static void watchdog_after_good(void **state)
         assert_int_equal(ect_load_le16(status + 4), ECT_AL_WATCHDOG);
         assert_int_equal(ect_chain_slave(r.w.chain, 0)->cause, ECT_CAUSE_WATCHDOG);
         bu_run(&r, 500 * MS);
-        bu_expect_told(&r, "outputs in SAFEOP are not used", LINK_ERROR, NO_LINK);
+        bu_expect_reported(&r, "outputs in SAFEOP are not used", LINK_ERROR, NO_LINK);
         assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP | ECT_AL_ACKNOWLEDGE, NULL), ECT_STATE_SAFEOP);
         bu_expect(&r, "acknowledged", LINK_ERROR, NO_LINK);
         bu_cycle(&r);
@@ -322,7 +322,7 @@ static void watchdog_after_good(void **state)
         if ((bu_nodes[n].duties & PERIODIC) != 0)
             bu_expect(&r, "OP again, PCO has not moved yet", LINK_ERROR, DATA_ERROR);
         bu_cycle(&r);
-        bu_expect_told(&r, "OP again", good, OPERATIONAL);
+        bu_expect_reported(&r, "OP again", good, OPERATIONAL);
         wire_close(&r.w);
     }
 }
@@ -335,7 +335,7 @@ static void watchdog_before_good(void **state)
     bu_to_op(&r);
     bu_run(&r, 500 * MS);
     wire_advance(&r.w, 150 * MS);
-    bu_expect_told(&r, "watchdog before the first good exchange", INITIAL, NO_LINK);
+    bu_expect_reported(&r, "watchdog before the first good exchange", INITIAL, NO_LINK);
     wire_close(&r.w);
 }
 
@@ -354,7 +354,7 @@ static void controller_leaves_op(void **state)
             bu_expect(&r, "controller left OP 5 s ago", LINK_ERROR, NO_LINK);
             bu_to_op(&r);
             bu_cycle(&r);
-            bu_expect_told(&r, "controller is back", good, OPERATIONAL);
+            bu_expect_reported(&r, "controller is back", good, OPERATIONAL);
             wire_close(&r.w);
         }
     }
@@ -404,7 +404,7 @@ static void inputs_not_read(void **state)
         wire_advance(&r.w, 60000 * MS);
         bu_expect(&r, "a minute without reading", LINK_ERROR, NO_LINK);
         bu_cycle(&r);
-        bu_expect_told(&r, "read again", good, OPERATIONAL);
+        bu_expect_reported(&r, "read again", good, OPERATIONAL);
         wire_advance(&r.w, 1990 * MS);
         bu_cycle(&r);
         wire_advance(&r.w, 1990 * MS);
@@ -507,7 +507,7 @@ static void configuration_error(void **state)
             bu_to_op(&r);
             r.counting = true;
             bu_run(&r, 20 * MS);
-            bu_expect_told(&r, "configured as it should be", DISARMED, OPERATIONAL);
+            bu_expect_reported(&r, "configured as it should be", DISARMED, OPERATIONAL);
             refuse(&r, m);
             bu_expect(&r, m->what, LINK_ERROR, CFG_ERROR);
             wire_close(&r.w);

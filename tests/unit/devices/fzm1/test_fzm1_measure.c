@@ -306,7 +306,7 @@ static void overall_judgement(void **state)
                 {"judgement", "0", FZM1_OR},   {"judgement3", "1", 0},        {"judgement5", "-1", 0}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        uint32_t before = sensor_look(&s) & FZM1_OR;
+        uint32_t before = sensor_read(&s) & FZM1_OR;
         signal_set(&s.w, rows[i].signal, rows[i].value);
         sensor_expect(&s, "not measured yet", FZM1_OR, before);
         sensor_step(&s);

@@ -35,12 +35,12 @@ static unsigned int seed, accepted;
 
 static void refuse(const char *what)
 {
-    fail_msg("seed %u: %s (control signals were %05X, are %05X)", seed, what, seen.control, sensor_look(&s));
+    fail_msg("seed %u: %s (control signals were %05X, are %05X)", seed, what, seen.control, sensor_read(&s));
 }
 
 static watch_t look(void)
 {
-    watch_t now = {.control = sensor_look(&s), .exe = sensor_instance(&s)->levels & FZM1_EXE};
+    watch_t now = {.control = sensor_read(&s), .exe = sensor_instance(&s)->levels & FZM1_EXE};
     memcpy(now.response, s.in + 4, sizeof now.response);
     memcpy(now.output, s.in + 16, sizeof now.output);
     return now;
@@ -131,7 +131,7 @@ static void session(unsigned int number)
     memset(s.out, 0, sizeof s.out); /* at rest all comes to its end */
     exchange();
     pass(200000 * MS);
-    if ((sensor_look(&s) & (FZM1_READY | FZM1_BUSY)) != FZM1_READY)
+    if ((sensor_read(&s) & (FZM1_READY | FZM1_BUSY)) != FZM1_READY)
         refuse("READY is stuck");
     long long measured = signal_number(&s.w, "measurements");
     long long shown = signal_number(&s.w, "outputs") + signal_number(&s.w, "discarded") + signal_number(&s.w, "lost");

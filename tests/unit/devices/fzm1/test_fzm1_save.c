@@ -231,7 +231,7 @@ static void in_steps(void **state)
     unsigned int polls = 0;
     uint32_t most = 0;
     signal_set(&s.w, "trigger", "1");
-    for (; (sensor_look(&s) & FZM1_FLG) == 0 && polls < 10000; polls++) {
+    for (; (sensor_read(&s) & FZM1_FLG) == 0 && polls < 10000; polls++) {
         memory.written = 0;
         wire_advance(&s.w, MS / 10);
         most = memory.written > most ? memory.written : most;

@@ -464,7 +464,7 @@ static void late(void **state)
 }
 
 /* Records from before the selection have another form: the last record replaces them. */
-static void choice_anew(void **state)
+static void new_selection(void **state)
 {
     enum { SAMPLES = 20 };
     (void)state;
@@ -612,7 +612,7 @@ int main(void)
         T("OPT-006: oversampling with an irregular master", irregular),
         T("OPT-006: oversampling up to 100 (public manual, p. 174)", hundred),
         T("OPT-006: oversampling with a master that is late", late),
-        T("OPT-006: oversampling, after a choice", choice_anew),
+        T("OPT-006: oversampling, after a choice", new_selection),
         T("OPT-006: oversampling, after an absence", many_after_away),
         T("SYNC0 has the period of a measuring rate, or twice that (public manual, p. 182)", cycles),
         T("a record at each SYNC0 (public manual, p. 182)", synchronised),
