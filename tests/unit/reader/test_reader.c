@@ -180,6 +180,30 @@ static void the_third_of_three_slaves_is_read_and_the_others_are_left_alone(void
     close_reader(&l);
 }
 
+static bool keep_frame(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    (void)length;
+    (void)wkc;
+    if (d[0] == APWR && ado == ECT_REG_AL_CONTROL)
+        l->number = ect_load_le16(data);
+    return true;
+}
+
+/* The controller answers any destination; a source that is a group address would make it no Ethernet frame. */
+static void frames_are_broadcasts_from_a_local_address(void **state)
+{
+    static const uint8_t header[14] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 0, 0, 0, 0, 1, 0x88, 0xA4};
+    static const liar_kind_t kind = {.datagram = keep_frame};
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    assert_memory_equal(reader.frame, header, sizeof header);
+    assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
+    assert_int_equal(l.number, PREOP | ECT_AL_ACKNOWLEDGE); /* the upper byte is reserved */
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG), 0);
+    close_reader(&l);
+}
+
 /* --- uploads ------------------------------------------------------------------------------------------------------ */
 
 static void uploads_of_every_length_arrive_whole(void **state)
@@ -533,6 +557,7 @@ int main(void)
         cmocka_unit_test(a_slave_with_the_error_flag_is_acknowledged),
         cmocka_unit_test(a_refused_state_is_reported_with_its_code),
         cmocka_unit_test(the_third_of_three_slaves_is_read_and_the_others_are_left_alone),
+        cmocka_unit_test(frames_are_broadcasts_from_a_local_address),
         cmocka_unit_test(uploads_of_every_length_arrive_whole),
         cmocka_unit_test(an_object_is_uploaded_by_complete_access),
         cmocka_unit_test(an_abort_is_reported_with_its_code_and_the_next_upload_works),

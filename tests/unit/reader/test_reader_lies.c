@@ -699,6 +699,14 @@ static bool mailbox_beyond_memory(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *
     return mailbox_of(l, ado, data, length, 0xFFF0, 128);
 }
 
+static bool mailbox_at_the_end(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
+{
+    (void)wkc;
+    if (d[0] == APWR && ado == ECT_REG_SII_CONTROL && length == 6)
+        l->number = ect_load_le16(data + 2);
+    return mailbox_of(l, ado, data, length, 0x10000 - 128, 128);
+}
+
 static bool mailbox_of_no_bytes(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
 {
     (void)wkc;
@@ -802,6 +810,7 @@ static const struct row {
     {{"mailbox of 65535 bytes", .datagram = mailbox_huge}, OK, WRONG, WRONG},
     {{"mailbox over AL control", .datagram = mailbox_in_registers}, OK, WRONG, WRONG},
     {{"mailbox beyond the memory", .datagram = mailbox_beyond_memory}, OK, WRONG, WRONG},
+    {{"mailbox at the last addresses", .datagram = mailbox_at_the_end}, OK, REFUSED, REFUSED},
     {{"mailbox of no bytes", .datagram = mailbox_of_no_bytes}, OK, WRONG, WRONG},
 };
 
