@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The device with one file more than it has by itself: its firmware. */
+/* The device with one more file: its firmware. */
 #include "update.h"
+
+#include <string.h>
 
 #include FIRMWARE_DEVICE_HEADER
 #include "firmware.h"
@@ -8,17 +10,16 @@
 #include "wire/registers.h"
 
 enum { PROTOCOLS = 8, BOOT = ECT_STATE_BOOT };
-enum { SHORT_MAIL = 64, MAIL = 256 };
 
 static ect_device_t device;
 static const ect_protocol_t *protocols[PROTOCOLS + 1];
 static ect_foe_t files;
 static const ect_host_t *host;
+static uint8_t header[UPDATE_HEADER]; /* of the file that is being written */
 static uint32_t written;
-static bool complete; /* there is a new firmware, and the master knows */
+static bool complete; /* the second slot holds a new firmware, and the master has the acknowledge */
 
-/* --- the file
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the file ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
 {
@@ -29,7 +30,49 @@ static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wi
         return ECT_FOE_NOT_FOUND;
     written = 0;
     complete = false;
-    return board_slots()->erase() ? ECT_FOE_OK : ECT_FOE_PROGRAM_ERROR;
+    return ECT_FOE_OK;
+}
+
+/* The slot is erased for a file that belongs here only. */
+static uint32_t take_header(const char **text)
+{
+    const update_slots_t *slots = board_slots();
+    const ect_identity_t *identity = &FIRMWARE_DEVICE.identity;
+    if (!update_header_good(slots, header)) {
+        *text = "no firmware for this board";
+        return ECT_FOE_ILLEGAL;
+    }
+    if (ect_load_le32(header + 16) != identity->vendor_id || ect_load_le32(header + 20) != identity->product_code) {
+        *text = "firmware of another product";
+        return ECT_FOE_ILLEGAL;
+    }
+    return slots->erase() && slots->write(0, header, UPDATE_HEADER) ? ECT_FOE_OK : ECT_FOE_PROGRAM_ERROR;
+}
+
+static uint32_t write_image(const uint8_t *data, uint32_t length)
+{
+    const update_slots_t *slots = board_slots();
+    if (length > slots->size - written)
+        return ECT_FOE_DISK_FULL;
+    if (length > 0 && !slots->write(written, data, length))
+        return ECT_FOE_PROGRAM_ERROR;
+    written += length;
+    return ECT_FOE_OK;
+}
+
+/* A short mailbox brings the header in several pieces. */
+static uint32_t write_piece(const uint8_t *data, uint16_t length, const char **text)
+{
+    uint32_t missing = written < UPDATE_HEADER ? UPDATE_HEADER - written : 0;
+    uint32_t part = length < missing ? length : missing;
+    memcpy(header + UPDATE_HEADER - missing, data, part);
+    written += part;
+    if (part > 0 && part == missing) {
+        uint32_t error = take_header(text);
+        if (error != ECT_FOE_OK)
+            return error;
+    }
+    return write_image(data + part, length - part);
 }
 
 static uint32_t write_file(const ect_foe_t *foe, void *instance, uint32_t offset, const void *data, uint16_t length,
@@ -38,14 +81,13 @@ static uint32_t write_file(const ect_foe_t *foe, void *instance, uint32_t offset
     const update_slots_t *slots = board_slots();
     (void)foe;
     (void)instance;
-    if (offset > slots->size || length > slots->size - offset)
-        return ECT_FOE_DISK_FULL;
-    if (length > 0 && !slots->write(offset, data, length))
-        return ECT_FOE_PROGRAM_ERROR;
-    written = offset + length;
-    if (!last || (written > UPDATE_HEADER && update_image(slots) == written - UPDATE_HEADER))
+    (void)offset;
+    uint32_t error = write_piece(data, length, text);
+    if (error != ECT_FOE_OK || !last)
+        return error;
+    if (written > UPDATE_HEADER && update_image(slots) == written - UPDATE_HEADER)
         return ECT_FOE_OK;
-    *text = "no firmware for this board, or damaged";
+    *text = "damaged firmware";
     (void)slots->erase();
     return ECT_FOE_CHECKSUM;
 }
@@ -55,12 +97,11 @@ static void closed(const ect_foe_t *foe, void *instance, bool whole)
     (void)foe;
     (void)instance;
     complete = whole;
-    if (!whole)
+    if (!whole && written >= UPDATE_HEADER)
         (void)board_slots()->erase();
 }
 
-/* --- the device
- * ------------------------------------------------------------------------------------------------------- */
+/* --- the device --------------------------------------------------------------------------------------------------- */
 
 static void init(void *instance, const ect_host_t *its_host, uint64_t now_ns)
 {
@@ -77,18 +118,17 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 }
 
 /*
- * The mailboxes of BOOT are the usual ones, which SOEM's firm_update leaves as they are. Where a file's name does not
- * fit those, they are others: in BOOT nothing else is in the ESC's RAM.
+ * The mailboxes of BOOT are the usual ones, however short: SOEM's firm_update writes SM0 and SM1 while they are
+ * enabled, and an ESC ignores another address or length then.
  */
 static void lay_out_boot(void)
 {
     const ect_sm_t *out = &device.sm[0], *in = &device.sm[1];
-    bool fit = out->length >= SHORT_MAIL && in->length >= SHORT_MAIL;
-    device.boot_out = fit ? (ect_boot_mailbox_t){out->start, out->length} : (ect_boot_mailbox_t){ECT_RAM, MAIL};
-    device.boot_in = fit ? (ect_boot_mailbox_t){in->start, in->length} : (ect_boot_mailbox_t){ECT_RAM + MAIL, MAIL};
+    device.boot_out = (ect_boot_mailbox_t){out->start, out->length};
+    device.boot_in = (ect_boot_mailbox_t){in->start, in->length};
 }
 
-/* Anew at each call: the firmware and the EEPROM ask once each. */
+/* The same at each call; the firmware and the EEPROM call it once each. */
 const ect_device_t *firmware_device(void)
 {
     const size_t aligned = sizeof(max_align_t);
@@ -109,6 +149,8 @@ const ect_device_t *firmware_device(void)
     device.protocols = protocols;
     device.mailbox_protocols |= ECT_MAILBOX_FOE;
     device.instance_size = files.offset + sizeof(ect_foe_transfer_t);
+    if (FIRMWARE_VERSION[0] != 0)
+        device.software_version = FIRMWARE_VERSION;
     lay_out_boot();
     device.init = init;
     device.state_change = state_change;

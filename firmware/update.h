@@ -1,16 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A firmware that is renewed over FoE. The master writes a file in BOOT; it goes into the second slot and is checked
- * there. When the master leaves BOOT the board starts anew, and its loader (loader/main.c) puts the image into the
- * place that it runs from.
+ * A firmware update over FoE. The master writes a file in BOOT; it goes into the second slot and is verified there.
+ * When the master leaves BOOT, the board restarts, and its loader (loader/main.c) copies the image to the address that
+ * it runs from.
  *
- * A file, which tools/firmware-file.py makes, is a header of four words, little-endian, and the image behind it: magic
- * number, length of the image, its CRC-32, and the address that it is linked for, so that one for another board is
- * refused.
+ * A file, which tools/firmware-file.py makes, is a header of eight words, little-endian, and the image:
  *
- * A cut at any moment leaves a firmware that runs: a slot that is not whole is not taken, and an image that was put
- * into its place in part is put there again at the next start.
+ * | byte | |
+ * |--:|---|
+ * | 0 | UPDATE_MAGIC |
+ * | 4 | length of the image in bytes |
+ * | 8 | CRC-32 of all bytes from 12 on |
+ * | 12 | address that the image is linked for: a file for another board is refused |
+ * | 16 | vendor ID, 1018:01 |
+ * | 20 | product code, 1018:02: a file for another product is refused, before the slot is erased |
+ * | 24 | version, a number of the vendor's choice; not compared, so that an older firmware may replace a newer one |
+ * | 28 | 0 |
+ *
+ * A cut at any moment leaves a firmware that runs: an incomplete slot is not taken, and an image that is copied in part
+ * is copied again at the next start.
  */
 #ifndef FIRMWARE_UPDATE_H
 #define FIRMWARE_UPDATE_H
@@ -22,34 +31,42 @@
 #include "wire/bytes.h"
 #include "wire/crc.h"
 
-#define UPDATE_MAGIC 0x57465445u /* "ETFW" */
+#define UPDATE_MAGIC 0x32465445u /* "ETF2" */
 
-enum { UPDATE_HEADER = 16 };
+enum { UPDATE_HEADER = 32, UPDATE_CHECKED_FROM = 12 };
 
 /** The two slots of a board, both read as memory. */
 typedef struct update_slots {
     uint32_t run;          /**< address that the firmware runs from */
-    const uint8_t *second; /**< where a file goes */
-    uint32_t size;         /**< bytes of the second one */
-    /** Makes the second one writable from end to end, and takes away what was in it. @return whether it did */
+    const uint8_t *second; /**< start of the second slot */
+    uint32_t size;         /**< bytes of the second slot, more than UPDATE_HEADER */
+    /** Makes the second slot writable from end to end; its content is gone. @return false: the memory failed */
     bool (*erase)(void);
-    /** Writes behind what was written. offset + length <= size. @return whether it did */
+    /** Writes behind the previous write. offset + length <= size. @return false: the memory failed */
     bool (*write)(uint32_t offset, const void *data, uint32_t length);
 } update_slots_t;
 
-/** The board's. */
+/** The board's slots. */
 const update_slots_t *board_slots(void);
 
-/** @return bytes of the image in the second slot, UPDATE_HEADER behind its start; 0: there is no whole one for this
+/** Whether a header, UPDATE_HEADER bytes, is that of a file for this board: magic number, address, a length that fits.
+ */
+static inline bool update_header_good(const update_slots_t *slots, const uint8_t *header)
+{
+    return ect_load_le32(header) == UPDATE_MAGIC && ect_load_le32(header + 4) <= slots->size - UPDATE_HEADER &&
+           ect_load_le32(header + 12) == slots->run;
+}
+
+/** @return bytes of the image in the second slot, UPDATE_HEADER behind its start; 0: there is no complete one for this
  * board */
 static inline uint32_t update_image(const update_slots_t *slots)
 {
     const uint8_t *header = slots->second;
-    uint32_t length = ect_load_le32(header + 4);
-    if (ect_load_le32(header) != UPDATE_MAGIC || length > slots->size - UPDATE_HEADER ||
-        ect_load_le32(header + 12) != slots->run)
+    if (!update_header_good(slots, header))
         return 0;
-    return ~ect_crc32(0xFFFFFFFF, header + UPDATE_HEADER, length) == ect_load_le32(header + 8) ? length : 0;
+    uint32_t length = ect_load_le32(header + 4);
+    uint32_t crc = ~ect_crc32(0xFFFFFFFF, header + UPDATE_CHECKED_FROM, length + UPDATE_HEADER - UPDATE_CHECKED_FROM);
+    return crc == ect_load_le32(header + 8) ? length : 0;
 }
 
 #endif

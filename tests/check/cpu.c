@@ -2,6 +2,7 @@
 /* On a Cortex-M7: the window of an ESC is device memory, and a fault of the processor ends in board_fault. */
 #include "cpu.h"
 #include "board.h"
+#include "semihosting.h"
 
 #define MPU_TYPE       REGISTER(0xE000ED90)
 #define MPU_CONTROL    REGISTER(0xE000ED94)
@@ -19,42 +20,33 @@ enum {
     NOWHERE = 0x55550000
 };
 
-static void semihosting(uint32_t call, uintptr_t argument)
+static _Noreturn void end(const char *text, bool clean)
 {
-    register uint32_t r0 __asm__("r0") = call;
-    register uintptr_t r1 __asm__("r1") = argument;
-    __asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
-}
-
-static _Noreturn void end(const char *text, uint32_t status)
-{
-    semihosting(WRITE_TEXT, (uintptr_t)text);
-    semihosting(END, status);
-    for (;;) {
-    }
+    semihosting_write(text);
+    semihosting_end(clean);
 }
 
 /* ARMv7-M ARM, B3.5: no execution, full access, TEX 0 C 0 B 1 (shareable device), the size, enabled. */
 static void expect_device_memory(void)
 {
     if ((MPU_TYPE >> 8 & 0xFF) == 0)
-        end("this processor has no MPU\n", FAILED);
+        end("this processor has no MPU\n", false);
     if (MPU_CONTROL != 5)
-        end("the MPU is off, or has no default map behind it\n", FAILED);
+        end("the MPU is off, or has no default map behind it\n", false);
     MPU_REGION = (MPU_TYPE >> 8 & 0xFF) - 1;
     if ((MPU_BASE & ~0x1Fu) != WINDOW)
-        end("the last region is elsewhere\n", FAILED);
+        end("the last region is elsewhere\n", false);
     uint32_t attributes = MPU_ATTRIBUTES;
     if ((attributes & 1) == 0 || (attributes >> 1 & 0x1F) != WINDOW_BITS - 1)
-        end("the region is off, or has another size\n", FAILED);
+        end("the region is off, or has another size\n", false);
     if ((attributes >> 28 & 1) != 1 || (attributes >> 24 & 7) != 3 || (attributes >> 19 & 7) != 0 ||
         (attributes >> 16 & 3) != 1)
-        end("the region is no device memory\n", FAILED);
+        end("the region is no device memory\n", false);
 }
 
 _Noreturn void board_fault(void)
 {
-    end("a fault ended in board_fault\n", CLEAN);
+    end("a fault ended in board_fault\n", true);
 }
 
 int main(void)
@@ -63,7 +55,7 @@ int main(void)
     expect_device_memory();
     uint64_t before = cpu_cycles();
     if (cpu_cycles() < before)
-        end("the clock goes back\n", FAILED);
+        end("the clock goes back\n", false);
     REGISTER(NOWHERE) = 1;
-    end("a write to nowhere is no fault\n", FAILED);
+    end("a write to nowhere is no fault\n", false);
 }
