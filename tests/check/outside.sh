@@ -74,6 +74,29 @@ for program in "$work/soes-by-cmake/my_firmware" "$work/soes-by-pkg-config"; do
   check "$program: sizes" "24bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"
 done
 
+# A stack of its own, by its sources, which calls an emulated EEPROM: our hardware file has what it needs.
+mkdir "$work/foreign"
+cp "$root"/tests/soes/{app.c,app.h,ecat_options.h,main.c} "$work/foreign"
+cat >"$work/foreign/stack.c" <<'STACK'
+#include "ecat_slv.h"
+#include "esc_eep.h"
+_ESCvar ESCvar;
+void ecat_slv_init(esc_cfg_t *config)
+{
+    EEP_init();
+    ESC_init(config);
+}
+void ecat_slv(void)
+{
+    uint8_t data[8];
+    (void)EEP_read(0, data, EEP_write(0, data, 2) == 0);
+}
+STACK
+sed -e 's/COMPONENTS soes soes_hal/COMPONENTS soes_hal/; s/ectwin::soes ectwin::soes_hal/ectwin::soes_hal/; s/main.c app.c/main.c app.c stack.c/' \
+  -e 's|PRIVATE \.)|PRIVATE . ${SOES})|' "$work/soes/CMakeLists.txt" >"$work/foreign/CMakeLists.txt"
+project "$work/foreign" foreign-by-cmake -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_C_FLAGS="$flags" -DSOES="$api"
+check "a stack by its sources links" yes "$([ -x "$work/foreign-by-cmake/my_firmware" ] && echo yes)"
+
 # Two devices of one name are one too many.
 sed -i 's/\.name = "heater"/.name = "fzm1"/' "$work/examples/device/heater.c"
 quietly cmake --build "$work/device"

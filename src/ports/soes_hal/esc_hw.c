@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A hardware file of SOES, compiled with the application: by its headers, whosoever stack that is. */
+/* A hardware file of SOES, compiled with the application by the headers of its stack, ours or SOES's own. */
 #include <ecat_slv.h>
 #include <esc.h>
 
@@ -28,6 +28,34 @@ void ESC_init(const esc_cfg_t *cfg)
 void ESC_reset(void)
 {
     ect_soes_hal_reset();
+}
+
+/*
+ * SOES's esc_eep.c calls these, and an application that lists SOES's sources links it whether it emulates an EEPROM or
+ * not. The software ESC has an EEPROM of its own; a hardware file of the application takes precedence.
+ */
+void EEP_init(void);
+int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size);
+int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t size);
+
+__attribute__((weak)) void EEP_init(void)
+{
+}
+
+__attribute__((weak)) int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size)
+{
+    (void)addr;
+    (void)data;
+    (void)size;
+    return -1;
+}
+
+__attribute__((weak)) int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t size)
+{
+    (void)addr;
+    (void)data;
+    (void)size;
+    return -1;
 }
 
 __attribute__((weak)) esc_cfg_t *ectwin_soes_config(void)
