@@ -134,9 +134,13 @@ static uint16_t go_up(uint8_t to)
     return ALERR_NONE;
 }
 
+/* App.state as SOES's hooks find it: already that of the lower state. */
 static void go_down(uint8_t from, uint8_t to)
 {
-    if (from < ESCsafeop || to >= ESCsafeop)
+    if (from < ESCsafeop)
+        return;
+    CC_ATOMIC_AND(ESCvar.App.state, APPSTATE_INPUT);
+    if (to >= ESCsafeop)
         return;
     CC_ATOMIC_SET(ESCvar.App.state, APPSTATE_IDLE);
     if (ESCvar.use_interrupt != 0 && ESCvar.esc_hw_interrupt_disable)
@@ -147,10 +151,12 @@ static uint16_t state_change(void *unused, uint8_t from, uint8_t to, uint64_t no
 {
     uint8_t as = (uint8_t)(to << 4 | from);
     uint8_t an = from;
+    bool falls = to < from && !ect_soes.requested;
     uint16_t code = ALERR_NONE;
     (void)unused;
     (void)now_ns;
-    ESCvar.ALerror = ALERR_NONE;
+    ESCvar.ALerror = falls ? ect_soes.fall_code : (uint16_t)ALERR_NONE;
+    ect_soes.fall_code = ALERR_NONE;
     if (ESCvar.pre_state_change_hook)
         ESCvar.pre_state_change_hook(&as, &an);
     if (to > from)
@@ -158,10 +164,10 @@ static uint16_t state_change(void *unused, uint8_t from, uint8_t to, uint64_t no
     else
         go_down(from, to);
     as = (uint8_t)(to << 4 | from);
-    an = code == ALERR_NONE ? to : from | ESCerror;
+    an = code != ALERR_NONE ? from | ESCerror : falls ? to | ESCerror : to;
     if (ESCvar.post_state_change_hook)
         ESCvar.post_state_change_hook(&as, &an);
-    if (code != ALERR_NONE || (an & ESCerror) == 0)
+    if (code != ALERR_NONE || falls || (an & ESCerror) == 0)
         return code;
     return ESCvar.ALerror != ALERR_NONE ? ESCvar.ALerror : ALERR_UNSPECIFIEDERROR;
 }
@@ -287,6 +293,7 @@ static void init(void *unused, const ect_host_t *host, uint64_t now_ns)
     (void)unused;
     (void)host;
     (void)now_ns;
+    APP_safeoutput();
     COE_initDefaultValues();
 }
 

@@ -49,6 +49,7 @@ static int read_over(void *ctx, uint16_t address, void *buffer, uint16_t length)
     int result = below->read(below->ctx, address, buffer, length);
     if (address == ECT_REG_AL_CONTROL && length == 2) {
         ESCvar.ALcontrol = ect_load_le16(buffer);
+        ect_soes.requested = true;
         if ((ESCvar.ALcontrol & ESCREG_AL_ID_REQUEST) != 0)
             look_up_id(below);
     }
@@ -128,6 +129,7 @@ void ecat_slv_init(esc_cfg_t *config)
 static void step(void)
 {
     uint8_t time[4];
+    ect_soes.requested = false;
     if (ect_soes.pdi.read(ect_soes.pdi.ctx, ECT_REG_DC_SYSTEM_TIME, time, sizeof time) >= 0) {
         ESCvar.Time = ect_load_le32(time);
         ect_soes_follow_time(ESCvar.Time);

@@ -75,6 +75,7 @@ void ESC_ALstatusgotoerror(uint8_t status, uint16_t errornumber)
         ect_soes.outputs_safe = true;
         APP_safeoutput();
     }
+    ect_soes.fall_code = errornumber;
     host->drop(host->ctx, state, errornumber != ALERR_NONE ? errornumber : ALERR_UNSPECIFIEDERROR);
 }
 

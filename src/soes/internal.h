@@ -33,8 +33,10 @@ typedef struct ect_soes {
     uint64_t due_ns;
     uint32_t esc_time;
     volatile int watchdog;
-    uint16_t wanted;   /* AL events that there is something to do about */
-    bool outputs_safe; /* before the state machine came to it */
+    uint16_t wanted;    /* AL events that the stack has work for */
+    uint16_t fall_code; /* AL status code of the last ESC_ALstatusgotoerror */
+    bool requested;     /* the master has written AL control: a lower state is no fall by error */
+    bool outputs_safe;  /* already, before the state machine leaves OP */
 } ect_soes_t;
 
 extern ect_soes_t ect_soes;

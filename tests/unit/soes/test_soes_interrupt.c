@@ -249,6 +249,8 @@ static void power_on(unsigned long at, void (*what)(void))
     w.poll = serve;
     ect_soes_clock(now);
     ecat_slv_init(&config);
+    expect(t.made_safe == 1, "outputs were not made safe at the start, or twice");
+    t.made_safe = 0;
     app.position = FIRST; /* the first inputs have no hook before them */
 }
 
