@@ -9,7 +9,7 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 flags="-std=gnu11 -mcpu=cortex-m3 -mthumb -O1 -DECT_SMALL -DNDEBUG -ffunction-sections -fdata-sections -I$root/src -I$root/firmware -I$root/firmware/cpu"
-for source in "$root"/src/{od,slave}/*.c "$root"/src/devices/*/*.c "$root"/firmware/cpu/{cortex_m,memory,atomic}.c "$root/tests/check/memory.c"; do
+for source in "$root"/src/{od,slave}/*.c "$root"/src/{devices,profiles}/*/*.c "$root"/firmware/cpu/{cortex_m,memory,atomic}.c "$root/tests/check/memory.c"; do
   case "$source" in */signals.c | */modbus.c) continue ;; esac # the plant: no firmware has it
   # shellcheck disable=SC2086
   arm-none-eabi-gcc $flags -c "$source" -o "$work/$(echo "$source" | tr / _).o"
