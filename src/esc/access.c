@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* One access to the address space: which part of it meets registers, SyncManagers or plain RAM. */
+/* One access to the address space, split into registers, SyncManagers and plain RAM. */
 #include "esc/internal.h"
 
-/* The enabled SyncManager that holds `address`, or the start of the next one above it; -1: none holds it. */
+/* The enabled SyncManager that contains `address`, or the start of the next one above it; -1: none contains it. */
 static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
 {
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
@@ -17,8 +17,8 @@ static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
     return -1;
 }
 
-/* Where SyncManagers rule, that is from the RAM on, or from the registers of the digital outputs on when one lies
- * there. */
+/* First address that may belong to a SyncManager: the RAM, or the registers of the digital outputs if one covers them.
+ */
 static uint16_t first_managed(const ect_esc_t *esc)
 {
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
@@ -29,7 +29,7 @@ static uint16_t first_managed(const ect_esc_t *esc)
     return ECT_RAM;
 }
 
-/* The parts inside a SyncManager go by its rules, the rest is plain memory, or registers. */
+/* Splits an access: SyncManagers handle their parts, the rest is plain memory or registers. */
 static bool managed_access(ect_esc_t *esc, const ect_access_t *access, uint32_t address, uint16_t length)
 {
     if (!esc->sii_valid)
@@ -81,7 +81,7 @@ static bool open_access(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return any;
 }
 
-/* What protection lets through: write enables, and then the part from the first address that is not protected on. */
+/* Applies write protection: takes write enables, then passes the part from the first unprotected address on. */
 static bool protected_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     bool any = ect_esc_unlock(esc, address, length);

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The local clock: an oscillator that is a little too fast or too slow, and what the control loop of the distributed
- * clocks does to it. Kept as a line from a point on: at `real_ns` it was `local_ns`, and it gains so many ns a second.
+ * The local clock: an oscillator with a frequency error, and its correction by the control loop of the distributed
+ * clocks. The clock is a straight line from a point on: at `real_ns` the local time was `local_ns`, and it gains a
+ * number of ns a second.
  */
 #include "esc/internal.h"
 
 enum { GIGA = 1000000000 };
 
-/* How much a clock that gains `ppb` has gained after `elapsed`, rounded down; *fraction, in 1e-9 ns, is taken along. */
+/* Gain of a clock of `ppb` after `elapsed`, rounded down; *fraction, in 1e-9 ns, is carried over. */
 static int64_t gained(uint64_t elapsed_ns, int32_t ppb, int64_t *fraction)
 {
     int64_t rest = (int64_t)(elapsed_ns % GIGA) * ppb + *fraction;
@@ -18,7 +19,7 @@ static int64_t gained(uint64_t elapsed_ns, int32_t ppb, int64_t *fraction)
     return (int64_t)(elapsed_ns / GIGA) * ppb + whole;
 }
 
-/* A point of the clock's line at or after its first one. */
+/* A point of the clock's line, at or after its first one. */
 static ect_esc_clock_t at(const ect_esc_clock_t *clock, uint64_t real_ns)
 {
     ect_esc_clock_t c = *clock;
@@ -53,8 +54,8 @@ uint64_t ect_esc_frame_time(const ect_esc_t *esc)
     return ect_esc_local_at(esc, esc->now_ns + esc->arrival.unit_ns);
 }
 
-/* The clock's gain is small, so each step leaves a thousandth of the error of the one before; then only roundings are
- * left, and the clock must be there, not nearly. */
+/* The gain is small, so each step leaves a thousandth of the previous error. In the end only rounding errors remain,
+ * and the result must be exact. */
 uint64_t ect_esc_real_after(const ect_esc_t *esc, uint64_t wait_ns)
 {
     enum { STEPS = 6 };

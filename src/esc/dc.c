@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Distributed clocks: receive times, system time, and the loop that makes the local clock follow another one (data
- * sheet I §9.1, II §2.15.1, §2.15.2).
+ * Distributed clocks: receive times, system time, and the control loop that synchronises the local clock to another one
+ * (data sheet I §9.1, II §2.15.1, §2.15.2).
  *
- * How the chips regulate is not published; what is known of it is kept: the filters of 0x0934 and 0x0935, each so many
- * powers of two of samples long; 0x092C as the mean difference; 0x0932, whose relation to the deviation is given; the
- * range that 0x0930 gives it. Each sample takes an eighth of its difference away until the next one is due, as far as
- * that range allows, and what has to be taken away again and again becomes a change of the clock's rate.
+ * The control algorithm of the chips is not published; the documented parts are modelled: the filters of 0x0934 and
+ * 0x0935, whose depths are powers of two of samples; 0x092C as the mean difference; 0x0932, whose relation to the
+ * deviation is given; its range, which depends on 0x0930. Each sample corrects an eighth of its difference until the
+ * next sample is due, within that range, and a persistent correction becomes a change of the clock's rate.
  */
 #include <string.h>
 
@@ -14,7 +14,7 @@
 
 enum { PDI_CONTROLS_TIME = 0x04, SHARE = 8, LOWEST_SPEED = 0x7F, AHEAD = (int)0x80000000, SCALE = 16 };
 
-/* Beyond it the sign of a difference is not known. */
+/* Beyond this the sign of a difference is unknown. */
 enum { LOCK_LIMIT_NS = 1 << 30, GIGA = 1000000000 };
 
 static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
@@ -22,7 +22,7 @@ static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
     return esc->memory + address;
 }
 
-/* A frame asks what the time was when it passed the reference clock; the microcontroller, what it is. */
+/* A frame reads the time at which it passed the reference clock; the microcontroller reads the present time. */
 static uint64_t time_for(const ect_esc_t *esc, ect_side_t side)
 {
     if (side == ECT_SIDE_PDI)
@@ -31,13 +31,13 @@ static uint64_t time_for(const ect_esc_t *esc, ect_side_t side)
            ect_load_le32(reg(esc, ECT_REG_DC_DELAY));
 }
 
-/* Ports that frames do not come back to keep what they had. An ET1200 takes them for every write, the others for those
- * that address all or one by its station address; 0x0918 follows every write. */
+/* Ports to which a frame does not return keep their value. An ET1200 latches the times at every write, the other chips
+ * only at writes that address all slaves or one by its station address; 0x0918 follows every write. */
 bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     (void)length;
     if (!ect_esc_dc_present(esc) || address != ECT_REG_DC_RECEIVE_TIME)
-        return true; /* counts all the same */
+        return true; /* counts as accessed all the same */
     bool ports = access->latches || ect_esc_has(esc, ECT_UNIT_LATCH_MODE);
     for (unsigned int port = 0; ports && port < ECT_ESC_PORTS; port++) {
         uint64_t time_ns = ect_esc_local_at(esc, esc->now_ns + esc->arrival.port_ns[port]);
@@ -56,7 +56,7 @@ static uint16_t speed_start(const ect_esc_t *esc)
     return start > LOWEST_SPEED ? start : LOWEST_SPEED + 1;
 }
 
-/* The deviation that a speed counter difference stands for, in ppb: difference / (5 (start + d + 2) (start - d + 2)).
+/* The deviation that a speed counter difference represents, in ppb: difference / (5 (start + d + 2) (start - d + 2)).
  */
 static int32_t deviation(uint16_t start, uint16_t difference)
 {
@@ -70,8 +70,8 @@ static int32_t fastest(const ect_esc_t *esc)
     return deviation(start, (uint16_t)(start - LOWEST_SPEED));
 }
 
-/* The difference for a deviation, by halving: it grows with it. The loop gets no faster than `fastest`, so what lies
- * above that is not met. */
+/* The difference for a deviation, by bisection, because it grows monotonically. The loop never exceeds `fastest`, so
+ * no greater deviation occurs. */
 static uint16_t speed_difference(const ect_esc_t *esc, int32_t ppb)
 {
     uint16_t start = speed_start(esc);
@@ -109,7 +109,7 @@ static void filter_difference(ect_esc_t *esc, int32_t ahead_ns)
     show_difference(esc);
 }
 
-/* From now on the clock gains `rate_ppb` more than by itself, and for a while `slew_ppb` on top. */
+/* From now on the clock gains `rate_ppb` in addition to its oscillator, and `slew_ppb` on top of that for a while. */
 static void trim(ect_esc_t *esc, int32_t rate_ppb, int32_t slew_ppb, uint64_t slew_for_ns)
 {
     ect_esc_clock_rebase(esc);
@@ -119,7 +119,7 @@ static void trim(ect_esc_t *esc, int32_t rate_ppb, int32_t slew_ppb, uint64_t sl
     ect_esc_sync_moved(esc);
 }
 
-/* Slower while it is ahead. The time from the last sample tells how long the next one will take. */
+/* Slows down while the clock is ahead. The time since the last sample predicts the time until the next one. */
 static void regulate(ect_esc_t *esc, int32_t ahead_ns)
 {
     uint64_t period_ns = esc->now_ns - esc->loop.last_ns;
@@ -163,7 +163,7 @@ void ect_esc_dc_take(ect_esc_t *esc, uint32_t time)
     compare(esc, (uint32_t)time_for(esc, ECT_SIDE_ECAT), time);
 }
 
-/* What a frame brings is compared with the time at which it came; what the PDI brings, with that of latch 0. */
+/* The value of a frame is compared with the frame's time of arrival, that of the PDI with the time of latch 0. */
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     if (!ect_esc_dc_follows(esc, access->side))
@@ -183,11 +183,11 @@ bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t 
         return false;
     ect_esc_sync_settle(esc);
     ect_esc_copy(access, reg(esc, address), 0, length);
-    ect_esc_sync_moved(esc); /* the system time may be another one */
+    ect_esc_sync_moved(esc); /* the system time may have changed */
     return true;
 }
 
-/* Any write to it starts the filters anew. */
+/* Any write restarts the filters. */
 bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     if (!ect_esc_dc_write_loop(esc, access, address, length))
@@ -196,7 +196,7 @@ bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t
     return true;
 }
 
-/* --- what happens to the oscillator ----------------------------------------------------------------------------- */
+/* --- the oscillator ---------------------------------------------------------------------------------------------- */
 
 void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb)
 {
@@ -221,7 +221,7 @@ void ect_esc_set_arrival(ect_esc_t *esc, const ect_esc_arrival_t *arrival)
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
 
-/* The bytes of a time belong together: it is taken when its first one is read. */
+/* The bytes of a time must be consistent: it is sampled when its first byte is read. */
 void ect_esc_dc_refresh(ect_esc_t *esc, ect_side_t side, uint16_t address, uint16_t end)
 {
     if (!ect_esc_dc_present(esc))

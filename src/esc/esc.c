@@ -32,7 +32,7 @@ static int check(const ect_esc_config_t *config)
     return 0;
 }
 
-/* Where nothing was written nothing is written now: of a thousand controllers, memory is taken by what they use. */
+/* Writes only bytes that are not zero already, so that untouched pages of a thousand controllers stay unallocated. */
 static void wipe(uint8_t *bytes, size_t count)
 {
     static const uint8_t zeros[64] = {0};
@@ -42,7 +42,7 @@ static void wipe(uint8_t *bytes, size_t count)
     }
 }
 
-/* What there is in the chip, but for its configuration and what counts over resets. */
+/* Resets all state except the configuration and the counters that outlast a reset. */
 static void reset(ect_esc_t *esc, uint64_t now_ns)
 {
     esc->now_ns = now_ns;
@@ -77,7 +77,7 @@ int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns
     int error = check(config);
     if (error != 0)
         return error;
-    const ect_esc_config_t own = *config; /* it may be the one that lies in here */
+    const ect_esc_config_t own = *config; /* `config` may point into this instance */
     clear(esc, &own);
     reset(esc, now_ns);
     return 0;
@@ -103,7 +103,7 @@ void ect_esc_access_ends(ect_esc_t *esc)
     esc->routing = routing + 1;
 }
 
-/* A few instructions an access: there are at least two a cycle. */
+/* Only a few instructions, because it runs at every access, at least twice a cycle. */
 static void pdi_begins(ect_esc_t *esc)
 {
     if (esc->config.pdi_watched)
@@ -134,7 +134,7 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
     return 0;
 }
 
-/* Each says again when its own time will be. */
+/* Each of these schedules its own next time. */
 static void look_all_over(ect_esc_t *esc)
 {
     esc->next_ns = UINT64_MAX;

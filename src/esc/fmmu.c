@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * FMMUs: a window of logical bits onto physical bits. Whole bytes go through in one access; a window that starts or
- * stops inside a byte goes through a small buffer, in pieces, with a mask for the bits that belong to it.
+ * FMMUs: a window of logical bits onto physical bits. Whole bytes need one access; a window that starts or ends inside
+ * a byte goes through a small buffer, in pieces, with a mask of the bits that belong to it.
  */
 #include <string.h>
 
@@ -9,11 +9,11 @@
 
 enum { READS = 1, WRITES = 2, PIECE = 64 };
 
-/* One active FMMU, in bits, against one datagram. */
+/* The overlap of one active FMMU with one datagram, in bits. */
 typedef struct window {
-    uint32_t first_bit;    /* of the overlap, counted from the datagram's first data bit */
+    uint32_t first_bit;    /* of the overlap, from the datagram's first data bit */
     uint32_t bit_count;    /* of the overlap */
-    uint32_t physical_bit; /* where the overlap begins, counted from ESC address 0 */
+    uint32_t physical_bit; /* start of the overlap, from ESC address 0 */
 } window_t;
 
 static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, window_t *window)
@@ -37,7 +37,7 @@ static bool overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length, wind
     return true;
 }
 
-/* Bytes of a window from `first` on that lie inside the address space. */
+/* Bytes of a window from `first` on that are inside the address space. */
 static uint32_t inside(uint32_t first, uint32_t bytes)
 {
     if (first >= ECT_ESC_ADDRESS_SPACE)
@@ -45,7 +45,7 @@ static uint32_t inside(uint32_t first, uint32_t bytes)
     return bytes < ECT_ESC_ADDRESS_SPACE - first ? bytes : ECT_ESC_ADDRESS_SPACE - first;
 }
 
-/* A piece of at most PIECE physical bytes. */
+/* Transfers a piece of at most PIECE physical bytes. */
 static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool write)
 {
     static const uint8_t ones[PIECE] = {
@@ -63,7 +63,7 @@ static bool move_bits(ect_esc_t *esc, uint8_t *data, const window_t *w, bool wri
     if (bytes == 0)
         return false;
     ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = buffer, .mask = NULL};
-    ect_copy_bits(buffer, shift, data, w->first_bit, w->bit_count); /* what cannot be read stays as it came */
+    ect_copy_bits(buffer, shift, data, w->first_bit, w->bit_count); /* unreadable bits keep the value of the frame */
     if (write) {
         ect_copy_bits(mask, shift, ones, 0, w->bit_count);
         access.mask = mask;
@@ -107,7 +107,7 @@ static window_t part(const window_t *w, uint32_t first_bit, uint32_t end_bit)
                       .physical_bit = w->physical_bit + (first_bit - w->first_bit)};
 }
 
-/* Moves what is left of a window when the bits that `taken` windows claim are cut out of it. */
+/* Finds the next part of a window that none of the first `taken` windows claims. */
 static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, const window_t *w, bool write, const window_t *taken,
                            unsigned int count)
 {
@@ -132,7 +132,7 @@ static bool move_unclaimed(ect_esc_t *esc, uint8_t *data, const window_t *w, boo
     return any;
 }
 
-/* One direction through all FMMUs. Where two claim a bit the lowest number has it (data sheet I §7). */
+/* One direction through all FMMUs. When two FMMUs map a bit, the lower number wins (data sheet I §7). */
 static bool pass_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
 {
     window_t taken[ECT_ESC_MAX_FMMU];
@@ -149,7 +149,7 @@ static bool pass_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t 
     return any;
 }
 
-/* The same where FMMUs are as most masters set them. */
+/* The same for FMMUs as most masters configure them. */
 static bool pass_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
 {
     unsigned int active = write ? esc->fmmu_writes : esc->fmmu_reads;
@@ -182,7 +182,7 @@ unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data
     unsigned int done = 0;
     ECT_ASSERT(length <= ECT_ESC_MAX_FRAME);
     uint8_t *incoming = data;
-    if (read && write && !esc->fmmus_plain) { /* what is read may stand where what is written came in */
+    if (read && write && !esc->fmmus_plain) { /* the data read may overwrite data that are yet to be written */
         incoming = esc->scratch;
         memcpy(incoming, data, length);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The registers of FMMUs, and what they come to: which there are, and whether they can be gone through byte by byte. */
+/* The registers of FMMUs, and the summary derived from them: active FMMUs, and whether a transfer byte by byte is
+ * possible. */
 #include "esc/internal.h"
 
 static bool is_active(const uint8_t *fmmu, unsigned int directions)
@@ -38,7 +39,7 @@ static bool are_plain(const ect_esc_t *esc)
     return plain;
 }
 
-/* Which of them a datagram has to be compared with, and how. */
+/* Determines which FMMUs a datagram must be compared with, and how. */
 static void sort(ect_esc_t *esc)
 {
     esc->fmmu_reads = esc->fmmu_writes = 0;

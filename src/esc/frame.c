@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The processing unit: a frame's datagrams, one after the other, changed in place (data sheet I §2, ETG.1000.4 §5). */
+/* The processing unit: the datagrams of a frame, in order, changed in place (data sheet I §2, ETG.1000.4 §5). */
 #include <string.h>
 
 #include "esc/internal.h"
@@ -21,14 +21,14 @@ static bool station_matches(const ect_esc_t *esc, uint16_t address)
     return address == ect_load_le16(esc->memory + ECT_REG_STATION_ADDRESS) || address == ect_esc_second_station(esc);
 }
 
-/* Commands come in groups of three: read, write, both. */
+/* Commands form groups of three: read, write, both. */
 static unsigned int in_its_group(unsigned int offset)
 {
     static const uint8_t parts[] = {ECT_PART_READ, ECT_PART_WRITE, ECT_PART_READ | ECT_PART_WRITE};
     return parts[offset];
 }
 
-/* What a datagram asks of this slave: ECT_PART_... */
+/* The parts of this slave in a datagram: ECT_PART_... */
 static unsigned int decide(const ect_esc_t *esc, const uint8_t *d)
 {
     uint8_t command = d[ECT_DATAGRAM_COMMAND];
@@ -75,7 +75,7 @@ static bool write_physical(ect_esc_t *esc, uint8_t *from, uint16_t address, uint
     return ect_esc_access(esc, &access, address, length);
 }
 
-/* Reads and writes at once: what came in is written, after what stood there has been read. */
+/* Reads and writes at once: the data of the frame are written after the previous data have been read. */
 static unsigned int exchange_physical(ect_esc_t *esc, uint8_t *data, uint16_t address, uint16_t length, bool or_read)
 {
     uint8_t *scratch = esc->scratch;
@@ -92,13 +92,13 @@ static unsigned int exchange_physical(ect_esc_t *esc, uint8_t *data, uint16_t ad
     return gain;
 }
 
-/* Of the writes these take the receive times (data sheet I §9.1.2). */
+/* Only these writes latch the receive times (data sheet I §9.1.2). */
 static bool latches(const uint8_t *d)
 {
     return d[ECT_DATAGRAM_COMMAND] == ECT_BWR || d[ECT_DATAGRAM_COMMAND] == ECT_FPWR;
 }
 
-/* Physical addressing. Returns what the working counter gains. */
+/* Physical addressing. @return increment of the working counter */
 static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, unsigned int part)
 {
     uint8_t *data = d + ECT_DATAGRAM_DATA;
@@ -176,7 +176,7 @@ void ect_esc_end_of_frame(ect_esc_t *esc)
 static void process_datagram(ect_esc_t *esc, uint8_t *d)
 {
     uint8_t *counter = d + ECT_DATAGRAM_DATA + ect_datagram_length(d);
-    /* The header passes before the data: an event that this datagram clears is still in it. */
+    /* The header passes before the data, so an event that this datagram clears is still in it. */
     ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | ect_esc_shown_events(esc)));
     unsigned int gain = execute(esc, d, decide(esc, d));
     ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + gain));
@@ -184,7 +184,7 @@ static void process_datagram(ect_esc_t *esc, uint8_t *d)
         ect_store_le16(d + ECT_DATAGRAM_ADP, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_ADP) + 1));
 }
 
-/* Where the EtherCAT header begins; 0: this is no EtherCAT frame. */
+/* Offset of the EtherCAT header; 0: not an EtherCAT frame. */
 static size_t find_header(const uint8_t *frame, size_t length)
 {
     ECT_ASSERT(length >= ETHERNET_HEADER);
@@ -204,14 +204,15 @@ static size_t find_header(const uint8_t *frame, size_t length)
     return at + IP_AND_UDP;
 }
 
-/* The UDP check sum no longer fits the data; 0 says that there is none. */
+/* The UDP check sum no longer matches the data; 0 means that there is none. */
 static void clear_udp_checksum(uint8_t *frame, size_t header)
 {
     if (ect_load_be16(frame + header - IP_AND_UDP - 2) == ETHERTYPE_IPV4)
         memset(frame + header - 2, 0, 2);
 }
 
-/* Whether the datagrams, by their own lengths and "more" bits, fit into the frame. The header's length is not asked. */
+/* Whether the datagrams, by their own lengths and "more" bits, fit into the frame. The length in the EtherCAT header
+ * is ignored. */
 static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
 {
     for (;;) {
@@ -232,7 +233,7 @@ size_t ect_frame_datagrams(const uint8_t *frame, size_t length)
     return plain && ect_load_le16(frame + at) >> 12 == TYPE_DATAGRAMS ? at + 2 : 0;
 }
 
-/* @return false: the frame has been through here before and is to be destroyed */
+/* @return false: the frame has passed here before and is to be destroyed */
 static bool mark_circulating(const ect_esc_t *esc, uint8_t *datagram)
 {
     if (!ect_esc_circulates(esc))
@@ -259,7 +260,7 @@ static ect_frame_result_t invalid(ect_esc_t *esc)
     return ECT_FRAME_DESTROYED;
 }
 
-/* The chip makes the source address a locally administered one, so that a frame on its way back is known by it. */
+/* The chip sets the "locally administered" bit of the source address, which identifies a frame on its way back. */
 static void mark_source(const ect_esc_t *esc, uint8_t *frame)
 {
     if (ect_esc_marks_source(esc))

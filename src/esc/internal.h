@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the files of esc/ know of each other. Nobody else includes this.
+ * Interface between the files of esc/. No file outside esc/ includes this header.
  *
- * From the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
+ * The files from the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
  *
  *   memory.c     bytes of an access, event words, counters
- *   led.c        what the RUN and ERR lamps show
+ *   led.c        RUN and ERR LEDs
  *   port.c       link and loop bits, damaged frames
- *   watchdog.c   the watchdogs of the process data and of the PDI
- *   clock.c      the local clock
- *   syncman.c    SyncManagers: who may enter which buffer
+ *   watchdog.c   watchdogs of the process data and of the PDI
+ *   clock.c      local clock
+ *   syncman.c    SyncManagers: access to their buffers
  *   sync.c       distributed clocks: SYNC0, SYNC1, latch inputs
  *   dc.c         distributed clocks: receive times, system time, control loop
- *   sii.c        the EEPROM interface
+ *   sii.c        EEPROM interface
  *   protect.c    write protection, reset sequences
- *   registers.c  which registers there are, their reset values, rights and effects
+ *   registers.c  the registers, with their reset values, access rights and effects
  *   access.c     one access to the address space, from either side: registers or RAM
  *   fmmu.c       logical addresses
- *   route.c      what a passing frame needs to know
+ *   route.c      properties of a controller that affect passing frames
  *   esc.c        reset, time, the PDI side
  *   frame.c      datagrams: addressing, working counter
  */
@@ -32,25 +32,25 @@
 
 enum { ECT_ESC_PORTS = 4 };
 
-/** Which side makes an access. Also the index into ect_esc_sm_t::open. */
+/** Side of an access, and index into ect_esc_sm_t::open. */
 typedef enum ect_side { ECT_SIDE_ECAT, ECT_SIDE_PDI } ect_side_t;
 
-/** ect_esc_t::per_frame. */
+/** Bits of ect_esc_t::per_frame. */
 enum {
     ECT_FRAME_END_SII = 0x01, /**< EEPROM write enable lasts for one frame */
-    ECT_FRAME_BEGINS = 0x02,  /**< so do other write enables, and a reset sequence that is not gone on with */
+    ECT_FRAME_BEGINS = 0x02,  /**< other write enables do too, and an interrupted reset sequence is void */
 };
 
-/** One access, as it travels down from the datagram or the PDI call. */
+/** One access, as the datagram or the PDI call passes it down. */
 typedef struct ect_access {
     ect_side_t side;
     bool write;
-    bool latches;        /**< a write by station address or broadcast: at 0x0900 it takes the receive times */
+    bool latches;        /**< a write by station address or broadcast: at 0x0900 it latches the receive times */
     uint8_t *data;       /**< read: destination; write: source, only read */
-    const uint8_t *mask; /**< bits that count, a byte for each byte of data; NULL: all */
+    const uint8_t *mask; /**< bits that apply, one byte for each byte of data; NULL: all */
 } ect_access_t;
 
-/** The rest of an access from `offset` on. */
+/** The part of an access from `offset` on. */
 static inline ect_access_t ect_esc_slice(const ect_access_t *access, uint16_t offset)
 {
     ect_access_t part = *access;
@@ -60,7 +60,7 @@ static inline ect_access_t ect_esc_slice(const ect_access_t *access, uint16_t of
     return part;
 }
 
-/** Whether the byte at `wanted` is one of an access from `address` to before `end`. */
+/** Whether an access from `address` to `end` (exclusive) contains the byte at `wanted`. */
 static inline bool ect_esc_within(uint32_t address, uint32_t end, uint32_t wanted)
 {
     return address <= wanted && wanted < end;
@@ -73,7 +73,7 @@ void ect_esc_clear(ect_esc_t *esc, uint32_t al_event);
 void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event);
 void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event);
 void ect_esc_count(ect_esc_t *esc, uint16_t counter_register);
-/* Something will happen by itself at that time. */
+/* Schedules ect_esc_tick at this time. */
 static inline void ect_esc_expect(ect_esc_t *esc, uint64_t at_ns)
 {
     if (at_ns < esc->next_ns)
@@ -85,18 +85,18 @@ static inline bool ect_esc_has(const ect_esc_t *esc, unsigned int unit)
 {
     return (esc->config.personality->units & unit) != 0;
 }
-/* The chip answers AL control itself: a device without a microcontroller. */
+/* Whether the chip itself replies to AL control: a device without a microcontroller. */
 static inline bool ect_esc_emulates(const ect_esc_t *esc)
 {
     return (esc->memory[ECT_REG_PDI_CONTROL + 1] & 0x01) != 0;
 }
 
-/* The ECAT events that datagrams take along. */
+/* The ECAT events that datagrams collect. */
 static inline uint16_t ect_esc_shown_events(const ect_esc_t *esc)
 {
     return ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT) & ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT_MASK);
 }
-/* Where it is reached besides its station address: its alias, if the master has enabled it, else that same address. */
+/* The second address: the alias, if the master has enabled it, else the station address. */
 static inline uint16_t ect_esc_second_station(const ect_esc_t *esc)
 {
     bool alias = (esc->memory[ECT_REG_DL_CONTROL + 3] & 0x01) != 0;
@@ -104,14 +104,14 @@ static inline uint16_t ect_esc_second_station(const ect_esc_t *esc)
 }
 
 /* --- led.c ------------------------------------------------------------------------------------------------------ */
-/* AL status has changed: the RUN lamp follows, whoever has had it. */
+/* Sets the RUN LED after a change of AL status, even if the register had overridden it. */
 void ect_esc_led_state(ect_esc_t *esc);
-/* Something that the ERR lamp shows may have changed. */
+/* Updates the ERR LED after a change of its causes. */
 void ect_esc_led_errors(ect_esc_t *esc);
 void ect_esc_led_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* --- port.c ----------------------------------------------------------------------------------------------------- */
-/* Link and loop bits anew from the cabling and from DL control; a change raises the ECAT event. */
+/* Computes link and loop bits from cabling and DL control; a change raises the ECAT event. */
 void ect_esc_update_dl_status(ect_esc_t *esc);
 void ect_esc_port_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 void ect_esc_port_tick(ect_esc_t *esc);
@@ -120,7 +120,7 @@ bool ect_esc_marks_source(const ect_esc_t *esc);
 /* --- watchdog.c ------------------------------------------------------------------------------------------------- */
 void ect_esc_watchdog_trigger(ect_esc_t *esc);
 void ect_esc_watchdog_time_written(ect_esc_t *esc);
-/* The PDI has looked in, or whether it is watched is another thing now. */
+/* Reports an access of the PDI, or a change of whether its accesses are observed. */
 void ect_esc_watchdog_pdi(ect_esc_t *esc);
 void ect_esc_watchdog_tick(ect_esc_t *esc);
 
@@ -130,13 +130,13 @@ static inline bool ect_esc_dc_present(const ect_esc_t *esc)
     return (esc->config.personality->features & ECT_FEATURE_DC) != 0;
 }
 void ect_esc_clock_reset(ect_esc_t *esc);
-/* The local clock at a time that is not before the last change of its rate. */
+/* The local clock at a time not before the last change of its rate. */
 uint64_t ect_esc_local_at(const ect_esc_t *esc, uint64_t real_ns);
-/* The local clock when this frame reached the processing unit. */
+/* The local clock at the moment when this frame reached the processing unit. */
 uint64_t ect_esc_frame_time(const ect_esc_t *esc);
-/* When the local clock will have gone on by `wait_ns`; UINT64_MAX: not in this life. */
+/* Time at which the local clock will have advanced by `wait_ns`; UINT64_MAX: beyond the range of time. */
 uint64_t ect_esc_real_after(const ect_esc_t *esc, uint64_t wait_ns);
-/* Begins its line anew at this moment, so that rates may be changed. */
+/* Starts a new line of the clock at this moment, so that its rates may change. */
 void ect_esc_clock_rebase(ect_esc_t *esc);
 
 /* --- syncman.c -------------------------------------------------------------------------------------------------- */
@@ -156,10 +156,9 @@ void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16
 /* --- sync.c ----------------------------------------------------------------------------------------------------- */
 void ect_esc_sync_reset(ect_esc_t *esc);
 void ect_esc_sync_tick(ect_esc_t *esc);
-/* Clock, system time or grid are about to change: what there were of pulses until now is by what held until now,
- * whether or not somebody has looked meanwhile. */
+/* Completes all pulses up to now with the present clock, system time and cycle, before one of these changes. */
 void ect_esc_sync_settle(ect_esc_t *esc);
-/* Clock or system time have changed: the time of the next pulse has to be found anew. */
+/* Computes the time of the next pulse after a change of clock or system time. */
 void ect_esc_sync_moved(ect_esc_t *esc);
 void ect_esc_sync_refresh(ect_esc_t *esc, uint16_t address, uint16_t end);
 bool ect_esc_sync_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -171,12 +170,12 @@ bool ect_esc_latch_control(ect_esc_t *esc, const ect_access_t *access, uint16_t 
 void ect_esc_latch_read(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* --- dc.c ------------------------------------------------------------------------------------------------------- */
-/* Somebody is about to read from `address` to `end`: registers that follow the time are brought up to date. */
+/* Updates the time-dependent registers between `address` and `end` before they are read. */
 void ect_esc_dc_refresh(ect_esc_t *esc, ect_side_t side, uint16_t address, uint16_t end);
 bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-/* Whether the system time that comes from a side regulates the clock. */
+/* Whether a system time written by this side controls the clock. */
 bool ect_esc_dc_follows(const ect_esc_t *esc, ect_side_t side);
-/* A frame, which the clock follows, brings the system time. */
+/* Takes the system time of a frame as a sample of the control loop. */
 void ect_esc_dc_take(ect_esc_t *esc, uint32_t time);
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -189,25 +188,25 @@ bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint
 void ect_esc_sii_end_of_frame(ect_esc_t *esc);
 
 /* --- protect.c -------------------------------------------------------------------------------------------------- */
-/* Takes the write enables that a write of the master brings along. @return whether there was one that can be taken */
+/* Takes the write enables that a write of the master contains. @return whether there was a valid one */
 bool ect_esc_unlock(ect_esc_t *esc, uint16_t address, uint16_t length);
-/* From where on the master may write: 0 everywhere, UINT32_MAX nowhere. */
+/* First address that the master may write: 0 all, UINT32_MAX none. */
 uint32_t ect_esc_first_writable(const ect_esc_t *esc);
 bool ect_esc_protect_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_reset_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-/* A frame, or a PDI access, begins: what lasts for one only has ended. */
+/* Begins a frame or a PDI access: write enables and reset steps of the previous one expire. */
 void ect_esc_protect_begins(ect_esc_t *esc, ect_side_t side);
 /* Whether a reset sequence is complete. */
 bool ect_esc_reset_due(const ect_esc_t *esc);
 
 /* --- registers.c ------------------------------------------------------------------------------------------------ */
-/* All of them as after a reset; what stands in the EEPROM is loaded later. */
+/* Sets all registers to their reset values; the EEPROM is loaded later. */
 void ect_esc_registers_reset(ect_esc_t *esc);
 /* Whether at least one byte was accessible; 1 to 4096 bytes below ECT_RAM. */
 bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* --- access.c --------------------------------------------------------------------------------------------------- */
-/* Whether protection has a say in an access. */
+/* Whether write protection may refuse an access. */
 static inline bool ect_esc_guards(const ect_esc_t *esc, const ect_access_t *access)
 {
     return access->write && access->side == ECT_SIDE_ECAT &&
@@ -215,7 +214,7 @@ static inline bool ect_esc_guards(const ect_esc_t *esc, const ect_access_t *acce
 }
 bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
-/* Whether at least one byte was accessible. Cyclic data, and those are most, stay inside one SyncManager. */
+/* Whether at least one byte was accessible. Cyclic data, the most frequent case, lie inside one SyncManager. */
 static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint32_t end = (uint32_t)address + length;
@@ -232,12 +231,12 @@ static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, ui
 }
 
 /* --- esc.c ------------------------------------------------------------------------------------------------------ */
-/* As ect_esc_tick, and cheap while nothing is due. */
+/* As ect_esc_tick, but cheap while nothing is due. */
 void ect_esc_advance(ect_esc_t *esc, uint64_t now_ns);
-/* What a frame or a PDI access has begun ends: a reset, if a sequence is complete. */
+/* Ends a frame or a PDI access: executes a reset if a reset sequence is complete. */
 void ect_esc_access_ends(ect_esc_t *esc);
 
-/* Bytes that 16 bits can name. */
+/* Size of a 16-bit address space. */
 enum { ECT_ESC_ADDRESS_SPACE = 0x10000 };
 
 /* --- fmmu_registers.c ------------------------------------------------------------------------------------------- */

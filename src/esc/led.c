@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What the chip's own RUN and ERR lamps show, and who has taken them over (data sheet II §2.5.4, §2.5.5). */
+/* The chip's own control of the RUN and ERR LEDs, and its override by a register (data sheet II §2.5.4, §2.5.5). */
 #include "esc/internal.h"
 
 enum { STATE_PREOP = 2, STATE_BOOT = 3, STATE_SAFEOP = 4, STATE_OP = 8 };
 
 enum { OFF = 0, SINGLE_FLASH = 0x1, BLINKING = 0xD, FLICKERING = 0xE, ON = 0xF, CODE = 0x0F, OVERRIDE = 0x10 };
 
-/* Codes of the ERR lamp that the chip shows by itself. */
+/* Codes of the ERR LED that the chip sets by itself. */
 enum { LOCAL_ERROR = 0x1, WATCHDOG = 0x2, NO_CONFIGURATION = 0xE, PDI_DEAD = 0xF };
 
 static uint8_t state_of(const ect_esc_t *esc)
@@ -30,7 +30,7 @@ static uint8_t run_code(const ect_esc_t *esc)
     }
 }
 
-/* The gravest first. A watchdog counts in OP only: before, nobody has to feed it. */
+/* The most severe first. A watchdog counts in OP only, because before OP nothing needs to trigger it. */
 static uint8_t err_code(const ect_esc_t *esc)
 {
     if (esc->pdi_late)

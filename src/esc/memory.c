@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What all units of the chip work on: bytes of an access, event words, counters. */
+/* Basics of all units of the chip: bytes of an access, event words, counters. */
 #include <string.h>
 
 #include "esc/internal.h"
@@ -19,7 +19,7 @@ void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, 
         to[i] = (uint8_t)((to[i] & ~mask[i]) | (from[i] & mask[i]));
 }
 
-/* A word of events that is not zero: the datagrams carry it on. */
+/* Datagrams collect a word of events that is not zero. */
 void ect_esc_raise(ect_esc_t *esc, uint32_t al_event)
 {
     ECT_ASSERT(al_event != 0);

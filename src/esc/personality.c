@@ -11,7 +11,7 @@ enum {
     TWO_MII = 0x0F,
 };
 
-/* What all have, and what came with the IP core and those that were made from it. */
+/* Units of all chips, and units of the IP core and of chips derived from it. */
 enum {
     ALL = ECT_UNIT_PROTECTION | ECT_UNIT_RESET_ECAT | ECT_UNIT_SM_TIMES,
     NEWER =
@@ -56,7 +56,7 @@ static const ect_esc_personality_t personalities[] = {
      .ram_kb = 1,
      .port_types = TWO_MII,
      .ports = 0xB,
-     .features = BECKHOFF | ECT_FEATURE_SYNC, /* as terminals with it report, against the data sheet */
+     .features = BECKHOFF | ECT_FEATURE_SYNC, /* as reported by terminals with this chip, contrary to the data sheet */
      .units = ALL | ECT_UNIT_LATCH_MODE,
      .sii_read = 8,
      .processing_ns = 320,
@@ -68,7 +68,7 @@ static const ect_esc_personality_t personalities[] = {
      .fmmu_count = 3,
      .sm_count = 4,
      .ram_kb = 4,
-     .port_types = TWO_MII | 0x10, /* port 2 is there and not configured */
+     .port_types = TWO_MII | 0x10, /* port 2 exists and is not configured */
      .ports = 0x7,
      .features = IP_CORE,
      .units = NEWER,

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The ports: cabling and DL control make link and loop bits of DL status (data sheet I §3, §4; II §2.4, §2.9). */
+/* The ports: cabling and DL control determine link and loop bits of DL status (data sheet I §3, §4; II §2.4, §2.9). */
 #include "esc/internal.h"
 
-/* Two bits a port in DL control, bit 8 on. */
+/* DL control has two bits for each port, from bit 8 on. */
 enum { AUTO, AUTO_CLOSE, OPEN, CLOSED };
 
-/* Two bits a port in DL status, bit 8 on. */
+/* DL status has two bits for each port, from bit 8 on. */
 enum { OPEN_WITHOUT_LINK, SHUT, COMMUNICATES, SHUT_IN_SPITE_OF_LINK };
 
 enum { TEMPORARY = 0x02, PDI_ON_TIME = 0x02, FIRST_LINK = 0x10 };
 
-/* "About one second" for loop settings that are temporary. */
+/* "About one second", the duration of temporary loop settings. */
 #define TEMPORARY_NS 1000000000ull
 
 static bool has_link(const ect_esc_t *esc, unsigned int port)
@@ -41,7 +41,7 @@ static bool is_shut(const ect_esc_t *esc, unsigned int port)
     return state == SHUT || state == SHUT_IN_SPITE_OF_LINK || (esc->config.personality->ports & (1u << port)) == 0;
 }
 
-/* In the order in which frames come by the ports. */
+/* The ports in the order in which frames pass them. */
 static void find_next_ports(ect_esc_t *esc)
 {
     static const uint8_t after[ECT_ESC_PORTS] = {3, 2, 0, 1};
@@ -70,7 +70,7 @@ void ect_esc_update_dl_status(ect_esc_t *esc)
     ect_store_le16(status, (uint16_t)value);
 }
 
-/* Writing "auto close" anew opens a port that waits for it. */
+/* Writing "auto close" again opens a port that waits for it. */
 static void open_held(ect_esc_t *esc)
 {
     for (unsigned int port = 0; port < ECT_ESC_PORTS; port++) {
@@ -97,7 +97,7 @@ void ect_esc_port_control(ect_esc_t *esc, const ect_access_t *access, uint16_t a
         open_held(esc);
     }
     ect_esc_update_dl_status(esc);
-    esc->activity++; /* ways of frames, and the time to look again, may be others */
+    esc->activity++; /* paths of frames, and the time of the next tick, may have changed */
 }
 
 void ect_esc_port_tick(ect_esc_t *esc)
@@ -155,7 +155,7 @@ void ect_esc_damaged(ect_esc_t *esc, unsigned int port, bool found_before)
         ect_esc_count(esc, ECT_REG_PROCESSING_ERROR);
 }
 
-/* The chip makes the source address a locally administered one, so that a frame on its way back is known by it. */
+/* The chip sets the "locally administered" bit of the source address, which identifies a frame on its way back. */
 bool ect_esc_marks_source(const ect_esc_t *esc)
 {
     return (esc->memory[ECT_REG_DL_CONTROL] & 0x01) != 0 && !esc->config.keep_source_mac;

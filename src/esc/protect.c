@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What keeps a master from writing by mistake, and the sequences that reset the chip (data sheet II §2.3). Protection
- * concerns the master's writes: the microcontroller is part of the device.
+ * Protection against accidental writes of a master, and the sequences that reset the chip (data sheet II §2.3).
+ * Protection applies to the master's writes only: the microcontroller is part of the device.
  */
 #include "esc/internal.h"
 
@@ -29,14 +29,14 @@ uint32_t ect_esc_first_writable(const ect_esc_t *esc)
     return locked(esc, ECT_REG_WRITE_PROTECTION, ECT_REG_WRITE_ENABLE) ? ECT_REG_USER_RAM : 0;
 }
 
-/* Also a frame that goes by without a word to this slave will be one. */
+/* The next frame ends it, even if it does not address this slave. */
 static void await_frame(ect_esc_t *esc)
 {
     esc->per_frame |= ECT_FRAME_BEGINS;
     esc->routing++;
 }
 
-/* Whatever the value: it is enabled for this frame. Without protection there is nothing to enable. */
+/* Any value enables writes for this frame. Without protection there is nothing to enable. */
 static bool enable(ect_esc_t *esc, uint16_t enable_register, uint16_t protection)
 {
     esc->memory[enable_register] = on(esc, protection) ? 1 : 0;
@@ -67,7 +67,7 @@ bool ect_esc_protect_write(ect_esc_t *esc, const ect_access_t *access, uint16_t 
     return true;
 }
 
-/* The right byte goes on; any other one begins anew, or nothing. */
+/* The right byte advances the sequence; any other byte restarts or cancels it. */
 bool ect_esc_reset_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     static const uint8_t sequence[STEPS] = {'R', 'E', 'S'};
@@ -93,7 +93,7 @@ static void forget_sequence(ect_esc_t *esc, ect_side_t side)
     esc->reset_moved[side] = false;
 }
 
-/* A sequence is gone on with in the very next frame, so each frame has to be looked at while one is under way. */
+/* The next step must come in the very next frame, so every frame matters while a sequence is under way. */
 void ect_esc_protect_begins(ect_esc_t *esc, ect_side_t side)
 {
     forget_sequence(esc, side);

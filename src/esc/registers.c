@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The registers as a table: which chips have them, what they are after a reset, which side may write them, and what
- * follows from a write or a read. An address that stands in no row is read-only, and 0 if nothing in the chip sets it;
- * clocks that a chip has not do not answer at all.
+ * The registers as a table: the chips that have them, their reset values, write access for each side, and the effects
+ * of writes and reads. An address outside all rows is read-only, and 0 unless the chip sets it; the registers of clocks
+ * that a chip lacks do not respond at all.
  */
 #include <string.h>
 
@@ -14,8 +14,8 @@ typedef void (*read_fn)(ect_esc_t *esc, const ect_access_t *access, uint16_t add
 typedef struct block {
     uint16_t first;
     uint16_t size;
-    uint16_t unit;       /* ECT_UNIT_..., 0: every chip has it */
-    uint32_t reset;      /* of its first bytes, little-endian; those behind are 0 */
+    uint16_t unit;       /* ECT_UNIT_...; 0: every chip has it */
+    uint32_t reset;      /* first bytes, little-endian; further bytes are 0 */
     write_fn ecat_write; /* NULL: read-only for that side */
     write_fn pdi_write;
     read_fn after_read;
@@ -27,7 +27,7 @@ static bool write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return true;
 }
 
-/* What frames find their way by, or take along. */
+/* Registers that affect the path of frames, or that frames collect. */
 static bool write_routing(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     esc->routing++;
@@ -43,7 +43,7 @@ static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_
         memcpy(esc->memory + ECT_REG_AL_STATUS, esc->memory + ECT_REG_AL_CONTROL, 2);
         ect_esc_led_state(esc);
         esc->routing++;
-        esc->activity++; /* no event, but what stands for its logic wants to follow */
+        esc->activity++; /* no event, but the state machine emulation must follow */
         return true;
     }
     esc->al_control_locked = true;
@@ -111,7 +111,7 @@ static bool write_led(ect_esc_t *esc, const ect_access_t *access, uint16_t addre
     return true;
 }
 
-/* Any write to one of a group of counters clears the group; the value does not matter. */
+/* A write of any value to one counter of a group clears the whole group. */
 static bool clear_counters(ect_esc_t *esc, uint16_t first, uint16_t last)
 {
     ECT_ASSERT(first <= last && last < ECT_RAM);
@@ -216,7 +216,7 @@ static const block_t blocks[] = {
 
 enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
 
-/* Of a clock that is absent nothing is read; other units that may be begin with zeros. */
+/* Clocks that the chip lacks cannot be read; any other absent unit reads as 0. */
 void ect_esc_registers_reset(ect_esc_t *esc)
 {
     for (size_t i = 0; i < BLOCKS; i++) {
@@ -226,7 +226,7 @@ void ect_esc_registers_reset(ect_esc_t *esc)
     }
 }
 
-/* The unit of distributed clocks, but for the receive times, is absent without the feature bit. */
+/* Without the feature bit the chip lacks all DC registers except the receive times. */
 static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint16_t end = (uint16_t)(address + length);
@@ -248,7 +248,7 @@ static bool read_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t 
     return any;
 }
 
-/* What an access has to do with one block, `from` to `last`. Returns whether a write was taken. */
+/* Executes the part of an access in one block, `from` to `last`. @return whether a write was accepted */
 static bool block_access(ect_esc_t *esc, const block_t *b, const ect_access_t *part, uint16_t from, uint16_t last)
 {
     uint16_t size = (uint16_t)(last - from + 1);
@@ -263,7 +263,7 @@ static bool block_access(ect_esc_t *esc, const block_t *b, const ect_access_t *p
     return false;
 }
 
-/* The first one that ends beyond an address. */
+/* The first row that ends behind an address. */
 static size_t first_block(uint16_t address)
 {
     size_t low = 0, high = BLOCKS;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a passing frame needs to know of a controller. */
+/* Properties of a controller that affect passing frames. */
 #include "esc/route.h"
 
 #include "esc/internal.h"
@@ -17,7 +17,7 @@ static void add_window(const ect_esc_t *esc, unsigned int n, ect_esc_route_t *ro
         (window.direction & ECT_PART_WRITE) != 0 && ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) < ECT_RAM;
 }
 
-/* From port 0 to port 1 and back, or back at once: no junction, and no loop that is open where no wire is. */
+/* Whether frames go from port 0 to port 1 and back, or return at once: no junction, and no loop open without a link. */
 static bool is_of_a_line(const ect_esc_t *esc)
 {
     unsigned int next = ect_esc_next_port(esc, 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The SII EEPROM interface, 0x0500..0x050F: who owns it, commands with their busy time and error bits, and the
- * configuration that the chip itself takes from the first words at power-on and on reload (data sheet I §11).
+ * The SII EEPROM interface, 0x0500..0x050F: ownership, commands with their busy time and error bits, and the
+ * configuration that the chip itself loads from the first words at power-on and on reload (data sheet I §11).
  */
 #include <string.h>
 
@@ -41,7 +41,7 @@ static void set_status(ect_esc_t *esc, unsigned int value)
 
 static bool checksum_good(const uint8_t *sii)
 {
-    if (ect_load_le16(sii + 14) == 0x88A4) /* check switched off, for debugging */
+    if (ect_load_le16(sii + 14) == 0x88A4) /* check value disabled, for debugging */
         return true;
     return ect_crc_sii(sii) == sii[ECT_SII_CHECKED_BYTES];
 }
@@ -51,7 +51,7 @@ static bool reads_8(const ect_esc_t *esc)
     return esc->config.personality->sii_read == 8;
 }
 
-/* The configuration that the chip takes from the first seven words. */
+/* Loads the configuration from the first seven words. */
 static void take_words(ect_esc_t *esc, const uint8_t *words, bool power_on)
 {
     memcpy(reg(esc, ECT_REG_PDI_CONTROL), words, 2);
@@ -62,10 +62,10 @@ static void take_words(ect_esc_t *esc, const uint8_t *words, bool power_on)
     memcpy(reg(esc, ECT_REG_PDI_INFORMATION_2), words + 12, 2);
     if (power_on)
         memcpy(reg(esc, ECT_REG_STATION_ALIAS), words + 8, 2);
-    ect_esc_sync_moved(esc); /* which pulses are events, and how long they are, may be otherwise */
+    ect_esc_sync_moved(esc); /* the event bits and the length of pulses may have changed */
 }
 
-/* What follows for the rest of the chip once it is known whether there is a configuration. */
+/* Updates the rest of the chip, once it is known whether there is a configuration. */
 static void loaded(ect_esc_t *esc, bool valid)
 {
     enum { AREA_LOADED = 0x02, PDI_ACTIVE = 0x04 };
@@ -76,7 +76,7 @@ static void loaded(ect_esc_t *esc, bool valid)
     ect_esc_led_errors(esc);
 }
 
-/* From power-on on the PDI is asked for what an EEPROM would have brought. */
+/* Without an EEPROM, the PDI must deliver the configuration from power-on on. */
 static void ask_for_reload(ect_esc_t *esc)
 {
     esc->sii_command = COMMAND_RELOAD;
@@ -106,7 +106,7 @@ void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
     loaded(esc, valid);
 }
 
-/* Beyond the end an erased cell is read. */
+/* Cells beyond the end read as erased. */
 static uint8_t sii_byte(const ect_esc_t *esc, uint64_t offset)
 {
     return offset < esc->config.sii_size ? esc->config.sii[offset] : 0xFF;
@@ -136,7 +136,7 @@ static void finish(ect_esc_t *esc)
         if (esc->sii_fault == ECT_SII_BIT_ERROR)
             spoil(esc, data);
     } else if (command == COMMAND_WRITE) {
-        if (offset < esc->config.sii_size) /* which is even */
+        if (offset < esc->config.sii_size) /* always even */
             memcpy(esc->config.sii + offset, data, 2);
         esc->sii_writes++;
     } else {
@@ -144,7 +144,7 @@ static void finish(ect_esc_t *esc)
     }
 }
 
-/* One that the PDI has to carry out is done when it says so. */
+/* A command that the PDI executes ends when the PDI reports so. */
 void ect_esc_sii_tick(ect_esc_t *esc)
 {
     if (esc->sii_command == COMMAND_IDLE || esc->config.sii_emulated || esc->sii_fault == ECT_SII_BUSY)
@@ -164,7 +164,7 @@ void ect_esc_sii_fault(ect_esc_t *esc, ect_sii_fault_t fault, unsigned int bit)
         ect_esc_expect(esc, esc->now_ns);
 }
 
-/* The error bit with which a command is refused, or 0. */
+/* The error bit of a command that is refused, or 0. */
 static unsigned int refusal(const ect_esc_t *esc, uint8_t command, bool write_enabled)
 {
     if (command != COMMAND_READ && command != COMMAND_WRITE && command != COMMAND_RELOAD)
@@ -216,14 +216,14 @@ static bool write_ownership(ect_esc_t *esc, ect_side_t side, uint16_t address, u
     return true;
 }
 
-/* Of a chip with 4 bytes of data only the alias comes from the PDI; with 8 the words do, four at a time. */
+/* With 4 bytes of data, the PDI delivers only the alias; with 8, all words, four at a time. */
 static void take_reloaded(ect_esc_t *esc)
 {
     if (reads_8(esc)) {
         uint32_t first = ect_load_le32(reg(esc, ECT_REG_SII_ADDRESS));
         if (first < 8)
             memcpy(esc->reloaded + 2 * (first & 4), reg(esc, ECT_REG_SII_DATA), 8);
-        if (first < 4) { /* the event stays: the rest is asked for */
+        if (first < 4) { /* the event remains: the rest is requested */
             ect_store_le32(reg(esc, ECT_REG_SII_ADDRESS), 4);
             return;
         }
@@ -241,7 +241,7 @@ static void take_reloaded(ect_esc_t *esc)
     loaded(esc, valid);
 }
 
-/* The PDI says how it has carried out the command that is under way. */
+/* The PDI reports the result of the command under way. */
 static void acknowledge(ect_esc_t *esc, uint8_t control)
 {
     unsigned int errors = ((unsigned int)control << 8) & (CHECKSUM_ERROR | COMMAND_ERROR);
@@ -259,7 +259,7 @@ static void acknowledge(ect_esc_t *esc, uint8_t control)
         loaded(esc, false);
 }
 
-/* While a command is under way the PDI that stands for the EEPROM writes what was read, and acknowledges. */
+/* While a command is under way, a PDI that emulates the EEPROM writes the data and acknowledges the command. */
 static bool write_answer(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     bool acknowledged = false;
@@ -279,7 +279,7 @@ static bool write_answer(ect_esc_t *esc, const ect_access_t *access, uint16_t ad
     return true;
 }
 
-/* The command is looked at when all bytes of the access have been stored: address and command come in one datagram. */
+/* Executes a command after all bytes of the access are stored, because address and command may share a datagram. */
 static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     ECT_ASSERT(address >= ECT_REG_SII_CONTROL && length > 0);
@@ -326,7 +326,7 @@ bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint
     return any;
 }
 
-/* Write enable lasts for one frame; while the PDI is the owner the bit reads 1. */
+/* Write enable lasts for one frame; while the PDI owns the interface, the bit reads 1. */
 void ect_esc_sii_end_of_frame(ect_esc_t *esc)
 {
     unsigned int enabled = pdi_owns(esc) ? WRITE_ENABLE : 0u;

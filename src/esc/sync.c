@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Distributed clocks: SYNC0 and SYNC1, and the latch inputs (data sheet I §9.2, II §2.15.3 to §2.15.6). Times in here
- * are system times but for `sync_ns`, which says when the next pulse has to be looked at.
+ * Distributed clocks: SYNC0 and SYNC1, and the latch inputs (data sheet I §9.2, II §2.15.3 to §2.15.6). Times in this
+ * file are system times, except `sync_ns`, the time of the next pulse on the caller's clock.
  */
 #include <string.h>
 
@@ -39,14 +39,14 @@ static uint32_t cycle_of(const ect_esc_t *esc, unsigned int n)
     return ect_load_le32(reg(esc, n == 0 ? ECT_REG_DC_SYNC0_CYCLE : ECT_REG_DC_SYNC1_CYCLE));
 }
 
-/* From one pulse to the next. SYNC1 follows a SYNC0, and then the first SYNC0 after itself. 0: there is no next one. */
+/* Time from one pulse to the next. SYNC1 follows a SYNC0, and then the first SYNC0 after itself. 0: no next pulse. */
 static uint64_t period_of(const ect_esc_t *esc, unsigned int n)
 {
     uint64_t base = cycle_of(esc, 0);
     return n == 0 || base == 0 ? base : (cycle_of(esc, 1) / base + 1) * base;
 }
 
-/* Bit 3 of 0x0151 for SYNC0, bit 7 for SYNC1. */
+/* Bit 3 of 0x0151 enables SYNC0, bit 7 SYNC1. */
 static bool is_event(const ect_esc_t *esc, unsigned int n)
 {
     return (*reg(esc, ECT_REG_SYNC_CONFIG) & (0x08u << (4 * n))) != 0;
@@ -57,8 +57,8 @@ static bool acknowledged_by_hand(const ect_esc_t *esc)
     return ect_load_le16(reg(esc, ECT_REG_DC_PULSE_LENGTH)) == 0;
 }
 
-/* The state that is read stays until it is acknowledged, also where pulses have a length: a microcontroller that is in
- * the same process may be late for them. */
+/* The status bit remains set until it is acknowledged, even if pulses have a length, because a microcontroller that
+ * runs in the same process may read it late. */
 static void pulse(ect_esc_t *esc, unsigned int n, uint64_t at)
 {
     *reg(esc, ECT_REG_DC_SYNC0_STATUS + n) = 1;
@@ -67,7 +67,8 @@ static void pulse(ect_esc_t *esc, unsigned int n, uint64_t at)
         ect_esc_raise(esc, n == 0 ? ECT_EVENT_SYNC0 : ECT_EVENT_SYNC1);
 }
 
-/* However many pulses there were since the last look, the next one is on the grid. */
+/* Regardless of the number of pulses since the last call, the next one is a multiple of the cycle after the start
+ * time. */
 static void pass(ect_esc_t *esc, unsigned int n, uint64_t now)
 {
     ect_esc_sync_t *sync = &esc->sync[n];
@@ -104,7 +105,7 @@ void ect_esc_sync_tick(ect_esc_t *esc)
     ect_esc_expect(esc, esc->sync_ns);
 }
 
-/* Clock or grid have changed: the time of the next pulse has to be found anew. */
+/* Computes the time of the next pulse after a change of clock or cycle. */
 void ect_esc_sync_moved(ect_esc_t *esc)
 {
     if (esc->sync[0].next == UINT64_MAX && esc->sync[1].next == UINT64_MAX)
@@ -120,7 +121,7 @@ static bool enhanced(const ect_esc_t *esc)
     return (esc->config.personality->features & ECT_FEATURE_SYNC) != 0;
 }
 
-/* A start time that has passed is 2^64 ns away. One that is implausible may mean "now". */
+/* A start time in the past is almost 2^64 ns away. An implausible one may mean "now". */
 static void start_cyclic(ect_esc_t *esc)
 {
     uint8_t activation = *reg(esc, ECT_REG_DC_ACTIVATION);
@@ -157,7 +158,7 @@ void ect_esc_sync_reset(ect_esc_t *esc)
     stop_cyclic(esc);
 }
 
-/* `before` and what stands there now: the unit starts, stops, or goes on. */
+/* Compares the register with its previous value `before`: the unit starts, stops, or continues. */
 static void follow_activation(ect_esc_t *esc, uint8_t before)
 {
     uint8_t after = *reg(esc, ECT_REG_DC_ACTIVATION);
@@ -168,7 +169,7 @@ static void follow_activation(ect_esc_t *esc, uint8_t before)
         stop_cyclic(esc);
     else if (!ran || ((before ^ after) & (SYNC0 | SYNC1)) != 0)
         start_cyclic(esc);
-    esc->activity++; /* whoever waits for the time of the next pulse asks again */
+    esc->activity++; /* callers that wait for the next pulse must recompute its time */
 }
 
 static bool is_of(const ect_esc_t *esc, ect_side_t side, bool pdi_controls)
@@ -208,7 +209,7 @@ bool ect_esc_sync_activate(ect_esc_t *esc, const ect_access_t *access, uint16_t 
     return true;
 }
 
-/* 32 bits that were written become the nearest such time to come. */
+/* The written 32 bits are extended to the nearest future time that they match. */
 static void extend_start(const ect_esc_t *esc)
 {
     uint64_t now = system_now(esc);
@@ -283,7 +284,7 @@ static bool latch_by_pdi(const ect_esc_t *esc, unsigned int n)
     return (*reg(esc, ECT_REG_DC_CYCLIC_CONTROL) & (LATCH_BY_PDI << n)) != 0;
 }
 
-/* An event stands as long as one of the edges that have brought it about is to be read. */
+/* An event remains set as long as one of the edges that caused it is unread. */
 static void follow_events(ect_esc_t *esc)
 {
     bool pdi = false, ecat = false;
@@ -335,7 +336,7 @@ bool ect_esc_latch_control(ect_esc_t *esc, const ect_access_t *access, uint16_t 
     return any;
 }
 
-/* The time of an edge that is read makes room for the next one, for the side that the unit belongs to. */
+/* Reading the time of an edge enables the next one, for the side that owns the unit. */
 void ect_esc_latch_read(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     if (!ect_esc_dc_present(esc))

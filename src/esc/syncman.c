@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * SyncManagers: mailbox mode (one buffer, producer and consumer in turn) and buffered mode (three buffers, both sides
- * at any time). One rule for both: the first byte opens the buffer for a side, the last byte closes it, whatever comes
- * in between and in however many accesses (data sheet I §8).
+ * at any time). One rule applies to both: an access to the first byte opens the buffer for a side, an access to the
+ * last byte closes it, with any accesses in between (data sheet I §8).
  */
 #include "esc/internal.h"
 
 enum { NO_BUFFER = 3 };
 
-/* One of them, looked up once for an access. Its control register cannot change while it is enabled. */
+/* One SyncManager, looked up once for an access. Its control register cannot change while it is enabled. */
 typedef struct area {
     ect_esc_t *esc;
     unsigned int n;
@@ -27,7 +27,7 @@ static bool ecat_writes(uint8_t control)
     return (control & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
 }
 
-/* Where it lies is decoded once: its registers cannot be written while it is enabled. */
+/* Its position is decoded once, because its registers cannot be written while it is enabled. */
 static void decode(ect_esc_t *esc, unsigned int n)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
@@ -48,14 +48,14 @@ void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
     ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));
 }
 
-/* The local time of what has happened, for a master that wants to know how fast the other side is. */
+/* Stores the local time of an event, so that a master can measure the reaction time of the other side. */
 static void latch(const area_t *sm, uint8_t wanted, uint16_t time_register)
 {
     if ((sm->registers[ECT_SM_ACTIVATE] & wanted) != 0 && ect_esc_has(sm->esc, ECT_UNIT_SM_TIMES))
         ect_store_le32(sm->esc->memory + time_register, (uint32_t)ect_esc_frame_time(sm->esc));
 }
 
-/* Tells the other side that `side` is through with the buffer. */
+/* Signals the other side that `side` has closed the buffer. */
 static void notify(const area_t *sm, ect_side_t side)
 {
     if (side == ECT_SIDE_ECAT) {
@@ -70,7 +70,7 @@ static void notify(const area_t *sm, ect_side_t side)
     }
 }
 
-/* The event for `side` has been noticed: it has begun to use the buffer. */
+/* Clears the event of `side`, which has started to use the buffer. */
 static void quiet(const area_t *sm, ect_side_t side)
 {
     if (side == ECT_SIDE_PDI) {
@@ -117,7 +117,7 @@ static void close_write(const area_t *sm, ect_side_t side)
 {
     ECT_ASSERT(sm->own->write_buffer < NO_BUFFER);
     uint8_t status = (uint8_t)(sm->registers[ECT_SM_STATUS] & ~(ECT_SM_STATUS_WRITE_OPEN | ECT_SM_STATUS_VIOLATED));
-    if (sm->own->violated) { /* the other side goes on with what it had */
+    if (sm->own->violated) { /* the other side keeps the previous buffer */
         sm->registers[ECT_SM_STATUS] = status | ECT_SM_STATUS_VIOLATED;
         return;
     }
@@ -143,8 +143,8 @@ static void close_read(const area_t *sm, ect_side_t side)
     notify(sm, side);
 }
 
-/* A SyncManager of one byte has no buffers, and neither has one over the registers of the digital outputs: plain memory
- * with events (data sheet I §8.5). */
+/* A SyncManager of one byte has no buffers, nor has one over the registers of the digital outputs: they are plain
+ * memory with events (data sheet I §8.5). */
 static bool is_transparent(const ect_esc_sm_t *sm)
 {
     return sm->length == 1 || sm->start < ECT_RAM;
@@ -158,10 +158,10 @@ static bool access_transparent(const area_t *sm, const ect_access_t *access, uin
         return false;
     ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length < sm->own->length)
-        return true; /* the last byte tells the other side */
+        return true; /* an access to the last byte signals the other side */
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm->control);
     if (producer != access->write)
-        return true; /* looking at it against its direction means nothing to anybody */
+        return true; /* a read against the direction has no effect */
     unsigned int done = access->write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
     sm->registers[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
     sm->registers[ECT_SM_STATUS] |= (uint8_t)done;
@@ -172,7 +172,7 @@ static bool access_transparent(const area_t *sm, const ect_access_t *access, uin
     return true;
 }
 
-/* Which byte of the memory a byte of the buffer is: of the one buffer, or of the side's own of the three. */
+/* Address of a byte of the buffer: in the single buffer, or in the side's own one of three. */
 static uint32_t buffer_address(const area_t *sm, bool write, uint16_t offset)
 {
     uint32_t buffer = write ? sm->own->write_buffer : sm->own->read_buffer;
@@ -195,7 +195,8 @@ static void close_buffer(const area_t *sm, const ect_access_t *access)
         close_read(sm, access->side);
 }
 
-/* A buffer that has to be written from start to end: what comes out of turn spoils it until it is opened anew. */
+/* Sequential mode: a buffer must be written from start to end; a byte out of order invalidates it until it is opened
+ * again. */
 static void follow_sequence(ect_esc_sm_t *own, uint16_t offset, uint16_t length)
 {
     if (offset == 0)
@@ -231,7 +232,7 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
         return false;
     uint32_t at = buffer_address(&sm, access->write, offset);
     if (at + length > esc->memory_size)
-        return false; /* a buffer of the three that lies beyond the RAM */
+        return false; /* one of the three buffers is beyond the RAM */
     if (is_sequential(&sm, access))
         follow_sequence(sm.own, offset, length);
     ect_esc_copy(access, esc->memory + at, 0, length);
@@ -240,7 +241,7 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
     return true;
 }
 
-/* One register byte of a SyncManager. Returns whether it was taken. */
+/* Writes one register byte of a SyncManager. @return whether it was accepted */
 static bool write_byte(ect_esc_t *esc, unsigned int n, unsigned int reg, uint8_t value, ect_side_t side,
                        bool was_enabled)
 {
@@ -259,7 +260,8 @@ static bool write_byte(ect_esc_t *esc, unsigned int n, unsigned int reg, uint8_t
     return true;
 }
 
-/* After a write to the activate register: re-arm on a change of the enable bit, and always tell the PDI. */
+/* After a write to the activate register: restarts the SyncManager on a change of the enable bit, and always notifies
+ * the PDI. */
 static void activate_written(ect_esc_t *esc, unsigned int n, bool was_enabled)
 {
     bool enabled = (ect_esc_sm_registers(esc, n)[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0;
@@ -290,7 +292,7 @@ bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint1
     return any;
 }
 
-/* The event goes when the activate register of every SyncManager that changed has been read. */
+/* The event is cleared when the PDI has read the activate register of every SyncManager that changed. */
 void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     if (access->side != ECT_SIDE_PDI || esc->sm_changed == 0)

@@ -26,7 +26,7 @@ static void set_late(ect_esc_t *esc, bool late)
     ect_esc_led_errors(esc);
 }
 
-/* A time of 0 switches it off, and what is off has not expired. */
+/* A time of 0 disables the watchdog, and a disabled watchdog has not expired. */
 void ect_esc_watchdog_time_written(ect_esc_t *esc)
 {
     if (ect_load_le16(esc->memory + ECT_REG_WD_TIME_PD) == 0) {
@@ -37,7 +37,7 @@ void ect_esc_watchdog_time_written(ect_esc_t *esc)
         set_late(esc, false);
     if (esc->pdi_ns != UINT64_MAX)
         ect_esc_expect(esc, esc->now_ns);
-    esc->activity++; /* whoever waits for the end of its time asks again */
+    esc->activity++; /* callers that wait for the expiry must recompute its time */
 }
 
 void ect_esc_watchdog_pdi(ect_esc_t *esc)

@@ -69,6 +69,7 @@ CLEAN = [
     "src/devices/pmctendo",
     "src/esi",
     "src/facts",
+    "src/esc",
     "src/od",
     "src/profiles",
     "src/reader",
