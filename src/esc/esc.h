@@ -271,7 +271,7 @@ void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb);
 /** Adds a step to the local clock, as after a fault of the oscillator. Negative: backwards. */
 void ect_esc_clock_jump(ect_esc_t *esc, int64_t by_ns);
 
-/** The local copy of the system time. @param now_ns  not before the time of the previous call with one */
+/** The local copy of the system time at `now_ns`, which is not before the time of the previous call. */
 uint64_t ect_esc_system_time(const ect_esc_t *esc, uint64_t now_ns);
 
 /**

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file AL status codes: why a slave is not in the requested state (ETG.1000.6 Table 11, ETG.1020). */
+/**
+ * @file
+ * AL status codes: why a slave is not in the requested state (ETG.1000.6 Table 11, ETG.1020).
+ */
 #ifndef ECT_SEAMS_AL_STATUS_H
 #define ECT_SEAMS_AL_STATUS_H
 

@@ -80,6 +80,7 @@ typedef struct ect_foe_transfer {
     bool finished; /* writing: the last packet was taken */
 } ect_foe_transfer_t;
 
+/** The files of a device: struct ect_foe. */
 typedef struct ect_foe ect_foe_t;
 
 /**

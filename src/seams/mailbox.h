@@ -131,6 +131,7 @@ uint8_t *ect_mailbox_build(ect_slave_t *slave);
  * Sends the mail that was built; the mailbox fills in counter and header. After a failed PDI access the mailbox repeats
  * the attempt by itself. Cost: two PDI accesses, one of the bytes that this mail or the one before it uses, and one of
  * a single byte.
+ * @param slave   the slave of the function's argument
  * @param type    ECT_MAILBOX_TYPE_...
  * @param length  data bytes, 1..ect_mailbox_room()
  */

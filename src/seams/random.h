@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Random numbers that repeat for the same seed (xorshift32). For models, not for secrets. */
+/**
+ * @file
+ * Random numbers that repeat for the same seed (xorshift32). For models, not for secrets.
+ */
 #ifndef ECT_SEAMS_RANDOM_H
 #define ECT_SEAMS_RANDOM_H
 

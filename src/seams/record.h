@@ -35,7 +35,7 @@ typedef struct ect_record {
     unsigned int bank;
 } ect_record_t;
 
-/** Check value of a whole record. @param data_crc  ::ect_crc32 of its data, started with 0xFFFFFFFF */
+/** Check value of a whole record; `data_crc` is the ::ect_crc32 of its data, started with 0xFFFFFFFF. */
 static inline uint32_t ect_record_check(uint32_t data_crc, uint32_t sequence, uint32_t length)
 {
     uint8_t bytes[8];
@@ -80,6 +80,7 @@ static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, u
 
 /**
  * Finds the newest valid record. A failure of the medium is not taken for a missing record.
+ * @param m       the medium
  * @param magic   identifies the kind of record
  * @param[out] r  the record; when there is none, its `bank` is the one that the first record does not use
  * @return 1 found · 0 there is none · -1 the medium failed, or a bank is too small for a header

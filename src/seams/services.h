@@ -68,7 +68,7 @@ typedef struct ect_diagnosis {
     uint8_t acknowledged; /**< :3 sub-index of the newest message that the master has acknowledged */
     uint8_t available;    /**< :4 there are unacknowledged messages */
     uint16_t flags;       /**< :5 ECT_DIAGNOSIS_... */
-    uint8_t messages[ECT_DIAGNOSIS_MESSAGES][ECT_DIAGNOSIS_BYTES]; /**< :6.. */
+    uint8_t messages[ECT_DIAGNOSIS_MESSAGES][ECT_DIAGNOSIS_BYTES]; /**< :6 and following */
 } ect_diagnosis_t;
 
 /** Entries of 10F3h for an instance type with a member of type ect_diagnosis_t. */

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Waves for models of a device's surroundings. Pure; without libm, which a bare board does not have. */
+/**
+ * @file
+ * Waves for models of a device's surroundings. Pure; without libm, which a bare board does not have.
+ */
 #ifndef ECT_SEAMS_WAVE_H
 #define ECT_SEAMS_WAVE_H
 

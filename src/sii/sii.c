@@ -9,16 +9,16 @@
 
 enum { LONGEST_STRING = 255 };
 
-/* --- writing: a pen that stops at the end of the EEPROM ---------------------------------------------------------- */
+/* --- writing: a pen that ends at the end of the EEPROM ------------------------------------------------------------ */
 
 typedef struct pen {
     const ect_device_t *device;
     uint8_t *image;
     size_t size;
     size_t at;
-    size_t category;   /* where the present category begins */
+    size_t category;   /* start of the present category */
     size_t strings;    /* data of the string category */
-    unsigned int omit; /* ECT_OMIT_...: left out for want of room */
+    unsigned int omit; /* ECT_OMIT_...: omitted for lack of room */
     bool overflow;
 } pen_t;
 
@@ -57,7 +57,7 @@ static void end(pen_t *p, uint8_t filler)
         ect_store_le16(p->image + p->category + 2, (uint16_t)((p->at - p->category - 4) / 2));
 }
 
-/* Index of a string that is in the table already; 0: none such. */
+/* Index of a string in the table; 0: not there. */
 static uint8_t string_index(const pen_t *p, const char *text)
 {
     size_t length = text && !p->overflow ? strlen(text) : 0;
@@ -112,7 +112,7 @@ uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo)
     return 0xFF;
 }
 
-/* No entry is in memory, so the object is constant. */
+/* Whether no entry is in memory, so that the object cannot change. */
 static bool is_constant(const ect_object_t *object)
 {
     for (const ect_entry_t *e = object ? object->entries : NULL; e; e = ect_od_next(object, e)) {
@@ -147,7 +147,7 @@ static void intern_entries(pen_t *p, const ect_object_t *pdo)
     }
 }
 
-/* First the names of all PDOs: they are few. */
+/* The names of all PDOs first, because they are few. */
 static void intern_pdos(pen_t *p)
 {
     const ect_device_t *device = p->device;
@@ -213,7 +213,7 @@ static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
     return &none;
 }
 
-/* Words that an installation may override. */
+/* Fields that an installation may override. */
 static void put_identity(uint8_t *w, const ect_identity_t *identity, uint16_t alias)
 {
     ect_store_le16(w + 8, alias);
@@ -252,7 +252,7 @@ static const char *name_of(const ect_device_t *device)
     return device->full_name ? device->full_name : device->type_name;
 }
 
-/* The device's name is string 1: some masters take that for the name without asking. */
+/* The device's name is string 1, because some masters use string 1 as the name without reading the index. */
 static void put_strings(pen_t *p)
 {
     const ect_device_t *device = p->device;
@@ -267,7 +267,7 @@ static void put_strings(pen_t *p)
         intern(p, device->dc_modes[i].name);
         intern(p, device->dc_modes[i].description);
     }
-    intern_pdos(p); /* last: of the names it is theirs that may not fit */
+    intern_pdos(p); /* last: the names of entries may not fit */
     end(p, 0);
 }
 
@@ -276,7 +276,7 @@ static unsigned int port(char letter)
     return letter == 'Y' ? 1u : letter == 'K' ? 3u : letter == 'H' ? 4u : 0u;
 }
 
-/* Port types of the physics letters, four bits a port: MII, EBUS, fast hot connect. */
+/* Port types of the physics letters, four bits for each port: MII, EBUS, fast hot connect. */
 static unsigned int ports(const char *physics)
 {
     unsigned int value = 0;
@@ -367,7 +367,7 @@ static void put_categories(pen_t *p)
     }
 }
 
-/* @return whether everything found room */
+/* @return whether everything fits */
 static bool write_image(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
                         unsigned int omit)
 {

@@ -34,30 +34,33 @@ enum { ECT_SII_CATEGORIES = 0x80 };
 
 /**
  * Writes the image of a device: identity, mailboxes, strings, general, FMMUs, SyncManagers, PDOs with all entries,
- * distributed clocks, and 0xFF up to the end of the EEPROM. An image of the description (::ect_device_t::sii) gets a
- * new identity and alias only. The image of an EEPROM that has no room for all leaves out the least that
- * ::ect_device_t::sii_omit allows; names of PDO entries beyond the 255 strings that a table takes are left out, too.
- * @param identity  NULL: the description's
- * @param alias     configured station alias, word 4; not 0: it is the explicit device id, too, and the image has the
- * flag
+ * distributed clocks, and 0xFF up to the end of the EEPROM. In an image that the description contains
+ * (::ect_device_t::sii) only identity and alias are replaced. When the EEPROM is too small, the image omits the least
+ * that ::ect_device_t::sii_omit allows. Names of PDO entries beyond the 255 strings of a table are always omitted.
+ * @param device      one that `ect_device_check` (check/check.h) accepts
+ * @param identity    NULL: the description's
+ * @param alias       configured station alias, word 4; not 0: it is the explicit device id too, and the image declares
+ * so
  * @param[out] image  `size` bytes; undefined on failure
  * @param size        at least device->sii_size
- * @return bytes of the image (device->sii_size) · -1 `size` is too small · -2 the content does not fit the EEPROM
- *         that the description names, or needs more than 255 strings
+ * @return bytes of the image (device->sii_size) · -1 `size` is too small · -2 the content does not fit the EEPROM of
+ * the description, or needs more than 255 strings
  */
 int32_t ect_sii_write(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image,
                       size_t size);
 
 /**
- * Determines what an image leaves out for want of room.
+ * Determines which parts an image omits for lack of room.
+ * @param device        the description
  * @param[out] scratch  device->sii_size bytes, overwritten
- * @return 0: nothing · ECT_OMIT_... · -1: even what ::ect_device_t::sii_omit allows to leave out is not enough
+ * @return 0: none · ECT_OMIT_... · -1: the image does not fit, even without all that ::ect_device_t::sii_omit allows
  */
 int ect_sii_omission(const ect_device_t *device, uint8_t *scratch);
 
 /**
- * Flags of a PDO as SII and ESI have them: those of the description (::ect_pdo_t), else by the rule given there.
- * @param pdo  a mapping object of the device
+ * Flags of a PDO in SII and ESI: those of the description (::ect_pdo_t), else by the default rule.
+ * @param device  the description
+ * @param pdo     a mapping object of the device
  * @return ECT_PDO_...
  */
 uint16_t ect_sii_pdo_flags(const ect_device_t *device, const ect_object_t *pdo);
@@ -70,15 +73,18 @@ uint8_t ect_sii_checksum(const uint8_t *image);
 
 /**
  * Finds a category of an image of any origin; never reads beyond `size`.
+ * @param image, size  the image, and its bytes
+ * @param category     ECT_SII_...
  * @param[out] length  bytes of the category's data
- * @return the data inside `image`, or NULL when the category is absent or cut off by the end of the image
+ * @return the data inside `image`, or NULL when the category is missing or truncated by the end of the image
  */
 const uint8_t *ect_sii_category(const uint8_t *image, size_t size, uint16_t category, size_t *length);
 
 /**
  * Reads a string of the image's string table.
- * @param index  1..255
- * @param[out] length  its characters; it is not terminated
+ * @param image, size  the image, and its bytes
+ * @param index        1..255
+ * @param[out] length  number of characters; they are not terminated
  * @return the characters inside `image`, or NULL when there is no such string or the table is damaged
  */
 const char *ect_sii_string(const uint8_t *image, size_t size, uint8_t index, uint8_t *length);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The PDI, with one rule for its failures: the first one ends what a poll may try. */
+/* The PDI, with one rule for its failures: after the first one, the poll makes no further access. */
 #include "slave/internal.h"
 
 static bool done(ect_slave_t *s, int result)
@@ -25,7 +25,7 @@ bool ect_slave_write(ect_slave_t *s, unsigned int address, const void *buffer, u
     return !s->failed && done(s, pdi->write(pdi->ctx, (uint16_t)address, buffer, (uint16_t)length));
 }
 
-/* With a line that not all events may raise, only the register knows them. */
+/* When the line does not signal all events, only the register shows them. */
 bool ect_slave_read_event(ect_slave_t *s, uint32_t *event)
 {
     const ect_pdi_t *pdi = s->config.pdi;

@@ -13,7 +13,7 @@ static bool known(uint8_t state)
     return ((STATES >> state) & 1) != 0;
 }
 
-/* One step up, or BOOT and back, both only by way of INIT; down to any state but BOOT. */
+/* One step up, or to BOOT and back, both only from and to INIT; down to any state except BOOT. */
 static bool legal(uint8_t from, uint8_t to)
 {
     if (to == ECT_STATE_BOOT)
@@ -25,7 +25,7 @@ static bool legal(uint8_t from, uint8_t to)
     return to == from * 2;
 }
 
-/* Why a request for another state cannot be, or 0. */
+/* The AL status code that refuses a request for another state, or 0. */
 static uint16_t refusal(uint8_t state, uint8_t target, bool has_boot)
 {
     if (!known(target))

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a slave is made of: the description and the port that it drives, and the memory that the caller gives it.
+ * Configuration of a slave: its description, its port, and the memory that the caller provides.
  *
- * How much memory follows from the description. A program that runs any device lets ::ect_slave_take allocate; a
- * firmware for one device asks once, on a PC, and declares arrays of that size. All of it stays the caller's, must live
- * as long as the slave, and belongs to one slave alone. Nothing but `buffer` needs to be zeroed.
+ * The size of the memory follows from the description. A program for any device lets ::ect_slave_take allocate it; a
+ * firmware for one device determines the sizes once, on a PC, and declares arrays. All memory remains the caller's,
+ * must outlive the slave, and belongs to one slave alone. Only `buffer` needs to be zeroed.
  */
 #ifndef ECT_SLAVE_CONFIG_H
 #define ECT_SLAVE_CONFIG_H
@@ -21,99 +21,100 @@
 
 ECT_C_BEGIN
 
-/** A piece of a process image that is contiguous in it and in the instance. Private. */
+/** A piece that is contiguous both in a process image and in the instance. Private. */
 typedef struct ect_pdo_run {
-    const ect_entry_t *entry; /**< copied through the dictionary, or NULL: plain bytes at `data` */
+    const ect_entry_t *entry; /**< copied through the dictionary; NULL: plain bytes at `data` */
     uint8_t *data;
     uint16_t first_bit;
     uint16_t bits;
 } ect_pdo_run_t;
 
-/** How much memory a device needs; the members of ::ect_slave_config_t with the same names say what for. */
+/** Memory that a device needs, for the members of ::ect_slave_config_t with the same names. */
 typedef struct ect_slave_memory {
     size_t instance;     /**< bytes, aligned as by malloc */
-    size_t mailbox;      /**< bytes; 0: it has no mailbox */
-    size_t process_data; /**< bytes: the longest image of a SyncManager, one buffer serves all; 0: none */
+    size_t mailbox;      /**< bytes; 0: no mailbox */
+    size_t process_data; /**< bytes: the longest image of a SyncManager; one buffer serves all; 0: none */
     size_t runs;         /**< elements of ect_pdo_run_t */
-    size_t staging;      /**< bytes: its longest value that a master may write */
-    size_t buffer;       /**< bytes; 0: it wants none */
+    size_t staging;      /**< bytes: the longest value that a master may write */
+    size_t buffer;       /**< bytes; 0: none */
 } ect_slave_memory_t;
 
 /**
- * Computes it from the description; where a master may change the mapping, for whatever it may come to. Pure. Walks
- * over the whole dictionary. Not linked by a firmware that does not call it.
+ * Computes the memory from the description, for the largest mapping that a master may configure. Pure. Visits the whole
+ * dictionary. Only linked by a firmware that calls it.
  * @param device  one that `ect_device_check` (check/check.h) accepts
+ * @return the sizes
  */
 ect_slave_memory_t ect_slave_memory(const ect_device_t *device);
 
-/** What a slave is made of. Copied by ::ect_slave_init, which says what is missing. 0 or NULL is a good default
- * wherever the line says nothing else. */
+/** Configuration of a slave. ::ect_slave_init copies it and reports missing members. 0 or NULL is a good default unless
+ * the line of a member states otherwise. */
 typedef struct ect_slave_config {
     const ect_device_t *device; /**< the description; required */
-    const ect_pdi_t *pdi;       /**< the way to the ESC; required, `read` and `write` too */
+    const ect_pdi_t *pdi;       /**< the port to the ESC; required, with `read` and `write` */
 
-    /** Who this slave says it is (1018h, and what init copies to the device). NULL: the description's. */
+    /** Identity of this slave (1018h, and the instance's ::ect_standard_t). NULL: that of the description. */
     const ect_identity_t *identity;
 
-    /** Non-volatile memory for 1010h and for the device. NULL: none; a store is then refused. */
+    /** Non-volatile memory for 1010h and for the device. NULL: none; a store is refused then. */
     const ect_storage_t *storage;
 
-    /** ect_slave_memory_t::instance bytes; required. Zeroed at each ::ect_slave_init, but for what stands outside. */
+    /** ect_slave_memory_t::instance bytes; required. Each ::ect_slave_init zeroes them, except those that belong to the
+     * outside. */
     void *instance;
-    size_t outside_offset; /**< where in the instance that begins which outlasts a power-on (plant.h) ... */
-    size_t outside_size;   /**< ... and how many bytes it has; 0: nothing does */
+    size_t outside_offset; /**< offset of the bytes of the instance that outlast a power-on (plant.h) */
+    size_t outside_size;   /**< their number; 0: none */
 
     /** ect_slave_memory_t::mailbox bytes: one request and two replies. Required with a mailbox. */
     uint8_t *mailbox;
 
-    /** ect_slave_memory_t::process_data bytes: an image on its way. Required with process data. */
+    /** ect_slave_memory_t::process_data bytes: one process image. Required with process data. */
     uint8_t *process_data;
-    uint16_t
-        process_size; /**< how many bytes there are: a mapping that comes to more is refused on the way to SAFEOP */
+    uint16_t process_size; /**< bytes of `process_data`: a longer mapping is refused on the way to SAFEOP */
 
-    /** ect_slave_memory_t::runs elements: how the mapped entries lie. Required with process data. */
+    /** ect_slave_memory_t::runs elements: the layout of the mapped entries. Required with process data. */
     ect_pdo_run_t *runs;
-    uint16_t run_count; /**< how many there are: a mapping in more pieces is refused on the way to SAFEOP */
+    uint16_t run_count; /**< elements of `runs`: a mapping in more pieces is refused on the way to SAFEOP */
 
-    /** ect_slave_memory_t::staging bytes: where an SDO value that comes in pieces is collected until it is whole. */
+    /** ect_slave_memory_t::staging bytes: an SDO value that arrives in pieces is collected here. */
     uint8_t *staging;
-    uint16_t staging_size; /**< how many there are; a longer value is refused as out of memory */
+    uint16_t staging_size; /**< bytes of `staging`; a longer value is refused as out of memory */
 
-    /** ect_slave_memory_t::buffer bytes: what ect_host_t::buffer gives the device. The caller zeroes them before each
-     * ::ect_slave_init: of so many, most may never have been used. */
+    /** ect_slave_memory_t::buffer bytes, passed to the device as ect_host_t::buffer. The caller zeroes them before each
+     * ::ect_slave_init; the stack does not, because most of a large buffer may never have been used. */
     void *buffer;
 
-    /** Explicit device identification, which AL control bit 5 asks for; 0: not offered. */
+    /** Explicit device identification, requested by AL control bit 5; 0: not offered. */
     uint16_t device_id;
 
-    /** Setting of the address switches, read by the firmware: becomes the configured station alias (0x0012) and takes
-     * the place of `device_id`. 0: no switches; the alias is that of the SII. */
+    /** Setting of the address switches, read by the firmware: becomes the configured station alias (0x0012) and
+     * replaces `device_id`. 0: no switches; the alias is that of the SII. */
     uint16_t switches;
 
     /**
-     * What the interrupt line of the ESC is for. false: for everything that the stack deals with, each event while
-     * there is something to do about it. true: for process data and SYNC0 alone, and drives ::ect_slave_cycle; mainline
-     * then learns of the others by reading the register, whatever ect_pdi_t::al_event says.
+     * Use of the ESC's interrupt line. false: the line is active for every event that the stack has to handle. true: it
+     * is active for process data and SYNC0 only, and its interrupt calls ::ect_slave_cycle; mainline then reads the
+     * register for the other events, regardless of ect_pdi_t::al_event.
      */
     bool line_for_cycle;
 
     /**
-     * Values and process data are the caller's work. Entries keep what stands in their memory at ::ect_slave_init; the
-     * SyncManagers of process data are checked and switched, and no byte of theirs is moved; ::ect_slave_cycle does
-     * nothing. Mapped may then also be what the dictionary does not call mappable, OP is entered without waiting for
-     * outputs, and `process_data` and `runs` are not touched (their sizes still are the most that a mapping may come
-     * to).
+     * The caller moves values and process data. Entries keep the content of their memory at ::ect_slave_init; the stack
+     * checks and switches the SyncManagers of process data, but transfers none of their bytes; ::ect_slave_cycle does
+     * nothing. A mapping may then contain entries that the dictionary does not declare mappable, OP is entered without
+     * waiting for outputs, and `process_data` and `runs` are not accessed (their sizes still limit the mapping).
      */
     bool exchange_is_callers;
 } ect_slave_config_t;
 
 /**
- * Fills in what ::ect_slave_memory asks for, but for `buffer`, which a slave can do without: `instance`, `mailbox`,
- * `process_data`, `runs`, `staging`, and how large they are. The others are left as they are.
- * @param config  its `device` says what is needed
- * @param take    gives so many bytes, 1 or more, aligned for anything, for as long as the slave is used; NULL: there
- *                are none. Called once for each that is not empty; those that are become NULL, but `instance` and
- *                `process_data` have a byte at least
+ * Allocates the memory of ::ect_slave_memory except `buffer`, which is optional: `instance`, `mailbox`, `process_data`,
+ * `runs`, `staging`, and their sizes. Other members are unchanged.
+ * @param config  its `device` determines the sizes
+ * @param take    returns that many bytes, 1 or more, aligned for any type, for the life of the slave; NULL: no memory
+ * is left. Called once for each member that is not empty; empty members become NULL, but `instance` and `process_data`
+ * always get at least one byte
+ * @param ctx     passed to `take`
  * @return whether there was memory for all
  */
 bool ect_slave_take(ect_slave_config_t *config, void *(*take)(void *ctx, size_t bytes), void *ctx);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The cyclic exchange: outputs in, inputs out. It is the one thing that may run in an interrupt (docs/CONCURRENCY.md).
- * Mainline works in steps and holds the exchange out of each; one that comes meanwhile is made up for at the step's
- * end.
+ * The cyclic exchange: outputs in, inputs out. Only this may run in an interrupt (docs/CONCURRENCY.md). Mainline works
+ * in steps and holds the exchange during each; a held exchange is executed at the end of the step.
  */
 #include <stdatomic.h>
 
@@ -29,7 +28,7 @@ void ect_cycle_inputs(ect_slave_t *s)
         s->inputs_due = false;
 }
 
-/* What mainline was about is not touched: whether its accesses failed, above all. */
+/* Preserves the state of mainline, above all whether its accesses failed. */
 static void exchange(ect_slave_t *s)
 {
     ECT_ASSERT(s->state != 0);
@@ -54,8 +53,8 @@ void ect_slave_cycle(ect_slave_t *s, uint64_t now_ns)
 }
 
 /*
- * The exchange interrupts mainline and runs to its end; never the other way round, and never on another processor. So
- * one flag keeps it out, and the fences bind the compiler only.
+ * The exchange interrupts mainline and runs to its end; never the other way round, and never on another processor. One
+ * flag therefore holds it, and the fences only need to bind the compiler.
  */
 void ect_cycle_hold(ect_slave_t *s)
 {

@@ -42,7 +42,7 @@ static void emergency(ect_slave_t *s, uint32_t code, uint16_t text_id, uint8_t s
     ect_host_emergency(s, error, ((const ect_standard_t *)s->config.instance)->error_register, data);
 }
 
-/* The slot that would be used next still holds a message that the master has not acknowledged. */
+/* Whether the slot that is used next holds a message that the master has not acknowledged. */
 static bool full(const ect_diagnosis_t *d, uint8_t slot)
 {
     return d->acknowledged != d->newest && !empty(d, slot) && (d->acknowledged == 0 || slot == after(d->acknowledged));
@@ -61,7 +61,7 @@ static void diagnose(void *slave, uint8_t type, uint32_t code, uint16_t text_id,
         if ((d->flags & ECT_DIAGNOSIS_ACKNOWLEDGE) != 0)
             return;
     }
-    if (slot == d->acknowledged) /* overwritten: acknowledged are the ones after it no more */
+    if (slot == d->acknowledged) /* the acknowledged message is overwritten: the ones after it are unacknowledged */
         d->acknowledged = 0;
     uint8_t *m = d->messages[slot - FIRST];
     ect_store_le32(m, code);
@@ -86,7 +86,7 @@ static void start(ect_slave_t *s)
     s->host.diagnose = diagnose;
 }
 
-/* 0, or the sub-index of a message that is there. */
+/* 0, or the sub-index of an existing message. */
 static bool may_acknowledge(const ect_diagnosis_t *d, uint8_t subindex)
 {
     return subindex == 0 || (subindex >= FIRST && subindex <= LAST && !empty(d, subindex));

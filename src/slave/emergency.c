@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* CoE emergencies (ETG.1000.6 §5.6.4): what the device has queued, oldest first. */
+/* CoE emergencies (ETG.1000.6 §5.6.4): sends the queue of the device, oldest first. */
 #include <string.h>
 
 #include "slave/internal.h"

@@ -21,7 +21,7 @@ static ect_foe_transfer_t *transfer_of(const ect_foe_t *foe, const ect_slave_t *
     return (ect_foe_transfer_t *)(void *)((uint8_t *)s->config.instance + foe->offset);
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------ */
+/* --- replies ------------------------------------------------------------------------------------------------------ */
 
 static void send_number(ect_slave_t *s, uint8_t operation, uint32_t number)
 {
@@ -31,7 +31,7 @@ static void send_number(ect_slave_t *s, uint8_t operation, uint32_t number)
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_FOE, HEADER);
 }
 
-/* In a mail that was built already. */
+/* Into a mail that is already built. */
 static void send_error_in(ect_slave_t *s, uint8_t *mail, uint32_t code, const char *text)
 {
     uint16_t room = (uint16_t)(ect_mailbox_room(s) - HEADER);
@@ -60,7 +60,7 @@ static void end(const ect_foe_t *foe, ect_slave_t *s, bool whole)
         foe->close(foe, s->config.instance, whole);
 }
 
-/* The device itself has closed it. */
+/* The device itself has closed the file. */
 static void forget(const ect_foe_t *foe, const ect_slave_t *s)
 {
     *transfer_of(foe, s) = (ect_foe_transfer_t){.doing = IDLE};
@@ -75,7 +75,7 @@ static void wait_for_device(const ect_foe_t *foe, ect_slave_t *s)
     t->pending_ns = s->now_ns;
 }
 
-/* The packet at `offset`, with its number; built anew when it is sent again. */
+/* The packet at `offset`, with its number; built again when it is repeated. */
 static void send_packet(const ect_foe_t *foe, ect_slave_t *s)
 {
     ect_foe_transfer_t *t = transfer_of(foe, s);
@@ -100,7 +100,7 @@ static void send_packet(const ect_foe_t *foe, ect_slave_t *s)
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_FOE, (uint16_t)(HEADER + length));
 }
 
-/* What was written, or opened for it, is fine: the master may go on. */
+/* The write or the open has succeeded: the master may continue. */
 static void acknowledge(const ect_foe_t *foe, ect_slave_t *s)
 {
     ect_foe_transfer_t *t = transfer_of(foe, s);
@@ -109,11 +109,11 @@ static void acknowledge(const ect_foe_t *foe, ect_slave_t *s)
     if (!t->finished)
         return;
     end(foe, s, true);
-    t->packet = number; /* should the last acknowledge get lost */
+    t->packet = number; /* for the case that the last acknowledge is lost */
     t->finished = true;
 }
 
-/* The device has done what was begun, or begins the next piece. */
+/* The device has completed the pending operation, or starts the next piece. */
 static void go_on(const ect_foe_t *foe, ect_slave_t *s)
 {
     if (transfer_of(foe, s)->doing == READING)
@@ -122,7 +122,7 @@ static void go_on(const ect_foe_t *foe, ect_slave_t *s)
         acknowledge(foe, s);
 }
 
-/* After a function of the device. */
+/* Handles the result of a function of the device. */
 static void answer(const ect_foe_t *foe, ect_slave_t *s, uint32_t code, const char *text)
 {
     if (code == ECT_FOE_LATER) {
@@ -158,7 +158,7 @@ static void open_file(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *data,
                                  .write = write,
                                  .state = s->state};
     const char *text = NULL;
-    end(foe, s, false); /* a master that begins anew has given up the one before */
+    end(foe, s, false); /* a master that opens a file has given up the previous one */
     uint32_t code = refusal(foe, s, write, wish.length);
     if (code == ECT_FOE_OK)
         code = foe->open(foe, s->config.instance, &wish, &text);
@@ -197,9 +197,10 @@ static void data_came(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *data,
     if (t->doing != WRITING && !(again && t->finished))
         refuse(foe, s, ECT_FOE_ILLEGAL);
     else if (again && t->pending)
-        wait_for_device(foe, s); /* told BUSY, it asks again: its acknowledge comes when the device is ready */
+        wait_for_device(
+            foe, s); /* after BUSY the master repeats the packet: its acknowledge follows when the device is ready */
     else if (again)
-        send_number(s, ACK, number); /* it did not get the acknowledge */
+        send_number(s, ACK, number); /* the acknowledge was lost */
     else if (number == t->packet + 1 && !t->pending)
         take_packet(foe, s, data + HEADER, (uint16_t)(length - HEADER));
     else
@@ -213,7 +214,7 @@ static void ack_came(const ect_foe_t *foe, ect_slave_t *s, uint32_t number)
     if (t->doing != READING) {
         refuse(foe, s, ECT_FOE_ILLEGAL);
     } else if (number + 1 == t->packet && number != 0 && !t->pending) {
-        send_packet(foe, s); /* it did not get the packet */
+        send_packet(foe, s); /* the packet was lost */
     } else if (number != t->packet || t->pending) {
         refuse(foe, s, ECT_FOE_PACKET_NUMBER);
     } else if (t->length < full) {
@@ -245,7 +246,7 @@ uint16_t ect_foe_request(const ect_protocol_t *self, ect_slave_t *s, const uint8
     case ACK:
         ack_came(foe, s, ect_load_le32(data + NUMBER));
         break;
-    case ERROR: /* the master gives up, and wants no answer */
+    case ERROR: /* the master gives up and expects no reply */
         end(foe, s, false);
         break;
     default:
@@ -269,7 +270,7 @@ static bool busy_due(const ect_foe_t *foe, const ect_foe_transfer_t *t, uint64_t
            now_ns - t->pending_ns >= foe->busy_ms * (uint64_t)MS;
 }
 
-/* The device has kept the master waiting. @return whether a mail was sent */
+/* The device has not completed an operation in time. @return whether a mail was sent */
 static bool look_again(const ect_foe_t *foe, ect_slave_t *s)
 {
     ect_foe_transfer_t *t = transfer_of(foe, s);
@@ -279,7 +280,7 @@ static bool look_again(const ect_foe_t *foe, ect_slave_t *s)
         return false;
     t->activity_ns = s->now_ns;
     if (code == ECT_FOE_LATER) {
-        t->busy_sent = true; /* again when it asks again */
+        t->busy_sent = true; /* a repeated packet gets another one */
         send_number(s, BUSY, 0);
         return true;
     }
@@ -288,7 +289,7 @@ static bool look_again(const ect_foe_t *foe, ect_slave_t *s)
     return !t->pending;
 }
 
-/* The mailbox asks as long as a transfer is under way, and comes back in time. */
+/* The mailbox calls this as long as a transfer is under way, and polls in time. */
 bool ect_foe_next(const ect_protocol_t *self, ect_slave_t *s, bool send)
 {
     const ect_foe_t *foe = entry_of(self);

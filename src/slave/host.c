@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a device may ask for (ect_host_t): notes that the poll acts on, in mainline. */
+/* The requests of a device (ect_host_t): recorded here, executed by the poll, in mainline. */
 #include <string.h>
 
 #include "seams/standard.h"

@@ -44,7 +44,7 @@ ect_pattern_t ect_indicator_run(const ect_slave_t *slave)
     }
 }
 
-/* The gravest first: critical, watchdog, local, configuration. */
+/* The most severe first: critical, watchdog, local, configuration. */
 ect_pattern_t ect_indicator_err(const ect_slave_t *slave, bool pdi_failing)
 {
     if (pdi_failing)
@@ -69,7 +69,7 @@ ect_pattern_t ect_indicator_link(bool link, uint64_t last_traffic_ns, uint64_t n
                                                                                        : ECT_PATTERN_ON;
 }
 
-/* All flashes are made of these. */
+/* The unit of all flash patterns. */
 static uint64_t next_change(ect_pattern_t pattern, uint64_t now_ns)
 {
     uint64_t step_ns = (pattern == ECT_PATTERN_FLICKERING ? 50 : 200) * MS;

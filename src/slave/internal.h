@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the files of slave/ know of each other. Nobody else includes this.
+ * Interface between the files of slave/. No file outside slave/ includes this header.
  *
- * From the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
+ * The files from the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
  *
  *   al.c         the decision table (pure)
  *   access.c     the PDI
  *   services.c   the object services that the device names
- *   host.c       what the device asks for: notes that are acted on later
- *   syncman.c    SyncManagers: as described? on or off?
+ *   host.c       requests of the device: recorded, executed later
+ *   syncman.c    SyncManagers: comparison with the description, on and off
  *   pdo.c        process image: mapping, outputs, inputs
  *   cycle.c      the cyclic exchange, from an interrupt or from the poll
  *   mailbox.c    counters, repeat, error replies, dispatch to the protocols that the device names
@@ -17,9 +17,9 @@
  *   sdo.c sdo_info.c emergency.c foe.c           protocols, linked when a device names them
  *   pdo_config.c diagnosis.c store.c sync.c      object services, likewise
  *   machine.c    AL control, the checks of the transitions, watchdog, drops
- *   slave.c      initialisation and the poll: the order in which things are done
- *   memory.c     how much memory a slave needs
- *   indicator.c  lamps
+ *   slave.c      initialisation and the poll: the sequence of all steps
+ *   memory.c     memory that a slave needs
+ *   indicator.c  LEDs
  */
 #ifndef ECT_SLAVE_INTERNAL_H
 #define ECT_SLAVE_INTERNAL_H
@@ -33,7 +33,7 @@
 /* --- access.c: false once an access of this poll has failed; nothing further is tried then ---------------------- */
 bool ect_slave_read(ect_slave_t *s, unsigned int address, void *buffer, unsigned int length);
 bool ect_slave_write(ect_slave_t *s, unsigned int address, const void *buffer, unsigned int length);
-/* The AL event word; begins anew after a failure. */
+/* The AL event word; the first access after a failure clears the failure. */
 bool ect_slave_read_event(ect_slave_t *s, uint32_t *event);
 
 /* --- services.c: the object services that the device names (slave/service.h) -------------------------------------- */
@@ -42,7 +42,7 @@ ect_reason_t ect_services_write(ect_slave_t *s, const ect_download_t *d);
 ect_reason_t ect_services_written(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete);
 uint16_t ect_services_check_up(ect_slave_t *s, uint8_t target);
 void ect_services_event(ect_slave_t *s, uint32_t event);
-/* The data structure of a service: where the entry `index`:1 has its value; NULL: the device has no such object. */
+/* The data structure of a service: the memory of entry `index`:1; NULL: the device has no such object. */
 static inline void *ect_services_data(const ect_slave_t *s, uint16_t index)
 {
     const ect_object_t *object = NULL;
@@ -51,48 +51,49 @@ static inline void *ect_services_data(const ect_slave_t *s, uint16_t index)
 }
 
 /* --- host.c ----------------------------------------------------------------------------------------------------- */
-/* What ect_host_t offers, for object services too. */
+/* The functions of ect_host_t, which object services use too. */
 void ect_host_drop(void *slave, uint8_t state, uint16_t al_status_code);
 void ect_host_emergency(void *slave, uint16_t code, uint8_t error_register, const uint8_t data[5]);
-/* Fills in the table that the device is given. */
+/* Fills in the table that the device gets. */
 void ect_host_init(ect_slave_t *s);
 
 /* --- syncman.c -------------------------------------------------------------------------------------------------- */
-/* SyncManagers are given as masks, a bit each. */
+/* SyncManagers are given as masks, one bit each. */
 enum { ECT_SM_BLOCK = ECT_SMS * ECT_SM_SIZE, ECT_MAILBOX_SMS = 0x03 };
 
 static inline uint16_t ect_sm_longest_mailbox(const ect_device_t *device, unsigned int sm)
 {
     return device->sm[sm].maximum != 0 ? device->sm[sm].maximum : device->sm[sm].length;
 }
-/* The longest that a SyncManager may become; for process data without a maximum it adds up all PDOs of its default. */
+/* Greatest length of a SyncManager; for process data without a maximum the sum of all PDOs of its default. */
 uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm);
 /* The events of SyncManagers. */
 static inline uint32_t ect_sm_events(unsigned int sms)
 {
     return (uint32_t)sms * ECT_EVENT_SM0;
 }
-/* Reads all SyncManagers at once, which also acknowledges that they changed. */
+/* Reads all SyncManagers at once, which also acknowledges their change. */
 bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK]);
-/* The mailbox SyncManagers are as described, for BOOT or for the other states. */
+/* Whether the mailbox SyncManagers are as described, for BOOT or for the other states. */
 bool ect_sm_mailbox_good(const ect_device_t *device, const uint8_t *block, bool boot);
-/* Those of the process data have exactly the mapped bytes, or are off: 0, or the AL status code. */
+/* Checks that the process-data SyncManagers have exactly the mapped bytes, or are off. @return 0, or the AL status
+ * code */
 uint16_t ect_sm_check_process(const ect_slave_t *s, const uint8_t *block);
-/* Those with process data. */
+/* The SyncManagers with process data. */
 unsigned int ect_sm_process(const ect_device_t *device);
-/* Take note which SyncManagers are to be on or off from our side, and how SM1 answers the repeat toggle ... */
+/* Records which SyncManagers are to be on or off from the PDI side, and the acknowledge of SM1's repeat toggle ... */
 void ect_sm_disable(ect_slave_t *s, unsigned int sms);
 void ect_sm_enable(ect_slave_t *s, unsigned int sms);
 void ect_sm_acknowledge_repeat(ect_slave_t *s, bool toggle);
-/* ... and this writes it. */
+/* ... and this writes both to the ESC. */
 bool ect_sm_flush(ect_slave_t *s);
 
 /* --- pdo.c ------------------------------------------------------------------------------------------------------ */
-/* Lays the images out: 0, or the AL status code that says which cannot be. */
+/* Lays the images out. @return 0, or the AL status code of the direction that is impossible */
 uint16_t ect_pdo_configure(ect_slave_t *s);
-/* Runs that the mapping of SyncManager `sm` falls into, where it is a constant one. */
+/* Number of runs of the mapping of SyncManager `sm`, which must be constant. */
 uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm);
-/* Outputs that were written and whose SyncManagers raise no event. */
+/* Written outputs whose SyncManagers raise no event. */
 unsigned int ect_pdo_written(ect_slave_t *s);
 /* Takes the outputs of those SyncManagers that were written. */
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
@@ -101,19 +102,19 @@ bool ect_pdo_inputs(ect_slave_t *s);
 /* --- cycle.c: the cyclic exchange, and how mainline keeps it out while it works ----------------------------------- */
 void ect_cycle_outputs(ect_slave_t *s, uint32_t event);
 void ect_cycle_inputs(ect_slave_t *s);
-/* Mainline holds while it works on what the exchange, or a function of the device, touches too. */
+/* Mainline holds the exchange while it works on data that the exchange, or a function of the device, uses too. */
 void ect_cycle_hold(ect_slave_t *s);
-/* Between two steps: an exchange that came meanwhile is made up for. */
+/* Between two steps: makes up for an exchange that was held. */
 void ect_cycle_yield(ect_slave_t *s);
-/* The same, and lets it in from now on. */
+/* The same, and permits the exchange from now on. */
 void ect_cycle_release(ect_slave_t *s);
 
 /* --- mailbox.c (and seams/mailbox.h) ------------------------------------------------------------------------------ */
 enum { ECT_MAILBOX_HEADER = 6 };
 
-/* The room that a mailbox SyncManager may need, in PREOP or in BOOT. */
+/* Room that a mailbox SyncManager may need, in PREOP or in BOOT, bytes. */
 uint16_t ect_mailbox_sm_room(const ect_device_t *device, unsigned int sm);
-/* Takes the layout that the master chose; the mailbox runs from ect_mailbox_start on. */
+/* Takes over the layout that the master chose; ect_mailbox_start then starts the mailbox. */
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers);
 void ect_mailbox_start(ect_slave_t *s);
 static inline void ect_mailbox_stop(ect_slave_t *s)
@@ -121,10 +122,10 @@ static inline void ect_mailbox_stop(ect_slave_t *s)
     s->mailbox.running = false;
 }
 void ect_mailbox_poll(ect_slave_t *s, uint32_t event);
-/* Something waits until the master has fetched the mail that stands in SM1. */
+/* Whether a mail waits until the master has fetched the one in SM1. */
 bool ect_mailbox_waits(ect_slave_t *s);
-/* What the SyncManagers show while the mailbox runs: the repeat toggle, and whether our mail still stands there.
- * Returns whether they are still those that it was started with. */
+/* Reads from the SyncManagers the repeat toggle, and whether SM1 still holds our mail. @return whether their layout is
+ * still that of the start */
 bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers);
 
 /* --- coe.c ------------------------------------------------------------------------------------------------------ */
@@ -137,13 +138,13 @@ enum {
     ECT_SDO_LENGTH = 10, /* of the smallest SDO mail: CoE header and 8 bytes */
 };
 
-/* Whether a mail is one of this kind: 0, or the detail of the error. */
+/* Whether a mail is of this kind: 0, or the detail of the mailbox error. */
 uint16_t ect_coe_expect(const uint8_t *data, uint16_t length, uint8_t kind);
-/* Begins a CoE mail of a kind; returns where its payload starts. */
+/* Starts a CoE mail of a kind. @return its payload */
 uint8_t *ect_coe_build(ect_slave_t *s, uint8_t kind);
-/* Bytes of payload that a CoE mail has room for. */
+/* Room for payload in a CoE mail, bytes. */
 uint16_t ect_coe_room(const ect_slave_t *s);
-/* Sends it: `length` counts the CoE header too. */
+/* Sends the mail: `length` includes the CoE header. */
 void ect_coe_send(ect_slave_t *s, uint16_t length);
 
 /* --- machine.c -------------------------------------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The state machine at work: checks before a transition, actions with it, and leaving a state for a reason. */
+/* Execution of the state machine: checks before a transition, actions with it, and transitions caused by errors. */
 #include "slave/al.h"
 #include "slave/internal.h"
 
@@ -8,8 +8,8 @@ static bool has_mailbox(const ect_slave_t *s)
     return s->config.device->mailbox_protocols != 0;
 }
 
-/* What must be off is off before the state is reported. The code first, then the state: a fast master that sees the
- * flag finds its reason (ETG.1000.6 §6.4.1.3). */
+/* SyncManagers are disabled before the state is reported. The code is written before the state, so that a fast master
+ * that reads the error flag finds its code (ETG.1000.6 §6.4.1.3). */
 bool ect_machine_report(ect_slave_t *s)
 {
     uint8_t code[2];
@@ -21,13 +21,13 @@ bool ect_machine_report(ect_slave_t *s)
     status[0] |= s->ident ? ECT_AL_IDENT : 0;
     (void)ect_sm_flush(s);
     (void)ect_slave_write(s, ECT_REG_AL_STATUS_CODE, code, sizeof code);
-    if (!ect_slave_write(s, ECT_REG_AL_STATUS, status, sizeof status)) /* not, if one of those before failed */
+    if (!ect_slave_write(s, ECT_REG_AL_STATUS, status, sizeof status)) /* no access if an earlier one failed */
         return false;
     s->status_dirty = false;
     return true;
 }
 
-/* Code 0 takes the error away. */
+/* Code 0 clears the error. */
 static void set_error(ect_slave_t *s, uint16_t code, ect_error_cause_t cause)
 {
     const ect_device_t *device = s->config.device;
@@ -49,7 +49,7 @@ static void outputs_off(ect_slave_t *s)
     s->outputs_seen = 0;
 }
 
-/* Its answer: 0, ECT_AL_PENDING, or an AL status code. */
+/* Calls the device: 0, ECT_AL_PENDING, or an AL status code. */
 static uint16_t tell_device(ect_slave_t *s, uint8_t from, uint8_t to)
 {
     ECT_ASSERT(from != to);
@@ -58,7 +58,7 @@ static uint16_t tell_device(ect_slave_t *s, uint8_t from, uint8_t to)
                                 : (uint16_t)ECT_AL_NO_ERROR;
 }
 
-/* Downwards nothing can refuse. */
+/* A transition downwards cannot be refused. */
 static void go_down(ect_slave_t *s, uint8_t target)
 {
     uint8_t from = s->state;
@@ -120,7 +120,7 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
     if (target != ECT_STATE_SAFEOP)
         return has_mailbox(s) ? check_mailbox(s, target, block) : (uint16_t)ECT_AL_NO_ERROR;
     if (s->mailbox.running && !ect_mailbox_look(s, block))
-        s->due |= ECT_EVENT_SM_CHANGED; /* to be looked at for its own sake */
+        s->due |= ECT_EVENT_SM_CHANGED; /* its registers must be read as well */
     return check_process_data(s, block);
 }
 
@@ -136,7 +136,7 @@ static uint64_t timeout_ns(const ect_slave_t *s, uint8_t target)
     return 1000000ull * (target < ECT_STATE_SAFEOP ? t->preop_ms : t->safeop_op_ms);
 }
 
-/* What must run before the new state is reported. */
+/* Starts everything that must run before the new state is reported. */
 static void enter(ect_slave_t *s, uint8_t target)
 {
     ECT_ASSERT(target < ECT_STATE_SAFEOP || !has_mailbox(s) || s->mailbox.running);
@@ -157,7 +157,7 @@ static void enter(ect_slave_t *s, uint8_t target)
     }
 }
 
-/* A PDI access that failed on the way leaves the request due: the next poll begins it anew. */
+/* After a failed PDI access the request remains due: the next poll starts it again. */
 static void finish_up(ect_slave_t *s, uint8_t target, uint16_t code)
 {
     ECT_ASSERT(target > s->state && !s->outputs_live);
@@ -182,7 +182,7 @@ static void wait_for(ect_slave_t *s, uint8_t target, bool device)
     s->pending_until_ns = s->now_ns + timeout_ns(s, target);
 }
 
-/* The device and the checks agree; only the first outputs may still be missing. */
+/* The device and the checks agree; only the first outputs may be missing. */
 static void agree(ect_slave_t *s, uint8_t target, uint16_t code)
 {
     ECT_ASSERT(target > s->state);
@@ -209,8 +209,8 @@ static void go_up(ect_slave_t *s, uint8_t target)
         agree(s, target, code);
 }
 
-/* A delayed transition: the device or the first outputs decide it, or the time-out of the description does. What was
- * checked before may have changed meanwhile. */
+/* A delayed transition ends by the device, by the first outputs, or by the timeout of the description. The conditions
+ * that were checked may have changed since. */
 void ect_machine_pending(ect_slave_t *s)
 {
     uint8_t target = s->pending;
@@ -225,7 +225,7 @@ void ect_machine_pending(ect_slave_t *s)
     }
 }
 
-/* --- what the master did ---------------------------------------------------------------------------------------- */
+/* --- actions of the master -------------------------------------------------------------------------------------- */
 
 static void identification(ect_slave_t *s, bool wanted)
 {
@@ -261,7 +261,7 @@ void ect_machine_request(ect_slave_t *s)
         break;
     case ECT_AL_UP:
         if (s->pending != d.target)
-            go_up(s, d.target); /* asked again, a delayed transition goes on as it is */
+            go_up(s, d.target); /* on a repeated request a delayed transition continues */
         break;
     case ECT_AL_DOWN:
         go_down(s, d.target);
@@ -291,7 +291,7 @@ void ect_machine_sm_changed(ect_slave_t *s)
         uint16_t code = ect_sm_check_process(s, block);
         if (code != ECT_AL_NO_ERROR)
             ect_machine_drop(s, ECT_STATE_PREOP, code, ECT_CAUSE_REQUEST);
-        s->inputs_due = true; /* switched off and on again, the buffers are empty */
+        s->inputs_due = true; /* the SyncManager was disabled and enabled: its buffers are empty */
     }
 }
 
@@ -303,7 +303,7 @@ void ect_machine_watchdog(ect_slave_t *s)
     s->due &= ~(uint32_t)ECT_EVENT_WATCHDOG;
     if ((status[0] & 1u) != 0 || s->outputs == 0)
         return;
-    s->outputs_seen = 0; /* what was seen is too old to go to OP with */
+    s->outputs_seen = 0; /* outputs from before do not permit OP */
     if (s->state == ECT_STATE_OP)
         ect_machine_drop(s, ECT_STATE_SAFEOP, ECT_AL_WATCHDOG, ECT_CAUSE_WATCHDOG);
 }

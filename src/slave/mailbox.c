@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mailbox: one request at a time out of SM0, one mail at a time into SM1. Two mails are kept, the newest and the
- * one before it, because a master may find out that it lost a mail when the next one already stands in SM1.
+ * The mailbox: one request at a time from SM0, one mail at a time into SM1. Two mails are kept, the newest and the
+ * one before it, because a master may notice the loss of a mail when the next one is already in SM1.
  */
 #include <string.h>
 
@@ -14,7 +14,7 @@ uint16_t ect_mailbox_sm_room(const ect_device_t *device, unsigned int sm)
     return room > boot ? room : boot;
 }
 
-/* A request is looked at in one access when it is no longer than this: the header and the smallest SDO. */
+/* A request up to this length is read in one access: the header and the smallest SDO. */
 enum { NO_REPLY = 0xFF, SM1 = 1 << 1, SHORT_MAIL = 16 };
 
 void ect_mailbox_configure(ect_slave_t *s, const uint8_t *sm_registers)
@@ -47,7 +47,7 @@ void ect_mailbox_start(ect_slave_t *s)
 {
     ECT_ASSERT(s->mailbox.request && !s->mailbox.running);
     s->mailbox.running = true;
-    ect_mailbox_wake(s); /* something may have been waiting for this */
+    ect_mailbox_wake(s); /* a mail may have waited for this */
     FOR_EACH_PROTOCOL(s, p)
     {
         if ((*p)->reset)
@@ -68,13 +68,13 @@ uint16_t ect_mailbox_room(const ect_slave_t *s)
     return (uint16_t)(s->mailbox.in_size - ECT_MAILBOX_HEADER);
 }
 
-/* What is not done yet, ect_mailbox_t::open. */
+/* Work that is not done yet, bits of ect_mailbox_t::open. */
 enum {
-    TO_WRITE = 1,     /* `shown` has yet to be written to SM1 */
-    IN_BUFFER = 2,    /* `shown` stands in SM1, unread as far as we know */
+    TO_WRITE = 1,     /* `shown` must be written to SM1 */
+    IN_BUFFER = 2,    /* `shown` is in SM1, unread as far as known */
     NEWEST_WAITS = 4, /* after a repeat: `newest` must follow `shown` */
-    REPEAT_DUE = 8,   /* the master wants the last mail again */
-    ACK_DUE = 16,     /* ... and it is to be acknowledged once that mail stands in SM1 */
+    REPEAT_DUE = 8,   /* the master requests the last mail again */
+    ACK_DUE = 16,     /* ... and gets the acknowledge once that mail is in SM1 */
     MAIL_OPEN = TO_WRITE | IN_BUFFER | NEWEST_WAITS,
 };
 
@@ -88,7 +88,7 @@ static bool may_build(const ect_mailbox_t *m)
     return !is(m, MAIL_OPEN);
 }
 
-/* The mail that is overwritten is the older one; with it may go the reply kept for a repeated request. */
+/* Overwrites the older mail, and with it possibly the reply kept for a repeated request. */
 static uint8_t build_slot(const ect_mailbox_t *m)
 {
     return m->newest ^ 1;
@@ -105,15 +105,16 @@ uint8_t *ect_mailbox_build(ect_slave_t *s)
     return mail + ECT_MAILBOX_HEADER;
 }
 
-/* How far a mail reaches into a buffer whose last byte is moved by itself. Its header says so, and may say too much. */
+/* Bytes in use of a buffer whose last byte is transferred separately. The length in the header may be too large. */
 static unsigned int end_of(const uint8_t *mail, unsigned int last)
 {
     unsigned int end = ECT_MAILBOX_HEADER + (unsigned int)ect_load_le16(mail);
     return end < last ? end : last;
 }
 
-/* What is used of the two mails, so that nothing of the other is left in SM1, and the last byte, with which it is full.
- * The first one takes all: nobody knows what stands there. The toggle is answered when the mail does. */
+/* Writes the bytes in use of both mails, so that nothing of the other one remains in SM1, and the last byte, which
+ * fills it. The first mail writes all bytes, because the content is unknown. The toggle is acknowledged with the mail.
+ */
 static void write_shown(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
@@ -123,7 +124,7 @@ static void write_shown(ect_slave_t *s)
     unsigned int other = m->mails == 2 ? end_of(m->mail[m->shown ^ 1], last) : last;
     unsigned int end = end_of(mail, last);
     (void)ect_slave_write(s, m->in_start, mail, end > other ? end : other);
-    if (ect_slave_write(s, m->in_start + last, mail + last, 1)) /* not, if that before failed */
+    if (ect_slave_write(s, m->in_start + last, mail + last, 1)) /* no access if the one before failed */
         m->open ^= TO_WRITE | IN_BUFFER;
 }
 
@@ -165,7 +166,7 @@ static void send_error(ect_slave_t *s, uint16_t detail)
 {
     ECT_ASSERT(detail >= ECT_MAILBOX_ERROR_SYNTAX && detail <= ECT_MAILBOX_ERROR_SIZE);
     uint8_t *data = ect_mailbox_build(s);
-    data[0] = 1; /* of words of 16 bits */
+    data[0] = 1; /* in words of 16 bits */
     data[2] = (uint8_t)detail;
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_ERROR, 4);
 }
@@ -191,7 +192,7 @@ static bool is_in_state(const ect_protocol_t *p, const ect_slave_t *s)
     return (p->states & ECT_IN(s->state)) != 0;
 }
 
-/* Hands the request to the entries of its type, until one wants it. */
+/* Passes the request to the entries of its type, until one accepts it. */
 static uint16_t dispatch(ect_slave_t *s)
 {
     const uint8_t *mail = s->mailbox.request;
@@ -210,7 +211,7 @@ static uint16_t dispatch(ect_slave_t *s)
     return error;
 }
 
-/* What is used of it, and the last byte, with which SM0 is empty. Most are no longer than the first access. */
+/* Reads the bytes in use, and the last byte, which empties SM0. Most requests need only the first access. */
 static bool read_request(ect_slave_t *s)
 {
     const ect_mailbox_t *m = &s->mailbox;
@@ -220,7 +221,7 @@ static bool read_request(ect_slave_t *s)
     unsigned int end = end_of(m->request, last);
     if (end > first)
         (void)ect_slave_read(s, m->out_start + first, m->request + first, end - first);
-    return ect_slave_read(s, m->out_start + last, m->request + last, 1); /* not, if one of those before failed */
+    return ect_slave_read(s, m->out_start + last, m->request + last, 1); /* no access if one before failed */
 }
 
 static void handle_request(ect_slave_t *s)
@@ -228,12 +229,12 @@ static void handle_request(ect_slave_t *s)
     ECT_ASSERT(may_build(&s->mailbox));
     ect_mailbox_t *m = &s->mailbox;
     if (!read_request(s)) {
-        s->due |= ECT_EVENT_SM_CHANGED; /* its event went with its first byte: to be looked for */
+        s->due |= ECT_EVENT_SM_CHANGED; /* reading the first byte has cleared its event */
         return;
     }
-    ect_cycle_yield(s); /* a long access is behind us, and the answer's is to come */
+    ect_cycle_yield(s); /* a long access has ended, and that of the reply follows */
     uint8_t counter = (m->request[5] >> 4) & 7u;
-    if (counter != 0 && counter == m->request_counter) { /* a repetition: not carried out again */
+    if (counter != 0 && counter == m->request_counter) { /* a repetition: not executed again */
         if (m->reply != NO_REPLY)
             show(s, m->reply);
         return;
@@ -247,8 +248,8 @@ static void handle_request(ect_slave_t *s)
     m->reply = m->reply_counter != before ? m->newest : NO_REPLY;
 }
 
-/* SM1 is empty again. A request that waits by now was sent before that, as far as we know: a repetition then, if it is
- * one, loses no reply. */
+/* SM1 is empty again. A request that waits now was sent before that, as far as known; if it is a repetition, no reply
+ * is lost. */
 static void note_fetched(ect_mailbox_t *m)
 {
     if (m->request_waits && is(m, IN_BUFFER))
@@ -258,7 +259,7 @@ static void note_fetched(ect_mailbox_t *m)
 
 /* --- repeat ------------------------------------------------------------------------------------------------------ */
 
-/* The mailbox that runs is the one that the master configured: not another length, though it were allowed. */
+/* The running mailbox is the one that the master configured: another length is refused, even a permitted one. */
 static bool is_unchanged(const ect_slave_t *s, const uint8_t *sm_registers)
 {
     return ect_sm_mailbox_good(s->config.device, sm_registers, s->state == ECT_STATE_BOOT) &&
@@ -274,16 +275,16 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
     bool toggle = (sm1[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_REPEAT) != 0;
     m->request_waits = (sm_registers[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) != 0;
     if ((sm1[ECT_SM_STATUS] & ECT_SM_STATUS_FULL) == 0)
-        note_fetched(m); /* or lost, when the master switched SM1 off and on */
+        note_fetched(m); /* or lost, when the master disabled and enabled SM1 */
     if (toggle != m->toggle) {
         m->toggle = toggle;
         m->open |= REPEAT_DUE | ACK_DUE;
-        s->sm_repeat_ack = !toggle; /* not before the mail stands there */
+        s->sm_repeat_ack = !toggle; /* not before the mail is in SM1 */
     }
     return is_unchanged(s, sm_registers);
 }
 
-/* The mail that was lost is the one before that which stands in SM1; this one follows it. Off and on empties SM1. */
+/* The lost mail precedes the one in SM1, which follows it again. Disabling and enabling SM1 empties it. */
 static bool bring_back(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
@@ -291,7 +292,7 @@ static bool bring_back(ect_slave_t *s)
     ect_sm_disable(s, SM1);
     (void)ect_sm_flush(s);
     ect_sm_enable(s, SM1);
-    if (!ect_sm_flush(s)) /* neither, if that before failed */
+    if (!ect_sm_flush(s)) /* no access if the one before failed */
         return false;
     m->open ^= IN_BUFFER | NEWEST_WAITS | TO_WRITE;
     m->shown = m->newest ^ 1;
@@ -312,7 +313,7 @@ static void repeat(ect_slave_t *s)
 
 /* --- the poll ---------------------------------------------------------------------------------------------------- */
 
-/* What is left of repeats comes first: then the mailbox may be free. */
+/* Outstanding repeats come first: the mailbox may be free after them. */
 static void go_on(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
@@ -328,14 +329,14 @@ static void go_on(ect_slave_t *s)
     }
 }
 
-/* There is room for a mail, and somebody may have one since all were asked. */
+/* Whether a mail fits, and a protocol may have one since all were called. */
 static bool may_speak(const ect_mailbox_t *m)
 {
-    return may_build(m) && m->heard != m->wakes;
+    return may_build(m) && m->wakes_done != m->wakes;
 }
 
-/* Lets the protocols have a mail of their own, or asks whether they have: those without requests before a request is
- * answered, the others after. */
+/* Calls `next` of the protocols, to send a mail or only to report one: those without requests before a waiting request
+ * is handled, the others after it. */
 static bool speak(ect_slave_t *s, bool takes_requests, bool send)
 {
     ECT_ASSERT(!send || may_speak(&s->mailbox));
@@ -364,7 +365,7 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
         handle_request(s);
     }
     if (may_speak(m) && !speak(s, true, true))
-        m->heard = wakes; /* nobody has anything more, unless woken since */
+        m->wakes_done = wakes; /* no protocol has a further mail, unless announced since */
 }
 
 void ect_mailbox_wake(ect_slave_t *s)

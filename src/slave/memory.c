@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a description asks for: for those who find it out at run time. */
+/* The memory that a description needs, for programs that determine it at run time. */
 #include "seams/standard.h"
 #include "slave/internal.h"
 
@@ -12,7 +12,7 @@ static bool is_constant(const ect_object_t *object)
     return true;
 }
 
-/* No assignment and no mapping of a SyncManager can change. */
+/* Whether no assignment and no mapping of a SyncManager can change. */
 static bool mapping_is_constant(const ect_device_t *device, unsigned int sm)
 {
     const ect_od_t od = ect_device_od(device, NULL);
@@ -25,7 +25,7 @@ static bool mapping_is_constant(const ect_device_t *device, unsigned int sm)
     return constant;
 }
 
-/* Bits of the shortest entry that may be mapped in a direction, at least one. */
+/* Bits of the shortest entry that can be mapped in a direction, at least one. */
 static size_t shortest(const ect_device_t *device, uint16_t access)
 {
     size_t bits = SIZE_MAX;
@@ -39,7 +39,7 @@ static size_t shortest(const ect_device_t *device, uint16_t access)
     return bits;
 }
 
-/* An entry may be mapped in part: the fewest bits that a PDO maps of one from the start, or `bits` if that is less. */
+/* A mapping may contain part of an entry: the fewest bits that a default mapping contains of one, or `bits` if less. */
 static size_t shortest_mapped(const ect_object_t *pdo, size_t bits)
 {
     for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++) {
@@ -50,7 +50,8 @@ static size_t shortest_mapped(const ect_object_t *pdo, size_t bits)
     return bits;
 }
 
-/* Each PDO of that direction assigned, and each of its entries a run; or as many as there is room for. */
+/* Runs if every PDO of that direction is assigned and each of its entries is a run; at most those that the room
+ * allows. */
 static size_t most_runs(const ect_device_t *device, unsigned int sm)
 {
     bool outputs = device->sm[sm].type == ECT_SM_OUTPUTS;
@@ -100,13 +101,13 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
     return need;
 }
 
-/* An instance and a process image a slave always has, however empty. */
+/* Every slave has an instance and a process image, even an empty one. */
 static size_t some(size_t bytes)
 {
     return bytes > 0 ? bytes : 1;
 }
 
-/* One that is not needed is no failure. */
+/* A member that is not needed is no failure. */
 static void *take_one(void *(*take)(void *ctx, size_t bytes), void *ctx, size_t bytes, bool *all)
 {
     void *taken = bytes > 0 ? take(ctx, bytes) : NULL;

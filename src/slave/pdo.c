@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The process image. On the way to SAFEOP the assignment and the mapping are read from the dictionary and laid out as
- * runs: entries that lie side by side both in the image and in the instance become one copy. A cycle is then a few
- * copies and one PDI access a direction.
+ * runs: entries that are adjacent both in the image and in the instance become one copy. A cycle is then a few copies,
+ * and one PDI access in each direction.
  */
 #include <string.h>
 
@@ -12,15 +12,15 @@ enum { LARGEST_IMAGE_BITS = 1486 * 8, WIRE = 32 /* a mapping entry has at most 2
 
 typedef struct layout {
     const ect_od_t *od;
-    ect_pdo_run_t *runs; /* where they go; NULL: they are only counted */
+    ect_pdo_run_t *runs; /* destination; NULL: runs are only counted */
     ect_pdo_run_t last;
-    uint16_t capacity; /* runs that there is room for */
+    uint16_t capacity; /* elements of `runs` */
     uint16_t count;
-    uint16_t access; /* ECT_ACCESS_RXPDO or _TXPDO: what a mapped entry must allow */
+    uint16_t access; /* ECT_ACCESS_RXPDO or _TXPDO: required of a mapped entry */
     uint32_t bits;
 } layout_t;
 
-/* Bytes in memory that are already as on the wire. */
+/* Whether the bytes in memory equal those on the wire. */
 static bool is_plain(const ect_entry_t *entry, const uint8_t *data)
 {
     bool one_byte = entry->bit_length <= 8 || entry->data_type == ECT_TYPE_OCTET_STRING ||
@@ -73,7 +73,7 @@ static bool add_mapping(layout_t *l, uint32_t mapping)
     return true;
 }
 
-/* Hands each element of an assignment or mapping object to `add`. */
+/* Passes each element of an assignment or mapping object to `add`. */
 static bool for_each(layout_t *l, uint16_t index, bool (*add)(layout_t *l, uint32_t value))
 {
     const ect_od_t *od = l->od;
@@ -98,7 +98,7 @@ static bool lay_out(layout_t *l, const ect_device_t *device, unsigned int sm)
 {
     uint16_t assignment = (uint16_t)(ECT_OD_ASSIGNMENT + sm);
     l->access = device->sm[sm].type == ECT_SM_OUTPUTS ? ECT_ACCESS_RXPDO : ECT_ACCESS_TXPDO;
-    if (!l->runs) /* counting does not ask */
+    if (!l->runs) /* counting does not check access */
         l->access = ECT_ACCESS_WIRE;
     return !ect_od_find(l->od, assignment) || for_each(l, assignment, add_pdo);
 }
@@ -124,7 +124,7 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
     ECT_ASSERT(l.count <= l.capacity && l.bits <= LARGEST_IMAGE_BITS);
     *image = (ect_sm_image_t){.bytes = (uint16_t)((l.bits + 7) / 8), .first_run = first_run, .runs = l.count};
     uint8_t *which = device->sm[sm].type == ECT_SM_OUTPUTS ? &s->outputs : &s->inputs;
-    if (image->bytes > 0 && l.runs) /* those that the caller moves are none to the stack */
+    if (image->bytes > 0 && l.runs) /* the stack ignores data that the caller moves */
         *which = (uint8_t)(*which | 1u << sm);
     if ((device->sm[sm].control & ECT_SM_CONTROL_AL_EVENT) == 0)
         s->outputs_silent = (uint8_t)(s->outputs_silent | (s->outputs & 1u << sm));
@@ -132,7 +132,7 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
     return image->bytes <= longest;
 }
 
-/* Lays out all process data. Returns 0 or the AL status code that says in which direction it cannot be. */
+/* Lays out all process data. @return 0, or the AL status code of the direction that is impossible */
 uint16_t ect_pdo_configure(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
@@ -148,7 +148,7 @@ uint16_t ect_pdo_configure(ect_slave_t *s)
     return ECT_AL_NO_ERROR;
 }
 
-/* Bytes of an entry's wire form that a run touches: numbers go whole, of longer entries what is mapped. */
+/* Bytes of an entry's wire form that a run accesses: whole numbers, and the mapped part of longer entries. */
 static uint16_t wire_bytes(const ect_pdo_run_t *run)
 {
     uint16_t whole = ect_od_bytes(run->entry);
@@ -164,7 +164,7 @@ static void unpack(ect_slave_t *s, const ect_sm_image_t *of)
     for (const ect_pdo_run_t *end = run + of->runs; run < end; run++) {
         uint8_t wire[WIRE];
         if (run->entry) {
-            memset(wire, 0, sizeof wire); /* a number of which less is mapped is extended by zeros */
+            memset(wire, 0, sizeof wire); /* a number that is mapped in part is extended by zeros */
             ect_copy_bits(wire, 0, image, run->first_bit, run->bits);
             (void)ect_od_write(&s->od, run->entry, 0, wire, wire_bytes(run));
         } else {
@@ -190,7 +190,7 @@ static void pack(ect_slave_t *s, const ect_sm_image_t *of)
     }
 }
 
-/* A SyncManager without an event tells in its status that it was written and not read since. */
+/* The status of a SyncManager without an event shows whether it was written and not read since. */
 unsigned int ect_pdo_written(ect_slave_t *s)
 {
     unsigned int sms = 0;
@@ -205,7 +205,7 @@ unsigned int ect_pdo_written(ect_slave_t *s)
     return sms;
 }
 
-/* Not applied (SAFEOP), they are fetched all the same: the event goes, the buffer is free. */
+/* In SAFEOP outputs are fetched but not applied: this clears the event and frees the buffer. */
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply)
 {
     const ect_device_t *device = s->config.device;
@@ -223,7 +223,7 @@ void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply)
         return;
     if (device->outputs)
         device->outputs(s->config.instance, s->now_ns);
-    ect_slave_wake(s); /* they may have set deadlines */
+    ect_slave_wake(s); /* the device may have set deadlines */
 }
 
 bool ect_pdo_inputs(ect_slave_t *s)

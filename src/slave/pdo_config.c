@@ -68,7 +68,7 @@ static bool excluded(const ect_slave_t *s, uint16_t pdo, uint16_t other)
     return false;
 }
 
-/* Each PDO once, none that another excludes, and all of them together within the SyncManager's room. */
+/* Each PDO may occur once, none may exclude another, and all must fit into the SyncManager. */
 static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, uint32_t count, uint32_t room_bits)
 {
     uint32_t bits = 0;
@@ -84,7 +84,7 @@ static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, 
     return bits > room_bits ? ECT_REASON_PDO_LENGTH : ECT_OK;
 }
 
-/* Bits that an assignment's SyncManager may come to; for a mapping the largest one of its direction. */
+/* Greatest length of an assignment's SyncManager, bits; for a mapping the greatest of its direction. */
 static uint32_t room_of(const ect_slave_t *s, uint16_t index)
 {
     const ect_device_t *device = s->config.device;
@@ -99,7 +99,7 @@ static uint32_t room_of(const ect_slave_t *s, uint16_t index)
     return most;
 }
 
-/* Whether `count` elements, as they stand in the dictionary now, may become valid. */
+/* Whether `count` elements, as they are in the dictionary now, may become valid. */
 static ect_reason_t check_count(const ect_slave_t *s, uint16_t index, uint32_t count)
 {
     uint32_t room_bits = room_of(s, index);
@@ -124,14 +124,14 @@ static ect_reason_t write_config(ect_slave_t *s, const ect_download_t *d)
     if (!is_config(s, d->index))
         return ECT_OK;
     uint32_t value = d->size == 1 ? d->data[0] : d->size == 2 ? ect_load_le16(d->data) : ect_load_le32(d->data);
-    if (d->subindex == 0) /* by Complete Access the elements follow: ::written_config looks at the whole */
+    if (d->subindex == 0) /* with Complete Access the elements follow: ::written_config checks the whole object */
         return d->complete ? ECT_OK : check_count(s, d->index, value);
     if (!d->complete && number(s, d->index, 0) != 0)
         return ECT_REASON_SUBINDEX0;
     return is_assignment(s, d->index) ? check_assigned(s, d->index, value) : check_mapping(s, d->index, value);
 }
 
-/* A whole object that turns out not to fit becomes an empty one: never a mapping that nobody asked for. */
+/* An invalid whole object becomes an empty one, never a mapping that the master did not write. */
 static ect_reason_t written_config(ect_slave_t *s, uint16_t index, uint8_t subindex, bool complete)
 {
     (void)subindex;

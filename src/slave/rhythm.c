@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tells a device the rhythm of the bus. */
+/* Reports the rhythm of the bus to a device. */
 #include "slave/internal.h"
 #include "slave/service.h"
 

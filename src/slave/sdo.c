@@ -2,10 +2,9 @@
 /*
  * The SDO server (ETG.1000.6 §5.6.2): expedited, normal and segmented transfers of single entries and whole objects.
  *
- * One cursor walks over what is transferred, entry by entry, in the packed form of Complete Access; a single entry is
- * the same walk with one stop. So nothing is ever collected in a buffer of the object's size: a segment is filled
- * from, or emptied into, the dictionary itself. Only a value that comes in pieces is collected, to be checked as a
- * whole before it is stored.
+ * One cursor moves through the transferred data, entry by entry, in the packed form of Complete Access; a single entry
+ * is an object with one stop. No buffer of the object's size is needed: a segment is filled from, or written to, the
+ * dictionary itself. Only a value that arrives in pieces is collected, to be checked as a whole before it is stored.
  */
 #include <string.h>
 
@@ -62,7 +61,7 @@ static void cursor_next(ect_sdo_t *sdo, uint8_t last_subindex)
         c->entry = NULL;
 }
 
-/* Bytes of the packed form, from the first entry to the last that is present. */
+/* Bytes of the packed form, from the first entry to the last present one. */
 static uint32_t packed_size(const ect_slave_t *s, const ect_entry_t *first, uint8_t last_subindex)
 {
     const ect_sdo_t *sdo = &s->sdo;
@@ -81,7 +80,7 @@ static bool readable(const ect_slave_t *s, const ect_entry_t *entry)
     return ect_od_check_access(entry, ECT_UPLOAD, s->state) == ECT_OK;
 }
 
-/* What may not be read now reads as zero inside a whole object. */
+/* Inside a whole object, an entry without read access in this state reads as zero. */
 static void read_entry(const ect_slave_t *s, const ect_entry_t *entry, uint16_t offset, uint8_t *to, uint16_t length)
 {
     if (s->sdo.instead.data)
@@ -99,7 +98,7 @@ static uint16_t entry_size(const ect_slave_t *s, const ect_entry_t *entry)
     return s->sdo.complete ? ect_od_bytes(entry) : ect_od_upload_size(&s->od, entry);
 }
 
-/* Collects bit entries until a byte is full; returns whether one was stored. */
+/* Collects bit entries until a byte is full. @return whether a byte was stored */
 static bool gather_bits(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *to)
 {
     uint8_t value = 0;
@@ -124,7 +123,7 @@ static bool flush_bits(ect_sdo_cursor_t *c, uint8_t *to)
     return true;
 }
 
-/* Bytes of the entry at the cursor, as many as there is room for. Returns how many. */
+/* Bytes of the entry at the cursor, as many as fit. @return their number */
 static uint16_t read_piece(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *to, uint16_t room)
 {
     uint16_t size = entry_size(s, c->entry);
@@ -136,7 +135,7 @@ static uint16_t read_piece(const ect_slave_t *s, ect_sdo_cursor_t *c, uint8_t *t
     return piece;
 }
 
-/* One step of an upload: at most `room` (1 or more) bytes, perhaps none. Returns how many. */
+/* One step of an upload: at most `room` (1 or more) bytes, possibly none. @return their number */
 static uint16_t read_step(ect_slave_t *s, uint8_t *to, uint16_t room, uint8_t last_subindex)
 {
     ect_sdo_cursor_t *c = &s->sdo.cursor;
@@ -147,7 +146,8 @@ static uint16_t read_step(ect_slave_t *s, uint8_t *to, uint16_t room, uint8_t la
         return 1;
     }
     if (!c->entry) {
-        (void)flush_bits(c, to); /* over zeros: the object became shorter meanwhile, the size announced stands */
+        (void)flush_bits(c,
+                         to); /* then zeros: the object has become shorter meanwhile, but the announced size remains */
         return room;
     }
     bool bits = s->sdo.complete && ect_od_is_bits(c->entry);
@@ -159,7 +159,7 @@ static uint16_t read_step(ect_slave_t *s, uint8_t *to, uint16_t room, uint8_t la
     return done;
 }
 
-/* Fills `to`, which is all 0, with the next `length` bytes; the caller asks for no more than are left. */
+/* Fills `to`, which is all 0, with the next `length` bytes; at most as many as are left. */
 static void cursor_read(ect_slave_t *s, uint8_t *to, uint16_t length, uint8_t last_subindex)
 {
     const uint8_t *end = to + length;
@@ -198,9 +198,9 @@ static uint8_t *build_initiate(ect_slave_t *s, unsigned int command)
     return reply;
 }
 
-/* --- what is addressed ------------------------------------------------------------------------------------------- */
+/* --- addressing -------------------------------------------------------------------------------------------------- */
 
-/* A whole object: one entry that may be accessed now is enough, but none may be of variable length. */
+/* A whole object: one accessible entry is enough, but no entry may have variable length. */
 static ect_reason_t open_complete(const ect_slave_t *s, ect_direction_t direction, const ect_entry_t **first)
 {
     const ect_object_t *object = s->sdo.object;
@@ -224,7 +224,7 @@ static ect_reason_t open_complete(const ect_slave_t *s, ect_direction_t directio
     return *first ? ECT_OK : ECT_REASON_NO_SUBINDEX;
 }
 
-/* Resolves the address of an initiate request into the transfer; the transfer under way, if any, is given up. */
+/* Opens a transfer with the address of an initiate request; ends the transfer under way, if any. */
 static ect_reason_t open_transfer(ect_slave_t *s, const uint8_t *request, ect_direction_t direction,
                                   const ect_entry_t **first)
 {
@@ -257,7 +257,7 @@ static uint8_t last_of(const ect_slave_t *s)
     return s->sdo.complete ? present(s, s->sdo.object) : s->sdo.subindex;
 }
 
-/* The device may refuse, or give other bytes instead. */
+/* The device may refuse, or supply other bytes. */
 static ect_reason_t ask_device(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
@@ -306,7 +306,7 @@ static void upload(ect_slave_t *s, const uint8_t *request)
     ect_coe_send(s, (uint16_t)(ECT_SDO_LENGTH + piece));
 }
 
-/* A segment must belong to a transfer in this direction, and alternate with the one before. */
+/* A segment must belong to a transfer in this direction, and its toggle bit must alternate. */
 static bool segment_expected(ect_slave_t *s, const uint8_t *request, uint8_t state)
 {
     ect_sdo_t *sdo = &s->sdo;
@@ -349,7 +349,7 @@ static bool writable(const ect_slave_t *s, const ect_entry_t *entry)
     return ect_od_check_access(entry, ECT_DOWNLOAD, s->state) == ECT_OK;
 }
 
-/* Limits, then the word of services and device. */
+/* Checks limits, then calls services and device. */
 static ect_reason_t check_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size)
 {
     const ect_device_t *device = s->config.device;
@@ -385,7 +385,8 @@ static ect_reason_t whole_written(ect_slave_t *s)
 static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const uint8_t *data, uint16_t size,
                                 bool only_check)
 {
-    if (!writable(s, entry)) /* inside a whole object passed over; alone, the state has changed since the beginning */
+    if (!writable(s,
+                  entry)) /* skipped inside a whole object; alone, the state has changed since the initiate request */
         return s->sdo.complete ? ECT_OK : ECT_REASON_STATE;
     ect_reason_t reason = check_value(s, entry, data, size);
     if (reason != ECT_OK || only_check)
@@ -395,7 +396,7 @@ static ect_reason_t store_value(ect_slave_t *s, const ect_entry_t *entry, const 
     return reason == ECT_OK ? written(s, entry) : reason;
 }
 
-/* Takes bits for bit entries from the byte that the cursor holds. */
+/* Takes bits of bit entries from the byte in the cursor. */
 static ect_reason_t take_bits(ect_slave_t *s, bool only_check)
 {
     ect_sdo_cursor_t *c = &s->sdo.cursor;
@@ -432,13 +433,13 @@ static ect_reason_t download_step(ect_slave_t *s, const uint8_t **from, const ui
     return store_value(s, entry, value, total, only_check);
 }
 
-/* The byte that the cursor holds has all bits of the bit entry that comes next. */
+/* Whether the byte in the cursor contains all bits of the next bit entry. */
 static bool has_bits(const ect_sdo_cursor_t *c)
 {
     return c->entry && c->bits > 0 && c->bits >= c->entry->bit_length;
 }
 
-/* One step of a download: a byte at least, or a bit entry out of the one that the cursor holds. */
+/* One step of a download: at least a byte, or a bit entry out of the byte in the cursor. */
 static ect_reason_t write_step(ect_slave_t *s, const uint8_t **from, const uint8_t *end, bool only_check)
 {
     ect_sdo_cursor_t *c = &s->sdo.cursor;
@@ -460,7 +461,7 @@ static ect_reason_t write_step(ect_slave_t *s, const uint8_t **from, const uint8
     return ECT_OK;
 }
 
-/* Empties `length` bytes into the dictionary, or only checks them. */
+/* Writes `length` bytes to the dictionary, or only checks them. */
 static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t length, bool only_check)
 {
     const uint8_t *end = from + length;
@@ -470,7 +471,7 @@ static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t l
     return reason;
 }
 
-/* The length that a download announces must fit; a whole object may be shorter, by whole entries. */
+/* The announced length of a download must fit; a whole object may be shorter, by whole entries. */
 static ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
 {
     ect_sdo_t *sdo = &s->sdo;
@@ -540,7 +541,7 @@ static void download(ect_slave_t *s, const uint8_t *request, uint16_t length)
     finish_download(s, reason, true, UPLOAD_SEGMENT);
 }
 
-/* What a segment brings must be no more than is left, and the last one all of it. */
+/* A segment must not exceed the remaining length, and the last one must contain all of it. */
 static ect_reason_t check_segment(const ect_sdo_t *sdo, uint16_t available, bool last)
 {
     ECT_ASSERT(sdo->object && sdo->done <= sdo->size);
@@ -596,7 +597,7 @@ static uint16_t request(const ect_protocol_t *self, ect_slave_t *s, const uint8_
         upload_segment(s, sdo);
         break;
     case ABORT:
-        s->sdo.state = ECT_SDO_IDLE; /* the master gives up: no answer */
+        s->sdo.state = ECT_SDO_IDLE; /* the master gives up: no reply */
         break;
     default:
         send_abort(s, ect_load_le16(sdo + 1), sdo[3], ECT_REASON_COMMAND);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * SDO information (ETG.1000.6 §5.6.3): object lists, object and entry descriptions. A list longer than the mailbox is
- * sent in fragments, each when the master has fetched the one before.
+ * sent in fragments, each after the master has read the one before.
  */
 #include <string.h>
 
@@ -20,7 +20,7 @@ enum {
 
 enum { INFO_HEADER = 4, LIST_TYPES = 5 };
 
-/* What an entry description may carry beside the access rights. */
+/* Optional fields of an entry description. */
 enum { INFO_UNIT = 0x08, INFO_DEFAULT = 0x10, INFO_MINIMUM = 0x20, INFO_MAXIMUM = 0x40 };
 
 /* Room for data behind the information header. */
@@ -81,7 +81,7 @@ static void send_lengths(ect_slave_t *s)
     send(s, 2 + 2 * LIST_TYPES);
 }
 
-/* The list's type stands in the first fragment only, in the place of an index: the list has one element more. */
+/* Only the first fragment contains the list's type, in place of an index: the list has one element more. */
 static void send_fragment(ect_slave_t *s)
 {
     ect_sdo_info_t *info = &s->info;
@@ -128,7 +128,7 @@ static void start_list(ect_slave_t *s, uint16_t list)
 
 /* --- descriptions ------------------------------------------------------------------------------------------------ */
 
-/* The rest of the mail is the name, cut where the mailbox ends. */
+/* The rest of the mail is the name, truncated where the mailbox ends. */
 static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, const char *name)
 {
     ECT_ASSERT(used <= room(s));
@@ -167,7 +167,7 @@ static void describe_object(ect_slave_t *s, uint16_t index)
     send(s, put_name(s, data, 6, object->name));
 }
 
-/* An entry description that is being written: the optional fields, in their order, where they are wanted and fit. */
+/* An entry description under construction: the optional fields, in their order, if requested and if they fit. */
 typedef struct description {
     uint8_t *data;
     uint16_t used;
@@ -209,7 +209,8 @@ static void put_details(const ect_slave_t *s, description_t *d, uint16_t index, 
     }
 }
 
-/* A gap, a sub-index below the last one without an entry, is described as nothing: who scans an object goes on. */
+/* A gap, a sub-index below the last one without an entry, gets an empty description, so that a scan of the object
+ * continues. */
 static void describe_entry(ect_slave_t *s, const uint8_t *request)
 {
     static const ect_entry_t gap;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The object services that a device names: each is asked in the order of the list. */
+/* The object services that a device names, called in the order of the list. */
 #include "slave/internal.h"
 
 #define FOR_EACH_SERVICE(s, service)                                                                                   \

@@ -20,8 +20,8 @@ static int check(const ect_slave_config_t *config)
     return has_memory(config) ? 0 : -2;
 }
 
-/* The interrupt line is up while there is something to do, and only then: of the two events of the mailbox the one that
- * it waits for, those of process data where they are dealt with. */
+/* Sets the interrupt line's mask such that the line is active exactly while there is work: of the mailbox, only the
+ * event that it waits for; of process data, only while they are exchanged. */
 static void set_line(ect_slave_t *s)
 {
     ECT_ASSERT(s->state != 0);
@@ -41,7 +41,7 @@ static void set_line(ect_slave_t *s)
         s->line = (uint16_t)events;
 }
 
-/* What the device remembers goes, what stands outside it stays. */
+/* Clears the device's memory except the bytes that belong to its surroundings. */
 static void clear_instance(const ect_slave_config_t *config)
 {
     uint8_t *instance = config->instance;
@@ -52,7 +52,7 @@ static void clear_instance(const ect_slave_config_t *config)
     memset(instance + end, 0, config->device->instance_size - end);
 }
 
-/* Address switches are the station alias and, in the place of what was configured, the device's id. */
+/* Address switches set the station alias, and replace the configured device id. */
 static void take_switches(ect_slave_t *s)
 {
     uint8_t alias[2];
@@ -76,12 +76,12 @@ static void power_on(ect_slave_t *s)
         ect_od_set_defaults(&s->od);
     s->state = ECT_STATE_INIT;
     s->status_dirty = true;
-    s->line = UINT16_MAX; /* whatever it is */
+    s->line = UINT16_MAX; /* unknown */
     s->tick_ns = s->now_ns;
     ect_sm_disable(s, (1u << device->sm_count) - 1u);
     if (device->init)
         device->init(s->config.instance, &s->host, s->now_ns);
-    ect_services_start(s); /* after init: stored values take the place of its start values */
+    ect_services_start(s); /* after init: stored values replace the start values of the device */
 }
 
 int ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns)
@@ -123,13 +123,13 @@ static void device_requests(ect_slave_t *s)
         ect_machine_drop(s, to, code, ECT_CAUSE_LOCAL);
 }
 
-/* A chip that answers AL control by itself (0x0141 bit 0) raises no event: the request is looked at each time. */
+/* A chip that replies to AL control itself (0x0141 bit 0) raises no event: every poll reads the request. */
 static bool emulated(const ect_slave_t *s)
 {
     return (s->config.device->esc_config[1] & 1u) != 0;
 }
 
-/* What the master did to state machine, SyncManagers and watchdog. */
+/* Handles the master's changes of state machine, SyncManagers and watchdog. */
 static void control(ect_slave_t *s, uint32_t event)
 {
     s->due |= event;
@@ -143,7 +143,8 @@ static void control(ect_slave_t *s, uint32_t event)
         ect_machine_watchdog(s);
 }
 
-/* When to come again, an event or not. Soon: the PDI failed, the device asked for something, or was told something. */
+/* Time of the next poll without an event. Soon after a failure of the PDI, or after a request or notification of the
+ * device. */
 static uint64_t next_time(const ect_slave_t *s)
 {
     enum { SOON_NS = 100000 };
@@ -160,13 +161,13 @@ static void do_later(ect_slave_t *s)
         later(s);
 }
 
-/* The order in which things are done. */
+/* The sequence of all steps. */
 static uint64_t poll(ect_slave_t *s, uint64_t now_ns, bool with_exchange)
 {
     uint32_t event = 0;
     ECT_ASSERT(!s->held && s->state != 0);
     ect_cycle_hold(s);
-    if (s->now_ns < now_ns) /* an exchange may have come since the caller looked at its clock */
+    if (s->now_ns < now_ns) /* an exchange may have run since the caller read its clock */
         s->now_ns = now_ns;
     if (ect_slave_read_event(s, &event))
         control(s, event);

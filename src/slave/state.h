@@ -1,33 +1,33 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a slave consists of. Here only so that a caller can allocate one and look at the few members that say "public";
- * all others are the stack's and may change.
+ * The state of a slave. It is defined here so that a caller can allocate a slave and read the few members that are
+ * marked "public"; all others are private to the stack and may change.
  */
 #ifndef ECT_SLAVE_STATE_H
 #define ECT_SLAVE_STATE_H
 
 #include "slave/config.h"
 
-/* The structures below begin with their smallest members: those are used most, and a Thumb instruction reaches only the
- * first 32 bytes of a structure, 62 for 16 bits, 124 for 32, without a longer encoding. So a slave begins with the
- * bytes that it uses most, and then has those of the mailbox. */
+/* The structures below begin with their smallest members, which are used most: without a longer encoding, a Thumb
+ * instruction reaches only the first 32 bytes of a structure, 62 for 16 bits, 124 for 32. A slave therefore begins
+ * with its most used bytes, followed by those of the mailbox. */
 
 /** Mailbox of a slave. Private. */
 typedef struct ect_mailbox {
     bool running;
-    uint8_t open;            /* what is not done yet, bits of mailbox.c */
-    bool repeated;           /* `shown` stands there because of a repeat */
-    bool toggle;             /* the repeat toggle as the master set it last, and as we acknowledge it */
-    uint8_t newest;          /* which of `mail` was built last */
-    uint8_t shown;           /* which of them is, or was last, in SM1 */
-    uint8_t mails;           /* how many of them hold a mail: 0..2; one: `newest` does */
-    uint8_t reply;           /* which holds the reply to the last request, 0xFF none */
-    bool request_waits;      /* a request came and could not be looked at yet */
-    uint8_t wakes;           /* counts modulo 256: a protocol has a mail of its own */
-    uint8_t heard;           /* ... up to here all have been asked until they had none */
+    uint8_t open;            /* work that is not done yet, bits of mailbox.c */
+    bool repeated;           /* `shown` is in SM1 because of a repeat request */
+    bool toggle;             /* the repeat toggle as the master set it last, and as the slave acknowledges it */
+    uint8_t newest;          /* index of the `mail` that was built last */
+    uint8_t shown;           /* index of the one that is, or was last, in SM1 */
+    uint8_t mails;           /* number of valid mails: 0..2; one: `newest` */
+    uint8_t reply;           /* index of the reply to the last request, 0xFF: none */
+    bool request_waits;      /* a request has arrived and is not handled yet */
+    uint8_t wakes;           /* counter modulo 256 of announcements by ect_mailbox_wake */
+    uint8_t wakes_done;      /* ... up to this one, all protocols were called until they had no mail */
     uint8_t request_counter; /* of the last request, 0: none yet */
-    uint8_t reply_counter;   /* of our last mail */
+    uint8_t reply_counter;   /* of the last mail sent */
     uint16_t out_start;      /* SM0 */
     uint16_t out_size;
     uint16_t in_start; /* SM1 */
@@ -42,7 +42,7 @@ typedef struct ect_sdo_cursor {
     uint32_t bits;            /* bits gathered in `byte` */
     uint32_t byte;
     uint16_t offset; /* inside the entry, bytes */
-    bool pad;        /* the pad byte after sub-index 0 comes next */
+    bool pad;        /* the next byte is the pad byte after sub-index 0 */
 } ect_sdo_cursor_t;
 
 /** The one SDO transfer that can be under way. Private. */
@@ -55,7 +55,7 @@ typedef struct ect_sdo {
     uint32_t size;
     uint32_t done;
     ect_sdo_cursor_t cursor;
-    ect_span_t instead; /* what the device supplies in place of the entry */
+    ect_span_t instead; /* bytes that the device supplies in place of the entry */
 } ect_sdo_t;
 
 enum { ECT_SDO_IDLE, ECT_SDO_UPLOADING, ECT_SDO_DOWNLOADING };
@@ -65,7 +65,7 @@ typedef struct ect_sdo_info {
     uint16_t list;      /* 1..5, 0: none */
     uint16_t next;      /* position in the object list */
     uint16_t fragments; /* still to send */
-    bool started;       /* the first one is out */
+    bool started;       /* the first fragment has been sent */
 } ect_sdo_info_t;
 
 enum { ECT_EMERGENCY_QUEUE = 8 /* a power of two */ };
@@ -76,50 +76,50 @@ typedef struct ect_emergency {
     uint8_t data[5];
 } ect_emergency_t;
 
-/** The process data of a SyncManager, as they are mapped. Private. */
+/** The mapped process data of a SyncManager. Private. */
 typedef struct ect_sm_image {
     uint16_t bytes;
     uint16_t first_run;
     uint16_t runs;
 } ect_sm_image_t;
 
-/** One slave. Allocate it anywhere, initialise with ::ect_slave_init; members are private unless said otherwise. */
+/** One slave. Allocate it anywhere, initialise it with ::ect_slave_init. Members are private unless marked public. */
 typedef struct ect_slave {
     uint8_t state;        /**< public, read only: AL state, 1 2 3 4 8 */
-    uint8_t outputs;      /* SyncManagers with outputs, a bit each; set on the way to SAFEOP */
+    uint8_t outputs;      /* SyncManagers with outputs, one bit each; set on the way to SAFEOP */
     bool failed;          /* a PDI access of this poll, or of this exchange, failed */
-    uint8_t pending;      /* state that a delayed transition leads to, 0: none */
-    uint8_t sm_due;       /* those whose PDI control register has yet to be written */
-    bool status_dirty;    /* AL status has to be written */
-    bool outputs_live;    /* they are being handed to the device */
-    uint8_t inputs;       /* those with inputs */
-    uint8_t outputs_seen; /* those of `outputs` that the master has written since SAFEOP */
+    uint8_t pending;      /* target state of a delayed transition, 0: none */
+    uint8_t sm_due;       /* SyncManagers whose PDI control register must be written */
+    bool status_dirty;    /* AL status must be written */
+    bool outputs_live;    /* the device gets the outputs */
+    uint8_t inputs;       /* SyncManagers with inputs */
+    uint8_t outputs_seen; /* subset of `outputs` that the master has written since SAFEOP */
     bool inputs_due;
     bool error; /**< public, read only: error flag of AL status */
     bool pending_done;
-    uint8_t sm_off;     /* SyncManagers that are to be off from the PDI side, a bit each */
-    bool sm_repeat_ack; /* the repeat bit that SM1's PDI control shows */
-    bool ident;         /* identification value stands in the status code */
+    uint8_t sm_off;     /* SyncManagers that are to be off from the PDI side, one bit each */
+    bool sm_repeat_ack; /* the repeat bit in SM1's PDI control */
+    bool ident;         /* the status code holds the identification value */
     volatile bool held; /* mainline is in a step */
     ect_mailbox_t mailbox;
     uint8_t cause;          /**< public, read only: ect_error_cause_t */
-    bool pending_device;    /* the device delays it; else it waits for outputs */
-    bool request_due;       /* AL control has yet to be carried out: new, or its PDI accesses failed */
-    uint8_t drop_state;     /* wanted by the device, 0: none */
-    bool restart;           /**< public, read only: the device wants a power cycle: see ::ect_host_t::restart */
-    bool off_bus;           /**< public, read only: the device wants to be off the bus */
-    uint8_t outputs_silent; /* those of `outputs` that raise no event when they are written */
-    bool woken;             /* the device's own time is due, whatever tick_ns says */
-    volatile bool missed;   /* an exchange came meanwhile */
-    uint8_t emergency_put;  /* counts modulo 256: queued, by the device */
-    uint8_t emergency_got;  /* ... and sent */
-    uint8_t sync0_runs;     /* the object service of the synchronisation has something to watch */
-    uint16_t line;    /* AL event mask as written last, without its upper half: no ESC has more than 8 SyncManagers */
-    uint16_t code;    /**< public, read only: AL status code */
-    uint16_t request; /* AL control as read last */
+    bool pending_device;    /* the device delays the transition; otherwise it waits for outputs */
+    bool request_due;       /* AL control must be executed: new, or its PDI accesses failed */
+    uint8_t drop_state;     /* state requested by the device, 0: none */
+    bool restart;           /**< public, read only: the device requests a power cycle, see ::ect_host_t::restart */
+    bool off_bus;           /**< public, read only: the device requests to be off the bus */
+    uint8_t outputs_silent; /* subset of `outputs` that raise no event when they are written */
+    bool woken;             /* the device's own time is due, regardless of tick_ns */
+    volatile bool missed;   /* an exchange was held */
+    uint8_t emergency_put;  /* counter modulo 256 of emergencies queued by the device */
+    uint8_t emergency_got;  /* ... and of those sent */
+    uint8_t sync0_runs;     /* the synchronisation service monitors SYNC0 or outputs */
+    uint16_t line;          /* AL event mask as written last, lower half: no ESC has more than 8 SyncManagers */
+    uint16_t code;          /**< public, read only: AL status code */
+    uint16_t request;       /* AL control as read last */
     uint16_t pending_result;
     uint16_t drop_code;
-    uint32_t due; /* AL events whose registers have yet to be read */
+    uint32_t due; /* AL events whose registers must be read */
     ect_sdo_t sdo;
     ect_slave_config_t config;
     uint64_t now_ns;
@@ -128,7 +128,7 @@ typedef struct ect_slave {
     ect_sdo_info_t info;
     uint64_t tick_ns;
     uint64_t pending_until_ns;
-    void (*later)(struct ect_slave *s); /* what a service wants done at the end of a poll; NULL: nothing */
+    void (*later)(struct ect_slave *s); /* action of a service at the end of a poll; NULL: none */
     ect_host_t host;
     uint32_t pdi_errors;       /**< public, read only: failed PDI accesses */
     uint32_t emergencies_lost; /**< public, read only */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Store and restore, 1010h and 1011h. The record's data are, for each entry with ECT_ACCESS_BACKUP, its address, its
- * size and its wire form. Restoring the defaults stores a record without entries.
+ * Store and restore, 1010h and 1011h. The data of the record contain, for each entry with ECT_ACCESS_BACKUP, its
+ * address, its size and its wire form. Restoring the defaults stores a record without entries.
  */
 #include "seams/record.h"
 #include "slave/internal.h"
@@ -58,7 +58,7 @@ static ect_reason_t store(ect_slave_t *s, bool with_entries)
 
 /* --- reading ----------------------------------------------------------------------------------------------------- */
 
-/* A number comes in one piece of at most 8 bytes, everything else in pieces. */
+/* A number is read in one piece of at most 8 bytes, any other type in pieces. */
 static void load_entry(const ect_slave_t *s, const ect_record_t *r, uint32_t at, const ect_entry_t *entry)
 {
     uint8_t piece[PIECE];
@@ -71,7 +71,7 @@ static void load_entry(const ect_slave_t *s, const ect_record_t *r, uint32_t at,
     }
 }
 
-/* Entries that this firmware does not know, or knows at another size, are passed over. */
+/* Entries that this firmware does not know, or knows with another size, are skipped. */
 static void load(ect_slave_t *s)
 {
     ect_record_t r;
@@ -109,7 +109,7 @@ static ect_reason_t write_command(ect_slave_t *s, const ect_download_t *d)
     return d->size == 4 && ect_load_le32(d->data) == wanted ? ECT_OK : ECT_REASON_STORE;
 }
 
-/* The medium may take its time: process data go on meanwhile. */
+/* The medium may be slow: process data continue meanwhile. */
 static ect_reason_t store_meanwhile(ect_slave_t *s, bool with_entries)
 {
     ect_cycle_release(s);
@@ -132,7 +132,7 @@ static void store_now(ect_slave_t *s)
     (void)store_meanwhile(s, true);
 }
 
-/* Asked for wherever the device is, perhaps in an interrupt. */
+/* The device may request this anywhere, possibly in an interrupt. */
 static void store_later(void *slave)
 {
     ((ect_slave_t *)slave)->later = store_now;

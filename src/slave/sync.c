@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Synchronisation, 1C32h, 1C33h and 10F1h (ETG.1020 §13): checks before SAFEOP, and events that were missed. */
+/* Synchronisation, 1C32h, 1C33h and 10F1h (ETG.1020 §13): checks before SAFEOP, and missed events. */
 #include "slave/internal.h"
 
 enum { ERROR_SETTINGS = 0x10F1, OUTPUTS = 0x1C32, INPUTS = 0x1C33 };
 
-/* A device without outputs has 1C33h alone. */
+/* A device without outputs has only 1C33h. */
 static ect_sync_data_t *data_of(const ect_slave_t *s)
 {
     ect_sync_data_t *d = ect_services_data(s, OUTPUTS);
@@ -20,7 +20,7 @@ static void start(ect_slave_t *s)
     d->supported = ability->supported;
     d->minimum_ns = ability->minimum_cycle_ns;
     d->type = (ability->supported & (1u << ECT_SYNC_FREE_RUN)) != 0 ? ECT_SYNC_FREE_RUN : ECT_SYNC_SM;
-    if (!ect_od_find(&s->od, ERROR_SETTINGS)) /* else its entries say it */
+    if (!ect_od_find(&s->od, ERROR_SETTINGS)) /* otherwise its entries define them */
         d->error_limit = 4;
 }
 
@@ -41,7 +41,7 @@ static bool cycle_supported(const ect_sync_t *ability, uint32_t cycle_ns)
     return ability->dc_cycle_count == 0 && cycle_ns >= ability->minimum_cycle_ns;
 }
 
-/* With the cyclic unit of the distributed clocks running the device is synchronised, whatever type was written. */
+/* While the cyclic unit of the distributed clocks runs, the device is synchronised, regardless of the written type. */
 static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
 {
     uint8_t activation = 0;
@@ -63,7 +63,7 @@ static uint16_t check_dc(ect_slave_t *s, ect_sync_data_t *d)
     return ECT_AL_NO_ERROR;
 }
 
-/* It came, and then no more: whatever waits for it would wait for ever. */
+/* SYNC0 has occurred and then stopped: a device that waits for it would wait forever. */
 static bool sync0_lost(const ect_slave_t *s, const ect_sync_data_t *d)
 {
     uint64_t patience_ns = (d->error_limit + 1ull) * d->cycle_ns;
@@ -76,7 +76,7 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
     if (!d || target < ECT_STATE_SAFEOP)
         return ECT_AL_NO_ERROR;
     if (target == ECT_STATE_SAFEOP || sync0_lost(s, d))
-        d->sync0_ns = 0; /* of an OP before this one it says nothing */
+        d->sync0_ns = 0; /* a time from a previous OP is meaningless */
     if (target == ECT_STATE_OP)
         return check_dc(s, d); /* SYNC0 may have been started, or changed, meanwhile */
     d->sm_missed = 0;
@@ -110,8 +110,8 @@ static void on_sync0(ect_slave_t *s, ect_sync_data_t *d)
         ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_SYNC);
 }
 
-/* In acknowledge mode the event stays until its status is read. Returns whether that was it: the next event is another.
- */
+/* In acknowledge mode the event remains until its status is read. @return whether this was the case: the next event is
+ * a new one */
 static bool acknowledge_sync0(ect_slave_t *s)
 {
     uint8_t status = 0;
@@ -120,7 +120,7 @@ static bool acknowledge_sync0(ect_slave_t *s)
 
 static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
 {
-    bool sync0 = (event & ECT_EVENT_SYNC0) != 0; /* a level: an edge is a SYNC0 */
+    bool sync0 = (event & ECT_EVENT_SYNC0) != 0; /* a level: its edge is a SYNC0 */
     if ((event & ect_sm_events(s->outputs)) != 0) {
         if (d->outputs_new != 0)
             count(&d->cycle_exceeded);
@@ -133,15 +133,15 @@ static void supervise(ect_slave_t *s, ect_sync_data_t *d, uint32_t event)
         ect_host_drop(s, ECT_STATE_SAFEOP, ECT_AL_FATAL_SYNC);
 }
 
-/* Counts only in OP and with SYNC0: in SAFEOP the master may still be finding its rhythm. The event goes either way: it
- * must not keep the interrupt line up. */
+/* Only counts in OP with SYNC0, because in SAFEOP the master may still be adjusting its rhythm. The event is cleared
+ * in either case, as it must not keep the interrupt line active. */
 static void on_event(ect_slave_t *s, uint32_t event)
 {
     if (!s->sync0_runs && (event & ECT_EVENT_SYNC0) == 0)
         return;
     ect_sync_data_t *d = data_of(s);
     if (d && (event & ECT_EVENT_SYNC0) != 0)
-        d->sync0_ns = s->now_ns; /* in SAFEOP too: it may stop before it has come in OP */
+        d->sync0_ns = s->now_ns; /* in SAFEOP too: it may stop before it occurs in OP */
     if (d && d->dc != 0 && s->state == ECT_STATE_OP)
         supervise(s, d, event);
     if ((event & ECT_EVENT_SYNC0) != 0 && acknowledge_sync0(s) && d)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* SyncManagers from the slave's side: what the master configured against the description, and what we switch off. */
+/* SyncManagers from the slave's side: the configuration by the master compared with the description, and deactivation.
+ */
 #include <string.h>
 
 #include "slave/internal.h"
 
 /* Bits of the control register that must be as described: mode, direction, event to the PDI. The master's own
- * interrupt bit and the watchdog trigger are its business. */
+ * interrupt bit and the watchdog trigger are its choice. */
 enum { CONTROL_COMPARED = ECT_SM_CONTROL_MODE | ECT_SM_CONTROL_DIRECTION | ECT_SM_CONTROL_AL_EVENT };
 
 uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
@@ -16,7 +17,8 @@ uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
 bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK])
 {
     unsigned int count = s->config.device->sm_count;
-    uint16_t size = (uint16_t)((count > 0 ? count : 1) * ECT_SM_SIZE); /* of a coupler too there is something to read */
+    uint16_t size = (uint16_t)((count > 0 ? count : 1) *
+                               ECT_SM_SIZE); /* even a coupler without SyncManagers has registers to read */
     ECT_ASSERT(size <= ECT_SM_BLOCK);
     memset(block, 0, ECT_SM_BLOCK);
     if (!ect_slave_read(s, ECT_REG_SM, block, size))
@@ -25,7 +27,7 @@ bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK])
     return true;
 }
 
-/* --- as described? ---------------------------------------------------------------------------------------------- */
+/* --- comparison with the description ---------------------------------------------------------------------------- */
 
 static bool is_as_described(const uint8_t *registers, const ect_sm_t *sm, uint16_t start, uint16_t shortest,
                             uint16_t longest)
@@ -51,7 +53,7 @@ bool ect_sm_mailbox_good(const ect_device_t *device, const uint8_t *block, bool 
     return true;
 }
 
-/* Process data: exactly the mapped bytes, or switched off when nothing is mapped. */
+/* Process data: exactly the mapped bytes, or disabled when nothing is mapped. */
 static bool process_good(const ect_slave_t *s, const uint8_t *registers, unsigned int n)
 {
     const ect_sm_t *sm = &s->config.device->sm[n];
@@ -81,7 +83,7 @@ unsigned int ect_sm_process(const ect_device_t *device)
     return sms;
 }
 
-/* --- on or off? ------------------------------------------------------------------------------------------------- */
+/* --- on and off ------------------------------------------------------------------------------------------------- */
 
 void ect_sm_disable(ect_slave_t *s, unsigned int sms)
 {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Check values of the SII (ETG.1000.6 §5.4) and of stored or transferred data. Computed bit by bit, without a
- * table: no caller is time-critical. */
+/**
+ * @file
+ * Check values of the SII (ETG.1000.6 §5.4) and of stored or transferred data. Computed bit by bit, without a table:
+ * no caller is time-critical.
+ */
 #ifndef ECT_WIRE_CRC_H
 #define ECT_WIRE_CRC_H
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file ECT_C_BEGIN and ECT_C_END: C linkage for the declarations between them in a C++ program. */
+/**
+ * @file
+ * ECT_C_BEGIN and ECT_C_END: C linkage for the declarations between them in a C++ program.
+ */
 #ifndef ECT_WIRE_LINKAGE_H
 #define ECT_WIRE_LINKAGE_H
 

@@ -75,6 +75,8 @@ CLEAN = [
     "src/reader",
     "src/seams",
     "src/seams/fields.h",
+    "src/sii",
+    "src/slave",
     "src/wire",
     "tests/check/english.py",
     "tests/check/esi.py",
