@@ -17,8 +17,7 @@ uint16_t ect_sm_room(const ect_device_t *device, unsigned int sm)
 bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK])
 {
     unsigned int count = s->config.device->sm_count;
-    uint16_t size = (uint16_t)((count > 0 ? count : 1) *
-                               ECT_SM_SIZE); /* even a coupler without SyncManagers has registers to read */
+    uint16_t size = (uint16_t)((count > 0 ? count : 1) * ECT_SM_SIZE); /* without any, read one */
     ECT_ASSERT(size <= ECT_SM_BLOCK);
     memset(block, 0, ECT_SM_BLOCK);
     if (!ect_slave_read(s, ECT_REG_SM, block, size))
