@@ -135,7 +135,7 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
 }
 
 /* Each of these schedules its own next time. */
-static void look_all_over(ect_esc_t *esc)
+static void tick_units(ect_esc_t *esc)
 {
     esc->next_ns = UINT64_MAX;
     ect_esc_watchdog_tick(esc);
@@ -149,7 +149,7 @@ void ect_esc_advance(ect_esc_t *esc, uint64_t now_ns)
 {
     esc->now_ns = now_ns;
     if (now_ns >= esc->next_ns)
-        look_all_over(esc);
+        tick_units(esc);
 }
 
 uint64_t ect_esc_tick(ect_esc_t *esc, uint64_t now_ns)

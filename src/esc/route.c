@@ -34,7 +34,7 @@ void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route)
         .al_status = ect_load_le16(m + ECT_REG_AL_STATUS),
         .al_status_new = (ect_load_le16(m + ECT_REG_ECAT_EVENT) & ECT_ECAT_EVENT_AL_STATUS) != 0,
         .open = ect_esc_port_open(esc, 1),
-        .goes_astray = ect_esc_circulates(esc) || !is_of_a_line(esc),
+        .leaves_line = ect_esc_circulates(esc) || !is_of_a_line(esc),
         .marks_source = ect_esc_marks_source(esc),
         .awaits_frame = (esc->per_frame & ECT_FRAME_BEGINS) != 0,
         .takes_time = ect_esc_dc_follows(esc, ECT_SIDE_ECAT),

@@ -67,7 +67,7 @@ typedef struct ect_esc_route {
     uint16_t al_status;    /**< 0x0130 */
     bool al_status_new;    /**< written and not read since: reading it clears an event */
     bool open;             /**< frames leave by port 1 */
-    bool goes_astray;      /**< frames do not simply go to port 1 and return: ::ect_esc_circulates, a junction */
+    bool leaves_line;      /**< frames do not simply go to port 1 and return: ::ect_esc_circulates, a junction */
     bool marks_source;     /**< frames get the "locally administered" bit here */
     bool awaits_frame;     /**< the next frame has an effect here, whatever its datagrams address */
     bool takes_time;       /**< a written system time is compared with the local one (::ect_esc_take_time) */

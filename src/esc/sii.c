@@ -77,7 +77,7 @@ static void loaded(ect_esc_t *esc, bool valid)
 }
 
 /* Without an EEPROM, the PDI must deliver the configuration from power-on on. */
-static void ask_for_reload(ect_esc_t *esc)
+static void request_reload(ect_esc_t *esc)
 {
     esc->sii_command = COMMAND_RELOAD;
     set_status(esc, (status(esc) & WRITE_ENABLE) | EMULATION | NOT_LOADED | BUSY |
@@ -92,7 +92,7 @@ void ect_esc_sii_load(ect_esc_t *esc, bool power_on)
     unsigned int flags = (reads_8(esc) ? (unsigned int)READ_8_BYTES : 0u) |
                          (esc->config.sii_size >= 4096 ? (unsigned int)TWO_ADDRESS_BYTES : 0u);
     if (esc->config.sii_emulated) {
-        ask_for_reload(esc);
+        request_reload(esc);
         return;
     }
     bool valid = sii != NULL && esc->config.sii_size >= 16 && checksum_good(sii);
@@ -260,7 +260,7 @@ static void acknowledge(ect_esc_t *esc, uint8_t control)
 }
 
 /* While a command is under way, a PDI that emulates the EEPROM writes the data and acknowledges the command. */
-static bool write_answer(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+static bool write_reply(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     bool acknowledged = false;
     uint8_t control = 0;
@@ -284,7 +284,7 @@ static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint1
 {
     ECT_ASSERT(address >= ECT_REG_SII_CONTROL && length > 0);
     if (esc->config.sii_emulated && access->side == ECT_SIDE_PDI && (status(esc) & BUSY) != 0)
-        return write_answer(esc, access, address, length);
+        return write_reply(esc, access, address, length);
     if (pdi_owns(esc) != (access->side == ECT_SIDE_PDI) || (status(esc) & BUSY) != 0)
         return false;
     bool has_high = false;

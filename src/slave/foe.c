@@ -123,7 +123,7 @@ static void go_on(const ect_foe_t *foe, ect_slave_t *s)
 }
 
 /* Handles the result of a function of the device. */
-static void answer(const ect_foe_t *foe, ect_slave_t *s, uint32_t code, const char *text)
+static void handle_result(const ect_foe_t *foe, ect_slave_t *s, uint32_t code, const char *text)
 {
     if (code == ECT_FOE_LATER) {
         wait_for_device(foe, s);
@@ -165,7 +165,7 @@ static void open_file(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *data,
     if (code == ECT_FOE_OK || code == ECT_FOE_LATER)
         *transfer_of(foe, s) =
             (ect_foe_transfer_t){.doing = write ? WRITING : READING, .packet = write ? 0 : 1, .activity_ns = s->now_ns};
-    answer(foe, s, code, text);
+    handle_result(foe, s, code, text);
 }
 
 static void refuse(const ect_foe_t *foe, ect_slave_t *s, uint32_t code)
@@ -186,7 +186,7 @@ static void take_packet(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *dat
     t->finished = length < s->mailbox.out_size - ECT_MAILBOX_HEADER - HEADER;
     uint32_t code = foe->write(foe, s->config.instance, t->offset, data, length, t->finished, &text);
     t->offset += length;
-    answer(foe, s, code, text);
+    handle_result(foe, s, code, text);
 }
 
 static void data_came(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *data, uint16_t length)
@@ -271,7 +271,7 @@ static bool busy_due(const ect_foe_t *foe, const ect_foe_transfer_t *t, uint64_t
 }
 
 /* The device has not completed an operation in time. @return whether a mail was sent */
-static bool look_again(const ect_foe_t *foe, ect_slave_t *s)
+static bool finish_pending(const ect_foe_t *foe, ect_slave_t *s)
 {
     ect_foe_transfer_t *t = transfer_of(foe, s);
     const char *text = NULL;
@@ -285,7 +285,7 @@ static bool look_again(const ect_foe_t *foe, ect_slave_t *s)
         return true;
     }
     t->pending = false;
-    answer(foe, s, code, text);
+    handle_result(foe, s, code, text);
     return !t->pending;
 }
 
@@ -305,7 +305,7 @@ bool ect_foe_next(const ect_protocol_t *self, ect_slave_t *s, bool send)
         return waiting;
     }
     if (t->pending && send)
-        sent = look_again(foe, s);
+        sent = finish_pending(foe, s);
     ect_mailbox_wake(s);
     uint64_t again_ns = t->pending ? s->now_ns + RETRY_NS : deadline(foe, t);
     if (t->doing != IDLE && again_ns < s->tick_ns)

@@ -126,7 +126,7 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event);
 bool ect_mailbox_waits(ect_slave_t *s);
 /* Reads from the SyncManagers the repeat toggle, and whether SM1 still holds our mail. @return whether their layout is
  * still that of the start */
-bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers);
+bool ect_mailbox_check(ect_slave_t *s, const uint8_t *sm_registers);
 
 /* --- coe.c ------------------------------------------------------------------------------------------------------ */
 enum {

@@ -50,7 +50,7 @@ static void outputs_off(ect_slave_t *s)
 }
 
 /* Calls the device: 0, ECT_AL_PENDING, or an AL status code. */
-static uint16_t tell_device(ect_slave_t *s, uint8_t from, uint8_t to)
+static uint16_t notify_device(ect_slave_t *s, uint8_t from, uint8_t to)
 {
     ECT_ASSERT(from != to);
     const ect_device_t *device = s->config.device;
@@ -75,7 +75,7 @@ static void go_down(ect_slave_t *s, uint8_t target)
     s->pending = 0;
     s->state = target;
     s->status_dirty = true;
-    (void)tell_device(s, from, target);
+    (void)notify_device(s, from, target);
     ect_slave_wake(s);
 }
 
@@ -119,7 +119,7 @@ static uint16_t check_up(ect_slave_t *s, uint8_t target)
         return ECT_AL_NO_ERROR;
     if (target != ECT_STATE_SAFEOP)
         return has_mailbox(s) ? check_mailbox(s, target, block) : (uint16_t)ECT_AL_NO_ERROR;
-    if (s->mailbox.running && !ect_mailbox_look(s, block))
+    if (s->mailbox.running && !ect_mailbox_check(s, block))
         s->due |= ECT_EVENT_SM_CHANGED; /* its registers must be read as well */
     return check_process_data(s, block);
 }
@@ -202,7 +202,7 @@ static void go_up(ect_slave_t *s, uint8_t target)
     if (s->failed)
         return;
     if (code == ECT_AL_NO_ERROR)
-        code = tell_device(s, s->state, target);
+        code = notify_device(s, s->state, target);
     if (code == ECT_AL_PENDING)
         wait_for(s, target, true);
     else
@@ -282,7 +282,7 @@ void ect_machine_sm_changed(ect_slave_t *s)
     uint8_t block[ECT_SM_BLOCK];
     if (!ect_sm_read(s, block))
         return;
-    if (s->mailbox.running && !ect_mailbox_look(s, block)) {
+    if (s->mailbox.running && !ect_mailbox_check(s, block)) {
         uint16_t code = s->state == ECT_STATE_BOOT ? ECT_AL_BOOT_MAILBOX : ECT_AL_MAILBOX;
         ect_machine_drop(s, ECT_STATE_INIT, code, ECT_CAUSE_REQUEST);
         return;

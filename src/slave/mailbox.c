@@ -267,7 +267,7 @@ static bool is_unchanged(const ect_slave_t *s, const uint8_t *sm_registers)
            ect_load_le16(sm_registers + ECT_SM_SIZE + ECT_SM_LENGTH) == s->mailbox.in_size;
 }
 
-bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
+bool ect_mailbox_check(ect_slave_t *s, const uint8_t *sm_registers)
 {
     ECT_ASSERT(s->mailbox.running);
     ect_mailbox_t *m = &s->mailbox;
@@ -285,7 +285,7 @@ bool ect_mailbox_look(ect_slave_t *s, const uint8_t *sm_registers)
 }
 
 /* The lost mail precedes the one in SM1, which follows it again. Disabling and enabling SM1 empties it. */
-static bool bring_back(ect_slave_t *s)
+static bool repeat_lost(ect_slave_t *s)
 {
     ect_mailbox_t *m = &s->mailbox;
     ECT_ASSERT(m->mails == 2 && is(m, IN_BUFFER));
@@ -305,7 +305,7 @@ static void repeat(ect_slave_t *s)
     ECT_ASSERT(is(m, REPEAT_DUE));
     if (m->mails > 0 && !is(m, IN_BUFFER))
         m->open |= TO_WRITE;
-    else if (is(m, IN_BUFFER) && !m->repeated && m->shown == m->newest && m->mails == 2 && !bring_back(s))
+    else if (is(m, IN_BUFFER) && !m->repeated && m->shown == m->newest && m->mails == 2 && !repeat_lost(s))
         return;
     m->repeated = true;
     m->open ^= REPEAT_DUE;
@@ -330,16 +330,16 @@ static void go_on(ect_slave_t *s)
 }
 
 /* Whether a mail fits, and a protocol may have one since all were called. */
-static bool may_speak(const ect_mailbox_t *m)
+static bool may_send_own(const ect_mailbox_t *m)
 {
     return may_build(m) && m->wakes_done != m->wakes;
 }
 
 /* Calls `next` of the protocols, to send a mail or only to report one: those without requests before a waiting request
  * is handled, the others after it. */
-static bool speak(ect_slave_t *s, bool takes_requests, bool send)
+static bool send_own(ect_slave_t *s, bool takes_requests, bool send)
 {
-    ECT_ASSERT(!send || may_speak(&s->mailbox));
+    ECT_ASSERT(!send || may_send_own(&s->mailbox));
     FOR_EACH_PROTOCOL(s, p)
     {
         if ((*p)->next && ((*p)->request != NULL) == takes_requests && is_in_state(*p, s) && (*p)->next(*p, s, send))
@@ -358,13 +358,13 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
         note_fetched(m);
     go_on(s);
     uint8_t wakes = m->wakes;
-    if (may_speak(m))
-        (void)speak(s, false, true);
+    if (may_send_own(m))
+        (void)send_own(s, false, true);
     if (m->request_waits && may_build(m)) {
         m->request_waits = false;
         handle_request(s);
     }
-    if (may_speak(m) && !speak(s, true, true))
+    if (may_send_own(m) && !send_own(s, true, true))
         m->wakes_done = wakes; /* no protocol has a further mail, unless announced since */
 }
 
@@ -377,5 +377,5 @@ bool ect_mailbox_waits(ect_slave_t *s)
 {
     const ect_mailbox_t *m = &s->mailbox;
     return !may_build(m) &&
-           (m->request_waits || is(m, NEWEST_WAITS) || speak(s, false, false) || speak(s, true, false));
+           (m->request_waits || is(m, NEWEST_WAITS) || send_own(s, false, false) || send_own(s, true, false));
 }

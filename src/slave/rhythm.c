@@ -3,7 +3,7 @@
 #include "slave/internal.h"
 #include "slave/service.h"
 
-static void tell(ect_slave_t *s, uint32_t event)
+static void report_rhythm(ect_slave_t *s, uint32_t event)
 {
     const ect_device_t *device = s->config.device;
     unsigned int events = ((event & ect_sm_events(s->outputs)) != 0 ? ECT_CYCLIC_OUTPUTS : 0u) |
@@ -14,4 +14,4 @@ static void tell(ect_slave_t *s, uint32_t event)
     ect_slave_wake(s);
 }
 
-const ect_service_t ect_service_rhythm = {.event = tell};
+const ect_service_t ect_service_rhythm = {.event = report_rhythm};

@@ -258,7 +258,7 @@ static uint8_t last_of(const ect_slave_t *s)
 }
 
 /* The device may refuse, or supply other bytes. */
-static ect_reason_t ask_device(ect_slave_t *s)
+static ect_reason_t call_sdo_read(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     ect_sdo_t *sdo = &s->sdo;
@@ -284,7 +284,7 @@ static void upload(ect_slave_t *s, const uint8_t *request)
     const ect_entry_t *first = NULL;
     ect_reason_t reason = open_transfer(s, request, ECT_UPLOAD, &first);
     if (reason == ECT_OK)
-        reason = ask_device(s);
+        reason = call_sdo_read(s);
     if (reason != ECT_OK) {
         send_abort(s, ect_load_le16(request + 1), request[3], reason);
         return;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Frames into a chain of four twins that have a past, while both sides go on: the master sends, the microcontrollers
- * read and write, faults happen, plugs are pulled. After each step the stacks are as they may be, and who was not
- * concerned is as it was, to the byte: bad input never touches the state of another twin.
+ * Frames into a chain of four twins with a history, while both sides continue to work: the master sends, the
+ * microcontrollers read and write, faults occur, cables are disconnected. After each step the stacks must be in a
+ * permitted state, and every twin that the step does not concern must be unchanged to the byte: bad input never changes
+ * the state of another twin.
  *
- * The input: a byte with two bits a twin, the state that a master has taken it to (INIT, PREOP, SAFEOP, OP); a byte,
- * bit 0: a tree, and no line; bit 1: process data have FMMUs. Then steps: what (bits 0 to 2) and to whom (bits 3, 4), a
- * byte of milliseconds that pass before, two bytes of length, and as many bytes; where those are missing it is short.
+ * The input: a byte with two bits for each twin, the state that a master has brought it to (INIT, PREOP, SAFEOP, OP); a
+ * byte, bit 0: a tree instead of a line, bit 1: process data have FMMUs. Steps follow: kind (bits 0 to 2) and target
+ * (bits 3, 4), a byte of milliseconds that pass first, two bytes of length, and that many bytes; at the end of the
+ * input a step is shorter.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,10 +25,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { TWINS = 4, EVERYBODY = (1 << TWINS) - 1, PORTS = 4, STEP_HEADER = 4, MOST = 2100 };
 
-/* What a step does. The rest lets time pass. */
+/* Kinds of steps. Every other kind only lets time pass. */
 enum { FRAME, DATAGRAMS, FROM_BEHIND, PDI_READ, PDI_WRITE, FAULT, PLUG };
 
-/* What nobody but the one who is spoken to may change. */
+/* State that only a datagram to this twin may change. */
 typedef struct look {
     uint8_t *memory, *instance, *sii;
     ect_slave_t slave;
@@ -36,15 +38,15 @@ typedef struct look {
 typedef struct rig {
     wire_t w;
     look_t looks[TWINS];
-    uint8_t ways[TWINS][PORTS]; /* where frames leave while all is plugged in */
+    uint8_t ways[TWINS][PORTS]; /* ports by which frames leave while all cables are connected */
 } rig_t;
 
 /* A step of the input. */
 typedef struct step {
     unsigned int what, who;
     const uint8_t *bytes;
-    uint16_t wanted; /* what the step says ... */
-    uint16_t length; /* ... and what there is of it */
+    uint16_t wanted; /* length in the step ... */
+    uint16_t length; /* ... and bytes available */
 } step_t;
 
 #define EXPECT(condition, ...)                                                                                         \
@@ -56,7 +58,8 @@ typedef struct step {
         }                                                                                                              \
     } while (0)
 
-/* --- the chain and its past --------------------------------------------------------------------------------------- */
+/* --- the chain and its history --------------------------------------------------------------------------------------
+ */
 
 static void set_fmmus(wire_t *w, size_t i)
 {
@@ -117,9 +120,10 @@ static void close_rig(rig_t *r)
     }
 }
 
-/* --- whom a step may concern -------------------------------------------------------------------------------------- */
+/* --- twins that a step may concern ----------------------------------------------------------------------------------
+ */
 
-/* Whether frames go as they did in the beginning, so that positions are those of the chain. */
+/* Whether frames take their initial path, so that positions are those of the chain. */
 static bool is_whole(const rig_t *r)
 {
     for (size_t i = 0; i < TWINS; i++) {
@@ -132,7 +136,7 @@ static bool is_whole(const rig_t *r)
     return true;
 }
 
-/* Where the datagrams of a good frame begin; 0: it is none. */
+/* Offset of the first datagram of a valid frame; 0: the frame is invalid. */
 static size_t find_datagrams(const uint8_t *frame, size_t length)
 {
     size_t at = 12;
@@ -194,7 +198,7 @@ static unsigned int by_datagram(const rig_t *r, const uint8_t *d, uint16_t lengt
     return d[0] >= LRD && d[0] <= LRW ? by_fmmu(r, ect_load_le32(d + 2), length) : (unsigned int)EVERYBODY;
 }
 
-/* Behind a write to the registers by which datagrams find their way nobody is safe. */
+/* A write to the registers that route datagrams may concern every twin. */
 static bool redirects(const uint8_t *d, uint16_t length)
 {
     bool reads = d[0] == APRD || d[0] == FPRD || d[0] == BRD || d[0] == LRD;
@@ -202,7 +206,7 @@ static bool redirects(const uint8_t *d, uint16_t length)
     return length > 0 && !reads && (logical || ect_load_le16(d + 4) < 0x0700 || (d[0] <= BRW && d[0] % 3 == 0));
 }
 
-/* A bit a twin. Of a frame that is not good as a whole nothing is executed. */
+/* One bit for each twin. An invalid frame is not executed at all. */
 static unsigned int concerned(const rig_t *r, const uint8_t *frame, size_t length)
 {
     size_t at = find_datagrams(frame, length);
@@ -228,7 +232,8 @@ static unsigned int concerned(const rig_t *r, const uint8_t *frame, size_t lengt
     return whom;
 }
 
-/* --- who is as he was --------------------------------------------------------------------------------------------- */
+/* --- unchanged twins ------------------------------------------------------------------------------------------------
+ */
 
 static void look_at(rig_t *r)
 {
@@ -243,7 +248,7 @@ static void look_at(rig_t *r)
     }
 }
 
-/* Write enables and a reset sequence end with any frame, and whoever meets one that is none counts it. */
+/* Write enables and a reset sequence end with any frame, and every twin that receives an invalid frame counts it. */
 static bool may_change(uint32_t address)
 {
     return (address >= 0x0020 && address <= 0x0041) || (address >= 0x0300 && address <= 0x030D);
@@ -273,7 +278,7 @@ static void expect_sound(const ect_slave_t *slave)
     EXPECT(slave->outputs_live == (state == 8), "state %u", state);
 }
 
-/* One that leaves the bus, or comes back, takes links with it. */
+/* A twin that leaves the bus, or returns, changes the links of its neighbours. */
 static bool same_links(const rig_t *r)
 {
     for (size_t i = 0; i < TWINS; i++) {
@@ -292,7 +297,7 @@ static void expect_others_same(const rig_t *r, unsigned int whom)
     }
 }
 
-/* What time asks of them they do before the step; chips that nobody looks at may be late with it. */
+/* The effects of time are completed before the step, because the update of an unused chip may be late. */
 static void let_time_pass(rig_t *r)
 {
     for (size_t i = 0; i < TWINS; i++)
@@ -302,7 +307,7 @@ static void let_time_pass(rig_t *r)
 
 /* --- steps -------------------------------------------------------------------------------------------------------- */
 
-/* Of exactly that size: any step beyond it is seen. */
+/* In memory of exactly that size, so that any access beyond it is detected. */
 static uint8_t *exactly(const void *bytes, size_t length)
 {
     uint8_t *copy = malloc(length > 0 ? length : 1);
@@ -338,7 +343,7 @@ static unsigned int send_from_behind(rig_t *r, const step_t *s)
     return EVERYBODY;
 }
 
-/* The microcontroller, behind the back of its own stack. */
+/* The microcontroller, without the knowledge of its own stack. */
 static unsigned int access_pdi(rig_t *r, const step_t *s)
 {
     ect_esc_t *esc = ect_chain_esc(r->w.chain, s->who);

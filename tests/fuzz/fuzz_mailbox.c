@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A master's life with the mailbox of one twin, CoE and FoE, from PREOP on. The input is a row of steps: what to do,
+ * The mailbox of one twin under a master, CoE and FoE, from PREOP on. The input is a sequence of steps: an operation
  * and its bytes. Every mail that comes back must be well-formed.
  */
 #include <assert.h>
@@ -30,7 +30,7 @@ static uint8_t next(session_t *s)
     return *s->data++;
 }
 
-/* One datagram to station address 0, which an unconfigured slave has. */
+/* One datagram to station address 0, that of an unconfigured slave. */
 static unsigned int send(session_t *s, uint8_t command, uint16_t address, uint8_t *data, uint16_t length)
 {
     uint8_t frame[FRAME] = {0};
@@ -75,7 +75,7 @@ static void write_mail(session_t *s)
     (void)send(s, FPWR, testdev.sm[0].start, mail, MAILBOX);
 }
 
-/* A request with a good header, so that the fuzzer gets to what is behind it. */
+/* A request with a valid header, so that the fuzzer reaches the code behind the header check. */
 static void write_sdo(session_t *s, uint8_t service)
 {
     uint8_t mail[MAILBOX] = {0};
@@ -88,7 +88,7 @@ static void write_sdo(session_t *s, uint8_t service)
     (void)send(s, FPWR, testdev.sm[0].start, mail, MAILBOX);
 }
 
-/* Names that exist, packets in order, and anything else. */
+/* Existing names, packets in order, and anything else. */
 static void write_foe(session_t *s)
 {
     static const char *const names[] = {"data", "secret", "constant", "checked"};
@@ -113,7 +113,7 @@ static void read_mail(session_t *s)
     uint8_t mail[MAILBOX] = {0};
     uint8_t activate = 0;
     (void)send(s, FPRD, ECT_REG_SM + 8 + ECT_SM_ACTIVATE, &activate, 1);
-    bool memory_only = (activate & ECT_SM_ACTIVATE_ENABLE) == 0; /* no mailbox there: anything may come */
+    bool memory_only = (activate & ECT_SM_ACTIVATE_ENABLE) == 0; /* no mailbox: any content is valid */
     if (send(s, FPRD, testdev.sm[1].start, mail, MAILBOX) != 1 || memory_only)
         return;
     uint16_t length = ect_load_le16(mail);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The readers of SII images: any bytes, any category, any string; what they say of a device; and a chip that boots. */
+/* The readers of SII images with any bytes, any category, any string; facts about a device; and a chip that boots. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/** @file A copy of a description that may be changed: each table in memory of just its size, so that a step beyond is
- * seen. */
+/** @file A copy of a description that may be changed: each table in memory of exactly its size, so that an access
+ * beyond it is detected. */
 #ifndef TESTS_SUPPORT_COPY_H
 #define TESTS_SUPPORT_COPY_H
 
@@ -16,7 +16,7 @@ typedef struct copy {
     uint16_t excludes[2];
 } copy_t;
 
-/* Ends the program when memory is short. */
+/* Ends the program when memory runs short. */
 copy_t *copy_device(const ect_device_t *device);
 void copy_free(copy_t *c);
 

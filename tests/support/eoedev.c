@@ -8,7 +8,7 @@
 enum { FRAGMENT, SET_IP = 2, SET_FILTER = 4, GET_IP = 6, GET_FILTER = 8, HEADER = 4, UNIT = 32, LAST = 1 };
 enum { UNSUPPORTED = 0x0002, NO_FILTER = 0x0401, ARP = 42, LEAST = 60 };
 
-/* Flags: MAC and IP; the octets of the IP stand the other way round. */
+/* Flags: MAC and IP; the octets of the IP are in reverse order. */
 static const uint8_t parameters[] = {3, 0, 0, 0, 2, 0, 0, 0, 0, 7, 7, 2, 0, 192};
 static const uint8_t mac[] = {2, 0, 0, 0, 0, 7}, ip[] = {192, 0, 2, 7};
 
@@ -27,7 +27,7 @@ static void answer(ect_slave_t *slave, uint8_t type, uint16_t result, const void
     ect_mailbox_send(slave, ECT_MAILBOX_TYPE_EOE, (uint16_t)(HEADER + length));
 }
 
-/* An ARP request for its address is answered; all else is for nobody. */
+/* Replies to an ARP request for its address, and ignores all other frames. */
 static void take_frame(eoedev_t *d, ect_slave_t *slave)
 {
     const uint8_t *in = d->in;
@@ -47,7 +47,7 @@ static void take_frame(eoedev_t *d, ect_slave_t *slave)
     ect_mailbox_wake(slave);
 }
 
-/* Whether a fragment goes on where the one before has ended. */
+/* Whether a fragment continues where the previous one has ended. */
 static bool fits(const eoedev_t *d, uint16_t word)
 {
     return d->coming && (word & 0x3F) == d->fragment && word >> 12 == d->number &&

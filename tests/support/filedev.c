@@ -10,7 +10,7 @@ static const struct {
 } files[FILEDEV_FILES] = {
     {"data", 0, true}, {"secret", FILEDEV_PASSWORD, true}, {"constant", 0, false}, {"checked", 0, true}};
 
-/* What the call before has begun, or that it is done. */
+/* The operation that the previous call started, or its completion. */
 static uint32_t begun(const filedev_t *d)
 {
     return d->late > 0 ? ECT_FOE_LATER : ECT_FOE_OK;

@@ -28,7 +28,7 @@ static void tell(void)
     }
 }
 
-/* To `ms` after the start, telling each change on the way. */
+/* To `ms` after the start, printing each change on the way. */
 static void to(unsigned int ms)
 {
     uint64_t end = start_ns + ms * MS;

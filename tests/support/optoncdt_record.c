@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Records what a master reads from an optoNCDT 2300 in virtual time, as `ectwin watch --every` would tell it.
+ * Records the data that a master reads from an optoNCDT 2300 in virtual time, in the format of `ectwin watch --every`.
  * usage: optoncdt_record profile|vibration
  *
- * 10 kHz, ten records an exchange, an exchange each millisecond: what is drawn is what was on the wire.
+ * 10 kHz, ten records in an exchange, an exchange each millisecond: the drawing shows the data on the wire.
  */
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +22,7 @@ static void tell(const char *name, unsigned int which, int32_t value, int32_t ti
     told[which] = value;
 }
 
-/* The records that are new. */
+/* Prints the new records. */
 static void exchange(void)
 {
     ranger_wait(&r, 1 * MS);
@@ -50,7 +50,7 @@ static void row(const char *mm, const char *present, unsigned int times)
         set("row_add", "1");
 }
 
-/* A part on a belt: a step, a hole through which nothing is seen, a slope, and its end. */
+/* A part on a belt: a step, a hole without a reflection, a slope, and its end. */
 static unsigned int profile(void)
 {
     char mm[16];
@@ -69,7 +69,7 @@ static unsigned int profile(void)
     return 54;
 }
 
-/* A plate of glass that swings out of the measuring range: both of its surfaces are seen. */
+/* A plate of glass that moves out of the measuring range: both of its surfaces are visible. */
 static unsigned int vibration(void)
 {
     set("surface1.distance", "15");
@@ -99,7 +99,7 @@ int main(int argc, char **argv)
     ranger_write(&r, 0x2250, 1, 10000, 4);
     ranger_select(&r, 1 << OPTO_COUNTER | 1 << OPTO_TIMESTAMP | 1 << OPTO_DISTANCE_1 | 1 << OPTO_DISTANCE_2, SAMPLES);
     ranger_go(&r, ECT_STATE_OP);
-    for (unsigned int n = 0; n < 20; n++) /* until the rhythm is found */
+    for (unsigned int n = 0; n < 20; n++) /* until the rhythm is stable */
         ranger_wait(&r, 1 * MS);
     unsigned int cycles = is_profile ? profile() : vibration();
     begun = ranger_value(&r, VALUES * (SAMPLES - 1) + TIME);

@@ -20,21 +20,21 @@ void ranger_open(ranger_t *r);
 void ranger_close(ranger_t *r);
 opto_t *ranger_instance(ranger_t *r);
 
-/* SDOs of numbers; @return 0 or the abort code */
+/* SDOs of numbers. @return 0 or the abort code */
 uint32_t ranger_upload(ranger_t *r, uint16_t index, uint8_t subindex, uint32_t *value);
 uint32_t ranger_download(ranger_t *r, uint16_t index, uint8_t subindex, uint32_t value, size_t size);
-/* The same; each asserts that it is taken. */
+/* The same; each asserts success. */
 uint32_t ranger_number(ranger_t *r, uint16_t index, uint8_t subindex);
 void ranger_write(ranger_t *r, uint16_t index, uint8_t subindex, uint32_t value, size_t size);
 uint32_t ranger_text(ranger_t *r, uint16_t index, uint8_t subindex, const char *text);
 
-/* To PREOP, and the expert logged in. */
+/* Enters PREOP and logs the expert in. */
 void ranger_expert(ranger_t *r);
-/* In PREOP: measurements of the mask (bit 0: the first one of 1A00h) are sent, `samples` records at a time. */
+/* In PREOP: selects the measurements of the mask (bit 0: the first one of 1A00h), `samples` records in an exchange. */
 void ranger_select(ranger_t *r, uint32_t measurements, unsigned int samples);
-/* To SAFEOP or OP, with SM3 as long as the mapping says. */
+/* Enters SAFEOP or OP, with the length of SM3 that follows from the mapping. */
 void ranger_go(ranger_t *r, uint8_t state);
-/* In PREOP: SYNC0 begins in 10 ms. */
+/* In PREOP: SYNC0 starts in 10 ms. */
 void ranger_sync0(ranger_t *r, uint32_t cycle_ns);
 
 /* Lets time pass, then reads the inputs. */

@@ -140,11 +140,12 @@ static int memory_erase(void *ctx, unsigned int bank)
     if (m->budget == 0)
         return -1;
     if (m->lazy == 0)
-        memset(m->bank[bank], 0xFF, SENSOR_BANK); /* else a file, whose old content stays until it is written over */
+        memset(m->bank[bank], 0xFF,
+               SENSOR_BANK); /* otherwise a file, whose old content remains until it is overwritten */
     return 0;
 }
 
-/* Keeps what stood there; of many writes the first ones become safe by themselves. */
+/* Keeps the previous content; of many writes, the first ones become safe without a flush. */
 static void cache(sensor_memory_t *m, unsigned int bank, uint32_t offset, uint32_t length)
 {
     assert_true(length <= sizeof m->cache[0].before);
@@ -175,7 +176,7 @@ static int memory_flush(void *ctx, unsigned int bank, bool wait)
 
 void sensor_memory_cut(sensor_memory_t *m, uint32_t lot)
 {
-    while (m->cached > 0) { /* the last one first: what an earlier one has put there comes back */
+    while (m->cached > 0) { /* the last one first: it restores the content of the one before */
         m->cached--;
         if ((lot >> (m->cached % 32) & 1) != 0)
             memcpy(m->bank[m->cache[m->cached].bank] + m->cache[m->cached].offset, m->cache[m->cached].before,

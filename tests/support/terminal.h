@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A simple digital terminal made for tests: no mailbox, and SyncManagers in roles of their own.
+ * A simple digital terminal made for tests: no mailbox, and SyncManagers in roles of its own.
  *
- *   SM0  8 digital outputs, a bit each (1600h)
- *   SM1  8 digital inputs, a bit each (1A00h): the outputs as they were taken
- *   SM2  how often outputs were taken, 16 bits (1A01h)
+ *   SM0  8 digital outputs, one bit each (1600h)
+ *   SM1  8 digital inputs, one bit each (1A00h): the outputs as they were received
+ *   SM2  number of receptions of outputs, 16 bits (1A01h)
  */
 #ifndef TESTS_SUPPORT_TERMINAL_H
 #define TESTS_SUPPORT_TERMINAL_H

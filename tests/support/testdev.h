@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A device made for tests: one object of every kind that the stack has to serve, and switches for what it answers.
+ * A device made for tests: one object of every kind that the stack must serve, and switches for its results.
  *
  *   2000h  VAR  UNSIGNED32 rw            2001h  VAR  VISIBLE_STRING[20] rw       2002h  VAR OCTET_STRING[1000] rw
  *   2003h  VAR  UNSIGNED16 wo            2004h  VAR  UNSIGNED16 rw in PREOP only 2005h  VAR INTEGER16 -100..+200
@@ -39,14 +39,14 @@ typedef struct testdev {
     uint8_t out_bool;
     uint16_t out_u16;
 
-    /* what the stack did */
+    /* calls by the stack */
     const ect_host_t *host;
     unsigned int inits, outputs_calls, safe_calls, inputs_calls, ticks, written;
     uint16_t written_index;
     uint8_t written_subindex;
     uint8_t from, to;
 
-    /* what the device answers */
+    /* results of the device */
     uint16_t state_change_answer;
     ect_reason_t write_answer;
     uint64_t tick_period_ns; /* 0: never */

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Two mailbox protocols of a product made for tests, over seams/mailbox.h alone: what a device's folder may hold.
+ * Two mailbox protocols of a product made for tests, with seams/mailbox.h only: an example for a device's folder.
  *
- *   VoE    echoes what it is sent, byte by byte in reverse; "again N" makes it send N mails more, one each time that
- * the mailbox is free. Refuses mails of one byte as too short. FoE    a firmware update as bare as can be: in BOOT
- * only, it counts the bytes that it is given and answers with the count.
+ *   VoE    echoes a mail in reverse byte order; "again N" makes it send N further mails, one each time that the mailbox
+ *          is free. Refuses mails of one byte as too short.
+ *   FoE    a minimal firmware update: in BOOT only, it counts the received bytes and replies with the count.
  */
 #ifndef TESTS_SUPPORT_VOE_H
 #define TESTS_SUPPORT_VOE_H
 
 #include "seams/mailbox.h"
 
-/** State of both, and where it lies in the instance: the entry says it, so that any instance can have it anywhere. */
+/** State of both. The entry contains its offset in the instance, so that any instance can contain it anywhere. */
 typedef struct voe {
-    uint8_t again;     /**< mails that are still to come */
+    uint8_t again;     /**< mails still to send */
     uint32_t received; /**< bytes in BOOT */
     unsigned int resets;
 } voe_t;

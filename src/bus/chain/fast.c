@@ -122,7 +122,7 @@ static void read_route(ect_fast_t *f, controller_t *c)
     const ect_esc_route_t *now = &c->route;
     c->routing = ect_esc_routing(c->esc);
     ect_esc_route(c->esc, &c->route);
-    f->line_known &= now->open == before.open && now->goes_astray == before.goes_astray;
+    f->line_known &= now->open == before.open && now->leaves_line == before.leaves_line;
     f->sums_known &= f->line_known && same_sums(now, &before);
     f->stations_known &= now->station == before.station && now->alias == before.alias;
     f->windows_known &= now->window_count == before.window_count &&
@@ -148,9 +148,9 @@ void ect_fast_look(ect_fast_t *fast, size_t position)
 static void know_line(ect_fast_t *f)
 {
     size_t i = 0;
-    bool line = !f->controllers[0].route.goes_astray;
+    bool line = !f->controllers[0].route.leaves_line;
     while (line && f->controllers[i].route.open && i + 1 < f->count)
-        line = !f->controllers[++i].route.goes_astray;
+        line = !f->controllers[++i].route.leaves_line;
     f->reach = line ? i + 1 : 0;
     f->out = f->controllers[i].route.open;
     f->line_known = true;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The personalities: what each chip reports of itself, which registers it has, who may write them. */
+/* The personalities: the values that each chip reports about itself, its registers, and their write access. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "support/chip.h"
 
-/* Transcribed from the makers' data sheets, and from chips that were read out (0x0000 to 0x0009). */
+/* Transcribed from the manufacturers' data sheets, and from chips that were read over the bus (0x0000 to 0x0009). */
 static const struct {
     const char *name;
     uint8_t information[10];
@@ -31,7 +31,7 @@ static void every_name(void **state)
     for (size_t i = 0; i < CHIPS; i++)
         assert_non_null(ect_esc_personality(chips[i].name));
     assert_non_null(ect_esc_personality_at(CHIPS - 1));
-    assert_null(ect_esc_personality_at(CHIPS)); /* one that stands in no row here would be untried */
+    assert_null(ect_esc_personality_at(CHIPS)); /* a chip without a row here would be untested */
     assert_null(ect_esc_personality("et1300"));
 }
 
@@ -50,7 +50,7 @@ static void information(void **state)
     }
 }
 
-/* Registers that not every chip has: e the master may write it, p the microcontroller, b both. */
+/* Registers that only some chips have: e the master may write it, p the microcontroller, b both. */
 static const struct {
     uint16_t address;
     char who;
@@ -109,7 +109,7 @@ static void rights(void **state)
     }
 }
 
-/* Nobody may write what stands in no row of a data sheet, whichever the chip. */
+/* An address without a row in the data sheet cannot be written, in any chip. */
 static void nobody_writes(void **state)
 {
     static const uint16_t ranges[][2] = {{0x000A, 0x000F}, {0x0014, 0x001F}, {0x0032, 0x003F}, {0x0042, 0x00FF},
@@ -164,7 +164,7 @@ static void sii_width(void **state)
     }
 }
 
-/* Sequential mode shows by what it does: a buffer that was written out of turn is not handed over. */
+/* The effect of sequential mode: a buffer that was written out of order is not handed over. */
 static void sequential(void **state)
 {
     (void)state;
@@ -181,7 +181,7 @@ static void sequential(void **state)
                      taken);
         assert_int_equal(chip_send(c, APWR, 0x1000, data, 4), 1);
         assert_int_equal(c->memory[0x0815] & 0x05, 1);
-        chip_set_sm(c, 2, 0x1000, 4, 0x24, 1); /* not wanted */
+        chip_set_sm(c, 2, 0x1000, 4, 0x24, 1); /* sequential mode is off */
         assert_int_equal(chip_send(c, APWR, 0x1000, data, 1), 1);
         assert_int_equal(chip_send(c, APWR, 0x1003, data, 1), 1);
         assert_int_equal(c->memory[0x0815] & 0x05, 1);
@@ -193,11 +193,12 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"CF-001: there is a row here for every chip", every_name, NULL, NULL, NULL},
-        {"CF-001: each chip reports what its data sheet says, and nobody can write it", information, NULL, NULL, NULL},
-        {"CF-009: registers that not every chip has are written by those who may, where they are", rights, NULL, NULL,
+        {"CF-001: each chip reports the values of its data sheet, and neither side can write them", information, NULL,
+         NULL, NULL},
+        {"CF-009: registers of some chips can be written by the permitted side where they exist", rights, NULL, NULL,
          NULL},
-        {"CF-009: reserved registers are written by nobody, on any chip", nobody_writes, NULL, NULL, NULL},
-        {"CF-008: a register that a chip lacks reads 0, that of an absent clock does not answer", absent_is_zero, NULL,
+        {"CF-009: neither side can write reserved registers, on any chip", nobody_writes, NULL, NULL, NULL},
+        {"CF-008: a register that a chip lacks reads 0, that of an absent clock does not respond", absent_is_zero, NULL,
          NULL, NULL},
         {"CF-055: each chip advertises how many bytes an SII read delivers", sii_width, NULL, NULL, NULL},
         {"CF-019: in sequential mode a buffer that was not written from start to end is not handed over", sequential,

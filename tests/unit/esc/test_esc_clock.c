@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Clocks that drift and are regulated, receive times with the ways of frames, SYNC1, pulses, latch inputs (data sheet I
- * section 9, II section 2.15). What needs no second clock is in test_esc_dc.c. */
+/* Clocks with drift and control loop, receive times with delays of frames, SYNC1, pulses, latch inputs (data sheet I
+ * section 9, II section 2.15). Tests that need no second clock are in test_esc_dc.c. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,7 +38,7 @@ static void drift(void **state)
     }
 }
 
-/* However often one looks, and however often the drift changes: no fraction is lost. */
+/* Regardless of the number of reads and of changes of the drift, no fraction is lost. */
 static void drift_in_steps(void **state)
 {
     chip_t *c = *state;
@@ -58,7 +58,7 @@ static void drift_in_steps(void **state)
 
 /* --- the control loop ------------------------------------------------------------------------------------------- */
 
-/* A reference clock that is exact. @return the greatest difference, true one, of the last tenth of the samples */
+/* With an exact reference clock. @return the greatest true difference in the last tenth of the samples */
 static uint64_t follow(chip_t *c, unsigned int samples, uint64_t period_ns)
 {
     uint64_t worst = 0;
@@ -128,7 +128,7 @@ static void speed_difference(void **state)
     }
 }
 
-/* The greatest difference whose deviation is not above the rate, whatever the rate. */
+/* The greatest difference whose deviation does not exceed the rate, for every rate. */
 static void speed_difference_exactly(void **state)
 {
     static const uint16_t starts[] = {0x1000, 0x0100, 0x3FFF};
@@ -147,12 +147,13 @@ static void speed_difference_exactly(void **state)
     }
 }
 
-/* A sample that is 80 ns ahead: an eighth is taken away until the next; by how much for good, the depth says. */
+/* A sample that is 80 ns ahead: an eighth is corrected until the next one; the filter depth determines the permanent
+ * part. */
 static void one_sample(void **state)
 {
     static const struct {
         uint8_t depth;
-        int64_t after_ms[3]; /* nanoseconds ahead 1, 2, 3 ms later: no other sample comes */
+        int64_t after_ms[3]; /* nanoseconds ahead 1, 2, 3 ms later, without another sample */
     } rows[] = {{15, {70, 70, 70}}, {0, {60, 50, 40}}, {2, {67, 65, 62}}};
     chip_t *c = *state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -173,7 +174,7 @@ static void one_sample(void **state)
     }
 }
 
-/* A part of the time: the rest counts as it is. */
+/* A write of part of the time: the other bytes keep their value. */
 static void compared_in_part(void **state)
 {
     chip_t *c = *state;
@@ -185,7 +186,7 @@ static void compared_in_part(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80010000);
 }
 
-/* And whatever was regulated: a write to 0x0930 leaves the clock with what it gains by itself. */
+/* A write to 0x0930 resets the loop: the clock keeps only the rate of its oscillator. */
 static void unregulated_again(void **state)
 {
     chip_t *c = *state;
@@ -199,12 +200,12 @@ static void unregulated_again(void **state)
     assert_in_range(local_time(c) - before, 10 * SECOND + 1000000, 10 * SECOND + 1000001);
 }
 
-/* A difference is taken away no faster than the range of the speed counter allows: 763 ppm at the reset value. */
+/* A difference is corrected no faster than the range of the speed counter allows: 763 ppm at the reset value. */
 static void fastest(void **state)
 {
     static const struct {
         uint16_t start;
-        int64_t jump_ns, most_ns, least_ns; /* what is left after 100 ms */
+        int64_t jump_ns, most_ns, least_ns; /* remaining difference after 100 ms */
     } rows[] = {{0x1000, 1000000, 932000, 922000},
                 {0x1000, -1000000, 932000, 922000},
                 {0x0100, 1000000, 955000, 950000},
@@ -263,7 +264,7 @@ static void filter(void **state)
     }
 }
 
-/* With 0x0142 bit 2 the microcontroller regulates, by the time of latch 0; the master may not. */
+/* With 0x0142 bit 2 the microcontroller controls the clock, by the time of latch 0; the master cannot. */
 static void loop_of_the_pdi(void **state)
 {
     chip_t *c = *state;
@@ -283,7 +284,8 @@ static void loop_of_the_pdi(void **state)
     assert_int_equal(chip_pdi_read(c, ECT_REG_DC_SYSTEM_TIME, 8), 114999);
 }
 
-/* --- ways of frames --------------------------------------------------------------------------------------------- */
+/* --- delays of frames -----------------------------------------------------------------------------------------------
+ */
 
 static void ways(void **state)
 {
@@ -299,7 +301,7 @@ static void ways(void **state)
     assert_int_equal(chip_read(c, 0x0918, 8), 1100);
     assert_int_equal(chip_read(c, 0x0910, 8), 1200);
     assert_int_equal(chip_write(c, ECT_REG_DC_DELAY, 1000, 4), 1);
-    assert_int_equal(chip_read(c, 0x0910, 8), 200); /* when this frame passed the reference clock */
+    assert_int_equal(chip_read(c, 0x0910, 8), 200); /* the time at which this frame passed the reference clock */
     assert_int_equal(chip_pdi_read(c, 0x0910, 8), 200);
     assert_int_equal(chip_write(c, 0x0910, 200, 4), 1);
     assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80000000);
@@ -331,7 +333,7 @@ static void what_latches(void **state)
     }
 }
 
-/* The bytes of a time belong together, in whatever pieces they are read. */
+/* The bytes of a time are consistent, in whatever pieces they are read. */
 static void in_pieces(void **state)
 {
     chip_t *c = *state;
@@ -361,7 +363,8 @@ static bool take(chip_t *c, unsigned int n)
     return came;
 }
 
-/* Lets the clock run in steps of 10 us and writes each pulse as a digit: which step, from the start time on. */
+/* Lets the clock run in steps of 10 us and writes each pulse as a digit: the number of its step, from the start time
+ * on. */
 static void record(chip_t *c, char pulses[2][32], unsigned int steps)
 {
     memset(pulses, 0, 64);
@@ -401,7 +404,7 @@ static void sync1(void **state)
     }
 }
 
-/* SYNC1 alone: no SYNC0 comes, and none is said to be pending. */
+/* SYNC1 alone: no SYNC0 occurs, and none is reported as pending. */
 static void sync1_alone(void **state)
 {
     chip_t *c = *state;
@@ -420,7 +423,7 @@ static void sync1_alone(void **state)
     assert_string_equal(pulses[0], "....");
 }
 
-/* Bits 3 and 7 of 0x0151 make events of SYNC0 and SYNC1, and no others do. */
+/* Bits 3 and 7 of 0x0151 enable the events of SYNC0 and SYNC1, and no other bits do. */
 static void which_are_events(void **state)
 {
     static const struct {
@@ -441,7 +444,7 @@ static void which_are_events(void **state)
     }
 }
 
-/* A write that leaves SYNC0 and SYNC1 as they are leaves the grid, too. */
+/* A write that leaves SYNC0 and SYNC1 unchanged does not move their pulses either. */
 static void written_again(void **state)
 {
     chip_t *c = *state;
@@ -457,7 +460,7 @@ static void written_again(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 220000);
 }
 
-/* Nobody has to ask the chip for its next time: it tells by itself what is due, and frames find it done. */
+/* The chip signals its next time without being read, and frames find the work done. */
 static void due_by_itself(void **state)
 {
     chip_t *c = *state;
@@ -471,7 +474,7 @@ static void due_by_itself(void **state)
     assert_int_equal(ect_esc_al_event(&c->esc) & ECT_EVENT_SYNC0, ECT_EVENT_SYNC0);
 }
 
-/* The start time stays as it was written until the unit runs. */
+/* The start time remains as written until the unit runs. */
 static void start_time_kept(void **state)
 {
     chip_t *c = *state;
@@ -480,7 +483,7 @@ static void start_time_kept(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0);
 }
 
-/* The bytes of a next time belong together: it is taken when its first one is read, and by nothing else. */
+/* The bytes of a next time are consistent: it is sampled when its first byte is read, and by no other access. */
 static void next_time_in_pieces(void **state)
 {
     static const struct {
@@ -508,7 +511,7 @@ static void next_times(void **state)
     chip_advance(c, 150000);
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 180000);
     assert_int_equal(chip_read(c, ECT_REG_DC_NEXT_SYNC1, 8), 190000);
-    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x03, 1), 1); /* SYNC1 off: the unit begins anew */
+    assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x03, 1), 1); /* SYNC1 off: the unit restarts */
     assert_int_equal(chip_read(c, 0x0984, 1), 1);
 }
 
@@ -542,7 +545,7 @@ static void pins(void **state)
     }
 }
 
-/* A pulse comes when the clock of the chip is there, however wrong that is. */
+/* A pulse occurs at its time on the chip's clock, however wrong that clock is. */
 static void sync_with_drift(void **state)
 {
     chip_t *c = *state;
@@ -557,25 +560,25 @@ static void sync_with_drift(void **state)
         c->w.now_ns = at;
         (void)ect_esc_tick(&c->esc, at);
         if (!take(c, 0))
-            fail_msg("pulse %u: not there at the time that was told", n);
+            fail_msg("pulse %u: not there at the reported time", n);
         uint64_t want = SECOND + n * 1000000ull;
         assert_in_range(local_time(c), want, want + 1);
     }
-    ect_esc_clock_jump(&c->esc, 10 * (int64_t)MS); /* over ten of them */
+    ect_esc_clock_jump(&c->esc, 10 * (int64_t)MS); /* beyond ten of them */
     (void)ect_esc_tick(&c->esc, c->w.now_ns);
     assert_true(take(c, 0));
-    assert_int_equal(chip_write(c, ECT_REG_DC_OFFSET, 500000, 8), 1); /* half a cycle on */
+    assert_int_equal(chip_write(c, ECT_REG_DC_OFFSET, 500000, 8), 1); /* half a cycle later */
     uint64_t at = ect_esc_tick(&c->esc, c->w.now_ns) - c->w.now_ns;
     assert_in_range(at, 499000, 501000);
 }
 
-/* What a master or a user does while SYNC0 runs, at 150 us of a grid of 40 us from 100 us on: its last pulse came at
- * 140 us, whether somebody has looked since or not. */
+/* Actions of a master or a user while SYNC0 runs, at 150 us, with a cycle of 40 us from 100 us on: the last pulse was
+ * at 140 us, whether or not the chip has been read since. */
 typedef struct sync_change {
     const char *what;
-    uint16_t address, length; /* 0: the clock jumps by `value` */
+    uint16_t address, length; /* 0: the clock steps by `value` */
     uint64_t value;
-    uint64_t after_ns, next_ns; /* so much later, the next pulse is at that system time */
+    uint64_t after_ns, next_ns; /* delay and system time of the next pulse */
 } sync_change_t;
 
 static void sync_unwatched(void **state)
@@ -603,12 +606,12 @@ static void sync_unwatched(void **state)
         chip_advance(c, row->after_ns);
         (void)chip_read(c, ECT_REG_DC_START_TIME, 8);
         if (c->esc.sync[0].next != row->next_ns)
-            fail_msg("%s%s: expected the next pulse at %llu, got %llu", row->what, looks ? ", looked at before" : "",
+            fail_msg("%s%s: expected the next pulse at %llu, got %llu", row->what, looks ? ", read before" : "",
                      (unsigned long long)row->next_ns, (unsigned long long)c->esc.sync[0].next);
     }
 }
 
-/* The same while the control loop makes it faster and slower. */
+/* The same while the control loop changes the rate. */
 static void sync_while_regulated(void **state)
 {
     chip_t *c = *state;
@@ -630,7 +633,7 @@ static void sync_while_regulated(void **state)
     }
 }
 
-/* The offset is what a master makes of two clocks: that of the chip may have begun long before the other one. */
+/* A master computes the offset from two clocks: that of the chip may have started long before the other one. */
 static void sync_with_offset(void **state)
 {
     static const int64_t offsets[] = {0, 1, 1000000000000000000, -1, -1000000, -999999999};
@@ -653,7 +656,7 @@ static void sync_with_offset(void **state)
     }
 }
 
-/* However far away: at the time that is told the clock is there, and a nanosecond before it is not. */
+/* For any distance: the clock reaches its value at the reported time, and not a nanosecond before. */
 static void far_away(void **state)
 {
     static const struct {
@@ -679,7 +682,7 @@ static void far_away(void **state)
                                         ect_esc_system_time(&c->esc, at - 1) < rows[i].wait_ns
                                   : at == UINT64_MAX;
         if (!right)
-            fail_msg("%d ppb, a pulse in %llu ns: told for %llu", rows[i].drift_ppb,
+            fail_msg("%d ppb, a pulse in %llu ns: reported for %llu", rows[i].drift_ppb,
                      (unsigned long long)rows[i].wait_ns, (unsigned long long)at);
     }
 }
@@ -700,7 +703,7 @@ static void auto_activation(void **state)
     chip_t *c = *state;
     assert_int_equal(chip_write(c, ECT_REG_DC_SYNC0_CYCLE, 1000, 4), 1);
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x02, 1), 1);
-    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 8), 1); /* not asked for */
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 8), 1); /* not enabled */
     assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x02);
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x0A, 1), 1);
     assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, 50000, 4), 1); /* half of it */
@@ -710,22 +713,23 @@ static void auto_activation(void **state)
     chip_advance(c, 50000);
     assert_true(take(c, 0));
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0, 1), 1);
-    chip_advance(c, 5 * SECOND); /* 32 bits of the time have gone round */
+    chip_advance(c, 5 * SECOND); /* the lower 32 bits of the time have wrapped */
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x1A, 1), 1);
     uint64_t soon = local_time(c) + 100000;
     assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon, 4), 1);
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), soon);
-    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon - 200000, 4), 1); /* gone: the next such time */
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon - 200000, 4),
+                     1); /* in the past: the next matching time */
     assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
-    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon, 3), 1); /* not the whole of them */
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, soon, 3), 1); /* incomplete */
     assert_int_equal(c->esc.sync[0].next, soon - 200000 + 0x100000000ull);
-    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME + 3, soon >> 24, 1), 1); /* their last byte */
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME + 3, soon >> 24, 1), 1); /* the last byte */
     assert_int_equal(c->esc.sync[0].next & 0xFFFFFFFF, soon & 0xFFFFFFFF);
-    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, local_time(c), 4), 1); /* this very nanosecond has gone */
+    assert_int_equal(chip_write(c, ECT_REG_DC_START_TIME, local_time(c), 4), 1); /* the present nanosecond has passed */
     assert_int_equal(c->esc.sync[0].next, local_time(c) + 0x100000000ull);
 }
 
-/* A start time that is written while the unit runs is the new one. */
+/* A start time that is written while the unit runs takes effect. */
 static void started_anew(void **state)
 {
     chip_t *c = *state;
@@ -744,7 +748,7 @@ static void plausibility(void **state)
     chip_t *c = *state;
     static const struct {
         uint8_t activation;
-        uint64_t ahead_ns; /* 2^63 and more: it has passed */
+        uint64_t ahead_ns; /* 2^63 and more: in the past */
         bool at_once;
     } rows[] = {{0x03, 3000000000, false},     {0x23, 3000000000, false},     {0x63, 3000000000, true},
                 {0x63, 2000000000, false},     {0x63, 0x80000000, true},      {0x63, 0x7FFFFFFF, false},
@@ -754,10 +758,10 @@ static void plausibility(void **state)
         start(c, rows[i].activation, local_time(c) + rows[i].ahead_ns, 0, 0);
         (void)ect_esc_tick(&c->esc, c->w.now_ns);
         bool came = take(c, 0);
-        bool told = (chip_read(c, 0x0984, 1) & 4) != 0;
-        if (came != rows[i].at_once || told != rows[i].at_once)
-            fail_msg("0x0981 = 0x%02X, start in %lld ns: expected a pulse at once %d, got %d, told %d",
-                     rows[i].activation, (long long)rows[i].ahead_ns, rows[i].at_once, came, told);
+        bool reported = (chip_read(c, 0x0984, 1) & 4) != 0;
+        if (came != rows[i].at_once || reported != rows[i].at_once)
+            fail_msg("0x0981 = 0x%02X, start in %lld ns: expected a pulse at once %d, got %d, reported %d",
+                     rows[i].activation, (long long)rows[i].ahead_ns, rows[i].at_once, came, reported);
     }
 }
 
@@ -773,7 +777,7 @@ static void debug_pulse(void **state)
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0x88, 1), 1); /* of neither */
     assert_int_equal(chip_read(c, ECT_REG_DC_SYNC0_STATUS, 8), 0);
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 0);
-    c->personality = *ect_esc_personality("et1100"); /* which does not know it */
+    c->personality = *ect_esc_personality("et1100"); /* a chip without this feature */
     chip_power_on(c);
     assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, 0xFC, 1), 1);
     assert_int_equal(chip_read(c, ECT_REG_DC_ACTIVATION, 1), 0x04);
@@ -822,7 +826,7 @@ static void continuous(void **state)
         edge(c, n, true, base + 1100); /* no edge */
         edge(c, n, false, base + 2003);
         assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
-        (void)chip_read(c, ECT_REG_DC_LATCH_TIME + 32, 8); /* there are no others */
+        (void)chip_read(c, ECT_REG_DC_LATCH_TIME + 32, 8); /* there are no further ones */
         assert_int_equal(chip_read(c, times, 8), base + 1003);
         assert_int_equal(chip_read(c, (uint16_t)(times + 8), 8), base + 2003);
         edge(c, n, true, base + 3003);
@@ -849,11 +853,11 @@ static void single_event(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 0);
     assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0);
     edge(c, 0, true, 5000);
-    assert_int_equal(chip_pdi_read(c, 0x09B0, 8), 5000); /* which is not the PDI's to take */
+    assert_int_equal(chip_pdi_read(c, 0x09B0, 8), 5000); /* the PDI cannot take it */
     assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 1), 1);
 }
 
-/* From power-on: both latches for single events, both edges of each have come. */
+/* From power-on: both latches for single events, with both edges of each. */
 static void all_edges(chip_t *c)
 {
     c->w.now_ns = 5000 * MS;
@@ -865,7 +869,7 @@ static void all_edges(chip_t *c)
     }
 }
 
-/* Each byte of a time stands for its edge, and for no other. */
+/* Each byte of a time belongs to its edge only. */
 static void latch_read_in_part(void **state)
 {
     chip_t *c = *state;
@@ -883,7 +887,7 @@ static void latch_read_in_part(void **state)
     }
 }
 
-/* A write to the control of a latch makes that latch wait anew, and leaves the other. */
+/* A write to the control of a latch makes that latch wait again, and does not affect the other. */
 static void latch_waits_anew(void **state)
 {
     chip_t *c = *state;
@@ -893,7 +897,7 @@ static void latch_waits_anew(void **state)
         assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_STATUS, 2), n == 0 ? 0x0300 : 0x0003);
         assert_int_equal(chip_read(c, 0x0210, 2) & 1, 1);
         assert_int_equal(chip_write(c, (uint16_t)(ECT_REG_DC_LATCH_CONTROL + 1 - n), 0x03, 1), 1);
-        assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0); /* nothing is left to be read */
+        assert_int_equal(chip_read(c, 0x0210, 2) & 1, 0); /* nothing is left to read */
         assert_int_equal(chip_write(c, (uint16_t)(ECT_REG_DC_LATCH_CONTROL + n), 0xFD, 1), 1);
         assert_int_equal(chip_read(c, ECT_REG_DC_LATCH_CONTROL, 2), n == 0 ? 0x0301 : 0x0103);
     }
@@ -932,47 +936,48 @@ static void pin_state(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("CF-087: a clock that drifts gains or loses so many ns a second, over a hundred years too", drift),
+        TEST("CF-087: a clock with a drift gains or loses a constant rate, over a hundred years too", drift),
         TEST("CF-087: a changing drift loses no fraction, and the clock never goes back", drift_in_steps),
         TEST("CF-088: the control loop follows a clock that differs by up to 700 ppm, at any cycle", loop_settles),
         TEST("CF-088: the speed counter difference shows the deviation by the data sheet's formula", speed_difference),
-        TEST("CF-088: a difference is taken away no faster than the range of the speed counter allows", fastest),
+        TEST("CF-088: a difference is corrected no faster than the range of the speed counter allows", fastest),
         TEST("CF-088: the speed counter difference is the greatest that the rate allows", speed_difference_exactly),
-        TEST("CF-088: a sample takes an eighth of its difference away, and a part of that for good", one_sample),
-        TEST("CF-088: a write to the speed counter's start ends what was regulated", unregulated_again),
+        TEST("CF-088: a sample corrects an eighth of its difference, a part of it permanently", one_sample),
+        TEST("CF-088: a write to the speed counter's start resets the control loop", unregulated_again),
         TEST("CF-088: a system time that is written in part is compared in that part", compared_in_part),
-        TEST("CF-088: a difference of 2^30 ns, ahead or behind, is shown and not regulated; less is", lock_limit),
+        TEST("CF-088: a difference of 2^30 ns, ahead or behind, is shown and not corrected; a smaller one is",
+             lock_limit),
         TEST("CF-088: 0x092C is a mean over the filter's depth", filter),
         TEST("CF-088: a loop that belongs to the PDI compares with latch 0, and refuses the master", loop_of_the_pdi),
         TEST("CF-087: receive and system times are those of the frame at this chip, less the delay", ways),
         TEST("CF-087: which commands take receive times, on an ET1100 and on an ET1200", what_latches),
         TEST("CF-087: a system time that is read in pieces is one time", in_pieces),
         TEST("CF-089: SYNC1 follows SYNC0 by its cycle time, and then the first SYNC0 after itself", sync1),
-        TEST("CF-089: SYNC1 without SYNC0 comes alone", sync1_alone),
-        TEST("CF-089: 0x0151 says which of SYNC0 and SYNC1 are events", which_are_events),
-        TEST("CF-089: an activation that is written again leaves the grid as it is", written_again),
-        TEST("CF-089: a pulse is due by itself from its activation on, whoever comes by", due_by_itself),
+        TEST("CF-089: SYNC1 occurs without SYNC0", sync1_alone),
+        TEST("CF-089: 0x0151 selects which of SYNC0 and SYNC1 are events", which_are_events),
+        TEST("CF-089: a repeated write of the activation does not move the pulses", written_again),
+        TEST("CF-089: a pulse is due from its activation on, without any access", due_by_itself),
         TEST("CF-089: a start time is kept until the unit runs", start_time_kept),
         TEST("CF-089: a next time that is read in pieces is one time", next_time_in_pieces),
         TEST("CF-089: the times of the next pulses are read", next_times),
         TEST("CF-089: a pin is active for the length of the pulse, or until it is acknowledged", pins),
-        TEST("CF-089 CF-090: SYNC0 comes by the chip's own clock, to the nanosecond", sync_with_drift),
-        TEST("CF-089: what changes while SYNC0 runs holds from then on", sync_unwatched),
-        TEST("CF-089 CF-090: SYNC0 comes by the chip's own clock while the control loop changes its rate",
+        TEST("CF-089 CF-090: SYNC0 follows the chip's own clock, to the nanosecond", sync_with_drift),
+        TEST("CF-089: a change while SYNC0 runs takes effect at once", sync_unwatched),
+        TEST("CF-089 CF-090: SYNC0 follows the chip's own clock while the control loop changes its rate",
              sync_while_regulated),
         TEST("CF-087 CF-089: SYNC0 comes in time with an offset of either sign", sync_with_offset),
-        TEST("CF-089: the time of a pulse that is told is exact, however far away; beyond 2^63 ns none is told",
+        TEST("CF-089: the reported time of a pulse is exact at any distance; beyond 2^63 ns none is reported",
              far_away),
-        MODERN("CF-089: a start time that is written while the unit runs starts it anew", started_anew),
+        MODERN("CF-089: a start time that is written while the unit runs restarts it", started_anew),
         MODERN("CF-089: a start time that is written activates by itself, and 32 bits of it are enough",
                auto_activation),
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),
         MODERN("CF-089: a debug pulse comes at once, on chips that know it", debug_pulse),
-        TEST("CF-089 CF-091: who controls SYNC0, SYNC1 and the latches is the master's to say", who_controls),
+        TEST("CF-089 CF-091: the master assigns the control of SYNC0, SYNC1 and the latches", who_controls),
         TEST("CF-091: continuous: each edge of a latch input is taken", continuous),
         TEST("CF-091: single event: the first edge is kept until it is read", single_event),
         TEST("CF-091: an edge is acknowledged by any byte of its time, and by no other's", latch_read_in_part),
-        TEST("CF-091: a latch whose control is written waits anew, the other one goes on", latch_waits_anew),
+        TEST("CF-091: a latch whose control is written waits again, the other one continues", latch_waits_anew),
         TEST("CF-091: the event of a latch goes to the side that controls it, which acknowledges it by reading",
              latch_of_the_pdi),
         MODERN("CF-091: newer chips show the level of the latch inputs", pin_state),

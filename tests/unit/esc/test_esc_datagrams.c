@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Frames and datagrams: which slave acts, what happens to data, address, IRQ field and working counter, what is let
- * through and what is not (data sheet I sections 2, 3 and 14; ETG.1000.4 section 5). */
+/* Frames and datagrams: which slave acts, the effect on data, address, IRQ field and working counter, and which frames
+ * pass (data sheet I sections 2, 3 and 14; ETG.1000.4 section 5). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,7 +73,7 @@ static bool send_through(rig_t *r, unsigned int count)
     return true;
 }
 
-/* To slave 0 in a buffer that ends where the frame ends, so that a sanitizer sees every byte too far. */
+/* To slave 0 in a buffer that ends with the frame, so that a sanitizer detects every access beyond it. */
 static ect_frame_result_t send_exact(rig_t *r, size_t length)
 {
     uint8_t *copy = malloc(length + 1);
@@ -89,7 +89,7 @@ static ect_frame_result_t send_exact(rig_t *r, size_t length)
 typedef struct command {
     uint8_t code;
     char addressing; /* P position, F station address, B all, - none */
-    const char *hit; /* what the addressed slave does: r, w or both */
+    const char *hit; /* effect in the addressed slave: r, w or both */
     const char *miss;
     uint8_t adp_step;
 } command_t;
@@ -117,7 +117,7 @@ static bool hits(const command_t *c, uint16_t adp, unsigned int slave, bool alia
     return c->addressing == 'B';
 }
 
-/* What the table says becomes of a datagram on its way through the slaves. */
+/* The effect of the slaves on a datagram, according to the table. */
 static void model(const command_t *c, bool alias, image_t *m)
 {
     for (unsigned int s = 0; s < SLAVES; s++) {
@@ -150,8 +150,7 @@ static void expect_image(rig_t *r, const char *what, uint8_t code, const image_t
         fail_msg("%s: command %u: command, index, ADO or length were changed", what, code);
     for (unsigned int s = 0; s < SLAVES; s++) {
         if (memcmp(r->memory[s] + USER, want->memory[s], 3) != 0)
-            fail_msg("%s: command %u, ADP 0x%04X: memory of slave %u is not as the table says", what, code, sent_adp,
-                     s);
+            fail_msg("%s: command %u, ADP 0x%04X: memory of slave %u differs from the table", what, code, sent_adp, s);
     }
 }
 
@@ -213,7 +212,8 @@ static void address_zero(void **state)
     assert_int_equal(wire_datagram(&r->w, 0)[DATA], 0x11);
 }
 
-/* A read-write to a place where one half is not allowed. SM0 is a mailbox written by the master, SM1 one read by it. */
+/* A read-write to an address where one half is not permitted. SM0 is a mailbox written by the master, SM1 one read by
+ * it. */
 static void halves(void **state)
 {
     rig_t *r = *state;
@@ -304,7 +304,7 @@ static void features_without(void **state)
     }
 }
 
-/* Read, write, read again in one frame, for all numbers of datagrams that fit: each answers for itself. */
+/* Read, write, read again in one frame, for all numbers of datagrams that fit: each has its own result. */
 static void many_datagrams(void **state)
 {
     rig_t *r = *state;
@@ -358,13 +358,13 @@ static void data_lengths(void **state)
     }
 }
 
-/* Bytes that are not there are OR'ed into nothing. */
+/* Missing bytes do not change the frame's data. */
 static void broadcast_beyond_the_end(void **state)
 {
     static const uint8_t codes[] = {BRD, BRW};
     rig_t *r = *state;
     for (size_t i = 0; i < sizeof codes; i++) {
-        memset(r->memory[0] + 0x1100, 0xFF, 4); /* something was read before */
+        memset(r->memory[0] + 0x1100, 0xFF, 4); /* the buffer holds previous data */
         wire_build(&r->w, BRD, 0, 0x1100, (uint8_t[4]){0}, 4);
         assert_int_equal(send_exact(r, r->w.frame_length), ECT_FRAME_FORWARD);
         wire_build(&r->w, codes[i], 0, MEMORY - 2, (uint8_t[4]){0}, 4);
@@ -397,7 +397,7 @@ static void build_three(rig_t *r)
     wire_append(&r->w, APWR, 0, ECT_REG_AL_CONTROL, request, 2);
 }
 
-/* Nothing but the two counters may have moved. */
+/* Only the two counters may have changed. */
 static void expect_refused(rig_t *r, const char *what, unsigned int number, ect_frame_result_t got, unsigned int rx,
                            const uint8_t *before)
 {
@@ -435,14 +435,14 @@ static void truncated(void **state)
     assert_int_equal(wire_wkc(&r->w, 0) + wire_wkc(&r->w, 1) + wire_wkc(&r->w, 2), 3);
 }
 
-/* Behind the end of a frame stands what it likes: nobody looks. */
+/* Bytes behind the end of a frame are never read. */
 static void nothing_behind_the_end(void **state)
 {
     static const struct {
         size_t length;
         uint8_t ethertype[2];
-        unsigned int rx; /* counts in 0x0300: EtherCAT that is cut */
-        uint8_t type;    /* the byte with it */
+        unsigned int rx; /* counts in 0x0300: truncated EtherCAT */
+        uint8_t type;    /* EtherCAT type */
     } rows[] = {{14, {0x88, 0xA4}, 1, 0},    {15, {0x88, 0xA4}, 1, 0}, {16, {0x88, 0xA4}, 1, 0x10},
                 {16, {0x88, 0xA4}, 0, 0x40}, {13, {0x08, 0x06}, 1, 0}, {14, {0x08, 0x06}, 0, 0},
                 {15, {0x08, 0x06}, 0, 0},    {60, {0x08, 0x06}, 0, 0}};
@@ -450,7 +450,7 @@ static void nothing_behind_the_end(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t frame[64] = {0};
         memcpy(frame + 12, rows[i].ethertype, 2);
-        frame[1] = 0x10; /* of an address: no header */
+        frame[1] = 0x10; /* address type: no header */
         frame[15] = rows[i].type;
         r->memory[0][0x0300] = r->memory[0][0x030C] = 0;
         assert_int_equal(ect_esc_process(&r->esc[0], frame, rows[i].length, r->w.now_ns), ECT_FRAME_DESTROYED);
@@ -479,12 +479,12 @@ static void build_udp(rig_t *r)
     insert(r, headers, sizeof headers);
 }
 
-/* What a way that parses a frame once is told (esc/route.h). */
+/* Properties of a frame for code that parses it once (esc/route.h). */
 static void where_datagrams_begin(void **state)
 {
     static const struct {
         const char *what;
-        size_t length; /* 0: as it was built */
+        size_t length; /* 0: as built */
         unsigned int at, value;
         size_t want;
     } rows[] = {{"a frame", 0, 0, 0xFF, 16},
@@ -505,7 +505,7 @@ static void where_datagrams_begin(void **state)
         if (strcmp(rows[i].what, "in UDP") == 0)
             build_udp(r);
         memcpy(frame, r->w.frame, r->w.frame_length);
-        frame[1] = 0x10; /* of an address: no header */
+        frame[1] = 0x10; /* address type: no header */
         frame[rows[i].at] = (uint8_t)rows[i].value;
         size_t got = ect_frame_datagrams(frame, rows[i].length != 0 ? rows[i].length : r->w.frame_length);
         if (got != rows[i].want)
@@ -528,7 +528,7 @@ static void false_lengths(void **state)
         ect_frame_result_t result = send_exact(r, r->w.frame_length);
         expect_refused(r, "row", (unsigned int)i, result, 1, before);
     }
-    /* The length in the EtherCAT header is not asked. */
+    /* The length in the EtherCAT header is ignored. */
     for (unsigned int length = 0; length <= 0x7FF; length += 0x7F) {
         build_three(r);
         ect_store_le16(r->w.frame + 14, (uint16_t)(0x1000 | length));
@@ -616,7 +616,7 @@ static void vlan_tag(void **state)
     }
 }
 
-/* IPv4 and UDP in front: the EtherType of the frame becomes 0x0800. */
+/* With IPv4 and UDP headers in front: the EtherType of the frame becomes 0x0800. */
 static void udp(void **state)
 {
     rig_t *r = *state;
@@ -681,7 +681,7 @@ static void udp_forwarded(void **state)
     rig_t *r = *state;
     r->memory[0][ECT_REG_DL_CONTROL] = 0;
     build_udp(r);
-    r->w.frame[43] = 0x40; /* network variables: no EtherCAT for an ESC */
+    r->w.frame[43] = 0x40; /* network variables: not EtherCAT for an ESC */
     uint8_t sent[160];
     memcpy(sent, r->w.frame, r->w.frame_length);
     assert_int_equal(send_exact(r, r->w.frame_length), ECT_FRAME_FORWARD);
@@ -714,7 +714,7 @@ static void source_mac(void **state)
     }
 }
 
-/* Slave 0 shows events 0x000C under mask 0x0004, slave 1 0x0030 under 0xFFFF, slave 2 0x0FFF under 0. */
+/* Slave 0 has events 0x000C with mask 0x0004, slave 1 0x0030 with 0xFFFF, slave 2 0x0FFF with 0. */
 static void irq_field(void **state)
 {
     rig_t *r = *state;
@@ -795,7 +795,7 @@ int main(int argc, char **argv)
         TEST("CF-006 CF-008: a broadcast read leaves bytes that are not there as they were", broadcast_beyond_the_end),
         TEST("CF-013: a datagram of length 0 does nothing, WKC 0, the ADP still counts slaves", zero_length_commands),
         TEST("CF-013: a frame cut anywhere is not answered, executes nothing, counts in 0x0300 and 0x030C", truncated),
-        TEST("CF-013: a frame ends where it ends, whatever stands behind", nothing_behind_the_end),
+        TEST("CF-013: a frame ends where it ends, whatever is behind it", nothing_behind_the_end),
         TEST("CF-013: where the datagrams of a frame begin, and which frames have none", where_datagrams_begin),
         TEST("CF-013: datagram lengths that do not fit are refused; the header's length is not asked", false_lengths),
         TEST("CF-013: a frame of 2000 bytes is taken, a longer one is invalid", longest_frame),

@@ -40,7 +40,7 @@ static uint64_t read_number(rig_t *r, uint16_t ado, uint16_t length)
 
 static void power_on(rig_t *r, uint8_t sync_config)
 {
-    ect_store_le16(r->sii + 14, 0x88A4); /* check switched off */
+    ect_store_le16(r->sii + 14, 0x88A4); /* check value disabled */
     r->sii[3] = sync_config;
     const ect_esc_config_t config = {.personality = ect_esc_personality("et1100"),
                                      .memory = r->memory,
@@ -80,7 +80,7 @@ static void receive_times(void **state)
 {
     rig_t *r = *state;
     r->w.now_ns += 777;
-    write_number(r, ECT_REG_DC_OFFSET, 100000, 8); /* receive times are local ones */
+    write_number(r, ECT_REG_DC_OFFSET, 100000, 8); /* receive times are local times */
     uint8_t any[4] = {0};
     assert_int_equal(send(r, BWR, ECT_REG_DC_RECEIVE_TIME, any, 4), 1);
     r->w.now_ns += 1000;
@@ -104,7 +104,8 @@ static void difference(void **state)
         uint64_t own = read_number(r, ECT_REG_DC_SYSTEM_TIME, 4);
         write_number(r, ECT_REG_DC_SYSTEM_TIME, own + (uint64_t)rows[i].received_minus_own, 4);
         assert_int_equal(read_number(r, ECT_REG_DC_DIFFERENCE, 4), rows[i].want);
-        assert_int_equal(read_number(r, ECT_REG_DC_SYSTEM_TIME, 4), own); /* one sample says nothing of the rate */
+        assert_int_equal(read_number(r, ECT_REG_DC_SYSTEM_TIME, 4),
+                         own); /* one sample gives no information about the rate */
     }
     write_number(r, ECT_REG_DC_SPEED_START, 0x1000, 2);
     assert_int_equal(read_number(r, ECT_REG_DC_DIFFERENCE, 4), 0);
@@ -164,7 +165,7 @@ static void sync0(void **state)
         acknowledge(r);
         expect_event(r, "acknowledged", false);
     }
-    r->w.now_ns = START_NS + 10000001; /* missed: the grid stays */
+    r->w.now_ns = START_NS + 10000001; /* missed: the cycle continues */
     assert_int_equal(read_number(r, ECT_REG_DC_START_TIME, 8), 10250000);
     expect_event(r, "after a long time", true);
     write_number(r, 0x0981, 0, 1);
@@ -191,7 +192,7 @@ static void start_in_the_past(void **state)
     assert_int_equal(tick_at(r, 3600000000000), UINT64_MAX);
     expect_event(r, "never", false);
     assert_int_equal(read_number(r, 0x0984, 1), 1);
-    start(r, 3600000000000, 1000); /* this very nanosecond */
+    start(r, 3600000000000, 1000); /* the present nanosecond */
     assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), UINT64_MAX);
     expect_event(r, "now is past", false);
     start(r, UINT64_MAX, 1000); /* 584 years */
@@ -220,7 +221,7 @@ static void event_by_reload(void **state)
     uint64_t pulse_ns = ect_esc_tick(&r->esc, done_ns);
     assert_in_range(pulse_ns, done_ns + 1, done_ns + 1000);
     assert_int_equal((pulse_ns - START_NS) % 1000, 500);
-    acknowledge(r); /* those that nobody was told of */
+    acknowledge(r); /* those without an event */
     expect_event(r, "before the pulse", false);
     (void)ect_esc_tick(&r->esc, pulse_ns);
     expect_event(r, "after the reload", true);
@@ -254,7 +255,8 @@ int main(int argc, char **argv)
         TEST("CF-089: cycle 0 is a single shot", single_shot),
         TEST("CF-089: a start time that has passed is never reached", start_in_the_past),
         TEST("CF-056 CF-089: a reload that makes an event of SYNC0 finds its next pulse", event_by_reload),
-        TEST("CF-089: without 0x0151 bit 3 SYNC0 wakes nobody, and its next time is shown all the same", not_an_event),
+        TEST("CF-089: without 0x0151 bit 3 SYNC0 raises no event, and its next time is shown all the same",
+             not_an_event),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -13,7 +13,7 @@ enum { SLAVES = 2, RAM_KB = 8, MEMORY = 0x1000 + RAM_KB * 1024, DATA = 10, READS
 
 typedef struct rig {
     ect_esc_personality_t personality;
-    uint8_t *memory[SLAVES]; /* each of its own, so that a sanitizer sees its end */
+    uint8_t *memory[SLAVES]; /* each in its own allocation, so that a sanitizer detects its end */
     uint8_t sii[16];
     ect_esc_t esc[SLAVES];
     wire_t w;
@@ -37,7 +37,7 @@ static int setup(void **state)
 {
     rig_t *r = calloc(1, sizeof *r);
     r->personality = *ect_esc_personality("et1100");
-    ect_store_le16(r->sii + 14, 0x88A4); /* check switched off */
+    ect_store_le16(r->sii + 14, 0x88A4); /* check value disabled */
     for (unsigned int i = 0; i < SLAVES; i++)
         power_on(r, i, RAM_KB);
     r->random = 0x2468ACE1;
@@ -116,7 +116,7 @@ static void put_bit(uint8_t *bytes, uint64_t bit, bool value)
     bytes[bit / 8] = (uint8_t)(value ? bytes[bit / 8] | mask : bytes[bit / 8] & ~mask);
 }
 
-/* The model: bit by bit through one FMMU. @return whether one bit was moved */
+/* The model: bit by bit through one FMMU. @return whether a bit was moved */
 static bool model(const fmmu_t *f, uint32_t logical, uint16_t length, uint8_t *data, uint8_t *memory, uint32_t size,
                   bool write)
 {
@@ -166,7 +166,7 @@ static void compare(rig_t *r, const fmmu_t *f, uint8_t command, uint32_t logical
                  logical, length, gain, wkc, memcmp(want_memory, r->memory[0], MEMORY) == 0);
 }
 
-/* All meetings of a datagram of 1 to 3 bytes with a window of whole bytes. */
+/* All overlaps of a datagram of 1 to 3 bytes with a window of whole bytes. */
 static void whole_bytes(void **state)
 {
     rig_t *r = *state;
@@ -215,7 +215,7 @@ static void all_bits(void **state)
     }
 }
 
-/* Outside 0x0F00..0x0F03 a write of bits writes whole bytes; what becomes of the bits beside is not determined. */
+/* Outside 0x0F00..0x0F03 a write of bits writes whole bytes; the value of the adjacent bits is undefined. */
 static void bits_written_to_ram(void **state)
 {
     rig_t *r = *state;
@@ -241,7 +241,7 @@ static void bits_written_to_ram(void **state)
     }
 }
 
-/* A window of bits that is longer than what is moved at a time: all its bits, and no byte beside it. */
+/* A window of bits that is longer than one piece: all its bits, and no adjacent byte. */
 static void many_bits_written_to_ram(void **state)
 {
     rig_t *r = *state;
@@ -287,7 +287,7 @@ static void random_windows(void **state)
                     .stop_bit = 7,
                     .active = below(r, 16) != 0};
         f.type = (uint8_t)below(r, 4);
-        if (bits) { /* bit-wise writes only where the chip has them */
+        if (bits) { /* bit-wise writes only where the chip supports them */
             f.start_bit = (uint8_t)below(r, 8);
             f.physical_bit = (uint8_t)below(r, 8);
             f.stop_bit = (uint8_t)(f.length == 1 ? f.start_bit + below(r, 8u - f.start_bit) : below(r, 8));
@@ -329,7 +329,7 @@ static void limits_of_addresses(void **state)
     }
 }
 
-/* 60 KB of RAM end at 0xFFFF: a window beyond it still has the part before. */
+/* 60 KB of RAM end at 0xFFFF: the part of a window before that still works. */
 static void to_the_last_address(void **state)
 {
     rig_t *r = *state;
@@ -399,7 +399,7 @@ static void same_byte_twice_written(void **state)
                  r->memory[0][0x1200], r->memory[0][0x1201]);
 }
 
-/* What an FMMU moves counts, also beside one that has the bits and no memory. */
+/* A transfer of an FMMU counts, even if another FMMU maps the bits without memory. */
 static void beside_nothing(void **state)
 {
     static const struct {
@@ -416,7 +416,7 @@ static void beside_nothing(void **state)
     }
 }
 
-/* What a passing frame is told of FMMUs (esc/route.h): those that move something. */
+/* The FMMUs that matter to a passing frame (esc/route.h): those that transfer data. */
 static void route_of_fmmus(void **state)
 {
     static const struct {
@@ -440,7 +440,7 @@ static void route_of_fmmus(void **state)
     uint8_t data[2] = {0x12, 0};
     ect_esc_route(&r->esc[0], &route);
     assert_false(route.al_status_new);
-    for (unsigned int i = 0; i < 2; i++) { /* the first raises an event, the second finds it raised */
+    for (unsigned int i = 0; i < 2; i++) { /* the first raises an event, the second finds it set */
         uint32_t routing = ect_esc_routing(&r->esc[0]);
         ect_esc_pdi_write(&r->esc[0], 0x0130, data, 2);
         assert_int_not_equal(ect_esc_routing(&r->esc[0]), routing);
@@ -479,7 +479,7 @@ static void sm_rules_apply(void **state)
     assert_int_equal(send(r, 1, APWR, 0x08000000, sm, 16), 1);
     set_fmmu(r, 0, 0, &out);
     set_fmmu(r, 0, 1, &in);
-    assert_int_equal(send(r, 1, LRW, 0x100, data, 8), 2); /* no inputs written yet */
+    assert_int_equal(send(r, 1, LRW, 0x100, data, 8), 2); /* no inputs written so far */
     assert_memory_equal(data, "\1\2\3\4\5\6\7\10", 8);
     ect_esc_pdi_write(&r->esc[0], 0x1300, "ABCD", 4);
     assert_int_equal(send(r, 1, LRW, 0x100, data, 8), 3);
@@ -494,7 +494,7 @@ static void sm_rules_apply(void **state)
     assert_int_equal(send(r, 1, LRD, 0x106, data, 2), 0);
 }
 
-/* A long window that is not aligned to bytes, over a SyncManager: in pieces inside, one access outside. */
+/* A long window that is not aligned to bytes, over a SyncManager: pieces inside, one access outside. */
 static void long_unaligned_window(void **state)
 {
     rig_t *r = *state;
@@ -513,7 +513,7 @@ static void long_unaligned_window(void **state)
     assert_int_equal(r->memory[0][0x0805] & ECT_SM_STATUS_FULL, 0);
 }
 
-/* Bits that cannot be read stay as they are in the frame, in a window of bits as in one of bytes. */
+/* Unreadable bits keep their value in the frame, in a window of bits as in one of bytes. */
 static void unreadable_part(void **state)
 {
     rig_t *r = *state;
@@ -609,7 +609,7 @@ static void two_slaves_in_one_lrw(void **state)
     }
 }
 
-/* Read and write on the same place: what is read is what stood there before. */
+/* Read and write of the same bits: the read returns the previous value. */
 static void read_before_write(void **state)
 {
     rig_t *r = *state;
@@ -665,8 +665,7 @@ int main(int argc, char **argv)
         TEST("CF-031: two FMMUs write the same logical byte: the lowest number writes alone", same_byte_twice_written),
         TEST("CF-031: an FMMU that loses a byte to a lower one does not touch what it maps", loser_is_not_read),
         TEST("CF-031: an FMMU counts beside one that has the bits and no memory", beside_nothing),
-        TEST("CF-028: a passing frame is told of the FMMUs that move something, and of a new AL status",
-             route_of_fmmus),
+        TEST("CF-028: the route lists the FMMUs that transfer something, and of a new AL status", route_of_fmmus),
         TEST("CF-019 CF-028: behind an FMMU the SyncManager's rules hold", sm_rules_apply),
         TEST("CF-017 CF-029: a window that is not aligned reads a long mailbox from first to last byte",
              long_unaligned_window),

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SyncManagers under every interleaving of their two sides: no torn image, no stale one, no mail lost or read twice.
+ * SyncManagers under every interleaving of their two sides: no torn image, no outdated one, no mail lost or read twice.
  *
  * Each side goes through its buffer in pieces, in order, again and again. A step is one access of one side; the tests
- * go through all orders of so many steps, and through long ones by lot, in which a side may also begin anew half way. A
- * replay: the order is printed as w and r (W and R: anew).
+ * execute all orders of a number of steps, and long random ones, in which a side may also restart half way. For a
+ * replay, the order is printed as w and r (W and R: restart).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -18,11 +18,11 @@ typedef struct sides {
     bool mailbox;
     bool master_writes;
     unsigned int pieces[2]; /* of the writer, of the reader: 1, 2, 3, 4 */
-    unsigned int at[2];     /* which piece is next */
-    bool accepted[2];       /* no access of this round was refused */
-    uint8_t writing;        /* the number that each byte of this image has */
-    uint8_t written;        /* that of the last one that is complete; 0 none */
-    uint8_t wanted;         /* that of the last one when the reader began */
+    unsigned int at[2];     /* index of the next piece */
+    bool accepted[2];       /* no access of this pass was refused */
+    uint8_t writing;        /* the number that fills this image */
+    uint8_t written;        /* that of the last complete image; 0: none */
+    uint8_t wanted;         /* that of the last image when the reader started */
     uint8_t last_read;
     uint8_t image[LENGTH];
     char order[ORDER];
@@ -36,7 +36,7 @@ static void fail_at(const sides_t *s, const char *what, unsigned int want, unsig
              (int)(s->steps < ORDER ? s->steps : ORDER), s->order, s->steps < ORDER ? "" : "…", what, want, got);
 }
 
-/* One access, by the side that the direction says. @return whether it was taken */
+/* One access, by the side of its direction. @return whether it was accepted */
 static bool access_one(sides_t *s, bool write, uint16_t offset, uint8_t *data, uint16_t length)
 {
     ect_esc_t *esc = &s->c->esc;
@@ -49,7 +49,7 @@ static bool access_one(sides_t *s, bool write, uint16_t offset, uint8_t *data, u
         (void)ect_esc_pdi_write(esc, (uint16_t)(START + offset), data, length);
     else
         (void)ect_esc_pdi_read(esc, (uint16_t)(START + offset), data, length);
-    if (offset != 0) /* the PDI is not told: it goes by the status and by where it has begun */
+    if (offset != 0) /* the PDI gets no result: the test reads the status and its start */
         return opened;
     if (s->mailbox)
         return write == ((status & 0x08) == 0);
@@ -120,7 +120,7 @@ static void begin(sides_t *s, chip_t *c, bool mailbox, bool master_writes, unsig
     chip_set_sm(c, 2, START, LENGTH, control, 1);
 }
 
-/* Every order of so many steps: depth first, the chip and both sides put back on the way up. */
+/* Every order of so many steps: depth first, with chip and both sides restored on the way up. */
 static void every_order(sides_t *s, unsigned int writes, unsigned int reads)
 {
     enum { USED = 0x1000 + 3 * LENGTH };
@@ -160,7 +160,7 @@ static uint32_t next_random(uint32_t *seed)
     return *seed >> 8;
 }
 
-/* In a mailbox a side that begins anew half way has begun a new round of the same mail. */
+/* In a mailbox, a side that restarts half way starts the same mail again. */
 static void by_lot(void **state)
 {
     static const unsigned int pieces[] = {1, 2, 3, 4, 6, 12};
@@ -180,8 +180,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-016 CF-017 CF-019: no torn, stale or lost image in any order of the accesses of both sides", exhaustive,
          chip_setup, chip_teardown, NULL},
-        {"CF-018 CF-019: nor in long orders by lot, in which sides begin anew half way", by_lot, chip_setup,
-         chip_teardown, NULL},
+        {"CF-018 CF-019: nor in long random orders, in which sides restart half way", by_lot, chip_setup, chip_teardown,
+         NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The registers of the ESC but for SII, FMMU, SyncManager and watchdog behaviour: reset values, access rights by side,
- * what a read or write sets off (data sheet II sections 2.1 to 2.8). */
+/* The registers of the ESC except SII, FMMU, SyncManager and watchdog behaviour: reset values, access rights of both
+ * sides, effects of reads and writes (data sheet II sections 2.1 to 2.8). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,7 +48,7 @@ static int setup(void **state)
 {
     rig_t *r = calloc(1, sizeof *r);
     r->personality = *ect_esc_personality("et1100");
-    r->personality.features = 0; /* the clocks have a test of their own, and so has what other chips have */
+    r->personality.features = 0; /* clocks, and the features of other chips, have tests of their own */
     r->personality.units = ECT_UNIT_LED_RUN | ECT_UNIT_LED_ERR;
     r->w.now_ns = 1000;
     make_sii(r);
@@ -65,7 +65,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* One datagram by position; data comes back. */
+/* Sends one datagram by position and returns its data. */
 static unsigned int send(rig_t *r, uint8_t command, uint16_t ado, void *data, uint16_t length)
 {
     wire_build(&r->w, command, 0, ado, data, length);
@@ -135,7 +135,7 @@ static void identity(void **state)
     }
 }
 
-/* Everything that is not 0 after power-on, transcribed from data sheet II. SII words as in make_sii. */
+/* All values that are not 0 after power-on, transcribed from data sheet II. SII words as in make_sii. */
 static const struct {
     uint16_t address;
     uint8_t size;
@@ -158,7 +158,7 @@ static void reset_state(void **state)
             fail_msg("0x%04X: expected 0x%X, got 0x%X", reset_values[i].address, reset_values[i].value,
                      ect_load_le32(b));
     }
-    /* What the data sheet does not name reads 0: between the blocks. */
+    /* Addresses between the blocks, which the data sheet does not name, read 0. */
     static const uint16_t zero[][2] = {{0x000A, 0x000F}, {0x0014, 0x001F}, {0x0042, 0x00FF}, {0x0104, 0x0107},
                                        {0x0112, 0x011F}, {0x0122, 0x012F}, {0x0300, 0x03FF}, {0x0440, 0x04FF},
                                        {0x0600, 0x07FF}, {0x0840, 0x08FF}};
@@ -170,7 +170,8 @@ static void reset_state(void **state)
     }
 }
 
-/* Who may write: e ECAT, p PDI, b both, ? not fixed by the data sheet for this chip. What no row names: nobody. */
+/* Write access: e ECAT, p PDI, b both, ? not defined by the data sheet for this chip. Addresses without a row:
+ * neither. */
 static const struct {
     uint16_t first, last;
     char who;
@@ -374,7 +375,7 @@ static void al_control_lock(void **state)
     }
 }
 
-/* A fault of the twin: one event goes by unnoticed, the next does not. */
+/* A fault of the twin: one event goes unnoticed, the next does not. */
 static void al_event_lost(void **state)
 {
     rig_t *r = *state;
@@ -406,7 +407,7 @@ static void emulation(void **state)
     }
 }
 
-/* The lock of a request that nobody fetched ends when a reload switches emulation on. */
+/* The lock of a request that was not read ends when a reload switches emulation on. */
 static void emulation_unlocks(void **state)
 {
     rig_t *r = *state;
@@ -471,7 +472,7 @@ static void dl_status_event(void **state)
     }
 }
 
-/* A reload that finds a bad check sum takes DL status bit 0 away. */
+/* A reload with a wrong check value clears DL status bit 0. */
 static void dl_status_change(void **state)
 {
     rig_t *r = *state;
@@ -555,7 +556,7 @@ static void masks_do_not_touch_requests(void **state)
     assert_int_equal(ecat_read(r, 0x0220), ECT_EVENT_AL_CONTROL);
 }
 
-/* Counters by group: a write to any of `first..last` clears them all, another group stays. */
+/* Counters by group: a write to any of `first..last` clears all of them, and no other group. */
 static void counters(void **state)
 {
     rig_t *r = *state;
@@ -612,7 +613,7 @@ static void ports(void **state)
     }
 }
 
-/* DL control 0x0101: two bits a port, 00 auto, 10 open, 11 closed. Ports 0 and 1 have a link. */
+/* DL control 0x0101: two bits for each port, 00 auto, 10 open, 11 closed. Ports 0 and 1 have a link. */
 static void forced_loops(void **state)
 {
     rig_t *r = *state;
@@ -673,7 +674,7 @@ static void run_led(void **state)
 {
     rig_t *r = *state;
     assert_int_equal(ecat_write(r, 0x0138, 0x1F), 1);
-    pdi_write(r, 0x0130, 0x01); /* not a change */
+    pdi_write(r, 0x0130, 0x01); /* no change */
     assert_int_equal(ecat_read(r, 0x0138) & 0x10, 0x10);
     pdi_write(r, 0x0134, 0x11);
     assert_int_equal(ecat_read(r, 0x0138) & 0x10, 0x10);
@@ -762,7 +763,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("CF-005: DL control that changes nothing raises no DL status event", dl_status_same),
-        TEST("CF-001: 0x0000..0x0009 read as the personality says and no side can write them", identity),
+        TEST("CF-001: 0x0000..0x0009 read as in the personality and no side can write them", identity),
         TEST("CF-001 CF-047: after power-on all registers have their reset values, reserved ones read 0", reset_state),
         TEST("CF-009: each register byte is written by the sides that may: WKC 1, else WKC 0 and nothing changes",
              access_rights),
@@ -772,7 +773,7 @@ int main(int argc, char **argv)
         TEST("CF-001: with the DC feature bit the clock's registers are read, pulse length from the SII",
              with_clock_feature),
         TEST("CF-041: AL control refuses a second write until the PDI has read a byte of it", al_control_lock),
-        TEST("CF-041: the event of one write to AL control may be lost, by a fault that is asked for", al_event_lost),
+        TEST("CF-041: the event of one write to AL control may be lost, by a requested fault", al_event_lost),
         TEST("CF-045: with device emulation AL control is never locked, AL status mirrors it, no event", emulation),
         TEST("CF-045: emulation switched on by a reload ends the lock of AL control", emulation_unlocks),
         TEST("CF-009: a PDI write of AL status sets ECAT event bit 3, an ECAT read of it clears it", al_status_event),

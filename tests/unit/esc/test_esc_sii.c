@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The SII EEPROM interface at 0x0500..0x050F: commands, busy time, error bits, ownership, what the chip loads itself
- * (data sheet I section 11, II section 2.11). */
+/* The SII EEPROM interface at 0x0500..0x050F: commands, busy time, error bits, ownership, and the configuration that
+ * the chip loads (data sheet I section 11, II section 2.11). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +14,7 @@ enum { BUSY = 0x8000, NO_WRITE_ENABLE = 0x4000, NO_ACK = 0x2000, NOT_LOADED = 0x
 typedef struct rig {
     ect_esc_personality_t personality;
     uint8_t *memory;
-    uint8_t *sii; /* of its own, so that a sanitizer sees its end */
+    uint8_t *sii; /* in its own allocation, so that a sanitizer detects its end */
     ect_esc_config_t config;
     ect_esc_t esc;
     wire_t w;
@@ -106,7 +106,7 @@ static void expect_status(rig_t *r, const char *what, uint16_t mask, uint16_t wa
         fail_msg("%s: expected 0x0502 & 0x%04X = 0x%04X, got 0x%04X", what, mask, want, got);
 }
 
-/* The words from `address` on, as a read must deliver them. Beyond the end an erased cell. */
+/* The words from `address` on, as a read must deliver them. Cells beyond the end are erased. */
 static void expect_data(rig_t *r, uint32_t address, unsigned int bytes)
 {
     uint8_t got[8] = {0};
@@ -128,7 +128,7 @@ static void read_sizes(void **state)
     for (uint8_t size = 4; size <= 8; size = (uint8_t)(size + 4)) {
         r->personality.sii_read = size;
         power_on(r);
-        expect_status(r, "bit 6 tells the size of a read", 0xFFFF, size == 8 ? 0x0040 : 0);
+        expect_status(r, "bit 6 gives the size of a read", 0xFFFF, size == 8 ? 0x0040 : 0);
         for (size_t i = 0; i < sizeof addresses / sizeof addresses[0]; i++) {
             memset(r->memory + VALUE, 0x3C, 8);
             assert_int_equal(command(r, 0x0100, addresses[i]), 1);
@@ -158,7 +158,7 @@ static void address_bytes(void **state)
     }
 }
 
-/* How the masters write command and address. All must read word 8. */
+/* Command and address as masters write them. All must read word 8. */
 static void access_lengths(void **state)
 {
     rig_t *r = *state;
@@ -187,7 +187,7 @@ static void access_lengths(void **state)
         if (ect_load_le16(got) != 0x0040 || memcmp(got + 6, r->sii + 16, 4) != 0)
             fail_msg("%s: status 0x%04X, data %02X %02X", rows[i].what, ect_load_le16(got), got[6], got[7]);
     }
-    /* Without the high byte of the command nothing starts. */
+    /* Without the high byte of the command, no command starts. */
     memset(r->memory + VALUE, 0, 8);
     assert_int_equal(ecat_write(r, CONTROL, "\x01", 1), 1);
     assert_int_equal(ecat_write(r, ADDRESS, "\x08\x00\x00\x00", 4), 1);
@@ -204,7 +204,7 @@ static void busy_read(void **state)
     uint64_t done = r->w.now_ns + 50 * US;
     assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), done);
     expect_status(r, "right after the command", 0x8700, 0x8100);
-    /* While busy nobody changes command, address or data. */
+    /* While busy, command, address and data cannot be written. */
     assert_int_equal(command(r, 0x0100, 1), 0);
     assert_int_equal(command(r, 0x0000, 1), 0);
     assert_int_equal(ecat_write(r, ADDRESS, "\x01", 1), 0);
@@ -239,7 +239,7 @@ static void busy_write(void **state)
     assert_memory_equal(r->sii + 0x40, "\xAB\xCD\x12\x34", 4);
 }
 
-/* What comes first: the end of a write or the watchdog (100 ms), whichever is the sooner. */
+/* A PDI access waits for the end of a write or the watchdog (100 ms), whichever is earlier. */
 static void next_deadline(void **state)
 {
     rig_t *r = *state;
@@ -272,7 +272,7 @@ static void busy_reload(void **state)
     expect_status(r, "reload done", 0xFFFF, 0x0040);
 }
 
-/* Each word but exactly one: neighbours stay. */
+/* Exactly one word each: its neighbours keep their value. */
 static void write_one_word(void **state)
 {
     rig_t *r = *state;
@@ -303,13 +303,13 @@ static void write_enable(void **state)
     assert_int_equal(ecat_write(r, VALUE, "\x11\x22", 2), 1);
     assert_int_equal(command(r, 0x0200, 0x20), 1);
     expect_status(r, "write without enable", 0xFFFF, NO_WRITE_ENABLE | 0x0040);
-    /* Enabled one frame earlier: too early, the bit has gone. */
+    /* Enabled one frame earlier: the bit is cleared again. */
     assert_int_equal(ecat_write(r, CONTROL, "\x01", 1), 1);
     expect_status(r, "the enable bit clears itself", 0x0001, 0);
     assert_int_equal(ecat_write(r, CONTROL + 1, "\x02", 1), 1);
     expect_status(r, "write, enabled a frame before", NO_WRITE_ENABLE, NO_WRITE_ENABLE);
     assert_memory_equal(r->sii, before, SII_SIZE);
-    /* The error goes with command 0, and with a valid command. */
+    /* The error is cleared by command 0, and by a valid command. */
     assert_int_equal(command(r, 0x0000, 0), 1);
     expect_status(r, "cleared by command 0", 0xFFFF, 0x0040);
     assert_int_equal(command(r, 0x0200, 0x20), 1);
@@ -384,7 +384,7 @@ static void expect_unloaded(rig_t *r, const char *what, bool loaded)
     assert_int_equal(data[0], loaded ? 0x5A : 0);
 }
 
-/* Where a SyncManager rules the registers stay registers, whatever the EEPROM. */
+/* Registers under a SyncManager remain registers, regardless of the EEPROM. */
 static void user_ram_without_configuration(void **state)
 {
     rig_t *r = *state;
@@ -448,7 +448,7 @@ static void reload(void **state)
         if (r->memory[at] != want[at])
             fail_msg("0x%04X: expected 0x%02X after a reload, got 0x%02X", at, want[at], r->memory[at]);
     }
-    assert_int_equal(ect_load_le16(r->memory + 0x0012), 0x1234); /* the alias stays until power-on */
+    assert_int_equal(ect_load_le16(r->memory + 0x0012), 0x1234); /* the alias is kept until power-on */
     power_on(r);
     assert_int_equal(ect_load_le16(r->memory + 0x0012), 0x5678);
     /* A bad image, then a good one again. */
@@ -461,7 +461,7 @@ static void reload(void **state)
     expect_unloaded(r, "reload of the good image", true);
 }
 
-/* Who may use the interface: 0x0500 as ECAT wrote it, 0x0501 as the PDI did. */
+/* Ownership of the interface: 0x0500 as ECAT wrote it, 0x0501 as the PDI did. */
 static void ownership(void **state)
 {
     rig_t *r = *state;
@@ -520,14 +520,14 @@ static void pdi_writes_eeprom(void **state)
     ect_esc_pdi_write(&r->esc, VALUE, "\x5A\xA5", 2);
     ect_esc_pdi_write(&r->esc, CONTROL, "\x00\x02\x30\x00\x00\x00", 6);
     assert_memory_equal(r->sii + 0x60, "\x5A\xA5", 2);
-    /* A take-over by force. */
+    /* A forced take-over. */
     assert_int_equal(ecat_write(r, 0x0500, "\x02", 1), 1);
     assert_int_equal(ecat_write(r, 0x0500, "\x00", 1), 1);
     assert_int_equal(command(r, 0x0100, 8), 1);
     expect_data(r, 8, 8);
 }
 
-/* Both bytes in one access: each side's own is taken. */
+/* Both bytes in one access: each side writes its own. */
 static void ownership_in_one_access(void **state)
 {
     rig_t *r = *state;
@@ -546,7 +546,7 @@ static void write_enable_of_the_pdi(void **state)
     expect_status(r, "the PDI owns: write enable reads 1", 0x0001, 0x0001);
 }
 
-/* What may be wrong with the EEPROM itself. */
+/* Faults of the EEPROM itself. */
 static void faults(void **state)
 {
     rig_t *r = *state;
@@ -578,7 +578,7 @@ static void faults(void **state)
     expect_data(r, 8, 8);
 }
 
-/* A reply that a frame asks for together with the command: whatever it shows, nothing breaks. */
+/* A reply that the same frame requests and reads: any data, but no error. */
 static void many_commands_in_a_frame(void **state)
 {
     rig_t *r = *state;
@@ -597,7 +597,7 @@ static void many_commands_in_a_frame(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("CF-055: a read delivers 4 or 8 bytes as bit 6 says, FF beyond the end, the rest stays", read_sizes),
+        TEST("CF-055: a read delivers 4 or 8 bytes according to bit 6, FF beyond the end, the rest stays", read_sizes),
         TEST("CF-055: bit 7 is set from 32 kbit on", address_bytes),
         TEST("CF-055: command and address are taken in accesses of any length", access_lengths),
         TEST("CF-055: busy for the time of a read, writes are refused meanwhile, data at the end", busy_read),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* SyncManagers: who may enter which buffer when, in how many accesses, and what the other side then sees
- * (data sheet I section 8). */
+/* SyncManagers: access of both sides to the buffers, in any number of accesses, and the effect on the other side (data
+ * sheet I section 8). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@ enum { OUT_MAILBOX = 0x36, IN_MAILBOX = 0x32, OUT_BUFFERED = 0x34, IN_BUFFERED =
 
 typedef struct rig {
     ect_esc_personality_t personality;
-    uint8_t *memory; /* of its own, so that a sanitizer sees its end */
+    uint8_t *memory; /* in its own allocation, so that a sanitizer detects its end */
     uint8_t sii[16];
     ect_esc_t esc;
     wire_t w;
@@ -24,7 +24,7 @@ static int setup(void **state)
     rig_t *r = calloc(1, sizeof *r);
     r->personality = *ect_esc_personality("et1100");
     r->memory = malloc(MEMORY);
-    ect_store_le16(r->sii + 14, 0x88A4); /* check switched off */
+    ect_store_le16(r->sii + 14, 0x88A4); /* check value disabled */
     const ect_esc_config_t config = {
         .personality = &r->personality, .memory = r->memory, .sii = r->sii, .sii_size = sizeof r->sii, .open_ports = 1};
     r->w.now_ns = 1000;
@@ -81,12 +81,12 @@ static void set_sm(rig_t *r, unsigned int n, uint16_t start, uint16_t length, ui
     assert_int_equal(send(r, APWR, (uint16_t)(0x0800 + 8 * n), block, 8), 1);
 }
 
-/* A step of a script: who (E ECAT, P PDI) reads or writes, and what must come of it. */
+/* A step of a script: the side (E ECAT, P PDI), read or write, and the expected result. */
 typedef struct step {
     char side, access;
     int offset;
     uint16_t length;
-    unsigned int wkc; /* for the PDI: data went through */
+    unsigned int wkc; /* for the PDI: data were transferred */
     uint8_t status;   /* of SM0 afterwards */
 } step_t;
 
@@ -132,7 +132,7 @@ static void mailbox_out(void **state)
     set_sm(r, 0, START, 8, OUT_MAILBOX);
     assert_int_equal(status_of(r, 0), 0x00);
     PLAY(r, "mailbox out", steps);
-    assert_int_equal(r->memory[START + 8], 0x40 + 30); /* what was behind the mailbox went into plain memory */
+    assert_int_equal(r->memory[START + 8], 0x40 + 30); /* bytes behind the mailbox went to plain memory */
 }
 
 static void mailbox_in(void **state)
@@ -188,7 +188,7 @@ static void buffered_in(void **state)
     assert_int_equal(send(r, APRD, START, data, 8), 0);
     assert_int_equal(data[0], 0xEE);
     ect_esc_pdi_write(&r->esc, START, "ABCDEFGH", 8);
-    for (unsigned int i = 0; i < 3; i++) { /* the old buffer may be read again and again */
+    for (unsigned int i = 0; i < 3; i++) { /* the previous buffer can be read repeatedly */
         memset(data, 0xEE, sizeof data);
         assert_int_equal(send(r, APRD, START, data, 8), 1);
         assert_memory_equal(data, "ABCDEFGH", 8);
@@ -200,7 +200,7 @@ static void buffered_in(void **state)
     ect_esc_pdi_write(&r->esc, START + 7, "h", 1);
     assert_int_equal(send(r, APRD, START, data, 4), 1);
     assert_memory_equal(data, "abcd", 4);
-    for (unsigned int i = 0; i < 5; i++) /* the reader keeps its buffer while others are written */
+    for (unsigned int i = 0; i < 5; i++) /* the reader keeps its buffer during further writes */
         ect_esc_pdi_write(&r->esc, START, "12345678", 8);
     assert_int_equal(send(r, APRD, START + 4, data, 4), 1);
     assert_memory_equal(data, "efgh", 4);
@@ -314,13 +314,13 @@ static void disabled_by_ecat(void **state)
         ect_esc_pdi_write(&r->esc, START, data, 8);
         assert_int_equal(ecat_write(r, 0x0806, 0), 1);
         assert_int_equal(status_of(r, 0), 0x30);
-        /* Now plain memory for both sides. */
+        /* Plain memory for both sides now. */
         memset(data, 0x70, sizeof data);
         assert_int_equal(send(r, APWR, START + 3, data, 2), 1);
         assert_int_equal(send(r, APRD, START + 3, data, 5), 1);
         pdi_write(r, START + 7, 0x71);
         assert_int_equal(r->memory[START + 7], 0x71);
-        /* Re-armed: nothing in it. */
+        /* Enabled again: empty. */
         assert_int_equal(ecat_write(r, 0x0806, 1), 1);
         assert_int_equal(status_of(r, 0), mailbox ? 0x00 : 0x30);
         memset(data, 0, sizeof data);
@@ -394,11 +394,11 @@ static void one_byte(void **state)
         assert_int_equal(got, v);
         assert_int_equal(ect_load_le16(r->memory + ECT_REG_ECAT_EVENT), 0);
     }
-    set_sm(r, 0, MEMORY, 1, OUT_BUFFERED); /* behind the RAM */
+    set_sm(r, 0, MEMORY, 1, OUT_BUFFERED); /* beyond the RAM */
     assert_int_equal(ecat_write(r, MEMORY, 1), 0);
 }
 
-/* The three buffers lie one behind the other; what stands before and behind is not theirs. */
+/* The three buffers are contiguous; the memory before and behind does not belong to them. */
 static void where_buffers_lie(void **state)
 {
     rig_t *r = *state;
@@ -419,7 +419,7 @@ static void where_buffers_lie(void **state)
     }
 }
 
-/* Over the registers of the digital outputs there are no buffers: each byte is where it is. */
+/* Over the registers of the digital outputs there are no buffers: each byte is at its own address. */
 static void digital_outputs(void **state)
 {
     rig_t *r = *state;
@@ -434,7 +434,7 @@ static void digital_outputs(void **state)
     assert_memory_equal(r->memory + 0x0F80, data, sizeof data);
 }
 
-/* Its events go with it, and nobody else's. */
+/* Its events are raised with it, and no others. */
 static void off_takes_its_events(void **state)
 {
     rig_t *r = *state;
@@ -476,7 +476,7 @@ static void length_zero(void **state)
     assert_int_equal(r->memory[ECT_REG_WD_STATUS_PD], 0);
 }
 
-/* Control bits 4 and 5: each direction raises its own event or none; the other side's access takes it away. */
+/* Control bits 4 and 5: each direction raises its own event or none; the access of the other side clears it. */
 static void events(void **state)
 {
     rig_t *r = *state;
@@ -585,7 +585,7 @@ static void repeat_bits(void **state)
     assert_int_equal(send(r, APRD, START, data, 4), 1);
 }
 
-/* A model of one SyncManager, byte by byte; -1: content not determined. */
+/* A model of one SyncManager, byte by byte; -1: content undefined. */
 enum { LONGEST = 64 };
 typedef struct model {
     bool mailbox, ecat_writes;
@@ -640,7 +640,7 @@ static void model_leave(model_t *m, bool by_ecat, bool write)
         m->ecat_event = true;
 }
 
-/* @return whether the access goes through; reads fill `data` with what must come. */
+/* @return whether the access succeeds; reads fill `data` with the expected bytes */
 static bool model_access(model_t *m, bool by_ecat, bool write, uint16_t offset, uint16_t length, int *data)
 {
     if (write != (by_ecat == m->ecat_writes))
@@ -678,7 +678,7 @@ typedef struct op {
     uint8_t sent[LONGEST];
 } op_t;
 
-/* Mostly what a side may do next: begin, go on, end; sometimes anything. */
+/* Mostly an access that the side may do next: start, continue, end; sometimes any other. */
 static op_t random_op(rig_t *r, const model_t *m, bool by_ecat)
 {
     op_t op = {0};

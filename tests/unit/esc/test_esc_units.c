@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Units of the ESC that masters rarely use: write protection, reset sequences, lamps, the PDI's watchdog, loops of the
- * ports, damaged frames, an EEPROM that the PDI stands for, SyncManager events that latch times. */
+/* Units of the ESC that masters rarely use: write protection, reset sequences, LEDs, the PDI's watchdog, loops of the
+ * ports, damaged frames, an EEPROM that the PDI emulates, SyncManager events that latch times. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,7 +47,7 @@ static void protection(void **state)
         if (wkc != (rows[i].taken ? 1 : 0) || (c->memory[rows[i].target] == 0x77) != rows[i].taken)
             fail_msg("%s: expected taken %d, got WKC %u, 0x%02X", rows[i].what, rows[i].taken, wkc,
                      c->memory[rows[i].target]);
-        assert_int_equal(chip_write(c, rows[i].target, 0x11, 1), /* in the next frame it is over */
+        assert_int_equal(chip_write(c, rows[i].target, 0x11, 1), /* expired in the next frame */
                          rows[i].target >= 0x0F80 && rows[i].protection == 0x0021 ? 1 : 0);
     }
 }
@@ -58,10 +58,10 @@ static void protection_ends(void **state)
     assert_int_equal(chip_write(c, 0x0021, 0xFF, 1), 1);
     assert_int_equal(chip_read(c, 0x0020, 2), 0x0100);
     assert_int_equal(chip_write(c, 0x0021, 0, 1), 0);
-    assert_int_equal(chip_write(c, 0x0020, 0x0000, 2), 1); /* enables, and ends it in the same datagram */
+    assert_int_equal(chip_write(c, 0x0020, 0x0000, 2), 1); /* enables, and disables in the same datagram */
     assert_int_equal(chip_read(c, 0x0020, 2), 0);
     assert_int_equal(chip_write(c, 0x0010, 5, 2), 1);
-    chip_pdi_write(c, 0x0021, 1, 1); /* is the master's */
+    chip_pdi_write(c, 0x0021, 1, 1); /* only the master may */
     assert_int_equal(c->memory[0x0021], 0);
 }
 
@@ -73,8 +73,8 @@ static void protection_in_part(void **state)
     c->memory[0x0F90] = 0x5A;
     assert_int_equal(chip_send(c, APWR, 0x0F70, data, sizeof data), 1);
     assert_int_equal(c->memory[0x0F80], 0x33);
-    assert_int_equal(c->memory[0x0F90], 0x5A);                          /* behind it */
-    assert_int_equal(chip_send(c, APWR, 0x0010, data, sizeof data), 1); /* holds 0x0020: all of it is taken */
+    assert_int_equal(c->memory[0x0F90], 0x5A);                          /* behind the protected area */
+    assert_int_equal(chip_send(c, APWR, 0x0010, data, sizeof data), 1); /* contains 0x0020: all bytes are accepted */
     assert_int_equal(chip_send(c, APWR, 0x0F00, data, 4), 0);
     assert_int_equal(chip_send(c, BWR, 0x0010, data, 2), 0);
     chip_pdi_write(c, 0x0012, 0x1234, 2); /* the microcontroller is part of the device */
@@ -126,7 +126,7 @@ static void reset_progress(void **state)
     assert_int_equal(c->memory[0x0040], 1);
     assert_int_equal(chip_write(c, 0x0040, 'E', 1), 1);
     assert_int_equal(c->memory[0x0040], 2);
-    assert_int_equal(chip_read(c, 0x0040, 1), 2); /* this frame does not go on with it */
+    assert_int_equal(chip_read(c, 0x0040, 1), 2); /* this frame does not advance it */
     assert_int_equal(chip_read(c, 0x0040, 1), 0);
     chip_pdi_write(c, 0x0041, 'R', 1);
     assert_int_equal(chip_read(c, 0x0041, 1), 1); /* the PDI counts its own accesses */
@@ -153,11 +153,12 @@ static void reset_resets(void **state)
     assert_int_equal(chip_read(c, 0x0010, 2), 0);
     assert_int_equal(chip_read(c, 0x0130, 2), 1);
     assert_int_equal(chip_read(c, 0x0800, 8), 0x0000300000000000);
-    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x56); /* the cable is still out */
-    assert_int_equal(chip_read(c, 0x0910, 8), 70);     /* and as long; the clock begins anew */
+    assert_int_equal(chip_read(c, DL_PORTS, 1), 0x56); /* the cable is still disconnected */
+    assert_int_equal(chip_read(c, 0x0910, 8), 70);     /* and of the same length; the clock restarts */
 }
 
-/* --- lamps ------------------------------------------------------------------------------------------------------ */
+/* --- LEDs -----------------------------------------------------------------------------------------------------------
+ */
 
 static void run_lamp(void **state)
 {
@@ -171,11 +172,11 @@ static void run_lamp(void **state)
         if (chip_read(c, 0x0138, 1) != rows[i][1])
             fail_msg("AL status 0x%02X: expected RUN 0x%02X, got 0x%02X", rows[i][0], rows[i][1], c->memory[0x0138]);
     }
-    chip_pdi_write(c, 0x0138, 0x1D, 1); /* from the other side, and given back */
+    chip_pdi_write(c, 0x0138, 0x1D, 1); /* from the other side, and released */
     assert_int_equal(chip_read(c, 0x0138, 1), 0x1D);
     assert_int_equal(chip_write(c, 0x0138, 0x07, 1), 1);
     assert_int_equal(chip_read(c, 0x0138, 1), 0);
-    assert_int_equal(chip_write(c, 0x0138, 0x131D, 2), 1); /* both lamps in one access */
+    assert_int_equal(chip_write(c, 0x0138, 0x131D, 2), 1); /* both LEDs in one access */
     assert_int_equal(chip_read(c, 0x0138, 2), 0x131D);
 }
 
@@ -186,7 +187,7 @@ static void err_lamp(void **state)
     chip_pdi_write(c, 0x0139, 0x13, 1);
     chip_pdi_write(c, 0x0130, 0x12, 2); /* a local error takes it back */
     assert_int_equal(chip_read(c, 0x0139, 1), 1);
-    chip_pdi_write(c, 0x0139, 0x13, 1); /* and what it has shown once does not do so again */
+    chip_pdi_write(c, 0x0139, 0x13, 1); /* and a code is shown only once */
     chip_pdi_write(c, 0x0134, 0x11, 2);
     assert_int_equal(chip_read(c, 0x0139, 1), 0x13);
     chip_pdi_write(c, 0x0139, 0, 1);
@@ -201,11 +202,11 @@ static void err_lamp(void **state)
     assert_int_equal(chip_read(c, 0x0139, 1), 0);
     chip_pdi_write(c, 0x0130, 8, 2);
     assert_int_equal(chip_read(c, 0x0139, 1), 2);
-    assert_int_equal(chip_write(c, 0x0420, 0, 2), 1); /* switched off it has not expired */
+    assert_int_equal(chip_write(c, 0x0420, 0, 2), 1); /* a disabled watchdog has not expired */
     chip_pdi_write(c, 0x0130, 4, 2);
     chip_pdi_write(c, 0x0130, 8, 2);
     assert_int_equal(chip_read(c, 0x0139, 1), 0);
-    c->sii[15] ^= 1; /* a reload that finds no configuration */
+    c->sii[15] ^= 1; /* a reload without a valid configuration */
     assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1);
     assert_int_equal(chip_read(c, 0x0139, 1), 0x0E);
 }
@@ -240,7 +241,7 @@ static void pdi_watchdog(void **state)
     }
     expect_pdi(c, "an access each 99 ms", true, 1);
     assert_int_equal(chip_write(c, 0x0410, 100, 2), 1);
-    assert_in_range(ect_esc_due(&c->esc), 0, c->w.now_ns); /* it looks at once whether the new time is over */
+    assert_in_range(ect_esc_due(&c->esc), 0, c->w.now_ns); /* it checks at once whether the new time has expired */
     chip_advance(c, 10 * MS);
     expect_pdi(c, "10 ms by the new time", false, 2);
     assert_int_equal(chip_write(c, 0x0410, 0, 2), 1);
@@ -251,7 +252,7 @@ static void pdi_watchdog(void **state)
     expect_pdi(c, "counters cleared", true, 0);
 }
 
-/* From the moment on at which it is watched, and found by a frame as by the chip's own time. */
+/* From the start of the observation on; found by a frame as by the chip's own time. */
 static void pdi_watchdog_by_frames(void **state)
 {
     chip_t *c = *state;
@@ -266,7 +267,7 @@ static void pdi_watchdog_by_frames(void **state)
     }
 }
 
-/* Nor is a PDI that is late a configuration. */
+/* A late PDI is not a configuration either. */
 static void pdi_late_without_configuration(void **state)
 {
     chip_t *c = *state;
@@ -276,7 +277,7 @@ static void pdi_late_without_configuration(void **state)
     assert_int_equal(c->memory[0x0110] & 3, 2);
     chip_advance(c, 200 * MS);
     assert_int_equal(c->memory[0x0110] & 3, 0);
-    assert_int_equal(chip_read(c, 0x0139, 1), 0x0F); /* the graver */
+    assert_int_equal(chip_read(c, 0x0139, 1), 0x0F); /* the more severe */
     assert_int_equal(chip_read(c, 0x014E, 1), 0);
 }
 
@@ -305,7 +306,7 @@ static void lost_link(void **state)
     }
     assert_int_equal(chip_read(c, LOST_LINK, 4), 0xFF00);
     assert_int_equal(chip_write(c, LOST_LINK + 3, 0, 1), 1);
-    assert_int_equal(chip_write(c, 0x0101, 0x08, 1), 1); /* forced open: the chip does not look at the link */
+    assert_int_equal(chip_write(c, 0x0101, 0x08, 1), 1); /* forced open: the chip ignores the link */
     ect_esc_set_link(&c->esc, 1, false);
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x52);
     ect_esc_set_link(&c->esc, 1, true);
@@ -333,7 +334,7 @@ static void auto_close(void **state)
     assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1);
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
     ect_esc_set_link(&c->esc, 1, false);
-    assert_false(ect_esc_frame_at(&c->esc, 1)); /* there cannot be one */
+    assert_false(ect_esc_frame_at(&c->esc, 1)); /* impossible */
     ect_esc_set_link(&c->esc, 1, true);
     assert_true(ect_esc_frame_at(&c->esc, 1));
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
@@ -343,7 +344,7 @@ static void auto_close(void **state)
     assert_int_equal(chip_write(c, 0x0101, 0x00, 1), 1); /* plain auto opens at once */
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
     assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1);
-    ect_esc_set_link(&c->esc, 1, true); /* told again, not lost */
+    ect_esc_set_link(&c->esc, 1, true); /* reported again, not lost */
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5A);
     ect_esc_set_link(&c->esc, 1, false);
     assert_int_equal(chip_write(c, 0x0101, 0x04, 1), 1); /* nothing to be opened */
@@ -351,7 +352,7 @@ static void auto_close(void **state)
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E);
 }
 
-/* A port that the chip does not have opens for nobody: frames would vanish there. */
+/* A port that the chip lacks remains closed: frames would be lost there. */
 static void ports_that_are_not_there(void **state)
 {
     chip_t *c = *state;
@@ -367,7 +368,7 @@ static void ports_that_are_not_there(void **state)
     assert_int_equal(ect_esc_next_port(&c->esc, 1), 2);
 }
 
-/* What a passing frame is told of ports (esc/route.h): whether it goes on, and comes back, as on a plain line. */
+/* Properties of ports for a passing frame (esc/route.h): whether it continues and returns as on a plain line. */
 static void route_of_ports(void **state)
 {
     static const struct {
@@ -388,17 +389,17 @@ static void route_of_ports(void **state)
         chip_power_on(c);
         assert_int_equal(chip_write(c, 0x0101, rows[i].control, 1), 1);
         uint32_t routing = ect_esc_routing(&c->esc);
-        ect_esc_set_link(&c->esc, 3, (rows[i].links & 8) == 0); /* any change is one of the way */
+        ect_esc_set_link(&c->esc, 3, (rows[i].links & 8) == 0); /* any change is a change of the path */
         assert_int_not_equal(ect_esc_routing(&c->esc), routing);
         ect_esc_set_link(&c->esc, 3, (rows[i].links & 8) != 0);
         ect_esc_route(&c->esc, &route);
-        if (route.open != rows[i].open || route.goes_astray != rows[i].astray)
+        if (route.open != rows[i].open || route.leaves_line != rows[i].astray)
             fail_msg("%s: expected open %d, astray %d, got %d, %d", rows[i].what, rows[i].open, rows[i].astray,
-                     route.open, route.goes_astray);
+                     route.open, route.leaves_line);
     }
 }
 
-/* And of addresses. */
+/* The same for addresses. */
 static void route_of_addresses(void **state)
 {
     chip_t *c = *state;
@@ -415,7 +416,7 @@ static void route_of_addresses(void **state)
         assert_int_equal(route.station, 0x1001);
         assert_int_equal(route.alias, enabled == 0 ? 0x1001 : 0x2002);
     }
-    assert_int_equal(chip_write(c, 0x0040, 'R', 1), 1); /* a reset sequence: each frame goes on with it or ends it */
+    assert_int_equal(chip_write(c, 0x0040, 'R', 1), 1); /* a reset sequence: each frame advances or ends it */
     ect_esc_route(&c->esc, &route);
     assert_true(route.awaits_frame);
 }
@@ -423,13 +424,13 @@ static void route_of_addresses(void **state)
 static void temporary_loops(void **state)
 {
     chip_t *c = *state;
-    assert_int_equal(chip_write(c, 0x0100, 0x03, 1), 1); /* of no loops: there is nothing to end */
+    assert_int_equal(chip_write(c, 0x0100, 0x03, 1), 1); /* no loops: there is nothing to end */
     chip_advance(c, 5000 * MS);
     assert_int_equal(chip_read(c, 0x0100, 2), 0x0003);
     assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
     assert_int_equal(chip_read(c, DL_PORTS, 1), 0x5E);
     chip_advance(c, 500 * MS);
-    assert_int_equal(chip_write(c, 0x0100, 0x0003, 2), 1); /* still temporary: the second begins anew */
+    assert_int_equal(chip_write(c, 0x0100, 0x0003, 2), 1); /* still temporary: the time restarts */
     chip_advance(c, 500 * MS);
     assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
     chip_advance(c, 999 * MS);
@@ -463,13 +464,14 @@ static void damaged_frames(void **state)
         assert_int_equal(chip_write(c, 0x0305, 0, 1), 1);
         assert_int_equal(chip_read(c, rows[i].counter, 1), 0);
     }
-    c->personality.features = 0; /* one that does not know what another has found */
+    c->personality.features = 0; /* a chip that cannot distinguish errors that another chip has detected */
     chip_power_on(c);
     ect_esc_damaged(&c->esc, 1, true);
     assert_int_equal(chip_read(c, 0x0302, 1), 1);
 }
 
-/* --- an EEPROM that the PDI stands for -------------------------------------------------------------------------- */
+/* --- an EEPROM that the PDI emulates --------------------------------------------------------------------------------
+ */
 
 enum { BUSY = 0x8000, EMULATION = 0x20, SII_EVENT = 0x20, CHECK = 0x6B };
 
@@ -504,13 +506,13 @@ static void emulated_reload(void **state)
     assert_int_equal(chip_read(c, 0x014E, 1), 6);
 }
 
-/* What the PDI delivers is by the words' own places; what it writes beyond them changes nothing that is loaded. */
+/* Words that the PDI delivers have their own positions; writes beyond them do not change what is loaded. */
 static void emulated_reload_again(void **state)
 {
     static const struct {
         const char *what;
         uint32_t address; /* with the command */
-        uint64_t words;   /* delivered for it, and then for what the chip asks for */
+        uint64_t words;   /* delivered for it, then for the requests of the chip */
         uint16_t status;  /* 0x0502 bits 11, 12 at the end */
     } rows[] = {{"the same again", 0, 0x030203E800010C05ull, 0},
                 {"from word 1 on", 1, 0x030203E800010C05ull, 0},
@@ -542,7 +544,7 @@ static void emulated_reload_again(void **state)
     }
 }
 
-/* The low byte of the command alone says nothing of how it was carried out. */
+/* The low byte of the command alone does not report its result. */
 static void emulated_half(void **state)
 {
     chip_t *c = *state;
@@ -555,7 +557,7 @@ static void emulated_reload_short(void **state)
 {
     chip_t *c = *state;
     emulate(c, "xmc4800");
-    chip_pdi_write(c, 0x0503, 0x02, 1); /* not the command that is under way */
+    chip_pdi_write(c, 0x0503, 0x02, 1); /* not the pending command */
     assert_int_equal(chip_read(c, 0x0502, 2) & BUSY, BUSY);
     chip_pdi_write(c, 0x0508, 0x55AA4321, 4);
     chip_pdi_write(c, 0x0502, 0x0400, 2);
@@ -566,7 +568,7 @@ static void emulated_reload_short(void **state)
     chip_pdi_write(c, 0x0502, 0x0400, 2);
     assert_int_equal(chip_read(c, 0x0012, 2), 0x4321);
     assert_int_equal(chip_write(c, 0x0502, 0x0400, 2), 1);
-    chip_pdi_write(c, 0x0503, 0x04 | 0x08, 1); /* there is no good check sum */
+    chip_pdi_write(c, 0x0503, 0x04 | 0x08, 1); /* there is no valid check value */
     assert_int_equal(chip_read(c, 0x0502, 2) & ~0x1000u, EMULATION | 0x0800);
     assert_int_equal(chip_read(c, 0x0110, 1) & 1, 0);
 }
@@ -590,11 +592,11 @@ static void emulated_commands(void **state)
     assert_int_equal(ect_esc_al_event(&c->esc) & SII_EVENT, 0);
     uint8_t write[8] = {0x01, 0x02, 0x41, 0, 0, 0, 0xCD, 0xAB};
     assert_int_equal(chip_send(c, APWR, 0x0502, write, 8), 1);
-    chip_pdi_write(c, 0x0508, 0, 4); /* the master's word is not the PDI's to change */
+    chip_pdi_write(c, 0x0508, 0, 4); /* the PDI cannot change the word of the master */
     assert_int_equal(chip_pdi_read(c, 0x0508, 2), 0xABCD);
-    chip_pdi_write(c, 0x0503, 0x02 | 0x20, 1); /* could not be written now */
+    chip_pdi_write(c, 0x0503, 0x02 | 0x20, 1); /* temporarily not writable */
     assert_int_equal(chip_read(c, 0x0502, 2), EMULATION | 0x2000);
-    chip_pdi_write(c, 0x0508, 0x55, 1); /* nothing is under way */
+    chip_pdi_write(c, 0x0508, 0x55, 1); /* no command is pending */
     assert_int_equal(chip_read(c, 0x0508, 1), 0xCD);
 }
 
@@ -626,12 +628,12 @@ static void latched_times(void **state)
     c->w.now_ns += 1000;
     assert_int_equal(chip_read(c, 0x09F0, 4), 1000);
     assert_int_equal(chip_read(c, 0x09F8, 8), 2000 | 3000ull << 32);
-    chip_set_sm(c, 2, 0x1000, 4, 0x24, 0x01); /* none wanted */
+    chip_set_sm(c, 2, 0x1000, 4, 0x24, 0x01); /* not requested */
     assert_int_equal(chip_write(c, 0x1000, 0, 4), 1);
     assert_int_equal(chip_read(c, 0x09F0, 4), 1000);
 }
 
-/* While it is enabled a SyncManager keeps its area; the lowest of those that overlap has the byte. */
+/* While it is enabled a SyncManager keeps its area; of overlapping ones, the lowest number owns a byte. */
 static void changes_and_overlaps(void **state)
 {
     chip_t *c = *state;
@@ -642,9 +644,9 @@ static void changes_and_overlaps(void **state)
     chip_set_sm(c, 1, 0x1008, 16, 0x22, 1);
     uint8_t data[24] = {0};
     assert_int_equal(chip_send(c, APWR, 0x1000, data, 16), 1);
-    assert_int_equal(c->memory[0x0805] & 0x08, 0x08); /* all 16 bytes were its own */
+    assert_int_equal(c->memory[0x0805] & 0x08, 0x08); /* all 16 bytes belonged to it */
     assert_int_equal(c->memory[0x080D] & 0x08, 0);
-    ect_esc_pdi_write(&c->esc, 0x1008, data, 16); /* begins in the other one: the second is never opened */
+    ect_esc_pdi_write(&c->esc, 0x1008, data, 16); /* starts in the other one: the second is never opened */
     assert_int_equal(c->memory[0x080D] & 0x08, 0);
     assert_int_equal(chip_write(c, 0x0806, 0, 1), 1);
     ect_esc_pdi_write(&c->esc, 0x1008, data, 16);
@@ -672,16 +674,15 @@ int main(int argc, char **argv)
         MODERN("CF-053: the PDI watchdog runs from when the PDI is watched, and a frame finds it expired",
                pdi_watchdog_by_frames),
         MODERN("CF-053: a PDI that is late without a configuration shows neither", pdi_late_without_configuration),
-        TEST("CF-053: a PDI that is taken to look in all the time is never late", pdi_unwatched),
+        TEST("CF-053: a PDI that counts as permanently active is never late", pdi_unwatched),
         TEST("CF-011: the lost-link counter counts links that end at an open port, to 255", lost_link),
         TEST("CF-010: auto close: a port that has lost its link opens by DL control or by a frame", auto_close),
         TEST("CF-010: the loop of a port that a chip lacks stays closed", ports_that_are_not_there),
-        TEST("CF-010: a passing frame is told whether it goes on, and whether that is a plain line", route_of_ports),
-        TEST("CF-004: a passing frame is told the station address, and the alias where it is enabled",
-             route_of_addresses),
+        TEST("CF-010: the route shows whether a frame continues, and whether that is a plain line", route_of_ports),
+        TEST("CF-004: the route shows the station address, and the alias where it is enabled", route_of_addresses),
         TEST("CF-010: temporary loop settings end after a second", temporary_loops),
         TEST("CF-011: damaged frames count at their port, apart where another chip has found them", damaged_frames),
-        MODERN("CF-056: EEPROM emulation: from power-on the PDI is asked for the configuration, four words a time",
+        MODERN("CF-056: EEPROM emulation: from power-on the PDI must deliver the configuration, four words a time",
                emulated_reload),
         MODERN("CF-056: EEPROM emulation: a reload by the words' places, its check sum, words beyond",
                emulated_reload_again),
@@ -690,7 +691,7 @@ int main(int argc, char **argv)
                emulated_reload_short),
         MODERN("CF-056: EEPROM emulation: read and write wait for the PDI, errors are its own", emulated_commands),
         MODERN("CF-056: EEPROM emulation beside an EEPROM, or on a chip without it, is refused", emulation_refused),
-        TEST("CF-018: SyncManager events latch the local time where they are told to", latched_times),
+        TEST("CF-018: SyncManager events latch the local time where they are configured to", latched_times),
         TEST("CF-021: an enabled SyncManager keeps its registers; of overlapping ones the lowest has the byte",
              changes_and_overlaps),
     };

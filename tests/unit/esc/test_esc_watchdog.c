@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The watchdogs of the ESC in virtual time: what feeds them, when they expire, what that shows (data sheet I section
- * 13, II section 2.9). */
+/* The watchdogs of the ESC in virtual time: the accesses that trigger them, their expiry, and its effects (data sheet
+ * I section 13, II section 2.9). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,7 +55,7 @@ static int setup(void **state)
 {
     rig_t *r = calloc(1, sizeof *r);
     r->personality = *ect_esc_personality("et1100");
-    ect_store_le16(r->sii + 14, 0x88A4); /* check switched off */
+    ect_store_le16(r->sii + 14, 0x88A4); /* check value disabled */
     r->w.now_ns = 1000 * MS;
     power_on(r);
     *state = r;
@@ -109,7 +109,7 @@ static void times(void **state)
         tick_to(r, from + rows[i].time * tick - 1);
         expect(r, "one nanosecond before N ticks", true, 0);
         tick_to(r, next);
-        expect(r, "when it was told to be due", false, 1);
+        expect(r, "at its reported time", false, 1);
         tick_to(r, from + (rows[i].time + 1) * tick);
         expect(r, "after N + 1 ticks", false, 1);
     }
@@ -148,13 +148,13 @@ static void once_per_expiry(void **state)
         uint32_t activity = ect_esc_activity(&r->esc);
         for (unsigned int k = 0; k < 10; k++)
             tick_to(r, r->w.now_ns + 50 * MS);
-        expect(r, "expired, looked at ten times", false, i < 255 ? i : 255);
+        expect(r, "expired, read ten times", false, i < 255 ? i : 255);
         assert_int_not_equal(ect_esc_activity(&r->esc), activity);
         assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), UINT64_MAX);
     }
 }
 
-/* An hour, a day, a year without the master: one expiry, and all works when it comes back. */
+/* An hour, a day, a year without the master: one expiry, and everything works when the master returns. */
 static void silence(void **state)
 {
     rig_t *r = *state;
@@ -170,7 +170,7 @@ static void silence(void **state)
     }
 }
 
-/* An expiry is noticed by the frame that comes after it, before its datagrams are executed. */
+/* The frame after an expiry notices it, before its datagrams are executed. */
 static void noticed_by_a_frame(void **state)
 {
     rig_t *r = *state;
@@ -207,7 +207,7 @@ static void event(void **state)
     assert_int_equal(r->memory[0x0130], 1); /* no state change by itself */
 }
 
-/* What feeds it: accesses to SM2 (4 bytes, written by ECAT) and others. */
+/* The accesses that trigger it: SM2 (4 bytes, written by ECAT) and others. */
 static void what_feeds(void **state)
 {
     rig_t *r = *state;
@@ -252,7 +252,7 @@ static void fed_by_parts(void **state)
     assert_int_equal(send(r, APWR, OUTPUTS + 2, data, 2), 1);
     expect(r, "complete in a second frame", true, 0);
     r->w.now_ns += 60 * MS;
-    for (unsigned int i = 0; i < 10; i++) { /* partly written again and again */
+    for (unsigned int i = 0; i < 10; i++) { /* partial writes, again and again */
         assert_int_equal(send(r, APWR, OUTPUTS, data, 3), 1);
         r->w.now_ns += 10 * MS;
     }
@@ -260,7 +260,7 @@ static void fed_by_parts(void **state)
     expect(r, "then only partly", false, 1);
 }
 
-/* A full mailbox refuses the write, so it feeds nothing. The PDI's own writes never do. */
+/* A full mailbox refuses the write, which therefore does not trigger it. The PDI's own writes never do. */
 static void refused_writes(void **state)
 {
     rig_t *r = *state;
@@ -309,7 +309,7 @@ static void switched_off(void **state)
     assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), UINT64_MAX);
     tick_to(r, r->w.now_ns + 3600 * 1000 * MS);
     expect(r, "time 0, an hour later", true, 0);
-    /* Switched off while it runs. */
+    /* Disabled while it runs. */
     assert_int_equal(write16(r, ECT_REG_WD_TIME_PD, 1000), 1);
     feed(r);
     assert_int_equal(write16(r, ECT_REG_WD_TIME_PD, 0), 1);
@@ -380,7 +380,7 @@ int main(int argc, char **argv)
              times),
         TEST("CF-050: reset values give 100 ms; not fed yet it shows expired and counts nothing", default_time),
         TEST("CF-051: fed in time it never expires", fed_in_time),
-        TEST("CF-051: one count per expiry however often one looks; the counter stops at 255", once_per_expiry),
+        TEST("CF-051: one count for each expiry, for any number of reads; the counter stops at 255", once_per_expiry),
         TEST("CF-049: after an hour, a day, a year without the master: one expiry, then it works again", silence),
         TEST("CF-051: an expiry is noticed by the next frame before that feeds again", noticed_by_a_frame),
         TEST("CF-051: an expiry sets AL event bit 6 until the PDI reads 0x0440, AL status does not change", event),

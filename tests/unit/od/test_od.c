@@ -67,7 +67,7 @@ static void abort_codes(void **state)
     assert_int_equal(ect_abort_code(ECT_OK), 0x08000000);
     assert_int_equal(ect_abort_code(ECT_REASON_COUNT), 0x08000000);
     assert_int_equal(ect_abort_code((ect_reason_t)1000), 0x08000000);
-    assert_int_equal(ect_abort_code(0x0609FFFF), 0x0609FFFF); /* a code of the device's own */
+    assert_int_equal(ect_abort_code(0x0609FFFF), 0x0609FFFF); /* a code of the device itself */
 }
 
 /* --- SOES --------------------------------------------------------------------------------------------------------- */
@@ -139,7 +139,7 @@ static void lookup_of_objects(void **state)
     }
 }
 
-/* Memory of just the entries that there are: nothing beyond them is looked at. */
+/* In memory of exactly the existing entries: no access goes beyond them. */
 static void counted_entries(void **state)
 {
     (void)state;
@@ -150,7 +150,7 @@ static void counted_entries(void **state)
         for (unsigned int max = 0; max <= 255; max++) {
             const ect_object_t object = {0x2000, ECT_OBJECT_RECORD, (uint8_t)max, (uint8_t)(count - 1), "O", entries};
             if (count == 1 && max > 0)
-                continue; /* nobody has counted them */
+                continue; /* not counted */
             unsigned int seen = 0;
             for (const ect_entry_t *e = entries; e; e = ect_od_next(&object, e))
                 seen++;
@@ -254,7 +254,7 @@ typedef struct form {
     uint8_t wire[16];
 } form_t;
 
-/* What stands in memory is made by host(); REAL32 is 1.5, REAL64 -2.0. */
+/* host() builds the representation in memory; REAL32 is 1.5, REAL64 -2.0. */
 static const form_t forms[] = {
     {"BOOLEAN", 0x01, 1, 1, true, false, {1}},
     {"INTEGER8", 0x02, 8, 1, false, false, {0x80}},
@@ -544,7 +544,7 @@ static void defaults(void **state)
     assert_int_equal(d.untouched, 0x5555);
 }
 
-/* 1000h, 1008h to 100Ah, 1018h and 1C00h of a device that writes none of it twice. */
+/* 1000h, 1008h to 100Ah, 1018h and 1C00h of a device that repeats nothing of its description. */
 static void described(void **state)
 {
     static const ect_object_t objects[] = {
@@ -706,15 +706,15 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"FZM-011 FZM-012 FZM-013 FZM-014: each reason has its abort code; 26 of them are the sensor's list",
          abort_codes, NULL, NULL, NULL},
-        {"FZM-010 FZM-012: an index is found in a list of any length exactly if it is there", lookup_of_objects, NULL,
+        {"FZM-010 FZM-012: an index is found in a list of any length if and only if it exists", lookup_of_objects, NULL,
          NULL, NULL},
-        {"FZM-012 CF-068: a sub-index is found exactly if it is there, gaps and all", lookup_of_entries, NULL, NULL,
+        {"FZM-012 CF-068: a sub-index is found if and only if it exists, with gaps too", lookup_of_entries, NULL, NULL,
          NULL},
-        {"FZM-012 FZM-014 CF-078: every access word in every state and direction has the right answer", rights, NULL,
+        {"FZM-012 FZM-014 CF-078: every access word in every state and direction has the right result", rights, NULL,
          NULL, NULL},
         {"CF-077: every data type is little-endian on the wire, whole and in slices", wire_form, NULL, NULL, NULL},
         {"CF-077: BIT1 to BIT8 read and store their bits only", bits_of_a_byte, NULL, NULL, NULL},
-        {"CF-077: of what is written to a BOOLEAN bit 0 is stored", a_boolean_is_a_bit, NULL, NULL, NULL},
+        {"CF-077: a write to a BOOLEAN stores bit 0", a_boolean_is_a_bit, NULL, NULL, NULL},
         {"CF-077: an entry without memory reads as its value and cannot be written", entries_without_memory, NULL, NULL,
          NULL},
         {"CF-077: one table serves many instances; a shared constant cannot be written", addresses_and_offsets, NULL,
@@ -722,14 +722,14 @@ int main(int argc, char **argv)
         {"CF-069: a text shorter than its room is terminated and uploads its characters", texts, NULL, NULL, NULL},
         {"CF-069: octets are written in any two pieces", octets_in_pieces, NULL, NULL, NULL},
         {"CF-077: an entry reads as a number of at most 32 bits", numbers, NULL, NULL, NULL},
-        {"CF-068: entries that were counted end there, whatever max_subindex says", counted_entries, NULL, NULL, NULL},
-        {"CF-077: defaults of every type, short and long, stand in the instance", defaults, NULL, NULL, NULL},
+        {"CF-068: counted entries end there, whatever max_subindex is", counted_entries, NULL, NULL, NULL},
+        {"CF-077: defaults of every type, short and long, are in the instance", defaults, NULL, NULL, NULL},
         {"CF-057 CF-077: type, name, versions, identity and SyncManagers are read from the description", described,
          NULL, NULL, NULL},
-        {"FZM-013: a limit is found exactly if it is there", limits_are_found, NULL, NULL, NULL},
+        {"FZM-013: a limit is found if and only if it exists", limits_are_found, NULL, NULL, NULL},
         {"FZM-013 CF-070: a value above or below its limits is refused with its reason", limits, NULL, NULL, NULL},
         {"FZM-013: an UNSIGNED64 above 2^63 is too high, not too low", limits_of_large_numbers, NULL, NULL, NULL},
-        {"FZM-013: what is not a number has no limits", limits_of_other_types, NULL, NULL, NULL},
+        {"FZM-013: an entry that is no number has no limits", limits_of_other_types, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

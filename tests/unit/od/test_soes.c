@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A dictionary without a base: an object list as SOES's applications have it, used by cast. `data` is an address,
- * entries are not counted, the list ends with index FFFFh.
+ * A dictionary without a base: an object list of a SOES application, used by cast. `data` is an address, the list ends
+ * with index FFFFh.
  */
 #include <string.h>
 
@@ -12,7 +12,8 @@
 
 enum { INIT = ECT_STATE_INIT, PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
 
-/* --- what a SOES application has ---------------------------------------------------------------------------------- */
+/* --- a SOES application ---------------------------------------------------------------------------------------------
+ */
 
 typedef struct objd {
     uint16_t subindex, datatype, bitlength, flags;
@@ -190,7 +191,7 @@ static void process_data(void **state)
     assert_int_equal(app.set, 0x1234);
     assert_int_equal(wire_read(&w, 0, 0x1180, in, sizeof in), 1);
     assert_int_equal(in[0], 0x02);
-    assert_int_equal(ect_load_le16(in + 1) + 1, app.count); /* read, they were renewed */
+    assert_int_equal(ect_load_le16(in + 1) + 1, app.count); /* renewed after this read */
     assert_int_equal(ect_load_le16(in + 3), 0x0C0C);        /* 6010:12, the last of a sparse record */
     wire_close(&w);
 }
@@ -323,7 +324,7 @@ int main(int argc, char **argv)
         T("CF-076: a sparse record of SOES is described up to its last sub-index", sparse_descriptions),
         T("CF-069 CF-070: its entries are written, in one mail and in segments", downloads),
         T("CF-076: its objects are listed up to its end", information),
-        T("CF-061: its PDOs stand in the SII", image),
+        T("CF-061: its PDOs are in the SII", image),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

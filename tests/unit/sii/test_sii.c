@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The SII image of every device, read by a parser of its own, and the reader on damaged images (spec G). */
+/* The SII image of every device, read by an independent parser, and the reader on damaged images (spec G). */
 #include "sii/sii.h"
 
 #include <stdio.h>
@@ -26,7 +26,7 @@ typedef struct image {
     size_t size;
     category_t categories[MOST_CATEGORIES];
     size_t count;
-    size_t end; /* where the end marker stands */
+    size_t end; /* position of the end marker */
 } image_t;
 
 static unsigned int word(const image_t *image, unsigned int n)
@@ -182,7 +182,7 @@ static void identity_and_alias(void **state)
     assert_int_equal(word(&image, 4), 0xBEEF);
     assert_int_equal(word(&image, 7), checksum(image.bytes));
     assert_int_equal(category(&image, 30)->data[11],
-                     0x0C); /* lost mails are repeated; identified by the AL status alone */
+                     0x0C); /* lost mails are repeated; identified by the AL status only */
 }
 
 /* --- categories --------------------------------------------------------------------------------------------------- */
@@ -294,7 +294,8 @@ static void fmmus_and_sms(void **state)
     for_every_device(check_fmmus_and_sms);
 }
 
-/* --- PDOs: against the mapping objects as SDO reads them ---------------------------------------------------------- */
+/* --- PDOs: compared with the mapping objects as read by SDO --------------------------------------------------------
+ */
 
 static uint32_t number(wire_t *w, uint16_t index, unsigned int subindex)
 {
@@ -302,7 +303,7 @@ static uint32_t number(wire_t *w, uint16_t index, unsigned int subindex)
     size_t size = sizeof data;
     const ect_od_t od = ect_device_od(wire_device(w, 0), NULL);
     if (!has_coe(wire_device(w, 0)))
-        return ect_od_element(ect_od_find(&od, index), subindex); /* nobody else tells */
+        return ect_od_element(ect_od_find(&od, index), subindex); /* no other source */
     uint32_t code = wire_sdo_upload(w, 0, index, (uint8_t)subindex, false, data, &size);
     if (code != 0)
         fail_msg("%04Xh:%u: abort %08X", index, subindex, code);
@@ -318,7 +319,7 @@ static const ect_entry_t *entry_of(const ect_device_t *device, uint32_t mapping)
     return entry;
 }
 
-/* One PDO; @return its bits */
+/* One PDO. @return its bits */
 static uint32_t check_pdo(const image_t *image, wire_t *w, const uint8_t *pdo, const char *name)
 {
     uint16_t index = ect_load_le16(pdo);
@@ -347,7 +348,7 @@ static uint32_t check_pdo(const image_t *image, wire_t *w, const uint8_t *pdo, c
     return bits;
 }
 
-/* SyncManager that lists a PDO; 0xFF: none does. */
+/* SyncManager that lists a PDO; 0xFF: none. */
 static uint8_t sm_of(wire_t *w, uint16_t pdo)
 {
     const ect_device_t *d = wire_device(w, 0);
@@ -400,7 +401,8 @@ static void pdos(void **state)
     for_every_device(check_pdos);
 }
 
-/* --- a device that has everything --------------------------------------------------------------------------------- */
+/* --- a device with everything ---------------------------------------------------------------------------------------
+ */
 
 static const ect_dc_mode_t modes[] = {{.name = "FreeRun", .description = "No sync"},
                                       {.name = "DC",
@@ -434,7 +436,7 @@ static ect_device_t rich_device(void)
     device.pdos = properties;
     device.pdo_count = 1;
     device.full_name = "A device with everything";
-    device.group_type = "G"; /* the shortest string there is, and the same one twice */
+    device.group_type = "G"; /* the shortest possible string, twice */
     device.group_name = "G";
     device.ebus_ma = -130;
     device.mailbox_protocols = 0x0E;
@@ -478,15 +480,15 @@ static void everything(void **state)
     assert_null(category(&image, 51));
     assert_int_equal(tx->length, 16 + 2 * 24);
     assert_int_equal(tx->data[3], 3);
-    assert_int_equal(ect_load_le16(tx->data + 6), 0); /* the mapping may be changed: not fixed */
+    assert_int_equal(ect_load_le16(tx->data + 6), 0); /* a changeable mapping: not fixed */
     const uint8_t *spare = tx->data + 16, *virtual_one = spare + 24;
     assert_int_equal(spare[3], 0xFF); /* not assigned: fixed, not mandatory */
     assert_int_equal(ect_load_le16(spare + 6), 0x0010);
     expect_text(&image, "entry that is not there", spare[16 + 3], "");
-    assert_int_equal(ect_load_le16(virtual_one + 6), 0x0021); /* as the description says */
+    assert_int_equal(ect_load_le16(virtual_one + 6), 0x0021); /* from the description */
 }
 
-/* As in an ESI that carries the EEPROM's content: only who it is may be changed. */
+/* As in an ESI that contains the EEPROM's content: only the identity may be changed. */
 static void image_brought_along(void **state)
 {
     static uint8_t original[2048], got[2048];
@@ -523,8 +525,8 @@ static void too_small(void **state)
     assert_true(ect_sii_write(&device, NULL, 0, image, sizeof image) < 0);
 }
 
-/* Every EEPROM from 256 bytes on, in memory of just that size: the whole image, else the one without the names of PDO
- * entries, else a refusal. */
+/* Every EEPROM from 256 bytes on, in memory of exactly that size: the whole image, or the one without the names of PDO
+ * entries, or a refusal. */
 static void every_eeprom_size(void **state)
 {
     static image_t image, short_image;
@@ -564,7 +566,7 @@ static void string_table_overflow(void **state)
     ect_device_t device = testdev;
     device.sii_size = 32768;
     device.objects = many;
-    device.object_count = 252; /* with the three names of the device 255 */
+    device.object_count = 252; /* 255 with the three names of the device */
     assert_int_equal(ect_sii_write(&device, NULL, 0, image, sizeof image), 32768);
     device.object_count = 253;
     assert_int_equal(ect_sii_write(&device, NULL, 0, image, sizeof image), -2);
@@ -604,7 +606,7 @@ static void long_names_of_entries(void **state)
     }
 }
 
-/* No room even for the string category's header. */
+/* No room, not even for the string category's header. */
 static void eeprom_of_128_bytes(void **state)
 {
     ect_device_t device = testdev;
@@ -618,7 +620,7 @@ static void eeprom_of_128_bytes(void **state)
 
 /* --- reading damaged images --------------------------------------------------------------------------------------- */
 
-/* Asks for every category and string of an image in memory of just its size. */
+/* Reads every category and string of an image in memory of exactly its size. */
 static void read_all(const uint8_t *image, size_t size)
 {
     static const uint16_t types[] = {0, 10, 20, 30, 40, 41, 43, 50, 51, 60, 0xFFFF};
@@ -706,14 +708,14 @@ static void damaged_images(void **state)
     }
 }
 
-/* A string table whose lengths, count or category length do not agree. */
+/* A string table whose lengths, count and category length are inconsistent. */
 static void damaged_string_tables(void **state)
 {
     static const struct {
         const char *what;
         uint8_t table[8];
         uint8_t words;
-        uint8_t good; /* strings that are still there */
+        uint8_t good; /* strings that are still readable */
     } rows[] = {
         {"sound", {2, 2, 'a', 'b', 1, 'c'}, 3, 2},
         {"empty", {0}, 0, 0},
@@ -824,7 +826,7 @@ int main(int argc, char **argv)
         {"CF-054: the checksum of two real images and of 1000 random ones", checksums, NULL, NULL, NULL},
         {"CF-054 CF-057: words 00 to 3F: configuration, checksum, identity, mailboxes, size; it fits SOEM's cache",
          headers, NULL, NULL, NULL},
-        {"CF-057 CF-054: an installation's own identity and alias stand in the image, the checksum with them",
+        {"CF-057 CF-054: an installation's own identity and alias are in the image, the checksum with them",
          identity_and_alias, NULL, NULL, NULL},
         {"CF-060: the categories come once and in order, then the end marker and FFh", order, NULL, NULL, NULL},
         {"CF-064: the string table is whole, without doubles, the device's name first", strings, NULL, NULL, NULL},

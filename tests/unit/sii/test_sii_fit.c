@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A device on another controller: where its SyncManagers lie then, what its EEPROM says, and what does not fit. */
+/* A device on another controller: the layout of its SyncManagers, its EEPROM, and devices that do not fit. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@
 #include "support/confdev.h"
 #include "support/wire.h"
 
-/* Whatever lies in process RAM lies apart, and within it. */
+/* SyncManagers in process RAM neither overlap nor exceed it. */
 static void check_layout(const ect_device_t *on)
 {
     uint32_t end = ECT_RAM;
@@ -20,7 +20,7 @@ static void check_layout(const ect_device_t *on)
         uint32_t bytes =
             ect_device_sm_bytes(on, n) > on->sm[n].maximum ? ect_device_sm_bytes(on, n) : on->sm[n].maximum;
         if (on->sm[n].type == ECT_SM_UNUSED) {
-            assert_int_equal(on->sm[n].start, 0); /* with an address a master would take it for one of process data */
+            assert_int_equal(on->sm[n].start, 0); /* with an address, a master would take it for process data */
             continue;
         }
         assert_true(on->sm[n].start >= end && on->sm[n].start % 4 == 0);
@@ -41,7 +41,7 @@ static void products(void **state)
         check_layout(&on);
         assert_string_equal(on.esc, "lan9252");
         assert_int_equal(on.esc_config[0], 0x80);
-        assert_int_equal(on.esc_config[1] & 1, 0); /* AL status is the stack's */
+        assert_int_equal(on.esc_config[1] & 1, 0); /* the stack sets AL status */
         if ((on.sync.supported & (1u << ECT_SYNC_DC_SYNC0)) != 0)
             assert_int_equal(on.esc_config[3] & 0x08, 0x08); /* SYNC0 is an AL event */
         if (!ect_device_check(&on, line, sizeof line))
@@ -49,7 +49,7 @@ static void products(void **state)
     }
 }
 
-/* And works there: SDO, process data both ways. */
+/* The adapted device works: SDO, process data in both directions. */
 static void products_to_op(void **state)
 {
     const ect_product_t *product;
@@ -94,8 +94,8 @@ static void too_large(void **state)
     assert_false(ect_fit(&device, &ect_fit_lan9252, &on));
 }
 
-/* As much as each takes of the chip's memory, in whole words: one buffer of a single byte, three of what is longer.
- * What lies over the registers of the digital outputs stays there. */
+/* The memory of each SyncManager, in whole words: one buffer of a single byte, three buffers of more. SyncManagers
+ * over the registers of the digital outputs remain there. */
 static void laid_out(void **state)
 {
     static const ect_device_t device = {
@@ -115,7 +115,7 @@ static void laid_out(void **state)
         if (on.sm[n].start != starts[n])
             fail_msg("SM%u: expected it at %04Xh, got %04Xh", n, starts[n], on.sm[n].start);
     }
-    assert_int_equal(on.boot_out.start, starts[0]); /* in BOOT it is the same SyncManager */
+    assert_int_equal(on.boot_out.start, starts[0]); /* the same SyncManager in BOOT */
     assert_int_equal(on.boot_in.start, starts[1]);
 }
 
@@ -136,7 +136,7 @@ static void sync0_event(void **state)
     }
 }
 
-/* A firmware has no table of chips: what it knows of its own is what the table says. */
+/* A firmware has no table of chips: its constants must equal those of the table. */
 static void figures(void **state)
 {
     const ect_esc_personality_t *chip = ect_esc_personality(ect_fit_lan9252.esc);
@@ -156,7 +156,7 @@ int main(void)
          NULL},
         {"CF-089: SYNC0 is an AL event, and the pin SYNC0's, exactly for a device that goes by it", sync0_event, NULL,
          NULL, NULL},
-        {"what is known of a LAN9252 is what the table of the chips says", figures, NULL, NULL, NULL},
+        {"what is known of a LAN9252 is what the table of the chips gives", figures, NULL, NULL, NULL},
         {"what does not fit is refused: SyncManagers, FMMUs, process RAM", too_large, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("sii_fit", tests, NULL, NULL);

@@ -5,8 +5,8 @@
 #include "slave/slave.h"
 #include "support/wire.h"
 
-/* What a state answers to a request for a state: rows and columns 1 INIT, 2 PREOP, 3 BOOT, 4 SAFEOP, 8 OP.
- * '=' stay, '+' up, '-' down, 'x' refused with 0x0011. Transcribed from spec C.2. */
+/* The decision about a request in each state: rows and columns 1 INIT, 2 PREOP, 3 BOOT, 4 SAFEOP, 8 OP. '=' stay, '+'
+ * up, '-' down, 'x' refused with 0x0011. Transcribed from spec C.2. */
 static const struct {
     uint8_t from;
     const char *to; /* INIT PREOP BOOT SAFEOP OP */

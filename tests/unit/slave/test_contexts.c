@@ -2,10 +2,10 @@
 /*
  * Mainline, the cyclic exchange in an interrupt, and the interrupt line (docs/CONCURRENCY.md).
  *
- * The device's outputs and inputs are twelve bytes each, all the same in one generation, and lie scattered in the
- * instance: whatever is taken or given by halves shows. The stack is built a second time for this test, with a call at
- * the beginning and the end of each of its functions: there, and at the beginning and the end of each PDI access, an
- * interrupt may come.
+ * The device's outputs and inputs are twelve bytes each, all equal in one generation, and scattered over the instance,
+ * so that a partial transfer is visible. The stack is compiled a second time for this test, with a call at the
+ * beginning and the end of each of its functions: there, and at the beginning and the end of each PDI access, an
+ * interrupt may occur.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -50,8 +50,8 @@ static struct rig {
     ect_esc_t esc;
     uint8_t memory[ECT_ESC_MEMORY_SIZE(8)];
     uint8_t sii[2048];
-    ect_pdi_t port; /* the virtual one, */
-    ect_pdi_t pdi;  /* and what watches it */
+    ect_pdi_t port; /* the virtual port, ... */
+    ect_pdi_t pdi;  /* ... and its observer */
     ect_slave_t slave;
     device_t device;
     uint8_t mailbox[SIZE * 3];
@@ -63,14 +63,14 @@ static struct rig {
     uint64_t now_ns;
     uint8_t counter;  /* of mails */
     uint8_t sent;     /* generation of the outputs that the master wrote last */
-    bool in_mainline; /* interrupts may come */
+    bool in_mainline; /* interrupts may occur */
     bool in_interrupt;
     bool in_device;
     bool in_pdi;
-    unsigned long points; /* where an interrupt could have come */
-    unsigned long at;     /* where it does, 0: nowhere */
+    unsigned long points; /* places for an interrupt so far */
+    unsigned long at;     /* the place of the interrupt, 0: none */
     unsigned long exchanges, kept_out;
-    const char *broken; /* the first thing that was not as it should be */
+    const char *broken; /* the first violation */
 } t;
 
 static void expect(bool condition, const char *what)
@@ -246,7 +246,7 @@ static const ect_device_t description = {
 
 /* --- the master --------------------------------------------------------------------------------------------------- */
 
-/* One datagram to station address 0. @return the working counter */
+/* Sends one datagram to station address 0. @return the working counter */
 static unsigned int datagram(uint8_t command, uint16_t address, void *data, uint16_t length)
 {
     uint8_t frame[200] = {[12] = 0x88, [13] = 0xA4};
@@ -260,7 +260,7 @@ static unsigned int datagram(uint8_t command, uint16_t address, void *data, uint
     return frame[26 + length];
 }
 
-/* A new generation of outputs, and the inputs as they are: both whole. */
+/* A new generation of outputs, and the present inputs: both consistent. */
 static void master_cycle(void)
 {
     uint8_t image[IMAGE];
@@ -282,7 +282,7 @@ static void interrupt(void)
     t.in_interrupt = false;
 }
 
-/* A place in mainline: at the one that was chosen the master's frame arrives, and its interrupt. */
+/* A place in mainline: at the chosen one the master's frame arrives, and its interrupt occurs. */
 static void point(void)
 {
     if (!t.in_mainline || t.in_interrupt)
@@ -355,7 +355,7 @@ static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer
     return 0;
 }
 
-/* A medium takes its time: the exchange must not wait for it. */
+/* A medium is slow: the exchange must not wait for it. */
 static void slow(void)
 {
     if (t.slave.state == ECT_STATE_OP && !t.in_interrupt) {
@@ -425,7 +425,7 @@ static void power_on(unsigned long at, bool line, bool line_for_cycle)
     assert_int_equal(ect_slave_init(&t.slave, &slave, t.now_ns), 0);
 }
 
-/* What the master did is looked at: the line's interrupt for process data, then mainline. */
+/* Handles the master's accesses: the line's interrupt for process data, then mainline. */
 static void split_poll(void)
 {
     for (unsigned int i = 0; i < 3; i++) {
@@ -440,7 +440,7 @@ static void split_poll(void)
     }
 }
 
-static void (*look)(void); /* how the slave gets to work after a frame */
+static void (*look)(void); /* makes the slave work after a frame */
 
 static unsigned int send(uint8_t command, uint16_t address, void *data, uint16_t length)
 {
@@ -566,7 +566,7 @@ static void everywhere(void **state)
     assert_null(t.broken);
     unsigned long points = t.points;
     unsigned long kept_out = 0;
-    assert_true(points > 2000); /* functions, not PDI accesses alone */
+    assert_true(points > 2000); /* functions, not only PDI accesses */
     for (unsigned long at = 1; at <= points; at++) {
         power_on(at, false, false);
         life();
@@ -577,7 +577,7 @@ static void everywhere(void **state)
     assert_true(kept_out > points / 2);
 }
 
-/* A medium's erase time, say, must not let the master's watchdog expire. */
+/* A slow operation of the medium, e.g. an erase, must not let the master's watchdog expire. */
 static void exchange_goes_on(void **state)
 {
     (void)state;
@@ -609,7 +609,7 @@ static void no_exchange_below_safeop(void **state)
 
 /* --- the interrupt line ------------------------------------------------------------------------------------------- */
 
-/* A firmware that sleeps: it polls while the line is up, and when the time has come that the last poll told. */
+/* A firmware that sleeps: it polls while the line is active, and at the time that the last poll returned. */
 static uint64_t deadline_ns;
 
 static void sleep_and_wake(void)
@@ -677,7 +677,7 @@ static void line_sm_off(void **state)
     assert_null(t.broken);
 }
 
-/* Each fragment of the list follows the one before by the interrupt of its being fetched. */
+/* Each fragment of the list follows in the interrupt that the read of the previous one causes. */
 static void line_mails(void **state)
 {
     (void)state;
@@ -688,7 +688,7 @@ static void line_mails(void **state)
     start_line();
     to_op();
     mail(list, sizeof list);
-    t.device.host->emergency(t.device.host->ctx, 0x1234, 0, data); /* while the list's mail stands there */
+    t.device.host->emergency(t.device.host->ctx, 0x1234, 0, data); /* while the list's mail is there */
     ect_slave_wake(&t.slave);
     pass(20 * MS);
     assert_true(fetch(answer));
@@ -696,7 +696,7 @@ static void line_mails(void **state)
     assert_true(fetch(answer));
     assert_int_equal(ect_load_le16(answer + 8), 0x1234);
     mail(upload, sizeof upload);
-    mail(upload, sizeof upload); /* before the answer to the first was fetched */
+    mail(upload, sizeof upload); /* before the reply to the first was fetched */
     assert_true(fetch(answer));
     assert_int_equal(ect_load_le32(answer + 12), 7);
     assert_true(fetch(answer));
@@ -706,7 +706,7 @@ static void line_mails(void **state)
     assert_null(t.broken);
 }
 
-/* SYNC0 runs from PREOP on; it wakes nobody below SAFEOP, and is acknowledged from there. */
+/* SYNC0 runs from PREOP on; it causes no interrupt below SAFEOP, and is acknowledged from SAFEOP on. */
 static void line_sync0(void **state)
 {
     (void)state;
@@ -741,11 +741,11 @@ static void line_sync0(void **state)
         assert_int_equal(ect_esc_al_event(&t.esc) & ECT_EVENT_SYNC0, 0);
     }
     assert_int_equal(al_status(), ECT_STATE_OP);
-    /* The master stops: SYNC0 alone finds it out, one more than 10F1h:2 allows in a row. */
+    /* The master stops: SYNC0 alone detects this, one more than 10F1h:2 allows in a row. */
     while (al_status() == ECT_STATE_OP && t.now_ns < last_ns + 20 * MS)
         pass(MS / 10);
     assert_int_equal((t.now_ns - first_ns) / MS - (last_ns - first_ns) / MS,
-                     6); /* the last outputs', and five without */
+                     6); /* those of the last outputs, and five without */
     assert_int_equal(al_status(), ECT_STATE_SAFEOP | ECT_AL_ERROR);
     assert_int_equal(al_code(), ECT_AL_SYNC);
     assert_null(t.broken);
@@ -773,7 +773,7 @@ static void line_masks(void **state)
     assert_null(t.broken);
 }
 
-/* A line for the exchange alone: mainline does not believe it when it is down. */
+/* A line for the exchange only: mainline ignores its level. */
 static void line_for_cycle(void **state)
 {
     (void)state;
@@ -805,8 +805,8 @@ int main(void)
          NULL, NULL},
         {"Line: a SyncManager that the master switches off leads to PREOP with 0x001D", line_sm_off, NULL, NULL, NULL},
         {"Line: what waits for a mail to be fetched follows by the interrupt of it", line_mails, NULL, NULL, NULL},
-        {"Line: SYNC0 wakes nobody below SAFEOP, is acknowledged from there, and supervises in OP", line_sync0, NULL,
-         NULL, NULL},
+        {"Line: SYNC0 does not activate it below SAFEOP, is acknowledged from there, and supervises in OP", line_sync0,
+         NULL, NULL, NULL},
         {"Line: the AL event mask lets through what there is to do in each state", line_masks, NULL, NULL, NULL},
         {"Line: one that drives the exchange alone", line_for_cycle, NULL, NULL, NULL},
     };

@@ -7,7 +7,7 @@
 
 enum { HEADER = 6, ROOM = 300, NO_MAIL = -1, QUEUE = 8 };
 
-/* A device that lets the stack look every millisecond. */
+/* A device that requests a poll every millisecond. */
 static uint64_t every_millisecond(void *instance, uint64_t now_ns)
 {
     (void)instance;
@@ -144,7 +144,7 @@ static void behind_a_reply_that_stands_there(void **state)
     wire_close(&w);
 }
 
-/* Transfers in several mails go on as if nothing had come in between. */
+/* Transfers in several mails continue unaffected. */
 static void between_segments(void **state)
 {
     wire_t w;
@@ -244,7 +244,7 @@ static void error_register_follows(void **state)
     expect_emergency(&w, 1);
     assert_int_equal(error_register(&w), 0x81);
     for (unsigned int n = 0; n <= QUEUE; n++)
-        raise_emergency(t, n); /* the last one is lost, what it says of the device is not */
+        raise_emergency(t, n); /* the last one is lost, the state of the device is not */
     wire_advance(&w, MS);
     for (unsigned int n = 0; n < QUEUE; n++)
         expect_emergency(&w, n);
@@ -321,8 +321,8 @@ int main(int argc, char **argv)
          NULL},
         {"CF-079: emergencies go out in order, and before the reply to a request", in_order_and_before_replies, NULL,
          NULL, NULL},
-        {"CF-079 CF-025: an emergency does not overwrite a reply that stands in SM1", behind_a_reply_that_stands_there,
-         NULL, NULL, NULL},
+        {"CF-079 CF-025: an emergency does not overwrite a reply in SM1", behind_a_reply_that_stands_there, NULL, NULL,
+         NULL},
         {"CF-079: an upload in segments goes on between emergencies", between_segments, NULL, NULL, NULL},
         {"CF-079 CF-076: an object list goes on behind an emergency", between_fragments_of_a_list, NULL, NULL, NULL},
         {"CF-079: eight emergencies wait, further ones are lost and counted", full_queue, NULL, NULL, NULL},

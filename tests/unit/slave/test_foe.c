@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* File access (FoE): packets, their numbers, lateness, loss, and what becomes of a file. CF-084. */
+/* File access (FoE): packets, their numbers, delays, losses, and the resulting files. CF-084. */
 #include <string.h>
 
 #include "support/filedev.h"
@@ -8,7 +8,7 @@
 enum { SM0 = 0x1000, SM1 = 0x1080, SIZE = 128, MAIL_HEADER = 6, HEADER = 6, FULL = SIZE - MAIL_HEADER - HEADER };
 enum { READ = 1, WRITE, DATA, ACK, ERROR, BUSY, NOTHING = -1, MAILBOX_ERROR = 0x100 };
 
-/* A mail of FoE that came, or what came instead. */
+/* An FoE mail that was received, or the reply in its place. */
 typedef struct mail {
     int operation;
     uint32_t number;
@@ -92,7 +92,7 @@ static uint8_t byte_at(uint32_t n)
     return (uint8_t)(7 * n + n / 256);
 }
 
-/* Sends the file's packets; the one behind the last full one is shorter. */
+/* Sends the file's packets; the one after the last full packet is shorter. */
 static void write_packets(uint16_t size)
 {
     uint8_t data[FULL];
@@ -202,7 +202,7 @@ static void states(void **state)
         uint16_t reads, writes;
         uint8_t in;
         int operation;
-        uint32_t answer; /* an error code, 0: fine */
+        uint32_t answer; /* an error code; 0: success */
     } table[] = {
         {ECT_IN(2), ECT_IN(3), ECT_STATE_PREOP, READ, 0},
         {ECT_IN(2), ECT_IN(3), ECT_STATE_PREOP, WRITE, ECT_FOE_BOOT_ONLY},
@@ -267,7 +267,7 @@ static void packet_numbers(void **state)
     uint8_t data[FULL] = {1};
     (void)state;
     open_device(filedev(), ECT_STATE_PREOP);
-    static const uint32_t wrong[] = {0, 1, 4, UINT32_MAX}; /* where 3 is to come, and 2 may come again */
+    static const uint32_t wrong[] = {0, 1, 4, UINT32_MAX}; /* number 3 is expected, and 2 may be repeated */
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         begin(WRITE, "data", 0);
         expect("the name", ACK, 0);
@@ -327,7 +327,8 @@ static void sent_again(void **state)
     wire_close(&w);
 }
 
-/* --- late --------------------------------------------------------------------------------------------------------- */
+/* --- delayed --------------------------------------------------------------------------------------------------------
+ */
 
 static void late_answers(void **state)
 {
@@ -358,7 +359,7 @@ static void late_answers(void **state)
     wire_close(&w);
 }
 
-/* In the middle of a file, where it is read that is late. */
+/* In the middle of a file, with a delayed read. */
 static void late_pieces(void **state)
 {
     (void)state;
@@ -435,7 +436,7 @@ static void up_to_four_gigabytes(void **state)
     wire_close(&w);
 }
 
-/* Offsets have 32 bits: what would be longer is refused, not begun anew. */
+/* Offsets have 32 bits: a longer file is refused, the offset does not wrap. */
 static void four_gigabytes(void **state)
 {
     uint8_t data[FULL] = {1};
@@ -447,7 +448,7 @@ static void four_gigabytes(void **state)
     send_mail(DATA, 1, data, FULL);
     expect_error("the byte too many", ECT_FOE_DISK_FULL, "");
     assert_int_equal(device()->written, 0);
-    assert_int_equal(device()->closed_broken, 1); /* the device was not asked: it is told that its file is over */
+    assert_int_equal(device()->closed_broken, 1); /* the device is not called for data, only to end its file */
     fill(FILEDEV_DATA, 3 * FULL);
     begin(READ, "data", 0);
     expect("the file", DATA, 1);
@@ -457,7 +458,7 @@ static void four_gigabytes(void **state)
     wire_close(&w);
 }
 
-/* A device that reads only, in its own time, and does not care when it is over: ten seconds. */
+/* A device that only reads, takes its time, and ignores the end: ten seconds. */
 static void the_least(void **state)
 {
     (void)state;
@@ -494,7 +495,7 @@ static void late_errors(void **state)
     wire_close(&w);
 }
 
-/* Told BUSY, a master sends the packet again: it is not taken twice, and its acknowledge comes when it can. */
+/* After BUSY, a master repeats the packet: it is not taken twice, and its acknowledge follows later. */
 static void busy(void **state)
 {
     uint8_t data[4] = {1, 2, 3, 4};
@@ -540,10 +541,10 @@ static void timeouts(void **state)
     wire_advance(&w, 1990 * MS);
     assert_int_equal(device()->closed_broken, 0);
     wire_advance(&w, 20 * MS);
-    assert_int_equal(device()->closed_broken, 1); /* nobody is told: it was the master who did not speak */
+    assert_int_equal(device()->closed_broken, 1); /* no error reply: the master was silent */
     expect("a master that is gone", NOTHING, 0);
     begin(READ, "data", 0);
-    wire_advance(&w, 2010 * MS); /* though the mail is still there */
+    wire_advance(&w, 2010 * MS); /* although the mail is still there */
     assert_int_equal(device()->closed_broken, 2);
     expect("what was sent", DATA, 1);
     device()->late = 100000;
@@ -592,7 +593,7 @@ static void given_up(void **state)
     wire_close(&w);
 }
 
-/* Beside other mails, and over a change of state, a transfer goes on. */
+/* A transfer continues beside other mails, and over a change of state. */
 static void beside_others(void **state)
 {
     uint8_t data[FULL] = {9};
@@ -635,12 +636,12 @@ int main(void)
          NULL},
         {"FoE: a device that takes its time is waited for", late_answers, NULL, NULL, NULL},
         {"FoE: so it is in the middle of a file, and when it cannot be read on", late_pieces, NULL, NULL, NULL},
-        {"FoE: what fails late is told", late_errors, NULL, NULL, NULL},
+        {"FoE: a delayed failure is reported", late_errors, NULL, NULL, NULL},
         {"FoE: a packet while a file is read, or behind the last one, is refused", data_out_of_place, NULL, NULL, NULL},
         {"FoE: a file of 4 GiB less a byte is read to its end", up_to_four_gigabytes, NULL, NULL, NULL},
         {"FoE: a file of more than 4 GiB is refused", four_gigabytes, NULL, NULL, NULL},
         {"FoE: a device needs no more than open and read", the_least, NULL, NULL, NULL},
-        {"FoE: a master is told BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},
+        {"FoE: a master gets BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},
         {"FoE: without a word from master or device a transfer ends", timeouts, NULL, NULL, NULL},
         {"FoE: a file that was given up does not count", given_up, NULL, NULL, NULL},
         {"FoE: a transfer goes on beside SDOs and over a change of state", beside_others, NULL, NULL, NULL},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a device may say to an SDO: refuse, supply, look at a value before it is stored (device.h). */
+/* A device's reactions to an SDO: refuse, supply data, check a value before it is stored (device.h). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 enum { OCTETS = 1000, OWN_CODE = 0x0609ABCD };
 
-/* What the hooks do, and what they saw; one slave at a time. */
+/* Results of the hooks, and their calls; one slave at a time. */
 static struct {
     ect_reason_t read_answer, write_answer;
     const void *supply;
@@ -94,7 +94,7 @@ static void read_refused(void **state)
     wire_close(&w);
 }
 
-/* Of any length: expedited, normal, segmented, nothing at all; and the next read is the entry's own again. */
+/* Data of any length: expedited, normal, segmented, empty. The next read returns the entry's own value again. */
 static void read_supplied(void **state)
 {
     static const uint16_t sizes[] = {0, 1, 4, 5, 100, 112, 113, 1000, 5000};
@@ -120,7 +120,7 @@ static void read_supplied(void **state)
     wire_close(&w);
 }
 
-/* In as many segments as the mailbox makes of it: the device sees it whole, once, and before any of it is stored. */
+/* In as many segments as the mailbox requires: the device gets the whole value, once, before any of it is stored. */
 static void long_write_checked(void **state)
 {
     static uint8_t data[OCTETS], nothing[OCTETS];
@@ -164,7 +164,7 @@ static void staging_too_small(void **state)
     wire_close(&w);
 }
 
-/* A device's buffer: there at its size, zero, the same after a power cycle but for its content; or not at all. */
+/* A device's buffer: of its size, zero, at the same address after a power cycle with new content; or missing. */
 static void buffer(void **state)
 {
     ect_device_t device = testdev;

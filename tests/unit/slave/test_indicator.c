@@ -93,11 +93,11 @@ static void link_activity(void **state)
     assert_int_equal(ect_indicator_link(false, 999 * MS, 1000 * MS), ECT_PATTERN_OFF);
     assert_int_equal(ect_indicator_link(true, 0, 1000 * MS), ECT_PATTERN_ON);
     assert_int_equal(ect_indicator_link(true, 901 * MS, 1000 * MS), ECT_PATTERN_FLICKERING);
-    assert_int_equal(ect_indicator_link(true, 0, 1 * MS), ECT_PATTERN_ON); /* just switched on: none so far */
+    assert_int_equal(ect_indicator_link(true, 0, 1 * MS), ECT_PATTERN_ON); /* just switched on: no traffic so far */
     assert_int_equal(ect_indicator_link(true, 900 * MS, 1000 * MS), ECT_PATTERN_ON);
 }
 
-/* What a chain of two shows, as signals. */
+/* The indicators of a chain of two, as signals. */
 static void lamps_of_a_chain(void **state)
 {
     static const ect_device_t *const devices[] = {&testdev, &testdev};
@@ -144,7 +144,7 @@ static void err_pin(void *ctx, bool lit)
     p->set++;
 }
 
-/* For five seconds of each pair of patterns: called only when it asked for it, the pins are right at every moment. */
+/* For five seconds of each pair of patterns: called only at its own times, it keeps the pins right at every moment. */
 static void pins_follow(void **state)
 {
     static const uint8_t states[] = {ECT_STATE_INIT, ECT_STATE_PREOP, ECT_STATE_BOOT, ECT_STATE_SAFEOP, ECT_STATE_OP};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The state machine at work, seen from the wire: transitions, their checks, drops, time-outs, identification. */
+/* Execution of the state machine, observed on the wire: transitions, their checks, drops, timeouts, identification. */
 #include <stdio.h>
 #include <string.h>
 
@@ -83,7 +83,7 @@ static void done(wire_t *w, uint16_t code)
     (void)ect_slave_poll(slave_of(w), w->now_ns);
 }
 
-/* Into `state` with error flag and code, whatever they are: the device's own drop does it. Only the test device. */
+/* Enters `state` with error flag and any code, by a drop of the device itself. Only the test device. */
 static void go_with_error(wire_t *w, uint8_t state, uint16_t code)
 {
     if (state == OP) {
@@ -113,7 +113,7 @@ static void power_up(void **state)
 
 /* --- transitions ------------------------------------------------------------------------------------------------- */
 
-/* Spec C.2; columns INIT PREOP BOOT SAFEOP OP; '=' same, '+' goes there, 'x' 0x0011, 'b' 0x0013. */
+/* Spec C.2; columns INIT PREOP BOOT SAFEOP OP; '=' same, '+' entered, 'x' 0x0011, 'b' 0x0013. */
 static const struct {
     uint8_t from;
     const char *to;
@@ -190,7 +190,7 @@ static void device_is_told(void **state)
                 wire_configure_mailbox(&w, 0);
             request(&w, columns[column]);
             if (testdev_of(&w, 0)->from != table[row].from || testdev_of(&w, 0)->to != columns[column])
-                fail_msg("%u to %u: the device was told %u to %u", table[row].from, columns[column],
+                fail_msg("%u to %u: the device was notified of %u to %u", table[row].from, columns[column],
                          testdev_of(&w, 0)->from, testdev_of(&w, 0)->to);
             wire_close(&w);
         }
@@ -229,7 +229,7 @@ static void sms_follow_state(void **state)
 typedef struct sm_fault {
     const char *what;
     int start, length; /* differences */
-    uint8_t control;   /* bits that are turned over */
+    uint8_t control;   /* inverted bits */
     bool disabled;
     bool allowed;
 } sm_fault_t;
@@ -307,7 +307,7 @@ static void mailbox_length_limits(void **state)
     }
 }
 
-/* A direction without data wants its SyncManager off, or of length 0. */
+/* A direction without data requires its SyncManager off, or of length 0. */
 static bool process_fault_allowed(const ect_device_t *device, unsigned int n, const sm_fault_t *f)
 {
     if (ect_device_sm_bytes(device, n) == 0)
@@ -358,7 +358,7 @@ static void both_wrong(void **state)
     wire_close(&w);
 }
 
-/* 1C13h is left out: the device has outputs only. */
+/* 1C13h is missing: the device has outputs only. */
 static void output_only(void **state)
 {
     (void)state;
@@ -385,7 +385,7 @@ static void output_only(void **state)
     wire_close(&w);
 }
 
-/* A device with nothing but a mailbox. */
+/* A device with only a mailbox. */
 static void mailbox_only(void **state)
 {
     (void)state;
@@ -408,7 +408,7 @@ static void mailbox_only(void **state)
     wire_close(&w);
 }
 
-/* A device without a mailbox: PREOP asks nothing of SM0 and SM1. */
+/* A device without a mailbox: PREOP does not check SM0 and SM1. */
 static void no_mailbox(void **state)
 {
     (void)state;
@@ -626,9 +626,9 @@ static void waits_for_outputs(void **state)
         }
         expect(&w, "no outputs yet", SAFEOP, 0);
         wire_advance(&w, device->timeouts.safeop_op_ms * MS - 1);
-        expect(&w, "just before the time-out", SAFEOP, 0);
+        expect(&w, "just before the timeout", SAFEOP, 0);
         wire_advance(&w, 1);
-        expect(&w, "time-out", SAFEOP | ERR, 0x0019);
+        expect(&w, "timeout", SAFEOP | ERR, 0x0019);
         assert_int_equal(outputs(&w, 1), 1);
         expect(&w, "outputs too late", SAFEOP | ERR, 0x0019);
         ask(&w, "acknowledge", SAFEOP | ACK, SAFEOP, 0);
@@ -681,7 +681,7 @@ static void crossing_requests(void **state)
         outputs(&w, 0xFF);
         expect(&w, "outputs after that change nothing", rows[i].status, rows[i].code);
         wire_advance(&w, 20000 * MS);
-        expect(&w, "nor does the time-out", rows[i].status, rows[i].code);
+        expect(&w, "nor does the timeout", rows[i].status, rows[i].code);
         assert_int_equal(testdev_of(&w, 0)->out_u16, 0);
         wire_close(&w);
     }
@@ -700,7 +700,7 @@ static void op_again_needs_new_outputs(void **state)
     wire_close(&w);
 }
 
-/* The slave is slow: the master writes while the request is unread. */
+/* A slow slave: the master writes while the request is unread. */
 static void quick_succession(void **state)
 {
     (void)state;
@@ -827,7 +827,7 @@ static void watchdog_elsewhere(void **state)
     wire_close(&w);
 }
 
-/* The watchdog ran out, and outputs came again, before the slave looked: dropped, or live with these outputs. */
+/* The watchdog expired, and outputs arrived again, before the slave polled: dropped, or running with these outputs. */
 static void watchdog_and_outputs_at_once(void **state)
 {
     (void)state;
@@ -850,7 +850,8 @@ static void watchdog_and_outputs_at_once(void **state)
     wire_close(&w);
 }
 
-/* Outputs were seen once, their watchdog ran out in SAFEOP, and only then OP is asked for: nobody feeds the outputs. */
+/* Outputs were written once, their watchdog expired in SAFEOP, and OP is requested afterwards: the outputs are not
+ * renewed. */
 static void op_needs_live_outputs(void **state)
 {
     (void)state;
@@ -1023,9 +1024,9 @@ static void device_delays_too_long(void **state)
         request(&w, ups[i].to);
         assert_true(ect_slave_poll(slave_of(&w), w.now_ns) == w.now_ns + ups[i].timeout_ms * MS); /* not before */
         wire_advance(&w, ups[i].timeout_ms * MS - 1);
-        expect(&w, "just before the time-out", ups[i].from, 0);
+        expect(&w, "just before the timeout", ups[i].from, 0);
         wire_advance(&w, 1);
-        expect(&w, "time-out", ups[i].from | ERR, 0x0001);
+        expect(&w, "timeout", ups[i].from | ERR, 0x0001);
         done(&w, 0);
         expect(&w, "finished too late", ups[i].from | ERR, 0x0001);
         testdev_of(&w, 0)->state_change_answer = 0;
@@ -1051,12 +1052,12 @@ static void crossing_a_delay(void **state)
         done(&w, 0);
         expect(&w, "finished too late", INIT, 0);
         wire_advance(&w, 20000 * MS);
-        expect(&w, "no time-out either", INIT, 0);
+        expect(&w, "no timeout either", INIT, 0);
         wire_close(&w);
     }
 }
 
-/* The device is ready before the master has sent outputs: OP still needs them. */
+/* The device is ready before the master has sent outputs: OP still requires them. */
 static void delayed_op_needs_outputs(void **state)
 {
     (void)state;
@@ -1072,7 +1073,7 @@ static void delayed_op_needs_outputs(void **state)
     wire_close(&w);
 }
 
-/* What the master changes while the device takes its time is checked before the state is confirmed. */
+/* A change by the master during a delayed transition is checked before the state is confirmed. */
 static void sm_changed_in_a_delay(void **state)
 {
     (void)state;
@@ -1099,7 +1100,7 @@ static void sm_changed_in_a_delay(void **state)
 
 /* --- restart ----------------------------------------------------------------------------------------------------- */
 
-/* The power cycle that the device wants; the master has to find the slave anew. */
+/* The power cycle that the device requests; the master must configure the slave again. */
 static void restart(wire_t *w)
 {
     testdev_t *t = testdev_of(w, 0);
@@ -1245,7 +1246,7 @@ static const sm_change_t sm_changes[] = {
     {OP, 3, PREOP | ERR, 0x001E},
 };
 
-/* 0: switched off; 1: another start while the slave does not look; 2: another direction, likewise */
+/* 0: disabled; 1: another start address while the slave does not poll; 2: another direction, likewise */
 static void one_sm_change(const ect_device_t *device, const sm_change_t *row, int kind)
 {
     wire_t w;
@@ -1304,7 +1305,7 @@ static void rewritten_unchanged(void **state)
     }
 }
 
-/* Another length that a mailbox may have, chosen while it runs and before the slave looks. */
+/* Another permitted length of the mailbox, chosen while it runs and before the slave polls. */
 static void mailbox_resized(void **state)
 {
     (void)state;
@@ -1321,7 +1322,8 @@ static void mailbox_resized(void **state)
     }
 }
 
-/* Off and on again before the slave looks: the buffer is empty now. Either the slave drops, or it goes on working. */
+/* Disabled and enabled before the slave polls: the buffer is empty now. Either the slave drops, or it continues to
+ * work. */
 static void inputs_after_reenable(void **state)
 {
     (void)state;
@@ -1417,15 +1419,16 @@ static uint32_t draw(random_t *r, uint32_t below)
     return (uint32_t)(((uint64_t)(r->x >> 8) * below) >> 24);
 }
 
-/* The model: what the master set up, and what the slave must therefore be in. Polled at once, watchdog off. */
+/* The model: the master's configuration, and the state of the slave that follows from it. Polled at once, watchdog
+ * off. */
 typedef struct model {
     uint8_t state;
     bool error;
     uint16_t code;
     bool ident;
     bool good[4];
-    bool seen;         /* outputs since SAFEOP */
-    uint64_t until_ns; /* OP waits until then, 0 does not */
+    bool seen;         /* outputs written since SAFEOP */
+    uint64_t until_ns; /* end of a delayed OP, 0: none */
 } model_t;
 
 enum { WALK_ID = 0x0A5B };
@@ -1595,7 +1598,7 @@ static void exact_walk(void **state)
     }
 }
 
-/* Which error code may stand in which state. */
+/* The error codes that are permitted in each state. */
 static bool legal_combination(uint8_t status, uint16_t code)
 {
     uint8_t s = status & 0x0F;
@@ -1623,7 +1626,7 @@ static bool legal_combination(uint8_t status, uint16_t code)
     }
 }
 
-/* The slave looks now and then only, the watchdog runs. When it has looked, what it says is true. */
+/* The slave polls only now and then, the watchdog runs. After a poll, its status is valid. */
 static void check_slow(wire_t *w, const bool good[4], const char *where)
 {
     uint8_t status;
@@ -1664,7 +1667,7 @@ static void slow_walk(void **state)
                 testdev_of(&w, 0)->host->drop(slave_of(&w), states[draw(&r, 3)], 0x8000);
             else
                 wire_poll(&w);
-            if (kind == 12) { /* its code names the state, for legal_combination */
+            if (kind == 12) { /* its code identifies the state, for legal_combination */
                 slave_of(&w)->drop_code = 0x8000 | slave_of(&w)->drop_state;
                 (void)ect_slave_poll(slave_of(&w), w.now_ns);
             }
@@ -1682,11 +1685,11 @@ static void slow_walk(void **state)
 
 static const struct CMUnitTest tests[] = {
     T("CF-047: after power-up the state is INIT, no code, all SyncManagers off from the PDI side", power_up),
-    T("CF-033 CF-034 CF-035: every pair of states moves, stays or is refused as the table says, with the right "
+    T("CF-033 CF-034 CF-035: every pair of states moves, stays or is refused as in the table, with the right "
       "code",
       every_pair),
     T("CF-035: an unknown state is refused with 0x0012 in every state", unknown_states),
-    T("CF-033: the device is told of every transition, from where and to where", device_is_told),
+    T("CF-033: the device is notified of every transition, from where and to where", device_is_told),
     T("CF-033: the mailbox is on from PREOP, process data from SAFEOP, and off again below", sms_follow_state),
     T("CF-036: anything wrong with SM0 or SM1 keeps INIT with 0x0016; put right, PREOP is reached", mailbox_checked),
     T("CF-027 CF-036: a mailbox may have any length from its minimum to its maximum", mailbox_length_limits),
@@ -1701,10 +1704,10 @@ static const struct CMUnitTest tests[] = {
     T("CF-038: with the error flag set, requests without acknowledge are ignored, but for INIT", unacknowledged),
     T("CF-039: acknowledge and request in one: the flag goes, the request is judged", acknowledge_and_go),
     T("CF-039 CF-042: OP with acknowledge after an error waits for new outputs", watchdog_error_then_op),
-    T("CF-040: the code stands in 0x0134 before the flag, and is 0 when there is no error", code_before_flag),
+    T("CF-040: the code is in 0x0134 before the flag, and is 0 when there is no error", code_before_flag),
     T("CF-041: the present state asked for again changes nothing", same_state_again),
     T("CF-033: OP waits in SAFEOP without error for first outputs, and gives up with 0x0019", waits_for_outputs),
-    T("CF-033: outputs in the last moment of the time-out still lead to OP", outputs_in_time),
+    T("CF-033: outputs in the last moment of the timeout still lead to OP", outputs_in_time),
     T("CF-041: another request while OP waits is carried out and ends the waiting", crossing_requests),
     T("CF-033: after OP was left, OP needs new outputs", op_again_needs_new_outputs),
     T("CF-041: requests in quick succession: the first counts until the slave has read it", quick_succession),
@@ -1721,8 +1724,8 @@ static const struct CMUnitTest tests[] = {
     T("CF-043 CF-044: the device drops to any lower state with its own code, to no other", device_drops),
     T("CF-044: a drop ends the waiting for OP", drop_ends_waiting),
     T("CF-044: a transition that the device refuses stays below with the device's code", device_refuses),
-    T("CF-041: a transition that the device delays ends when the device says so", device_delays),
-    T("CF-041: a delayed transition fails after the time-out of the description", device_delays_too_long),
+    T("CF-041: a transition that the device delays ends when the device reports so", device_delays),
+    T("CF-041: a delayed transition fails after the timeout of the description", device_delays_too_long),
     T("CF-041: another request ends a delayed transition", crossing_a_delay),
     T("CF-033: OP delayed by the device still waits for outputs", delayed_op_needs_outputs),
     T("CF-022: SMs changed during a delayed transition are noticed before the state is confirmed",

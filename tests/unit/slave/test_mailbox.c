@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The mailbox seen from the wire: buffers, counters, repeats, bad headers, lengths. */
+/* The mailbox observed on the wire: buffers, counters, repeats, invalid headers, lengths. */
 #include <stdio.h>
 #include <string.h>
 
@@ -89,7 +89,7 @@ static void expect_empty(wire_t *w, const char *where)
 {
     uint8_t mail[SIZE];
     if (fetch(w, mail))
-        fail_msg("%s: a mail in SM1 that nobody asked for: type and counter 0x%02X, length %u", where, mail[5],
+        fail_msg("%s: an unexpected mail in SM1: type and counter 0x%02X, length %u", where, mail[5],
                  ect_load_le16(mail));
 }
 
@@ -276,9 +276,9 @@ static void not_carried_out_again(void **state)
     }
 }
 
-/* A master that saw no answer to its write sends the mail again, and then fetches the reply; a slave that is slow, or
- * far from its controller, sees both at once. One reply is enough: the second would be taken for that of the next
- * request. */
+/* A master without a reply to its write sends the mail again, and then fetches the reply; a slave that is slow, or far
+ * from its controller, finds both at once. One reply is enough: the master would take a second one for the reply to
+ * its next request. */
 static void repeated_and_fetched_at_once(void **state)
 {
     (void)state;
@@ -293,7 +293,7 @@ static void repeated_and_fetched_at_once(void **state)
             assert_int_equal(send_write(&w, counter, counter), 1);
             expect_fetch(&w, "reply", mail);
             for (unsigned int n = 0; n < 2 * looks; n++)
-                toggle(&w); /* there and back: the slave looks at its SyncManagers before it looks at the mail */
+                toggle(&w); /* forth and back: the slave handles its SyncManagers before the mailbox */
             for (unsigned int n = 0; n < 3; n++)
                 wire_poll(&w);
             expect_empty(&w, "one reply for a request that came twice");
@@ -345,7 +345,7 @@ static void repeated_while_unread(void **state)
     assert_int_equal(send_write(&w, 3, 1), 1);
     assert_true(full(&w, SM0_STATUS));
     expect_fetch(&w, "reply", first);
-    expect_empty(&w, "a second copy would stand in the way of the next reply");
+    expect_empty(&w, "a second copy would be taken for the next reply");
     assert_false(full(&w, SM0_STATUS));
     assert_int_equal(testdev_of(&w, 0)->written, 1);
     assert_int_equal(send_write(&w, 4, 2), 1);
@@ -416,7 +416,7 @@ static void repeated_after_emergency(void **state)
     wire_close(&w);
 }
 
-/* The reply that was asked for again stands in SM1, though an emergency is newer: it is the last mail, and stays. */
+/* The requested reply is in SM1, although an emergency is newer: it is the last mail, and remains. */
 static void repeat_of_a_repetition(void **state)
 {
     (void)state;
@@ -568,7 +568,7 @@ static void repeat_nothing(void **state)
     wire_close(&w);
 }
 
-/* How many mails have been read before the one that is lost. */
+/* Number of mails read before the lost one. */
 static void repeat_lost(void **state)
 {
     (void)state;
@@ -596,7 +596,7 @@ static void repeat_lost(void **state)
     }
 }
 
-/* The master asks twice before it reads: the mail that is to be repeated stands there already. */
+/* The master requests a repeat twice before it reads: the mail is in SM1 already. */
 static void repeat_twice(void **state)
 {
     (void)state;
@@ -639,7 +639,7 @@ static void repeat_unread_first(void **state)
     wire_close(&w);
 }
 
-/* The lost mail A, and B that stands in SM1 already: A, then B. */
+/* The lost mail A, and B, which is in SM1 already: A, then B. */
 static void newer_stands(wire_t *w, uint8_t a[SIZE], unsigned int before)
 {
     uint8_t mail[SIZE];
@@ -768,7 +768,7 @@ static void repeat_emergency(void **state)
     wire_close(&w);
 }
 
-/* The toggle that stands in the register when the mailbox starts is answered as it is. */
+/* The toggle that the register holds when the mailbox starts is acknowledged unchanged. */
 static void repeat_before_start(void **state)
 {
     (void)state;
@@ -795,7 +795,8 @@ static void repeat_before_start(void **state)
     }
 }
 
-/* --- the acknowledge comes after the mail ------------------------------------------------------------------------ */
+/* --- the acknowledge follows the mail -------------------------------------------------------------------------------
+ */
 
 typedef struct watch {
     ect_pdi_t real;
@@ -804,7 +805,7 @@ typedef struct watch {
     bool armed;
     unsigned int acknowledges;
     unsigned int early;
-    uint8_t wanted[SIZE]; /* what must stand in SM1 then */
+    uint8_t wanted[SIZE]; /* expected in SM1 then */
 } watch_t;
 
 static int watch_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
@@ -875,7 +876,7 @@ typedef struct bad_header {
     uint16_t length;
     uint8_t channel;
     uint8_t type;
-    uint16_t detail; /* 0: answered as CoE */
+    uint16_t detail; /* 0: reply by CoE */
 } bad_header_t;
 
 static const bad_header_t bad_headers[] = {
@@ -1122,7 +1123,7 @@ static void request_lengths(void **state)
     }
 }
 
-/* A list in many fragments: each can be lost, and a request that comes meanwhile is answered between two of them. */
+/* A list in many fragments: each can be lost, and a request in between gets its reply between two of them. */
 static void fragments(void **state)
 {
     (void)state;
@@ -1162,10 +1163,11 @@ static void fragments(void **state)
     wire_close(&w);
 }
 
-/* --- SyncManagers that come back --------------------------------------------------------------------------------- */
+/* --- SyncManagers disabled and enabled ------------------------------------------------------------------------------
+ */
 
-/* A mailbox SM goes off and on while the slave does not look, with and without a mail in SM1. The slave drops to INIT,
- * or the mailbox goes on working. */
+/* A mailbox SM is disabled and enabled while the slave does not poll, with and without a mail in SM1. The slave drops
+ * to INIT, or the mailbox continues to work. */
 static void reenabled(void **state)
 {
     (void)state;
@@ -1197,7 +1199,7 @@ static void reenabled(void **state)
     }
 }
 
-/* PREOP refused by the device, then allowed: what the device wants to tell is still told. */
+/* PREOP refused by the device, then permitted: the emergencies of the device are still sent. */
 static void refused_start(void **state)
 {
     (void)state;
@@ -1250,7 +1252,7 @@ static void line_mail(line_t *l, const uint8_t *mail)
     l->waiting = false;
 }
 
-/* The reply says what the request wrote: the value is read back from the device behind the slave's back. */
+/* The reply reports the written value: the test reads the value from the device's memory. */
 static void line_request(line_t *l, bool duplicates)
 {
     if (!l->waiting) {
@@ -1286,7 +1288,7 @@ static void bad_line(void **state)
     (void)state;
     for (uint32_t seed = 1; seed <= 60; seed++) {
         line_t l = {.x = seed * 2654435761u};
-        bool duplicates = seed % 2 == 0; /* repeated requests and emergencies not together: two mails are kept */
+        bool duplicates = seed % 2 == 0; /* repeated requests and emergencies not together: only two mails are kept */
         open_preop(&l.w);
         l.w.manual_poll = true;
         for (unsigned int step = 0; step < 1500; step++) {
@@ -1343,7 +1345,7 @@ int main(int argc, char **argv)
         T("CF-024: the error reply to a request is given again too", repeated_error),
         T("CF-024: a repetition of what had no reply has none", repeated_without_reply),
         T("CF-024: an emergency in between does not change the reply to a repetition", repeated_after_emergency),
-        T("CF-024: a repeat while the repetition of a reply stands in SM1 changes nothing", repeat_of_a_repetition),
+        T("CF-024: a repeat while the repetition of a reply is in SM1 changes nothing", repeat_of_a_repetition),
         T("CF-024: two emergencies in between: the repetition is still not carried out again",
           never_again_after_two_emergencies),
         T("CF-024: the last counter is forgotten when the mailbox stops", stop_forgets),
@@ -1353,20 +1355,20 @@ int main(int argc, char **argv)
         T("CF-023: repeat with nothing sent is acknowledged, and nothing comes", repeat_nothing),
         T("CF-023: a lost mail comes again unchanged, as often as asked", repeat_lost),
         T("CF-023: asked twice before it is read, the lost mail comes once, and no older one", repeat_twice),
-        T("CF-023: repeat while the first mail stands unread leaves it there", repeat_unread_first),
+        T("CF-023: repeat while the first mail is unread leaves it there", repeat_unread_first),
         T("CF-023: with a newer mail in SM1, the lost one comes first, then the newer", repeat_newer_stands),
         T("CF-023: the lost mail is lost again before and after the newer one is back", repeat_lost_again),
         T("CF-023: after the older mail, the newer one can be lost and repeated too", repeat_then_newest_lost),
         T("CF-023: repeat and a new request at once: the lost mail, then the reply", repeat_and_request_at_once),
         T("CF-023: a lost emergency comes again", repeat_emergency),
-        T("CF-023: a toggle that stands there when the mailbox starts is no repeat", repeat_before_start),
-        T("CF-023: the repeat is acknowledged only once the mail stands in SM1, in both directions of the toggle",
+        T("CF-023: a toggle that is set when the mailbox starts is no repeat", repeat_before_start),
+        T("CF-023: the repeat is acknowledged only once the mail is in SM1, in both directions of the toggle",
           acknowledge_last),
         T("CF-026 CF-086: each bad header has an error reply with its detail, and the next request works",
           headers_checked),
         T("CF-026: CoE services that are not served are answered with detail 4", services_checked),
         T("CF-086: a protocol that is not offered is answered with detail 2, CoE too", coe_not_offered),
-        T("CF-017: no bytes of an older mail stand behind a shorter one", no_stale_bytes),
+        T("CF-017: no bytes of an older mail remain behind a shorter one", no_stale_bytes),
         T("CF-023 CF-025: each fragment of a list can be repeated, and a request is answered between two of them",
           fragments),
         T("CF-024: address, channel and type of a reply", reply_header),

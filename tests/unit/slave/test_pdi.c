@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The slave behind its PDI: how many accesses it makes, and what it does when one fails or when it is reset. */
+/* The slave behind its PDI: the number of accesses, and the behaviour after a failed access or a reset. */
 #include <stdio.h>
 #include <string.h>
 
@@ -18,8 +18,8 @@ enum { ERR = ECT_AL_ERROR, ACK = ECT_AL_ACKNOWLEDGE };
 typedef enum fault {
     NO_FAULT,
     FAIL_BEFORE, /* the access does not happen */
-    FAIL_AFTER,  /* it happens, but the slave is told that it did not */
-    RESET,       /* the slave's processor starts anew here */
+    FAIL_AFTER,  /* it happens, but is reported as failed */
+    RESET,       /* the slave's processor restarts here */
 } fault_t;
 
 typedef struct rig {
@@ -29,12 +29,12 @@ typedef struct rig {
     ect_slave_t *slave;
     unsigned int accesses;
     unsigned int bytes;
-    unsigned int fault_at; /* the access that fails, counted from 1; 0 none */
+    unsigned int fault_at; /* the access that fails, counted from 1; 0: none */
     fault_t fault;
-    uint16_t fault_address; /* the next access that begins here fails; 0 none */
-    uint8_t last_counter;   /* of the slave's mails; 0 none yet */
-    bool dead;              /* between a RESET and the new start */
-    char lie[96];           /* the first untrue AL status */
+    uint16_t fault_address; /* the next access that begins here fails; 0: none */
+    uint8_t last_counter;   /* of the slave's mails; 0: none so far */
+    bool dead;              /* between a RESET and the restart */
+    char lie[96];           /* the first wrong AL status */
 } rig_t;
 
 static const uint8_t *memory(const rig_t *r)
@@ -47,7 +47,7 @@ static bool sm_off(const rig_t *r, unsigned int n)
     return (memory(r)[ECT_REG_SM + ECT_SM_SIZE * n + ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) != 0;
 }
 
-/* What AL status says, against what it says it of. */
+/* Compares AL status with the actual state of the slave. */
 static void check_truth(rig_t *r)
 {
     const testdev_t *t = r->slave->config.instance;
@@ -88,7 +88,7 @@ static int rig_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
     if (fault != FAIL_BEFORE)
         (void)r->real.read(r->real.ctx, address, buffer, length);
     if (fault != NO_FAULT)
-        memset(buffer, 0xA5, length); /* undefined, says the seam */
+        memset(buffer, 0xA5, length); /* undefined, according to the seam */
     return fault == NO_FAULT ? 0 : -1;
 }
 
@@ -105,7 +105,7 @@ static int rig_write(void *ctx, uint16_t address, const void *buffer, uint16_t l
     return fault == NO_FAULT ? 0 : -1;
 }
 
-/* Power-on; a failed one is tried again, as a main loop does. */
+/* Power-on; repeated after a failure, as in a main loop. */
 static void start_slave(rig_t *r)
 {
     int result = -1;
@@ -181,7 +181,8 @@ static int outputs(rig_t *r, uint8_t value)
 
 /* --- a master that starts the slave ------------------------------------------------------------------------------ */
 
-/* Waits for a state; asks again once if `again`. A request that the ESC does not take is written until it does. */
+/* Waits for a state; requests it a second time if `again`. A request that the ESC does not accept is repeated until it
+ * does. */
 static bool await(rig_t *r, uint16_t request, bool again)
 {
     uint8_t state = request & 0x0F;
@@ -198,7 +199,7 @@ static bool await(rig_t *r, uint16_t request, bool again)
     return false;
 }
 
-/* The next mail; one with the counter of the mail before is the same once more, and is thrown away. */
+/* The next mail; a mail with the counter of the previous one is a repetition and is ignored. */
 static bool fetch(rig_t *r, uint8_t mail[SIZE])
 {
     for (unsigned int n = 0; n < 10; n++) {
@@ -214,7 +215,7 @@ static bool fetch(rig_t *r, uint8_t mail[SIZE])
     return false;
 }
 
-/* One expedited SDO; what comes back must be its own reply, and clean behind its end. */
+/* One expedited SDO; the reply must match the request, with zeros behind its end. */
 static bool sdo(rig_t *r, uint8_t command, uint32_t value, uint8_t mail[SIZE], bool again)
 {
     uint8_t request[SIZE] = {10};
@@ -250,7 +251,7 @@ static bool mailbox_works(rig_t *r, uint32_t value, bool again)
         return false;
     if (ect_load_le32(mail + 12) != value)
         fail_msg("wrote 0x%08X, read back 0x%08X", value, ect_load_le32(mail + 12));
-    /* a repetition may have left the same reply once more: away with it */
+    /* a repetition may have left the same reply once more: ignore it */
     (void)(again && fetch(r, mail));
     return true;
 }
@@ -289,7 +290,7 @@ static bool start(rig_t *r, bool again)
     if (!await(r, PREOP, again))
         return false;
     if ((wire_read8(&r->w, 0, ECT_REG_SM + 8 + ECT_SM_STATUS) & ECT_SM_STATUS_FULL) != 0)
-        fail_msg("a mail stands in SM1 that nobody asked for");
+        fail_msg("there is an unexpected mail in SM1");
     if (!mailbox_works(r, 0xCAFE0001, again) || !up_to_op(r, again) || !await(r, PREOP, again))
         return false;
     if (((const testdev_t *)r->slave->config.instance)->out_u16 != 0)
@@ -343,8 +344,8 @@ static void cyclic_budget(void **state)
     }
 }
 
-/* Of a mailbox of any size: a mail and its last byte there and back, and what tells of them; in OP the inputs follow.
- * The first reply takes the whole of SM1: what stood there before is unknown. */
+/* With a mailbox of any size: a mail and its last byte in each direction, and the registers that report them; in OP
+ * the inputs follow. The first reply writes all of SM1, because the previous content is unknown. */
 static void sdo_budget(void **state)
 {
     (void)state;
@@ -442,7 +443,8 @@ static void fails_after(void **state)
         bool first = start(&r, true);
         expect_truth(&r, k);
         if (!first)
-            fail_msg("access %u happens, and an error is told: the start ends in AL status 0x%02X", k, al(&r, NULL));
+            fail_msg("access %u happens, and an error is reported: the start ends in AL status 0x%02X", k,
+                     al(&r, NULL));
         if (!start(&r, false))
             fail_msg("access %u: the second start ends in AL status 0x%02X", k, al(&r, NULL));
         expect_truth(&r, k);
@@ -466,7 +468,7 @@ static void resets(void **state)
     }
 }
 
-/* Every access in a stretch of time fails, in any state: nothing changes, and then it goes on. */
+/* Every access in a period fails, in any state: nothing changes, and then the slave continues. */
 static void fails_for_a_while(void **state)
 {
     (void)state;
@@ -653,7 +655,7 @@ static void repeat_comes_later(void **state)
     }
 }
 
-/* The lost mail comes back in front of a newer one; each access of that fails once. */
+/* The lost mail is repeated before a newer one; each access of that fails once. */
 static void repeat_older_with_fault(void **state)
 {
     (void)state;
@@ -745,7 +747,7 @@ static void memory_needed(void **state)
     need = ect_slave_memory(&device);
     assert_int_equal(need.process_data, 50);
     device = testdev;
-    device.sm_count = 2; /* a mailbox and no process data; the longest of each direction counts, in BOOT too */
+    device.sm_count = 2; /* a mailbox and no process data; the longest mailbox of each direction counts, in BOOT too */
     need = ect_slave_memory(&device);
     assert_int_equal(need.mailbox, 128 + 2 * 256);
     device.boot_out = (ect_boot_mailbox_t){0x1000, 300};
@@ -762,7 +764,7 @@ static void memory_needed(void **state)
 }
 
 typedef struct giver {
-    unsigned int left; /* pieces that it still gives */
+    unsigned int left; /* pieces that it still provides */
     size_t given[8];
     unsigned int pieces;
     uint8_t memory[65536];
@@ -781,7 +783,8 @@ static void *give(void *ctx, size_t bytes)
     return piece;
 }
 
-/* For the whole test device, for one without process data, for one without a mailbox too, for one without anything. */
+/* For the whole test device, for one without process data, for one without a mailbox as well, for one without
+ * anything. */
 static void memory_taken(void **state)
 {
     static giver_t giver;
@@ -912,7 +915,7 @@ int main(int argc, char **argv)
           repeat_older_with_fault),
         T("CF-041: an event word that cannot be had delays the work, and counts", event_word_fails),
         T("Initialisation: the memory needed follows from the description", memory_needed),
-        T("Initialisation: it is taken piece by piece, of nothing none; too little is told", memory_taken),
+        T("Initialisation: it is taken piece by piece, of nothing none; too little is reported", memory_taken),
         T("Initialisation: what is missing is refused, -1 device or PDI, -2 a buffer", config_checked),
         T("Initialisation: -3 when any of its accesses fails", init_fails),
         T("Initialisation: identity of the installation, or of the description", identity_default),

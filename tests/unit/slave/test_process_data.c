@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The process image: what stands where, when outputs are applied, when inputs are valid, and which mappings fail. */
+/* The process image: its layout, the time at which outputs are applied and inputs are valid, and mappings that fail. */
 #include <stdio.h>
 #include <string.h>
 
@@ -33,7 +33,7 @@ static int write_outputs(wire_t *w, uint32_t image)
     return wire_write(w, 0, SM2, bytes, IMAGE);
 }
 
-/* Twice, because the first read fetches what was prepared before. */
+/* Twice, because the first read fetches data that were prepared before. */
 static uint32_t read_inputs(wire_t *w)
 {
     uint8_t bytes[4] = {0};
@@ -167,12 +167,12 @@ static void no_data_below_safeop(void **state)
     wire_close(&w);
 }
 
-/* Looks into the chip at the moment when AL status is written. */
+/* Reads the chip at the moment when AL status is written. */
 typedef struct spy {
     ect_pdi_t real;
     ect_pdi_t pdi;
     unsigned int sm;       /* the first one with inputs */
-    unsigned int buffer;   /* of it that holds inputs then, 3 none */
+    unsigned int buffer;   /* its buffer that holds inputs then; 3: none */
     uint16_t first_inputs; /* the first two bytes of it */
     bool seen;
 } spy_t;
@@ -208,7 +208,7 @@ static void inputs_before_safeop(void **state)
         wire_go(&w, 0, PREOP);
         wire_configure_process_data(&w, 0);
         spy_t spy = {.real = *slave_of(&w)->config.pdi, .sm = first_sm_of(device, ECT_SM_INPUTS)};
-        while (ect_device_sm_bytes(device, spy.sm) == 1) /* that one has no buffers */
+        while (ect_device_sm_bytes(device, spy.sm) == 1) /* a SyncManager of one byte has no buffers */
             spy.sm++;
         spy.pdi = (ect_pdi_t){.ctx = &spy, .read = spy_read, .write = spy_write};
         slave_of(&w)->config.pdi = &spy.pdi;
@@ -267,7 +267,7 @@ static void map(wire_t *w, size_t position, uint32_t out, uint32_t in)
     wire_set_fmmu(w, position, 1, in, ect_device_sm_bytes(device, 3), 0, 7, device->sm[3].start, 0, 1);
 }
 
-/* All process data one behind the other, an FMMU each; @return bytes */
+/* All process data in succession, one FMMU each. @return bytes */
 static uint16_t map_all(wire_t *w, uint32_t logical)
 {
     const ect_device_t *device = wire_device(w, 0);
@@ -335,7 +335,7 @@ static void lrw_data(void **state)
             if (n > 1 && (ect_load_le16(in) != 0xA55A || in[2] != 5))
                 fail_msg("layout %zu: inputs 0x%04X 0x%02X", i, ect_load_le16(in), in[2]);
             if (data[11] != 0x3C)
-                fail_msg("layout %zu: a byte that nobody maps was changed", i);
+                fail_msg("layout %zu: an unmapped byte was changed", i);
         }
         wire_close(&w);
     }
@@ -392,7 +392,7 @@ static void input_only(void **state)
 
 /* --- the watchdog and parts of an image -------------------------------------------------------------------------- */
 
-/* How SM2 is written each 10 ms for 300 ms; whether that counts as outputs. */
+/* Writes SM2 in some way each 10 ms for 300 ms; whether that counts as outputs. */
 static const struct {
     const char *what;
     uint16_t first_at, first_length, then_at, then_length;
@@ -456,7 +456,7 @@ static void lrw_feeds(void **state)
 
 enum { MAPPED = 24 };
 
-/* A test device whose 1600h and 1A00h can be filled at will, and whose objects may all be mapped. */
+/* A test device whose 1600h and 1A00h can be filled freely, and whose objects can all be mapped. */
 typedef struct mapped {
     ect_device_t device;
     ect_object_t objects[64];
@@ -523,7 +523,7 @@ static void add(mapped_t *m, unsigned int direction, uint32_t mapping)
 /* In PREOP with the mapped device behind the ESC of an ordinary one: SII and memory are those of testdev with ROOM. */
 static void open_mapped(wire_t *w, mapped_t *m)
 {
-    static ect_device_t plain; /* what the SII is made from */
+    static ect_device_t plain; /* source of the SII */
     plain = testdev;
     plain.sm[2].maximum = plain.sm[3].maximum = ROOM;
     wire_open_one(w, &plain);
@@ -543,7 +543,7 @@ static unsigned int image_bytes(const mapped_t *m, unsigned int direction)
     return (bits + 7) / 8;
 }
 
-/* SM2 and SM3 of just the mapped lengths. */
+/* SM2 and SM3 of exactly the mapped lengths. */
 static void to_safeop(wire_t *w, mapped_t *m)
 {
     for (unsigned int d = 0; d < 2; d++)
@@ -551,7 +551,7 @@ static void to_safeop(wire_t *w, mapped_t *m)
     wire_write16(w, 0, ECT_REG_AL_CONTROL, SAFEOP);
 }
 
-/* Side by side in the instance, but not in the image: two pieces. */
+/* Adjacent in the instance, but not in the image: two pieces. */
 static void gap_between_neighbours(void **state)
 {
     static mapped_t m;
@@ -572,7 +572,7 @@ static void gap_between_neighbours(void **state)
     wire_close(&w);
 }
 
-/* The objects that the layouts are made of: where they are kept, how many bytes as a number (1: as bytes). */
+/* The objects of the layouts: their memory, and their bytes as a number (1: as bytes). */
 static const struct {
     uint16_t index;
     uint8_t subindex;
@@ -591,7 +591,7 @@ static const struct {
     {0x2008, 5, 8, 1, offsetof(testdev_t, sparse[2])},   {0x2009, 0, 64, 8, offsetof(testdev_t, u64)},
 };
 
-/* The bytes of a part as they are on the wire. */
+/* The bytes of a part in wire form. */
 static void part_to_wire(const testdev_t *t, size_t part, uint8_t wire[20])
 {
     const uint8_t *at = (const uint8_t *)t + parts[part].offset;
@@ -631,7 +631,7 @@ typedef struct layout {
     } piece[MAPPED];
 } layout_t;
 
-/* Parts in any order and at any bit, each once; now and then shorter than it is. */
+/* Parts in any order and at any bit, each once; sometimes truncated. */
 static void random_layout(uint32_t *x, mapped_t *m, unsigned int direction, layout_t *l)
 {
     bool used[COUNT(parts)] = {false};
@@ -698,7 +698,7 @@ static void check_output_data(const testdev_t *t, const layout_t *l, const uint8
     }
 }
 
-/* What is not mapped keeps its value, whatever is copied beside it. */
+/* An unmapped value is unchanged by copies next to it. */
 static void check_others(const testdev_t *t, const testdev_t *before, const layout_t *l, uint32_t seed)
 {
     bool mapped[COUNT(parts)] = {false};
@@ -755,7 +755,7 @@ static void random_layouts(void **state)
     }
 }
 
-/* Mappings that cannot be, in either direction, and neighbours that can. */
+/* Impossible mappings, in either direction, and similar possible ones. */
 static const struct {
     const char *what;
     uint32_t mapping[3];
@@ -891,7 +891,7 @@ static void image_limits(void **state)
     }
 }
 
-/* testdev falls into 2 pieces a direction; side by side in image and instance they become one. */
+/* testdev has 2 pieces in each direction; adjacent in image and instance they become one. */
 static void run_limits(void **state)
 {
     (void)state;
@@ -923,7 +923,7 @@ static void run_limits(void **state)
     wire_close(&w);
 }
 
-/* Constants can be sent, and are not changed by what is received. */
+/* Constants can be sent, and are unchanged by received data. */
 static void constants(void **state)
 {
     (void)state;
@@ -948,7 +948,7 @@ static void constants(void **state)
     wire_close(&w);
 }
 
-/* A part of an object longer than any mapping entry: refused, or right, but nothing beyond it is touched. */
+/* A part of an object longer than any mapping entry: refused, or correct, but no byte beyond it is accessed. */
 static void part_of_a_long_object(void **state)
 {
     (void)state;
@@ -988,11 +988,11 @@ int main(int argc, char **argv)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
         T("CF-048: each bit of the output image lands in its object, gaps nowhere", outputs_bit_by_bit),
-        T("CF-048: each bit of the inputs stands at its place, gaps are 0, in SAFEOP and OP", inputs_bit_by_bit),
+        T("CF-048: each bit of the inputs is at its place, gaps are 0, in SAFEOP and OP", inputs_bit_by_bit),
         T("CF-048: in SAFEOP SM2 is read but nothing applied; OP applies the newest; leaving OP makes outputs safe",
           outputs_rest_in_safeop),
         T("CF-048: below SAFEOP neither SM2 nor SM3 can be accessed", no_data_below_safeop),
-        T("CF-048 L11: inputs stand in their SyncManager before SAFEOP is confirmed", inputs_before_safeop),
+        T("CF-048 L11: inputs are in their SyncManager before SAFEOP is confirmed", inputs_before_safeop),
         T("CF-048: inputs follow the device's own time in SAFEOP and OP, not in PREOP", inputs_follow_time),
         T("CF-005 CF-048: LRW counts 3 in SAFEOP and OP, 1 for an input-only device, 0 below", lrw_counts),
         T("CF-048: LRW carries outputs and inputs in any layout, and touches nothing else", lrw_data),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Mailbox protocols plug in: two of a product (support/voe.h) beside CoE, each served where its entry says. */
+/* Mailbox protocols of a product: two (support/voe.h) beside CoE, each served in the states of its entry. */
 #include <stddef.h>
 #include <string.h>
 
@@ -89,7 +89,7 @@ static void served(void **state)
         assert_memory_equal(mail + HEADER, "dcba", 4);
         expect_sdo(&w); /* beside it */
         assert_int_equal(send(&w, FOE, "x", 1), 1);
-        expect_error(&w, ECT_MAILBOX_ERROR_PROTOCOL); /* at home in BOOT only */
+        expect_error(&w, ECT_MAILBOX_ERROR_PROTOCOL); /* served in BOOT only */
         wire_close(&w);
     }
 }
@@ -111,7 +111,7 @@ static void own_states(void **state)
     expect_error(&w, ECT_MAILBOX_ERROR_PROTOCOL);
     assert_int_equal(send(&w, ECT_MAILBOX_TYPE_COE, "\0\x20\x40\0\x20\0\0\0\0\0", 10), 1);
     expect_error(&w, ECT_MAILBOX_ERROR_PROTOCOL);
-    /* What the device wants to say waits until its protocol is at home. */
+    /* A mail of the device waits until its protocol is permitted. */
     const uint8_t data[5] = {0};
     testdev_of(&w, 0)->host->emergency(testdev_of(&w, 0)->host->ctx, 0x8110, 0, data);
     voe_of(&w)->again = 1;
@@ -128,7 +128,7 @@ static void an_error_is_answered(void **state)
     wire_go(&w, 0, ECT_STATE_PREOP);
     assert_int_equal(send(&w, VOE, "a", 1), 1);
     expect_error(&w, ECT_MAILBOX_ERROR_TOO_SHORT);
-    /* CoE information is not named: the entry of CoE that is does not want it. */
+    /* SDO information is not listed, and the listed CoE entry does not accept it. */
     assert_int_equal(send(&w, ECT_MAILBOX_TYPE_COE, "\0\x80\1\0\0\0\1\0", 8), 1);
     expect_error(&w, ECT_MAILBOX_ERROR_SERVICE);
     assert_int_equal(send(&w, ECT_MAILBOX_TYPE_EOE, "abcd", 4), 1);
@@ -136,8 +136,8 @@ static void an_error_is_answered(void **state)
     wire_close(&w);
 }
 
-/* A mail of its own each time that the mailbox is free; emergencies before it, an answer before it, and repeats as
- * ever. */
+/* A mail of its own each time that the mailbox is free; emergencies precede it, replies precede it, and repeats work
+ * as usual. */
 static void mails_of_its_own(void **state)
 {
     (void)state;
@@ -151,14 +151,14 @@ static void mails_of_its_own(void **state)
     assert_int_equal(ect_load_le16(mail), 7);
     testdev_of(&w, 0)->host->emergency(testdev_of(&w, 0)->host->ctx, 0x8110, 0, data);
     assert_int_equal(send(&w, VOE, "ab", 2), 1);
-    assert_int_equal(fetch(&w, mail), VOE); /* it stood there already */
+    assert_int_equal(fetch(&w, mail), VOE); /* it was there already */
     assert_int_equal(mail[HEADER], 3);
     assert_int_equal(fetch(&w, mail), ECT_MAILBOX_TYPE_COE);
     assert_int_equal(fetch(&w, mail), VOE);
     assert_memory_equal(mail + HEADER, "ba", 2);
     assert_int_equal(fetch(&w, mail), VOE);
     assert_int_equal(mail[HEADER], 2);
-    /* The master lost it: the toggle of SM1 brings it back. */
+    /* The master lost it: the toggle of SM1 requests it again. */
     wire_write8(&w, 0, ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE, ECT_SM_ACTIVATE_ENABLE | ECT_SM_ACTIVATE_REPEAT);
     assert_int_equal(fetch(&w, again), VOE);
     assert_memory_equal(again, mail, SIZE);
@@ -191,8 +191,7 @@ static void forgets_on_restart(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"Protocols: one of a product is served beside CoE, in the states that its entry says", served, NULL, NULL,
-         NULL},
+        {"Protocols: one of a product is served beside CoE, in the states of its entry", served, NULL, NULL, NULL},
         {"Protocols: one for BOOT alone; the others neither answer nor speak there", own_states, NULL, NULL, NULL},
         {"Protocols: the error that an entry returns is answered; what no entry wants is detail 2 or 4 (CF-086)",
          an_error_is_answered, NULL, NULL, NULL},

@@ -23,7 +23,7 @@ static void ask(wire_t *w, const char *what, uint8_t state, uint8_t want, uint16
         fail_msg("%s: expected AL status %02X code %04X, got %02X code %04X", what, want, want_code, got, code);
 }
 
-/* A wrong layout of one SyncManager, which is refused. */
+/* A wrong layout of one SyncManager is refused. */
 static void refused(wire_t *w, unsigned int sm, uint16_t start, uint16_t length, uint8_t control, const char *what)
 {
     wire_set_sm(w, 0, sm, start, length, control);
@@ -109,12 +109,12 @@ static void gauge_runs(void **state)
     assert_int_equal(wire_read(&w, 0, GAUGE_SM3, in, sizeof in), 1);
     assert_true(ect_load_le32(in) > first);
     assert_int_equal(ect_load_le32(in + 4), 2 * ect_load_le32(in));
-    wire_advance(&w, 1000 * MS); /* nothing to watch over */
+    wire_advance(&w, 1000 * MS); /* no watchdog without outputs */
     assert_int_equal(wire_read8(&w, 0, ECT_REG_AL_STATUS), OP);
     wire_close(&w);
 }
 
-/* OPT-010: the mapping follows the choice, and the next way to SAFEOP takes it. */
+/* OPT-010: the mapping follows the selection, and the next transition to SAFEOP uses it. */
 static void gauge_chooses(void **state)
 {
     static const struct {
@@ -157,8 +157,7 @@ static void gauge_chooses(void **state)
     wire_close(&w);
 }
 
-/* The shortest mailbox in which an SDO has room, as a drive of the field has it: everything longer comes in segments.
- */
+/* The shortest mailbox with room for an SDO, as found in a real drive: longer data are segmented. */
 static void shortest_mailbox(void **state)
 {
     static const ect_protocol_t *const sdo_only[] = {&ect_protocol_sdo, NULL};
@@ -204,7 +203,7 @@ static void coupler_runs(void **state)
     ask(&w, "to PREOP", PREOP, PREOP, 0);
     ask(&w, "to SAFEOP", SAFEOP, SAFEOP, 0);
     ask(&w, "to OP", OP, OP, 0);
-    wire_set_sm(&w, 0, 0, SM0, 1, 0x64); /* nobody's business */
+    wire_set_sm(&w, 0, 0, SM0, 1, 0x64); /* not checked */
     wire_advance(&w, 1000 * MS);
     ask(&w, "back", INIT, INIT, 0);
     wire_close(&w);
@@ -223,7 +222,7 @@ static void memory(void **state)
     assert_int_equal(need.runs, 4);
 }
 
-/* Of each value the first byte: four runs in an image of four bytes, though no entry is shorter than four. */
+/* The first byte of each value: four runs in an image of four bytes, although no entry is shorter than four. */
 static void memory_of_parts(void **state)
 {
 #define PART(n)                                                                                                        \

@@ -120,7 +120,7 @@ static void put(wire_t *w, uint8_t type, const uint8_t *payload, uint16_t length
     assert_int_equal(wire_mail_send(w, 0, mail, (uint16_t)(HEADER + length)), 1);
 }
 
-/* A CoE request there, the reply back; `reply` begins at the CoE header. */
+/* Sends a CoE request and receives the reply; `reply` begins at the CoE header. */
 static int ask(wire_t *w, uint16_t in_length, const uint8_t *payload, uint16_t length, uint8_t *reply)
 {
     uint8_t mail[1486] = {0};
@@ -242,10 +242,10 @@ static void expedited_and_normal_download(void **state)
         {"1 byte, 2Fh",
          {{"0020 2F 0820 05 A5000000", "0030 60 0820 05 00000000"},
           {"0020 40 0820 05 00000000", "0030 4F 0820 05 A5000000"}}},
-        {"size not told, 22h, 4 bytes",
+        {"size not given, 22h, 4 bytes",
          {{"0020 22 0020 00 01020304", "0030 60 0020 00 00000000"},
           {"0020 40 0020 00 00000000", "0030 43 0020 00 01020304"}}},
-        {"size not told, 22h, 2 bytes count",
+        {"size not given, 22h, 2 bytes count",
          {{"0020 22 0720 01 0102FFFF", "0030 60 0720 01 00000000"},
           {"0020 40 0720 01 00000000", "0030 4B 0720 01 01020000"}}},
         {"normal, 4 bytes",
@@ -493,7 +493,7 @@ static void segment_dialogues(void **state)
 
 /* --- uploads of every size in mailboxes of every length ----------------------------------------------------------- */
 
-/* The mails of an upload as E.2 wants them, compared one by one. */
+/* The mails of an upload according to E.2, compared one by one. */
 static void expect_upload(wire_t *w, uint16_t in_length, uint16_t index, uint8_t subindex, bool complete,
                           const uint8_t *data, uint32_t size)
 {
@@ -567,7 +567,7 @@ static void upload_toggle_and_interruptions(void **state)
 {
     static const struct {
         const char *title;
-        uint8_t before; /* good segments */
+        uint8_t before; /* valid segments */
         uint8_t command;
         uint32_t code;
     } table[] = {
@@ -615,7 +615,7 @@ static void upload_given_up(void **state)
     wire_close(&w);
 }
 
-/* The device makes its text shorter between two segments: the announced length is served all the same. */
+/* The device shortens its text between two segments: the announced length is still transferred. */
 static void text_changes_under_way(void **state)
 {
     (void)state;
@@ -725,7 +725,7 @@ static void text_in_pieces(void **state)
     wire_close(&w);
 }
 
-/* Every size 0..9, expedited where it can be, and normal, against entries of every width. */
+/* Every size 0..9, expedited where possible, and normal, for entries of every width. */
 static void wrong_sizes(void **state)
 {
     static const struct {
@@ -821,7 +821,8 @@ static void no_answer_in_init(void **state)
     wire_close(&w);
 }
 
-/* --- the device's word -------------------------------------------------------------------------------------------- */
+/* --- results of the device ------------------------------------------------------------------------------------------
+ */
 
 static const uint32_t codes[] = {0x05030000, 0x05040000, 0x05040001, 0x05040005, 0x06010000, 0x06010001, 0x06010002,
                                  0x06010003, 0x06010004, 0x06010005, 0x06010006, 0x06020000, 0x06040041, 0x06040042,
@@ -942,12 +943,12 @@ static void written_is_told(void **state)
     assert_int_equal(initiate(&w, 0x2F, 0x2008, 4, 1, r), 10);
     assert_int_equal(t->written, 1);
     assert_int_equal(wire_sdo_download(&w, 0, 0x2006, 1, true, record, 9), 0);
-    assert_int_equal(t->written, 6); /* five elements that may be written */
+    assert_int_equal(t->written, 6); /* five writable elements */
     assert_int_equal(t->written_subindex, 6);
     wire_close(&w);
 }
 
-/* The answer is not fetched: no frame gives another occasion. */
+/* The reply is not fetched: no further frame triggers a poll. */
 static void device_looks_at_a_value(void **state)
 {
     static const uint8_t download[10] = {0x00, 0x20, 0x23, 0x00, 0x20, 0x00, 1, 2, 3, 4};
@@ -996,7 +997,7 @@ static uint64_t get_bits(const uint8_t *bytes, uint32_t at, uint32_t count)
     return value;
 }
 
-/* Where an item of a whole object begins, if `at` is the end of the one before; its end includes the pad. */
+/* Start of an item of a whole object, if `at` is the end of the one before; its end includes the pad. */
 static uint32_t item_start(const item_t *item, uint32_t at)
 {
     return (item->flags & BITS) != 0 ? at : (at + 7u) & ~7u;
@@ -1008,7 +1009,7 @@ static uint32_t item_end(const item_t *item, uint32_t start)
     return start + item->bits + (pad ? 8u : 0u);
 }
 
-/* Packs the items of an object from a sub-index on; @return bytes */
+/* Packs the items of an object from a sub-index on. @return bytes */
 static uint32_t pack(const item_t *items, size_t count, uint16_t index, uint8_t from, uint8_t *bytes)
 {
     uint32_t at = 0;
@@ -1034,7 +1035,7 @@ typedef struct big {
     item_t items[BIG_COUNT + 1];
 } big_t;
 
-/* One record of 120 elements: 1, 5, 16, 3, 64 and 8 bits in turns, the 8 bits read-only, the 3 bits write-only. */
+/* One record of 120 elements: 1, 5, 16, 3, 64 and 8 bits in turn, the 8 bits read-only, the 3 bits write-only. */
 static void make_big(big_t *big)
 {
     static const struct {
@@ -1119,15 +1120,15 @@ static void whole_record_in_segments_down(void **state)
     wire_close(&w);
 }
 
-/* What the device was asked about, element by element. */
-static uint8_t told[BIG_COUNT + 1];
+/* Calls of the device, element by element. */
+static uint8_t passed[BIG_COUNT + 1];
 
 static ect_reason_t note_value(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
 {
     (void)instance;
     (void)index;
     (void)size;
-    told[subindex] = *(const uint8_t *)data;
+    passed[subindex] = *(const uint8_t *)data;
     return ECT_OK;
 }
 
@@ -1158,13 +1159,13 @@ static void bits_of_a_record(void **state)
             }
             testdev_t *t = open_session(&w, &big.device, IN_LENGTH);
             uint32_t packed = pack(big.items, rows[i].count + 1u, 0x3000, 1, bytes);
-            memset(told, 0xEE, sizeof told);
+            memset(passed, 0xEE, sizeof passed);
             assert_int_equal(wire_sdo_download(&w, 0, 0x3000, 1, true, bytes, packed), 0);
             for (uint8_t n = 1; n <= rows[i].count; n++) {
                 uint8_t stored = t->octets[8 * (n - 1)];
-                if (stored != big.items[n].value || told[n] != big.items[n].value)
-                    fail_msg("row %zu, element %u: expected %02X, got %02X, and told the device %02X", i, n,
-                             (unsigned int)big.items[n].value, stored, told[n]);
+                if (stored != big.items[n].value || passed[n] != big.items[n].value)
+                    fail_msg("row %zu, element %u: expected %02X, got %02X, and passed %02X to the device", i, n,
+                             (unsigned int)big.items[n].value, stored, passed[n]);
             }
             assert_int_equal(wire_sdo_upload(&w, 0, 0x3000, 1, true, got, &size), 0);
             if (size != packed || memcmp(got, bytes, packed) != 0)
@@ -1247,7 +1248,7 @@ static void odd_kinds_of_objects(void **state)
     wire_close(&w);
 }
 
-/* What sub-index 0 declares is all that there is. */
+/* Sub-index 0 limits the transfer to the elements that it declares. */
 static void declared_elements_only(void **state)
 {
     static const ect_entry_t e3000[] = {
@@ -1272,7 +1273,7 @@ static void declared_elements_only(void **state)
     wire_close(&w);
 }
 
-/* A list that the device shortens while it is read in segments. */
+/* A list that the device shortens during a segmented upload. */
 static void list_changes_under_way(void **state)
 {
     static big_t big;
@@ -1293,7 +1294,7 @@ static void list_changes_under_way(void **state)
         int length = ask(&w, SHORTEST_IN, request, sizeof request, r);
         assert_true(length >= 10);
         if (r[2] == 0x80)
-            break; /* giving the transfer up is an answer too */
+            break; /* an abort is a valid reply too */
         got += length == 10 ? 7u - ((r[2] >> 1) & 7u) : (uint32_t)length - 3;
     }
     wire_close(&w);
@@ -1383,7 +1384,7 @@ static void subindices_of(const ect_device_t *device)
     for (uint16_t i = 0; i < device->object_count; i++) {
         const ect_object_t *o = &device->objects[i];
         bool fixed = o->index < 0x1600 || o->index >= 0x2000 || !o->entries->data;
-        if (o->object_code != ECT_OBJECT_VAR) /* of a mapping that can be changed not all elements need be there */
+        if (o->object_code != ECT_OBJECT_VAR) /* a changeable mapping need not contain all elements */
             upload_number(&w, device->name, o->index, 0, 1, fixed ? o->max_subindex : count_of(device, o));
         for (unsigned int n = o->max_subindex + 1u; n <= 255; n += n < 250 ? 9 : 1) {
             uint8_t data[4];
@@ -1426,7 +1427,7 @@ typedef struct model {
     uint32_t random;
 } model_t;
 
-/* The test device as its header describes it, with the values of fill(). */
+/* The test device according to its header, with the values of fill(). */
 static const item_t start[ITEMS] = {
     {0x1000, 0, 32, READ | VAR, 0x12345678},
     {0x1C00, 0, 8, READ, 4},
@@ -1483,7 +1484,7 @@ static item_t *find(model_t *m, uint16_t index, unsigned int subindex, bool *the
     return NULL;
 }
 
-/* Whether the request is refused before its data count. */
+/* Whether the request is refused regardless of its data. */
 static uint32_t refused(model_t *m, uint16_t index, uint8_t subindex, bool complete, bool write)
 {
     bool there;
@@ -1618,7 +1619,7 @@ static void random_request(wire_t *w, model_t *m, unsigned int n)
                  m->state, index, subindex, complete, size, want, code);
 }
 
-/* Begins a transfer and leaves it. */
+/* Starts a transfer and abandons it. */
 static void random_beginning(wire_t *w, model_t *m)
 {
     uint8_t r[1486];
@@ -1689,7 +1690,7 @@ static const struct CMUnitTest tests[] = {
      state_changes_during_a_download, NULL, NULL, NULL},
     {"CF-078: no SDO in INIT", no_answer_in_init, NULL, NULL, NULL},
     {"CF-070: the device's refusal becomes its abort code and nothing is stored", device_refuses, NULL, NULL, NULL},
-    {"CF-070: the device is asked about values in segments too", device_refuses_a_segmented_value, NULL, NULL, NULL},
+    {"CF-070: the device checks values in segments too", device_refuses_a_segmented_value, NULL, NULL, NULL},
     {"CF-073: one refused element of a whole object: none is stored", nothing_is_stored_when_one_is_refused, NULL, NULL,
      NULL},
     {"CF-070: a device without hooks takes every value", device_without_hooks, NULL, NULL, NULL},
@@ -1702,7 +1703,7 @@ static const struct CMUnitTest tests[] = {
      NULL, NULL, NULL},
     {"CF-073: a whole record longer than the mailbox goes down, bits across the segments",
      whole_record_in_segments_down, NULL, NULL, NULL},
-    {"CF-073: a record of bits goes down and comes up bit by bit; the device is told each element's bits only",
+    {"CF-073: a record of bits goes down and comes up bit by bit; the device gets each element's bits only",
      bits_of_a_record, NULL, NULL, NULL},
     {"CF-073: the mapping of 36 entries as a whole equals its entries one by one", mapping_of_36_entries, NULL, NULL,
      NULL},
@@ -1722,7 +1723,7 @@ static const struct CMUnitTest tests[] = {
 
 int main(int argc, char **argv)
 {
-    /* A server that does not come to an end must not hold up everything else. */
+    /* A server that loops forever must not block the other tests. */
     (void)setrlimit(RLIMIT_CPU, &(struct rlimit){.rlim_cur = 30, .rlim_max = 30});
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -74,7 +74,7 @@ static void expect_error(session_t *s, const char *what, int length, uint32_t co
 
 /* --- lists -------------------------------------------------------------------------------------------------------- */
 
-/* The rule of each list, over the entries: what SDO information calls mappable, backup, setting. */
+/* The rule of each list, over the entries: mappable, backup, setting as SDO information defines them. */
 static bool belongs(const ect_object_t *object, uint16_t list)
 {
     static const uint16_t bit[] = {0, 0, 0x0040, 0x0080, 0x0100, 0x0200};
@@ -97,7 +97,7 @@ static uint16_t expected_list(const ect_device_t *device, uint16_t list, uint16_
     return count;
 }
 
-/* Fetches the fragments of a list and checks each header; @return the indices */
+/* Fetches the fragments of a list and checks each header. @return the indices */
 static uint16_t fetch_list(session_t *s, uint16_t list, uint16_t elements, uint16_t *indices)
 {
     uint16_t per_fragment = (uint16_t)((s->in_length - 12) / 2);
@@ -121,7 +121,7 @@ static uint16_t fetch_list(session_t *s, uint16_t list, uint16_t elements, uint1
     return count;
 }
 
-/* A mailbox of 16 bytes has no room for it. */
+/* A mailbox of 16 bytes is too small for it. */
 static bool has_info(const ect_device_t *device)
 {
     return (device->coe_details & ECT_COE_SDO_INFO) != 0;
@@ -166,7 +166,7 @@ static void lists_of_the_catalogue(void **state)
     }
 }
 
-/* The content once by hand, so that the walk above is not the only witness. */
+/* The content once by hand, as a second source beside the loop above. */
 static void lists_by_hand(void **state)
 {
     static const struct {
@@ -189,7 +189,7 @@ static void lists_by_hand(void **state)
 
 static void exact_fragments(void **state)
 {
-    /* SM1 of 34: 22 bytes of data a mail, so 11 elements; with the list's type 11, 12, 22, 23 and 1 elements. */
+    /* SM1 of 34: 22 bytes of data in a mail, so 11 elements; with the list's type 11, 12, 22, 23 and 1 elements. */
     static const uint16_t counts[] = {10, 11, 21, 22, 0, 1, 255};
     static ect_object_t objects[256];
     static const ect_entry_t entry[] = {{0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "E", 0, NULL}};
@@ -226,7 +226,7 @@ static void a_new_request_ends_a_list(void **state)
     put_info(&s, 1, (const uint8_t *)"\x01\x00", 2); /* 21 objects: 2 fragments */
     assert_int_equal(fetch(&s), 6 + 22);
     assert_int_equal(s.mail[2], 0x82);
-    put_info(&s, 3, (const uint8_t *)"\x00\x20", 2); /* while the second one stands in SM1 */
+    put_info(&s, 3, (const uint8_t *)"\x00\x20", 2); /* while the second one is in SM1 */
     assert_int_equal(fetch(&s), 6 + 22);
     assert_int_equal(s.mail[2], 0x02);
     assert_true(fetch(&s) > 0);
@@ -249,16 +249,15 @@ static void a_new_request_ends_a_long_list(void **state)
     open_session(&s, &device, SHORTEST_IN);
     put_info(&s, 1, (const uint8_t *)"\x01\x00", 2); /* 10 fragments */
     assert_int_equal(fetch(&s), 28);
-    put_info(&s, 3, (const uint8_t *)"\x05\x20", 2); /* the second one stands in SM1 */
+    put_info(&s, 3, (const uint8_t *)"\x05\x20", 2); /* the second one is in SM1 */
     unsigned int fragments = 1;
     while (fetch(&s) > 0 && (s.mail[2] & 0x7F) == 2)
         fragments++;
     assert_int_equal(s.mail[2], 0x04);
     assert_int_equal(ect_load_le16(s.mail + 6), 0x2005);
     if (fragments != 2)
-        fail_msg(
-            "a request while fragment 2 of 10 stands in SM1: expected its answer next, got %u more fragments first",
-            fragments - 2);
+        fail_msg("a request while fragment 2 of 10 is in SM1: expected its answer next, got %u more fragments first",
+                 fragments - 2);
     assert_int_equal(fetch(&s), NO_MAIL);
     wire_close(&s.w);
 }
@@ -307,7 +306,7 @@ static uint16_t expected_type(const ect_object_t *o)
             return 0x0029;
         return o->index >= 0x1600 && o->index < 0x1C00 ? 0x0021 : 0x002A;
     }
-    const ect_entry_t *e = o->entries; /* of the elements: that of the last one */
+    const ect_entry_t *e = o->entries; /* type of the elements: that of the last one */
     while (e->subindex != o->max_subindex)
         e++;
     return e->data_type;
@@ -330,7 +329,7 @@ static void check_object(session_t *s, const ect_object_t *o)
                  (const char *)s->mail + 12);
 }
 
-/* A text of the description is as long as it is. */
+/* A text of the description has its own length. */
 static uint16_t bits_of(session_t *s, const ect_entry_t *e)
 {
     const ect_od_t od = ect_device_od(wire_device(&s->w, 0), NULL);
@@ -357,7 +356,7 @@ static void check_entry(session_t *s, const ect_object_t *o, const ect_entry_t *
                  ect_load_le16(s->mail + 12), ect_load_le16(s->mail + 14), length - 16, (const char *)s->mail + 16);
 }
 
-/* A sub-index between others, without an entry: data type 0, no bits, no rights, no name. */
+/* A gap between sub-indices: data type 0, no bits, no rights, no name. */
 static void check_gap(session_t *s, uint16_t index, uint8_t subindex)
 {
     uint8_t want[16] = {0x00, 0x80, 0x06};
@@ -440,7 +439,7 @@ static void descriptions_by_hand(void **state)
 
 /* --- value info --------------------------------------------------------------------------------------------------- */
 
-/* Default, minimum and maximum by hand; a NULL-like count of 0 bytes: the entry has none. */
+/* Default, minimum and maximum by hand; a length of 0 bytes: the entry has none. */
 typedef struct details {
     uint16_t index;
     uint8_t subindex;
@@ -514,7 +513,7 @@ static void no_unit(void **state)
     wire_close(&s.w);
 }
 
-/* Octets that the mailbox would have room for. */
+/* Octets that would fit into the mailbox. */
 static void octets_without_default(void **state)
 {
     static const ect_entry_t entry[] = {
@@ -548,7 +547,7 @@ static void long_default(void **state)
     wire_close(&s.w);
 }
 
-/* Fields that do not fit are left out and not announced; the mail never exceeds the mailbox. */
+/* Fields that do not fit are omitted and not announced; the mail never exceeds the mailbox. */
 static void value_info_in_a_small_mailbox(void **state)
 {
     static const ect_entry_t entry[] = {
@@ -689,16 +688,16 @@ int main(int argc, char **argv)
          NULL},
         {"CF-076: a list that just fills its fragments has no empty one", exact_fragments, NULL, NULL, NULL},
         {"CF-076: an unknown list gets an information error", unknown_list, NULL, NULL, NULL},
-        {"CF-076: a request while the last fragment stands in SM1 is answered next", a_new_request_ends_a_list, NULL,
+        {"CF-076: a request while the last fragment is in SM1 gets the next reply", a_new_request_ends_a_list, NULL,
          NULL, NULL},
         {"CF-076: INIT ends a list under way", init_ends_a_list, NULL, NULL, NULL},
         {"CF-076: an SDO request during a list is answered between two fragments, and the list goes on",
          an_sdo_after_a_list, NULL, NULL, NULL},
-        {"CF-076: every object and entry of every device is described as its tables say", descriptions, NULL, NULL,
+        {"CF-076: every object and entry of every device is described as in its tables", descriptions, NULL, NULL,
          NULL},
         {"CF-076: descriptions byte by byte", descriptions_by_hand, NULL, NULL, NULL},
-        {"CF-076: an entry description carries the unit, default, minimum and maximum that were asked for", value_info,
-         NULL, NULL, NULL},
+        {"CF-076: an entry description carries the unit, default, minimum and maximum if requested", value_info, NULL,
+         NULL, NULL},
         {"CF-076: an entry without a unit describes none, though it has limits", no_unit, NULL, NULL, NULL},
         {"CF-076: what is longer than a number is described without a default", octets_without_default, NULL, NULL,
          NULL},

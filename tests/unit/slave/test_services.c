@@ -8,14 +8,15 @@
 #include "support/confdev.h"
 #include "support/wire.h"
 
-/* --- a twin whose storage and registers the test can reach ------------------------------------------------------- */
+/* --- a twin whose storage and registers the test can access ---------------------------------------------------------
+ */
 
 enum { BANK = 256, NEVER = -1 };
 
 static struct {
     uint8_t bank[2][BANK];
-    int writes_left; /* storage operations until the power fails; NEVER */
-    int reads_left;  /* for a medium that stops answering */
+    int writes_left; /* storage operations until the power failure; NEVER */
+    int reads_left;  /* for a medium that fails */
 } medium;
 
 static bool powered(void)
@@ -43,7 +44,7 @@ static int medium_erase(void *ctx, unsigned int bank)
     return 0;
 }
 
-/* A write that is cut off leaves its first half. */
+/* An interrupted write leaves its first half. */
 static int medium_write(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length)
 {
     (void)ctx;
@@ -66,8 +67,8 @@ static struct {
     uint8_t mailbox[128 * 3];
     uint8_t process_data[16];
     ect_pdo_run_t runs[16];
-    uint8_t activation;   /* what 0x0981 reads as */
-    uint32_t cycle_ns;    /* what 0x09A0 reads as */
+    uint8_t activation;   /* value of 0x0981 */
+    uint32_t cycle_ns;    /* value of 0x09A0 */
     uint32_t extra_event; /* raised in the AL event word once */
     uint64_t now_ns;
     uint8_t counter;
@@ -414,7 +415,7 @@ static void diagnosis_acknowledge_mode(void **state)
     assert_int_equal(ect_load_le16(t.device.diagnosis.messages[0] + 6), 100);
 }
 
-/* Acknowledge mode is chosen when the newest message does not stand in the last slot. */
+/* Acknowledge mode is chosen while the newest message is not in the last slot. */
 static void diagnosis_mode_changes(void **state)
 {
     (void)state;
@@ -513,7 +514,7 @@ static void wrong_signature(void **state)
     assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0x08000020);
 }
 
-/* With the power cut at each operation of the second store, the first one's values are still there, or the new ones. */
+/* With a power failure at each operation of the second store, either the first values or the new ones are there. */
 static void power_cut(void **state)
 {
     (void)state;
@@ -547,7 +548,7 @@ static void many_stores(void **state)
         assert_int_equal(write_number(0x2100, 0, i, 4), 0);
         assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
     }
-    for (size_t i = 0; i < sizeof medium.bank[0]; i++) { /* any one damaged byte never gives wrong values */
+    for (size_t i = 0; i < sizeof medium.bank[0]; i++) { /* no single damaged byte ever gives wrong values */
         uint8_t before = medium.bank[0][i];
         medium.bank[0][i] ^= 0x10;
         power_on(true);
@@ -556,7 +557,7 @@ static void many_stores(void **state)
     }
 }
 
-/* One SYNC0: the event comes, and goes again. */
+/* One SYNC0: the event is raised and cleared. */
 static void sync0(void)
 {
     t.extra_event = ECT_EVENT_SYNC0;
@@ -579,7 +580,7 @@ static void sync_types(void **state)
     assert_int_equal(write_number(0x1C32, 1, 2, 2), 0);
     set_sm(2, 1);
     set_sm(3, 3);
-    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_PREOP | ECT_AL_ERROR); /* DC wanted, DC not running */
+    assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_PREOP | ECT_AL_ERROR); /* DC requested, DC not running */
     assert_int_equal(t.slave.code, ECT_AL_DC_SYNC);
 }
 
@@ -616,7 +617,7 @@ static void sync_missed(void **state)
     t.activation = 0x03;
     t.cycle_ns = 1000000;
     to_op(1, 3);
-    for (int i = 0; i < 10; i++) { /* in order */
+    for (int i = 0; i < 10; i++) { /* without errors */
         datagram(FPWR, confdev.sm[2].start, output, 1);
         sync0();
     }
@@ -633,13 +634,13 @@ static void sync_missed(void **state)
     assert_int_equal(t.slave.state, ECT_STATE_SAFEOP);
     assert_int_equal(t.slave.code, ECT_AL_SYNC);
     assert_int_equal(t.slave.cause, ECT_CAUSE_LOCAL);
-    assert_int_equal(read_number(0x1C32, 32) & 0xFF, 1); /* "Sync error", until it begins anew */
+    assert_int_equal(read_number(0x1C32, 32) & 0xFF, 1); /* "Sync error", until a restart */
     assert_int_equal(request(ECT_STATE_PREOP), ECT_STATE_PREOP);
     assert_int_equal(request(ECT_STATE_SAFEOP), ECT_STATE_SAFEOP);
     assert_int_equal(read_number(0x1C32, 32) & 0xFF, 0);
 }
 
-/* The event is a level: as long as it is not acknowledged it is one SYNC0. */
+/* The event is a level: until it is acknowledged it is one SYNC0. */
 static void sync_level(void **state)
 {
     (void)state;
@@ -673,7 +674,7 @@ static void sync_lost(void **state)
         t.activation = 0x03;
         t.cycle_ns = 1000000;
         to_op(1, 3);
-        for (int ms = 0; ms < 20; ms++) { /* not yet begun: nothing is lost */
+        for (int ms = 0; ms < 20; ms++) { /* not started yet: nothing is missed */
             datagram(FPWR, confdev.sm[2].start, output, 1);
             poll();
             t.now_ns += MS;
@@ -694,8 +695,7 @@ static void sync_lost(void **state)
     }
 }
 
-/* What was missed while the slave was not in OP is none of its business: the last SYNC0 of the OP before is long ago.
- */
+/* Events missed outside OP do not count: the last SYNC0 of the previous OP is long ago. */
 static void sync_again(void **state)
 {
     (void)state;
@@ -718,7 +718,7 @@ static void sync_again(void **state)
     assert_int_equal(t.slave.state, ECT_STATE_OP);
 }
 
-/* It has come in SAFEOP, and stops before it has come in OP. */
+/* It has occurred in SAFEOP, and stops before it occurs in OP. */
 static void sync_lost_early(void **state)
 {
     (void)state;
@@ -790,7 +790,7 @@ static void sync_limit_off(void **state)
     for (int i = 0; i < 50; i++) {
         sync0();
         if (i % 10 == 0)
-            datagram(FPWR, confdev.sm[2].start, output, 1); /* the watchdog is not what is looked at */
+            datagram(FPWR, confdev.sm[2].start, output, 1); /* the watchdog is not the subject */
     }
     assert_int_equal(t.slave.state, ECT_STATE_OP);
     assert_int_equal(t.device.sync.sm_missed, 0xFFFF);
@@ -815,7 +815,7 @@ static void sync_read_fails(void **state)
     }
 }
 
-/* The interrupt line rises at SYNC0 for those only who run by it. */
+/* SYNC0 activates the interrupt line only in synchronous modes. */
 static void sync_event_mask(void **state)
 {
     static const struct {
@@ -849,7 +849,7 @@ static void take_outputs(void *instance, uint64_t now_ns)
     outputs_taken++;
 }
 
-/* A SyncManager whose events are off shows in its status that it was written. */
+/* The status of a SyncManager without events shows that it was written. */
 static void outputs_without_event(void **state)
 {
     (void)state;
@@ -869,7 +869,7 @@ static void outputs_without_event(void **state)
     }
 }
 
-/* The services of a device whose dictionary lacks their objects have nothing to do. */
+/* The services have no effect in a device whose dictionary lacks their objects. */
 static void services_without_objects(void **state)
 {
     (void)state;
@@ -898,7 +898,7 @@ static int read_fails(void *ctx, unsigned int bank, uint32_t offset, void *buffe
     return medium.reads_left-- > 0 ? 0 : -1;
 }
 
-/* A medium that stops answering: whatever was read so far, the slave starts, with stored values or defaults. */
+/* A medium that fails: regardless of the data read so far, the slave starts, with stored values or defaults. */
 static void medium_does_not_answer(void **state)
 {
     (void)state;
@@ -931,7 +931,7 @@ static void medium_too_small(void **state)
     assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0x06060000);
 }
 
-/* A firmware whose 2100h is another one, or is no longer stored, or is gone, keeps its hands off the record's value. */
+/* A firmware whose 2100h is different, is no longer stored, or is missing, ignores the value in the record. */
 static void record_of_another_firmware(void **state)
 {
     (void)state;
@@ -974,8 +974,8 @@ static void refused_in_whole_objects(void **state)
     assert_int_equal(write_sdo(0x1C12, 0, true, unknown_pdo, sizeof unknown_pdo), 0x06020000);
     assert_int_equal(write_sdo(0x1C13, 0, true, twice, sizeof twice), 0x06040043);
     assert_int_equal(read_number(0x1C13, 0) & 0xFF, 0);
-    /* Entries that became wrong before they are counted: each is checked when it is written, and again with the count.
-     */
+    /* Entries that became invalid before they are counted: each is checked when it is written, and again with the
+     * count. */
     assert_int_equal(write_number(0x1C12, 0, 0, 1), 0);
     t.device.assign_1c12[0] = 0x1A00;
     assert_int_equal(write_number(0x1C12, 0, 1, 1), 0x06040041);
@@ -999,12 +999,11 @@ static void diagnosis_types(void **state)
     assert_int_equal(t.device.diagnosis.newest, 0);
     for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES; i++)
         diagnose(ECT_DIAGNOSIS_INFO, 1, i);
-    assert_int_equal(write_number(0x10F3, 3, 13, 1),
-                     0); /* all acknowledged: nothing is lost when they are overwritten */
+    assert_int_equal(write_number(0x10F3, 3, 13, 1), 0); /* all acknowledged: overwriting loses nothing */
     for (uint16_t i = 1; i <= ECT_DIAGNOSIS_MESSAGES - 1; i++)
         diagnose(ECT_DIAGNOSIS_INFO, 1, (uint16_t)(100 + i));
     assert_int_equal(read_number(0x10F3, 4) & 0xFF, 1);
-    diagnose(ECT_DIAGNOSIS_INFO, 1, 200); /* where the acknowledged one stood */
+    diagnose(ECT_DIAGNOSIS_INFO, 1, 200); /* the slot of the acknowledged one */
     assert_int_equal(t.device.diagnosis.acknowledged, 0);
 }
 
@@ -1024,7 +1023,7 @@ static void sync_next_master(void **state)
     uint8_t output[1] = {0};
     for (int i = 0; i < 10; i++)
         datagram(FPWR, confdev.sm[2].start, output, 1);
-    assert_int_equal(t.device.sync.cycle_exceeded, 0); /* no cycle is kept now, none is exceeded */
+    assert_int_equal(t.device.sync.cycle_exceeded, 0); /* no cycle is monitored now, none is exceeded */
     assert_int_equal(read_number(0x1C32, 2), 0);
 }
 
@@ -1060,7 +1059,7 @@ int main(int argc, char **argv)
         TEST("CF-074: PDOs of the wrong direction, unknown or twice are refused", refused_assignments),
         TEST("CF-075: a mapping longer than the SyncManager's room is refused with 06040042", too_long_mapping),
         TEST("CF-074 CF-078: mapping and assignment change in PREOP only", only_in_preop),
-        TEST("CF-080: a message stands in 10F3h with code, flags, text id, time and parameters", diagnosis_message),
+        TEST("CF-080: a message is in 10F3h with code, flags, text id, time and parameters", diagnosis_message),
         TEST("CF-080: overwrite mode keeps the newest messages; 0 to sub-index 3 clears", diagnosis_overwrites),
         TEST("CF-080: acknowledge mode keeps what is not acknowledged", diagnosis_acknowledge_mode),
         TEST("CF-080: acknowledge mode keeps what came before it was chosen", diagnosis_mode_changes),

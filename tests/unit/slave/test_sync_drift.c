@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An FZM1 that is synchronised by SYNC0 while its oscillator is wrong: its pulses slide over the master's frames, and
- * 1C32h and 1C33h count what ETG.1020 has them count. Frames by the master's clock, SYNC0 by the chip's own one.
+ * An FZM1 that is synchronised by SYNC0 while its oscillator has a frequency error: its pulses drift across the
+ * master's frames, and 1C32h and 1C33h count as ETG.1020 defines. Frames follow the master's clock, SYNC0 the chip's
+ * own one.
  */
 #include <stdlib.h>
 
@@ -12,7 +13,7 @@
 
 enum { CYCLE_NS = 1000000, CYCLES = 4000, REFERENCE = 0, SENSOR = 1 };
 
-/* A reference clock that is right, and the sensor behind it. */
+/* An exact reference clock, and the sensor behind it. */
 static void open_rig(wire_t *w, int32_t drift_ppb)
 {
     ect_twin_config_t twins[] = {ect_twin_default(&testdev, NULL), ect_twin_default(&ect_fzm1, plant_of(&ect_fzm1))};
@@ -32,7 +33,7 @@ static uint64_t clock_of(const wire_t *w, size_t position)
     return ect_esc_system_time(ect_chain_esc(w->chain, position), w->now_ns);
 }
 
-/* As masters do: the offset, and a first pulse, half a cycle behind the frames. */
+/* Like a master: the offset, and a first pulse half a cycle after the frames. */
 static void start_sync0(wire_t *w)
 {
     uint8_t cycle[4];
@@ -43,7 +44,7 @@ static void start_sync0(wire_t *w)
     assert_int_equal(wire_write(w, SENSOR, ECT_REG_DC_CYCLIC_CONTROL, "\x00\x03", 2), 1);
 }
 
-/* The reference clock's time to all others. */
+/* Writes the reference clock's time to all others. */
 static void send_time(wire_t *w)
 {
     uint8_t time[8] = {0};
@@ -70,7 +71,7 @@ static uint32_t counter(wire_t *w, uint16_t index, uint8_t subindex)
 
 static void slides(void **state)
 {
-    /* In 4000 cycles SYNC0 slides by 4 cycles at 1000 ppm; it has passed frames at a half, one and a half ... */
+    /* In 4000 cycles SYNC0 drifts by 4 cycles at 1000 ppm; it has crossed frames at a half, one and a half ... */
     static const struct {
         int32_t drift_ppm;
         bool regulated;
@@ -88,7 +89,7 @@ static void slides(void **state)
         start_sync0(&w);
         run_cycles(&w, 2, rows[i].regulated);
         wire_go(&w, SENSOR, ECT_STATE_OP);
-        run_cycles(&w, 1, rows[i].regulated); /* the first pulse in OP comes before the first outputs */
+        run_cycles(&w, 1, rows[i].regulated); /* the first pulse in OP precedes the first outputs */
         assert_int_equal(counter(&w, 0x1C32, 11), 1);
         run_cycles(&w, CYCLES, rows[i].regulated);
         assert_int_equal(ect_chain_slave(w.chain, SENSOR)->state, ECT_STATE_OP);
@@ -113,7 +114,7 @@ static void expect_lamp(const wire_t *w, const char *want)
     assert_string_equal(text, want);
 }
 
-/* The sensor measures by its own time: a master that is late, as on a PC, does not end its OP. */
+/* The sensor measures at its own rate: a late master, as on a PC, does not end its OP. */
 static void outputs_stop(void **state)
 {
     wire_t w;

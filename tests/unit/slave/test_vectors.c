@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs the vectors of tests/vectors, each one a test.  usage: test_vectors [--pcap FILE] [VECTOR] */
+/* Runs the vectors of tests/vectors, each as a test.  usage: test_vectors [--pcap FILE] [VECTOR] */
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +22,8 @@ static struct CMUnitTest tests[MOST];
 static size_t count;
 static FILE *pcap;
 
-/* --- pcap: the frames as they came back, one after the other ------------------------------------------------------ */
+/* --- pcap: the frames as they came back, in succession --------------------------------------------------------------
+ */
 
 static void put32(uint32_t value)
 {
@@ -59,20 +60,20 @@ static void record(const wire_t *w)
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
 
-/* A frame as it is given, over one line or several. */
+/* A frame as given, in one line or several. */
 typedef struct given {
-    bool sent; /* it goes to the slaves; else it is what has to come back */
+    bool sent; /* sent to the slaves; otherwise the expected frame */
     bool far;  /* at the other end of the chain */
-    bool none; /* nothing comes back */
+    bool none; /* no frame comes back */
     uint8_t bytes[2100];
     size_t length; /* 0: none is given */
 } given_t;
 
-/* What a row of frames has come to. */
+/* Result of a sequence of frames. */
 typedef struct talk {
     wire_t w;
     given_t given;
-    ect_end_t out; /* where the last one has come back */
+    ect_end_t out; /* the end at which the last one has come back */
     unsigned int exchanges;
     const char *name;
 } talk_t;
@@ -84,7 +85,7 @@ static int digit(char c)
     return found ? (int)(found - digits) : -1;
 }
 
-/* Pairs of hexadecimal digits with spaces between them; behind a pair *N repeats it. */
+/* Pairs of hexadecimal digits separated by spaces; *N behind a pair repeats it. */
 static void add_bytes(given_t *g, const char *text)
 {
     while (*text != 0) {
@@ -138,7 +139,7 @@ static void expect_given(talk_t *t)
     }
 }
 
-/* The frame that the lines before have given. */
+/* The frame in the lines before. */
 static void end_given(talk_t *t)
 {
     if (t->given.length > 0 && t->given.sent)
@@ -167,7 +168,7 @@ static void let_fail(talk_t *t, const char *text)
     ect_chain_fault(t->w.chain, &fault, t->w.now_ns);
 }
 
-/* Pulls the plug of the input of a slave. */
+/* Disconnects the input of a slave. */
 static void cut(talk_t *t, unsigned long slave)
 {
     const ect_setting_t pulled = {.name = "ecat.plug_in", .value = "0"};
@@ -293,7 +294,8 @@ static void run_vector(void **state)
     wire_close(&w);
 }
 
-/* --- all of them -------------------------------------------------------------------------------------------------- */
+/* --- all vectors ----------------------------------------------------------------------------------------------------
+ */
 
 static void read_file(const char *path)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ECT_ASSERT with a hook of the firmware's own (wire/assert.h), NDEBUG or not. */
+/* ECT_ASSERT with a hook of the firmware (wire/assert.h), with and without NDEBUG. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +40,7 @@ static void hook(void **state)
     assert_non_null(strstr(last.file, "test_assert.c"));
 }
 
-/* As a release sees it. */
+/* As in a release build. */
 #undef ECT_WIRE_ASSERT_H
 #undef ECT_ASSERT_HOOK
 #undef ECT_ASSERT
