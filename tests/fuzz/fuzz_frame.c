@@ -58,8 +58,7 @@ typedef struct step {
         }                                                                                                              \
     } while (0)
 
-/* --- the chain and its history --------------------------------------------------------------------------------------
- */
+/* --- the chain and its history ------------------------------------------------------------------------------------ */
 
 static void set_fmmus(wire_t *w, size_t i)
 {
@@ -120,8 +119,7 @@ static void close_rig(rig_t *r)
     }
 }
 
-/* --- twins that a step may concern ----------------------------------------------------------------------------------
- */
+/* --- twins that a step may concern -------------------------------------------------------------------------------- */
 
 /* Whether frames take their initial path, so that positions are those of the chain. */
 static bool is_whole(const rig_t *r)
@@ -232,8 +230,7 @@ static unsigned int concerned(const rig_t *r, const uint8_t *frame, size_t lengt
     return whom;
 }
 
-/* --- unchanged twins ------------------------------------------------------------------------------------------------
- */
+/* --- unchanged twins ---------------------------------------------------------------------------------------------- */
 
 static void look_at(rig_t *r)
 {

@@ -284,8 +284,7 @@ static void loop_of_the_pdi(void **state)
     assert_int_equal(chip_pdi_read(c, ECT_REG_DC_SYSTEM_TIME, 8), 114999);
 }
 
-/* --- delays of frames -----------------------------------------------------------------------------------------------
- */
+/* --- delays of frames --------------------------------------------------------------------------------------------- */
 
 static void ways(void **state)
 {

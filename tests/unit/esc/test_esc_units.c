@@ -157,8 +157,7 @@ static void reset_resets(void **state)
     assert_int_equal(chip_read(c, 0x0910, 8), 70);     /* and of the same length; the clock restarts */
 }
 
-/* --- LEDs -----------------------------------------------------------------------------------------------------------
- */
+/* --- LEDs --------------------------------------------------------------------------------------------------------- */
 
 static void run_lamp(void **state)
 {
@@ -470,8 +469,7 @@ static void damaged_frames(void **state)
     assert_int_equal(chip_read(c, 0x0302, 1), 1);
 }
 
-/* --- an EEPROM that the PDI emulates --------------------------------------------------------------------------------
- */
+/* --- an EEPROM that the PDI emulates ------------------------------------------------------------------------------ */
 
 enum { BUSY = 0x8000, EMULATION = 0x20, SII_EVENT = 0x20, CHECK = 0x6B };
 

@@ -12,8 +12,7 @@
 
 enum { INIT = ECT_STATE_INIT, PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
 
-/* --- a SOES application ---------------------------------------------------------------------------------------------
- */
+/* --- a SOES application ------------------------------------------------------------------------------------------- */
 
 typedef struct objd {
     uint16_t subindex, datatype, bitlength, flags;

@@ -294,8 +294,7 @@ static void fmmus_and_sms(void **state)
     for_every_device(check_fmmus_and_sms);
 }
 
-/* --- PDOs: compared with the mapping objects as read by SDO --------------------------------------------------------
- */
+/* --- PDOs: compared with the mapping objects as read by SDO ------------------------------------------------------- */
 
 static uint32_t number(wire_t *w, uint16_t index, unsigned int subindex)
 {
@@ -401,8 +400,7 @@ static void pdos(void **state)
     for_every_device(check_pdos);
 }
 
-/* --- a device with everything ---------------------------------------------------------------------------------------
- */
+/* --- a device with everything ----------------------------------------------------------------------------------- */
 
 static const ect_dc_mode_t modes[] = {{.name = "FreeRun", .description = "No sync"},
                                       {.name = "DC",

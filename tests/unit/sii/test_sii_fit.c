@@ -119,6 +119,70 @@ static void laid_out(void **state)
     assert_int_equal(on.boot_in.start, starts[1]);
 }
 
+/* A mailbox gets the longer of its lengths in BOOT and elsewhere; other SyncManagers ignore the lengths of BOOT. */
+static void boot_lengths(void **state)
+{
+    static const struct {
+        uint16_t out, boot_out, in, boot_in, starts[4];
+    } rows[] = {{64, 0, 128, 0, {0x1000, 0x1040, 0x10C0, 0x10C0}},
+                {64, 62, 128, 100, {0x1000, 0x1040, 0x10C0, 0x10C0}},
+                {64, 65, 128, 130, {0x1000, 0x1044, 0x10C8, 0x10C8}},
+                {64, 200, 64, 0, {0x1000, 0x10C8, 0x1108, 0x1108}},
+                {61, 64, 63, 256, {0x1000, 0x1040, 0x1140, 0x1140}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_device_t device = {
+            .sm_count = 4,
+            .sm = {{.start = 0x1800, .length = rows[i].out, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},
+                   {.start = 0x1900, .length = rows[i].in, .control = 0x22, .type = ECT_SM_MAILBOX_IN},
+                   {.start = 0x1A00, .control = 0x64, .type = ECT_SM_OUTPUTS}, /* empty */
+                   {.start = 0x1B00, .maximum = 2, .control = 0x20, .type = ECT_SM_INPUTS}},
+            .boot_out = {.start = 0x1800, .length = rows[i].boot_out},
+            .boot_in = {.start = 0x1900, .length = rows[i].boot_in},
+        };
+        ect_device_t on;
+        assert_true(ect_fit(&device, &ect_fit_lan9252, &on));
+        for (unsigned int n = 0; n < device.sm_count; n++) {
+            if (on.sm[n].start != rows[i].starts[n])
+                fail_msg("row %zu, SM%u: expected it at %04Xh, got %04Xh", i, n, rows[i].starts[n], on.sm[n].start);
+        }
+    }
+}
+
+/* The process RAM may be filled to its last byte, and only the SyncManagers of the device count. */
+static void exact_fit(void **state)
+{
+    static const ect_device_t device = {
+        .sm_count = 1,
+        .sm = {{.start = 0x1800, .maximum = 8, .control = 0x64, .type = ECT_SM_OUTPUTS},
+               {.start = 0x1900, .maximum = 8, .control = 0x20, .type = ECT_SM_INPUTS}},
+    };
+    ect_fit_t chip = ect_fit_lan9252;
+    ect_device_t on;
+    (void)state;
+    chip.ram_bytes = 24;
+    assert_true(ect_fit(&device, &chip, &on));
+    assert_int_equal(on.sm[0].start, 0x1000);
+    assert_int_equal(on.sm[1].start, 0x1900);
+    chip.ram_bytes = 23;
+    assert_false(ect_fit(&device, &chip, &on));
+}
+
+/* The first words of the EEPROM: those of the controller, with the device's own settings. */
+static void first_words(void **state)
+{
+    static const ect_fit_t chip = {.esc = "chip", .ram_bytes = 64, .pdi_control = 0xA1, .pdi_config = 0xA2};
+    static const uint8_t want[14] = {0xA1, 1, 0xA2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, content[2] = {0};
+    ect_device_t on, device = {.esc = "other", .sii = content};
+    (void)state;
+    for (uint8_t i = 0; i < sizeof want; i++)
+        device.esc_config[i] = i;
+    assert_true(ect_fit(&device, &chip, &on));
+    assert_memory_equal(on.esc_config, want, sizeof want);
+    assert_string_equal(on.esc, "chip");
+    assert_null(on.sii); /* the content was for the other controller */
+}
+
 static void sync0_event(void **state)
 {
     static const struct {
@@ -156,6 +220,9 @@ int main(void)
          NULL},
         {"CF-089: SYNC0 is an AL event, and the pin SYNC0's, exactly for a device that goes by it", sync0_event, NULL,
          NULL, NULL},
+        {"a mailbox gets the longer of its lengths in BOOT and elsewhere", boot_lengths, NULL, NULL, NULL},
+        {"the process RAM may be filled to its last byte", exact_fit, NULL, NULL, NULL},
+        {"the first words of the EEPROM are those of the controller", first_words, NULL, NULL, NULL},
         {"what is known of a LAN9252 is what the table of the chips gives", figures, NULL, NULL, NULL},
         {"what does not fit is refused: SyncManagers, FMMUs, process RAM", too_large, NULL, NULL, NULL},
     };

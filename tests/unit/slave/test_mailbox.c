@@ -795,8 +795,7 @@ static void repeat_before_start(void **state)
     }
 }
 
-/* --- the acknowledge follows the mail -------------------------------------------------------------------------------
- */
+/* --- the acknowledge follows the mail ----------------------------------------------------------------------------- */
 
 typedef struct watch {
     ect_pdi_t real;
@@ -1163,8 +1162,7 @@ static void fragments(void **state)
     wire_close(&w);
 }
 
-/* --- SyncManagers disabled and enabled ------------------------------------------------------------------------------
- */
+/* --- SyncManagers disabled and enabled ---------------------------------------------------------------------------- */
 
 /* A mailbox SM is disabled and enabled while the slave does not poll, with and without a mail in SM1. The slave drops
  * to INIT, or the mailbox continues to work. */

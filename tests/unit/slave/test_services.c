@@ -8,8 +8,7 @@
 #include "support/confdev.h"
 #include "support/wire.h"
 
-/* --- a twin whose storage and registers the test can access ---------------------------------------------------------
- */
+/* --- a twin whose storage and registers the test can access ------------------------------------------------------- */
 
 enum { BANK = 256, NEVER = -1 };
 

@@ -22,8 +22,7 @@ static struct CMUnitTest tests[MOST];
 static size_t count;
 static FILE *pcap;
 
-/* --- pcap: the frames as they came back, in succession --------------------------------------------------------------
- */
+/* --- pcap: the frames as they came back, in succession ------------------------------------------------------------ */
 
 static void put32(uint32_t value)
 {
@@ -294,8 +293,7 @@ static void run_vector(void **state)
     wire_close(&w);
 }
 
-/* --- all vectors ----------------------------------------------------------------------------------------------------
- */
+/* --- all vectors -------------------------------------------------------------------------------------------------- */
 
 static void read_file(const char *path)
 {

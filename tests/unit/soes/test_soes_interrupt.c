@@ -76,8 +76,7 @@ void __cyg_profile_func_exit(void *function, void *caller)
     point();
 }
 
-/* --- the hardware file ---------------------------------------------------------------------------------------------
- */
+/* --- the hardware file -------------------------------------------------------------------------------------------- */
 
 /* In two parts, as a copy that is interrupted. */
 static int in_parts(int (*access)(void *ctx, uint16_t address, void *buffer, uint16_t length), uint16_t address,
