@@ -221,6 +221,10 @@ files_agree() {
     "$ectwin" objects "$device" --soes -o "$work/soes"
     check "$device: an object list and options for SOES" "1 1" \
       "$(grep -c '^const _objectlist SDOobjects' "$work/soes/slave_objectlist.c") $(grep -c 'define MBX0_sma ' "$work/soes/ecat_options.h")"
+    check "$device: each object of the list for SOES ends at the position of its last entry" "" "$(awk '
+      /^const _objd SDO/ {object = "0x" substr($3, 4, 4)}
+      /^  \{0x/ && /SDO[0-9A-F]*\},$/ {split($0, part, /[{, ]+/); if (part[4] != rows[part[2]] - 1) print part[2]; next}
+      /^  \{/ {rows[object]++}' "$work/soes/slave_objectlist.c")"
   done
   check "doc: named bits, in Markdown and HTML" "1 1" \
     "$("$ectwin" doc fzm1 | grep -c '^| 2 | READY |') $("$ectwin" doc fzm1 --html | grep -c '<td>READY</td>')"
