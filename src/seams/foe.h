@@ -4,7 +4,7 @@
  * FoE, File access over EtherCAT: a master reads and writes files of a device by name. A firmware update is such a
  * write.
  *
- * A device that offers files has a constant ::ect_foe_t and lists its `protocol` member among its protocols
+ * A device that offers files has a constant `ect_foe_t` and lists its `protocol` member among its protocols
  * (::ect_device_t::protocols); otherwise nothing of FoE is linked. Only the device knows what a file is: five functions
  * open, read, write and close one, piece by piece. Files may therefore have any size up to 4 GiB, and no buffer of a
  * file's size exists. One file is open at a time.
@@ -27,7 +27,7 @@
  *
  * A written file must not take effect before `close` confirms it, because a transfer may end after any packet.
  *
- * Context: all functions run in mainline, as those of ::ect_protocol_t.
+ * Context: all functions run in mainline, as those of `ect_protocol_t`.
  *
  * Clauses: ETG.1000.6 §5.8.
  */
