@@ -6,7 +6,7 @@
 #include "support/testdev.h"
 #include "support/wire.h"
 
-enum { IMAGE = 1024, GUARD = 16 };
+enum { IMAGE = 1024, GUARD = 16, LARGEST = 32768 };
 
 /* A category of the image that must exist. */
 static const uint8_t *data_of(const uint8_t *image, uint16_t category, size_t *length)
@@ -24,7 +24,7 @@ static void write_image(const ect_device_t *device, uint16_t alias, uint8_t *ima
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
-static const ect_entry_t nameless[] = {{0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, NULL, 0, NULL}};
+static ect_entry_t word[] = {{0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, NULL, 0, NULL}};
 static const ect_entry_t mapping[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_MAP(1, ECT_MAP(0x6000, 0, 16))};
 /* Two elements, of which sub-index 0 counts one. */
 static const ect_entry_t shorter[] = {ECT_ENTRY_COUNT(1), ECT_ENTRY_ASSIGN(1, 0x1A00), ECT_ENTRY_ASSIGN(2, 0x1A01)};
@@ -33,13 +33,14 @@ static const ect_entry_t changeable[] = {
     ECT_ENTRY_ASSIGN(1, 0x1A00)};
 
 static ect_object_t objects[] = {ECT_RECORD(0x1A00, "First", mapping), ECT_RECORD(0x1A01, "Second", mapping),
-                                 ECT_ARRAY(0x1C13, "Assignment", shorter), ECT_VAR(0x6000, "Word", nameless)};
+                                 ECT_ARRAY(0x1C13, "Assignment", shorter), ECT_VAR(0x6000, "Word", word)};
 
 static ect_device_t small_device(void)
 {
     ect_device_t device = testdev;
     objects[2] = (ect_object_t)ECT_ARRAY(0x1C13, "Assignment", shorter);
     objects[0].name = "First";
+    word[0].name = NULL;
     device.objects = objects;
     device.object_count = sizeof objects / sizeof objects[0];
     device.sii_size = IMAGE;
@@ -97,14 +98,15 @@ static void general(void **state)
         device.general_flags = rows[i].flags;
         device.soe_channels = 3;
         device.id_address = 0x1234;
-        device.physics = "HKYYY"; /* no more than four ports */
+        device.physics =
+            rows[i].alias == 0 ? "HKYYY" : "HK\0Y"; /* no more than four ports, and no more than there are */
         write_image(&device, rows[i].alias, image);
         const uint8_t *data = data_of(image, ECT_SII_GENERAL, &length);
         assert_int_equal(length, 32);
         assert_memory_equal(data + 8, "\3\0\0", 3);
         if (data[11] != rows[i].want)
             fail_msg("row %zu: expected flags %02X, got %02X", i, rows[i].want, data[11]);
-        assert_int_equal(ect_load_le16(data + 16), 0x1134);
+        assert_int_equal(ect_load_le16(data + 16), rows[i].alias == 0 ? 0x1134 : 0x0034);
         assert_int_equal(ect_load_le16(data + 18), 0x1234);
         assert_memory_equal(data + 20, "\0\0\0\0\0\0\0\0\0\0\0\0", 12);
         assert_int_equal(ect_load_le16(image + 0x38), rows[i].protocols);
@@ -247,6 +249,32 @@ static void no_byte_behind(void **state)
     }
 }
 
+/* An image whose names of entries do not fit is written again without them: nothing remains of the first attempt. */
+static void second_attempt(void **state)
+{
+    static uint8_t image[IMAGE];
+    ect_device_t device = small_device();
+    unsigned int shortened = 0;
+    (void)state;
+    word[0].name = "The name of an entry, which is longer than all other texts of the image together";
+    write_image(&device, 0, image);
+    uint8_t strings_of_all = image[ECT_SII_CATEGORIES + 4];
+    for (uint16_t size = 256; size <= 512; size = (uint16_t)(size + 2)) {
+        size_t at = ECT_SII_CATEGORIES;
+        device.sii_size = size;
+        if (ect_sii_write(&device, NULL, 0, image, size) < 0)
+            continue;
+        shortened += image[ECT_SII_CATEGORIES + 4] < strings_of_all;
+        while (ect_load_le16(image + at) != ECT_SII_END)
+            at += 4 + 2u * ect_load_le16(image + at + 2);
+        for (; at < size; at++) {
+            if (image[at] != 0xFF)
+                fail_msg("an EEPROM of %u bytes: byte %zu behind the image is %02X", size, at, image[at]);
+        }
+    }
+    assert_true(shortened > 1);
+}
+
 /* A buffer longer than the EEPROM is erased up to its end. */
 static void longer_buffer(void **state)
 {
@@ -259,6 +287,23 @@ static void longer_buffer(void **state)
         assert_int_equal(image[i], 0xFF);
     assert_int_equal(ect_load_le16(image + 0x7C), IMAGE / 128 - 1);
     assert_int_equal(ect_load_le16(image + 0x7E), 1);
+    static uint8_t largest[LARGEST];
+    device.sii_size = LARGEST;
+    assert_int_equal(ect_sii_write(&device, NULL, 0, largest, sizeof largest), LARGEST);
+    assert_int_equal(ect_load_le16(largest + 0x7C), LARGEST / 128 - 1);
+}
+
+/* A category whose header ends with the image has no data, and exists. */
+static void empty_category(void **state)
+{
+    uint8_t image[ECT_SII_CATEGORIES + 4] = {0};
+    size_t length = 1;
+    (void)state;
+    ect_store_le16(image + ECT_SII_CATEGORIES, ECT_SII_FMMU);
+    assert_ptr_equal(ect_sii_category(image, sizeof image, ECT_SII_FMMU, &length), image + sizeof image);
+    assert_int_equal(length, 0);
+    assert_null(ect_sii_category(image, sizeof image - 1, ECT_SII_FMMU, &length));
+    assert_null(ect_sii_category(image, sizeof image, ECT_SII_SYNCM, &length));
 }
 
 int main(int argc, char **argv)
@@ -272,6 +317,9 @@ int main(int argc, char **argv)
          NULL, NULL, NULL},
         {"CF-061: the list of a virtual SyncManager assigns its PDOs", virtual_sync_managers, NULL, NULL, NULL},
         {"CF-060: no byte behind the EEPROM is written, at every size", no_byte_behind, NULL, NULL, NULL},
+        {"CF-064: an image written without the names of entries has no remains of them", second_attempt, NULL, NULL,
+         NULL},
+        {"CF-060: an empty category at the end of an image is found", empty_category, NULL, NULL, NULL},
         {"CF-060: a buffer longer than the EEPROM reads as erased behind it", longer_buffer, NULL, NULL, NULL},
     };
     if (argc > 1)
