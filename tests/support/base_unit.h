@@ -77,7 +77,7 @@ long bu_ru_number(bu_rig_t *r, unsigned int ru, const char *signal);
 /* Switched on, and armed. */
 void bu_arm(bu_rig_t *r, unsigned int ru);
 
-/* What the operator sees at once: BU state, EC-Link status, the message that belongs to it, relays; a cause in every
+/* The operator's immediate view: BU state, EC-Link status, the message that belongs to it, relays; a cause in every
  * state but Armed and Disarmed, and when EC-Link is not used. */
 void bu_expect(bu_rig_t *r, const char *when, int state, int link);
 /* The same, and after the next update also what the controller reads. */
@@ -91,7 +91,7 @@ void bu_expect_blocks(bu_rig_t *r, const char *when, const char *ids, uint8_t bu
 void bu_start(bu_rig_t *r, const bu_node_t *node);
 /* In OP and in order; armed or not. @return the BU state that this is */
 int bu_in_order(bu_rig_t *r, const bu_node_t *node, bool armed);
-/* Remote 1 sends a command; returns when it has just come to stand in the input data (its update). */
+/* Remote 1 sends a command; returns when it has just appeared in the input data (its update). */
 void bu_command_shown(bu_rig_t *r);
 
 #endif

@@ -21,7 +21,7 @@ void sensor_operational(sensor_t *s);
 void sensor_close(sensor_t *s);
 fzm1_t *sensor_instance(sensor_t *s);
 
-/* Sends the command area as it stands, then reads the inputs. Takes no time. */
+/* Sends the command area, then reads the inputs. Takes no time. */
 void sensor_exchange(sensor_t *s);
 /* Control signals on or off, and exchanges. */
 void sensor_set(sensor_t *s, uint32_t signals, bool on);
@@ -51,7 +51,7 @@ typedef struct sensor_memory {
     uint32_t budget;
     uint32_t reads;
     uint32_t written; /* bytes */
-    /* A cache: a write is safe when flush has been asked `lazy` times; 0: at once. */
+    /* A cache: a write is safe after `lazy` calls of flush; 0: at once. */
     unsigned int lazy, asked;
     bool unsafe; /* flush fails */
     struct {

@@ -189,11 +189,11 @@ static void heads(void **state)
                             "</SubIndex><BitLen>8</BitLen><Name>V</Name></Entry></TxPdo></Module>"
 #define RACK(slots)                                                                                                    \
     ESI_HEAD                                                                                                           \
-        "<Device Physics='YY'><Type ProductCode='1' "                                                                  \
-        "RevisionNo='2'>R</Type><Name>R</Name>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                                        \
-        "<Mailbox><CoE/></Mailbox><Slots SlotPdoIncrement='1' SlotIndexIncrement='16'>" slots                          \
-        "</Slots></Device></Devices><Modules><Module><Name>without a type</Name></Module>" MODULE("1", "X", "#x1A00")  \
-            MODULE("2", "Y", "#x1A80") "</Modules></Descriptions></EtherCATInfo>"
+    "<Device Physics='YY'><Type ProductCode='1' "                                                                      \
+    "RevisionNo='2'>R</Type><Name>R</Name>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                                            \
+    "<Mailbox><CoE/></Mailbox><Slots SlotPdoIncrement='1' SlotIndexIncrement='16'>" slots                              \
+    "</Slots></Device></Devices><Modules><Module><Name>without a type</Name></Module>" MODULE("1", "X", "#x1A00")      \
+        MODULE("2", "Y", "#x1A80") "</Modules></Descriptions></EtherCATInfo>"
 
 static void modules(void **state)
 {
