@@ -14,6 +14,8 @@
 #include <cmocka.h>
 
 #include "seams/device.h"
+#include "sii/sii.h"
+#include "support/testdev.h"
 
 /* --- lines -------------------------------------------------------------------------------------------------------- */
 
@@ -401,6 +403,80 @@ static void any_dictionary_is_read_or_refused(void **state)
     }
 }
 
+/* --- images and descriptions -------------------------------------------------------------------------------------- */
+
+static void an_image_has_a_fact_of_each_field(void **state)
+{
+    static const struct {
+        ect_fact_kind_t kind;
+        unsigned int index, element;
+        const char *text;
+    } fields[] = {
+        {ECT_FACT_VENDOR, 0, 0, "0x00000E57"},
+        {ECT_FACT_PRODUCT, 0, 0, "0x00007E57"},
+        {ECT_FACT_REVISION, 0, 0, "0x00010002"},
+        {ECT_FACT_CHECKSUM, 0, 0, "right"},
+        {ECT_FACT_CONFIG, 0, 0, "0x0008"},
+        {ECT_FACT_CONFIG, 4, 0, "none"}, /* the station alias */
+        {ECT_FACT_EEPROM_SIZE, 0, 0, "2048 bytes"},
+        {ECT_FACT_MAILBOX_OUT, 0, 0, "128 bytes at 0x1000"},
+        {ECT_FACT_MAILBOX_IN, 0, 0, "128 bytes at 0x1080"},
+        {ECT_FACT_BOOT_OUT, 0, 0, "none"},
+        {ECT_FACT_PROTOCOLS, 0, 0, "CoE"},
+        {ECT_FACT_COE, 0, 0, "SDO SDO-information PDO-upload Complete-Access"},
+        {ECT_FACT_TYPE, 0, 0, "\"ectwin test device\""},
+        {ECT_FACT_NAME, 0, 0, "\"ectwin test device\""},
+        {ECT_FACT_GROUP, 0, 0, "\"TEST\""},
+        {ECT_FACT_GROUP_NAME, 0, 0, "\"Test devices\""},
+        {ECT_FACT_PORTS, 0, 0, "\"YY\""},
+        {ECT_FACT_EBUS, 0, 0, "0 mA"},
+        {ECT_FACT_FMMU, 0, 0, "outputs"},
+        {ECT_FACT_FMMU, 2, 0, "mailbox state"},
+        {ECT_FACT_SM_START, 2, 0, "0x1200"},
+        {ECT_FACT_SM_LENGTH, 2, 0, "3 bytes"},
+        {ECT_FACT_SM_CONTROL, 2, 0, "0x64"},
+        {ECT_FACT_SM_ENABLED, 2, 0, "yes"},
+        {ECT_FACT_PDO, 0x1600, 0, "outputs"},
+        {ECT_FACT_PDO, 0x1A00, 0, "inputs"},
+        {ECT_FACT_PDO_SM, 0x1600, 0, "2"},
+        {ECT_FACT_PDO_NAME, 0x1600, 0, "\"Outputs\""},
+        {ECT_FACT_PDO_ENTRY, 0x1600, 1, "7000:01, 1 bits"},
+        {ECT_FACT_PDO_ENTRY, 0x1600, 2, "7 bits of padding"},
+        {ECT_FACT_PDO_ENTRY_NAME, 0x1600, 3, "\"Output word\""},
+        {ECT_FACT_PDO_ENTRY_TYPE, 0x1600, 3, "0x06"},
+        {ECT_FACT_CATEGORY, ECT_SII_GENERAL, 0, "there"},
+        {ECT_FACT_CATEGORY, ECT_SII_END, 0, "the end"},
+        {ECT_FACT_CATEGORY, ECT_SII_DC, 0, "none"},
+    };
+    uint8_t image[2048];
+    ect_facts_t f = {.source = "image"}, g = {.source = "description"};
+    (void)state;
+    assert_true(ect_sii_write(&testdev, NULL, 0, image, sizeof image) > 0);
+    ect_facts_of_sii(&f, image, sizeof image);
+    ect_facts_of_device(&g, &testdev);
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        const char *text = text_of(&f, fields[i].kind, fields[i].index, fields[i].element);
+        if (strcmp(text, fields[i].text) != 0)
+            fail_msg("field %zu of the image: expected %s, got %s", i, fields[i].text, text);
+        if (fields[i].kind < ECT_FACT_FILE && /* the description has the same facts */
+            strcmp(text_of(&g, fields[i].kind, fields[i].index, fields[i].element), text) != 0)
+            fail_msg("field %zu of the description: expected %s", i, text);
+    }
+    ect_facts_free(&f);
+    ect_facts_free(&g);
+}
+
+static void an_image_shorter_than_its_header_is_one_fact(void **state)
+{
+    static const uint8_t image[ECT_SII_CATEGORIES - 1];
+    ect_facts_t f = {.source = "image"};
+    (void)state;
+    ect_facts_of_sii(&f, image, sizeof image);
+    assert_int_equal(f.count, 1);
+    assert_string_equal(text_of(&f, ECT_FACT_EEPROM_SIZE, 0, 0), "127 bytes, less than its header");
+    ect_facts_free(&f);
+}
+
 static void objects_with_facts_elsewhere_are_known(void **state)
 {
     (void)state;
@@ -425,6 +501,8 @@ int main(void)
         cmocka_unit_test(texts_of_a_file_follow_only_without_other_differences),
         cmocka_unit_test(a_dictionary_has_facts_of_objects_and_of_pdos),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
+        cmocka_unit_test(an_image_has_a_fact_of_each_field),
+        cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -882,6 +882,116 @@ static void any_bytes_in_any_mail_are_survived(void **state)
         lie(&row);
 }
 
+/* --- patience ----------------------------------------------------------------------------------------------------- */
+
+/* The first reply again, with its counter, then the second. */
+static liar_mail_t first_again(liar_t *l, const uint8_t *r)
+{
+    if (!is_upload(r))
+        return LIAR_PASSES;
+    return l->number++ == 0 ? say_upload(l, r, 0x43, 1, 0) : LIAR_REPLIES;
+}
+
+static bool then_second(liar_t *l)
+{
+    static const uint8_t second[] = {0x43, 0x18, 0x10, 1, 2, 0, 0, 0};
+    if (l->number++ != 2)
+        return false;
+    liar_say_coe(l, RESPONSE, second, sizeof second);
+    return true;
+}
+
+static void a_mail_that_is_sent_again_is_no_reply(void **state)
+{
+    static const liar_kind_t kind = {"again", .request = first_again, .next = then_second};
+    uint8_t value[4];
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), OK);
+    for (uint32_t upload = 1; upload <= 2; upload++) {
+        size_t size = sizeof value;
+        assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), OK);
+        assert_int_equal(ect_load_le32(value), upload);
+        l.number = upload == 1 ? 1 : l.number; /* the end of the first mail counted, too */
+    }
+    assert_int_equal(reader.skipped, 1);
+    ect_reader_close(&reader);
+    liar_close(&l);
+}
+
+static void ignore_object(void *ctx, const ect_reader_object_t *object)
+{
+    (void)object;
+    (*(unsigned int *)ctx)++;
+}
+
+static void ignore_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
+{
+    (void)ctx;
+    (void)object;
+    (void)entry;
+}
+
+static liar_mail_t silent_from_mail_10(liar_t *l, const uint8_t *r)
+{
+    (void)r;
+    return l->mails > 10 ? LIAR_SWALLOWS : LIAR_PASSES;
+}
+
+static void three_requests_without_a_reply_end_a_dictionary(void **state)
+{
+    static const liar_kind_t kind = {"silent", .request = silent_from_mail_10};
+    unsigned int objects = 0;
+    const ect_reader_sink_t sink = {.ctx = &objects, .object = ignore_object, .entry = ignore_entry};
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), OK);
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), SILENT);
+    assert_true(objects > 0);
+    assert_int_equal(l.mails, 10 + 3 * 3); /* three tries of three requests */
+    ect_reader_close(&reader);
+    liar_close(&l);
+}
+
+/* Of three uploads two stay without a reply: never three in a row. */
+static liar_mail_t two_of_three_silent(liar_t *l, const uint8_t *r)
+{
+    if (!is_upload(r))
+        return LIAR_PASSES;
+    return l->number++ % 3 == 2 ? LIAR_PASSES : LIAR_SWALLOWS;
+}
+
+static void values_are_given_up_after_three_uploads_in_a_row_only(void **state)
+{
+    static const liar_kind_t some = {"some", .request = two_of_three_silent}, none = {"none", .request = never_uploads};
+    const ect_reader_config_t once = {.tries = 1, .reply_ms = 20};
+    const struct {
+        const liar_kind_t *kind;
+        unsigned int uploads;
+    } cases[] = {{NULL, 19}, {&some, 19}, {&none, 3}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        unsigned int objects = 0;
+        const ect_reader_sink_t sink = {.ctx = &objects, .object = ignore_object, .entry = ignore_entry};
+        liar_t l, without;
+        liar_open(&without, &testdev, cases[i].kind);
+        assert_int_equal(ect_reader_open(&reader, &without.link, &once), OK);
+        (void)ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink);
+        assert_int_equal(objects, testdev.object_count);
+        ect_reader_close(&reader);
+        const unsigned int mails = without.mails;
+        liar_close(&without);
+        liar_open(&l, &testdev, NULL); /* the mails of an honest slave, less its 19 uploads */
+        assert_int_equal(ect_reader_open(&reader, &l.link, &once), OK);
+        assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), OK);
+        ect_reader_close(&reader);
+        assert_int_equal(mails, l.mails - 19 + cases[i].uploads);
+        liar_close(&l);
+    }
+}
+
 /* --- the wire ends at each step ----------------------------------------------------------------------------------- */
 
 static bool cut_from(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
@@ -1008,6 +1118,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(whatever_a_slave_does_the_reader_ends_in_time),
         cmocka_unit_test(any_bytes_in_any_mail_are_survived),
+        cmocka_unit_test(a_mail_that_is_sent_again_is_no_reply),
+        cmocka_unit_test(three_requests_without_a_reply_end_a_dictionary),
+        cmocka_unit_test(values_are_given_up_after_three_uploads_in_a_row_only),
         cmocka_unit_test(a_wire_that_is_cut_at_any_frame_is_noticed),
         cmocka_unit_test(any_one_frame_may_be_lost),
         cmocka_unit_test(a_limit_may_pass_at_any_time),
