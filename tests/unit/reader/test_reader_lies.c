@@ -955,7 +955,7 @@ static void three_requests_without_a_reply_end_a_dictionary(void **state)
     liar_close(&l);
 }
 
-/* Of three uploads two stay without a reply: never three in a row. */
+/* Two of three uploads stay without a reply: never three in a row. */
 static liar_mail_t two_of_three_silent(liar_t *l, const uint8_t *r)
 {
     if (!is_upload(r))
