@@ -11,26 +11,6 @@ static double least(uint32_t a, double b)
     return a < b ? a : b;
 }
 
-void ect_402_task_take(ect_402_axis_t *a)
-{
-    ect_402_set_point_t *next = &a->next;
-    bool at_once = (a->set.control & ECT_402_AT_ONCE) != 0;
-    if (next->valid && !at_once)
-        return;
-    *next = (ect_402_set_point_t){
-        .valid = true,
-        .at_once = at_once,
-        .relative = (a->set.control & ECT_402_RELATIVE) != 0,
-        .through = (a->set.control & ECT_402_THROUGH) != 0,
-        .target = a->target,
-        .speed = least(a->task_speed, ect_402_speed_limit(a)),
-        .acceleration = ect_402_acceleration(a),
-        .deceleration = ect_402_deceleration(a),
-    };
-    a->task_taken = true;
-    a->task_reached = false;
-}
-
 /* "Taken" holds as long as bit 4, and until there is room for another. */
 void ect_402_task_room(ect_402_axis_t *a)
 {
@@ -63,6 +43,28 @@ static void begin(ect_402_axis_t *a)
     a->task = a->task_known = true;
     a->task_reached = false;
     ect_402_task_room(a);
+}
+
+void ect_402_task_take(ect_402_axis_t *a)
+{
+    ect_402_set_point_t *next = &a->next;
+    bool at_once = (a->set.control & ECT_402_AT_ONCE) != 0;
+    if (next->valid && !at_once)
+        return;
+    *next = (ect_402_set_point_t){
+        .valid = true,
+        .at_once = at_once,
+        .relative = (a->set.control & ECT_402_RELATIVE) != 0,
+        .through = (a->set.control & ECT_402_THROUGH) != 0,
+        .target = a->target,
+        .speed = least(a->task_speed, ect_402_speed_limit(a)),
+        .acceleration = ect_402_acceleration(a),
+        .deceleration = ect_402_deceleration(a),
+    };
+    a->task_taken = true;
+    a->task_reached = false;
+    if (!a->task && a->action == ECT_402_FOLLOW)
+        begin(a); /* the place is free again without a step */
 }
 
 /* Whether the next set-point lies beyond the target and its motion follows without a stop. */
