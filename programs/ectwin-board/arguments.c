@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "arguments.h"
+#include "text/argument.h"
 
 #include <argp.h>
 #include <errno.h>
@@ -42,13 +43,7 @@ static const struct argp_option options[] = {
 static uint32_t number(const struct argp_state *state, const char *name, const char *text, uint32_t least,
                        uint32_t most)
 {
-    char *end;
-    bool hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, hexadecimal ? 16 : 10); /* 010 is ten */
-    if (errno != 0 || end == text || *end != 0 || *text == '-' || value < least || value > most)
-        argp_error(state, "%s takes a number from %u to %u, not '%s'", name, least, most, text);
-    return (uint32_t)value;
+    return (uint32_t)ect_argument_number(state, name, text, least, most);
 }
 
 static void take_device(arguments_t *args, const struct argp_state *state, const char *name)

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "catalogue.h"
+#include "text/argument.h"
 
 enum {
     OPTION_ONLY = 256,
@@ -120,12 +121,7 @@ size_t cf_options_count(const cf_options_t *options)
 
 static unsigned long number(struct argp_state *state, const char *option, const char *text, unsigned long most)
 {
-    char *end;
-    errno = 0;
-    unsigned long value = strtoul(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end != 0 || errno != 0 || value == 0 || value > most)
-        argp_error(state, "%s takes a number from 1 to %lu; got '%s'", option, most, text);
-    return value;
+    return (unsigned long)ect_argument_number(state, option, text, 1, most);
 }
 
 static void request(struct argp_state *state, uint32_t what, const char *seconds)

@@ -10,6 +10,7 @@
 
 #include "reader/packet.h"
 #include "sii/sii.h"
+#include "text/argument.h"
 
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
 enum { SLAVES_MOST = 65535, SECONDS_MOST = 86400, KEY_LIMIT = 256, KEY_VALUES };
@@ -40,16 +41,6 @@ static void on_signal(int number)
     interrupted = 1;
 }
 
-static unsigned long number_of(const struct argp_state *state, const char *option, const char *text, unsigned long most)
-{
-    char *end;
-    errno = 0;
-    const unsigned long number = strtoul(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end != '\0' || errno != 0 || number == 0 || number > most)
-        argp_error(state, "%s takes a number from 1 to %lu, not '%s'", option, most, text);
-    return number;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     args_t *args = state->input;
@@ -58,7 +49,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->iface = text;
         return 0;
     case 'n':
-        args->slave = number_of(state, "-n", text, SLAVES_MOST);
+        args->slave = (unsigned int)ect_argument_number(state, "-n", text, 1, SLAVES_MOST);
         return 0;
     case 's':
         args->sii = text;
@@ -70,7 +61,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->values = ECT_READER_ALL_VALUES;
         return 0;
     case KEY_LIMIT:
-        args->limit_s = number_of(state, "--limit", text, SECONDS_MOST);
+        args->limit_s = (unsigned int)ect_argument_number(state, "--limit", text, 1, SECONDS_MOST);
         return 0;
     case ARGP_KEY_END:
         if (args->iface == NULL)

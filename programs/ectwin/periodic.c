@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "connection.h"
 #include "output.h"
+#include "text/argument.h"
 
 enum { MOST_BYTES = 51200, MOST_TRIES = 100 };
 
@@ -26,15 +27,12 @@ static const struct argp_option options[] = {
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     periodic_args_t *args = state->input;
-    char *end;
     switch (key) {
     case 's':
         args->socket = text;
         return 0;
     case 'n':
-        args->slave = (unsigned int)strtoul(text, &end, 10);
-        if (*text < '1' || *text > '9' || *end != 0 || args->slave > UINT16_MAX)
-            argp_error(state, "--slave takes a number from 1 to 65535, not '%s'", text);
+        args->slave = (unsigned int)ect_argument_number(state, "--slave", text, 1, UINT16_MAX);
         return 0;
     case 'o':
         args->output = text;

@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "connection.h"
+#include "text/number.h"
 
 enum { PORTS = 4 };
 
@@ -15,26 +16,18 @@ typedef struct plug_args {
     const char *socket;
     const char *what;
     bool wire; /* N.PORT, not N */
-    unsigned long slave;
+    uint64_t slave;
     unsigned int port;
 } plug_args_t;
 
 static const struct argp_option options[] = {CONNECTION_OPTION, {0}};
-
-/* "N", from 1. @return what follows; NULL: it is not that */
-static const char *read_slave(const char *text, unsigned long *slave)
-{
-    char *end;
-    *slave = strtoul(text, &end, 10);
-    return *text >= '0' && *text <= '9' && *slave > 0 && *slave <= UINT16_MAX ? end : NULL;
-}
 
 static void take_what(plug_args_t *args, const struct argp_state *state, const char *text)
 {
     if (args->what)
         argp_error(state, "one is enough: '%s'", args->what);
     args->what = text;
-    const char *rest = read_slave(text, &args->slave);
+    const char *rest = ect_number_begins(text, 1, UINT16_MAX, &args->slave);
     if (!args->wire && (!rest || *rest != 0))
         argp_error(state, "name the slave, from 1, not '%s'", text);
     if (args->wire && (!rest || rest[0] != '.' || rest[1] < '0' || rest[1] >= '0' + PORTS || rest[2] != 0))

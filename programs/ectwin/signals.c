@@ -15,6 +15,7 @@
 #include "connection.h"
 #include "csv.h"
 #include "products.h"
+#include "text/argument.h"
 
 typedef struct client_args {
     const char *socket;
@@ -41,16 +42,6 @@ static const struct argp_option watch_options[] = {
     {"every", 'e', NULL, 0, "Every change at its time (default: what has changed, every 10 ms)", 0},
     {0}};
 
-static unsigned int parse_slave(const struct argp_state *state, const char *text)
-{
-    char *end;
-    errno = 0;
-    unsigned long number = strtoul(text, &end, 10);
-    if (errno != 0 || *text < '0' || *text > '9' || *end != 0 || number > UINT16_MAX)
-        argp_error(state, "--slave takes a number from 0 to 65535, not '%s'", text);
-    return (unsigned int)number;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     client_args_t *args = state->input;
@@ -59,7 +50,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->socket = text;
         return 0;
     case 'n':
-        args->slave = parse_slave(state, text);
+        args->slave = (unsigned int)ect_argument_number(state, "--slave", text, 0, UINT16_MAX);
         return 0;
     case 'c':
         args->csv = text;

@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "products.h"
 #include "sii_file.h"
+#include "text/argument.h"
 
 enum {
     KEY_VENDOR_ID = 0x100,
@@ -79,13 +80,7 @@ static const struct argp_option options[] = {
 
 static uint32_t parse_number(const struct argp_state *state, const char *option, const char *text, uint32_t maximum)
 {
-    char *end;
-    errno = 0;
-    bool hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
-    unsigned long long value = strtoull(text, &end, hexadecimal ? 16 : 10); /* 010 is ten */
-    if (errno != 0 || end == text || *end != 0 || text[0] == '-' || value > maximum)
-        argp_error(state, "%s takes a number from 0 to %u, not '%s'", option, maximum, text);
-    return (uint32_t)value;
+    return (uint32_t)ect_argument_number(state, option, text, 0, maximum);
 }
 
 /* Its value may also stand by itself; nothing else that does begins with a digit. */
@@ -96,10 +91,7 @@ static int parse_priority(struct argp_state *state, const char *text)
         text = next;
         state->next++;
     }
-    uint32_t priority = text ? parse_number(state, "--realtime", text, ECT_RIGHTS_HIGHEST) : 50;
-    if (priority < ECT_RIGHTS_LOWEST)
-        argp_error(state, "--realtime takes a priority from 1 to 99");
-    return (int)priority;
+    return text ? (int)ect_argument_number(state, "--realtime", text, ECT_RIGHTS_LOWEST, ECT_RIGHTS_HIGHEST) : 50;
 }
 
 static void add_setting(twin_args_t *args, const struct argp_state *state, const char *text)
@@ -111,15 +103,15 @@ static void add_setting(twin_args_t *args, const struct argp_state *state, const
     args->settings[args->setting_count++] = text;
 }
 
-/* A number and a colon in front of a setting name a twin; without them it is the first. Sets `text` to what follows. */
+/* "N:" in front of a setting names a twin; without it the setting is for the first. Sets `text` to the rest. */
 static size_t twin_of(const char **text)
 {
-    char *end;
-    unsigned long number = strtoul(*text, &end, 10);
-    if (end == *text || *end != ':')
+    uint64_t number = 0;
+    const char *end = ect_number_begins(*text, 0, UINT64_MAX, &number);
+    if (!end || *end != ':')
         return 1;
     *text = end + 1;
-    return number <= UINT16_MAX ? number : 0;
+    return number <= UINT16_MAX ? (size_t)number : 0;
 }
 
 static void add_module(twin_args_t *args, const struct argp_state *state, const char *text)
@@ -171,13 +163,10 @@ static void add_wish(twin_args_t *args, const struct argp_state *state, int key,
     if (colon) {
         char number[16];
         snprintf(number, sizeof number, "%.*s", (int)(colon - text), text);
-        wish->twin = parse_number(state, "N in N:VALUE", number, UINT16_MAX);
-        if (wish->twin == 0)
-            argp_error(state, "%s %s: twins are counted from 1", option->name, text);
+        wish->twin = (size_t)ect_argument_number(state, "N in N:VALUE", number, 1, UINT16_MAX);
     }
-    wish->value = parse_number(state, option->name, colon ? colon + 1 : text, option->maximum);
-    if (wish->value < option->minimum)
-        argp_error(state, "%s takes a number from %u to %u", option->name, option->minimum, option->maximum);
+    wish->value =
+        (uint32_t)ect_argument_number(state, option->name, colon ? colon + 1 : text, option->minimum, option->maximum);
 }
 
 static void fulfil(const identity_wish_t *wish, ect_twin_config_t *twin, uint32_t value)

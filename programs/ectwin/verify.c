@@ -11,6 +11,7 @@
 #include "products.h"
 #include "reader/packet.h"
 #include "sii_file.h"
+#include "text/number.h"
 
 /* As of cmp: a difference is not trouble. */
 enum { SAME = 0, DIFFERENT = 1, TROUBLE = 2 };
@@ -123,9 +124,8 @@ static bool add_slave(verify_t *v, const char *operand)
     const char *colon = strchr(rest, ':');
     const char *iface = colon != NULL ? ect_arena_copy(&v->arena, rest, (size_t)(colon - rest)) : rest;
     const char *number = colon != NULL ? colon + 1 : "1";
-    char *end;
-    const unsigned long n = strtoul(number, &end, 10);
-    if (*number < '0' || *number > '9' || *end != '\0' || n == 0 || n > SLAVES_MOST)
+    uint64_t n = 0;
+    if (!ect_number(number, 1, SLAVES_MOST, &n))
         return fail(v, operand, "the number of a slave is 1 to 65535: slave:IFACE[:N]");
     slave_t *slave = calloc(1, sizeof *slave);
     if (slave == NULL)

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "esc/personality.h"
 #include "seams/random.h"
+#include "text/number.h"
 
 enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE };
 
@@ -40,14 +41,14 @@ static void list_chips(void)
 /* A number and a colon in front name a twin. @return what follows */
 static const char *twin_of(const struct argp_state *state, const char *text, size_t *twin)
 {
-    char *end;
-    unsigned long number = strtoul(text, &end, 10);
+    uint64_t number = 0;
+    const char *end = ect_number_begins(text, 0, UINT64_MAX, &number);
     *twin = 0;
-    if (end == text || *end != ':' || text[0] == '-' || text[0] == '+')
+    if (!end || *end != ':')
         return text;
     if (number == 0 || number > UINT16_MAX)
         argp_error(state, "%s: twins are counted from 1", text);
-    *twin = number;
+    *twin = (size_t)number;
     return end + 1;
 }
 
@@ -125,12 +126,11 @@ static void set_cable(const struct argp_state *state, ect_twin_config_t *twin, c
 
 static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish)
 {
-    char *end;
-    unsigned long up = strtoul(wish->text, &end, 10);
-    bool good = wish->twin > 1 && end != wish->text && *end == '.' && end[1] >= '1' && end[1] <= '3' && end[2] == 0;
-    if (!good || up == 0)
+    uint64_t up = 0;
+    const char *end = ect_number_begins(wish->text, 1, UINT16_MAX, &up);
+    if (!end || wish->twin < 2 || end[0] != '.' || end[1] < '1' || end[1] > '3' || end[2] != 0)
         argp_error(state, "--wire takes N:M.PORT, as in 3:1.2 for twin 3 at port 2 of twin 1, not '%s'", wish->text);
-    twin->up = up - 1;
+    twin->up = (size_t)up - 1;
     twin->up_port = (uint8_t)(end[1] - '0');
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "seams/random.h"
+#include "text/number.h"
 
 enum { NS_PER_S = 1000000000 };
 
@@ -33,18 +34,17 @@ static bool state_of(const char *name, size_t length, uint64_t *state)
 /* "frame 100 " @return what follows; NULL: it is not that */
 static const char *read_frame(const char *text, ect_scenario_step_t *step)
 {
-    char *end = NULL;
+    const char *end = ect_number_begins(text, 0, UINT64_MAX, &step->value);
     step->when = ECT_STEP_AT_FRAME;
-    step->value = strtoull(text, &end, 10);
-    return end != text && *end == ' ' ? end + 1 : NULL;
+    return end && *end == ' ' ? end + 1 : NULL;
 }
 
 /* "1 OP " */
 static const char *read_state(const char *text, ect_scenario_step_t *step)
 {
-    char *end = NULL;
-    unsigned long slave = strtoul(text, &end, 10);
-    if (*end != ' ' || slave == 0 || slave > UINT16_MAX)
+    uint64_t slave = 0;
+    const char *end = ect_number_begins(text, 1, UINT16_MAX, &slave);
+    if (!end || *end != ' ')
         return NULL;
     const char *name = end + 1;
     size_t length = strcspn(name, " ");

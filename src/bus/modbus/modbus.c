@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "bus/modbus/modbus_request.h"
+#include "text/number.h"
 #include "wire/bytes.h"
 
 /* MBAP: transaction, protocol (0), bytes that follow; then the unit identifier, and the request. */
@@ -119,9 +120,8 @@ static struct addrinfo *find_address(const char *where)
     bool brackets = colon && where[0] == '[' && colon[-1] == ']';
     if (colon)
         snprintf(host, sizeof host, "%.*s", (int)(colon - where) - (brackets ? 2 : 0), where + (brackets ? 1 : 0));
-    char *end;
-    unsigned long number = strtoul(port, &end, 10);
-    if (*port < '0' || *port > '9' || *end != 0 || number > UINT16_MAX || (!brackets && strchr(host, ':')))
+    uint64_t number;
+    if (!ect_number(port, 0, UINT16_MAX, &number) || (!brackets && strchr(host, ':')))
         return NULL;
     return getaddrinfo(host, port, &hints, &found) == 0 ? found : NULL;
 }

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Numbers that users type: on a command line, in a fault, in an address.
+ *
+ * A number is decimal digits, or 0x and hexadecimal digits; 010 is ten. There is no sign, no blank and no locale.
+ * Context: any. Cost: its digits.
+ */
+#ifndef ECT_TEXT_NUMBER_H
+#define ECT_TEXT_NUMBER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** Value of a digit; 255: not one. */
+static inline unsigned int ect_number_digit(char c)
+{
+    if (c >= '0' && c <= '9')
+        return (unsigned int)(c - '0');
+    if (c >= 'a' && c <= 'f')
+        return (unsigned int)(c - 'a') + 10;
+    return c >= 'A' && c <= 'F' ? (unsigned int)(c - 'A') + 10 : 255;
+}
+
+/**
+ * Reads the number that a text begins with.
+ * @param minimum, maximum  inclusive
+ * @param[out] value  set on success
+ * @return the text after its last digit; NULL: no number, or one outside the range
+ */
+static inline const char *ect_number_begins(const char *text, uint64_t minimum, uint64_t maximum, uint64_t *value)
+{
+    unsigned int base = text[0] == '0' && (text[1] == 'x' || text[1] == 'X') ? 16 : 10;
+    const char *at = base == 16 ? text + 2 : text;
+    uint64_t number = 0;
+    if (ect_number_digit(*at) >= base)
+        return NULL;
+    for (; ect_number_digit(*at) < base; at++) {
+        unsigned int digit = ect_number_digit(*at);
+        if (number > (UINT64_MAX - digit) / base)
+            return NULL;
+        number = number * base + digit;
+    }
+    if (number < minimum || number > maximum)
+        return NULL;
+    *value = number;
+    return at;
+}
+
+/**
+ * Reads a text that is a number and nothing else.
+ * @param minimum, maximum  inclusive
+ * @param[out] value  set on success
+ * @return whether it is one, in the range
+ */
+static inline bool ect_number(const char *text, uint64_t minimum, uint64_t maximum, uint64_t *value)
+{
+    uint64_t number = 0;
+    const char *end = ect_number_begins(text, minimum, maximum, &number);
+    if (end == NULL || *end != 0)
+        return false;
+    *value = number;
+    return true;
+}
+
+ECT_C_END
+
+#endif
