@@ -7,27 +7,10 @@
 #include "wire/bytes.h"
 
 /* An abort code is 0x0h0l00cc: three numbers that fit 16 bits. */
-#define CODE(high, low) ((((high) & 0x0F00u) << 4) | (((high) & 0x000Fu) << 8) | (low))
+#define PACK(code)      ((uint16_t)(((code) >> 12 & 0xF000u) | ((code) >> 8 & 0x0F00u) | ((code) & 0xFFu)))
+#define ROW(name, code) [ECT_REASON_##name] = PACK(code),
 
-static const uint16_t abort_codes[ECT_REASON_COUNT] = {
-    [ECT_REASON_TOGGLE] = CODE(0x0503, 0x00),          [ECT_REASON_TIMEOUT] = CODE(0x0504, 0x00),
-    [ECT_REASON_COMMAND] = CODE(0x0504, 0x01),         [ECT_REASON_MEMORY] = CODE(0x0504, 0x05),
-    [ECT_REASON_UNSUPPORTED] = CODE(0x0601, 0x00),     [ECT_REASON_WRITE_ONLY] = CODE(0x0601, 0x01),
-    [ECT_REASON_READ_ONLY] = CODE(0x0601, 0x02),       [ECT_REASON_SUBINDEX0] = CODE(0x0601, 0x03),
-    [ECT_REASON_VARIABLE_LENGTH] = CODE(0x0601, 0x04), [ECT_REASON_MAILBOX_SIZE] = CODE(0x0601, 0x05),
-    [ECT_REASON_MAPPED] = CODE(0x0601, 0x06),          [ECT_REASON_NO_OBJECT] = CODE(0x0602, 0x00),
-    [ECT_REASON_NOT_MAPPABLE] = CODE(0x0604, 0x41),    [ECT_REASON_PDO_LENGTH] = CODE(0x0604, 0x42),
-    [ECT_REASON_INCOMPATIBLE] = CODE(0x0604, 0x43),    [ECT_REASON_INTERNAL] = CODE(0x0604, 0x47),
-    [ECT_REASON_HARDWARE] = CODE(0x0606, 0x00),        [ECT_REASON_LENGTH] = CODE(0x0607, 0x10),
-    [ECT_REASON_TOO_LONG] = CODE(0x0607, 0x12),        [ECT_REASON_TOO_SHORT] = CODE(0x0607, 0x13),
-    [ECT_REASON_NO_SUBINDEX] = CODE(0x0609, 0x11),     [ECT_REASON_RANGE] = CODE(0x0609, 0x30),
-    [ECT_REASON_TOO_HIGH] = CODE(0x0609, 0x31),        [ECT_REASON_TOO_LOW] = CODE(0x0609, 0x32),
-    [ECT_REASON_MODULES] = CODE(0x0609, 0x33),         [ECT_REASON_MIN_MAX] = CODE(0x0609, 0x36),
-    [ECT_REASON_RESOURCE] = CODE(0x060A, 0x23),        [ECT_REASON_GENERAL] = CODE(0x0800, 0x00),
-    [ECT_REASON_STORE] = CODE(0x0800, 0x20),           [ECT_REASON_LOCAL_CONTROL] = CODE(0x0800, 0x21),
-    [ECT_REASON_STATE] = CODE(0x0800, 0x22),           [ECT_REASON_NO_DICTIONARY] = CODE(0x0800, 0x23),
-    [ECT_REASON_NO_DATA] = CODE(0x0800, 0x24),
-};
+static const uint16_t abort_codes[ECT_REASON_COUNT] = {ECT_REASONS(ROW)};
 
 uint32_t ect_abort_code(ect_reason_t reason)
 {

@@ -162,43 +162,46 @@ typedef struct ect_od {
  * 301 and ETG.1000.6 Table 41.
  */
 typedef uint32_t ect_reason_t;
-enum {
-    ECT_OK = 0,
-    ECT_REASON_TOGGLE,          /**< 05030000 */
-    ECT_REASON_TIMEOUT,         /**< 05040000 */
-    ECT_REASON_COMMAND,         /**< 05040001 */
-    ECT_REASON_MEMORY,          /**< 05040005 */
-    ECT_REASON_UNSUPPORTED,     /**< 06010000 */
-    ECT_REASON_WRITE_ONLY,      /**< 06010001 */
-    ECT_REASON_READ_ONLY,       /**< 06010002 */
-    ECT_REASON_SUBINDEX0,       /**< 06010003: sub-index 0 must be 0 first */
-    ECT_REASON_VARIABLE_LENGTH, /**< 06010004: no Complete Access to objects of variable length */
-    ECT_REASON_MAILBOX_SIZE,    /**< 06010005 */
-    ECT_REASON_MAPPED,          /**< 06010006 */
-    ECT_REASON_NO_OBJECT,       /**< 06020000 */
-    ECT_REASON_NOT_MAPPABLE,    /**< 06040041 */
-    ECT_REASON_PDO_LENGTH,      /**< 06040042 */
-    ECT_REASON_INCOMPATIBLE,    /**< 06040043 */
-    ECT_REASON_INTERNAL,        /**< 06040047 */
-    ECT_REASON_HARDWARE,        /**< 06060000 */
-    ECT_REASON_LENGTH,          /**< 06070010 */
-    ECT_REASON_TOO_LONG,        /**< 06070012 */
-    ECT_REASON_TOO_SHORT,       /**< 06070013 */
-    ECT_REASON_NO_SUBINDEX,     /**< 06090011 */
-    ECT_REASON_RANGE,           /**< 06090030 */
-    ECT_REASON_TOO_HIGH,        /**< 06090031 */
-    ECT_REASON_TOO_LOW,         /**< 06090032 */
-    ECT_REASON_MODULES,         /**< 06090033 */
-    ECT_REASON_MIN_MAX,         /**< 06090036 */
-    ECT_REASON_RESOURCE,        /**< 060A0023 */
-    ECT_REASON_GENERAL,         /**< 08000000 */
-    ECT_REASON_STORE,           /**< 08000020 */
-    ECT_REASON_LOCAL_CONTROL,   /**< 08000021 */
-    ECT_REASON_STATE,           /**< 08000022 */
-    ECT_REASON_NO_DICTIONARY,   /**< 08000023 */
-    ECT_REASON_NO_DATA,         /**< 08000024 */
-    ECT_REASON_COUNT
-};
+
+/** Every reason: R(NAME, abort code). NAME stands for ECT_REASON_NAME. */
+#define ECT_REASONS(R)                                                                                                 \
+    R(TOGGLE, 0x05030000)                                                                                              \
+    R(TIMEOUT, 0x05040000)                                                                                             \
+    R(COMMAND, 0x05040001)                                                                                             \
+    R(MEMORY, 0x05040005)                                                                                              \
+    R(UNSUPPORTED, 0x06010000)                                                                                         \
+    R(WRITE_ONLY, 0x06010001)                                                                                          \
+    R(READ_ONLY, 0x06010002)                                                                                           \
+    R(SUBINDEX0, 0x06010003)       /* sub-index 0 must be 0 first */                                                   \
+    R(VARIABLE_LENGTH, 0x06010004) /* no Complete Access to objects of variable length */                              \
+    R(MAILBOX_SIZE, 0x06010005)                                                                                        \
+    R(MAPPED, 0x06010006)                                                                                              \
+    R(NO_OBJECT, 0x06020000)                                                                                           \
+    R(NOT_MAPPABLE, 0x06040041)                                                                                        \
+    R(PDO_LENGTH, 0x06040042)                                                                                          \
+    R(INCOMPATIBLE, 0x06040043)                                                                                        \
+    R(INTERNAL, 0x06040047)                                                                                            \
+    R(HARDWARE, 0x06060000)                                                                                            \
+    R(LENGTH, 0x06070010)                                                                                              \
+    R(TOO_LONG, 0x06070012)                                                                                            \
+    R(TOO_SHORT, 0x06070013)                                                                                           \
+    R(NO_SUBINDEX, 0x06090011)                                                                                         \
+    R(RANGE, 0x06090030)                                                                                               \
+    R(TOO_HIGH, 0x06090031)                                                                                            \
+    R(TOO_LOW, 0x06090032)                                                                                             \
+    R(MODULES, 0x06090033)                                                                                             \
+    R(MIN_MAX, 0x06090036)                                                                                             \
+    R(RESOURCE, 0x060A0023)                                                                                            \
+    R(GENERAL, 0x08000000)                                                                                             \
+    R(STORE, 0x08000020)                                                                                               \
+    R(LOCAL_CONTROL, 0x08000021)                                                                                       \
+    R(STATE, 0x08000022)                                                                                               \
+    R(NO_DICTIONARY, 0x08000023)                                                                                       \
+    R(NO_DATA, 0x08000024)
+
+#define ECT_REASON_ROW(name, code) ECT_REASON_##name,
+enum { ECT_OK = 0, ECT_REASONS(ECT_REASON_ROW) ECT_REASON_COUNT };
+#undef ECT_REASON_ROW
 
 /**
  * The SDO abort code of a reason (ETG.1000.6 Table 41, Q179 §1-1).
