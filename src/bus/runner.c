@@ -12,20 +12,20 @@
 
 enum { NS_PER_S = 1000000000, FRAME_ROOM = ECT_ESC_MAX_FRAME + 48 };
 
-/* What the loop waits for: a frame at each end, without a VLAN tag or with one, a signal, a cable, users at the control
- * socket, Modbus clients. */
+/* The descriptors of the loop: frames at each end, without a VLAN tag and with one, signals, cables, control socket,
+ * Modbus server. */
 enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
 
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
 
-/* How long frames alone are waited for, until others are looked at. */
+/* Wait for frames only this long before serving clients. */
 enum { FRAMES_ALONE_NS = 500000 };
 
-/* How long frames are looked for in a row, without waiting, until others are looked at (--busy-poll). */
+/* Poll for frames only this long before serving clients (--busy-poll). */
 enum { SPIN_NS = 100000 };
 
-/* Also where it is interrupted, `fds` says what has come: nothing. */
+/* After an interruption `fds` has no events. */
 static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
@@ -60,14 +60,14 @@ static uint64_t present(void *ctx)
 static void send_out(void *ctx, ect_end_t end, const uint8_t *frame, size_t length)
 {
     ect_runner_t *r = ctx;
-    ect_endless_sent(&r->circles[end], frame, length);
+    ect_endless_sent(&r->endless[end], frame, length);
     ect_packet_send(r->ports[end], frame, length);
 }
 
-/* Whether somebody at the other end answers our answers; told once. */
-static bool circles(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
+/* Whether frames circulate; the first time is reported. */
+static bool endless(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
 {
-    if (!ect_endless_received(&r->circles[end], frame, length, now_ns))
+    if (!ect_endless_received(&r->endless[end], frame, length, now_ns))
         return false;
     if (r->exchange.stats.circling++ == 0)
         r->on_circling(r->ctx, r->ports[end]->iface);
@@ -97,7 +97,7 @@ static int answer(ect_runner_t *r, ect_end_t in, bool wait)
         r->exchange.stats.stale++;
     else if ((size_t)length > sizeof frame)
         ect_exchange_long_frame(&r->exchange, in, frame, (size_t)length, time.now_ns);
-    else if (!circles(r, in, frame, (size_t)length, r->exchange.polled_ns))
+    else if (!endless(r, in, frame, (size_t)length, r->exchange.polled_ns))
         ect_exchange_frame(&r->exchange, in, frame, (size_t)length, &time);
     return 1;
 }
@@ -150,7 +150,7 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
 
 /*
  * While frames come, the next one is waited for in the call that receives it: that is the shortest way to an answer.
- * All others, users and signals, are looked at every half millisecond, and when none has come for a while.
+ * Clients and signals are checked every half millisecond, and when no frame has come for a while.
  */
 static bool may_linger(const ect_runner_t *r, uint64_t wake_ns)
 {
@@ -214,7 +214,7 @@ static int go_round(ect_runner_t *r)
     return ready < 0 && errno != EINTR ? -1 : serve(r, fds);
 }
 
-/* What a user had saved is safe before the process ends. */
+/* Finishes a save before the process ends. */
 static void finish(const ect_runner_t *r)
 {
     const struct timespec pause = {.tv_nsec = 100000};

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The catalogue: every product that can be put on a bus, by name. Adding a device of this tree is adding one line to
- * catalogue.c; a program with devices of its own adds them when it starts (programs/ectwin/ectwin.h does so for a
- * command).
+ * The catalogue: every product that can be put on a bus, by name. A device of this tree takes one line in catalogue.c;
+ * a program with devices of its own adds them when it starts (programs/ectwin/ectwin.h).
  */
 #ifndef ECT_BUS_CHAIN_CATALOGUE_H
 #define ECT_BUS_CHAIN_CATALOGUE_H
@@ -16,17 +15,17 @@
 ECT_C_BEGIN
 
 /**
- * The products by position: ours in the order of `ectwin list`, then those that were added.
- * @return the product, or NULL: `index` is past the last
+ * The products by position: those of this tree in the order of `ectwin list`, then those added.
+ * @return NULL: `index` is past the last
  */
 const ect_product_t *ect_catalogue_at(size_t index);
 
-/** @return the product whose device has that name, the first one if several had; NULL: there is none */
+/** Finds a product by the name of its device. @return the first with that name; NULL: none */
 const ect_product_t *ect_catalogue_find(const char *name);
 
 /**
- * Adds the products of this program behind ours, in place of those that were added before.
- * @param more  `count` of them; kept, so they live as long as the catalogue is used
+ * Adds the products of a program, in place of those added before.
+ * @param more  `count` of them; must outlive every use of the catalogue
  * Context: while the program starts, before another thread uses the catalogue.
  */
 void ect_catalogue_add(const ect_product_t *more, size_t count);

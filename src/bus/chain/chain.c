@@ -166,7 +166,7 @@ static void update_links(ect_chain_t *chain)
     for (size_t i = 0; i < chain->cabling.count; i++) {
         if (!ect_cabling_update(&chain->cabling, i))
             continue;
-        ect_fast_look(chain->fast, i);
+        ect_fast_refresh(chain->fast, i);
         chain->delays_due = true;
     }
 }
@@ -202,7 +202,7 @@ void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx)
 static void note_all(ect_chain_t *chain)
 {
     for (size_t i = 0; i < chain->cabling.count; i++) {
-        ect_fast_look(chain->fast, i);
+        ect_fast_refresh(chain->fast, i);
         note_frame(chain, i);
     }
 }
@@ -244,7 +244,7 @@ static void tick_due(ect_chain_t *chain, uint64_t now_ns)
     while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
         make_ready(chain, i);
         ect_deadlines_set(chain->deadlines, i, ect_esc_tick(&chain->twins[i].esc, now_ns));
-        ect_fast_look(chain->fast, i);
+        ect_fast_refresh(chain->fast, i);
     }
 }
 
@@ -307,7 +307,7 @@ static void attend(ect_chain_t *chain, size_t i, uint64_t now_ns)
     if (polled && ect_twin_poll(twin, now_ns))
         ect_fast_put(chain->fast, i, &twin->esc);
     ect_twin_report_sii(twin);
-    ect_fast_look(chain->fast, i);
+    ect_fast_refresh(chain->fast, i);
     chain->links_due |= on_bus != ect_twin_on_bus(twin);
     chain->delays_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
     twin->ports_seen = ect_esc_port_changes(&twin->esc);

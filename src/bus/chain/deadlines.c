@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A binary heap in which each member knows its place. */
+/* A binary heap with an index of each member's place. */
 #include "bus/chain/deadlines.h"
+#include "wire/assert.h"
 
 #include <stdlib.h>
 
@@ -17,6 +18,7 @@ struct ect_deadlines {
 
 ect_deadlines_t *ect_deadlines_new(size_t count)
 {
+    ECT_ASSERT(count >= 1 && count <= UINT32_MAX);
     ect_deadlines_t *d = calloc(1, sizeof *d + count * sizeof d->heap[0]);
     uint32_t *where = calloc(count, sizeof *where);
     if (!d || !where) {
@@ -42,6 +44,7 @@ void ect_deadlines_free(ect_deadlines_t *deadlines)
 
 static void put(ect_deadlines_t *d, size_t at, place_t place)
 {
+    ECT_ASSERT(at < d->count && place.member < d->count);
     d->heap[at] = place;
     d->where[place.member] = (uint32_t)at;
 }
@@ -71,7 +74,9 @@ static void sink(ect_deadlines_t *d, size_t at, place_t place)
 
 void ect_deadlines_set(ect_deadlines_t *deadlines, size_t member, uint64_t time_ns)
 {
+    ECT_ASSERT(member < deadlines->count);
     size_t at = deadlines->where[member];
+    ECT_ASSERT(deadlines->heap[at].member == member);
     uint64_t before = deadlines->heap[at].time_ns;
     const place_t place = {.time_ns = time_ns, .member = (uint32_t)member};
     if (time_ns < before)
@@ -82,6 +87,7 @@ void ect_deadlines_set(ect_deadlines_t *deadlines, size_t member, uint64_t time_
 
 uint64_t ect_deadlines_of(const ect_deadlines_t *deadlines, size_t member)
 {
+    ECT_ASSERT(member < deadlines->count);
     return deadlines->heap[deadlines->where[member]].time_ns;
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Who wants to run when: one time for each of many, and the earliest of all at hand.
+ * Deadlines: one time for each of many members, and the earliest of all.
  *
- * No clock in here. Context: one thread. Cost: a change takes about log2(count) steps, the earliest one none.
+ * No clock in here. Context: one thread. Cost: log2(count) steps for a change, constant for the earliest.
  */
 #ifndef ECT_BUS_CHAIN_DEADLINES_H
 #define ECT_BUS_CHAIN_DEADLINES_H
@@ -18,7 +18,7 @@ ECT_C_BEGIN
 
 typedef struct ect_deadlines ect_deadlines_t;
 
-/** Room for `count` (1..UINT32_MAX) members, none of which wants to run (UINT64_MAX). @return NULL: no memory */
+/** Makes deadlines of `count` (1..UINT32_MAX) members, all never (UINT64_MAX). @return NULL: out of memory */
 ect_deadlines_t *ect_deadlines_new(size_t count);
 void ect_deadlines_free(ect_deadlines_t *deadlines);
 
@@ -28,7 +28,7 @@ void ect_deadlines_set(ect_deadlines_t *deadlines, size_t member, uint64_t time_
 /** The time of a member. */
 uint64_t ect_deadlines_of(const ect_deadlines_t *deadlines, size_t member);
 
-/** The earliest of all times, and in *member (not NULL) whose it is. */
+/** The earliest of all times. @param[out] member  the member with that time; not NULL */
 uint64_t ect_deadlines_first(const ect_deadlines_t *deadlines, size_t *member);
 
 ECT_C_END

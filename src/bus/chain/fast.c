@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Datagram after datagram, each to those whom it concerns. That is not the order of the chip, where the whole frame
- * goes to one controller and then to the next; it comes to the same, because a controller sees the datagrams in their
- * order and a datagram the controllers in theirs, and nothing else passes from one to another. What would is not taken.
+ * Each datagram passes the controllers that it concerns before the next datagram does. In the chips the whole frame
+ * passes one controller after the other. The result is the same, because each controller sees the datagrams in their
+ * order, each datagram sees the controllers in theirs, and nothing else passes between controllers. Frames with such
+ * effects are not taken.
  */
 #include "bus/chain/fast.h"
 
@@ -11,6 +12,7 @@
 
 #include "bus/chain/bits.h"
 #include "esc/route.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
@@ -18,28 +20,27 @@ enum { SOURCE = 6, LOCAL = 0x02, TIMES = 8 };
 
 typedef struct controller {
     ect_esc_t *esc;
-    uint64_t frame;   /* the last one that it took part in */
-    uint64_t times;   /* of the system times that all were told, those that it has taken */
-    uint32_t routing; /* what its route is known of */
+    uint64_t frame;   /* number of the last frame in which it took part */
+    uint64_t times;   /* recorded system times that it has taken */
+    uint32_t routing; /* ect_esc_routing() that `route` belongs to */
     ect_esc_route_t route;
 } controller_t;
 
-/* The system time, told by one to all: those before him had what the master sent, those behind him what he put there.
- */
-typedef struct telling {
+/* A system time for all controllers: those before the source get the value of the master, those behind its own. */
+typedef struct time_update {
     uint64_t at_ns;
-    size_t source; /* reach: nobody */
+    size_t source; /* the controller that is read; reach: none */
     size_t reach;
     uint32_t before, behind;
-} telling_t;
+} time_update_t;
 
-/* Ascending by address, then by position. */
+/* A station address or alias. The table is sorted by address, then by position. */
 typedef struct station {
     uint16_t address;
     uint16_t position;
 } station_t;
 
-/* Ascending by their first byte. */
+/* Logical addresses of an FMMU. The table is sorted by first byte. */
 typedef struct window {
     uint64_t first, end;
     uint64_t furthest; /* the greatest end of this one and all before it */
@@ -47,7 +48,7 @@ typedef struct window {
     uint16_t direction;
 } window_t;
 
-/* What a frame takes along from all that it reaches. */
+/* The sum of the routes of all controllers that a frame reaches. */
 typedef struct sums {
     uint16_t events;
     uint16_t al_status;
@@ -62,15 +63,15 @@ typedef struct sums {
 struct ect_fast {
     size_t count;
     size_t reach;
-    bool out; /* the last port is open, too */
+    bool out; /* the output of the last controller is open */
     bool line_known, sums_known, stations_known, windows_known;
     uint64_t now_ns;
-    uint64_t frame; /* counts those that were taken */
+    uint64_t frame; /* number of frames that were taken */
     sums_t sums;
-    uint64_t *chosen; /* a bit a controller: it takes part in the present datagram; else zero */
-    uint64_t times;   /* how often the system time was told */
-    uint64_t taken;   /* of these all have taken so many */
-    telling_t tellings[TIMES];
+    uint64_t *chosen; /* a bit a controller that takes part in the present datagram; zero between datagrams */
+    uint64_t times;   /* system times recorded */
+    uint64_t taken;   /* system times that all controllers have taken */
+    time_update_t time_updates[TIMES];
     station_t *stations;
     size_t station_count;
     window_t *windows;
@@ -82,6 +83,7 @@ struct ect_fast {
 
 ect_fast_t *ect_fast_new(size_t count)
 {
+    ECT_ASSERT(count >= 1 && count <= UINT16_MAX);
     ect_fast_t *f = calloc(1, sizeof *f + count * sizeof f->controllers[0]);
     if (!f)
         return NULL;
@@ -107,7 +109,8 @@ void ect_fast_free(ect_fast_t *fast)
     free(fast);
 }
 
-/* --- what is known of the controllers ----------------------------------------------------------------------------- */
+/* --- tables of the controllers' routes -----------------------------------------------------------------------------
+ */
 
 static bool same_sums(const ect_esc_route_t *a, const ect_esc_route_t *b)
 {
@@ -122,6 +125,7 @@ static void read_route(ect_fast_t *f, controller_t *c)
     const ect_esc_route_t *now = &c->route;
     c->routing = ect_esc_routing(c->esc);
     ect_esc_route(c->esc, &c->route);
+    ECT_ASSERT(now->window_count <= ECT_ESC_MAX_FMMU);
     f->line_known &= now->open == before.open && now->leaves_line == before.leaves_line;
     f->sums_known &= f->line_known && same_sums(now, &before);
     f->stations_known &= now->station == before.station && now->alias == before.alias;
@@ -131,27 +135,30 @@ static void read_route(ect_fast_t *f, controller_t *c)
 
 void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc)
 {
+    ECT_ASSERT(position < fast->count && esc != NULL);
     controller_t *c = &fast->controllers[position];
     c->esc = esc;
     c->times = fast->times;
     read_route(fast, c);
 }
 
-void ect_fast_look(ect_fast_t *fast, size_t position)
+void ect_fast_refresh(ect_fast_t *fast, size_t position)
 {
+    ECT_ASSERT(position < fast->count && fast->controllers[position].esc != NULL);
     controller_t *c = &fast->controllers[position];
     if (c->routing != ect_esc_routing(c->esc))
         read_route(fast, c);
 }
 
-/* As far as one port after the other is open; none of those on the way may send a frame round in a circle. */
-static void know_line(ect_fast_t *f)
+/* The line ends at the first closed port; none of its controllers may send frames another way. */
+static void update_line(ect_fast_t *f)
 {
     size_t i = 0;
     bool line = !f->controllers[0].route.leaves_line;
     while (line && f->controllers[i].route.open && i + 1 < f->count)
         line = !f->controllers[++i].route.leaves_line;
     f->reach = line ? i + 1 : 0;
+    ECT_ASSERT(f->reach <= f->count);
     f->out = f->controllers[i].route.open;
     f->line_known = true;
     f->sums_known = false;
@@ -160,11 +167,11 @@ static void know_line(ect_fast_t *f)
 size_t ect_fast_reach(ect_fast_t *fast)
 {
     if (!fast->line_known)
-        know_line(fast);
+        update_line(fast);
     return fast->reach;
 }
 
-static void know_sums(ect_fast_t *f)
+static void update_sums(ect_fast_t *f)
 {
     sums_t sums = {0};
     if (f->sums_known)
@@ -180,6 +187,7 @@ static void know_sums(ect_fast_t *f)
         sums.guards_writes |= route->guards_writes;
         sums.time_takers += route->takes_time;
     }
+    ECT_ASSERT(f->line_known && sums.time_takers <= f->reach);
     f->sums = sums;
     f->sums_known = true;
 }
@@ -191,7 +199,7 @@ static int by_address(const void *a, const void *b)
     return x->address != y->address ? x->address - y->address : x->position - y->position;
 }
 
-static void know_stations(ect_fast_t *f)
+static void update_stations(ect_fast_t *f)
 {
     size_t n = 0;
     if (f->stations_known)
@@ -202,6 +210,7 @@ static void know_stations(ect_fast_t *f)
         if (route->alias != route->station)
             f->stations[n++] = (station_t){.address = route->alias, .position = (uint16_t)i};
     }
+    ECT_ASSERT(n >= f->count && n <= 2 * f->count);
     qsort(f->stations, n, sizeof *f->stations, by_address);
     f->station_count = n;
     f->stations_known = true;
@@ -214,7 +223,7 @@ static int by_first(const void *a, const void *b)
     return (x->first > y->first) - (x->first < y->first);
 }
 
-static void know_windows(ect_fast_t *f)
+static void update_windows(ect_fast_t *f)
 {
     size_t n = 0;
     uint64_t furthest = 0;
@@ -230,6 +239,7 @@ static void know_windows(ect_fast_t *f)
                                          .direction = w->direction};
         }
     }
+    ECT_ASSERT(n <= f->count * ECT_ESC_MAX_FMMU);
     qsort(f->windows, n, sizeof *f->windows, by_first);
     for (size_t k = 0; k < n; k++) {
         furthest = f->windows[k].end > furthest ? f->windows[k].end : furthest;
@@ -241,12 +251,13 @@ static void know_windows(ect_fast_t *f)
 
 /* --- the system time ---------------------------------------------------------------------------------------------- */
 
-/* What it would have done at once has to be done before anybody looks at it. */
+/* Due before any access to the controller. */
 static void take_times(ect_fast_t *f, size_t i)
 {
     controller_t *c = &f->controllers[i];
+    ECT_ASSERT(f->times - c->times <= TIMES);
     for (; c->times != f->times; c->times++) {
-        const telling_t *t = &f->tellings[c->times % TIMES];
+        const time_update_t *t = &f->time_updates[c->times % TIMES];
         if (c->route.takes_time && i < t->reach && i != t->source)
             ect_esc_take_time(c->esc, i < t->source ? t->before : t->behind, t->at_ns);
     }
@@ -254,6 +265,7 @@ static void take_times(ect_fast_t *f, size_t i)
 
 void ect_fast_settle(ect_fast_t *fast)
 {
+    ECT_ASSERT(fast->times - fast->taken <= TIMES);
     fast->touched_count = 0;
     for (size_t i = 0; i < fast->count && fast->taken != fast->times; i++) {
         uint64_t due_ns = ect_esc_due(fast->controllers[i].esc);
@@ -269,14 +281,16 @@ void ect_fast_settle(ect_fast_t *fast)
 static unsigned int take_part(ect_fast_t *f, size_t i, uint8_t *d, unsigned int part)
 {
     controller_t *c = &f->controllers[i];
+    ECT_ASSERT(i < f->reach);
     take_times(f, i);
     if (c->frame != f->frame) {
+        ECT_ASSERT(f->touched_count < f->count);
         c->frame = f->frame;
         f->touched[f->touched_count++] = (uint32_t)i;
         ect_esc_begin_of_frame(c->esc, f->now_ns);
     }
     unsigned int gain = ect_esc_datagram(c->esc, d, part);
-    ect_fast_look(f, i);
+    ect_fast_refresh(f, i);
     return gain;
 }
 
@@ -286,9 +300,10 @@ static unsigned int to_position(ect_fast_t *f, uint8_t *d, unsigned int part)
     return position < f->reach ? take_part(f, position, d, part) : 0;
 }
 
-/* Of those with that address, or one above it, the first. */
+/* The first station whose address is not below this one. */
 static size_t first_station(const ect_fast_t *f, uint16_t address)
 {
+    ECT_ASSERT(f->stations_known);
     size_t low = 0;
     size_t high = f->station_count;
     while (low < high) {
@@ -305,7 +320,7 @@ static unsigned int to_station(ect_fast_t *f, uint8_t *d, unsigned int part)
 {
     uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
     unsigned int gain = 0;
-    know_stations(f);
+    update_stations(f);
     size_t end = first_station(f, address);
     size_t begin = end;
     while (end < f->station_count && f->stations[end].address == address && f->stations[end].position < f->reach)
@@ -315,7 +330,7 @@ static unsigned int to_station(ect_fast_t *f, uint8_t *d, unsigned int part)
     return gain;
 }
 
-/* What all together answer, as long as reading it changes nothing. */
+/* A read of the AL status of all, which has no side effect: the sum replies for all. */
 static bool is_known_status(const ect_fast_t *f, const uint8_t *d)
 {
     return ect_load_le16(d + ECT_DATAGRAM_ADO) == ECT_REG_AL_STATUS && ect_datagram_length(d) <= 2 &&
@@ -344,13 +359,13 @@ static bool answers(const ect_fast_t *f, const uint8_t *d, size_t i)
     return address == route->station || address == route->alias;
 }
 
-/* Who is addressed in a read-multiple-write; reach: nobody. @return false: there are several */
+/* The controller that a read-multiple-write reads; reach: none. @return false: there are several */
 static bool find_source(ect_fast_t *f, const uint8_t *d, size_t *source)
 {
     uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
     *source = (uint16_t)(0u - address);
     if (d[ECT_DATAGRAM_COMMAND] == ECT_FRMW) {
-        know_stations(f);
+        update_stations(f);
         size_t k = first_station(f, address);
         bool found = k < f->station_count && f->stations[k].address == address;
         *source = found ? f->stations[k].position : f->reach;
@@ -361,26 +376,28 @@ static bool find_source(ect_fast_t *f, const uint8_t *d, size_t *source)
     return true;
 }
 
-/* The system time, whole, and nothing that says who may write it. */
-static bool tells_time(const ect_fast_t *f, const uint8_t *d)
+/* A write of the whole system time that no controller guards, with room to record it. */
+static bool is_time_update(const ect_fast_t *f, const uint8_t *d)
 {
     unsigned int length = ect_datagram_length(d);
     return ect_load_le16(d + ECT_DATAGRAM_ADO) == ECT_REG_DC_SYSTEM_TIME && length >= 4 && length <= 8 &&
            !f->sums.guards_writes && f->times - f->taken < TIMES;
 }
 
-/* All but its source are left alone: they count, and take it when they are looked at. */
-static unsigned int tell_time(ect_fast_t *f, uint8_t *d, size_t source)
+/* Only the source is accessed. The others count, and take the time at their next access. */
+static unsigned int record_time(ect_fast_t *f, uint8_t *d, size_t source)
 {
     const uint8_t *time = d + ECT_DATAGRAM_DATA;
+    ECT_ASSERT(f->times - f->taken < TIMES && source <= f->reach);
     unsigned int gain = f->sums.time_takers;
-    telling_t telling = {.at_ns = f->now_ns, .source = source, .reach = f->reach, .before = ect_load_le32(time)};
+    time_update_t update = {.at_ns = f->now_ns, .source = source, .reach = f->reach, .before = ect_load_le32(time)};
     if (source < f->reach) {
+        ECT_ASSERT(gain >= f->controllers[source].route.takes_time);
         gain -= f->controllers[source].route.takes_time;
         gain += take_part(f, source, d, ECT_PART_READ);
     }
-    telling.behind = ect_load_le32(time);
-    f->tellings[f->times++ % TIMES] = telling;
+    update.behind = ect_load_le32(time);
+    f->time_updates[f->times++ % TIMES] = update;
     return gain;
 }
 
@@ -389,16 +406,17 @@ static unsigned int to_one_and_all(ect_fast_t *f, uint8_t *d)
 {
     unsigned int gain = 0;
     size_t source;
-    if (tells_time(f, d) && find_source(f, d, &source))
-        return tell_time(f, d, source);
+    if (is_time_update(f, d) && find_source(f, d, &source))
+        return record_time(f, d, source);
     for (size_t i = 0; i < f->reach; i++)
         gain += take_part(f, i, d, answers(f, d, i) ? ECT_PART_READ : ECT_PART_WRITE);
     return gain;
 }
 
-/* Windows that begin before `end`. */
+/* The number of windows that begin before `end`. */
 static size_t windows_before(const ect_fast_t *f, uint64_t end)
 {
+    ECT_ASSERT(f->windows_known);
     size_t low = 0;
     size_t high = f->window_count;
     while (low < high) {
@@ -417,7 +435,7 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
     size_t low = ect_bits_words(f->reach);
     size_t high = 0;
     unsigned int gain = 0;
-    know_windows(f);
+    update_windows(f);
     for (size_t k = windows_before(f, first + ect_datagram_length(d)); k > 0 && f->windows[k - 1].furthest > first;
          k--) {
         const window_t *w = &f->windows[k - 1];
@@ -429,6 +447,7 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
         high = word + 1 > high ? word + 1 : high;
     }
     for (; low < high; low++) {
+        ECT_ASSERT(low < ect_bits_words(f->reach));
         uint64_t left = f->chosen[low];
         f->chosen[low] = 0;
         while (left != 0)
@@ -439,7 +458,7 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
 
 /* --- a frame ------------------------------------------------------------------------------------------------------ */
 
-static unsigned int lead(ect_fast_t *f, uint8_t *d)
+static unsigned int dispatch(ect_fast_t *f, uint8_t *d)
 {
     if (ect_datagram_length(d) == 0)
         return 0;
@@ -478,9 +497,9 @@ static void add(uint8_t *to, size_t value)
 /* The header passes before the data: an event that this datagram clears is still in it. */
 static void pass_datagram(ect_fast_t *f, uint8_t *d)
 {
-    know_sums(f);
+    update_sums(f);
     ect_store_le16(d + ECT_DATAGRAM_IRQ, (uint16_t)(ect_load_le16(d + ECT_DATAGRAM_IRQ) | f->sums.events));
-    add(d + ECT_DATAGRAM_DATA + ect_datagram_length(d), lead(f, d));
+    add(d + ECT_DATAGRAM_DATA + ect_datagram_length(d), dispatch(f, d));
     if (ect_command_counts(d[ECT_DATAGRAM_COMMAND]))
         add(d + ECT_DATAGRAM_ADP, f->reach);
 }
@@ -507,7 +526,7 @@ static bool is_logical(uint8_t command)
     return command == ECT_LRD || command == ECT_LWR || command == ECT_LRW;
 }
 
-/* Station addresses may be written, what stands around them may change the way of the frame itself. */
+/* A write beside the station addresses may change the path of the frame itself. */
 static bool may_close_port(const uint8_t *d)
 {
     return overlaps(d, 0, ECT_REG_STATION_ADDRESS) || overlaps(d, ECT_REG_STATION_ALIAS + 2, ECT_REG_DL_STATUS);
@@ -539,7 +558,7 @@ ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length,
     size_t at = ect_frame_datagrams(frame, length);
     if (at == 0 || ect_fast_reach(fast) == 0)
         return ECT_FAST_NOT_TAKEN;
-    know_sums(fast);
+    update_sums(fast);
     if (fast->sums.awaits_frame || !is_taken(fast, frame + at))
         return ECT_FAST_NOT_TAKEN;
     fast->now_ns = now_ns;

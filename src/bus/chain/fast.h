@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The way of a frame through a long line of controllers, without a look at those that it does not concern.
+ * The fast path of a frame through a long line of controllers: only controllers that take part in it process it.
+ * Internal to bus/chain.
  *
- * A line knows of each controller what decides on the way of frames (esc/route.h). A frame is parsed once; each of its
- * datagrams goes, in the order of the wire, to the controllers that take part in it, and what the others would have
- * done to it (events, working counter, auto increment) is added at once. The result is the one that ::ect_esc_process
- * for one controller after the other has; frames of which that is not plain to see are not taken, and their caller does
- * just that.
+ * A line keeps of each controller the registers that decide on the path of frames (esc/route.h). A frame is parsed
+ * once. Each datagram goes, in the order of the wire, to the controllers that take part in it; the effect of all others
+ * on the frame (events, working counter, auto increment) is added in one step. The result equals ::ect_esc_process for
+ * one controller after the other. Frames for which this is not certain are not taken: the caller passes them in that
+ * way.
  *
- * Not taken are: what is no well-formed EtherCAT frame, EtherCAT in UDP, read-write commands, writes that could close a
- * port (0x0000..0x010F but the addresses, or an FMMU on registers), an FMMU that is written and logical access in one
- * frame; and the frame after one that has enabled writes or gone on with a reset sequence, for they last for a frame.
+ * Not taken are: malformed EtherCAT frames, EtherCAT in UDP, read-write commands, writes that could close a port
+ * (0x0000..0x010F but the addresses, or an FMMU on registers), a write to an FMMU and logical access in one frame; and
+ * the frame after one that has enabled writes or continued a reset sequence, since these last for one frame.
  *
- * The reference clock's time (ARMW, FRMW of 0x0910) is told to all and only written down for them: what they do with it
- * changes no answer, so it is done when they are looked at, or in ::ect_fast_settle.
+ * The reference clock's time (ARMW, FRMW of 0x0910) goes to all controllers, and changes no reply. The line only
+ * records it; each controller takes it at its next access, at the latest in ::ect_fast_settle.
  *
  * No clock in here. Context: the thread of the chain. Cost of a frame: its datagrams, and for each the controllers that
- * take part; a broadcast read of AL status (0x0130) concerns none unless a status is new, and the reference clock's
- * time only that clock. The first frame after a station address, FMMU or the like has changed also costs a look at all
- * controllers.
+ * take part. A broadcast read of AL status (0x0130) involves none unless a status is new, and the reference clock's
+ * time only that clock. The first frame after a change of a station address, FMMU or the like also costs a pass over
+ * all controllers.
  */
 #ifndef ECT_BUS_CHAIN_FAST_H
 #define ECT_BUS_CHAIN_FAST_H
@@ -35,38 +36,37 @@ ECT_C_BEGIN
 
 typedef struct ect_fast ect_fast_t;
 
-/** A line of `count` controllers (1..65535), yet to be named by ::ect_fast_put. @return NULL: no memory */
+/** Makes a line of `count` controllers (1..65535), to be set by ::ect_fast_put. @return NULL: out of memory */
 ect_fast_t *ect_fast_new(size_t count);
 void ect_fast_free(ect_fast_t *fast);
 
-/** The controller at a position, from 0: for the first time, or after a reset. It must outlive the line. */
+/** Sets the controller at a position, from 0, for the first time or after a reset. It must outlive the line. */
 void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc);
 
-/** Somebody else has touched the controller: a frame on another way, its slave, a cable. Cheap if that changed nothing.
- */
-void ect_fast_look(ect_fast_t *fast, size_t position);
+/** Notes that a controller was accessed in another way: by a slow frame, its slave, a cable. Cheap without a change. */
+void ect_fast_refresh(ect_fast_t *fast, size_t position);
 
-/** What became of a frame. */
+/** The end of a frame's path. */
 typedef enum ect_fast_result {
-    ECT_FAST_NOT_TAKEN, /**< nothing has happened */
-    ECT_FAST_BACK,      /**< it comes back at the beginning of the line */
+    ECT_FAST_NOT_TAKEN, /**< nothing has changed; the caller passes it */
+    ECT_FAST_BACK,      /**< it returns at the beginning of the line */
     ECT_FAST_OUT,       /**< it leaves at the end */
 } ect_fast_result_t;
 
-/** Lets a frame pass from port 0 of the first controller on. */
+/** Passes a frame that enters at port 0 of the first controller. */
 ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
 
 /**
- * Lets all controllers take what was told to them. Due before anybody else than ::ect_fast_pass looks at a controller
- * or lets its time go on, and, for there is room for eight tellings, now and then. ::ect_fast_touched then says who
- * wants to run at another time than before. Cost: nothing where nothing was told, else each controller with clocks.
+ * Delivers recorded system times to all controllers. Due before any access to a controller but ::ect_fast_pass, and
+ * before its time advances; the line calls it itself when eight are recorded. ::ect_fast_touched then lists the
+ * controllers whose deadline may have changed. Cost: none without recorded times, else each controller with clocks.
  */
 void ect_fast_settle(ect_fast_t *fast);
 
-/** How many controllers a frame reaches: those before the first closed port; 0: not a line, frames are not taken. */
+/** Number of controllers that a frame reaches, up to the first closed port; 0: not a line, frames are not taken. */
 size_t ect_fast_reach(ect_fast_t *fast);
 
-/** The controllers that took part in the last frame that was taken, each once. @param[out] count  how many */
+/** The controllers that took part in the last frame taken, each once. @param[out] count  their number */
 const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count);
 
 ECT_C_END

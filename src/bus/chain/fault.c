@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/chain/fault.h"
+#include "wire/assert.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +8,7 @@
 
 enum { WORDS = 8 };
 
-/* What stands behind the name of a kind. */
+/* The parameter of each kind of fault. */
 typedef enum amount { NO_AMOUNT, MICROSECONDS, BYTES, SIGNED, BIT, NANOSECONDS } amount_t;
 
 typedef struct kind {
@@ -44,7 +45,7 @@ static const char *unit_of(amount_t amount)
     return amount == MICROSECONDS ? "us" : amount == NANOSECONDS ? "ns" : "";
 }
 
-/* A text cut at its spaces, and how far it has been read. */
+/* The words of a text, and the next one to read. */
 typedef struct reader {
     char room[ECT_FAULT_TEXT];
     const char *words[WORDS + 1]; /* NULL behind the last one */
@@ -128,7 +129,7 @@ static bool read_kind(reader_t *r, ect_fault_t *fault)
                  r->words[0]);
 }
 
-/* What has been read of a fault, beside its kind. */
+/* The parts of a fault that have been read, beside its kind. */
 typedef struct parts {
     bool when, place, amount;
 } parts_t;
@@ -245,6 +246,7 @@ static void put_number(writer_t *w, long long number_, const char *unit)
 
 void ect_fault_print(const ect_fault_t *fault, char *text)
 {
+    ECT_ASSERT(fault->kind < ECT_FAULT_KINDS);
     const kind_t *kind = &kinds[fault->kind];
     writer_t w = {.text = text};
     put(&w, kind->name);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "slave/indicator.h"
+#include "wire/assert.h"
 
 enum { RUN, ERR, IN, OUT };
 
@@ -28,11 +29,12 @@ const ect_plant_t ect_lamps_plant = {.signal_groups = groups, .signal_group_coun
 static void show(ect_lamps_t *lamps, unsigned int lamp, ect_pattern_t pattern)
 {
     const char *name = ect_pattern_name(pattern);
+    ECT_ASSERT(strlen(name) < ECT_LAMP_TEXT);
     memset(lamps->text[lamp], 0, ECT_LAMP_TEXT);
     memcpy(lamps->text[lamp], name, strlen(name));
 }
 
-/* All that the lamps depend on, never 0. */
+/* The state that the lamps depend on; never 0. */
 static uint64_t seen_of(const ect_slave_t *slave, bool in_link, bool out_link, bool traffic)
 {
     return 1u | (uint64_t)in_link << 4 | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 |

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a passer-by sees on every slave: its EtherCAT lamps and, for those who cannot read them, AL state and code. As
- * signals `ecat.*` of each twin, beside those of its device.
+ * The EtherCAT lamps of every slave, its AL state and AL status code as signals `ecat.*`, beside those of the device.
  */
 #ifndef ECT_BUS_CHAIN_LAMPS_H
 #define ECT_BUS_CHAIN_LAMPS_H
@@ -19,20 +18,19 @@ ECT_C_BEGIN
 enum { ECT_LAMP_TEXT = 16 };
 
 typedef struct ect_lamps {
-    uint64_t seen;    /* what they depend on, as it was at the last look */
+    uint64_t seen;    /* state of the slave at the last update */
     uint8_t al_state; /* 1, 2, 3, 4, 8; 0: off the bus */
     uint16_t al_code;
     char text[4][ECT_LAMP_TEXT];
 } ect_lamps_t;
 
-/** The signals of an ect_lamps_t, which is the instance. */
+/** The signals of an ect_lamps_t; its instance is the structure. */
 extern const ect_plant_t ect_lamps_plant;
 
 /**
- * Brings the lamps up to date.
- * @param in_link, out_link  whether something is connected before and behind this slave
- * @param last_frame_ns  when a frame last came by, 0 never; without another one they change
- *                       ECT_INDICATOR_TRAFFIC_NS later
+ * Updates the lamps. Cost: a comparison when nothing has changed.
+ * @param in_link, out_link  link at port 0 and at port 1
+ * @param last_frame_ns  time of the last frame, 0 never; ECT_INDICATOR_TRAFFIC_NS later the lamps change
  */
 void ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link, uint64_t last_frame_ns,
                       uint64_t now_ns);

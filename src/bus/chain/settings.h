@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Several signals of one twin at once: all of them, or none.
+ * Sets several signals of one twin: all of them, or none.
  */
 #ifndef ECT_BUS_CHAIN_SETTINGS_H
 #define ECT_BUS_CHAIN_SETTINGS_H
@@ -21,13 +21,14 @@ typedef struct ect_setting {
 } ect_setting_t;
 
 /**
- * Sets signals of the twin at a position, in the order given; one that is refused because of another is tried again
- * after each that follows, so that limits which depend on each other can be given in any order. Wakes the twin.
+ * Sets signals of the twin at a position, in the order given, and wakes the twin. A refused setting is tried again
+ * after each that follows, so limits that depend on each other come in any order.
  * Cost: one write a setting and try; with more than one, the twin's instance is copied first.
- * @param count         0: nothing is to be done
- * @param[out] message  on failure why the first one is not taken; ECT_SIGNAL_MESSAGE bytes
- * @return whether all were set; if not, the twin is as it was. What a setting has sent off (a save, a restart) is not
- *         called back: name those last.
+ * @param position      0..::ect_chain_count - 1
+ * @param settings      `count` of them; 0: none
+ * @param[out] message  on failure the reason for the first refusal; ECT_SIGNAL_MESSAGE bytes
+ * @return whether all were set; if not, the twin is unchanged, but for effects that a setting has already started (a
+ *         save, a restart): give those last
  */
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                         uint64_t now_ns, char *message);

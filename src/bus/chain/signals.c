@@ -52,7 +52,7 @@ size_t ect_signal_size(const ect_signal_t *signal)
     return 0;
 }
 
-/* What a VISIBLE_STRING may hold (ISO 646). */
+/* The characters of a VISIBLE_STRING (ISO 646). */
 static bool visible(char c)
 {
     return c >= ' ' && c <= '~';
@@ -101,7 +101,7 @@ bool ect_signals_next(const ect_plant_t *plant, void *instance, ect_signal_curso
     return false;
 }
 
-/* What follows the group's prefix, number and dot in `name`, or NULL: it is of another group. */
+/* The part of a name after the group's prefix, number and dot; NULL: the name is of another group. */
 static const char *inside(const ect_signal_group_t *group, const char *name, uint16_t *number)
 {
     size_t length = group->prefix ? strlen(group->prefix) : 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Signals by name: finding, reading and setting what a plant's tables (seams/plant.h) describe.
+ * Signals by name: find, read and set the values that the tables of a plant (seams/plant.h) describe.
  *
  * Context: the thread of the chain, between two polls.
  */
@@ -30,52 +30,54 @@ typedef struct ect_signal_ref {
     char name[ECT_SIGNAL_NAME];
 } ect_signal_ref_t;
 
-/** How far a walk through the signals of a device has come. Zeroed: at its beginning. */
+/** Position in the list of a device's signals. Zeroed: before the first. */
 typedef struct ect_signal_cursor {
     uint16_t group, number, index;
 } ect_signal_cursor_t;
 
 /**
- * The next signal of a walk, in the order of the tables. Cost: that of writing its name, wherever the walk stands.
- * @param plant  NULL: there are none
- * @return whether there is one; then *ref is set and the cursor stands behind it
+ * Takes the next signal, in the order of the tables. Cost: that of writing one name, at any position.
+ * @param plant  NULL: the list is empty
+ * @param[in,out] cursor  moves past the signal
+ * @param[out] ref  set on true; valid as long as the instance
+ * @return false: there are no more
  */
 bool ect_signals_next(const ect_plant_t *plant, void *instance, ect_signal_cursor_t *cursor, ect_signal_ref_t *ref);
 
 /**
- * @return whether there is a signal of exactly that name; then *ref is set. Cost: comparing the names of its group.
+ * Finds a signal by its exact name. Cost: comparing the names of one group.
+ * @param[out] ref  set on true; valid as long as the instance
+ * @return whether there is one
  */
 bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name, ect_signal_ref_t *ref);
 
 /** Bytes that a value takes in the instance. */
 size_t ect_signal_size(const ect_signal_t *signal);
 
-/** Whether a value reads as a number, and not as a text in quotes (TEXT, BYTES, DESCRIBED). */
+/** @return whether the value is a number in JSON, not a string (TEXT, BYTES, DESCRIBED) */
 bool ect_signal_is_number(const ect_signal_t *signal);
 
 /**
- * A value of this signal, its present one or another, as text: numbers decimal, bytes hexadecimal, what is not visible
- * in a text as '?'.
- * @param value      ect_signal_size() bytes as they stand in an instance, of any alignment
+ * Writes a value of this signal as text: numbers decimal, bytes hexadecimal, characters that are not visible as '?'.
+ * @param value      ect_signal_size() bytes as an instance holds them, of any alignment
  * @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes
  */
 void ect_signal_text(const ect_signal_ref_t *ref, const void *value, char *text);
 
-/** The present value as text. @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
+/** Writes the present value as text. @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_read(const ect_signal_ref_t *ref, char *text);
 
 /**
- * Sets a signal from text (a number is decimal, or hexadecimal behind 0x; "010" is ten), if the user may, the value is
- * in its range and the plant agrees.
- * @param[out] message  on failure why not, with the range; ECT_SIGNAL_MESSAGE bytes
- * @return whether it was done; if not, nothing has changed
+ * Sets a signal from text. A number is decimal, or hexadecimal after 0x; "010" is ten.
+ * @param[out] message  on failure the reason, with the range; ECT_SIGNAL_MESSAGE bytes
+ * @return false: the signal is read-only, the value is outside its range, or the plant refuses it; nothing has changed
  */
 bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t now_ns, char *message);
 
-/** The part of ::ect_signal_write that asks no device: may the user set it, is the value in its range. Sets nothing. */
+/** The checks of ::ect_signal_write that need no plant: access and range. Sets nothing. */
 bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *message);
 
-/** Range of a signal's values as text, e.g. "-1000..1000 %". @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
+/** Writes the range of a signal's values as text, e.g. "-1000..1000 %". @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_range(const ect_signal_t *signal, char *text);
 
 ECT_C_END

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/chain/stats.h"
+#include "wire/assert.h"
 
 static const uint32_t edges_us[ECT_STATS_STEPS - 1] = {
     1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000, 200000, 500000, 1000000};
@@ -9,6 +10,7 @@ void ect_stats_answer(ect_stats_t *stats, uint64_t took_ns)
     size_t step = 0;
     while (step + 1 < ECT_STATS_STEPS && took_ns >= 1000ull * edges_us[step])
         step++;
+    ECT_ASSERT(step < ECT_STATS_STEPS);
     stats->answered++;
     stats->answers[step]++;
     stats->longest_answer_ns = took_ns > stats->longest_answer_ns ? took_ns : stats->longest_answer_ns;
@@ -28,6 +30,7 @@ uint32_t ect_stats_edge_us(size_t step)
 
 uint32_t ect_stats_quantile_us(const ect_stats_t *stats, unsigned int per_mille)
 {
+    ECT_ASSERT(per_mille <= 1000);
     uint64_t all = 0;
     uint64_t below = 0;
     for (size_t step = 0; step < ECT_STATS_STEPS; step++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/chain/topology.h"
+#include "wire/assert.h"
 
 enum { OUTPUT = 1 };
 
@@ -28,6 +29,7 @@ size_t ect_topology_lay(ect_topology_node_t *nodes, size_t count, ect_topology_h
 ect_topology_end_t ect_topology_across(const ect_topology_node_t *nodes, size_t count, ect_topology_place_t from,
                                        ect_topology_place_t *to)
 {
+    ECT_ASSERT(from.slave < count && from.port < ECT_TOPOLOGY_PORTS);
     const ect_topology_node_t *node = &nodes[from.slave];
     if (from.port == 0) {
         *to = (ect_topology_place_t){.slave = node->up, .port = node->up_port};

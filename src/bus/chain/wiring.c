@@ -15,7 +15,7 @@ static const ect_signal_t signals[] = {
     INPUT("latch0", latch[0], BOOL, NULL, 0, 1, "Level of the input LATCH0 of the chip"),
     INPUT("latch1", latch[1], BOOL, NULL, 0, 1, "Level of the input LATCH1 of the chip"),
     INPUT("drift", drift_ppb, I32, "ppb", -ECT_ESC_MAX_DRIFT_PPB, ECT_ESC_MAX_DRIFT_PPB,
-          "What the chip's oscillator is too fast by; 1000 ppb are 1 ppm"),
+          "Deviation of the chip's oscillator, above 0: fast; 1000 ppb are 1 ppm"),
 };
 
 static const ect_signal_group_t groups[] = {

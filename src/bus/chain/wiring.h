@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What stands around the chip of every slave, as signals `ecat.*` beside those of its lamps: its plugs (pull one, and
- * the wire is cut there), its latch inputs, its oscillator.
+ * The surroundings of every slave's chip as signals `ecat.*`: its plugs (a pulled plug cuts the wire), its latch
+ * inputs, its oscillator.
  */
 #ifndef ECT_BUS_CHAIN_WIRING_H
 #define ECT_BUS_CHAIN_WIRING_H
@@ -14,14 +14,14 @@
 
 ECT_C_BEGIN
 
-/** Of one slave. Plugs: 1 plugged in, 0 pulled; a wire has two, one at either end. */
+/** The surroundings of one slave. Plugs: 1 plugged in, 0 pulled; a wire has one at each end. */
 typedef struct ect_wiring {
-    uint8_t plug[4];  /**< by port: 0 the input, towards the master; 1 the output; 2 and 3 of a junction */
-    uint8_t latch[2]; /**< level of the inputs LATCH0 and LATCH1 */
-    int32_t drift_ppb;
+    uint8_t plug[4];   /**< by port: 0 input, towards the master; 1 output; 2, 3 junction */
+    uint8_t latch[2];  /**< level of the inputs LATCH0 and LATCH1 */
+    int32_t drift_ppb; /**< deviation of the oscillator; > 0: fast */
 } ect_wiring_t;
 
-/** A plant with nothing but the signals of an ect_wiring_t, which is its instance. */
+/** The signals of an ect_wiring_t; its instance is the structure. */
 extern const ect_plant_t ect_wiring_plant;
 
 ECT_C_END

@@ -12,6 +12,7 @@
 
 #include "bus/chain/fields.h"
 #include "bus/chain/settings.h"
+#include "wire/assert.h"
 
 bool ect_client_room(const ect_client_t *client)
 {
@@ -34,6 +35,7 @@ static void put(ect_client_t *client, const ect_line_t *line)
 {
     if (client->deaf)
         return;
+    ECT_ASSERT(line->length <= ECT_CLIENT_ANSWER - client->unsent);
     memcpy(client->answer + client->unsent, line->text, line->length);
     client->unsent += line->length;
 }
@@ -90,7 +92,7 @@ static void end_visit(ect_client_t *client, const char *message)
 static const char too_many[] =
     "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out";
 
-/* @return whether the walk may go on */
+/* @return whether the search continues */
 static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref)
 {
     if (ect_watch_is_every(client->watch) && ect_watch_count(client->watch) >= client->every_room) {
@@ -104,7 +106,7 @@ static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref)
     return false;
 }
 
-/* The next signal of the walk, on this slave. */
+/* The next signal of this slave. */
 static bool next_signal(ect_visit_t *v, const ect_chain_t *chain, ect_signal_ref_t *ref)
 {
     if (!v->literal)
@@ -242,7 +244,7 @@ static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, si
     const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
     double offset = json ? json->valuedouble : 0;
     if (!bulk.data)
-        return "this slave has no data that are looked at as a whole: a base unit with periodic data has";
+        return "this slave has no data for this request; a base unit with periodic data has";
     if ((json && !cJSON_IsNumber(json)) || !(offset >= 0 && offset <= bulk.size))
         return "\"offset\" is a number from 0 to the size of the data";
     uint32_t at = (uint32_t)offset;
@@ -347,11 +349,11 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
-/* One that is named is set, or done; without one those that are set are told: at most as many as lines are written. */
+/* Sets or carries out a fault; without "fault" lists those that are set, at most as many as a step writes lines. */
 static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
                              char message[ECT_SIGNAL_MESSAGE])
 {
-    _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)ECT_CLIENT_LINES, "all of them are told at once");
+    _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)ECT_CLIENT_LINES, "one step lists all of them");
     _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
     const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
     char room[ECT_FAULT_TEXT];
@@ -435,6 +437,7 @@ static bool serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns
             serve(client, chain, request, now_ns);
         cJSON_Delete(request);
     }
+    ECT_ASSERT(client->line > 0 && client->line <= client->received);
     client->received -= client->line;
     memmove(client->request, client->request + client->line, client->received);
     ect_client_received(client);
@@ -467,7 +470,7 @@ void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain)
         ect_chain_show_lamps(chain, slaves[i]);
 }
 
-static void tell_changes(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
+static void write_changes(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     unsigned int budget = ECT_CLIENT_COMPARES;
     ect_line_t line;
@@ -479,13 +482,14 @@ static void tell_changes(ect_client_t *client, const ect_chain_t *chain, uint64_
 
 void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns)
 {
+    ECT_ASSERT(ect_client_room(client));
     client->every_room = every_room;
     if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
         serve_lines(client, chain, now_ns);
     if (client->visit.op != ECT_VISIT_NONE)
         go_on(client, chain, now_ns);
     else if (client->watch)
-        tell_changes(client, chain, now_ns);
+        write_changes(client, chain, now_ns);
     if (client->watch && ect_watch_lost(client->watch) && !client->closing) {
         ect_client_result(client, "changes were lost: they were not read in time");
         client->closing = true;

@@ -16,12 +16,12 @@ enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS,
 
 struct ect_control {
     int fd, epoll;
-    int spare;          /* a descriptor to let go of when there are no others */
-    bool accepts;       /* somebody waits to be let in */
-    uint64_t retry_ns;  /* when to look again after descriptors had run out; ECT_NEVER: it does not matter */
-    uint64_t round_ns;  /* when the watched values are compared next; ECT_NEVER: nobody wants that */
-    size_t turn;        /* who is served next */
-    size_t clients_end; /* from there on nobody is: they lie far apart, and each frame asks for all */
+    int spare;          /* a descriptor that is closed when no other is free */
+    bool accepts;       /* a connection waits for accept */
+    uint64_t retry_ns;  /* next attempt after descriptors had run out; ECT_NEVER: none */
+    uint64_t round_ns;  /* when the watched values are compared next; ECT_NEVER: no client watches in rounds */
+    size_t turn;        /* client that is served next */
+    size_t clients_end; /* clients from here on are free; a frame need not read them */
     ect_client_t clients[ECT_CONTROL_CLIENTS];
     const ect_stats_t *stats;
     ect_scenario_t *scenario;
@@ -103,7 +103,7 @@ int ect_control_fd(const ect_control_t *c)
     return c->epoll;
 }
 
-/* --- who comes in ------------------------------------------------------------------------------------------------- */
+/* --- accepting ---------------------------------------------------------------------------------------------------- */
 
 static void turn_away(int fd, const char *message)
 {
@@ -116,7 +116,8 @@ static void turn_away(int fd, const char *message)
     close(fd);
 }
 
-/* Somebody who cannot be let in keeps the descriptor readable: he is let in to be told, or looked at again later. */
+/* A connection that cannot be accepted keeps the descriptor readable: it is refused with the spare descriptor, or
+ * later. */
 static void no_descriptor(ect_control_t *c, uint64_t now_ns)
 {
     if (c->spare >= 0)
@@ -213,7 +214,7 @@ static bool is_done(const ect_client_t *client)
     return client->unsent == 0 && (client->closing || (client->ended && !works && !client->watch));
 }
 
-/* What its descriptor has to be waited for. */
+/* Updates the events for which epoll waits, or ends the connection. */
 static void settle(const ect_control_t *c, ect_client_t *client, uint32_t who)
 {
     uint32_t events = (wants_more(client) ? EPOLLIN : 0u) | (client->blocked ? (uint32_t)EPOLLOUT : 0u);
@@ -236,8 +237,8 @@ static bool ready(const ect_client_t *client)
                                (client->unsent > 0 && !client->blocked) || is_done(client));
 }
 
-/* Takes note of who has sent something, who can take more and who has gone. */
-static void look(ect_control_t *c)
+/* Records which clients have sent bytes, can take bytes, or have closed. */
+static void read_events(ect_control_t *c)
 {
     struct epoll_event events[WAITABLE];
     int count = epoll_wait(c->epoll, events, WAITABLE, 0);
@@ -297,7 +298,7 @@ static void begin_rounds(ect_control_t *c, uint64_t now_ns)
         c->round_ns = now_ns + ROUND_NS;
 }
 
-/* The next of those who have something to do. */
+/* Serves the next client that has work. */
 static void serve_one(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 {
     for (size_t i = 0; i < WAITABLE; i++) {
@@ -317,7 +318,7 @@ static void serve_one(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 
 void ect_control_serve(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 {
-    look(c);
+    read_events(c);
     if (now_ns >= c->retry_ns && wait_for(c, EPOLL_CTL_MOD, c->fd, EPOLLIN, ACCEPT))
         c->retry_ns = ECT_NEVER;
     serve_one(c, chain, now_ns);

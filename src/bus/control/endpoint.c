@@ -82,7 +82,7 @@ static int close_failed(int fd)
     return -1;
 }
 
-/* Where a backlog is full, a blocking connect() waits; not for ever. */
+/* With a full backlog a blocking connect() waits, up to this timeout. */
 static int connect_to(const char *path, int flags, uid_t *owner)
 {
     const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};

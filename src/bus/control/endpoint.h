@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Where the control sockets of running twins are, for those who open them and those who look for them.
+ * The place of the control sockets of running twins, for the twin and its clients.
  *
- * A folder for each user, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. In it a socket a process, mode 0600,
- * PID.sock; where that is taken by a live one (containers that share the folder have equal process ids) PID-2.sock and
- * so on. Anybody may make a folder in /tmp: neither side trusts one that is not its user's own.
+ * Each user has a folder, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. Each process has a socket in it, mode
+ * 0600: PID.sock, or PID-2.sock and so on when a live socket has that name (containers that share the folder have equal
+ * process ids). Any user may make a folder in /tmp: neither side trusts a folder of another user.
  */
 #ifndef ECT_BUS_CONTROL_ENDPOINT_H
 #define ECT_BUS_CONTROL_ENDPOINT_H
@@ -20,47 +20,48 @@ ECT_C_BEGIN
 
 enum {
     ECT_ENDPOINT_PATH = 1024,                       /**< room for a path, terminator included */
-    ECT_ENDPOINT_MESSAGE = ECT_ENDPOINT_PATH + 160, /**< for a message of one line */
-    ECT_ENDPOINT_PATIENCE_S = 5,                    /**< how long to wait for a twin that does not act */
-    ECT_ENDPOINT_REQUEST = 4096,                    /**< bytes of a request, its line feed included */
-    ECT_ENDPOINT_VALUES = 128,                      /**< signals that one request may set */
+    ECT_ENDPOINT_MESSAGE = ECT_ENDPOINT_PATH + 160, /**< room for a message of one line */
+    ECT_ENDPOINT_PATIENCE_S = 5,                    /**< timeout of a client, seconds */
+    ECT_ENDPOINT_REQUEST = 4096,                    /**< most bytes of a request, line feed included */
+    ECT_ENDPOINT_VALUES = 128,                      /**< most signals that a request sets */
 };
 
 /** Writes the folder of this user's sockets. @param[out] path  ECT_ENDPOINT_PATH bytes @return 0, -1 (ENAMETOOLONG) */
 int ect_endpoint_folder(char *path);
 
 /**
- * Whether a folder is one to look for sockets in: it belongs to this user and nobody else may write to it.
- * @return 0 · -1: EPERM it is somebody else's or open to others; another errno: it cannot be looked at
+ * Checks that a folder belongs to this user and that no other user may write to it.
+ * @return 0 · -1 (errno; EPERM: the folder of another user, or open to others)
  */
 int ect_endpoint_trust(const char *folder);
 
 /**
- * Makes the folder if need be, and a socket in it that listens. Dead sockets of this user in the folder are removed.
+ * Opens a listening socket in the folder, which is made if necessary. Dead sockets of this user in the folder are
+ * removed.
  * @param[out] path     of the socket; ECT_ENDPOINT_PATH bytes
  * @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
- * @return the descriptor, non-blocking; -1
+ * @return the descriptor, non-blocking; -1: failed
  */
 int ect_endpoint_listen(char *path, char *message);
 
-/** What the file of a socket is on its disk, for ::ect_endpoint_close. @return 0: there is none */
+/** The inode of a socket's file, for ::ect_endpoint_close. @return 0: no such socket */
 ino_t ect_endpoint_identity(const char *path);
 /**
- * Closes a socket that listens, and removes its name if that is still its own: a process that has given up its rights
- * may not connect to see who listens there.
- * @param identity  of its file, when it was new
+ * Closes a listening socket, and removes its file if that is still the one with this inode. (A process that has given
+ * up its rights cannot connect in order to check.)
+ * @param identity  ::ect_endpoint_identity of the file when it was new
  */
 void ect_endpoint_close(int fd, const char *path, ino_t identity);
 
 /**
- * Connects to a socket; paths longer than an address of a socket are fine.
- * @param[out] owner  the user who listens there
- * @return the descriptor, blocking, writes to it give up after ECT_ENDPOINT_PATIENCE_S; -1 (errno): ECONNREFUSED nobody
- *         listens there any more · EAGAIN nobody has accepted for that long
+ * Connects to a socket; the path may be longer than the address of a socket.
+ * @param[out] owner  the user of the listening process
+ * @return the descriptor, blocking, with a timeout of ECT_ENDPOINT_PATIENCE_S for writes; -1 (errno): ECONNREFUSED no
+ *         process listens · EAGAIN no process has accepted in time
  */
 int ect_endpoint_connect(const char *path, uid_t *owner);
 
-/** Removes a socket of this user at which nobody listens any more. Anything else stays. */
+/** Removes a socket of this user at which no process listens. Any other file stays. */
 void ect_endpoint_clear(const char *path);
 
 ECT_C_END

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/control/line.h"
+#include "wire/assert.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
-/* What always fits behind a text that was cut: its quote, and the end of the line. */
+/* Room that is kept behind a text: its quote, and the end of the line. */
 enum { END_ROOM = 3, ESCAPE_ROOM = 6 };
 
 static void put(ect_line_t *line, const char *text, size_t length)
 {
+    ECT_ASSERT(line->length <= ECT_LINE_ROOM - END_ROOM);
     size_t left = ECT_LINE_ROOM - END_ROOM - line->length;
     length = length < left ? length : left;
     memcpy(line->text + line->length, text, length);
@@ -82,6 +84,7 @@ void ect_line_time(ect_line_t *line, uint64_t time_ns)
 
 void ect_line_end(ect_line_t *line)
 {
+    ECT_ASSERT(line->length + 2 <= ECT_LINE_ROOM);
     line->text[line->length++] = '}';
     line->text[line->length++] = '\n';
 }

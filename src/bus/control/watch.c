@@ -5,16 +5,17 @@
 #include <string.h>
 
 #include "bus/chain/lamps.h"
+#include "wire/assert.h"
 
 /* NOTES and TABLE are powers of 2; TABLE is twice the signals, so that a search in it ends soon. */
 enum { NOTES = 256 * 1024, TABLE = 2 * ECT_WATCH_MOST, VALUE_ROOM = ECT_SIGNAL_TEXT_ROOM };
 
-/* What a comparison needs, close together: they are many. */
+/* The data of a comparison, close together in memory. */
 typedef struct peek {
     const uint8_t *value;
-    uint32_t told; /* offset of what was told last */
+    uint32_t reported; /* offset of the value that was reported last */
     uint16_t size;
-    bool text; /* what stands behind its end does not count */
+    bool text; /* bytes behind its terminator do not count */
 } peek_t;
 
 typedef struct watched {
@@ -22,7 +23,7 @@ typedef struct watched {
     size_t slave;
 } watched_t;
 
-/* What stands in front of each noted value. */
+/* Header of each recorded value. */
 typedef struct note {
     uint64_t time_ns;
     uint64_t signal;
@@ -32,14 +33,14 @@ struct ect_watch {
     bool every, lost;
     size_t count;
     size_t round;          /* next signal of the round; count: it is over */
-    size_t told_used;      /* bytes of `told` */
-    size_t first, end;     /* of the notes; both only grow */
+    size_t reported_used;  /* bytes of `reported` */
+    size_t first, end;     /* of the notes; both only increase */
     uint16_t table[TABLE]; /* open addressing by the address of the value: signal + 1, 0 free */
     peek_t peeks[ECT_WATCH_MOST];
     watched_t watched[ECT_WATCH_MOST];
     size_t lamps[ECT_WATCH_MOST]; /* slaves of which a lamp is watched */
     size_t lamp_count;
-    uint8_t told[ECT_WATCH_MOST * VALUE_ROOM];
+    uint8_t reported[ECT_WATCH_MOST * VALUE_ROOM];
     uint8_t notes[NOTES];
 };
 
@@ -79,7 +80,7 @@ bool ect_watch_lost(const ect_watch_t *watch)
     return watch->lost;
 }
 
-/* Where a signal stands in the table, or would stand. */
+/* The place of a signal in the table, or a free place for it. */
 static uint16_t *place_of(ect_watch_t *watch, const ect_signal_ref_t *ref)
 {
     size_t at = (size_t)(((uint64_t)(uintptr_t)ref->value * UINT64_C(0x9E3779B97F4A7C15)) >> 40) % TABLE;
@@ -102,15 +103,16 @@ bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave
     size_t size = ect_signal_size(ref->signal);
     peek_t *peek = &watch->peeks[watch->count];
     *peek = (peek_t){.value = ref->value,
-                     .told = (uint32_t)watch->told_used,
+                     .reported = (uint32_t)watch->reported_used,
                      .size = (uint16_t)(size < VALUE_ROOM ? size : VALUE_ROOM),
                      .text = ref->signal->type == ECT_SIGNAL_TEXT};
-    memcpy(watch->told + peek->told, ref->value, peek->size);
-    watch->told_used += peek->size;
+    memcpy(watch->reported + peek->reported, ref->value, peek->size);
+    watch->reported_used += peek->size;
     watch->watched[watch->count] = (watched_t){.ref = *ref, .slave = slave};
     if (watch->round == watch->count)
-        watch->round++; /* no round is under way, and none begins by this */
+        watch->round++; /* no round is under way, and this does not begin one */
     watch->count++;
+    ECT_ASSERT(watch->count <= ECT_WATCH_MOST && watch->reported_used <= sizeof watch->reported);
     *place = (uint16_t)watch->count;
     bool known = watch->lamp_count > 0 && watch->lamps[watch->lamp_count - 1] == slave;
     if (ref->plant == &ect_lamps_plant && !known)
@@ -120,18 +122,18 @@ bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave
 
 static bool changed(const ect_watch_t *watch, const peek_t *peek)
 {
-    const uint8_t *told = watch->told + peek->told;
+    const uint8_t *reported = watch->reported + peek->reported;
     if (peek->text)
-        return strncmp((const char *)peek->value, (const char *)told, peek->size) != 0;
+        return strncmp((const char *)peek->value, (const char *)reported, peek->size) != 0;
     switch (peek->size) {
     case 1:
-        return *peek->value != *told;
+        return *peek->value != *reported;
     case 2:
-        return memcmp(peek->value, told, 2) != 0;
+        return memcmp(peek->value, reported, 2) != 0;
     case 4:
-        return memcmp(peek->value, told, 4) != 0;
+        return memcmp(peek->value, reported, 4) != 0;
     default:
-        return memcmp(peek->value, told, peek->size) != 0;
+        return memcmp(peek->value, reported, peek->size) != 0;
     }
 }
 
@@ -140,10 +142,12 @@ static void push(ect_watch_t *watch, const void *data, size_t size)
     for (size_t i = 0; i < size; i++)
         watch->notes[(watch->end + i) % NOTES] = ((const uint8_t *)data)[i];
     watch->end += size;
+    ECT_ASSERT(watch->end - watch->first <= NOTES);
 }
 
 static void pop(ect_watch_t *watch, void *data, size_t size)
 {
+    ECT_ASSERT(watch->end - watch->first >= size);
     for (size_t i = 0; i < size; i++)
         ((uint8_t *)data)[i] = watch->notes[(watch->first + i) % NOTES];
     watch->first += size;
@@ -156,7 +160,7 @@ void ect_watch_note(ect_watch_t *watch, uint64_t now_ns)
         if (!changed(watch, peek))
             continue;
         const note_t note = {.time_ns = now_ns, .signal = i};
-        memcpy(watch->told + peek->told, peek->value, peek->size);
+        memcpy(watch->reported + peek->reported, peek->value, peek->size);
         if (watch->end - watch->first + sizeof note + peek->size > NOTES) {
             watch->lost = true;
             return;
@@ -189,7 +193,7 @@ void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t sl
         ect_line_string(line, "value", text);
 }
 
-static void tell(const watched_t *watched, const void *value, uint64_t time_ns, ect_line_t *line)
+static void write_change(const watched_t *watched, const void *value, uint64_t time_ns, ect_line_t *line)
 {
     ect_line_begin(line);
     ect_watch_describe(line, &watched->ref, watched->slave, value);
@@ -204,8 +208,9 @@ static bool next_note(ect_watch_t *watch, ect_line_t *line)
     if (watch->first == watch->end)
         return false;
     pop(watch, &note, sizeof note);
+    ECT_ASSERT(note.signal < watch->count);
     pop(watch, value, watch->peeks[note.signal].size);
-    tell(&watch->watched[note.signal], value, note.time_ns, line);
+    write_change(&watch->watched[note.signal], value, note.time_ns, line);
     return true;
 }
 
@@ -217,8 +222,8 @@ bool ect_watch_next(ect_watch_t *watch, unsigned int *budget, uint64_t now_ns, e
         size_t i = watch->round++;
         const peek_t *peek = &watch->peeks[i];
         if (changed(watch, peek)) {
-            memcpy(watch->told + peek->told, peek->value, peek->size);
-            tell(&watch->watched[i], peek->value, now_ns, line);
+            memcpy(watch->reported + peek->reported, peek->value, peek->size);
+            write_change(&watch->watched[i], peek->value, now_ns, line);
             return true;
         }
     }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Answers that are late on purpose: each waits for its own time, and none overtakes another, as on a slow wire.
+ * Delayed replies: each waits for its own time, and none overtakes another, as on a slow wire.
  *
- * No sockets and no clock in here. Context: the thread of the runner. A frame costs one allocation; nothing is
- * allocated while no answer is late.
+ * No sockets and no clock in here. Context: the thread of the runner. Cost: one allocation a
+ * delayed frame, none otherwise.
  */
 #ifndef ECT_BUS_FAULTS_LATE_H
 #define ECT_BUS_FAULTS_LATE_H
@@ -17,7 +17,7 @@
 
 ECT_C_BEGIN
 
-/** A frame that waits. Members are read only for others. */
+/** A delayed frame. Members are read-only for callers. */
 typedef struct ect_late_frame {
     struct ect_late_frame *next;
     uint64_t due_ns; /**< when it may leave */
@@ -25,31 +25,31 @@ typedef struct ect_late_frame {
     uint8_t frame[];
 } ect_late_frame_t;
 
-/** Those that wait for one end of the wire, the first due first. All zero: none. */
+/** The delayed frames of one end of the wire, in the order in which they leave. All zero: none. */
 typedef struct ect_late {
     ect_late_frame_t *first, *last;
     size_t count;
 } ect_late_t;
 
-/** More than so many are lost: ten seconds of a 1 ms cycle with six frames. */
+/** Most frames that wait; further ones are lost. Ten seconds of a 1 ms cycle with six frames. */
 enum { ECT_LATE_MOST = 65536 };
 
 /**
- * Lets a copy of a frame wait until `due_ns`, or until the one before it has left, whichever is later.
- * @return false: there is no memory for it, or ECT_LATE_MOST wait already; it is lost
+ * Keeps a copy of a frame until `due_ns`, or until the frame before it has left, whichever is later.
+ * @return false: out of memory, or ECT_LATE_MOST wait already; the frame is lost
  */
 bool ect_late_add(ect_late_t *late, const uint8_t *frame, size_t length, uint64_t due_ns);
 
-/** @return when the first one is due; UINT64_MAX: none waits */
+/** @return the time at which the first frame is due; UINT64_MAX: none waits */
 static inline uint64_t ect_late_due(const ect_late_t *late)
 {
     return late->first ? late->first->due_ns : UINT64_MAX;
 }
 
-/** Takes the first one if it is due. @return the frame, the caller's to free(), or NULL */
+/** Takes the first frame if it is due. @return the frame, for the caller to free(); NULL: none is due */
 ect_late_frame_t *ect_late_take(ect_late_t *late, uint64_t now_ns);
 
-/** Forgets all of them. */
+/** Frees all frames. */
 void ect_late_clear(ect_late_t *late);
 
 ECT_C_END

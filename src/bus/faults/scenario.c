@@ -7,6 +7,7 @@
 
 #include "seams/random.h"
 #include "text/number.h"
+#include "wire/assert.h"
 
 enum { NS_PER_S = 1000000000 };
 
@@ -112,7 +113,7 @@ bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message)
     if (!ect_fault_parse(fault, &step.fault, message))
         return false;
     if (s->step_count == ECT_SCENARIO_STEPS) {
-        snprintf(message, ECT_FAULT_MESSAGE, "at most %d faults can be told in advance", ECT_SCENARIO_STEPS);
+        snprintf(message, ECT_FAULT_MESSAGE, "a script has at most %d faults", ECT_SCENARIO_STEPS);
         return false;
     }
     s->steps[s->step_count++] = step;
@@ -151,6 +152,7 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
         snprintf(message, ECT_FAULT_MESSAGE, "%d faults are set already: 'off' ends them", ECT_SCENARIO_FAULTS);
         return false;
     }
+    ECT_ASSERT(fault->kind < ECT_FAULT_OFF && s->set_count < ECT_SCENARIO_FAULTS);
     s->set[s->set_count].frames = 0;
     s->set[s->set_count++].fault = *fault;
     return true;
@@ -176,10 +178,11 @@ static bool is_due(const ect_scenario_t *s, const ect_chain_t *chain, const ect_
     }
 }
 
-/* It is over, done or not: at a later time it would be another one. */
+/* A step that cannot be done is over too: later it would be another step. */
 static void take_step(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     char message[ECT_FAULT_MESSAGE], text[ECT_FAULT_TEXT];
+    ECT_ASSERT(!step->done && s->steps_left > 0);
     step->done = true;
     s->steps_left--;
     if (ect_scenario_set(s, chain, &step->fault, now_ns, message) || !s->refused)
@@ -207,8 +210,8 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
 
-/* Whether a fault concerns this frame; the lot is drawn for each fault that has a share, so that none depends on
- * others. */
+/* Whether a fault concerns this frame. Each fault with a share takes a random number, so that none depends on others.
+ */
 static bool concerns(ect_scenario_t *s, size_t i)
 {
     const ect_fault_t *fault = &s->set[i].fault;

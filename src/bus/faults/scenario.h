@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Faults (bus/chain/fault.h) at work: those that are set now, and a script of those to come. Chance comes from a seed
- * alone, so the same seed, script and frames make the same run.
+ * Faults (bus/chain/fault.h) at work: the faults that are set, and a script of faults to come. The random generator
+ * depends on its seed alone, so the same seed, script and frames make the same run.
  *
- * A script has a fault a line; `#` begins a comment. What stands in front says when:
+ * A script has a fault a line; `#` begins a comment. A condition may precede the fault:
  *
  *     drop 5%                              from the beginning
- *     at 2.5s hang slave 2                 so long after the beginning
- *     at frame 1000 off                    when so many frames have come
+ *     at 2.5s hang slave 2                 2.5 s after the beginning
+ *     at frame 1000 off                    when 1000 frames have come
  *     at slave 1 OP counter -1 every 10    when that slave is in that state: INIT, PREOP, BOOT, SAFEOP or OP
  *
- * No clock in here. Context: the thread of the runner. Cost of a frame: a look at each fault that is set and at the
+ * No clock in here. Context: the thread of the runner. Cost of a frame: a check of each fault that is set and of the
  * next steps; none without any.
  */
 #ifndef ECT_BUS_FAULTS_SCENARIO_H
@@ -28,7 +28,7 @@
 
 ECT_C_BEGIN
 
-/** Faults of frames that are set at a time; steps of a script. */
+/** Most faults of frames that are set at a time; most steps of a script. */
 enum { ECT_SCENARIO_FAULTS = 8, ECT_SCENARIO_STEPS = 256 };
 
 /** One line of a script. Private. */
@@ -40,73 +40,75 @@ typedef struct ect_scenario_step {
     ect_fault_t fault;
 } ect_scenario_step_t;
 
-/** All zero but the seed: nothing is set. The members but `seed`, `refused`, `ctx` and `wires` are private. */
+/** All zero but the seed: no faults. Members but `seed`, `refused`, `ctx` and `wires` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
-    /** A fault of the script could not be set when its time had come; `why` says so in a line. NULL: nobody is told. */
+    /** Called when a fault of the script cannot be set at its time; `why` is one line. NULL: not called. */
     void (*refused)(void *ctx, const char *fault, const char *why);
-    void *ctx;         /**< handed to it */
+    void *ctx;         /**< argument of `refused` */
     uint64_t start_ns; /* 0: not begun */
     uint64_t frames;
     struct {
         ect_fault_t fault;
-        uint64_t frames; /* that it has seen */
+        uint64_t frames; /* seen by the fault */
     } set[ECT_SCENARIO_FAULTS];
     size_t set_count;
     ect_scenario_step_t steps[ECT_SCENARIO_STEPS];
     size_t step_count;
     size_t steps_left;
-    ect_wires_t wires; /**< frames that are kept on one: the loop lets them go on */
+    ect_wires_t wires; /**< frames kept on a wire: the loop releases them */
 } ect_scenario_t;
 
-/** What becomes of a frame. What changes the request is done already; what happens on a wire will be on its way. */
+/** The effect of faults on a frame's reply. Changes of the request are already made; those of a wire follow on it. */
 typedef struct ect_fate {
-    bool lose_request, lose_answer;
-    bool twice;        /**< its answer leaves twice */
-    bool behind_next;  /**< its answer leaves behind the next one */
-    uint32_t delay_us; /**< its answer is late */
-    int32_t counter;   /**< is added to the working counter of its first datagram */
+    bool lose_request; /**< the frame is lost before the chain */
+    bool lose_answer;  /**< the reply is lost */
+    bool twice;        /**< the reply leaves twice */
+    bool behind_next;  /**< the reply leaves after the next one */
+    uint32_t delay_us; /**< delay of the reply */
+    int32_t counter;   /**< added to the working counter of the first datagram */
 } ect_fate_t;
 
 /**
- * Takes a line of a script.
- * @param[out] message  on failure what is wrong, one line for the user; ECT_FAULT_MESSAGE bytes
- * @return whether it was taken; an empty line and a comment are
+ * Adds a line to the script.
+ * @param[out] message  on failure the reason, one line for the user; ECT_FAULT_MESSAGE bytes
+ * @return true: added, or an empty line or comment
  */
 bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message);
 
 /**
- * Sets a fault now, or does it.
- * @param[out] message  as above: there is no such slave, or too many faults are set
+ * Sets a fault of frames, or carries out a fault of a slave, at once.
+ * @param[out] message  on failure the reason: no such slave, or too many faults; ECT_FAULT_MESSAGE bytes
+ * @return whether it was done
  */
 bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message);
 
 /**
- * A frame has come at ECT_END_IN or ECT_END_OUT: steps that are due are done, and the lot is drawn.
- * @param[in,out] length  of the frame; never becomes more
+ * Handles a frame before the chain: takes due steps, selects faults at random, and changes the request.
+ * @param[in,out] length  of the frame; a fault may reduce it
  */
 ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length, uint64_t now_ns);
 
-/** Time passes. @return when a step, or a frame on a wire (s->wires), is due without another frame; ECT_NEVER */
+/** Takes due steps. @return the next time at which a step, or a frame on a wire (s->wires), is due; ECT_NEVER */
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns);
 
 /**
- * The frame has been through the chain: what its fate says of an answer is done to it, but for its ways.
- * @param[in,out] length  less when a wire has cut it
- * @return what the wires have done to it
+ * Changes the reply after the chain as its fate demands. Loss, order and delay are the caller's task.
+ * @param[in,out] length  less when a wire has cut the frame
+ * @return the effect of the wires on the frame
  */
 ect_wires_result_t ect_scenario_answer(const ect_scenario_t *s, const ect_fate_t *fate, uint8_t *frame, size_t *length);
 
-/** The highest number of a slave in the script; 0: none is named. */
+/** The highest slave number in the script; 0: none. */
 uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);
 
-/** Whether nothing is set, nothing is to come and no frame is kept: frames need not be shown to it. */
+/** @return true: no faults, no steps and no kept frames, so ::ect_scenario_frame may be left out */
 static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
 {
     return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept;
 }
 
-/** The i-th fault of frames that is set, from 0, as text. @return whether there is one */
+/** Writes the i-th fault of frames that is set, from 0, as text (ECT_FAULT_TEXT bytes). @return false: no such fault */
 bool ect_scenario_show(const ect_scenario_t *s, size_t i, char *text);
 
 ECT_C_END

@@ -6,6 +6,7 @@
 
 #include "esc/route.h"
 #include "seams/random.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 
 void ect_frame_corrupt(uint32_t *seed, uint8_t *frame, size_t length)
@@ -27,7 +28,7 @@ void ect_frame_count(uint8_t *frame, size_t length, int32_t by)
     ect_store_le16(counter, (uint16_t)(ect_load_le16(counter) + by));
 }
 
-/* --- frames that are kept ----------------------------------------------------------------------------------------- */
+/* --- kept frames -------------------------------------------------------------------------------------------------- */
 
 /* @return whether there is room for it */
 static bool keep(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint64_t due_frame, bool slow)
@@ -46,7 +47,7 @@ static bool keep(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint6
     return true;
 }
 
-/* When the wire is free again of those that are late there; 0: it is. */
+/* The time at which the wire is free of delayed frames; 0: now. */
 static uint64_t free_at(const ect_wires_t *w, const ect_crossing_t *c)
 {
     uint64_t free_ns = 0;
@@ -70,6 +71,7 @@ ect_kept_t *ect_wires_release(ect_wires_t *w, ect_chain_t *chain, uint64_t now_n
     ect_kept_t *kept = *link;
     if (!kept)
         return NULL;
+    ECT_ASSERT(w->kept_count > 0);
     *link = kept->next;
     w->kept_count--;
     kept->end = ect_chain_go_on(chain, &kept->at, now_ns);
@@ -105,7 +107,7 @@ static void cut(ect_wires_t *w, ect_crossing_t *c, size_t bytes)
     w->cut += bytes;
 }
 
-/* It goes on later, if at all. */
+/* Keeps the frame, if there is room. */
 static bool wait_here(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint64_t due_frame, bool slow)
 {
     w->result = keep(w, c, due_ns, due_frame, slow) ? ECT_WIRES_KEEP : ECT_WIRES_LOST;

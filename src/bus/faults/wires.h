@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Faults (bus/chain/fault.h) that happen on one wire of a chain: what is lost, damaged, cut or changed there, and
- * frames that are kept there for a while. Those behind the wire see what is left of a frame, when it comes.
+ * Faults (bus/chain/fault.h) on one wire of a chain: frames are lost, damaged, cut, changed or kept there. Slaves
+ * behind the wire see the changed frame.
  *
- * No clock in here; chance comes from the caller's seed. Context: the thread of the runner. Cost: nothing for a frame
- * that no such fault concerns, while none is kept; an allocation for each that is kept.
+ * No clock in here; the random generator uses the caller's seed. Context: the thread of the runner. Cost: nothing for a
+ * frame without such a fault while none is kept; one allocation a kept frame.
  */
 #ifndef ECT_BUS_FAULTS_WIRES_H
 #define ECT_BUS_FAULTS_WIRES_H
@@ -20,24 +20,24 @@
 
 ECT_C_BEGIN
 
-/** Faults that may concern a frame; frames that may be kept at a time: more are lost. */
+/** Most faults of a frame; most frames that are kept, further ones are lost. */
 enum { ECT_WIRES_FAULTS = 8, ECT_WIRES_KEPT = 4096 };
 
-/** A frame that is kept on a wire. Members are read only for others. */
+/** A frame that is kept on a wire. Members are read-only for callers. */
 typedef struct ect_kept {
     struct ect_kept *next;
-    uint64_t due_ns;    /**< when it goes on ... */
-    uint64_t due_frame; /**< ... but not before so many frames have come */
-    bool slow;          /**< those behind it on the wire wait for it */
-    ect_end_t end;      /**< where it has left, once it has gone on */
-    ect_crossing_t at;  /**< its `frame` is the one below */
+    uint64_t due_ns;    /**< time at which it continues ... */
+    uint64_t due_frame; /**< ... but not before this number of frames has come */
+    bool slow;          /**< later frames on the wire wait for it */
+    ect_end_t end;      /**< end where it has left the chain, once released */
+    ect_crossing_t at;  /**< at.frame is the member below */
     uint8_t frame[];
 } ect_kept_t;
 
-/** What the wires have done to the last frame. */
+/** The effect of the wires on a frame. */
 typedef enum ect_wires_result { ECT_WIRES_PASSED, ECT_WIRES_LOST, ECT_WIRES_KEEP } ect_wires_result_t;
 
-/** All zero: nothing happens. Private, but for `result` and `cut`. */
+/** All zero: no faults. Private, but for `result` and `cut`. */
 typedef struct ect_wires {
     uint32_t *seed;
     uint64_t now_ns, frames;
@@ -46,34 +46,34 @@ typedef struct ect_wires {
     ect_kept_t *kept; /* in the order in which they came */
     size_t kept_count;
     ect_wires_result_t result; /**< of the last frame */
-    size_t cut;                /**< bytes that it has lost at its end */
+    size_t cut;                /**< bytes that the last frame has lost at its end */
 } ect_wires_t;
 
-/** A frame has come, and no fault concerns it yet. @param seed  of the lots, until the frame is through */
+/** Begins a frame without faults. @param seed  of the random generator; used until the frame has passed the chain */
 void ect_wires_begin(ect_wires_t *wires, uint32_t *seed, uint64_t now_ns);
 
-/** A fault concerns it, one with a wire; more than ECT_WIRES_FAULTS do not. */
+/** Adds a fault with a wire to the frame. Further ones than ECT_WIRES_FAULTS are ignored. */
 void ect_wires_add(ect_wires_t *wires, const ect_fault_t *fault);
 
-/** What is to happen to it happens when it passes through the chain next. */
+/** Sets the guard of the chain, so that the faults act when the frame passes next. */
 void ect_wires_end(ect_wires_t *wires, ect_chain_t *chain);
 
 /**
- * Lets a frame that is due go on, undisturbed, from the wire on which it was kept.
- * @return it, the caller's to free(): `end` says where it has left, with at.length bytes; NULL: none is due
+ * Passes on a frame that is due, without faults, from the wire on which it was kept.
+ * @return the frame, for the caller to free(): it has left at `end`, with at.length bytes; NULL: none is due
  */
 ect_kept_t *ect_wires_release(ect_wires_t *wires, ect_chain_t *chain, uint64_t now_ns);
 
-/** @return when one is due; ECT_NEVER: none, or none by the time alone */
+/** @return the time at which a frame is due; ECT_NEVER: none, or none by time alone */
 uint64_t ect_wires_due(const ect_wires_t *wires);
 
-/** Forgets those that are kept. */
+/** Frees the frames that are kept. */
 void ect_wires_clear(ect_wires_t *wires);
 
-/** Changes a bit of a frame, by lot: from the first datagram's data on, or any where no controller would read it. */
+/** Inverts a random bit from the first datagram's data on, or any bit of a frame that no controller would read. */
 void ect_frame_corrupt(uint32_t *seed, uint8_t *frame, size_t length);
 
-/** Adds to the working counter of the first datagram of a frame; not to one that no controller would read. */
+/** Adds to the working counter of the first datagram; no effect on a frame that no controller would read. */
 void ect_frame_count(uint8_t *frame, size_t length, int32_t by);
 
 ECT_C_END

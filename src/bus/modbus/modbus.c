@@ -18,6 +18,7 @@
 
 #include "bus/modbus/modbus_request.h"
 #include "text/number.h"
+#include "wire/assert.h"
 #include "wire/bytes.h"
 
 /* MBAP: transaction, protocol (0), bytes that follow; then the unit identifier, and the request. */
@@ -31,7 +32,7 @@ enum { ITEMS = 65536 }; /* of a table, as many as there are addresses */
 
 typedef struct client {
     int fd;       /* -1: none */
-    bool blocked; /* it does not take its answers: no request is taken from it */
+    bool blocked; /* it does not read its replies: no request is received from it */
     size_t got;
     uint64_t idle_ns; /* when it is closed if no request comes */
     uint8_t adu[ECT_MODBUS_ADU];
@@ -39,9 +40,9 @@ typedef struct client {
 
 struct ect_modbus_server {
     int fd, epoll;
-    uint32_t ready;    /* a bit for each client, and for ACCEPT */
-    uint32_t turn;     /* who is served next */
-    uint64_t retry_ns; /* when to look again after descriptors had run out; ECT_NEVER: they have not */
+    uint32_t ready;    /* a bit a client, and one for ACCEPT */
+    uint32_t turn;     /* client that is served next */
+    uint64_t retry_ns; /* next attempt after descriptors had run out; ECT_NEVER: none */
     uint64_t due_ns;   /* as ect_modbus_server_due: each frame asks for it */
     client_t clients[ECT_MODBUS_CLIENTS];
     modbus_t *replies;
@@ -57,8 +58,8 @@ static bool wait_for(const ect_modbus_server_t *s, int operation, int fd, uint32
     return epoll_ctl(s->epoll, operation, fd, &event) == 0;
 }
 
-/* Every address is in these tables: which of them exist, and what is in them, the device says with each request. Memory
- * is taken where it is used. */
+/* The tables have all addresses; the device decides with each request which of them exist. The system provides memory
+ * only where it is used. */
 static bool make_replies(ect_modbus_server_t *s)
 {
     uint8_t *bits = calloc(ITEMS, sizeof *bits);
@@ -71,7 +72,7 @@ static bool make_replies(ect_modbus_server_t *s)
                                     .tab_input_bits = bits,
                                     .tab_registers = registers,
                                     .tab_input_registers = registers};
-    s->replies = modbus_new_tcp("127.0.0.1", 0); /* connects to nobody: sockets are lent to it */
+    s->replies = modbus_new_tcp("127.0.0.1", 0); /* never connects: each reply lends it a socket */
     return bits && registers && s->replies && modbus_set_response_timeout(s->replies, 0, 1) == 0;
 }
 
@@ -247,8 +248,8 @@ static void write_range(const ect_modbus_server_t *s, const ect_modbus_t *modbus
     modbus->write(instance, range, values, now_ns);
 }
 
-/* libmodbus looks at requests too, but waits for its response time-out and discards input when one is wrong: it is only
- * given those that are right. */
+/* libmodbus checks requests too, but waits for its response timeout and discards input when one is wrong: it only gets
+ * right requests. */
 static bool answer(ect_modbus_server_t *s, client_t *client, const ect_modbus_t *modbus, void *instance,
                    uint64_t now_ns)
 {
@@ -269,13 +270,13 @@ static bool answer(ect_modbus_server_t *s, client_t *client, const ect_modbus_t 
 
 /* --- a client ----------------------------------------------------------------------------------------------------- */
 
-/* As far as it can be told: how long the request in the buffer will be. */
+/* The length of the request in the buffer, or of its header while that is incomplete. */
 static size_t size_of(const client_t *client)
 {
     return client->got < UNIT_AT ? UNIT_AT : UNIT_AT + (size_t)ect_load_be16(client->adu + LENGTH_AT);
 }
 
-/* What cannot be the beginning of a request: where the next one begins is then not known. */
+/* Bytes that cannot begin a request; the beginning of the next one is then unknown. */
 static bool is_broken(const client_t *client)
 {
     uint16_t length = ect_load_be16(client->adu + LENGTH_AT);
@@ -285,7 +286,7 @@ static bool is_broken(const client_t *client)
            (client->got > PDU_AT && client->adu[PDU_AT] >= NOT_FROM_HERE);
 }
 
-/* Header, then the rest, as far as they are there. @return false: the connection is over */
+/* Receives the header, then the rest, as far as available. @return false: the connection ends */
 static bool receive(client_t *client)
 {
     for (unsigned int part = 0; part < 2 && client->got < size_of(client); part++) {
@@ -295,13 +296,14 @@ static bool receive(client_t *client)
         if (got < 0)
             return true;
         client->got += (size_t)got;
+        ECT_ASSERT(client->got <= ECT_MODBUS_ADU);
         if (is_broken(client))
             return false;
     }
     return true;
 }
 
-/* An answer finds room as a whole, or its request waits until it does. */
+/* A request waits until its whole reply fits into the socket. */
 static bool has_room(const client_t *client)
 {
     struct pollfd fd = {.fd = client->fd, .events = POLLOUT};
@@ -314,7 +316,7 @@ static void set_blocked(const ect_modbus_server_t *s, client_t *client, uint32_t
         client->blocked = blocked;
 }
 
-/* Where nobody answers, the request is taken all the same. */
+/* Without a twin that replies, the request is dropped. */
 static bool act(ect_modbus_server_t *s, client_t *client, ect_chain_t *chain, uint64_t now_ns)
 {
     void *instance;
@@ -341,7 +343,7 @@ static void serve_client(ect_modbus_server_t *s, uint32_t who, ect_chain_t *chai
         drop(client);
 }
 
-/* --- who comes in ------------------------------------------------------------------------------------------------- */
+/* --- accepting ---------------------------------------------------------------------------------------------------- */
 
 static uint32_t free_place(const ect_modbus_server_t *s, const ect_modbus_t *modbus)
 {
@@ -394,7 +396,7 @@ static uint64_t find_due(const ect_modbus_server_t *s)
     return due_ns;
 }
 
-static void look(ect_modbus_server_t *s, uint64_t now_ns)
+static void read_events(ect_modbus_server_t *s, uint64_t now_ns)
 {
     struct epoll_event events[WAITABLE];
     for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++) {
@@ -426,7 +428,7 @@ static void serve_next(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_
 
 void ect_modbus_server_serve(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
-    look(s, now_ns);
+    read_events(s, now_ns);
     serve_next(s, chain, now_ns);
     s->due_ns = find_due(s);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a Modbus request asks for: bytes from outside in, ranges of tables out (MODBUS Application Protocol V1.1b3 §6).
+ * Parser of Modbus requests: bytes in, ranges of tables out (MODBUS Application Protocol V1.1b3 §6).
  *
  * Functions 1 to 6, 15, 16 and 23, those with which an Anybus CompactCom 40 reaches process data. Context: any.
  */
@@ -16,15 +16,14 @@
 
 ECT_C_BEGIN
 
-/** What is to be written, and then read. A range with count 0: nothing. */
+/** The ranges to write, and then to read. A range with count 0: none. */
 typedef struct ect_modbus_request {
     ect_modbus_range_t write;
     ect_modbus_range_t read;
 } ect_modbus_request_t;
 
 /**
- * Takes a request apart and checks all of it that needs no device: its length, the number of items, what a coil can be
- * set to. Whether the addresses exist is the device's to say.
+ * Parses a request and checks its length, the number of items, and the value of a coil. The device checks addresses.
  * @param pdu          `length` bytes: function code and what follows
  * @param[out] request  set with ECT_MODBUS_DONE
  * @return ECT_MODBUS_DONE · ECT_MODBUS_NO_FUNCTION · ECT_MODBUS_BAD_VALUE

@@ -31,36 +31,36 @@ static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
     return true;
 }
 
-/* The position counts up round 0: half of the circle is "not smaller". */
+/* The position wraps: half of the range is "not smaller". */
 static bool begins_where(const mark_t *came, const mark_t *sent)
 {
     return came->datagram == sent->datagram && (uint16_t)(came->position - sent->position) < 0x8000 &&
            came->working_counter >= sent->working_counter && came->source == sent->source;
 }
 
-void ect_endless_sent(ect_endless_t *circle, const uint8_t *frame, size_t length)
+void ect_endless_sent(ect_endless_t *endless, const uint8_t *frame, size_t length)
 {
     mark_t mark;
     if (!mark_of(frame, length, &mark))
         return;
-    circle->sent[circle->next] = mark;
-    circle->next = (circle->next + 1) % ECT_ENDLESS_REMEMBERED;
+    endless->sent[endless->next] = mark;
+    endless->next = (endless->next + 1) % ECT_ENDLESS_REMEMBERED;
 }
 
-bool ect_endless_received(ect_endless_t *circle, const uint8_t *frame, size_t length, uint64_t now_ns)
+bool ect_endless_received(ect_endless_t *endless, const uint8_t *frame, size_t length, uint64_t now_ns)
 {
     mark_t mark;
     if (!mark_of(frame, length, &mark))
         return false;
     bool ours = false;
     for (unsigned int i = 0; i < ECT_ENDLESS_REMEMBERED && !ours; i++)
-        ours = begins_where(&mark, &circle->sent[i]);
+        ours = begins_where(&mark, &endless->sent[i]);
     if (!ours)
         return false;
-    if (now_ns - circle->window_ns >= ECT_ENDLESS_WINDOW_NS) {
-        circle->window_ns = now_ns;
-        circle->seen = 0;
+    if (now_ns - endless->window_ns >= ECT_ENDLESS_WINDOW_NS) {
+        endless->window_ns = now_ns;
+        endless->seen = 0;
     }
-    circle->seen++;
-    return circle->seen > ECT_ENDLESS_MOST;
+    endless->seen++;
+    return endless->seen > ECT_ENDLESS_MOST;
 }

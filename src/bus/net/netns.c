@@ -125,7 +125,7 @@ static int map_from_outside(pid_t inside, int go)
 }
 
 /* For root: all files stay as they are, but the rights end at this namespace. @return false with nothing changed, or
- * with the process in a namespace where it is nobody */
+ * with the process in a namespace without an identity */
 static bool enter_as_root(bool *entered)
 {
     int go[2];

@@ -34,9 +34,8 @@ enum {
     BLOCK = 65536,
 };
 
-/* A process that was held up finds frames that its master has long given up. Answered, they would be taken for answers
- * to newer ones (SOEM tells them apart by 4 bits), and the master would stay that far behind. A wire does not store
- * frames. */
+/* A process that was stopped finds frames that its master has given up. The master would take replies to them for those
+ * to newer frames (SOEM distinguishes them by 4 bits) and stay that far behind. A wire does not store frames. */
 #define STALE_NS 5000000
 #define NS_PER_S 1000000000ull
 
@@ -95,8 +94,7 @@ static int check_interface(ect_packet_t *port, char *message)
     return 0;
 }
 
-/* Of all frames those with this EtherType (where it stands once the kernel has taken a tag out), or none: with as many
- * tags as that, 0 or 1. */
+/* Lets frames with this EtherType pass, as read after the kernel has removed a tag, that had 0 or 1 tags as given. */
 static int filter(int fd, uint32_t type, uint32_t least_tags, uint32_t most_tags)
 {
     const uint32_t tags = (uint32_t)(SKF_AD_OFF + SKF_AD_VLAN_TAG_PRESENT);
@@ -111,8 +109,8 @@ static int filter(int fd, uint32_t type, uint32_t least_tags, uint32_t most_tags
     return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &all, sizeof all);
 }
 
-/* A socket that stands in the kernel's list and receives nothing: nobody sends frames of its type, and with one more
- * that is asked about each EtherCAT frame the kernel would copy them. */
+/* A socket in the kernel's list that receives nothing, since its type is not in use. With a second socket for EtherCAT
+ * the kernel would copy each frame. */
 static int claim(ect_packet_t *port)
 {
     const struct sockaddr_ll address = {
@@ -123,7 +121,8 @@ static int claim(ect_packet_t *port)
                : -1;
 }
 
-/* The kernel counts in ticks, and says how long one is when the shortest time is asked for. The last may be late. */
+/* The kernel counts timeouts in ticks, and returns the length of a tick for the shortest timeout. The last tick may be
+ * late. */
 static uint64_t make_patient(int fd)
 {
     struct timeval tick = {.tv_usec = 1};
@@ -265,7 +264,7 @@ static bool is_there(const ect_packet_t *port)
     return ioctl(port->fd, SIOCGIFINDEX, &request) == 0 && request.ifr_ifindex == (int)port->index;
 }
 
-/* A link that went down may come back; an interface that is gone may not, and Linux says the same of both. */
+/* A link that is down may return, an interface that is gone may not; Linux reports the same error for both. */
 static ssize_t why_nothing(const ect_packet_t *port)
 {
     if (errno == EAGAIN || errno == EINTR)
@@ -293,8 +292,8 @@ static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame,
 
 /* --- frames in memory that the kernel shares ---------------------------------------------------------------------- */
 
-/* After so many looks at nothing, a few milliseconds, whether the interface is still there. */
-enum { LOOKS = 65536 };
+/* Reads without a frame, some milliseconds, until the interface is checked. */
+enum { IDLE_READS = 65536 };
 
 bool ect_packet_share(ect_packet_t *port)
 {
@@ -310,7 +309,7 @@ bool ect_packet_share(ect_packet_t *port)
         (void)setsockopt(port->fd, SOL_PACKET, PACKET_RX_RING, &none, sizeof none);
         return false;
     }
-    port->shared = shared; /* where tags are told for nothing */
+    port->shared = shared; /* its frames carry their tags, at no cost */
     (void)filter(port->fd, ETHERTYPE_ECAT, 0, 1);
     close(port->tagged_fd);
     port->tagged_fd = -1;
@@ -329,7 +328,7 @@ static bool is_full(const struct tpacket2_hdr *slot)
 
 static ssize_t nothing_shared(ect_packet_t *port)
 {
-    if (++port->looks % LOOKS != 0)
+    if (++port->idle % IDLE_READS != 0)
         return ECT_PACKET_NONE;
     errno = ENETDOWN;
     return why_nothing(port);
@@ -425,7 +424,7 @@ int ect_packet_watch_links(void)
     return fd;
 }
 
-/* What they say is asked of the interface itself; one that was lost for want of room counts as a change, too. */
+/* The content is unused: the interface itself is read. A message lost for lack of room counts as a change too. */
 void ect_packet_links_seen(int fd)
 {
     char message[8192];

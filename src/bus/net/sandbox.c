@@ -105,7 +105,7 @@ static const int with_children[] = {
 /* Files that a master writes are opened and renamed. */
 static const int with_files[] = {SCMP_SYS(openat), SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2)};
 
-/* What the sanitizers' own code needs to tell of leaks at the end. */
+/* The calls that the sanitizers need to report leaks at the end. */
 #ifdef __SANITIZE_ADDRESS__
 static const int sanitizers[] = {
     SCMP_SYS(open),   SCMP_SYS(getdents), SCMP_SYS(getppid),    SCMP_SYS(arch_prctl),

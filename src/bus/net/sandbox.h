@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The filter of system calls. Two files implement it: sandbox.c with libseccomp, sandbox_none.c without.
+ * The filter of system calls: sandbox.c with libseccomp, sandbox_none.c without.
  */
 #ifndef ECT_BUS_NET_SANDBOX_H
 #define ECT_BUS_NET_SANDBOX_H
@@ -13,10 +13,10 @@
 ECT_C_BEGIN
 
 /**
- * From here on every thread of the process has only the system calls of a running twin; all others answer ENOSYS.
- * @param children  those to find, signal and await other processes as well
- * @param files     those to open files for writing, and to rename them, as well
- * @return 0, also when ectwin was built without the filter · -1 the kernel refuses it (errno)
+ * Limits every thread of the process, for good, to the system calls of a running twin; all others fail with ENOSYS.
+ * @param children  true: also those that signal and await other processes
+ * @param files     true: also those that open files for writing and rename them
+ * @return 0, also when ectwin was built without the filter · -1: the kernel refuses the filter (errno)
  */
 int ect_sandbox_enter(bool children, bool files);
 

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/crc.h"
 
@@ -19,7 +20,7 @@ enum { HEADER = 16, SIZE_AT = 8, CHECKSUM = ECT_SII_CHECKED_BYTES };
 
 static const uint8_t magic[SIZE_AT] = {'E', 'C', 'T', 'W', 'S', 'I', 'I', '1'};
 
-/* In the file: header, the factory's image, this one. */
+/* The file holds a header, the factory's image, and this one. */
 struct ect_eeprom {
     int fd;
     uint32_t size;
@@ -70,8 +71,7 @@ static bool checksum_good(const uint8_t *image)
     return image[CHECKSUM] == ect_crc_sii(image);
 }
 
-/* Word by word: `image` is what the master made of the factory's `before`; it becomes what he would have made of `now`.
- */
+/* Word by word: the master has changed the factory's `before` to `image`; the same changes are applied to `now`. */
 static void merge(uint8_t *image, const uint8_t *before, const uint8_t *now, uint32_t size)
 {
     bool good = checksum_good(image);
@@ -160,6 +160,7 @@ const uint8_t *ect_eeprom_image(const ect_eeprom_t *eeprom)
 void ect_eeprom_write(void *eeprom, const uint8_t *image, uint32_t size)
 {
     ect_eeprom_t *e = eeprom;
+    ECT_ASSERT(size == e->size);
     uint32_t from = 0;
     uint32_t to = size;
     while (from < to && image[from] == e->image[from])
@@ -167,8 +168,7 @@ void ect_eeprom_write(void *eeprom, const uint8_t *image, uint32_t size)
     while (to > from && image[to - 1] == e->image[to - 1])
         to--;
     memcpy(e->image + from, image + from, to - from);
-    /* A full disk cannot be: the file has its size already. What fails here is lost with the process, as if not kept.
-     */
+    /* The file has its size already, so the disk cannot be full. A failed write is lost with the process. */
     if (to > from && pwrite(e->fd, image + from, to - from, (off_t)(HEADER + e->size + from)) < 0)
         return;
 }

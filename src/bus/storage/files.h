@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The files of a twin on a PC: those of a folder, which a master reads and writes by FoE.
+ * The files of a twin on a PC: a folder that a master reads and writes by FoE.
  *
- * Names are those of files in the folder itself: 1 to 128 letters, digits and `. _ - +`, the first one no dot. So no
- * name leads out of it, nor to what is hidden in it; links are not followed, and only ordinary files are opened. What a
- * master writes becomes the file when it is whole, and until then stands beside it under a hidden name; what was there
- * before is replaced. At most 64 MiB.
+ * Names have 1 to 128 letters, digits and `. _ - +`, and do not begin with a dot: no name leads out of the folder or to
+ * a hidden file. Links are not followed, and only regular files are opened. A written file gets its name when it is
+ * complete, in place of the previous file; until then it has a hidden name. A file has at most 64 MiB.
  *
- * The disk is not waited for: a file that was written survives the end of the process at once, a power failure a little
- * later.
+ * Calls do not wait for the disk: a written file survives the end of the process at once, a power failure after some
+ * seconds.
  */
 #ifndef ECT_BUS_STORAGE_FILES_H
 #define ECT_BUS_STORAGE_FILES_H
@@ -25,20 +24,20 @@ enum { ECT_FILES_MESSAGE = 640, ECT_FILES_MOST = 64 * 1024 * 1024 };
 typedef struct ect_files ect_files_t;
 
 /**
- * Opens a folder for one twin, and makes its device one that offers files in every state, BOOT among them; where the
- * device has no mailboxes for BOOT they are those of PREOP.
+ * Opens a folder for one twin, and makes a device of it that offers files in every state with a mailbox, and in BOOT.
+ * A device without mailboxes for BOOT uses those of PREOP there.
  * @param device        must outlive the files
- * @param password      that a master must give, 0: any
+ * @param password      of the FoE requests; 0: any
  * @param[out] message  on failure one line for the user; ECT_FILES_MESSAGE bytes
- * @return the files, to be closed with ::ect_files_close behind the chain, or NULL: no such folder; the device has no
+ * @return the files, to be closed with ::ect_files_close after the chain, or NULL: no such folder; the device has no
  *         mailbox, or files of its own
  */
 ect_files_t *ect_files_open(const char *folder, const ect_device_t *device, uint32_t password, char *message);
 
-/** The device with files, in place of the one that was given; valid until the files are closed. */
+/** The device with files; valid until the files are closed. */
 const ect_device_t *ect_files_device(const ect_files_t *files);
 
-/** Closes the folder; a file that is not whole is forgotten. NULL: nothing happens. */
+/** Closes the folder; an incomplete file is removed. NULL: no effect */
 void ect_files_close(ect_files_t *files);
 
 ECT_C_END

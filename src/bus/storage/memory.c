@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "seams/record.h"
+#include "wire/assert.h"
 
 /* A file is a head and a bank. The bank is kept in memory too and read from there: whatever others do to the file
  * meanwhile, the twin knows what it has written. Without a path there is no file. A thread of the C library waits for
@@ -38,6 +39,7 @@ struct ect_memory {
 static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
 {
     const ect_memory_t *m = ctx;
+    ECT_ASSERT(bank < 2 && offset <= ECT_MEMORY_BANK && length <= ECT_MEMORY_BANK - offset);
     memcpy(buffer, m->banks[bank].image + offset, length);
     return 0;
 }
@@ -46,6 +48,7 @@ static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void 
 {
     ect_memory_t *m = ctx;
     bank_t *b = &m->banks[bank];
+    ECT_ASSERT(bank < 2 && offset <= ECT_MEMORY_BANK && length <= ECT_MEMORY_BANK - offset);
     memcpy(b->image + offset, data, length);
     if (b->fd < 0)
         return 0;
@@ -60,7 +63,7 @@ static int bank_erase(void *ctx, unsigned int bank)
     return bank_write(ctx, bank, 0, nothing, sizeof nothing);
 }
 
-/* A file that was deleted, cut or put aside under our hands keeps nothing for the next time. */
+/* A file that was deleted, cut or renamed meanwhile keeps nothing for the next start. */
 static bool still_there(const bank_t *b)
 {
     struct stat info;
@@ -120,7 +123,7 @@ static int sync_folder(const char *name)
     return result;
 }
 
-/* What was never written to is not read: the banks of a thousand twins are nearly empty. */
+/* Holes are not read: the banks of a thousand twins are nearly empty. */
 static bool read_image(const bank_t *b)
 {
     for (off_t at = lseek(b->fd, HEAD, SEEK_DATA); at >= 0 && at < FILE_SIZE;) {

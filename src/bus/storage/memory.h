@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Non-volatile memory of a twin on a PC: two files, or none, and then it lasts as long as the process.
+ * Non-volatile memory of a twin on a PC: two files; or memory of the process alone.
  */
 #ifndef ECT_BUS_STORAGE_MEMORY_H
 #define ECT_BUS_STORAGE_MEMORY_H
@@ -28,7 +28,7 @@ typedef struct ect_memory ect_memory_t;
 ect_memory_t *ect_memory_open(const char *path, char *message);
 void ect_memory_close(ect_memory_t *memory);
 
-/** What a twin's configuration takes; valid until the memory is closed. */
+/** The storage for ect_twin_config_t; valid until the memory is closed. */
 const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
 
 ECT_C_END

@@ -359,10 +359,10 @@ static void data_in_pieces(void **state)
         expect_part(&b, parts[i].request, parts[i].part);
     close_bench(&b);
     open_bench(&b, "vr-bu-ect-map3", 1);
-    expect_part(&b, "{\"op\":\"data\"}\n", "no data that are looked at as a whole");
+    expect_part(&b, "{\"op\":\"data\"}\n", "has no data for this request");
     close_bench(&b);
     open_bench(&b, "fzm1", 1);
-    expect_part(&b, "{\"op\":\"data\"}\n", "no data that are looked at as a whole");
+    expect_part(&b, "{\"op\":\"data\"}\n", "has no data for this request");
     close_bench(&b);
 }
 

@@ -30,7 +30,7 @@ static void build(uint8_t frame[FRAME], uint8_t command, uint8_t index, uint16_t
     ect_store_le16(frame + 28, counter);
 }
 
-/* Frames that go round, and what each end adds to them. */
+/* Frames that circulate, and the counts that each end adds. */
 typedef struct round {
     const char *what;
     uint8_t command;
@@ -49,27 +49,27 @@ static size_t build_round(uint8_t frame[FRAME + 4], const round_t *round, uint16
     return FRAME + 4;
 }
 
-/* What comes is what left, with what the other end added. @return after how many rounds it is noticed, 0 never */
-static unsigned int go_round(ect_endless_t *circle, const round_t *what, uint64_t pause_ns)
+/* Passes a frame back and forth; both ends add to it. @return rounds until it is noticed, 0 never */
+static unsigned int circulate(ect_endless_t *endless, const round_t *what, uint64_t pause_ns)
 {
     uint8_t frame[FRAME + 4];
     uint16_t position = 0;
     uint16_t counter = 0;
     for (unsigned int round = 1; round < 2000; round++) {
         size_t length = build_round(frame, what, position, counter);
-        if (ect_endless_received(circle, frame, length, round * pause_ns))
+        if (ect_endless_received(endless, frame, length, round * pause_ns))
             return round;
         position = (uint16_t)(position + what->step);
         counter = (uint16_t)(counter + what->count);
         length = build_round(frame, what, position, counter);
-        ect_endless_sent(circle, frame, length);
+        ect_endless_sent(endless, frame, length);
         position = (uint16_t)(position + what->step);
         counter = (uint16_t)(counter + what->count);
     }
     return 0;
 }
 
-static void circling_frames(void **state)
+static void circulating_frames(void **state)
 {
     static const round_t cases[] = {
         {"a broadcast that both ends count", BRD, 3, 3, false}, {"one for a slave that answers", FPRD, 0, 1, false},
@@ -78,59 +78,59 @@ static void circling_frames(void **state)
     };
     (void)state;
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-        ect_endless_t circle = {0};
-        unsigned int round = go_round(&circle, &cases[c], 30 * US);
+        ect_endless_t endless = {0};
+        unsigned int round = circulate(&endless, &cases[c], 30 * US);
         if (round != ECT_ENDLESS_MOST + 2) /* the first one comes from the master */
             fail_msg("%s: expected to be noticed in round %d, got %u", cases[c].what, ECT_ENDLESS_MOST + 2, round);
         ect_endless_t slow = {0};
-        assert_int_equal(go_round(&slow, &cases[c], 1 * MS), 0);
+        assert_int_equal(circulate(&slow, &cases[c], 1 * MS), 0);
     }
 }
 
-/* A master asks the same again and again, as fast as it can: each time from the beginning. */
-static void no_circle(void **state)
+/* A master repeats a request as fast as it can: each time from the beginning. */
+static void no_loop(void **state)
 {
-    ect_endless_t circle = {0};
+    ect_endless_t endless = {0};
     uint8_t frame[FRAME];
     (void)state;
     for (unsigned int i = 0; i < 5000; i++) {
         build(frame, BRD, 5, 0, 0);
-        assert_false(ect_endless_received(&circle, frame, FRAME, i * 30 * US));
+        assert_false(ect_endless_received(&endless, frame, FRAME, i * 30 * US));
         build(frame, BRD, 5, 2, 2);
-        ect_endless_sent(&circle, frame, FRAME);
+        ect_endless_sent(&endless, frame, FRAME);
         build(frame, FPRD, 5, 0x1001, 0); /* nobody answers, but the source address has been marked on the way */
         frame[6] = 0x01;
-        assert_false(ect_endless_received(&circle, frame, FRAME, i * 30 * US));
+        assert_false(ect_endless_received(&endless, frame, FRAME, i * 30 * US));
         frame[6] = 0x03;
-        ect_endless_sent(&circle, frame, FRAME);
+        ect_endless_sent(&endless, frame, FRAME);
     }
 }
 
 /* Too short, cut in its datagram, of another type: neither remembered nor taken for one. */
 static void not_to_be_read(void **state)
 {
-    ect_endless_t circle = {0};
+    ect_endless_t endless = {0};
     uint8_t frame[FRAME];
     (void)state;
     build(frame, BRD, 5, 2, 2);
     for (unsigned int i = 0; i < 3 * ECT_ENDLESS_MOST; i++) {
         size_t length = i % (16 + 10 + 2 + 2); /* one byte less than the datagram takes, at most */
-        ect_endless_sent(&circle, frame, length);
-        assert_false(ect_endless_received(&circle, frame, length, 0));
+        ect_endless_sent(&endless, frame, length);
+        assert_false(ect_endless_received(&endless, frame, length, 0));
     }
     frame[12] = 0x08;
     for (unsigned int i = 0; i < 3 * ECT_ENDLESS_MOST; i++) {
-        ect_endless_sent(&circle, frame, FRAME);
-        assert_false(ect_endless_received(&circle, frame, FRAME, 0));
+        ect_endless_sent(&endless, frame, FRAME);
+        assert_false(ect_endless_received(&endless, frame, FRAME, 0));
     }
 }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"a frame that goes round is noticed, a slow one is a master's", circling_frames, NULL, NULL, NULL},
-        {"a master that repeats itself is no circle", no_circle, NULL, NULL, NULL},
-        {"what is no datagram is no circle", not_to_be_read, NULL, NULL, NULL},
+        {"a frame that circulates is noticed, a slow one is a master's", circulating_frames, NULL, NULL, NULL},
+        {"a master that repeats itself is no loop", no_loop, NULL, NULL, NULL},
+        {"what is no datagram is no loop", not_to_be_read, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
