@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The subcommands of `ectwin`, and what they share. Each takes the arguments from its own name on.
+ * The subcommands of `ectwin`, and their common parts. Each takes the arguments from its own name on.
  */
 #ifndef ECTWIN_COMMANDS_H
 #define ECTWIN_COMMANDS_H
@@ -52,7 +52,7 @@ typedef struct identity_wish {
     uint32_t value;
 } identity_wish_t;
 
-/** What stands in a slot of a modular twin; `twin` counts from 1. */
+/** The module in a slot of a modular twin; `twin` counts from 1. */
 typedef struct twin_module {
     size_t twin;
     ect_module_choice_t choice;
@@ -107,11 +107,11 @@ void twin_args_free(twin_args_t *args);
  * The ready line (README) on a stream.
  * @param ifaces  NULL: nothing is plugged in there
  * @param modbus  where the Modbus server listens; NULL: there is none
- * @return false: it could not be written, which was told, and whoever waits for it would wait for ever
+ * @return false: it could not be written; the reason is printed, and the program must end
  */
 bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus);
 
-/** Opens the control socket, or says why there is none: the twins run without it. */
+/** Opens the control socket. @return NULL: the reason is printed, and the twins run without it */
 ect_control_t *open_control(const char *who);
 
 /**
@@ -142,7 +142,7 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
  * to do. @return EXIT_CLEAN; EXIT_USAGE or EXIT_OPEN with the reason printed
  */
 int session_open_modbus(session_t *s);
-/** Where the Modbus server listens, NULL: there is none. */
+/** The address of the Modbus server; NULL: none. */
 const char *session_modbus(const session_t *s);
 /** Keeps only the rights that running twins need (and, with `children`, a command beside them). */
 void session_drop_rights(session_t *s, bool children);

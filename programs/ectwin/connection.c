@@ -61,7 +61,7 @@ static bool is_socket_name(const char *name)
     return name[0] != '.' && length > 5 && strcmp(name + length - 5, ".sock") == 0;
 }
 
-/* Calls `found` for each socket in a folder until it says false. */
+/* Calls `found` for each socket in a folder until it returns false. */
 static void each_socket(const char *folder, bool (*found)(void *ctx, const char *path), void *ctx)
 {
     char path[ECT_ENDPOINT_PATH];
@@ -110,7 +110,7 @@ static bool take_only_one(void *ctx, const char *path)
     return false;
 }
 
-static bool tell_of(void *ctx, const char *path)
+static bool report_one(void *ctx, const char *path)
 {
     bool *told = ctx;
     uid_t owner;
@@ -126,9 +126,8 @@ static bool tell_of(void *ctx, const char *path)
     return true;
 }
 
-/* Other users' folders: what is in them can only be told by root and by them. The pattern's star stands for a user's
- * number. */
-static void tell_of_others(const char *pattern)
+/* Other users' folders: only root and these users can read them. The pattern's star is a user id. */
+static void report_others(const char *pattern)
 {
     glob_t found = {0};
     (void)glob(pattern, 0, NULL, &found);
@@ -142,7 +141,7 @@ static void tell_of_others(const char *pattern)
                  strchr(pattern, '*') + 1);
         if (strcmp(theirs, found.gl_pathv[i]) != 0)
             continue;
-        each_socket(found.gl_pathv[i], tell_of, &told);
+        each_socket(found.gl_pathv[i], report_one, &told);
         if (!told && access(found.gl_pathv[i], R_OK) < 0)
             fprintf(stderr, "  %s may have some, in %s: ask as that user, or with sudo\n", name_of(info.st_uid, room),
                     found.gl_pathv[i]);
@@ -167,13 +166,13 @@ static int find(const char *who)
     }
     if (search.alive == 0) {
         fprintf(stderr, "%s: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'\n", who);
-        tell_of_others("/tmp/ectwin-*");
-        tell_of_others("/run/user/*/ectwin");
+        report_others("/tmp/ectwin-*");
+        report_others("/run/user/*/ectwin");
     }
     return search.fd;
 }
 
-/* One that the user has named. */
+/* Connects to a socket that the user has named. */
 static int connect_to(const char *path, const char *who)
 {
     uid_t owner;
@@ -195,7 +194,7 @@ connection_t *connection_open(const char *path, const char *who)
     const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
     if (!path)
         path = getenv("ECTWIN_SOCKET");
-    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have said why */
+    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have sent the reason */
     int fd = path ? connect_to(path, who) : find(who);
     if (fd < 0)
         return NULL;
@@ -331,7 +330,7 @@ int connection_ask(connection_t *connection, cJSON *request, const char *who, vo
     if (!fits)
         fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
                 ECT_ENDPOINT_REQUEST - 1);
-    else if (send_text(connection, text, strlen(text))) /* if not, the twin may have said why before */
+    else if (send_text(connection, text, strlen(text))) /* if not, the twin may have sent the reason before */
         (void)send_text(connection, "\n", 1);
     cJSON_free(text);
     cJSON_Delete(request);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A connection to the control socket of a running twin (docs/CONTROL.md), and what a twin says, made fit for a
- * terminal.
+ * A connection to the control socket of a running twin (docs/CONTROL.md), and its replies made safe for a terminal.
  */
 #ifndef ECTWIN_CONNECTION_H
 #define ECTWIN_CONNECTION_H
@@ -14,24 +13,29 @@
 typedef struct connection connection_t;
 
 /**
- * Connects to the socket that is named, or to the only twin of this user that runs. On failure prints why, and what to
- * do: whose twins there are if none are this user's.
- * @param path  NULL: $ECTWIN_SOCKET, or look for it. What is looked for must be this user's own; what is named may be
- *              root's too, and for root anybody's
- * @param who   stands in front of what is printed
+ * Connects to a named socket, or to the only running twin of this user. On failure prints cause and cure: other users'
+ * twins if this user has none.
+ * @param path  NULL: $ECTWIN_SOCKET, or a search. A socket found must be this user's own; a named one may also be
+ * root's, and for root any user's
+ * @param who   first word of messages
  * @return a connection to close with ::connection_close, or NULL
  */
 connection_t *connection_open(const char *path, const char *who);
 
 void connection_close(connection_t *connection);
 
-/** The option that says which: a row of the options of a command; its key is 's'. */
+/** The option that names the socket: a row of a command's options; its key is 's'. */
 #define CONNECTION_OPTION                                                                                              \
-    {"socket", 's', "PATH", 0, "Control socket (default: $ECTWIN_SOCKET, or the only one running)", 0}
+    {                                                                                                                  \
+        "socket",                                                                                                      \
+        's',                                                                                                           \
+        "PATH",                                                                                                        \
+        0,                                                                                                             \
+        "Control socket of the twin (default: $ECTWIN_SOCKET, or that of the only running twin)",                      \
+        0}
 
 /**
- * Sends a request, frees it, and hands lines of the answer to `print` (NULL: to nobody) until the one that says how it
- * went.
+ * Sends a request, frees it, and passes each line of the reply to `print` (NULL: none) up to the last, the result.
  * @return EXIT_CLEAN · EXIT_USAGE: it was refused, or is longer than the protocol allows; the reason is printed ·
  *         EXIT_RUN: no reply, or standard output failed
  */
@@ -46,10 +50,10 @@ int connection_follow(connection_t *connection, const char *who);
 /** Member of a line as text, "" if there is none. A number is written into `room`. */
 const char *connection_text(const cJSON *line, const char *member, char room[32]);
 
-/** Prints text from a twin; what could steer a terminal is printed as \xNN. */
+/** Prints text from a twin; characters that could control a terminal are printed as \xNN. */
 void print_text(FILE *stream, const char *text);
 
-/** Prints a line of JSON from a twin; it stays JSON. */
+/** Prints a line of JSON from a twin as valid JSON. */
 void print_json(const char *text);
 
 #endif

@@ -3,7 +3,7 @@
  * @file
  * Tables from a text file: the first line holds names, each other one as many cells.
  *
- * The cells stand between commas, semicolons or tabs, whichever comes first in the first line; blanks around a cell do
+ * The cells are between commas, semicolons or tabs, whichever comes first in the first line; blanks around a cell do
  * not count; one in double quotes may have anything in it but the end of a line, and "" for a quote. A byte order mark
  * and CR LF are fine; empty lines are passed over. Nothing is cut: what cannot be taken whole is refused.
  */
@@ -29,7 +29,7 @@ typedef struct csv {
     const char *why; /**< what is wrong, NULL: nothing */
 } csv_t;
 
-/** Opens a file ("-": standard input) and reads its first line. @return false: csv->why says why not */
+/** Opens a file ("-": standard input) and reads its first line. @return false: csv->why has the reason */
 bool csv_open(csv_t *csv, const char *path);
 
 /** Reads the next line with cells. @return false at the end, or with csv->why set */

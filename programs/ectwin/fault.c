@@ -39,12 +39,13 @@ static void print_fault(const cJSON *line)
 int command_fault(int argc, char **argv)
 {
     static const struct argp_option options[] = {CONNECTION_OPTION, {0}};
-    static const struct argp argp = {.options = options,
-                                     .parser = parse,
-                                     .args_doc = "[FAULT]",
-                                     .doc = "Lets something go wrong, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
-                                            "'off' ends all faults of frames. "
-                                            "Without a fault: those of frames that are set."};
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "[FAULT]",
+        .doc = "Injects a fault into a running chain, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
+               "'off' ends all faults of frames. "
+               "Without FAULT: lists the faults of frames that are set."};
     fault_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     connection_t *connection = connection_open(args.socket, argv[0]);

@@ -19,8 +19,8 @@ int command_list(int argc, char **argv)
     static const struct argp argp = {
         .parser = parse,
         .args_doc = "[esi:FILE.xml]",
-        .doc = "Lists the devices: name, input/output bytes as the master sees them, what it is. "
-               "Of an ESI file: type, @product/revision, name, and the number of its slots, start-up commands, "
+        .doc = "Lists the devices: name, input and output bytes of the master, description. "
+               "For an ESI file: type, @product/revision, name, and the number of its slots, start-up commands, "
                "alternative PDO assignments and EEPROM categories."};
     const char *file = NULL;
     argp_parse(&argp, argc, argv, 0, NULL, &file);

@@ -30,36 +30,36 @@ static const struct command {
 
 static int usage(FILE *stream, int status)
 {
-    fputs("usage: ectwin list                                   the devices there are\n"
-          "       ectwin run  -i IFACE DEVICE[,DEVICE...]       answer on IFACE as this chain of devices\n"
-          "       ectwin run  --modbus [ADDR:]PORT DEVICE       answer as a base unit over Modbus TCP\n"
-          "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
-          "       ectwin with --external PROGRAM -- CMD ARG...  ... with a slave of your own, which takes -i IFACE\n"
-          "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
-          "       ectwin verify A B...                          in what ESI files, EEPROM images, devices, slaves "
-          "differ\n"
-          "       ectwin lint FILE.xml[#TYPE]                   mistakes of an ESI file\n"
-          "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
-          "       ectwin doc  DEVICE [--html] [-o FILE]         write its dictionary and process data for people\n"
-          "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"
-          "       ectwin list-signals [DEVICE] [PATTERN]        the signals of a running twin, or of a device\n"
-          "       ectwin get   [PATTERN]                        their values\n"
-          "       ectwin set   NAME=VALUE... [--csv FILE]       set some, all of them or none\n"
-          "       ectwin watch [PATTERN] [--every]              one line of JSON for what has changed, until Ctrl-C\n"
-          "       ectwin command ruN HEX16                      an operator's command from remote unit N\n"
-          "       ectwin periodic [-o FILE]                     the last set of periodic data that remotes were shown\n"
-          "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, put them back\n"
-          "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
-          "       ectwin fault [FAULT]                          let something go wrong, or list what does\n"
-          "       ectwin stats [--json]                         frames, answer times and what came late, since the "
-          "start\n"
-          "       ectwin --version\n"
-          "'ectwin COMMAND --help' tells more of each.\n",
-          stream);
+    fputs(
+        "usage: ectwin list                                   list the devices\n"
+        "       ectwin run  -i IFACE DEVICE[,DEVICE...]       run this chain of devices on IFACE\n"
+        "       ectwin run  --modbus [ADDR:]PORT DEVICE       run a base unit over Modbus TCP alone\n"
+        "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
+        "       ectwin with --external PROGRAM -- CMD ARG...  run CMD with a slave of your own, which takes -i IFACE\n"
+        "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
+        "       ectwin verify A B...                          compare ESI files, EEPROM images, devices, "
+        "slaves\n"
+        "       ectwin lint FILE.xml[#TYPE]                   list mistakes of an ESI file\n"
+        "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
+        "       ectwin doc  DEVICE [--html] [-o FILE]         write the manual of its dictionary and process data\n"
+        "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"
+        "       ectwin list-signals [DEVICE] [PATTERN...]     list the signals of a running twin, or of a device\n"
+        "       ectwin get   [PATTERN...]                     print their values\n"
+        "       ectwin set   NAME=VALUE... [--csv FILE]       set signals, all of them or none\n"
+        "       ectwin watch [PATTERN...] [--every]           print each change as a line of JSON\n"
+        "       ectwin command ruN HEX16                      send an operator's command from remote unit N\n"
+        "       ectwin periodic [-o FILE]                     print the last set of periodic data\n"
+        "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, plug it in again\n"
+        "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
+        "       ectwin fault [FAULT]                          inject a fault, or list those that are set\n"
+        "       ectwin stats [--json]                         print the counters of a running twin\n"
+        "       ectwin --version\n"
+        "'ectwin COMMAND --help' describes each command.\n",
+        stream);
     return status;
 }
 
-/* A descriptor that is closed at the start would be given to the next file or socket, which then gets what we print. */
+/* The next file or socket would get the number of a closed standard descriptor, and the output with it. */
 static void fill_standard_streams(void)
 {
     int fd = open("/dev/null", O_RDWR);
@@ -69,7 +69,7 @@ static void fill_standard_streams(void)
         close(fd);
 }
 
-/* Short output, as help, is written at its end: there it is known why it cannot be. */
+/* Short output, as help, is written at the end, where a failure can be reported. */
 static void keep_output_together(void)
 {
     static char room[16384];
@@ -77,7 +77,7 @@ static void keep_output_together(void)
         (void)setvbuf(stdout, room, _IOFBF, sizeof room);
 }
 
-/* Output that is not written is no success: a full disk. One who has stopped to read has got what he wanted. */
+/* Output that cannot be written (a full disk) is a failure; a reader that has ended has got what it wanted. */
 static void check_output(void)
 {
     errno = 0;
@@ -88,7 +88,7 @@ static void check_output(void)
     _exit(EXIT_OPEN);
 }
 
-/* The program's own devices: described well, and found by their names. */
+/* Adds the program's own devices, which need right descriptions and unique names. */
 static bool take_products(const ect_product_t *products, size_t count)
 {
     ect_catalogue_add(products, count);
@@ -133,6 +133,6 @@ int ectwin_main(int argc, char **argv, const ect_product_t *products, size_t cou
             return commands[i].run(argc - 1, argv + 1);
         }
     }
-    fprintf(stderr, "ectwin: there is no command '%s'\n", argv[1]);
+    fprintf(stderr, "ectwin: no command '%s'\n", argv[1]);
     return usage(stderr, EXIT_USAGE);
 }

@@ -37,7 +37,7 @@ bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, co
     return fits;
 }
 
-static void tell_failure(const char *who)
+static void report_failure(const char *who)
 {
     fprintf(stderr, "%s: what is to be written cannot be made: %s\n", who, strerror(errno));
 }
@@ -47,7 +47,7 @@ FILE *output_open(const char *who, output_text_t *out)
     *out = (output_text_t){0};
     out->file = open_memstream(&out->text, &out->size);
     if (!out->file)
-        tell_failure(who);
+        report_failure(who);
     return out->file;
 }
 
@@ -57,7 +57,7 @@ int output_close(const char *who, output_text_t *out, const char *path)
     if (fclose(out->file) == 0)
         status = output_save(who, path, out->text, out->size);
     else
-        tell_failure(who);
+        report_failure(who);
     free(out->text);
     return status;
 }

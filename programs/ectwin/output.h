@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Files that commands write, and what the commands that write of devices have in common. */
+/** @file Files that commands write, and the common part of commands that write files of devices. */
 #ifndef ECTWIN_OUTPUT_H
 #define ECTWIN_OUTPUT_H
 
@@ -8,28 +8,28 @@
 enum { OUTPUT_PATH = 4096 };
 
 /**
- * Writes a file whole. On failure prints why.
+ * Writes a file. On failure prints the reason.
  * @param path  NULL: standard output
- * @return EXIT_CLEAN or EXIT_OPEN
+ * @return EXIT_CLEAN · EXIT_OPEN · EXIT_USAGE: binary data, and standard output is a terminal
  */
 int output_save(const char *who, const char *path, const void *data, size_t size);
 
-/** FOLDER/NAME. @return whether it fits; that it does not is told */
+/** Writes FOLDER/NAME. @return false: it does not fit, which is printed */
 bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, const char *name);
 
-/** A text that becomes a file when it is whole. */
+/** A text that is written to a file when it is complete. */
 typedef struct output_text {
     FILE *file;
     char *text;
     size_t size;
 } output_text_t;
 
-/** @return `out->file` to print to, for ::output_close; NULL: there is no memory, which is told */
+/** @return `out->file` to print to, for ::output_close; NULL: out of memory, which is printed */
 FILE *output_open(const char *who, output_text_t *out);
-/** Writes it as ::output_save. @return EXIT_CLEAN, EXIT_OPEN; EXIT_RUN: there was no memory, which is told */
+/** Writes the text as ::output_save does. @return as ::output_save; EXIT_RUN: out of memory, which is printed */
 int output_close(const char *who, output_text_t *out, const char *path);
 
-/** The image of a twin's EEPROM. @return `twin->device->sii_size` bytes for free(); NULL, and why was told */
+/** The image of a twin's EEPROM. @return `twin->device->sii_size` bytes for free(); NULL: the reason is printed */
 uint8_t *output_image(const char *who, const ect_twin_config_t *twin);
 
 /** Devices and where to write of them; `key` and `value` are the command's own option, 0 and NULL for none. */

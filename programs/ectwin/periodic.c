@@ -19,8 +19,8 @@ typedef struct periodic_args {
 
 static const struct argp_option options[] = {
     CONNECTION_OPTION,
-    {"slave", 'n', "N", 0, "Slave of the chain, from 1 (default 1)", 0},
-    {"output", 'o', "FILE", 0, "Write its bytes to FILE, - is standard output (default: print them to read)", 0},
+    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 (default 1)", 0},
+    {"output", 'o', "FILE", 0, "Write the bytes to FILE, -: standard output (default: print a hexadecimal dump)", 0},
     {0},
 };
 
@@ -44,7 +44,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 /* --- fetching ----------------------------------------------------------------------------------------------------- */
 
-/* The set as it comes, piece by piece; it begins anew when the twin has got another one meanwhile. */
+/* The set, received piece by piece; from its beginning again when the twin has a newer one. */
 static struct {
     uint8_t bytes[MOST_BYTES];
     size_t have, size;
@@ -122,7 +122,7 @@ int command_periodic(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .doc = "Shows the last complete set of periodic data that the controller has sent to a base unit."};
+        .doc = "Prints the last complete set of periodic data that the controller has sent to a base unit."};
     periodic_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     connection_t *connection = connection_open(args.socket, argv[0]);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pulling plugs of running twins and putting them back: a slave's, or those of one wire. They are signals
- * (`ecat.plug_*`). */
+/* Pulls and restores plugs of running twins, of a slave or of one wire. They are signals (`ecat.plug_*`). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -83,23 +82,25 @@ static int command(int argc, char **argv, const char *doc, bool wire, bool in)
 
 int command_unplug(int argc, char **argv)
 {
-    return command(argc, argv, "Pulls all plugs of slave N: it is off the bus, and so is what is behind it.", false,
+    return command(argc, argv, "Pulls all plugs of slave N: the slave and all slaves behind it leave the bus.", false,
                    false);
 }
 
 int command_plug(int argc, char **argv)
 {
-    return command(argc, argv, "Puts the plugs of slave N back.", false, true);
+    return command(argc, argv, "Plugs slave N in again, at all its ports.", false, true);
 }
 
 int command_cut(int argc, char **argv)
 {
-    return command(argc, argv,
-                   "Cuts the wire at a port of slave N: 0 its input, 1 its output, 2 and 3 those of a junction.", true,
-                   false);
+    return command(argc, argv, "Cuts the wire at a port of slave N: 0 input, 1 output, 2 and 3 ports of a junction.",
+                   true, false);
 }
 
 int command_mend(int argc, char **argv)
 {
-    return command(argc, argv, "Mends the wire that 'ectwin cut' has cut.", true, true);
+    return command(argc, argv,
+                   "Mends the wire at a port of slave N that 'ectwin cut' has cut: 0 input, 1 output, 2 and 3 ports of "
+                   "a junction.",
+                   true, true);
 }

@@ -15,9 +15,9 @@ typedef struct run_args {
 } run_args_t;
 
 static const struct argp_option options[] = {
-    {"interface", 'i', "IFACE", 0, "The network interface to answer on: a spare NIC or one end of a veth pair", 0},
+    {"interface", 'i', "IFACE", 0, "Network interface of the twins: a spare NIC, or one end of a veth pair", 0},
     {"output", 'o', "IFACE", 0,
-     "A second interface, at the output of the last device: the master's other end for cable redundancy", 0},
+     "Second interface, at the output of the last device: for a master with cable redundancy", 0},
     {0},
 };
 
@@ -25,7 +25,7 @@ static void take_interface(run_args_t *args, ect_end_t end, char *name, const st
 {
     static const char *const options_of[] = {"-i", "-o"};
     if (args->ifaces[end])
-        argp_error(state, "one %s is enough; the output of the last device is -o IFACE", options_of[end]);
+        argp_error(state, "%s is given twice; the output of the last device is -o IFACE", options_of[end]);
     args->ifaces[end] = name;
     if (args->ifaces[ECT_END_IN] && args->ifaces[ECT_END_OUT] &&
         strcmp(args->ifaces[ECT_END_IN], args->ifaces[ECT_END_OUT]) == 0)
@@ -47,14 +47,14 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARG:
         if (args->devices)
-            argp_error(state, "one list of devices is enough: separate them by commas");
+            argp_error(state, "two lists of devices: separate the devices by commas");
         args->devices = text;
         return 0;
     case ARGP_KEY_END:
         if (!args->ifaces[ECT_END_IN] && (args->ifaces[ECT_END_OUT] || !args->twins.modbus))
-            argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
+            argp_error(state, "no interface: name it with -i IFACE; 'ip -br link' lists the interfaces");
         if (!args->devices)
-            argp_error(state, "name a device; 'ectwin list' lists those there are");
+            argp_error(state, "no device: name one; 'ectwin list' lists the devices");
         twin_args_devices(&args->twins, state, args->devices);
         return 0;
     default:
@@ -111,8 +111,9 @@ int command_run(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...]",
-        .doc = "Answers EtherCAT frames on an interface as a chain of devices, until SIGINT, SIGTERM or SIGHUP; with "
-               "--modbus and no interface as a base unit over Modbus TCP alone.",
+        .doc = "Runs a chain of devices on a network interface until SIGINT, SIGTERM or SIGHUP. With --modbus and "
+               "without an "
+               "interface: one base unit, over Modbus TCP alone.",
         .children = children,
     };
     run_args_t args = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `run` and `with` have in common: twins that answer at one or two interfaces until something ends them. */
+/* The common part of `run` and `with`: twins on one or two interfaces until a signal. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <signal.h>
@@ -25,7 +25,7 @@ int open_signals(void)
     sigaddset(&set, SIGCHLD);
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
-    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would not be told */
+    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would go unnoticed */
     signal(SIGPIPE, SIG_IGN); /* a reader that went away must not take the twin along */
     if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
         return -1;
@@ -35,17 +35,17 @@ int open_signals(void)
 static void on_circling(void *ctx, const char *iface)
 {
     const session_t *s = ctx;
-    fprintf(
-        stderr,
-        "%s: what is at the other end of '%s' answers EtherCAT frames too, and its answers went round for ever: end "
-        "one of the two; until then such frames are destroyed\n",
-        s->who, iface);
+    fprintf(stderr,
+            "%s: a program at the other end of '%s' replies to EtherCAT frames too, so frames circulated: end one of "
+            "the two; "
+            "until then such frames are destroyed\n",
+            s->who, iface);
 }
 
 static void on_refused(void *ctx, const char *fault, const char *why)
 {
     const session_t *s = ctx;
-    fprintf(stderr, "%s: the fault '%s' was not set: %s\n", s->who, fault, why);
+    fprintf(stderr, "%s: the fault '%s' is not set: %s\n", s->who, fault, why);
 }
 
 static bool on_signal(void *ctx, int signal_number, bool from_terminal)
@@ -92,10 +92,10 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
     return EXIT_OPEN;
 }
 
-static void tell_who_has_modbus(const char *who)
+static void list_modbus_devices(const char *who)
 {
-    const char *before = "; these have: ";
-    fprintf(stderr, "%s: --modbus: this device has no Modbus side", who);
+    const char *before = "; devices with one: ";
+    fprintf(stderr, "%s: --modbus: this device has no Modbus interface", who);
     const ect_product_t *product;
     for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
         if (!product->plant || !product->plant->modbus)
@@ -113,13 +113,12 @@ int session_open_modbus(session_t *s)
     if (!twins->modbus)
         return EXIT_CLEAN;
     if (twins->count != 1) {
-        fprintf(stderr,
-                "%s: --modbus: there is one address, so name one device; another 'ectwin run' takes the next one\n",
+        fprintf(stderr, "%s: --modbus: one address serves one device; start another 'ectwin run' for the next one\n",
                 s->who);
         return EXIT_USAGE;
     }
     if (!twins->twins[0].plant || !twins->twins[0].plant->modbus) {
-        tell_who_has_modbus(s->who);
+        list_modbus_devices(s->who);
         return EXIT_USAGE;
     }
     s->runner.modbus = ect_modbus_server_open(twins->modbus, message);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The commands that talk to a running twin over its control socket. */
+/* Commands that read and set signals over the control socket of a running twin. */
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
@@ -26,20 +26,22 @@ typedef struct client_args {
     size_t count;
 } client_args_t;
 
-#define SLAVE_OPTION {"slave", 'n', "N", 0, "Slave of the chain, from 1; 0: all (default 1)", 0}
+#define SLAVE_OPTION                                                                                                   \
+    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1; 0: all slaves, but not for set (default 1)", 0}
 
 static const struct argp_option options[] = {CONNECTION_OPTION, SLAVE_OPTION, {0}};
 static const struct argp_option set_options[] = {
     CONNECTION_OPTION,
     SLAVE_OPTION,
     {"csv", 'c', "FILE", 0,
-     "The first line names signals, each other one holds their values; an empty cell sets nothing. -: standard input",
+     "Set signals from a table: names in the first line, values in each further line, an empty cell sets nothing. -: "
+     "standard input",
      0},
     {0}};
 static const struct argp_option watch_options[] = {
     CONNECTION_OPTION,
     SLAVE_OPTION,
-    {"every", 'e', NULL, 0, "Every change at its time (default: what has changed, every 10 ms)", 0},
+    {"every", 'e', NULL, 0, "Print every change with its time (default: changes found every 10 ms)", 0},
     {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -79,7 +81,7 @@ static void print_value(const cJSON *line)
     putchar('\n');
 }
 
-/* Of several slaves: which one, as --set takes it. */
+/* With the number of the slave, as --set takes it. */
 static void print_value_of_slave(const cJSON *line)
 {
     char room[32];
@@ -163,10 +165,11 @@ static int ask(const client_args_t *args, size_t first, const char *who, const c
 
 int command_get(int argc, char **argv)
 {
-    static const struct argp argp = {.options = options,
-                                     .parser = parse,
-                                     .args_doc = "[PATTERN...]",
-                                     .doc = "Prints the signals of a running twin whose names match a shell pattern."};
+    static const struct argp argp = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "[PATTERN...]",
+        .doc = "Prints the signals of a running twin whose names match a shell pattern, by default all."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     return ask(&args, 0, argv[0], "get", args.slave == 0 ? print_value_of_slave : print_value);
@@ -174,11 +177,11 @@ int command_get(int argc, char **argv)
 
 int command_watch(int argc, char **argv)
 {
-    static const struct argp argp = {.options = watch_options,
-                                     .parser = parse,
-                                     .args_doc = "[PATTERN...]",
-                                     .doc =
-                                         "Prints one line of JSON for each value, then for each change, until Ctrl-C."};
+    static const struct argp argp = {
+        .options = watch_options,
+        .parser = parse,
+        .args_doc = "[PATTERN...]",
+        .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     return ask(&args, 0, argv[0], "watch", print_line);
@@ -294,7 +297,7 @@ static int set_row(connection_t *connection, const client_args_t *args, const ch
     }
     int status = set_values(connection, args, who, values);
     if (status != EXIT_CLEAN)
-        csv->why = "it was not taken; those before it were";
+        csv->why = "refused; the lines before it are set";
     return status;
 }
 
@@ -334,16 +337,15 @@ int command_set(int argc, char **argv)
         .options = set_options,
         .parser = parse,
         .args_doc = "NAME=VALUE...",
-        .doc = "Sets signals of a running twin: all that are named, or none, in any order; of a file line by line."};
+        .doc = "Sets signals of a running twin: all of them or none, in any order; --csv sets line by line."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.slave == 0) {
-        fprintf(stderr, "%s: one slave at a time: -n 1, -n 2, ...\n", argv[0]);
+        fprintf(stderr, "%s: set works on one slave: -n 1, -n 2, ...\n", argv[0]);
         return EXIT_USAGE;
     }
     if (args.count == 0 && !args.csv) {
-        fprintf(stderr, "%s: name at least one signal: ectwin set NAME=VALUE; 'ectwin list-signals' lists them\n",
-                argv[0]);
+        fprintf(stderr, "%s: no signal: ectwin set NAME=VALUE; 'ectwin list-signals' lists the names\n", argv[0]);
         return EXIT_USAGE;
     }
     connection_t *connection = connection_open(args.socket, argv[0]);

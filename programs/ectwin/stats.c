@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a running twin has counted: frames, how long answers took, what came late. */
+/* Counters of a running twin: frames, how long replies took, what came late. */
 #include <argp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,13 +41,13 @@ static void print_counters(const cJSON *line)
     static const struct {
         const char *name, *meaning;
     } counters[] = {
-        {"frames", "came"},
-        {"answered", "went back, or out at the other end"},
+        {"frames", "received"},
+        {"answered", "sent back, or out at the other end"},
         {"unanswered", "no EtherCAT, malformed, or without a way back"},
-        {"stale", "had waited too long to be answered: this machine was busy"},
-        {"circling", "answers that something else answered again"},
-        {"dropped", "lost on purpose"},
-        {"delayed", "late on purpose, not in the times below"},
+        {"stale", "discarded, too old: this machine was busy"},
+        {"circling", "replies that another program replied to"},
+        {"dropped", "lost by a fault"},
+        {"delayed", "delayed by a fault, not in the times below"},
     };
     printf("in %.1f s:\n", number(line, "time"));
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
@@ -102,11 +102,11 @@ static void print_as_given(const cJSON *line)
 int command_stats(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        CONNECTION_OPTION, {"json", 'j', NULL, 0, "As the twin gives it (docs/CONTROL.md)", 0}, {0}};
+        CONNECTION_OPTION, {"json", 'j', NULL, 0, "Print the twin's reply as JSON (docs/CONTROL.md)", 0}, {0}};
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .doc = "Prints what a running twin has counted since its start: frames, answer times, what came late."};
+        .doc = "Prints the counters of a running twin since its start: frames, response times, late runs."};
     stats_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     connection_t *connection = connection_open(args.socket, argv[0]);

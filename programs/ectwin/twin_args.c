@@ -35,46 +35,56 @@ enum {
     KEY_FAULTS,
     KEY_FILES,
     KEY_FILES_PASSWORD,
-    KEY_MODBUS /* the last one */
+    KEY_MODBUS,
 };
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
-     "Vendor id, 0..4294967295 (default: the device's placeholder); of twin N, without N of all. May be repeated, as "
-     "may the next four",
-     1},
-    {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0, "Product code, 0..4294967295", 1},
-    {"revision", KEY_REVISION, "[N:]NUMBER", 0, "Revision number, 0..4294967295", 1},
+     "Vendor id of twin N, without N of all, 0..4294967295 (default: the device's placeholder). May be repeated", 1},
+    {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0,
+     "Product code of twin N, without N of all, 0..4294967295 (default: the device's). May be repeated", 1},
+    {"revision", KEY_REVISION, "[N:]NUMBER", 0,
+     "Revision number of twin N, without N of all, 0..4294967295 (default: the device's). May be repeated", 1},
     {"serial", KEY_SERIAL, "[N:]NUMBER", 0,
-     "Serial number; without N of the first twin, the others count up (default 1)", 1},
+     "Serial number of twin N; without N of the first twin, and each further twin has the next number (default 1). May "
+     "be repeated",
+     1},
     {"alias", KEY_ALIAS, "[N:]ALIAS", 0,
-     "Station alias and device id, 1..65535; without N of the first twin, the others count up", 1},
+     "Configured station alias and device id of twin N, 1..65535; without N of the first twin, and each further twin "
+     "has the next number (default: none). May be repeated",
+     1},
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
-     "Leave the source address of frames alone (default: set its bit 1, as an ESC does)", 1},
-    {"store", KEY_STORE, "DIR", 0, "Keep what the twins save in this folder (default: until the end)", 1},
-    {"files", KEY_FILES, "DIR", 0, "Let the master read and write the files of this folder by FoE, in BOOT too", 1},
-    {"files-password", KEY_FILES_PASSWORD, "N", 0, "What it must give for them, 1..4294967295 (default: nothing)", 1},
+     "Leave the source address of frames unchanged (default: set bit 1 of its first byte, as an ESC does)", 1},
+    {"store", KEY_STORE, "DIR", 0,
+     "Keep saved parameters and EEPROM contents of the twins in this folder (default: in memory, until the end)", 1},
+    {"files", KEY_FILES, "DIR", 0,
+     "Let the master read and write the files of this folder by FoE, in BOOT too (default: no files)", 1},
+    {"files-password", KEY_FILES_PASSWORD, "N", 0,
+     "Password of the FoE requests for --files, 1..4294967295 (default: none is necessary)", 1},
     {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
-     "Answer over Modbus TCP too, at this address (default 127.0.0.1; port 0: any that is free): one base unit", 1},
-    {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0, "What stands in a slot of modular twin N (default 1) of an ESI file",
+     "Serve Modbus TCP too, at this address (default address 127.0.0.1; port 0: any free port); for one base unit", 1},
+    {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
+     "Module in a slot of twin N (default 1), a modular device of an ESI file, by its ModuleIdent. May be repeated", 1},
+    {"set", KEY_SET, "[N:]NAME=VALUE", 0,
+     "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
+     "repeated",
      1},
-    {"set", KEY_SET, "[N:]NAME=VALUE", 0, "Set a signal of twin N (default 1) before it starts; may be repeated", 1},
     {"drop", KEY_DROP, "PERCENT", 0,
-     "Short for --fault 'drop PERCENT%': lose so many frames, half of them on the way back", 1},
-    {"delay", KEY_DELAY, "PERCENT", 0, "Short for --fault 'delay 3000us PERCENT%': send so many answers late", 1},
-    {"delay-us", KEY_DELAY_US, "N", 0, "How late, microseconds (default 3000)", 1},
+     "Lose PERCENT of the frames, half of these on the way back; short for --fault 'drop PERCENT%'", 1},
+    {"delay", KEY_DELAY, "PERCENT", 0,
+     "Send PERCENT of the replies late, by --delay-us; short for --fault 'delay 3000us PERCENT%'", 1},
+    {"delay-us", KEY_DELAY_US, "N", 0, "Delay of the replies that --delay selects, microseconds (default 3000)", 1},
     {"fault", KEY_FAULT, "FAULT", 0,
-     "Let something go wrong, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md); may be repeated", 1},
-    {"faults", KEY_FAULTS, "FILE", 0, "The same from a file, one a line", 1},
-    {"seed", KEY_SEED, "N", 0, "Of the lot that decides which (default 1)", 1},
+     "Inject a fault, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md). May be repeated", 1},
+    {"faults", KEY_FAULTS, "FILE", 0, "Inject the faults in a file, one a line, as --fault does", 1},
+    {"seed", KEY_SEED, "N", 0,
+     "Seed of the random generator that selects frames for --fault and drifts for --drift (default 1)", 1},
     {"break", KEY_BREAK, "CF-NNN", 0,
-     "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists them", 1},
+     "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists the defects", 1},
     {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,
-     "Run before all ordinary processes (SCHED_FIFO), 1 to 99 (default 50), with the memory locked", 1},
+     "Run with real-time priority 1 to 99 (SCHED_FIFO, default 50) and locked memory", 1},
     {"busy-poll", KEY_BUSY_POLL, NULL, 0,
-     "Look for frames without a rest, which answers sooner and takes a whole processor (default: sleep until one "
-     "comes)",
-     1},
+     "Poll continuously: lower latency, one CPU core at 100 % (default: sleep until a frame comes)", 1},
     {0},
 };
 
@@ -83,7 +93,7 @@ static uint32_t parse_number(const struct argp_state *state, const char *option,
     return (uint32_t)ect_argument_number(state, option, text, 0, maximum);
 }
 
-/* Its value may also stand by itself; nothing else that does begins with a digit. */
+/* The value may also be the next word; no other operand begins with a digit. */
 static int parse_priority(struct argp_state *state, const char *text)
 {
     const char *next = state->next < state->argc ? state->argv[state->next] : "";
@@ -125,7 +135,7 @@ static void add_module(twin_args_t *args, const struct argp_state *state, const 
     args->modules[args->module_count++] = module;
 }
 
-/* --- who the twins say they are ----------------------------------------------------------------------------------- */
+/* --- identity of the twins --------------------------------------------------------------------------------------- */
 
 typedef struct identity_option {
     int key;
@@ -189,14 +199,14 @@ static void fulfil(const identity_wish_t *wish, ect_twin_config_t *twin, uint32_
     }
 }
 
-/* In their order: what is for one twin after what is for all. */
+/* In the order of the command line: later options override earlier ones. */
 static void fulfil_wishes(twin_args_t *args, const struct argp_state *state)
 {
     for (size_t w = 0; w < args->wish_count; w++) {
         const identity_wish_t *wish = &args->wishes[w];
         const identity_option_t *option = identity_option(wish->key);
         if (wish->twin > args->count)
-            argp_error(state, "%s %zu:…: there are %zu twins", option->name, wish->twin, args->count);
+            argp_error(state, "%s %zu:…: the chain has %zu twins", option->name, wish->twin, args->count);
         for (size_t i = 0; i < args->count; i++) {
             uint64_t value = (uint64_t)wish->value + (option->counts_up && wish->twin == 0 && !args->kinds ? i : 0);
             if (value > option->maximum)
@@ -217,7 +227,7 @@ static void add_fault(twin_args_t *args, const struct argp_state *state, const c
         argp_failure(state, EXIT_USAGE, 0, "%s: %s", where, message);
 }
 
-/* The two that have an option of their own. */
+/* --drop and --delay. */
 static void add_short_faults(twin_args_t *args, const struct argp_state *state)
 {
     char text[ECT_FAULT_TEXT];
@@ -263,10 +273,9 @@ static void choose_defect(twin_args_t *args, const struct argp_state *state, con
     args->filter = (ect_filter_t){.before = defect_before, .after = defect_after, .ctx = &args->defect};
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
-    args->given = args->given || (key >= KEY_VENDOR_ID && key <= KEY_MODBUS);
     if (identity_option(key)) {
         add_wish(args, state, key, text);
         return 0;
@@ -335,6 +344,15 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
+/* Keys of options are below those of argp's own events, and above ARGP_KEY_ARG. */
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    twin_args_t *args = state->input;
+    error_t error = parse_option(key, text, state);
+    args->given = args->given || (error == 0 && key > ARGP_KEY_ARG && key < ARGP_KEY_END);
+    return error;
+}
+
 static const struct argp_child children[] = {{&wiring_argp, 0, NULL, 0}, {0}};
 
 const struct argp twin_argp = {.options = options, .parser = parse, .children = children};
@@ -344,7 +362,7 @@ bool twin_args_given(const twin_args_t *args)
     return args->given || args->wiring.count > 0;
 }
 
-/* The product of a name at a place in the chain, with the modules for that place; NULL and a message. */
+/* Finds the product of a name for a position in the chain, with the modules of that position. NULL: see message */
 static const ect_product_t *find_product(const twin_args_t *args, const char *name, size_t place, char *message)
 {
     ect_module_choice_t *choices = calloc(args->module_count + 1, sizeof *choices);
@@ -380,7 +398,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     }
     fulfil_wishes(args, state);
     if (ect_scenario_highest_slave(&args->scenario) > args->count)
-        argp_error(state, "a fault names slave %u: there are %zu", ect_scenario_highest_slave(&args->scenario),
+        argp_error(state, "a fault names slave %u, but the chain has %zu", ect_scenario_highest_slave(&args->scenario),
                    args->count);
     wiring_args_apply(&args->wiring, state, args->twins, args->count, args->scenario.seed);
 }
@@ -392,7 +410,7 @@ static bool open_memories(twin_args_t *args, const char *who)
     char message[ECT_MEMORY_MESSAGE] = "out of memory";
     args->memories = calloc(args->count, sizeof(ect_memory_t *));
     if (args->store)
-        (void)mkdir(args->store, 0700); /* one that is there already is fine, and what is not possible is told below */
+        (void)mkdir(args->store, 0700); /* an existing one is fine; any failure is reported when its files are opened */
     for (size_t i = 0; args->memories && i < args->count; i++) {
         char path[ECT_MEMORY_PATH];
         int length = snprintf(path, sizeof path, "%s/%s-%zu", args->store ? args->store : "",
@@ -412,7 +430,7 @@ static bool open_memories(twin_args_t *args, const char *who)
     return args->memories != NULL;
 }
 
-/* From here on each twin's device is one with files. */
+/* Replaces the device of each twin by one with files. */
 static bool open_files(twin_args_t *args, const char *who)
 {
     char message[ECT_FILES_MESSAGE] = "out of memory";
@@ -466,13 +484,13 @@ static bool outlasts_power(const ect_signal_ref_t *ref)
     return (size_t)(ref->value - instance) - ref->plant->outside_offset < ref->plant->outside_size;
 }
 
-/* A setting of one twin, its name by itself. */
+/* A setting of one twin, split at '='. */
 typedef struct named {
     char name[ECT_SIGNAL_NAME];
     const char *value;
 } named_t;
 
-/* Whether a setting is for this twin; then it is taken apart. */
+/* Splits a setting. @return false: it is for another twin */
 static bool take_apart(const char *setting, size_t slave, named_t *named)
 {
     if (twin_of(&setting) != slave)
@@ -489,7 +507,7 @@ static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
     return ect_chain_signal(chain, slave - 1, name, &ref) && outlasts_power(&ref);
 }
 
-/* Of one twin: all that the command line asks for, or only what outlasts the power. @return whether it was done */
+/* Applies the settings of one twin: all, or only those that survive a power cycle. @return whether it was done */
 static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who,
                   uint64_t now_ns)
 {
@@ -517,14 +535,15 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
         const char *setting = args->settings[i];
         size_t slave = twin_of(&setting);
         if (slave < 1 || slave > args->count) {
-            fprintf(stderr, "%s: --set %.80s: there is no such twin\n", who, args->settings[i]);
+            fprintf(stderr, "%s: --set %.80s: twins are counted from 1 to the number of devices\n", who,
+                    args->settings[i]);
             return false;
         }
     }
     return true;
 }
 
-/* First what stands outside the devices, which they see when they are powered on, then everything. */
+/* First the surroundings, which devices read at power-on, then all settings. */
 static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who, uint64_t now_ns)
 {
     if (!all_for_a_twin(args, who))
@@ -591,10 +610,10 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, cons
     bool told = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
     cJSON_free(text);
     cJSON_Delete(line);
-    if (told || errno == EPIPE) /* one who does not listen any more has no need of it */
+    if (told || errno == EPIPE) /* a reader that has ended does not need it */
         return true;
     fprintf(stderr, "ectwin: the ready line cannot be written: %s\n", strerror(errno));
-    clearerr(stream); /* that was told */
+    clearerr(stream); /* the failure was reported */
     return false;
 }
 
@@ -603,6 +622,6 @@ ect_control_t *open_control(const char *who)
     char message[ECT_ENDPOINT_MESSAGE];
     ect_control_t *control = ect_control_open(message);
     if (!control)
-        fprintf(stderr, "%s: %s; 'ectwin get' and 'set' will not reach it\n", who, message);
+        fprintf(stderr, "%s: %s; 'ectwin get' and 'ectwin set' cannot reach this twin\n", who, message);
     return control;
 }

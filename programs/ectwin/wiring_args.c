@@ -16,16 +16,22 @@ enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE };
 
 static const struct argp_option options[] = {
     {"esc", KEY_ESC, "[N:]NAME", 0,
-     "Controller chip of twin N, without N of all (default: the device's own); 'help' lists them", 2},
+     "ESC chip of twin N, without N of all (default: the device's own); 'help' lists the chips", 2},
     {"drift", KEY_DRIFT, "[N:]PPM", 0,
-     "What the oscillator of twin N is too fast by, -1000 to 1000; without N of each, up to so much either way, by lot "
-     "from --seed (default 0)",
+     "Deviation of the oscillator of twin N, -1000 to 1000, above 0: fast; without N a random one of each twin, at "
+     "most "
+     "this much, from --seed (default 0)",
      2},
     {"cable", KEY_CABLE, "[N:]METRES", 0,
-     "Length of the cable at the input of twin N, without N of all, whole metres, 0 to 1000 (default 1): clocks see it",
+     "Length of the cable at the input of twin N, without N of all, whole metres, 0 to 1000 (default 1): it adds to "
+     "the "
+     "propagation delays of distributed clocks",
      2},
     {"wire", KEY_WIRE, "N:M.PORT", 0,
-     "The input of twin N is plugged in at port 1, 2 or 3 of twin M, before it (default: port 1 of the one before)", 2},
+     "Connect the input of twin N to port 1, 2 or 3 of twin M, which comes before it (default: port 1 of the twin "
+     "before). "
+     "May be repeated",
+     2},
     {0},
 };
 
@@ -38,7 +44,7 @@ static void list_chips(void)
     exit(EXIT_CLEAN);
 }
 
-/* A number and a colon in front name a twin. @return what follows */
+/* "N:" in front names a twin. @return the rest */
 static const char *twin_of(const struct argp_state *state, const char *text, size_t *twin)
 {
     uint64_t number = 0;
@@ -83,7 +89,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 const struct argp wiring_argp = {.options = options, .parser = parse};
 
-/* The device has to fit into the chip that it did not ask for. */
+/* The device must fit into the chip. */
 static void set_esc(const struct argp_state *state, ect_twin_config_t *twin, size_t position, const char *name)
 {
     char why[ECT_CHECK_TEXT];
@@ -106,7 +112,7 @@ static double parse_within(const struct argp_state *state, const char *option, c
     return value;
 }
 
-/* Exactly so much for one twin, up to so much for all. */
+/* The exact deviation for one twin, a random one up to the limit for all. */
 static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish,
                       uint32_t *seed)
 {
@@ -166,12 +172,12 @@ void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state
     }
     size_t wrong = ect_chain_check_wires(twins, count);
     if (wrong < count)
-        argp_failure(
-            state, EXIT_USAGE, 0,
-            "twin %zu cannot be plugged in at port %u of twin %zu: that is not before it, has no such port, or "
-            "something else is there (port 1 is the next one's, unless --wire says otherwise)",
-            wrong + 1, twins[wrong].up_port ? twins[wrong].up_port : 1u,
-            twins[wrong].up_port ? twins[wrong].up + 1 : wrong);
+        argp_failure(state, EXIT_USAGE, 0,
+                     "twin %zu cannot be connected to port %u of twin %zu: that twin does not come before it, has no "
+                     "such port, or "
+                     "another twin is connected there (port 1 is for the next twin, unless --wire moves that)",
+                     wrong + 1, twins[wrong].up_port ? twins[wrong].up_port : 1u,
+                     twins[wrong].up_port ? twins[wrong].up + 1 : wrong);
 }
 
 void wiring_args_free(wiring_args_t *args)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Options of the command line that say what the twins are built of, and how they are wired: chips, oscillators, cables,
- * junctions.
+ * Command-line options for the hardware of twins: chips, oscillators, cables, junctions.
  */
 #ifndef ECTWIN_WIRING_ARGS_H
 #define ECTWIN_WIRING_ARGS_H
@@ -29,8 +28,8 @@ typedef struct wiring_args {
 extern const struct argp wiring_argp;
 
 /**
- * Builds the twins as the options say; one that cannot be built so ends the program with a line that says why.
- * @param seed  of the lot by which drifts are drawn
+ * Applies the options to the twins. An impossible one ends the program with a line that names the reason.
+ * @param seed  of the random generator for drifts
  */
 void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
                        size_t count, uint32_t seed);

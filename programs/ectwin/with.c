@@ -20,11 +20,11 @@ enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_
 
 static const struct argp_option options[] = {
     {"iface", KEY_IFACE, "NAME[,NAME]", 0,
-     "What CMD's end of the wire is called (default ecat0). Two names: a second wire, at the output of the last device "
-     "(cable redundancy); {2} in ARG and $ECTWIN_IFACE2",
+     "Name of CMD's end of the wire (default ecat0). Two names: a second wire at the output of the last device, for cable "
+     "redundancy; its name replaces {2} in ARG and is in $ECTWIN_IFACE2",
      0},
     {"external", KEY_EXTERNAL, "PROGRAM", 0,
-     "In place of DEVICE: a slave of your own, run by the shell with -i and its end of the wire behind it (a firmware "
+     "A slave of your own in place of DEVICE: a shell command to which -i and an interface are added (a firmware "
      "with ectwin's soes_hal, docs/SOES.md)",
      0},
     {"in-process", KEY_IN_PROCESS, NULL, 0,
@@ -35,7 +35,8 @@ static const struct argp_option options[] = {
     {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
      "With --in-process: a virtual clock, which passes while CMD waits; runs are fast and repeatable", 0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
-     "Let processes that CMD left behind live on when it has ended (default: they end too)", 0},
+     "Let processes that CMD starts outlive it (default: they end with CMD, which runs in a PID namespace of its own)",
+     0},
     {0},
 };
 
@@ -59,7 +60,7 @@ typedef struct child {
     int slave_status; /* as `status` */
 } child_t;
 
-/* What a child process needs to know. */
+/* Arguments of a child process. */
 typedef struct start {
     const with_args_t *args;
     const ect_control_t *control; /* NULL: none */
@@ -84,11 +85,11 @@ static void take_names(with_args_t *args, const struct argp_state *state, char *
 static void check_arguments(with_args_t *args, const struct argp_state *state)
 {
     if (!args->devices && !args->external)
-        argp_error(state, "name a device; 'ectwin list' lists those there are");
+        argp_error(state, "no device: name one; 'ectwin list' lists the devices");
     if (args->devices && args->external)
-        argp_error(state, "either a device or --external");
+        argp_error(state, "a device and --external: leave one of them out");
     if (args->external && args->masters[1])
-        argp_error(state, "--external has one wire: one name in --iface");
+        argp_error(state, "--external has one wire: give --iface one name");
     if (args->virtual_time && !args->in_process)
         argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
     if (args->in_process && args->external)
@@ -99,7 +100,7 @@ static void check_arguments(with_args_t *args, const struct argp_state *state)
     if (args->external && twin_args_given(&args->twins))
         argp_error(state, "--external is a slave of your own: the options of twins do nothing to it, leave them out");
     if (!args->command)
-        argp_error(state, "name the command to run: ectwin with %s -- CMD ARG...",
+        argp_error(state, "no command: ectwin with %s -- CMD ARG...",
                    args->devices ? args->devices : "--external PROGRAM");
     if (args->devices)
         twin_args_devices(&args->twins, state, args->devices);
@@ -280,12 +281,14 @@ static int serve(with_args_t *args, session_t *session)
     return status == EXIT_CLEAN ? child.status : status;
 }
 
-static void tell_lacks(unsigned int lacks)
+static void report_lacks(unsigned int lacks)
 {
     if ((lacks & ECT_NETNS_USER_NAMESPACE) != 0)
-        fputs("ectwin with: no user namespace can be made here, so CMD is root on the whole machine\n", stderr);
+        fputs("ectwin with: no user namespace can be made on this system, so CMD is root on the whole machine\n",
+              stderr);
     if ((lacks & ECT_NETNS_OWN_SYSFS) != 0)
-        fputs("ectwin with: /sys cannot be mounted anew here, so /sys/class/net shows CMD the interfaces outside\n",
+        fputs("ectwin with: /sys cannot be mounted again on this system, so /sys/class/net shows CMD the interfaces "
+              "outside\n",
               stderr);
 }
 
@@ -298,11 +301,11 @@ static int enter_network(const with_args_t *args)
         fprintf(stderr, "ectwin with: %s\n", message);
         return EXIT_OPEN;
     }
-    tell_lacks(lacks);
+    report_lacks(lacks);
     return EXIT_CLEAN;
 }
 
-/* --- a slave that is not ours ------------------------------------------------------------------------------------- */
+/* --- an external slave ------------------------------------------------------------------------------------------- */
 
 /* CMD's output stays clean: the slave's goes to standard error, and its ready line to a descriptor of its own. */
 static void run_slave(const void *ctx)
@@ -319,7 +322,7 @@ static void run_slave(const void *ctx)
     _exit(EXIT_RUN);
 }
 
-/* One that says nothing is not waited for longer than a firmware takes to start. */
+/* A slave without a ready line is waited for as long as a firmware takes to start. */
 static void wait_until_ready(int ready)
 {
     enum { PATIENCE_MS = 5000 };
@@ -350,7 +353,7 @@ static bool start_slave(const with_args_t *args, child_t *child)
     return child->slave > 0 && child->slave_status < 0;
 }
 
-/* Until the command ends, or the slave does. */
+/* Waits until the command or the slave ends. */
 static void wait_for_end(child_t *child, int signal_fd)
 {
     struct signalfd_siginfo info;
@@ -476,7 +479,7 @@ int command_with(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
-        .doc = "Runs CMD on a private network with these devices at the other end of its wire. The interface's name "
+        .doc = "Runs CMD on a private network whose other end is a chain of these devices. The interface's name "
                "is in $ECTWIN_IFACE and replaces {} in each ARG. Needs no root. Exits with CMD's status.",
         .children = children,
     };
