@@ -58,7 +58,7 @@ static int wait_for(pid_t main, const sigset_t *all)
     }
 }
 
-/* What is left ends when process 1 does; before that it may end by itself. */
+/* The kernel kills the other processes when process 1 ends; before that they get SIGTERM and a second to end. */
 static void end_others(void)
 {
     enum { ROUNDS = 20 };

@@ -166,7 +166,7 @@ two_ends_that_answer() {
     echo $((after - before)) >"$work/out"
     kill $a $b; wait' >/dev/null
   cat "$work/err2" >>"$work/err"
-  says "run: two on one wire" "what is at the other end of 'tw[01]' answers EtherCAT frames too"
+  says "run: two on one wire" "a program at the other end of 'tw[01]' replies to EtherCAT frames too"
   check "run: the frame is destroyed, both are idle again" yes "$([ "$(cat "$work/out")" -le 2 ] && echo yes)"
 }
 

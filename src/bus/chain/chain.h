@@ -48,7 +48,7 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
 void ect_chain_free(ect_chain_t *chain);
 
 /**
- * Checks whether twins can be wired as their `up` and `up_port` say.
+ * Checks whether twins can be wired as `up` and `up_port` name it.
  * @return count: they can, or memory is short; else the position of the first twin that cannot: `up` is not less than
  * its own position, the chip there has no port `up_port`, or another twin is wired to it
  */
@@ -150,7 +150,7 @@ bool ect_chain_keep(ect_chain_t *chain, size_t position);
 void ect_chain_put_back(ect_chain_t *chain, size_t position);
 
 /**
- * Makes the next poll run the twin: its signals, instance or wiring were changed from outside. Cost: a look at four
+ * Makes the next poll run the twin: its signals, instance or wiring were changed from outside. Cost: a check of four
  * plugs; if the link of one has changed, the next poll updates the links of all twins.
  */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
