@@ -34,10 +34,10 @@ class Error(Exception):
 
 
 class Refused(Error):
-    """The twin says no; the message is its reason."""
+    """The twin refuses a request; the message is the reason."""
 
 
-# --- where twins are ---------------------------------------------------------------------------------------------------
+# --- finding twins -----------------------------------------------------------------------------------------------------
 
 
 def _folder():
@@ -46,7 +46,7 @@ def _folder():
 
 
 def _trusted(folder):
-    """Sockets in it may be used: it is a folder of our own that nobody else can write to."""
+    """Whether the folder belongs to this user and no other user can write to it."""
     try:
         info = os.lstat(folder)
     except OSError:
@@ -85,7 +85,7 @@ def _open_named(path):
 
 
 def _all():
-    """Those of this user that answer: (path, connection, process)."""
+    """Running twins of this user: (path, connection, process)."""
     folder = _folder()
     if os.path.lexists(folder) and not _trusted(folder):
         raise Error(f"'{folder}' belongs to somebody else, or others may write to it: no twin in it is trusted")
@@ -146,11 +146,11 @@ class _Connection:
         return json.loads(line)
 
     def ask(self, request):
-        """Sends a request. Yields its lines, without the last, which says how it went."""
+        """Sends a request. Yields the lines of the reply but the last, the result."""
         try:
             self.socket.sendall(json.dumps(request).encode() + b"\n")
         except OSError:
-            pass  # it may have said why before it closed the connection
+            pass  # the twin may have sent the reason before it closed the connection
         while True:
             line = self.line(PATIENCE)
             if line is None:
@@ -229,7 +229,7 @@ class Twin:
         return {(line["slave"], line["name"]) if slave == 0 else line["name"]: line["value"] for line in lines}
 
     def signals(self, pattern="*", slave=1):
-        """What there is to get and set: a list of Signal."""
+        """The signals of a slave: a list of Signal."""
         lines = self._connection.ask({"op": "list", "pattern": pattern, "slave": slave})
         return [Signal(**{field: line[field] for field in Signal._fields}) for line in lines]
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Requests over Modbus with anything in them, to each of the base units, and time between them. What is read must be
- * what was written, bits must be bits, and input data must be what only time changes.
+ * Modbus requests with any content to each of the base units, with time between them. A read must return the value
+ * written before, bits must be 0 or 1, and only time may change input data.
  *
  * The input: a byte that chooses the unit, then requests: a length and so many bytes, function code first; a length of
  * 0 is half a second.

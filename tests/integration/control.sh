@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Those who talk to a running twin: get, set, watch, list-signals, files, the Python module; and whom they do not trust.
-# usage: control.sh ECTWIN [CASE]       Needs no root; what needs a second user is left out without it, and says so.
+# Clients of a running twin: get, set, watch, list-signals, files, the Python module; and the sockets that they refuse.
+# usage: control.sh ECTWIN [CASE]       Needs no root; cases with a second user are left out without root, with a line.
 set -u
 ectwin=$1
 only=${2:-}
@@ -107,7 +107,7 @@ no_twin() {
   has "get: it says how to start one" "no twin of yours is running: start one with" "$work/err"
 }
 
-# What answers may be stopped, for good or for a while; a backlog may be full.
+# The twin may be stopped, for good or for a while; a backlog may be full.
 a_stopped_twin() {
   rm -f "$work/asks"
   # shellcheck disable=SC2016
@@ -126,7 +126,7 @@ a_stopped_twin() {
   has "get: it says so" "the twin does not answer" "$work/err"
 }
 
-# A socket that somebody else serves: what it says must not steer the terminal.
+# A socket of another program, whose replies must not control the terminal.
 escapes() {
   cat >"$work/hostile.py" <<'EOF'
 import json, socket, sys

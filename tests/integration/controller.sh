@@ -94,15 +94,15 @@ killed_and_back() {
     while read -r data; do echo $((16#$data)); done | xargs)"
 }
 
-# Every signal of a chain is told, however many they are
-all_signals_are_told() {
+# A watch reports every signal of a chain of any length
+all_signals_are_reported() {
   map7=vr-bu-ect-map7
   "$ectwin" with $map7,$map7,$map7,$map7 -- bash -c '
     for n in $(seq 20); do "$ectwin" get -n 0 | wc -l; "$ectwin" list-signals -n 0 | wc -l; done | sort -u >"$work/values"' 2>/dev/null
   check "lines of get and list-signals, 20 times" "$((4 * $("$ectwin" with $map7 -- "$ectwin" get 2>/dev/null | wc -l)))" "$(xargs <"$work/values")"
 }
 
-# ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI; they can be looked at
+# ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI; 'ectwin periodic' reads them
 a_set_arrives_whole() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
     "$controller" "$ECTWIN_IFACE" --seconds 8 --periodic 4321 >"$work/log"
@@ -119,8 +119,8 @@ print("yes" if open(sys.argv[1], "rb").read() == bytes(i * 7 & 255 for i in rang
   check "the same to read" "00000 00 07 0e 15 1c 23 2a 31 38 3f 46 4d 54 5b 62 69 .....#*18?FMT[bi" "$(head -n 1 "$work/dump" | tr -s ' ')"
 }
 
-# What is no base unit with periodic data has none to look at
-no_set_to_look_at() {
+# A device without periodic data has none to read
+no_set_to_read() {
   "$ectwin" with vr-bu-ect-map3 -- bash -c '"$ectwin" periodic 2>"$work/err"; echo $? >"$work/status"' 2>/dev/null
   check "exit code" 1 "$(cat "$work/status")"
   check "why" yes "$(grep -q "no data" "$work/err" && echo yes)"
@@ -139,7 +139,7 @@ values_are_checked() {
   check "mode of the socket" 600 "$(cat "$work/mode")"
 }
 
-for case_name in all_signals_are_told the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole no_set_to_look_at values_are_checked; do
+for case_name in all_signals_are_reported the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole no_set_to_read values_are_checked; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))
   rm -f "$work"/*

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# --modbus: where a base unit answers over Modbus TCP, what is told, what is refused, what it costs.
+# --modbus: the address of a base unit's Modbus server, its replies, refusals and cost.
 # usage: modbus.sh ECTWIN [CASE]
 # Runs everything inside namespaces of its own; needs no root where user namespaces are allowed.
 set -u
@@ -110,7 +110,7 @@ with_a_command() {
 VLAPs 3' "$("$ectwin" with --modbus 502 vr-bu-ect-multiarm -- sh -c 'echo $ECTWIN_MODBUS; until python3 "$1/ask.py" 127.0.0.1 502 | grep 3; do :; done' sh "$work" 2>&1)"
 }
 
-# What it may do on the machine while it serves: no more than without.
+# Rights on the machine: no more than without --modbus.
 rights() {
   in_network 'for option in "--modbus 1502" ""; do
       ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up
@@ -123,7 +123,7 @@ rights() {
   check "rights: no capabilities" "CapPrm: 0000000000000000 CapEff: 0000000000000000" "$(grep -o 'CapPrm: [0-9a-f]* CapEff: [0-9a-f]*' "$work/out" | sort -u)"
 }
 
-# Four connections that say nothing. One clock tick of processor time in two seconds is 0.5 %.
+# Four idle connections. One clock tick of processor time in two seconds is 0.5 %.
 idle_costs_nothing() {
   in_network 'start --modbus 1502 vr-bu-ect-map7
     exec 3<>/dev/tcp/127.0.0.1/1502 4<>/dev/tcp/127.0.0.1/1502 5<>/dev/tcp/127.0.0.1/1502 6<>/dev/tcp/127.0.0.1/1502

@@ -136,7 +136,7 @@ fault_on_a_wire() {
     sh "$ectwin" "$here" 2>/dev/null | grep -v '"answers"' | sed 's/^{.*"stale":0[,}].*//; s/^{.*/stale/' | xargs
 }
 
-# Those that a busy machine has found too old were not counted by the fault: then it is asked again.
+# A fault does not count frames that a busy machine discards as too old: then the case is repeated.
 expect_of_fault() {
   local got=stale
   for _ in 1 2 3 4 5; do
@@ -270,7 +270,7 @@ END
   check "stats: without a twin" 2 $?
 }
 
-# The example masters: a device that is not theirs, an interface that is none, a wire on which nobody answers.
+# The example masters: a device of another kind, an interface that does not exist, a wire without slaves.
 example_masters_at_the_wrong_place() {
   local masters
   masters=$(dirname "$ectwin")
@@ -302,7 +302,7 @@ example_masters_at_the_wrong_place() {
   done
 }
 
-# What a twin may do once it runs: nothing, or take its interface down again.
+# Rights of a running twin: none, or to take its interface down.
 rights_of_a_running_twin() {
   in_network '
     ip link set tw0 down

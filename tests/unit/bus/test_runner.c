@@ -23,7 +23,7 @@ enum { ROOM = 65536, LOG = 4096 };
 
 typedef struct bench bench_t;
 
-/* What the test does before the loop waits for the n-th time. */
+/* The action of a test before the loop waits for the n-th time. */
 typedef void script_t(bench_t *b, unsigned int n, const struct timespec *limit);
 
 struct bench {
@@ -38,7 +38,7 @@ struct bench {
     size_t logged;
     unsigned int serve_late_ns;
     uint64_t clock_ns;      /* what the loop takes for the time, once it is not zero, */
-    uint64_t clock_step_ns; /* which goes on by that with each look at it */
+    uint64_t clock_step_ns; /* added to the clock by each read */
 };
 
 static bench_t *running;
@@ -225,7 +225,7 @@ static void frames_first(void **state)
         since = b.order[i] == 'C' ? 0 : since + 1;
         frames += b.order[i] == 'F';
     }
-    assert_int_equal(served, FRAMES / IN_A_ROW); /* and nobody starves */
+    assert_int_equal(served, FRAMES / IN_A_ROW); /* and every client is served */
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++)
         close(fds[i]);
     close_bench(&b);
@@ -262,7 +262,7 @@ static void once_between_frames(void **state)
 static void until_frames_are_over(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     if (n > 0 && strchr(b->order, 'C'))
-        assert_non_null(limit); /* it will look at the clients again */
+        assert_non_null(limit); /* it will serve the clients again */
     one_frame_at_a_time(b, n, limit);
 }
 
@@ -392,7 +392,7 @@ static struct look {
 } looks[LOOKS];
 static unsigned int look_count;
 
-/* Frames are there from the first moment on. What the loop has answered when it looks at others, for the n-th time. */
+/* Frames are there from the first moment on. Checks the replies when the loop serves clients for the n-th time. */
 static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
@@ -435,7 +435,7 @@ static void waits_where_it_receives(void **state)
     close_bench(&b);
 }
 
-/* With a client at work nobody waits where only a frame can end it. */
+/* With a client at work the loop never waits for frames alone. */
 static void flood_with_client(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     (void)limit;
@@ -505,7 +505,7 @@ static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
         (void)raise(SIGUSR1);
 }
 
-/* With a fault that touches bytes of each frame; from the far end, where nobody would process it on its way. */
+/* With a fault that touches bytes of each frame; from the far end, from where no slave processes it on its way. */
 static void too_long(void **state)
 {
     static ect_scenario_t scenario;
@@ -675,17 +675,18 @@ int main(int argc, char **argv)
         {"Modbus clients and users of the control socket are served in turn", both_kinds_of_clients, NULL, NULL, NULL},
         {"Attack: Modbus clients do not keep the processor busy: there is a rest after each request", rests_from_modbus,
          NULL, NULL, NULL},
-        {"Frames in a row are waited for where they are received; each half millisecond the others are looked at",
+        {"Frames in a row are waited for where they are received; clients and signals are checked every half "
+         "millisecond",
          waits_where_it_receives, NULL, NULL, NULL},
         {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
-        {"Attack: a frame longer than any of EtherCAT is counted by the controller, answered by nobody and touches "
+        {"Attack: a frame longer than any of EtherCAT is counted by the controller, gets no reply and changes "
          "nothing",
          too_long, NULL, NULL, NULL},
-        {"What was to happen to a frame on a wire happens to no other one, however it is lost before",
+        {"A fault for a frame on a wire concerns no other frame, however the frame is lost before",
          nothing_is_left_over, NULL, NULL, NULL},
-        {"Who watches wakes the loop every 10 ms, nobody else", report_deadline, NULL, NULL, NULL},
-        {"A late loop runs the devices at the times they asked for: every change is told", late_loop, NULL, NULL, NULL},
+        {"Only a watch wakes the loop, every 10 ms", report_deadline, NULL, NULL, NULL},
+        {"A late loop runs the devices at their deadlines: every change is reported", late_loop, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

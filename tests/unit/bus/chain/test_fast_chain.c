@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The fast way through a chain (fast.h) against the reference: each frame goes to one chain the fast way, and to the
- * controllers of a second, equal chain one after the other, by ect_esc_process. Replies, memories, states, lamps and
- * what the poll says are the same, whatever master, users and time do.
+ * The fast path through a chain (fast.h) against the reference: each frame goes to one chain over the fast path, and to
+ * the controllers of a second, equal chain one after the other, by ect_esc_process. Replies, memories, states, lamps
+ * and results of the poll must be equal, under random actions of master, users and time.
  *
- * test_fast_chain [ROUNDS [SEED]]: so many rounds of FRAMES frames, each with a chain and a seed of its own.
+ * test_fast_chain [ROUNDS [SEED]]: ROUNDS rounds of FRAMES frames, each with a chain and a seed of its own.
  */
 #include "bus/chain/chain.h"
 
@@ -361,7 +361,7 @@ static void same_signal(const rig_t *r, size_t i, const char *name)
                  fast, slow, r->frame_number, r->seed);
 }
 
-/* Of those who were not asked for long, too: the time has to be told to them first. */
+/* Controllers without an access for a long time are compared too: they must take the recorded times first. */
 static void compare(const rig_t *r)
 {
     for (size_t i = 0; i < r->count; i++) {
@@ -403,8 +403,8 @@ static void set_both(rig_t *r, size_t i, const char *name, const char *value)
     assert_true(ect_settings_apply(r->slow, i, &setting, 1, r->now_ns, message));
 }
 
-/* Cables and power. What is pulled is soon put back. A slave whose port 0 is dead sends frames in a circle, for which
- * the reference here is too simple: wires are cut at their beginning, and behind them nothing is asked. */
+/* Cables and power. A pulled plug is soon plugged in again. A slave whose port 0 is dead circulates frames, for which
+ * the reference here is too simple: wires are cut at their beginning, and slaves behind them are not compared. */
 static void disturb(rig_t *r)
 {
     size_t i = below(r, (uint32_t)r->count);
@@ -495,7 +495,7 @@ static void same_as_the_reference(void **state)
         run_round(first_seed + round);
 }
 
-/* Those that have found something. */
+/* Seeds that have found a fault. */
 static void same_as_ever(void **state)
 {
     static const uint32_t seeds[] = {439, 1272, 2697, 6969};
@@ -505,14 +505,14 @@ static void same_as_ever(void **state)
 }
 
 /* A slave lets nothing through its port 1 for the second that such a setting lasts, and has a SYNC0 meanwhile. When the
- * second is over all see a frame, also one that goes to nobody in particular. */
+ * second is over all see a frame, also one without an address. */
 static void loop_opens_in_time(void **state)
 {
     static const struct {
         const char *title;
         uint32_t before_ns, cycle_ns; /* the first SYNC0: so long before the loop opens */
         bool polls;                   /* at the SYNC0, or a frame comes then */
-    } rows[] = {{"a frame comes, and nobody polls until the next one", 500 * MS, 0, false},
+    } rows[] = {{"a frame comes, and no poll until the next one", 500 * MS, 0, false},
                 {"SYNC0 has waked the slave just before", 1000, 1000, true}};
     ect_device_t device = testdev;
     const ect_device_t *devices[] = {&device, &device};
@@ -547,7 +547,7 @@ static void loop_opens_in_time(void **state)
     }
 }
 
-/* Of two equal chains one is polled after each frame, the other never: what was told waits, in whatever it was told. */
+/* One of two equal chains is polled after each frame, the other never: recorded times wait, however they came. */
 static void times_wait(void **state)
 {
     enum { SLAVES = 3, TOLD = 20 };
@@ -562,7 +562,7 @@ static void times_wait(void **state)
             ect_esc_set_drift(ect_chain_esc(w[k].chain, i), (int32_t)i * 50000);
     }
     for (unsigned int n = 0; n < TOLD; n++) {
-        uint16_t source = (uint16_t)(n % (SLAVES + 1)); /* the last one is nobody */
+        uint16_t source = (uint16_t)(n % (SLAVES + 1)); /* the last one: no slave */
         uint8_t command = n % 2 == 0 ? FRMW : ARMW;
         uint16_t address = command == FRMW ? (uint16_t)(WIRE_STATION + source) : (uint16_t)(0 - source);
         for (unsigned int k = 0; k < 2; k++) {
@@ -668,8 +668,8 @@ int main(int argc, char **argv)
         {"CF-002 CF-010 CF-089: so they are where they once were not", same_as_ever, NULL, NULL, NULL},
         {"CF-010: a loop that was closed for a time is open for the first frame after it", loop_opens_in_time, NULL,
          NULL, NULL},
-        {"CF-088: a system time that was told is taken before anybody looks, also where more were told than are kept",
-         times_wait, NULL, NULL, NULL},
+        {"CF-088: a recorded system time is taken before any access, also when more come than are kept", times_wait,
+         NULL, NULL, NULL},
         {"a line without memory is none, and keeps none", memory_runs_out, NULL, NULL, NULL},
         {"link lamps flicker of those whom frames reach", lamps_within_reach, NULL, NULL, NULL},
     };

@@ -25,7 +25,7 @@ static void plug(wire_t *w, size_t position, const char *name, uint8_t in)
     (void)ect_chain_poll(w->chain, w->now_ns);
 }
 
-/* A broadcast read: its working counter says how many have processed it. */
+/* A broadcast read: its working counter is the number of slaves that have processed it. */
 static ect_end_t broadcast(wire_t *w, ect_end_t in)
 {
     wire_build(w, BRD, 0, 0x0000, "", 1);
@@ -121,7 +121,7 @@ static void second_time(void **state)
     w.frame[LENGTH_HIGH] |= CIRCULATING;
     assert_int_equal(ect_chain_pass(w.chain, ECT_END_OUT, w.frame, w.frame_length, w.now_ns), ECT_END_NONE);
     assert_int_equal(wire_wkc(&w, 0), 0);
-    /* Slaves that have their port 0 do not look at the mark. */
+    /* Slaves with link at port 0 ignore the mark. */
     wire_build(&w, BRD, 0, 0x0000, "", 1);
     w.frame[LENGTH_HIGH] |= CIRCULATING;
     assert_int_equal(ect_chain_pass(w.chain, ECT_END_IN, w.frame, w.frame_length, w.now_ns), ECT_END_IN);

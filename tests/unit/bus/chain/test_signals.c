@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A user sets a signal (bus/chain/signals.h, seams/plant.h): the plant is asked, the value is stored, the plant is
- * told. */
+/* A user sets a signal (bus/chain/signals.h, seams/plant.h): the plant checks the value, the value is stored, the
+ * plant is notified. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@ typedef struct unit {
     const char *answer; /* of signal_write */
     struct {
         const ect_signal_t *signal;
-        uint16_t group_number, number; /* the value as it stood in the instance */
+        uint16_t group_number, number; /* the value as the instance held it */
         uint64_t now_ns;
     } asked, told;
 } unit_t;
@@ -121,10 +121,10 @@ static void without_functions(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"a value that a user sets: the plant is asked, then it is stored, then the plant is told", asked_stored_told,
-         NULL, NULL, NULL},
-        {"the plant has done it itself, or refuses: nothing is stored, nothing is told", done_or_refused, NULL, NULL,
-         NULL},
+        {"a value that a user sets: the plant checks it, then it is stored, then the plant is notified",
+         asked_stored_told, NULL, NULL, NULL},
+        {"the plant has done it itself, or refuses: nothing is stored, no notification follows", done_or_refused, NULL,
+         NULL, NULL},
         {"a value out of range does not come to the plant", out_of_range, NULL, NULL, NULL},
         {"a plant without functions: the value is stored", without_functions, NULL, NULL, NULL},
     };

@@ -33,7 +33,7 @@ static const plan_t plans[] = {
      {{0}, {0, 3}, {1, 3}, {1, 1}, {1, 2}, {0, 1}, {5, 1}},
      "1234567",
      {0x9A, 0xAA, 0x56, 0x56, 0x56, 0x5A, 0x56}},
-    {"nobody at port 1", 3, {{0}, {0, 3}, {1, 2}}, "123", {0x96, 0x66, 0x56}},
+    {"no slave at port 1", 3, {{0}, {0, 3}, {1, 2}}, "123", {0x96, 0x66, 0x56}},
 };
 
 enum { PLANS = sizeof plans / sizeof plans[0] };
@@ -152,8 +152,8 @@ static void cut_and_healed(void **state)
     wire_close(&w);
 }
 
-/* The master's own cut: the neighbour still sees its link, and both DL status say so. Where the first twin is left with
- * two ports it looks like one of a line, but the next one in the list is not the one behind it. */
+/* A cut by the master: the neighbour still has link, as both DL status show. With two open ports left the first twin
+ * looks like one of a line, but the next twin in the list is not the one behind it. */
 static void loop_control(void **state)
 {
     static const struct {
@@ -183,7 +183,7 @@ static void loop_control(void **state)
     wire_close(&w);
 }
 
-/* Nobody polls in between: the next frame must find the way open all the same. */
+/* Without a poll in between, the next frame must find the port open. */
 static void temporary_cut(void **state)
 {
     wire_t w;
@@ -255,7 +255,7 @@ static void times_of_a_junction(void **state)
     wire_close(&w);
 }
 
-/* --- what stands around the chip -------------------------------------------------------------------------------- */
+/* --- surroundings of the chip ----------------------------------------------------------------------------------- */
 
 static void latch_and_drift(void **state)
 {
@@ -286,7 +286,7 @@ static void reset_by_the_master(void **state)
         assert_int_equal(wire_send(&w, APWR, (uint16_t)-1, 0x0040, (uint8_t[1]){(uint8_t)*letter}, 1), 1);
     assert_int_equal(ect_chain_slave(w.chain, 1)->state, 1);
     assert_int_equal(ect_chain_slave(w.chain, 0)->state, 1);
-    assert_int_equal(wire_read(&w, 1, 0x0010, (uint8_t[2]){0}, 2), 0); /* nobody has that address any more */
+    assert_int_equal(wire_read(&w, 1, 0x0010, (uint8_t[2]){0}, 2), 0); /* no slave has that address any more */
     wire_assign_stations(&w);
     wire_go(&w, 1, 2);
     assert_int_equal(ect_chain_esc(w.chain, 1)->memory[DL_PORTS], 0x5A);
@@ -295,7 +295,7 @@ static void reset_by_the_master(void **state)
 
 /* --- mishaps ---------------------------------------------------------------------------------------------------- */
 
-/* What happens on one wire, in one direction. */
+/* A fault on one wire, in one direction. */
 typedef struct mishap {
     bool damaged; /* else it is lost */
     size_t wire;

@@ -261,7 +261,7 @@ static void buffer_at_power_on(void **state)
     }
 }
 
-/* A program's own devices stand behind ours. */
+/* A program's own devices come after those of this tree. */
 static void catalogue_grows(void **state)
 {
     static const ect_product_t mine[] = {{&testdev, NULL}};
@@ -288,13 +288,13 @@ int main(int argc, char **argv)
         {"CF-002 CF-010: 40 twins answer in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
         {"CF-095: the source address has its bit set, or is kept if so wished", source_address, NULL, NULL, NULL},
         {"CF-013: a frame that is no EtherCAT does not come back", not_ethercat, NULL, NULL, NULL},
-        {"CF-083: the poll tells the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
+        {"CF-083: the poll returns the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
         {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
          NULL, NULL},
-        {"the poll tells when the link lamps stop to flicker", lamps_deadline, NULL, NULL, NULL},
+        {"the poll returns the time at which the link lamps stop flickering", lamps_deadline, NULL, NULL, NULL},
         {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
-        {"a program's own devices stand in the catalogue, behind ours", catalogue_grows, NULL, NULL, NULL},
+        {"a program's own devices come in the catalogue after those of this tree", catalogue_grows, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

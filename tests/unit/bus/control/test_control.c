@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The control socket: what it answers, and how little of it is done between two looks at the wire (control.h). */
+/* The control socket: its replies, and the bounded work between two checks of the wire (control.h). */
 #define _GNU_SOURCE
 #include "bus/control/control.h"
 
@@ -20,7 +20,7 @@
 #include "bus/control/client.h"
 #include "support/wire.h"
 
-/* What one call of ect_control_serve did: the linker leads the library's calls through here (tests/CMakeLists.txt). */
+/* The system calls of one ect_control_serve: the linker leads them through here (tests/CMakeLists.txt). */
 static struct {
     unsigned int receives, sends, accepts, waits, matches, lamps;
     size_t sent;
@@ -139,7 +139,7 @@ static void serve_once(bench_t *b)
     ect_control_serve(b->control, b->wire.chain, b->wire.now_ns);
     assert_true(work.receives <= 1);
     assert_true(work.sends <= 1);
-    assert_true(work.accepts <= 2); /* the second to tell somebody that there is no descriptor left */
+    assert_true(work.accepts <= 2); /* the second one refuses a client for lack of descriptors */
     assert_int_equal(work.waits, 1);
     assert_true(work.matches <= ECT_CLIENT_LOOKS);
     assert_true(work.sent <= ECT_CLIENT_ANSWER);
@@ -162,7 +162,7 @@ static void say(int fd, const char *text)
     assert_int_equal(write(fd, text, strlen(text)), (ssize_t)strlen(text));
 }
 
-/* What has come so far, at most `room` - 1 bytes. */
+/* The bytes received so far, at most `room` - 1. */
 static size_t hear(int fd, char *text, size_t room)
 {
     size_t used = 0;
@@ -434,7 +434,7 @@ static void everybody_in_turn(void **state)
     close_bench(&b);
 }
 
-/* What is not read stops the answer, costs nothing meanwhile, and is whole in the end. */
+/* An unread reply stops, costs nothing meanwhile, and is complete in the end. */
 static void slow_reader(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -514,7 +514,7 @@ static void half_closed(void **state)
     close_bench(&b);
 }
 
-/* A watcher that sends nothing more is told on; when it is gone, its place is free. */
+/* A watcher that has ended sending still gets changes; when it is gone, its place is free. */
 static void half_closed_watcher(void **state)
 {
     char got[1024];
@@ -690,7 +690,7 @@ static void seventeenth_client(void **state)
     close_bench(&b);
 }
 
-/* Without a descriptor nobody can be let in, and whoever knocks keeps the socket readable: no spinning on it. */
+/* Without a descriptor no client is accepted, and a waiting one keeps the socket readable: the loop must not spin. */
 static void no_descriptors(void **state)
 {
     struct rlimit before, none;
@@ -714,7 +714,7 @@ static void no_descriptors(void **state)
     close_bench(&b);
 }
 
-/* Not even one to tell it with: looked at again after a second. */
+/* No descriptor for the refusal either: the next attempt follows after a second. */
 static void no_descriptors_at_all(void **state)
 {
     struct rlimit before, none;
@@ -784,7 +784,7 @@ static void by_rounds(void **state)
     assert_int_equal(hear(fd, got, sizeof got), 0);
     close(fd);
     serve(&b);
-    assert_true(ect_control_due(b.control) == ECT_NEVER); /* nobody watches: no rounds */
+    assert_true(ect_control_due(b.control) == ECT_NEVER); /* no client watches: no rounds */
     close_bench(&b);
 }
 
@@ -849,15 +849,15 @@ static void watched_lamps(void **state)
         }
         hear(fd, got, sizeof got);
         if (strncmp(got, rows[i].told, strlen(rows[i].told)) != 0 || looks != rows[i].looks)
-            fail_msg("%s: expected %s and %u looks at lamps, got %s and %u", rows[i].watch, rows[i].told, rows[i].looks,
-                     got, looks);
+            fail_msg("%s: expected %s and %u updates of lamps, got %s and %u", rows[i].watch, rows[i].told,
+                     rows[i].looks, got, looks);
         close(fd);
         serve(&b);
         close_bench(&b);
     }
 }
 
-/* A thousand times the same: each is answered, and told once. */
+/* A thousand equal requests: each gets a reply, and a change is reported once. */
 static void watched_once(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -914,7 +914,7 @@ static void too_much_watched(void **state)
     close_bench(&b);
 }
 
-/* Who wants every change and reads none is told so, and let go. */
+/* A client that watches every change and reads none gets a line about the loss, and the connection ends. */
 static void changes_lost(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -998,24 +998,24 @@ static void most_values(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"Requests are answered; what is refused says why", answers, NULL, NULL, NULL},
+        {"Requests get replies, refusals with the reason", answers, NULL, NULL, NULL},
         {"Every line is JSON", lines_are_json, NULL, NULL, NULL},
-        {"What is too large for a signal is given in pieces", data_in_pieces, NULL, NULL, NULL},
+        {"Data too large for a signal come in pieces", data_in_pieces, NULL, NULL, NULL},
         {"Attack: 4 x everything from 16 clients is served in bounded pieces, and whole", pipelined_lists, NULL, NULL,
          NULL},
         {"A step writes at most eight lines and its result, and compares at most 32 names", one_step, NULL, NULL, NULL},
         {"Everybody's turn comes, whatever the others ask", everybody_in_turn, NULL, NULL, NULL},
         {"Attack: a client that does not read costs nothing, and gets everything later", slow_reader, NULL, NULL, NULL},
         {"A client that has ended sending gets its answer", half_closed, NULL, NULL, NULL},
-        {"A watcher that has ended sending is told on, and its place is free when it is gone", half_closed_watcher,
-         NULL, NULL, NULL},
-        {"What was asked before the connection was closed is done", gone_after_asking, NULL, NULL, NULL},
+        {"A watcher that has ended sending still gets changes, and its place is free when it is gone",
+         half_closed_watcher, NULL, NULL, NULL},
+        {"Requests before the end of a connection are carried out", gone_after_asking, NULL, NULL, NULL},
         {"Attack: sixteen clients that are gone: only set and fault are carried out", dead_clients_give_way, NULL, NULL,
          NULL},
         {"A request may come byte by byte", in_pieces, NULL, NULL, NULL},
         {"Attack: zero bytes and endless requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
-        {"Attack: the 17th client is told, and does not stay", seventeenth_client, NULL, NULL, NULL},
-        {"Attack: without descriptors a client is told", no_descriptors, NULL, NULL, NULL},
+        {"Attack: the 17th client gets the reason, and is closed", seventeenth_client, NULL, NULL, NULL},
+        {"Attack: without descriptors a client gets the reason", no_descriptors, NULL, NULL, NULL},
         {"Attack: without any descriptor nothing spins", no_descriptors_at_all, NULL, NULL, NULL},
         {"Watch: one line for what differs after 10 ms", by_rounds, NULL, NULL, NULL},
         {"Watch: every change, with its time", every_change, NULL, NULL, NULL},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where control sockets are, whose they are, and what is never touched (endpoint.h). */
+/* The place and the owner of control sockets, and files that must not be touched (endpoint.h). */
 #define _GNU_SOURCE
 #include "bus/control/endpoint.h"
 
@@ -70,7 +70,7 @@ static void expect_reachable(int fd, const char *path)
     uid_t owner = 12345;
     int client = ect_endpoint_connect(path, &owner);
     if (client < 0)
-        fail_msg("nobody answers at %s: %s", path, strerror(errno));
+        fail_msg("no process listens at %s: %s", path, strerror(errno));
     assert_int_equal(owner, geteuid());
     int served = accept(fd, NULL, NULL);
     assert_true(served >= 0);
@@ -171,7 +171,7 @@ static void dead_socket(void **state)
     ect_endpoint_close(fd, path[1], ect_endpoint_identity(path[1]));
 }
 
-/* Those that other processes left go, live ones and other files stay. */
+/* Dead sockets are removed; live sockets and other files stay. */
 static void dead_sockets_of_others(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], left[ECT_ENDPOINT_PATH], live[ECT_ENDPOINT_PATH];

@@ -160,7 +160,7 @@ static void set(rig_t *r, const char *text)
     wire_poll(&r->w);
 }
 
-/* What happens to so many frames in a row, a letter each. */
+/* The effect on each of `frames` frames in a row, a letter each. */
 static void befall(rig_t *r, char *happened, size_t frames)
 {
     for (size_t i = 0; i < frames; i++) {
@@ -231,7 +231,7 @@ static void same_seed_same_run(void **state)
     }
 }
 
-/* Each fault of its own lot: what is lost besides being late is as much as what is lost. */
+/* Each fault has random numbers of its own: of late frames the same share is lost as of others. */
 static void shares(void **state)
 {
     enum { FRAMES = 20000 };
@@ -283,7 +283,7 @@ static void shown(void **state)
     assert_non_null(strstr(r->message, "'off' ends them"));
 }
 
-/* A tag of a VLAN stands before the type, and is no reason to count elsewhere. */
+/* A VLAN tag precedes the type; the counter moves with it. */
 static void counters(void **state)
 {
     enum { ADDRESSES = 12, TAG = 4 };
@@ -340,7 +340,7 @@ static void hangs(void **state)
     assert_int_equal(wire_read8(&r->w, 1, 0x0110) & 2, 2);
 }
 
-/* Whatever takes its power off or resets it sets it going again, and nobody watches it any longer than before. */
+/* A power cycle or reset ends the fault, and the PDI watchdog as well. */
 static void hang_ends(void **state)
 {
     static const char *const ends[] = {"reset slave 2", "identity slave 2", "the master's reset", "power"};
@@ -610,8 +610,8 @@ static void tell_refused(void *ctx, const char *fault, const char *why)
     snprintf(r->message, sizeof r->message, "%s: %s", fault, why);
 }
 
-/* Those that come when the table is full, or to a slave that there is not: the user hears of it, once. */
-static void script_told(void **state)
+/* A full table, or a slave that does not exist: reported once. */
+static void script_reported(void **state)
 {
     rig_t *r = *state;
     for (unsigned int i = 0; i < ECT_SCENARIO_FAULTS; i++)
@@ -666,11 +666,10 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"a fault that is written reads back as the same", round_trip, NULL, NULL, NULL},
         {"the words of a fault may come in any order", any_order, NULL, NULL, NULL},
-        {"what is no fault is refused with a line that says what was expected", refused, NULL, NULL, NULL},
+        {"a text that is no fault is refused with the expected words", refused, NULL, NULL, NULL},
         TEST("faults of frames concern the frames that they name", which_frames),
-        TEST("the same seed makes the same run, of about the share that was asked for", same_seed_same_run),
-        TEST("frames are lost and late in the shares that were asked for, half of those lost on their way back",
-             shares),
+        TEST("the same seed makes the same run, of about the given share", same_seed_same_run),
+        TEST("frames are lost and late in the given shares, half of the lost ones on their way back", shares),
         TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),
         TEST("the working counter of the first datagram is changed, where there is one", counters),
         TEST("CF-053: a slave that hangs answers no request, its PDI watchdog expires, and it goes on", hangs),
@@ -689,8 +688,8 @@ int main(int argc, char **argv)
         TEST("frames that change their order on a wire", behind_the_next_on_a_wire),
         TEST("of more frames than are kept on wires the last ones are lost", kept_at_most),
         TEST("a script sets faults at a time, at a frame, in a state", script),
-        TEST("a script says when it is due", script_times),
-        TEST("a fault of a script that cannot be set when its time has come is told", script_told),
+        TEST("a script returns its next deadline", script_times),
+        TEST("a fault of a script that cannot be set at its time is reported", script_reported),
         TEST("a line that makes no sense is refused", script_refused),
     };
     if (argc > 1)

@@ -45,7 +45,7 @@ static void late_answers(void **state)
         assert_leaves(&late, frames[i].leaves_ns, i);
     assert_true(ect_late_due(&late) == UINT64_MAX);
     assert_null(ect_late_take(&late, UINT64_MAX));
-    content[0] = 7; /* what has left holds up nobody */
+    content[0] = 7; /* a frame that has left delays no other */
     assert_true(ect_late_add(&late, content, 67, 1 * MS));
     assert_leaves(&late, 1 * MS, 7);
 }

@@ -25,7 +25,7 @@
 
 enum { ROOM = 65536, MOST_CALLS = 100000, IDLE_S = 60 };
 
-/* What one call of ect_modbus_server_serve did: the linker leads the server's calls through here. */
+/* The system calls of one ect_modbus_server_serve: the linker leads them through here. */
 static struct {
     unsigned int receives, accepts, waits, polls;
     int accept_error; /* of the next ones; 0: none */
@@ -68,7 +68,7 @@ int __wrap_poll(struct pollfd *fds, nfds_t count, int timeout)
     return __real_poll(fds, count, timeout);
 }
 
-/* libmodbus sleeps over requests that it does not like; here it stands in the place of the C library's. */
+/* libmodbus sleeps over requests that it does not like; here it replaces that of the C library. */
 int nanosleep(const struct timespec *wanted, struct timespec *left)
 {
     (void)wanted;
@@ -167,7 +167,7 @@ static void say(int fd, const char *hex)
     assert_int_equal(write(fd, bytes, size), (ssize_t)size);
 }
 
-/* What has come, as text; "" nothing, "end": the connection is over. */
+/* The bytes received, as text; "" none, "end": the connection has ended. */
 static const char *hear(int fd)
 {
     static char text[3 * ECT_MODBUS_ADU * 8];
@@ -507,7 +507,7 @@ static void the_silent_are_closed(void **state)
     close_bench(&b);
 }
 
-/* It asks and asks and reads nothing: from some request on it is not listened to, and wakes nobody. */
+/* A client that sends requests and reads nothing is no longer received from, and does not wake the loop. */
 static void one_who_does_not_read(void **state)
 {
     uint8_t request[16], bytes[4096];
@@ -632,7 +632,7 @@ static void no_address(void **state)
         char message[ECT_MODBUS_MESSAGE] = "";
         ect_modbus_server_t *server = ect_modbus_server_open(rows[i], message);
         if (server || !strstr(message, "is no [ADDRESS:]PORT") || strchr(message, '\n'))
-            fail_msg("'%s': expected a line that says so, got %s", rows[i], server ? "a server" : message);
+            fail_msg("'%s': expected a line with the reason, got %s", rows[i], server ? "a server" : message);
     }
 }
 
@@ -654,13 +654,13 @@ int main(int argc, char **argv)
         TEST("ECL-070: of 100 connections four are served, the others closed at once; a place that gets free is taken",
              a_hundred),
         TEST("Attack: who sends no request for 60 s is closed, half requests do not count", the_silent_are_closed),
-        TEST("Attack: who does not read his answers is not listened to until he does, and loses none",
+        TEST("Attack: a client that does not read its replies waits until it does, and loses none",
              one_who_does_not_read),
         TEST("Attack: three that flood do not keep the fourth waiting", nobody_waits_for_long),
         TEST("Attack: no descriptor is left: the server looks again after a second", no_descriptor_left),
         TEST("Attack: gone before the answer", gone_before_the_answer),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
-        TEST("--modbus: what is no address is told in a line", no_address),
+        TEST("--modbus: a wrong address gets a line", no_address),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

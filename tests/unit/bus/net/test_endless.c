@@ -72,8 +72,8 @@ static unsigned int circulate(ect_endless_t *endless, const round_t *what, uint6
 static void circulating_frames(void **state)
 {
     static const round_t cases[] = {
-        {"a broadcast that both ends count", BRD, 3, 3, false}, {"one for a slave that answers", FPRD, 0, 1, false},
-        {"one that nobody answers", FPRD, 0, 0, false},         {"process data", LRW, 0, 3, false},
+        {"a broadcast that both ends count", BRD, 3, 3, false},  {"one for a slave that answers", FPRD, 0, 1, false},
+        {"one without a slave that replies", FPRD, 0, 0, false}, {"process data", LRW, 0, 3, false},
         {"process data, with a VLAN tag", LRW, 0, 3, true},
     };
     (void)state;
@@ -98,7 +98,7 @@ static void no_loop(void **state)
         assert_false(ect_endless_received(&endless, frame, FRAME, i * 30 * US));
         build(frame, BRD, 5, 2, 2);
         ect_endless_sent(&endless, frame, FRAME);
-        build(frame, FPRD, 5, 0x1001, 0); /* nobody answers, but the source address has been marked on the way */
+        build(frame, FPRD, 5, 0x1001, 0); /* no slave replies, but the source address has been marked on the way */
         frame[6] = 0x01;
         assert_false(ect_endless_received(&endless, frame, FRAME, i * 30 * US));
         frame[6] = 0x03;

@@ -276,7 +276,7 @@ typedef struct call {
 
 enum { ALLOWED = 0, DENIED = 1, NO_FILTER = 2 };
 
-/* What becomes of a call behind the filter, in a process of its own. */
+/* The result of a call behind the filter, in a process of its own. */
 static int try(long (*call)(void), bool children, bool files)
 {
     int status = 0;
@@ -402,7 +402,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Each call that SECURITY.md denies is denied", denied, NULL, NULL, NULL},
-        {"What a running twin needs is allowed", allowed, NULL, NULL, NULL},
+        {"Each call that a running twin needs is allowed", allowed, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -187,7 +187,7 @@ static void too_large(void **state)
     expect_content(in("new"), "nothing");
 }
 
-/* What another master, or a user, does meanwhile. */
+/* Another master, or a user, acts meanwhile. */
 static void meanwhile(void **state)
 {
     (void)state;

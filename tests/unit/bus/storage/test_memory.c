@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a twin saves on a PC, and what becomes of it when others touch the files (memory.h). */
+/* Saved records of a twin on a PC, and files that other programs change (memory.h). */
 #define _GNU_SOURCE
 #include "bus/storage/memory.h"
 
@@ -221,7 +221,7 @@ static void damaged(void **state)
         ect_memory_close(memory);
         snprintf(other, sizeof other, "damaged.%u.damaged1", bank);
         assert_int_equal(size_of(other), ECT_MEMORY_BANK + 32);
-        memory = must_open("damaged"); /* told once */
+        memory = must_open("damaged"); /* reported once */
         ect_memory_close(memory);
     }
     assert_true(size_of("damaged.0.damaged10") < 0 && size_of("damaged.1.damaged10") < 0);
@@ -337,7 +337,7 @@ static void largest_record(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"What is saved is there the next time", keeps, NULL, NULL, NULL},
+        {"A saved record is there at the next start", keeps, NULL, NULL, NULL},
         {"Without a path it lasts as long as the process", without_files, NULL, NULL, NULL},
         {"Attack: a file that no twin has made is refused, and stays as it is", foreign_files, NULL, NULL, NULL},
         {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
@@ -345,7 +345,7 @@ int main(int argc, char **argv)
         {"Attack: a file that is cut while it runs: no crash, the next save fails", cut_while_it_runs, NULL, NULL,
          NULL},
         {"A file that is deleted while it runs: the next save fails", deleted_while_it_runs, NULL, NULL, NULL},
-        {"A damaged record is told and kept aside, nine times at most, the one before is used", damaged, NULL, NULL,
+        {"A damaged record is reported and kept aside, nine times at most, the one before is used", damaged, NULL, NULL,
          NULL},
         {"A save that was cut off is ordinary: the record before is used, twenty times", cut_off_saves, NULL, NULL,
          NULL},
