@@ -190,12 +190,19 @@ runs() { # COMMAND LINE: whether a process has exactly this one; "no" after 3 s 
   echo yes
 }
 
+# Seconds of sleep that no other run of this script uses: NUMBER in 1..9.
+unique() {
+  echo "$((1000000 + $$))$1"
+}
+
 # Processes that a command leaves in the background when it ends.
 children_of_the_command() {
-  "$ectwin" with fzm1 -- sh -c 'sleep 31301 & (sh -c "trap : TERM; sleep 31302; sleep 31303" &); setsid sleep 31304 & exit 6' 2>/dev/null
+  # shellcheck disable=SC2016
+  "$ectwin" with fzm1 -- sh -c 'sleep $1 & (sh -c "trap : TERM; sleep $2; sleep $3" &); setsid sleep $4 & exit 6' \
+    sh "$(unique 1)" "$(unique 2)" "$(unique 3)" "$(unique 4)" 2>/dev/null
   check "with: status of a command that leaves children" 6 $?
-  for child in 31301 31302 31303 31304; do
-    check "with: the child has ended too" no "$(runs "sleep $child")"
+  for child in 1 2 3 4; do
+    check "with: the child has ended too" no "$(runs "sleep $(unique $child)")"
   done
   "$ectwin" with --leave-children fzm1 -- sh -c 'sleep 300 >/dev/null 2>&1 & echo $! >"$1"' sh "$work/pids" 2>/dev/null
   check "with: --leave-children" yes "$(kill "$(cat "$work/pids")" && echo yes)"
@@ -205,14 +212,14 @@ children_of_the_command() {
 killed_at_once() {
   local pid slave
   mkdir -p "$work/killed"
-  for slave in fzm1 "--external=sh -c 'sleep 31310; :'"; do
-    XDG_RUNTIME_DIR=$work/killed "$ectwin" with "$slave" -- sh -c 'setsid sleep 31311 & sleep 31312; :' 2>"$work/ready" &
+  for slave in fzm1 "--external=sh -c 'sleep $(unique 5); :'"; do
+    XDG_RUNTIME_DIR=$work/killed "$ectwin" with "$slave" -- sh -c 'setsid sleep $1 & sleep $2; :' sh "$(unique 6)" "$(unique 7)" 2>"$work/ready" &
     pid=$!
-    for _ in $(seq 100); do pgrep -xf "sleep 31311" >/dev/null && break; sleep 0.1; done
-    check "with $slave: its child runs" yes "$(pgrep -xf 'sleep 31311' >/dev/null && echo yes)"
+    for _ in $(seq 100); do pgrep -xf "sleep $(unique 6)" >/dev/null && break; sleep 0.1; done
+    check "with $slave: its child runs" yes "$(pgrep -xf "sleep $(unique 6)" >/dev/null && echo yes)"
     kill -9 $pid
     wait $pid 2>/dev/null
-    check "with $slave: killed, its children have ended" "no no no" "$(runs 'sleep 31311') $(runs 'sleep 31312') $(runs 'sleep 31310')"
+    check "with $slave: killed, its children have ended" "no no no" "$(runs "sleep $(unique 6)") $(runs "sleep $(unique 7)") $(runs "sleep $(unique 5)")"
   done
   check "with: killed, it leaves its socket" 1 "$(find "$work/killed/ectwin" -type s | wc -l)"
   XDG_RUNTIME_DIR=$work/killed "$ectwin" with fzm1 -- true 2>/dev/null
