@@ -20,7 +20,8 @@ enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_
 
 static const struct argp_option options[] = {
     {"iface", KEY_IFACE, "NAME[,NAME]", 0,
-     "Name of CMD's end of the wire (default ecat0). Two names: a second wire at the output of the last device, for cable "
+     "Name of CMD's end of the wire (default ecat0). Two names: a second wire at the output of the last device, for "
+     "cable "
      "redundancy; its name replaces {2} in ARG and is in $ECTWIN_IFACE2",
      0},
     {"external", KEY_EXTERNAL, "PROGRAM", 0,
