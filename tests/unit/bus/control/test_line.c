@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/* Lines of JSON in a buffer of fixed size (src/bus/control/line.h). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "bus/control/line.h"
+
+static void assert_text(const ect_line_t *line, const char *want)
+{
+    assert_int_equal(line->length, strlen(want));
+    assert_memory_equal(line->text, want, line->length);
+}
+
+static void members(void **state)
+{
+    ect_line_t line;
+    (void)state;
+    ect_line_begin(&line);
+    ect_line_end(&line);
+    assert_text(&line, "{}\n");
+    ect_line_begin(&line);
+    ect_line_string(&line, "a", "x\"y\\z\n\x7f\xc3");
+    ect_line_plain(&line, "b", "true");
+    ect_line_number(&line, "c", UINT64_MAX);
+    ect_line_time(&line, 1000000000ull * 12 + 3456789);
+    ect_line_end(&line);
+    assert_text(&line, "{\"a\":\"x\\\"y\\\\z\\u000a??\",\"b\":true,\"c\":18446744073709551615,\"time\":12.003456}\n");
+}
+
+/* A text is cut, a member without room is left out, and the line stays complete. */
+static void full_lines(void **state)
+{
+    static char text[2 * ECT_LINE_ROOM];
+    static const char fillers[] = "x\"\n";
+    (void)state;
+    for (size_t c = 0; fillers[c] != 0; c++) {
+        for (size_t length = ECT_LINE_ROOM - 24; length < ECT_LINE_ROOM + 8; length++) {
+            struct {
+                ect_line_t line;
+                uint8_t behind[8];
+            } room;
+            memset(&room, 0x5A, sizeof room);
+            memset(text, fillers[c], length);
+            text[length] = 0;
+            ect_line_begin(&room.line);
+            ect_line_string(&room.line, "t", text);
+            ect_line_number(&room.line, "n", 123456);
+            ect_line_plain(&room.line, "p", text);
+            ect_line_end(&room.line);
+            assert_true(room.line.length <= ECT_LINE_ROOM);
+            assert_memory_equal(room.line.text, "{\"t\":\"", 6);
+            assert_memory_equal(room.line.text + room.line.length - 2, "}\n", 2);
+            assert_null(memchr(room.line.text, '\n', room.line.length - 1));
+            for (size_t i = 0; i < sizeof room.behind; i++)
+                assert_int_equal(room.behind[i], 0x5A);
+        }
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"members of every kind, with escapes", members, NULL, NULL, NULL},
+        {"a text that does not fit is cut, and the line is complete", full_lines, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Line", tests, NULL, NULL);
+}
