@@ -99,6 +99,8 @@ static void mails(void **state)
         one(CF_ITEM_SENT, CF_FPWR, CF_AT(0x1001, 0x1000), "0A000000001300204018100100000000", 0),
         "FPWR 1001:1000 mailbox out, 16 bytes | mail of 10 bytes, counter 1: CoE SDO request upload 1018h:01 "
         "| 0A 00 00 00 00 13 00 20 40 18 10 01 00 00 00 00");
+    assert_string_equal(one(CF_ITEM_SENT, CF_FPRD, CF_AT(0x1001, 0x1080), "000000000000", 0),
+                        "FPRD 1001:1080 mailbox in, 6 bytes");
     assert_non_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(0x1001, 0x1080), "0A000000002300208018100102000106", 1),
                            "counter 2: CoE SDO request abort 1018h:01 code 0x06010002 |"));
     assert_non_null(strstr(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(0x1001, 0x1080), "040000000070010002000000", 1),
@@ -117,6 +119,8 @@ static void sdo_words(void **state)
     } rows[] = {
         {"00205018100100000000", "SDO request upload 1018h:01 complete"},
         {"00202F10100065766173", "SDO request download 1010h:00"},
+        {"00203F10100065766173", "SDO request download 1010h:00 complete |"},
+        {"00202F10100065766173", "SDO request download 1010h:00 |"},
         {"00206000000000000000", "SDO request next segment"},
         {"00200100000000000000", "SDO request segment, toggle 0, last"},
         {"00201000000000000000", "SDO request segment, toggle 1"},
@@ -302,6 +306,9 @@ static void sentences(void **state)
     folded.length = (uint32_t)length;
     cf_decode(&slave, &folded, text, sizeof text);
     assert_string_equal(text, "FPRD 1001:080D SM1, 1 byte (and 7 times before)");
+    folded.folded = 2;
+    cf_decode(&slave, &folded, text, sizeof text);
+    assert_string_equal(text, "FPRD 1001:080D SM1, 1 byte (and 2 times before)");
     folded.folded = 1;
     cf_decode(&slave, &folded, text, sizeof text);
     assert_string_equal(text, "FPRD 1001:080D SM1, 1 byte (and once before)");
