@@ -164,11 +164,21 @@ static void report_failure(const settings_t *s)
         fprintf(stderr, "the base unit did not reach OP on '%s'\n", s->iface);
 }
 
-static void report_end(const bu_controller_t *c, uint32_t sent)
+static bool is_over(uint64_t end_ns)
+{
+    return master_ended || master_now() >= end_ns;
+}
+
+/* @return the exit code */
+static int report_end(const settings_t *s, const bu_controller_t *c, uint32_t sent)
 {
     printf("{\"event\":\"end\",\"commands_received\":%" PRIu32 ",\"commands_sent\":%" PRIu32 ",\"sets_sent\":%" PRIu32
            ",\"starts\":%" PRIu32 ",\"lost_cycles\":%" PRIu32 ",\"cco\":%u,\"cao\":%u}\n",
            received, sent, c->sets_sent, restarts, lost_cycles, c->cco, c->cao);
+    if (restarts > 0)
+        return 0;
+    report_failure(s);
+    return MASTER_FAILED;
 }
 
 /* Starts the bus, and again after each end of it, until the time is over. The last end is main's: the bus goes to INIT.
@@ -182,7 +192,7 @@ static int control(const settings_t *s)
     int strange = 0;
     recall(s, &c);
     uint64_t end_ns = master_now() + (uint64_t)s->seconds * 1000000000u;
-    while (!master_ended && master_now() < end_ns) {
+    while (!is_over(end_ns)) {
         bool found = master_to_op(&start);
         strange = maybe_base_unit() ? 0 : strange + 1;
         if (restarts == 0 && strange == STRANGE_MOST)
@@ -193,16 +203,13 @@ static int control(const settings_t *s)
             run_bus(&c, &sent, s, next_restart(s, end_ns));
             restarts++;
         }
-        if (master_ended || master_now() >= end_ns)
+        if (is_over(end_ns))
             break;
         ec_close();
         if (!ec_init(s->iface))
             return MASTER_OPEN;
     }
-    report_end(&c, sent);
-    if (restarts == 0)
-        report_failure(s);
-    return restarts > 0 ? 0 : MASTER_FAILED;
+    return report_end(s, &c, sent);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
