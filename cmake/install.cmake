@@ -34,7 +34,7 @@ endfunction()
 function(install_headers room component)
   get_filename_component(parent ${room} DIRECTORY)
   install(DIRECTORY src/${room} DESTINATION ${ECTWIN_INCLUDEDIR}/${parent} COMPONENT ${component}
-    FILES_MATCHING PATTERN *.h PATTERN internal.h EXCLUDE PATTERN instance.h EXCLUDE)
+    FILES_MATCHING PATTERN *.h PATTERN internal.h EXCLUDE PATTERN instance.h EXCLUDE PATTERN inprocess EXCLUDE)
 endfunction()
 
 file(GLOB ports RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/src CONFIGURE_DEPENDS src/ports/*)

@@ -9,9 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bus/inprocess/ports.h"
 #include "bus/inprocess/real.h"
-#include "bus/inprocess/time.h"
 #include "bus/library.h"
 
 enum { WORDS_MOST = 4096, SEPARATOR = 0x1F };
@@ -35,6 +33,7 @@ static struct {
     pid_t pid;
     int control_fd;
     bool failed;
+    ect_bus_deliver_t *deliver;
 } state = {.control_fd = -1};
 
 __thread int ect_inside __attribute__((tls_model("initial-exec")));
@@ -107,7 +106,7 @@ static void leave_mark(void)
     close(fd);
 }
 
-static ectwin_bus_t *open_bus(char *words)
+static ectwin_bus_t *open_bus(char *words, uint64_t now_ns)
 {
     const char *list[WORDS_MOST];
     const char separators[] = {SEPARATOR, 0};
@@ -117,7 +116,7 @@ static ectwin_bus_t *open_bus(char *words)
     const char *folder = getenv("ECTWIN_INPROCESS_CWD");
     int here = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
     bool moved = folder && here >= 0 && chdir(folder) == 0;
-    ectwin_bus_t *bus = state.library.open(count, list, ect_time_now());
+    ectwin_bus_t *bus = state.library.open(count, list, now_ns);
     if (moved)
         (void)!fchdir(here);
     if (here >= 0)
@@ -125,7 +124,7 @@ static ectwin_bus_t *open_bus(char *words)
     return bus;
 }
 
-static bool start(void)
+static bool start(uint64_t now_ns)
 {
     const char *words = getenv("ECTWIN_INPROCESS");
     char *copy = words ? strdup(words) : NULL;
@@ -133,7 +132,7 @@ static bool start(void)
         free(copy);
         return false;
     }
-    state.bus = open_bus(copy);
+    state.bus = open_bus(copy, now_ns);
     free(copy);
     if (!state.bus)
         return false;
@@ -149,20 +148,19 @@ bool ect_bus_running(void)
     return state.bus && state.pid == getpid();
 }
 
-bool ect_bus_start(void)
+int ect_bus_start(uint64_t now_ns, ect_bus_deliver_t *deliver)
 {
     if (ect_bus_running())
-        return true;
+        return 0;
     if (state.failed && state.pid == getpid())
-        return false;
+        return -1;
     state.pid = getpid();
     state.control_fd = -1;
+    state.deliver = deliver;
     ect_inside++;
-    state.failed = !start();
+    state.failed = !start(now_ns);
     ect_inside--;
-    if (!state.failed)
-        ect_time_bus_started();
-    return !state.failed;
+    return state.failed ? -1 : 1;
 }
 
 static void deliver(void)
@@ -171,13 +169,13 @@ static void deliver(void)
     unsigned int end;
     size_t length;
     while ((length = state.library.reply(state.bus, &end, frame, sizeof frame)) > 0)
-        ect_ports_deliver(end, frame, length);
+        state.deliver(end, frame, length);
 }
 
-void ect_bus_plug(unsigned int end)
+void ect_bus_plug(unsigned int end, uint64_t now_ns)
 {
     ect_inside++;
-    state.library.link(state.bus, end, 1, ect_time_now());
+    state.library.link(state.bus, end, 1, now_ns);
     ect_inside--;
 }
 
@@ -190,14 +188,14 @@ uint64_t ect_bus_run(uint64_t now_ns)
     return next_ns;
 }
 
-void ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns)
+uint64_t ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns)
 {
     ect_inside++;
     state.library.frame(state.bus, end, frame, length, now_ns);
     uint64_t next_ns = state.library.run(state.bus, now_ns);
     deliver();
     ect_inside--;
-    ect_time_bus_next(next_ns);
+    return next_ns;
 }
 
 bool ect_bus_serve(uint64_t now_ns)

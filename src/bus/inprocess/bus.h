@@ -29,15 +29,21 @@ int ect_bus_end_of_index(int index);
 /** Name of the interface at an end; NULL: none. */
 const char *ect_bus_name(unsigned int end);
 
-/** Powers the bus on, once a process; a child made by fork gets a bus of its own. With the lock. @return false: failed
+/** Takes a frame that has left the bus at an end. With the lock. */
+typedef void ect_bus_deliver_t(unsigned int end, const uint8_t *frame, size_t length);
+
+/**
+ * Powers the bus on, once a process; a child made by fork gets a bus of its own. With the lock.
+ * @param deliver  for every frame that leaves the bus from now on
+ * @return 1: powered on now; 0: it is on; -1: it cannot be, with the reason on standard error
  */
-bool ect_bus_start(void);
+int ect_bus_start(uint64_t now_ns, ect_bus_deliver_t *deliver);
 /** Whether this process has a bus. With the lock. */
 bool ect_bus_running(void);
 /** A socket is bound at an end: its cable is in. With the lock. */
-void ect_bus_plug(unsigned int end);
-/** Passes a frame and delivers the replies (ports.h). With the lock. */
-void ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns);
+void ect_bus_plug(unsigned int end, uint64_t now_ns);
+/** Passes a frame and delivers the replies. With the lock. @return the next time at which the bus runs, ECTWIN_NEVER */
+uint64_t ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns);
 /** Lets time pass and delivers late replies. With the lock. @return the next time, ECTWIN_NEVER */
 uint64_t ect_bus_run(uint64_t now_ns);
 /** Serves one client of the control socket. With the lock. @return whether there is more to do */

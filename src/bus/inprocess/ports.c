@@ -126,6 +126,46 @@ static int fail(int error)
     return -1;
 }
 
+/* The kernel takes a VLAN tag out of a frame before a packet socket sees it. */
+static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
+{
+    *tag = length >= HEADER + TAG && frame[12] == 0x81 && frame[13] == 0x00 ? TAG : 0;
+    return length - *tag;
+}
+
+static void deliver(unsigned int end, const uint8_t *frame, size_t length)
+{
+    size_t tag;
+    size_t left = without_tag(frame, length, &tag);
+    uint16_t protocol;
+    memcpy(&protocol, frame + 12 + tag, sizeof protocol);
+    for (ect_port_t *port = bound; port; port = port->next) {
+        if (port->end != (int)end || (port->protocol != protocol && port->protocol != htons(ETH_P_ALL)) ||
+            port->count >= WAITING_MOST)
+            continue;
+        waiting_t *one = malloc(sizeof *one + left);
+        if (!one)
+            continue;
+        one->next = NULL;
+        one->length = left;
+        memcpy(one->frame, frame, 12);
+        memcpy(one->frame + 12, frame + 12 + tag, left - 12);
+        *port->last = one;
+        port->last = &one->next;
+        port->count++;
+        eventfd_write(port->fd, 1);
+    }
+}
+
+/* @return whether the bus is on; a failure was reported */
+static bool start_bus(void)
+{
+    int started = ect_bus_start(ect_time_now(), deliver);
+    if (started > 0)
+        ect_time_bus_started();
+    return started >= 0;
+}
+
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length)
 {
     struct sockaddr_ll to;
@@ -137,7 +177,7 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
     if (end < 0)
         return fail(ENODEV);
     ect_time_lock();
-    bool started = ect_bus_start();
+    bool started = start_bus();
     if (started) {
         if (to.sll_protocol != 0)
             port->protocol = to.sll_protocol;
@@ -146,7 +186,7 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
             bound = port;
         }
         port->end = end;
-        ect_bus_plug((unsigned int)end);
+        ect_bus_plug((unsigned int)end, ect_time_now());
     }
     ect_time_unlock();
     return started ? 0 : fail(ENETDOWN);
@@ -237,9 +277,9 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
         return fail(EMSGSIZE);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
-    bool running = ect_bus_start();
+    bool running = start_bus();
     if (running)
-        ect_bus_frame((unsigned int)end, frame, length, ect_time_now());
+        ect_time_bus_next(ect_bus_frame((unsigned int)end, frame, length, ect_time_now()));
     ect_time_unlock();
     return running ? (ssize_t)length : fail(ENETDOWN);
 }
@@ -248,37 +288,6 @@ static bool is_waiting(const void *arg)
 {
     const ect_port_t *port = arg;
     return port->first != NULL;
-}
-
-/* The kernel takes a VLAN tag out of a frame before a packet socket sees it. */
-static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
-{
-    *tag = length >= HEADER + TAG && frame[12] == 0x81 && frame[13] == 0x00 ? TAG : 0;
-    return length - *tag;
-}
-
-void ect_ports_deliver(unsigned int end, const uint8_t *frame, size_t length)
-{
-    size_t tag;
-    size_t left = without_tag(frame, length, &tag);
-    uint16_t protocol;
-    memcpy(&protocol, frame + 12 + tag, sizeof protocol);
-    for (ect_port_t *port = bound; port; port = port->next) {
-        if (port->end != (int)end || (port->protocol != protocol && port->protocol != htons(ETH_P_ALL)) ||
-            port->count >= WAITING_MOST)
-            continue;
-        waiting_t *one = malloc(sizeof *one + left);
-        if (!one)
-            continue;
-        one->next = NULL;
-        one->length = left;
-        memcpy(one->frame, frame, 12);
-        memcpy(one->frame + 12, frame + 12 + tag, left - 12);
-        *port->last = one;
-        port->last = &one->next;
-        port->count++;
-        eventfd_write(port->fd, 1);
-    }
 }
 
 static void take(ect_port_t *port)

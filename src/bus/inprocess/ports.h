@@ -37,7 +37,4 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
 ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,
                          struct sockaddr *from, socklen_t *from_length);
 
-/** A frame has left the bus at an end. With the lock (time.h). */
-void ect_ports_deliver(unsigned int end, const uint8_t *frame, size_t length);
-
 #endif
