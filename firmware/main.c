@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An ordinary SOES application. What it is the slave of was chosen when it was configured. */
+/* An ordinary SOES application. CMake has selected its device. */
 #include "board.h"
 #include "firmware.h"
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # An EtherCAT slave on a microcontroller with nothing but an Ethernet controller: the firmware for ARM's MPS2, in QEMU, and SOEM
-# takes it to OP and holds it there.  usage: tools/board-demo.sh [SECONDS]     60 unless said
+# takes it to OP and holds it there.  usage: tools/board-demo.sh [SECONDS]     default 60
 # Needs no hardware. Root only for installing packages that are missing.
 set -eu
 cd "$(dirname "$0")/.."

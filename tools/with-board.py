@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Runs a command with a board, emulated by QEMU, at the other end of its wire: what `ectwin with` is for twins.
+"""Runs a command with a board, emulated by QEMU, at the other end of its wire: as `ectwin with` runs it with twins.
 
 usage: with-board.py [--serial FILE] [--tap|--no-tap] IMAGE.elf -- CMD ARG...
 
 IMAGE is a firmware of firmware/boards/mps2-an385, with its loader.elf beside it. CMD runs in a private user and network namespace, where the interface ecat0 leads
 to the board; each {} in ARG becomes its name, and $ECTWIN_IFACE holds it. Exits with CMD's status; 77 when QEMU is not to be had,
-3 when the board does not start. What the board says on its serial line goes to FILE.
+3 when the board does not start. FILE gets the output of the board's serial line.
 
 The wire is a tap device; where there is no /dev/net/tun, or with --no-tap, a veth pair whose far end is relayed to QEMU.
 """
@@ -46,7 +46,7 @@ def tap():
 
 
 def relay(wire, board, address):
-    """Frames from one to the other, for ever. What comes before QEMU listens is lost, as on a wire without a link."""
+    """Relays frames both ways, for ever. A frame before QEMU listens is lost, as on a wire without a link."""
     while True:
         for ready in select.select([wire, board], [], [])[0]:
             frame = ready.recv(2048)
@@ -74,8 +74,7 @@ def veth(folder):
 
 
 def before_others():
-    """An emulated board that waits for a busy machine is a broken one to its master. Where that is allowed, which root is;
-    the master too."""
+    """Real-time priority where the system allows it (root): to its master, a board that waits for a busy machine is broken."""
     try:
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
     except PermissionError:
@@ -83,7 +82,7 @@ def before_others():
 
 
 def wait_for_board(qemu, serial):
-    """Its first line says that it is there."""
+    """The board is ready when it has written its first line."""
     end = time.monotonic() + START_SECONDS
     while time.monotonic() < end and qemu.poll() is None:
         if "\n" in serial.read_text(errors="replace"):

@@ -18,7 +18,7 @@ int16_t board_temperature(void);
 /** @param percent  0..100 */
 void board_heat(uint8_t percent);
 
-/** Feeds the board's own watchdog that the main loop runs. */
+/** Serves the board's own watchdog, once a turn of the main loop. */
 void board_alive(void);
 
 /** Resets the processor. */

@@ -67,15 +67,15 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     h->set_point = 0;
 }
 
-/* A sensor that breaks is told as an emergency, and so is its return. */
+/* A sensor that breaks is reported by an emergency, and so is its return. */
 static void watch_sensor(heater_t *h)
 {
     static const uint8_t nothing[5] = {0};
-    if (h->broken && !h->told)
+    if (h->broken && !h->reported)
         h->host->emergency(h->host->ctx, EMERGENCY_TEMPERATURE, ERROR_TEMPERATURE, nothing);
-    if (!h->broken && h->told)
+    if (!h->broken && h->reported)
         h->host->emergency(h->host->ctx, EMERGENCY_OVER, 0, nothing);
-    h->told = h->broken;
+    h->reported = h->broken;
 }
 
 static uint64_t tick(void *instance, uint64_t now_ns)
@@ -119,6 +119,7 @@ const ect_device_t heater = {
     .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS,
     .physics = "YY",
+    .general_flags = ECT_GENERAL_GIVEN | ECT_GENERAL_MAIL_REPEAT, /* no address switches, no identification */
     .timeouts = {.preop_ms = 2000, .safeop_op_ms = 2000},
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A heater as an EtherCAT device: the master says how warm it is to get, the heater how warm it is and how hard it
- * works. Temperatures are in 0.1 °C.
+ * A heater as an EtherCAT device: the master sets the temperature, the heater reports its temperature and its power.
+ * Temperatures are in 0.1 °C.
  */
 #ifndef HEATER_H
 #define HEATER_H
@@ -19,19 +19,19 @@ typedef struct heater {
     uint8_t power;       /* 6000h:2, process data, per cent */
     int16_t highest;     /* 8000h:1, a setting */
 
-    /* what stands outside: on a PC a person sets it, on a board the program reads it from the hardware */
+    /* the surroundings: on a PC a person sets them, on a board the program reads them from the hardware */
     int16_t sensed;
     uint8_t broken; /* the wire of the sensor */
 
     /* its own */
     const ect_host_t *host;
-    bool live; /* in OP: the set point counts */
-    bool told; /* of the broken sensor */
+    bool live;     /* in OP: the set point counts */
+    bool reported; /* the broken sensor */
 } heater_t;
 
 extern const ect_device_t heater;
 
-/* For the PC only: the signals by which a person plays what stands outside. */
+/* For the PC only: signals that take the place of the surroundings. */
 extern const ect_plant_t heater_plant;
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the compiler calls on a processor that has no instruction for it (Cortex-M0+; bytes on RISC-V): there is one
- * processor, so what no interrupt comes into is atomic. */
+/* Functions that the compiler calls on a processor without an atomic instruction (Cortex-M0+; bytes on RISC-V). There
+ * is one processor, so a piece without interrupts is atomic. */
 #include "cpu.h"
 
 /* Names and types are the compiler's. */

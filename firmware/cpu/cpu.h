@@ -13,7 +13,7 @@
 /** A register of the processor or of the chip. */
 #define REGISTER(address) (*(volatile uint32_t *)(uintptr_t)(address))
 
-/** What an entry of a vector table points to. */
+/** An entry of a vector table. */
 typedef void (*cpu_handler_t)(void);
 
 /**
@@ -46,8 +46,8 @@ uint32_t cpu_interrupts_off(void);
 void cpu_interrupts_restore(uint32_t before);
 
 /**
- * Sleeps until an interrupt is due. To be called with interrupts off, after a look at whether there is something to do:
- * one that comes between the look and this ends the sleep all the same, and is taken when interrupts are on again.
+ * Sleeps until an interrupt is due. Call it with interrupts off, after a check whether there is work:
+ * one that comes between the check and this ends the sleep all the same, and is taken when interrupts are on again.
  */
 void cpu_sleep(void);
 
@@ -77,7 +77,7 @@ void cpu_interrupt_enable(unsigned int number);
 /** Begins the image whose vectors are at that address, as after a reset. Cortex-M3 and above. */
 _Noreturn void cpu_run(uint32_t vectors);
 
-/** Resets the chip; on a processor that cannot, begins anew. */
+/** Resets the chip; a processor that cannot restarts the image. */
 _Noreturn void cpu_reset(void);
 
 /** Variables, then main(): from the processor's first instructions, on the stack. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** @file For a firmware with NDEBUG, where nothing is asserted: C11 §7.2. */
 #ifndef NDEBUG
-#error "without a C library there is nobody to tell of an assertion: define NDEBUG, or ECT_ASSERT_HOOK"
+#error "without a C library an assertion has no output: define NDEBUG, or ECT_ASSERT_HOOK"
 #endif
 #undef assert
 #define assert(condition) ((void)0)

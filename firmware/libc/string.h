@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file What the core uses of the C library: with these a compiler without one is enough. C11 §7.24 says what they do.
+/** @file The functions of the C library that the core uses (C11 §7.24), for a compiler without one.
  */
 #ifndef FIRMWARE_STRING_H
 #define FIRMWARE_STRING_H

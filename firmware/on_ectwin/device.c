@@ -60,7 +60,7 @@ void ect_soes_inputs(void)
 {
 }
 
-/* What a hardware file with a software ESC makes the EEPROM from. */
+/* A hardware file with a software ESC makes the EEPROM from this. */
 void ect_soes_describe(ect_device_t *to)
 {
     *to = *firmware_device();

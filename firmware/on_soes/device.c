@@ -135,7 +135,7 @@ static ect_reason_t may_write(uint16_t index, uint8_t subindex, const void *data
     return reason;
 }
 
-/* By Complete Access, entry by entry is not what SOES's hook is told. */
+/* By Complete Access SOES calls its hook once, not for each entry. */
 static uint32_t before_download(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags)
 {
     return (flags & COMPLETE_ACCESS_FLAG) != 0 ? 0 : abort_code(may_write(index, subindex, data, size));
@@ -189,7 +189,7 @@ static void power_on(void)
         device->init(instance, &host, board_now_ns());
 }
 
-/* What a hardware file with a software ESC makes the EEPROM from. */
+/* A hardware file with a software ESC makes the EEPROM from this. */
 void ect_soes_describe(ect_device_t *to)
 {
     *to = *device;
@@ -209,7 +209,7 @@ esc_cfg_t *firmware_config(void)
     return &config;
 }
 
-/* SOES does not say when it wants to be called again. */
+/* SOES has no time at which it is due again. */
 uint64_t firmware_turn(void)
 {
     const ect_leds_t *leds = board_leds();

@@ -20,7 +20,7 @@ typedef struct arguments {
     const ect_product_t *product;
 } arguments_t;
 
-/** What stands on the command line; what is wrong with it ends the process with a line that says so, and status 1. */
+/** The command line. A wrong one ends the process with one line on standard error, and status 1. */
 arguments_t read_arguments(int argc, char **argv);
 
 #endif

@@ -87,7 +87,7 @@ static bool open_memory(board_t *b, char *message)
     const arguments_t *a = &b->args;
     char path[ECT_MEMORY_PATH];
     if (a->store)
-        (void)mkdir(a->store, 0700); /* one that is there is fine, and what is not possible is told below */
+        (void)mkdir(a->store, 0700); /* an existing one is fine, and another failure is reported below */
     int length = snprintf(path, sizeof path, "%s/%s-1", a->store ? a->store : "", b->device.name);
     if (length >= (int)sizeof path) {
         snprintf(message, ECT_MEMORY_MESSAGE, "the name of the folder is too long");
@@ -166,14 +166,14 @@ static const char *reason(int result)
 {
     switch (result) {
     case ECT_LAN9252_SPI:
-        return "the SPI, or the chip behind it, does not do what it is told";
+        return "transfers on the SPI fail, or the chip does not carry out accesses: check wiring and --speed";
     case ECT_LAN9252_SILENT:
-        return "no LAN9252 answers on this SPI: look at power, wiring, chip select and SPI mode 0, or try --speed "
+        return "no LAN9252 replies on this SPI: check power, wiring, chip select and SPI mode 0, or try --speed "
                "1000000";
     case ECT_LAN9252_STRANGER:
-        return "a chip answers on this SPI, and it is no LAN9252";
+        return "another chip replies on this SPI: check --spi and chip select";
     case ECT_LAN9252_NOT_READY:
-        return "the LAN9252 does not get ready: look at its clock and its reset pin";
+        return "the LAN9252 does not get ready: check its clock and its reset pin";
     default:
         return "the LAN9252 has no good EEPROM: write what --eeprom FILE makes to it, with a programmer or from a "
                "master, "
@@ -226,7 +226,7 @@ static uint64_t turn(board_t *b)
     return slave_ns < leds_ns ? slave_ns : leds_ns;
 }
 
-/* What the device was told to save is safe before the process ends. */
+/* A save that is under way is complete before the process ends. */
 static void finish(board_t *b)
 {
     const struct timespec pause = {.tv_nsec = 100000};

@@ -307,7 +307,7 @@ ect_slave_config_t ect_soes_slave_config(void)
     static const ect_dc_mode_t clocks = {.name = "SYNC0"};
     static ect_pdo_run_t no_runs[1];
     ect_soes_describe(&device);
-    device.dc_modes = &clocks; /* what is refused of them the application says */
+    device.dc_modes = &clocks; /* the application's handler refuses what it does not support */
     device.dc_mode_count = 1;
     device.protocols = USE_FOE ? with_files : protocols;
     device.instance_size = sizeof ect_soes_instance;

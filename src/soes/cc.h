@@ -3,7 +3,7 @@
  * @file
  * SOES's API: what its headers call the compiler. Byte order, packing, atomic access, assertions, debug output.
  *
- * Of the fixed-width names: `htoes` and `htoel` bring a 16- or 32-bit number from the processor's order into the ESC's,
+ * The fixed-width names: `htoes` and `htoel` bring a 16- or 32-bit number from the processor's order into the ESC's,
  * `etohs` and `etohl` back. Exactly one of EC_LITTLE_ENDIAN and EC_BIG_ENDIAN is defined.
  */
 #ifndef ECT_SOES_CC_H

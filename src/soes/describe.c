@@ -26,7 +26,7 @@ static uint16_t count_objects(void)
     return count;
 }
 
-/* As the list says it: memory has no defaults yet. */
+/* The value in the list: memory has no defaults yet. */
 static uint32_t number(const ect_device_t *device, uint16_t index, uint8_t subindex)
 {
     ect_od_t od = ect_device_od(device, NULL);

@@ -57,8 +57,8 @@ static int read_over(void *ctx, uint16_t address, void *buffer, uint16_t length)
 }
 
 /*
- * From PREOP to SAFEOP the SyncManagers are on by now: the first inputs are there before the master is told, and before
- * DIG_process in an interrupt may move any.
+ * From PREOP to SAFEOP the SyncManagers are on by now: the first inputs are there before the master reads the new
+ * state, and before DIG_process in an interrupt may move any.
  */
 static void follow_state(uint8_t status)
 {
@@ -144,7 +144,7 @@ void ecat_slv_poll(void)
         ESCvar.esc_hw_eep_handler();
 }
 
-/* Of the events that the stack deals with, those that it waits for; of the others all. */
+/* The events of the stack that it waits for, and all events that are not the stack's. */
 static uint32_t wanted(void)
 {
     const uint32_t ours = ESCREG_ALEVENT_CONTROL | ESCREG_ALEVENT_SMCHANGE | ESCREG_ALEVENT_SM0 | ESCREG_ALEVENT_SM1;

@@ -8,7 +8,7 @@
  *     for (;;)
  *         ecat_slv();
  *
- * Context: mainline, one call at a time. ::DIG_process alone may stand in an interrupt, as SOES has it: then the
+ * Context: mainline, one call at a time. ::DIG_process alone may run in an interrupt, as SOES has it: then the
  * hardware file's ESC_read and ESC_write must bear being interrupted by themselves.
  */
 #ifndef ECT_SOES_ECAT_SLV_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What this stack can be told beside SOES's API. All of it is optional.
+ * Functions of this stack beside SOES's API. All of them are optional.
  */
 #ifndef ECT_SOES_ECT_SOES_H
 #define ECT_SOES_ECT_SOES_H
@@ -14,7 +14,7 @@ ECT_C_BEGIN
 
 /**
  * The time: nanoseconds of any clock that never goes back, to be given before ecat_slv_init. Without it time is that of
- * the ESC (ESCvar.Time), which stands still in a chip without distributed clocks; an application of SOES knows no
+ * the ESC (ESCvar.Time), which does not move in a chip without distributed clocks; an application of SOES knows no
  * other.
  * @param now_ns  called in mainline, and where ::DIG_process is called
  */

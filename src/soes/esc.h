@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOES's API: the ESC, what the stack is told about an application, and what it shows of itself.
+ * SOES's API: the ESC, the configuration of the stack, and its state.
  *
- * Beneath stands the hardware file, the application's or a board's: ESC_read, ESC_write, ESC_init, ESC_reset. Each
+ * Below it is the hardware file, the application's or a board's: ESC_read, ESC_write, ESC_init, ESC_reset. Each
  * ESC_read and ESC_write leaves the AL event word (0x0220) in ESCvar.ALevent. They do not fail.
  *
- * docs/SOES.md says name by name what of SOES is here and what differs. The facts (names, types, values) are those of
+ * docs/SOES.md lists the supported names and the differences. The facts (names, types, values) are those of
  * SOES's public headers.
  */
 #ifndef ECT_SOES_ESC_H
@@ -85,7 +85,7 @@ ECT_C_BEGIN
 #define ESCop     0x08
 #define ESCerror  0x10
 
-/** What the hooks of state changes are given: the state asked for in the upper four bits, the present one in the lower.
+/** Argument of the hooks of state changes: the requested state in the upper four bits, the present one in the lower.
  */
 #define INIT_TO_INIT     0x11
 #define INIT_TO_PREOP    0x21
@@ -322,12 +322,12 @@ typedef struct sm_cfg {
     uint8_t cfg_smact;
 } sm_cfg_t;
 
-/** What the stack is told. Any hook may be NULL. Context of all: mainline, but for what ::DIG_process calls. */
+/** The configuration. Any hook may be NULL. Context of all: mainline, but for what ::DIG_process calls. */
 typedef struct esc_cfg {
     void *user_arg;                   /**< for ESC_init */
-    int use_interrupt;                /**< not 0: the three hooks that say so are used */
+    int use_interrupt;                /**< not 0: the hooks of interrupts are called */
     int watchdog_cnt;                 /**< ::APP_setwatchdog at the start */
-    bool skip_default_initialization; /**< entries keep what stands in their memory */
+    bool skip_default_initialization; /**< entries keep the content of their memory */
     /** After the entries got their defaults: others for some of them. */
     void (*set_defaults_hook)(void);
     /** A change of state is about to be made, or has been: `*as` is one of the constants above (INIT_TO_PREOP ...),
@@ -340,7 +340,7 @@ typedef struct esc_cfg {
     /** Outputs must go to their safe values. */
     void (*safeoutput_override)(void);
     /** A master reads or writes an entry, or a whole object (COMPLETE_ACCESS_FLAG in `flags`, which are those of the
-     * entry else). @return 0, or the SDO abort code that the master is told */
+     * entry else). @return 0, or the SDO abort code of the reply */
     uint32_t (*pre_object_download_hook)(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags);
     uint32_t (*post_object_download_hook)(uint16_t index, uint8_t subindex, uint16_t flags);
     uint32_t (*pre_object_upload_hook)(uint16_t index, uint8_t subindex, void *data, size_t *size, uint16_t flags);
@@ -442,7 +442,7 @@ typedef struct CC_PACKED {
 } _ESCsmCompact;
 CC_PACKED_END
 
-/** The stack as an application sees it. docs/SOES.md says which members are kept up to date. */
+/** The stack as an application sees it. docs/SOES.md lists the members that are kept up to date. */
 typedef struct {
     int use_interrupt;
     sm_cfg_t mb[2];
@@ -556,7 +556,7 @@ void ESC_config(esc_cfg_t *cfg);
 /** The AL status code of the change of state that is being made: for hooks that refuse it. Else it is written at once.
  */
 void ESC_ALerror(uint16_t errornumber);
-/** Writes AL status as it is said, for what a boot loader has to say before it jumps. */
+/** Writes AL status at once, for a boot loader that reports a state before it jumps. */
 void ESC_ALstatus(uint8_t status);
 /**
  * Leaves the present state, on the application's own account, for a lower one: `status` with ESCerror in it. Process
@@ -568,7 +568,7 @@ void ESC_ALstatusgotoerror(uint8_t status, uint16_t errornumber);
 void APP_safeoutput(void);
 
 /* The pieces that loops are made of which do not call ::ecat_slv_poll: ESC_state does one step of all of it, the others
- * find nothing left to do, and ESC_mbxprocess says so by 0. */
+ * find nothing left to do, and ESC_mbxprocess returns 0. */
 void ESC_state(void);
 void ESC_sm_act_event(void);
 uint8_t ESC_mbxprocess(void);

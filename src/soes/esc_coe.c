@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The object list of an application, as SOES's API looks at it. */
+/* The object list of an application, for SOES's API. */
 #include "soes/esc_coe.h"
 
 #include <string.h>
@@ -11,7 +11,7 @@
 _SMmap SMmap2[MAX_MAPPINGS_SM2 > 0 ? MAX_MAPPINGS_SM2 : 1];
 _SMmap SMmap3[MAX_MAPPINGS_SM3 > 0 ? MAX_MAPPINGS_SM3 : 1];
 
-/* No object: SOES's list ends by itself, and may stand in any memory. */
+/* No object: SOES's list has its end in itself, and may be in any memory. */
 static ect_od_t dictionary(void)
 {
     return ect_soes.slave.od;
@@ -52,7 +52,7 @@ uint8_t COE_maxSub(uint16_t index)
 
 /* --- process data ------------------------------------------------------------------------------------------------- */
 
-/* What a mapping value names; a gap is one too. @return whether there is such an entry, no longer than it is mapped */
+/* The entry of a mapping value, or a gap. @return false: there is none, or it is longer than its mapping */
 static bool resolve(uint32_t mapping, _SMmap *to)
 {
     int32_t object = SDO_findobject((uint16_t)(mapping >> 16));

@@ -119,11 +119,11 @@ int32_t SDO_findobject(uint16_t index);
 /** Position of an entry in the object at position `nidx`. @return -1: there is none */
 int16_t SDO_findsubindex(int32_t nidx, uint8_t subindex);
 
-/** What sub-index 0 says now. @return 0 also where there is no such object */
+/** The present value of sub-index 0. @return 0 also without such an object */
 uint8_t COE_maxSub(uint16_t index);
 
 /**
- * What the assignment `index`, RX_PDO_OBJIDX or TX_PDO_OBJIDX, comes to at present, and the entries that it maps.
+ * Bytes of the assignment `index`, RX_PDO_OBJIDX or TX_PDO_OBJIDX, at present, and the entries that it maps.
  * @param[out] nmappings  how many `sm` holds; 0 with max_mappings 0; -1: more than that, or one that there is not
  * @param[out] sm         `max_mappings` elements
  * @return bytes; 0 also with *nmappings -1

@@ -2,7 +2,7 @@
 /* An EEPROM that the microcontroller emulates for its ESC (ET1100 data sheet, 0x0502 bit 5). */
 #include "soes/esc_eep.h"
 
-/* Those of the hardware file take their place; a slave whose ESC has an EEPROM of its own has none. */
+/* The hardware file's functions replace these; a slave whose ESC has an EEPROM of its own has none. */
 __attribute__((weak)) void EEP_init(void)
 {
 }

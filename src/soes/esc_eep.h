@@ -65,13 +65,13 @@ typedef union eep_config {
     uint32_t dword[4];
 } eep_config_t;
 
-/** Carries out what the ESC asks for, when ESCvar.ALevent says that it does. Cost: 3 PDI accesses a command. */
+/** Carries out the command of the ESC when ESCvar.ALevent has its event. Cost: 3 PDI accesses a command. */
 void EEP_process(void);
 
 /** Bytes that a read delivers, 8 (at the start) or 4; others change nothing. */
 void EEP_set_read_size(uint16_t read_size);
 
-/** What to do at a reload in place of delivering the words asked for; it also sets the errors in *stat. NULL: that. */
+/** Handles a reload in place of delivering the requested words; sets the errors in *stat, too. NULL: deliver them. */
 void EEP_set_reload_function_pointer(void (*reload_ptr)(eep_stat_t *stat));
 
 /** The hardware file's. `addr` and `size` in bytes. @return 0, or negative */

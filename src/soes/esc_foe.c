@@ -2,8 +2,6 @@
 /* Files that a master may write, as SOES's API has them, over our FoE (seams/foe.h). They cannot be read. */
 #include "soes/esc_foe.h"
 
-#include <string.h>
-
 #include "soes/internal.h"
 
 ect_soes_instance_t ect_soes_instance;
@@ -22,11 +20,19 @@ void FOE_init(void)
     ect_soes_instance.transfer = (ect_foe_transfer_t){0};
 }
 
+/* A comparison by hand: memcmp and strlen of a C library take more flash than the rest of this file. */
+static bool is_name(const char *name, const ect_foe_wish_t *wish)
+{
+    uint16_t n = 0;
+    while (n < wish->length && name[n] != 0 && name[n] == wish->name[n])
+        n++;
+    return n == wish->length && name[n] == 0;
+}
+
 static foe_file_cfg_t *find(const ect_foe_wish_t *wish)
 {
     for (uint32_t n = 0; files && n < files->n_files; n++) {
-        const char *name = files->files[n].name;
-        if (strlen(name) == wish->length && memcmp(name, wish->name, wish->length) == 0)
+        if (is_name(files->files[n].name, wish))
             return &files->files[n];
     }
     return NULL;
@@ -53,7 +59,7 @@ static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wi
     return ECT_FOE_OK;
 }
 
-/* What the application says beside the errors of FoE is one all the same. */
+/* A result that is no error code of FoE is reported as one. */
 static uint32_t hand_over(void)
 {
     uint32_t error = file->write_function(file, files->fbuffer, collected);

@@ -43,7 +43,7 @@ extern ect_soes_t ect_soes;
 
 /* --- state.c ------------------------------------------------------------------------------------------------------ */
 uint64_t ect_soes_now(void);
-/* What the ESC says, lower half. */
+/* Follows the ESC's time, its lower half. */
 void ect_soes_follow_time(uint32_t time);
 
 /* --- esc_foe.c ---------------------------------------------------------------------------------------------------- */
@@ -57,7 +57,7 @@ extern ect_soes_instance_t ect_soes_instance;
 extern const ect_foe_t ect_soes_files;
 
 /* --- application.c, or the firmware ------------------------------------------------------------------------------- */
-/* What the slave is made of; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */
+/* The configuration of the slave; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */
 ect_slave_config_t ect_soes_slave_config(void);
 /* The exchange, as DIG_process wants it; inputs in SAFEOP and OP, and on the way to SAFEOP. */
 void ect_soes_outputs(void);

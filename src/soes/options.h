@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOES's API: how an application lays out its slave. What its own `ecat_options.h`, anywhere on the include path, does
- * not define has the value given here.
+ * SOES's API: how an application lays out its slave. A name that its own `ecat_options.h`, anywhere on the include
+ * path, does not define has the value given here.
  *
  * These are constants of the compiler: an application, its object list, its hardware file and src/soes are compiled
  * with the same ones.

@@ -182,7 +182,7 @@ def tables(sizes, stacks):
     lines += [f"| {name} | {size} | {limit} |\n" for name, size, limit in text]
     lines.append("\n| stack, without the device's functions and the port's | bytes | limit |\n|---|--:|--:|\n")
     lines += [f"| `{name}` | {size} | {limit} |\n" for name, size, limit in deep]
-    lines += [f"| the firmware of {name}, all in | {stacks[name]} | {given} |\n" for name, *_, given in devices()]
+    lines += [f"| the firmware of {name}, complete | {stacks[name]} | {given} |\n" for name, *_, given in devices()]
     return "".join(lines) + "\n"
 
 

@@ -42,6 +42,9 @@ if [ -x "$slaveinfo" ]; then
   check "with: entries" "Set point Temperature Power" "$(sed -n 's/^  \[0x.*0x.. [A-Z0-9]* *//p' <<<"$map" | xargs)"
 fi
 check "set, get" "sensed=215" "$("$heater" with heater -- sh -c "'$heater' set sensed=215; '$heater' get sensed" 2>/dev/null)"
+mirror=$work/device/ectwin-mirror
+check "the mirror: conformance" "0 fail" \
+  "$("$mirror" with mirror -- "$build/ectwin-conform" -i '{}' --only 'CF-033,CF-05*,CF-06*' 2>/dev/null | sed -n 's/.* cases in .* \([0-9]* fail\), .*/\1/p')"
 check "sii" 2048 "$("$heater" sii heater | wc -c)"
 
 # By pkg-config.

@@ -7,7 +7,7 @@ import sys
 ROOT = pathlib.Path(sys.argv[1])
 API = [ROOT / "src/soes" / f"{name}.h" for name in ("cc", "ecat_slv", "esc", "esc_coe", "esc_eep", "esc_foe", "options")]
 TESTS = [*ROOT.glob("tests/unit/soes/test_soes*.c"), *ROOT.glob("tests/soes/*.[ch]")]
-UNUSED = {  # names that say nothing by themselves, or that are members of what is used
+UNUSED = {  # names without a meaning of their own, or members of a used structure
     "CC_PACKED_BEGIN", "CC_PACKED_END", "CC_PACKED", "CC_ALIGNED", "CC_DEPRECATED", "EC_LITTLE_ENDIAN", "EC_BIG_ENDIAN",
 }
 
@@ -26,7 +26,7 @@ def main():
     here = set().union(*(declared(path.read_text()) for path in API))
     used = set(re.findall(r"\w+", "".join(path.read_text() for path in TESTS)))
     page = (ROOT / "docs/SOES.md").read_text()
-    part = page.split("### What is not there")[1].split("###")[0]
+    part = page.split("### Missing names")[1].split("###")[0]
     first_cells = " ".join(re.findall(r"^\|(.*?)\|", part, re.M))
     missing = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]+)`", first_cells))))
     status = 0
@@ -37,7 +37,7 @@ def main():
         print(f"{name} is declared in src/soes, and no test uses it")
         status = 1
     for name in sorted(here & missing):
-        print(f"{name} is declared in src/soes, and docs/SOES.md says that it is not there")
+        print(f"{name} is declared in src/soes, and docs/SOES.md lists it as missing")
         status = 1
     return status
 

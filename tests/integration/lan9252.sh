@@ -68,9 +68,9 @@ alone 2 "cannot take line 3 of '/dev/gpiochip9'" --irq gpiochip9:3
 alone 2 "cannot take line 25 of '/dev/gpiochip77': No such file" --irq gpiochip77:25
 alone 2 "cannot keep what is saved" --store /dev/null/folder
 LATE=4000000000 alone 2 "does not get ready"
-CSR_LASTS=4000000000 alone 2 "does not do what it is told"
+CSR_LASTS=4000000000 alone 2 "does not carry out accesses"
 
-# A save that is under way when the command is told to end
+# A save that is under way when a signal ends the command
 board=$board work=$work SAVE=1 timeout 60 unshare -Urn bash -c '
   ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
   "$board" tw0 --spi /dev/spidev7.1 --store "$work/store" fzm1 >"$work/ready" 2>"$work/err" & pid=$!

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Any slaves in OP, with process data for as long as is said.  usage: test_hold IFACE SLAVES SECONDS */
+/* Any slaves in OP, with process data for SECONDS.  usage: test_hold IFACE SLAVES SECONDS */
 #include <stdlib.h>
 
 #include "soem.h"
@@ -37,7 +37,7 @@ int main(int argc, char **argv)
     slaves = atoi(argv[2]);
     seconds = (unsigned int)atoi(argv[3]);
     const struct CMUnitTest tests[] = {
-        {"CF-033 ECL-011: OP, and process data of every cycle for as long as is said", hold, NULL, NULL, NULL},
+        {"CF-033 ECL-011: OP, and process data of every cycle for a given time", hold, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("hold", tests, NULL, NULL);
 }

@@ -39,7 +39,7 @@ static void keep(uint32 value)
     assert_int_equal(soem_write(&master, 1, STORE, 1, false, "save", 4), 0);
 }
 
-/* What is written behind it is not stored. */
+/* A value written after the save is not stored. */
 static void store(void **state)
 {
     (void)state;

@@ -8,7 +8,7 @@
 
 enum { ESC_BITS = 16 /* of its addresses */ };
 _Static_assert((MMIO_ESC & ((1ull << ESC_BITS) - 1)) == 0,
-               "MMIO_ESC: a multiple of 64 KB, so that the MPU can tell it from memory");
+               "MMIO_ESC: a multiple of 64 KB, the size of its region in the MPU");
 _Static_assert(MMIO_CLOCK_HZ > 0 && MMIO_CLOCK_HZ <= UINT32_MAX, "MMIO_CLOCK_HZ: 1 to 4294967295");
 
 static const ect_mmio_t esc = {.base = (volatile void *)MMIO_ESC, .width = MMIO_ESC_WIDTH};

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the firmware needs of this board (firmware/board.h). On its serial line it tells which device it is, and its AL
- * states. */
+/* The functions of firmware/board.h. The board writes the name of its device and each AL state to its serial line. */
 #include "board.h"
 
 #include "controller.h"

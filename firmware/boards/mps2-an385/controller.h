@@ -19,14 +19,14 @@
 /** Room for the largest personality and EEPROM there are. */
 enum { CONTROLLER_RAM_KB = 60, CONTROLLER_SII = 32768 };
 
-/** What ::controller_init says. */
+/** Results of ::controller_init. */
 typedef enum controller_result {
     CONTROLLER_OK,
     CONTROLLER_NO_ETHERNET, /**< the Ethernet controller does not answer */
     CONTROLLER_BAD_SII,     /**< its size is odd, 0, or beyond CONTROLLER_SII */
 } controller_result_t;
 
-/** The EEPROM: CONTROLLER_SII bytes, to be filled before ::controller_init. What a master writes to it is there until
+/** The EEPROM: CONTROLLER_SII bytes, to be filled before ::controller_init. A write of the master lasts until
  * power-off. */
 uint8_t *controller_sii(void);
 
@@ -40,7 +40,7 @@ controller_result_t controller_init(const ect_esc_personality_t *personality, ui
 const ect_pdi_t *controller_pdi(void);
 
 /**
- * Sleeps until the ECAT side has done something that mainline has not looked at since the last call, or until that
+ * Sleeps until the ECAT side has done something that mainline has not handled since the last call, or until that
  * time. Returns at once when it has, or when the time has come.
  */
 void controller_wait(uint64_t until_ns);

@@ -29,11 +29,11 @@ enum { PHY_CONTROL = 0, PHY_ADVERTISED = 4 };
 #define BYTE_TEST_VALUE 0x87654321u
 
 #define IRQ_ON        0x00000111u /* enabled, active high, push-pull */
-#define INT_RX_STATUS 0x00000008u /* more frames received than FIFO_INT says: none */
+#define INT_RX_STATUS 0x00000008u /* more frames received than FIFO_INT: none */
 #define HW_RESET      0x00000001u
 #define HW_STORE      0x00150000u /* 5 KB of FIFO to send from, frames are sent when they are whole */
 #define PMT_READY     0x00000001u
-#define TX_ON         0x00000006u /* nobody reads the status of what was sent */
+#define TX_ON         0x00000006u /* the status of sent frames is not read */
 #define RX_SKIP       0x80000000u
 #define CSR_BUSY      0x80000000u
 #define CSR_READ      0x40000000u
@@ -46,9 +46,8 @@ enum { PHY_CONTROL = 0, PHY_ADVERTISED = 4 };
 #define TX_WHOLE      0x00003000u /* first and last buffer of a frame */
 #define RX_ERROR      0x00008000u
 
-/* How often a register is read before something is given up. An access takes 100 ns or more: 45 for the window, the
- * rest for the processor. Of the MAC: done in some 10 accesses; of the PHY, serial: 30 us; a reset: the PHY's is the
- * longest, 100 us. */
+/* Reads of a register until a wait ends. A read takes 100 ns or more: 45 for the window, the rest for the processor.
+ * The MAC needs some 10 of them, the PHY, which is serial, 30 us, the longest reset, the PHY's, 100 us. */
 enum { PATIENCE_MAC = 100, PATIENCE_PHY = 1000, PATIENCE_RESET = 100000 };
 
 enum { CHECK_SUM = 4 };

@@ -6,7 +6,7 @@
  * Set up for EtherCAT: 100 Mbit/s full duplex, all frames whoever they are addressed to, no flow control. The only
  * interrupt is that of a received frame.
  *
- * One controller, one context at a time. Every wait is bounded, as its line says. Figures are of the data sheet of the
+ * One controller, one context at a time. Every wait is bounded. Figures are of the data sheet of the
  * LAN9118 (revision 1.5).
  */
 #ifndef FIRMWARE_LAN9118_H
@@ -19,7 +19,7 @@
 /** Longest frame that goes through it, without check sum. */
 enum { LAN9118_MAX_FRAME = 1518 };
 
-/** What it takes to receive one: the check sum comes along, in whole words. */
+/** Bytes to receive one: with the check sum, in whole words. */
 enum { LAN9118_BUFFER = 1524 };
 
 /** The controller. The members are private but for the counters. */

@@ -15,7 +15,8 @@ enum { CLOCK_HZ = 25000000, NS_PER_TICK = 40, BAUD = 115200 };
 #define FPGA_COUNTER  REGISTER(0x40028018)
 #define FPGA_PRESCALE REGISTER(0x4002801C)
 
-/* What a serial line can take for a character at most: it counts reads, so that a line that is stuck stops nobody. */
+/* Reads of the state of a serial line for a character at most, so that a line that is stuck does not stop the firmware.
+ */
 enum { PATIENCE = 1000000 };
 
 void mps2_init(void)

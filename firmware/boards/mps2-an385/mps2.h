@@ -12,7 +12,7 @@
 /** Interrupts of the chip that are used. */
 enum { MPS2_INTERRUPT_ETHERNET = 13 };
 
-/** Where the window of the Ethernet controller is. */
+/** Address of the window of the Ethernet controller. */
 #define MPS2_ETHERNET 0x40200000u
 
 /** Clock and serial line. To be called first. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Two slots in memory, for there is no flash on this board: a reset leaves the second one alone, power-off does not. It
- * lies in the PSRAM, the first one behind the loader. QEMU loads what it was started with at each reset anew, and the
- * loader then the update.
+ * lies in the PSRAM, the first one behind the loader. QEMU loads the images of its command line again at each reset,
+ * and the loader then the update.
  */
 #include <string.h>
 

@@ -19,7 +19,7 @@ static uint32_t header_room(const ect_flash_t *f)
     return unit_of(f) > HEADER ? unit_of(f) : HEADER;
 }
 
-/* Where a byte of a bank lies in the flash. */
+/* Address of a byte of a bank in the flash. */
 static uint32_t place(const ect_flash_t *f, unsigned int bank, uint32_t offset)
 {
     return f->area[bank] + (offset < HEADER ? offset : offset - HEADER + header_room(f));
@@ -46,7 +46,7 @@ static int program(ect_flash_t *f)
 
 /* --- the seam ----------------------------------------------------------------------------------------------------- */
 
-/* What is only gathered counts as written. */
+/* Gathered bytes count as written. */
 static void read_gathered(const ect_flash_t *f, uint32_t address, uint8_t *buffer, uint32_t length)
 {
     for (uint32_t n = 0; n < f->gathered_bytes; n++) {

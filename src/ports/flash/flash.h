@@ -4,12 +4,12 @@
  * Flash as a device's storage (seams/storage.h): two areas that are erased as a whole and programmed a unit at a time,
  * each unit once. Three functions around the board's own driver; without them, memory that lasts until power-off.
  *
- * What flash asks for and the storage seam does not is done in here: bytes are gathered into units; the header of a
+ * This port does what flash needs and the storage seam does not have: bytes are gathered into units; the header of a
  * record (seams/record.h), which is written last, has units of its own; what was gathered is programmed by `flush`.
  *
  * On a processor that cannot run from the flash that it erases, an erase stops everything, the exchange in the
  * interrupt too: then the driver, and what must go on meanwhile, have to run from RAM. 1010h blocks mainline for an
- * erase and the programming; how long, the flash's data sheet says (some 10 ms to 2 s).
+ * erase and the programming, 10 ms to 2 s depending on the flash.
  *
  * Context: mainline only. One ::ect_flash_t for a device, owned by the caller.
  */

@@ -83,7 +83,7 @@ static int begin(const ect_lan9252_t *chip, uint16_t address, uint32_t about, ui
     return transfer(chip, WRITE, address | NEXT, frame, 2);
 }
 
-/* Looks at a command register until it is not busy. @return -1: it stays so */
+/* Reads a command register until it is not busy. @return -1: it stays busy */
 static int wait(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
 {
     for (unsigned int n = chip->patience != 0 ? chip->patience : DEFAULT_PATIENCE; n > 0; n--) {
@@ -342,7 +342,7 @@ int ect_lan9252_start(ect_lan9252_t *chip)
 
 /* --- a chip that was reset ---------------------------------------------------------------------------------------- */
 
-/* IRQ_CFG, INT_STS and INT_EN, in one transfer. A transfer that the SPI reports as failed says nothing about the chip.
+/* IRQ_CFG, INT_STS and INT_EN, in one transfer. A failed transfer is no sign of a reset.
  */
 static bool has_settings(const ect_lan9252_t *chip)
 {

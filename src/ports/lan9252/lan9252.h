@@ -30,7 +30,7 @@
  *
  * **A reset of the chip** leaves no trace on the bus. ::ect_lan9252_check in the main loop detects it.
  *
- * **Context**: as seams/pdi.h says. One ::ect_lan9252_t for a chip, owned by the caller.
+ * **Context**: as in seams/pdi.h. One ::ect_lan9252_t for a chip, owned by the caller.
  */
 #ifndef ECT_PORTS_LAN9252_H
 #define ECT_PORTS_LAN9252_H

@@ -15,7 +15,7 @@ ECT_C_BEGIN
 
 enum { ECT_LINUX_MESSAGE = 256 };
 
-/** What a line is for: one of the first two, and the others with it. */
+/** Use of a line: one of the first two, with any of the others. */
 enum {
     ECT_GPIO_INPUT = 1,  /**< becomes readable (poll) when it gets active */
     ECT_GPIO_OUTPUT = 2, /**< inactive at first */
@@ -33,12 +33,12 @@ enum {
  */
 int ect_gpio_open(const char *name, unsigned int use, char *message);
 
-/** Whether the line is active now. One that cannot be read is taken as active: then somebody looks. */
+/** Whether the line is active now. A line that cannot be read counts as active, so that the ESC is read. */
 bool ect_gpio_get(int line);
 
 void ect_gpio_set(int line, bool active);
 
-/** Takes note of all that made an input readable. */
+/** Reads all edges that made an input readable. */
 void ect_gpio_seen(int line);
 
 ECT_C_END

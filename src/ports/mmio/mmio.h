@@ -4,8 +4,8 @@
  * An ESC that is mapped into memory: an ET1100 or LAN9253 on a parallel bus, an IP core on an FPGA's bus, the
  * XMC4800's.
  *
- * Address n of the ESC stands at `base` + n. An access of the stack is cut into the widest ones that the bus can do,
- * aligned, in ascending order, and never wider than what was asked for. A processor that splits a wide access by itself
+ * Address n of the ESC is at `base` + n. An access of the stack is cut into the widest ones that the bus can do,
+ * aligned, in ascending order, and never wider than requested. A processor that splits a wide access by itself
  * (32 bits on a bus of 16) is fine, as long as the lower address comes first.
  *
  * The chip holds the bus until it is ready, so an access takes what the bus takes, and cannot fail. **Bound**: accesses
@@ -14,7 +14,7 @@
  *
  * The processor must see the ESC as device memory: not cached, not reordered, not merged.
  *
- * **Context**: as seams/pdi.h says.
+ * **Context**: as in seams/pdi.h.
  */
 #ifndef ECT_PORTS_MMIO_H
 #define ECT_PORTS_MMIO_H
@@ -27,9 +27,9 @@
 
 ECT_C_BEGIN
 
-/** One ESC. 0 or NULL is good wherever the line says nothing else. */
+/** One ESC. 0 and NULL are valid unless a member requires another value. */
 typedef struct ect_mmio {
-    volatile void *base; /**< where the ESC's address 0 is; a multiple of the width. Required without `load` */
+    volatile void *base; /**< address 0 of the ESC; a multiple of the width. Required without `load` */
     uint8_t width;       /**< of the bus, in bytes: 1, 2, 4; 0: 4 */
 
     /**
@@ -46,8 +46,8 @@ typedef struct ect_mmio {
 } ect_mmio_t;
 
 /**
- * Whether the ESC has loaded its EEPROM and lets its PDI work (0x0110 bit 0), and is there at all: a bus without
- * anybody on it reads as all ones or zeros. To be asked until it is, before ::ect_slave_init. Context: mainline. Cost:
+ * Whether the ESC has loaded its EEPROM and lets its PDI work (0x0110 bit 0), and is there at all: an empty bus
+ * reads as all ones or zeros. Repeat it until it returns true, then call ::ect_slave_init. Context: mainline. Cost:
  * two accesses.
  */
 bool ect_mmio_ready(const ect_mmio_t *esc);

@@ -26,7 +26,8 @@ ECT_C_BEGIN
 /**
  * A main function: takes the options above and no others, then ecat_slv_init with what ectwin_soes_config() gives, then
  * ecat_slv for ever.
- * @return 1 wrong usage, told in a line; else it ends the program: 0 a signal, 2 the interface or a file cannot be used
+ * @return 1: wrong usage, with one line on standard error. Otherwise the function ends the program: 0 a signal, 2 the
+ * interface or a file cannot be used
  */
 int ectwin_soes_main(int argc, char **argv);
 

@@ -249,7 +249,7 @@ static bool answer(void)
     return true;
 }
 
-/* What a frame brings is dealt with before the next one, as by a chip whose processor is quick. */
+/* The application handles a frame before the next one, as behind a chip with a fast processor. */
 static void serve(void)
 {
     unsigned int frames = 0;
@@ -262,7 +262,7 @@ static void serve(void)
     hal.seen = ect_esc_al_event(&hal.esc);
 }
 
-/* What the access took away is news when it comes again. */
+/* An event that the access has cleared is news when it returns. */
 static uint32_t event(void)
 {
     uint32_t now = ect_esc_al_event(&hal.esc);
@@ -270,7 +270,7 @@ static uint32_t event(void)
     return now;
 }
 
-/* SOES reads what a mail's header says that follows it, also when that is nothing. */
+/* SOES reads the length in a mail's header, even when it is 0. */
 uint32_t ect_soes_hal_read(uint16_t address, void *buffer, uint16_t length)
 {
     if (address == ECT_REG_DC_SYSTEM_TIME || address == ECT_REG_DL_STATUS)

@@ -14,12 +14,13 @@
 
 ECT_C_BEGIN
 
-/** Takes a command line that has our options alone. @return false: it has others, or lacks a value; told in a line */
+/** Takes a command line that has our options alone. @return false: it has others, or lacks a value; one line on
+ * standard error */
 bool ect_soes_hal_arguments(int argc, char **argv);
 
 /**
- * Opens the interface and powers the ESC on, the first time; tells those who wait for it (README, the ready line).
- * Options that nobody gave are looked for in the command line of the process, then in the environment.
+ * Opens the interface and powers the ESC on, the first time; writes the ready line (README).
+ * Options without a value are read from the command line of the process, then in the environment.
  * @param device  what the EEPROM is made from, when no file is named
  * Ends the program with status 1 or 2 and one line for the user when that is not possible.
  */

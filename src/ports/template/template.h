@@ -4,8 +4,8 @@
  * The template of a port: a controller that is reached through a window of two 32-bit registers. It compiles, it is
  * tested, and it is meant to be copied: docs/PORTING.md walks through it.
  *
- * What the stack wants is written above ::ect_pdi_t: read or write any number of bytes at any address, in ascending
- * order, each byte once, with every wait bounded. What a chip offers is always less: here, 1, 2 or 4 bytes at an
+ * The stack's requests are defined by ::ect_pdi_t: read or write any number of bytes at any address, in ascending
+ * order, each byte once, with every wait bounded. A chip offers less: here, 1, 2 or 4 bytes at an
  * address that is a multiple of their number, one access at a time, each of which takes the chip a while. A port is
  * the way from the one to the other, and nothing else: it knows no register of the ESC, keeps no copy of anything, and
  * has no opinion on what the bytes mean.
@@ -19,20 +19,20 @@
  *
  * Three things go wrong in ports again and again; the code below shows each done right.
  *
- * - **An access that is wider than what was asked for.** A SyncManager acts on its first and its last byte: a read of
- *   four bytes where one was meant empties a mailbox too early, or opens a buffer that nobody closes. So the width is
+ * - **An access that is wider than requested.** A SyncManager acts on its first and its last byte: a read of
+ *   four bytes where one was meant empties a mailbox too early, or opens a buffer that stays open. So the width is
  *   the largest that is aligned and not longer than what is left; no byte outside of address .. address + length - 1
  *   is touched.
  * - **A wait without an end.** A chip that is in reset, or not soldered, never gets ready. Each wait counts, gives up,
  *   and the access fails; the stack keeps its state and tries again at its next poll, and the watchdog of the board
- *   does not have to find out. What was given up may still be under way when the next access comes, so that begins by
- *   waiting too.
+ *   does not have to find out. An abandoned access may still be under way when the next one comes, so that one begins
+ * by waiting too.
  * - **Byte order by cast.** DATA is put together and taken apart by shifts, so the port is the same on a processor of
  *   either byte order. (Were DATA mapped with the bus's byte order swapped, it would be mended in this one place.)
  *
  * The bound: `patience` reads of COMMAND for an access of at most four bytes. With an access time of 500 ns for the
- * window and a patience of 20, a register of the ESC takes at most 11 us, a process image of 64 bytes 180 us; say so
- * above the table of your port, for the shortest cycle of the slave follows from it.
+ * window and a patience of 20, a register of the ESC takes at most 11 us, a process image of 64 bytes 180 us; write
+ * that above the table of your port, for the shortest cycle of the slave follows from it.
  */
 #ifndef ECT_PORTS_TEMPLATE_H
 #define ECT_PORTS_TEMPLATE_H

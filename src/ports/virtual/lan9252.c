@@ -313,10 +313,10 @@ static void pass_time(chip_t *c)
         c->ram_time = 0;
 }
 
-/* What a transfer has come to. */
+/* The state of a transfer. */
 typedef struct spi {
     uint8_t instruction;
-    uint16_t address; /* with the bits that say where it goes */
+    uint16_t address; /* with the bits of its direction */
     uint8_t word[4];
     unsigned int head; /* bytes before the data */
 } spi_t;

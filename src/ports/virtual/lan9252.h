@@ -4,14 +4,14 @@
  * A virtual LAN9252: the SPI side of the chip, register by register and word by word, in front of a software ESC. A
  * driver for the chip, ours (ports/lan9252) or another, runs against it as on the board, under a real master.
  *
- * It was written from what the chip's data sheet says, not from a driver. It has: the instructions READ (0x03), FAST
+ * It was written from the chip's data sheet, not from a driver. It has: the instructions READ (0x03), FAST
  * READ (0x0B) and WRITE (0x02) with addresses that stay, go up or go down; the two FIFOs of 16 words with their
  * windows; ID_REV, IRQ_CFG, INT_STS, INT_EN, BYTE_TEST, HW_CFG, RESET_CTL, and the six registers that lead to the ESC.
- * Of SQI it has the mode, and that RSTQIO ends it. It has not: the timers, GPIO, PHYs, and the chip's other bus
+ * It knows SQI mode, and that RSTQIO ends it. It has not: the timers, GPIO, PHYs, and the chip's other bus
  * interfaces.
  *
  * Time is counted in bytes on the SPI, at 20 MHz 0.4 us each: an access of the ESC lasts so many of them, and while it
- * lasts the registers say busy. So a test needs no clock, and a FIFO fills while its reader is on the way.
+ * lasts the registers read as busy. So a test needs no clock, and a FIFO fills while its reader is on the way.
  *
  * **Faults** are members that may be set at any time, 0 for none: bits that flip on the wire, a chip that is late or
  * never ready, one that stays busy.
@@ -42,7 +42,7 @@ typedef struct ect_virtual_fifo {
 /** One chip. Zeroed, with `esc` set, it is ready and has nothing under way; what is not marked as private may be set or
  * read at any time. */
 typedef struct ect_virtual_lan9252 {
-    ect_esc_t *esc; /**< initialised; required. Its config must say which ports have a link: a reset begins with that */
+    ect_esc_t *esc; /**< initialised; required. Its config names the ports with a link, which a reset begins with */
 
     uint32_t ready_after; /**< bytes on the SPI from a reset until READY */
     uint32_t csr_lasts;   /**< ... that an access of a register of the ESC lasts */
