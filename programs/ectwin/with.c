@@ -83,6 +83,17 @@ static void take_names(with_args_t *args, const struct argp_state *state, char *
         argp_error(state, "--iface takes one name, or two that differ");
 }
 
+static void check_in_process(const with_args_t *args, const struct argp_state *state)
+{
+    if (args->virtual_time && !args->in_process)
+        argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
+    if (args->in_process && args->external)
+        argp_error(state, "--external is a process of its own, and --in-process has none: leave one of them out");
+    if (args->in_process && (args->twins.modbus || args->twins.realtime != 0 || args->twins.busy_poll))
+        argp_error(state,
+                   "--modbus, --realtime and --busy-poll need a process of the twins' own: leave out --in-process");
+}
+
 static void check_arguments(with_args_t *args, const struct argp_state *state)
 {
     if (!args->devices && !args->external)
@@ -91,13 +102,7 @@ static void check_arguments(with_args_t *args, const struct argp_state *state)
         argp_error(state, "a device and --external: leave one of them out");
     if (args->external && args->masters[1])
         argp_error(state, "--external has one wire: give --iface one name");
-    if (args->virtual_time && !args->in_process)
-        argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
-    if (args->in_process && args->external)
-        argp_error(state, "--external is a process of its own, and --in-process has none: leave one of them out");
-    if (args->in_process && (args->twins.modbus || args->twins.realtime != 0 || args->twins.busy_poll))
-        argp_error(state,
-                   "--modbus, --realtime and --busy-poll need a process of the twins' own: leave out --in-process");
+    check_in_process(args, state);
     if (args->external && twin_args_given(&args->twins))
         argp_error(state, "--external is a slave of your own: the options of twins do nothing to it, leave them out");
     if (!args->command)
