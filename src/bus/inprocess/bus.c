@@ -102,8 +102,8 @@ static void leave_mark(void)
     int fd = path ? open(path, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
     if (fd < 0)
         return;
-    (void)!write(fd, "+", 1);
-    close(fd);
+    (void)!REAL(write)(fd, "+", 1);
+    REAL(close)(fd);
 }
 
 static ectwin_bus_t *open_bus(char *words, uint64_t now_ns)
@@ -120,7 +120,7 @@ static ectwin_bus_t *open_bus(char *words, uint64_t now_ns)
     if (moved)
         (void)!fchdir(here);
     if (here >= 0)
-        close(here);
+        REAL(close)(here);
     return bus;
 }
 

@@ -59,7 +59,7 @@ int ect_port_open(int type, int protocol)
     int fd = port ? eventfd(0, flags) : -1;
     if (fd < 0 || fd >= DESCRIPTORS) {
         if (fd >= 0)
-            close(fd);
+            REAL(close)(fd);
         free(port);
         errno = fd >= 0 ? EMFILE : errno;
         return -1;

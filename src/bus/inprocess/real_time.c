@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "bus/inprocess/bus.h"
-#include "bus/inprocess/ports.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
 #include "bus/library.h"
@@ -23,18 +22,18 @@ static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* the thread of the library */
 
 void ect_time_lock(void)
 {
-    pthread_mutex_lock(&mutex);
+    REAL(pthread_mutex_lock)(&mutex);
 }
 
 void ect_time_unlock(void)
 {
-    pthread_mutex_unlock(&mutex);
+    REAL(pthread_mutex_unlock)(&mutex);
 }
 
 uint64_t ect_time_now(void)
 {
     struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
+    REAL(clock_gettime)(CLOCK_MONOTONIC, &time);
     return (uint64_t)time.tv_sec * NS_PER_S + (uint64_t)time.tv_nsec;
 }
 
@@ -114,7 +113,7 @@ void ect_time_bus_started(void)
     wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
-    if (pthread_create(&thread, NULL, run, NULL) == 0)
+    if (REAL(pthread_create)(&thread, NULL, run, NULL) == 0)
         pthread_detach(thread);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
