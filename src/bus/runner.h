@@ -18,7 +18,7 @@
 ECT_C_BEGIN
 
 typedef struct ect_runner {
-    ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end; NULL: no interface */
+    ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end_t; NULL: no interface */
     ect_exchange_t exchange;       /**< chain, control socket, faults, filter; the loop sets its callbacks */
     ect_modbus_server_t *modbus;   /**< of the first twin; NULL: none */
     /** Pause between two pieces of work for clients, so that these never take a whole core; 0: none. */

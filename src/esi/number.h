@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Numbers as ESI files have them. */
+/** @file
+ * Numbers as ESI files have them. */
 #ifndef ECT_ESI_NUMBER_H
 #define ECT_ESI_NUMBER_H
 

@@ -33,7 +33,7 @@ typedef struct ect_esi_head {
 
 /**
  * Splits what a user names, `FILE` or `FILE#SELECTOR`. Files and folders may have a '#' in their names too, and a
- * number is written #x1234: a file that is there is one, else the selector begins at the first one behind a file that
+ * number is written \#x1234: a file that is there is one, else the selector begins at the first one behind a file that
  * is there.
  * @return the '#' in `operand`, or NULL: it names a file alone
  */
@@ -62,7 +62,7 @@ const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count);
 
 /**
  * Reads one device in full. Several calls are possible; each costs a walk over that device.
- * @param selector  a type (`EL1008`), `@product`, `@product/revision` (decimal or 0x…, #x…), or "" when the file has
+ * @param selector  a type (`EL1008`), `@product`, `@product/revision` (decimal or 0x…, \#x…), or "" when the file has
  *                  one type of device only. The highest of several revisions is taken.
  * @return the device, or NULL: nothing or too much fits (the line names what there is), or a number, a text or a
  *         length in it cannot be read (the line has its place)

@@ -74,7 +74,7 @@ void EEP_set_read_size(uint16_t read_size);
 /** Handles a reload in place of delivering the requested words; sets the errors in *stat, too. NULL: deliver them. */
 void EEP_set_reload_function_pointer(void (*reload_ptr)(eep_stat_t *stat));
 
-/** The hardware file's. `addr` and `size` in bytes. @return 0, or negative */
+/** Functions of the hardware file. `addr` and `size` in bytes; a negative result is a failure. */
 void EEP_init(void);
 int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size);
 int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t size);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Numbers on the command line of a program that uses argp. */
+/** @file
+ * Numbers on the command line of a program that uses argp. */
 #ifndef ECT_TEXT_ARGUMENT_H
 #define ECT_TEXT_ARGUMENT_H
 

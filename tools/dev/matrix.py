@@ -71,7 +71,7 @@ def judge(prefix, last, no_test, not_on_the_wire, all_titles):
                    f"{len(no_test)} have a reason for none")
 
 
-tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.glob("*/*")) if path.suffix in (".c", ".sh", ".py")
+tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.rglob("*")) if path.suffix in (".c", ".sh", ".py")
           for title in titles(path)]
 results = [judge(*product, tested) for product in PRODUCTS]
 for _, summary in results:

@@ -126,7 +126,7 @@ typedef struct ect_chain_cursor {
     ect_signal_cursor_t device, lamps, wiring;
 } ect_chain_cursor_t;
 
-/** ::ect_signals_next for the device of a twin, then for its lamps and wiring (`ecat.*`). */
+/** ::ect_signals_next for the device of a twin, then for its lamps and wiring (named ecat.NAME). */
 bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor,
                            ect_signal_ref_t *ref);
 

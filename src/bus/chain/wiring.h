@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The surroundings of every slave's chip as signals `ecat.*`: its plugs (a pulled plug cuts the wire), its latch
+ * The surroundings of every slave's chip as signals (ecat.NAME): its plugs (a pulled plug cuts the wire), its latch
  * inputs, its oscillator.
  */
 #ifndef ECT_BUS_CHAIN_WIRING_H

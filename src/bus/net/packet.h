@@ -30,7 +30,7 @@ typedef struct ect_packet {
     uint64_t came_ns;     /**< arrival of the last frame whose age the kernel has reported */
 } ect_packet_t;
 
-/** CLOCK_MONOTONIC, nanoseconds: the time of ::ect_packet_time, of the loop and of the chain. */
+/** CLOCK_MONOTONIC, nanoseconds: the time of ::ect_packet_time_t, of the loop and of the chain. */
 uint64_t ect_packet_now(void);
 
 /** Time of a frame's reception, and its age then. */
