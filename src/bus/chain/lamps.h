@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The EtherCAT lamps of every slave, its AL state and AL status code as signals (ecat.NAME), beside those of the device.
+ * The EtherCAT lamps of every slave, its AL state and AL status code as signals (ecat.NAME), beside those of the
+ * device.
  */
 #ifndef ECT_BUS_CHAIN_LAMPS_H
 #define ECT_BUS_CHAIN_LAMPS_H
