@@ -84,12 +84,12 @@ refused() {
 }
 
 what_is_refused() {
-  refused 1 "no Modbus side; these have: vr-bu-ect-map1, " run --modbus 0.0.0.0:0 fzm1
-  refused 1 "name one device" run --modbus 0.0.0.0:0 vr-bu-ect-map7,vr-bu-ect-map7
+  refused 1 "this device has no Modbus interface; devices with one: vr-bu-ect-map1, " run --modbus 0.0.0.0:0 fzm1
+  refused 1 "one address serves one device" run --modbus 0.0.0.0:0 vr-bu-ect-map7,vr-bu-ect-map7
   refused 1 "is no \[ADDRESS:\]PORT" run --modbus nonsense vr-bu-ect-map7
   refused 1 "is no \[ADDRESS:\]PORT" run --modbus localhost:1502 vr-bu-ect-map7
-  refused 1 "name the interface with -i" run vr-bu-ect-map7
-  refused 1 "name the interface with -i" run -o x --modbus 0.0.0.0:0 vr-bu-ect-map7
+  refused 1 "no interface: name it with -i IFACE" run vr-bu-ect-map7
+  refused 1 "no interface: name it with -i IFACE" run -o x --modbus 0.0.0.0:0 vr-bu-ect-map7
   refused 1 "a slave of your own" with --modbus 0.0.0.0:0 --external /bin/true -- true
   refused 2 "below 1024 needs CAP_NET_BIND_SERVICE" run --modbus 0.0.0.0:502 vr-bu-ect-map7
   in_network 'start --modbus 1502 vr-bu-ect-map7
