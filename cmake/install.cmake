@@ -78,7 +78,7 @@ file(RELATIVE_PATH PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INST
 foreach(component IN LISTS ECTWIN_COMPONENTS)
   install(EXPORT ectwin-${component} NAMESPACE ectwin:: DESTINATION ${ECTWIN_CMAKEDIR} COMPONENT ${component})
   get_property(libraries GLOBAL PROPERTY ECTWIN_LIBRARIES_${component})
-  list(REVERSE libraries) # a static library stands before those that it needs
+  list(REVERSE libraries) # a static library precedes the libraries that it needs
   list(TRANSFORM libraries PREPEND -l)
   list(JOIN libraries " " PC_LIBRARIES)
   set(PC_NAME ectwin-${component})

@@ -39,7 +39,7 @@ as_root() {
   fi
 }
 
-# A package counts as there when dpkg says so, or when the command it is for comes from elsewhere.
+# A package counts as there when dpkg lists it, or when the command it is for comes from elsewhere.
 is_there() {
   case "$1" in
     gcc | cmake | clang | clang-format-19 | clang-tidy-19 | doxygen | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
@@ -80,7 +80,7 @@ install_clang_runtime() {
   clang -fsanitize=address,undefined "$work/a.c" -o "$work/a" 2>/dev/null || install_packages "libclang-rt-$version-dev"
 }
 
-# Found, and of the version that is asked for: cmake/soem.cmake compiles a program with it.
+# Found, and of the required version: cmake/soem.cmake compiles a program with it.
 soem_is_installed() {
   mkdir -p "$work/find"
   cat >"$work/find/CMakeLists.txt" <<CMAKE

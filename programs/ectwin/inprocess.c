@@ -93,7 +93,7 @@ static bool set_words(const in_process_t *p)
     return done;
 }
 
-/* Where the program itself was built with a sanitizer, its library has to come first. */
+/* The library of a sanitizer that the program was built with has to come first. */
 static bool set_preload(const char *library)
 {
     const char *before = getenv("LD_PRELOAD");

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The charts in docs/devices are what the twins do: recorded anew, they come out the same.
+# The charts in docs/devices show the behaviour of the twins: a new recording gives the same charts.
 # usage: charts.sh FZM1_RECORD OPTONCDT_RECORD DRIVE_RECORD [--write]
 set -eu
 fzm1=$1 optoncdt=$2 drive=$3 write=${4:-}
@@ -8,7 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
 
-# picture FILE: what stands below $work under that name is what the manual has.
+# picture FILE: the file of that name below $work equals the manual's.
 picture() {
   if [ "$write" = --write ]; then
     mkdir -p "$root/docs/devices/$(dirname "$1")"

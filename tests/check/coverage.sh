@@ -7,7 +7,7 @@ here=$(cd "$(dirname "$0")/.." && pwd)
 root=$(dirname "$here")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# What is searched is named: CMake's own trial programs, elsewhere in BUILD, have coverage files that lead nowhere.
+# The search is limited to BUILD/src: CMake's own trial programs, elsewhere in BUILD, have coverage files without a source.
 gcovr --root "$root" --filter "$root/src/" --exclude-throw-branches --json-summary "$work/summary" \
   "$build/src" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 python3 - "$work/summary" "$here/budget/coverage" <<'PYTHON'

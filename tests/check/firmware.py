@@ -2,7 +2,7 @@
 """Flash, RAM and stack of the firmware for boards with a real ESC, against tests/budget/firmware; and the tables of docs/SIZES.md.
 
 usage: firmware.py           builds the presets, checks the budgets, and where the compilers are those that they name, the tables
-       firmware.py --write   the same, and writes the tables anew
+       firmware.py --write   the same, and rewrites the tables
 
 The stack is a bound: main and what it calls, each call through a pointer taken for the deepest that it may be (the device's
 functions, the port's). It has to fit what firmware/CMakeLists.txt gives the device. Exits with 77 where there are no compilers.
@@ -87,7 +87,7 @@ def sources(header):
                                                                   "boards/mmio/no_storage.c")]
 
 
-# Who calls through pointers, and what that leads to, as `file:function`. What stays inside the stack stack.py knows.
+# Callers through pointers and the functions that they reach, as `file:function`. Calls that stay inside the stack are known to stack.py.
 OUTSIDE = ((r"src/slave/(mailbox|pdo)\.c:", None),
            (r"src/slave/memory\.c:", r"firmware/on_ectwin/.*:take$"),
            (r"src/slave/services\.c:ect_services_diagnose", None),  # no device with a firmware names those messages
@@ -187,7 +187,7 @@ def tables(sizes, stacks):
 
 
 def much_the_same(text, new):
-    """Not each byte that a change of the core costs is a reason to write the tables anew; two in a hundred are."""
+    """Not each byte that a change of the core costs is a reason to rewrite the tables; two percent are."""
     pairs = list(zip(re.findall(r"\d+", text), re.findall(r"\d+", new)))
     return re.sub(r"\d+", "", text) == re.sub(r"\d+", "", new) and \
         all(abs(int(a) - int(b)) <= max(32, int(a) // 50) for a, b in pairs)

@@ -9,7 +9,7 @@ trap 'rm -rf "$work"' EXIT
 status=0
 for source in "$src"/{od,esc,slave,sii}/*.c "$src"/{profiles,devices,ports}/*/*.c; do
   case "$source" in */ports/soes_hal/*) continue ;; esac
-  # Not position-independent, so that constants that hold addresses stand in .rodata.
+  # Not position-independent, so that constants that hold addresses are in .rodata.
   ${CC:-cc} -std=c11 -O1 -fno-pic -DNDEBUG -I"$src" -c "$source" -o "$work/object.o"
   found=$(objdump -t "$work/object.o" | awk '/ O / && $0 ~ / \.(data|bss)/')
   if [ -n "$found" ]; then

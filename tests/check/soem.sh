@@ -7,7 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
 
-# taken DIRECTORY: what cmake/soem.cmake says of the package there.
+# taken DIRECTORY: the verdict of cmake/soem.cmake on the package there.
 taken() {
   rm -rf "$work/build"
   cmake -G Ninja -S "$work" -B "$work/build" -Dsoem_DIR="$1" | sed -n 's/^-- found: //p'

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# What clang-tidy says of the project (.clang-tidy): nothing.  usage: tidy.sh BUILD
-# A file that is as it was when it passed is not looked at again. One version, as for the layout; exits with 77 where there is none.
+# clang-tidy reports nothing on the project (.clang-tidy).  usage: tidy.sh BUILD
+# A file that has not changed since it passed is not checked again. One version, as for the layout; exits with 77 if it is not installed.
 set -eu
 build=$1
 root=$(cd "$(dirname "$0")/../.." && pwd)
-command -v clang-tidy-19 >/dev/null || { echo "clang-tidy-19 is not installed: nothing is looked at"; exit 77; }
+command -v clang-tidy-19 >/dev/null || { echo "clang-tidy-19 is not installed: nothing is checked"; exit 77; }
 mkdir -p "$build/tidy"
 export root build
 
@@ -26,7 +26,7 @@ END
 # look_at FILE [CHECKS]: what runs on a board with all checks, what runs on a host without two kinds
 look_at() {
   local code stamp
-  code=$(preprocessed "$1") || code=$RANDOM$RANDOM # looked at each time
+  code=$(preprocessed "$1") || code=$RANDOM$RANDOM # checked each time
   stamp=$build/tidy/$(echo "$(cat "$root/.clang-tidy") ${2-} $code" | sha256sum | cut -d' ' -f1)
   [ ! -e "$stamp" ] || return 0
   clang-tidy-19 -p "$build" --quiet ${2:+"--checks=$2"} "$1" 2>/dev/null && touch "$stamp"

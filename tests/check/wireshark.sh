@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Wireshark as an independent judge of tests/vectors: its dissector must find nothing to say about frames there and back, know each
-# of them as EtherCAT, and see all fifteen commands; it must find something about those that are broken on purpose; and nothing
-# malformed in what the slave answers to mails (some requests are malformed on purpose).
+# Wireshark as an independent judge of tests/vectors: its dissector must report nothing on frames there and back, know each
+# of them as EtherCAT, and see all fifteen commands; it must report frames that are broken on purpose, and nothing
+# malformed in the slave's replies to mails (some requests are malformed on purpose).
 # usage: wireshark.sh TEST_VECTORS      Exits with 77 (skipped) where tshark is not installed.
 set -eu
 command -v tshark >/dev/null || { echo "skipped: tshark is not installed"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# record NAME FILTER: the frames of some vectors.  look NAME TSHARK-ARGUMENT...: what Wireshark says of them
+# record NAME FILTER: the frames of some vectors.  look NAME TSHARK-ARGUMENT...: Wireshark's report on them
 record() { "$vectors" --pcap "$work/$1.pcap" "$2" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }; }
 look() { tshark -r "$work/$1.pcap" "${@:2}" 2>/dev/null; }
 vectors=$1

@@ -7,7 +7,7 @@
  * Environment: LATE=BYTES until the chip is ready, CSR_LASTS=BYTES, WORD_LASTS=BYTES (ports/virtual/lan9252.h);
  * FAULTS_MS: for so long after the start one bit in 100000 flips, and the chip hangs for 0.2 s of each second.
  * SAVE: somebody has the device save (its signal `save`), and the disk is so slow that it is under way when the signal
- * to end comes; "saving" on standard error says that it is.
+ * to end comes; "saving" on standard error reports that it is.
  */
 #define _GNU_SOURCE
 #include <aio.h>
@@ -42,7 +42,7 @@ static ect_packet_t port;
 static int spi_fd = -1, chip_fd = -1, reset_fd = -1;
 static int irq[2] = {-1, -1}; /* what was given out as the line, and where its edges are written to */
 static bool irq_level;
-static bool ending; /* the command was told to end */
+static bool ending; /* the command has its signal to end */
 
 static uint64_t now(void)
 {
@@ -51,7 +51,7 @@ static uint64_t now(void)
     return (uint64_t)t.tv_sec * 1000000000ull + (uint64_t)t.tv_nsec;
 }
 
-/* Tells an edge to who waits for the line. */
+/* Reports an edge to the reader of the line. */
 static void follow_line(void)
 {
     static const struct gpio_v2_line_event event = {.id = GPIO_V2_LINE_EVENT_RISING_EDGE};
@@ -61,8 +61,8 @@ static void follow_line(void)
     irq_level = level;
 }
 
-/* What has come, however late: a frame that a busy machine drops is one more thing that a master has to get over, and
- * not what is looked at. */
+/* Processes all frames that have arrived, however late: a frame that a busy machine drops is one more disturbance for
+ * the master, and not under test. */
 static void answer(void)
 {
     uint8_t frame[2100];
@@ -81,7 +81,7 @@ static uint32_t from_environment(const char *name)
     return text ? (uint32_t)strtoul(text, NULL, 0) : 0;
 }
 
-/* What befalls the chip while it is young; then it is as it should be. */
+/* Faults of the chip in its first FAULTS_MS; after that it works. */
 static void befall(void)
 {
     static uint64_t start_ns, end_ns;
@@ -103,7 +103,7 @@ static bool power_on(const char *iface, const char *device)
     const ect_product_t *product = ect_catalogue_find(device);
     char message[ECT_PACKET_MESSAGE];
     if (!product || !ect_fit(product->device, &ect_fit_lan9252, &on))
-        return true; /* that is for the command to say */
+        return true; /* the command itself reports that */
     uint8_t *sii = calloc(1, on.sii_size);
     ect_esc_config_t config = {
         .personality = ect_esc_personality("lan9252"), .memory = memory, .sii = sii, .sii_size = on.sii_size};
@@ -204,9 +204,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
     return ours(fd, request, argument);
 }
 
-/* --- a save, and a disk that takes until the command is told to end
- * ---------------------------------------------------
- */
+/* --- a save, and a disk that takes until the command has its signal to end ---------------------------------------- */
 
 int __real_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);
 int __wrap_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, uint64_t now_ns);

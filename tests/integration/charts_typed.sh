@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The commands of the manual's chapter "Timing charts" are typed as they stand there, and their charts come out: every signal of
+# The commands of the manual's chapter "Timing charts" are typed as printed there, and their charts come out: every signal of
 # each both on and off.  usage: charts_typed.sh ECTWIN
 # A machine that is busy at that moment may stretch what happens beyond a chart's end: three recordings are tried.
 set -eu

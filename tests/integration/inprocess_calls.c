@@ -85,7 +85,7 @@ static uint64_t now_ns(void)
     return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
 }
 
-/* On the virtual clock a wait takes what was asked for and the stated cost of the calls; a real one may take longer. */
+/* On the virtual clock a wait takes the requested time and the stated cost of the calls; a real one may take longer. */
 static void assert_took(uint64_t since_ns, uint64_t asked_ns)
 {
     uint64_t took_ns = now_ns() - since_ns;
@@ -544,7 +544,7 @@ int main(int argc, char **argv)
         {"poll, ppoll, select, pselect, epoll wait for a reply, or for their timeout", polling_finds_a_reply, NULL,
          NULL, NULL},
         {"A timer descriptor expires at its times", timer_descriptors_expire, NULL, NULL, NULL},
-        {"Sleeps take the time that they are asked for", sleeps_take_their_time, NULL, NULL, NULL},
+        {"Sleeps take the requested time", sleeps_take_their_time, NULL, NULL, NULL},
         {"Clocks of the time of day agree", clocks_of_the_day_agree, NULL, NULL, NULL},
         {"Threads hand over by mutex, condition and semaphore", threads_take_turns, NULL, NULL, NULL},
         {"A condition and a semaphore end at their deadlines", a_condition_times_out, NULL, NULL, NULL},

@@ -60,7 +60,7 @@ static const char *text_of(const cJSON *object, const char *key)
     return text ? text : cJSON_IsNumber(value) ? number : "";
 }
 
-/* @return whether it was taken; else `message` says why */
+/* @return whether it was taken; else `message` has the reason */
 static int set(const char *name, const char *value, char message[LINE_ROOM])
 {
     ask("set", "name", name, value);

@@ -97,7 +97,7 @@ void soem_close(soem_t *m)
     ecx_close(&m->context);
 }
 
-/* ecx_statecheck is content with a state whose error flag stands; a slave that is not in our process takes a while
+/* ecx_statecheck is content with a state whose error flag is set; a slave that is not in our process takes a while
  * until it has seen the acknowledge, and until then its controller takes no other request. */
 static bool no_error(soem_t *m, uint16 slave)
 {
@@ -215,7 +215,7 @@ bool soem_until(soem_t *m, bool (*holds)(soem_t *m), unsigned int ms)
     return false;
 }
 
-/* What SOEM says of the last SDO error: its abort code, 0xFFFFFFFF for anything else. */
+/* The last SDO error that SOEM reports: its abort code, 0xFFFFFFFF for anything else. */
 static uint32 last_error(soem_t *m)
 {
     ec_errort error;

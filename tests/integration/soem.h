@@ -40,7 +40,7 @@ typedef struct soem {
 /* Monotonic time, nanoseconds. */
 uint64_t soem_now(void);
 
-/* How many times longer than it would SOEM waits for answers; 50 unless told. */
+/* Factor on SOEM's own timeouts for replies; 50 without a call. */
 void soem_patience(unsigned int times);
 
 /* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. Their watchdog of process data
@@ -53,7 +53,7 @@ void soem_close(soem_t *m);
 /* Another watchdog of process data for all slaves, from the next cycle on; 0: none. */
 void soem_watchdog(soem_t *m, unsigned int ms);
 
-/* Takes one to BOOT, with the mailboxes that its SII says for there. */
+/* Takes one to BOOT, with the mailboxes that its SII has for BOOT. */
 void soem_boot(soem_t *m, uint16 slave);
 
 /* Maps all slaves (mapping from CoE) and takes them to SAFEOP. */

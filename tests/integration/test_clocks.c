@@ -14,7 +14,7 @@
 
 #include "soem.h"
 
-/* A reply that a busy machine delivers late is asked for again. */
+/* A reply that a busy machine delivers late is requested again. */
 enum { TRIES = 20 };
 
 enum { SAMPLES = 3000, ROUNDS = 10, DIFFERENCE = 0x092C, CYCLE_US = 1000, LOOK_EVERY = 100, MOST_NS = 1000 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a firmware stores for 1010h is there when it is started again.
+ * A firmware that is started again has the values that it stored for 1010h.
  * usage: test_kept IFACE store|find     the slave is a PMCtendo; each of the two with a start of its own
  */
 #include <stdio.h>

@@ -192,7 +192,7 @@ class Case(unittest.TestCase):
 
 class Tables(Case):
     def remote(self, number):
-        """What chapter 8 says of an armed remote, from its signals."""
+        """The data that chapter 8 defines for an armed remote, from its signals."""
         value = {name.split(".")[1]: v for name, v in self.twin.values(f"ru{number}.*").items()}
         numbers = [value[f"joystick{i}"] for i in range(1, 5)] + [value[f"switch{i}"] for i in range(1, 9)]
         names = ("state", "battery", "rssi", "cable", "docked", "disabled", "c_link", "g_link")
@@ -203,13 +203,13 @@ class Tables(Case):
         )
 
     def expected(self, command, armed):
-        """What chapter 8 says of the input data, from the signals. Of the command the signals know the counter."""
+        """The input data that chapter 8 defines, from the signals. The signals know the counter of the command only."""
         bu = {name.split(".")[1]: v for name, v in self.twin.values("bu.*").items()}
         head = bytes([bu[name] for name in ("pci", "cci", "pai", "cai")]) + command
         head += bytes([bu[name] for name in ("state", "vlaps", "unarmed", "eg_link", "ec_link")]) + bytes(1)
         return as_registers((head + b"".join(self.remote(n) for n in armed)).ljust(INPUTS, b"\0"))
 
-    # ECL-070 ECL-071 EC-C3 EC-C17: every input register, its mirror and every discrete input show what the signals say
+    # ECL-070 ECL-071 EC-C3 EC-C17: every input register, its mirror and every discrete input agree with the signals
     def test_every_input_against_the_signals(self):
         armed = (1, 2, 3) if DEVICE == "vr-bu-ect-multiarm" else (1,)
         self.in_order()
@@ -351,7 +351,7 @@ class Supervision(Case):
         self.until(bad, "Bad data")
         self.in_order()
 
-    # ECL-002: in mode Disabled nobody answers
+    # ECL-002: in mode Disabled there is no reply
     def test_disabled(self):
         raw = Raw()
         self.addCleanup(raw.close)
@@ -449,7 +449,7 @@ class BothSides(Case):
         self.addCleanup(self.master.close)
         self.master.to_safeop()
 
-    # Who has the unit keeps it: EtherCAT in OP
+    # The owner keeps the unit: EtherCAT in OP
     def test_ethercat_has_it(self):
         self.master.outputs(bytes(OUTPUTS))
         self.assertEqual(self.master.state(8), (8, 0))
@@ -466,7 +466,7 @@ class BothSides(Case):
         self.assertGreater(time.monotonic() - left, 1.9)
         self.in_order()
 
-    # Who has the unit keeps it: a Modbus controller that writes
+    # The owner keeps the unit: a Modbus controller that writes
     def test_modbus_has_it(self):
         for _ in range(100):
             self.in_order()

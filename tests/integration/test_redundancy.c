@@ -33,7 +33,7 @@ static void assert_whole(const char *when)
     assert_int_equal(ecx_readstate(&master.context), EC_STATE_OPERATIONAL);
 }
 
-/* What a slave shows of its ports in DL status bit 8 on (data sheet: 01 closed, 10 open). */
+/* A slave shows the state of its ports in DL status, bit 8 on (data sheet: 01 closed, 10 open). */
 static void assert_ports(int slave, unsigned int expected)
 {
     uint16 status = 0;
@@ -43,7 +43,7 @@ static void assert_ports(int slave, unsigned int expected)
         fail_msg("slave %d: expected 0x0111 to be 0x%02X, got 0x%02X", slave, expected, etohs(status) >> 8);
 }
 
-/* The twin looks at its plugs within a poll; a few cycles later all is settled. Frames under way may be lost. */
+/* The twin checks its plugs within a poll; a few cycles later all is settled. Frames under way may be lost. */
 static void settle(void)
 {
     for (int i = 0; i < 20; i++)
@@ -62,7 +62,7 @@ static void set_up(const char *name, bool up)
 }
 
 /*
- * Where a frame has come back by half the way, or not at all (here 50 ms, shorter than the watchdog), SOEM sends it on
+ * A frame that has come back by half the way, or not at all (here 50 ms, shorter than the watchdog), SOEM sends on
  * by the other cable and gives that 10 ms: on a busy machine a cycle is lost now and then.
  */
 static void assert_whole_in_halves(const char *when)

@@ -49,7 +49,7 @@ static void terminals_exchange(void **state)
     soem_close(&master);
 }
 
-/* What is sent follows the choice in 21B0h, and SOEM maps it anew. */
+/* The process data sent follow the choice in 21B0h, and SOEM maps them again. */
 static void gauge_chooses(void **state)
 {
     static const uint8 all[] = {1, 1, 1, 1};

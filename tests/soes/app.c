@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* As a generator of SOES's world would write it, and what stands around it. */
+/* An application as a generator of SOES's world would write it, and its surroundings. */
 #include "app.h"
 
 app_t app;

@@ -3,8 +3,8 @@
 usage: chart.py [--svg [--curve FACTOR]] [--zero SIGNAL[:N]] [--from MS] [--to MS] [--width N] [RECORDING]
 
 A recording is what `ectwin watch --every` prints. Without --signals the signals of an FZM1's handshakes are drawn, those that
-change. Signals that are not 0 or 1 are drawn as values, or as curves (numbers times FACTOR). Times count in milliseconds, from the first change or from where --zero
-says: exe:2 is where exe rises for the second time.
+change. Signals that are not 0 or 1 are drawn as values, or as curves (numbers times FACTOR). Times count in milliseconds, from the first change or from the one that --zero
+names: exe:2 is the second rise of exe.
 """
 import argparse
 import html

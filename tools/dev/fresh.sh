@@ -36,7 +36,7 @@ mkdir "$project"
 git -c safe.directory="$PWD" ls-files -z | tar --null -T - -cf - | tar -C "$project" -xf -
 chroot "$machine" chown -R user:user /home/user
 
-# What a login shell sees there. Programs with certificates of their own are pointed to the machine's.
+# The profile of a login shell there. Programs with certificates of their own are pointed to the machine's.
 {
   for name in http_proxy https_proxy no_proxy; do
     [ -z "${!name:-}" ] || printf 'export %s=%q\n' "$name" "${!name}"

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Which tests stand for which requirement on the devices, or why none does.  usage: tools/dev/matrix.py
+"""The tests of each requirement on the devices, or the reason for none.  usage: tools/dev/matrix.py
 
 The ids are those in the tests' titles. Exits with 1 when a requirement has neither a test nor a reason, or has both,
-or when no test shows it over the wire and nothing says why.
+or when no test shows it over the wire and there is no reason.
 """
 import pathlib
 import re

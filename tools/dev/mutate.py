@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Breaks the core in small ways, one at a time, and asks the unit tests whether they notice.
+"""Breaks the core in small ways, one at a time, and checks that the unit tests notice.
 
 usage: tools/dev/mutate.py [--seconds N] [--seed N] [ROOM...]      (default 600 s, seed 1, rooms od esc slave sii)
        tools/dev/mutate.py [--seconds N] [--seed N] conform       the judgements of ectwin-conform
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
-compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. What no test notices
-is printed with its file and line. Mutants are drawn by lot for as long as the time lasts; those that change nothing that could be
-seen stand, each with the reason, in tests/budget/equivalent and do not count.
+compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. A mutant that no test
+notices is printed with its file and line. Mutants are drawn at random for as long as the time lasts; mutants without any visible
+effect are listed, each with the reason, in tests/budget/equivalent and do not count.
 
 Needs what tools/test.sh needs. Works below build/mutate; the tree stays as it is.
 """
@@ -51,7 +51,7 @@ HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\
 
 
 def function_lines(text):
-    """Which lines (from 0) stand in the body of a function, and in which. The layout is clang-format's."""
+    """The lines (from 0) in the body of a function -> the function's name. The layout is clang-format's."""
     inside, name, lines = False, "", {}
     before = ""
     for number, line in enumerate(text.split("\n")):
@@ -91,7 +91,7 @@ def mutants(source):
     lines = text.split("\n")
     functions = function_lines("\n".join(hidden))
     for number in sorted(functions):
-        if "ECT_ASSERT(" in hidden[number]:  # holds in every right program: nobody could notice
+        if "ECT_ASSERT(" in hidden[number]:  # holds in every right program: no test could notice
             continue
         for begin, end, replacement in changes(lines[number], hidden[number]):
             changed = lines[number][:begin] + replacement + lines[number][end:]
@@ -128,7 +128,7 @@ class Compiled:
 class Program:
     """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object.
 
-    What a test's target compiles for itself, a device with ECT_SMALL say, goes before what the library holds."""
+    Sources that a test's target compiles for itself, as a device with ECT_SMALL, precede those of the library."""
 
     def build(self, *targets):
         """Builds targets, or all. Returns target -> source -> Compiled."""
@@ -268,7 +268,7 @@ def lines_with_code(built, source):
 
 
 def verdict(program, reached, mutant):
-    """Who notices: a test's name; None: nobody; "" : it does not compile."""
+    """The name of the test that notices; None: no test does; "" : the mutant does not compile."""
     source = mutant["source"]
     with tempfile.TemporaryDirectory(dir=BUILD) as folder:
         work = pathlib.Path(folder)
@@ -292,7 +292,7 @@ def verdict(program, reached, mutant):
 
 
 def equivalents():
-    """What is known to change nothing: (file, function or "", line before, line after)."""
+    """The mutants known to change nothing: (file, function or "", line before, line after)."""
     known, name, function = set(), None, ""
     for line in EQUIVALENT.read_text().splitlines() if EQUIVALENT.exists() else []:
         if line.startswith(("src/", "programs/")):

@@ -3,8 +3,8 @@
 # exactly once and in order, both ways, and every set of periodic data whole.  usage: tools/dev/soak.sh [SECONDS [SEED]]
 # (default 600 seconds, seed 1; more than 60: in the last 30 the operator sends nothing more)
 #
-# Late is 1 ms: SOEM waits for 2. What comes later it takes for the answer to another frame with the same index; while it starts,
-# that can give a slave the address 0, and it then reads an EEPROM that does not answer, word by word, for hours.
+# Late is 1 ms: SOEM waits for 2. SOEM takes a later reply for the reply to another frame with the same index; at its
+# start that can give a slave the address 0, and SOEM then reads an EEPROM that does not reply, word by word, for hours.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-600}

@@ -19,7 +19,7 @@ def check(what, condition):
 
 
 def check_order(what, numbers, sent):
-    """Those sent are 1, 2, ...; says where the received ones begin to differ."""
+    """The numbers sent are 1, 2, ...; reports the first received number that differs."""
     wrong = next((i for i, n in enumerate(numbers) if n != i + 1), None)
     if wrong is not None:
         check(f"{what}: number {wrong + 1} expected, {numbers[wrong]} came", False)

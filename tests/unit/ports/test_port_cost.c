@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a slave on a LAN9252 pays: PDI accesses, transfers and bytes on the SPI, counted at the virtual chip, and the
+ * The cost of a slave on a LAN9252: PDI accesses, transfers and bytes on the SPI, counted at the virtual chip, and the
  * time that the bytes take at 20 MHz. docs/LAN9252.md has the same table, line by line.
  */
 #include <stdio.h>

@@ -241,8 +241,8 @@ int main(void)
          NULL},
         {"a power cut in any erase or unit leaves the record before, or the new one", power_cuts, NULL, NULL, NULL},
         {"what was written is read back at once", read_back_at_once, NULL, NULL, NULL},
-        {"a write into a unit that may be programmed is refused, and a flash that fails is told", refused, NULL, NULL,
-         NULL},
+        {"a write into a unit that may be programmed is refused, and a flash that fails is reported", refused, NULL,
+         NULL, NULL},
         {"without a driver, memory", memory_instead, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("port_flash", tests, NULL, NULL);

@@ -22,15 +22,15 @@ typedef struct board {
     unsigned int fail_at; /* the transfer that fails, counted from 1; 0 none */
     unsigned int transfers;
     unsigned int pauses;
-    uint32_t id; /* what ID_REV says; 0: the chip's */
-    int miso;    /* what comes back, whatever the chip says; -1: that */
+    uint32_t id; /* value of ID_REV; 0: the chip's */
+    int miso;    /* each byte on MISO; -1: the chip's */
 } board_t;
 
 static int transfer(void *ctx, uint8_t *bytes, uint16_t length)
 {
     board_t *b = ctx;
     bool id = bytes[0] == 0x03 && bytes[2] == 0x50;
-    assert_in_range(length, 1, 67); /* as seams/spi.h says */
+    assert_in_range(length, 1, 67); /* as seams/spi.h defines */
     if (++b->transfers == b->fail_at)
         return -1;
     int result = ect_virtual_lan9252_transfer(&b->chip, bytes, length);
@@ -375,7 +375,7 @@ static void stuck(void **state)
     }
 }
 
-/* At whichever transfer the SPI fails: the access says so, and the next one is right. */
+/* At whichever transfer the SPI fails: the access reports it, and the next one is right. */
 static void failing_transfers(void **state)
 {
     static const uint16_t addresses[] = {USER_RAM + 16, RAM + 16};
@@ -403,7 +403,7 @@ static void failing_transfers(void **state)
     }
 }
 
-/* 16 bits of each byte, there and back. One is let pass: without the bit that starts it a command stands there as if it
+/* 16 bits of each byte, there and back. One is let pass: without the bit that starts it a command reads as if it
  * had been carried out. */
 static void damaged_command(void **state)
 {
@@ -420,8 +420,8 @@ static void damaged_command(void **state)
         memcpy(want, b.chip.esc->memory, 4);
         int result = read_esc(&b, 0x0000, data, 4);
         if (result == 0 && memcmp(data, want, 4) != 0)
-            fail_msg("bit %u of byte %u flips on the way %s: a read of other data that says it is right", bit % 8,
-                     bit / 16, bit % 16 < 8 ? "out" : "back");
+            fail_msg("bit %u of byte %u flips on the way %s: a read of other data that succeeds", bit % 8, bit / 16,
+                     bit % 16 < 8 ? "out" : "back");
         board_close(&b);
     }
 }
@@ -468,7 +468,7 @@ static void boot_to_op(void **state)
             wire_poll(&b.w);
             b.chip.transfers = 0;
             wire_poll(&b.w);
-            assert_int_equal(b.chip.transfers, 0); /* nothing came, so nobody looked */
+            assert_int_equal(b.chip.transfers, 0); /* nothing came, so no poll reads the chip */
             (void)ect_slave_poll(b.slave, b.w.now_ns);
             assert_int_equal(b.chip.transfers > 0, with_line == 0);
             board_close(&b);
@@ -597,7 +597,7 @@ static void hangs_for_a_while(void **state)
     board_close(&b);
 }
 
-/* What a master does who tries for a while; what it meets on the way is its own affair. */
+/* A master that tries for a while, whatever it meets on the way. */
 static void up_and_down(board_t *b)
 {
     static const uint8_t states[] = {INIT, ECT_STATE_PREOP, ECT_STATE_SAFEOP, OP};
@@ -670,7 +670,7 @@ int main(void)
         T("the virtual chip's interrupt pin obeys polarity and kind", pin_of_the_virtual_chip),
         T("a start that cannot be: the result names the cause, in bounded time", refused_starts),
         T("a chip that stays busy is given up after `patience` looks, and settled before the next access", stuck),
-        T("at whichever transfer the SPI fails, the access says so, and the next one is right", failing_transfers),
+        T("at whichever transfer the SPI fails, the access reports it, and the next one is right", failing_transfers),
         T("a command that arrives as another is seen, but for one that lost its start bit", damaged_command),
         T("a slave reaches OP, exchanges process data and answers SDO; with the pin an idle poll costs nothing",
           boot_to_op),

@@ -16,7 +16,7 @@ static const uint8_t widths[] = {1, 2, 4};
 /* --- the processor's own accesses, to memory ---------------------------------------------------------------------- */
 
 /* The memory ends where the access does, and begins where it begins: a wider one would be out of it, which the address
- * sanitizer tells. */
+ * sanitizer reports. */
 static void direct(void **state)
 {
     (void)state;

@@ -15,7 +15,7 @@ typedef struct chip {
     uint32_t data;
     unsigned int busy_for;  /* reads of COMMAND until an access is done */
     unsigned int remaining; /* ... of the present one */
-    unsigned int waits;     /* reads of COMMAND that said busy */
+    unsigned int waits;     /* reads of COMMAND that were busy */
     unsigned int parts;
     struct {
         uint16_t address;

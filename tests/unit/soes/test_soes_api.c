@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * SOES's API over our stack: an application and a hardware file in SOES's manner (tests/soes), unchanged but for what a
- * test sets in its configuration, behind a software ESC. docs/SOES.md says what the names mean.
+ * test sets in its configuration, behind a software ESC. docs/SOES.md defines the names.
  */
 #include <stdio.h>
 #include <string.h>
@@ -992,12 +992,12 @@ static void file_refused(void **state)
     assert_int_equal(answer, FOE_ERR_CHECKSUM);
 }
 
-/* USE_FOE is 1 unless an application says otherwise, and its EEPROM names FoE. */
+/* USE_FOE is 1 unless an application defines another value, and its EEPROM names FoE. */
 static void no_files(void **state)
 {
     uint32_t answer = 0;
     (void)state;
-    FOE_config(NULL); /* as long as nobody calls it */
+    FOE_config(NULL); /* as if the application had not called it */
     open_in(PREOP);
     assert_int_equal(foe(FOE_OP_RRQ, 0, "notes", 5, &answer), FOE_OP_ERR);
     assert_int_equal(answer, FOE_ERR_ACCESS); /* as of any that might be written */
@@ -1091,7 +1091,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         T("ecat_slv_init: the hardware file, the ESC's EEPROM, defaults, INIT", start),
         T("set_defaults_hook and skip_default_initialization", defaults),
-        T("CF-037: cb_set_outputs and cb_get_inputs stand beside the process data", process_data),
+        T("CF-037: cb_set_outputs and cb_get_inputs run beside the process data", process_data),
         T("SAFEOP has inputs and fetches outputs; PREOP has neither", not_before_op),
         T("rxpdo_override and txpdo_override move them instead", overrides),
         T("watchdog_cnt: so many turns without outputs leave OP with 0x001B, outputs safe once", watchdog),
@@ -1112,7 +1112,7 @@ int main(int argc, char **argv)
         T_HOOKS("CF-067 CF-068: hooks of uploads: data, length, abort codes, each once", uploads),
         T_HOOKS("CF-069 CF-070: hooks of downloads: data, length, abort codes, each once", downloads),
         T_HOOKS("hooks of objects by their own names", hooks_by_name),
-        T("the object list as SOES's functions look at it", dictionary),
+        T("the object list as SOES's functions read it", dictionary),
         T("registers, by SOES's functions", registers),
         T("without a clock the time is the ESC's", time_of_the_esc),
         T_FILES("FOE_config: a file goes to its function by buffers", file_written),

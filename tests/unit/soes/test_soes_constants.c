@@ -361,7 +361,7 @@ static void values(void **state)
     }
 }
 
-/* What an application has not said in its ecat_options.h. */
+/* Defaults of names that an application's ecat_options.h leaves out. */
 static void options(void **state)
 {
     (void)state;

@@ -305,7 +305,7 @@ static void exchange(void **state)
     }
 }
 
-/* What a hardware file does when the chip's watchdog has expired. */
+/* A hardware file's reaction to the expired watchdog of the chip. */
 static void leave(void)
 {
     if ((CC_ATOMIC_GET(ESCvar.App.state) & APPSTATE_OUTPUT) == 0)
@@ -352,8 +352,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"DIG_process interrupts the task at every place: nothing is lost, torn or late", exchange, NULL, NULL, NULL},
-        {"an interrupt leaves OP, at every place of the task: safe at once, told by the task", own_account, NULL, NULL,
-         NULL},
+        {"an interrupt leaves OP, at every place of the task: safe at once, reported by the task", own_account, NULL,
+         NULL, NULL},
     };
     return cmocka_run_group_tests_name("SOES's API with interrupts", tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Measurements of twins, one a call, for tools/dev/bench/run.py, which says what they mean. Each prints one line of
- * JSON.
+ * Measurements of twins, one a call, for tools/dev/bench/run.py, which defines their meaning. Each prints one line
+ * of JSON.
  *
  *   ectwin-bench frames DEVICE PRESENT TOUCHED COMMAND FRAMES
  *       in this process, without a wire: for an instruction counter
@@ -134,7 +134,7 @@ static void build_command(master_t *m, const char *command, uint32_t bytes)
         end("COMMAND is LRW, BRD, FPRD or FRMW");
 }
 
-/* The counter looks at ect_chain_pass and ect_chain_poll; what prepares them must not come into it: one call before. */
+/* The counter covers ect_chain_pass and ect_chain_poll; their preparation must stay out of it: one call before. */
 static int frames(char **argument)
 {
     const ect_product_t *product = product_of(argument[0]);
@@ -198,7 +198,7 @@ static uint32_t one_round(master_t *m, uint32_t bytes)
     return (uint32_t)(now_ns() - start);
 }
 
-/* Of times in ascending order. */
+/* @param times_ns in ascending order */
 static double median(const uint32_t *times_ns, size_t count)
 {
     size_t middle = count / 2;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures twins and writes what was measured.  usage: run.py [--build DIR] [--quick] [--only PART,...] [--write] [-o FILE]
+"""Measures twins and writes the results.  usage: run.py [--build DIR] [--quick] [--only PART,...] [--write] [-o FILE]
 
   --build DIR   where ectwin and ectwin-bench are (default build/release)
   --quick       a tenth of the rounds
@@ -9,8 +9,8 @@
 
 Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
 rights where unprivileged user namespaces are allowed. Takes about two minutes. All processes share one core, so a round trip is the
-sum of all work; round trips of a twin and of a bare echo are measured in turns in one run, three times, and what counts is the median
-of their ratios; so are the cycles of a thousand twins.
+sum of all work; round trips of a twin and of a bare echo alternate in one run; of three runs the one with the median ratio
+counts; the cycles of a thousand twins are measured three times too.
 """
 import argparse
 import json
@@ -29,7 +29,7 @@ UNIT = "vr-bu-ect-map1"
 
 
 def run(*command):
-    """Standard output of a program; its failure is ours."""
+    """Standard output of a program; a program that fails ends this one."""
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"run.py: {' '.join(str(word) for word in command[:4])} ...: {done.stderr.strip()[-300:]}")
@@ -78,14 +78,14 @@ def bench(args, *words):
     return json.loads(run(*on_core(args, args.build / "ectwin-bench", *words)))
 
 
-# --- what is measured --------------------------------------------------------------------------------------------------
+# --- the measurements --------------------------------------------------------------------------------------------------
 
 
 COUNTED = ["ect_chain_pass", "ect_chain_poll"]
 
 
 def collected(args, present, command, frames):
-    """Instructions inside each of these functions, for so many frames beside the preparations."""
+    """Instructions inside each function of COUNTED for that number of frames, preparations included."""
     with tempfile.NamedTemporaryFile() as out:
         done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out.name}", "--collect-atstart=no",
                                *[f"--toggle-collect={name}" for name in COUNTED], str(args.build / "ectwin-bench"), "frames",
@@ -110,12 +110,12 @@ def instructions(args):
 
 
 def middle(runs, key):
-    """One run alone may meet with another program."""
+    """The median run: one run alone may share the core with another program."""
     return sorted(runs, key=key)[len(runs) // 2]
 
 
 def against_echo(args, options, echo, counts):
-    """Of so many runs the one with the median ratio."""
+    """The run with the median ratio, for each length of chain."""
     runs = {present: [] for present in counts}
     for _ in range(args.runs):
         for present in counts:
@@ -170,7 +170,7 @@ def start(args):
 
 
 def inside(args):
-    """In a network of our own: two wires, one with twins, one with an echo."""
+    """All measurements, in a network namespace: two wires, one with twins, one with an echo."""
     for name in ["twin", "echo"]:
         run("ip", "link", "add", f"{name}0", "type", "veth", "peer", "name", f"{name}1")
         for end in "01":
@@ -196,7 +196,7 @@ def machine():
     return {"cpu": cpu[1] if cpu else "unknown", "kernel": os.uname().release, "load": os.getloadavg()[0]}
 
 
-# --- what is written ---------------------------------------------------------------------------------------------------
+# --- the output --------------------------------------------------------------------------------------------------------
 
 
 def table(head, rows):
