@@ -244,6 +244,26 @@ static void interface_has_its_attributes(void **state)
     assert_true(listed);
 }
 
+static void an_interface_that_is_down_sends_nothing(void **state)
+{
+    uint8_t frame[FRAME];
+    struct ifreq its = {0};
+    (void)state;
+    int fd = open_socket(0);
+    strncpy(its.ifr_name, interface, IFNAMSIZ - 1);
+    frame_of(frame, 1);
+    assert_int_equal(ioctl(fd, SIOCSIFFLAGS, &its), 0);
+    assert_int_equal(ioctl(fd, SIOCGIFFLAGS, &its), 0);
+    assert_int_equal(its.ifr_flags & IFF_UP, 0);
+    assert_int_equal(send(fd, frame, sizeof frame, 0), -1);
+    assert_int_equal(errno, ENETDOWN);
+    its.ifr_flags |= IFF_UP;
+    assert_int_equal(ioctl(fd, SIOCSIFFLAGS, &its), 0);
+    send_one(fd, 2);
+    assert_reply(frame, recv(fd, frame, sizeof frame, 0), 2);
+    close(fd);
+}
+
 static void copies_of_a_descriptor_are_the_socket(void **state)
 {
     uint8_t frame[FRAME];
@@ -536,6 +556,8 @@ int main(int argc, char **argv)
         {"MSG_PEEK leaves the frame, MSG_TRUNC returns its length", peeks_and_truncates, NULL, NULL, NULL},
         {"The interface has an index, flags, MTU and address, and is listed", interface_has_its_attributes, NULL, NULL,
          NULL},
+        {"An interface that is down sends nothing; up again, the twins reply", an_interface_that_is_down_sends_nothing,
+         NULL, NULL, NULL},
         {"dup, dup2, dup3 and F_DUPFD make descriptors of the same socket", copies_of_a_descriptor_are_the_socket, NULL,
          NULL, NULL},
         {"Two sockets on one interface both receive a reply", two_sockets_both_receive, NULL, NULL, NULL},

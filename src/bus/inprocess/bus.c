@@ -33,6 +33,7 @@ static struct {
     pid_t pid;
     int control_fd;
     bool failed;
+    bool down[ECT_BUS_ENDS];
     ect_bus_deliver_t *deliver;
 } state = {.control_fd = -1};
 
@@ -172,10 +173,18 @@ static void deliver(void)
         state.deliver(end, frame, length);
 }
 
-void ect_bus_plug(unsigned int end, uint64_t now_ns)
+bool ect_bus_is_up(unsigned int end)
 {
+    return !state.down[end];
+}
+
+void ect_bus_plug(unsigned int end, bool in, uint64_t now_ns)
+{
+    state.down[end] = !in;
+    if (!ect_bus_running())
+        return;
     ect_inside++;
-    state.library.link(state.bus, end, 1, now_ns);
+    state.library.link(state.bus, end, in, now_ns);
     ect_inside--;
 }
 

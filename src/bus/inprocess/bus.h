@@ -40,8 +40,10 @@ typedef void ect_bus_deliver_t(unsigned int end, const uint8_t *frame, size_t le
 int ect_bus_start(uint64_t now_ns, ect_bus_deliver_t *deliver);
 /** Whether this process has a bus. With the lock. */
 bool ect_bus_running(void);
-/** A socket is bound at an end: its cable is in. With the lock. */
-void ect_bus_plug(unsigned int end, uint64_t now_ns);
+/** Plugs the cable of an end in, or pulls it, as the master takes the interface up or down. With the lock. */
+void ect_bus_plug(unsigned int end, bool in, uint64_t now_ns);
+/** Whether the interface of an end is up; it is at the start. With the lock. */
+bool ect_bus_is_up(unsigned int end);
 /** Passes a frame and delivers the replies. With the lock. @return the next time at which the bus runs, ECTWIN_NEVER */
 uint64_t ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns);
 /** Lets time pass and delivers late replies. With the lock. @return the next time, ECTWIN_NEVER */

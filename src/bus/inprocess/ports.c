@@ -166,6 +166,21 @@ static bool start_bus(void)
     return started >= 0;
 }
 
+bool ect_port_is_up(unsigned int end)
+{
+    ect_time_lock();
+    bool up = ect_bus_is_up(end);
+    ect_time_unlock();
+    return up;
+}
+
+void ect_port_take(unsigned int end, bool up)
+{
+    ect_time_lock();
+    ect_bus_plug(end, up, ect_time_now());
+    ect_time_unlock();
+}
+
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length)
 {
     struct sockaddr_ll to;
@@ -186,7 +201,7 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
             bound = port;
         }
         port->end = end;
-        ect_bus_plug((unsigned int)end, ect_time_now());
+        ect_bus_plug((unsigned int)end, ect_bus_is_up((unsigned int)end), ect_time_now());
     }
     ect_time_unlock();
     return started ? 0 : fail(ENETDOWN);
@@ -277,7 +292,7 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
         return fail(EMSGSIZE);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
-    bool running = start_bus();
+    bool running = ect_bus_is_up((unsigned int)end) && start_bus();
     if (running)
         ect_time_bus_next(ect_bus_frame((unsigned int)end, frame, length, ect_time_now()));
     ect_time_unlock();

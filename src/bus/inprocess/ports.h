@@ -27,6 +27,10 @@ void ect_port_copied(int fd, int copy);
 /** A descriptor is closed. */
 void ect_port_closed(int fd);
 
+/** Whether the interface at an end (0, 1) is up, and taking it up or down: a cable that is plugged in or pulled. */
+bool ect_port_is_up(unsigned int end);
+void ect_port_take(unsigned int end, bool up);
+
 /** The functions of a socket with the results of their system calls: -1 and errno on failure. */
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length);
 int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length);

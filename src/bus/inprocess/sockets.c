@@ -67,7 +67,12 @@ static int about_interface(unsigned long request, struct ifreq *its, int end)
         its->ifr_ifindex = ECT_BUS_INDEX + end;
         return 0;
     case SIOCGIFFLAGS:
-        its->ifr_flags = IFF_UP | IFF_BROADCAST | IFF_RUNNING | IFF_PROMISC | IFF_MULTICAST;
+        its->ifr_flags = IFF_BROADCAST | IFF_PROMISC | IFF_MULTICAST;
+        if (ect_port_is_up((unsigned int)end))
+            its->ifr_flags |= IFF_UP | IFF_RUNNING;
+        return 0;
+    case SIOCSIFFLAGS:
+        ect_port_take((unsigned int)end, (its->ifr_flags & IFF_UP) != 0);
         return 0;
     case SIOCGIFMTU:
         its->ifr_mtu = 1500;
@@ -76,7 +81,6 @@ static int about_interface(unsigned long request, struct ifreq *its, int end)
         its->ifr_hwaddr.sa_family = 1;
         memcpy(its->ifr_hwaddr.sa_data, address, sizeof address);
         return 0;
-    case SIOCSIFFLAGS:
     case SIOCSIFMTU:
         return 0;
     default:
