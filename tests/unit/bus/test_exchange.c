@@ -539,6 +539,24 @@ static void touched(void **state)
     }
 }
 
+/* A frame after a deadline: the devices run for both at the time of the frame, not before it. */
+static void frame_after_a_deadline(void **state)
+{
+    rig_t *r = *state;
+    ticks.period_ns = 1 * MS;
+    pass(r, ECT_END_IN, 1);
+    ect_chain_wake(r->w.chain, 0);
+    assert_true(run_at(r, START_NS) == START_NS + 1 * MS);
+    ticks.count = 0;
+    set_fault(r, "drop wire 2 back");
+    r->clock_ns = START_NS + 1500 * US;
+    pass(r, ECT_END_IN, 2);
+    assert_true(run_at(r, START_NS + 1600 * US) == START_NS + 2500 * US);
+    assert_int_equal(ticks.count, 1);
+    assert_true(ticks.at_ns[0] == START_NS + 1500 * US);
+    assert_true(r->x.stats.latest_poll_ns == 600 * US);
+}
+
 static void scripted(void **state)
 {
     char message[ECT_FAULT_MESSAGE];
@@ -609,6 +627,7 @@ int main(int argc, char **argv)
         TEST("time does not go back when the clock is behind the time of a frame", never_back),
         TABLE("a late run makes up for the missed times, 64 at most", catches_up),
         TABLE("the devices run at the time of a frame or client before any later time", touched),
+        TEST("a frame after a deadline: the devices run at its time, not before it", frame_after_a_deadline),
         TEST("a run returns the time of the next step of a script, and takes it when it is due", scripted),
         TEST("a start sets its time and keeps the counters; an end frees all kept frames", begins_and_ends),
     };

@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: MIT */
+/* The bus as a library (src/bus/library.h): words, frames at both ends, late replies, signals, the control socket. */
+#define _GNU_SOURCE
+#include "bus/library.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "support/wire.h"
+
+#define START_NS (1000 * MS)
+
+enum { INPUT_END = 0, OUTPUT_END = 1, WORDS = 6, INDEX_AT = 17, TEXT = 512 };
+
+static int count_of(const char *const words[WORDS])
+{
+    int count = 0;
+    while (count < WORDS && words[count])
+        count++;
+    return count;
+}
+
+static ectwin_bus_t *must_open(const char *const words[WORDS])
+{
+    ectwin_bus_t *bus = ectwin_bus_open(count_of(words), words, START_NS);
+    assert_non_null(bus);
+    return bus;
+}
+
+static ectwin_bus_t *open_one(void)
+{
+    static const char *const words[WORDS] = {"fzm1"};
+    return must_open(words);
+}
+
+static void pass(ectwin_bus_t *bus, unsigned int end, uint8_t index, uint64_t now_ns)
+{
+    wire_t w = {0};
+    wire_build(&w, BRD, 0, 0x0130, "\0", 1);
+    w.frame[INDEX_AT] = index;
+    ectwin_bus_frame(bus, end, w.frame, w.frame_length, now_ns);
+}
+
+/* @return the index of the next reply, at this end; -1: none waits */
+static int reply_at(ectwin_bus_t *bus, unsigned int want_end)
+{
+    uint8_t frame[ECTWIN_FRAME_MAX];
+    unsigned int end = 9;
+    size_t length = ectwin_bus_reply(bus, &end, frame, sizeof frame);
+    if (length == 0)
+        return -1;
+    assert_int_equal(end, want_end);
+    assert_int_equal(length, 29);
+    return frame[INDEX_AT];
+}
+
+/* --- opening ------------------------------------------------------------------------------------------------------ */
+
+static void words_of_a_bus(void **state)
+{
+    static const struct {
+        const char *words[WORDS];
+        size_t slaves;
+    } rows[] = {
+        {{"fzm1"}, 1},
+        {{"fzm1,vr-bu-ect-map7"}, 2},
+        {{"--set", "data1=1.5", "fzm1,fzm1,fzm1"}, 3},
+        {{"--iface", "eth7", "--in-process", "fzm1"}, 1}, /* options of `ectwin with` have no effect */
+        {{"--virtual-time", "--leave-children", "fzm1"}, 1},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ectwin_bus_t *bus = must_open(rows[i].words);
+        assert_int_equal(ectwin_bus_slaves(bus), rows[i].slaves);
+        ectwin_bus_close(bus);
+    }
+    ectwin_bus_close(NULL);
+    assert_int_equal(strspn(ectwin_version(), "0123456789."), strlen(ectwin_version()));
+}
+
+/* In a process of its own, which a mistake ends. @return its exit status; 0: the bus was opened */
+static int open_elsewhere(const char *const words[WORDS], char *text)
+{
+    int ends[2], status;
+    size_t used = 0;
+    ssize_t got;
+    assert_int_equal(pipe(ends), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        (void)dup2(ends[1], STDERR_FILENO);
+        _exit(ectwin_bus_open(count_of(words), words, START_NS) ? 0 : 99);
+    }
+    close(ends[1]);
+    while (used + 1 < TEXT && (got = read(ends[0], text + used, TEXT - 1 - used)) > 0)
+        used += (size_t)got;
+    text[used] = 0;
+    close(ends[0]);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static void wrong_words(void **state)
+{
+    static const struct {
+        const char *words[WORDS], *part;
+    } rows[] = {
+        {{NULL}, "name a device"},
+        {{"--set", "data1=1"}, "name a device"},
+        {{"fzm1", "fzm1"}, "one list of devices is enough"},
+        {{"nosuch"}, "nosuch"},
+        {{"--nosuch", "fzm1"}, "nosuch"},
+        {{"--set", "nosuch=1", "fzm1"}, "nosuch"},
+        {{"--drop", "101", "fzm1"}, "drop"},
+        {{"--fault", "explode", "fzm1"}, "explode"},
+        {{"--fault", "hang slave 2", "fzm1"}, "slave 2"},
+        {{"--files", "/nonexistent/folder", "fzm1"}, "/nonexistent/folder"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[TEXT];
+        int status = open_elsewhere(rows[i].words, text);
+        if (status == 0 || !strstr(text, rows[i].part))
+            fail_msg("row %zu: exit status %d, expected '%s' in '%s'", i, status, rows[i].part, text);
+    }
+}
+
+/* --- frames ------------------------------------------------------------------------------------------------------- */
+
+static void lengths(void **state)
+{
+    static const struct {
+        size_t length;
+        bool taken;
+    } rows[] = {{0, false},
+                {1, true},
+                {2, true},
+                {1514, true},
+                {2047, true},
+                {ECTWIN_FRAME_MAX, true},
+                {ECTWIN_FRAME_MAX + 1, false}};
+    static const char *const words[WORDS] = {"--fault", "delay 2000us", "fzm1"};
+    static uint8_t frame[ECTWIN_FRAME_MAX + 1];
+    (void)state;
+    memset(frame, 0xFF, sizeof frame);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ectwin_bus_t *bus = must_open(words);
+        (void)ectwin_bus_run(bus, START_NS);
+        ectwin_bus_frame(bus, INPUT_END, frame, rows[i].length, START_NS + 1 * MS);
+        assert_int_equal(reply_at(bus, INPUT_END), -1);
+        /* The time of a frame that is taken has come for all later calls. */
+        pass(bus, INPUT_END, 1, START_NS);
+        assert_true(ectwin_bus_run(bus, START_NS) == START_NS + (rows[i].taken ? 3 * MS : 2 * MS));
+        ectwin_bus_close(bus);
+    }
+}
+
+static void both_ends(void **state)
+{
+    ectwin_bus_t *bus = open_one();
+    (void)state;
+    pass(bus, INPUT_END, 1, START_NS);
+    pass(bus, OUTPUT_END, 2, START_NS); /* no cable is in there */
+    assert_int_equal(reply_at(bus, INPUT_END), 1);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    ectwin_bus_link(bus, OUTPUT_END, 1, START_NS);
+    pass(bus, INPUT_END, 3, START_NS);
+    pass(bus, OUTPUT_END, 4, START_NS);
+    assert_int_equal(reply_at(bus, OUTPUT_END), 3);
+    assert_int_equal(reply_at(bus, INPUT_END), 4);
+    ectwin_bus_link(bus, INPUT_END, 0, START_NS);
+    pass(bus, INPUT_END, 5, START_NS);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    ectwin_bus_link(bus, OUTPUT_END, 0, START_NS);
+    ectwin_bus_link(bus, INPUT_END, 7, START_NS); /* any value but 0 */
+    ectwin_bus_link(bus, 2, 1, START_NS);         /* there is no such end */
+    pass(bus, 2, 6, START_NS);
+    pass(bus, INPUT_END, 7, START_NS);
+    assert_int_equal(reply_at(bus, INPUT_END), 7);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    ectwin_bus_close(bus);
+}
+
+/* A reply is cut to the room; its length is the whole one. Replies that nobody takes are freed with the bus. */
+static void rooms(void **state)
+{
+    static const size_t rows[] = {0, 1, 28, 29, 30};
+    ectwin_bus_t *bus = open_one();
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t frame[64];
+        unsigned int end;
+        memset(frame, 0xAA, sizeof frame);
+        pass(bus, INPUT_END, 1, START_NS);
+        assert_int_equal(ectwin_bus_reply(bus, &end, frame, rows[i]), 29);
+        for (size_t n = rows[i]; n < sizeof frame; n++)
+            assert_int_equal(frame[n], 0xAA);
+        assert_int_equal(frame[0], rows[i] > 0 ? 0xFF : 0xAA);
+    }
+    for (uint8_t n = 0; n < 5; n++)
+        pass(bus, INPUT_END, n, START_NS);
+    for (uint8_t n = 0; n < 3; n++)
+        assert_int_equal(reply_at(bus, INPUT_END), n);
+    ectwin_bus_close(bus);
+}
+
+static void late_replies(void **state)
+{
+    static const char *const words[WORDS] = {"--fault", "delay 2000us every 2", "fzm1"};
+    ectwin_bus_t *bus = must_open(words);
+    (void)state;
+    (void)ectwin_bus_run(bus, START_NS); /* takes the fault */
+    pass(bus, INPUT_END, 1, START_NS);
+    pass(bus, INPUT_END, 2, START_NS);
+    pass(bus, INPUT_END, 3, START_NS + 1 * MS);
+    assert_int_equal(reply_at(bus, INPUT_END), 1);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    assert_true(ectwin_bus_run(bus, START_NS + 2 * MS - 1) == START_NS + 2 * MS);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    assert_true(ectwin_bus_run(bus, START_NS + 2 * MS) > START_NS + 2 * MS);
+    assert_int_equal(reply_at(bus, INPUT_END), 2);
+    assert_int_equal(reply_at(bus, INPUT_END), 3);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    ectwin_bus_close(bus);
+}
+
+/* A call with an earlier time than the last one uses the last one. */
+static void time_that_goes_back(void **state)
+{
+    static const char *const words[WORDS] = {"--fault", "delay 2000us", "fzm1"};
+    ectwin_bus_t *bus = must_open(words);
+    (void)state;
+    (void)ectwin_bus_run(bus, START_NS + 10 * MS);
+    pass(bus, INPUT_END, 1, START_NS); /* at 10 ms */
+    (void)ectwin_bus_run(bus, START_NS + 2 * MS);
+    assert_int_equal(reply_at(bus, INPUT_END), -1);
+    assert_true(ectwin_bus_run(bus, 0) == START_NS + 12 * MS);
+    (void)ectwin_bus_run(bus, START_NS + 12 * MS);
+    assert_int_equal(reply_at(bus, INPUT_END), 1);
+    ectwin_bus_close(bus);
+}
+
+/* --- signals ------------------------------------------------------------------------------------------------------ */
+
+static void get_signals(void **state)
+{
+    static const struct {
+        size_t slave;
+        const char *name;
+        size_t room;
+        const char *want; /* NULL: refused */
+    } rows[] = {
+        {1, "data1", TEXT, "1.5"}, {2, "data1", TEXT, "0"},      {1, "data1", 4, "1.5"},   {1, "data1", 3, NULL},
+        {1, "data1", 0, NULL},     {0, "data1", TEXT, NULL},     {3, "data1", TEXT, NULL}, {1, "nosuch", TEXT, NULL},
+        {1, "", TEXT, NULL},       {2, "ecat.state", TEXT, "1"},
+    };
+    static const char *const words[WORDS] = {"--set", "data1=1.5", "fzm1,fzm1"};
+    ectwin_bus_t *bus = must_open(words);
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[TEXT] = "before";
+        int result = ectwin_bus_get(bus, rows[i].slave, rows[i].name, text, rows[i].room);
+        assert_int_equal(result, rows[i].want ? 0 : -1);
+        assert_string_equal(text, rows[i].want ? rows[i].want : "before");
+    }
+    ectwin_bus_close(bus);
+}
+
+static void set_signals(void **state)
+{
+    static const struct {
+        size_t slave;
+        const char *name, *value;
+        const char *part; /* of the message; NULL: it is set */
+    } rows[] = {
+        {1, "data1", "-2.25", NULL},        {2, "data1", "3", NULL},
+        {0, "data1", "4", "no such slave"}, {3, "data1", "4", "no such slave"},
+        {1, "nosuch", "4", "no signal"},    {1, "data1", "x", "takes"},
+        {1, "data1", "1e10", "takes"},      {1, "busy", "1", "the twin's own"},
+    };
+    static const char *const words[WORDS] = {"fzm1,fzm1"};
+    ectwin_bus_t *bus = must_open(words);
+    char text[TEXT];
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[TEXT] = "before";
+        int result = ectwin_bus_set(bus, rows[i].slave, rows[i].name, rows[i].value, START_NS, message, sizeof message);
+        if (result != (rows[i].part ? -1 : 0) || !strstr(message, rows[i].part ? rows[i].part : "before"))
+            fail_msg("row %zu: %d, '%s'", i, result, message);
+    }
+    char message[TEXT] = "before";
+    assert_int_equal(ectwin_bus_set(bus, 0, "data1", "4", START_NS, message, 0), -1);
+    assert_string_equal(message, "before");
+    assert_int_equal(ectwin_bus_set(bus, 0, "data1", "4", START_NS, message, 6), -1);
+    assert_string_equal(message, "there");
+    assert_int_equal(ectwin_bus_get(bus, 1, "data1", text, sizeof text), 0);
+    assert_string_equal(text, "-2.25");
+    assert_int_equal(ectwin_bus_get(bus, 2, "data1", text, sizeof text), 0);
+    assert_string_equal(text, "3");
+    ectwin_bus_close(bus);
+}
+
+/* --- control socket ----------------------------------------------------------------------------------------------- */
+
+static int connect_to(const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_true(strlen(path) < sizeof address.sun_path);
+    strcpy(address.sun_path, path);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(fcntl(fd, F_SETFL, O_NONBLOCK), 0);
+    return fd;
+}
+
+static void control_socket(void **state)
+{
+    static const char request[] = "{\"op\":\"get\",\"pattern\":\"data1\"}\n{\"op\":\"stats\"}\n";
+    char folder[] = "/tmp/test-ectwin-XXXXXX", inner[64], got[8192];
+    ectwin_bus_t *bus = open_one();
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    setenv("XDG_RUNTIME_DIR", folder, 1);
+    assert_null(ectwin_bus_control_path(bus));
+    assert_int_equal(ectwin_bus_serve(bus, START_NS), 0); /* nothing is open */
+    pass(bus, INPUT_END, 1, START_NS);
+    int control = ectwin_bus_control(bus);
+    assert_true(control >= 0);
+    assert_int_equal(ectwin_bus_control(bus), control); /* once */
+    assert_int_equal(ectwin_bus_serve(bus, START_NS), 0);
+    const char *path = ectwin_bus_control_path(bus);
+    assert_non_null(strstr(path, folder));
+    int fd = connect_to(path);
+    struct pollfd ready = {.fd = control, .events = POLLIN};
+    assert_int_equal(poll(&ready, 1, 0), 1);
+    assert_int_equal(write(fd, request, strlen(request)), (ssize_t)strlen(request));
+    unsigned int calls = 0;
+    while (ectwin_bus_serve(bus, START_NS + 5 * MS) && calls < 100)
+        calls++;
+    assert_in_range(calls, 2, 99);
+    ssize_t size = read(fd, got, sizeof got - 1);
+    assert_true(size > 0);
+    got[size] = 0;
+    assert_non_null(strstr(got, "{\"slave\":1,\"name\":\"data1\",\"value\":0}\n{\"ok\":true}\n"));
+    assert_non_null(strstr(got, "\"frames\":1,\"answered\":1,\"unanswered\":0"));
+    ectwin_bus_close(bus);
+    assert_int_equal(read(fd, got, sizeof got), 0); /* the end of the bus ends the connection */
+    close(fd);
+    snprintf(inner, sizeof inner, "%s/ectwin", folder);
+    assert_int_equal(rmdir(inner), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+static void no_control_socket(void **state)
+{
+    ectwin_bus_t *bus = open_one();
+    (void)state;
+    setenv("XDG_RUNTIME_DIR", "/dev/null", 1);
+    assert_int_equal(ectwin_bus_control(bus), -1);
+    assert_null(ectwin_bus_control_path(bus));
+    assert_int_equal(ectwin_bus_serve(bus, START_NS), 0);
+    ectwin_bus_close(bus);
+}
+
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("a bus has the twins that its words name; options of a command have no effect", words_of_a_bus),
+        TEST("wrong words end the process with a line that names them", wrong_words),
+        TEST("frames of 1..2048 bytes are taken, shorter and longer ones are lost", lengths),
+        TEST("frames enter and leave at both ends, as long as a cable is in", both_ends),
+        TEST("a reply is cut to the room, and its whole length is returned", rooms),
+        TEST("a late reply leaves when it is due, before the later ones", late_replies),
+        TEST("a call with an earlier time uses the last time", time_that_goes_back),
+        TEST("a signal is read as text, if it has room", get_signals),
+        TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
+        TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),
+        TEST("without a folder for the control socket none is open", no_control_socket),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Library", tests, NULL, NULL);
+}
