@@ -4,6 +4,20 @@
 
 #include "esi/internal.h"
 
+/* By a PDO that was added, or by one that the file has further on. */
+static bool is_taken(const ect_build_t *build, uint16_t index)
+{
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        if (build->pdos[i].index == index)
+            return true;
+    }
+    for (size_t i = 0; i < build->model->pdo_count; i++) {
+        if (build->model->pdos[i].index == index)
+            return true;
+    }
+    return false;
+}
+
 /* Without CoE the index of a PDO means nothing to a master, and may be that of something else (SoE: S-0-0016). It gets
  * one that a mapping object can have. */
 static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo_shift)
@@ -13,10 +27,8 @@ static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, uint32_
     if (build->model->mailbox.coe || (index >= first && index < first + 0x200))
         return index;
     uint16_t substitute = first;
-    for (size_t i = 0; i < build->pdo_count; i++) {
-        if (build->pdos[i].index == substitute)
-            substitute++;
-    }
+    while (is_taken(build, substitute))
+        substitute++;
     ect_build_note(build, "line %d: PDO %04X is PDO %04X in the SII of the twin", model->line, (unsigned int)index,
                    (unsigned int)substitute);
     return substitute;
