@@ -188,7 +188,7 @@ static void both_ends(void **state)
     ectwin_bus_close(bus);
 }
 
-/* A reply is cut to the room; its length is the whole one. Replies that nobody takes are freed with the bus. */
+/* A reply is cut to the room; the returned length is that of the frame. The bus frees the replies that wait. */
 static void rooms(void **state)
 {
     static const size_t rows[] = {0, 1, 28, 29, 30};
@@ -378,7 +378,7 @@ int main(int argc, char **argv)
         TEST("wrong words end the process with a line that names them", wrong_words),
         TEST("frames of 1..2048 bytes are taken, shorter and longer ones are lost", lengths),
         TEST("frames enter and leave at both ends, as long as a cable is in", both_ends),
-        TEST("a reply is cut to the room, and its whole length is returned", rooms),
+        TEST("a reply is cut to the room, and the length of the frame is returned", rooms),
         TEST("a late reply leaves when it is due, before the later ones", late_replies),
         TEST("a call with an earlier time uses the last time", time_that_goes_back),
         TEST("a signal is read as text, if it has room", get_signals),
