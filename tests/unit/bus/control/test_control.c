@@ -284,6 +284,67 @@ static void answers(void **state)
 }
 
 /* Every line of every answer is JSON by itself, whatever the signal. */
+/* Each counter with a value of its own. */
+static void counted(void **state)
+{
+    static const ect_stats_t stats = {.start_ns = 400 * MS,
+                                      .frames = 11,
+                                      .answered = 12,
+                                      .unanswered = 13,
+                                      .stale = 14,
+                                      .circling = 15,
+                                      .dropped = 16,
+                                      .delayed = 17,
+                                      .answers = {[2] = 985, [6] = 10, [9] = 5},
+                                      .longest_answer_ns = 18999,
+                                      .polls = 19,
+                                      .late_polls = 20,
+                                      .latest_poll_ns = 21999};
+    static ect_scenario_t scenario;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    expect_part(&b, "{\"op\":\"stats\"}\n", "{\"ok\":false,\"message\":\"nothing is counted here\"}");
+    expect_part(&b, "{\"op\":\"fault\"}\n", "{\"ok\":false,\"message\":\"no faults can be set here\"}");
+    ect_control_show(b.control, &stats, &scenario);
+    b.wire.now_ns = 2150 * MS;
+    expect_answer(&b, "{\"op\":\"stats\"}\n",
+                  "{\"frames\":11,\"answered\":12,\"unanswered\":13,\"stale\":14,\"circling\":15,\"dropped\":16,"
+                  "\"delayed\":17,\"p50_us\":5,\"p99_us\":100,\"longest_us\":18,\"polls\":19,\"late_polls\":20,"
+                  "\"latest_poll_us\":21,\"time\":1.750000}\n"
+                  "{\"answers\":[0,0,985,0,0,0,10,0,0,5,0,0,0,0,0,0,0,0,0,0],\"edges_us\":[1,2,5,10,20,50,100,200,500,"
+                  "1000,2000,5000,10000,20000,50000,100000,200000,500000,1000000]}\n" OK);
+    close_bench(&b);
+}
+
+static void faults_by_request(void **state)
+{
+    static const struct {
+        const char *request, *want;
+    } rows[] = {
+        {"{\"op\":\"fault\"}\n", OK},
+        {"{\"op\":\"fault\",\"fault\":5}\n", "{\"ok\":false,\"message\":\"\\\"fault\\\" is a text, as in "
+                                             "{\\\"op\\\":\\\"fault\\\",\\\"fault\\\":\\\"drop 5%\\\"}\"}\n"},
+        {"{\"op\":\"fault\",\"fault\":\"drop 5%\"}\n", OK},
+        {"{\"op\":\"fault\",\"fault\":\"delay 7us every 2\"}\n", OK},
+        {"{\"op\":\"fault\",\"fault\":\"hang slave 1\"}\n", OK},
+        {"{\"op\":\"fault\"}\n", "{\"fault\":\"drop 5%\"}\n{\"fault\":\"delay 7us every 2\"}\n" OK},
+        {"{\"op\":\"fault\",\"fault\":\"hang slave 2\"}\n",
+         "{\"ok\":false,\"message\":\"there is no slave 2: the chain has 1\"}\n"},
+        {"{\"op\":\"fault\",\"fault\":\"off\"}\n", OK},
+        {"{\"op\":\"fault\"}\n", OK},
+    };
+    static ect_stats_t stats;
+    static ect_scenario_t scenario;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    ect_control_show(b.control, &stats, &scenario);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        expect_answer(&b, rows[i].request, rows[i].want);
+    close_bench(&b);
+}
+
 static void lines_are_json(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -999,6 +1060,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Requests get replies, refusals with the reason", answers, NULL, NULL, NULL},
+        {"Each counter and step of the histogram is in the reply to stats", counted, NULL, NULL, NULL},
+        {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", lines_are_json, NULL, NULL, NULL},
         {"Data too large for a signal come in pieces", data_in_pieces, NULL, NULL, NULL},
         {"Attack: 4 x everything from 16 clients is served in bounded pieces, and whole", pipelined_lists, NULL, NULL,

@@ -136,6 +136,40 @@ static void too_long_a_path(void **state)
     assert_int_equal(errno, ENAMETOOLONG);
 }
 
+/* The folder leaves 32 bytes of a path for a name; a path beyond a socket's address is reached through its folder. */
+static void paths_at_their_limits(void **state)
+{
+    enum { FOLDER_MOST = ECT_ENDPOINT_PATH - 32 - 1 - (int)sizeof "/ectwin" + 1, ADDRESS = 108 };
+    char name[ECT_ENDPOINT_PATH + 10], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
+    uid_t owner;
+    (void)state;
+    for (size_t length = FOLDER_MOST - 1; length <= FOLDER_MOST + 1; length++) {
+        memset(name, 'x', length);
+        name[length] = 0;
+        setenv("XDG_RUNTIME_DIR", name, 1);
+        errno = 0;
+        int result = ect_endpoint_folder(path);
+        assert_int_equal(result, length <= FOLDER_MOST ? 0 : -1);
+        assert_int_equal(errno, ENAMETOOLONG);
+        if (result == 0)
+            assert_int_equal(strlen(path), length + strlen("/ectwin"));
+    }
+    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_non_null(strstr(message, "XDG_RUNTIME_DIR can name another place"));
+    for (size_t length = ADDRESS - 1; length <= ADDRESS + 1; length++) { /* without a folder, the longest address */
+        memset(name, 'y', length);
+        name[length] = 0;
+        assert_int_equal(ect_endpoint_connect(name, &owner), -1);
+        assert_int_equal(errno, length < ADDRESS ? ENOENT : ENAMETOOLONG);
+    }
+    /* A name of 108 bytes fits into no address, wherever its folder is. */
+    char longest[ECT_ENDPOINT_PATH + sizeof work + 16];
+    snprintf(longest, sizeof longest, "%s/%s", work, name);
+    assert_int_equal(ect_endpoint_connect(longest, &owner), -1);
+    assert_int_equal(errno, ENAMETOOLONG);
+    assert_int_equal(ect_endpoint_identity(longest), 0);
+}
+
 /* Containers that share the folder have equal process ids: the second one takes another name, the first keeps its own.
  */
 static void names_that_collide(void **state)
@@ -291,6 +325,8 @@ int main(int argc, char **argv)
         {"Paths with brackets and blanks, and longer than a socket's address, are reached", odd_and_long_paths, NULL,
          NULL, NULL},
         {"A path that is too long is refused, not cut", too_long_a_path, NULL, NULL, NULL},
+        {"Paths at their limits: the longest folder, the longest address of a socket", paths_at_their_limits, NULL,
+         NULL, NULL},
         {"Attack: a name that a live twin has is left to it", names_that_collide, NULL, NULL, NULL},
         {"The name of a twin that was killed is free", dead_socket, NULL, NULL, NULL},
         {"Sockets that killed processes have left are removed at the next start", dead_sockets_of_others, NULL, NULL,
