@@ -636,6 +636,59 @@ static void no_address(void **state)
     }
 }
 
+/* A port of the system's choice: the address in the reply of ect_modbus_server_address, and a connection there. */
+static void listens(void **state)
+{
+    static const struct {
+        const char *where, *address;
+        int family;
+    } rows[] = {
+        {"0", "127.0.0.1:", AF_INET},       {"127.0.0.1:0", "127.0.0.1:", AF_INET},
+        {"0.0.0.0:0", "0.0.0.0:", AF_INET}, {"[127.0.0.1]:0", "127.0.0.1:", AF_INET},
+        {"[::1]:0", "[::1]:", AF_INET6},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char message[ECT_MODBUS_MESSAGE] = "";
+        ect_modbus_server_t *server = ect_modbus_server_open(rows[i].where, message);
+        if (!server && rows[i].family == AF_INET6 && (errno == EAFNOSUPPORT || errno == EADDRNOTAVAIL))
+            continue; /* a machine without IPv6 */
+        if (!server)
+            fail_msg("'%s': %s", rows[i].where, message);
+        const char *address = ect_modbus_server_address(server);
+        size_t length = strlen(rows[i].address);
+        if (strncmp(address, rows[i].address, length) != 0 || atoi(address + length) <= 0)
+            fail_msg("'%s': expected a port at %s, got %s", rows[i].where, rows[i].address, address);
+        assert_true(ect_modbus_server_due(server) == ECT_NEVER);
+        ect_modbus_server_close(server);
+    }
+}
+
+/* Each cause has its cure in the message, and its number in errno. */
+static void cannot_listen(void **state)
+{
+    char message[ECT_MODBUS_MESSAGE] = "", where[64], want[ECT_MODBUS_MESSAGE];
+    (void)state;
+    ect_modbus_server_t *first = ect_modbus_server_open("127.0.0.1:0", message);
+    assert_non_null(first);
+    snprintf(where, sizeof where, "%s", ect_modbus_server_address(first));
+    assert_null(ect_modbus_server_open(where, message));
+    assert_int_equal(errno, EADDRINUSE);
+    snprintf(want, sizeof want,
+             "cannot listen at '%s': the port is taken: choose another one, or 0 for any that is free", where);
+    assert_string_equal(message, want);
+    ect_modbus_server_close(first);
+    ect_modbus_server_t *again = ect_modbus_server_open(where, message); /* the port is free again */
+    assert_non_null(again);
+    ect_modbus_server_close(again);
+    assert_null(ect_modbus_server_open("192.0.2.1:0", message));
+    assert_int_equal(errno, EADDRNOTAVAIL);
+    assert_non_null(strstr(message, "this machine does not have the address"));
+    assert_null(ect_modbus_server_open("nowhere", message));
+    assert_int_equal(errno, EINVAL);
+    ect_modbus_server_close(NULL);
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
@@ -661,6 +714,8 @@ int main(int argc, char **argv)
         TEST("Attack: gone before the answer", gone_before_the_answer),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
         TEST("--modbus: a wrong address gets a line", no_address),
+        TEST("PORT, ADDRESS:PORT and [ADDRESS]:PORT are listened at, and the port that was free is reported", listens),
+        TEST("a port that is taken and an address of another machine are refused with cause and cure", cannot_listen),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
