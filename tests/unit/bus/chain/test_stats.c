@@ -47,6 +47,75 @@ static void quantiles(void **state)
     assert_true(stats.longest_answer_ns == 3 * MS);
 }
 
+static void edges(void **state)
+{
+    static const uint32_t want[ECT_STATS_STEPS] = {
+        1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000, 200000, 500000, 1000000, 0};
+    (void)state;
+    for (size_t step = 0; step < ECT_STATS_STEPS; step++) {
+        ect_stats_t below = {0}, at = {0};
+        assert_int_equal(ect_stats_edge_us(step), want[step]);
+        if (want[step] == 0)
+            continue;
+        ect_stats_answer(&below, want[step] * US - 1);
+        ect_stats_answer(&at, want[step] * US);
+        assert_int_equal(below.answers[step], 1);
+        assert_int_equal(at.answers[step + 1], 1);
+    }
+    assert_int_equal(ect_stats_edge_us(ECT_STATS_STEPS), 0);
+    assert_int_equal(ect_stats_edge_us(SIZE_MAX - 1), 0);
+}
+
+/* Counts that only their sums decide, up to the last step, which has no edge. */
+static void quantile_borders(void **state)
+{
+    static const struct {
+        uint64_t first, second, last; /* replies of 0, 1 and of more than a million microseconds */
+        unsigned int per_mille;
+        uint32_t want;
+    } rows[] = {
+        {1, 1, 0, 500, 1},
+        {1, 1, 0, 501, 2},
+        {1, 1, 0, 0, 1},
+        {0, 1, 0, 0, 2},
+        {0, 0, 1, 0, 0},
+        {0, 0, 1, 1000, 0},
+        {1, 0, 1, 500, 1},
+        {1, 0, 1, 501, 0},
+        {999, 1, 0, 999, 1},
+        {999, 1, 0, 1000, 2},
+        {1, 999, 0, 1, 1},
+        {1, 999, 0, 2, 2},
+        {1u << 31, 1u << 31, 1, 499, 1},
+        {1u << 31, 1u << 31, 1, 501, 2},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_stats_t stats = {0};
+        stats.answers[0] = rows[i].first;
+        stats.answers[1] = rows[i].second;
+        stats.answers[ECT_STATS_STEPS - 1] = rows[i].last;
+        assert_int_equal(ect_stats_quantile_us(&stats, rows[i].per_mille), rows[i].want);
+    }
+}
+
+/* The longest and the latest stay when shorter ones follow. */
+static void longest(void **state)
+{
+    static const uint64_t took_ns[] = {5, 9, 7, 9, 1};
+    static const uint64_t want_ns[] = {5, 9, 9, 9, 9};
+    ect_stats_t stats = {0};
+    (void)state;
+    for (size_t i = 0; i < sizeof took_ns / sizeof took_ns[0]; i++) {
+        ect_stats_answer(&stats, took_ns[i]);
+        ect_stats_poll(&stats, took_ns[i]);
+        assert_true(stats.longest_answer_ns == want_ns[i]);
+        assert_true(stats.latest_poll_ns == want_ns[i]);
+        assert_int_equal(stats.answered, i + 1);
+        assert_int_equal(stats.polls, i + 1);
+    }
+}
+
 static void late_polls(void **state)
 {
     ect_stats_t stats = {0};
@@ -65,6 +134,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"answer times fall into their steps", answer_times, NULL, NULL, NULL},
         {"quantiles of the answer times", quantiles, NULL, NULL, NULL},
+        {"each step ends before its edge, and the last one has none", edges, NULL, NULL, NULL},
+        {"quantiles at the borders of the steps", quantile_borders, NULL, NULL, NULL},
+        {"the longest reply and the latest run stay", longest, NULL, NULL, NULL},
         {"runs of the devices that are late count", late_polls, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -278,6 +278,34 @@ static void catalogue_grows(void **state)
     assert_null(ect_catalogue_find(testdev.name));
 }
 
+/* --- work that must not be cut off -------------------------------------------------------------------------------- */
+
+static bool busy(const void *instance)
+{
+    return ((const testdev_t *)instance)->u32 == 1;
+}
+
+static void unfinished_work(void **state)
+{
+    enum { TWINS = 4, NONE = 9 };
+    static const ect_plant_t saves = {.unfinished = busy}, other = {0};
+    static const struct {
+        size_t busy;
+        bool want;
+    } rows[] = {{NONE, false}, {0, true}, {1, false}, {2, false}, {3, true}};
+    const ect_twin_config_t twins[TWINS] = {ect_twin_default(&testdev, &saves), ect_twin_default(&testdev, &other),
+                                            ect_twin_default(&testdev, NULL), ect_twin_default(&testdev, &saves)};
+    wire_t w;
+    (void)state;
+    wire_open_twins(&w, twins, TWINS);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (size_t n = 0; n < TWINS; n++)
+            testdev_of(&w, n)->u32 = n == rows[i].busy ? 1 : 2;
+        assert_true(ect_chain_unfinished(w.chain) == rows[i].want);
+    }
+    wire_close(&w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +321,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"the poll returns the time at which the link lamps stop flickering", lamps_deadline, NULL, NULL, NULL},
         {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
+        {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices come in the catalogue after those of this tree", catalogue_grows, NULL, NULL, NULL},
     };

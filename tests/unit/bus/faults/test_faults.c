@@ -659,6 +659,63 @@ static void script_refused(void **state)
     assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
 }
 
+/* A script at its limits: the last step that has room, the refusal of the next one, and of values out of range. */
+static void script_limits(void **state)
+{
+    static const struct {
+        const char *line;
+        bool good;
+    } rows[] = {
+        {"at 0s drop", true},
+        {"at 999999999s drop", true},
+        {"at 1000000000s drop", false},
+        {"at -1s drop", false},
+        {"at nans drop", false},
+        {"at frame 0 drop", true},
+        {"at frame 18446744073709551615 drop", true},
+        {"at frame 18446744073709551616 drop", false},
+        {"at slave 65535 BOOT drop", true},
+        {"at slave 65536 BOOT drop", false},
+        {"at slave 1 PRE drop", false},
+        {"at slave 1 PREOP drop", true},
+        {"\t at 1s drop \t# a comment", true},
+        {"# a comment", true},
+        {" \t\r\n", true},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (ect_scenario_read(&r->s, rows[i].line, r->message) != rows[i].good)
+            fail_msg("'%s': expected %s", rows[i].line, rows[i].good ? "a step" : "a refusal");
+    }
+    assert_int_equal(ect_scenario_highest_slave(&r->s), 65535);
+    while (r->s.step_count < ECT_SCENARIO_STEPS)
+        read_line(r, "at 1s off");
+    assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS);
+    assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
+    assert_string_equal(r->message, "a script has at most 256 faults");
+    assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS);
+    assert_int_equal(r->s.step_count, ECT_SCENARIO_STEPS);
+    assert_true(ect_scenario_read(&r->s, "# still a comment", r->message));
+}
+
+/* A slave of a condition counts as well as the slave of a fault. */
+static void highest_slaves(void **state)
+{
+    static const struct {
+        const char *line;
+        uint16_t highest;
+    } rows[] = {{"drop", 0},
+                {"at slave 2 OP drop", 2},
+                {"at slave 1 OP hang slave 3", 3},
+                {"drop wire 2", 3},
+                {"at slave 4 OP hang slave 1", 4}};
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        read_line(r, rows[i].line);
+        assert_int_equal(ect_scenario_highest_slave(&r->s), rows[i].highest);
+    }
+}
+
 #define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
@@ -691,6 +748,8 @@ int main(int argc, char **argv)
         TEST("a script returns its next deadline", script_times),
         TEST("a fault of a script that cannot be set at its time is reported", script_reported),
         TEST("a line that makes no sense is refused", script_refused),
+        TEST("a script at its limits: times, frames, slaves, 256 steps and the refusal of the next one", script_limits),
+        TEST("the highest slave of a script is that of a condition or of a fault", highest_slaves),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
