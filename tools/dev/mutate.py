@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Breaks the core in small ways, one at a time, and checks that the unit tests notice.
 
-usage: tools/dev/mutate.py [--seconds N] [--seed N] [ROOM...]      (default 600 s, seed 1, rooms od esc slave sii)
-       tools/dev/mutate.py [--seconds N] [--seed N] conform       the judgements of ectwin-conform
+usage: tools/dev/mutate.py [--seconds N] [--seed N] [--tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
+       tools/dev/mutate.py [--seconds N] [--seed N] conform                       the judgements of ectwin-conform
+       tools/dev/mutate.py --help                                                 all rooms
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
 compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. A mutant that no test
@@ -31,6 +32,8 @@ LINK = ["--coverage", "-fsanitize=undefined"]
 CONFORM = ROOT / "programs/ectwin-conform"
 JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
               "steps/undo.c", "steps/verdict.c"]
+
+ROOMS = ["od", "esc", "slave", "sii", "esi", "facts", "check", "reader", "profiles"]
 
 SWAPS = {
     " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",
@@ -67,16 +70,22 @@ def function_lines(text):
     return lines
 
 
+def number_and_format(text):
+    """The value of a number of C, and how a changed one is written: octal numbers remain octal."""
+    octal = len(text) > 1 and text.isdigit() and text[0] == "0"
+    return (int(text, 8), "0{:o}") if octal else (int(text, 0), "{}")
+
+
 def changes(line, hidden):
     """Each way to change one line: (begin, end, replacement). `hidden` has comments and literals blanked."""
     for match in SWAP.finditer(hidden):
         yield match.start(), match.end(), SWAPS[match[0]]
     for match in NUMBER.finditer(hidden):
-        value = int(match[0], 0)
+        value, layout = number_and_format(match[0])
         if not ROOM.search(hidden[:match.start()]):
-            yield match.start(), match.end(), str(value + 1)
+            yield match.start(), match.end(), layout.format(value + 1)
         if value > 1:
-            yield match.start(), match.end(), str(value - 1)
+            yield match.start(), match.end(), layout.format(value - 1)
     match = CONDITION.search(hidden)
     if match:
         yield match.start(1), match.end(1), f"!({line[match.start(1):match.end(1)]})"
@@ -128,7 +137,8 @@ class Compiled:
 class Program:
     """The unit tests, each linked with one shared library that holds all of src/, so that a mutant costs one object.
 
-    Sources that a test's target compiles for itself, as a device with ECT_SMALL, precede those of the library."""
+    Sources that a test's target compiles for itself, as a device with ECT_SMALL, precede those of the library. A test that wraps
+    calls (-Wl,--wrap) is linked as CMake links it, because a shared library would call past the wrappers."""
 
     def build(self, *targets):
         """Builds targets, or all. Returns target -> source -> Compiled."""
@@ -141,11 +151,12 @@ class Program:
             found.setdefault(compiled.target, {})[compiled.source] = compiled
         return found
 
-    def __init__(self):
-        targets = self.build()
-        applications = [ROOT / "src/soes", ROOT / "src/ports/soes_hal"]  # compiled with each, for its own variables
+    def __init__(self, tests):
+        targets = self.build(*tests)
+        # Compiled with each application, for its own variables; calls of the host in the place of those of libc.
+        apart = [ROOT / "src/soes", ROOT / "src/ports/soes_hal", ROOT / "src/bus/inprocess"]
         self.core = {s: c for sources in targets.values() for s, c in sources.items()
-                     if BUILD / "src" in c.object.parents and s.parent not in applications}
+                     if BUILD / "src" in c.object.parents and s.parent not in apart and c.object.exists()}
         self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "cmocka"], check=True,
                                         capture_output=True, text=True).stdout.split() + ["-lm"]
         if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
@@ -153,14 +164,13 @@ class Program:
         self.link(BUILD / "libcore.so", {})
         self.support = targets["test_support"]
         unit = ROOT / "tests/unit"
-        self.own = {name: sources for name, sources in sorted(targets.items()) if any(unit in s.parents for s in sources)}
-        self.tests = {}
+        self.own = {name: sources for name, sources in sorted(targets.items())
+                    if any(unit in s.parents for s in sources) and (not tests or name in tests)}
+        self.tests, self.as_built = {}, set()
         for name in self.own:
-            linked = self.link_test(name, BUILD / name, {})
-            if linked.returncode == 0:  # else it wraps calls of the host, and has nothing to do with the core
-                self.tests[name] = BUILD / name
-        if not self.tests:
-            sys.exit(f"no test could be linked: {linked.stderr.decode().strip().splitlines()[-1]}")
+            if "--wrap=" in link_command(name) or self.link_test(name, BUILD / name, {}).returncode != 0:
+                self.as_built.add(name)
+            self.tests[name] = BUILD / "tests" / name if name in self.as_built else BUILD / name
 
     def link(self, library, instead):
         objects = [str(instead.get(s, c.object)) for s, c in sorted(self.core.items())]
@@ -175,6 +185,11 @@ class Program:
     def with_mutant(self, name, source, changed, work):
         """The test that notices it or not: another one, where it compiles that source for itself."""
         own = self.own[name].get(source)
+        if name in self.as_built:
+            instead = work / ("own.o" if own else "mutant.o")
+            if own and not own.compile(changed, instead):
+                raise RuntimeError(f"{source} as {name} has it")
+            return link_as_built(name, work / name, instead, own)
         if not own:
             return self.tests[name]
         program = work / name
@@ -228,13 +243,26 @@ class Conform(Program):
         """Each test is linked with the mutant when it is its turn."""
 
     def with_mutant(self, name, source, changed, work):
-        commands = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", f"tests/{name}").strip().split("\n")
-        command = [word for word in shlex.split(commands[-1]) if word not in (":", "&&")]
-        at = command.index("-o") + 1
-        library = next(i for i, word in enumerate(command) if word.endswith("libectwin_conform.a"))
-        command[at] = str(work / name)
-        subprocess.run([*command[:library], str(work / "mutant.o"), *command[library:]], cwd=BUILD, check=True, capture_output=True)
-        return work / name
+        return link_as_built(name, work / name, work / "mutant.o", None)
+
+
+def link_command(name):
+    """The command by which CMake links a test, as words."""
+    lines = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", "-s", f"tests/{name}").strip().split("\n")
+    return [word for word in shlex.split(lines[-1]) if word not in (":", "&&")]
+
+
+def link_as_built(name, program, instead, own):
+    """Links a test with a changed object: in the place of its own, else before the libraries, whose member then is not taken."""
+    command = link_command(name)
+    command[command.index("-o") + 1] = str(program)
+    if own:
+        command = [str(instead) if (BUILD / word) == own.object else word for word in command]
+    else:
+        at = next(i for i, word in enumerate(command) if word.endswith(".a"))
+        command.insert(at, str(instead))
+    subprocess.run(command, cwd=BUILD, check=True, capture_output=True)
+    return program
 
 
 def run_for_text(*command):
@@ -242,11 +270,14 @@ def run_for_text(*command):
 
 
 def sources_of(room):
-    return [CONFORM / name for name in JUDGEMENTS] if room == "conform" else sorted((ROOT / "src" / room).glob("*.c"))
+    if room == "conform":
+        return [CONFORM / name for name in JUDGEMENTS]
+    return sorted((ROOT / "src" / room).rglob("*.c") if room == "profiles" else (ROOT / "src" / room).glob("*.c"))
 
 
-def room_of(source):
-    return "conform" if CONFORM in source.parents else source.relative_to(ROOT / "src").parts[0]
+def all_rooms():
+    folders = {p.parent for room in ("bus", "devices") for p in (ROOT / "src" / room).rglob("*.c")}
+    return ROOMS + sorted(str(f.relative_to(ROOT / "src")) for f in folders if f.name != "inprocess") + ["conform"]
 
 
 def environment(library_folder, **more):
@@ -310,8 +341,11 @@ def is_known(known, mutant):
 
 
 def judge(arguments):
-    sources = [s for room in arguments.rooms for s in sources_of(room)]
-    program = Conform() if arguments.rooms == ["conform"] else Program()
+    room_of = {source: room for room in arguments.rooms for source in sources_of(room)}
+    program = Conform() if arguments.rooms == ["conform"] else Program(arguments.tests)
+    sources = [source for source in room_of if source in program.core]
+    for source in sorted(room_of.keys() - program.core.keys()):
+        print(f"{source.relative_to(ROOT)} is not compiled in this build: left out", file=sys.stderr)
     reached = program.measure(sources)
     known = equivalents()
     todo = [m for s in sources for m in mutants(s) if not is_known(known, m)]
@@ -327,7 +361,7 @@ def judge(arguments):
         for mutant, noticed in pool.map(one, todo):
             if noticed == "":
                 continue
-            room = room_of(mutant["source"])
+            room = room_of[mutant["source"]]
             counts[room][0] += 1
             counts[room][1] += noticed is not None
             if noticed is None:
@@ -337,14 +371,23 @@ def judge(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], epilog=f"Rooms: {' '.join(all_rooms())}.")
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"])
-    counts, survivors, possible = judge(parser.parse_args())
+    parser.add_argument("--tests", type=lambda names: names.split(","), default=[], metavar="NAME,...",
+                        help="build and run only these unit tests; a mutant that only others notice survives")
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"],
+                        help="folders below src; conform, alone: the judgements of ectwin-conform")
+    arguments = parser.parse_args()
+    unknown = [room for room in arguments.rooms if room not in all_rooms()]
+    if unknown:
+        parser.error(f"there is no room {unknown[0]}; name some of: {' '.join(all_rooms())}")
+    if "conform" in arguments.rooms and arguments.rooms != ["conform"]:
+        parser.error("conform has tests of its own: name it alone")
+    counts, survivors, possible = judge(arguments)
     tried = sum(c[0] for c in counts.values())
     for room, (made, noticed) in counts.items():
-        print(f"{room:6} {noticed} of {made} noticed" + (f", {100 * noticed / made:.1f} %" if made else ""))
+        print(f"{room:16} {noticed} of {made} noticed" + (f", {100 * noticed / made:.1f} %" if made else ""))
     print(f"in all {tried} of {possible} possible mutants tried, {survivors} survived")
     return 0
 
