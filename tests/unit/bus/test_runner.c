@@ -662,6 +662,41 @@ static void late_loop(void **state)
     close_bench(&b);
 }
 
+/* --- the end ------------------------------------------------------------------------------------------------------ */
+
+enum { POLLS_OF_A_SAVE = 5 };
+static unsigned int asked;
+
+static bool saves(const void *instance)
+{
+    (void)instance;
+    return ++asked < POLLS_OF_A_SAVE;
+}
+
+static void at_once(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)b;
+    (void)n;
+    (void)limit;
+    (void)raise(SIGUSR1);
+}
+
+static void finishes_a_save(void **state)
+{
+    static const ect_plant_t plant = {.unfinished = saves};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    const ect_twin_config_t twin = ect_twin_default(ect_catalogue_find("fzm1")->device, &plant);
+    ect_chain_free(b.wire.chain);
+    b.runner.exchange.chain = b.wire.chain = ect_chain_new(&twin, 1, b.wire.now_ns);
+    assert_non_null(b.wire.chain);
+    asked = 0;
+    run(&b, at_once);
+    assert_int_equal(asked, POLLS_OF_A_SAVE);
+    close_bench(&b);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -686,6 +721,7 @@ int main(int argc, char **argv)
         {"A fault for a frame on a wire concerns no other frame, however the frame is lost before",
          nothing_is_left_over, NULL, NULL, NULL},
         {"Only a watch wakes the loop, every 10 ms", report_deadline, NULL, NULL, NULL},
+        {"The loop ends only when a save is over", finishes_a_save, NULL, NULL, NULL},
         {"A late loop runs the devices at their deadlines: every change is reported", late_loop, NULL, NULL, NULL},
     };
     if (argc > 1)

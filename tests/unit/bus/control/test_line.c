@@ -62,11 +62,33 @@ static void full_lines(void **state)
     }
 }
 
+/* The longest value that has room, and the next longer one; a space is no control character. */
+static void exact_room(void **state)
+{
+    enum { MOST = ECT_LINE_ROOM - 9 }; /* {"p": and }, line feed, and the room that is kept for a quote */
+    static char text[ECT_LINE_ROOM];
+    ect_line_t line;
+    (void)state;
+    for (size_t length = MOST - 1; length <= MOST + 1; length++) {
+        memset(text, '7', length);
+        text[length] = 0;
+        ect_line_begin(&line);
+        ect_line_plain(&line, "p", text);
+        ect_line_end(&line);
+        assert_int_equal(line.length, length <= MOST ? length + 7 : 3);
+    }
+    ect_line_begin(&line);
+    ect_line_string(&line, "a", " x \x1f~");
+    ect_line_end(&line);
+    assert_text(&line, "{\"a\":\" x \\u001f~\"}\n");
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"members of every kind, with escapes", members, NULL, NULL, NULL},
         {"a text that does not fit is cut, and the line is complete", full_lines, NULL, NULL, NULL},
+        {"the longest member that has room is written, a longer one is left out", exact_room, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
