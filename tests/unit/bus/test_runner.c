@@ -662,6 +662,46 @@ static void late_loop(void **state)
     close_bench(&b);
 }
 
+/* --- frames that circulate ---------------------------------------------------------------------------------------- */
+
+static unsigned int reported;
+
+static void count_report(void *ctx, const char *iface)
+{
+    (void)ctx;
+    (void)iface;
+    reported++;
+}
+
+/* Each reply comes in again, until three frames have been destroyed. */
+static void echo(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    uint8_t frame[2048];
+    (void)limit;
+    ssize_t length = recv(b->master, frame, sizeof frame, MSG_DONTWAIT);
+    if (length > 0)
+        assert_int_equal(__real_send(b->master, frame, (size_t)length, 0), length);
+    else if (b->runner.exchange.stats.circling >= 3 || n > 5000)
+        (void)raise(SIGUSR1);
+    else
+        send_frame(b);
+}
+
+static void circulating_frames(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    b.clock_ns = b.wire.now_ns; /* so that no pause of this process ends the window of time */
+    b.clock_step_ns = 100;
+    b.runner.on_circling = count_report;
+    reported = 0;
+    run(&b, echo);
+    assert_true(b.runner.exchange.stats.circling >= 3);
+    assert_int_equal(reported, 1);
+    close_bench(&b);
+}
+
 /* --- the end ------------------------------------------------------------------------------------------------------ */
 
 enum { POLLS_OF_A_SAVE = 5 };
@@ -721,6 +761,7 @@ int main(int argc, char **argv)
         {"A fault for a frame on a wire concerns no other frame, however the frame is lost before",
          nothing_is_left_over, NULL, NULL, NULL},
         {"Only a watch wakes the loop, every 10 ms", report_deadline, NULL, NULL, NULL},
+        {"Frames that circulate are destroyed, and reported once", circulating_frames, NULL, NULL, NULL},
         {"The loop ends only when a save is over", finishes_a_save, NULL, NULL, NULL},
         {"A late loop runs the devices at their deadlines: every change is reported", late_loop, NULL, NULL, NULL},
     };
