@@ -612,6 +612,66 @@ static void transitions(void **state)
     }
 }
 
+/* --- texts, lengths and left-out objects ------------------------------------------------------------------------- */
+
+static void texts_of_devices(void **state)
+{
+#define NAMED(name) ESI_HEAD "<Device Physics='YY'><Type>DEV</Type>" name ESI_MAILBOX_SMS COE "</Device>" ESI_TAIL
+    static const struct {
+        const char *what, *text, *full, *summary;
+    } table[] = {
+        {"a name", NAMED("<Name>Long name</Name>"), "Long name", "Long name"},
+        {"an empty name", NAMED("<Name> </Name>"), NULL, "DEV"},
+        {"no name", NAMED(""), NULL, "DEV"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        const ect_device_t *d = device_of(&m);
+        const char *full = d->full_name != NULL ? d->full_name : "(none)";
+        if (strcmp(full, table[i].full != NULL ? table[i].full : "(none)") != 0 ||
+            strcmp(d->summary, table[i].summary) != 0)
+            fail_msg("%s: expected %s and %s, got %s and %s", table[i].what, table[i].full ? table[i].full : "(none)",
+                     table[i].summary, full, d->summary);
+        ect_od_t od = od_of(&m);
+        const ect_object_t *name = ect_od_find(&od, 0x1008);
+        assert_int_equal(name->entries[0].bit_length, 24);
+        assert_int_equal(name->entries[0].value, 'D' | 'E' << 8 | 'V' << 16);
+        free_made(&m);
+    }
+}
+
+static void lengths_and_omissions(void **state)
+{
+#define TEXT(bits) WITH(DICT(OBJECT("#x2000", "", bits, "")))
+    static const struct {
+        const char *what, *text;
+        uint16_t index, bits; /* of its last entry, 0: there is no such object */
+        const char *note;
+    } table[] = {
+        {"65528 bits", TEXT("65528"), 0x2000, 65528, NULL},
+        {"65536 bits", TEXT("65536"), 0x2000, 65528, "object 2000:0 has 8192 bytes; the twin has its first 8191"},
+        {"a mapping of no PDO", WITH(DICT(OBJECT("#x1A05", "USINT", "8", ""))), 0x1A05, 0,
+         "line 2: object 1A05 is none of the file's PDOs: it is left out"},
+        {"a mapping of a PDO", WITH(DICT(OBJECT("#x1A05", "USINT", "8", "")) TX("", "#x1A05", A8)), 0x1A05, 32, NULL},
+        {"a gap of 65535 bits", WITH(TX("", "#x1A05", "<Entry><Index>0</Index><BitLen>65535</BitLen></Entry>")), 0x1A05,
+         32,
+         "an EEPROM of 2048 bytes has no room for the PDOs that are not assigned, and all names of PDOs, entries and "
+         "clock modes: left out"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        const ect_object_t *o = ect_od_find(&od, table[i].index);
+        unsigned int bits = o != NULL ? o->entries[o->last].bit_length : 0;
+        if (bits != table[i].bits)
+            fail_msg("%s: expected %u bits, got %u", table[i].what, table[i].bits, bits);
+        expect_note(table[i].what, &m, table[i].note);
+        free_made(&m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -629,6 +689,8 @@ int main(void)
         {"PDOs, assigned or not, have signals before objects have", signal_places, NULL, NULL, NULL},
         {"an object that a PDO or the stack replaces has its code", codes_of_replaced_objects, NULL, NULL, NULL},
         {"a start-up command makes its entry writable in the states of its transitions", transitions, NULL, NULL, NULL},
+        {"the name of a device is its summary, and its type where there is none", texts_of_devices, NULL, NULL, NULL},
+        {"an entry has at most 65528 bits, a mapping 254 elements and a PDO", lengths_and_omissions, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
