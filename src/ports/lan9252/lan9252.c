@@ -359,5 +359,7 @@ bool ect_lan9252_check(ect_lan9252_t *chip, uint64_t now_ns)
     if (now_ns < chip->check_ns)
         return true;
     chip->check_ns = now_ns + interval_ns;
-    return has_settings(chip) || has_settings(chip); /* one damaged transfer is no reset */
+    if (has_settings(chip))
+        return true;
+    return has_settings(chip); /* one damaged transfer is no reset */
 }

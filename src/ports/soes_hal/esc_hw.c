@@ -42,6 +42,8 @@ __attribute__((weak)) void EEP_init(void)
 {
 }
 
+/* The parameters are SOES's. */
+/* NOLINTBEGIN(readability-non-const-parameter) */
 __attribute__((weak)) int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size)
 {
     (void)addr;
@@ -57,6 +59,7 @@ __attribute__((weak)) int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t si
     (void)size;
     return -1;
 }
+/* NOLINTEND(readability-non-const-parameter) */
 
 __attribute__((weak)) esc_cfg_t *ectwin_soes_config(void)
 {
