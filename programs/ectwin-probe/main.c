@@ -13,7 +13,7 @@
 #include "text/argument.h"
 
 enum { EXIT_CLEAN = 0, EXIT_USAGE = 1, EXIT_OPEN = 2, EXIT_RUN = 3 };
-enum { SLAVES_MOST = 65535, SECONDS_MOST = 86400, KEY_LIMIT = 256, KEY_VALUES };
+enum { SLAVES_MOST = 65535, SECONDS_MOST = 86400, KEY_LIMIT = 256, KEY_VALUES = 257 };
 enum { NAME_AT = 3, COE = 0x04 };
 
 typedef struct args {

@@ -10,7 +10,7 @@
 #include "esi/arena.h"
 #include "esi/twin.h"
 
-enum { TEXT = 600, KEY_SCHEMA = 0x300, KEY_NOTES };
+enum { TEXT = 600, KEY_SCHEMA = 0x300, KEY_NOTES = 0x301 };
 
 typedef struct args {
     const char *file, *schema;

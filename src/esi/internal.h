@@ -294,7 +294,7 @@ void ect_pen_hex(ect_pen_t *pen, const char *element, uint32_t value, int digits
 void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, size_t length);
 
 /** Copies an element of a file with all that is in it. */
-void ect_pen_copy(ect_pen_t *pen, const xmlNode *node);
+void ect_pen_copy(ect_pen_t *pen, const xmlNode *top);
 
 /** Copies the children of an element of a file that have that name; NULL: all children. */
 void ect_pen_copy_children(ect_pen_t *pen, const xmlNode *parent, const char *name);

@@ -12,7 +12,7 @@ enum {
     ASSIGNMENTS = 0x1C10,
     ASSIGNMENTS_END = 0x1C30,
     OUTPUTS = 0x1C12,
-    INPUTS
+    INPUTS = 0x1C13
 };
 
 typedef struct walk {

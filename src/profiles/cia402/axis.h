@@ -36,8 +36,9 @@
 
 ECT_C_BEGIN
 
-enum { ECT_402_STEP_NS = 250000, ECT_402_STEPS_PER_S = 4000 };
-#define ECT_402_STEP_S (1.0 / ECT_402_STEPS_PER_S)
+enum { ECT_402_STEP_NS = 250000 };
+#define ECT_402_STEPS_PER_S 4000 /* no enumeration constant: it is multiplied by doubles */
+#define ECT_402_STEP_S      (1.0 / ECT_402_STEPS_PER_S)
 
 /** Modes of operation, 6060h. */
 enum {
