@@ -670,6 +670,7 @@ static void count_report(void *ctx, const char *iface)
 {
     (void)ctx;
     (void)iface;
+    assert_int_equal(running->runner.exchange.stats.circling, 1); /* the first of them */
     reported++;
 }
 
