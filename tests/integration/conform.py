@@ -31,15 +31,6 @@ def call(ectwin, conform, twins, arguments):
                           timeout=300, check=False)
 
 
-def call_in_process(ectwin, conform, twins, arguments):
-    """The same inside the runner's process, on the virtual clock: in a second, and alike on a busy machine. A command of --plug
-    or --power is a process of its own, which the virtual clock does not know."""
-    if "--plug" in arguments or "--power" in arguments:
-        return call(ectwin, conform, twins, arguments)
-    os.environ["ASAN_OPTIONS"] = "detect_leaks=0"  # the library that is preloaded stays until the process ends
-    return call(ectwin, conform, ["--in-process", "--virtual-time", *twins], arguments)
-
-
 def esi_of(device):
     """ESI options for a device of ours: the file of its family, and the schema when there is one."""
     files = [path for path in sorted((ROOT / "esi").glob("*.xml")) if device.startswith(path.stem.removeprefix("ectwin-"))]
@@ -69,7 +60,7 @@ def report(ectwin, conform, name):
 
 
 def run_report(ectwin, conform, name, twins, arguments):
-    done = call_in_process(ectwin, conform, twins, [*arguments, "--format", "json"])
+    done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
     alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
     try:
         return json.loads(done.stdout), alone
@@ -155,9 +146,9 @@ def defect(ectwin, conform, id_):
 
 
 def find_defect(ectwin, conform, id_, twins, arguments):
-    done = call_in_process(ectwin, conform, twins, [*arguments, "--format", "json"])
+    done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
     if not done.stdout.startswith("{"): # not even examined: a frame came too late
-        done = call_in_process(ectwin, conform, twins, [*arguments, "--format", "json"])
+        done = call(ectwin, conform, twins, [*arguments, "--format", "json"])
     alone = f"{ectwin} with {' '.join(twins)} -- {conform} -i {{}} {' '.join(arguments)}"
     try:
         cases = json.loads(done.stdout)["cases"]
@@ -168,7 +159,7 @@ def find_defect(ectwin, conform, id_, twins, arguments):
     # Four runs at once keep a machine busy, and a case has its time limits; what a defect breaks is broken the next time as well.
     surprises = [case for case in failed if case not in expected]
     if surprises:
-        again = call_in_process(ectwin, conform, twins, [*arguments, "--format", "json", "--only", ",".join(surprises)])
+        again = call(ectwin, conform, twins, [*arguments, "--format", "json", "--only", ",".join(surprises)])
         passed = [c["id"] for c in json.loads(again.stdout)["cases"] if c["verdict"] == "pass"]
         failed = [case for case in failed if case not in passed]
     return "" if failed == expected else f"{id_}: expected to fail {expected}, got {failed}\n  alone: {alone}"
@@ -198,8 +189,8 @@ SEEDS = {"CF-094": range(1, 5), "CF-094b": range(1, 5)}
 def one_case(ectwin, conform, id_, device, seed):
     """@return nothing, or what is wrong: each defect is found by its case, or cannot be in that device"""
     arguments = [*esi_of(device), "--seed", str(seed), "--only", case_of(id_), "--format", "json",
-                 *(["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"] if id_ == "CF-096b" else [])]
-    case = json.loads(call_in_process(ectwin, conform, ["--break", id_, device], arguments).stdout)["cases"][0]
+                 "--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
+    case = json.loads(call(ectwin, conform, ["--break", id_, device], arguments).stdout)["cases"][0]
     absent = set(WITHOUT.get(id_, [])) & {device, "*"}
     if case["verdict"] == "skip" or case["verdict"] == ("pass" if absent else "fail"):
         return ""
