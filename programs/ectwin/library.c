@@ -194,11 +194,11 @@ void ectwin_bus_link(ectwin_bus_t *bus, unsigned int end, int link, uint64_t now
     (void)ect_exchange_run(&bus->exchange);
 }
 
-void ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, size_t length, uint64_t now_ns)
+uint64_t ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, size_t length, uint64_t now_ns)
 {
     uint8_t copy[ECTWIN_FRAME_MAX];
     if (end >= ECT_ENDS || length == 0 || length > sizeof copy)
-        return;
+        return ect_exchange_run(&bus->exchange);
     advance(bus, now_ns);
     memcpy(copy, frame, length);
     const ect_packet_time_t time = {.now_ns = bus->now_ns};
@@ -207,7 +207,7 @@ void ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, si
         ect_exchange_frame(&bus->exchange, (ect_end_t)end, copy, length, &time);
     else
         ect_exchange_long_frame(&bus->exchange, (ect_end_t)end, copy, length, bus->now_ns);
-    (void)ect_exchange_run(&bus->exchange);
+    return ect_exchange_run(&bus->exchange);
 }
 
 size_t ectwin_bus_reply(ectwin_bus_t *bus, unsigned int *end, void *frame, size_t room)

@@ -62,9 +62,10 @@ ECTWIN_API void ectwin_bus_link(ectwin_bus_t *bus, unsigned int end, int link, u
  * Passes a frame through the bus, then runs the devices. Replies wait for ::ectwin_bus_reply.
  * @param end     0 or 1: where the frame enters
  * @param length  1..ECTWIN_FRAME_MAX; a longer frame is lost
+ * @return as ::ectwin_bus_run, which need not be called after it
  */
-ECTWIN_API void ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, size_t length,
-                                 uint64_t now_ns);
+ECTWIN_API uint64_t ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, size_t length,
+                                     uint64_t now_ns);
 
 /**
  * Takes the next frame that has left the bus, in order.

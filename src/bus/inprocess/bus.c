@@ -200,8 +200,7 @@ uint64_t ect_bus_run(uint64_t now_ns)
 uint64_t ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns)
 {
     ect_inside++;
-    state.library.frame(state.bus, end, frame, length, now_ns);
-    uint64_t next_ns = state.library.run(state.bus, now_ns);
+    uint64_t next_ns = state.library.frame(state.bus, end, frame, length, now_ns);
     deliver();
     ect_inside--;
     return next_ns;

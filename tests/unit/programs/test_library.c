@@ -40,12 +40,13 @@ static ectwin_bus_t *open_one(void)
     return must_open(words);
 }
 
-static void pass(ectwin_bus_t *bus, unsigned int end, uint8_t index, uint64_t now_ns)
+/* @return the time of the next call without a frame */
+static uint64_t pass(ectwin_bus_t *bus, unsigned int end, uint8_t index, uint64_t now_ns)
 {
     wire_t w = {0};
     wire_build(&w, BRD, 0, 0x0130, "\0", 1);
     w.frame[INDEX_AT] = index;
-    ectwin_bus_frame(bus, end, w.frame, w.frame_length, now_ns);
+    return ectwin_bus_frame(bus, end, w.frame, w.frame_length, now_ns);
 }
 
 /* @return the index of the next reply, at this end; -1: none waits */
@@ -153,10 +154,11 @@ static void lengths(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ectwin_bus_t *bus = must_open(words);
         (void)ectwin_bus_run(bus, START_NS);
-        ectwin_bus_frame(bus, INPUT_END, frame, rows[i].length, START_NS + 1 * MS);
+        uint64_t next_ns = ectwin_bus_frame(bus, INPUT_END, frame, rows[i].length, START_NS + 1 * MS);
+        assert_true(next_ns == ectwin_bus_run(bus, START_NS));
         assert_int_equal(reply_at(bus, INPUT_END), -1);
         /* The time of a frame that is taken has come for all later calls. */
-        pass(bus, INPUT_END, 1, START_NS);
+        (void)pass(bus, INPUT_END, 1, START_NS);
         assert_true(ectwin_bus_run(bus, START_NS) == START_NS + (rows[i].taken ? 3 * MS : 2 * MS));
         ectwin_bus_close(bus);
     }
@@ -166,23 +168,23 @@ static void both_ends(void **state)
 {
     ectwin_bus_t *bus = open_one();
     (void)state;
-    pass(bus, INPUT_END, 1, START_NS);
-    pass(bus, OUTPUT_END, 2, START_NS); /* no cable is in there */
+    (void)pass(bus, INPUT_END, 1, START_NS);
+    (void)pass(bus, OUTPUT_END, 2, START_NS); /* no cable is in there */
     assert_int_equal(reply_at(bus, INPUT_END), 1);
     assert_int_equal(reply_at(bus, INPUT_END), -1);
     ectwin_bus_link(bus, OUTPUT_END, 1, START_NS);
-    pass(bus, INPUT_END, 3, START_NS);
-    pass(bus, OUTPUT_END, 4, START_NS);
+    (void)pass(bus, INPUT_END, 3, START_NS);
+    (void)pass(bus, OUTPUT_END, 4, START_NS);
     assert_int_equal(reply_at(bus, OUTPUT_END), 3);
     assert_int_equal(reply_at(bus, INPUT_END), 4);
     ectwin_bus_link(bus, INPUT_END, 0, START_NS);
-    pass(bus, INPUT_END, 5, START_NS);
+    (void)pass(bus, INPUT_END, 5, START_NS);
     assert_int_equal(reply_at(bus, INPUT_END), -1);
     ectwin_bus_link(bus, OUTPUT_END, 0, START_NS);
     ectwin_bus_link(bus, INPUT_END, 7, START_NS); /* any value but 0 */
     ectwin_bus_link(bus, 2, 1, START_NS);         /* there is no such end */
-    pass(bus, 2, 6, START_NS);
-    pass(bus, INPUT_END, 7, START_NS);
+    (void)pass(bus, 2, 6, START_NS);
+    (void)pass(bus, INPUT_END, 7, START_NS);
     assert_int_equal(reply_at(bus, INPUT_END), 7);
     assert_int_equal(reply_at(bus, INPUT_END), -1);
     ectwin_bus_close(bus);
@@ -198,14 +200,14 @@ static void rooms(void **state)
         uint8_t frame[64];
         unsigned int end;
         memset(frame, 0xAA, sizeof frame);
-        pass(bus, INPUT_END, 1, START_NS);
+        (void)pass(bus, INPUT_END, 1, START_NS);
         assert_int_equal(ectwin_bus_reply(bus, &end, frame, rows[i]), 29);
         for (size_t n = rows[i]; n < sizeof frame; n++)
             assert_int_equal(frame[n], 0xAA);
         assert_int_equal(frame[0], rows[i] > 0 ? 0xFF : 0xAA);
     }
     for (uint8_t n = 0; n < 5; n++)
-        pass(bus, INPUT_END, n, START_NS);
+        (void)pass(bus, INPUT_END, n, START_NS);
     for (uint8_t n = 0; n < 3; n++)
         assert_int_equal(reply_at(bus, INPUT_END), n);
     ectwin_bus_close(bus);
@@ -217,9 +219,9 @@ static void late_replies(void **state)
     ectwin_bus_t *bus = must_open(words);
     (void)state;
     (void)ectwin_bus_run(bus, START_NS); /* takes the fault */
-    pass(bus, INPUT_END, 1, START_NS);
-    pass(bus, INPUT_END, 2, START_NS);
-    pass(bus, INPUT_END, 3, START_NS + 1 * MS);
+    (void)pass(bus, INPUT_END, 1, START_NS);
+    assert_true(pass(bus, INPUT_END, 2, START_NS) == START_NS + 2 * MS); /* the time of its reply */
+    (void)pass(bus, INPUT_END, 3, START_NS + 1 * MS);
     assert_int_equal(reply_at(bus, INPUT_END), 1);
     assert_int_equal(reply_at(bus, INPUT_END), -1);
     assert_true(ectwin_bus_run(bus, START_NS + 2 * MS - 1) == START_NS + 2 * MS);
@@ -238,7 +240,7 @@ static void time_that_goes_back(void **state)
     ectwin_bus_t *bus = must_open(words);
     (void)state;
     (void)ectwin_bus_run(bus, START_NS + 10 * MS);
-    pass(bus, INPUT_END, 1, START_NS); /* at 10 ms */
+    (void)pass(bus, INPUT_END, 1, START_NS); /* at 10 ms */
     (void)ectwin_bus_run(bus, START_NS + 2 * MS);
     assert_int_equal(reply_at(bus, INPUT_END), -1);
     assert_true(ectwin_bus_run(bus, 0) == START_NS + 12 * MS);
@@ -330,7 +332,7 @@ static void control_socket(void **state)
     setenv("XDG_RUNTIME_DIR", folder, 1);
     assert_null(ectwin_bus_control_path(bus));
     assert_int_equal(ectwin_bus_serve(bus, START_NS), 0); /* nothing is open */
-    pass(bus, INPUT_END, 1, START_NS);
+    (void)pass(bus, INPUT_END, 1, START_NS);
     int control = ectwin_bus_control(bus);
     assert_true(control >= 0);
     assert_int_equal(ectwin_bus_control(bus), control); /* once */
