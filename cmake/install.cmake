@@ -1,6 +1,6 @@
-# What `cmake --install` leaves for other projects: libraries and headers in two components, `core` (what runs on a board:
-# dictionary, stack, SII, devices, software ESC, SOES's API), `soes_hal` (that of a SOES firmware on a PC) and `host` (buses, the
-# command), for find_package(ectwin) and for pkg-config.
+# What `cmake --install` leaves for other projects: libraries and headers in four components, `core` (what runs on a board:
+# dictionary, stack, SII, devices, software ESC, SOES's API), `soes_hal` (that of a SOES firmware on a PC), `host` (buses, the
+# command) and `chain` (the bus as one shared library), for find_package(ectwin) and for pkg-config.
 include(CMakePackageConfigHelpers)
 
 add_library(ectwin_core INTERFACE)
@@ -57,7 +57,7 @@ endif()
 set(ECTWIN_CMAKEDIR ${CMAKE_INSTALL_LIBDIR}/cmake/ectwin)
 set(ECTWIN_COMPONENTS core)
 if(ECTWIN_HOST)
-  list(APPEND ECTWIN_COMPONENTS soes_hal host)
+  list(APPEND ECTWIN_COMPONENTS soes_hal host chain)
 endif()
 packages_of(host ECTWIN_PACKAGES)
 configure_package_config_file(cmake/ectwinConfig.cmake.in ${CMAKE_BINARY_DIR}/ectwinConfig.cmake
@@ -71,6 +71,8 @@ list(JOIN packages " " packages)
 set(PC_REQUIRES_core "")
 set(PC_REQUIRES_soes_hal "ectwin-core")
 set(PC_REQUIRES_host "ectwin-soes_hal ${packages}")
+set(PC_REQUIRES_chain "")
+set(PC_WHAT_chain "a bus of EtherCAT twins as a shared library: frame in, frame out, time an argument")
 set(PC_WHAT_soes_hal "a SOES firmware as an EtherCAT twin on a PC")
 set(PC_WHAT_core "EtherCAT slave stack and devices, for a board or a host")
 set(PC_WHAT_host "EtherCAT device twins: software ESC, buses, the command as a library")
@@ -80,6 +82,7 @@ foreach(component IN LISTS ECTWIN_COMPONENTS)
   get_property(libraries GLOBAL PROPERTY ECTWIN_LIBRARIES_${component})
   list(REVERSE libraries) # a static library precedes the libraries that it needs
   list(TRANSFORM libraries PREPEND -l)
+  list(TRANSFORM libraries REPLACE "^-lectwin_chain$" "-lectwin")
   list(JOIN libraries " " PC_LIBRARIES)
   set(PC_NAME ectwin-${component})
   set(PC_WHAT "${PC_WHAT_${component}}")

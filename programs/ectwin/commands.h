@@ -45,6 +45,9 @@ int command_plug(int argc, char **argv);
 int command_cut(int argc, char **argv);
 int command_mend(int argc, char **argv);
 
+/** Room of a reason why twins cannot be powered on. */
+enum { TWIN_MESSAGE = 1280 };
+
 /** "[N:]VALUE" of an identity option. */
 typedef struct identity_wish {
     int key;     /**< of the option */
@@ -86,6 +89,7 @@ typedef struct twin_args {
     ect_files_t **opened;    /* the folder, one a twin, where there is one */
     ect_eeprom_t **eeproms;  /* one a twin, where there is a store */
     ect_memory_t **memories; /* one a twin, once they are powered on */
+    char *message;           /* of TWIN_MESSAGE: gets the reason of a failed power-on; NULL: standard error does */
 } twin_args_t;
 
 /** Argp parser for the options of twins; its input is a twin_args_t. */

@@ -5,6 +5,8 @@
 
 #include <errno.h>
 #include <poll.h>
+#include <setjmp.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +14,8 @@
 #include "bus/exchange.h"
 #include "commands.h"
 #include "products.h"
+
+_Static_assert((int)TWIN_MESSAGE == (int)ECTWIN_MESSAGE, "a reason fits");
 
 typedef struct reply {
     struct reply *next;
@@ -22,6 +26,7 @@ typedef struct reply {
 
 struct ectwin_bus {
     twin_args_t twins;
+    char message[TWIN_MESSAGE];
     char **words; /* options point into them */
     const char *devices;
     ect_exchange_t exchange;
@@ -61,6 +66,51 @@ static void queue(void *ctx, ect_end_t end, const uint8_t *frame, size_t length)
     bus->last = &reply->next;
 }
 
+/* The parsers of the command's options leave by exit(), after argp_error() or argp_failure(), or after a list on
+ * standard output. In the library the linker puts these functions in their places, which return to ectwin_bus_open. */
+static _Thread_local struct {
+    jmp_buf back;
+    char *message; /* of TWIN_MESSAGE; NULL: nothing is being parsed */
+} parsing;
+
+void __real_exit(int status) __attribute__((noreturn));
+void __wrap_exit(int status) __attribute__((noreturn));
+void __wrap_argp_error(const struct argp_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void __wrap_argp_failure(const struct argp_state *state, int status, int number, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+void __wrap_exit(int status)
+{
+    if (!parsing.message)
+        __real_exit(status);
+    snprintf(parsing.message, TWIN_MESSAGE, "a list of names is no bus: the command prints it");
+    longjmp(parsing.back, 1);
+}
+
+void __wrap_argp_error(const struct argp_state *state, const char *format, ...)
+{
+    va_list values;
+    (void)state;
+    va_start(values, format);
+    vsnprintf(parsing.message, TWIN_MESSAGE, format, values);
+    va_end(values);
+    longjmp(parsing.back, 1);
+}
+
+void __wrap_argp_failure(const struct argp_state *state, int status, int number, const char *format, ...)
+{
+    va_list values;
+    (void)state;
+    (void)status;
+    va_start(values, format);
+    vsnprintf(parsing.message, TWIN_MESSAGE, format, values);
+    va_end(values);
+    size_t used = strlen(parsing.message);
+    if (number != 0)
+        snprintf(parsing.message + used, TWIN_MESSAGE - used, ": %s", strerror(number));
+    longjmp(parsing.back, 1);
+}
+
 /* The words may be those of a whole `ectwin with`, whose own options mean nothing here. */
 enum { KEY_OF_WITH = 0x300 };
 static const struct argp_option options_of_with[] = {
@@ -85,6 +135,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
             argp_error(state, "one list of devices is enough: separate them by commas");
         bus->devices = text;
         return 0;
+    case ARGP_KEY_ERROR:
+        snprintf(bus->message, sizeof bus->message, "'%s' is no option of a bus, or lacks its value",
+                 state->argv[state->next - 1]);
+        return 0;
     case ARGP_KEY_END:
         if (!bus->devices)
             argp_error(state, "name a device");
@@ -95,11 +149,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static bool read_words(ectwin_bus_t *bus, int count, const char *const words[])
+static bool copy_words(ectwin_bus_t *bus, int count, const char *const words[])
 {
-    static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
-    static const struct argp argp = {
-        .options = options_of_with, .parser = parse, .args_doc = "DEVICE[,DEVICE...]", .children = children};
     static char name[] = "ectwin";
     char **copy = calloc((size_t)count + 2, sizeof *copy);
     if (!copy)
@@ -111,7 +162,23 @@ static bool read_words(ectwin_bus_t *bus, int count, const char *const words[])
         if (!copy[i + 1])
             return false;
     }
-    return argp_parse(&argp, count + 1, copy, ARGP_IN_ORDER, NULL, bus) == 0;
+    return true;
+}
+
+static bool read_words(ectwin_bus_t *bus, int count)
+{
+    static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
+    static const struct argp argp = {.options = options_of_with, .parser = parse, .children = children};
+    bool done = false;
+    parsing.message = bus->message;
+    if (setjmp(parsing.back) == 0) {
+        const unsigned int flags = ARGP_IN_ORDER | ARGP_NO_EXIT | ARGP_NO_ERRS | ARGP_NO_HELP;
+        if (argp_parse(&argp, count + 1, bus->words, flags, NULL, bus) == 0)
+            parsing.message = NULL;
+    }
+    done = parsing.message == NULL;
+    parsing.message = NULL;
+    return done;
 }
 
 static void free_bus(ectwin_bus_t *bus)
@@ -123,17 +190,30 @@ static void free_bus(ectwin_bus_t *bus)
     free(bus);
 }
 
-ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns)
+static ectwin_bus_t *power_on(int count, const char *const words[], uint64_t now_ns, char *message)
 {
+    static const char no_memory[] = "not enough memory for a bus";
     ectwin_bus_t *bus = calloc(1, sizeof *bus);
+    memcpy(message, no_memory, sizeof no_memory);
     if (!bus)
         return NULL;
     product_quiet();
-    if (!read_words(bus, count, words) ||
-        twin_args_power_on(&bus->twins, "ectwin", now_ns, &bus->exchange.chain) != EXIT_CLEAN) {
-        free_bus(bus);
+    memcpy(bus->message, no_memory, sizeof no_memory);
+    bus->twins.message = bus->message;
+    if (copy_words(bus, count, words) && read_words(bus, count) &&
+        twin_args_power_on(&bus->twins, "ectwin", now_ns, &bus->exchange.chain) == EXIT_CLEAN)
+        return bus;
+    memcpy(message, bus->message, sizeof bus->message);
+    free_bus(bus);
+    return NULL;
+}
+
+ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns, char *message)
+{
+    char unwanted[ECTWIN_MESSAGE];
+    ectwin_bus_t *bus = power_on(count, words, now_ns, message ? message : unwanted);
+    if (!bus)
         return NULL;
-    }
     bus->now_ns = now_ns;
     bus->last = &bus->first;
     bus->exchange.scenario = &bus->twins.scenario;
@@ -177,6 +257,16 @@ void ectwin_bus_close(ectwin_bus_t *bus)
         ect_control_close(bus->exchange.control);
     ect_chain_free(bus->exchange.chain);
     free_bus(bus);
+}
+
+void ectwin_bus_power_cycle(ectwin_bus_t *bus, uint64_t now_ns)
+{
+    advance(bus, now_ns);
+    finish(bus);
+    ect_exchange_end(&bus->exchange);
+    forget_replies(bus);
+    ect_chain_power_cycle(bus->exchange.chain, ect_exchange_touch(&bus->exchange));
+    (void)ect_exchange_run(&bus->exchange);
 }
 
 size_t ectwin_bus_slaves(const ectwin_bus_t *bus)
@@ -254,6 +344,20 @@ int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name, const char
     (void)ect_exchange_touch(&bus->exchange);
     bool done = slave >= 1 && slave <= ectwin_bus_slaves(bus) &&
                 ect_settings_apply(bus->exchange.chain, slave - 1, &setting, 1, bus->now_ns, why);
+    (void)ect_exchange_run(&bus->exchange);
+    if (!done && room > 0)
+        snprintf(message, room, "%s", why);
+    return done ? 0 : -1;
+}
+
+int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char *message, size_t room)
+{
+    char why[ECT_FAULT_MESSAGE] = "";
+    ect_fault_t read;
+    advance(bus, now_ns);
+    (void)ect_exchange_touch(&bus->exchange);
+    bool done = ect_fault_parse(fault, &read, why) &&
+                ect_scenario_set(bus->exchange.scenario, bus->exchange.chain, &read, bus->now_ns, why);
     (void)ect_exchange_run(&bus->exchange);
     if (!done && room > 0)
         snprintf(message, room, "%s", why);

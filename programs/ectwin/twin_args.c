@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -405,6 +406,21 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */
 
+/* The reason why there is no chain: a line on standard error, or the caller's message. */
+__attribute__((format(printf, 3, 4))) static void report(const twin_args_t *args, const char *who, const char *format,
+                                                         ...)
+{
+    char text[TWIN_MESSAGE];
+    va_list values;
+    va_start(values, format);
+    (void)vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    if (args->message)
+        snprintf(args->message, TWIN_MESSAGE, "%s", text);
+    else
+        fprintf(stderr, "%s: %s\n", who, text);
+}
+
 static bool open_memories(twin_args_t *args, const char *who)
 {
     char message[ECT_MEMORY_MESSAGE] = "out of memory";
@@ -420,7 +436,7 @@ static bool open_memories(twin_args_t *args, const char *who)
         else
             snprintf(message, sizeof message, "the folder's name is too long");
         if (!args->memories[i]) {
-            fprintf(stderr, "%s: %s\n", who, message);
+            report(args, who, "%s", message);
             return false;
         }
         if (*message)
@@ -443,7 +459,7 @@ static bool open_files(twin_args_t *args, const char *who)
             args->twins[i].device = ect_files_device(args->opened[i]);
     }
     if (!done)
-        fprintf(stderr, "%s: --files: %s\n", who, message);
+        report(args, who, "--files: %s", message);
     return done;
 }
 
@@ -474,7 +490,7 @@ static bool open_eeproms(twin_args_t *args, const char *who)
     for (size_t i = 0; done && args->store && i < args->count; i++)
         done = open_eeprom(args, i, message);
     if (!done)
-        fprintf(stderr, "%s: %s\n", who, message);
+        report(args, who, "%s", message);
     return done;
 }
 
@@ -523,7 +539,7 @@ static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, boo
     }
     bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, now_ns, message);
     if (!done)
-        fprintf(stderr, "%s: --set: %s\n", who, message);
+        report(args, who, "--set: %s", message);
     free(named);
     free(settings);
     return done;
@@ -535,8 +551,7 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
         const char *setting = args->settings[i];
         size_t slave = twin_of(&setting);
         if (slave < 1 || slave > args->count) {
-            fprintf(stderr, "%s: --set %.80s: twins are counted from 1 to the number of devices\n", who,
-                    args->settings[i]);
+            report(args, who, "--set %.80s: twins are counted from 1 to the number of devices", args->settings[i]);
             return false;
         }
     }
@@ -566,7 +581,7 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
         return EXIT_OPEN;
     *chain = ect_chain_new(args->twins, args->count, now_ns);
     if (!*chain) {
-        fprintf(stderr, "%s: not enough memory for %zu twins\n", who, args->count);
+        report(args, who, "not enough memory for %zu twins", args->count);
         return EXIT_RUN;
     }
     if (apply_all(args, *chain, who, now_ns))

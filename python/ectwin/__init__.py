@@ -6,7 +6,8 @@
         twin.set({"ru1.on": 1, "ru1.armed": 1})
         print(twin.get("bu.state"))
 
-Speaks the control protocol (docs/CONTROL.md). No dependencies; Python 3.8 or newer, Linux.
+Speaks the control protocol (docs/CONTROL.md). Chain is a bus of twins inside this process (docs/API.md). No dependencies;
+Python 3.8 or newer, Linux.
 """
 
 import json
@@ -21,20 +22,15 @@ import subprocess
 import time
 from collections import namedtuple
 
-__all__ = ["Change", "Error", "Refused", "Signal", "Twin", "connect", "start"]
+from ._errors import Error, Refused
+from .chain import Chain, Reply
+
+__all__ = ["Chain", "Change", "Error", "Refused", "Reply", "Signal", "Twin", "connect", "start"]
 
 PATIENCE = 5.0  # seconds for a twin to answer
 
 Change = namedtuple("Change", "time slave name value")
 Signal = namedtuple("Signal", "slave name value access range meaning")
-
-
-class Error(Exception):
-    """There is no twin, it does not answer, or it has ended."""
-
-
-class Refused(Error):
-    """The twin refuses a request; the message is the reason."""
 
 
 # --- finding twins -----------------------------------------------------------------------------------------------------

@@ -3,7 +3,8 @@
  * @file
  * A bus of twins as a library (libectwin.so): frame in, frame out, time an argument. No network, no thread, no clock.
  *
- *     ectwin_bus_t *bus = ectwin_bus_open(1, (const char *[]){"fzm1"}, now_ns);
+ *     char why[ECTWIN_MESSAGE];
+ *     ectwin_bus_t *bus = ectwin_bus_open(1, (const char *[]){"fzm1"}, now_ns, why);
  *     ectwin_bus_frame(bus, 0, frame, length, now_ns);
  *     while ((length = ectwin_bus_reply(bus, &end, frame, sizeof frame)) > 0)
  *         ... a frame that leaves the bus at that end ...
@@ -33,21 +34,30 @@ typedef struct ectwin_bus ectwin_bus_t;
 /** Longest frame that a bus takes. */
 enum { ECTWIN_FRAME_MAX = 2048 };
 
+/** Room of a reason, and of a signal's value, with the final zero. */
+enum { ECTWIN_MESSAGE = 1280 };
+
 /** The version of the library, "MAJOR.MINOR.PATCH". */
 ECTWIN_API const char *ectwin_version(void);
 
 /**
  * Builds a bus and powers it on.
  * @param words   options of the twins and the devices, as `ectwin with` takes them before `--`: {"--set", "data1=1.5",
- *                "fzm1,vr-bu-ect-map7"}; only read during the call. A mistake in them prints a line on standard error
- * and ends the process, as the command does
- * @return the bus, to be closed with ::ectwin_bus_close; NULL: a file cannot be opened or memory is short, with the
- *         reason on standard error
+ *                "fzm1,vr-bu-ect-map7"}; only read during the call
+ * @param[out] message  on failure the reason in one line, ECTWIN_MESSAGE bytes; NULL: not wanted
+ * @return the bus, to be closed with ::ectwin_bus_close; NULL: a word is wrong, a file cannot be opened or memory is
+ *         short. A call with a wrong word may keep up to 1 KB of memory
  */
-ECTWIN_API ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns);
+ECTWIN_API ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns, char *message);
 
 /** Switches the twins off, saves finished first, and frees the bus. NULL: no effect */
 ECTWIN_API void ectwin_bus_close(ectwin_bus_t *bus);
+
+/**
+ * Switches all twins off and on: as after ::ectwin_bus_open, but for stored values, EEPROMs, cables, faults and the
+ * surroundings, which keep their state. Much cheaper than a new bus. Replies that wait are dropped.
+ */
+ECTWIN_API void ectwin_bus_power_cycle(ectwin_bus_t *bus, uint64_t now_ns);
 
 /** Number of twins. */
 ECTWIN_API size_t ectwin_bus_slaves(const ectwin_bus_t *bus);
@@ -94,6 +104,13 @@ ECTWIN_API int ectwin_bus_get(const ectwin_bus_t *bus, size_t slave, const char 
  */
 ECTWIN_API int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name, const char *value, uint64_t now_ns,
                               char *message, size_t room);
+
+/**
+ * Sets a fault, as a line of `--fault` without a condition ("drop 5%", "hang slave 1", "off"; docs/FAULTS.md).
+ * @param[out] message  on failure the reason in one line, at most `room` bytes
+ * @return 0; -1: refused, nothing has changed
+ */
+ECTWIN_API int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char *message, size_t room);
 
 /**
  * Opens the control socket of the bus (docs/CONTROL.md), once.

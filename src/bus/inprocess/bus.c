@@ -67,17 +67,27 @@ static void *symbol(void *handle, const char *name, bool *whole)
     return found;
 }
 
-/* libectwin.so lies in the folder of this library. */
-static bool load(library_t *library)
+/* The library of the bus is in the folder of this library, as in a build, or in the one above, as installed. */
+static void *open_library(char path[PATH_MAX])
 {
+    static const char *const places[] = {"", "../"};
     Dl_info self;
-    char path[PATH_MAX];
+    void *handle = NULL;
     if (dladdr((void *)&state, &self) == 0 || !self.dli_fname)
-        return false;
+        return NULL;
     const char *slash = strrchr(self.dli_fname, '/');
     int folder = slash ? (int)(slash - self.dli_fname + 1) : 0;
-    snprintf(path, sizeof path, "%.*slibectwin.so", folder, self.dli_fname);
-    void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    for (size_t i = 0; !handle && i < sizeof places / sizeof *places; i++) {
+        snprintf(path, PATH_MAX, "%.*s%s" ECTWIN_LIBRARY, folder, self.dli_fname, places[i]);
+        handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    }
+    return handle;
+}
+
+static bool load(library_t *library)
+{
+    char path[PATH_MAX] = "";
+    void *handle = open_library(path);
     if (!handle) {
         fprintf(stderr, "ectwin: %s; install ectwin again\n", dlerror());
         return false;
@@ -117,7 +127,10 @@ static ectwin_bus_t *open_bus(char *words, uint64_t now_ns)
     const char *folder = getenv("ECTWIN_INPROCESS_CWD");
     int here = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
     bool moved = folder && here >= 0 && chdir(folder) == 0;
-    ectwin_bus_t *bus = state.library.open(count, list, now_ns);
+    char why[ECTWIN_MESSAGE];
+    ectwin_bus_t *bus = state.library.open(count, list, now_ns, why);
+    if (!bus)
+        fprintf(stderr, "ectwin: %s\n", why);
     if (moved)
         (void)!fchdir(here);
     if (here >= 0)

@@ -29,7 +29,7 @@ static int count_of(const char *const words[WORDS])
 
 static ectwin_bus_t *must_open(const char *const words[WORDS])
 {
-    ectwin_bus_t *bus = ectwin_bus_open(count_of(words), words, START_NS);
+    ectwin_bus_t *bus = ectwin_bus_open(count_of(words), words, START_NS, NULL);
     assert_non_null(bus);
     return bus;
 }
@@ -86,8 +86,9 @@ static void words_of_a_bus(void **state)
     assert_int_equal(strspn(ectwin_version(), "0123456789."), strlen(ectwin_version()));
 }
 
-/* In a process of its own, which a mistake ends. @return its exit status; 0: the bus was opened */
-static int open_elsewhere(const char *const words[WORDS], char *text)
+/* In a process of its own: a refused call may keep memory. Gets standard error, then '=' and the message.
+ * @return whether the call returned, without a bus */
+static bool is_refused(const char *const words[WORDS], char *text)
 {
     int ends[2], status;
     size_t used = 0;
@@ -95,8 +96,11 @@ static int open_elsewhere(const char *const words[WORDS], char *text)
     assert_int_equal(pipe(ends), 0);
     pid_t child = fork();
     if (child == 0) {
+        char message[ECTWIN_MESSAGE];
         (void)dup2(ends[1], STDERR_FILENO);
-        _exit(ectwin_bus_open(count_of(words), words, START_NS) ? 0 : 99);
+        ectwin_bus_t *bus = ectwin_bus_open(count_of(words), words, START_NS, message);
+        (void)dprintf(ends[1], "=%s", message);
+        _exit(!bus && !ectwin_bus_open(count_of(words), words, START_NS, NULL) ? 99 : 0);
     }
     close(ends[1]);
     while (used + 1 < TEXT && (got = read(ends[0], text + used, TEXT - 1 - used)) > 0)
@@ -104,8 +108,7 @@ static int open_elsewhere(const char *const words[WORDS], char *text)
     text[used] = 0;
     close(ends[0]);
     assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status));
-    return WEXITSTATUS(status);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 99;
 }
 
 static void wrong_words(void **state)
@@ -117,7 +120,12 @@ static void wrong_words(void **state)
         {{"--set", "data1=1"}, "name a device"},
         {{"fzm1", "fzm1"}, "one list of devices is enough"},
         {{"nosuch"}, "nosuch"},
-        {{"--nosuch", "fzm1"}, "nosuch"},
+        {{"--nosuch", "fzm1"}, "'--nosuch' is no option"},
+        {{"fzm1", "--drop"}, "'--drop' is no option of a bus, or lacks its value"},
+        {{"--help", "fzm1"}, "'--help' is no option"},
+        {{"--set", "data1", "fzm1"}, "--set takes NAME=VALUE"},
+        {{"--faults", "/nonexistent", "fzm1"}, "/nonexistent: No such file"},
+        {{"--esc", "help", "fzm1"}, "a list of names is no bus"},
         {{"--set", "nosuch=1", "fzm1"}, "nosuch"},
         {{"--drop", "101", "fzm1"}, "drop"},
         {{"--fault", "explode", "fzm1"}, "explode"},
@@ -127,9 +135,9 @@ static void wrong_words(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char text[TEXT];
-        int status = open_elsewhere(rows[i].words, text);
-        if (status == 0 || !strstr(text, rows[i].part))
-            fail_msg("row %zu: exit status %d, expected '%s' in '%s'", i, status, rows[i].part, text);
+        bool refused = is_refused(rows[i].words, text);
+        if (!refused || text[0] != '=' || !strstr(text, rows[i].part))
+            fail_msg("row %zu: refused: %d, expected '=' and '%s' in '%s'", i, refused, rows[i].part, text);
     }
 }
 
@@ -249,6 +257,25 @@ static void time_that_goes_back(void **state)
     ectwin_bus_close(bus);
 }
 
+/* A late reply and the registers go; faults and cables stay. */
+static void power_cycle(void **state)
+{
+    static const char *const words[WORDS] = {"--fault", "delay 2000us", "fzm1"};
+    ectwin_bus_t *bus = must_open(words);
+    (void)state;
+    (void)ectwin_bus_run(bus, START_NS);
+    ectwin_bus_link(bus, OUTPUT_END, 1, START_NS);
+    pass(bus, INPUT_END, 1, START_NS);
+    ectwin_bus_power_cycle(bus, START_NS + 1 * MS);
+    (void)ectwin_bus_run(bus, START_NS + 9 * MS);
+    assert_int_equal(reply_at(bus, OUTPUT_END), -1);
+    pass(bus, INPUT_END, 2, START_NS + 10 * MS);
+    assert_int_equal(reply_at(bus, OUTPUT_END), -1);
+    (void)ectwin_bus_run(bus, START_NS + 12 * MS);
+    assert_int_equal(reply_at(bus, OUTPUT_END), 2);
+    ectwin_bus_close(bus);
+}
+
 /* --- signals ------------------------------------------------------------------------------------------------------ */
 
 static void get_signals(void **state)
@@ -306,6 +333,33 @@ static void set_signals(void **state)
     assert_string_equal(text, "-2.25");
     assert_int_equal(ectwin_bus_get(bus, 2, "data1", text, sizeof text), 0);
     assert_string_equal(text, "3");
+    ectwin_bus_close(bus);
+}
+
+static void set_faults(void **state)
+{
+    static const struct {
+        const char *fault, *part; /* of the message; NULL: it is set */
+    } rows[] = {{"explode", "explode"}, {"hang slave 2", "slave 2"}, {"drop every 2", NULL}};
+    ectwin_bus_t *bus = open_one();
+    char message[TEXT];
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        snprintf(message, sizeof message, "before");
+        int result = ectwin_bus_fault(bus, rows[i].fault, START_NS, message, sizeof message);
+        if (result != (rows[i].part ? -1 : 0) || !strstr(message, rows[i].part ? rows[i].part : "before"))
+            fail_msg("row %zu: %d, '%s'", i, result, message);
+    }
+    for (uint8_t n = 1; n <= 4; n++) {
+        pass(bus, INPUT_END, n, START_NS);
+        assert_int_equal(reply_at(bus, INPUT_END), n % 2 == 0 ? -1 : n);
+    }
+    assert_int_equal(ectwin_bus_fault(bus, "off", START_NS, message, 0), 0);
+    assert_int_equal(ectwin_bus_fault(bus, "explode", START_NS, message, 0), -1);
+    for (uint8_t n = 1; n <= 4; n++) {
+        pass(bus, INPUT_END, n, START_NS);
+        assert_int_equal(reply_at(bus, INPUT_END), n);
+    }
     ectwin_bus_close(bus);
 }
 
@@ -377,14 +431,16 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a bus has the twins that its words name; options of a command have no effect", words_of_a_bus),
-        TEST("wrong words end the process with a line that names them", wrong_words),
+        TEST("wrong words are refused with a line that names them, and print nothing", wrong_words),
         TEST("frames of 1..2048 bytes are taken, shorter and longer ones are lost", lengths),
         TEST("frames enter and leave at both ends, as long as a cable is in", both_ends),
         TEST("a reply is cut to the room, and the length of the frame is returned", rooms),
         TEST("a late reply leaves when it is due, before the later ones", late_replies),
         TEST("a call with an earlier time uses the last time", time_that_goes_back),
+        TEST("a power cycle drops late replies and keeps faults and cables", power_cycle),
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
+        TEST("a fault is set from text, or the reason is returned", set_faults),
         TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),
         TEST("without a folder for the control socket none is open", no_control_socket),
     };
