@@ -232,24 +232,32 @@ static int compare_entries(const void *a, const void *b)
     return (int)((const ect_build_entry_t *)a)->subindex - (int)((const ect_build_entry_t *)b)->subindex;
 }
 
+/* Sub-index 0 of a record that the dictionary does not have whole; a PDO or a start-up command may have named it. */
+static void count_entries(ect_build_t *build, ect_build_object_t *object)
+{
+    ect_build_entry_t *zero = ect_build_entry(object, 0);
+    uint8_t highest = 0;
+    for (size_t k = 0; k < object->count; k++)
+        highest = object->entries[k].subindex > highest ? object->entries[k].subindex : highest;
+    if (zero == NULL)
+        zero = ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries");
+    zero->data_type = ECT_TYPE_UNSIGNED8;
+    zero->bits = 8;
+    ect_build_initial(build, zero, highest);
+}
+
 void ect_build_sort(ect_build_t *build)
 {
     for (size_t i = 0; i < build->object_count; i++) {
         ect_build_object_t *object = &build->objects[i];
-        if (object->code != ECT_OBJECT_VAR && !object->complete) {
-            uint8_t highest = 0;
-            for (size_t k = 0; k < object->count; k++)
-                highest = object->entries[k].subindex > highest ? object->entries[k].subindex : highest;
-            ect_build_entry_t *zero =
-                ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries");
-            ect_build_initial(build, zero, highest);
-        }
+        if (object->code != ECT_OBJECT_VAR && !object->complete)
+            count_entries(build, object);
         qsort(object->entries, object->count, sizeof *object->entries, compare_entries);
     }
     if (build->object_count > 0)
         qsort(build->objects, build->object_count, sizeof *build->objects, compare_objects);
-    for (size_t i = 1; i < build->object_count; i++)
-        ECT_ASSERT(build->objects[i - 1].index < build->objects[i].index);
-    for (size_t i = 0; i < build->object_count; i++)
+    for (size_t i = 0; i < build->object_count; i++) {
+        ECT_ASSERT(i == 0 || build->objects[i - 1].index < build->objects[i].index);
         build->positions[build->objects[i].index] = (uint32_t)i + 1;
+    }
 }

@@ -249,6 +249,7 @@ static uint16_t written_in(const char *transitions)
     return bits != 0 ? bits : (uint16_t)ECT_ACCESS_WO;
 }
 
+/* @return NULL: the object is a single value, which has no elements */
 static ect_build_entry_t *make_entry(ect_build_t *build, const ect_esi_init_t *init, uint16_t index)
 {
     ect_esi_basic_t basic;
@@ -256,9 +257,15 @@ static ect_build_entry_t *make_entry(ect_build_t *build, const ect_esi_init_t *i
     const char *name = *init->comment != '\0' ? init->comment : "Start-up parameter";
     if (object == NULL)
         object = ect_build_object(build, index, init->subindex == 0 ? ECT_OBJECT_VAR : ECT_OBJECT_RECORD, name);
-    if (!ect_esi_resolve(NULL, "", (uint32_t)(8 * init->data.length), &basic) ||
-        (object->code == ECT_OBJECT_VAR && init->subindex != 0))
+    if (object->code == ECT_OBJECT_VAR && init->subindex != 0) {
+        ect_build_note(build,
+                       "line %d: a start-up command writes %04X:%u, and %04X is a single value: no such entry is made",
+                       init->line, (unsigned int)index, (unsigned int)init->subindex, (unsigned int)index);
         return NULL;
+    }
+    bool known = ect_esi_resolve(NULL, "", (uint32_t)(8 * init->data.length), &basic);
+    ECT_ASSERT(known); /* a number of bytes */
+    (void)known;
     ect_build_note(build, "line %d: a start-up command writes %04X:%u, which the dictionary has not: it is made",
                    init->line, (unsigned int)index, (unsigned int)init->subindex);
     ect_build_entry_t *zero = ect_build_entry(object, 0);

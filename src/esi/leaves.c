@@ -181,8 +181,10 @@ static void walk_attributes(walk_t *w, const xmlNode *node, size_t path, size_t 
 {
     for (const xmlAttr *a = node->properties; a != NULL; a = a->next) {
         const char *name = (const char *)a->name;
-        if (append(w->path, path, "@", name) > 0 && append(w->plain, plain, "@", name) > 0)
-            take(w, ect_esi_attribute(&w->xml, node, name));
+        if (append(w->path, path, "@", name) == 0)
+            continue;
+        (void)append(w->plain, plain, "@", name);
+        take(w, ect_esi_attribute(&w->xml, node, name));
     }
     w->path[path] = '\0';
     w->plain[plain] = '\0';
@@ -201,11 +203,12 @@ static void walk_node(walk_t *w, const xmlNode *node, size_t path, size_t plain,
     const char *name = (const char *)node->name;
     const char *label = label_of(w, node, number);
     path = append(w->path, path, path > 0 ? "/" : "", name);
-    plain = append(w->plain, plain, plain > 0 ? "/" : "", name);
     if (path > 0 && *label != '\0')
         path = append(w->path, path, " ", label);
-    if (path == 0 || plain == 0)
+    if (path == 0)
         return;
+    plain = append(w->plain, plain, plain > 0 ? "/" : "", name);
+    ECT_ASSERT(plain > 0 && plain <= path);
     walk_attributes(w, node, path, plain);
     if (!has_elements(node)) {
         take(w, ect_esi_text(&w->xml, node));

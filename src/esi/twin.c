@@ -64,22 +64,28 @@ static uint32_t gap_behind(const ect_build_t *build, size_t n)
     return (next - sms[n].start) / (one_buffer ? 1 : 3);
 }
 
+static uint32_t larger(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
 static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
 {
     uint32_t now = (ect_build_assigned_bits(build, (int)n) + 7) / 8;
     uint32_t most = (ect_build_largest_bits(build, (int)n) + 7) / 8;
     const ect_esi_sm_t *model = &build->model->sms[n];
-    if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign) {
-        most = most > model->maximum ? most : model->maximum;
-        most = most > model->size.value ? most : (uint32_t)model->size.value;
-    }
-    uint32_t gap = gap_behind(build, n);
-    most = most < gap ? most : gap;
-    most = most > now ? most : now;
+    if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign)
+        most = larger(most, larger(model->maximum, (uint32_t)model->size.value));
+    most = larger(smaller(most, gap_behind(build, n)), now);
     if (now > LONGEST_IMAGE)
         ect_build_fail(build, "SyncManager %zu has %u bytes by default; a frame takes %u", n, (unsigned int)now,
                        (unsigned int)LONGEST_IMAGE);
-    sm->maximum = (uint16_t)(most < LONGEST_IMAGE ? most : LONGEST_IMAGE);
+    sm->maximum = (uint16_t)smaller(most, LONGEST_IMAGE);
 }
 
 static const uint16_t *virtual_pdos(const ect_build_t *build, int sm)
@@ -104,13 +110,13 @@ static void set_mailbox_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
     }
     sm->length = (uint16_t)model->size.value;
     sm->minimum = model->minimum;
-    uint32_t most = model->maximum < gap_behind(build, n) ? model->maximum : gap_behind(build, n);
+    uint32_t most = smaller(model->maximum, gap_behind(build, n));
     if (most > LONGEST_IMAGE) {
         ect_build_note(build, "line %d: a mailbox of %u bytes does not fit a frame; the twin's has at most %u",
                        model->line, (unsigned int)most, (unsigned int)LONGEST_IMAGE);
         most = LONGEST_IMAGE;
     }
-    sm->maximum = (uint16_t)(most > sm->length ? most : sm->length);
+    sm->maximum = (uint16_t)larger(most, sm->length);
 }
 
 static void set_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
@@ -292,6 +298,27 @@ static void set_dc(ect_build_t *build, ect_device_t *device)
     device->dc_mode_count = (uint8_t)count;
 }
 
+/* The transitions of CoE commands among those of a file; "": none. */
+static const char *known_transitions(ect_build_t *build, const ect_esi_init_t *init)
+{
+    static const char known[] = "IP PS SO SP OP OS";
+    const char *kept = "";
+    bool all = true;
+    for (const char *word = init->transitions; *word != '\0'; word += strspn(word, " ")) {
+        size_t length = strcspn(word, " ");
+        char name[3] = {word[0], word[1], '\0'};
+        bool good = length == 2 && strstr(known, name) != NULL;
+        if (good)
+            kept = ect_arena_print(build->arena, "%s%s%s", kept, *kept != '\0' ? " " : "", name);
+        all &= good;
+        word += length;
+    }
+    if (!all)
+        ect_build_note(build, "line %d: a start-up command has the transitions \"%s\", not all of them of %s",
+                       init->line, init->transitions, known);
+    return kept;
+}
+
 static void set_init_commands(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_mailbox_t *mailbox = &build->model->mailbox;
@@ -300,10 +327,11 @@ static void set_init_commands(ect_build_t *build, ect_device_t *device)
     device->init_commands = commands;
     for (size_t i = 0; i < count; i++) {
         const ect_esi_init_t *init = &mailbox->inits[i];
-        if (*init->transitions == '\0' || init->data.length == 0 || init->data.length > UINT16_MAX)
+        const char *transitions = known_transitions(build, init);
+        if (*transitions == '\0' || init->data.length == 0 || init->data.length > UINT16_MAX)
             continue;
         commands[device->init_command_count++] = (ect_init_command_t){
-            .transitions = init->transitions,
+            .transitions = transitions,
             .index = init->index,
             .subindex = init->subindex,
             .complete = init->complete,
@@ -321,7 +349,7 @@ static void set_eeprom(ect_build_t *build, ect_device_t *device)
     size_t length = model->config.length < sizeof device->esc_config ? model->config.length : sizeof device->esc_config;
     if (length > 0)
         memcpy(device->esc_config, model->config.bytes, length);
-    uint32_t size = model->eeprom_size > model->eeprom.length ? model->eeprom_size : (uint32_t)model->eeprom.length;
+    uint32_t size = larger(model->eeprom_size, (uint32_t)model->eeprom.length);
     size = size > 0 ? (size + 127) / 128 * 128 : USUAL_EEPROM;
     if (size > LARGEST_EEPROM) {
         ect_build_note(build, "its EEPROM has %u bytes; the twin's has %u", (unsigned int)size,
@@ -373,7 +401,8 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
     };
     uint8_t *image = malloc(device->sii_size);
     device->sii_omit = told ? ECT_OMIT_PDOS : 0;
-    int omitted = image != NULL && device->sii_size >= ECT_SII_CATEGORIES ? ect_sii_omission(device, image) : -1;
+    ECT_ASSERT(device->sii_size >= ECT_SII_CATEGORIES); /* set_eeprom */
+    int omitted = image != NULL ? ect_sii_omission(device, image) : -1;
     free(image);
     ECT_ASSERT(omitted < (int)(sizeof parts / sizeof parts[0]));
     if (omitted > 0)
@@ -543,8 +572,9 @@ static size_t lay_out(ect_build_t *build)
 static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
 {
     uint64_t value = ect_build_number(entry);
-    uint64_t sign = entry->bits > 0 && entry->bits < 64 ? UINT64_C(1) << (entry->bits - 1) : 0;
-    return is_signed && (value & sign) != 0 ? (int64_t)(value | ~(2 * sign - 1)) : (int64_t)value;
+    ECT_ASSERT(entry->bits > 0 && entry->bits <= 64); /* ect_build_range: an integer */
+    uint64_t sign = is_signed ? UINT64_C(1) << (entry->bits - 1) : 0;
+    return (value & sign) != 0 ? (int64_t)(value | ~(2 * sign - 1)) : (int64_t)value;
 }
 
 /* Limits of the file, as far as the type can have them. */

@@ -154,7 +154,7 @@ const char *ect_esi_type_name(uint16_t code, uint32_t bits, char *text, size_t r
     }
     if (code == ECT_TYPE_VISIBLE_STRING)
         (void)snprintf(text, room, "STRING(%u)", (unsigned int)(bits / 8));
-    else if (bits <= 8)
+    else if (bits < 8 || (bits == 8 && code != ECT_TYPE_OCTET_STRING))
         (void)snprintf(text, room, "BIT%u", (unsigned int)bits);
     else
         (void)snprintf(text, room, "ARRAY [0..%u] OF BYTE", (unsigned int)(bits / 8 - 1));

@@ -102,7 +102,7 @@ uint32_t ect_esi_object_bits(const ect_od_t *od, const ect_object_t *object)
 
 const char *ect_esi_type_of(ect_arena_t *arena, uint16_t data_type, uint32_t bits)
 {
-    char text[40];
+    char text[sizeof "ARRAY [0..536870911] OF BYTE"];
     if (bits == 0 || (bits > 8 && bits % 8 != 0))
         return bits == 0 ? "OCTET_STRING(0)" : NULL;
     const char *name = ect_esi_type_name(data_type, bits, text, sizeof text);

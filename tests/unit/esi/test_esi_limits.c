@@ -612,6 +612,91 @@ static void transitions(void **state)
     }
 }
 
+/* Files have other words, too: a command keeps the transitions that a CoE command can have, or is left out. */
+static void unknown_transitions(void **state)
+{
+    static const struct {
+        const char *what, *text, *transitions, *note;
+    } table[] = {
+        {"PI", WRITES("PI", ""), NULL,
+         "line 2: a start-up command has the transitions \"PI\", not all of them of IP PS SO SP OP OS"},
+        {"small letters", WRITES("ps", ""), NULL,
+         "line 2: a start-up command has the transitions \"ps\", not all of them of IP PS SO SP OP OS"},
+        {"P", WRITES("P", ""), NULL,
+         "line 2: a start-up command has the transitions \"P\", not all of them of IP PS SO SP OP OS"},
+        {"IP PS in one", WRITES("IP PS", ""), "IP PS", NULL},
+        {"two of three", WRITES("IB</Transition><Transition>PS</Transition><Transition>SO", ""), "PS SO",
+         "line 2: a start-up command has the transitions \"IB PS SO\", not all of them of IP PS SO SP OP OS"},
+        {"an empty one behind", WRITES("OS</Transition><Transition>", ""), "OS", NULL},
+        {"two blanks between", WRITES("PS  SO", ""), "PS SO", NULL},
+        {"none", WRITES("", ""), NULL, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        const ect_device_t *d = device_of(&m);
+        const char *transitions = d->init_command_count > 0 ? d->init_commands[0].transitions : "no command";
+        const char *note = note_of(&m, "line 2: a start-up command has");
+        if (strcmp(transitions, table[i].transitions != NULL ? table[i].transitions : "no command") != 0)
+            fail_msg("%s: expected %s, got %s", table[i].what,
+                     table[i].transitions != NULL ? table[i].transitions : "no command", transitions);
+        if ((note == NULL) != (table[i].note == NULL) || (note != NULL && strcmp(note, table[i].note) != 0))
+            fail_msg("%s: expected the note \"%s\", got \"%s\"", table[i].what, table[i].note ? table[i].note : "none",
+                     note ? note : "none");
+        free_made(&m);
+    }
+}
+
+/* A command cannot add elements to a value; the dictionary stays as the file has it. */
+static void commands_against_the_dictionary(void **state)
+{
+#define COMMAND(index, subindex, data)                                                                                 \
+    "<Mailbox><CoE><InitCmd><Transition>PS</Transition><Index>" index "</Index><SubIndex>" subindex                    \
+    "</SubIndex><Data>" data "</Data></InitCmd></CoE></Mailbox>"
+#define COMMANDED(dictionary, command) ESI_DEVICE(dictionary ESI_MAILBOX_SMS command ESI_EEPROM)
+#define PAIR                                                                                                           \
+    "<Profile><Dictionary><DataTypes><DataType><Name>T</Name><BitSize>24</BitSize><SubItem><SubIdx>2</SubIdx>"         \
+    "<Name>Two</Name><Type>UINT</Type><BitSize>16</BitSize></SubItem></DataType></DataTypes><Objects>" OBJECT(         \
+        "#x2000", "T", "24", "") "</Objects></Dictionary></Profile>"
+    static const struct {
+        const char *what, *text;
+        uint8_t count;    /* default of sub-index 0; a value itself */
+        uint16_t entries; /* of the object */
+        const char *note;
+    } table[] = {
+        {"an element of a value", COMMANDED(DICT(OBJECT("#x2000", "USINT", "8", "")), COMMAND("#x2000", "1", "05")), 0,
+         1, "line 2: a start-up command writes 2000:1, and 2000 is a single value: no such entry is made"},
+        {"a value", COMMANDED("", COMMAND("#x2000", "0", "05")), 0, 1,
+         "line 2: a start-up command writes 2000:0, which the dictionary has not: it is made"},
+        {"an element of nothing", COMMANDED("", COMMAND("#x2000", "3", "05")), 3, 2,
+         "line 2: a start-up command writes 2000:3, which the dictionary has not: it is made"},
+        {"one element more", COMMANDED(PAIR, COMMAND("#x2000", "4", "05")), 4, 3,
+         "line 2: a start-up command writes 2000:4, which the dictionary has not: it is made"},
+        {"the number of entries that the dictionary leaves out", COMMANDED(PAIR, COMMAND("#x2000", "0", "05")), 2, 2,
+         "line 2: a start-up command writes 2000:0, which the dictionary has not: it is made"},
+        {"two bytes of it", COMMANDED(PAIR, COMMAND("#x2000", "0", "0500")), 2, 2,
+         "line 2: a start-up command writes 2000:0, which the dictionary has not: it is made"},
+        {"no data", COMMANDED("", COMMAND("#x2000", "0", "")), 0, 0, NULL},
+        {"an assignment", COMMANDED("", COMMAND("#x1C2F", "1", "0016")), 0, 0, NULL},
+        {"behind the assignments", COMMANDED("", COMMAND("#x1C30", "1", "0016")), 1, 2,
+         "line 2: a start-up command writes 1C30:1, which the dictionary has not: it is made"},
+        {"a mapping", COMMANDED("", COMMAND("#x1600", "1", "0016")), 0, 0, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        const ect_object_t *o = ect_od_find(&od, 0x2000);
+        o = o != NULL ? o : ect_od_find(&od, 0x1C30);
+        unsigned int entries = o != NULL ? o->last + 1u : 0, count = o != NULL ? o->entries[0].value : 0;
+        if (entries != table[i].entries || count != table[i].count || (o != NULL && o->entries[0].bit_length != 8))
+            fail_msg("%s: expected %u entries, a count of %u, got %u, %u", table[i].what, table[i].entries,
+                     table[i].count, entries, count);
+        expect_note(table[i].what, &m, table[i].note);
+        free_made(&m);
+    }
+}
+
 /* --- texts, lengths and left-out objects ------------------------------------------------------------------------- */
 
 static void texts_of_devices(void **state)
@@ -689,6 +774,8 @@ int main(void)
         {"PDOs, assigned or not, have signals before objects have", signal_places, NULL, NULL, NULL},
         {"an object that a PDO or the stack replaces has its code", codes_of_replaced_objects, NULL, NULL, NULL},
         {"a start-up command makes its entry writable in the states of its transitions", transitions, NULL, NULL, NULL},
+        {"a start-up command keeps the transitions that CoE has", unknown_transitions, NULL, NULL, NULL},
+        {"a start-up command adds what the dictionary can have", commands_against_the_dictionary, NULL, NULL, NULL},
         {"the name of a device is its summary, and its type where there is none", texts_of_devices, NULL, NULL, NULL},
         {"an entry has at most 65528 bits, a mapping 254 elements and a PDO", lengths_and_omissions, NULL, NULL, NULL},
     };

@@ -220,7 +220,10 @@ static void names(void **state)
         {ECT_TYPE_UNSIGNED8, 5, "BIT5"},
         {ECT_TYPE_VISIBLE_STRING, 8, "STRING(1)"},
         {ECT_TYPE_VISIBLE_STRING, 320, "STRING(40)"},
+        {ECT_TYPE_OCTET_STRING, 7, "BIT7"},
+        {ECT_TYPE_OCTET_STRING, 8, "ARRAY [0..0] OF BYTE"},
         {ECT_TYPE_OCTET_STRING, 16, "ARRAY [0..1] OF BYTE"},
+        {ECT_TYPE_OCTET_STRING, UINT32_MAX - 7, "ARRAY [0..536870910] OF BYTE"},
         {ECT_TYPE_OCTET_STRING, 2040, "ARRAY [0..254] OF BYTE"},
         {ECT_TYPE_UNSIGNED16, 24, "ARRAY [0..2] OF BYTE"},
     };
@@ -240,16 +243,13 @@ static void there_and_back(void **state)
     static const struct {
         uint16_t code;
         uint32_t bits;
-    } table[] = {{ECT_TYPE_BOOLEAN, 1},       {ECT_TYPE_INTEGER8, 8},
-                 {ECT_TYPE_INTEGER16, 16},    {ECT_TYPE_INTEGER32, 32},
-                 {ECT_TYPE_INTEGER64, 64},    {ECT_TYPE_UNSIGNED8, 8},
-                 {ECT_TYPE_UNSIGNED16, 16},   {ECT_TYPE_UNSIGNED32, 32},
-                 {ECT_TYPE_UNSIGNED64, 64},   {ECT_TYPE_REAL32, 32},
-                 {ECT_TYPE_REAL64, 64},       {ECT_TYPE_BITARR8, 8},
-                 {ECT_TYPE_BITARR16, 16},     {ECT_TYPE_BITARR32, 32},
-                 {ECT_TYPE_BIT1, 1},          {ECT_TYPE_BIT1 + 2, 3},
-                 {ECT_TYPE_BIT8, 8},          {ECT_TYPE_VISIBLE_STRING, 72},
-                 {ECT_TYPE_OCTET_STRING, 56}, {ECT_TYPE_OCTET_STRING, 8 * 255}};
+    } table[] = {{ECT_TYPE_BOOLEAN, 1},      {ECT_TYPE_INTEGER8, 8},      {ECT_TYPE_INTEGER16, 16},
+                 {ECT_TYPE_INTEGER32, 32},   {ECT_TYPE_INTEGER64, 64},    {ECT_TYPE_UNSIGNED8, 8},
+                 {ECT_TYPE_UNSIGNED16, 16},  {ECT_TYPE_UNSIGNED32, 32},   {ECT_TYPE_UNSIGNED64, 64},
+                 {ECT_TYPE_REAL32, 32},      {ECT_TYPE_REAL64, 64},       {ECT_TYPE_BITARR8, 8},
+                 {ECT_TYPE_BITARR16, 16},    {ECT_TYPE_BITARR32, 32},     {ECT_TYPE_BIT1, 1},
+                 {ECT_TYPE_BIT1 + 2, 3},     {ECT_TYPE_BIT8, 8},          {ECT_TYPE_VISIBLE_STRING, 72},
+                 {ECT_TYPE_OCTET_STRING, 8}, {ECT_TYPE_OCTET_STRING, 56}, {ECT_TYPE_OCTET_STRING, 8 * 255}};
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         char text[40];
@@ -279,6 +279,8 @@ static void type_of(void **state)
         {ECT_TYPE_VISIBLE_STRING, 80, "STRING(10)"},
         {ECT_TYPE_UNSIGNED8, 8, "USINT"},
         {ECT_TYPE_BOOLEAN, 1, "BOOL"},
+        {ECT_TYPE_OCTET_STRING, 8, "ARRAY [0..0] OF BYTE"},
+        {ECT_TYPE_OCTET_STRING, UINT32_MAX - 7, "ARRAY [0..536870910] OF BYTE"},
     };
     ect_arena_t arena = {0};
     (void)state;
