@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 #include "bus/chain/chain.h"
+#include "bus/control/control.h"
 #include "bus/runner.h"
 #include "bus/storage/eeprom.h"
 #include "bus/storage/files.h"
@@ -32,6 +33,8 @@ int command_lint(int argc, char **argv);
 int command_esi(int argc, char **argv);
 int command_doc(int argc, char **argv);
 int command_objects(int argc, char **argv);
+int command_ps(int argc, char **argv);
+int command_enter(int argc, char **argv);
 int command_stats(int argc, char **argv);
 int command_get(int argc, char **argv);
 int command_set(int argc, char **argv);
@@ -78,6 +81,7 @@ typedef struct twin_args {
     ect_filter_t filter;
     int realtime;       /* priority, 0: as any process */
     bool busy_poll;     /* never rests */
+    ect_about_t about;  /* name and devices, as given */
     const char *modbus; /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
     const char *store;  /* folder of the twins' non-volatile memory, NULL: none */
     const char *files;  /* folder that a master reads and writes by FoE, NULL: none */
@@ -115,8 +119,13 @@ void twin_args_free(twin_args_t *args);
  */
 bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus);
 
-/** Opens the control socket. @return NULL: the reason is printed, and the twins run without it */
-ect_control_t *open_control(const char *who);
+/**
+ * Opens the control socket.
+ * @param about         must outlive it
+ * @param[out] control  NULL: the reason is printed, and the twins run without it
+ * @return EXIT_CLEAN; EXIT_OPEN: a running twin has the name already; the reason is printed
+ */
+int open_control(const char *who, const ect_about_t *about, ect_control_t **control);
 
 /**
  * Blocks the signals that end a run (and SIGCHLD) for this process and returns a signalfd for them, or -1. SIGINT and
@@ -148,6 +157,11 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
 int session_open_modbus(session_t *s);
 /** The address of the Modbus server; NULL: none. */
 const char *session_modbus(const session_t *s);
+/**
+ * Opens the control socket. @param ifaces  that masters use, or the twins answer on
+ * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
+ */
+int session_open_control(session_t *s, char *const ifaces[ECT_ENDS]);
 /** Keeps only the rights that running twins need (and, with `children`, a command beside them). */
 void session_drop_rights(session_t *s, bool children);
 /**

@@ -22,6 +22,7 @@ enum { LINE_ROOM = 2048 };
 
 struct connection {
     int fd;
+    char path[ECT_ENDPOINT_PATH];
     size_t used;
     char received[LINE_ROOM]; /* the beginning of the next line */
 };
@@ -77,15 +78,30 @@ static void each_socket(const char *folder, bool (*found)(void *ctx, const char 
         closedir(directory);
 }
 
-typedef struct search {
-    const char *who;
-    int fd;
-    size_t alive;
-} search_t;
-
-static bool take_only_one(void *ctx, const char *path)
+static connection_t *make_connection(int fd, const char *path, const char *who)
 {
-    search_t *search = ctx;
+    const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
+    connection_t *connection = calloc(1, sizeof *connection);
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    if (connection) {
+        connection->fd = fd;
+        snprintf(connection->path, sizeof connection->path, "%s", path);
+        return connection;
+    }
+    fprintf(stderr, "%s: not enough memory\n", who);
+    close(fd);
+    return NULL;
+}
+
+typedef struct visit {
+    const char *who;
+    bool (*found)(void *ctx, connection_t *connection, const char *path);
+    void *ctx;
+} visit_t;
+
+static bool visit(void *ctx, const char *path)
+{
+    const visit_t *visit = ctx;
     uid_t owner;
     int fd = ect_endpoint_connect(path, &owner);
     if (fd < 0) {
@@ -96,19 +112,34 @@ static bool take_only_one(void *ctx, const char *path)
         close(fd);
         return true;
     }
-    search->alive++;
-    if (search->alive == 1) {
-        search->fd = fd;
-        return true;
-    }
-    fprintf(stderr, "%s: several twins are running: choose one with -s, e.g. -s ", search->who);
-    print_text(stderr, path);
-    fputc('\n', stderr);
-    close(fd);
-    close(search->fd);
-    search->fd = -1;
-    return false;
+    connection_t *connection = make_connection(fd, path, visit->who);
+    return connection && visit->found(visit->ctx, connection, path);
 }
+
+bool connection_each(const char *who, bool (*found)(void *ctx, connection_t *connection, const char *path), void *ctx)
+{
+    char folder[ECT_ENDPOINT_PATH];
+    visit_t all = {.who = who, .found = found, .ctx = ctx};
+    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have sent the reason */
+    if (ect_endpoint_folder(folder) < 0) {
+        fprintf(stderr, "%s: XDG_RUNTIME_DIR is too long\n", who);
+        return false;
+    }
+    if (ect_endpoint_trust(folder) == 0) {
+        each_socket(folder, visit, &all);
+    } else if (errno == EPERM) {
+        fprintf(stderr, "%s: '%s' belongs to somebody else, or others may write to it: no twin in it is trusted\n", who,
+                folder);
+        return false;
+    }
+    return true;
+}
+
+typedef struct search {
+    const char *who, *iface;
+    connection_t *connection;
+    size_t alive;
+} search_t;
 
 static bool report_one(void *ctx, const char *path)
 {
@@ -149,29 +180,6 @@ static void report_others(const char *pattern)
     globfree(&found);
 }
 
-static int find(const char *who)
-{
-    char folder[ECT_ENDPOINT_PATH];
-    search_t search = {.who = who, .fd = -1};
-    if (ect_endpoint_folder(folder) < 0) {
-        fprintf(stderr, "%s: XDG_RUNTIME_DIR is too long\n", who);
-        return -1;
-    }
-    if (ect_endpoint_trust(folder) == 0) {
-        each_socket(folder, take_only_one, &search);
-    } else if (errno == EPERM) {
-        fprintf(stderr, "%s: '%s' belongs to somebody else, or others may write to it: no twin in it is trusted\n", who,
-                folder);
-        return -1;
-    }
-    if (search.alive == 0) {
-        fprintf(stderr, "%s: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'\n", who);
-        report_others("/tmp/ectwin-*");
-        report_others("/run/user/*/ectwin");
-    }
-    return search.fd;
-}
-
 /* Connects to a socket that the user has named. */
 static int connect_to(const char *path, const char *who)
 {
@@ -187,26 +195,6 @@ static int connect_to(const char *path, const char *who)
     fprintf(stderr, "%s: '%s' is served by %s, not by you: not trusted\n", who, path, name_of(owner, room));
     close(fd);
     return -1;
-}
-
-connection_t *connection_open(const char *path, const char *who)
-{
-    const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
-    if (!path)
-        path = getenv("ECTWIN_SOCKET");
-    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have sent the reason */
-    int fd = path ? connect_to(path, who) : find(who);
-    if (fd < 0)
-        return NULL;
-    (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    connection_t *connection = calloc(1, sizeof *connection);
-    if (!connection) {
-        fprintf(stderr, "%s: not enough memory\n", who);
-        close(fd);
-        return NULL;
-    }
-    connection->fd = fd;
-    return connection;
 }
 
 void connection_close(connection_t *connection)
@@ -258,6 +246,8 @@ const char *connection_text(const cJSON *line, const char *member, char room[32]
 /* After a failed receive(). */
 static int no_answer(const char *who)
 {
+    if (!who)
+        return EXIT_RUN;
     if (errno == EAGAIN || errno == EWOULDBLOCK)
         fprintf(stderr, "%s: the twin does not answer: it is stopped, or very busy\n", who);
     else
@@ -283,7 +273,7 @@ static int take_reply(const char *raw, const char *who, void (*print)(const cJSO
     int status = -1;
     if (cJSON_IsBool(ok)) {
         status = cJSON_IsTrue(ok) ? EXIT_CLEAN : EXIT_USAGE;
-        if (status != EXIT_CLEAN) {
+        if (status != EXIT_CLEAN && who) {
             fprintf(stderr, "%s: ", who);
             print_text(stderr, connection_text(line, "message", room));
             fputc('\n', stderr);
@@ -361,3 +351,140 @@ int connection_follow(connection_t *connection, const char *who)
             return no_answer(who);
     }
 }
+
+/* --- choosing one ------------------------------------------------------------------------------------------------- */
+
+static cJSON *about;
+
+static void keep_about(const cJSON *line)
+{
+    cJSON_Delete(about);
+    about = cJSON_Duplicate(line, true);
+}
+
+cJSON *connection_about(connection_t *connection)
+{
+    cJSON *request = cJSON_CreateObject();
+    cJSON_AddStringToObject(request, "op", "about");
+    about = NULL;
+    (void)connection_ask(connection, request, NULL, keep_about);
+    return about;
+}
+
+static bool answers_on(connection_t *connection, const char *iface)
+{
+    char room[32];
+    cJSON *line = connection_about(connection);
+    bool found = strcmp(connection_text(line, "iface", room), iface) == 0 ||
+                 strcmp(connection_text(line, "iface2", room), iface) == 0;
+    cJSON_Delete(line);
+    return found;
+}
+
+static bool take_only_one(void *ctx, connection_t *connection, const char *path)
+{
+    search_t *search = ctx;
+    if (search->iface && !answers_on(connection, search->iface)) {
+        connection_close(connection);
+        return true;
+    }
+    search->alive++;
+    if (search->alive == 1) {
+        search->connection = connection;
+        return true;
+    }
+    fprintf(stderr, "%s: several twins are running: 'ectwin ps' lists them; choose one with -s, e.g. -s ", search->who);
+    print_text(stderr, path);
+    fputc('\n', stderr);
+    connection_close(connection);
+    connection_close(search->connection);
+    search->connection = NULL;
+    return false;
+}
+
+static connection_t *find(const connection_choice_t *choice, const char *who)
+{
+    search_t search = {.who = who, .iface = choice->iface};
+    if (!connection_each(who, take_only_one, &search))
+        return NULL;
+    if (search.alive == 0 && choice->iface) {
+        fprintf(stderr, "%s: no twin of yours answers on '%s': 'ectwin ps' lists them\n", who, choice->iface);
+    } else if (search.alive == 0) {
+        fprintf(stderr, "%s: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'\n", who);
+        report_others("/tmp/ectwin-*");
+        report_others("/run/user/*/ectwin");
+    }
+    return search.connection;
+}
+
+/* A name or a process id stands for a socket in this user's folder. */
+static connection_t *connect_to_named(const char *name, const char *who)
+{
+    char path[ECT_ENDPOINT_PATH];
+    uid_t owner;
+    int fd = ect_endpoint_find(name, path) == 0 ? ect_endpoint_connect(path, &owner) : -1;
+    if (fd >= 0 && owner == geteuid())
+        return make_connection(fd, path, who);
+    if (fd >= 0)
+        close(fd);
+    fprintf(stderr, "%s: no twin of yours has the name or the process id '%s': 'ectwin ps' lists them\n", who, name);
+    return NULL;
+}
+
+connection_t *connection_open(const connection_choice_t *choice, const char *who)
+{
+    const char *path = choice->twin || choice->iface ? choice->twin : getenv("ECTWIN_SOCKET");
+    signal(SIGPIPE, SIG_IGN); /* a twin that closes the connection may have sent the reason */
+    if (!path)
+        return find(choice, who);
+    if (choice->twin && !strchr(path, '/'))
+        return connect_to_named(path, who);
+    int fd = connect_to(path, who);
+    return fd < 0 ? NULL : make_connection(fd, path, who);
+}
+
+void connection_path(const connection_t *connection, char *path, size_t room)
+{
+    *path = 0;
+    if (strlen(connection->path) < room)
+        strcpy(path, connection->path);
+}
+
+pid_t connection_process(const connection_t *connection)
+{
+    struct ucred peer = {0};
+    socklen_t size = sizeof peer;
+    (void)getsockopt(connection->fd, SOL_SOCKET, SO_PEERCRED, &peer, &size);
+    return peer.pid;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    connection_choice_t *choice = state->input;
+    switch (key) {
+    case 's':
+        choice->twin = text;
+        return 0;
+    case 'i':
+        choice->iface = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (choice->twin && choice->iface)
+            argp_error(state, "-s and -i both choose the twin: leave one of them out");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_option options[] = {
+    {"socket", 's', "NAME", 0,
+     "Name or process id of the twin, as 'ectwin ps' lists them, or the path of its socket (default: $ECTWIN_SOCKET, or "
+     "the only running twin)",
+     0},
+    {"interface", 'i', "IFACE", 0, "The twin that answers on this interface, in place of -s", 0},
+    {0}};
+
+const struct argp connection_argp = {.options = options, .parser = parse};
+
+const struct argp_child connection_children[] = {{&connection_argp, 0, "The twin:", 1}, {0}};

@@ -6,36 +6,55 @@
 #ifndef ECTWIN_CONNECTION_H
 #define ECTWIN_CONNECTION_H
 
+#include <argp.h>
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <sys/types.h>
 
 typedef struct connection connection_t;
 
+/** Which running twin a command talks to. All NULL: $ECTWIN_SOCKET, or the only one of this user. */
+typedef struct connection_choice {
+    const char *twin;  /**< its name, its process id, or the path of its socket, which has a '/' in it */
+    const char *iface; /**< its interface */
+} connection_choice_t;
+
 /**
- * Connects to a named socket, or to the only running twin of this user. On failure prints cause and cure: other users'
- * twins if this user has none.
- * @param path  NULL: $ECTWIN_SOCKET, or a search. A socket found must be this user's own; a named one may also be
- * root's, and for root any user's
+ * Connects to the twin that is chosen. On failure prints cause and cure: other users' twins if this user has none.
+ * A socket found must be this user's own; one named by its path may also be root's, and for root any user's.
  * @param who   first word of messages
  * @return a connection to close with ::connection_close, or NULL
  */
-connection_t *connection_open(const char *path, const char *who);
+connection_t *connection_open(const connection_choice_t *choice, const char *who);
+
+/**
+ * Connects to each running twin of this user, one after the other; dead sockets are removed.
+ * @param found  takes the connection, to close it with ::connection_close. @return whether to go on
+ * @return false: the folder is not to be trusted; the reason is printed
+ */
+bool connection_each(const char *who, bool (*found)(void *ctx, connection_t *connection, const char *path), void *ctx);
+
+/** The reply to the request `about`, to free with cJSON_Delete; NULL: none, as of a twin of an older version. */
+cJSON *connection_about(connection_t *connection);
+
+/** Path of its socket, "" if it does not fit. */
+void connection_path(const connection_t *connection, char *path, size_t room);
+
+/** Process id of the twin, 0: in a PID namespace that this process does not see. */
+pid_t connection_process(const connection_t *connection);
 
 void connection_close(connection_t *connection);
 
-/** The option that names the socket: a row of a command's options; its key is 's'. */
-#define CONNECTION_OPTION                                                                                              \
-    {                                                                                                                  \
-        "socket",                                                                                                      \
-        's',                                                                                                           \
-        "PATH",                                                                                                        \
-        0,                                                                                                             \
-        "Control socket of the twin (default: $ECTWIN_SOCKET, or that of the only running twin)",                      \
-        0}
+/** The options that choose the twin, as a child of a command's parser; its input is a connection_choice_t. */
+extern const struct argp connection_argp;
+
+/** A command's `children`. */
+extern const struct argp_child connection_children[];
 
 /**
  * Sends a request, frees it, and passes each line of the reply to `print` (NULL: none) up to the last, the result.
+ * @param who  first word of messages; NULL: none is printed
  * @return EXIT_CLEAN · EXIT_USAGE: it was refused, or is longer than the protocol allows; the reason is printed ·
  *         EXIT_RUN: no reply, or standard output failed
  */

@@ -7,7 +7,7 @@
 #include "connection.h"
 
 typedef struct fault_args {
-    const char *socket;
+    connection_choice_t twin;
     char text[ECT_FAULT_TEXT];
 } fault_args_t;
 
@@ -16,8 +16,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     fault_args_t *args = state->input;
     size_t used = strlen(args->text);
     switch (key) {
-    case 's':
-        args->socket = text;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twin;
         return 0;
     case ARGP_KEY_ARG:
         if (snprintf(args->text + used, sizeof args->text - used, "%s%s", used > 0 ? " " : "", text) >=
@@ -38,17 +38,15 @@ static void print_fault(const cJSON *line)
 
 int command_fault(int argc, char **argv)
 {
-    static const struct argp_option options[] = {CONNECTION_OPTION, {0}};
     static const struct argp argp = {
-        .options = options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .args_doc = "[FAULT]",
         .doc = "Injects a fault into a running chain, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
                "'off' ends all faults of frames. "
                "Without FAULT: lists the faults of frames that are set."};
     fault_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    connection_t *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(&args.twin, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();

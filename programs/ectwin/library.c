@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bus/chain/settings.h"
 #include "bus/exchange.h"
@@ -364,10 +365,25 @@ int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char
     return done ? 0 : -1;
 }
 
+/* Each process of CMD has a bus of its own, and the first one takes the name. */
+static bool name_is_free(const char *name)
+{
+    char path[ECT_ENDPOINT_PATH];
+    uid_t owner;
+    int fd = name && ect_endpoint_find(name, path) == 0 ? ect_endpoint_connect(path, &owner) : -1;
+    if (fd >= 0)
+        close(fd);
+    return fd < 0;
+}
+
 int ectwin_bus_control(ectwin_bus_t *bus)
 {
     if (!bus->exchange.control) {
-        bus->exchange.control = open_control("ectwin");
+        ect_about_t *about = &bus->twins.about;
+        about->ifaces[ECT_END_IN] = getenv("ECTWIN_IFACE");
+        about->ifaces[ECT_END_OUT] = getenv("ECTWIN_IFACE2");
+        about->name = name_is_free(about->name) ? about->name : NULL;
+        (void)open_control("ectwin", about, &bus->exchange.control);
         if (bus->exchange.control)
             ect_control_show(bus->exchange.control, &bus->exchange.stats, bus->exchange.scenario);
     }

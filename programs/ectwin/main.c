@@ -25,7 +25,8 @@ static const struct command {
     {"objects", command_objects},   {"unplug", command_unplug},
     {"plug", command_plug},         {"cut", command_cut},
     {"mend", command_mend},         {"fault", command_fault},
-    {"lint", command_lint},
+    {"lint", command_lint},         {"ps", command_ps},
+    {"enter", command_enter},
 };
 
 static int usage(FILE *stream, int status)
@@ -43,6 +44,8 @@ static int usage(FILE *stream, int status)
         "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
         "       ectwin doc  DEVICE [--html] [-o FILE]         write the manual of its dictionary and process data\n"
         "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"
+        "       ectwin ps [--json]                            list your running twins\n"
+        "       ectwin enter [-s NAME] -- CMD ARG...          run CMD in the network of a running twin\n"
         "       ectwin list-signals [DEVICE] [PATTERN...]     list the signals of a running twin, or of a device\n"
         "       ectwin get   [PATTERN...]                     print their values\n"
         "       ectwin set   NAME=VALUE... [--csv FILE]       set signals, all of them or none\n"

@@ -12,13 +12,12 @@
 enum { MOST_BYTES = 51200, MOST_TRIES = 100 };
 
 typedef struct periodic_args {
-    const char *socket;
+    connection_choice_t twin;
     unsigned int slave;
     const char *output;
 } periodic_args_t;
 
 static const struct argp_option options[] = {
-    CONNECTION_OPTION,
     {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 (default 1)", 0},
     {"output", 'o', "FILE", 0, "Write the bytes to FILE, -: standard output (default: print a hexadecimal dump)", 0},
     {0},
@@ -28,8 +27,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     periodic_args_t *args = state->input;
     switch (key) {
-    case 's':
-        args->socket = text;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twin;
         return 0;
     case 'n':
         args->slave = (unsigned int)ect_argument_number(state, "--slave", text, 1, UINT16_MAX);
@@ -121,11 +120,11 @@ int command_periodic(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .doc = "Prints the last complete set of periodic data that the controller has sent to a base unit."};
     periodic_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    connection_t *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(&args.twin, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     int status = fetch(connection, args.slave, argv[0]);

@@ -12,14 +12,12 @@ enum { PORTS = 4 };
 static const char *const plugs[PORTS] = {"ecat.plug_in", "ecat.plug_out", "ecat.plug_2", "ecat.plug_3"};
 
 typedef struct plug_args {
-    const char *socket;
+    connection_choice_t twin;
     const char *what;
     bool wire; /* N.PORT, not N */
     uint64_t slave;
     unsigned int port;
 } plug_args_t;
-
-static const struct argp_option options[] = {CONNECTION_OPTION, {0}};
 
 static void take_what(plug_args_t *args, const struct argp_state *state, const char *text)
 {
@@ -38,8 +36,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     plug_args_t *args = state->input;
     switch (key) {
-    case 's':
-        args->socket = text;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twin;
         return 0;
     case ARGP_KEY_ARG:
         take_what(args, state, text);
@@ -56,7 +54,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static int set_plugs(const plug_args_t *args, const char *who, bool in)
 {
-    connection_t *connection = connection_open(args->socket, who);
+    connection_t *connection = connection_open(&args->twin, who);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
@@ -74,7 +72,7 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
 
 static int command(int argc, char **argv, const char *doc, bool wire, bool in)
 {
-    const struct argp argp = {.options = options, .parser = parse, .args_doc = wire ? "N.PORT" : "N", .doc = doc};
+    const struct argp argp = {.parser = parse, .children = connection_children, .args_doc = wire ? "N.PORT" : "N", .doc = doc};
     plug_args_t args = {.wire = wire};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     return set_plugs(&args, argv[0], in);

@@ -130,11 +130,10 @@ int command_run(int argc, char **argv)
     }
     if (status == EXIT_CLEAN)
         status = session_open_modbus(&session);
-    if (status == EXIT_CLEAN) {
-        session.runner.exchange.control = open_control("ectwin run");
-        session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
+    if (status == EXIT_CLEAN)
+        status = session_open_control(&session, args.ifaces);
+    if (status == EXIT_CLEAN)
         status = session_power_on(&session);
-    }
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
         bool told = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));

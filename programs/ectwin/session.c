@@ -129,6 +129,14 @@ int session_open_modbus(session_t *s)
     return status;
 }
 
+int session_open_control(session_t *s, char *const ifaces[ECT_ENDS])
+{
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        s->twins->about.ifaces[end] = ifaces[end];
+    s->runner.control_rest_ns = ECT_RUNNER_REST_NS;
+    return open_control(s->who, &s->twins->about, &s->runner.exchange.control);
+}
+
 const char *session_modbus(const session_t *s)
 {
     return s->runner.modbus ? ect_modbus_server_address(s->runner.modbus) : NULL;

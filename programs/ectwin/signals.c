@@ -18,7 +18,7 @@
 #include "text/argument.h"
 
 typedef struct client_args {
-    const char *socket;
+    connection_choice_t twin;
     unsigned int slave;
     const char *csv;
     bool every;
@@ -29,9 +29,8 @@ typedef struct client_args {
 #define SLAVE_OPTION                                                                                                   \
     {"slave", 'n', "N", 0, "Slave of the chain, counted from 1; 0: all slaves, but not for set (default 1)", 0}
 
-static const struct argp_option options[] = {CONNECTION_OPTION, SLAVE_OPTION, {0}};
+static const struct argp_option options[] = {SLAVE_OPTION, {0}};
 static const struct argp_option set_options[] = {
-    CONNECTION_OPTION,
     SLAVE_OPTION,
     {"csv", 'c', "FILE", 0,
      "Set signals from a table: names in the first line, values in each further line, an empty cell sets nothing. -: "
@@ -39,7 +38,6 @@ static const struct argp_option set_options[] = {
      0},
     {0}};
 static const struct argp_option watch_options[] = {
-    CONNECTION_OPTION,
     SLAVE_OPTION,
     {"every", 'e', NULL, 0, "Print every change with its time (default: changes found every 10 ms)", 0},
     {0}};
@@ -48,8 +46,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     client_args_t *args = state->input;
     switch (key) {
-    case 's':
-        args->socket = text;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twin;
         return 0;
     case 'n':
         args->slave = (unsigned int)ect_argument_number(state, "--slave", text, 0, UINT16_MAX);
@@ -148,7 +146,7 @@ static int ask_one(connection_t *connection, const client_args_t *args, const ch
 static int ask(const client_args_t *args, size_t first, const char *who, const char *op,
                void (*print)(const cJSON *line))
 {
-    connection_t *connection = connection_open(args->socket, who);
+    connection_t *connection = connection_open(&args->twin, who);
     if (!connection)
         return EXIT_OPEN;
     int status = args->count > first ? EXIT_CLEAN : ask_one(connection, args, who, op, "*", print);
@@ -167,7 +165,7 @@ int command_get(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .args_doc = "[PATTERN...]",
         .doc = "Prints the signals of a running twin whose names match a shell pattern, by default all."};
     client_args_t args = {.slave = 1};
@@ -179,7 +177,7 @@ int command_watch(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = watch_options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .args_doc = "[PATTERN...]",
         .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
     client_args_t args = {.slave = 1};
@@ -243,7 +241,7 @@ int command_list_signals(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .args_doc = "[DEVICE] [PATTERN...]",
         .doc = "Lists the signals of a running twin, or of a device that need not run: name, r or rw, range, meaning."};
     client_args_t args = {.slave = 1};
@@ -335,7 +333,7 @@ int command_set(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = set_options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .args_doc = "NAME=VALUE...",
         .doc = "Sets signals of a running twin: all of them or none, in any order; --csv sets line by line."};
     client_args_t args = {.slave = 1};
@@ -348,7 +346,7 @@ int command_set(int argc, char **argv)
         fprintf(stderr, "%s: no signal: ectwin set NAME=VALUE; 'ectwin list-signals' lists the names\n", argv[0]);
         return EXIT_USAGE;
     }
-    connection_t *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(&args.twin, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     int status = args.count > 0 ? set_arguments(connection, &args, argv[0]) : EXIT_CLEAN;
@@ -362,7 +360,7 @@ int command_command(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .args_doc = "ruN HEX16",
         .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
     client_args_t args = {.slave = 1};
@@ -375,7 +373,7 @@ int command_command(int argc, char **argv)
     }
     char name[64];
     snprintf(name, sizeof name, "%.40s.command", args.arguments[0]);
-    connection_t *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(&args.twin, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     cJSON *values = cJSON_CreateObject();

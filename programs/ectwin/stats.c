@@ -8,16 +8,17 @@
 #include "connection.h"
 
 typedef struct stats_args {
-    const char *socket;
+    connection_choice_t twin;
     bool json;
 } stats_args_t;
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     stats_args_t *args = state->input;
+    (void)text;
     switch (key) {
-    case 's':
-        args->socket = text;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twin;
         return 0;
     case 'j':
         args->json = true;
@@ -102,14 +103,14 @@ static void print_as_given(const cJSON *line)
 int command_stats(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        CONNECTION_OPTION, {"json", 'j', NULL, 0, "Print the twin's reply as JSON (docs/CONTROL.md)", 0}, {0}};
+        {"json", 'j', NULL, 0, "Print the twin's reply as JSON (docs/CONTROL.md)", 0}, {0}};
     static const struct argp argp = {
         .options = options,
-        .parser = parse,
+        .parser = parse, .children = connection_children,
         .doc = "Prints the counters of a running twin since its start: frames, response times, late runs."};
     stats_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    connection_t *connection = connection_open(args.socket, argv[0]);
+    connection_t *connection = connection_open(&args.twin, argv[0]);
     if (!connection)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();

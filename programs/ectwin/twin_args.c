@@ -37,6 +37,7 @@ enum {
     KEY_FILES,
     KEY_FILES_PASSWORD,
     KEY_MODBUS,
+    KEY_NAME,
 };
 
 static const struct argp_option options[] = {
@@ -64,6 +65,8 @@ static const struct argp_option options[] = {
      "Password of the FoE requests for --files, 1..4294967295 (default: none is necessary)", 1},
     {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
      "Serve Modbus TCP too, at this address (default address 127.0.0.1; port 0: any free port); for one base unit", 1},
+    {"name", KEY_NAME, "NAME", 0,
+     "Name of these twins for 'ectwin ps', and for -s of the commands that talk to them (default: the process id)", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
      "Module in a slot of twin N (default 1), a modular device of an ESI file, by its ModuleIdent. May be repeated", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
@@ -314,6 +317,11 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_MODBUS:
         args->modbus = text;
         return 0;
+    case KEY_NAME:
+        if (ect_endpoint_unfit(text))
+            argp_error(state, "--name '%s': %s", text, ect_endpoint_unfit(text));
+        args->about.name = text;
+        return 0;
     case KEY_BREAK:
         choose_defect(args, state, text);
         return 0;
@@ -380,6 +388,7 @@ static const ect_product_t *find_product(const twin_args_t *args, const char *na
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
 {
     char *copy = strdup(list);
+    args->about.devices = list;
     char *rest = copy;
     for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
         char message[PRODUCT_MESSAGE] = "out of memory";
@@ -632,11 +641,15 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, cons
     return false;
 }
 
-ect_control_t *open_control(const char *who)
+int open_control(const char *who, const ect_about_t *about, ect_control_t **control)
 {
     char message[ECT_ENDPOINT_MESSAGE];
-    ect_control_t *control = ect_control_open(message);
-    if (!control)
-        fprintf(stderr, "%s: %s; 'ectwin get' and 'ectwin set' cannot reach this twin\n", who, message);
-    return control;
+    *control = ect_control_open(about->name, message);
+    if (*control) {
+        ect_control_describe(*control, about);
+        return EXIT_CLEAN;
+    }
+    bool taken = about->name && errno == EADDRINUSE;
+    fprintf(stderr, "%s: %s%s\n", who, message, taken ? "" : "; 'ectwin get' and 'ectwin set' cannot reach this twin");
+    return taken ? EXIT_OPEN : EXIT_CLEAN;
 }

@@ -15,6 +15,7 @@
 #include "commands.h"
 #include "contain.h"
 #include "inprocess.h"
+#include "launch.h"
 
 enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_VIRTUAL_TIME };
 
@@ -67,8 +68,6 @@ typedef struct start {
     const ect_control_t *control; /* NULL: none */
     int ready;                    /* descriptor for the ready line of a slave */
 } start_t;
-
-enum { STATUS_NOT_FOUND = 127, STATUS_NOT_EXECUTABLE = 126 };
 
 static void take_names(with_args_t *args, const struct argp_state *state, char *names)
 {
@@ -152,35 +151,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-/* Appends `length` characters, as long as there is room for them and a terminator. */
-static void append(char *to, size_t *used, size_t room, const char *from, size_t length)
-{
-    if (*used + length < room) {
-        memcpy(to + *used, from, length);
-        *used += length;
-        to[*used] = 0;
-    }
-}
-
-/* `text` with {} and {2} replaced by the names of the master's interfaces. @return NULL: no memory */
-static char *with_interfaces(const char *text, char *const masters[ECT_NETNS_WIRES])
-{
-    static const char *const marks[ECT_NETNS_WIRES] = {"{}", "{2}"};
-    size_t room = strlen(text) * 8 + 1; /* a mark of two becomes 15 */
-    size_t used = 0;
-    char *result = calloc(1, room);
-    while (result && *text) {
-        size_t wire = 0;
-        while (wire < ECT_NETNS_WIRES && !(masters[wire] && strncmp(text, marks[wire], strlen(marks[wire])) == 0))
-            wire++;
-        bool found = wire < ECT_NETNS_WIRES;
-        const char *piece = found ? masters[wire] : text;
-        append(result, &used, room, piece, found ? strlen(piece) : 1);
-        text += found ? strlen(marks[wire]) : 1;
-    }
-    return result;
-}
-
 static void unblock_signals(void)
 {
     sigset_t none;
@@ -192,22 +162,9 @@ static void run_command(const void *ctx)
 {
     const start_t *start = ctx;
     const with_args_t *args = start->args;
-    char **command = args->command;
     unblock_signals();
-    signal(SIGPIPE, SIG_DFL);
-    setenv("ECTWIN_IFACE", args->masters[0], 1);
-    if (args->masters[1])
-        setenv("ECTWIN_IFACE2", args->masters[1], 1);
-    if (start->control)
-        setenv("ECTWIN_SOCKET", ect_control_path(start->control), 1);
-    for (char **argument = command + 1; *argument; argument++) {
-        char *replaced = with_interfaces(*argument, args->masters);
-        *argument = replaced ? replaced : *argument;
-    }
-    execvp(command[0], command);
-    int error = errno;
-    fprintf(stderr, "ectwin with: cannot run '%s': %s\n", command[0], strerror(error));
-    _exit(error == ENOENT ? STATUS_NOT_FOUND : STATUS_NOT_EXECUTABLE);
+    const char *const masters[ECT_ENDS] = {args->masters[0], args->masters[1]};
+    launch("ectwin with", args->command, masters, start->control ? ect_control_path(start->control) : NULL);
 }
 
 /* @return whether the command has ended */
@@ -469,7 +426,7 @@ static int serve_in_process(with_args_t *args)
         return status;
     (void)print_ready(stderr, args->masters, count, NULL);
     status = wait_in_process(args, signal_fd);
-    if (!in_process_finish(&twins) && status != STATUS_NOT_FOUND && status != STATUS_NOT_EXECUTABLE)
+    if (!in_process_finish(&twins) && status != LAUNCH_NOT_FOUND && status != LAUNCH_NOT_EXECUTABLE)
         fprintf(
             stderr,
             "ectwin with: '%s' has not opened %s through the C library (a static or setuid program, Go, system calls "
@@ -500,9 +457,9 @@ int command_with(int argc, char **argv)
     session_t session;
     session_init(&session, "ectwin with", &args.twins);
     session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
-    session.runner.exchange.control = open_control("ectwin with"); /* outside: where its user will look for it */
-    session.runner.control_rest_ns = ECT_RUNNER_REST_NS;
-    int status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
+    int status = session_open_control(&session, args.masters); /* outside: where its user will look for it */
+    if (status == EXIT_CLEAN)
+        status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
     if (status == EXIT_CLEAN)
         status = enter_network(&args);
     const char *const ends[ECT_ENDS] = {ect_netns_twin[0], args.masters[1] ? ect_netns_twin[1] : NULL};

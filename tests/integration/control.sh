@@ -197,6 +197,74 @@ print('ready', flush=True); time.sleep(20)" >"$work/ready2" &
     "$work/err"
 }
 
+# Two twins of one user, and one of another.
+several_twins() {
+  # shellcheck disable=SC2016
+  "$ectwin" with --name first --set data1=1 fzm1 -- "$ectwin" with --iface tw5 --name second --set data1=2 fzm1,fzm1 -- sh -c '
+    unset ECTWIN_SOCKET
+    "$1" ps --json | sort; "$1" ps | sed -n 1p; "$1" get -s first data1; "$1" get -i tw5 data1
+    "$1" get data1; "$1" get -s third; "$1" get -i tw9; "$1" with --name first fzm1 -- true; echo $?
+    ' sh "$ectwin" >"$work/out" 2>"$work/err"
+  check "ps, -s, -i: of several twins" 'first fzm1 ecat0 1 INIT|second fzm1,fzm1 tw5 2 INIT|PID NAME|data1=1|data1=2|2|' \
+    "$(sed -E 's/.*"name":"([^"]*)","devices":"([^"]*)","iface":"([^"]*)","slaves":([0-9]+),.*"state":"([^"]*)".*/\1 \2 \3 \4 \5/; s/(PID) +(NAME) .*/\1 \2/' \
+      "$work/out" | tr '\n' '|')"
+  has "get: which one of several" "several twins are running: 'ectwin ps' lists them; choose one with -s" "$work/err"
+  has "get: no such name" "no twin of yours has the name or the process id 'third'" "$work/err"
+  has "get: no such interface" "no twin of yours answers on 'tw9'" "$work/err"
+  has "with: a name that is in use" "a twin of yours with the name 'first' is running: end it, or choose another" "$work/err"
+  check "with, ps: no socket stays" "" "$(ls -A "$work/runtime/ectwin")"
+  "$ectwin" with --name 1st fzm1 -- true 2>"$work/err"
+  check "with: a name begins with a letter" 1 $?
+}
+
+# Another user's twin is neither listed nor reached by its name.
+twins_of_another_user() {
+  if [ "$(id -u)" != 0 ]; then
+    echo "twins_of_another_user: left out, it needs root to play a second user"
+    return
+  fi
+  chmod 755 "$work"
+  mkdir -p -m 777 "$work/bin"
+  cp "$ectwin" "$work/bin/ectwin"
+  # shellcheck disable=SC2016
+  "$ectwin" with --name shared fzm1 -- sh -c 'unset ECTWIN_SOCKET
+    "$1" ps --json; "$1" get -s shared data1' sh "$ectwin" >"$work/out" 2>/dev/null
+  check "ps: one's own" "shared data1=0" "$(sed -E 's/.*"name":"([^"]*)".*/\1/' "$work/out" | xargs)"
+  # shellcheck disable=SC2016
+  "$ectwin" with --leave-children --name shared fzm1 -- sleep 20 2>"$work/err" &
+  local twin=$!
+  for _ in $(seq 100); do grep -qs ready "$work/err" && break; sleep 0.1; done
+  # shellcheck disable=SC2016
+  env -u XDG_RUNTIME_DIR setpriv --reuid 64997 --clear-groups sh -c '"$1" ps; "$1" get -s shared data1' sh \
+    "$work/bin/ectwin" >"$work/out" 2>"$work/err"
+  setpriv --reuid 64997 --clear-groups "$work/bin/ectwin" ps >>"$work/out" 2>"$work/err2"
+  kill $twin
+  wait $twin 2>/dev/null
+  has "ps: nor in a folder of another user" "belongs to somebody else" "$work/err2"
+  check "ps: not another user's" "" "$(cat "$work/out")"
+  has "get -s: nor by its name" "no twin of yours has the name or the process id 'shared'" "$work/err"
+}
+
+# A second command in the network of a twin: its interface, its folder, its status; without root where it can be tried.
+enter() {
+  # shellcheck disable=SC2016
+  "$ectwin" with --leave-children --name inside --iface ecat7 fzm1 -- sleep 20 2>"$work/err" &
+  local twin=$!
+  for _ in $(seq 100); do grep -qs ready "$work/err" && break; sleep 0.1; done
+  (cd /usr && "$ectwin" enter -s inside -- sh -c 'pwd; echo {} "$ECTWIN_IFACE"; ls /sys/class/net; "$1" get data1; exit 7' \
+    sh "$ectwin") >"$work/out" 2>"$work/err"
+  check "enter: the status of CMD" 7 $?
+  check "enter: the folder, the interfaces, the signals" "/usr ecat7 ecat7 ecat7 ectwin0 lo data1=0" "$(xargs <"$work/out")"
+  "$ectwin" enter -s inside -- /nosuch 2>"$work/err"
+  check "enter: a command that is not there" 127 $?
+  "$ectwin" enter -s inside 2>"$work/err"
+  check "enter: no command" 1 $?
+  kill $twin
+  wait $twin 2>/dev/null
+  "$ectwin" enter -s inside -- true 2>"$work/err"
+  check "enter: no twin" 2 $?
+}
+
 # In a network of its own, as `run` needs an interface.
 python_module() {
   "$ectwin" with fzm1 -- python3 "$here/test_python.py" --beside >"$work/out" 2>&1
@@ -211,7 +279,7 @@ export XDG_RUNTIME_DIR=$work/runtime
 mkdir "$XDG_RUNTIME_DIR"
 trap 'rm -rf "$work"' EXIT
 for case_name in all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
-  no_twin a_stopped_twin escapes squatters python_module; do
+  no_twin a_stopped_twin escapes squatters several_twins twins_of_another_user enter python_module; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

@@ -327,6 +327,46 @@ static const char *give_stats(ect_client_t *client, uint64_t now_ns)
     return NULL;
 }
 
+static void put_text(ect_line_t *line, const char *key, const char *value)
+{
+    if (value)
+        ect_line_string(line, key, value);
+}
+
+/* The lowest and the highest AL state of the chain (0: off the bus), and how many slaves report an AL status code. */
+static void put_states(ect_line_t *line, const ect_chain_t *chain)
+{
+    uint64_t lowest = UINT64_MAX, highest = 0, errors = 0;
+    for (size_t i = 0; i < ect_chain_count(chain); i++) {
+        const ect_slave_t *slave = ect_chain_slave(chain, i);
+        uint64_t state = slave->off_bus ? 0 : slave->state;
+        lowest = state < lowest ? state : lowest;
+        highest = state > highest ? state : highest;
+        errors += !slave->off_bus && slave->code != 0;
+    }
+    ect_line_number(line, "lowest", lowest);
+    ect_line_number(line, "highest", highest);
+    ect_line_number(line, "errors", errors);
+}
+
+/* @return why not, NULL */
+static const char *give_about(ect_client_t *client, const ect_chain_t *chain)
+{
+    ect_line_t line;
+    if (!client->about)
+        return "this chain has no description";
+    ect_line_begin(&line);
+    put_text(&line, "name", client->about->name);
+    put_text(&line, "devices", client->about->devices);
+    put_text(&line, "iface", client->about->ifaces[ECT_END_IN]);
+    put_text(&line, "iface2", client->about->ifaces[ECT_END_OUT]);
+    ect_line_number(&line, "slaves", ect_chain_count(chain));
+    put_states(&line, chain);
+    ect_line_end(&line);
+    put(client, &line);
+    return NULL;
+}
+
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
 /* @return the slave that a request is for, from 1; 0: all of them; -1: there is no such slave */
@@ -378,7 +418,12 @@ static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJS
 
 static bool is_answered_at_once(const char *op)
 {
-    return strcmp(op, "set") == 0 || strcmp(op, "data") == 0 || strcmp(op, "stats") == 0 || strcmp(op, "fault") == 0;
+    static const char *const names[] = {"set", "data", "stats", "fault", "about"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (strcmp(op, names[i]) == 0)
+            return true;
+    }
+    return false;
 }
 
 /* @return why not, NULL when it is done */
@@ -391,6 +436,8 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
         return give_piece(client, chain, slave, request);
     if (strcmp(op, "fault") == 0)
         return set_fault(client, chain, request, now_ns, message);
+    if (strcmp(op, "about") == 0)
+        return give_about(client, chain);
     return give_stats(client, now_ns);
 }
 
@@ -408,7 +455,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     bool visit = is_visit(&client->visit, op);
     const char *why;
     if (!visit && !is_answered_at_once(op))
-        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault\",...}";
+        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)

@@ -15,6 +15,7 @@
 
 #include "bus/chain/chain.h"
 #include "bus/chain/stats.h"
+#include "bus/control/about.h"
 #include "bus/control/endpoint.h"
 #include "bus/control/line.h"
 #include "bus/control/watch.h"
@@ -57,6 +58,7 @@ typedef struct ect_client {
     char *answer;             /**< ECT_CLIENT_ANSWER bytes */
     const ect_stats_t *stats; /**< NULL: none */
     ect_scenario_t *scenario; /**< NULL: none */
+    const ect_about_t *about; /**< NULL: none */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: none */
     size_t every_room;  /**< most signals that it may watch at every change */

@@ -25,6 +25,7 @@ struct ect_control {
     ect_client_t clients[ECT_CONTROL_CLIENTS];
     const ect_stats_t *stats;
     ect_scenario_t *scenario;
+    const ect_about_t *about;
     char path[ECT_ENDPOINT_PATH];
     ino_t identity; /* of its file */
 };
@@ -40,7 +41,7 @@ static bool wait_for(const ect_control_t *c, int operation, int fd, uint32_t eve
     return epoll_ctl(c->epoll, operation, fd, &event) == 0;
 }
 
-ect_control_t *ect_control_open(char *message)
+ect_control_t *ect_control_open(const char *name, char *message)
 {
     ect_control_t *c = calloc(1, sizeof *c);
     if (!c) {
@@ -52,13 +53,15 @@ ect_control_t *ect_control_open(char *message)
     c->retry_ns = c->round_ns = ECT_NEVER;
     c->spare = open_spare();
     c->epoll = epoll_create1(EPOLL_CLOEXEC);
-    c->fd = c->epoll < 0 ? -1 : ect_endpoint_listen(c->path, message);
+    c->fd = c->epoll < 0 ? -1 : ect_endpoint_listen(name, c->path, message);
     c->identity = c->fd < 0 ? 0 : ect_endpoint_identity(c->path);
     if (c->fd >= 0 && wait_for(c, EPOLL_CTL_ADD, c->fd, EPOLLIN, ACCEPT))
         return c;
     if (c->epoll < 0)
         strcpy(message, "no control socket: no descriptor is free");
+    int error = errno;
     ect_control_close(c);
+    errno = error;
     return NULL;
 }
 
@@ -91,6 +94,11 @@ void ect_control_show(ect_control_t *c, const ect_stats_t *stats, ect_scenario_t
 {
     c->scenario = scenario;
     c->stats = stats;
+}
+
+void ect_control_describe(ect_control_t *c, const ect_about_t *about)
+{
+    c->about = about;
 }
 
 const char *ect_control_path(const ect_control_t *c)
@@ -152,6 +160,7 @@ static void let_in(ect_control_t *c, uint64_t now_ns)
         client->events = EPOLLIN;
         client->stats = c->stats;
         client->scenario = c->scenario;
+        client->about = c->about;
         return;
     }
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");

@@ -18,6 +18,7 @@
 
 #include "bus/chain/chain.h"
 #include "bus/chain/stats.h"
+#include "bus/control/about.h"
 #include "bus/control/endpoint.h"
 #include "bus/faults/scenario.h"
 #include "wire/linkage.h"
@@ -32,10 +33,12 @@ enum {
 typedef struct ect_control ect_control_t;
 
 /**
- * Opens the socket. @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
- * @return the socket, to be closed with ::ect_control_close, or NULL
+ * Opens the socket.
+ * @param name          as for ::ect_endpoint_listen
+ * @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
+ * @return the socket, to be closed with ::ect_control_close; NULL (errno as ::ect_endpoint_listen)
  */
-ect_control_t *ect_control_open(char *message);
+ect_control_t *ect_control_open(const char *name, char *message);
 void ect_control_close(ect_control_t *control);
 
 /**
@@ -44,6 +47,9 @@ void ect_control_close(ect_control_t *control);
  * refused
  */
 void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scenario_t *scenario);
+
+/** Sets what the request `about` reports. @param about  must outlive the control; NULL (as at first): `about` is refused */
+void ect_control_describe(ect_control_t *control, const ect_about_t *about);
 
 /** Path of the socket, valid until it is closed. */
 const char *ect_control_path(const ect_control_t *control);

@@ -25,6 +25,18 @@ int ect_endpoint_folder(char *path)
     return length < ECT_ENDPOINT_PATH - 32 ? 0 : -1; /* a name follows */
 }
 
+int ect_endpoint_find(const char *name, char *path)
+{
+    size_t room = strlen(name) + sizeof "/.sock";
+    if (ect_endpoint_folder(path) < 0)
+        return -1;
+    size_t used = strlen(path);
+    if (used + room > ECT_ENDPOINT_PATH)
+        return -1;
+    snprintf(path + used, room, "/%s.sock", name);
+    return 0;
+}
+
 int ect_endpoint_trust(const char *folder)
 {
     struct stat info;
@@ -125,26 +137,64 @@ static int bind_new(int fd, const char *path)
     return bound;
 }
 
-/* The first free name; those of processes that have died are free. */
-static int bind_in(int fd, const char *folder, char *path)
+/* The nth name to try. @return false: too long */
+static bool compose(char *path, const char *folder, const char *before, const char *name, int n, const char *after)
 {
-    int pid = (int)getpid();
+    char number[16] = "";
+    if (n > 1)
+        snprintf(number, sizeof number, "-%d", n);
+    int length = snprintf(path, ECT_ENDPOINT_PATH, "%s/%s%s%s%s", folder, before, name, number, after);
+    errno = ENAMETOOLONG;
+    return length < ECT_ENDPOINT_PATH;
+}
+
+/* Between bind() and listen() a socket looks dead, and another process would clear its file: that file has a name of
+ * its own at first. */
+static int bind_aside(int fd, const char *folder, const char *pid, char *path)
+{
     for (int n = 1; n <= MOST_NAMES; n++) {
-        int length = n == 1 ? snprintf(path, ECT_ENDPOINT_PATH, "%s/%d.sock", folder, pid)
-                            : snprintf(path, ECT_ENDPOINT_PATH, "%s/%d-%d.sock", folder, pid, n);
-        if (length >= ECT_ENDPOINT_PATH) {
-            errno = ENAMETOOLONG;
+        if (!compose(path, folder, ".", pid, n, ""))
             return -1;
-        }
         if (bind_new(fd, path) == 0)
             return 0;
         if (errno != EADDRINUSE)
             return -1;
-        ect_endpoint_clear(path);
-        if (bind_new(fd, path) == 0)
-            return 0;
     }
     return -1;
+}
+
+/* Gives a socket the first free name; those of processes that have died are free. */
+static int publish(const char *aside, const char *folder, const char *name, int most, char *path)
+{
+    for (int n = 1; n <= most; n++) {
+        if (!compose(path, folder, "", name, n, ".sock"))
+            return -1;
+        if (link(aside, path) == 0)
+            return 0;
+        if (errno != EEXIST)
+            return -1;
+        ect_endpoint_clear(path);
+        if (link(aside, path) == 0)
+            return 0;
+    }
+    errno = EADDRINUSE;
+    return -1;
+}
+
+static int listen_in(int fd, const char *folder, const char *name, char *path)
+{
+    char aside[ECT_ENDPOINT_PATH];
+    char pid[16];
+    snprintf(pid, sizeof pid, "%d", (int)getpid());
+    if (bind_aside(fd, folder, pid, aside) < 0)
+        return -1;
+    int result = listen(fd, BACKLOG);
+    if (result == 0)
+        result = publish(aside, folder, name ? name : pid, name ? 1 : MOST_NAMES, path);
+    int error = errno;
+    (void)unlink(aside);
+    errno = error;
+    return result;
 }
 
 /* Sockets that killed processes have left. */
@@ -163,7 +213,16 @@ static void clear_folder(const char *folder)
         closedir(directory);
 }
 
-int ect_endpoint_listen(char *path, char *message)
+const char *ect_endpoint_unfit(const char *name)
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+    static const char all[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    if (strlen(name) >= ECT_ENDPOINT_NAME || strspn(name, letters) == 0 || name[strspn(name, all)] != 0)
+        return "a name has 1 to 31 letters, digits, '.', '_' and '-', and begins with a letter";
+    return NULL;
+}
+
+int ect_endpoint_listen(const char *name, char *path, char *message)
 {
     char folder[ECT_ENDPOINT_PATH] = "";
     if (ect_endpoint_folder(folder) < 0 || make_folder(folder) < 0) {
@@ -174,11 +233,18 @@ int ect_endpoint_listen(char *path, char *message)
     }
     clear_folder(folder);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (fd >= 0 && bind_in(fd, folder, path) == 0 && listen(fd, BACKLOG) == 0)
+    if (fd >= 0 && listen_in(fd, folder, name, path) == 0)
         return fd;
-    snprintf(message, ECT_ENDPOINT_MESSAGE, "no control socket in '%s': %s", folder, strerror(errno));
+    int error = errno;
+    if (name && error == EADDRINUSE)
+        snprintf(message, ECT_ENDPOINT_MESSAGE,
+                 "a twin of yours with the name '%s' is running: end it, or choose another name; 'ectwin ps' lists them",
+                 name);
+    else
+        snprintf(message, ECT_ENDPOINT_MESSAGE, "no control socket in '%s': %s", folder, strerror(error));
     if (fd >= 0)
         close(fd);
+    errno = error;
     return -1;
 }
 

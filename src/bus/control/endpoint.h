@@ -5,7 +5,7 @@
  *
  * Each user has a folder, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. Each process has a socket in it, mode
  * 0600: PID.sock, or PID-2.sock and so on when a live socket has that name (containers that share the folder have equal
- * process ids). Any user may make a folder in /tmp: neither side trusts a folder of another user.
+ * process ids); NAME.sock for a process that its user has named. Any user may make a folder in /tmp: neither side trusts a folder of another user.
  */
 #ifndef ECT_BUS_CONTROL_ENDPOINT_H
 #define ECT_BUS_CONTROL_ENDPOINT_H
@@ -24,6 +24,7 @@ enum {
     ECT_ENDPOINT_PATIENCE_S = 5,                    /**< timeout of a client, seconds */
     ECT_ENDPOINT_REQUEST = 4096,                    /**< most bytes of a request, line feed included */
     ECT_ENDPOINT_VALUES = 128,                      /**< most signals that a request sets */
+    ECT_ENDPOINT_NAME = 32,                         /**< room for a name, terminator included */
 };
 
 /** Writes the folder of this user's sockets. @param[out] path  ECT_ENDPOINT_PATH bytes @return 0, -1 (ENAMETOOLONG) */
@@ -35,14 +36,21 @@ int ect_endpoint_folder(char *path);
  */
 int ect_endpoint_trust(const char *folder);
 
+/** Writes the path of the socket with a name, which need not exist. @return as ::ect_endpoint_folder */
+int ect_endpoint_find(const char *name, char *path);
+
+/** @return NULL: the text is fit for a name; else the reason, a line for the user */
+const char *ect_endpoint_unfit(const char *name);
+
 /**
  * Opens a listening socket in the folder, which is made if necessary. Dead sockets of this user in the folder are
- * removed.
+ * removed. The socket listens from the moment at which its file exists.
+ * @param name          ::ect_endpoint_unfit accepts it; NULL: the process id
  * @param[out] path     of the socket; ECT_ENDPOINT_PATH bytes
  * @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
- * @return the descriptor, non-blocking; -1: failed
+ * @return the descriptor, non-blocking; -1 (errno; EADDRINUSE: a live process of this user has that name)
  */
-int ect_endpoint_listen(char *path, char *message);
+int ect_endpoint_listen(const char *name, char *path, char *message);
 
 /** The inode of a socket's file, for ::ect_endpoint_close. @return 0: no such socket */
 ino_t ect_endpoint_identity(const char *path);

@@ -139,7 +139,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
     sigaddset(&signals, SIGUSR1);
     sigprocmask(SIG_BLOCK, &signals, NULL);
     b->runner = (ect_runner_t){.ports = {&b->port},
-                               .exchange = {.chain = b->wire.chain, .control = ect_control_open(message)},
+                               .exchange = {.chain = b->wire.chain, .control = ect_control_open(NULL, message)},
                                .signal_fd = signalfd(-1, &signals, SFD_NONBLOCK),
                                .link_fd = -1,
                                .on_signal = stop,

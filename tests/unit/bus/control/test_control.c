@@ -102,7 +102,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
     strcpy(b->folder, "/tmp/test-ectwin-XXXXXX");
     assert_non_null(mkdtemp(b->folder));
     setenv("XDG_RUNTIME_DIR", b->folder, 1);
-    b->control = ect_control_open(message);
+    b->control = ect_control_open(NULL, message);
     if (!b->control)
         fail_msg("%s", message);
 }
@@ -314,6 +314,26 @@ static void counted(void **state)
                   "\"latest_poll_us\":21,\"time\":1.750000}\n"
                   "{\"answers\":[0,0,985,0,0,0,10,0,0,5,0,0,0,0,0,0,0,0,0,0],\"edges_us\":[1,2,5,10,20,50,100,200,500,"
                   "1000,2000,5000,10000,20000,50000,100000,200000,500000,1000000]}\n" OK);
+    close_bench(&b);
+}
+
+static void about_the_twins(void **state)
+{
+    static const ect_about_t named = {
+        .name = "bench", .devices = "fzm1,fzm1", .ifaces = {[ECT_END_IN] = "ecat0", [ECT_END_OUT] = "ecat1"}};
+    static const ect_about_t plain = {.devices = "fzm1"};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 2);
+    expect_part(&b, "{\"op\":\"about\"}\n", "{\"ok\":false,\"message\":\"this chain has no description\"}");
+    ect_control_describe(b.control, &named);
+    expect_answer(&b, "{\"op\":\"about\"}\n",
+                  "{\"name\":\"bench\",\"devices\":\"fzm1,fzm1\",\"iface\":\"ecat0\",\"iface2\":\"ecat1\",\"slaves\":2,"
+                  "\"lowest\":1,\"highest\":1,\"errors\":0}\n" OK);
+    ect_control_describe(b.control, &plain);
+    expect_answer(&b, "{\"op\":\"set\",\"slave\":2,\"name\":\"ecat.plug_in\",\"value\":0}\n", OK);
+    expect_answer(&b, "{\"op\":\"about\"}\n",
+                  "{\"devices\":\"fzm1\",\"slaves\":2,\"lowest\":1,\"highest\":1,\"errors\":0}\n" OK);
     close_bench(&b);
 }
 
@@ -1061,6 +1081,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"Requests get replies, refusals with the reason", answers, NULL, NULL, NULL},
         {"Each counter and step of the histogram is in the reply to stats", counted, NULL, NULL, NULL},
+        {"The twins are described: name, devices, interfaces, AL states", about_the_twins, NULL, NULL, NULL},
         {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", lines_are_json, NULL, NULL, NULL},
         {"Data too large for a signal come in pieces", data_in_pieces, NULL, NULL, NULL},

@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "bus/control/endpoint.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
@@ -59,7 +60,7 @@ static void runtime_folder(const char *name, char folder[ECT_ENDPOINT_PATH])
 static int must_listen(char path[ECT_ENDPOINT_PATH])
 {
     char message[ECT_ENDPOINT_MESSAGE];
-    int fd = ect_endpoint_listen(path, message);
+    int fd = ect_endpoint_listen(NULL, path, message);
     if (fd < 0)
         fail_msg("%s", message);
     return fd;
@@ -76,6 +77,19 @@ static void expect_reachable(int fd, const char *path)
     assert_true(served >= 0);
     close(served);
     close(client);
+}
+
+/* Files in a folder, hidden ones too. */
+static int count_names(const char *folder)
+{
+    DIR *directory = opendir(folder);
+    int count = 0;
+    assert_non_null(directory);
+    const struct dirent *entry;
+    while ((entry = readdir(directory)) != NULL)
+        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    closedir(directory);
+    return count;
 }
 
 static void rights(void **state)
@@ -130,7 +144,7 @@ static void too_long_a_path(void **state)
     name[sizeof name - 1] = 0;
     setenv("XDG_RUNTIME_DIR", name, 1);
     assert_int_equal(ect_endpoint_folder(path), -1);
-    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_int_equal(ect_endpoint_listen(NULL, path, message), -1);
     assert_non_null(strstr(message, "too long"));
     assert_int_equal(ect_endpoint_connect(name, &owner), -1);
     assert_int_equal(errno, ENAMETOOLONG);
@@ -154,7 +168,7 @@ static void paths_at_their_limits(void **state)
         if (result == 0)
             assert_int_equal(strlen(path), length + strlen("/ectwin"));
     }
-    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_int_equal(ect_endpoint_listen(NULL, path, message), -1);
     assert_non_null(strstr(message, "XDG_RUNTIME_DIR can name another place"));
     for (size_t length = ADDRESS - 1; length <= ADDRESS + 1; length++) { /* without a folder, the longest address */
         memset(name, 'y', length);
@@ -286,11 +300,11 @@ static void folders_not_to_trust(void **state)
     assert_int_equal(symlink("../elsewhere", folder), 0);
     assert_int_equal(ect_endpoint_trust(folder), -1);
     assert_int_equal(errno, EPERM);
-    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_int_equal(ect_endpoint_listen(NULL, path, message), -1);
     assert_non_null(strstr(message, "not a folder of your own"));
     runtime_folder("file", folder);
     close(open(folder, O_CREAT | O_WRONLY, 0600));
-    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_int_equal(ect_endpoint_listen(NULL, path, message), -1);
     assert_non_null(strstr(message, "not a folder of your own"));
     runtime_folder("open", folder);
     assert_int_equal(mkdir(folder, 0700), 0);
@@ -301,8 +315,40 @@ static void folders_not_to_trust(void **state)
     assert_int_equal(ect_endpoint_trust("nowhere"), -1);
     assert_int_equal(errno, ENOENT);
     assert_int_equal(setenv("XDG_RUNTIME_DIR", "/nowhere/at/all", 1), 0);
-    assert_int_equal(ect_endpoint_listen(path, message), -1);
+    assert_int_equal(ect_endpoint_listen(NULL, path, message), -1);
     assert_non_null(strstr(message, "XDG_RUNTIME_DIR can name another place"));
+}
+
+/* A named twin has one socket, under its name alone; nothing else stays in the folder. */
+static void names(void **state)
+{
+    static const char longest[] = "abcdefghijklmnopqrstuvwxyz12345";
+    static const struct {
+        const char *name;
+        bool fit;
+    } rows[] = {{"a", true},        {"Bench-2_x.y", true}, {longest, true}, {"", false},
+                {"2nd", false},     {".hidden", false},    {"a/b", false},  {"a b", false},
+                {"caf\xc3\xa9", false}, {"abcdefghijklmnopqrstuvwxyz123456", false}};
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], other[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(ect_endpoint_unfit(rows[i].name) == NULL, rows[i].fit);
+    runtime_folder("names", folder);
+    int fd = ect_endpoint_listen(longest, path, message);
+    assert_true(fd >= 0);
+    assert_int_equal(ect_endpoint_find(longest, other), 0);
+    assert_string_equal(path, other);
+    expect_reachable(fd, path);
+    assert_int_equal(count_names(folder), 1);
+    assert_int_equal(ect_endpoint_listen(longest, other, message), -1);
+    assert_int_equal(errno, EADDRINUSE);
+    assert_non_null(strstr(message, "is running"));
+    assert_int_equal(count_names(folder), 1);
+    close(fd); /* as a killed process leaves it */
+    fd = ect_endpoint_listen(longest, path, message);
+    assert_true(fd >= 0);
+    ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+    assert_int_equal(count_names(folder), 0);
 }
 
 static void without_a_runtime_folder(void **state)
@@ -335,6 +381,7 @@ int main(int argc, char **argv)
         {"Attack: what is no socket is never removed", what_is_no_socket, NULL, NULL, NULL},
         {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
          NULL, NULL},
+        {"A name belongs to one live twin, and is free when that has ended", names, NULL, NULL, NULL},
         {"Without XDG_RUNTIME_DIR it is /tmp/ectwin-UID", without_a_runtime_folder, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/** @file What a process with twins reports about itself, in reply to the request `about` of the control socket. */
+#ifndef ECT_BUS_CONTROL_ABOUT_H
+#define ECT_BUS_CONTROL_ABOUT_H
+
+#include "bus/chain/crossing.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** Texts of the caller; NULL: the reply has no such member. */
+typedef struct ect_about {
+    const char *name;             /**< given by the user */
+    const char *devices;          /**< as they were named at the start */
+    const char *ifaces[ECT_ENDS]; /**< by ::ect_end: the interface of the master, or the one on which the twins answer */
+} ect_about_t;
+
+ECT_C_END
+
+#endif
