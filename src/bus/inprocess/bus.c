@@ -38,6 +38,7 @@ static struct {
 } state = {.control_fd = -1};
 
 __thread int ect_inside __attribute__((tls_model("initial-exec")));
+__thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
 const char *ect_bus_name(unsigned int end)
 {

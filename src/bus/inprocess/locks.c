@@ -16,6 +16,7 @@
 
 #include "bus/inprocess/deadline.h"
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/sanitizer.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
 
@@ -36,7 +37,7 @@ static created_t *created; /* not joined yet; changed by the thread that has the
 static void *run_created(void *arg)
 {
     created_t *its = arg;
-    ect_virtual_thread_begin(its->record);
+    ect_virtual_thread_begin(its->record, !ect_sanitizer_is_loaded());
     return its->start(its->arg); /* its end is that of the thread's key, also after pthread_exit */
 }
 
@@ -48,6 +49,7 @@ REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *re
     created_t *its = calloc(1, sizeof *its);
     if (!its)
         return EAGAIN;
+    (void)ect_virtual_now(); /* takes the turn, which `created` needs */
     *its = (created_t){.start = start, .arg = arg};
     its->record = ect_virtual_thread_new(&its->ended);
     int error = its->record ? REAL(pthread_create)(thread, attributes, run_created, its) : EAGAIN;
@@ -60,7 +62,6 @@ REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *re
     its->thread = *thread;
     its->next = created;
     created = its;
-    ect_virtual_yield(); /* a sanitizer's pthread_create returns only when the thread has begun */
     return 0;
 }
 
@@ -78,6 +79,8 @@ static created_t *take_created(pthread_t thread)
 
 REPLACES int pthread_join(pthread_t thread, void **result)
 {
+    if (ect_inside == 0)
+        (void)ect_virtual_now();
     created_t *its = ect_inside > 0 ? NULL : take_created(thread);
     while (its && !its->ended)
         (void)ect_virtual_wait(&its->ended, UINT64_MAX);

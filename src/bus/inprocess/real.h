@@ -7,13 +7,14 @@
 #define ECT_BUS_INPROCESS_REAL_H
 
 #include <dlfcn.h>
+#include <stdbool.h>
 
 /** The next definition of a function behind this library, found once for each place of use. */
 #define REAL(name)                                                                                                     \
     (__extension__({                                                                                                   \
         static void *found;                                                                                            \
         if (!found)                                                                                                    \
-            found = dlsym(RTLD_NEXT, #name);                                                                           \
+            found = ect_real(#name);                                                                                   \
         (__typeof__(&name))found;                                                                                      \
     }))
 
@@ -22,5 +23,22 @@
 
 /** Depth of the calls into the bus: inside, every replacement is the real function. */
 extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
+
+/**
+ * Whether this thread is in dlsym(). dlsym() frees memory, and an allocator (AddressSanitizer's) reads the clock there:
+ * a second dlsym() within the first would free the same memory again.
+ */
+extern __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
+
+/** dlsym(RTLD_NEXT, name), during which every replacement is the real function. */
+static inline void *ect_real(const char *name)
+{
+    ect_inside++;
+    ect_in_dlsym = true;
+    void *found = dlsym(RTLD_NEXT, name);
+    ect_in_dlsym = false;
+    ect_inside--;
+    return found;
+}
 
 #endif

@@ -105,16 +105,20 @@ static void *run(void *unused)
     return NULL;
 }
 
-/* Without a thread the devices run with frames only. */
+/* Without a thread the devices run with frames only. A preloaded library that keeps a list of threads, as a sanitizer
+ * does, has not seen this one: pthread_detach() would be an error to it. */
 void ect_time_bus_started(void)
 {
     pthread_t thread;
+    pthread_attr_t detached;
     sigset_t all, before;
     wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
-    if (REAL(pthread_create)(&thread, NULL, run, NULL) == 0)
-        pthread_detach(thread);
+    pthread_attr_init(&detached);
+    pthread_attr_setdetachstate(&detached, PTHREAD_CREATE_DETACHED);
+    (void)REAL(pthread_create)(&thread, &detached, run, NULL);
+    pthread_attr_destroy(&detached);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 

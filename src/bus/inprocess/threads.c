@@ -399,7 +399,7 @@ static void enter(void)
     thread_t *thread = add_thread(NULL);
     if (!thread)
         abort();
-    ect_virtual_thread_begin(thread);
+    ect_virtual_thread_begin(thread, true);
 }
 
 /* Takes the turn up again if it was taken away. With the lock. */
@@ -424,6 +424,7 @@ static void begin_call(void)
     enter();
     lock();
     come_back();
+    self->turn = 0; /* given before the thread's first call, if that is where the thread waits for it */
 }
 
 void *ect_virtual_thread_new(int *ended)
@@ -432,11 +433,13 @@ void *ect_virtual_thread_new(int *ended)
     return add_thread(ended);
 }
 
-void ect_virtual_thread_begin(void *record)
+void ect_virtual_thread_begin(void *record, bool waits)
 {
     self = record;
     self->id = gettid();
     (void)pthread_setspecific(at_end, record);
+    if (!waits)
+        return;
     lock();
     if (!running) {
         give_turn(choose());
@@ -506,11 +509,15 @@ void ect_virtual_charge(uint64_t cost_ns)
     give_away();
 }
 
-void ect_virtual_pass(uint64_t cost_ns)
+uint64_t ect_virtual_pass(uint64_t cost_ns)
 {
-    begin_call();
-    advance(now_ns + cost_ns);
+    enter();
+    lock();
+    if (self->state == RUNNING)
+        advance(now_ns + cost_ns);
+    uint64_t time_ns = now_ns;
     unlock();
+    return time_ns;
 }
 
 void ect_virtual_yield(void)

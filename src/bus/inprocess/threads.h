@@ -28,8 +28,8 @@ uint64_t ect_virtual_now(void);
 /** Lets a stated cost pass; threads that become ready by it run first. */
 void ect_virtual_charge(uint64_t cost_ns);
 
-/** Lets a stated cost pass; the calling thread keeps its turn. */
-void ect_virtual_pass(uint64_t cost_ns);
+/** Lets a stated cost pass, if the calling thread has the turn, and keeps the turn. @return the time then */
+uint64_t ect_virtual_pass(uint64_t cost_ns);
 
 /** Lets every other thread that is ready run first. */
 void ect_virtual_yield(void);
@@ -69,8 +69,13 @@ void ect_virtual_remove_timer(ect_timer_t *timer);
  * @return its record, for the next functions; NULL: there are 1024 threads
  */
 void *ect_virtual_thread_new(int *ended);
-/** First and last call of a new thread. */
-void ect_virtual_thread_begin(void *record);
+/**
+ * First call of a new thread.
+ * @param waits  the thread waits for its turn here; false: at its first call of the library, for the creating thread
+ *               holds a lock until the new one has begun, or the new one needs a lock that the creating thread holds
+ */
+void ect_virtual_thread_begin(void *record, bool waits);
+/** Last call of a thread. */
 void ect_virtual_thread_end(void);
 /** The thread was not created after all. */
 void ect_virtual_thread_cancel(void *record);
