@@ -69,6 +69,7 @@ advice_of_the_interface() {
   # shellcheck disable=SC2016
   ectwin=$ectwin work=$work unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip addr add 192.0.2.1/24 dev tw0 || exit 9
+    rm -f "$work/ready"
     "$ectwin" run -i tw0 fzm1 >"$work/ready" 2>"$work/err" & pid=$!
     for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
     kill $pid; wait $pid'

@@ -23,6 +23,7 @@ drive() {
   shift 4
   board=$board work=$work here=$here base_unit=$base_unit mode=$mode in=$in out=$out unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+    rm -f "$work/ready" # that of the run before would end the wait
     "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
     for _ in $(seq 300); do [ -s "$work/ready" ] && break; sleep 0.1; done
     cat "$work/ready"

@@ -43,9 +43,18 @@ enum {
 #define PACKET_IGNORE_OUTGOING 23
 #endif
 
-static void explain_socket(const char *iface, char *message)
+static void explain_absence(const char *iface, char *message)
 {
-    if (errno == EPERM || errno == EACCES)
+    snprintf(message, ECT_PACKET_MESSAGE, "there is no network interface '%s': 'ip -br link' lists those there are",
+             iface);
+}
+
+/* A name that is wrong is wrong with every right, too. */
+static void explain_socket(const char *iface, int error, char *message)
+{
+    if (if_nametoindex(iface) == 0)
+        explain_absence(iface, message);
+    else if (error == EPERM || error == EACCES)
         snprintf(
             message, ECT_PACKET_MESSAGE,
             "opening '%s' needs the capability CAP_NET_RAW: run it with sudo, or give it once and for all with "
@@ -53,7 +62,7 @@ static void explain_socket(const char *iface, char *message)
             "no rights",
             iface);
     else
-        snprintf(message, ECT_PACKET_MESSAGE, "opening a raw socket for '%s' failed: %s", iface, strerror(errno));
+        snprintf(message, ECT_PACKET_MESSAGE, "opening a raw socket for '%s' failed: %s", iface, strerror(error));
 }
 
 static bool set_flags(int fd, const char *iface, bool up)
@@ -73,8 +82,7 @@ static int check_interface(ect_packet_t *port, char *message)
     struct ifreq request = {0};
     memcpy(request.ifr_name, port->iface, sizeof request.ifr_name);
     if (ioctl(port->fd, SIOCGIFHWADDR, &request) < 0) {
-        snprintf(message, ECT_PACKET_MESSAGE, "there is no network interface '%s': 'ip -br link' lists those there are",
-                 port->iface);
+        explain_absence(port->iface, message);
         return -1;
     }
     if (request.ifr_hwaddr.sa_family != ARPHRD_ETHER) {
@@ -219,7 +227,7 @@ int ect_packet_open(ect_packet_t *port, const char *iface, char *message)
     memcpy(port->iface, iface, strlen(iface) + 1);
     port->fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
     if (port->fd < 0) {
-        explain_socket(iface, message);
+        explain_socket(iface, errno, message);
         return -1;
     }
     if (check_interface(port, message) < 0 || bind_to(port, message) < 0 || only_one(port, message) < 0) {
