@@ -231,12 +231,19 @@ static bool is_object_code(uint16_t code)
     return code == ECT_OBJECT_VAR || code == ECT_OBJECT_ARRAY || code == ECT_OBJECT_RECORD || code == ECT_OBJECT_DOMAIN;
 }
 
-/* One with more than one entry. */
-static bool several_good(const report_t *r, const ect_object_t *o)
+static bool is_list(const ect_object_t *o)
 {
-    if (o->object_code == ECT_OBJECT_VAR)
-        return wrong(r, "%04Xh: a VAR has one entry, sub-index 0", o->index);
-    if (o->last == 0 && !r->device->addresses)
+    return o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
+}
+
+/* Whether a single value is one, and the entries of a list are counted. */
+static bool shape_good(const report_t *r, const ect_object_t *o)
+{
+    bool several = o->max_subindex != 0 || o->last != 0;
+    if (!is_list(o) && (several || o->entries->subindex != 0))
+        return wrong(r, "%04Xh: a %s has one entry, sub-index 0", o->index,
+                     o->object_code == ECT_OBJECT_VAR ? "VAR" : "DOMAIN");
+    if (several && o->last == 0 && !r->device->addresses)
         return wrong(r, "%04Xh: its entries are not counted; ECT_RECORD, ECT_ARRAY and ECT_SPARSE do", o->index);
     return true;
 }
@@ -249,7 +256,7 @@ static bool object_head_good(const report_t *r, const ect_object_t *o)
         return wrong(r, "%04Xh: it has no name", o->index);
     if (!o->entries)
         return wrong(r, "%04Xh: it has no entries", o->index);
-    return (o->max_subindex == 0 && o->last == 0) || several_good(r, o);
+    return shape_good(r, o);
 }
 
 /* Each entry, and that the next one comes behind it. Leaves `p` at the last. */
@@ -274,8 +281,7 @@ static bool object_good(const report_t *r, const ect_object_t *o)
     place_t p = {.r = r, .object = o, .entry = o->entries};
     if (!object_head_good(r, o))
         return false;
-    bool list = o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
-    if ((list && !count_good(&p)) || !entries_good(&p))
+    if ((is_list(o) && !count_good(&p)) || !entries_good(&p))
         return false;
     if (p.entry->subindex != highest(o) || p.entry != ect_od_last(o))
         return wrong(r, "%04Xh: its last sub-index is %u, max_subindex is %u", o->index, p.entry->subindex, highest(o));

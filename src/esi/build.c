@@ -79,6 +79,13 @@ static size_t spell(const char *text, const char **plain)
     return length;
 }
 
+char ect_build_plain(char c)
+{
+    if (c >= 'A' && c <= 'Z')
+        return (char)(c - 'A' + 'a');
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ? c : '\0';
+}
+
 const char *ect_build_text(ect_build_t *build, const char *text, size_t longest)
 {
     char *result = ect_arena_alloc(build->arena, longest + 1);

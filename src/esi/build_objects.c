@@ -169,15 +169,16 @@ static void count_entries(ect_build_t *build, ect_build_object_t *object)
     for (size_t i = 0; i < object->count; i++)
         highest = object->entries[i].subindex > highest ? object->entries[i].subindex : highest;
     object->complete = zero != NULL;
-    if (zero != NULL && (zero->data_type != ECT_TYPE_UNSIGNED8 || zero->bits != 8)) {
+    if (zero == NULL)
+        return;
+    const uint64_t count = zero->initial.length > 0 ? ect_build_number(zero) : highest;
+    if (zero->data_type != ECT_TYPE_UNSIGNED8 || zero->bits != 8) {
         ect_build_note(build, "object %04X: its sub-index 0 is no USINT in the file; it is one",
                        (unsigned int)object->index);
         zero->data_type = ECT_TYPE_UNSIGNED8;
         zero->bits = 8;
-        zero->initial.length = zero->initial.length > 0 ? 1 : 0;
     }
-    if (zero != NULL && (zero->initial.bytes == NULL || ect_build_number(zero) > highest))
-        ect_build_initial(build, zero, highest);
+    ect_build_initial(build, zero, count < highest ? count : highest);
 }
 
 static bool has_pdo(const ect_esi_pdo_t *pdos, size_t count, uint16_t index)

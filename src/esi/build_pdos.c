@@ -31,7 +31,6 @@ static void make_record(ect_build_t *build, ect_build_object_t *object)
     ect_build_note(build, "object %04X is a single value in the dictionary and a record in a PDO: it is a record",
                    (unsigned int)object->index);
     object->code = ECT_OBJECT_RECORD;
-    object->complete = false;
     object->count = 0;
 }
 

@@ -3,7 +3,6 @@
  * Signals: what each assigned PDO maps, as `pdo_name.entry_name`, and every other value of the dictionary as
  * `od.8000_01`. Inputs can be set, outputs can be read.
  */
-#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,9 +17,9 @@ static const char *plain_name(ect_build_t *build, const char *text, const char *
     char name[LONGEST_PART + 1];
     size_t length = 0;
     for (; *text != '\0' && length < LONGEST_PART; text++) {
-        bool good = isalnum((unsigned char)*text) && (unsigned char)*text < 0x80;
-        if (good)
-            name[length++] = (char)tolower((unsigned char)*text);
+        char plain = ect_build_plain(*text);
+        if (plain != '\0')
+            name[length++] = plain;
         else if (length > 0 && name[length - 1] != '_')
             name[length++] = '_';
     }
@@ -29,7 +28,7 @@ static const char *plain_name(ect_build_t *build, const char *text, const char *
     if (length == 0)
         return otherwise;
     name[length] = '\0';
-    return ect_arena_print(build->arena, "%s%s", isdigit((unsigned char)name[0]) ? "n" : "", name);
+    return ect_arena_print(build->arena, "%s%s", name[0] <= '9' ? "n" : "", name);
 }
 
 static ect_signal_type_t type_of(const ect_build_entry_t *entry)

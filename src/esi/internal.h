@@ -202,6 +202,9 @@ enum { ECT_BUILD_NAME = 40, ECT_BUILD_TEXT = 255 };
  */
 const char *ect_build_text(ect_build_t *build, const char *text, size_t longest);
 
+/** @return a letter in lower case, or a digit, in any locale; 0: it is neither of ISO 646 */
+char ect_build_plain(char c);
+
 /** Gives up, for a reason that is kept unless there was one before. */
 __attribute__((format(printf, 2, 3))) void ect_build_fail(ect_build_t *build, const char *format, ...);
 

@@ -251,7 +251,6 @@ static void check_head(lint_t *l, const xmlNode *root, const xmlNode *descriptio
         return;
     }
     check_orders(l, vendor);
-    want_text(l, vendor, "Id");
     want_text(l, vendor, "Name");
     check_picture(l, vendor);
     walk(l, vendor);

@@ -13,7 +13,7 @@
 
 #include "esi/internal.h"
 
-enum { FILE_MAXIMUM = 64 * 1024 * 1024 };
+enum { FILE_MEBIBYTES = 64, FILE_MAXIMUM = FILE_MEBIBYTES * 1024 * 1024 };
 
 static ect_esi_xml_t context(ect_esi_t *esi, char *text, size_t room)
 {
@@ -114,7 +114,7 @@ static void read_heads(ect_esi_t *esi, ect_esi_xml_t *xml, const xmlNode *device
 ect_esi_t *ect_esi_parse(const char *name, const void *data, size_t length, char *text, size_t room)
 {
     if (length > FILE_MAXIMUM) {
-        (void)snprintf(text, room, "%s: larger than %d MiB", name, FILE_MAXIMUM / 1024 / 1024);
+        (void)snprintf(text, room, "%s: larger than %d MiB", name, FILE_MEBIBYTES);
         return NULL;
     }
     xmlDocPtr document = parse(name, data, length, text, room);
@@ -172,7 +172,7 @@ static char *load(const char *path, size_t *length, char *text, size_t room)
     if (file < 0 || fstat(file, &status) != 0) {
         (void)snprintf(text, room, "%s: %s", path, strerror(errno));
     } else if (!S_ISREG(status.st_mode) || status.st_size > FILE_MAXIMUM) {
-        (void)snprintf(text, room, "%s: not a file of at most %d MiB", path, FILE_MAXIMUM / 1024 / 1024);
+        (void)snprintf(text, room, "%s: not a file of at most %d MiB", path, FILE_MEBIBYTES);
     } else {
         data = read_all(file, (size_t)status.st_size, length);
         if (!data)

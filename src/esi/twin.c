@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "esi/internal.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -400,7 +399,7 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
         [ECT_OMIT_PDOS] = "all PDOs, which the dictionary has, and the names of the clock modes",
     };
     uint8_t *image = malloc(device->sii_size);
-    device->sii_omit = told ? ECT_OMIT_PDOS : 0;
+    device->sii_omit = told ? ECT_OMIT_PDOS : ECT_OMIT_ENTRY_NAMES;
     ECT_ASSERT(device->sii_size >= ECT_SII_CATEGORIES); /* set_eeprom */
     int omitted = image != NULL ? ect_sii_omission(device, image) : -1;
     free(image);
@@ -459,8 +458,9 @@ static const char *command_name(ect_build_t *build, const char *type)
     char *name = ect_arena_alloc(build->arena, ECT_BUILD_NAME + 1);
     size_t length = 0;
     for (; *type != '\0' && length < ECT_BUILD_NAME; type++) {
-        if (isalnum((unsigned char)*type) && (unsigned char)*type < 0x80)
-            name[length++] = (char)tolower((unsigned char)*type);
+        char plain = ect_build_plain(*type);
+        if (plain != '\0')
+            name[length++] = plain;
         else if (length > 0 && name[length - 1] != '-')
             name[length++] = '-';
     }

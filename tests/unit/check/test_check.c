@@ -55,6 +55,10 @@ typedef struct row {
     X(object_name, confdev, OBJECT(0x6000)->name = NULL, "6000h: it has no name")                                      \
     X(no_entries, confdev, OBJECT(0x6000)->entries = NULL, "6000h: it has no entries")                                 \
     X(var_of_two, confdev, OBJECT(0x2100)->max_subindex = 1, "2100h: a VAR has one entry")                             \
+    X(var_elsewhere, confdev, ENTRY(0x2100, 0)->subindex = 1, "2100h: a VAR has one entry, sub-index 0")               \
+    X(domain_elsewhere, confdev, (OBJECT(0x2101)->object_code = ECT_OBJECT_DOMAIN, ENTRY(0x2101, 0)->subindex = 255),  \
+      "2101h: a DOMAIN has one entry, sub-index 0")                                                                    \
+    X(domain_of_five, confdev, OBJECT(0x6000)->object_code = ECT_OBJECT_DOMAIN, "6000h: a DOMAIN has one entry")       \
     X(not_counted, confdev, OBJECT(0x6000)->last = 0, "6000h: its entries are not counted")                            \
     X(max_too_high, confdev, OBJECT(0x6000)->max_subindex++, "6000h:0: it has 4 elements, but the last is 5")          \
     X(max_and_count_too_high, confdev, (OBJECT(0x6000)->max_subindex++, ENTRY(0x6000, 0)->value++),                    \

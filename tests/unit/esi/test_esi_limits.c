@@ -612,6 +612,42 @@ static void transitions(void **state)
     }
 }
 
+/* Rights of the dictionary stay beside those that a command needs. */
+static void rights_of_commands(void **state)
+{
+#define HAVING(flags, transition)                                                                                      \
+    ESI_DEVICE(DICT(OBJECT("#x2000", "UINT", "16", "<Flags>" flags "</Flags>")) ESI_MAILBOX_SMS                        \
+               "<Mailbox><CoE><InitCmd><Transition>" transition "</Transition><Index>#x2000</Index><Data>0001</Data>"  \
+               "</InitCmd></CoE></Mailbox>" ESI_EEPROM)
+    static const struct {
+        const char *what, *text;
+        uint16_t access;
+        bool note;
+    } table[] = {
+        {"wo", HAVING("<Access>wo</Access>", "PS"), ECT_ACCESS_WO, false},
+        {"wo in OP, at PS", HAVING("<Access WriteRestrictions='OP'>wo</Access>", "PS"),
+         ECT_ACCESS_W_OP | ECT_ACCESS_W_PREOP, true},
+        {"wo in OP, at SO", HAVING("<Access WriteRestrictions='OP'>wo</Access>", "SO"),
+         ECT_ACCESS_W_OP | ECT_ACCESS_W_SAFEOP, true},
+        {"wo in PREOP, at OS", HAVING("<Access WriteRestrictions='PreOP'>wo</Access>", "OS"),
+         ECT_ACCESS_W_OP | ECT_ACCESS_W_PREOP, true},
+        {"wo in PREOP, at IP", HAVING("<Access WriteRestrictions='PreOP'>wo</Access>", "IP"), ECT_ACCESS_W_PREOP,
+         false},
+        {"ro, at an unknown transition", HAVING("<Access>ro</Access>", "XX"), ECT_ACCESS_RW, true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        uint16_t access = ect_od_find(&od, 0x2000)->entries[0].access;
+        bool note = note_of(&m, "line 2: a start-up command writes 2000:0, which is read-only") != NULL;
+        if (access != table[i].access || note != table[i].note)
+            fail_msg("%s: expected %03X, note %d, got %03X, %d", table[i].what, table[i].access, table[i].note, access,
+                     note);
+        free_made(&m);
+    }
+}
+
 /* Files have other words, too: a command keeps the transitions that a CoE command can have, or is left out. */
 static void unknown_transitions(void **state)
 {
@@ -774,6 +810,7 @@ int main(void)
         {"PDOs, assigned or not, have signals before objects have", signal_places, NULL, NULL, NULL},
         {"an object that a PDO or the stack replaces has its code", codes_of_replaced_objects, NULL, NULL, NULL},
         {"a start-up command makes its entry writable in the states of its transitions", transitions, NULL, NULL, NULL},
+        {"a start-up command leaves the rights that there are", rights_of_commands, NULL, NULL, NULL},
         {"a start-up command keeps the transitions that CoE has", unknown_transitions, NULL, NULL, NULL},
         {"a start-up command adds what the dictionary can have", commands_against_the_dictionary, NULL, NULL, NULL},
         {"the name of a device is its summary, and its type where there is none", texts_of_devices, NULL, NULL, NULL},

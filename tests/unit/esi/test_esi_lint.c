@@ -156,6 +156,8 @@ static const struct mistake {
     {"AssignActivate of C", "<Eeprom>",
      "<Dc><OpMode><Name>M</Name><AssignActivate>0x300</AssignActivate></OpMode></Dc><Eeprom>", true,
      "f.xml:8: AssignActivate 0x"},
+    {"a number of C behind an empty element", "<Eeprom><ByteSize>2048<",
+     "<Mailbox><FoE/></Mailbox><Eeprom><ByteSize>0x800<", true, "f.xml:8: ByteSize 0x800"},
     {"the vendor behind the descriptions", "</Descriptions>", "</Descriptions><InfoReference/>", true,
      "f.xml:9: InfoReference behind Descriptions in EtherCATInfo"},
     {"the vendor's name before its id", "<Id>#x1</Id><Name>V</Name>", "<Name>V</Name><Id>#x1</Id>", true,

@@ -104,6 +104,10 @@ typedef struct row {
     X(most, testdev, D.sm[2].maximum = 4, "<Sm MaxSize=\"4\" DefaultSize=\"3\" StartAddress=\"#x1200\"", NULL)         \
     X(unused, testdev, (D.sm_count = 5, D.sm[4].start = 0x80),                                                         \
       "<Sm DefaultSize=\"0\" StartAddress=\"#x0080\" ControlByte=\"#x00\" Enable=\"0\"></Sm>", NULL)                   \
+    X(one_byte, testdev, (ENTRY(0x1600, 0)->value = 2, ENTRY(0x1600, 2)->value = ECT_MAP(0, 0, 7)),                    \
+      "<Sm DefaultSize=\"1\" StartAddress=\"#x1200\" ControlByte=\"#x64\" Enable=\"1\">Outputs</Sm>", NULL)            \
+    X(no_byte, testdev, ENTRY(0x1600, 0)->value = 0,                                                                   \
+      "<Sm DefaultSize=\"0\" StartAddress=\"#x1200\" ControlByte=\"#x64\" Enable=\"0\">Outputs</Sm>", NULL)            \
     X(fixed_sm, testdev, D.sm[2].flags = ECT_SM_FLAG_FIXED, "Enable=\"3\">Outputs</Sm>", NULL)                         \
     X(op_only, testdev, D.sm[2].flags = ECT_SM_FLAG_OP_ONLY, "Enable=\"1\" OpOnly=\"true\">Outputs</Sm>", NULL)        \
     X(virtual_sm, testdev,                                                                                             \
