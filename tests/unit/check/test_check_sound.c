@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A description that passes is safe to run (check/check.h): each number of a description is replaced by the bounds of
- * its type, one at a time. A refusal is one line; an accepted description has an SII, comes to SAFEOP or says why not,
- * gives the changed object by SDO, and takes outputs.
+ * its type, one at a time. A refusal is one line; an accepted description has an SII, comes to SAFEOP or has an AL
+ * status code, gives the changed object by SDO, and takes outputs.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -239,7 +239,7 @@ static void numbers_of_sync_managers(void **state)
     assert_true(tally.accepted > 100);
 }
 
-/* Counts only become smaller: nobody can see how long an array is. */
+/* Counts only become smaller: the length of an array is not visible. */
 static void numbers_of_devices(void **state)
 {
     static const member_t members[] = {MEMBER(ect_device_t, sii_size),
