@@ -8,6 +8,7 @@
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -312,6 +313,32 @@ static void keep_output_together(void)
         (void)setvbuf(stdout, room, _IOFBF, sizeof room);
 }
 
+/* Runs this program again with twins in its process; the environment then names their interface. Returns on failure
+ * only. */
+static int restart_with_twins(const cf_options_t *options, int argc, char **argv)
+{
+    static char self[PATH_MAX], ectwin[PATH_MAX + 8];
+    static char *const first[] = {ectwin, "with", "--in-process", "--virtual-time"};
+    enum { FIRST = sizeof first / sizeof first[0] };
+    char **words = calloc(FIRST + (size_t)argc + 3, sizeof *words);
+    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (!words || length <= 0) {
+        fprintf(stderr, "ectwin-conform: cannot start again: %s\n", strerror(errno));
+        return EXIT_NOTHING;
+    }
+    snprintf(ectwin, sizeof ectwin, "%.*sectwin", (int)(strrchr(self, '/') - self + 1), self);
+    memcpy(words, first, sizeof first);
+    words[FIRST] = (char *)(uintptr_t)options->in_process;
+    words[FIRST + 1] = "--";
+    words[FIRST + 2] = self;
+    memcpy(words + FIRST + 3, argv + 1, ((size_t)argc - 1) * sizeof *words);
+    execv(ectwin, words);
+    fprintf(stderr, "ectwin-conform: cannot run '%s', which --in-process needs: %s; install ectwin again\n", ectwin,
+            strerror(errno));
+    free(words);
+    return EXIT_NOTHING;
+}
+
 int main(int argc, char **argv)
 {
     static cf_run_t run;
@@ -324,6 +351,10 @@ int main(int argc, char **argv)
     cf_options_parse(&options, argc, argv);
     if (options.list)
         return list(&options);
+    if (options.in_process && !getenv("ECTWIN_INPROCESS"))
+        return restart_with_twins(&options, argc, argv);
+    if (options.in_process)
+        options.iface = getenv("ECTWIN_IFACE");
     join(command, argc, argv);
     run.command = command;
     sigaction(SIGINT, &action, NULL);

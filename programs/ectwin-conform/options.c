@@ -13,6 +13,7 @@
 
 enum {
     OPTION_ONLY = 256,
+    OPTION_IN_PROCESS,
     OPTION_SKIP,
     OPTION_SLAVE,
     OPTION_ESI,
@@ -38,6 +39,10 @@ enum { MOST_SECONDS = 3000, DEFAULT_SECONDS = 10 };
 
 static const struct argp_option options_[] = {
     {"interface", 'i', "IFACE", 0, "Network interface that the slave is connected to", 0},
+    {"in-process", OPTION_IN_PROCESS, "DEVICE[,DEVICE...]", 0,
+     "In place of -i: judge twins in this process, on a virtual clock, without a network. 'ectwin list' lists the "
+     "devices",
+     0},
     {"slave", OPTION_SLAVE, "N", 0, "Position of the slave on the segment, from 1 (default 1)", 0},
     {"esi", OPTION_ESI, "FILE[#TYPE]", 0,
      "Compare the slave with its ESI file; without #TYPE, with the device of its product code and revision", 0},
@@ -134,8 +139,10 @@ static void request(struct argp_state *state, uint32_t what, const char *seconds
 
 static void check(struct argp_state *state, const cf_options_t *options)
 {
-    if (!options->iface && !options->list)
+    if (!options->iface && !options->in_process && !options->list)
         argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
+    if (options->iface && options->in_process)
+        argp_error(state, "-i is a slave on a network and --in-process a twin without one: leave one of them out");
     if (cf_options_count(options) == 0)
         argp_error(state, "no case is left to run: --list shows their ids");
     if (options->schema && !options->esi)
@@ -150,6 +157,7 @@ static const char **text_option(cf_options_t *options, int key)
         const char **place;
     } table[] = {{'i', &options->iface},
                  {'o', &options->output},
+                 {OPTION_IN_PROCESS, &options->in_process},
                  {OPTION_ONLY, &options->only},
                  {OPTION_SKIP, &options->skip},
                  {OPTION_PCAP, &options->pcap},

@@ -14,6 +14,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -276,20 +277,41 @@ def contains(what, part, text):
 
 def exit_codes(ectwin, conform):
     """0 with all passed, 2 without a slave or an interface, 64 for wrong usage, each with a line that names the remedy"""
-    done = call(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
+    done = call_over_network(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
     expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
     for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 answer on 'ecat0'"),
                                   (["--only", "CF-777"], 64, "no case is left to run"),
                                   (["--slave", "x"], 64, "--slave takes a number from 1"), (["--format", "pdf"], 64, "--format is"),
                                   (["-o", "/no/such/file", "--only", "CF-001"], 2, "cannot write '/no/such/file'"),
                                   (["--pcap", "/no/such/file"], 2, "cannot write '/no/such/file'")):
-        done = call(ectwin, conform, ["fzm1"], arguments)
+        done = call_over_network(ectwin, conform, ["fzm1"], arguments)
         expect(" ".join(arguments), code, done.returncode)
         contains(" ".join(arguments), text, done.stderr)
     done = subprocess.run([conform, "-i", "nosuch0"], capture_output=True, text=True, check=False)
     expect("no such interface", 2, done.returncode)
     contains("no such interface", "there is no network interface of that name", done.stderr)
     expect("no interface named", 64, subprocess.run([conform], capture_output=True, check=False).returncode)
+    expect("two places", 64, subprocess.run([conform, "-i", "lo", "--in-process", "fzm1"], capture_output=True, check=False).returncode)
+
+
+def in_process(_, conform):
+    """--in-process: twins without a network; with --long an hour without a master (CF-049) and a million frames (CF-094)"""
+    environment = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}
+    for device, only, notes in (("fzm1", "CF-001,CF-049,CF-094", ["3600 s without a master", "10[0-9]{5} mails, frames and requests"]),
+                                ("fzm1,vr-bu-ect-map7", "CF-010", [])):
+        done = subprocess.run([conform, "--in-process", device, "--long", "--only", only, "--format", "json"], capture_output=True,
+                              text=True, check=False, env=environment)
+        cases = json.loads(done.stdout)["cases"]
+        expect(device, (0, ["pass"] * len(cases)), (done.returncode, [c["verdict"] for c in cases]))
+        for note in notes:
+            expect(note, True, any(re.fullmatch(note, c["reason"]) is not None for c in cases))
+    done = subprocess.run([conform, "--in-process", "nosuch"], capture_output=True, text=True, check=False)
+    contains("an unknown device", "there is no device 'nosuch'", done.stderr)
+    with tempfile.TemporaryDirectory() as folder:
+        alone = shutil.copy(conform, folder)
+        done = subprocess.run([alone, "--in-process", "fzm1"], capture_output=True, text=True, check=False)
+    expect("without ectwin", 2, done.returncode)
+    contains("without ectwin", "ectwin', which --in-process needs", done.stderr)
 
 
 def listing(_, conform):
@@ -380,7 +402,7 @@ def source_address(ectwin, conform):
     """Frames leave with the interface's unicast address; the first ESC marks it as locally administered"""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "run.pcapng"
-        call(ectwin, conform, ["fzm1"], ["--only", "CF-00[12],CF-013,CF-095", "--pcap", str(path)])
+        call_over_network(ectwin, conform, ["fzm1"], ["--only", "CF-00[12],CF-013,CF-095", "--pcap", str(path)])
         sources = {frame[6] & 3 for frame in frames_of(path.read_bytes())}
     expect("low bits of the first byte: sent and received", {0, 2}, sources)
 
@@ -548,7 +570,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [exit_codes, listing, formats, report_fields, output_lost, end_of_frame, canary, source_address, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
+    tests = [exit_codes, in_process, listing, formats, report_fields, output_lost, end_of_frame, canary, source_address, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
     failed = 0
     for test in tests:
         if only and test.__name__ != only:
