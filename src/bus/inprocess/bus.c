@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +31,6 @@ typedef struct library {
 static struct {
     library_t library;
     ectwin_bus_t *bus;
-    pid_t pid;
     int control_fd;
     bool failed;
     bool down[ECT_BUS_ENDS];
@@ -160,16 +160,28 @@ static bool start(uint64_t now_ns)
 
 bool ect_bus_running(void)
 {
-    return state.bus && state.pid == getpid();
+    return state.bus != NULL;
+}
+
+/* The bus stays the parent's. */
+static void in_child(void)
+{
+    state.bus = NULL;
+    state.failed = false;
+    state.control_fd = -1;
+}
+
+__attribute__((constructor)) static void watch_forks(void)
+{
+    (void)pthread_atfork(NULL, NULL, in_child);
 }
 
 int ect_bus_start(uint64_t now_ns, ect_bus_deliver_t *deliver)
 {
     if (ect_bus_running())
         return 0;
-    if (state.failed && state.pid == getpid())
+    if (state.failed)
         return -1;
-    state.pid = getpid();
     state.control_fd = -1;
     state.deliver = deliver;
     ect_inside++;

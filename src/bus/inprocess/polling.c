@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "bus/inprocess/deadline.h"
+#include "bus/inprocess/ports.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
@@ -26,9 +27,35 @@ typedef struct polling {
     int result;
 } polling_t;
 
+/* Most masters wait for sockets of the bus alone. */
+static bool are_ports(const struct pollfd *fds, nfds_t count)
+{
+    nfds_t i = 0;
+    while (i < count && ect_port_of(fds[i].fd))
+        i++;
+    return i == count && count > 0;
+}
+
+static int poll_ports(struct pollfd *fds, nfds_t count)
+{
+    int ready = 0;
+    for (nfds_t i = 0; i < count; i++) {
+        short has = ect_port_has_frame(ect_port_of(fds[i].fd)) ? POLLIN | POLLRDNORM | POLLOUT | POLLWRNORM
+                                                               : POLLOUT | POLLWRNORM;
+        fds[i].revents = fds[i].events & has;
+        ready += fds[i].revents != 0;
+    }
+    return ready;
+}
+
 static bool poll_now(void *arg)
 {
     polling_t *p = arg;
+    if (are_ports(p->fds, p->count)) {
+        p->result = poll_ports(p->fds, p->count);
+        return p->result != 0;
+    }
+    ect_ports_show();
     p->result = REAL(poll)(p->fds, p->count, 0);
     return p->result != 0;
 }
@@ -73,6 +100,7 @@ static bool select_now(void *arg)
 {
     selecting_t *s = arg;
     struct timeval none = {0};
+    ect_ports_show();
     for (unsigned int i = 0; i < 3; i++) {
         if (s->sets[i])
             *s->sets[i] = s->wanted[i];
@@ -122,6 +150,7 @@ typedef struct epolling {
 static bool epoll_now(void *arg)
 {
     epolling_t *e = arg;
+    ect_ports_show();
     e->result = REAL(epoll_wait)(e->fd, e->events, e->most, 0);
     return e->result != 0;
 }

@@ -42,6 +42,8 @@ struct ect_port {
     uint64_t timeout_ns;
     waiting_t *first, **last;
     size_t count;
+    bool fresh; /* a frame has come since the eventfd was last written */
+    bool shown; /* the eventfd is readable */
 };
 
 static ect_port_t *by_descriptor[DESCRIPTORS];
@@ -54,7 +56,7 @@ ect_port_t *ect_port_of(int fd)
 
 int ect_port_open(int type, int protocol)
 {
-    int flags = EFD_SEMAPHORE | EFD_NONBLOCK | ((type & SOCK_CLOEXEC) != 0 ? EFD_CLOEXEC : 0);
+    int flags = EFD_NONBLOCK | ((type & SOCK_CLOEXEC) != 0 ? EFD_CLOEXEC : 0);
     ect_port_t *port = calloc(1, sizeof *port);
     int fd = port ? eventfd(0, flags) : -1;
     if (fd < 0 || fd >= DESCRIPTORS) {
@@ -120,6 +122,31 @@ void ect_port_closed(int fd)
     ect_time_unlock();
 }
 
+bool ect_port_has_frame(const ect_port_t *port)
+{
+    return port->first != NULL;
+}
+
+/* Each frame is a new event of an edge-triggered epoll, so the eventfd is written although it is readable. */
+static void show(ect_port_t *port)
+{
+    eventfd_t value;
+    if (port->fresh) {
+        (void)eventfd_write(port->fd, 1);
+        port->shown = true;
+    } else if (port->shown && !port->first) {
+        (void)!REAL(read)(port->fd, &value, sizeof value);
+        port->shown = false;
+    }
+    port->fresh = false;
+}
+
+void ect_ports_show(void)
+{
+    for (ect_port_t *port = bound; port; port = port->next)
+        show(port);
+}
+
 static int fail(int error)
 {
     errno = error;
@@ -153,7 +180,9 @@ static void deliver(unsigned int end, const uint8_t *frame, size_t length)
         *port->last = one;
         port->last = &one->next;
         port->count++;
-        eventfd_write(port->fd, 1);
+        port->fresh = true;
+        if (!ect_time_is_virtual)
+            show(port);
     }
 }
 
@@ -178,6 +207,7 @@ void ect_port_take(unsigned int end, bool up)
 {
     ect_time_lock();
     ect_bus_plug(end, up, ect_time_now());
+    ect_time_bus_next(ect_time_now());
     ect_time_unlock();
 }
 
@@ -202,6 +232,7 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
         }
         port->end = end;
         ect_bus_plug((unsigned int)end, ect_bus_is_up((unsigned int)end), ect_time_now());
+        ect_time_bus_next(ect_time_now());
     }
     ect_time_unlock();
     return started ? 0 : fail(ENETDOWN);
@@ -308,12 +339,14 @@ static bool is_waiting(const void *arg)
 static void take(ect_port_t *port)
 {
     waiting_t *one = port->first;
-    eventfd_t value;
     port->first = one->next;
-    if (!port->first)
+    if (!port->first) {
         port->last = &port->first;
+        port->fresh = false;
+    }
     port->count--;
-    (void)REAL(read)(port->fd, &value, sizeof value);
+    if (!ect_time_is_virtual)
+        show(port);
     free(one);
 }
 

@@ -3,8 +3,9 @@
  * @file
  * Packet sockets of the master that end at the bus in this process.
  *
- * A socket is an eventfd, so that a real poll, select or epoll finds it readable while frames wait. Descriptors that
- * dup, dup2 and fcntl make of it stand for the same socket.
+ * A socket is an eventfd, so that a real poll, select or epoll finds it readable while frames wait; on the virtual clock
+ * it becomes so in ::ect_ports_show, which precedes these calls. Descriptors that dup, dup2 and fcntl make of it stand
+ * for the same socket.
  */
 #ifndef ECT_BUS_INPROCESS_PORTS_H
 #define ECT_BUS_INPROCESS_PORTS_H
@@ -19,6 +20,11 @@ typedef struct ect_port ect_port_t;
 
 /** The socket behind a descriptor; NULL: none of ours. Cost: a look into a table. */
 ect_port_t *ect_port_of(int fd);
+
+/** Whether a frame waits in it. With the lock. */
+bool ect_port_has_frame(const ect_port_t *port);
+/** Makes the descriptors of all sockets readable, or not, as frames wait. With the lock. */
+void ect_ports_show(void);
 
 /** Makes a socket. @param type as of socket(2) @param protocol network order @return the descriptor; -1 (errno) */
 int ect_port_open(int type, int protocol);

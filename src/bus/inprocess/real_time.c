@@ -16,6 +16,8 @@
 
 enum { NS_PER_S = 1000000000, REST_NS = 50000 };
 
+const bool ect_time_is_virtual = false;
+
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static int wake_fd = -1;
 static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* the thread of the library */

@@ -42,6 +42,8 @@ typedef struct thread {
     int turn; /* a futex: 1 when the thread may go on */
 } thread_t;
 
+const bool ect_time_is_virtual = true;
+
 /* Guarded by `mutex`, which is held for moments only; the bus is touched with it held. */
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static uint64_t now_ns = ECT_VIRTUAL_START_NS;
@@ -106,7 +108,7 @@ static void advance(uint64_t to_ns)
             step_ns = timer->next_ns < step_ns ? timer->next_ns : step_ns;
         bool again = step_ns <= now_ns; /* a bus that is due again at once gets a pause, so that time goes on */
         now_ns = step_ns > now_ns ? step_ns : now_ns;
-        if (ect_bus_running())
+        if (bus_next_ns <= now_ns && ect_bus_running())
             bus_next_ns = ect_bus_run(now_ns);
         run_timers();
         if (again && bus_next_ns <= now_ns)

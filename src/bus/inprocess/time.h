@@ -15,6 +15,9 @@
 /** Stated cost of a call on the virtual clock, nanoseconds; the real clock has its own. */
 enum { ECT_COST_CLOCK_NS = 50, ECT_COST_SOCKET_NS = 1000 };
 
+/** Whether time passes only while every thread waits. */
+extern const bool ect_time_is_virtual;
+
 /** Excludes all other users of the bus and the ports. Not recursive. */
 void ect_time_lock(void);
 void ect_time_unlock(void);
