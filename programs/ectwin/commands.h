@@ -64,6 +64,12 @@ typedef struct twin_module {
     ect_module_choice_t choice;
 } twin_module_t;
 
+/** The behaviour of a twin from a file; `twin` counts from 1, 0: all of files. */
+typedef struct twin_behaviour {
+    size_t twin;
+    ect_behaviour_t behaviour;
+} twin_behaviour_t;
+
 /** The twins that a command line asks for: devices and the options that shape them. */
 typedef struct twin_args {
     ect_twin_config_t *twins;
@@ -90,6 +96,8 @@ typedef struct twin_args {
     size_t setting_count;
     twin_module_t *modules;
     size_t module_count;
+    twin_behaviour_t *behaviours;
+    size_t behaviour_count;
     ect_files_t **opened;    /* the folder, one a twin, where there is one */
     ect_eeprom_t **eeproms;  /* one a twin, where there is a store */
     ect_memory_t **memories; /* one a twin, once they are powered on */

@@ -53,14 +53,14 @@ const char *product_file(const char *name)
 }
 
 static const ect_product_t *from_file(const char *file, const ect_module_choice_t *modules, size_t module_count,
-                                      char *message)
+                                      ect_behaviour_t behaviour, char *message)
 {
     const char *hash = ect_esi_selector(file);
     char *path = strndup(file, hash ? (size_t)(hash - file) : strlen(file));
     ect_esi_twin_t *twin =
         path ? ect_esi_twin_make(path, hash ? hash + 1 : "", modules, module_count, message, PRODUCT_MESSAGE) : NULL;
     free(path);
-    if (!twin || !keep(twin))
+    if (!twin || !keep(twin) || !ect_esi_twin_behave(twin, behaviour, message, PRODUCT_MESSAGE))
         return NULL;
     size_t count;
     const char *const *notes = ect_esi_twin_notes(twin, &count);
@@ -71,14 +71,19 @@ static const ect_product_t *from_file(const char *file, const ect_module_choice_
 }
 
 const ect_product_t *product_find(const char *name, const ect_module_choice_t *modules, size_t module_count,
-                                  char *message)
+                                  ect_behaviour_t behaviour, char *message)
 {
     const char *file = product_file(name);
     if (file)
-        return from_file(file, modules, module_count, message);
+        return from_file(file, modules, module_count, behaviour, message);
     const ect_product_t *product = ect_catalogue_find(name);
-    if (product)
+    if (product && behaviour == ECT_BEHAVIOUR_BY_FILE)
         return product;
+    if (product) {
+        (void)snprintf(message, PRODUCT_MESSAGE,
+                       "'%.60s' has its own behaviour: --behaviour is for twins of ESI files, esi:FILE.xml#TYPE", name);
+        return NULL;
+    }
     size_t length = strcspn(name, "#");
     if (length > 4 && strncasecmp(name + length - 4, ".xml", 4) == 0) {
         (void)snprintf(message, PRODUCT_MESSAGE, "'%.200s' is the name of a file: write esi:%.200s for a device of it",

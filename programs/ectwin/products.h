@@ -17,11 +17,12 @@ enum { PRODUCT_MESSAGE = 600 };
  * Finds a product, or makes it from a file; features of the file that the twin does not support are printed to standard
  * error.
  * @param modules, module_count  of a modular device from a file
+ * @param behaviour  of a device from a file; others have their own, and refuse all but ECT_BEHAVIOUR_BY_FILE
  * @param[out] message  PRODUCT_MESSAGE bytes
  * @return the product, valid until the program ends, or NULL
  */
 const ect_product_t *product_find(const char *name, const ect_module_choice_t *modules, size_t module_count,
-                                  char *message);
+                                  ect_behaviour_t behaviour, char *message);
 
 /** Features that a twin of a file does not support are not listed from here on. */
 void product_quiet(void);

@@ -248,7 +248,8 @@ int command_list_signals(int argc, char **argv)
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     char message[PRODUCT_MESSAGE];
     bool from_file = args.count > 0 && product_file(args.arguments[0]);
-    const ect_product_t *product = args.count > 0 ? product_find(args.arguments[0], NULL, 0, message) : NULL;
+    const ect_product_t *product =
+        args.count > 0 ? product_find(args.arguments[0], NULL, 0, ECT_BEHAVIOUR_BY_FILE, message) : NULL;
     if (from_file && !product) {
         fprintf(stderr, "%s: %s\n", argv[0], message);
         return EXIT_OPEN;

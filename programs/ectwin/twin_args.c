@@ -32,6 +32,7 @@ enum {
     KEY_BUSY_POLL,
     KEY_BREAK,
     KEY_MODULE,
+    KEY_BEHAVIOUR,
     KEY_FAULT,
     KEY_FAULTS,
     KEY_FILES,
@@ -69,6 +70,11 @@ static const struct argp_option options[] = {
      "Name of these twins for 'ectwin ps', and for -s of the commands that talk to them (default: the process id)", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
      "Module in a slot of twin N (default 1), a modular device of an ESI file, by its ModuleIdent. May be repeated", 1},
+    {"behaviour", KEY_BEHAVIOUR, "[N:]cia402|none", 0,
+     "Behaviour of twin N of an ESI file, without N of all: the axes of a CiA 402 drive, or none (default: cia402 "
+     "where "
+     "the file has 6040h and 6041h). May be repeated",
+     1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
      "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
      "repeated",
@@ -137,6 +143,31 @@ static void add_module(twin_args_t *args, const struct argp_state *state, const 
         argp_error(state, "--module takes SLOT=IDENT, as in 1=0x00000120, not '%s'", text);
     args->modules = grown;
     args->modules[args->module_count++] = module;
+}
+
+static void add_behaviour(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char *colon = strchr(text, ':');
+    const char *word = text;
+    twin_behaviour_t one = {.twin = colon ? twin_of(&word) : 0};
+    twin_behaviour_t *grown = realloc(args->behaviours, (args->behaviour_count + 1) * sizeof *grown);
+    bool drive = strcmp(word, "cia402") == 0;
+    if (!grown || (colon && one.twin == 0) || (!drive && strcmp(word, "none") != 0))
+        argp_error(state, "--behaviour takes cia402 or none, or one of them for a twin, as 2:none, not '%s'", text);
+    one.behaviour = drive ? ECT_BEHAVIOUR_CIA402 : ECT_BEHAVIOUR_NONE;
+    args->behaviours = grown;
+    args->behaviours[args->behaviour_count++] = one;
+}
+
+/* The last option for a twin counts; one for all is for those of files. */
+static ect_behaviour_t behaviour_of(const twin_args_t *args, const char *name, size_t place)
+{
+    for (size_t i = args->behaviour_count; i-- > 0;) {
+        const twin_behaviour_t *b = &args->behaviours[i];
+        if (b->twin == place || (b->twin == 0 && product_file(name)))
+            return b->behaviour;
+    }
+    return ECT_BEHAVIOUR_BY_FILE;
 }
 
 /* --- identity of the twins --------------------------------------------------------------------------------------- */
@@ -334,6 +365,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_MODULE:
         add_module(args, state, text);
         return 0;
+    case KEY_BEHAVIOUR:
+        add_behaviour(args, state, text);
+        return 0;
     case KEY_SET:
         add_setting(args, state, text);
         return 0;
@@ -380,7 +414,8 @@ static const ect_product_t *find_product(const twin_args_t *args, const char *na
         if (args->modules[i].twin == place)
             choices[count++] = args->modules[i].choice;
     }
-    const ect_product_t *product = choices ? product_find(name, choices, count, message) : NULL;
+    const ect_product_t *product =
+        choices ? product_find(name, choices, count, behaviour_of(args, name, place), message) : NULL;
     free(choices);
     return product;
 }
@@ -615,6 +650,7 @@ void twin_args_free(twin_args_t *args)
     free(args->wishes);
     wiring_args_free(&args->wiring);
     free(args->modules);
+    free(args->behaviours);
     free(args->twins);
     args->twins = NULL;
 }

@@ -56,7 +56,7 @@ static bool add_written_image(verify_t *v, const char *operand, const ect_device
 /* A description, and the EEPROM of it; that of a file only if it carries one. */
 static bool add_device(verify_t *v, const char *operand, const char *name, bool only_said)
 {
-    const ect_product_t *product = product_find(name, NULL, 0, v->message);
+    const ect_product_t *product = product_find(name, NULL, 0, ECT_BEHAVIOUR_BY_FILE, v->message);
     if (product == NULL)
         return false;
     const ect_esi_twin_t *twin = product_twin(product);

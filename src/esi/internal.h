@@ -18,6 +18,7 @@
  *   build_pdos.c       PDOs, what they map, which are assigned
  *   build_signals.c    signals from PDO entries and objects
  *   twin.c             the description and its behaviour
+ *   behaviour.c        a drive by its objects of CiA 402
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes, the first failure kept
  *   write_dictionary.c  data types and objects
@@ -138,7 +139,7 @@ typedef struct ect_build_entry {
     uint16_t unit; /* as in ect_detail_t */
     uint8_t per;
     size_t offset; /**< in the instance, once it is laid out */
-    bool identity; /**< its data is a member of ect_standard_t at `offset` */
+    bool identity; /**< its data is a member of ect_standard_t at `offset`: 1018h, 1001h */
 } ect_build_entry_t;
 
 /** An object while it is built; its entries in any order. */
@@ -267,6 +268,21 @@ uint32_t ect_build_largest_bits(const ect_build_t *build, int sm);
 
 /** build_signals.c: fills the plant's signals; entries have their offsets. */
 void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
+
+/** The axes of a twin that is a drive: behaviour.c. */
+typedef struct ect_esi_drives ect_esi_drives_t;
+
+struct ect_esi_twin {
+    ect_arena_t arena;
+    ect_esi_t *own; /* the file, when it is the twin's */
+    const ect_esi_t *esi;
+    bool chosen; /* the user named modules */
+    ect_build_t build;
+    ect_device_t device;
+    ect_plant_t plant;
+    ect_product_t product;
+    ect_esi_drives_t *drives; /* NULL: a shell */
+};
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 

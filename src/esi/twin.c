@@ -20,17 +20,6 @@ enum {
 /* Most process data in one datagram of an Ethernet frame, bytes. */
 enum { LONGEST_IMAGE = 1486 };
 
-struct ect_esi_twin {
-    ect_arena_t arena;
-    ect_esi_t *own; /* the file, when it is the twin's */
-    const ect_esi_t *esi;
-    bool chosen; /* the user named modules */
-    ect_build_t build;
-    ect_device_t device;
-    ect_plant_t plant;
-    ect_product_t product;
-};
-
 /* --- controller and layout --------------------------------------------------------------------------------------- */
 
 static uint8_t role_of(const ect_esi_sm_t *sm)
@@ -547,6 +536,18 @@ static void add_identity(ect_build_t *build)
     }
 }
 
+/* 1001h of the file is kept by the stack. */
+static void link_error_register(const ect_build_t *build)
+{
+    const ect_build_object_t *object = ect_build_find(build, 0x1001);
+    ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, 0) : NULL;
+    if (entry == NULL || entry->bits != 8)
+        return;
+    entry->initial = (ect_esi_bytes_t){0};
+    entry->offset = offsetof(ect_standard_t, error_register);
+    entry->identity = true;
+}
+
 /* --- the object list --------------------------------------------------------------------------------------------- */
 
 /* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
@@ -776,6 +777,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     if (b->model->mailbox.coe)
         add_mandatory(b);
     add_identity(b);
+    link_error_register(b);
     ect_build_sort(b);
     set_identity(b, device);
     set_sms(b, device);

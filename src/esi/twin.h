@@ -4,8 +4,9 @@
  * Twin: a device of an ESI file as one that runs. Nothing in stack, chain or command knows that it was made at run
  * time.
  *
- * The twin has the identity, layout, PDOs, dictionary and clocks of the file, and no behaviour of its own: inputs are
+ * The twin has the identity, layout, PDOs, dictionary and clocks of the file, and by itself no behaviour: inputs are
  * what somebody sets through signals (or a master by SDO), outputs are shown, and go to their defaults when OP is left.
+ * ::ect_esi_twin_behave makes a drive of CiA 402 move.
  * Notes list every feature of the file that the twin does not have.
  *
  * Host only. Context: mainline.
@@ -46,6 +47,23 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
  */
 ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
                                   size_t module_count, char *text, size_t room);
+
+/** The behaviour of a twin. */
+typedef enum ect_behaviour {
+    ECT_BEHAVIOUR_BY_FILE, /**< a drive, if the file has control word and status word 6040h and 6041h of an axis */
+    ECT_BEHAVIOUR_NONE,    /**< a shell */
+    ECT_BEHAVIOUR_CIA402,  /**< a drive */
+} ect_behaviour_t;
+
+/**
+ * Gives a twin its behaviour: axes of CiA 402 at 6000h, 6800h to 9800h, with the objects that the file has, and the
+ * signals `axis1.` to `axis8.` of their surroundings. A note lists the axes with their modes, and the objects of the
+ * profile that the drive does not simulate. Once, before the first power-on of the twin; the description of the device
+ * stays that of the file.
+ * @param[out] text, room  the reason of the failure, one line
+ * @return false: ECT_BEHAVIOUR_CIA402, and the file has no axis; the twin is a shell
+ */
+bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *text, size_t room);
 
 /** The product, valid until the twin is freed. */
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin);

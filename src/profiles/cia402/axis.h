@@ -42,8 +42,10 @@ enum { ECT_402_STEP_NS = 250000 };
 
 /** Modes of operation, 6060h. */
 enum {
+    ECT_402_NO_MODE = 0,
     ECT_402_PP = 1,
     ECT_402_PV = 3,
+    ECT_402_TQ = 4,
     ECT_402_HM = 6,
     ECT_402_IP = 7,
     ECT_402_CSP = 8,
@@ -81,6 +83,7 @@ typedef struct ect_402_plant {
     double load_inertia; /**< kg cm2, beside the motor's own */
     double friction;     /**< Nm */
     double brake;        /**< holding torque, Nm; 0: no brake */
+    uint8_t jam;         /**< the shaft is stuck */
     uint32_t brake_delay_ms;
     uint8_t input[ECT_402_INPUTS]; /**< switched by hand */
     ect_402_mark_t mark[2];        /**< at ECT_402_PROBE and ECT_402_HOME */
@@ -95,6 +98,8 @@ typedef struct ect_402_config {
     double peak_torque;     /**< Nm */
     double inertia;         /**< kg m2 */
     uint16_t reference_bit; /**< bit of the control word that starts a reference run in modes 7 and 8; 0: none */
+    bool coasts;            /**< Switched On has no torque, whatever 605Ch is */
+    bool cyclic_is_free;    /**< 607Fh limits profiled motion only, not modes 8 to 10 */
 } ect_402_config_t;
 
 /** The set value of the controllers. */
@@ -156,6 +161,7 @@ typedef struct ect_402_axis {
     uint16_t speed_window, zero_window;                        /**< counts/s */
     uint16_t max_torque, max_current, torque_limit[2];         /**< per mille; positive, negative */
     uint32_t motor_speed;                                      /**< turns a minute */
+    uint32_t torque_slope;                                     /**< per mille a second; mode 4 */
     uint32_t most_acceleration, most_deceleration;
     uint32_t physical[2]; /**< 60FEh: outputs, mask */
     int8_t home_method;

@@ -91,20 +91,22 @@ static void skip_first_leg(ect_402_axis_t *a)
         next_leg(a, a->plant->position);
 }
 
+static void fail(ect_402_axis_t *a)
+{
+    a->homing.active = false;
+    a->homing.error = true;
+}
+
 void ect_402_homing_start(ect_402_axis_t *a)
 {
     a->homing = (ect_402_homing_t){.active = true, .method = a->home_method};
     a->homed = false;
     ect_402_task_drop(a);
     a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};
-    if (!leg_at(a))
+    if (!find(a->homing.method))
+        fail(a);
+    else if (!leg_at(a))
         turn_back(a, a->plant->position);
-}
-
-static void fail(ect_402_axis_t *a)
-{
-    a->homing.active = false;
-    a->homing.error = true;
 }
 
 void ect_402_homing_abort(ect_402_axis_t *a)

@@ -15,7 +15,9 @@ static double least(double a, double b)
 
 double ect_402_speed_limit(const ect_402_axis_t *a)
 {
-    return least(a->speed_limit, a->motor_speed / 60.0 * a->config->turn);
+    double motor = a->motor_speed / 60.0 * a->config->turn;
+    bool cyclic = a->mode == ECT_402_CSP || a->mode == ECT_402_CSV || a->mode == ECT_402_CST;
+    return cyclic && a->config->cyclic_is_free ? motor : least(a->speed_limit, motor);
 }
 
 double ect_402_acceleration(const ect_402_axis_t *a)

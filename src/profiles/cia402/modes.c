@@ -130,9 +130,13 @@ static void follow_speed(ect_402_axis_t *a)
         a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = target};
 }
 
+/* Mode 4 has a slope, mode 10 has none. */
 static void follow_torque(ect_402_axis_t *a)
 {
     double torque = a->set.torque / 1000.0 * a->config->rated_torque;
+    if (a->mode == ECT_402_TQ)
+        torque = ect_402_towards(a->reference.torque, torque,
+                                 a->torque_slope / 1000.0 * a->config->rated_torque * ECT_402_STEP_S);
     if (!ect_402_limit_holds_torque(a, torque))
         a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_TORQUE, .torque = torque};
 }
@@ -159,8 +163,12 @@ void ect_402_follow(ect_402_axis_t *a)
     case ECT_402_CSV:
         follow_speed(a);
         break;
+    case ECT_402_TQ:
     case ECT_402_CST:
         follow_torque(a);
+        break;
+    case ECT_402_NO_MODE:
+        ect_402_brake(a, ect_402_deceleration(a));
         break;
     default:
         follow_position(a);
@@ -186,6 +194,8 @@ bool ect_402_target_reached(const ect_402_axis_t *a)
     case ECT_402_PV:
     case ECT_402_CSV:
         return ect_402_size(target_speed(a) - a->plant->speed) <= a->speed_window;
+    case ECT_402_TQ:
+        return a->reference.torque == a->set.torque / 1000.0 * a->config->rated_torque;
     case ECT_402_CST:
         return true;
     default:

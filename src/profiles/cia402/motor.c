@@ -17,6 +17,8 @@ static double holding_torque(const ect_402_axis_t *a, bool powered)
 
 static double next_speed(const ect_402_axis_t *a, double torque, double holding)
 {
+    if (a->plant->jam != 0)
+        return 0;
     double per_nm = ect_402_per_nm(a, inertia(a)) * ECT_402_STEP_S;
     double free = a->plant->speed + torque * per_nm;
     double hold = holding * per_nm;
@@ -27,7 +29,7 @@ static double next_speed(const ect_402_axis_t *a, double torque, double holding)
 
 bool ect_402_motor_rests(const ect_402_axis_t *a)
 {
-    return a->plant->speed == 0 && ect_402_size(a->plant->load) <= holding_torque(a, false);
+    return a->plant->speed == 0 && (a->plant->jam != 0 || ect_402_size(a->plant->load) <= holding_torque(a, false));
 }
 
 static int64_t whole(double x)

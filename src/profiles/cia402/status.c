@@ -75,6 +75,9 @@ uint16_t ect_402_mode_bits(const ect_402_axis_t *a)
         return (uint16_t)(target | bit(a->task_taken, ECT_402_STATUS_ATTAINED) | error);
     case ECT_402_PV:
         return (uint16_t)(target | bit(a->speed_is_zero, ECT_402_STATUS_ATTAINED));
+    case ECT_402_NO_MODE:
+    case ECT_402_TQ:
+        return target;
     case ECT_402_HM:
         return homing_bits(a);
     case ECT_402_IP:

@@ -70,7 +70,7 @@ static void read_inputs(ect_402_axis_t *a, uint16_t rising)
         .can_brake = can_brake(a),
         .standing = ect_402_standing(a) || !ect_402_stop_waits(a),
         .stays = ect_402_stop_stays(a),
-        .coasts = a->disable_option == 0,
+        .coasts = a->config->coasts || a->disable_option == 0,
     };
 }
 

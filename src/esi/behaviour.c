@@ -1,0 +1,365 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A drive by its objects: axes of CiA 402 over the dictionary of a file. Drives and their surroundings lie behind the
+ * entries in the instance; everything else of the twin stays as the file has it.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "esi/internal.h"
+#include "profiles/cia402/drive.h"
+#include "wire/bytes.h"
+
+enum { PROFILE_402 = 402, FIRST_OBJECT = 0x6000, ALIGNMENT = 16, MOST_LISTED = 12 };
+
+typedef struct axis {
+    unsigned int number; /* its objects begin at 6000h + 800h times this */
+    ect_402_link_t links[ECT_402_VALUE_COUNT];
+} axis_t;
+
+struct ect_esi_drives {
+    axis_t axes[ECT_402_AXES];
+    unsigned int count;
+    size_t offset, outside; /* of the drives and of their surroundings in the instance */
+    void (*safe_outputs)(void *instance, uint64_t now_ns);
+};
+
+/* --- from the stack ----------------------------------------------------------------------------------------------- */
+
+static const ect_esi_drives_t *drives_of(const void *instance)
+{
+    const ect_standard_t *standard = instance;
+    return ((const ect_esi_twin_t *)standard->device->context)->drives;
+}
+
+static ect_402_drive_t *drive_at(void *instance, unsigned int n)
+{
+    return (ect_402_drive_t *)(void *)((uint8_t *)instance + drives_of(instance)->offset) + n;
+}
+
+/* Runs over the drives of an instance. */
+#define EACH_DRIVE(d, instance)                                                                                        \
+    for (ect_402_drive_t *d = drive_at(instance, 0); d < drive_at(instance, drives_of(instance)->count); d++)
+
+static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
+{
+    const ect_esi_drives_t *drives = drives_of(instance);
+    ect_402_surroundings_t *around = (void *)((uint8_t *)instance + drives->outside);
+    for (unsigned int i = 0; i < drives->count; i++)
+        ect_402_drive_init(drive_at(instance, i), drives->axes[i].links, &around[i], instance, host, now_ns);
+}
+
+static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
+{
+    EACH_DRIVE(d, instance)
+    {
+        ect_402_drive_advance(d, now_ns);
+        if (to == ECT_STATE_OP)
+            ect_402_drive_enter_op(d, now_ns);
+        else if (from == ECT_STATE_OP)
+            ect_402_drive_leave_op(d, now_ns);
+        ect_402_drive_publish(d);
+    }
+    return ECT_AL_NO_ERROR;
+}
+
+static void cyclic(void *instance, uint8_t events, uint64_t now_ns)
+{
+    if ((events & ECT_CYCLIC_SYNC0) == 0)
+        return;
+    EACH_DRIVE(d, instance)
+    {
+        ect_402_drive_advance(d, now_ns);
+        ect_402_drive_sync0(d, now_ns);
+        ect_402_drive_publish(d);
+    }
+}
+
+static void outputs(void *instance, uint64_t now_ns)
+{
+    EACH_DRIVE(d, instance)
+    {
+        ect_402_drive_advance(d, now_ns);
+        ect_402_drive_outputs(d, now_ns);
+        ect_402_drive_publish(d);
+    }
+}
+
+static void safe_outputs(void *instance, uint64_t now_ns)
+{
+    EACH_DRIVE(d, instance)
+    ect_402_drive_advance(d, now_ns);
+    drives_of(instance)->safe_outputs(instance, now_ns);
+    EACH_DRIVE(d, instance)
+    ect_402_drive_leave_op(d, now_ns);
+}
+
+static void inputs(void *instance, uint64_t now_ns)
+{
+    EACH_DRIVE(d, instance)
+    {
+        ect_402_drive_advance(d, now_ns);
+        ect_402_drive_publish(d);
+    }
+}
+
+static uint64_t tick(void *instance, uint64_t now_ns)
+{
+    uint64_t next = ECT_NEVER;
+    EACH_DRIVE(d, instance)
+    {
+        ect_402_drive_advance(d, now_ns);
+        ect_402_drive_publish(d);
+        next = ect_earlier(next, ect_402_drive_next(d));
+    }
+    return next;
+}
+
+/* The drive and the value that an entry is. */
+static ect_402_drive_t *find(void *instance, uint16_t index, uint8_t subindex, ect_402_value_t *value)
+{
+    const ect_esi_drives_t *drives = drives_of(instance);
+    unsigned int number = (unsigned int)(index - FIRST_OBJECT) / ECT_402_AXIS_OBJECTS;
+    for (unsigned int i = 0; index >= FIRST_OBJECT && i < drives->count; i++) {
+        uint16_t first = (uint16_t)(index - number * ECT_402_AXIS_OBJECTS);
+        if (drives->axes[i].number == number && ect_402_value_of(first, subindex, value))
+            return drive_at(instance, i);
+    }
+    return NULL;
+}
+
+static int64_t wire_number(const ect_402_link_t *link, const uint8_t *data, uint16_t size)
+{
+    uint64_t bits = 0;
+    for (unsigned int i = size; i-- > 0;)
+        bits = bits << 8 | data[i];
+    uint64_t sign = size < 8 ? UINT64_C(1) << (8 * size - 1) : 0;
+    return link->is_signed && (bits & sign) != 0 ? (int64_t)(bits | ~(2 * sign - 1)) : (int64_t)bits;
+}
+
+static ect_reason_t sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
+{
+    ect_402_value_t value;
+    const ect_402_drive_t *d = find(instance, index, subindex, &value);
+    if (d == NULL || size == 0 || size > 8 || d->links[value].is_real)
+        return ECT_OK;
+    return ect_402_drive_check(d, value, wire_number(&d->links[value], data, size));
+}
+
+static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)
+{
+    ect_402_value_t value;
+    ect_402_drive_t *d = find(instance, index, subindex, &value);
+    if (d != NULL)
+        ect_402_drive_written(d, value, now_ns);
+}
+
+/* --- from users --------------------------------------------------------------------------------------------------- */
+
+static bool is_over_drive(const ect_signal_t *signal)
+{
+    return signal >= ect_402_drive_signals && signal < ect_402_drive_signals + ect_402_drive_signal_count;
+}
+
+static const char *signal_write(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                uint64_t now_ns)
+{
+    EACH_DRIVE(d, instance)
+    ect_402_drive_advance(d, now_ns);
+    return is_over_drive(signal) ? ect_402_drive_signal_write(drive_at(instance, number - 1u), signal, value) : NULL;
+}
+
+static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
+{
+    (void)signal;
+    (void)number;
+    (void)now_ns;
+    EACH_DRIVE(d, instance)
+    ect_402_drive_touched(d);
+}
+
+/* --- the twin ----------------------------------------------------------------------------------------------------- */
+
+static void find_axes(const ect_esi_twin_t *twin, ect_esi_drives_t *drives)
+{
+    ect_od_t od = ect_device_od(&twin->device, NULL);
+    for (unsigned int n = 0; n < ECT_402_AXES; n++) {
+        axis_t *axis = &drives->axes[drives->count];
+        axis->number = n;
+        if (ect_402_links_find(&od, n, axis->links))
+            drives->count++;
+    }
+}
+
+/* A default of 0 in the file differs from none at all. */
+static void find_defaults(const ect_build_t *build, axis_t *axis)
+{
+    for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
+        const ect_402_object_t *object = ect_402_object((ect_402_value_t)i);
+        const ect_build_object_t *found =
+            ect_build_find(build, (uint16_t)(object->index + axis->number * ECT_402_AXIS_OBJECTS));
+        const ect_build_entry_t *entry = found != NULL ? ect_build_entry(found, object->subindex) : NULL;
+        axis->links[i].given = entry != NULL && entry->initial.bytes != NULL;
+    }
+}
+
+static size_t aligned(size_t at)
+{
+    return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+static void lay_out(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
+{
+    drives->offset = aligned(twin->device.instance_size);
+    drives->outside = aligned(drives->offset + drives->count * sizeof(ect_402_drive_t));
+    twin->plant.outside_offset = drives->outside;
+    twin->plant.outside_size = drives->count * sizeof(ect_402_surroundings_t);
+    twin->device.instance_size = drives->outside + twin->plant.outside_size;
+}
+
+/* The drive writes its actual values; a user cannot. */
+static void lock(const ect_esi_drives_t *drives, ect_signal_t *signal)
+{
+    for (unsigned int a = 0; a < drives->count; a++) {
+        for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
+            const ect_402_link_t *link = &drives->axes[a].links[i];
+            bool actual = ect_402_object((ect_402_value_t)i)->kind == ECT_402_ACTUAL;
+            if (actual && link->bytes != 0 && link->offset == signal->offset)
+                signal->access = ECT_SIGNAL_READ;
+        }
+    }
+}
+
+/* The signals of the axes come first: a PDO of the file may have the same name. */
+static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
+{
+    ect_plant_t *plant = &twin->plant;
+    size_t count = plant->signal_group_count;
+    ect_signal_group_t *groups = ect_arena_alloc(&twin->arena, (count + 2) * sizeof *groups);
+    groups[0] = (ect_signal_group_t){.prefix = "axis",
+                                     .count = (uint16_t)drives->count,
+                                     .signal_count = ect_402_drive_signal_count,
+                                     .offset = (uint32_t)drives->offset,
+                                     .stride = sizeof(ect_402_drive_t),
+                                     .signals = ect_402_drive_signals};
+    groups[1] = groups[0];
+    groups[1].signal_count = ect_402_around_signal_count;
+    groups[1].offset = (uint32_t)drives->outside;
+    groups[1].stride = sizeof(ect_402_surroundings_t);
+    groups[1].signals = ect_402_around_signals;
+    for (size_t g = 0; g < count; g++) {
+        groups[g + 2] = plant->signal_groups[g];
+        for (unsigned int i = 0; i < groups[g + 2].signal_count; i++)
+            lock(drives, (ect_signal_t *)(uintptr_t)&groups[g + 2].signals[i]); // ours
+    }
+    plant->signal_groups = groups;
+    plant->signal_group_count = (uint16_t)(count + 2);
+    plant->signal_write = signal_write;
+    plant->signal_written = signal_written;
+    plant->signal_describe = ect_402_drive_signal_describe;
+}
+
+static void set_functions(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
+{
+    static const ect_service_t *const services[] = {&ect_service_rhythm, NULL};
+    static const ect_service_t *const with_config[] = {&ect_service_pdo_config, &ect_service_rhythm, NULL};
+    ect_device_t *device = &twin->device;
+    drives->safe_outputs = device->safe_outputs;
+    device->services = device->services != NULL ? with_config : services;
+    device->init = init;
+    device->state_change = state_change;
+    device->cyclic = cyclic;
+    device->outputs = outputs;
+    device->safe_outputs = safe_outputs;
+    device->inputs = inputs;
+    device->tick = tick;
+    device->sdo_write = sdo_write;
+    device->sdo_written = sdo_written;
+}
+
+/* --- the note ----------------------------------------------------------------------------------------------------- */
+
+static const char *modes_of(ect_esi_twin_t *twin, const axis_t *axis)
+{
+    static const char *const names[] = {"pp", NULL, "pv", "tq", NULL, "hm", "ip", "csp", "csv", "cst"};
+    ect_od_t od = ect_device_od(&twin->device, NULL);
+    const ect_object_t *object;
+    const ect_entry_t *entry = NULL;
+    uint32_t modes = ect_402_modes_of(axis->links);
+    (void)ect_od_lookup(&od, (uint16_t)(0x6502 + axis->number * ECT_402_AXIS_OBJECTS), 0, &object, &entry);
+    if (entry != NULL && (entry->value & modes) != 0)
+        modes &= entry->value;
+    const char *text = "";
+    for (unsigned int i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if ((modes >> i & 1u) != 0 && names[i] != NULL)
+            text = ect_arena_print(&twin->arena, "%s %s", text, names[i]);
+    }
+    return *text != '\0' ? text : " no mode";
+}
+
+static bool is_simulated(uint16_t index)
+{
+    ect_402_value_t value;
+    for (unsigned int subindex = 0; subindex < 3; subindex++) {
+        if (ect_402_value_of(index, (uint8_t)subindex, &value))
+            return true;
+    }
+    return false;
+}
+
+/* The objects of the profile's range without a behaviour. */
+static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
+{
+    const char *text = "";
+    size_t count = 0;
+    for (unsigned int i = 0; i < twin->device.object_count; i++) {
+        unsigned int first = FIRST_OBJECT + axis->number * ECT_402_AXIS_OBJECTS;
+        uint16_t index = twin->device.objects[i].index;
+        if (index < first || index >= first + ECT_402_AXIS_OBJECTS ||
+            is_simulated((uint16_t)(index - axis->number * ECT_402_AXIS_OBJECTS)))
+            continue;
+        if (++count <= MOST_LISTED)
+            text = ect_arena_print(&twin->arena, "%s %04X", text, (unsigned int)index);
+    }
+    if (count > MOST_LISTED)
+        text = ect_arena_print(&twin->arena, "%s and %zu more", text, count - MOST_LISTED);
+    return text;
+}
+
+static void add_note(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
+{
+    const char *text = "CiA 402:";
+    const char *rest = "";
+    for (unsigned int i = 0; i < drives->count; i++) {
+        text = ect_arena_print(&twin->arena, "%s%s axis %u%s", text, i > 0 ? ";" : "", i + 1,
+                               modes_of(twin, &drives->axes[i]));
+        rest = ect_arena_print(&twin->arena, "%s%s", rest, rest_of(twin, &drives->axes[i]));
+    }
+    ect_build_note(&twin->build, "%s%s%s", text, *rest != '\0' ? "; without behaviour:" : "", rest);
+}
+
+bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *text, size_t room)
+{
+    ECT_ASSERT(twin->drives == NULL);
+    if (behaviour == ECT_BEHAVIOUR_NONE)
+        return true;
+    ect_esi_drives_t *drives = ect_arena_alloc(&twin->arena, sizeof *drives);
+    find_axes(twin, drives);
+    if (drives->count == 0 && behaviour == ECT_BEHAVIOUR_CIA402) {
+        (void)snprintf(text, room, "%s has no control word 6040h and status word 6041h: it cannot be a CiA 402 drive",
+                       twin->device.type_name);
+        return false;
+    }
+    if (drives->count == 0 && (twin->build.model->profile & UINT16_MAX) == PROFILE_402)
+        ect_build_note(&twin->build, "ProfileNo is 402, but there is no 6040h and 6041h: it has no behaviour");
+    if (drives->count == 0)
+        return true;
+    for (unsigned int i = 0; i < drives->count; i++)
+        find_defaults(&twin->build, &drives->axes[i]);
+    add_note(twin, drives);
+    lay_out(twin, drives);
+    set_functions(twin, drives);
+    set_signals(twin, drives);
+    twin->drives = drives;
+    return true;
+}

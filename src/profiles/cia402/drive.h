@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A drive over a dictionary: an axis of CiA 402-2 for a description that is not made for it, such as an ESI file.
+ *
+ * Control word, set values and settings come from the entries of the dictionary that the links name, actual values go
+ * there; an object without an entry has the default of values.h, and is nowhere visible. Positions of the axis are the
+ * user units of the master: 608Fh, 6091h and 6092h give the way of a turn.
+ *
+ *   drive_run.c      the functions of a description: time, process data, AL states, SDO
+ *   drive_values.c   settings into the axis, actual values out of it
+ *   drive_faults.c   faults, their reactions and emergencies
+ *   drive_signals.c  the surroundings, as signals
+ *   values.c         objects and links
+ *
+ * No function allocates, blocks or reads a clock. The caller owns drive, surroundings, links and instance; they stay
+ * where they are. Context: mainline and exchange, one at a time.
+ */
+#ifndef ECT_PROFILES_CIA402_DRIVE_H
+#define ECT_PROFILES_CIA402_DRIVE_H
+
+#include "profiles/cia402/axis.h"
+#include "profiles/cia402/values.h"
+#include "seams/device.h"
+#include "seams/signals.h"
+
+ECT_C_BEGIN
+
+/** Units of speeds and accelerations on the bus, DRV-519. */
+enum { ECT_402_UNIT_POSITION, ECT_402_UNIT_RPM, ECT_402_UNIT_TENTH_RPM };
+
+/** The surroundings of a drive. They outlast a power cycle of it. */
+typedef struct ect_402_surroundings {
+    bool known;
+    double turn; /**< position units, in which the machine is described */
+    ect_402_plant_t machine;
+    uint8_t power, enable, sto;
+    uint8_t velocity_unit; /**< ECT_402_UNIT_... */
+    uint32_t resolution;   /**< increments a turn, when there is no 608Fh */
+} ect_402_surroundings_t;
+
+/** One axis. Zeroed before ::ect_402_drive_init. */
+typedef struct ect_402_drive {
+    ect_402_axis_t axis;
+    ect_402_config_t config;
+    ect_402_surroundings_t *around;
+    const ect_402_link_t *links; /**< ECT_402_VALUE_COUNT */
+    void *instance;
+    const ect_host_t *host;
+    int64_t value[ECT_402_VALUE_COUNT]; /**< as read last */
+    uint32_t modes;                     /**< supported, as in 6502h */
+    double increments;                  /**< of a turn */
+    double speed_unit;                  /**< position units a second */
+    uint16_t error_code;
+    uint8_t al;
+    bool control_known;            /**< a control word was received in this OP: edges count from it */
+    bool fresh;                    /**< outputs wait for SYNC0 */
+    bool cycle_written;            /**< 60C2h is the master's */
+    uint64_t sync0_ns, outputs_ns; /**< the last of each; 0: none */
+
+    /* as signals */
+    uint16_t state_shown;
+    uint16_t fault; /**< write: raises a fault */
+    int8_t mode_shown;
+    uint8_t powered, homed, braked;
+    int32_t position, demand, following_error;
+    double position_turns, speed_rpm, torque_nm;
+} ect_402_drive_t;
+
+/* --- drive_run.c -------------------------------------------------------------------------------------------------- */
+
+/**
+ * Power-on.
+ * @param instance  the entries that the links name; they have the defaults of the file
+ * @param host      valid as long as the drive
+ */
+void ect_402_drive_init(ect_402_drive_t *d, const ect_402_link_t *links, ect_402_surroundings_t *around, void *instance,
+                        const ect_host_t *host, uint64_t now_ns);
+/** Time passes. */
+void ect_402_drive_advance(ect_402_drive_t *d, uint64_t now_ns);
+/** Actual values into the dictionary. */
+void ect_402_drive_publish(ect_402_drive_t *d);
+/** The master has written outputs. With SYNC0 they come into force at the next one. */
+void ect_402_drive_outputs(ect_402_drive_t *d, uint64_t now_ns);
+void ect_402_drive_sync0(ect_402_drive_t *d, uint64_t now_ns);
+/** OP has begun. */
+void ect_402_drive_enter_op(ect_402_drive_t *d, uint64_t now_ns);
+/** OP has ended, whatever the cause: 6007h. The outputs in the dictionary are at their defaults. */
+void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns);
+/** @return the time of the next call of ::ect_402_drive_advance, or ECT_NEVER */
+uint64_t ect_402_drive_next(const ect_402_drive_t *d);
+/** An entry of the axis was written by SDO or by a user. @param value  which */
+void ect_402_drive_written(ect_402_drive_t *d, ect_402_value_t value, uint64_t now_ns);
+/** The surroundings were changed by a user: edges lie at the present position. */
+void ect_402_drive_touched(ect_402_drive_t *d);
+
+/* --- drive_values.c ----------------------------------------------------------------------------------------------- */
+
+/** @return ECT_OK, or the reason to refuse `number` for `value` */
+ect_reason_t ect_402_drive_check(const ect_402_drive_t *d, ect_402_value_t value, int64_t number);
+/** Settings and commands without a default of the file get that of values.h. */
+void ect_402_drive_defaults(ect_402_drive_t *d);
+/** Reads the entries. @param all  false: only those that process data reach */
+void ect_402_drive_read(ect_402_drive_t *d, bool all);
+/** Control word excepted: the set values of the master. */
+void ect_402_drive_set_values(ect_402_drive_t *d);
+void ect_402_drive_actual(ect_402_drive_t *d);
+
+/* --- drive_faults.c ----------------------------------------------------------------------------------------------- */
+
+/** Raises a fault: 603Fh, an emergency, the reaction of 605Eh or none. */
+void ect_402_drive_fault(ect_402_drive_t *d, uint16_t code);
+void ect_402_drive_fault_reset(ect_402_drive_t *d);
+/** Whether the power stage can brake with such a fault. */
+bool ect_402_fault_brakes(uint16_t code);
+
+/* --- drive_signals.c ---------------------------------------------------------------------------------------------- */
+
+/** Signals over ::ect_402_drive_t. */
+extern const ect_signal_t ect_402_drive_signals[];
+extern const uint16_t ect_402_drive_signal_count;
+/** Signals over ::ect_402_surroundings_t. */
+extern const ect_signal_t ect_402_around_signals[];
+extern const uint16_t ect_402_around_signal_count;
+/** @return as ect_plant_t::signal_write; for a signal over the drive */
+const char *ect_402_drive_signal_write(ect_402_drive_t *d, const ect_signal_t *signal, const void *value);
+/** ect_plant_t::signal_describe for a signal over the drive. */
+void ect_402_drive_signal_describe(const ect_signal_t *signal, uint16_t value, char *text);
+
+ECT_C_END
+
+#endif

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/* The functions of a description: time, process data, AL states, SDO; and the order within a step of 250 us. */
+#include "profiles/cia402/drive.h"
+
+enum {
+    STEPS_A_MS = ECT_402_STEPS_PER_S / 1000,
+    LONGEST_CYCLE = ECT_402_STEPS_PER_S, /* steps: a second */
+    CYCLES_WITHOUT_SYNC0 = 4,
+    UNDERVOLTAGE = 0x3220,
+    STO = 0x5441,
+    COMMUNICATION = 0x7500,
+    OVERSPEED = 0x8400,
+    FOLLOWING = 0x8611,
+};
+enum { LEAVES_NOTHING, LEAVES_FAULT, LEAVES_OFF, LEAVES_QUICK_STOP }; /* 6007h */
+
+/* --- the state machine -------------------------------------------------------------------------------------------- */
+
+static void watch_supply(ect_402_drive_t *d)
+{
+    if (!ect_402_powered(&d->axis))
+        return;
+    if (d->around->sto)
+        ect_402_drive_fault(d, STO);
+    if (!d->around->power)
+        ect_402_drive_fault(d, UNDERVOLTAGE);
+}
+
+static bool cause_is_gone(const ect_402_drive_t *d)
+{
+    return !(d->error_code == STO && d->around->sto) && !(d->error_code == UNDERVOLTAGE && !d->around->power);
+}
+
+static void settle(ect_402_drive_t *d, uint16_t rising)
+{
+    const ect_402_surroundings_t *s = d->around;
+    watch_supply(d);
+    d->axis.conditions = (ect_402_conditions_t){
+        .supplied = s->power && s->enable && !s->sto,
+        .fault = d->error_code != 0,
+        .resettable = cause_is_gone(d),
+        .fault_brakes = ect_402_fault_brakes(d->error_code),
+        .by_level = true,
+    };
+    ect_402_settle(&d->axis, rising);
+    if (d->axis.was_reset)
+        ect_402_drive_fault_reset(d);
+    d->axis.was_reset = false;
+}
+
+/* --- a step ------------------------------------------------------------------------------------------------------- */
+
+static void raise_faults(ect_402_drive_t *d)
+{
+    if ((d->axis.troubles & ECT_402_LATE) != 0)
+        ect_402_drive_fault(d, FOLLOWING);
+    if ((d->axis.troubles & ECT_402_OVERSPEED) != 0)
+        ect_402_drive_fault(d, OVERSPEED);
+    d->axis.troubles = 0;
+}
+
+static void step(ect_402_drive_t *d)
+{
+    d->axis.time_ns += ECT_402_STEP_NS;
+    settle(d, 0);
+    ect_402_step(&d->axis);
+    raise_faults(d);
+}
+
+void ect_402_drive_advance(ect_402_drive_t *d, uint64_t now_ns)
+{
+    while (d->axis.time_ns + ECT_402_STEP_NS <= now_ns) {
+        if (ect_402_rests(&d->axis))
+            d->axis.time_ns += (now_ns - d->axis.time_ns) / ECT_402_STEP_NS * ECT_402_STEP_NS;
+        else
+            step(d);
+    }
+    settle(d, 0);
+}
+
+uint64_t ect_402_drive_next(const ect_402_drive_t *d)
+{
+    return ect_402_rests(&d->axis) ? ECT_NEVER : d->axis.time_ns + (uint64_t)STEPS_A_MS * ECT_402_STEP_NS;
+}
+
+/* --- power-on ----------------------------------------------------------------------------------------------------- */
+
+static void surroundings(ect_402_drive_t *d)
+{
+    ect_402_surroundings_t *s = d->around;
+    if (s->known)
+        return;
+    s->known = true;
+    s->power = s->enable = 1;
+    s->machine = (ect_402_plant_t){.friction = d->config.rated_torque / 60,
+                                   .brake_delay_ms = 30,
+                                   .input = {0, 0, 1, 1},
+                                   .stop_negative = {.at = INT32_MIN},
+                                   .stop_positive = {.at = INT32_MAX}};
+}
+
+/* 6502h of the file counts, as far as the objects allow its modes; 0 counts as absent. */
+static void find_modes(ect_402_drive_t *d)
+{
+    const ect_402_link_t *link = &d->links[ECT_402_V_MODES];
+    uint32_t said = (uint32_t)ect_402_load(d->instance, link);
+    d->modes = ect_402_modes_of(d->links);
+    if ((said & d->modes) != 0)
+        d->modes &= said;
+    else
+        ect_402_store(d->instance, link, d->modes);
+}
+
+void ect_402_drive_init(ect_402_drive_t *d, const ect_402_link_t *links, ect_402_surroundings_t *around, void *instance,
+                        const ect_host_t *host, uint64_t now_ns)
+{
+    d->links = links;
+    d->around = around;
+    d->instance = instance;
+    d->host = host;
+    d->config.coasts = d->config.cyclic_is_free = true;
+    d->axis.config = &d->config;
+    d->axis.plant = &around->machine;
+    d->axis.time_ns = now_ns;
+    ect_402_drive_read(d, true);
+    ect_402_drive_defaults(d);
+    ect_402_drive_read(d, true);
+    surroundings(d);
+    find_modes(d);
+    ect_402_drive_set_values(d);
+    ect_402_drive_touched(d);
+}
+
+/* --- to the master, and to users ---------------------------------------------------------------------------------- */
+
+void ect_402_drive_publish(ect_402_drive_t *d)
+{
+    const ect_402_axis_t *a = &d->axis;
+    ect_402_drive_actual(d);
+    d->state_shown = (uint16_t)a->state;
+    d->mode_shown = a->mode;
+    d->powered = ect_402_powered(a);
+    d->homed = a->homed;
+    d->position_turns = ect_402_user(a, d->around->machine.position) / d->config.turn;
+    d->speed_rpm = d->around->machine.speed * 60 / d->config.turn;
+    d->torque_nm = a->torque_now;
+}
+
+void ect_402_drive_touched(ect_402_drive_t *d)
+{
+    ect_402_plant_t *m = &d->around->machine;
+    m->stop_positive.fitted = m->stop_positive.at != INT32_MAX;
+    m->stop_negative.fitted = m->stop_negative.at != INT32_MIN;
+    ect_402_drive_read(d, true);
+    ect_402_read_levels(&d->axis);
+    settle(d, 0);
+    ect_402_drive_publish(d);
+}
+
+/* --- outputs ------------------------------------------------------------------------------------------------------ */
+
+/* 10 to the power of 60C2h:2, in nanoseconds. */
+static uint64_t power_ns(int64_t power)
+{
+    uint64_t ns = 1000000000;
+    for (; power < 0 && ns > 0; power++)
+        ns /= 10;
+    return power > 0 ? 0 : ns;
+}
+
+/* The time from one set position to the next: 60C2h of the master, else as the last two came. */
+static uint32_t cycle_steps(const ect_402_drive_t *d, uint64_t now_ns)
+{
+    uint64_t units = (uint64_t)d->value[ECT_402_V_CYCLE_UNITS];
+    uint64_t ns = d->cycle_written ? units * power_ns(d->value[ECT_402_V_CYCLE_POWER]) : 0;
+    if (ns == 0 && d->outputs_ns != 0)
+        ns = now_ns - d->outputs_ns;
+    uint64_t steps = (ns + ECT_402_STEP_NS / 2) / ECT_402_STEP_NS;
+    return steps < 1 ? 1 : steps > LONGEST_CYCLE ? 1 : (uint32_t)steps;
+}
+
+static void take(ect_402_drive_t *d, uint64_t now_ns)
+{
+    ect_402_axis_t *a = &d->axis;
+    uint16_t control = (uint16_t)d->value[ECT_402_V_CONTROL];
+    uint16_t rising = d->control_known ? control & (uint16_t)~a->set.control : 0;
+    d->control_known = true;
+    a->set.control = control;
+    a->cycle_steps = cycle_steps(d, now_ns);
+    d->outputs_ns = now_ns;
+    ect_402_drive_set_values(d);
+    settle(d, rising);
+    ect_402_set_values(a, rising);
+}
+
+static bool sync0_runs(const ect_402_drive_t *d, uint64_t now_ns)
+{
+    uint64_t cycle = (uint64_t)d->axis.cycle_steps * ECT_402_STEP_NS;
+    return d->sync0_ns != 0 && now_ns - d->sync0_ns <= CYCLES_WITHOUT_SYNC0 * cycle;
+}
+
+void ect_402_drive_outputs(ect_402_drive_t *d, uint64_t now_ns)
+{
+    d->axis.live = true;
+    ect_402_drive_read(d, false);
+    if (sync0_runs(d, now_ns))
+        d->fresh = true;
+    else
+        take(d, now_ns);
+}
+
+void ect_402_drive_sync0(ect_402_drive_t *d, uint64_t now_ns)
+{
+    d->sync0_ns = now_ns;
+    if (d->fresh)
+        take(d, now_ns);
+    d->fresh = false;
+}
+
+/* --- AL states ---------------------------------------------------------------------------------------------------- */
+
+void ect_402_drive_enter_op(ect_402_drive_t *d, uint64_t now_ns)
+{
+    (void)now_ns;
+    d->al = ECT_STATE_OP;
+    d->sync0_ns = d->outputs_ns = 0;
+}
+
+/* 6007h, when OP ends while the shaft has torque (DRV-155, DRV-156). */
+static void lose_op(ect_402_drive_t *d)
+{
+    int64_t how = d->links[ECT_402_V_ABORT_OPTION].bytes != 0 ? d->value[ECT_402_V_ABORT_OPTION] : LEAVES_FAULT;
+    bool moving = d->axis.state == ECT_402_OPERATION_ENABLED || d->axis.state == ECT_402_QUICK_STOP;
+    if (!moving || how == LEAVES_QUICK_STOP)
+        return;
+    if (how == LEAVES_FAULT)
+        ect_402_drive_fault(d, COMMUNICATION);
+    else
+        d->axis.state = ECT_402_SWITCH_ON_DISABLED;
+}
+
+void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns)
+{
+    ect_402_drive_advance(d, now_ns);
+    d->al = ECT_STATE_SAFEOP;
+    if (d->axis.live)
+        lose_op(d);
+    d->axis.live = d->control_known = d->fresh = false;
+    ect_402_drive_defaults(d);
+    ect_402_drive_read(d, true);
+    settle(d, 0);
+    ect_402_drive_publish(d);
+}
+
+/* --- by mailbox --------------------------------------------------------------------------------------------------- */
+
+void ect_402_drive_written(ect_402_drive_t *d, ect_402_value_t value, uint64_t now_ns)
+{
+    ect_402_drive_advance(d, now_ns);
+    ect_402_drive_read(d, true);
+    d->cycle_written = d->cycle_written || value == ECT_402_V_CYCLE_UNITS;
+    bool by_sdo = ect_402_object(value)->kind == ECT_402_COMMAND && !d->fresh;
+    if (by_sdo && d->al == ECT_STATE_OP) {
+        d->axis.live = true;
+        take(d, now_ns);
+    } else if (by_sdo) {
+        ect_402_drive_set_values(d);
+    }
+    ect_402_drive_publish(d);
+}

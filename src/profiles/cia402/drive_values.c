@@ -1,0 +1,408 @@
+/* SPDX-License-Identifier: MIT */
+/* Settings of the dictionary into the axis, actual values of the axis into the dictionary. */
+#include "profiles/cia402/drive.h"
+
+#define DEFAULT_INCREMENTS 1048576.0
+#define INERTIA_A_NM       1e-4 /* kg m2 for each Nm of rated torque: rated torque gives 10 000 rad/s2 */
+#define PEAK               3.0  /* times the rated torque */
+enum { POSITION_TURNED = 0x80, SPEED_TURNED = 0x40 };
+
+static bool has(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    return d->links[value].bytes != 0;
+}
+
+static int64_t most_of(const ect_402_link_t *link)
+{
+    if (link->bytes >= 8 || link->is_real)
+        return INT64_MAX;
+    return (INT64_C(1) << (8u * link->bytes - (link->is_signed ? 1u : 0u))) - 1;
+}
+
+/* --- units -------------------------------------------------------------------------------------------------------- */
+
+static double ratio(const ect_402_drive_t *d, ect_402_value_t above, ect_402_value_t below, double otherwise)
+{
+    double a = (double)d->value[above];
+    double b = (double)d->value[below];
+    return a > 0 ? a / (b > 0 ? b : 1) : otherwise;
+}
+
+/* The way of a turn of the motor, in the master's position units (DRV-230). */
+static double turn_of(const ect_402_drive_t *d)
+{
+    double feed = ratio(d, ECT_402_V_FEED, ECT_402_V_FEED_TURNS, 0);
+    return feed > 0 ? feed / ratio(d, ECT_402_V_GEAR_MOTOR, ECT_402_V_GEAR_SHAFT, 1) : d->increments;
+}
+
+static double scaled(int32_t at, double factor)
+{
+    return ect_402_size((double)at) < INT32_MAX ? at * factor : at;
+}
+
+/* The machine keeps its shape when the unit that describes it changes. */
+static void rescale(ect_402_surroundings_t *s, double turn)
+{
+    double factor = s->turn > 0 ? turn / s->turn : 1;
+    ect_402_plant_t *m = &s->machine;
+    s->turn = turn;
+    if (factor == 1)
+        return;
+    m->position *= factor;
+    m->speed *= factor;
+    for (unsigned int i = 0; i < sizeof m->mark / sizeof m->mark[0]; i++) {
+        m->mark[i].at = ect_402_saturated(scaled(m->mark[i].at, factor));
+        m->mark[i].width = ect_402_saturated(m->mark[i].width * factor);
+    }
+    m->stop_negative.at = ect_402_saturated(scaled(m->stop_negative.at, factor));
+    m->stop_positive.at = ect_402_saturated(scaled(m->stop_positive.at, factor));
+    m->index_at = ect_402_saturated(scaled(m->index_at, factor));
+}
+
+static double speed_unit(const ect_402_drive_t *d)
+{
+    switch (d->around->velocity_unit) {
+    case ECT_402_UNIT_RPM:
+        return d->config.turn / 60;
+    case ECT_402_UNIT_TENTH_RPM:
+        return d->config.turn / 600;
+    default:
+        return 1;
+    }
+}
+
+/* A change of the way of a turn leaves the shaft where it is. */
+static void take_units(ect_402_drive_t *d)
+{
+    double before = d->config.turn;
+    d->increments = ratio(d, ECT_402_V_INCREMENTS, ECT_402_V_INCREMENT_TURNS,
+                          d->around->resolution > 0 ? d->around->resolution : DEFAULT_INCREMENTS);
+    d->config.turn = turn_of(d);
+    rescale(d->around, d->config.turn);
+    if (before > 0)
+        d->axis.zero *= d->config.turn / before;
+    d->speed_unit = speed_unit(d);
+}
+
+/* --- settings ----------------------------------------------------------------------------------------------------- */
+
+static bool counts_position(ect_402_value_t value)
+{
+    return value == ECT_402_V_ERROR_WINDOW || value == ECT_402_V_POSITION_WINDOW;
+}
+
+static double default_of(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    const ect_402_object_t *object = ect_402_object(value);
+    if (!object->turns)
+        return object->initial;
+    return object->initial * d->config.turn / (counts_position(value) ? 1 : d->speed_unit);
+}
+
+void ect_402_drive_defaults(ect_402_drive_t *d)
+{
+    for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
+        const ect_402_object_t *object = ect_402_object((ect_402_value_t)i);
+        const ect_402_link_t *link = &d->links[i];
+        bool unset = object->kind == ECT_402_LIMIT || (object->kind == ECT_402_SETTING && !link->given);
+        if (!unset || link->bytes == 0 || object->initial == 0 || ect_402_load(d->instance, link) != 0 ||
+            i == ECT_402_V_CYCLE_POWER)
+            continue;
+        double initial = default_of(d, (ect_402_value_t)i);
+        double most = (double)most_of(link);
+        ect_402_store(d->instance, link, initial < most ? (int64_t)(initial + 0.5) : most_of(link));
+    }
+}
+
+/* A setting that the dictionary has, else the default. */
+static double setting(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    return has(d, value) ? (double)d->value[value] : default_of(d, value);
+}
+
+static uint32_t setting_u32(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    double x = setting(d, value);
+    return x >= UINT32_MAX ? UINT32_MAX : x > 0 ? (uint32_t)(x + 0.5) : 0;
+}
+
+static uint16_t setting_u16(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    double x = setting(d, value);
+    return x >= UINT16_MAX ? UINT16_MAX : x > 0 ? (uint16_t)(x + 0.5) : 0;
+}
+
+static int16_t option(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    return (int16_t)setting(d, value);
+}
+
+/* Speeds and accelerations in position units. */
+static uint32_t speed_u32(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    double x = setting(d, value) * d->speed_unit;
+    return x >= UINT32_MAX ? UINT32_MAX : x > 0 ? (uint32_t)(x + 0.5) : 0;
+}
+
+static void take_options(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    a->quick_option = option(d, ECT_402_V_QUICK_OPTION);
+    a->shutdown_option = option(d, ECT_402_V_SHUTDOWN_OPTION);
+    a->disable_option = option(d, ECT_402_V_DISABLE_OPTION);
+    a->halt_option = option(d, ECT_402_V_HALT_OPTION);
+    a->fault_option = option(d, ECT_402_V_FAULT_OPTION);
+}
+
+static void take_speeds(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    a->task_speed = speed_u32(d, ECT_402_V_TASK_SPEED);
+    a->acceleration = speed_u32(d, ECT_402_V_ACCELERATION);
+    a->deceleration = has(d, ECT_402_V_DECELERATION) || !has(d, ECT_402_V_ACCELERATION)
+                          ? speed_u32(d, ECT_402_V_DECELERATION)
+                          : a->acceleration;
+    a->quick_deceleration = speed_u32(d, ECT_402_V_QUICK_DECELERATION);
+    a->speed_limit = speed_u32(d, ECT_402_V_SPEED_LIMIT);
+    a->motor_speed = setting_u32(d, ECT_402_V_MOTOR_SPEED);
+    a->most_acceleration = speed_u32(d, ECT_402_V_MOST_ACCELERATION);
+    a->most_deceleration = speed_u32(d, ECT_402_V_MOST_DECELERATION);
+    a->home_speed[0] = speed_u32(d, ECT_402_V_HOME_SEARCH);
+    a->home_speed[1] = speed_u32(d, ECT_402_V_HOME_ZERO);
+    a->home_acceleration = speed_u32(d, ECT_402_V_HOME_ACCELERATION);
+}
+
+static void take_windows(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    a->error_window = has(d, ECT_402_V_ERROR_WINDOW) ? setting_u32(d, ECT_402_V_ERROR_WINDOW) : 0;
+    a->error_window = a->error_window == UINT32_MAX ? 0 : a->error_window;
+    a->error_time = setting_u16(d, ECT_402_V_ERROR_TIME);
+    a->position_window = setting_u32(d, ECT_402_V_POSITION_WINDOW);
+    a->position_time = setting_u16(d, ECT_402_V_POSITION_TIME);
+    a->speed_window = (uint16_t)ect_402_within(speed_u32(d, ECT_402_V_SPEED_WINDOW), UINT16_MAX);
+    a->speed_time = setting_u16(d, ECT_402_V_SPEED_TIME);
+    a->zero_window = (uint16_t)ect_402_within(speed_u32(d, ECT_402_V_ZERO_WINDOW), UINT16_MAX);
+    a->zero_time = setting_u16(d, ECT_402_V_ZERO_TIME);
+}
+
+static void take_torques(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    d->config.rated_torque = setting(d, ECT_402_V_RATED_TORQUE) / 1000;
+    if (!(d->config.rated_torque > 0))
+        d->config.rated_torque = ect_402_object(ECT_402_V_RATED_TORQUE)->initial / 1000;
+    d->config.peak_torque = PEAK * d->config.rated_torque;
+    d->config.inertia = INERTIA_A_NM * d->config.rated_torque;
+    a->max_torque = setting_u16(d, ECT_402_V_MAX_TORQUE);
+    a->max_current = setting_u16(d, ECT_402_V_MAX_CURRENT);
+    a->torque_limit[0] = setting_u16(d, ECT_402_V_TORQUE_POSITIVE);
+    a->torque_limit[1] = setting_u16(d, ECT_402_V_TORQUE_NEGATIVE);
+    a->torque_slope = setting_u32(d, ECT_402_V_TORQUE_SLOPE);
+}
+
+/* 607Dh counts from the machine home (DRV-235); both outermost are none (DRV-237). */
+static void take_positions(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    int64_t offset = d->value[ECT_402_V_HOME_OFFSET];
+    int64_t lower = d->value[ECT_402_V_LIMIT_MIN];
+    int64_t upper = d->value[ECT_402_V_LIMIT_MAX];
+    bool none = lower >= upper || (lower <= INT32_MIN && upper >= INT32_MAX);
+    a->home_offset = (int32_t)-offset;
+    a->limit[0] = none ? 0 : ect_402_saturated((double)(lower - offset));
+    a->limit[1] = none ? 0 : ect_402_saturated((double)(upper - offset));
+    a->home_method = (int8_t)d->value[ECT_402_V_HOME_METHOD];
+    a->physical[0] = (uint32_t)d->value[ECT_402_V_OUTPUTS];
+    a->physical[1] = (uint32_t)d->value[ECT_402_V_OUTPUT_MASK];
+}
+
+static void take_settings(ect_402_drive_t *d)
+{
+    take_units(d);
+    take_options(d);
+    take_speeds(d);
+    take_windows(d);
+    take_torques(d);
+    take_positions(d);
+}
+
+void ect_402_drive_read(ect_402_drive_t *d, bool all)
+{
+    bool changed = all;
+    for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
+        const ect_402_object_t *object = ect_402_object((ect_402_value_t)i);
+        if (object->kind == ECT_402_ACTUAL || !(all || d->links[i].output))
+            continue;
+        int64_t value = ect_402_load(d->instance, &d->links[i]);
+        changed = changed || (object->kind != ECT_402_COMMAND && value != d->value[i]);
+        d->value[i] = value;
+    }
+    if (changed)
+        take_settings(d);
+}
+
+/* --- what a master may write -------------------------------------------------------------------------------------- */
+
+static bool is_factor(ect_402_value_t value)
+{
+    return value >= ECT_402_V_INCREMENTS && value <= ECT_402_V_FEED_TURNS;
+}
+
+static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
+{
+    uint16_t index = ect_402_object(value)->index;
+    switch (value) {
+    case ECT_402_V_ABORT_OPTION:
+        return number >= 0 && number <= 3;
+    case ECT_402_V_QUICK_OPTION:
+    case ECT_402_V_SHUTDOWN_OPTION:
+    case ECT_402_V_DISABLE_OPTION:
+    case ECT_402_V_HALT_OPTION:
+    case ECT_402_V_FAULT_OPTION:
+        return number < 0 || ect_402_stop_known(index, (int)ect_402_saturated((double)number));
+    case ECT_402_V_MODE:
+        return number <= 0 || (number <= 32 && (d->modes >> (number - 1) & 1u) != 0);
+    case ECT_402_V_HOME_METHOD:
+        return number <= 0 || (number <= INT8_MAX && ect_402_homing_known((int8_t)number));
+    case ECT_402_V_PROFILE_TYPE:
+    case ECT_402_V_TORQUE_PROFILE:
+    case ECT_402_V_SUB_MODE:
+        return number <= 0;
+    default:
+        return !is_factor(value) || number > 0;
+    }
+}
+
+ect_reason_t ect_402_drive_check(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
+{
+    if (!is_known(d, value, number))
+        return ECT_REASON_RANGE;
+    if (is_factor(value) && ect_402_powered(&d->axis))
+        return ECT_REASON_STATE;
+    if (value == ECT_402_V_LIMIT_MIN && d->value[ECT_402_V_LIMIT_MAX] != 0 && number > d->value[ECT_402_V_LIMIT_MAX])
+        return ECT_REASON_MIN_MAX;
+    if (value == ECT_402_V_LIMIT_MAX && number < d->value[ECT_402_V_LIMIT_MIN])
+        return ECT_REASON_MIN_MAX;
+    return ECT_OK;
+}
+
+/* --- set values --------------------------------------------------------------------------------------------------- */
+
+static int sign_of(const ect_402_drive_t *d, unsigned int mask)
+{
+    return ((unsigned int)d->value[ECT_402_V_POLARITY] & mask) != 0 ? -1 : 1;
+}
+
+/* Without 6060h the mode is that of the set value that the drive has. */
+static int8_t fixed_mode(const ect_402_drive_t *d)
+{
+    if (has(d, ECT_402_V_TARGET_POSITION))
+        return ECT_402_CSP;
+    return has(d, ECT_402_V_TARGET_SPEED) ? ECT_402_CSV : ECT_402_CST;
+}
+
+static void take_mode(ect_402_drive_t *d)
+{
+    int64_t mode = has(d, ECT_402_V_MODE) ? d->value[ECT_402_V_MODE] : fixed_mode(d);
+    if (mode > 0 && mode <= 32 && (d->modes >> (mode - 1) & 1u) != 0)
+        d->axis.mode = (int8_t)mode;
+}
+
+void ect_402_drive_set_values(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    int64_t position = sign_of(d, POSITION_TURNED) * d->value[ECT_402_V_TARGET_POSITION];
+    double speed = sign_of(d, SPEED_TURNED) * (double)d->value[ECT_402_V_TARGET_SPEED];
+    double torque = (double)d->value[ECT_402_V_TARGET_TORQUE];
+    take_mode(d);
+    a->target = (int32_t)(uint32_t)position;
+    if (a->mode == ECT_402_CSP)
+        position += sign_of(d, POSITION_TURNED) * d->value[ECT_402_V_POSITION_OFFSET];
+    if (a->mode == ECT_402_IP)
+        position = sign_of(d, POSITION_TURNED) * d->value[ECT_402_V_RECORD];
+    if (a->mode == ECT_402_CSV)
+        speed += sign_of(d, SPEED_TURNED) * (double)d->value[ECT_402_V_SPEED_OFFSET];
+    if (a->mode == ECT_402_CST)
+        torque += (double)d->value[ECT_402_V_TORQUE_OFFSET];
+    a->set.position = (int32_t)(uint32_t)position;
+    a->set.speed = ect_402_saturated(speed * d->speed_unit);
+    a->set.torque = (int16_t)ect_402_within(torque, INT16_MAX);
+    a->set.ahead = (int16_t)ect_402_within((double)d->value[ECT_402_V_TORQUE_OFFSET], INT16_MAX);
+}
+
+/* --- actual values ------------------------------------------------------------------------------------------------ */
+
+static void put(const ect_402_drive_t *d, ect_402_value_t value, double x)
+{
+    if (has(d, value))
+        ect_402_store(d->instance, &d->links[value], (int64_t)(x < 0 ? x - 0.5 : x + 0.5));
+}
+
+static void put_bits(const ect_402_drive_t *d, ect_402_value_t value, uint32_t bits)
+{
+    ect_402_store(d->instance, &d->links[value], bits);
+}
+
+static uint16_t status_word(const ect_402_drive_t *d)
+{
+    const ect_402_axis_t *a = &d->axis;
+    bool stop = !a->level[ECT_402_POSITIVE] || !a->level[ECT_402_NEGATIVE];
+    return (uint16_t)(ect_402_status(a->state, &a->inputs) | ect_402_mode_bits(a) |
+                      (d->around->power ? ECT_402_STATUS_VOLTAGE : 0) | (a->live ? ECT_402_STATUS_REMOTE : 0) |
+                      (ect_402_limit_acts(a) || stop ? ECT_402_STATUS_LIMIT : 0));
+}
+
+/* 60FDh: limit switches, home switch, interlock, probe input. */
+static uint32_t digital_inputs(const ect_402_drive_t *d)
+{
+    const uint8_t *level = d->axis.level;
+    return (level[ECT_402_NEGATIVE] ? 0u : 1u) | (level[ECT_402_POSITIVE] ? 0u : 2u) | (level[ECT_402_HOME] ? 4u : 0u) |
+           (d->around->sto || !d->around->enable ? 8u : 0u) | (level[ECT_402_PROBE] ? 1u << 16 : 0u);
+}
+
+static void put_positions(ect_402_drive_t *d, double actual, double demand)
+{
+    double increments = d->increments / d->config.turn;
+    int sign = sign_of(d, POSITION_TURNED);
+    d->position = ect_402_counts(sign * actual);
+    d->demand = ect_402_counts(sign * demand);
+    d->following_error = ect_402_saturated(sign * (demand - actual));
+    put(d, ECT_402_V_POSITION, d->position);
+    put(d, ECT_402_V_DEMAND, d->demand);
+    put(d, ECT_402_V_FOLLOWING_ERROR, d->following_error);
+    put(d, ECT_402_V_INTERNAL, ect_402_counts(actual * increments));
+    put(d, ECT_402_V_INTERNAL_DEMAND, ect_402_counts(demand * increments));
+}
+
+static void put_speeds(const ect_402_drive_t *d, double actual, double demand)
+{
+    double unit = sign_of(d, SPEED_TURNED) / d->speed_unit;
+    put(d, ECT_402_V_SPEED, actual * unit);
+    put(d, ECT_402_V_SPEED_DEMAND, demand * unit);
+    put(d, ECT_402_V_EFFORT, demand * unit);
+    put(d, ECT_402_V_SENSOR_SPEED, actual / d->config.turn * d->increments);
+}
+
+static void put_torques(const ect_402_drive_t *d)
+{
+    double torque = d->axis.torque_now / d->config.rated_torque * 1000;
+    put(d, ECT_402_V_TORQUE, torque);
+    put(d, ECT_402_V_TORQUE_DEMAND, torque);
+    put(d, ECT_402_V_CURRENT, torque);
+    put(d, ECT_402_V_DC_LINK, d->around->power ? 325000 : 0);
+}
+
+void ect_402_drive_actual(ect_402_drive_t *d)
+{
+    const ect_402_axis_t *a = &d->axis;
+    bool following = a->reference.loop == ECT_402_LOOP_POSITION && ect_402_powered(a);
+    double actual = ect_402_user(a, d->around->machine.position);
+    put_bits(d, ECT_402_V_STATUS, status_word(d));
+    put_bits(d, ECT_402_V_ERROR_CODE, d->error_code);
+    put_bits(d, ECT_402_V_INPUTS, digital_inputs(d));
+    put(d, ECT_402_V_MODE_DISPLAY, a->mode);
+    put_positions(d, actual, following ? ect_402_user(a, a->reference.position) : actual);
+    put_speeds(d, d->around->machine.speed, ect_402_powered(a) ? a->reference.speed : 0);
+    put_torques(d);
+}
