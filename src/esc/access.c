@@ -81,6 +81,36 @@ static bool open_access(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return any;
 }
 
+static bool asks_registers(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    ect_access_t question = *access;
+    question.stage = ECT_STAGE_ASKS;
+    return open_access(esc, &question, address, length);
+}
+
+/* Registers change at the end of the frame, if they accept the write when the datagram passes; RAM changes at once. If
+ * more is written than a frame of physical addresses can contain, the first part takes effect earlier. */
+static bool passing_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    uint16_t in_registers = 0;
+    bool any = false;
+    if (address < ECT_REG_USER_RAM) {
+        in_registers = (uint16_t)(ECT_REG_USER_RAM - address);
+        in_registers = in_registers < length ? in_registers : length;
+        any = asks_registers(esc, access, address, in_registers);
+    }
+    if (any && !ect_esc_postpone_write(esc, access, address, in_registers)) {
+        ect_esc_commit(esc);
+        any = ect_esc_postpone_write(esc, access, address, in_registers);
+        ECT_ASSERT(any);
+    }
+    if (length > in_registers) {
+        ect_access_t rest = ect_esc_slice(access, in_registers);
+        any |= open_access(esc, &rest, (uint16_t)(address + in_registers), (uint16_t)(length - in_registers));
+    }
+    return any;
+}
+
 /* Applies write protection: takes write enables, then passes the part from the first unprotected address on. */
 static bool protected_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
@@ -90,11 +120,29 @@ static bool protected_write(ect_esc_t *esc, const ect_access_t *access, uint16_t
         return any;
     uint16_t skipped = (uint16_t)(first > address ? first - address : 0);
     ect_access_t rest = ect_esc_slice(access, skipped);
-    return open_access(esc, &rest, (uint16_t)(address + skipped), (uint16_t)(length - skipped)) || any;
+    return passing_write(esc, &rest, (uint16_t)(address + skipped), (uint16_t)(length - skipped)) || any;
 }
 
 bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    return ect_esc_guards(esc, access) ? protected_write(esc, access, address, length)
-                                       : open_access(esc, access, address, length);
+    if (ect_esc_guards(esc, access))
+        return protected_write(esc, access, address, length);
+    if (access->write && access->side == ECT_SIDE_ECAT)
+        return passing_write(esc, access, address, length);
+    return open_access(esc, access, address, length);
+}
+
+void ect_esc_commit(ect_esc_t *esc)
+{
+    ect_postponed_t next;
+    uint16_t at = 0;
+    while (ect_esc_next_postponed(esc, &at, &next)) {
+        if (next.length == 0)
+            ect_esc_sm_close(esc, next.address);
+        else
+            (void)open_access(esc, &next.access, next.address, next.length);
+    }
+    ect_esc_lock_al_control(esc);
+    esc->postponed_length = 0;
+    esc->per_frame &= (uint8_t)~ECT_FRAME_COMMITS;
 }

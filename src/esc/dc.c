@@ -147,6 +147,13 @@ bool ect_esc_dc_follows(const ect_esc_t *esc, ect_side_t side)
     return ect_esc_dc_present(esc) && (side == ECT_SIDE_PDI) == pdi;
 }
 
+bool ect_esc_dc_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    (void)address;
+    (void)length;
+    return ect_esc_dc_follows(esc, ECT_SIDE_ECAT);
+}
+
 static void compare(ect_esc_t *esc, uint32_t own, uint32_t received)
 {
     int32_t ahead_ns = (int32_t)(own - received);

@@ -61,6 +61,8 @@ typedef struct ect_esc_config {
 /** State of one SyncManager beyond its registers. Private. */
 typedef struct ect_esc_sm {
     bool open[2];         /**< by side: its first byte was accessed and its last one not yet */
+    bool closing;         /**< the present frame has accessed its last byte: the buffer changes hands at its end */
+    bool listed;          /**< in the list of postponed effects */
     uint8_t write_buffer; /**< buffered mode: owned by the producer */
     uint8_t read_buffer;  /**< owned by the consumer; 3: none */
     bool violated;        /**< sequential mode: a byte was left out since the buffer was opened */
@@ -125,6 +127,7 @@ typedef struct ect_esc {
     uint64_t pdi_ns;          /**< last access of the PDI; UINT64_MAX: its watchdog is not running */
     uint64_t loops_revert_ns; /**< end of temporary loop settings; UINT64_MAX: there are none */
     bool al_control_locked;
+    bool al_control_written; /**< by the present frame */
     bool sii_valid;
     bool pdi_late;         /**< its watchdog has expired */
     uint8_t per_frame;     /**< work that is due when this frame ends, or the next one begins */
@@ -143,7 +146,9 @@ typedef struct ect_esc {
     uint32_t routing; /* changes with everything that affects the path of frames or data added to them (route.h) */
     uint32_t sii_writes;
     uint32_t resets;
-    uint8_t scratch[ECT_ESC_MAX_FRAME]; /* data of the present datagram, in or out: one user at a time */
+    uint16_t postponed_length;
+    uint8_t scratch[ECT_ESC_MAX_FRAME];   /* data of the present datagram, in or out: one user at a time */
+    uint8_t postponed[ECT_ESC_MAX_FRAME]; /* register writes and closed buffers of the present frame, in order */
 } ect_esc_t;
 
 /**
@@ -168,9 +173,11 @@ typedef enum ect_frame_result {
  *
  * Accepts Ethernet frames with EtherType 0x88A4, optionally with one VLAN tag, and EtherCAT in UDP (destination port
  * 0x88A4). Datagrams are executed in order; data, address, IRQ and working counter are changed in place, the length
- * never. A frame whose datagrams exceed it, or which is longer than ECT_ESC_MAX_FRAME, is not executed, counts in
- * 0x0300 and 0x030C and is destroyed, because a real chip forwards it with an invalid check sum. Any other EtherType is
- * destroyed and counted in 0x030C while DL control bit 0 is 1 (reset value), else forwarded unchanged.
+ * never. Registers (0x0000..0x0F7F) and SyncManagers change when the frame has ended, in the order of the datagrams; a
+ * later datagram of the same frame reads their previous values (data sheet I §3, §14.1). A frame whose datagrams exceed
+ * it, or which is longer than ECT_ESC_MAX_FRAME, is not executed, counts in 0x0300 and 0x030C and is destroyed, because
+ * a real chip forwards it with an invalid check sum. Any other EtherType is destroyed and counted in 0x030C while DL
+ * control bit 0 is 1 (reset value), else forwarded unchanged.
  *
  * Cost: linear in the datagrams and in the bytes that this slave accesses.
  *

@@ -51,11 +51,26 @@ static void sort(ect_esc_t *esc)
     esc->fmmus_plain = are_plain(esc);
 }
 
+static const uint8_t writable[ECT_FMMU_SIZE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x07,
+                                                0xFF, 0xFF, 0x07, 0x03, 0x01, 0x00, 0x00, 0x00};
+
+static unsigned int end_of_registers(const ect_esc_t *esc)
+{
+    return ECT_REG_FMMU + ECT_FMMU_SIZE * (unsigned int)esc->config.personality->fmmu_count;
+}
+
+bool ect_esc_fmmu_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    unsigned int end = end_of_registers(esc);
+    bool any = false;
+    for (uint16_t i = 0; i < length && (unsigned int)address + i < end; i++)
+        any |= writable[(unsigned int)(address + i) % ECT_FMMU_SIZE] != 0;
+    return any;
+}
+
 bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    static const uint8_t writable[ECT_FMMU_SIZE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x07,
-                                                    0xFF, 0xFF, 0x07, 0x03, 0x01, 0x00, 0x00, 0x00};
-    unsigned int end = ECT_REG_FMMU + ECT_FMMU_SIZE * (unsigned int)esc->config.personality->fmmu_count;
+    unsigned int end = end_of_registers(esc);
     bool any = false;
     esc->routing++;
     for (uint16_t i = 0; i < length && (unsigned int)address + i < end; i++) {

@@ -164,10 +164,19 @@ void ect_esc_take_time(ect_esc_t *esc, uint32_t time, uint64_t now_ns)
     ect_esc_dc_take(esc, time);
 }
 
+void ect_esc_postpone_time(ect_esc_t *esc, uint32_t time)
+{
+    uint8_t data[4];
+    ect_store_le32(data, time);
+    (void)write_physical(esc, data, ECT_REG_DC_SYSTEM_TIME, sizeof data, false);
+}
+
 void ect_esc_end_of_frame(ect_esc_t *esc)
 {
     if (esc->per_frame == 0)
         return;
+    if ((esc->per_frame & ECT_FRAME_COMMITS) != 0)
+        ect_esc_commit(esc);
     if ((esc->per_frame & ECT_FRAME_END_SII) != 0)
         ect_esc_sii_end_of_frame(esc);
     ect_esc_access_ends(esc);
@@ -267,7 +276,7 @@ static void mark_source(const ect_esc_t *esc, uint8_t *frame)
         frame[6] |= 0x02;
 }
 
-ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
+ect_frame_result_t ect_esc_pass(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     ect_esc_advance(esc, now_ns);
     if ((esc->per_frame & ECT_FRAME_BEGINS) != 0)
@@ -286,6 +295,12 @@ ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length
     mark_source(esc, frame);
     for (uint8_t *d = frame + at + 2; d; d = ect_datagram_next(d))
         process_datagram(esc, d);
-    ect_esc_end_of_frame(esc);
     return ECT_FRAME_FORWARD;
+}
+
+ect_frame_result_t ect_esc_process(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    ect_frame_result_t result = ect_esc_pass(esc, frame, length, now_ns);
+    ect_esc_end_of_frame(esc);
+    return result;
 }

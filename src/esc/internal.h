@@ -6,6 +6,7 @@
  * The files from the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
  *
  *   memory.c     bytes of an access, event words, counters
+ *   postpone.c   effects of a frame that wait for its end
  *   led.c        RUN and ERR LEDs
  *   port.c       link and loop bits, damaged frames
  *   watchdog.c   watchdogs of the process data and of the PDI
@@ -39,11 +40,20 @@ typedef enum ect_side { ECT_SIDE_ECAT, ECT_SIDE_PDI } ect_side_t;
 enum {
     ECT_FRAME_END_SII = 0x01, /**< EEPROM write enable lasts for one frame */
     ECT_FRAME_BEGINS = 0x02,  /**< other write enables do too, and an interrupted reset sequence is void */
+    ECT_FRAME_COMMITS = 0x04, /**< writes of this frame are postponed to its end */
 };
+
+/** The master's writes to registers have two stages; every other access has one. */
+typedef enum ect_stage {
+    ECT_STAGE_PASSING, /**< the datagram passes: RAM changes, register writes are postponed */
+    ECT_STAGE_ASKS,    /**< only determines whether registers accept a write, and changes nothing */
+    ECT_STAGE_COMMITS, /**< the frame has ended: a postponed write takes effect */
+} ect_stage_t;
 
 /** One access, as the datagram or the PDI call passes it down. */
 typedef struct ect_access {
     ect_side_t side;
+    ect_stage_t stage;
     bool write;
     bool latches;        /**< a write by station address or broadcast: at 0x0900 it latches the receive times */
     uint8_t *data;       /**< read: destination; write: source, only read */
@@ -103,6 +113,21 @@ static inline uint16_t ect_esc_second_station(const ect_esc_t *esc)
     return ect_load_le16(esc->memory + (alias ? ECT_REG_STATION_ALIAS : ECT_REG_STATION_ADDRESS));
 }
 
+/* --- postpone.c ------------------------------------------------------------------------------------------------- */
+/* A postponed write; length 0: the end of an access to SyncManager `address`. */
+typedef struct ect_postponed {
+    ect_access_t access; /* its data are in ect_esc_t::postponed */
+    uint16_t address;
+    uint16_t length;
+} ect_postponed_t;
+
+/* Postpones a register write of the master to the end of the frame. @return false: no room, nothing is changed */
+bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+/* Likewise the end of an access to a buffer. There is always room. */
+void ect_esc_postpone_close(ect_esc_t *esc, unsigned int n);
+/* The entry at `*at`, initially 0, which is advanced. @return false: there is none */
+bool ect_esc_next_postponed(ect_esc_t *esc, uint16_t *at, ect_postponed_t *next);
+
 /* --- led.c ------------------------------------------------------------------------------------------------------ */
 /* Sets the RUN LED after a change of AL status, even if the register had overridden it. */
 void ect_esc_led_state(ect_esc_t *esc);
@@ -150,6 +175,10 @@ static inline bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
 }
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n);
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length);
+/* Closes a buffer that a frame has left; nothing if the frame itself has restarted the SyncManager since. */
+void ect_esc_sm_close(ect_esc_t *esc, unsigned int n);
+/* Whether at least one byte accepts a write of the master. */
+bool ect_esc_sm_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 void ect_esc_sm_read_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
@@ -161,6 +190,11 @@ void ect_esc_sync_settle(ect_esc_t *esc);
 /* Computes the time of the next pulse after a change of clock or system time. */
 void ect_esc_sync_moved(ect_esc_t *esc);
 void ect_esc_sync_refresh(ect_esc_t *esc, uint16_t address, uint16_t end);
+/* Whether the master controls start, cycle times and latch inputs. */
+bool ect_esc_sync_control_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
+bool ect_esc_sync_start_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
+bool ect_esc_sync_cycle_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
+bool ect_esc_latch_control_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 bool ect_esc_sync_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_sync_activate(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_sync_start(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -177,6 +211,7 @@ bool ect_esc_dc_latch(ect_esc_t *esc, const ect_access_t *access, uint16_t addre
 bool ect_esc_dc_follows(const ect_esc_t *esc, ect_side_t side);
 /* Takes the system time of a frame as a sample of the control loop. */
 void ect_esc_dc_take(ect_esc_t *esc, uint32_t time);
+bool ect_esc_dc_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 bool ect_esc_dc_compare(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_dc_write_loop(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -185,6 +220,7 @@ bool ect_esc_dc_write_speed(ect_esc_t *esc, const ect_access_t *access, uint16_t
 void ect_esc_sii_load(ect_esc_t *esc, bool power_on);
 void ect_esc_sii_tick(ect_esc_t *esc);
 bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+bool ect_esc_sii_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 void ect_esc_sii_end_of_frame(ect_esc_t *esc);
 
 /* --- protect.c -------------------------------------------------------------------------------------------------- */
@@ -202,6 +238,8 @@ bool ect_esc_reset_due(const ect_esc_t *esc);
 /* --- registers.c ------------------------------------------------------------------------------------------------ */
 /* Sets all registers to their reset values; the EEPROM is loaded later. */
 void ect_esc_registers_reset(ect_esc_t *esc);
+/* Ends the commit of a frame: AL control remains as written until the PDI reads it. */
+void ect_esc_lock_al_control(ect_esc_t *esc);
 /* Whether at least one byte was accessible; 1 to 4096 bytes below ECT_RAM. */
 bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
@@ -213,6 +251,8 @@ static inline bool ect_esc_guards(const ect_esc_t *esc, const ect_access_t *acce
            (esc->memory[ECT_REG_WRITE_PROTECTION] | esc->memory[ECT_REG_ESC_WRITE_PROTECTION]) != 0;
 }
 bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+/* Executes the postponed writes of a frame. */
+void ect_esc_commit(ect_esc_t *esc);
 
 /* Whether at least one byte was accessible. Cyclic data, the most frequent case, lie inside one SyncManager. */
 static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -240,6 +280,7 @@ void ect_esc_access_ends(ect_esc_t *esc);
 enum { ECT_ESC_ADDRESS_SPACE = 0x10000 };
 
 /* --- fmmu_registers.c ------------------------------------------------------------------------------------------- */
+bool ect_esc_fmmu_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* --- fmmu.c ----------------------------------------------------------------------------------------------------- */

@@ -9,6 +9,7 @@
 #include "esc/internal.h"
 
 typedef bool (*write_fn)(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+typedef bool (*accept_fn)(const ect_esc_t *esc, uint16_t address, uint16_t length);
 typedef void (*read_fn)(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 typedef struct block {
@@ -16,9 +17,10 @@ typedef struct block {
     uint16_t size;
     uint16_t unit;       /* ECT_UNIT_...; 0: every chip has it */
     uint32_t reset;      /* first bytes, little-endian; further bytes are 0 */
-    write_fn ecat_write; /* NULL: read-only for that side */
+    write_fn ecat_write; /* NULL: read-only for that side; called when the frame has ended */
     write_fn pdi_write;
     read_fn after_read;
+    accept_fn ecat_accepts; /* called when the datagram passes, for the working counter; NULL: always */
 } block_t;
 
 static bool write_plain(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -34,9 +36,16 @@ static bool write_routing(ect_esc_t *esc, const ect_access_t *access, uint16_t a
     return write_plain(esc, access, address, length);
 }
 
+static bool accepts_al_control(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    (void)address;
+    (void)length;
+    return !esc->al_control_locked || ect_esc_emulates(esc);
+}
+
 static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
-    if (esc->al_control_locked && !ect_esc_emulates(esc))
+    if (!accepts_al_control(esc, address, length))
         return false;
     write_plain(esc, access, address, length);
     if (ect_esc_emulates(esc)) {
@@ -46,7 +55,7 @@ static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_
         esc->activity++; /* no event, but the state machine emulation must follow */
         return true;
     }
-    esc->al_control_locked = true;
+    esc->al_control_written = true;
     if (esc->lose_al_event)
         esc->lose_al_event = false;
     else
@@ -57,6 +66,13 @@ static bool write_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_
 void ect_esc_lose_al_event(ect_esc_t *esc)
 {
     esc->lose_al_event = true;
+}
+
+/* The lock begins with the end of the frame: the last of several writes in one frame counts. */
+void ect_esc_lock_al_control(ect_esc_t *esc)
+{
+    esc->al_control_locked |= esc->al_control_written;
+    esc->al_control_written = false;
 }
 
 static void read_al_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -168,50 +184,52 @@ enum { FMMU_BYTES = ECT_FMMU_SIZE * ECT_ESC_MAX_FMMU, SM_BYTES = ECT_SM_SIZE * E
 
 /* Ascending, not overlapping. */
 static const block_t blocks[] = {
-    {ECT_REG_STATION_ADDRESS, 2, 0, 0, write_routing, NULL, NULL},
-    {ECT_REG_STATION_ALIAS, 2, 0, 0, NULL, write_routing, NULL},
-    {ECT_REG_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL},
-    {ECT_REG_ESC_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL},
-    {ECT_REG_RESET_ECAT, 1, ECT_UNIT_RESET_ECAT, 0, ect_esc_reset_write, NULL, NULL},
-    {ECT_REG_RESET_PDI, 1, ECT_UNIT_RESET_PDI, 0, NULL, ect_esc_reset_write, NULL},
-    {ECT_REG_DL_CONTROL, 4, 0, 0x00070001, write_dl_control, NULL, NULL},
-    {ECT_REG_RW_OFFSET, 2, 0, 0, write_plain, NULL, NULL},
-    {ECT_REG_DL_STATUS, 2, 0, 0, NULL, NULL, read_dl_status},
-    {ECT_REG_AL_CONTROL, 2, 0, 1, write_al_control, NULL, read_al_control},
-    {ECT_REG_AL_STATUS, 2, 0, 1, NULL, write_al_status, read_al_status},
-    {ECT_REG_AL_STATUS_CODE, 2, 0, 0, NULL, write_plain, NULL},
-    {ECT_REG_LED_RUN, 1, ECT_UNIT_LED_RUN, 0, write_led, write_led, NULL},
-    {ECT_REG_LED_ERR, 1, ECT_UNIT_LED_ERR, 0, write_led, write_led, NULL},
-    {ECT_REG_ECAT_EVENT_MASK, 2, 0, 0, write_routing, NULL, NULL},
-    {ECT_REG_AL_EVENT_MASK, 4, 0, 0x00FFFF0F, NULL, write_plain, NULL},
-    {ECT_REG_RX_ERROR, 12, 0, 0, write_port_errors, NULL, NULL},
-    {ECT_REG_PROCESSING_ERROR, 2, 0, 0, write_processing_error, NULL, NULL},
-    {ECT_REG_LOST_LINK, 4, 0, 0, write_lost_link, NULL, NULL},
-    {ECT_REG_WD_DIVIDER, 2, 0, 0x09C2, write_watchdog_time, NULL, NULL},
-    {ECT_REG_WD_TIME_PDI, 2, 0, 0x03E8, write_watchdog_time, NULL, NULL},
-    {ECT_REG_WD_TIME_PD, 2, 0, 0x03E8, write_watchdog_time, NULL, NULL},
-    {ECT_REG_WD_STATUS_PD, 2, 0, 0, NULL, NULL, read_watchdog_status},
-    {ECT_REG_WD_COUNTER_PD, 3, 0, 0, write_watchdog_counter, NULL, NULL},
-    {ECT_REG_SII_CONFIG, 16, 0, 0, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL},
-    {ECT_REG_FMMU, FMMU_BYTES, 0, 0, ect_esc_fmmu_write_register, NULL, NULL},
-    {ECT_REG_SM, SM_BYTES, 0, 0, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register},
-    {ECT_REG_DC_RECEIVE_TIME, 4, 0, 0, ect_esc_dc_latch, NULL, NULL},
-    {ECT_REG_DC_SYSTEM_TIME, 4, 0, 0, ect_esc_dc_compare, ect_esc_dc_compare, NULL},
-    {ECT_REG_DC_OFFSET, 12, 0, 0, ect_esc_dc_write_loop, ect_esc_dc_write_loop, NULL},
-    {ECT_REG_DC_SPEED_START, 2, 0, 0x1000, ect_esc_dc_write_speed, ect_esc_dc_write_speed, NULL},
-    {ECT_REG_DC_FILTER, 2, 0, 0x0C04, ect_esc_dc_write_loop, ect_esc_dc_write_loop, NULL},
-    {ECT_REG_DC_LATCH_MODE, 1, ECT_UNIT_LATCH_MODE, 0, write_plain, NULL, NULL},
-    {ECT_REG_DC_CYCLIC_CONTROL, 1, 0, 0, ect_esc_sync_control, NULL, NULL},
-    {ECT_REG_DC_ACTIVATION, 1, 0, 0, ect_esc_sync_activate, ect_esc_sync_activate, NULL},
-    {ECT_REG_DC_SYNC0_STATUS, 2, 0, 0, NULL, NULL, ect_esc_sync_acknowledge},
-    {ECT_REG_DC_START_TIME, 8, 0, 0, ect_esc_sync_start, ect_esc_sync_start, NULL},
-    {ECT_REG_DC_SYNC0_CYCLE, 4, 0, 0, ect_esc_sync_cycle, ect_esc_sync_cycle, NULL},
-    {ECT_REG_DC_SYNC1_CYCLE, 4, 0, 0, ect_esc_sync_cycle, ect_esc_sync_cycle, NULL},
-    {ECT_REG_DC_LATCH_CONTROL, 2, 0, 0, ect_esc_latch_control, ect_esc_latch_control, NULL},
-    {ECT_REG_DC_LATCH_TIME, 32, 0, 0, NULL, NULL, ect_esc_latch_read},
-    {ECT_REG_DIGITAL_OUTPUT, 4, 0, 0, write_plain, NULL, NULL},
-    {ECT_REG_GENERAL_OUTPUT, 8, 0, 0, write_plain, write_plain, NULL},
-    {ECT_REG_USER_RAM, ECT_RAM - ECT_REG_USER_RAM, 0, 0, write_plain, write_plain, NULL},
+    {ECT_REG_STATION_ADDRESS, 2, 0, 0, write_routing, NULL, NULL, NULL},
+    {ECT_REG_STATION_ALIAS, 2, 0, 0, NULL, write_routing, NULL, NULL},
+    {ECT_REG_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL, NULL},
+    {ECT_REG_ESC_WRITE_ENABLE, 2, ECT_UNIT_PROTECTION, 0, ect_esc_protect_write, NULL, NULL, NULL},
+    {ECT_REG_RESET_ECAT, 1, ECT_UNIT_RESET_ECAT, 0, ect_esc_reset_write, NULL, NULL, NULL},
+    {ECT_REG_RESET_PDI, 1, ECT_UNIT_RESET_PDI, 0, NULL, ect_esc_reset_write, NULL, NULL},
+    {ECT_REG_DL_CONTROL, 4, 0, 0x00070001, write_dl_control, NULL, NULL, NULL},
+    {ECT_REG_RW_OFFSET, 2, 0, 0, write_plain, NULL, NULL, NULL},
+    {ECT_REG_DL_STATUS, 2, 0, 0, NULL, NULL, read_dl_status, NULL},
+    {ECT_REG_AL_CONTROL, 2, 0, 1, write_al_control, NULL, read_al_control, accepts_al_control},
+    {ECT_REG_AL_STATUS, 2, 0, 1, NULL, write_al_status, read_al_status, NULL},
+    {ECT_REG_AL_STATUS_CODE, 2, 0, 0, NULL, write_plain, NULL, NULL},
+    {ECT_REG_LED_RUN, 1, ECT_UNIT_LED_RUN, 0, write_led, write_led, NULL, NULL},
+    {ECT_REG_LED_ERR, 1, ECT_UNIT_LED_ERR, 0, write_led, write_led, NULL, NULL},
+    {ECT_REG_ECAT_EVENT_MASK, 2, 0, 0, write_routing, NULL, NULL, NULL},
+    {ECT_REG_AL_EVENT_MASK, 4, 0, 0x00FFFF0F, NULL, write_plain, NULL, NULL},
+    {ECT_REG_RX_ERROR, 12, 0, 0, write_port_errors, NULL, NULL, NULL},
+    {ECT_REG_PROCESSING_ERROR, 2, 0, 0, write_processing_error, NULL, NULL, NULL},
+    {ECT_REG_LOST_LINK, 4, 0, 0, write_lost_link, NULL, NULL, NULL},
+    {ECT_REG_WD_DIVIDER, 2, 0, 0x09C2, write_watchdog_time, NULL, NULL, NULL},
+    {ECT_REG_WD_TIME_PDI, 2, 0, 0x03E8, write_watchdog_time, NULL, NULL, NULL},
+    {ECT_REG_WD_TIME_PD, 2, 0, 0x03E8, write_watchdog_time, NULL, NULL, NULL},
+    {ECT_REG_WD_STATUS_PD, 2, 0, 0, NULL, NULL, read_watchdog_status, NULL},
+    {ECT_REG_WD_COUNTER_PD, 3, 0, 0, write_watchdog_counter, NULL, NULL, NULL},
+    {ECT_REG_SII_CONFIG, 16, 0, 0, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL, ect_esc_sii_accepts},
+    {ECT_REG_FMMU, FMMU_BYTES, 0, 0, ect_esc_fmmu_write_register, NULL, NULL, ect_esc_fmmu_accepts},
+    {ECT_REG_SM, SM_BYTES, 0, 0, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register,
+     ect_esc_sm_accepts},
+    {ECT_REG_DC_RECEIVE_TIME, 4, 0, 0, ect_esc_dc_latch, NULL, NULL, NULL},
+    {ECT_REG_DC_SYSTEM_TIME, 4, 0, 0, ect_esc_dc_compare, ect_esc_dc_compare, NULL, ect_esc_dc_accepts},
+    {ECT_REG_DC_OFFSET, 12, 0, 0, ect_esc_dc_write_loop, ect_esc_dc_write_loop, NULL, ect_esc_dc_accepts},
+    {ECT_REG_DC_SPEED_START, 2, 0, 0x1000, ect_esc_dc_write_speed, ect_esc_dc_write_speed, NULL, ect_esc_dc_accepts},
+    {ECT_REG_DC_FILTER, 2, 0, 0x0C04, ect_esc_dc_write_loop, ect_esc_dc_write_loop, NULL, ect_esc_dc_accepts},
+    {ECT_REG_DC_LATCH_MODE, 1, ECT_UNIT_LATCH_MODE, 0, write_plain, NULL, NULL, NULL},
+    {ECT_REG_DC_CYCLIC_CONTROL, 1, 0, 0, ect_esc_sync_control, NULL, NULL, ect_esc_sync_control_accepts},
+    {ECT_REG_DC_ACTIVATION, 1, 0, 0, ect_esc_sync_activate, ect_esc_sync_activate, NULL, ect_esc_sync_start_accepts},
+    {ECT_REG_DC_SYNC0_STATUS, 2, 0, 0, NULL, NULL, ect_esc_sync_acknowledge, NULL},
+    {ECT_REG_DC_START_TIME, 8, 0, 0, ect_esc_sync_start, ect_esc_sync_start, NULL, ect_esc_sync_start_accepts},
+    {ECT_REG_DC_SYNC0_CYCLE, 4, 0, 0, ect_esc_sync_cycle, ect_esc_sync_cycle, NULL, ect_esc_sync_cycle_accepts},
+    {ECT_REG_DC_SYNC1_CYCLE, 4, 0, 0, ect_esc_sync_cycle, ect_esc_sync_cycle, NULL, ect_esc_sync_cycle_accepts},
+    {ECT_REG_DC_LATCH_CONTROL, 2, 0, 0, ect_esc_latch_control, ect_esc_latch_control, NULL,
+     ect_esc_latch_control_accepts},
+    {ECT_REG_DC_LATCH_TIME, 32, 0, 0, NULL, NULL, ect_esc_latch_read, NULL},
+    {ECT_REG_DIGITAL_OUTPUT, 4, 0, 0, write_plain, NULL, NULL, NULL},
+    {ECT_REG_GENERAL_OUTPUT, 8, 0, 0, write_plain, write_plain, NULL, NULL},
+    {ECT_REG_USER_RAM, ECT_RAM - ECT_REG_USER_RAM, 0, 0, write_plain, write_plain, NULL, NULL},
 };
 
 enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
@@ -256,6 +274,8 @@ static bool block_access(ect_esc_t *esc, const block_t *b, const ect_access_t *p
     if (b->unit != 0 && !ect_esc_has(esc, b->unit))
         return false;
     write_fn write = part->side == ECT_SIDE_ECAT ? b->ecat_write : b->pdi_write;
+    if (part->stage == ECT_STAGE_ASKS)
+        return write && (!b->ecat_accepts || b->ecat_accepts(esc, from, size));
     if (part->write)
         return write && write(esc, part, from, size);
     if (b->after_read)

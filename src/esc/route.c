@@ -13,8 +13,6 @@ static void add_window(const ect_esc_t *esc, unsigned int n, ect_esc_route_t *ro
     if ((fmmu[ECT_FMMU_ACTIVATE] & 1u) == 0 || window.length == 0 || window.direction == 0)
         return;
     route->windows[route->window_count++] = window;
-    route->writes_registers |=
-        (window.direction & ECT_PART_WRITE) != 0 && ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) < ECT_RAM;
 }
 
 /* Whether frames go from port 0 to port 1 and back, or return at once: no junction, and no loop open without a link. */

@@ -4,8 +4,9 @@
  * Properties of a controller that affect passing frames, for code that passes frames through many controllers: it
  * parses a frame once, knows in advance which controllers the frame concerns, and calls only those.
  *
- * The reference is ::ect_esc_process for one controller after the other. The result is the same, provided that each
- * controller that takes part in a datagram gets the datagram by ::ect_esc_datagram, in the order of the wire.
+ * The reference is ::ect_esc_pass for one controller after the other, then ::ect_esc_end_of_frame for each of them. The
+ * result is the same, provided that each controller that takes part in a datagram gets the datagram by
+ * ::ect_esc_datagram, in the order of the wire.
  */
 #ifndef ECT_ESC_ROUTE_H
 #define ECT_ESC_ROUTE_H
@@ -61,18 +62,17 @@ typedef struct ect_esc_window {
 
 /** Properties of a controller that determine its effect on a frame, and its data that every passing frame collects. */
 typedef struct ect_esc_route {
-    uint16_t station;      /**< configured station address */
-    uint16_t alias;        /**< second address; equal to `station` when none is enabled */
-    uint16_t events;       /**< ECAT events that the mask passes: OR'ed into each datagram */
-    uint16_t al_status;    /**< 0x0130 */
-    bool al_status_new;    /**< written and not read since: reading it clears an event */
-    bool open;             /**< frames leave by port 1 */
-    bool leaves_line;      /**< frames do not simply go to port 1 and return: ::ect_esc_circulates, a junction */
-    bool marks_source;     /**< frames get the "locally administered" bit here */
-    bool awaits_frame;     /**< the next frame has an effect here, whatever its datagrams address */
-    bool takes_time;       /**< a written system time is compared with the local one (::ect_esc_take_time) */
-    bool guards_writes;    /**< write protection may refuse a write */
-    bool writes_registers; /**< an FMMU for writes maps registers */
+    uint16_t station;   /**< configured station address */
+    uint16_t alias;     /**< second address; equal to `station` when none is enabled */
+    uint16_t events;    /**< ECAT events that the mask passes: OR'ed into each datagram */
+    uint16_t al_status; /**< 0x0130 */
+    bool al_status_new; /**< written and not read since: reading it clears an event */
+    bool open;          /**< frames leave by port 1 */
+    bool leaves_line;   /**< frames do not simply go to port 1 and return: ::ect_esc_circulates, a junction */
+    bool marks_source;  /**< frames get the "locally administered" bit here */
+    bool awaits_frame;  /**< the next frame has an effect here, whatever its datagrams address */
+    bool takes_time;    /**< a written system time is compared with the local one (::ect_esc_take_time) */
+    bool guards_writes; /**< write protection may refuse a write */
     uint8_t window_count;
     ect_esc_window_t windows[ECT_ESC_MAX_FMMU]; /**< in the order of the FMMUs */
 } ect_esc_route_t;
@@ -142,7 +142,17 @@ unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int pa
  */
 void ect_esc_take_time(ect_esc_t *esc, uint32_t time, uint64_t now_ns);
 
-/** Ends a frame; required for each controller that took part in it. */
+/** As ::ect_esc_take_time, but in the order of the datagrams of a frame in which the controller takes part. */
+void ect_esc_postpone_time(ect_esc_t *esc, uint32_t time);
+
+/**
+ * Passes a frame through the controller as ::ect_esc_process does, except that its end is still to come: writes to
+ * registers and the change of buffers wait for ::ect_esc_end_of_frame. Until then the frame leaves by the ports that
+ * were open when it came.
+ */
+ect_frame_result_t ect_esc_pass(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/** Ends a frame: what it has written takes effect. Required for each controller that took part in it. */
 void ect_esc_end_of_frame(ect_esc_t *esc);
 
 ECT_C_END

@@ -24,12 +24,12 @@ enum {
 
 enum { COMMAND_IDLE = 0, COMMAND_READ = 1, COMMAND_WRITE = 2, COMMAND_RELOAD = 4 };
 
-static uint8_t *reg(ect_esc_t *esc, uint16_t address)
+static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
 {
     return esc->memory + address;
 }
 
-static uint16_t status(ect_esc_t *esc)
+static uint16_t status(const ect_esc_t *esc)
 {
     return ect_load_le16(reg(esc, ECT_REG_SII_CONTROL));
 }
@@ -193,7 +193,7 @@ static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
     ect_esc_sii_tick(esc);
 }
 
-static bool pdi_owns(ect_esc_t *esc)
+static bool pdi_owns(const ect_esc_t *esc)
 {
     return (*reg(esc, ECT_REG_SII_CONFIG) & 1u) != 0 || (*reg(esc, ECT_REG_SII_PDI_ACCESS) & 1u) != 0;
 }
@@ -308,6 +308,13 @@ static bool write_command_area(ect_esc_t *esc, const ect_access_t *access, uint1
     if (access->side == ECT_SIDE_PDI)
         ect_esc_sii_end_of_frame(esc);
     return true;
+}
+
+bool ect_esc_sii_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    bool ownership = address == ECT_REG_SII_CONFIG;
+    bool command_area = (uint32_t)address + length > ECT_REG_SII_CONTROL;
+    return ownership || (command_area && !pdi_owns(esc) && (status(esc) & BUSY) == 0);
 }
 
 bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)

@@ -182,6 +182,20 @@ static bool cyclic_is_of(const ect_esc_t *esc, ect_side_t side)
     return is_of(esc, side, (*reg(esc, ECT_REG_DC_CYCLIC_CONTROL) & CYCLIC_BY_PDI) != 0);
 }
 
+bool ect_esc_sync_control_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    (void)address;
+    (void)length;
+    return ect_esc_dc_present(esc);
+}
+
+bool ect_esc_sync_start_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    (void)address;
+    (void)length;
+    return cyclic_is_of(esc, ECT_SIDE_ECAT);
+}
+
 bool ect_esc_sync_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     (void)length;
@@ -234,12 +248,23 @@ bool ect_esc_sync_start(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return true;
 }
 
-bool ect_esc_sync_cycle(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+static bool cycle_is_of(const ect_esc_t *esc, ect_side_t side, uint16_t address)
 {
     uint8_t control = *reg(esc, ECT_REG_DC_CYCLIC_CONTROL);
     bool first = address < ECT_REG_DC_SYNC1_CYCLE;
     bool by_pdi = ((control & CYCLIC_BY_PDI) != 0) != (!first && (control & SYNC1_OTHERWISE) != 0);
-    if (!is_of(esc, access->side, by_pdi))
+    return is_of(esc, side, by_pdi);
+}
+
+bool ect_esc_sync_cycle_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    (void)length;
+    return cycle_is_of(esc, ECT_SIDE_ECAT, address);
+}
+
+bool ect_esc_sync_cycle(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    if (!cycle_is_of(esc, access->side, address))
         return false;
     ect_esc_sync_settle(esc);
     ect_esc_copy(access, reg(esc, address), 0, length);
@@ -319,6 +344,14 @@ void ect_esc_latch_edge(ect_esc_t *esc, unsigned int n, bool level)
     if (ect_esc_has(esc, ECT_UNIT_LATCH_PIN))
         *status = (uint8_t)((*status & ~PIN) | (level ? PIN : 0));
     follow_events(esc);
+}
+
+bool ect_esc_latch_control_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    bool any = false;
+    for (unsigned int i = 0; i < length; i++)
+        any |= is_of(esc, ECT_SIDE_ECAT, latch_by_pdi(esc, address + i - ECT_REG_DC_LATCH_CONTROL));
+    return any;
 }
 
 bool ect_esc_latch_control(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)

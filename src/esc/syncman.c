@@ -150,25 +150,35 @@ static bool is_transparent(const ect_esc_sm_t *sm)
     return sm->length == 1 || sm->start < ECT_RAM;
 }
 
+static void close_transparent(const area_t *sm, ect_side_t side, bool write)
+{
+    unsigned int done = write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
+    sm->registers[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
+    sm->registers[ECT_SM_STATUS] |= (uint8_t)done;
+    if (write && side == ECT_SIDE_ECAT && (sm->control & ECT_SM_CONTROL_WATCHDOG) != 0)
+        ect_esc_watchdog_trigger(sm->esc);
+    quiet(sm, side);
+    notify(sm, side);
+}
+
 static bool access_transparent(const area_t *sm, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
     ect_esc_t *esc = sm->esc;
     uint32_t at = (uint32_t)sm->own->start + offset;
     if (at + length > esc->memory_size)
         return false;
+    if (access->stage == ECT_STAGE_ASKS)
+        return true;
     ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length < sm->own->length)
         return true; /* an access to the last byte signals the other side */
     bool producer = (access->side == ECT_SIDE_ECAT) == ecat_writes(sm->control);
     if (producer != access->write)
         return true; /* a read against the direction has no effect */
-    unsigned int done = access->write ? ECT_SM_STATUS_WRITTEN : ECT_SM_STATUS_READ;
-    sm->registers[ECT_SM_STATUS] &= (uint8_t)~(ECT_SM_STATUS_WRITTEN | ECT_SM_STATUS_READ);
-    sm->registers[ECT_SM_STATUS] |= (uint8_t)done;
-    if (access->write && access->side == ECT_SIDE_ECAT && (sm->control & ECT_SM_CONTROL_WATCHDOG) != 0)
-        ect_esc_watchdog_trigger(esc);
-    quiet(sm, access->side);
-    notify(sm, access->side);
+    if (access->side == ECT_SIDE_ECAT && access->stage == ECT_STAGE_PASSING)
+        ect_esc_postpone_close(esc, sm->n);
+    else
+        close_transparent(sm, access->side, access->write);
     return true;
 }
 
@@ -181,15 +191,23 @@ static uint32_t buffer_address(const area_t *sm, bool write, uint16_t offset)
     return sm->own->start + first + offset;
 }
 
+/* A frame that accesses a buffer again after its last byte: a mailbox refuses, since it has changed hands. One of
+ * three buffers is opened again, and changes hands when its last byte has been accessed again. */
 static bool open_buffer(const area_t *sm, const ect_access_t *access)
 {
+    if (sm->own->closing && is_mailbox(sm->control))
+        return false;
+    sm->own->closing = false;
     return access->write ? open_write(sm, access->side) : open_read(sm, access->side);
 }
 
-static void close_buffer(const area_t *sm, const ect_access_t *access)
+/* The buffer of a frame changes hands when the frame has ended. */
+static void leave_buffer(const area_t *sm, const ect_access_t *access)
 {
     sm->own->open[access->side] = false;
-    if (access->write)
+    if (access->side == ECT_SIDE_ECAT)
+        ect_esc_postpone_close(sm->esc, sm->n);
+    else if (access->write)
         close_write(sm, access->side);
     else
         close_read(sm, access->side);
@@ -210,6 +228,25 @@ static bool is_sequential(const area_t *sm, const ect_access_t *access)
 {
     return (sm->control & ECT_SM_CONTROL_SEQUENTIAL) != 0 && access->write && access->side == ECT_SIDE_ECAT &&
            (sm->esc->config.personality->features & ECT_FEATURE_SEQUENTIAL) != 0;
+}
+
+void ect_esc_sm_close(ect_esc_t *esc, unsigned int n)
+{
+    uint8_t *registers = ect_esc_sm_registers(esc, n);
+    const area_t sm = {
+        .esc = esc, .n = n, .own = &esc->sm[n], .registers = registers, .control = registers[ECT_SM_CONTROL]};
+    bool closing = sm.own->closing;
+    sm.own->closing = sm.own->listed = false;
+    if (!closing)
+        return;
+    ECT_ASSERT(ect_esc_sm_enabled(esc, n));
+    bool writes = ecat_writes(sm.control);
+    if (is_transparent(sm.own))
+        close_transparent(&sm, ECT_SIDE_ECAT, writes);
+    else if (writes)
+        close_write(&sm, ECT_SIDE_ECAT);
+    else
+        close_read(&sm, ECT_SIDE_ECAT);
 }
 
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)
@@ -237,8 +274,25 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
         follow_sequence(sm.own, offset, length);
     ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length == size)
-        close_buffer(&sm, access);
+        leave_buffer(&sm, access);
     return true;
+}
+
+static bool ecat_may_write(unsigned int reg, bool enabled)
+{
+    return reg <= ECT_SM_ACTIVATE && reg != ECT_SM_STATUS && (reg == ECT_SM_ACTIVATE || !enabled);
+}
+
+bool ect_esc_sm_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length)
+{
+    unsigned int first = (unsigned int)address - ECT_REG_SM;
+    unsigned int end = ECT_SM_SIZE * (unsigned int)esc->config.personality->sm_count;
+    for (unsigned int at = first; at < first + length && at < end; at++) {
+        const uint8_t *sm = ect_esc_sm_registers(esc, at / ECT_SM_SIZE);
+        if (ecat_may_write(at % ECT_SM_SIZE, (sm[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0))
+            return true;
+    }
+    return false;
 }
 
 /* Writes one register byte of a SyncManager. @return whether it was accepted */
@@ -254,7 +308,7 @@ static bool write_byte(ect_esc_t *esc, unsigned int n, unsigned int reg, uint8_t
             ect_esc_sm_reset(esc, n);
         return true;
     }
-    if (reg > ECT_SM_ACTIVATE || reg == ECT_SM_STATUS || (reg < ECT_SM_ACTIVATE && was_enabled))
+    if (!ecat_may_write(reg, was_enabled))
         return false;
     sm[reg] = reg == ECT_SM_ACTIVATE ? value & 0xC3 : value;
     return true;

@@ -2,8 +2,8 @@
 /*
  * Each datagram passes the controllers that it concerns before the next datagram does. In the chips the whole frame
  * passes one controller after the other. The result is the same, because each controller sees the datagrams in their
- * order, each datagram sees the controllers in theirs, and nothing else passes between controllers. Frames with such
- * effects are not taken.
+ * order, each datagram sees the controllers in theirs, and nothing else passes between controllers. Writes to registers
+ * take effect when the frame has passed all of them.
  */
 #include "bus/chain/fast.h"
 
@@ -54,7 +54,6 @@ typedef struct sums {
     uint16_t al_status;
     bool al_status_new;
     bool marks_source;
-    bool writes_registers;
     bool awaits_frame;
     bool guards_writes;
     unsigned int time_takers;
@@ -68,9 +67,10 @@ struct ect_fast {
     uint64_t now_ns;
     uint64_t frame; /* number of frames that were taken */
     sums_t sums;
-    uint64_t *chosen; /* a bit a controller that takes part in the present datagram; zero between datagrams */
-    uint64_t times;   /* system times recorded */
-    uint64_t taken;   /* system times that all controllers have taken */
+    uint64_t *chosen;      /* a bit a controller that takes part in the present datagram; zero between datagrams */
+    uint64_t times;        /* system times recorded */
+    uint64_t times_before; /* system times recorded before the present frame */
+    uint64_t taken;        /* system times that all controllers have taken */
     time_update_t time_updates[TIMES];
     station_t *stations;
     size_t station_count;
@@ -115,8 +115,8 @@ void ect_fast_free(ect_fast_t *fast)
 static bool same_sums(const ect_esc_route_t *a, const ect_esc_route_t *b)
 {
     return a->events == b->events && a->al_status == b->al_status && a->al_status_new == b->al_status_new &&
-           a->marks_source == b->marks_source && a->writes_registers == b->writes_registers &&
-           a->awaits_frame == b->awaits_frame && a->guards_writes == b->guards_writes && a->takes_time == b->takes_time;
+           a->marks_source == b->marks_source && a->awaits_frame == b->awaits_frame &&
+           a->guards_writes == b->guards_writes && a->takes_time == b->takes_time;
 }
 
 static void read_route(ect_fast_t *f, controller_t *c)
@@ -182,7 +182,6 @@ static void update_sums(ect_fast_t *f)
         sums.al_status |= route->al_status;
         sums.al_status_new |= route->al_status_new;
         sums.marks_source |= route->marks_source;
-        sums.writes_registers |= route->writes_registers;
         sums.awaits_frame |= route->awaits_frame;
         sums.guards_writes |= route->guards_writes;
         sums.time_takers += route->takes_time;
@@ -251,15 +250,32 @@ static void update_windows(ect_fast_t *f)
 
 /* --- the system time ---------------------------------------------------------------------------------------------- */
 
-/* Due before any access to the controller. */
-static void take_times(ect_fast_t *f, size_t i)
+static uint32_t time_for(const time_update_t *t, size_t i)
+{
+    return i < t->source ? t->before : t->behind;
+}
+
+/* Times of earlier frames; due before any access to the controller. */
+static void take_times(ect_fast_t *f, size_t i, uint64_t until)
 {
     controller_t *c = &f->controllers[i];
     ECT_ASSERT(f->times - c->times <= TIMES);
-    for (; c->times != f->times; c->times++) {
+    for (; c->times < until; c->times++) {
         const time_update_t *t = &f->time_updates[c->times % TIMES];
         if (c->route.takes_time && i < t->reach && i != t->source)
-            ect_esc_take_time(c->esc, i < t->source ? t->before : t->behind, t->at_ns);
+            ect_esc_take_time(c->esc, time_for(t, i), t->at_ns);
+    }
+}
+
+/* Times of the present frame, which take effect at its end, in the order of the datagrams. */
+static void postpone_times(ect_fast_t *f, size_t i)
+{
+    controller_t *c = &f->controllers[i];
+    ECT_ASSERT(c->times >= f->times_before && c->frame == f->frame);
+    for (; c->times < f->times; c->times++) {
+        const time_update_t *t = &f->time_updates[c->times % TIMES];
+        if (c->route.takes_time && i < t->reach && i != t->source)
+            ect_esc_postpone_time(c->esc, time_for(t, i));
     }
 }
 
@@ -269,7 +285,7 @@ void ect_fast_settle(ect_fast_t *fast)
     fast->touched_count = 0;
     for (size_t i = 0; i < fast->count && fast->taken != fast->times; i++) {
         uint64_t due_ns = ect_esc_due(fast->controllers[i].esc);
-        take_times(fast, i);
+        take_times(fast, i, fast->times);
         if (ect_esc_due(fast->controllers[i].esc) != due_ns)
             fast->touched[fast->touched_count++] = (uint32_t)i;
     }
@@ -282,13 +298,14 @@ static unsigned int take_part(ect_fast_t *f, size_t i, uint8_t *d, unsigned int 
 {
     controller_t *c = &f->controllers[i];
     ECT_ASSERT(i < f->reach);
-    take_times(f, i);
+    take_times(f, i, f->times_before);
     if (c->frame != f->frame) {
         ECT_ASSERT(f->touched_count < f->count);
         c->frame = f->frame;
         f->touched[f->touched_count++] = (uint32_t)i;
         ect_esc_begin_of_frame(c->esc, f->now_ns);
     }
+    postpone_times(f, i);
     unsigned int gain = ect_esc_datagram(c->esc, d, part);
     ect_fast_refresh(f, i);
     return gain;
@@ -504,53 +521,18 @@ static void pass_datagram(ect_fast_t *f, uint8_t *d)
         add(d + ECT_DATAGRAM_ADP, f->reach);
 }
 
-static bool overlaps(const uint8_t *d, unsigned int first, unsigned int end)
-{
-    unsigned int address = ect_load_le16(d + ECT_DATAGRAM_ADO);
-    return address < end && address + ect_datagram_length(d) > first;
-}
-
-static bool writes(uint8_t command)
-{
-    return command == ECT_APWR || command == ECT_FPWR || command == ECT_BWR || command == ECT_ARMW ||
-           command == ECT_FRMW;
-}
-
 static bool reads_and_writes(uint8_t command)
 {
     return command == ECT_APRW || command == ECT_FPRW || command == ECT_BRW;
 }
 
-static bool is_logical(uint8_t command)
+static bool is_taken(uint8_t *d)
 {
-    return command == ECT_LRD || command == ECT_LWR || command == ECT_LRW;
-}
-
-/* A write beside the station addresses may change the path of the frame itself. */
-static bool may_close_port(const uint8_t *d)
-{
-    return overlaps(d, 0, ECT_REG_STATION_ADDRESS) || overlaps(d, ECT_REG_STATION_ALIAS + 2, ECT_REG_DL_STATUS);
-}
-
-static bool is_plain(const ect_fast_t *f, const uint8_t *d)
-{
-    uint8_t command = d[ECT_DATAGRAM_COMMAND];
-    if (is_logical(command))
-        return command == ECT_LRD || !f->sums.writes_registers;
-    return !reads_and_writes(command) && !(writes(command) && may_close_port(d));
-}
-
-static bool is_taken(const ect_fast_t *f, uint8_t *d)
-{
-    bool fmmu = false;
-    bool logical = false;
     for (; d; d = ect_datagram_next(d)) {
-        if (!is_plain(f, d))
+        if (reads_and_writes(d[ECT_DATAGRAM_COMMAND]))
             return false;
-        logical |= is_logical(d[ECT_DATAGRAM_COMMAND]);
-        fmmu |= writes(d[ECT_DATAGRAM_COMMAND]) && overlaps(d, ECT_REG_FMMU, ECT_REG_SM);
     }
-    return !(fmmu && logical);
+    return true;
 }
 
 ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns)
@@ -559,18 +541,22 @@ ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length,
     if (at == 0 || ect_fast_reach(fast) == 0)
         return ECT_FAST_NOT_TAKEN;
     update_sums(fast);
-    if (fast->sums.awaits_frame || !is_taken(fast, frame + at))
+    if (fast->sums.awaits_frame || !is_taken(frame + at))
         return ECT_FAST_NOT_TAKEN;
     fast->now_ns = now_ns;
     fast->frame++;
+    fast->times_before = fast->times;
     fast->touched_count = 0;
     if (fast->sums.marks_source)
         frame[SOURCE] |= LOCAL;
     for (uint8_t *d = frame + at; d; d = ect_datagram_next(d))
         pass_datagram(fast, d);
-    for (size_t i = 0; i < fast->touched_count; i++)
+    bool out = fast->out;
+    for (size_t i = 0; i < fast->touched_count; i++) {
         ect_esc_end_of_frame(fast->controllers[fast->touched[i]].esc);
-    return fast->out ? ECT_FAST_OUT : ECT_FAST_BACK;
+        ect_fast_refresh(fast, fast->touched[i]);
+    }
+    return out ? ECT_FAST_OUT : ECT_FAST_BACK;
 }
 
 const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count)

@@ -6,13 +6,12 @@
  *
  * A line keeps of each controller the registers that decide on the path of frames (esc/route.h). A frame is parsed
  * once. Each datagram goes, in the order of the wire, to the controllers that take part in it; the effect of all others
- * on the frame (events, working counter, auto increment) is added in one step. The result equals ::ect_esc_process for
- * one controller after the other. Frames for which this is not certain are not taken: the caller passes them in that
- * way.
+ * on the frame (events, working counter, auto increment) is added in one step. The result equals ::ect_esc_pass for one
+ * controller after the other, then ::ect_esc_end_of_frame for all. Frames for which this is not certain are not taken:
+ * the caller passes them in that way.
  *
- * Not taken are: malformed EtherCAT frames, EtherCAT in UDP, read-write commands, writes that could close a port
- * (0x0000..0x010F but the addresses, or an FMMU on registers), a write to an FMMU and logical access in one frame; and
- * the frame after one that has enabled writes or continued a reset sequence, since these last for one frame.
+ * Not taken are: malformed EtherCAT frames, EtherCAT in UDP, read-write commands; and the frame after one that has
+ * enabled writes or continued a reset sequence, since these last for one frame.
  *
  * The reference clock's time (ARMW, FRMW of 0x0910) goes to all controllers, and changes no reply. The line only
  * records it; each controller takes it at its next access, at the latest in ::ect_fast_settle.

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/chain/passage.h"
 
+#include "esc/route.h"
 #include "wire/assert.h"
 
 /* Receives the frame at a port. @return false: it ends here */
@@ -16,7 +17,7 @@ static bool arrive(ect_twin_t *twin, unsigned int port, ect_passage_t *p)
         p->c.noticed = true;
         return !ect_esc_circulates(&twin->esc);
     }
-    return port != 0 || ect_esc_process(&twin->esc, p->c.frame, p->c.length, p->now_ns) == ECT_FRAME_FORWARD;
+    return port != 0 || ect_esc_pass(&twin->esc, p->c.frame, p->c.length, p->now_ns) == ECT_FRAME_FORWARD;
 }
 
 /* Returns false when the frame reaches an unlinked port 0 a second time (the ESC destroys it), or a port without link.
@@ -24,8 +25,8 @@ static bool arrive(ect_twin_t *twin, unsigned int port, ect_passage_t *p)
 static bool depart(ect_twin_t *twin, unsigned int *port, const ect_passage_t *p)
 {
     *port = ect_esc_next_port(&twin->esc, *port);
-    while (*port == 0 && ect_esc_circulates(&twin->esc)) {
-        if (ect_esc_process(&twin->esc, p->c.frame, p->c.length, p->now_ns) != ECT_FRAME_FORWARD)
+    if (*port == 0 && ect_esc_circulates(&twin->esc)) {
+        if (ect_esc_pass(&twin->esc, p->c.frame, p->c.length, p->now_ns) != ECT_FRAME_FORWARD)
             return false;
         *port = ect_esc_next_port(&twin->esc, 0);
     }
@@ -48,9 +49,8 @@ static bool through(ect_cabling_t *cabling, ect_topology_place_t *at, ect_passag
            cross_wire(p, ect_cabling_wire(cabling, *at), at->port == 0);
 }
 
-ect_end_t ect_passage_walk(ect_cabling_t *cabling, ect_topology_place_t at, ect_passage_t *passage)
+static ect_end_t walk(ect_cabling_t *cabling, ect_topology_place_t at, ect_passage_t *passage)
 {
-    ECT_ASSERT(cabling->twins[at.slave].link[at.port]);
     while (through(cabling, &at, passage)) {
         ect_topology_place_t far;
         ect_topology_end_t end = ect_cabling_across(cabling, at, &far);
@@ -62,6 +62,16 @@ ect_end_t ect_passage_walk(ect_cabling_t *cabling, ect_topology_place_t at, ect_
             return end == ECT_TOPOLOGY_MASTER ? ECT_END_IN : ECT_END_OUT;
     }
     return ECT_END_NONE;
+}
+
+/* Loops change when no port transmits the frame any more (data sheet II §2.4.1), so it ends everywhere at once. */
+ect_end_t ect_passage_walk(ect_cabling_t *cabling, ect_topology_place_t at, ect_passage_t *passage)
+{
+    ECT_ASSERT(cabling->twins[at.slave].link[at.port]);
+    ect_end_t end = walk(cabling, at, passage);
+    for (size_t i = 0; i < cabling->count; i++)
+        ect_esc_end_of_frame(&cabling->twins[i].esc);
+    return end;
 }
 
 ect_end_t ect_passage_enter(ect_cabling_t *cabling, ect_end_t in, ect_passage_t *passage)

@@ -317,13 +317,13 @@ static void write_enable(void **state)
     expect_status(r, "the write with enable", 0xFFFF, 0x0040);
     memcpy(before + 0x40, "\x11\x22", 2);
     assert_memory_equal(r->sii, before, SII_SIZE);
-    /* Enable in one datagram, the command in the next of the same frame; the bit reads 1 in between. */
+    /* Enable in one datagram, the command in the next of the same frame; both take effect when it has ended. */
     assert_int_equal(ecat_write(r, VALUE, "\x33\x44", 2), 1);
     wire_build(&r->w, APWR, 0, CONTROL, "\x01", 1);
     wire_append(&r->w, APRD, 0, CONTROL, "\0", 1);
     wire_append(&r->w, APWR, 0, CONTROL + 1, "\x02", 1);
     process(r);
-    assert_int_equal(wire_datagram(&r->w, 1)[DATA] & 1, 1);
+    assert_int_equal(wire_datagram(&r->w, 1)[DATA] & 1, 0);
     expect_status(r, "enable and command in one frame", 0xFFFF, 0x0040);
     memcpy(before + 0x40, "\x33\x44", 2);
     assert_memory_equal(r->sii, before, SII_SIZE);

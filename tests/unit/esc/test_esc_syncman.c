@@ -591,6 +591,7 @@ typedef struct model {
     bool mailbox, ecat_writes;
     uint16_t size;
     bool producer_open, consumer_open, full, written, read, any;
+    bool leaving; /* the present frame has accessed the last byte */
     int writing[LONGEST], latest[LONGEST], reading[LONGEST];
     bool al_event, ecat_event;
 } model_t;
@@ -607,6 +608,11 @@ static void model_reset(model_t *m)
 
 static bool model_enter(model_t *m, bool write)
 {
+    bool *open = write ? &m->producer_open : &m->consumer_open;
+    *open = !(m->mailbox && m->leaving);
+    if (!*open)
+        return false;
+    m->leaving = false;
     if (write) {
         m->producer_open = !(m->mailbox && m->full);
         if (!m->producer_open)
@@ -659,8 +665,13 @@ static bool model_access(model_t *m, bool by_ecat, bool write, uint16_t offset, 
         else
             data[i] = m->reading[offset + i];
     }
-    if (offset + length == m->size)
+    if (offset + length == m->size && by_ecat) {
+        m->leaving = true;
+        m->producer_open &= !write;
+        m->consumer_open &= write;
+    } else if (offset + length == m->size) {
         model_leave(m, by_ecat, write);
+    }
     return true;
 }
 
@@ -753,6 +764,9 @@ static void random_frame(rig_t *r, model_t *m)
         model_t before = *m;
         check_op(&before, m, &ops[i], true, wire_datagram(&r->w, i) + DATA, wire_wkc(&r->w, i));
     }
+    if (m->leaving)
+        model_leave(m, true, m->ecat_writes);
+    m->leaving = false;
 }
 
 static void random_pdi(rig_t *r, model_t *m)

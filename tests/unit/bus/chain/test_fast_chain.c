@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The fast path through a chain (fast.h) against the reference: each frame goes to one chain over the fast path, and to
- * the controllers of a second, equal chain one after the other, by ect_esc_process. Replies, memories, states, lamps
- * and results of the poll must be equal, under random actions of master, users and time.
+ * the controllers of a second, equal chain one after the other, by ect_esc_pass, before it ends in all of them.
+ * Replies, memories, states, lamps and results of the poll must be equal, under random actions of master, users and
+ * time.
  *
  * test_fast_chain [ROUNDS [SEED]]: ROUNDS rounds of FRAMES frames, each with a chain and a seed of its own.
  */
@@ -310,13 +311,13 @@ static ect_end_t back_from(rig_t *r, size_t i)
 }
 
 /* One controller after the other, as far as the line goes. */
-static ect_end_t reference(rig_t *r, uint8_t *frame)
+static ect_end_t pass_each(rig_t *r, uint8_t *frame)
 {
     if (!r->link_in)
         return ECT_END_NONE;
     for (size_t i = 0; i < r->count; i++) {
         ect_esc_t *esc = ect_chain_esc(r->slow, i);
-        if (ect_esc_process(esc, frame, r->length, r->now_ns) != ECT_FRAME_FORWARD)
+        if (ect_esc_pass(esc, frame, r->length, r->now_ns) != ECT_FRAME_FORWARD)
             return ECT_END_NONE;
         unsigned int next = ect_esc_next_port(esc, 0);
         if (next == 0)
@@ -325,6 +326,14 @@ static ect_end_t reference(rig_t *r, uint8_t *frame)
             return ECT_END_NONE;
     }
     return ECT_END_OUT;
+}
+
+static ect_end_t reference(rig_t *r, uint8_t *frame)
+{
+    ect_end_t end = pass_each(r, frame);
+    for (size_t i = 0; i < r->count; i++)
+        ect_esc_end_of_frame(ect_chain_esc(r->slow, i));
+    return end;
 }
 
 static void differ(const rig_t *r, const char *what, size_t where, unsigned int fast, unsigned int slow)

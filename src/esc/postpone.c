@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The effects of a frame that wait for its end (data sheet I §3, §14.1): writes to registers, with a copy of their
+ * data because later datagrams and controllers change the frame, and accesses to the last byte of a buffer.
+ */
+#include <string.h>
+
+#include "esc/internal.h"
+
+enum { HEADER = 4, LATCHES = 0x8000, MASKED = 0x4000, LENGTH = 0x1FFF };
+
+/* Each SyncManager is in the list at most once. */
+enum { ROOM_TO_CLOSE = HEADER * ECT_ESC_MAX_SM };
+
+static uint8_t *append(ect_esc_t *esc, uint16_t address, unsigned int flags, uint32_t size)
+{
+    uint8_t *to = esc->postponed + esc->postponed_length;
+    ECT_ASSERT(esc->postponed_length + size <= sizeof esc->postponed);
+    ect_store_le16(to, address);
+    ect_store_le16(to + 2, (uint16_t)flags);
+    esc->postponed_length = (uint16_t)(esc->postponed_length + size);
+    esc->per_frame |= ECT_FRAME_COMMITS;
+    return to + HEADER;
+}
+
+bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    uint32_t size = HEADER + length * (access->mask ? 2u : 1u);
+    ECT_ASSERT(length > 0 && length <= ECT_REG_USER_RAM);
+    if (esc->postponed_length + size + ROOM_TO_CLOSE > sizeof esc->postponed)
+        return false;
+    unsigned int flags =
+        length | (access->latches ? (unsigned int)LATCHES : 0u) | (access->mask ? (unsigned int)MASKED : 0u);
+    uint8_t *to = append(esc, address, flags, size);
+    memcpy(to, access->data, length);
+    if (access->mask)
+        memcpy(to + length, access->mask, length);
+    return true;
+}
+
+void ect_esc_postpone_close(ect_esc_t *esc, unsigned int n)
+{
+    ECT_ASSERT(n < ECT_ESC_MAX_SM);
+    esc->sm[n].closing = true;
+    if (esc->sm[n].listed)
+        return;
+    esc->sm[n].listed = true;
+    (void)append(esc, (uint16_t)n, 0, HEADER);
+}
+
+bool ect_esc_next_postponed(ect_esc_t *esc, uint16_t *at, ect_postponed_t *next)
+{
+    uint8_t *from = esc->postponed + *at;
+    ECT_ASSERT(*at <= esc->postponed_length);
+    if (*at == esc->postponed_length)
+        return false;
+    unsigned int flags = ect_load_le16(from + 2);
+    next->address = ect_load_le16(from);
+    next->length = (uint16_t)(flags & LENGTH);
+    next->access = (ect_access_t){.side = ECT_SIDE_ECAT,
+                                  .stage = ECT_STAGE_COMMITS,
+                                  .write = true,
+                                  .latches = (flags & LATCHES) != 0,
+                                  .data = from + HEADER,
+                                  .mask = (flags & MASKED) != 0 ? from + HEADER + next->length : NULL};
+    *at = (uint16_t)(*at + HEADER + next->length * ((flags & MASKED) != 0 ? 2 : 1));
+    return true;
+}
