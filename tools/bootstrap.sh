@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|bench|test
+# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|bench|package|test
 #
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libmodbus, and SOEM for the demo's master
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
+#   package run, and what tools/package.sh builds packages with
 #   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, pymodbus from PyPI
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
@@ -16,6 +17,7 @@ run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcj
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
+package_packages="dpkg-dev file git python3 python3-pip python3-venv ca-certificates"
 bench_packages="valgrind iproute2 util-linux python3"
 test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen"
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
@@ -53,6 +55,7 @@ is_there() {
     iproute2) command -v ip >/dev/null && return 0 ;;
     util-linux) command -v taskset >/dev/null && command -v unshare >/dev/null && return 0 ;;
     valgrind) command -v valgrind >/dev/null && return 0 ;;
+    git) command -v git >/dev/null && return 0 ;;
     python3-pip) python3 -m pip --version >/dev/null 2>&1 && return 0 ;;
     python3-venv) python3 -c 'import venv, ensurepip' >/dev/null 2>&1 && return 0 ;;
   esac
@@ -97,7 +100,7 @@ CMAKE
 }
 
 install_soem() {
-  [ -e "$soem_prefix/share/soem/cmake/soemConfig.cmake" ] && return 0
+  [ -e "$soem_prefix/share/soem/LICENSE" ] && return 0
   soem_is_installed && return 0
   # shellcheck disable=SC2086
   install_packages $soem_packages
@@ -109,7 +112,8 @@ install_soem() {
   tar -xzf "$work/pip/pyecm-0.0.3.tar.gz" -C "$work"
   { cmake -G Ninja -S "$work/pyecm-0.0.3/ext/SOEM" -B "$work/soem" -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS=-w \
       -DCMAKE_INSTALL_PREFIX="$soem_prefix.new" &&
-    cmake --build "$work/soem" && cmake --install "$work/soem"; } >"$work/log" 2>&1 ||
+    cmake --build "$work/soem" && cmake --install "$work/soem" &&
+    cp "$work/pyecm-0.0.3/ext/SOEM/LICENSE" "$soem_prefix.new/share/soem/"; } >"$work/log" 2>&1 ||
     { cat "$work/log" >&2; die "SOEM did not build"; }
   rm -rf "$soem_prefix"
   mv "$soem_prefix.new" "$soem_prefix" # whole or not at all
@@ -136,6 +140,7 @@ case "$job" in
   run) install_packages $run_packages ;;
   board) install_packages $run_packages $board_packages ;;
   bench) install_packages $run_packages $bench_packages ;;
+  package) install_packages $run_packages $package_packages ;;
   test)
     # shellcheck disable=SC2086
     install_packages $run_packages $board_packages $test_packages
@@ -143,7 +148,7 @@ case "$job" in
     # shellcheck disable=SC2086
     (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
     ;;
-  *) die "usage: tools/bootstrap.sh run|board|bench|test" ;;
+  *) die "usage: tools/bootstrap.sh run|board|bench|package|test" ;;
 esac
 install_soem
 [ "$job" != test ] || (install_pymodbus) || say "without pymodbus from PyPI the base unit's Modbus side is not tested over the wire"

@@ -6,6 +6,7 @@ import os
 import shutil
 from typing import Iterable, List, Mapping, NamedTuple, Optional, Union
 
+from . import programs
 from ._errors import Error, Refused
 
 NEVER = 2**64 - 1
@@ -24,12 +25,12 @@ class Reply(NamedTuple):
 
 
 def _candidates() -> Iterable[str]:
-    """Places of the library: $ECTWIN_LIBRARY alone; else beside the command, as in a build or as installed; else the linker's own."""
+    """Places of the library: $ECTWIN_LIBRARY alone; else beside the command of this wheel, of a build or an installation; else the linker's own."""
     named = os.environ.get("ECTWIN_LIBRARY")
     if named:
         yield named
         return
-    program = os.environ.get("ECTWIN") or shutil.which("ectwin")
+    program = os.environ.get("ECTWIN") or programs.path("ectwin") or shutil.which("ectwin")
     if program:
         folder = os.path.dirname(os.path.realpath(program))
         for place in ("", "../lib", f"../lib/{os.uname().machine}-linux-gnu", "../lib64"):

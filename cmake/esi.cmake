@@ -1,0 +1,10 @@
+# The ESI file of each product family and the EEPROM image of each device, as ECTWIN writes them, in the folder OUT.
+file(REMOVE_RECURSE ${OUT})
+file(MAKE_DIRECTORY ${OUT})
+execute_process(COMMAND ${ECTWIN} esi --all -o ${OUT} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${ECTWIN} list OUTPUT_VARIABLE devices COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "(^|\n)[^ \n]+" devices "${devices}")
+foreach(device IN LISTS devices)
+  string(STRIP "${device}" device)
+  execute_process(COMMAND ${ECTWIN} sii ${device} --format hex -o ${OUT}/${device}.hex COMMAND_ERROR_IS_FATAL ANY)
+endforeach()

