@@ -18,7 +18,8 @@ foreach(row "ectwin doc" "ectwin-dev host")
   list(GET row 1 component)
   install(FILES ${debian}/copyright ${debian}/changelog.gz ${debian}/changelog.Debian.gz
     DESTINATION share/doc/${package} COMPONENT ${component})
-  install(FILES packaging/debian/lintian-overrides DESTINATION share/lintian/overrides RENAME ${package} COMPONENT ${component})
+  install(FILES packaging/debian/${package}.lintian-overrides DESTINATION share/lintian/overrides RENAME ${package}
+    COMPONENT ${component})
 endforeach()
 install(FILES packaging/debian/README.Debian DESTINATION share/doc/ectwin COMPONENT doc)
 # Debian compresses manual pages, and keeps licence and changes in files of its own.
@@ -48,10 +49,12 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_MAIN_PACKAGE_NAME ectwin)
 set(CPACK_DEBIAN_MAIN_PACKAGE_SECTION net)
 set(CPACK_DEBIAN_MAIN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON) # libectwin.so.0
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "python3 (>= 3.8)")
 set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "libcap2-bin, python3-pytest")
-set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/../packaging/debian/postinst)
+file(WRITE ${debian}/shlibs "libectwin 0 ectwin (>= ${PROJECT_VERSION})\n")
+file(CHMOD ${debian}/shlibs PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_EXTRA ${debian}/shlibs ${CMAKE_SOURCE_DIR}/packaging/debian/postinst
+  ${CMAKE_SOURCE_DIR}/packaging/debian/postrm ${CMAKE_SOURCE_DIR}/packaging/debian/triggers)
 string(CONCAT CPACK_DEBIAN_MAIN_DESCRIPTION "ectwin puts EtherCAT slaves on a network interface without EtherCAT\n"
   "hardware. A software EtherCAT slave controller answers a real, unmodified\n"
   "master over a veth pair or a spare NIC; behind it run a slave stack and the\n"

@@ -22,6 +22,7 @@ import subprocess
 import time
 from collections import namedtuple
 
+from . import programs
 from ._errors import Error, Refused
 from .chain import Chain, Reply
 
@@ -296,7 +297,7 @@ def start(devices, interface, options=(), program=None):
 
     `options` are those of the command, e.g. ["--set", "data1=5"]; `program` is the command, else $ECTWIN or PATH.
     """
-    program = program or os.environ.get("ECTWIN") or shutil.which("ectwin")
+    program = program or os.environ.get("ECTWIN") or programs.path("ectwin") or shutil.which("ectwin")
     if not program:
         raise Error("there is no 'ectwin' in PATH: name it by program=, or in $ECTWIN")
     if not isinstance(devices, str):
