@@ -298,6 +298,9 @@ typedef struct plant_row {
     X(signals_missing, g->signals = NULL, "signals: those of 'p' are missing")                                         \
     X(prefix, g->prefix = "P", "signals: a prefix has lower case")                                                     \
     X(prefix_none, g->prefix = NULL, "signals: numbered ones need a prefix")                                           \
+    X(one_without_a_prefix, (g->prefix = NULL, g->count = 1), "signals: numbered ones need a prefix")                  \
+    X(none_without_a_prefix, (g->prefix = NULL, g->count = 0), NULL)                                                   \
+    X(modbus_least, p->modbus = modbus_but(MODBUS_LEAST), NULL)                                                        \
     X(group_outside, g->offset = sizeof(gauge_t) - 8, "signals: the structures of 'p' are not inside the instance")    \
     X(group_count, g->count = 100, "signals: the structures of 'p' are not inside the instance")                       \
     X(signal_unnamed, s[0].name = NULL, "signal p.?: a name has lower case")                                           \
@@ -365,7 +368,16 @@ typedef struct plant_row {
     X(kept_beyond, (p->outside_offset = 60, p->outside_size = sizeof(gauge_t)), "plant: its outside part is not")
 
 /* The Modbus side of a base unit without one of its parts. */
-enum { MODBUS_WHOLE, MODBUS_READ, MODBUS_MAY_WRITE, MODBUS_WRITE, MODBUS_CONNECTIONS, MODBUS_IDLE, MODBUS_PARTS };
+enum {
+    MODBUS_WHOLE,
+    MODBUS_READ,
+    MODBUS_MAY_WRITE,
+    MODBUS_WRITE,
+    MODBUS_CONNECTIONS,
+    MODBUS_IDLE,
+    MODBUS_LEAST,
+    MODBUS_PARTS
+};
 
 static const ect_modbus_t *modbus_but(unsigned int missing)
 {
@@ -380,8 +392,8 @@ static const ect_modbus_t *modbus_but(unsigned int missing)
     m->read = missing == MODBUS_READ ? NULL : m->read;
     m->may_write = missing == MODBUS_MAY_WRITE ? NULL : m->may_write;
     m->write = missing == MODBUS_WRITE ? NULL : m->write;
-    m->connections = missing == MODBUS_CONNECTIONS ? 0 : m->connections;
-    m->idle_ms = missing == MODBUS_IDLE ? 0 : m->idle_ms;
+    m->connections = missing == MODBUS_CONNECTIONS ? 0 : missing == MODBUS_LEAST ? 1 : m->connections;
+    m->idle_ms = missing == MODBUS_IDLE ? 0 : missing == MODBUS_LEAST ? 1 : m->idle_ms;
     return m;
 }
 
