@@ -6,7 +6,8 @@
 #         to see it run
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
 #   package run, and what tools/package.sh builds packages with
-#   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, pymodbus from PyPI
+#   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, and from PyPI
+#         pymodbus, and the sources of SOEM for examples/fuzz-master
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
 # compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
@@ -23,6 +24,7 @@ test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen"
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
+soem_sources="$HOME/.cache/ectwin/soem-1.4.0-source"
 soem_package="pyecm==0.0.3"
 soem_sha256="5dbe908a5a4742be331e7a1a5e858ec39bd8a0e650ecd0ad3421d875a8ae3b9f"
 
@@ -99,17 +101,31 @@ CMAKE
   return 1
 }
 
-install_soem() {
-  [ -e "$soem_prefix/share/soem/LICENSE" ] && return 0
-  soem_is_installed && return 0
+# Unpacks SOEM below $work.
+fetch_soem() {
   # shellcheck disable=SC2086
   install_packages $soem_packages
-  say "fetching and building SOEM 1.4.0 below $soem_prefix"
   echo "$soem_package --hash=sha256:$soem_sha256" >"$work/requirements.txt"
   python3 -m pip download --quiet --disable-pip-version-check --no-deps --no-binary pyecm --require-hashes \
     -r "$work/requirements.txt" -d "$work/pip" >"$work/log" 2>&1 || { cat "$work/log" >&2; die "pip could not fetch $soem_package"; }
-  echo "$soem_sha256  $(echo "$work"/pip/pyecm-0.0.3.tar.gz)" | sha256sum --check --quiet
+  echo "$soem_sha256  $(echo "$work"/pip/pyecm-0.0.3.tar.gz)" | sha256sum --check --quiet || die "pip fetched another $soem_package"
   tar -xzf "$work/pip/pyecm-0.0.3.tar.gz" -C "$work"
+}
+
+install_soem_sources() {
+  [ -e "$soem_sources/soem/ethercatmain.c" ] && return 0
+  say "fetching the sources of SOEM 1.4.0 into $soem_sources"
+  fetch_soem
+  rm -rf "$soem_sources"
+  mkdir -p "$(dirname "$soem_sources")"
+  mv "$work/pyecm-0.0.3/ext/SOEM" "$soem_sources"
+}
+
+install_soem() {
+  [ -e "$soem_prefix/share/soem/LICENSE" ] && return 0
+  soem_is_installed && return 0
+  say "fetching and building SOEM 1.4.0 below $soem_prefix"
+  fetch_soem
   { cmake -G Ninja -S "$work/pyecm-0.0.3/ext/SOEM" -B "$work/soem" -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS=-w \
       -DCMAKE_INSTALL_PREFIX="$soem_prefix.new" &&
     cmake --build "$work/soem" && cmake --install "$work/soem" &&
@@ -152,3 +168,4 @@ case "$job" in
 esac
 install_soem
 [ "$job" != test ] || (install_pymodbus) || say "without pymodbus from PyPI the base unit's Modbus side is not tested over the wire"
+[ "$job" != test ] || (install_soem_sources) || say "without the sources of SOEM from PyPI examples/fuzz-master is not tested"

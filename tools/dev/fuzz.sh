@@ -1,15 +1,39 @@
 #!/usr/bin/env bash
-# Fuzzes every target for a given time.  usage: tools/dev/fuzz.sh [SECONDS-EACH]   (default 60)
-# New inputs go to build/clang/corpus; a crash stops it and leaves the input in build/clang.
+# Fuzzes every target for a given time.  usage: tools/dev/fuzz.sh [SECONDS-EACH [TARGET...]]   (default 60, all)
+# New inputs go to build/clang/corpus; a crash stops it and leaves the input in build/clang. The target "master" is SOEM
+# (examples/fuzz-master): its crashes are listed, and their inputs are left in build/fuzz-master.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
+shift || true
+
+fuzz_master() {
+  tools/bootstrap.sh test
+  cmake --preset release >/dev/null
+  cmake --build --preset release >/dev/null
+  local prefix=$PWD/build/fuzz-master/prefix found
+  cmake --install build/release --prefix "$prefix" >/dev/null
+  cmake -G Ninja -S examples/fuzz-master -B build/fuzz-master -DCMAKE_C_COMPILER=clang -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+  cmake --build build/fuzz-master >/dev/null
+  mkdir -p build/fuzz-master/corpus
+  echo "fuzz-master: $seconds s"
+  (cd build/fuzz-master && ./fuzz-master -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -timeout=10 -max_len=512 \
+    -max_total_time="$seconds" corpus ../../examples/fuzz-master/seeds >fuzz.log 2>&1) || true
+  tail -n 1 build/fuzz-master/fuzz.log
+  found=$(grep -h '^SUMMARY: ' build/fuzz-master/fuzz.log | sed 's|/[^ ]*/||' | sort | uniq -c) || true
+  echo "${found:-no crash of the master}"
+}
+
+wanted=" ${*:-all} "
+case "$wanted" in *" all "* | *" master "*) fuzz_master ;; esac
+[ "$wanted" != " master " ] || exit 0
 tools/bootstrap.sh test
 cmake --preset clang >/dev/null
 cmake --build --preset clang >/dev/null
 cd build/clang
 for source in ../../tests/fuzz/fuzz_*.c; do
   target=$(basename "${source#*/fuzz_}" .c)
+  case "$wanted" in *" all "* | *" $target "*) ;; *) continue ;; esac
   words=()
   [ -f ../../tests/fuzz/$target.dict ] && words=("-dict=../../tests/fuzz/$target.dict")
   mkdir -p "corpus/$target"
