@@ -125,11 +125,11 @@ class Chain:
     @property
     def version(self) -> str:
         """Version of the library."""
-        return self._library.ectwin_version().decode()
+        return str(self._library.ectwin_version().decode())
 
     def __len__(self) -> int:
         """Number of twins."""
-        return self._library.ectwin_bus_slaves(self._open())
+        return int(self._library.ectwin_bus_slaves(self._open()))
 
     def frame(self, data: bytes, now_ns: Optional[int] = None, end: int = 0) -> List[Reply]:
         """Passes a frame (from the destination address on, without check sum) and runs the devices. Returns what has left by then."""
@@ -189,7 +189,7 @@ class Chain:
 
     def _replies(self) -> List[Reply]:
         end = ctypes.c_uint()
-        replies = []
+        replies: List[Reply] = []
         while True:
             length = self._library.ectwin_bus_reply(self._open(), ctypes.byref(end), self._room, FRAME_MAX)
             if length == 0:

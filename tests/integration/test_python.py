@@ -62,6 +62,34 @@ class Beside(unittest.TestCase):
         with self.assertRaisesRegex(ectwin.Error, "busy is 0, not 1, after 0.05 s"):
             self.twin.wait_for("busy", 1, timeout=0.05)
 
+    def test_wait(self):
+        self.twin.set({"image_input": 1000, "processing": 50000})
+        self.twin.set({"trigger": 1})
+        self.assertGreaterEqual(self.twin.wait("images", lambda count: count > 0, timeout=10), 1)
+        with self.assertRaisesRegex(ectwin.Error, "images is [0-9]+, not what it is waited for, after 0.05 s"):
+            self.twin.wait("images", lambda count: count < 0, timeout=0.05)
+        with self.assertRaisesRegex(ectwin.Error, "not the name of one signal"):
+            self.twin.wait("data*", 0)
+
+    def test_faults_plugs_and_counters(self):
+        self.twin.fault("duplicate every 3")
+        self.assertEqual(self.twin.faults(), ["duplicate every 3"])
+        self.twin.fault("off")
+        self.assertEqual(self.twin.faults(), [])
+        with self.assertRaisesRegex(ectwin.Refused, "there is no slave 7"):
+            self.twin.fault("hang slave 7")
+        plugs = "ecat.plug_*"
+        self.twin.cut(1, 1)
+        self.assertEqual(list(self.twin.values(plugs).values()), [1, 0, 1, 1])
+        self.twin.mend(1, 1)
+        self.twin.unplug(1)
+        self.assertEqual(list(self.twin.values(plugs).values()), [0, 0, 0, 0])
+        self.twin.plug(1)
+        self.assertEqual(list(self.twin.values(plugs).values()), [1, 1, 1, 1])
+        stats = self.twin.stats()
+        self.assertEqual(len(stats["answers"]), len(stats["edges_us"]) + 1)
+        self.assertEqual((self.twin.about()["devices"], self.twin.about()["slaves"]), ("fzm1", 1))
+
     def test_many_at_once(self):
         twins = [ectwin.connect() for _ in range(15)]
         for twin in twins:
@@ -99,6 +127,16 @@ class Start(unittest.TestCase):
             ectwin.start("fzm1", "nosuch0", program=self.program)
         with self.assertRaisesRegex(ectwin.Error, "ended with status 1"):
             ectwin.start("nosuch", self.interface, program=self.program)
+
+    def test_periodic_data(self):
+        with ectwin.start("vr-bu-ect-map7", self.interface, program=self.program) as twin:
+            self.assertEqual(twin.periodic(), b"")
+
+    def test_a_name(self):
+        with ectwin.start("fzm1", self.interface, program=self.program, name="named") as twin:
+            self.assertEqual([about["name"] for about in ectwin.ps()], ["named"])
+            with ectwin.connect("named") as other:
+                self.assertEqual(other.path, twin.path)
 
     def test_none_runs(self):
         with self.assertRaisesRegex(ectwin.Error, "no twin of yours is running"):
