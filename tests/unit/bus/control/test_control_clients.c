@@ -1,0 +1,422 @@
+/* SPDX-License-Identifier: MIT */
+/* The control socket: connections, and the bounded work between two checks of the wire (control.h). */
+#define _GNU_SOURCE
+#include "support/control_bench.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bus/control/client.h"
+
+/* --- bounded work ------------------------------------------------------------------------------------------------- */
+
+/* Several requests for everything in one write, from each of sixteen clients. serve_once() holds the bounds.
+ */
+static void pipelined_requests_are_served_in_pieces(void **state)
+{
+    static char got[ECT_CONTROL_CLIENTS][ANSWER_ROOM];
+    enum { REQUESTS = 4, TWINS = 2 };
+    size_t used[ECT_CONTROL_CLIENTS] = {0};
+    int fds[ECT_CONTROL_CLIENTS];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", TWINS);
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        fds[i] = connect_client(&b);
+        set_nonblocking(fds[i]);
+        for (size_t n = 0; n < REQUESTS; n++)
+            send_text(fds[i], "{\"op\":\"list\",\"slave\":0}\n");
+    }
+    for (bool more = true; more;) {
+        more = serve(&b) > 0;
+        for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++)
+            used[i] += receive_text(fds[i], got[i] + used[i], ANSWER_ROOM - used[i]);
+    }
+    size_t signals = count_of(got[0], "\"meaning\"") / REQUESTS;
+    assert_true(signals > TWINS * 200);
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        assert_int_equal(count_of(got[i], "\"meaning\""), signals * REQUESTS);
+        assert_int_equal(count_of(got[i], OK), REQUESTS);
+        close(fds[i]);
+    }
+    serve(&b);
+    close_bench(&b);
+}
+
+/* One who asks for everything again and again, one who does not read: the others' turn comes in the next round. */
+static void clients_are_served_in_turn(void **state)
+{
+    char got[1024];
+    int fds[3];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 12);
+    for (size_t i = 0; i < 3; i++) {
+        fds[i] = connect_client(&b);
+        set_nonblocking(fds[i]);
+        serve(&b);
+    }
+    for (size_t n = 0; n < 40; n++) {
+        send_text(fds[0], "{\"op\":\"list\",\"slave\":0}\n");
+        send_text(fds[1], "{\"op\":\"get\",\"slave\":0}\n");
+    }
+    for (unsigned int i = 0; i < 1000; i++)
+        serve_once(&b);
+    for (unsigned int i = 0; i < 100; i++) {
+        send_text(fds[2], "{\"op\":\"get\",\"pattern\":\"bu.state\"}\n");
+        for (unsigned int k = 0; k < 3 * 3; k++) /* it is received, then answered, in its turns */
+            serve_once(&b);
+        receive_text(fds[2], got, sizeof got);
+        assert_non_null(strstr(got, "\"bu.state\""));
+        assert_non_null(strstr(got, OK));
+    }
+    for (size_t i = 0; i < 3; i++)
+        close(fds[i]);
+    serve(&b);
+    close_bench(&b);
+}
+
+/* An unread reply stops, costs nothing meanwhile, and is complete in the end. */
+static void unread_replies_cost_nothing(void **state)
+{
+    static char got[ANSWER_ROOM];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 12);
+    int fd = connect_client(&b);
+    int small = 4096;
+    assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &small, sizeof small), 0);
+    set_nonblocking(fd);
+    for (size_t n = 0; n < 3; n++)
+        send_text(fd, "{\"op\":\"get\",\"slave\":0}\n");
+    serve(&b);
+    assert_false(wants_to_be_served(&b)); /* at rest, though the answer is not over */
+    size_t used = 0;
+    for (size_t before = 1; used != before;) {
+        before = used;
+        used += receive_text(fd, got + used, 1000);
+        serve(&b);
+    }
+    assert_int_equal(count_of(got, OK), 3);
+    assert_int_equal(count_of(got, "\"slave\":12,"), count_of(got, "\"slave\":1,"));
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+/* A step by itself, without a socket. */
+static void a_step_is_bounded(void **state)
+{
+    static const char *const requests[] = {"{\"op\":\"list\"}\n", "{\"op\":\"get\",\"pattern\":\"*\",\"slave\":0}\n",
+                                           "{\"op\":\"watch\",\"every\":true}\n"};
+    static char answer[ECT_CLIENT_ANSWER];
+    static ect_client_t client;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 2);
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        client = (ect_client_t){.fd = -1, .received = strlen(requests[i]), .answer = answer};
+        strcpy(client.request, requests[i]);
+        ect_client_received(&client);
+        for (unsigned int steps = 0; ect_client_busy(&client); steps++) {
+            work.matches = 0;
+            client.unsent = 0;
+            assert_true(ect_client_room(&client));
+            ect_client_step(&client, b.wire.chain, ECT_CONTROL_EVERY, b.wire.now_ns);
+            answer[client.unsent] = 0;
+            assert_true(count_of(answer, "\n") <= ECT_CLIENT_LINES + 1);
+            assert_true(work.matches <= ECT_CLIENT_LOOKS);
+            assert_true(steps < 1000);
+        }
+        assert_non_null(strstr(answer, OK));
+    }
+    ect_watch_free(client.watch);
+    close_bench(&b);
+}
+
+/* --- connections -------------------------------------------------------------------------------------------------- */
+
+static void a_half_closed_client_gets_its_reply(void **state)
+{
+    static const char *const requests[] = {"{\"op\":\"get\",\"pattern\":\"bu.state\"}\n",
+                                           "{\"op\":\"get\",\"pattern\":\"bu.state\"}"};
+    char got[1024];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    for (size_t i = 0; i < 2; i++) {
+        int fd = connect_client(&b);
+        send_text(fd, requests[i]);
+        assert_int_equal(shutdown(fd, SHUT_WR), 0);
+        serve(&b);
+        receive_text(fd, got, sizeof got); /* returns: the connection was closed after the answer */
+        assert_non_null(strstr(got, OK));
+        close(fd);
+    }
+    close_bench(&b);
+}
+
+/* A watcher that has ended sending still gets changes; when it is gone, its place is free. */
+static void a_half_closed_watcher_gets_changes(void **state)
+{
+    char got[1024];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    for (unsigned int i = 0; i < 2 * ECT_CONTROL_CLIENTS; i++) {
+        int fd = connect_client(&b);
+        set_nonblocking(fd);
+        send_text(fd, "{\"op\":\"watch\",\"pattern\":\"ru1.encoder\"}\n");
+        assert_int_equal(shutdown(fd, SHUT_WR), 0);
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        char request[96];
+        snprintf(request, sizeof request, "{\"op\":\"set\",\"name\":\"ru1.encoder\",\"value\":%u}\n", i + 100);
+        expect_answer(&b, request, OK);
+        b.wire.now_ns += 10 * MS;
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        snprintf(request, sizeof request, "\"value\":%u,", i + 100);
+        assert_non_null(strstr(got, request));
+        close(fd);
+        serve(&b);
+    }
+    close_bench(&b);
+}
+
+static void requests_before_the_end_of_a_connection(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    int fd = connect_client(&b);
+    send_text(fd, "{\"op\":\"get\"}\n{\"op\":\"set\",\"name\":\"data1\",\"value\":1}\n"
+                  "{\"op\":\"set\",\"name\":\"data2\",\"value\":2}\n");
+    close(fd);
+    serve(&b);
+    expect_answer(&b, "{\"op\":\"get\",\"pattern\":\"data[12]\"}\n",
+                  "{\"slave\":1,\"name\":\"data1\",\"value\":1}\n{\"slave\":1,\"name\":\"data2\",\"value\":2}\n" OK);
+    close_bench(&b);
+}
+
+/* Writes as many requests as the socket takes, the last one sets a signal. */
+static void fill_with_requests(int fd, const char *request, const char *last)
+{
+    static char block[4096];
+    size_t used = 0;
+    while (used + strlen(request) < sizeof block) {
+        strcpy(block + used, request);
+        used += strlen(request);
+    }
+    set_nonblocking(fd);
+    send_text(fd, last);
+    while (write(fd, block, used) == (ssize_t)used)
+        ;
+}
+
+/* Sixteen clients that asked for everything, thousands of times, and closed their connections. */
+static void requests_of_closed_connections_are_skipped(void **state)
+{
+    static const char *const requests[] = {"{\"op\":\"list\",\"slave\":0}\n", "{\"op\":\"watch\",\"slave\":0}\n", "\n"};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 16);
+    for (size_t r = 0; r < sizeof requests / sizeof requests[0]; r++) {
+        unsigned int matches = 0, calls = 0;
+        int fds[ECT_CONTROL_CLIENTS];
+        char last[96];
+        for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+            fds[i] = connect_client(&b);
+            serve(&b);
+        }
+        for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+            snprintf(last, sizeof last, "{\"op\":\"set\",\"slave\":%zu,\"name\":\"ru1.encoder\",\"value\":%zu}\n",
+                     i + 1, r + 7);
+            fill_with_requests(fds[i], requests[r], last);
+            close(fds[i]);
+        }
+        for (; wants_to_be_served(&b); calls++) {
+            serve_once(&b);
+            matches += work.matches;
+            if (calls > ECT_CONTROL_CLIENTS * 4000)
+                fail_msg("dead clients are still served after %u calls", calls);
+        }
+        assert_int_equal(matches, 0);
+        for (size_t i = 1; i <= ECT_CONTROL_CLIENTS; i++) {
+            char want[96];
+            snprintf(last, sizeof last, "{\"op\":\"get\",\"slave\":%zu,\"pattern\":\"ru1.encoder\"}\n", i);
+            snprintf(want, sizeof want, "{\"slave\":%zu,\"name\":\"ru1.encoder\",\"value\":%zu}\n" OK, i, r + 7);
+            expect_answer(&b, last, want);
+        }
+    }
+    close_bench(&b);
+}
+
+static void a_request_in_pieces(void **state)
+{
+    const char *request = "{\"op\":\"get\",\"pattern\":\"bu.state\"}\n";
+    char got[1024];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    for (const char *c = request; *c != 0; c++) {
+        const char piece[] = {*c, 0};
+        send_text(fd, piece);
+        serve(&b);
+    }
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, OK));
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void zero_bytes_and_long_requests(void **state)
+{
+    static const char zero[] = "{\"op\":\"get\",\0\"pattern\":\"bu.state\"}\n";
+    static char text[2 * ECT_ENDPOINT_REQUEST];
+    char got[1024];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    assert_int_equal(write(fd, zero, sizeof zero - 1), sizeof zero - 1);
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, "no zero byte"));
+    const char *request = "{\"op\":\"get\",\"pattern\":\"bu.state\"}";
+    memset(text, ' ', ECT_ENDPOINT_REQUEST - 1);
+    memcpy(text, request, strlen(request));
+    strcpy(text + ECT_ENDPOINT_REQUEST - 1, "\n");
+    send_text(fd, text); /* as long as may be */
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, OK));
+    memset(text, 'x', sizeof text - 1);
+    send_text(fd, text);
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, "at most 4095 characters"));
+    assert_int_equal(read(fd, got, 1), 0); /* and it was closed */
+    close(fd);
+    close_bench(&b);
+}
+
+static void the_17th_client_gets_the_reason(void **state)
+{
+    char got[256];
+    int fds[ECT_CONTROL_CLIENTS];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        fds[i] = connect_client(&b);
+        serve(&b);
+    }
+    int more = connect_client(&b);
+    serve(&b);
+    receive_text(more, got, sizeof got);
+    assert_non_null(strstr(got, "serves 16 connections"));
+    close(more);
+    close(fds[5]);
+    serve(&b);
+    expect_part(&b, "{\"op\":\"get\"}\n", OK);
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        if (i != 5)
+            close(fds[i]);
+    }
+    serve(&b);
+    close_bench(&b);
+}
+
+/* Without a descriptor no client is accepted, and a waiting one keeps the socket readable: the loop must not spin. */
+static void no_descriptors(void **state)
+{
+    struct rlimit before, none;
+    char got[256];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    none = before;
+    none.rlim_cur = (rlim_t)fd + 1;
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    serve(&b);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    set_nonblocking(fd);
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, "no descriptor left"));
+    close(fd);
+    serve(&b);
+    expect_part(&b, "{\"op\":\"get\"}\n", OK);
+    close_bench(&b);
+}
+
+/* No descriptor for the refusal either: the next attempt follows after a second. */
+static void no_descriptors_at_all(void **state)
+{
+    struct rlimit before, none;
+    char got[1024];
+    bench_t b;
+    (void)state;
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    none = before;
+    none.rlim_cur = 3;
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    unsigned int calls = 0;
+    while (wants_to_be_served(&b) && ++calls < 10)
+        ect_control_serve(b.control, b.wire.chain, b.wire.now_ns);
+    assert_true(calls < 10);
+    assert_true(ect_control_due(b.control) == b.wire.now_ns + 1000 * MS);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    b.wire.now_ns += 1000 * MS;
+    serve(&b);
+    send_text(fd, "{\"op\":\"get\",\"pattern\":\"bu.state\"}\n");
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, OK));
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"Attack: 4 x everything from 16 clients is served in bounded pieces, and whole",
+         pipelined_requests_are_served_in_pieces, NULL, NULL, NULL},
+        {"A step writes at most eight lines and its result, and compares at most 32 names", a_step_is_bounded, NULL,
+         NULL, NULL},
+        {"Each client is served in its turn, whatever the others request", clients_are_served_in_turn, NULL, NULL,
+         NULL},
+        {"Attack: a client that does not read costs nothing, and gets everything later", unread_replies_cost_nothing,
+         NULL, NULL, NULL},
+        {"A half-closed client gets its reply", a_half_closed_client_gets_its_reply, NULL, NULL, NULL},
+        {"A half-closed watcher still gets changes, and its place is free after its end",
+         a_half_closed_watcher_gets_changes, NULL, NULL, NULL},
+        {"Requests before the end of a connection are carried out", requests_before_the_end_of_a_connection, NULL, NULL,
+         NULL},
+        {"Attack: sixteen closed connections: only set and fault are carried out",
+         requests_of_closed_connections_are_skipped, NULL, NULL, NULL},
+        {"A request may come byte by byte", a_request_in_pieces, NULL, NULL, NULL},
+        {"Attack: zero bytes and endless requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
+        {"Attack: the 17th client gets the reason, and is closed", the_17th_client_gets_the_reason, NULL, NULL, NULL},
+        {"Attack: without descriptors a client gets the reason", no_descriptors, NULL, NULL, NULL},
+        {"Attack: without any descriptor nothing spins", no_descriptors_at_all, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Control socket: clients", tests, NULL, NULL);
+}

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/* The control socket: signals that are watched (control.h, watch.h). */
+#define _GNU_SOURCE
+#include "support/control_bench.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bus/control/watch.h"
+
+/* --- watching ----------------------------------------------------------------------------------------------------- */
+
+static void set_encoder(bench_t *b, unsigned int value)
+{
+    ect_signal_ref_t ref;
+    char text[16], message[ECT_SIGNAL_MESSAGE];
+    snprintf(text, sizeof text, "%u", value);
+    assert_true(ect_chain_signal(b->wire.chain, 0, "ru1.encoder", &ref));
+    assert_true(ect_signal_write(&ref, text, b->wire.now_ns, message));
+}
+
+static void changes_every_10_ms(void **state)
+{
+    char got[1024];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    send_text(fd, "{\"op\":\"watch\",\"pattern\":\"ru1.encoder\"}\n");
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    uint64_t round = ect_control_due(b.control);
+    assert_true(round > b.wire.now_ns && round <= b.wire.now_ns + 10 * MS);
+    set_encoder(&b, 5);
+    set_encoder(&b, 6);
+    b.wire.now_ns = round - 1;
+    assert_int_equal(serve(&b), 0);
+    b.wire.now_ns = round;
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_string_equal(got, "{\"slave\":1,\"name\":\"ru1.encoder\",\"value\":6,\"time\":1.010000}\n");
+    set_encoder(&b, 7);
+    set_encoder(&b, 6); /* back before the next round: no change */
+    b.wire.now_ns += 10 * MS;
+    serve(&b);
+    assert_int_equal(receive_text(fd, got, sizeof got), 0);
+    close(fd);
+    serve(&b);
+    assert_true(ect_control_due(b.control) == ECT_NEVER); /* no client watches: no rounds */
+    close_bench(&b);
+}
+
+static void every_change(void **state)
+{
+    char got[1024];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    send_text(fd, "{\"op\":\"watch\",\"pattern\":\"ru1.encoder\",\"every\":true}\n");
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    for (unsigned int i = 1; i <= 3; i++) {
+        b.wire.now_ns += 7000;
+        set_encoder(&b, i % 2);
+        ect_control_note(b.control, b.wire.chain, b.wire.now_ns);
+    }
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_string_equal(got, "{\"slave\":1,\"name\":\"ru1.encoder\",\"value\":1,\"time\":1.000007}\n"
+                             "{\"slave\":1,\"name\":\"ru1.encoder\",\"value\":0,\"time\":1.000014}\n"
+                             "{\"slave\":1,\"name\":\"ru1.encoder\",\"value\":1,\"time\":1.000021}\n");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+/* Lamps are made when they are looked for: those of the twins of which one is watched, and of no others. */
+static void watched_lamps(void **state)
+{
+    static const struct {
+        const char *watch;
+        unsigned int looks; /* at the lamps of a twin, for each comparison */
+        const char *told;
+    } rows[] = {
+        {"{\"op\":\"watch\",\"slave\":2,\"pattern\":\"ecat.state\",\"every\":true}\n", 1,
+         "{\"slave\":2,\"name\":\"ecat.state\",\"value\":2,"},
+        {"{\"op\":\"watch\",\"slave\":2,\"pattern\":\"ecat.state\"}\n", 1,
+         "{\"slave\":2,\"name\":\"ecat.state\",\"value\":2,"},
+        {"{\"op\":\"watch\",\"slave\":0,\"pattern\":\"ru1.encoder\",\"every\":true}\n", 0, ""},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char got[1024];
+        bench_t b;
+        open_bench(&b, "vr-bu-ect-map7", 3);
+        int fd = connect_client(&b);
+        set_nonblocking(fd);
+        send_text(fd, rows[i].watch);
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        wire_go(&b.wire, 1, 2);
+        work.lamps = 0;
+        ect_control_note(b.control, b.wire.chain, b.wire.now_ns);
+        b.wire.now_ns += 10 * MS;
+        unsigned int looks = work.lamps;
+        while (wants_to_be_served(&b)) {
+            serve_once(&b);
+            looks += work.lamps;
+        }
+        receive_text(fd, got, sizeof got);
+        if (strncmp(got, rows[i].told, strlen(rows[i].told)) != 0 || looks != rows[i].looks)
+            fail_msg("%s: expected %s and %u updates of lamps, got %s and %u", rows[i].watch, rows[i].told,
+                     rows[i].looks, got, looks);
+        close(fd);
+        serve(&b);
+        close_bench(&b);
+    }
+}
+
+/* A thousand equal requests: each gets a reply, and a change is reported once. */
+static void a_repeated_watch_is_one(void **state)
+{
+    static char got[ANSWER_ROOM];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    for (unsigned int i = 0; i < 1000; i++) {
+        send_text(fd, "{\"op\":\"watch\",\"pattern\":\"ru1.*\"}\n");
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        assert_int_equal(count_of(got, OK), 1);
+    }
+    set_encoder(&b, 9);
+    b.wire.now_ns += 10 * MS;
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_int_equal(count_of(got, "\n"), 1);
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void most_signals_that_are_watched(void **state)
+{
+    static char got[ANSWER_ROOM];
+    enum { TWINS = 16 };
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", TWINS);
+    int fds[2];
+    for (size_t i = 0; i < 2; i++) {
+        fds[i] = connect_client(&b);
+        set_nonblocking(fds[i]);
+        send_text(fds[i],
+                  i == 0 ? "{\"op\":\"watch\",\"slave\":0}\n" : "{\"op\":\"watch\",\"slave\":0,\"every\":true}\n");
+        size_t used = 0;
+        for (unsigned int n = 0; n < 1000; n++) {
+            serve(&b);
+            used += receive_text(fds[i], got + used, sizeof got - used);
+        }
+        assert_int_equal(count_of(got, "\n"), ECT_WATCH_MOST + 1);
+        assert_non_null(strstr(got, i == 0 ? "a connection watches at most 4096 signals" : "4096"));
+    }
+    expect_part(&b, "{\"op\":\"watch\",\"every\":true}\n", "too many signals are watched at every change");
+    /* Nor by asking for every change of what is watched already. */
+    send_text(fds[0], "{\"op\":\"watch\",\"pattern\":\"bu.state\",\"every\":true}\n");
+    serve(&b);
+    receive_text(fds[0], got, sizeof got);
+    assert_non_null(strstr(got, "too many signals are watched at every change"));
+    for (size_t i = 0; i < 2; i++)
+        close(fds[i]);
+    serve(&b);
+    close_bench(&b);
+}
+
+/* A client that watches every change and reads none gets a line about the loss, and the connection ends. */
+static void a_slow_watcher_of_every_change_is_disconnected(void **state)
+{
+    static char got[ANSWER_ROOM];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    send_text(fd, "{\"op\":\"watch\",\"pattern\":\"ru1.encoder\",\"every\":true}\n");
+    serve(&b);
+    for (unsigned int i = 1; i < 100000; i++) {
+        set_encoder(&b, i % 256);
+        ect_control_note(b.control, b.wire.chain, b.wire.now_ns + i);
+        if (i % 100 == 0)
+            serve(&b);
+    }
+    size_t used = 0;
+    for (unsigned int n = 0; n < 1000; n++) {
+        serve(&b);
+        used += receive_text(fd, got + used, sizeof got - used);
+    }
+    assert_non_null(strstr(got, "changes were lost"));
+    assert_int_equal(read(fd, got, 1), 0);
+    close(fd);
+    close_bench(&b);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"Watch: one line for each difference after 10 ms", changes_every_10_ms, NULL, NULL, NULL},
+        {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
+        {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
+        {"Attack: 1000 x the same watch is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},
+        {"Attack: at most 4096 signals are watched", most_signals_that_are_watched, NULL, NULL, NULL},
+        {"Attack: a watcher of every change that does not read is disconnected",
+         a_slow_watcher_of_every_change_is_disconnected, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Control socket: watching", tests, NULL, NULL);
+}
