@@ -8,6 +8,7 @@
 
 #include "sii/sii.h"
 #include "steps/engine.h"
+#include "steps/reader.h"
 
 enum { NO_LRW = 0x0200, NO_RW = 0x0400, HAS_DC = 0x0004 };
 enum {
@@ -18,7 +19,7 @@ enum {
     WORD_PROTOCOLS = 0x1C,
     WORD_SIZE = 0x3E
 };
-enum { GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, SII_MOST = 65536, SCAN_MS = 500 };
+enum { GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, ASSIGNMENTS = 0x1C10, SCAN_MS = 500 };
 
 /* No slave keeps a state of another master. The second request is for device emulation, which shows the acknowledge as
  * an error; software behind a chip has had no time to read the first request and sees only the second. */
@@ -77,41 +78,17 @@ static uint16_t word(const cf_facts_t *f, unsigned int n)
     return f->sii_size >= 2 * (size_t)n + 2 ? ect_load_le16(f->sii + 2 * (size_t)n) : 0;
 }
 
-/* Up to `words`, in the pieces that the chip reads. */
-static size_t read_words(cf_t *c, uint8_t *image, size_t have, size_t words)
-{
-    while (have < 2 * words) {
-        uint8_t piece[8];
-        unsigned int bytes = cf_sii_read(c, (uint16_t)(have / 2), piece);
-        memcpy(image + have, piece, bytes);
-        have += bytes;
-    }
-    return have;
-}
-
-/* Category by category until the end mark: the rest of a large EEPROM costs time and adds nothing. */
+/* Up to the end mark: the rest of a large EEPROM costs time and adds nothing. */
 static void read_image(cf_t *c)
 {
     cf_facts_t *f = &c->facts;
-    uint8_t *image = calloc(1, SII_MOST + 16);
+    uint8_t *image = calloc(1, ECT_READER_SII);
     if (!image)
         cf_fail(c, "out of memory");
     f->sii = image;
-    size_t have = read_words(c, image, 0, ECT_SII_CATEGORIES / 2);
-    f->eeprom_bytes = (ect_load_le16(image + 2 * WORD_SIZE) + 1u) * 128u;
-    size_t at = ECT_SII_CATEGORIES;
-    while (at + 4 <= f->eeprom_bytes && at + 4 <= SII_MOST) {
-        have = read_words(c, image, have, at / 2 + 2);
-        if (ect_load_le16(image + at) == ECT_SII_END) {
-            at += 2;
-            break;
-        }
-        at += 4 + 2 * (size_t)ect_load_le16(image + at + 2);
-    }
-    if (at > SII_MOST)
-        at = SII_MOST;
-    have = read_words(c, image, have, at / 2);
-    f->sii_size = have;
+    ect_reader_t *reader = cf_reader_open(c);
+    cf_reader_close(c, ect_reader_sii_content(reader, image, &f->sii_size));
+    f->eeprom_bytes = (word(f, WORD_SIZE) + 1u) * 128u;
     f->has |= CF_SII;
 }
 
@@ -227,33 +204,42 @@ static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
 
 /* --- CoE ---------------------------------------------------------------------------------------------------------- */
 
-static bool try_number(cf_t *c, uint16_t index, uint8_t sub, uint64_t *value)
+/* Of the PDOs that an assignment names. */
+typedef struct mapped {
+    size_t bits;
+    unsigned int named, found;
+    bool assigned; /* the slave has the assignment */
+    bool whole;    /* no value is missing */
+} mapped_t;
+
+static void count_object(void *ctx, const ect_reader_object_t *object)
 {
-    uint8_t data[64] = {0};
-    size_t size = sizeof data;
-    if (cf_upload(c, index, sub, false, data, &size) != 0)
-        return false;
-    *value = ect_load_le64(data);
-    return true;
+    mapped_t *m = ctx;
+    m->assigned = m->assigned || object->index >= ASSIGNMENTS;
+    m->found += object->index < ASSIGNMENTS;
 }
 
-/* Bits that an assignment object adds up to; false: it cannot be read. */
-static bool coe_bits(cf_t *c, uint16_t assignment, size_t *bits)
+static void add_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
 {
-    uint64_t pdos, pdo, entries, entry;
-    *bits = 0;
-    if (!try_number(c, assignment, 0, &pdos))
-        return false;
-    for (unsigned int i = 1; i <= (uint8_t)pdos; i++) {
-        if (!try_number(c, assignment, (uint8_t)i, &pdo) || !try_number(c, (uint16_t)pdo, 0, &entries))
-            return false;
-        for (unsigned int k = 1; k <= (uint8_t)entries; k++) {
-            if (!try_number(c, (uint16_t)pdo, (uint8_t)k, &entry))
-                return false;
-            *bits += entry & 0xFF;
-        }
-    }
-    return true;
+    mapped_t *m = ctx;
+    m->whole = m->whole && entry->value.data != NULL;
+    if (entry->subindex == 0 || !m->whole)
+        return;
+    if (object->index < ASSIGNMENTS)
+        m->bits += entry->value.data[0];
+    else
+        m->named++;
+}
+
+/* Bits that the assignment of a SyncManager adds up to; false: it cannot be read. */
+static bool coe_bits(cf_t *c, unsigned int sm, size_t *bits)
+{
+    mapped_t m = {.whole = true};
+    const ect_reader_sink_t sink = {.ctx = &m, .object = count_object, .entry = add_entry};
+    ect_reader_t *reader = cf_reader_open(c);
+    cf_reader_close(c, ect_reader_assigned(reader, UINT32_C(1) << sm, &sink));
+    *bits = m.bits;
+    return m.assigned && m.whole && m.found == m.named;
 }
 
 static void take_lengths(cf_t *c, bool coe)
@@ -266,7 +252,7 @@ static void take_lengths(cf_t *c, bool coe)
             continue;
         size_t bits = sii_bits(c, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO, n);
         size_t mapped;
-        if (coe && coe_bits(c, (uint16_t)(0x1C10 + n), &mapped))
+        if (coe && coe_bits(c, n, &mapped))
             bits = mapped;
         else if (bits == 0 && (sm->enable & 1) != 0)
             bits = 8 * (size_t)sm->length;

@@ -15,6 +15,15 @@ uint16_t reader_load16(const uint8_t *bytes)
     return ect_load_le16(bytes);
 }
 
+/* Command and address: by position, or by the configured station address. */
+static void put_slave(const ect_reader_t *r, uint8_t *d, uint8_t command)
+{
+    const bool configured = command != BRD && r->config.station != 0;
+    const uint16_t position = command == BRD ? 0 : (uint16_t)(0u - r->config.position);
+    d[0] = !configured ? command : command == APRD ? FPRD : FPWR;
+    ect_store_le16(d + 2, configured ? r->config.station : position);
+}
+
 static size_t build(ect_reader_t *r, uint8_t command, uint16_t address, const uint8_t *data, uint16_t length)
 {
     static const uint8_t header[AT_TYPE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 0x00, 0x00, 0x00, 0x00, 0x01};
@@ -24,9 +33,8 @@ static size_t build(ect_reader_t *r, uint8_t command, uint16_t address, const ui
     memcpy(r->frame, header, sizeof header);
     ect_store_be16(r->frame + AT_TYPE, ETHERTYPE);
     ect_store_le16(r->frame + ETHERNET, (uint16_t)(COMMANDS | (DATAGRAM + length + WKC)));
-    d[0] = command;
+    put_slave(r, d, command);
     d[1] = ++r->index;
-    ect_store_le16(d + 2, command == BRD ? 0 : (uint16_t)(0u - r->config.position));
     ect_store_le16(d + 4, address);
     ect_store_le16(d + 6, length);
     memcpy(d + DATAGRAM, data, length);

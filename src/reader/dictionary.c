@@ -9,7 +9,7 @@ enum { COE = 0x04, READ_PREOP = 0x01, DEVICE_TYPE = 0x1000, DEVICE_NAME = 0x1008
 enum {
     MAPPINGS = 0x1600,
     MAPPINGS_END = 0x1C00,
-    ASSIGNMENTS = 0x1C10,
+    ASSIGNMENTS = 0x1C10, /* of SyncManager 0 */
     ASSIGNMENTS_END = 0x1C30,
     OUTPUTS = 0x1C12,
     INPUTS = 0x1C13
@@ -198,13 +198,31 @@ static void walk(walk_t *w)
     }
 }
 
+static ect_reader_result_t result_of(walk_t *w)
+{
+    if (w->first == ECT_READER_OK)
+        return reader_good(w->r);
+    w->r->code = w->code;
+    return reader_report(w->r, w->first, "%s", w->text);
+}
+
 ect_reader_result_t ect_reader_dictionary(ect_reader_t *r, ect_reader_values_t values, const ect_reader_sink_t *sink)
 {
     walk_t w = {.r = r, .values = values, .sink = sink};
     r->failures = 0;
     walk(&w);
-    if (w.first == ECT_READER_OK)
-        return reader_good(r);
-    r->code = w.code;
-    return reader_report(r, w.first, "%s", w.text);
+    return result_of(&w);
+}
+
+ect_reader_result_t ect_reader_assigned(ect_reader_t *r, uint32_t sms, const ect_reader_sink_t *sink)
+{
+    walk_t w = {.r = r, .sink = sink};
+    bool more = true;
+    r->failures = 0;
+    memset(r->objects, 0, sizeof r->objects);
+    if (sink->begin != NULL)
+        sink->begin(sink->ctx, false);
+    for (unsigned int sm = 0; more && sm < ASSIGNMENTS_END - ASSIGNMENTS; sm++)
+        more = (sms >> sm & 1) == 0 || walk_assignment(&w, ASSIGNMENTS + sm);
+    return result_of(&w);
 }

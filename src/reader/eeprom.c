@@ -9,6 +9,7 @@
 
 enum { BUSY = 0x8000, NO_ACK = 0x2000, REFUSED = 0x4000, READ = 0x0100, READS_8 = 0x0040 };
 enum { BUSY_MS = 1000, ATTEMPTS = 10, POLLS = 100000, HEADER = 0x80, SIZE_AT = 0x7C, UNIT = 128, BLOCK = 1024 };
+enum { CATEGORY_HEADER = 4, CATEGORIES_END = 0xFFFF };
 enum { BY_PDI = 0x01, TAKE_AWAY = 0x02, IN_USE = 0x01 };
 
 /* The PDI owns the interface, or has not finished with it: the master may take it away. */
@@ -74,20 +75,14 @@ static ect_reader_result_t read_some(ect_reader_t *r, size_t at, uint8_t data[8]
                          (unsigned int)(at / 2));
 }
 
-static size_t size_of_header(const uint8_t *image)
+static size_t announced(const uint8_t *image)
 {
-    const size_t size = ((size_t)ect_load_le16(image + SIZE_AT) + 1) * UNIT;
-    return size <= ECT_READER_SII ? size : HEADER;
+    return ((size_t)ect_load_le16(image + SIZE_AT) + 1) * UNIT;
 }
 
-ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size, size_t *read)
+/* Continues from *read to `wanted`, a multiple of 4. */
+static ect_reader_result_t read_until(ect_reader_t *r, uint8_t *image, size_t wanted, size_t *read)
 {
-    const bool by_header = size == 0;
-    size_t wanted = by_header ? HEADER : size;
-    ECT_ASSERT(size % 4 == 0 && size <= ECT_READER_SII);
-    *read = 0;
-    if (take(r) != ECT_READER_OK)
-        return r->result;
     while (*read < wanted) {
         uint8_t data[8];
         size_t length = 0;
@@ -98,8 +93,32 @@ ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size,
         length = length < wanted - *read ? length : wanted - *read;
         memcpy(image + *read, data, length);
         *read += length;
-        if (by_header && *read == HEADER)
-            wanted = size_of_header(image);
     }
     return reader_good(r);
+}
+
+ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size, size_t *read)
+{
+    ECT_ASSERT(size % 4 == 0 && size <= ECT_READER_SII);
+    *read = 0;
+    if (take(r) != ECT_READER_OK || read_until(r, image, size != 0 ? size : HEADER, read) != ECT_READER_OK)
+        return r->result;
+    return size != 0 || announced(image) > ECT_READER_SII ? r->result : read_until(r, image, announced(image), read);
+}
+
+ect_reader_result_t ect_reader_sii_content(ect_reader_t *r, uint8_t *image, size_t *read)
+{
+    *read = 0;
+    if (take(r) != ECT_READER_OK || read_until(r, image, HEADER, read) != ECT_READER_OK)
+        return r->result;
+    const size_t all = announced(image) < ECT_READER_SII ? announced(image) : ECT_READER_SII;
+    for (size_t at = HEADER; at + CATEGORY_HEADER <= all;
+         at += CATEGORY_HEADER + 2 * (size_t)ect_load_le16(image + at + 2)) {
+        const size_t end = (at + CATEGORY_HEADER + 3) / 4 * 4;
+        if (read_until(r, image, end < all ? end : all, read) != ECT_READER_OK)
+            return r->result;
+        if (ect_load_le16(image + at) == CATEGORIES_END)
+            return ECT_READER_OK;
+    }
+    return read_until(r, image, all, read);
 }

@@ -38,14 +38,14 @@ uint64_t reader_now(const ect_reader_t *r);
 /* A pause between two polls: short at first, then up to 1 ms. */
 void reader_pause(const ect_reader_t *r, unsigned int polls);
 
-/* @return false: no frame came back. *wkc: slaves that processed the datagram */
+/* `command`: APRD, APWR or BRD. @return false: no frame came back. *wkc: slaves that processed the datagram */
 bool reader_try(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *data, uint16_t length, uint16_t *wkc);
 /* To the slave, repeated when a frame is lost: never for data that a read or write consumes. */
 ect_reader_result_t reader_get(ect_reader_t *r, uint16_t address, uint8_t *data, uint16_t length);
 ect_reader_result_t reader_put(ect_reader_t *r, uint16_t address, const uint8_t *data, uint16_t length);
 uint16_t reader_load16(const uint8_t *bytes);
 
-enum { APRD = 1, APWR = 2, BRD = 7 };
+enum { APRD = 1, APWR = 2, FPRD = 4, FPWR = 5, BRD = 7 };
 
 /* Sends a mail of a type; empties the mailbox from the slave before. */
 ect_reader_result_t reader_send_mail(ect_reader_t *r, uint8_t type, const uint8_t *data, uint16_t length);

@@ -66,11 +66,27 @@ static void put_entry(void *ctx, const ect_reader_object_t *object, const ect_re
     j->entry = true;
 }
 
+static ect_reader_sink_t sink_of(json_t *j)
+{
+    return (ect_reader_sink_t){.ctx = j, .begin = begin, .object = put_object, .entry = put_entry};
+}
+
+static ect_reader_result_t end(const json_t *j, ect_reader_result_t result)
+{
+    fprintf(j->file, "%s\n], \"complete\": %s}\n", j->object ? "]}" : "", result == ECT_READER_OK ? "true" : "false");
+    return result;
+}
+
 ect_reader_result_t ect_reader_json(ect_reader_t *r, ect_reader_values_t values, FILE *file)
 {
     json_t j = {.file = file, .slave = r->config.position + 1u};
-    const ect_reader_sink_t sink = {.ctx = &j, .begin = begin, .object = put_object, .entry = put_entry};
-    const ect_reader_result_t result = ect_reader_dictionary(r, values, &sink);
-    fprintf(file, "%s\n], \"complete\": %s}\n", j.object ? "]}" : "", result == ECT_READER_OK ? "true" : "false");
-    return result;
+    const ect_reader_sink_t sink = sink_of(&j);
+    return end(&j, ect_reader_dictionary(r, values, &sink));
+}
+
+ect_reader_result_t ect_reader_json_assigned(ect_reader_t *r, uint32_t sms, FILE *file)
+{
+    json_t j = {.file = file, .slave = r->config.position + 1u};
+    const ect_reader_sink_t sink = sink_of(&j);
+    return end(&j, ect_reader_assigned(r, sms, &sink));
 }

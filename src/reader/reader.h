@@ -7,10 +7,11 @@
  * timeout, every list an end, and the whole run a limit: against any slave a call returns, and uses no memory beyond
  * ::ect_reader_t and the buffers of the caller.
  *
- * The reader addresses the slave by its position. It writes mailbox requests and the registers of the EEPROM interface.
- * A slave in INIT or BOOT, or with the error flag set, goes to PREOP, with SyncManagers 0 and 1 set from its EEPROM,
- * and back to INIT in ::ect_reader_close; a slave in PREOP, SAFEOP or OP stays in its state and keeps its mailbox. A
- * master that uses the same mailbox at the same time takes replies away from the reader, and the other way round.
+ * The reader addresses the slave by its position, or by a station address that it has already. It writes mailbox
+ * requests and the registers of the EEPROM interface. A slave in INIT or BOOT, or with the error flag set, goes to
+ * PREOP, with SyncManagers 0 and 1 set from its EEPROM, and back to INIT in ::ect_reader_close; a slave in PREOP,
+ * SAFEOP or OP stays in its state and keeps its mailbox. A master that uses the same mailbox at the same time takes
+ * replies away from the reader, and the other way round.
  *
  * Host only. One thread for a reader; calls block until the reply, the timeout or the limit.
  *
@@ -68,11 +69,13 @@ typedef enum ect_reader_result {
 /** How to read. All zero: the first slave, with the defaults. */
 typedef struct ect_reader_config {
     uint16_t position;  /**< in the segment, from 0 */
+    uint16_t station;   /**< its configured station address, by which datagrams address it; 0: by position */
     uint32_t frame_ms;  /**< until a frame counts as lost; 0: 100 */
     uint32_t reply_ms;  /**< until a mail counts as unanswered; 0: 2000 (ETG.2000 ResponseTimeout) */
     uint32_t state_ms;  /**< until a state change counts as refused; 0: 5000 */
     uint32_t limit_ms;  /**< of all calls of a reader together; 0: 600 000 */
     unsigned int tries; /**< for each request; 0: 3 */
+    uint8_t counter;    /**< of the last mail that the slave has received, 1 to 7; 0: unknown */
     void *progress_ctx; /**< first argument of `progress` */
     /** Called before each object (`done` of `all`) and each block of the EEPROM (bytes); false stops. NULL: none. */
     bool (*progress)(void *progress_ctx, const char *what, unsigned int done, unsigned int all);
@@ -180,6 +183,15 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r);
 ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size, size_t *read);
 
 /**
+ * As ::ect_reader_sii, up to the end mark of the categories: an image without the unused rest of a large EEPROM.
+ * @param[out] image  room for ::ECT_READER_SII bytes
+ * @param[out] read  bytes read, a multiple of 4 and the end mark included; without one the size in the header, or
+ * ::ECT_READER_SII when the header announces more
+ * @return as ::ect_reader_sii
+ */
+ect_reader_result_t ect_reader_sii_content(ect_reader_t *r, uint8_t *image, size_t *read);
+
+/**
  * Uploads an entry, or an object by Complete Access: expedited, normal or segmented, as the slave replies.
  * Cost: about six frames for each mail, and polls until the reply.
  * @param subindex  with `complete` 0 or 1
@@ -213,6 +225,14 @@ ect_reader_result_t ect_reader_entry(ect_reader_t *r, uint16_t index, uint8_t su
 ect_reader_result_t ect_reader_dictionary(ect_reader_t *r, ect_reader_values_t values, const ect_reader_sink_t *sink);
 
 /**
+ * Reads the PDO assignments (1C10h and following) of some SyncManagers and the mappings that they name: values alone,
+ * each object once. The slave needs CoE.
+ * @param sms  bit n: SyncManager n, 0 to 31
+ * @return as ::ect_reader_dictionary
+ */
+ect_reader_result_t ect_reader_assigned(ect_reader_t *r, uint32_t sms, const ect_reader_sink_t *sink);
+
+/**
  * Writes the dictionary as one JSON object: `slave`, counted from 1; `described`; `objects`, each with `index`, and
  * where the slave describes them `type`, `code`, `name`; `entries`, each with `subindex`, `type`, `bits`, `access`,
  * `name`, and as hexadecimal bytes of the wire `unit`, `default`, `minimum`, `maximum`, `value`; and `complete`, false
@@ -220,6 +240,9 @@ ect_reader_result_t ect_reader_dictionary(ect_reader_t *r, ect_reader_values_t v
  * @return as ::ect_reader_dictionary
  */
 ect_reader_result_t ect_reader_json(ect_reader_t *r, ect_reader_values_t values, FILE *file);
+
+/** Writes the objects of ::ect_reader_assigned, in the form of ::ect_reader_json. @return as ::ect_reader_assigned */
+ect_reader_result_t ect_reader_json_assigned(ect_reader_t *r, uint32_t sms, FILE *file);
 
 ECT_C_END
 

@@ -53,6 +53,7 @@ ect_reader_result_t ect_reader_open(ect_reader_t *r, const ect_reader_link_t *li
     memset(r, 0, sizeof *r);
     r->link = link;
     r->config = with_defaults(config);
+    r->counter = r->config.counter;
     r->limit_ns = reader_now(r) + r->config.limit_ms * NS_PER_MS;
     if (count_slaves(r) != ECT_READER_OK || al_status(r, &r->found_status, &code) != ECT_READER_OK ||
         ect_reader_sii(r, header, sizeof header, &read) != ECT_READER_OK)

@@ -231,9 +231,9 @@ OTHERS = (
 
 # Slaves that lie in CoE: the run ends with 2 and the reason. (liar-endless-mails does so too, after the 60 s of the examination.)
 LIARS = {
-    "liar-upload-4g": "slave 1 cannot be examined", "liar-no-uploads": "expected within 2000 ms, got none",
-    "liar-no-replies": "expected within 2000 ms, got none", "liar-toggle": "command and toggle of a segment",
-    "liar-other-index": "index of the reply: expected", "liar-endless-list": "slave 1 cannot be examined",
+    "liar-upload-4g": "slave 1 cannot be examined", "liar-no-uploads": "no reply within 2000 ms",
+    "liar-no-replies": "no reply within 2000 ms", "liar-toggle": "1C12:00: a segment with the wrong toggle bit",
+    "liar-other-index": "none that replies to the request", "liar-endless-list": "slave 1 cannot be examined",
 }
 
 

@@ -3,9 +3,18 @@
 
 #include <stdio.h>
 
-enum { DESCRIBE_OBJECT = 3, DESCRIBE_ENTRY = 5, OBJECT_BYTES = 6, HEADERS = 12, ACCESS_INFO = 7 };
+enum {
+    DESCRIBE_OBJECT = 3,
+    DESCRIBE_ENTRY = 5,
+    OBJECT_BYTES = 6,
+    ENTRY_BYTES = 10,
+    HEADERS = 12,
+    ACCESS_INFO = 7,
+    COE_ANSWER = 512
+};
 
-bool coe_is_full(const cf_t *c, int bytes)
+/* A name at the end of a full mailbox may be cut off. */
+static bool is_full(const cf_t *c, int bytes)
 {
     return bytes + HEADERS >= c->mailbox.in_size;
 }
@@ -21,32 +30,33 @@ static bool describe(cf_t *c, uint16_t index, coe_object_t *object)
     cf_expect_that(c, bytes >= OBJECT_BYTES, "description of %04Xh: expected at least 6 bytes, got %d", index, bytes);
     cf_expect(c, "index of an object description", index, ect_load_le16(answer));
     *object = (coe_object_t){.index = index, .type = ect_load_le16(answer + 2), .most = answer[4], .code = answer[5]};
-    if (!coe_is_full(c, bytes))
+    if (!is_full(c, bytes))
         snprintf(object->name, sizeof object->name, "%.*s", bytes - OBJECT_BYTES, (const char *)answer + OBJECT_BYTES);
     return true;
 }
 
-int coe_describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t value_info, uint8_t *answer)
+/* @return false: the slave has no such entry */
+static bool describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t *answer)
 {
     uint8_t request[4] = {0};
     uint32_t code;
     ect_store_le16(request, index);
     request[2] = sub;
-    request[3] = value_info;
+    request[3] = ACCESS_INFO;
     int bytes = cf_info(c, DESCRIBE_ENTRY, request, sizeof request, answer, COE_ANSWER, &code);
     if (bytes < 0)
-        return -1;
-    cf_expect_that(c, bytes >= COE_ENTRY_BYTES, "description of %04Xh:%02X: expected at least 10 bytes, got %d", index,
-                   sub, bytes);
+        return false;
+    cf_expect_that(c, bytes >= ENTRY_BYTES, "description of %04Xh:%02X: expected at least 10 bytes, got %d", index, sub,
+                   bytes);
     cf_expect(c, "index of an entry description", index, ect_load_le16(answer));
     cf_expect(c, "sub-index of an entry description", sub, answer[2]);
-    return bytes;
+    return true;
 }
 
 bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *entry)
 {
     uint8_t answer[COE_ANSWER];
-    if ((c->facts.has & CF_SDO_INFO) == 0 || coe_describe_entry(c, object->index, sub, ACCESS_INFO, answer) < 0)
+    if ((c->facts.has & CF_SDO_INFO) == 0 || !describe_entry(c, object->index, sub, answer))
         return false;
     *entry = (coe_entry_t){
         .type = ect_load_le16(answer + 4), .bits = ect_load_le16(answer + 6), .access = ect_load_le16(answer + 8)};

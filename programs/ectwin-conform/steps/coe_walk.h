@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/** @file For the cases of CoE: a walk over all objects, with their descriptions by the information service. */
+/**
+ * @file
+ * For the cases of CoE: a walk over all objects, with their descriptions by the information service. The walk judges: a
+ * description that the standard does not allow ends the case, where the reader of slaves (steps/reader.h) would request
+ * it again, and a case visits each object in between.
+ */
 #ifndef ECTWIN_CONFORM_COE_WALK_H
 #define ECTWIN_CONFORM_COE_WALK_H
 
@@ -15,17 +20,7 @@ enum {
     COE_WRITE_SAFEOP = 0x10,
     COE_WRITE_OP = 0x20,
 };
-enum { COE_OBJECTS_MOST = 1024, COE_ENTRIES_MOST = 600, COE_NAME = 64, COE_ANSWER = 512 };
-/** Optional fields of the description of an entry (ETG.1000.6), and the length of its fixed fields. */
-enum {
-    COE_INFO_UNIT = 0x08,
-    COE_INFO_DEFAULT = 0x10,
-    COE_INFO_MINIMUM = 0x20,
-    COE_INFO_MAXIMUM = 0x40,
-    COE_INFO_ALL = 0x7F
-};
-enum { COE_ENTRY_BYTES = 10 };
-
+enum { COE_OBJECTS_MOST = 1024, COE_ENTRIES_MOST = 600, COE_NAME = 64 };
 typedef struct coe_object {
     uint16_t index, type;
     uint8_t most;        /**< the last sub-index */
@@ -44,15 +39,5 @@ typedef struct coe_entry {
 unsigned int coe_walk(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object));
 /** @return false: the slave has no such entry, or no information service */
 bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *entry);
-/**
- * The whole description of an entry.
- * @param value_info  COE_INFO_...: optional fields to request
- * @param[out] answer  COE_ANSWER bytes: index, sub-index, fields present (at 3), type, length, rights, then these
- * fields
- * @return bytes, at least COE_ENTRY_BYTES; -1: the slave has no such entry
- */
-int coe_describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t value_info, uint8_t *answer);
-/** @return whether a reply of that many bytes fills the mailbox: a name at its end may be cut off */
-bool coe_is_full(const cf_t *c, int bytes);
 
 #endif

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "steps/coe_walk.h"
+#include "steps/reader.h"
 
-enum { VALUE = 256, ASSIGNMENT = 0x1C10, LINES_MOST = 20 };
+enum { LINES_MOST = 20 };
 
 /* --- the file ----------------------------------------------------------------------------------------------------- */
 
@@ -70,7 +70,7 @@ void cf_esi_close(cf_esi_t *esi)
     ect_facts_free(&esi->said);
     ect_facts_free(&esi->known);
     ect_facts_free(&esi->found);
-    cJSON_Delete(esi->dictionary);
+    free(esi->json);
     ect_esi_twin_free(esi->twin);
     ect_esi_schema_close(esi->schema);
     ect_esi_close(esi->file);
@@ -142,149 +142,41 @@ void cf_esi_expect_sii(cf_t *c, ect_fact_kind_t first, ect_fact_kind_t last)
     expect_same(c);
 }
 
-/* --- the slave's dictionary, in the form of ectwin-probe ---------------------------------------------------------- */
+/* --- the slave's dictionary --------------------------------------------------------------------------------------- */
 
-static cJSON *begin(cf_t *c, bool described)
+/* Reads objects into esi->json: the PDOs of some SyncManagers, or all objects when there are none. */
+static void read_objects(cf_t *c, uint32_t sms)
 {
-    cJSON_Delete(c->esi->dictionary);
-    c->esi->dictionary = cJSON_CreateObject();
-    cJSON_AddBoolToObject(c->esi->dictionary, "described", described);
-    return cJSON_AddArrayToObject(c->esi->dictionary, "objects");
-}
-
-static cJSON *add_object(cJSON *objects, uint16_t index)
-{
-    cJSON *object = cJSON_CreateObject();
-    cJSON_AddItemToArray(objects, object);
-    cJSON_AddNumberToObject(object, "index", index);
-    return object;
-}
-
-static cJSON *add_entry(cJSON *entries, unsigned int sub)
-{
-    cJSON *entry = cJSON_CreateObject();
-    cJSON_AddItemToArray(entries, entry);
-    cJSON_AddNumberToObject(entry, "subindex", sub);
-    return entry;
-}
-
-static void add_bytes(cJSON *entry, const char *name, const uint8_t *bytes, size_t length)
-{
-    char text[2 * VALUE + 1] = "";
-    for (size_t i = 0; i < length && i < VALUE; i++)
-        snprintf(text + 2 * i, 3, "%02x", bytes[i]);
-    cJSON_AddStringToObject(entry, name, text);
-}
-
-/* The values of objects that identify the slave. @return whether the upload succeeded */
-static bool add_value(cf_t *c, cJSON *entry, uint16_t index, uint8_t sub)
-{
-    uint8_t value[VALUE] = {0};
-    size_t size = sizeof value;
-    if (cf_upload(c, index, sub, false, value, &size) != 0)
-        return false;
-    add_bytes(entry, "value", value, size);
-    return true;
-}
-
-static bool is_identity(uint16_t index)
-{
-    return index == 0x1000 || index == 0x1008 || index == 0x1018 || ect_facts_are_of_pdos(index);
-}
-
-/* The optional fields have the order of their bits, those with the entry's length among them; then the name. */
-static void add_details(cf_t *c, cJSON *entry, const uint8_t *answer, int bytes)
-{
-    static const struct {
-        uint8_t bit;
-        const char *name;
-    } fields[] = {{COE_INFO_UNIT, "unit"},
-                  {COE_INFO_DEFAULT, "default"},
-                  {COE_INFO_MINIMUM, "minimum"},
-                  {COE_INFO_MAXIMUM, "maximum"}};
-    const int length = (ect_load_le16(answer + 6) + 7) / 8;
-    int at = COE_ENTRY_BYTES;
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        int size = fields[i].bit == COE_INFO_UNIT ? 2 : length;
-        if ((answer[3] & fields[i].bit) == 0 || at + size > bytes)
-            continue;
-        add_bytes(entry, fields[i].name, answer + at, (size_t)size);
-        at += size;
-    }
-    char name[COE_NAME] = "";
-    if (!coe_is_full(c, bytes))
-        snprintf(name, sizeof name, "%.*s", bytes - at, (const char *)answer + at);
-    cJSON_AddStringToObject(entry, "name", name);
-}
-
-/* A sub-index of no type and no length is a gap. */
-static void add_described_entry(cf_t *c, cJSON *entries, uint16_t index, uint8_t sub)
-{
-    uint8_t answer[COE_ANSWER];
-    int bytes = coe_describe_entry(c, index, sub, COE_INFO_ALL, answer);
-    if (bytes < 0 || (ect_load_le16(answer + 4) == 0 && ect_load_le16(answer + 6) == 0))
-        return;
-    cJSON *entry = add_entry(entries, sub);
-    cJSON_AddNumberToObject(entry, "type", ect_load_le16(answer + 4));
-    cJSON_AddNumberToObject(entry, "bits", ect_load_le16(answer + 6));
-    cJSON_AddNumberToObject(entry, "access", ect_load_le16(answer + 8));
-    add_details(c, entry, answer, bytes);
-    if (is_identity(index))
-        (void)add_value(c, entry, index, sub);
-}
-
-static void add_described(cf_t *c, const coe_object_t *o)
-{
-    cJSON *object = add_object(cJSON_GetObjectItemCaseSensitive(c->esi->dictionary, "objects"), o->index);
-    cJSON_AddNumberToObject(object, "code", o->code);
-    cJSON_AddStringToObject(object, "name", o->name);
-    cJSON *entries = cJSON_AddArrayToObject(object, "entries");
-    for (unsigned int sub = 0; sub <= o->most; sub++)
-        add_described_entry(c, entries, o->index, (uint8_t)sub);
-}
-
-/* An object of numbers, as many as sub-index 0 counts. @return false: there is none */
-static bool add_numbers(cf_t *c, cJSON *objects, uint16_t index)
-{
-    uint32_t code;
-    if (!cf_object_exists(c, index, 0, &code))
-        return false;
-    unsigned int count = (uint8_t)cf_upload_number(c, index, 0);
-    cJSON *entries = cJSON_AddArrayToObject(add_object(objects, index), "entries");
-    for (unsigned int sub = 0; sub <= count; sub++)
-        (void)add_value(c, add_entry(entries, sub), index, (uint8_t)sub);
-    return true;
-}
-
-static void add_assigned(cf_t *c, cJSON *objects, uint16_t assignment)
-{
-    if (!add_numbers(c, objects, assignment))
-        return;
-    unsigned int count = (uint8_t)cf_upload_number(c, assignment, 0);
-    for (unsigned int n = 1; n <= count; n++)
-        (void)add_numbers(c, objects, (uint16_t)cf_upload_number(c, assignment, (uint8_t)n));
-}
-
-/* --- comparisons -------------------------------------------------------------------------------------------------- */
-
-static void take_dictionary(cf_t *c)
-{
-    forget(&c->esi->known, c->esi->path);
-    forget(&c->esi->found, "the dictionary");
-    if (!ect_facts_of_objects(&c->esi->found, c->esi->dictionary))
+    cf_esi_t *esi = c->esi;
+    size_t size;
+    free(esi->json);
+    esi->json = NULL;
+    ect_reader_t *reader = cf_reader_open(c);
+    FILE *out = open_memstream(&esi->json, &size);
+    if (!out)
+        cf_fail(c, "out of memory");
+    const ect_reader_result_t result = sms != 0 ? ect_reader_json_assigned(reader, sms, out)
+                                                : ect_reader_json(reader, ECT_READER_IDENTITY_AND_PDOS, out);
+    const bool written = fclose(out) == 0;
+    cf_reader_close(c, result);
+    forget(&esi->known, esi->path);
+    forget(&esi->found, "the dictionary");
+    if (!written || !ect_facts_of_dictionary(&esi->found, esi->json))
         cf_fail(c, "out of memory");
 }
 
 void cf_esi_expect_assigned(cf_t *c)
 {
+    uint32_t sms = 0;
     if (!cf_esi_model(c))
         return;
-    cJSON *objects = begin(c, false);
     for (unsigned int sm = 0; sm < c->facts.sm_count; sm++) {
         if (c->facts.sm[sm].type >= ECT_SM_OUTPUTS)
-            add_assigned(c, objects, (uint16_t)(ASSIGNMENT + sm));
+            sms |= UINT32_C(1) << sm;
     }
-    take_dictionary(c);
+    if (sms == 0)
+        return;
+    read_objects(c, sms);
     expect_kinds(c->esi, ECT_FACT_PDO, ECT_FACT_PDO_ENTRY);
     expect_same(c);
 }
@@ -293,9 +185,7 @@ void cf_esi_expect_objects(cf_t *c)
 {
     if (!cf_esi_model(c))
         return;
-    (void)begin(c, true);
-    (void)coe_walk(c, add_described);
-    take_dictionary(c);
+    read_objects(c, 0);
     expect_kinds(c->esi, ECT_FACT_PDO_NAME, ECT_FACT_PDO_NAME);
     expect_kinds(c->esi, ECT_FACT_OBJECT, ECT_FACT_ENTRY_UNIT);
     expect_same(c);

@@ -2,14 +2,12 @@
 /**
  * @file
  * The slave's ESI file (--esi), for the cases that compare with it. File and slave are converted to facts
- * (facts/facts.h) and compared as `ectwin verify` does.
+ * (facts/facts.h), the dictionary by the reader of slaves (steps/reader.h), and compared as `ectwin verify` does.
  *
  * The twin that the file describes is compared. A modular device is compared in the facts that no module changes.
  */
 #ifndef ECTWIN_CONFORM_ESI_H
 #define ECTWIN_CONFORM_ESI_H
-
-#include <cjson/cJSON.h>
 
 #include "esi/lint.h"
 #include "esi/twin.h"
@@ -30,7 +28,7 @@ typedef struct cf_esi {
 
     /* Input of a comparison; kept here because a case may be left at any step. */
     ect_facts_t said, known, found;
-    cJSON *dictionary;
+    char *json; /**< objects of the slave */
 } cf_esi_t;
 
 /**

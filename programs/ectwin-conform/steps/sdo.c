@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* CoE as a careful client: whole SDO transfers and the information service, each reply checked on the way. */
+/* CoE as a strict client: whole SDO transfers and the information service, each reply judged on the way. The first
+ * violation of the protocol ends the case; a client that repeats the request, as reader/ does, would hide it. */
 #include <string.h>
 
 #include "steps/engine.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The EEPROM by its registers, as masters read it. */
+/* Single accesses to the EEPROM by its registers, as masters make them: cases judge the error bits after each command,
+ * which reader/ retries. The image in the facts is read by reader/. */
 
 #include "sii/sii.h"
 #include "steps/engine.h"

@@ -68,6 +68,49 @@ static void a_part_of_the_eeprom_is_read(void **state)
     close_reader(&l);
 }
 
+/* Size in the header, or 0: that of the device; a copy of the EEPROM with it. */
+static void the_content_of_an_eeprom_ends_at_the_end_mark(void **state)
+{
+    static const struct {
+        const char *title;
+        uint16_t size_word; /* 0xFFFF: larger than any reader takes */
+        size_t mark;        /* byte of the end mark; 0: none */
+        size_t expected;
+    } cases[] = {
+        {"end mark right behind the header", 7, 0x80, 0x84}, {"end mark behind a category of one word", 7, 0x86, 0x8C},
+        {"end mark in the last word", 0, 0xFC, 0x100},       {"no end mark", 1, 0, 0x100},
+        {"a size that is garbage", 0xFFFF, 0x90, 0x94},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        uint8_t sii[1024] = {0};
+        const size_t bytes = cases[i].mark > 0 ? cases[i].mark : 0x100;
+        ect_esc_t *esc;
+        liar_t l;
+        size_t size;
+        liar_open(&l, &testdev, NULL);
+        esc = ect_chain_esc(l.w.chain, 0);
+        memcpy(sii, esc->config.sii, 0x80);
+        ect_store_le16(sii + 0x7C, cases[i].size_word != 0 ? cases[i].size_word : 1);
+        for (size_t at = 0x80; at < bytes; at += 4 + 2 * (size_t)ect_load_le16(sii + at + 2)) {
+            ect_store_le16(sii + at, 30);
+            ect_store_le16(sii + at + 2, (uint16_t)((bytes - at) % 4 != 0 ? 1 : 0));
+        }
+        if (cases[i].mark > 0)
+            ect_store_le16(sii + cases[i].mark, 0xFFFF);
+        esc->config.sii = sii;
+        esc->config.sii_size = sizeof sii;
+        assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+        memset(image, 0x5A, sizeof image);
+        assert_int_equal(ect_reader_sii_content(&reader, image, &size), ECT_READER_OK);
+        if (size != cases[i].expected)
+            fail_msg("%s: expected %zu bytes, got %zu", cases[i].title, cases[i].expected, size);
+        assert_memory_equal(image, sii, size);
+        assert_int_equal(image[size], 0x5A);
+        close_reader(&l);
+    }
+}
+
 static void the_pdi_gets_the_eeprom_back(void **state)
 {
     liar_t l;
@@ -177,6 +220,28 @@ static void the_third_of_three_slaves_is_read_and_the_others_are_left_alone(void
     ect_reader_close(&reader);
     assert_int_equal(ect_reader_open(&reader, &l.link, &fourth), ECT_READER_LOST);
     assert_string_equal(reader.text, "the segment has only 3 slaves");
+    close_reader(&l);
+}
+
+static void a_slave_is_addressed_by_its_station_address(void **state)
+{
+    const ect_device_t *const devices[] = {&testdev, &testdev, &testdev};
+    const ect_reader_config_t third = {.station = WIRE_STATION + 2}, unknown = {.station = WIRE_STATION + 3};
+    uint8_t value[4];
+    size_t size = sizeof value;
+    liar_t l = {0};
+    (void)state;
+    wire_open(&l.w, devices, 3);
+    liar_attach(&l, NULL);
+    assert_int_equal(ect_reader_open(&reader, &l.link, &third), ECT_READER_OK);
+    testdev_of(&l.w, 2)->u32 = 77;
+    assert_int_equal(ect_reader_upload(&reader, 0x2000, 0, false, value, &size), ECT_READER_OK);
+    assert_int_equal(ect_load_le32(value), 77);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT);
+    assert_int_equal(wire_read8(&l.w, 2, ECT_REG_AL_STATUS), PREOP);
+    ect_reader_close(&reader);
+    assert_int_equal(wire_read8(&l.w, 2, ECT_REG_AL_STATUS), INIT);
+    assert_int_equal(ect_reader_open(&reader, &l.link, &unknown), ECT_READER_LOST);
     close_reader(&l);
 }
 
@@ -453,6 +518,56 @@ static void without_sdo_information_identity_and_pdos_are_read(void **state)
     close_reader(&l);
 }
 
+static void the_pdos_of_some_sync_managers_are_read(void **state)
+{
+    static const struct {
+        uint32_t sms;
+        uint16_t expected[5]; /* 0: end */
+    } cases[] = {{1u << 2, {0x1C12, 0x1600}},
+                 {1u << 3, {0x1C13, 0x1A00}},
+                 {1u << 2 | 1u << 3, {0x1C12, 0x1600, 0x1C13, 0x1A00}},
+                 {UINT32_MAX, {0x1C12, 0x1600, 0x1C13, 0x1A00}},
+                 {1u << 31, {0}}};
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *json = NULL;
+        size_t length, n = 0;
+        FILE *file = open_memstream(&json, &length);
+        assert_int_equal(ect_reader_json_assigned(&reader, cases[i].sms, file), ECT_READER_OK);
+        assert_int_equal(fclose(file), 0);
+        cJSON *root = cJSON_Parse(json);
+        assert_true(cJSON_IsFalse(cJSON_GetObjectItem(root, "described")));
+        assert_true(cJSON_IsTrue(cJSON_GetObjectItem(root, "complete")));
+        const cJSON *object;
+        cJSON_ArrayForEach(object, cJSON_GetObjectItem(root, "objects"))
+            assert_int_equal(cJSON_GetObjectItem(object, "index")->valueint, cases[i].expected[n++]);
+        assert_int_equal(cases[i].expected[n], 0);
+        cJSON_Delete(root);
+        free(json);
+    }
+    close_reader(&l);
+}
+
+/* A slave takes a mail with the counter of the mail before it for a repeat. */
+static void the_first_mail_continues_the_counter_of_the_mail_before(void **state)
+{
+    static const uint8_t before[] = {0, 1, 6, 7};
+    (void)state;
+    for (size_t i = 0; i < sizeof before; i++) {
+        const ect_reader_config_t config = {.counter = before[i]};
+        uint8_t value[4];
+        size_t size = sizeof value;
+        liar_t l;
+        liar_open(&l, &testdev, NULL);
+        assert_int_equal(ect_reader_open(&reader, &l.link, &config), ECT_READER_OK);
+        assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+        assert_int_equal(reader.counter, before[i] % 7 + 1);
+        close_reader(&l);
+    }
+}
+
 static void the_json_text_has_every_field(void **state)
 {
     char *json = NULL;
@@ -553,12 +668,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_eeprom_of_every_device_is_read),
         cmocka_unit_test(a_part_of_the_eeprom_is_read),
+        cmocka_unit_test(the_content_of_an_eeprom_ends_at_the_end_mark),
         cmocka_unit_test(the_pdi_gets_the_eeprom_back),
         cmocka_unit_test(a_slave_in_init_returns_to_init_with_the_sync_managers_it_had),
         cmocka_unit_test(a_slave_at_work_stays_in_its_state),
         cmocka_unit_test(a_slave_with_the_error_flag_is_acknowledged),
         cmocka_unit_test(a_refused_state_is_reported_with_its_code),
         cmocka_unit_test(the_third_of_three_slaves_is_read_and_the_others_are_left_alone),
+        cmocka_unit_test(a_slave_is_addressed_by_its_station_address),
         cmocka_unit_test(frames_are_broadcasts_from_a_local_address),
         cmocka_unit_test(uploads_of_every_length_arrive_whole),
         cmocka_unit_test(an_object_is_uploaded_by_complete_access),
@@ -567,6 +684,8 @@ int main(void)
         cmocka_unit_test(the_dictionary_of_every_device_is_read),
         cmocka_unit_test(all_values_are_uploaded_when_wanted),
         cmocka_unit_test(without_sdo_information_identity_and_pdos_are_read),
+        cmocka_unit_test(the_pdos_of_some_sync_managers_are_read),
+        cmocka_unit_test(the_first_mail_continues_the_counter_of_the_mail_before),
         cmocka_unit_test(the_json_text_has_every_field),
         cmocka_unit_test(a_wire_that_loses_a_fifth_of_the_frames_changes_nothing),
         cmocka_unit_test(the_callback_shows_progress_and_stops),

@@ -847,6 +847,7 @@ static void lie(const struct row *row)
     liar_open(&l, &testdev, &row->kind);
     const uint64_t begin = l.w.now_ns;
     expect(row, "open", row->open, ect_reader_open(&reader, &l.link, &config));
+    (void)ect_reader_sii_content(&reader, image, &size);
     (void)ect_reader_sii(&reader, image, 0, &size);
     expect(row, "upload", row->upload, ect_reader_upload(&reader, 0x1018, 1, false, value, &bytes));
     FILE *file = open_memstream(&json, &length);
