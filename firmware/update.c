@@ -21,7 +21,7 @@ static bool complete; /* the second slot holds a new firmware, and the master ha
 
 /* --- the file ----------------------------------------------------------------------------------------------------- */
 
-static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
+static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_file_t *wish, const char **text)
 {
     (void)foe;
     (void)instance;

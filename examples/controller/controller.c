@@ -88,7 +88,7 @@ static void recall(const settings_t *s, bu_controller_t *c)
 }
 
 /* One write replaces the file: three digits each. */
-static void remember(const settings_t *s, const bu_controller_t *c)
+static void record(const settings_t *s, const bu_controller_t *c)
 {
     static int cco = -1, cao = -1;
     if (!s->counters || !c->counters_known || (cco == c->cco && cao == c->cao))
@@ -131,7 +131,7 @@ static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uin
     while (!master_ended && master_now() < until_ns && master_now() < last_reply_ns + GIVE_UP_NS) {
         bool complete = master_exchange() == master_expected();
         bu_controller_step(c, ec_slave[1].inputs, ec_slave[1].outputs, master_now());
-        remember(s, c);
+        record(s, c);
         if (complete) {
             send_numbered(c, sent, s->commands);
             last_reply_ns = master_now();

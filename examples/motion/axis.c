@@ -69,7 +69,7 @@ double axis_trapezoid(const axis_t *a, double t)
 
 /* --- phases ------------------------------------------------------------------------------------------------------- */
 
-static void go(axis_t *a, axis_phase_t phase)
+static void enter_phase(axis_t *a, axis_phase_t phase)
 {
     a->phase = phase;
     a->cycles = 0;
@@ -78,7 +78,7 @@ static void go(axis_t *a, axis_phase_t phase)
 static void fail(axis_t *a, const char *why)
 {
     a->failure = why;
-    go(a, AXIS_FAILED);
+    enter_phase(a, AXIS_FAILED);
 }
 
 /* The next step of the sequence, by the state of the drive. @return the control word */
@@ -92,7 +92,7 @@ static uint16_t enabling(axis_t *a)
     if ((a->status & STATE_MASK) == READY)
         return SWITCH_ON;
     if ((a->status & STATE_MASK) == OPERATION)
-        go(a, AXIS_HOMING);
+        enter_phase(a, AXIS_HOMING);
     return (a->status & STATE_MASK) == ON || a->phase == AXIS_HOMING ? ENABLE : SHUTDOWN;
 }
 
@@ -103,7 +103,7 @@ static uint16_t homing(axis_t *a)
     if ((a->status & REFERENCE_ERROR) != 0)
         fail(a, "the reference run has failed (status bit 13)");
     else if (a->cycles > 3 && (a->status & (REFERENCING | TARGET)) == TARGET)
-        go(a, AXIS_RELEASING);
+        enter_phase(a, AXIS_RELEASING);
     return ENABLE | REFERENCE;
 }
 
@@ -111,7 +111,7 @@ static uint16_t releasing(axis_t *a)
 {
     a->set = 0;
     if (a->cycles > 50)
-        go(a, AXIS_MOVING);
+        enter_phase(a, AXIS_MOVING);
     a->start = a->set;
     return ENABLE;
 }
@@ -121,14 +121,14 @@ static uint16_t moving(axis_t *a)
     double t = a->cycles * a->cycle_s;
     a->set = (int32_t)lround(a->start + axis_trapezoid(a, t));
     if (t >= axis_duration(a))
-        go(a, AXIS_SETTLING);
+        enter_phase(a, AXIS_SETTLING);
     return ENABLE;
 }
 
 static uint16_t settling(axis_t *a)
 {
     if (a->cycles * a->cycle_s > 0.2 && (a->status & TARGET) != 0)
-        go(a, AXIS_READING);
+        enter_phase(a, AXIS_READING);
     return ENABLE;
 }
 
@@ -140,14 +140,14 @@ static uint16_t reading(axis_t *a, const uint8_t *in, uint16_t *latch)
     if (a->probed)
         a->probe = get32(in + IN_LATCH_POSITION);
     if (a->probed || (status & PROBE_VALID) == 0)
-        go(a, AXIS_DISABLING);
+        enter_phase(a, AXIS_DISABLING);
     return ENABLE;
 }
 
 static uint16_t disabling(axis_t *a)
 {
     if ((a->status & STATE_MASK) == READY)
-        go(a, AXIS_DONE);
+        enter_phase(a, AXIS_DONE);
     return SHUTDOWN;
 }
 

@@ -204,7 +204,7 @@ static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
 
 /* --- CoE ---------------------------------------------------------------------------------------------------------- */
 
-/* Of the PDOs that an assignment names. */
+/* Sum over the PDOs that an assignment names. */
 typedef struct mapped {
     size_t bits;
     unsigned int named, found;

@@ -52,11 +52,11 @@ int command_mend(int argc, char **argv);
 enum { TWIN_MESSAGE = 1280 };
 
 /** "[N:]VALUE" of an identity option. */
-typedef struct identity_wish {
+typedef struct identity_setting {
     int key;     /**< of the option */
     size_t twin; /**< from 1; 0: all */
     uint32_t value;
-} identity_wish_t;
+} identity_setting_t;
 
 /** The module in a slot of a modular twin; `twin` counts from 1. */
 typedef struct twin_module {
@@ -75,8 +75,8 @@ typedef struct twin_args {
     ect_twin_config_t *twins;
     size_t count;
     bool given; /* an option of theirs was, those of the wiring aside */
-    identity_wish_t *wishes;
-    size_t wish_count;
+    identity_setting_t *identities;
+    size_t identity_count;
     bool keep_source_mac;
     bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
     wiring_args_t wiring;
@@ -173,7 +173,7 @@ int session_open_control(session_t *s, char *const ifaces[ECT_ENDS]);
 /** Keeps only the rights that running twins need (and, with `children`, a command beside them). */
 void session_drop_rights(session_t *s, bool children);
 /**
- * Powers the twins on; they run before others if the command line wishes it, so call it while the rights for that are
+ * Powers the twins on; they run before others if the command line has them, so call it while the rights for that are
  * still there. @return EXIT_CLEAN, or what to exit with, with the reason printed
  */
 int session_power_on(session_t *s);

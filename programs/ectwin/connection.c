@@ -143,7 +143,7 @@ typedef struct search {
 
 static bool report_one(void *ctx, const char *path)
 {
-    bool *told = ctx;
+    bool *reported = ctx;
     uid_t owner;
     char room[32];
     int fd = ect_endpoint_connect(path, &owner);
@@ -153,7 +153,7 @@ static bool report_one(void *ctx, const char *path)
     fprintf(stderr, "  one of %s runs: -s ", name_of(owner, room));
     print_text(stderr, path);
     fputc('\n', stderr);
-    *told = true;
+    *reported = true;
     return true;
 }
 
@@ -165,15 +165,15 @@ static void report_others(const char *pattern)
     for (size_t i = 0; i < found.gl_pathc; i++) {
         struct stat info;
         char room[32], theirs[64];
-        bool told = false;
+        bool reported = false;
         if (lstat(found.gl_pathv[i], &info) < 0 || !S_ISDIR(info.st_mode) || info.st_uid == geteuid())
             continue;
         snprintf(theirs, sizeof theirs, "%.*s%u%s", (int)strcspn(pattern, "*"), pattern, info.st_uid,
                  strchr(pattern, '*') + 1);
         if (strcmp(theirs, found.gl_pathv[i]) != 0)
             continue;
-        each_socket(found.gl_pathv[i], report_one, &told);
-        if (!told && access(found.gl_pathv[i], R_OK) < 0)
+        each_socket(found.gl_pathv[i], report_one, &reported);
+        if (!reported && access(found.gl_pathv[i], R_OK) < 0)
             fprintf(stderr, "  %s may have some, in %s: ask as that user, or with sudo\n", name_of(info.st_uid, room),
                     found.gl_pathv[i]);
     }
@@ -244,7 +244,7 @@ const char *connection_text(const cJSON *line, const char *member, char room[32]
 }
 
 /* After a failed receive(). */
-static int no_answer(const char *who)
+static int no_reply(const char *who)
 {
     if (!who)
         return EXIT_RUN;
@@ -297,7 +297,7 @@ static int take_replies(connection_t *connection, const char *who, void (*print)
                 return output_failed();
         }
         if (!receive(connection))
-            return no_answer(who);
+            return no_reply(who);
     }
 }
 
@@ -313,7 +313,7 @@ static bool send_text(const connection_t *connection, const char *text, size_t l
     return true;
 }
 
-int connection_ask(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line))
+int connection_request(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line))
 {
     char *text = cJSON_PrintUnformatted(request);
     bool fits = text && strlen(text) < ECT_ENDPOINT_REQUEST;
@@ -348,7 +348,7 @@ int connection_follow(connection_t *connection, const char *who)
         if (!wait_for_more(connection))
             return EXIT_CLEAN;
         if (!receive(connection))
-            return no_answer(who);
+            return no_reply(who);
     }
 }
 
@@ -367,7 +367,7 @@ cJSON *connection_about(connection_t *connection)
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "about");
     about = NULL;
-    (void)connection_ask(connection, request, NULL, keep_about);
+    (void)connection_request(connection, request, NULL, keep_about);
     return about;
 }
 

@@ -58,7 +58,7 @@ extern const struct argp_child connection_children[];
  * @return EXIT_CLEAN · EXIT_USAGE: it was refused, or is longer than the protocol allows; the reason is printed ·
  *         EXIT_RUN: no reply, or standard output failed
  */
-int connection_ask(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
+int connection_request(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
 
 /**
  * After the reply to "watch": prints whole lines until the connection ends, or until nothing reads standard output.

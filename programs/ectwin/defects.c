@@ -235,7 +235,7 @@ static void last_byte_alone(defect_t *d, datagram_t *g)
         set_counter(g, 0);
 }
 
-static void disabled_answers(defect_t *d, datagram_t *g)
+static void disabled_replies(defect_t *d, datagram_t *g)
 {
     (void)d;
     if (al_status(g) == 1 && is_mail(g, true))
@@ -250,7 +250,7 @@ static void off_is_not_seen(defect_t *d, datagram_t *g)
         hide(g);
 }
 
-static void give_back_hidden(defect_t *d, datagram_t *g)
+static void return_hidden(defect_t *d, datagram_t *g)
 {
     (void)d;
     if (g->now[ECT_DATAGRAM_COMMAND] == ECT_NOP && g->command != ECT_NOP)
@@ -269,7 +269,7 @@ static void repeat_is_not_seen(defect_t *d, datagram_t *g)
 
 static void repeat_is_acknowledged(defect_t *d, datagram_t *g)
 {
-    give_back_hidden(d, g);
+    return_hidden(d, g);
     if (g->command != ECT_FPRD || g->ado != SM_1 + ECT_SM_STATUS || g->length != 3)
         return;
     for (int i = 1; i <= 2; i++)
@@ -283,7 +283,7 @@ static void second_is_lost(defect_t *d, datagram_t *g)
         hide(g);
 }
 
-static void length_is_believed(defect_t *d, datagram_t *g)
+static void length_is_trusted(defect_t *d, datagram_t *g)
 {
     (void)d;
     if (is_mail(g, true) && ect_load_le16(data(g)) > out_size(g) - MAIL_HEADER)
@@ -310,7 +310,7 @@ static void acknowledges_itself(defect_t *d, datagram_t *g)
         data(g)[0] |= ECT_AL_ACKNOWLEDGE;
 }
 
-static void code_comes_late(defect_t *d, datagram_t *g)
+static void code_is_late(defect_t *d, datagram_t *g)
 {
     if (g->command == ECT_FPRD && g->ado == ECT_REG_AL_STATUS && g->length == 6 && d->memory[0] != 0)
         ect_store_le16(data(g) + 4, 0);
@@ -394,7 +394,7 @@ static void reads_latch(defect_t *d, datagram_t *g)
 }
 
 /* An SDO command that does not exist ends the mailbox until the twin restarts: SM0 takes no further mail. */
-static void mailbox_dies(defect_t *d, datagram_t *g)
+static void mailbox_stops(defect_t *d, datagram_t *g)
 {
     if (is_mail(g, true) && d->memory[0] == 0)
         d->memory[0] = (data(g)[5] & 0x0F) == 3 && data(g)[7] >> 4 == 2 && data(g)[8] >> 5 == 7;
@@ -403,7 +403,7 @@ static void mailbox_dies(defect_t *d, datagram_t *g)
 }
 
 /* Not a defect: chips change the status of a SyncManager at the end of the frame, the twin with the datagram. */
-static void remember_status(defect_t *d, datagram_t *g)
+static void record_status(defect_t *d, datagram_t *g)
 {
     uint8_t *status = (uint8_t *)d->memory;
     for (unsigned int n = 0; g->sent == d->sent + ETHERNET + 2 && n < SMS; n++)
@@ -539,13 +539,13 @@ static const defect_row_t rows[] = {
     {"CF-019b", "the slave writes the input buffer that the master reads", CUSTOM, .after = buffer_is_taken},
     {"CF-020", "a SyncManager does not show that it was written", ANSWER, ECT_FPRD, SM_1 + ECT_SM_STATUS, 1,
      .change = CLEARED(1)},
-    {"CF-021", "a SyncManager that the slave disabled answers", CUSTOM, .after = disabled_answers},
-    {"CF-022", "SM1 switched off is not noticed", CUSTOM, .before = off_is_not_seen, .after = give_back_hidden},
+    {"CF-021", "a SyncManager that the slave disabled answers", CUSTOM, .after = disabled_replies},
+    {"CF-022", "SM1 switched off is not noticed", CUSTOM, .before = off_is_not_seen, .after = return_hidden},
     {"CF-023", "a repeat is acknowledged and not done", CUSTOM, .before = repeat_is_not_seen,
      .after = repeat_is_acknowledged},
     {"CF-024", "the counter of mails comes by 0", MAIL, .length = ANY_MAIL, .at = 5, .change = BITS(0x70, 0x70, 0)},
-    {"CF-025", "a request while a reply waits is lost", CUSTOM, .before = second_is_lost, .after = give_back_hidden},
-    {"CF-026", "a length beyond the mailbox is taken for good", CUSTOM, .before = length_is_believed},
+    {"CF-025", "a request while a reply waits is lost", CUSTOM, .before = second_is_lost, .after = return_hidden},
+    {"CF-026", "a length beyond the mailbox is taken for good", CUSTOM, .before = length_is_trusted},
     {"CF-027", "SM0 has no length in the SyncManager category", CATEGORY, .address = ECT_SII_SYNCM, .length = 2,
      .change = ANY(2, 0)},
     {"CF-028", "LRD changes a byte that is not mapped", CUSTOM, .length = 16, .at = 0, .change = FLIPPED(1),
@@ -566,7 +566,7 @@ static const defect_row_t rows[] = {
     {"CF-038", "a request acknowledges by itself", CUSTOM, .before = acknowledges_itself},
     {"CF-039", "an acknowledge takes no other state", REQUEST, ECT_FPWR, ECT_REG_AL_CONTROL, 2, 0x12,
      .change = FROM(1, 0x14, 0x12)},
-    {"CF-040", "the code comes after the error flag", CUSTOM, .after = code_comes_late},
+    {"CF-040", "the code comes after the error flag", CUSTOM, .after = code_is_late},
     {"CF-041", "INIT in INIT is an unknown state", REQUEST, ECT_FPWR, ECT_REG_AL_CONTROL, 2, 1,
      .change = FROM(1, 0x01, 0x05)},
     {"CF-042", "a watchdog has the code of synchronisation (needs outputs)", AL_CODE(0x1B, 0x1A)},
@@ -611,7 +611,7 @@ static const defect_row_t rows[] = {
     {"CF-072", "an unknown command is refused as a timeout", SDO(0x1018, 1, 12),
      .change = FROM(4, 0x05040001, 0x05040000)},
     {"CF-072b", "a transfer goes on after the master aborted it (needs an object longer than the mailbox)", CUSTOM,
-     .before = abort_is_not_seen, .after = give_back_hidden},
+     .before = abort_is_not_seen, .after = return_hidden},
     {"CF-073", "a complete upload of 1018h has a wrong count (needs Complete Access)", SDO(0x1018, 0, 16),
      .command = 0x51, .change = ANY(1, 3)},
     {"CF-074", "a fixed assignment is refused for no reason (needs 1C12h)", SDO(0x1C12, 0, 12), .command = 0x80,
@@ -629,7 +629,7 @@ static const defect_row_t rows[] = {
     {"CF-086", "SoE gets error 0x0004", CUSTOM, .after = soe_is_known},
     {"CF-087", "a read latches the receive time", CUSTOM, .after = reads_latch},
     {"CF-087b", "BWR does not latch the receive times", CUSTOM, .before = broadcast_does_not_latch,
-     .after = give_back_hidden},
+     .after = return_hidden},
     {"CF-087c", "the receive time of the processing unit has no upper half", ANSWER, ECT_FPRD,
      ECT_REG_DC_RECEIVE_TIME_UNIT + 4, 8, .change = ANY(4, 0)},
     {"CF-088", "the difference of the clocks has the other sign", ANSWER, ECT_FPRD, ECT_REG_DC_DIFFERENCE + 3, 4,
@@ -641,8 +641,8 @@ static const defect_row_t rows[] = {
     {"CF-089c", "0x098E shows a pulse with SYNC0 off", ANSWER, ECT_FPRD, ECT_REG_DC_SYNC0_STATUS, 1,
      .change = ANY(1, 1)},
     {"CF-092", "a cycle is refused as a wrong mailbox (needs clock modes)", AL_CODE(0x36, 0x16)},
-    {"CF-094", "an unknown command stops the slave", CUSTOM, .before = hangs, .after = give_back_hidden},
-    {"CF-094b", "a mail of type 13 stops the slave", CUSTOM, .before = type_hangs, .after = give_back_hidden},
+    {"CF-094", "an unknown command stops the slave", CUSTOM, .before = hangs, .after = return_hidden},
+    {"CF-094b", "a mail of type 13 stops the slave", CUSTOM, .before = type_hangs, .after = return_hidden},
     {"CF-095", "two SyncManagers in one write are not taken", SWALLOW, ECT_FPWR, ECT_REG_SM, 16, .change = ANY(2, 1)},
     {"CF-096", "in SAFEOP a lost address is not given again at once", CUSTOM, .before = address_stays_lost,
      .after = uncounted_hidden},
@@ -654,10 +654,10 @@ static const defect_row_t rows[] = {
     {"CF-097c", "the IRQ field is always 0", CUSTOM, .after = no_interrupt},
     {"CF-098", "mails have a foreign address", MAIL, .length = ANY_MAIL, .at = 2, .change = ANY(2, 0x7777)},
     {"CF-098b", "mails have channel 1", MAIL, .length = ANY_MAIL, .at = 4, .change = ANY(1, 1)},
-    {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_dies,
+    {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_stops,
      .after = uncounted_hidden},
     {"END-OF-FRAME", "no defect: SyncManagers change their status at the end of the frame, as chips do", CUSTOM,
-     .before = remember_status, .after = status_of_the_start},
+     .before = record_status, .after = status_of_the_start},
 };
 
 /* --- at work ------------------------------------------------------------------------------------------------------ */
@@ -740,7 +740,7 @@ static void after_one(defect_t *d, datagram_t *g)
     if (row->after)
         row->after(d, g);
     else if (row->kind == SWALLOW)
-        give_back_hidden(d, g);
+        return_hidden(d, g);
     else if (row->kind == MAIL)
         change_mail(row, g);
     else if (row->kind == SII_WORD)

@@ -53,7 +53,7 @@ int command_fault(int argc, char **argv)
     cJSON_AddStringToObject(request, "op", "fault");
     if (args.text[0] != 0)
         cJSON_AddStringToObject(request, "fault", args.text);
-    int status = connection_ask(connection, request, argv[0], print_fault);
+    int status = connection_request(connection, request, argv[0], print_fault);
     connection_close(connection);
     return status;
 }

@@ -88,7 +88,7 @@ static int fetch(connection_t *connection, unsigned int slave, const char *who)
         cJSON_AddStringToObject(request, "op", "data");
         cJSON_AddNumberToObject(request, "slave", slave);
         cJSON_AddNumberToObject(request, "offset", (double)set.have);
-        status = connection_ask(connection, request, who, take_piece);
+        status = connection_request(connection, request, who, take_piece);
         if (status != EXIT_CLEAN || (set.known && set.have == set.size))
             return status;
         tries += set.serial != serial;

@@ -65,7 +65,7 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
         if (!args->wire || port == args->port)
             cJSON_AddNumberToObject(values, plugs[port], in ? 1 : 0);
     }
-    int status = connection_ask(connection, request, who, NULL);
+    int status = connection_request(connection, request, who, NULL);
     connection_close(connection);
     return status;
 }

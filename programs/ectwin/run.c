@@ -85,7 +85,7 @@ static bool find_address(const char *iface, char address[INET6_ADDRSTRLEN])
 }
 
 /* A link that this program has just brought up may still be negotiating. */
-static void advise(const ect_packet_t *port)
+static void print_hints(const ect_packet_t *port)
 {
     char address[INET6_ADDRSTRLEN];
     if (!port->was_down && !ect_packet_has_link(port))
@@ -126,7 +126,7 @@ int command_run(int argc, char **argv)
     int status = session_open(&session, ends);
     for (unsigned int end = 0; end < ECT_ENDS && status == EXIT_CLEAN; end++) {
         if (ends[end])
-            advise(&session.ports[end]);
+            print_hints(&session.ports[end]);
     }
     if (status == EXIT_CLEAN)
         status = session_open_modbus(&session);
@@ -136,8 +136,8 @@ int command_run(int argc, char **argv)
         status = session_power_on(&session);
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
-        bool told = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));
-        status = told ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
+        bool printed = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));
+        status = printed ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
     }
     session_close(&session);
     return status;

@@ -32,7 +32,7 @@ int open_signals(void)
     return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
 }
 
-static void on_circling(void *ctx, const char *iface)
+static void on_circulating(void *ctx, const char *iface)
 {
     const session_t *s = ctx;
     fprintf(stderr,
@@ -65,7 +65,7 @@ void session_init(session_t *s, const char *who, twin_args_t *twins)
                        .busy_poll = twins->busy_poll,
                        .link_fd = -1,
                        .on_signal = on_signal,
-                       .on_circling = on_circling,
+                       .on_circulating = on_circulating,
                        .ctx = s};
 }
 
@@ -133,7 +133,7 @@ int session_open_control(session_t *s, char *const ifaces[ECT_ENDS])
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         s->twins->about.ifaces[end] = ifaces[end];
-    s->runner.control_rest_ns = ECT_RUNNER_REST_NS;
+    s->runner.client_pause_ns = ECT_RUNNER_REST_NS;
     return open_control(s->who, &s->twins->about, &s->runner.exchange.control);
 }
 

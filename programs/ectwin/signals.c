@@ -132,26 +132,26 @@ static cJSON *make_request(const client_args_t *args, const char *op)
     return request;
 }
 
-static int ask_one(connection_t *connection, const client_args_t *args, const char *who, const char *op,
-                   const char *pattern, void (*print)(const cJSON *line))
+static int request_one(connection_t *connection, const client_args_t *args, const char *who, const char *op,
+                       const char *pattern, void (*print)(const cJSON *line))
 {
     cJSON *request = make_request(args, op);
     cJSON_AddStringToObject(request, "pattern", pattern);
     if (args->every)
         cJSON_AddTrueToObject(request, "every");
-    return connection_ask(connection, request, who, print);
+    return connection_request(connection, request, who, print);
 }
 
 /* Asks for each pattern of the command line from `first` on; without any for all signals. @return the worst status */
-static int ask(const client_args_t *args, size_t first, const char *who, const char *op,
-               void (*print)(const cJSON *line))
+static int request_all(const client_args_t *args, size_t first, const char *who, const char *op,
+                       void (*print)(const cJSON *line))
 {
     connection_t *connection = connection_open(&args->twin, who);
     if (!connection)
         return EXIT_OPEN;
-    int status = args->count > first ? EXIT_CLEAN : ask_one(connection, args, who, op, "*", print);
+    int status = args->count > first ? EXIT_CLEAN : request_one(connection, args, who, op, "*", print);
     for (size_t i = first; i < args->count && status <= EXIT_USAGE; i++) {
-        int one = ask_one(connection, args, who, op, args->arguments[i], print);
+        int one = request_one(connection, args, who, op, args->arguments[i], print);
         status = one > status ? one : status;
     }
     fflush(stdout);
@@ -170,7 +170,7 @@ int command_get(int argc, char **argv)
         .doc = "Prints the signals of a running twin whose names match a shell pattern, by default all."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    return ask(&args, 0, argv[0], "get", args.slave == 0 ? print_value_of_slave : print_value);
+    return request_all(&args, 0, argv[0], "get", args.slave == 0 ? print_value_of_slave : print_value);
 }
 
 int command_watch(int argc, char **argv)
@@ -182,7 +182,7 @@ int command_watch(int argc, char **argv)
         .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    return ask(&args, 0, argv[0], "watch", print_line);
+    return request_all(&args, 0, argv[0], "watch", print_line);
 }
 
 /* @return how many signals of a plant match; those are printed */
@@ -254,7 +254,7 @@ int command_list_signals(int argc, char **argv)
         fprintf(stderr, "%s: %s\n", argv[0], message);
         return EXIT_OPEN;
     }
-    return product ? list_device(product, &args, argv[0]) : ask(&args, 0, argv[0], "list", print_description);
+    return product ? list_device(product, &args, argv[0]) : request_all(&args, 0, argv[0], "list", print_description);
 }
 
 /* --- set, command ------------------------------------------------------------------------------------------------- */
@@ -263,7 +263,7 @@ static int set_values(connection_t *connection, const client_args_t *args, const
 {
     cJSON *request = make_request(args, "set");
     cJSON_AddItemToObject(request, "values", values);
-    return connection_ask(connection, request, who, NULL);
+    return connection_request(connection, request, who, NULL);
 }
 
 static int set_arguments(connection_t *connection, const client_args_t *args, const char *who)

@@ -115,7 +115,7 @@ int command_stats(int argc, char **argv)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "stats");
-    int status = connection_ask(connection, request, argv[0], args.json ? print_as_given : print_stats);
+    int status = connection_request(connection, request, argv[0], args.json ? print_as_given : print_stats);
     connection_close(connection);
     return status;
 }

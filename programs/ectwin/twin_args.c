@@ -195,28 +195,28 @@ static const identity_option_t *identity_option(int key)
     return NULL;
 }
 
-static void add_wish(twin_args_t *args, const struct argp_state *state, int key, const char *text)
+static void add_identity(twin_args_t *args, const struct argp_state *state, int key, const char *text)
 {
     const identity_option_t *option = identity_option(key);
     const char *colon = strchr(text, ':');
-    identity_wish_t *grown = realloc(args->wishes, (args->wish_count + 1) * sizeof *grown);
+    identity_setting_t *grown = realloc(args->identities, (args->identity_count + 1) * sizeof *grown);
     if (!grown)
         argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
-    args->wishes = grown;
-    identity_wish_t *wish = &args->wishes[args->wish_count++];
-    *wish = (identity_wish_t){.key = key};
+    args->identities = grown;
+    identity_setting_t *setting = &args->identities[args->identity_count++];
+    *setting = (identity_setting_t){.key = key};
     if (colon) {
         char number[16];
         snprintf(number, sizeof number, "%.*s", (int)(colon - text), text);
-        wish->twin = (size_t)ect_argument_number(state, "N in N:VALUE", number, 1, UINT16_MAX);
+        setting->twin = (size_t)ect_argument_number(state, "N in N:VALUE", number, 1, UINT16_MAX);
     }
-    wish->value =
+    setting->value =
         (uint32_t)ect_argument_number(state, option->name, colon ? colon + 1 : text, option->minimum, option->maximum);
 }
 
-static void fulfil(const identity_wish_t *wish, ect_twin_config_t *twin, uint32_t value)
+static void apply_identity(const identity_setting_t *setting, ect_twin_config_t *twin, uint32_t value)
 {
-    switch (wish->key) {
+    switch (setting->key) {
     case KEY_VENDOR_ID:
         twin->identity.vendor_id = value;
         return;
@@ -235,20 +235,21 @@ static void fulfil(const identity_wish_t *wish, ect_twin_config_t *twin, uint32_
 }
 
 /* In the order of the command line: later options override earlier ones. */
-static void fulfil_wishes(twin_args_t *args, const struct argp_state *state)
+static void apply_identities(twin_args_t *args, const struct argp_state *state)
 {
-    for (size_t w = 0; w < args->wish_count; w++) {
-        const identity_wish_t *wish = &args->wishes[w];
-        const identity_option_t *option = identity_option(wish->key);
-        if (wish->twin > args->count)
-            argp_error(state, "%s %zu:…: the chain has %zu twins", option->name, wish->twin, args->count);
+    for (size_t w = 0; w < args->identity_count; w++) {
+        const identity_setting_t *setting = &args->identities[w];
+        const identity_option_t *option = identity_option(setting->key);
+        if (setting->twin > args->count)
+            argp_error(state, "%s %zu:…: the chain has %zu twins", option->name, setting->twin, args->count);
         for (size_t i = 0; i < args->count; i++) {
-            uint64_t value = (uint64_t)wish->value + (option->counts_up && wish->twin == 0 && !args->kinds ? i : 0);
+            uint64_t value =
+                (uint64_t)setting->value + (option->counts_up && setting->twin == 0 && !args->kinds ? i : 0);
             if (value > option->maximum)
-                argp_error(state, "%s %u is too high for %zu twins: it counts up", option->name, wish->value,
+                argp_error(state, "%s %u is too high for %zu twins: it counts up", option->name, setting->value,
                            args->count);
-            if (wish->twin == 0 || wish->twin == i + 1)
-                fulfil(wish, &args->twins[i], (uint32_t)value);
+            if (setting->twin == 0 || setting->twin == i + 1)
+                apply_identity(setting, &args->twins[i], (uint32_t)value);
         }
     }
 }
@@ -312,7 +313,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
     if (identity_option(key)) {
-        add_wish(args, state, key, text);
+        add_identity(args, state, key, text);
         return 0;
     }
     switch (key) {
@@ -441,7 +442,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
         args->twins[i].keep_source_mac = args->keep_source_mac;
         args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
     }
-    fulfil_wishes(args, state);
+    apply_identities(args, state);
     if (ect_scenario_highest_slave(&args->scenario) > args->count)
         argp_error(state, "a fault names slave %u, but the chain has %zu", ect_scenario_highest_slave(&args->scenario),
                    args->count);
@@ -647,7 +648,7 @@ void twin_args_free(twin_args_t *args)
         ect_files_close(args->opened[i]);
     free(args->opened);
     free(args->settings);
-    free(args->wishes);
+    free(args->identities);
     wiring_args_free(&args->wiring);
     free(args->modules);
     free(args->behaviours);
@@ -667,10 +668,10 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, cons
         cJSON_AddStringToObject(line, "modbus", modbus);
     cJSON_AddNumberToObject(line, "slaves", (double)slaves);
     char *text = cJSON_PrintUnformatted(line);
-    bool told = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
+    bool written = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
     cJSON_free(text);
     cJSON_Delete(line);
-    if (told || errno == EPIPE) /* a reader that has ended does not need it */
+    if (written || errno == EPIPE) /* a reader that has ended does not need it */
         return true;
     fprintf(stderr, "ectwin: the ready line cannot be written: %s\n", strerror(errno));
     clearerr(stream); /* the failure was reported */

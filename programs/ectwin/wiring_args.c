@@ -60,13 +60,13 @@ static const char *twin_of(const struct argp_state *state, const char *text, siz
 
 static void add(wiring_args_t *args, const struct argp_state *state, int key, const char *text)
 {
-    wiring_wish_t *grown = realloc(args->wishes, (args->count + 1) * sizeof *grown);
+    wiring_setting_t *grown = realloc(args->settings, (args->count + 1) * sizeof *grown);
     if (!grown)
         argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
-    args->wishes = grown;
-    wiring_wish_t *wish = &args->wishes[args->count++];
-    wish->key = key;
-    wish->text = twin_of(state, text, &wish->twin);
+    args->settings = grown;
+    wiring_setting_t *setting = &args->settings[args->count++];
+    setting->key = key;
+    setting->text = twin_of(state, text, &setting->twin);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -113,13 +113,13 @@ static double parse_within(const struct argp_state *state, const char *option, c
 }
 
 /* The exact deviation for one twin, a random one up to the limit for all. */
-static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish,
+static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, const wiring_setting_t *setting,
                       uint32_t *seed)
 {
     int32_t ppb =
-        (int32_t)(parse_within(state, "--drift", wish->text, (double)ECT_ESC_MAX_DRIFT_PPB / 1000.0) * 1000.0);
+        (int32_t)(parse_within(state, "--drift", setting->text, (double)ECT_ESC_MAX_DRIFT_PPB / 1000.0) * 1000.0);
     uint32_t most = (uint32_t)(ppb < 0 ? -ppb : ppb);
-    twin->drift_ppb = wish->twin != 0 ? ppb : (int32_t)(ect_random_next(seed) % (2 * most + 1)) - (int32_t)most;
+    twin->drift_ppb = setting->twin != 0 ? ppb : (int32_t)(ect_random_next(seed) % (2 * most + 1)) - (int32_t)most;
 }
 
 static void set_cable(const struct argp_state *state, ect_twin_config_t *twin, const char *text)
@@ -130,31 +130,31 @@ static void set_cable(const struct argp_state *state, ect_twin_config_t *twin, c
     twin->cable_m = (uint16_t)metres;
 }
 
-static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, const wiring_wish_t *wish)
+static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, const wiring_setting_t *setting)
 {
     uint64_t up = 0;
-    const char *end = ect_number_begins(wish->text, 1, UINT16_MAX, &up);
-    if (!end || wish->twin < 2 || end[0] != '.' || end[1] < '1' || end[1] > '3' || end[2] != 0)
-        argp_error(state, "--wire takes N:M.PORT, as in 3:1.2 for twin 3 at port 2 of twin 1, not '%s'", wish->text);
+    const char *end = ect_number_begins(setting->text, 1, UINT16_MAX, &up);
+    if (!end || setting->twin < 2 || end[0] != '.' || end[1] < '1' || end[1] > '3' || end[2] != 0)
+        argp_error(state, "--wire takes N:M.PORT, as in 3:1.2 for twin 3 at port 2 of twin 1, not '%s'", setting->text);
     twin->up = (size_t)up - 1;
     twin->up_port = (uint8_t)(end[1] - '0');
 }
 
-static void fulfil(const wiring_wish_t *wish, const struct argp_state *state, ect_twin_config_t *twins, size_t i,
-                   uint32_t *seed)
+static void apply_setting(const wiring_setting_t *setting, const struct argp_state *state, ect_twin_config_t *twins,
+                          size_t i, uint32_t *seed)
 {
-    switch (wish->key) {
+    switch (setting->key) {
     case KEY_ESC:
-        set_esc(state, &twins[i], i + 1, wish->text);
+        set_esc(state, &twins[i], i + 1, setting->text);
         return;
     case KEY_DRIFT:
-        set_drift(state, &twins[i], wish, seed);
+        set_drift(state, &twins[i], setting, seed);
         return;
     case KEY_CABLE:
-        set_cable(state, &twins[i], wish->text);
+        set_cable(state, &twins[i], setting->text);
         return;
     default:
-        set_wire(state, &twins[i], wish);
+        set_wire(state, &twins[i], setting);
     }
 }
 
@@ -162,12 +162,12 @@ void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state
                        size_t count, uint32_t seed)
 {
     for (size_t w = 0; w < args->count; w++) {
-        const wiring_wish_t *wish = &args->wishes[w];
-        if (wish->twin > count || (wish->key == KEY_WIRE && wish->twin == 0))
-            argp_error(state, "%zu:%s: twins are counted from 1 to %zu", wish->twin, wish->text, count);
+        const wiring_setting_t *setting = &args->settings[w];
+        if (setting->twin > count || (setting->key == KEY_WIRE && setting->twin == 0))
+            argp_error(state, "%zu:%s: twins are counted from 1 to %zu", setting->twin, setting->text, count);
         for (size_t i = 0; i < count; i++) {
-            if (wish->twin == 0 || wish->twin == i + 1)
-                fulfil(wish, state, twins, i, &seed);
+            if (setting->twin == 0 || setting->twin == i + 1)
+                apply_setting(setting, state, twins, i, &seed);
         }
     }
     size_t wrong = ect_chain_check_wires(twins, count);
@@ -182,5 +182,5 @@ void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state
 
 void wiring_args_free(wiring_args_t *args)
 {
-    free(args->wishes);
+    free(args->settings);
 }

@@ -13,14 +13,14 @@
 #include "bus/chain/chain.h"
 
 /** "[N:]VALUE" of such an option. */
-typedef struct wiring_wish {
+typedef struct wiring_setting {
     int key;          /**< of the option */
     size_t twin;      /**< from 1; 0: all */
     const char *text; /**< the value */
-} wiring_wish_t;
+} wiring_setting_t;
 
 typedef struct wiring_args {
-    wiring_wish_t *wishes;
+    wiring_setting_t *settings;
     size_t count;
 } wiring_args_t;
 

@@ -70,16 +70,16 @@ static void send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *fr
 }
 
 /* A reply leaves at once, late, or behind the next one. */
-static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, size_t length, const ect_fate_t *fate,
-                       const ect_packet_time_t *time)
+static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, size_t length,
+                       const ect_frame_effects_t *effects, const ect_packet_time_t *time)
 {
-    if (fate->behind_next) {
+    if (effects->after_next) {
         if (!ect_late_add(&x->behind[out], frame, length, 0))
             x->stats.dropped++;
-    } else if (fate->delay_us > 0 || x->late[out].first) {
-        keep(x, out, frame, length, time->now_ns + 1000ull * fate->delay_us);
+    } else if (effects->delay_us > 0 || x->late[out].first) {
+        keep(x, out, frame, length, time->now_ns + 1000ull * effects->delay_us);
     } else {
-        send_with_others(x, out, frame, length, fate->twice);
+        send_with_others(x, out, frame, length, effects->twice);
         x->answered_ns = now(x);
         ect_stats_answer(&x->stats, time->waited_ns + (x->answered_ns - time->now_ns));
     }
@@ -115,15 +115,15 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
 {
     touch(x, time->now_ns);
     ect_scenario_t *faults = faults_of(x);
-    ect_fate_t fate = {0};
+    ect_frame_effects_t effects = {0};
     if (faults)
-        fate = ect_scenario_frame(faults, x->chain, frame, &length, time->now_ns);
-    ect_end_t out = fate.lose_request ? ECT_END_NONE : through(x, in, frame, length, time->now_ns);
-    ect_wires_result_t on_wires = faults ? ect_scenario_answer(faults, &fate, frame, &length) : ECT_WIRES_PASSED;
-    if (fate.lose_request || (fate.lose_answer && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
+        effects = ect_scenario_frame(faults, x->chain, frame, &length, time->now_ns);
+    ect_end_t out = effects.lose_request ? ECT_END_NONE : through(x, in, frame, length, time->now_ns);
+    ect_wires_result_t on_wires = faults ? ect_scenario_reply(faults, &effects, frame, &length) : ECT_WIRES_PASSED;
+    if (effects.lose_request || (effects.lose_reply && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
         x->stats.dropped++;
     else if (out != ECT_END_NONE)
-        reply_with(x, out, frame, length, &fate, time);
+        reply_with(x, out, frame, length, &effects, time);
     else if (on_wires == ECT_WIRES_KEEP)
         x->stats.delayed++;
     else
@@ -149,7 +149,7 @@ static void poll_devices(ect_exchange_t *x, uint64_t now_ns)
         x->polled_ns = late ? ect_later(next_ns, x->polled_ns) : now_ns;
         next_ns = ect_chain_poll(x->chain, x->polled_ns);
         if (x->control)
-            ect_control_note(x->control, x->chain, x->polled_ns);
+            ect_control_record(x->control, x->chain, x->polled_ns);
         if (next_ns > now_ns)
             break;
     }

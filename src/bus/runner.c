@@ -51,7 +51,7 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     return ppoll(fds, WAITABLE, limit, NULL);
 }
 
-static uint64_t present(void *ctx)
+static uint64_t packet_clock(void *ctx)
 {
     (void)ctx;
     return ect_packet_now();
@@ -65,12 +65,12 @@ static void send_out(void *ctx, ect_end_t end, const uint8_t *frame, size_t leng
 }
 
 /* Whether frames circulate; the first time is reported. */
-static bool endless(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
+static bool is_circulating(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
 {
     if (!ect_endless_received(&r->endless[end], frame, length, now_ns))
         return false;
     if (r->exchange.stats.circling++ == 0)
-        r->on_circling(r->ctx, r->ports[end]->iface);
+        r->on_circulating(r->ctx, r->ports[end]->iface);
     return true;
 }
 
@@ -83,7 +83,7 @@ static void follow_cables(ect_runner_t *r)
 }
 
 /* @return 1: a frame came; 0: none; -1: the interface is gone */
-static int answer(ect_runner_t *r, ect_end_t in, bool wait)
+static int receive_frame(ect_runner_t *r, ect_end_t in, bool wait)
 {
     uint8_t frame[FRAME_ROOM];
     ect_packet_time_t time;
@@ -97,7 +97,7 @@ static int answer(ect_runner_t *r, ect_end_t in, bool wait)
         r->exchange.stats.stale++;
     else if ((size_t)length > sizeof frame)
         ect_exchange_long_frame(&r->exchange, in, frame, (size_t)length, time.now_ns);
-    else if (!endless(r, in, frame, (size_t)length, r->exchange.polled_ns))
+    else if (!is_circulating(r, in, frame, (size_t)length, r->exchange.polled_ns))
         ect_exchange_frame(&r->exchange, in, frame, (size_t)length, &time);
     return 1;
 }
@@ -115,14 +115,14 @@ static uint64_t clients_due(const ect_runner_t *r)
 {
     uint64_t control_ns = r->exchange.control ? ect_control_due(r->exchange.control) : ECT_NEVER;
     uint64_t modbus_ns = r->modbus ? ect_modbus_server_due(r->modbus) : ECT_NEVER;
-    return r->resting ? r->rested_ns : ect_earlier(control_ns, modbus_ns);
+    return r->resting ? r->pause_end_ns : ect_earlier(control_ns, modbus_ns);
 }
 
 /* Late replies and the devices, then their clients. @return when to be here again */
 static uint64_t run_devices(ect_runner_t *r)
 {
     uint64_t next_ns = ect_exchange_run(&r->exchange);
-    r->resting = r->exchange.run_ns < r->rested_ns;
+    r->resting = r->exchange.run_ns < r->pause_end_ns;
     return ect_earlier(next_ns, clients_due(r));
 }
 
@@ -145,31 +145,30 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
         ect_control_serve(r->exchange.control, r->exchange.chain, ect_exchange_touch(&r->exchange));
     else
         ect_modbus_server_serve(r->modbus, r->exchange.chain, ect_exchange_touch(&r->exchange));
-    r->rested_ns = ect_packet_now() + r->control_rest_ns;
+    r->pause_end_ns = ect_packet_now() + r->client_pause_ns;
 }
 
 /*
  * While frames come, the next one is waited for in the call that receives it: that is the shortest way to an answer.
  * Clients and signals are checked every half millisecond, and when no frame has come for a while.
  */
-static bool may_linger(const ect_runner_t *r, uint64_t wake_ns)
+static bool may_wait_for_frame(const ect_runner_t *r, uint64_t wake_ns)
 {
     const ect_packet_t *port = r->ports[ECT_END_IN];
     if (!port || r->ports[ECT_END_OUT])
         return false;
-    return r->busy_poll ||
-           (r->frames_come && port->patience_ns != 0 && wake_ns > r->exchange.polled_ns + port->patience_ns);
+    return r->busy_poll || (r->frames_come && port->wait_ns != 0 && wake_ns > r->exchange.polled_ns + port->wait_ns);
 }
 
-/* @return as answer() */
-static int linger(ect_runner_t *r, uint64_t wake_ns)
+/* @return as receive_frame() */
+static int wait_for_frame(ect_runner_t *r, uint64_t wake_ns)
 {
     if (!r->busy_poll)
-        return answer(r, ECT_END_IN, true);
+        return receive_frame(r, ECT_END_IN, true);
     const uint64_t end_ns = ect_earlier(wake_ns, ect_packet_now() + SPIN_NS);
     int got = 0;
     while (got == 0 && ect_packet_now() < end_ns)
-        got = answer(r, ECT_END_IN, false);
+        got = receive_frame(r, ECT_END_IN, false);
     return got;
 }
 
@@ -180,7 +179,7 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         bool came = fds[end].revents != 0 || fds[TAGGED_FD + end].revents != 0;
         frame |= came;
-        if (came && answer(r, end, false) < 0)
+        if (came && receive_frame(r, end, false) < 0)
             return -1;
     }
     if (fds[LINK_FD].revents != 0) {
@@ -195,22 +194,22 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
 }
 
 /* Devices, then a frame, or all that there is to wait for. @return as serve() */
-static int go_round(ect_runner_t *r)
+static int run_once(ect_runner_t *r)
 {
     struct pollfd fds[WAITABLE];
     uint64_t wake_ns = run_devices(r);
-    bool lingers = may_linger(r, wake_ns);
-    if (lingers && r->exchange.polled_ns - r->looked_ns < FRAMES_ALONE_NS) {
-        int came = linger(r, wake_ns);
+    bool waits = may_wait_for_frame(r, wake_ns);
+    if (waits && r->exchange.polled_ns - r->waited_ns < FRAMES_ALONE_NS) {
+        int came = wait_for_frame(r, wake_ns);
         if (came != 0)
             return came;
-        lingers = r->busy_poll;
-    } else if (lingers) {
+        waits = r->busy_poll;
+    } else if (waits) {
         r->frames_first = FRAMES_FIRST; /* others have waited long enough */
     }
-    int ready = wait_for(r, fds, lingers ? 0 : wake_ns);
-    r->looked_ns = r->exchange.polled_ns;
-    r->frames_come = lingers || fds[ECT_END_IN].revents != 0;
+    int ready = wait_for(r, fds, waits ? 0 : wake_ns);
+    r->waited_ns = r->exchange.polled_ns;
+    r->frames_come = waits || fds[ECT_END_IN].revents != 0;
     return ready < 0 && errno != EINTR ? -1 : serve(r, fds);
 }
 
@@ -229,12 +228,12 @@ int ect_runner_run(ect_runner_t *r)
 {
     int going = 1;
     r->exchange.send = send_out;
-    r->exchange.clock = present;
+    r->exchange.clock = packet_clock;
     r->exchange.ctx = r;
     ect_exchange_start(&r->exchange);
     follow_cables(r);
     while (going > 0)
-        going = go_round(r);
+        going = run_once(r);
     ect_exchange_end(&r->exchange);
     finish(r);
     return going;

@@ -22,27 +22,27 @@ typedef struct ect_runner {
     ect_exchange_t exchange;       /**< chain, control socket, faults, filter; the loop sets its callbacks */
     ect_modbus_server_t *modbus;   /**< of the first twin; NULL: none */
     /** Pause between two pieces of work for clients, so that these never take a whole core; 0: none. */
-    uint32_t control_rest_ns;
+    uint32_t client_pause_ns;
     bool busy_poll; /**< polls continuously: lower latency, one core at 100 % */
     int signal_fd;  /**< a signalfd */
     int link_fd;    /**< of ::ect_packet_watch_links, for the cables at the ends; -1: they count as plugged in */
     /** Called for a signal, from the terminal or a process. Not NULL. @return true: continue; false: stop. */
     bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
     /** Called once when frames circulate (bus/net/endless.h). Not NULL. */
-    void (*on_circling)(void *ctx, const char *iface);
+    void (*on_circulating)(void *ctx, const char *iface);
     void *ctx;
     /* The loop's own; start at zero. */
     ect_endless_t endless[ECT_ENDS];
     unsigned int frames_first;
-    uint64_t looked_ns; /* last check of clients and signals */
-    bool frames_come;   /* there was a frame at that time */
-    uint64_t rested_ns; /* end of the pause between clients */
+    uint64_t waited_ns;    /* last check of clients and signals */
+    bool frames_come;      /* there was a frame at that time */
+    uint64_t pause_end_ns; /* end of the pause between clients */
     bool resting;
     bool modbus_next; /* a Modbus client is served next, not one of the control socket */
     bool linked[ECT_ENDS];
 } ect_runner_t;
 
-/** Recommended ect_runner_t::control_rest_ns: clients get less than half of a core. */
+/** Recommended ect_runner_t::client_pause_ns: clients get less than half of a core. */
 enum { ECT_RUNNER_REST_NS = 50000 };
 
 /**

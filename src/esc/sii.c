@@ -112,7 +112,7 @@ static uint8_t sii_byte(const ect_esc_t *esc, uint64_t offset)
     return offset < esc->config.sii_size ? esc->config.sii[offset] : 0xFF;
 }
 
-static void spoil(ect_esc_t *esc, uint8_t *data)
+static void flip_bits(ect_esc_t *esc, uint8_t *data)
 {
     for (unsigned int i = 0; i < esc->config.personality->sii_read; i += 2)
         data[i + esc->sii_fault_bit / 8] ^= (uint8_t)(1u << esc->sii_fault_bit % 8);
@@ -134,7 +134,7 @@ static void finish(ect_esc_t *esc)
         for (unsigned int i = 0; i < esc->config.personality->sii_read; i++)
             data[i] = sii_byte(esc, offset + i);
         if (esc->sii_fault == ECT_SII_BIT_ERROR)
-            spoil(esc, data);
+            flip_bits(esc, data);
     } else if (command == COMMAND_WRITE) {
         if (offset < esc->config.sii_size) /* always even */
             memcpy(esc->config.sii + offset, data, 2);

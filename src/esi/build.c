@@ -197,7 +197,7 @@ uint64_t ect_build_number(const ect_build_entry_t *entry)
 }
 
 /* The name that the file gave an element, NULL: none but that of its place. */
-static const char *said_name(const ect_build_object_t *object, uint8_t subindex)
+static const char *given_name(const ect_build_object_t *object, uint8_t subindex)
 {
     const ect_build_entry_t *entry = ect_build_entry(object, subindex);
     return entry != NULL && strncmp(entry->name, "SubIndex ", 9) != 0 ? entry->name : NULL;
@@ -222,7 +222,7 @@ ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const 
     ect_build_entry_t *entry = ect_build_add(build, object, 0, ECT_TYPE_UNSIGNED8, 8, access, "Number of entries");
     ect_build_initial(build, entry, count);
     for (size_t i = 0; i < capacity; i++) {
-        const char *said = said_name(&before, (uint8_t)(i + 1));
+        const char *said = given_name(&before, (uint8_t)(i + 1));
         entry = ect_build_add(build, object, (uint8_t)(i + 1), data_type, bits, access, said != NULL ? said : element);
         ect_build_initial(build, entry, i < count ? values[i] : 0);
     }

@@ -174,7 +174,7 @@ static bool excludes(const ect_build_pdo_t *a, const ect_build_pdo_t *b)
     return false;
 }
 
-static const ect_build_pdo_t *rival(const ect_build_t *build, const ect_build_pdo_t *pdo)
+static const ect_build_pdo_t *conflicting_pdo(const ect_build_t *build, const ect_build_pdo_t *pdo)
 {
     for (const ect_build_pdo_t *other = build->pdos; other < pdo; other++) {
         if (other->assigned && (excludes(other, pdo) || excludes(pdo, other)))
@@ -188,7 +188,7 @@ static void assign(ect_build_t *build, ect_build_pdo_t *pdo)
     const ect_esi_pdo_t *model = pdo->model;
     if (!pdo->usable || model->sm < 0 || pdo->on_virtual)
         return;
-    const ect_build_pdo_t *other = rival(build, pdo);
+    const ect_build_pdo_t *other = conflicting_pdo(build, pdo);
     if (!sm_takes(build->model, model->sm, model)) {
         ect_build_note(build, "line %d: PDO %04X is assigned to SyncManager %d, which is not one for %s", model->line,
                        (unsigned int)pdo->index, model->sm, model->tx ? "inputs" : "outputs");

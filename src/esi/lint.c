@@ -168,7 +168,7 @@ static void walk(lint_t *l, const xmlNode *top)
 
 /* --- content of single elements ----------------------------------------------------------------------------------- */
 
-static void want_text(lint_t *l, const xmlNode *parent, const char *child)
+static void require_text(lint_t *l, const xmlNode *parent, const char *child)
 {
     if (*ect_esi_name(&l->xml, parent, child) == '\0')
         finding(l, true, parent, "%s has no %s", tag(parent), child);
@@ -223,8 +223,8 @@ static void check_device(lint_t *l, const xmlNode *node, const ect_esi_device_t 
 {
     if (*device->physics == '\0')
         finding(l, true, node, "Device has no Physics");
-    want_text(l, node, "Type");
-    want_text(l, node, "Name");
+    require_text(l, node, "Type");
+    require_text(l, node, "Name");
     check_group(l, node, device);
     check_eeprom(l, node, device);
     check_picture(l, node);
@@ -251,7 +251,7 @@ static void check_head(lint_t *l, const xmlNode *root, const xmlNode *descriptio
         return;
     }
     check_orders(l, vendor);
-    want_text(l, vendor, "Name");
+    require_text(l, vendor, "Name");
     check_picture(l, vendor);
     walk(l, vendor);
 }

@@ -31,7 +31,7 @@ static void refuse_dtd(void *parser, const xmlChar *name, const xmlChar *externa
     xmlStopParser(ctxt);
 }
 
-static void say_why(xmlParserCtxtPtr parser, const char *name, char *text, size_t room)
+static void report_parse_error(xmlParserCtxtPtr parser, const char *name, char *text, size_t room)
 {
     if (parser->_private != NULL) {
         (void)snprintf(text, room, "%s: has a document type definition, which no ESI file has: refused", name);
@@ -55,7 +55,7 @@ static xmlDocPtr parse(const char *name, const void *data, size_t length, char *
                                            XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING |
                                                XML_PARSE_NOBLANKS | XML_PARSE_BIG_LINES | XML_PARSE_COMPACT);
     if (document == NULL || parser->_private != NULL) {
-        say_why(parser, name, text, room);
+        report_parse_error(parser, name, text, room);
         xmlFreeDoc(document);
         document = NULL;
     }
@@ -219,19 +219,19 @@ const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count)
 }
 
 /* The selector of a user: a type, or numbers. */
-typedef struct wish {
+typedef struct selection {
     const char *type; // NULL: any
     bool product_given, revision_given;
     int64_t product, revision;
-} wish_t;
+} selection_t;
 
-static bool parse_wish(const char *selector, wish_t *wish)
+static bool parse_selector(const char *selector, selection_t *selection)
 {
-    *wish = (wish_t){.type = NULL};
+    *selection = (selection_t){.type = NULL};
     if (*selector == '\0')
         return true;
     if (*selector != '@') {
-        wish->type = selector;
+        selection->type = selector;
         return true;
     }
     char number[64];
@@ -241,26 +241,26 @@ static bool parse_wish(const char *selector, wish_t *wish)
         return false;
     memcpy(number, selector + 1, length);
     number[length] = '\0';
-    wish->product_given = true;
-    wish->revision_given = slash != NULL;
-    return ect_esi_parse_number(number, &wish->product) &&
-           (slash == NULL || ect_esi_parse_number(slash + 1, &wish->revision));
+    selection->product_given = true;
+    selection->revision_given = slash != NULL;
+    return ect_esi_parse_number(number, &selection->product) &&
+           (slash == NULL || ect_esi_parse_number(slash + 1, &selection->revision));
 }
 
-static bool fits(const wish_t *wish, const ect_esi_head_t *head)
+static bool fits(const selection_t *selection, const ect_esi_head_t *head)
 {
-    return (wish->type == NULL || strcmp(wish->type, head->type) == 0) &&
-           (!wish->product_given || wish->product == head->product_code) &&
-           (!wish->revision_given || wish->revision == head->revision);
+    return (selection->type == NULL || strcmp(selection->type, head->type) == 0) &&
+           (!selection->product_given || selection->product == head->product_code) &&
+           (!selection->revision_given || selection->revision == head->revision);
 }
 
 /* The newest that fits; `other` is one that fits and is another type. */
-static size_t choose(const ect_esi_t *esi, const wish_t *wish, size_t *other)
+static size_t choose(const ect_esi_t *esi, const selection_t *selection, size_t *other)
 {
     size_t best = esi->count;
     *other = esi->count;
     for (size_t i = 0; i < esi->count; i++) {
-        if (!fits(wish, &esi->heads[i]))
+        if (!fits(selection, &esi->heads[i]))
             continue;
         if (best != esi->count && *other == esi->count && strcmp(esi->heads[best].type, esi->heads[i].type) != 0)
             *other = i;
@@ -272,13 +272,13 @@ static size_t choose(const ect_esi_t *esi, const wish_t *wish, size_t *other)
 
 const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, char *text, size_t room)
 {
-    wish_t wish;
-    if (!parse_wish(selector, &wish)) {
+    selection_t selection;
+    if (!parse_selector(selector, &selection)) {
         (void)snprintf(text, room, "%s: \"%s\" is not TYPE, @PRODUCT or @PRODUCT/REVISION", esi->file, selector);
         return NULL;
     }
     size_t other;
-    size_t chosen = choose(esi, &wish, &other);
+    size_t chosen = choose(esi, &selection, &other);
     if (chosen == esi->count) {
         (void)snprintf(text, room, "%s: no device \"%s\" in it; `ectwin list esi:%s` shows what there is", esi->file,
                        selector, esi->file);

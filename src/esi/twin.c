@@ -378,7 +378,7 @@ static void set_categories(ect_build_t *build, ect_device_t *device)
 }
 
 /* Leaves out the parts that the EEPROM has no room for, with a note. Without a size in the file the EEPROM grows. */
-static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
+static bool fit_image(ect_build_t *build, ect_device_t *device, bool size_given)
 {
     static const char *const parts[] = {
         [ECT_OMIT_ENTRY_NAMES] = "the names of PDO entries",
@@ -388,7 +388,7 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
         [ECT_OMIT_PDOS] = "all PDOs, which the dictionary has, and the names of the clock modes",
     };
     uint8_t *image = malloc(device->sii_size);
-    device->sii_omit = told ? ECT_OMIT_PDOS : ECT_OMIT_ENTRY_NAMES;
+    device->sii_omit = size_given ? ECT_OMIT_PDOS : ECT_OMIT_ENTRY_NAMES;
     ECT_ASSERT(device->sii_size >= ECT_SII_CATEGORIES); /* set_eeprom */
     int omitted = image != NULL ? ect_sii_omission(device, image) : -1;
     free(image);
@@ -403,8 +403,8 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool told)
 static void fit_eeprom(ect_build_t *build, ect_device_t *device)
 {
     uint16_t given = device->sii_size;
-    bool told = build->model->eeprom_size > 0;
-    while (!fit_image(build, device, told)) {
+    bool size_given = build->model->eeprom_size > 0;
+    while (!fit_image(build, device, size_given)) {
         if (device->sii_size > LARGEST_EEPROM / 2) {
             ect_build_fail(
                 build, "its SII does not fit an EEPROM of %u bytes, or needs more than the 255 texts that it can have",
@@ -413,7 +413,7 @@ static void fit_eeprom(ect_build_t *build, ect_device_t *device)
         }
         device->sii_size = (uint16_t)(2 * device->sii_size);
     }
-    if (told && device->sii_size != given)
+    if (size_given && device->sii_size != given)
         ect_build_note(build, "its SII does not fit %u bytes; the twin's EEPROM has %u", (unsigned int)given,
                        (unsigned int)device->sii_size);
 }

@@ -94,10 +94,10 @@ static void add_entry(ect_facts_t *facts, unsigned int index, const cJSON *entry
     ect_facts_add_access(facts, index, subindex, number_of(entry, "access"));
     ect_facts_add_text(facts, ECT_FACT_ENTRY_NAME, index, subindex, text_of(entry, "name"),
                        strlen(text_of(entry, "name")));
-    bool told = index == 0x1000 || index == 0x1008
-                    ? bytes_of(entry, "value", &value)
-                    : !ect_facts_are_known_elsewhere(index) && bytes_of(entry, "default", &value);
-    if (told && !ect_facts_are_of_pdos(index))
+    bool has_default = index == 0x1000 || index == 0x1008
+                           ? bytes_of(entry, "value", &value)
+                           : !ect_facts_are_known_elsewhere(index) && bytes_of(entry, "default", &value);
+    if (has_default && !ect_facts_are_of_pdos(index))
         ect_facts_add_default(facts, index, subindex, value.bytes, value.length);
     if (bytes_of(entry, "minimum", &value) && bytes_of(entry, "maximum", &maximum))
         (void)ect_facts_add(facts, ECT_FACT_ENTRY_LIMITS, index, subindex, "%" PRId64 " to %" PRId64,

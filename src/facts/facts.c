@@ -389,7 +389,7 @@ static size_t compare_found(const comparison_t *c, bool texts)
     return lines;
 }
 
-static void learn(const comparison_t *c)
+static void adopt_facts(const comparison_t *c)
 {
     ect_facts_t *known = c->known;
     const size_t before = known->count;
@@ -427,7 +427,7 @@ size_t ect_facts_compare(ect_facts_t *known, const ect_facts_t *found, FILE *out
         lines = compare_known(&c, true);
     if (lines == 0)
         lines = compare_found(&c, true);
-    learn(&c);
+    adopt_facts(&c);
     ect_arena_free(&arena);
     return lines;
 }

@@ -33,7 +33,7 @@ static bool is_reply(uint8_t service, const uint8_t *data, size_t length, const 
            (length >= (size_t)INFO_HEADER + q->echo && memcmp(data + INFO_HEADER, q->request, q->echo) == 0);
 }
 
-static ect_reader_result_t ask(ect_reader_t *r, const question_t *q)
+static ect_reader_result_t send_request(ect_reader_t *r, const question_t *q)
 {
     uint8_t message[INFO_HEADER + sizeof q->request] = {q->opcode};
     memcpy(message + INFO_HEADER, q->request, q->length);
@@ -83,7 +83,7 @@ static ect_reader_result_t list_once(ect_reader_t *r, void *what)
     size_t bytes = 0;
     memset(r->objects, 0, sizeof r->objects);
     q->first = true;
-    if (ask(r, q) != ECT_READER_OK)
+    if (send_request(r, q) != ECT_READER_OK)
         return r->result;
     while (more) {
         const uint8_t *data;
@@ -119,7 +119,7 @@ static ect_reader_result_t describe_once(ect_reader_t *r, void *what)
     bool more = true;
     q->first = true;
     q->bytes = 0;
-    if (ask(r, q) != ECT_READER_OK)
+    if (send_request(r, q) != ECT_READER_OK)
         return r->result;
     while (more) {
         const uint8_t *data;

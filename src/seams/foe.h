@@ -59,13 +59,13 @@ enum {
 enum { ECT_FOE_OK = 0, ECT_FOE_LATER = 1 };
 
 /** A file that a master wants to open. */
-typedef struct ect_foe_wish {
+typedef struct ect_foe_file {
     const char *name; /**< `length` bytes, 1 or more, of any value; not zero-terminated; valid during the call */
     uint16_t length;
     uint32_t password; /**< 0: none */
     bool write;
     uint8_t state; /**< AL state */
-} ect_foe_wish_t;
+} ect_foe_file_t;
 
 /** A transfer under way, in the device's instance, zero at power-on. Private. */
 typedef struct ect_foe_transfer {
@@ -101,7 +101,7 @@ struct ect_foe {
      * @return ECT_FOE_OK · ECT_FOE_LATER: the file is being opened, `ready` reports the end · an error code: it cannot
      * be opened
      */
-    uint32_t (*open)(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text);
+    uint32_t (*open)(const ect_foe_t *foe, void *instance, const ect_foe_file_t *file, const char **text);
     /**
      * Reads the next piece of the open file. The last piece may be requested again, earlier ones are not. NULL: no file
      * can be read.

@@ -152,16 +152,16 @@ static uint32_t refusal(const ect_foe_t *foe, const ect_slave_t *s, bool write, 
 static void open_file(const ect_foe_t *foe, ect_slave_t *s, const uint8_t *data, uint16_t length)
 {
     const bool write = data[0] == WRITE;
-    const ect_foe_wish_t wish = {.name = (const char *)data + HEADER,
+    const ect_foe_file_t file = {.name = (const char *)data + HEADER,
                                  .length = (uint16_t)(length - HEADER),
                                  .password = ect_load_le32(data + NUMBER),
                                  .write = write,
                                  .state = s->state};
     const char *text = NULL;
     end(foe, s, false); /* a master that opens a file has given up the previous one */
-    uint32_t code = refusal(foe, s, write, wish.length);
+    uint32_t code = refusal(foe, s, write, file.length);
     if (code == ECT_FOE_OK)
-        code = foe->open(foe, s->config.instance, &wish, &text);
+        code = foe->open(foe, s->config.instance, &file, &text);
     if (code == ECT_FOE_OK || code == ECT_FOE_LATER)
         *transfer_of(foe, s) =
             (ect_foe_transfer_t){.doing = write ? WRITING : READING, .packet = write ? 0 : 1, .activity_ns = s->now_ns};

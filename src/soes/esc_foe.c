@@ -21,36 +21,36 @@ void FOE_init(void)
 }
 
 /* A comparison by hand: memcmp and strlen of a C library take more flash than the rest of this file. */
-static bool is_name(const char *name, const ect_foe_wish_t *wish)
+static bool is_name(const char *name, const ect_foe_file_t *request)
 {
     uint16_t n = 0;
-    while (n < wish->length && name[n] != 0 && name[n] == wish->name[n])
+    while (n < request->length && name[n] != 0 && name[n] == request->name[n])
         n++;
-    return n == wish->length && name[n] == 0;
+    return n == request->length && name[n] == 0;
 }
 
-static foe_file_cfg_t *find(const ect_foe_wish_t *wish)
+static foe_file_cfg_t *find(const ect_foe_file_t *request)
 {
     for (uint32_t n = 0; files && n < files->n_files; n++) {
-        if (is_name(files->files[n].name, wish))
+        if (is_name(files->files[n].name, request))
             return &files->files[n];
     }
     return NULL;
 }
 
-static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
+static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_file_t *request, const char **text)
 {
-    foe_file_cfg_t *found = find(wish);
+    foe_file_cfg_t *found = find(request);
     (void)foe;
     (void)instance;
     (void)text;
     if (!found)
         return FOE_ERR_NOTFOUND;
-    if (wish->password != found->filepass)
+    if (request->password != found->filepass)
         return FOE_ERR_NORIGHTS;
-    if (!wish->write)
+    if (!request->write)
         return FOE_ERR_ACCESS;
-    if (found->write_only_in_boot != 0 && wish->state != ESCboot)
+    if (found->write_only_in_boot != 0 && request->state != ESCboot)
         return FOE_ERR_NOTINBOOTSTRAP;
     file = found;
     file->address_offset = 0;

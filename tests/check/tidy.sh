@@ -23,18 +23,18 @@ sys.exit(subprocess.run([*(w for w in words if w != "-c"), "-E", "-P"], cwd=its[
 END
 }
 
-# look_at FILE [CHECKS]: what runs on a board with all checks, what runs on a host without two kinds
-look_at() {
+# check_file FILE [CHECKS]: what runs on a board with all checks, what runs on a host without two kinds
+check_file() {
   local code stamp
   code=$(preprocessed "$1") || code=$RANDOM$RANDOM # checked each time
   stamp=$build/tidy/$(echo "$(cat "$root/.clang-tidy") ${2-} $code" | sha256sum | cut -d' ' -f1)
   [ ! -e "$stamp" ] || return 0
   clang-tidy-19 -p "$build" --quiet ${2:+"--checks=$2"} "$1" 2>/dev/null && touch "$stamp"
 }
-export -f preprocessed look_at
+export -f preprocessed check_file
 
 printf '%s\0' "$root"/src/{od,esc,slave,sii}/*.c "$root"/src/{profiles,devices,ports}/*/*.c |
-  xargs -0 -P "$(nproc)" -I{} bash -c 'look_at "$1"' look_at {}
+  xargs -0 -P "$(nproc)" -I{} bash -c 'check_file "$1"' check_file {}
 printf '%s\0' "$root"/src/{bus,bus/*,check,esi,facts,reader}/*.c "$root"/{programs/*,programs/*/*,examples/{controller,demo,master,motion,plc},tools/dev/bench}/*.c |
-  xargs -0 -P "$(nproc)" -I{} bash -c 'look_at "$1" "-clang-analyzer-*,-readability-non-const-parameter"' look_at {}
+  xargs -0 -P "$(nproc)" -I{} bash -c 'check_file "$1" "-clang-analyzer-*,-readability-non-const-parameter"' check_file {}
 echo "clang-tidy has nothing to say"

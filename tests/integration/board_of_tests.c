@@ -82,7 +82,7 @@ static uint32_t from_environment(const char *name)
 }
 
 /* Faults of the chip in its first FAULTS_MS; after that it works. */
-static void befall(void)
+static void apply_fault(void)
 {
     static uint64_t start_ns, end_ns;
     if (start_ns == 0) {
@@ -167,7 +167,7 @@ static int transfer(const struct spi_ioc_transfer *t)
 {
     if (t->tx_buf != t->rx_buf || t->bits_per_word != 8 || t->speed_hz > 30000000)
         return -1;
-    befall();
+    apply_fault();
     answer();
     (void)ect_virtual_lan9252_transfer(&chip, (uint8_t *)(uintptr_t)t->rx_buf, (uint16_t)t->len);
     follow_line();

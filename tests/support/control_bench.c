@@ -123,7 +123,7 @@ void serve_once(bench_t *b)
     assert_true(work.sends <= 1);
     assert_true(work.accepts <= 2); /* the second one refuses a client for lack of descriptors */
     assert_int_equal(work.waits, 1);
-    assert_true(work.matches <= ECT_CLIENT_LOOKS);
+    assert_true(work.matches <= ECT_CLIENT_MATCHES);
     assert_true(work.sent <= ECT_CLIENT_ANSWER);
 }
 

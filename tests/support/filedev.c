@@ -16,7 +16,7 @@ static uint32_t begun(const filedev_t *d)
     return d->late > 0 ? ECT_FOE_LATER : ECT_FOE_OK;
 }
 
-static uint32_t open_file(const ect_foe_t *self, void *instance, const ect_foe_wish_t *wish, const char **text)
+static uint32_t open_file(const ect_foe_t *self, void *instance, const ect_foe_file_t *wish, const char **text)
 {
     filedev_t *d = instance;
     uint8_t n = 0;

@@ -37,7 +37,7 @@ static void cycle(cf_t *c, void *ctx)
         cf_expect_wkc(c, "process data in OP", cf_cycle_wkc(c), wkc);
 }
 
-static void learn_constants(cf_t *c, stress_t *s)
+static void read_constants(cf_t *c, stress_t *s)
 {
     static const struct {
         uint16_t index;
@@ -98,7 +98,7 @@ static void stress(cf_t *c)
     static stress_t s; /* too large for a stack that is left by longjmp to stay readable */
     s = (stress_t){.count = 0};
     cf_go(c, CF_PREOP);
-    learn_constants(c, &s);
+    read_constants(c, &s);
     change(c, &s, CF_OP);
     for (uint64_t end = end_ns(c); cf_now_ns() < end;) {
         switch (cf_random(c, 24)) {
@@ -235,7 +235,7 @@ uint64_t cf_start_up(cf_t *c)
     return vendor;
 }
 
-static void throw_one(cf_t *c)
+static void send_random_request(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL];
     bool mailbox = (c->facts.has & CF_MAILBOX) != 0;
@@ -265,7 +265,7 @@ unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each)
     for (unsigned int round = 1; rounds != 0 ? round <= rounds : cf_now_ns() < end; round++) {
         cf_step(c, "round %u", round);
         for (unsigned int i = 0; i < each; i++, thrown++)
-            throw_one(c);
+            send_random_request(c);
         cf_expect(c, "vendor id, 1018h:01", vendor, cf_start_up(c));
     }
     return thrown;

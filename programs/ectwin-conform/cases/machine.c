@@ -128,7 +128,7 @@ static const defect_t mailbox_defects[] = {{"off", 0, 0, 0, true},
                                            {"has the other direction", 0, 0, 0x04, false},
                                            {"has three buffers", 0, 0, 0x02, false}};
 
-static void spoil(cf_t *c, unsigned int n, uint16_t start, uint16_t length, uint8_t control, const defect_t *d)
+static void set_wrong_sm(cf_t *c, unsigned int n, uint16_t start, uint16_t length, uint8_t control, const defect_t *d)
 {
     uint16_t wrong = d->length == -65535 ? 4 : (uint16_t)(length + d->length);
     cf_set_sm(c, n, (uint16_t)(start + d->start), d->off ? 0 : wrong, control ^ d->control);
@@ -140,8 +140,8 @@ static void wrong_mailbox_sm(cf_t *c, uint8_t state, unsigned int n, uint16_t co
     for (size_t i = 0; i < sizeof mailbox_defects / sizeof mailbox_defects[0]; i++) {
         cf_step(c, "%s: SM%u %s", cf_state_name(state), n, mailbox_defects[i].what);
         cf_set_mailbox(c, state);
-        spoil(c, n, n == 0 ? m->out_start : m->in_start, n == 0 ? m->out_size : m->in_size, c->facts.sm[n].control,
-              &mailbox_defects[i]);
+        set_wrong_sm(c, n, n == 0 ? m->out_start : m->in_start, n == 0 ? m->out_size : m->in_size,
+                     c->facts.sm[n].control, &mailbox_defects[i]);
         cf_expect_refused(c, state, CF_INIT, code);
         cf_expect_state(c, CF_INIT | ACK, CF_INIT);
     }
@@ -174,7 +174,7 @@ static void wrong_process_sm(cf_t *c, uint8_t type, uint16_t code)
             continue;
         cf_step(c, "SAFEOP: SM%d %s", n, process_defects[i].what);
         cf_set_process_data(c);
-        spoil(c, (unsigned int)n, sm->start, sm->length, sm->control, &process_defects[i]);
+        set_wrong_sm(c, (unsigned int)n, sm->start, sm->length, sm->control, &process_defects[i]);
         cf_expect_refused(c, CF_SAFEOP, CF_PREOP, code);
         cf_expect_state(c, CF_PREOP | ACK, CF_PREOP);
     }
@@ -322,7 +322,7 @@ static void counter_stops(cf_t *c)
 }
 
 /* No frame for a long time: the watchdog counts once, and the slave can be started again. */
-static void nobody_there(cf_t *c, uint32_t seconds)
+static void without_master(cf_t *c, uint32_t seconds)
 {
     const bool watched = is_watched(c);
     cf_put16(c, ECT_REG_WD_TIME_PD, 60000);
@@ -351,7 +351,7 @@ static void long_absence(cf_t *c)
 {
     if (is_watched(c))
         counter_stops(c);
-    nobody_there(c, c->whole ? ABSENCE_LONG_S : ABSENCE_S);
+    without_master(c, c->whole ? ABSENCE_LONG_S : ABSENCE_S);
     cf_note(c, "%d s without a master%s", c->whole ? ABSENCE_LONG_S : ABSENCE_S, c->whole ? "" : "; --long: an hour");
 }
 

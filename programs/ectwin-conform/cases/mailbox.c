@@ -28,7 +28,7 @@ static uint32_t expect_error(cf_t *c, const char *what, const cf_foe_t *sent)
 {
     cf_mail_t mail;
     uint32_t number;
-    uint8_t operation = cf_ask_foe(c, sent, &mail, &number);
+    uint8_t operation = cf_request_foe(c, sent, &mail, &number);
     cf_expect_that(c, operation == CF_FOE_ERROR, "%s: expected an error (operation 5), got operation %u", what,
                    operation);
     cf_expect_bits(c, "error code: one of FoE", 0xFFFFFFE0u, ECT_FOE_UNDEFINED, number);
@@ -96,7 +96,7 @@ static void wrong_acknowledge(cf_t *c)
     cf_mail_t mail;
     uint32_t number;
     cf_step(c, "%s", what);
-    cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, cf_ask_foe(c, &open, &mail, &number));
+    cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, cf_request_foe(c, &open, &mail, &number));
     cf_expect(c, "error code", ECT_FOE_PACKET_NUMBER, expect_error(c, what, &(cf_foe_t){CF_FOE_ACK, FAR, NULL, 0}));
 }
 
@@ -106,7 +106,7 @@ static void expect_ack(cf_t *c, uint32_t expected, const cf_foe_t *sent)
 {
     cf_mail_t mail;
     uint32_t number;
-    uint8_t operation = cf_ask_foe(c, sent, &mail, &number);
+    uint8_t operation = cf_request_foe(c, sent, &mail, &number);
     cf_expect_that(c, operation == CF_FOE_ACK && number == expected,
                    "packet %u: expected its acknowledge, got operation %u, number 0x%04X", expected, operation, number);
 }
@@ -160,7 +160,7 @@ static size_t without_end(cf_t *c)
     cf_step(c, "a file without end");
     expect_ack(c, 0, &open);
     for (; taken < ENDLESS_MOST; taken += full) {
-        uint8_t operation = cf_ask_foe(c, &(cf_foe_t){CF_FOE_DATA, ++n, packet, full}, &mail, &number);
+        uint8_t operation = cf_request_foe(c, &(cf_foe_t){CF_FOE_DATA, ++n, packet, full}, &mail, &number);
         if (operation == CF_FOE_ERROR)
             return taken;
         cf_expect_that(c, operation == CF_FOE_ACK, "packet %u: expected an acknowledge or an error, got operation %u",

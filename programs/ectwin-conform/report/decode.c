@@ -13,8 +13,8 @@ typedef struct out {
     size_t room, used;
 } out_t;
 
-static void say(out_t *o, const char *format, ...) CF_PRINTF(2, 3);
-static void say(out_t *o, const char *format, ...)
+static void print(out_t *o, const char *format, ...) CF_PRINTF(2, 3);
+static void print(out_t *o, const char *format, ...)
 {
     va_list arguments;
     if (o->used + 1 >= o->room)
@@ -27,12 +27,12 @@ static void say(out_t *o, const char *format, ...)
         o->used = o->room - 1;
 }
 
-static void say_bytes(out_t *o, const uint8_t *bytes, size_t length)
+static void print_bytes(out_t *o, const uint8_t *bytes, size_t length)
 {
     for (size_t i = 0; i < length && i < SHOWN_BYTES; i++)
-        say(o, " %02X", bytes[i]);
+        print(o, " %02X", bytes[i]);
     if (length > SHOWN_BYTES)
-        say(o, " ... (%zu bytes)", length);
+        print(o, " ... (%zu bytes)", length);
 }
 
 static const char *const commands[] = {"NOP", "APRD", "APWR", "APRW", "FPRD", "FPWR", "FPRW", "BRD",
@@ -51,77 +51,77 @@ static const struct {
     {0x0900, 0x09FF, "distributed clocks"}, {0x0F80, 0x0FFF, "user RAM"},
 };
 
-static void say_place(const cf_t *c, out_t *o, uint16_t address)
+static void print_place(const cf_t *c, out_t *o, uint16_t address)
 {
     if (address >= ECT_REG_FMMU && address < ECT_REG_FMMU + 0x100)
-        say(o, " FMMU%u", (address - ECT_REG_FMMU) / ECT_FMMU_SIZE);
+        print(o, " FMMU%u", (address - ECT_REG_FMMU) / ECT_FMMU_SIZE);
     else if (address >= ECT_REG_SM && address < ECT_REG_SM + 0x80)
-        say(o, " SM%u", (address - ECT_REG_SM) / ECT_SM_SIZE);
+        print(o, " SM%u", (address - ECT_REG_SM) / ECT_SM_SIZE);
     else if (address >= ECT_RAM && address == c->mailbox.out_start)
-        say(o, " mailbox out");
+        print(o, " mailbox out");
     else if (address >= ECT_RAM && address == c->mailbox.in_start)
-        say(o, " mailbox in");
+        print(o, " mailbox in");
     for (size_t i = 0; i < sizeof registers / sizeof registers[0]; i++) {
         if (address >= registers[i].first && address <= registers[i].last)
-            say(o, " %s", registers[i].name);
+            print(o, " %s", registers[i].name);
     }
 }
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
 
-static void say_sdo(out_t *o, const uint8_t *sdo, bool reply)
+static void print_sdo(out_t *o, const uint8_t *sdo, bool reply)
 {
     const uint16_t index = ect_load_le16(sdo + 1);
     switch (sdo[0] >> 5) {
     case 4:
-        say(o, "abort %04Xh:%02X code 0x%08X", index, sdo[3], ect_load_le32(sdo + 4));
+        print(o, "abort %04Xh:%02X code 0x%08X", index, sdo[3], ect_load_le32(sdo + 4));
         break;
     case 2:
-        say(o, "upload %04Xh:%02X%s", index, sdo[3], (sdo[0] & 0x10) != 0 ? " complete" : "");
+        print(o, "upload %04Xh:%02X%s", index, sdo[3], (sdo[0] & 0x10) != 0 ? " complete" : "");
         break;
     case 1:
-        say(o, reply ? "segment taken" : "download %04Xh:%02X%s", index, sdo[3],
-            (sdo[0] & 0x10) != 0 ? " complete" : "");
+        print(o, reply ? "segment taken" : "download %04Xh:%02X%s", index, sdo[3],
+              (sdo[0] & 0x10) != 0 ? " complete" : "");
         break;
     case 3:
-        say(o, reply ? "downloaded %04Xh:%02X" : "next segment", index, sdo[3]);
+        print(o, reply ? "downloaded %04Xh:%02X" : "next segment", index, sdo[3]);
         break;
     default:
-        say(o, "segment, toggle %d%s", sdo[0] >> 4 & 1, (sdo[0] & 1) != 0 ? ", last" : "");
+        print(o, "segment, toggle %d%s", sdo[0] >> 4 & 1, (sdo[0] & 1) != 0 ? ", last" : "");
         break;
     }
 }
 
-static void say_coe(out_t *o, const uint8_t *coe, size_t length)
+static void print_coe(out_t *o, const uint8_t *coe, size_t length)
 {
     static const char *const services[16] = {"service 0", "emergency",     "SDO request",   "SDO response", "TxPDO",
                                              "RxPDO",     "TxPDO request", "RxPDO request", "information"};
     unsigned int service = ect_load_le16(coe) >> 12;
-    say(o, "CoE %s ", services[service] ? services[service] : "of an unknown service");
+    print(o, "CoE %s ", services[service] ? services[service] : "of an unknown service");
     if ((service == CF_COE_REQUEST || service == CF_COE_RESPONSE) && length >= 10)
-        say_sdo(o, coe + 2, service == CF_COE_RESPONSE);
+        print_sdo(o, coe + 2, service == CF_COE_RESPONSE);
     else if (service == CF_COE_EMERGENCY && length >= 4)
-        say(o, "code 0x%04X", ect_load_le16(coe + 2));
+        print(o, "code 0x%04X", ect_load_le16(coe + 2));
     else if (service == CF_COE_INFO && length >= 6)
-        say(o, "opcode %u, %u fragments left", coe[2] & 0x7Fu, ect_load_le16(coe + 4));
+        print(o, "opcode %u, %u fragments left", coe[2] & 0x7Fu, ect_load_le16(coe + 4));
 }
 
-static void say_mail(out_t *o, const uint8_t *mail, size_t room)
+static void print_mail(out_t *o, const uint8_t *mail, size_t room)
 {
     static const char *const types[16] = {"error", "AoE", "EoE", "", "FoE", "SoE"};
     size_t length = ect_load_le16(mail);
     unsigned int type = mail[5] & 0x0F;
-    say(o, " | mail of %zu bytes, counter %u: ", length, mail[5] >> 4 & 7u);
+    print(o, " | mail of %zu bytes, counter %u: ", length, mail[5] >> 4 & 7u);
     if (length > room - MAIL_HEADER)
         length = room - MAIL_HEADER;
     if (type == CF_MBX_COE && length >= 2)
-        say_coe(o, mail + MAIL_HEADER, length);
+        print_coe(o, mail + MAIL_HEADER, length);
     else if (type == CF_MBX_ERROR && length >= 4)
-        say(o, "error, detail 0x%04X", ect_load_le16(mail + MAIL_HEADER + 2));
+        print(o, "error, detail 0x%04X", ect_load_le16(mail + MAIL_HEADER + 2));
     else
-        say(o, "%s type %u", types[type] ? types[type] : "", type);
-    say(o, " |");
-    say_bytes(o, mail, length + MAIL_HEADER);
+        print(o, "%s type %u", types[type] ? types[type] : "", type);
+    print(o, " |");
+    print_bytes(o, mail, length + MAIL_HEADER);
 }
 
 /* --- datagrams ---------------------------------------------------------------------------------------------------- */
@@ -136,75 +136,75 @@ static bool writes(uint8_t command)
     return command != CF_APRD && command != CF_FPRD && command != CF_BRD && command != CF_LRD;
 }
 
-static void say_head(const cf_t *c, out_t *o, const uint8_t *d, size_t length)
+static void print_head(const cf_t *c, out_t *o, const uint8_t *d, size_t length)
 {
     uint8_t command = d[0];
     if (command < sizeof commands / sizeof commands[0])
-        say(o, "%s", commands[command]);
+        print(o, "%s", commands[command]);
     else
-        say(o, "command %u", command);
+        print(o, "command %u", command);
     if (command >= CF_LRD && command <= CF_LRW)
-        say(o, " logical 0x%08X", ect_load_le32(d + 2));
+        print(o, " logical 0x%08X", ect_load_le32(d + 2));
     else
-        say(o, " %04X:%04X", ect_load_le16(d + 2), ect_load_le16(d + 4));
+        print(o, " %04X:%04X", ect_load_le16(d + 2), ect_load_le16(d + 4));
     if (command < CF_LRD || command > CF_LRW)
-        say_place(c, o, ect_load_le16(d + 4));
-    say(o, ", %zu byte%s", length, length == 1 ? "" : "s");
+        print_place(c, o, ect_load_le16(d + 4));
+    print(o, ", %zu byte%s", length, length == 1 ? "" : "s");
 }
 
 /* AL control and AL status in words. */
-static void say_state(out_t *o, uint16_t address, const uint8_t *data, size_t length)
+static void print_state(out_t *o, uint16_t address, const uint8_t *data, size_t length)
 {
     if (address == ECT_REG_AL_CONTROL && length > 0)
-        say(o, " | %s%s", cf_state_name(data[0] & ECT_AL_STATE_MASK),
-            (data[0] & ECT_AL_ACKNOWLEDGE) != 0 ? ", acknowledge" : "");
+        print(o, " | %s%s", cf_state_name(data[0] & ECT_AL_STATE_MASK),
+              (data[0] & ECT_AL_ACKNOWLEDGE) != 0 ? ", acknowledge" : "");
     else if (address == ECT_REG_AL_STATUS && length > 0)
-        say(o, " | %s", cf_state_name(data[0]));
+        print(o, " | %s", cf_state_name(data[0]));
     if (address == ECT_REG_AL_STATUS && length >= 6)
-        say(o, ", code 0x%04X", ect_load_le16(data + 4));
+        print(o, ", code 0x%04X", ect_load_le16(data + 4));
 }
 
-static void say_datagram(const cf_t *c, out_t *o, const uint8_t *d, size_t length, bool sent)
+static void print_datagram(const cf_t *c, out_t *o, const uint8_t *d, size_t length, bool sent)
 {
     uint16_t address = ect_load_le16(d + 4);
     bool logical = d[0] >= CF_LRD && d[0] <= CF_LRW;
     bool data = sent ? writes(d[0]) : reads(d[0]);
-    say_head(c, o, d, length);
+    print_head(c, o, d, length);
     if (!sent)
-        say(o, ", WKC %u", ect_load_le16(d + HEADER + length));
+        print(o, ", WKC %u", ect_load_le16(d + HEADER + length));
     if (!data || (!sent && ect_load_le16(d + HEADER + length) == 0))
         return;
     if (!logical && length >= MAIL_HEADER && address >= ECT_RAM &&
         (address == c->mailbox.out_start || address == c->mailbox.in_start)) {
-        say_mail(o, d + HEADER, length);
+        print_mail(o, d + HEADER, length);
         return;
     }
-    say(o, ":");
-    say_bytes(o, d + HEADER, length);
+    print(o, ":");
+    print_bytes(o, d + HEADER, length);
     if (!logical)
-        say_state(o, address, d + HEADER, length);
+        print_state(o, address, d + HEADER, length);
 }
 
-static void say_frame(const cf_t *c, out_t *o, const cf_item_t *item)
+static void print_frame(const cf_t *c, out_t *o, const cf_item_t *item)
 {
     const uint8_t *frame = item->bytes;
     bool sent = item->kind == CF_ITEM_SENT, more = true;
     size_t at = ETHERNET + 2;
     if (item->length < at || ect_load_be16(frame + 12) != 0x88A4 || ect_load_le16(frame + ETHERNET) >> 12 != 1) {
-        say(o, "frame of %u bytes:", item->length);
-        say_bytes(o, frame, item->length);
+        print(o, "frame of %u bytes:", item->length);
+        print_bytes(o, frame, item->length);
         return;
     }
     while (more) {
         if (item->length < at + HEADER + TRAILER ||
             item->length - at < HEADER + TRAILER + (size_t)(ect_load_le16(frame + at + 6) & 0x07FF)) {
-            say(o, "%scut off:", at > ETHERNET + 2 ? "\n" : "");
-            say_bytes(o, frame + at, item->length - at);
+            print(o, "%scut off:", at > ETHERNET + 2 ? "\n" : "");
+            print_bytes(o, frame + at, item->length - at);
             return;
         }
         size_t length = ect_load_le16(frame + at + 6) & 0x07FF;
-        say(o, "%s", at > ETHERNET + 2 ? "\n" : "");
-        say_datagram(c, o, frame + at, length, sent);
+        print(o, "%s", at > ETHERNET + 2 ? "\n" : "");
+        print_datagram(c, o, frame + at, length, sent);
         more = (frame[at + 7] & 0x80) != 0;
         at += HEADER + length + TRAILER;
     }
@@ -215,13 +215,13 @@ void cf_decode(const cf_t *c, const cf_item_t *item, char *text, size_t room)
     out_t o = {.text = text, .room = room};
     text[0] = 0;
     if (item->kind == CF_ITEM_STEP)
-        say(&o, "%s", (const char *)item->bytes);
+        print(&o, "%s", (const char *)item->bytes);
     else
-        say_frame(c, &o, item);
+        print_frame(c, &o, item);
     if (item->folded == 1)
-        say(&o, " (and once before)");
+        print(&o, " (and once before)");
     else if (item->folded > 1)
-        say(&o, " (and %u times before)", item->folded);
+        print(&o, " (and %u times before)", item->folded);
 }
 
 size_t cf_evidence_start(const cf_evidence_t *evidence)

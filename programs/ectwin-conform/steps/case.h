@@ -500,7 +500,7 @@ void cf_send_foe(cf_t *c, const cf_foe_t *sent);
  * Sends a mail and reads the reply; repeats both, after a pause, while the reply is BUSY, which means "not taken".
  * @return operation of the reply; *number: its number; further bytes at `mail->data + CF_FOE_HEADER`
  */
-uint8_t cf_ask_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number);
+uint8_t cf_request_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number);
 /** @return bytes of a full packet to the slave (`write`) or from the slave, in its present AL state */
 uint16_t cf_foe_full(cf_t *c, bool write);
 /**

@@ -33,14 +33,14 @@ static uint8_t receive(cf_t *c, cf_mail_t *mail, uint32_t *number)
 {
     uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
     while (!cf_mail_waits(c) && cf_now_ns() < until) /* erasing takes longer than a mail */
-        cf_between_looks(c);
+        cf_poll_pause(c);
     cf_receive(c, CF_MBX_FOE, mail);
     cf_expect_that(c, mail->length >= CF_FOE_HEADER, "a FoE answer: expected at least 6 bytes, got %u", mail->length);
     *number = ect_load_le32(mail->data + 2);
     return mail->data[0];
 }
 
-uint8_t cf_ask_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number)
+uint8_t cf_request_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number)
 {
     uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
     for (;;) {
@@ -67,7 +67,7 @@ uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size)
     uint32_t number;
     size_t got = 0;
     const cf_foe_t open = cf_foe_open(c, CF_FOE_READ, password);
-    uint8_t answer = cf_ask_foe(c, &open, &mail, &number);
+    uint8_t answer = cf_request_foe(c, &open, &mail, &number);
     for (uint32_t packet = 1;; packet++) {
         if (answer == CF_FOE_ERROR)
             return error_of(c, number);
@@ -79,7 +79,7 @@ uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size)
         got += length;
         if (length < full)
             break;
-        answer = cf_ask_foe(c, &(cf_foe_t){CF_FOE_ACK, packet, NULL, 0}, &mail, &number);
+        answer = cf_request_foe(c, &(cf_foe_t){CF_FOE_ACK, packet, NULL, 0}, &mail, &number);
     }
     cf_send_foe(c, &(cf_foe_t){CF_FOE_ACK, number, NULL, 0});
     *size = got;
@@ -93,7 +93,7 @@ uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size
     cf_mail_t mail;
     uint32_t number, packet = 0;
     const cf_foe_t open = cf_foe_open(c, CF_FOE_WRITE, password);
-    uint8_t answer = cf_ask_foe(c, &open, &mail, &number);
+    uint8_t answer = cf_request_foe(c, &open, &mail, &number);
     for (bool last = false;;) {
         if (answer == CF_FOE_ERROR)
             return error_of(c, number);
@@ -103,7 +103,7 @@ uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size
             return 0;
         const uint16_t length = (uint16_t)(size < full ? size : full);
         last = length < full;
-        answer = cf_ask_foe(c, &(cf_foe_t){CF_FOE_DATA, ++packet, from, length}, &mail, &number);
+        answer = cf_request_foe(c, &(cf_foe_t){CF_FOE_DATA, ++packet, from, length}, &mail, &number);
         from += length;
         size -= length;
     }

@@ -18,7 +18,7 @@ static void write_mail(cf_t *c, const cf_mailbox_t *m, const uint8_t *mail)
     while (cf_write(c, m->out_start, mail, m->out_size) != 1) {
         if (cf_now_ns() >= until)
             cf_fail(c, "writing a mail: WKC expected 1, got 0 for %d ms: SM0 is not emptied", (int)CF_MAIL_MS);
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
 }
 

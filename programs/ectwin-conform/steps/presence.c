@@ -26,7 +26,7 @@ static void wait_found(cf_t *c, const char *after)
         if (cf_now_ns() >= until)
             cf_fail(c, "%s: expected %u slaves on the segment within %d s, got %u", after, c->facts.slaves,
                     (int)CF_FOUND_MS / 1000, found);
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
     c->engine->silent = false;
 }
@@ -139,7 +139,7 @@ static void wait_fresh(cf_t *c)
                     "switched off and on: expected a slave without its station address within %d s: does --power "
                     "switch this one?",
                     (int)CF_FOUND_MS / 1000);
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
     wait_found(c, "switched off and on");
 }

@@ -18,7 +18,7 @@ uint16_t cf_sii_wait(cf_t *c)
             return control;
         if (over)
             cf_fail(c, "EEPROM busy: expected the end of a command within %d ms, got 0x%04X", (int)BUSY_MS, control);
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
 }
 

@@ -176,7 +176,7 @@ bool cf_wait_status(cf_t *c, uint16_t status, uint32_t ms, bool cyclic, uint16_t
         now = al_status(c, &now_code);
         if ((now & 0x1F) == (status & 0x1F))
             break;
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
     if (last)
         *last = now;
@@ -215,7 +215,7 @@ static void write_al_control(cf_t *c, uint16_t al_control)
         if (cf_now_ns() >= until)
             cf_fail(c, "AL control: WKC expected 1, got 0 for %u ms: the slave does not take the request before",
                     init_ms(c));
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
     if ((c->facts.has & CF_EMULATION) == 0)
         (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, init_ms(c), NULL);
@@ -259,7 +259,7 @@ static uint16_t request(cf_t *c, uint16_t al_control, bool cyclic, uint16_t *cod
         now.status = al_status(c, &now.code);
         if (over || is_answered(al_control, before, now) || (settled && may_be_the_answer(al_control, before, now)))
             break;
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
     if (code)
         *code = now.code;

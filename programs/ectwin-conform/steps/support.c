@@ -25,7 +25,7 @@ void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx)
 }
 
 /* The function may use waiting steps itself. */
-void cf_between_looks(cf_t *c)
+void cf_poll_pause(cf_t *c)
 {
     cf_engine_t *e = c->engine;
     const struct timespec pause = {.tv_nsec = LOOK_NS};

@@ -159,7 +159,7 @@ bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint3
         value = cf_get8(c, address);
         if ((value & mask) == wanted || over)
             break;
-        cf_between_looks(c);
+        cf_poll_pause(c);
     }
     if (last)
         *last = value;

@@ -51,7 +51,7 @@ static void make_ready(ect_chain_t *chain, size_t i)
 }
 
 /* The twin has seen a frame, which may change the deadline of its ESC. */
-static inline void note_frame(ect_chain_t *chain, size_t i)
+static inline void mark_frame(ect_chain_t *chain, size_t i)
 {
     uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
     make_ready(chain, i);
@@ -59,19 +59,19 @@ static inline void note_frame(ect_chain_t *chain, size_t i)
         ect_deadlines_set(chain->deadlines, i, due_ns);
 }
 
-static void note_touched(ect_chain_t *chain)
+static void mark_touched(ect_chain_t *chain)
 {
     size_t count;
     const uint32_t *touched = ect_fast_touched(chain->fast, &count);
     for (size_t k = 0; k < count; k++)
-        note_frame(chain, touched[k]);
+        mark_frame(chain, touched[k]);
 }
 
 /* The fast path postpones some work. Due before a controller is accessed in any other way. */
 static void settle(ect_chain_t *chain)
 {
     ect_fast_settle(chain->fast);
-    note_touched(chain);
+    mark_touched(chain);
 }
 
 static void powered_on(ect_chain_t *chain, size_t i)
@@ -199,11 +199,11 @@ void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx)
 }
 
 /* The frame may have reached any twin. */
-static void note_all(ect_chain_t *chain)
+static void mark_all(ect_chain_t *chain)
 {
     for (size_t i = 0; i < chain->cabling.count; i++) {
         ect_fast_refresh(chain->fast, i);
-        note_frame(chain, i);
+        mark_frame(chain, i);
     }
 }
 
@@ -216,11 +216,11 @@ static ect_end_t pass_slowly(ect_chain_t *chain, ect_end_t in, uint8_t *frame, s
     chain->guard = NULL;
     settle(chain);
     ect_end_t out = ect_passage_enter(&chain->cabling, in, &passage);
-    note_all(chain);
+    mark_all(chain);
     return out;
 }
 
-ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns)
+ect_end_t ect_chain_resume(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns)
 {
     ect_passage_t passage = {.c = *from, .now_ns = now_ns};
     ect_topology_place_t at;
@@ -230,7 +230,7 @@ ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64
         return out;
     settle(chain);
     out = ect_passage_walk(&chain->cabling, at, &passage);
-    note_all(chain);
+    mark_all(chain);
     return out;
 }
 
@@ -255,7 +255,7 @@ static uint64_t last_frame(const ect_chain_t *chain, size_t i)
 }
 
 /* Before the reach changes, each twin within the old one notes its last frame. */
-static void note_reach(ect_chain_t *chain, size_t reach)
+static void mark_reach(ect_chain_t *chain, size_t reach)
 {
     if (reach == chain->fast_reach)
         return;
@@ -272,12 +272,12 @@ ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_
     if (!plain || chain->guard)
         return pass_slowly(chain, in, frame, length, now_ns);
     tick_due(chain, now_ns);
-    note_reach(chain, ect_fast_reach(chain->fast));
+    mark_reach(chain, ect_fast_reach(chain->fast));
     ect_fast_result_t result = ect_fast_pass(chain->fast, frame, length, now_ns);
     if (result == ECT_FAST_NOT_TAKEN)
         return pass_slowly(chain, in, frame, length, now_ns);
     chain->fast_frame_ns = now_ns;
-    note_touched(chain);
+    mark_touched(chain);
     return result == ECT_FAST_OUT ? ECT_END_OUT : ECT_END_IN;
 }
 
@@ -296,7 +296,7 @@ static void tick_esc(ect_chain_t *chain, ect_twin_t *twin, uint64_t now_ns)
 }
 
 /* Brings a twin up to date and sets its next deadline. */
-static void attend(ect_chain_t *chain, size_t i, uint64_t now_ns)
+static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
 {
     ect_twin_t *twin = &chain->twins[i];
     bool on_bus = ect_twin_on_bus(twin);
@@ -327,7 +327,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         uint64_t left = chain->ready[word];
         chain->ready[word] = 0;
         while (left != 0)
-            attend(chain, ect_bits_take(word, &left), now_ns);
+            poll_twin(chain, ect_bits_take(word, &left), now_ns);
     }
     if (chain->links_due)
         update_links(chain);

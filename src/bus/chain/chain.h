@@ -95,7 +95,7 @@ void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx);
  * Passes on a frame that a guard has ended, from the wire where it ended.
  * @return as ::ect_chain_pass; ECT_END_NONE also when the wire has no link any more
  */
-ect_end_t ect_chain_go_on(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns);
+ect_end_t ect_chain_resume(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns);
 
 /**
  * Carries out a fault of a slave at once.

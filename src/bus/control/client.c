@@ -131,11 +131,11 @@ static void end_search(ect_client_t *client, const ect_chain_t *chain)
     end_visit(client, v->matched > 0 ? NULL : message);
 }
 
-static void go_on(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
+static void continue_visit(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     ect_visit_t *v = &client->visit;
     unsigned int lines = 0;
-    for (unsigned int looks = 0; looks < ECT_CLIENT_LOOKS && lines < ECT_CLIENT_LINES; looks++) {
+    for (unsigned int matches = 0; matches < ECT_CLIENT_MATCHES && lines < ECT_CLIENT_LINES; matches++) {
         ect_signal_ref_t ref;
         if (next_signal(v, chain, &ref)) {
             if (!v->literal && fnmatch(v->pattern, ref.name, 0) != 0)
@@ -235,7 +235,7 @@ static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, u
 
 /* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
  */
-static const char *give_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
 {
     enum { PIECE = 400 };
     static const char digits[] = "0123456789abcdef";
@@ -318,7 +318,7 @@ static void put_histogram(ect_client_t *client)
 }
 
 /* @return why not, NULL */
-static const char *give_stats(ect_client_t *client, uint64_t now_ns)
+static const char *reply_stats(ect_client_t *client, uint64_t now_ns)
 {
     if (!client->stats)
         return "nothing is counted here";
@@ -416,7 +416,7 @@ static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJS
     return done ? NULL : message;
 }
 
-static bool is_answered_at_once(const char *op)
+static bool has_immediate_reply(const char *op)
 {
     static const char *const names[] = {"set", "data", "stats", "fault", "about"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -433,12 +433,12 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
     if (strcmp(op, "set") == 0)
         return set(chain, slave, request, now_ns, message);
     if (strcmp(op, "data") == 0)
-        return give_piece(client, chain, slave, request);
+        return reply_piece(client, chain, slave, request);
     if (strcmp(op, "fault") == 0)
         return set_fault(client, chain, request, now_ns, message);
     if (strcmp(op, "about") == 0)
         return give_about(client, chain);
-    return give_stats(client, now_ns);
+    return reply_stats(client, now_ns);
 }
 
 static const char *op_of(const cJSON *request)
@@ -454,7 +454,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     long slave = slave_of(request, chain);
     bool visit = is_visit(&client->visit, op);
     const char *why;
-    if (!visit && !is_answered_at_once(op))
+    if (!visit && !has_immediate_reply(op))
         why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
@@ -500,7 +500,7 @@ static void serve_lines(ect_client_t *client, ect_chain_t *chain, uint64_t now_n
     }
 }
 
-void ect_client_gone(ect_client_t *client)
+void ect_client_end_of_input(ect_client_t *client)
 {
     client->deaf = true;
     client->unsent = 0;
@@ -534,7 +534,7 @@ void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
     if (client->visit.op == ECT_VISIT_NONE && client->line > 0)
         serve_lines(client, chain, now_ns);
     if (client->visit.op != ECT_VISIT_NONE)
-        go_on(client, chain, now_ns);
+        continue_visit(client, chain, now_ns);
     else if (client->watch)
         write_changes(client, chain, now_ns);
     if (client->watch && ect_watch_lost(client->watch) && !client->closing) {

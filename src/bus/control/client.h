@@ -26,7 +26,7 @@ ECT_C_BEGIN
 
 enum {
     ECT_CLIENT_LINES = 8,      /**< lines that a step writes, without the result */
-    ECT_CLIENT_LOOKS = 32,     /**< names that a step compares with a pattern */
+    ECT_CLIENT_MATCHES = 32,   /**< names that a step compares with a pattern */
     ECT_CLIENT_COMPARES = 512, /**< watched values that a step compares */
     ECT_CLIENT_SKIPS = 64,     /**< requests of a client that is gone that a step skips */
     ECT_CLIENT_ANSWER = 3 * ECT_CLIENT_LINES * ECT_LINE_ROOM,
@@ -86,7 +86,7 @@ void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain)
  * The client has closed its connection. It no longer watches anything, no reply is written, and of the requests that it
  * has sent only `set` and `fault` are carried out.
  */
-void ect_client_gone(ect_client_t *client);
+void ect_client_end_of_input(ect_client_t *client);
 
 /** Writes the last line of a reply. @param message  the reason of a refusal; NULL: done */
 void ect_client_result(ect_client_t *client, const char *message);

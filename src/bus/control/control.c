@@ -131,15 +131,15 @@ static void no_descriptor(ect_control_t *c, uint64_t now_ns)
     if (c->spare >= 0)
         close(c->spare);
     int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    bool nobody = fd < 0 && errno == EAGAIN;
+    bool no_client = fd < 0 && errno == EAGAIN;
     if (fd >= 0)
         turn_away(fd, "the twin has no descriptor left: 'ulimit -n' is too low for it");
     c->spare = open_spare();
-    if (fd < 0 && !nobody && wait_for(c, EPOLL_CTL_MOD, c->fd, 0, ACCEPT))
+    if (fd < 0 && !no_client && wait_for(c, EPOLL_CTL_MOD, c->fd, 0, ACCEPT))
         c->retry_ns = now_ns + RETRY_NS;
 }
 
-static void let_in(ect_control_t *c, uint64_t now_ns)
+static void accept_client(ect_control_t *c, uint64_t now_ns)
 {
     int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) {
@@ -193,7 +193,7 @@ static void receive(ect_client_t *client)
         end_of_requests(client);
     else if (errno != EAGAIN && errno != EINTR) {
         client->ended = true;
-        ect_client_gone(client);
+        ect_client_end_of_input(client);
     }
     ect_client_received(client);
     if (client->line == 0 && client->received == ECT_ENDPOINT_REQUEST) {
@@ -206,7 +206,7 @@ static void flush(ect_client_t *client)
 {
     ssize_t sent = send(client->fd, client->answer, client->unsent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno != EAGAIN && errno != EINTR) {
-        ect_client_gone(client);
+        ect_client_end_of_input(client);
     } else if (sent > 0) {
         client->unsent -= (size_t)sent;
         memmove(client->answer, client->answer + sent, client->unsent);
@@ -224,7 +224,7 @@ static bool is_done(const ect_client_t *client)
 }
 
 /* Updates the events for which epoll waits, or ends the connection. */
-static void settle(const ect_control_t *c, ect_client_t *client, uint32_t who)
+static void update_events(const ect_control_t *c, ect_client_t *client, uint32_t who)
 {
     uint32_t events = (wants_more(client) ? EPOLLIN : 0u) | (client->blocked ? (uint32_t)EPOLLOUT : 0u);
     if (is_done(client))
@@ -260,7 +260,7 @@ static void read_events(ect_control_t *c)
         client->readable |= (events[i].events & (uint32_t)~EPOLLOUT) != 0;
         client->blocked &= (events[i].events & EPOLLOUT) == 0;
         if ((events[i].events & (EPOLLHUP | EPOLLERR)) != 0) {
-            ect_client_gone(client);
+            ect_client_end_of_input(client);
             client->blocked = false;
         }
     }
@@ -285,7 +285,7 @@ static void serve_client(ect_control_t *c, ect_client_t *client, uint32_t who, e
         ect_client_step(client, chain, every_room(c, client), now_ns);
     if (client->unsent > 0 && !client->blocked && (client->visit.op == ECT_VISIT_NONE || !ect_client_room(client)))
         flush(client);
-    settle(c, client, who);
+    update_events(c, client, who);
 }
 
 /* Rounds are begun for all clients at the same time, as long as one of them wants any. */
@@ -315,7 +315,7 @@ static void serve_one(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
         c->turn = (c->turn + 1) % WAITABLE;
         if (who == ACCEPT && c->accepts) {
             c->accepts = false;
-            let_in(c, now_ns);
+            accept_client(c, now_ns);
             return;
         }
         if (who != ACCEPT && ready(&c->clients[who])) {
@@ -346,13 +346,13 @@ uint64_t ect_control_due(const ect_control_t *c)
     return ect_earlier(c->round_ns, c->retry_ns);
 }
 
-void ect_control_note(ect_control_t *c, const ect_chain_t *chain, uint64_t now_ns)
+void ect_control_record(ect_control_t *c, const ect_chain_t *chain, uint64_t now_ns)
 {
     for (size_t i = 0; i < c->clients_end; i++) {
         ect_watch_t *watch = c->clients[i].watch;
         if (!watch || !ect_watch_is_every(watch))
             continue;
         ect_client_show_lamps(&c->clients[i], chain);
-        ect_watch_note(watch, now_ns);
+        ect_watch_record(watch, now_ns);
     }
 }

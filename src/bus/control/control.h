@@ -67,7 +67,7 @@ void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_
  * Records changes for clients that watch every change. To be called after each ::ect_chain_poll.
  * Cost: a comparison a signal that is watched so, at most ECT_CONTROL_EVERY, and one a twin with a watched lamp.
  */
-void ect_control_note(ect_control_t *control, const ect_chain_t *chain, uint64_t now_ns);
+void ect_control_record(ect_control_t *control, const ect_chain_t *chain, uint64_t now_ns);
 
 ECT_C_END
 

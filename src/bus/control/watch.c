@@ -153,7 +153,7 @@ static void pop(ect_watch_t *watch, void *data, size_t size)
     watch->first += size;
 }
 
-void ect_watch_note(ect_watch_t *watch, uint64_t now_ns)
+void ect_watch_record(ect_watch_t *watch, uint64_t now_ns)
 {
     for (size_t i = 0; i < watch->count; i++) {
         const peek_t *peek = &watch->peeks[i];

@@ -52,7 +52,7 @@ void ect_watch_every(ect_watch_t *watch);
 bool ect_watch_is_every(const ect_watch_t *watch);
 
 /** Records changes. Only in the mode "every change". Cost: a comparison a signal. */
-void ect_watch_note(ect_watch_t *watch, uint64_t now_ns);
+void ect_watch_record(ect_watch_t *watch, uint64_t now_ns);
 
 /** Begins a round, unless one is under way. */
 void ect_watch_round(ect_watch_t *watch);

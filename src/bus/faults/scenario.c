@@ -212,7 +212,7 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
 
 /* Whether a fault concerns this frame. Each fault with a share takes a random number, so that none depends on others.
  */
-static bool concerns(ect_scenario_t *s, size_t i)
+static bool applies_to_frame(ect_scenario_t *s, size_t i)
 {
     const ect_fault_t *fault = &s->set[i].fault;
     uint64_t frame = ++s->set[i].frames;
@@ -228,28 +228,29 @@ static bool concerns(ect_scenario_t *s, size_t i)
     }
 }
 
-static void drop(ect_scenario_t *s, ect_fate_t *fate)
+static void drop(ect_scenario_t *s, ect_frame_effects_t *effects)
 {
     if (ect_random_next(&s->seed) % 2 == 0)
-        fate->lose_request = true;
+        effects->lose_request = true;
     else
-        fate->lose_answer = true;
+        effects->lose_reply = true;
 }
 
-static void befall(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *frame, size_t *length, ect_fate_t *fate)
+static void apply_fault(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *frame, size_t *length,
+                        ect_frame_effects_t *effects)
 {
     switch (fault->kind) {
     case ECT_FAULT_DROP:
-        drop(s, fate);
+        drop(s, effects);
         return;
     case ECT_FAULT_DELAY:
-        fate->delay_us += (uint32_t)fault->amount;
+        effects->delay_us += (uint32_t)fault->amount;
         return;
     case ECT_FAULT_DUPLICATE:
-        fate->twice = true;
+        effects->twice = true;
         return;
     case ECT_FAULT_REORDER:
-        fate->behind_next = true;
+        effects->after_next = true;
         return;
     case ECT_FAULT_TRUNCATE:
         *length -= (size_t)fault->amount < *length ? (size_t)fault->amount : *length;
@@ -258,36 +259,38 @@ static void befall(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *frame, 
         ect_frame_corrupt(&s->seed, frame, *length);
         return;
     default:
-        fate->counter += fault->amount;
+        effects->counter += fault->amount;
     }
 }
 
-ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length, uint64_t now_ns)
+ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length,
+                                       uint64_t now_ns)
 {
-    ect_fate_t fate = {0};
+    ect_frame_effects_t effects = {0};
     s->frames++;
     (void)ect_scenario_tick(s, chain, now_ns);
     ect_wires_begin(&s->wires, &s->seed, now_ns);
     size_t kept = 0;
     for (size_t i = 0; i < s->set_count; i++) {
         const ect_fault_t *fault = &s->set[i].fault;
-        bool now = concerns(s, i);
+        bool now = applies_to_frame(s, i);
         if (now && fault->slave != 0)
             ect_wires_add(&s->wires, fault);
         else if (now)
-            befall(s, fault, frame, length, &fate);
+            apply_fault(s, fault, frame, length, &effects);
         if (!(now && fault->when == ECT_FAULT_ONCE))
             s->set[kept++] = s->set[i];
     }
     s->set_count = kept;
-    if (!fate.lose_request) /* else it would happen to the next one */
+    if (!effects.lose_request) /* else it would happen to the next one */
         ect_wires_end(&s->wires, chain);
-    return fate;
+    return effects;
 }
 
-ect_wires_result_t ect_scenario_answer(const ect_scenario_t *s, const ect_fate_t *fate, uint8_t *frame, size_t *length)
+ect_wires_result_t ect_scenario_reply(const ect_scenario_t *s, const ect_frame_effects_t *effects, uint8_t *frame,
+                                      size_t *length)
 {
     *length -= s->wires.cut;
-    ect_frame_count(frame, *length, fate->counter);
+    ect_frame_count(frame, *length, effects->counter);
     return s->wires.result;
 }

@@ -60,14 +60,14 @@ typedef struct ect_scenario {
 } ect_scenario_t;
 
 /** The effect of faults on a frame's reply. Changes of the request are already made; those of a wire follow on it. */
-typedef struct ect_fate {
+typedef struct ect_frame_effects {
     bool lose_request; /**< the frame is lost before the chain */
-    bool lose_answer;  /**< the reply is lost */
+    bool lose_reply;   /**< the reply is lost */
     bool twice;        /**< the reply leaves twice */
-    bool behind_next;  /**< the reply leaves after the next one */
+    bool after_next;   /**< the reply leaves after the next one */
     uint32_t delay_us; /**< delay of the reply */
     int32_t counter;   /**< added to the working counter of the first datagram */
-} ect_fate_t;
+} ect_frame_effects_t;
 
 /**
  * Adds a line to the script.
@@ -87,7 +87,8 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
  * Handles a frame before the chain: takes due steps, selects faults at random, and changes the request.
  * @param[in,out] length  of the frame; a fault may reduce it
  */
-ect_fate_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length, uint64_t now_ns);
+ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length,
+                                       uint64_t now_ns);
 
 /** Takes due steps. @return the next time at which a step, or a frame on a wire (s->wires), is due; ECT_NEVER */
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns);
@@ -97,7 +98,8 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
  * @param[in,out] length  less when a wire has cut the frame
  * @return the effect of the wires on the frame
  */
-ect_wires_result_t ect_scenario_answer(const ect_scenario_t *s, const ect_fate_t *fate, uint8_t *frame, size_t *length);
+ect_wires_result_t ect_scenario_reply(const ect_scenario_t *s, const ect_frame_effects_t *fate, uint8_t *frame,
+                                      size_t *length);
 
 /** The highest slave number in the script; 0: none. */
 uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);

@@ -15,8 +15,8 @@ void ect_frame_corrupt(uint32_t *seed, uint8_t *frame, size_t length)
     size_t from = first != 0 ? first + ECT_DATAGRAM_DATA : 0;
     if (length == 0)
         return;
-    uint32_t lot = ect_random_next(seed);
-    frame[from + lot / 8 % (length - from)] ^= (uint8_t)(1u << lot % 8);
+    uint32_t random = ect_random_next(seed);
+    frame[from + random / 8 % (length - from)] ^= (uint8_t)(1u << random % 8);
 }
 
 void ect_frame_count(uint8_t *frame, size_t length, int32_t by)
@@ -74,7 +74,7 @@ ect_kept_t *ect_wires_release(ect_wires_t *w, ect_chain_t *chain, uint64_t now_n
     ECT_ASSERT(w->kept_count > 0);
     *link = kept->next;
     w->kept_count--;
-    kept->end = ect_chain_go_on(chain, &kept->at, now_ns);
+    kept->end = ect_chain_resume(chain, &kept->at, now_ns);
     return kept;
 }
 
@@ -108,14 +108,14 @@ static void cut(ect_wires_t *w, ect_crossing_t *c, size_t bytes)
 }
 
 /* Keeps the frame, if there is room. */
-static bool wait_here(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint64_t due_frame, bool slow)
+static bool delay_frame(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint64_t due_frame, bool slow)
 {
     w->result = keep(w, c, due_ns, due_frame, slow) ? ECT_WIRES_KEEP : ECT_WIRES_LOST;
     return false;
 }
 
 /* @return whether the frame goes on */
-static bool befall(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t *c, uint64_t free_ns)
+static bool apply_fault(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t *c, uint64_t free_ns)
 {
     switch (fault->kind) {
     case ECT_FAULT_DROP:
@@ -125,9 +125,9 @@ static bool befall(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t *c, 
         c->damaged = true;
         return true;
     case ECT_FAULT_DELAY:
-        return wait_here(w, c, ect_later(free_ns, w->now_ns + 1000ull * (uint32_t)fault->amount), 0, true);
+        return delay_frame(w, c, ect_later(free_ns, w->now_ns + 1000ull * (uint32_t)fault->amount), 0, true);
     case ECT_FAULT_REORDER:
-        return wait_here(w, c, free_ns, w->frames + 1, false);
+        return delay_frame(w, c, free_ns, w->frames + 1, false);
     case ECT_FAULT_DUPLICATE:
         (void)keep(w, c, free_ns, 0, false);
         return true;
@@ -150,10 +150,10 @@ static bool cross(void *ctx, ect_crossing_t *c)
     uint64_t free_ns = free_at(w, c);
     for (size_t i = 0; i < w->fault_count; i++) {
         const ect_fault_t *fault = &w->faults[i];
-        if (fault->slave - 1u == c->wire && fault->back == c->back && !befall(w, fault, c, free_ns))
+        if (fault->slave - 1u == c->wire && fault->back == c->back && !apply_fault(w, fault, c, free_ns))
             return false;
     }
-    return free_ns == 0 || wait_here(w, c, free_ns, 0, true);
+    return free_ns == 0 || delay_frame(w, c, free_ns, 0, true);
 }
 
 void ect_wires_begin(ect_wires_t *w, uint32_t *seed, uint64_t now_ns)

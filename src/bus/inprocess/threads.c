@@ -141,7 +141,7 @@ static bool condition_holds(const thread_t *thread)
     return thread->condition && thread->condition(thread->arg);
 }
 
-static bool time_has_come(const thread_t *thread)
+static bool deadline_has_passed(const thread_t *thread)
 {
     return thread->until_ns <= now_ns;
 }
@@ -149,7 +149,7 @@ static bool time_has_come(const thread_t *thread)
 static void make_timely_ready(void)
 {
     thread_t *thread;
-    while ((thread = first_waiting(time_has_come)))
+    while ((thread = first_waiting(deadline_has_passed)))
         make_ready(thread, false);
 }
 
@@ -184,7 +184,7 @@ static uint64_t next_event(void)
     return next_ns;
 }
 
-static bool somebody_waits_with_limit(void)
+static bool any_timed_wait(void)
 {
     for (const thread_t *one = threads; one; one = one->next) {
         if (one->state == WAITING && one->until_ns != NEVER)
@@ -218,7 +218,7 @@ static bool serve_client(void)
 }
 
 /* A thread that waits for a descriptor may be a client of the control socket, or wait for one. */
-static bool somebody_looks_outside(void)
+static bool any_external_wait(void)
 {
     for (const thread_t *one = threads; one; one = one->next) {
         if (one->state == WAITING && one->condition)
@@ -241,9 +241,9 @@ static thread_t *choose(void)
             waits |= one->state == WAITING;
         if (!waits)
             return NULL;
-        if (somebody_looks_outside() && serve_client())
+        if (any_external_wait() && serve_client())
             continue;
-        if (somebody_waits_with_limit())
+        if (any_timed_wait())
             advance(next_event());
         else
             wait_for_the_world();
@@ -268,7 +268,7 @@ static bool sleeps_in_kernel(pid_t id)
     return name_end && name_end[1] == ' ' && name_end[2] == 'S';
 }
 
-static void give_turn(thread_t *thread)
+static void pass_turn(thread_t *thread)
 {
     running = thread;
     if (thread)
@@ -289,7 +289,7 @@ static void take_turn_away(void)
                        "from here on the run is not reproducible\n");
     stuck->reported = true;
     stuck->state = OUTSIDE;
-    give_turn(choose());
+    pass_turn(choose());
 }
 
 /* Without the lock; returns when this thread has the turn. */
@@ -312,11 +312,11 @@ static void await_turn(void)
 }
 
 /* Gives the turn away and waits for it. With the lock; returns without. */
-static void give_away(void)
+static void release_turn(void)
 {
     thread_t *chosen = choose();
     bool mine = chosen == self;
-    give_turn(chosen);
+    pass_turn(chosen);
     unlock();
     if (!mine)
         await_turn();
@@ -405,13 +405,13 @@ static void enter(void)
 }
 
 /* Takes the turn up again if it was taken away. With the lock. */
-static void come_back(void)
+static void resume_turn(void)
 {
     while (self->state != RUNNING) {
         if (self->state == OUTSIDE)
             make_ready(self, false);
         if (!running) {
-            give_turn(choose());
+            pass_turn(choose());
             if (running == self)
                 return;
         }
@@ -425,7 +425,7 @@ static void begin_call(void)
 {
     enter();
     lock();
-    come_back();
+    resume_turn();
     self->turn = 0; /* given before the thread's first call, if that is where the thread waits for it */
 }
 
@@ -444,7 +444,7 @@ void ect_virtual_thread_begin(void *record, bool waits)
         return;
     lock();
     if (!running) {
-        give_turn(choose());
+        pass_turn(choose());
         if (running == self) {
             unlock();
             return;
@@ -471,7 +471,7 @@ void ect_virtual_thread_end(void)
     }
     remove_thread(mine);
     if (had_turn)
-        give_turn(choose());
+        pass_turn(choose());
     unlock();
 }
 
@@ -508,7 +508,7 @@ void ect_virtual_charge(uint64_t cost_ns)
         return;
     }
     make_ready(self, true);
-    give_away();
+    release_turn();
 }
 
 uint64_t ect_virtual_pass(uint64_t cost_ns)
@@ -535,7 +535,7 @@ static bool wait_here(const void *key, bool (*condition)(void *arg), void *arg, 
     self->arg = arg;
     self->until_ns = until_ns;
     self->order = ++orders;
-    give_away();
+    release_turn();
     return self->woken;
 }
 

@@ -23,7 +23,7 @@
 
 /* MBAP: transaction, protocol (0), bytes that follow; then the unit identifier, and the request. */
 enum { PROTOCOL_AT = 2, LENGTH_AT = 4, UNIT_AT = 6, PDU_AT = 7, SHORTEST = 2, LONGEST = ECT_MODBUS_ADU - UNIT_AT };
-enum { NOT_FROM_HERE = 0x80 }; /* function codes from here on are those of exceptions */
+enum { EXCEPTIONS = 0x80 }; /* function codes from here on are those of exceptions */
 
 enum { ACCEPT = ECT_MODBUS_CLIENTS, WAITABLE = ECT_MODBUS_CLIENTS + 1 };
 enum { ITEMS = 65536 }; /* of a table, as many as there are addresses */
@@ -250,8 +250,8 @@ static void write_range(const ect_modbus_server_t *s, const ect_modbus_t *modbus
 
 /* libmodbus checks requests too, but waits for its response timeout and discards input when one is wrong: it only gets
  * right requests. */
-static bool answer(ect_modbus_server_t *s, client_t *client, const ect_modbus_t *modbus, void *instance,
-                   uint64_t now_ns)
+static bool reply_to(ect_modbus_server_t *s, client_t *client, const ect_modbus_t *modbus, void *instance,
+                     uint64_t now_ns)
 {
     ect_modbus_request_t request;
     ect_modbus_result_t result = ect_modbus_request(client->adu + PDU_AT, client->got - PDU_AT, &request);
@@ -283,7 +283,7 @@ static bool is_broken(const client_t *client)
     if (client->got < UNIT_AT)
         return false;
     return ect_load_be16(client->adu + PROTOCOL_AT) != 0 || length < SHORTEST || length > LONGEST ||
-           (client->got > PDU_AT && client->adu[PDU_AT] >= NOT_FROM_HERE);
+           (client->got > PDU_AT && client->adu[PDU_AT] >= EXCEPTIONS);
 }
 
 /* Receives the header, then the rest, as far as available. @return false: the connection ends */
@@ -317,29 +317,29 @@ static void set_blocked(const ect_modbus_server_t *s, client_t *client, uint32_t
 }
 
 /* Without a twin that replies, the request is dropped. */
-static bool act(ect_modbus_server_t *s, client_t *client, ect_chain_t *chain, uint64_t now_ns)
+static bool execute(ect_modbus_server_t *s, client_t *client, ect_chain_t *chain, uint64_t now_ns)
 {
     void *instance;
     const ect_modbus_t *modbus = ect_chain_modbus(chain, 0, &instance);
-    bool goes_on = !modbus || answer(s, client, modbus, instance, now_ns);
+    bool alive = !modbus || reply_to(s, client, modbus, instance, now_ns);
     if (modbus) {
         client->idle_ns = now_ns + modbus->idle_ms * NS_PER_MS;
         ect_chain_wake(chain, 0);
     }
     client->got = 0;
-    return goes_on;
+    return alive;
 }
 
 static void serve_client(ect_modbus_server_t *s, uint32_t who, ect_chain_t *chain, uint64_t now_ns)
 {
     client_t *client = &s->clients[who];
-    bool goes_on = client->blocked || receive(client);
-    if (goes_on && client->got == size_of(client)) {
+    bool alive = client->blocked || receive(client);
+    if (alive && client->got == size_of(client)) {
         bool room = has_room(client);
         set_blocked(s, client, who, !room);
-        goes_on = !room || act(s, client, chain, now_ns);
+        alive = !room || execute(s, client, chain, now_ns);
     }
-    if (!goes_on)
+    if (!alive)
         drop(client);
 }
 
@@ -354,7 +354,7 @@ static uint32_t free_place(const ect_modbus_server_t *s, const ect_modbus_t *mod
     return ECT_MODBUS_CLIENTS;
 }
 
-static void let_in(ect_modbus_server_t *s, const ect_chain_t *chain, uint64_t now_ns)
+static void accept_client(ect_modbus_server_t *s, const ect_chain_t *chain, uint64_t now_ns)
 {
     const int on = 1;
     void *instance;
@@ -419,7 +419,7 @@ static void serve_next(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_
         if ((s->ready & 1u << who) == 0)
             continue;
         if (who == ACCEPT)
-            let_in(s, chain, now_ns);
+            accept_client(s, chain, now_ns);
         else
             serve_client(s, who, chain, now_ns);
         return;

@@ -140,11 +140,11 @@ static bool enter_as_root(bool *entered)
     }
     close(go[0]);
     *entered = helper > 0 && unshare(CLONE_NEWUSER | NAMESPACES) == 0;
-    bool told = *entered && write(go[1], "", 1) == 1;
+    bool sent = *entered && write(go[1], "", 1) == 1;
     close(go[1]);
     if (helper > 0)
         (void)waitpid(helper, &status, 0);
-    return told && status == 0;
+    return sent && status == 0;
 }
 
 static int enter_namespaces(unsigned int *lacks, char *message)
@@ -204,7 +204,7 @@ static int add_veth(struct nl_sock *socket, const char *twin, const char *master
 }
 
 /* The kernel's own IPv6 chatter has no business on this wire. Without IPv6 there is nothing to switch off. */
-static void quieten(void)
+static void disable_ipv6(void)
 {
     (void)write_file("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1");
 }
@@ -221,7 +221,7 @@ static int build_network(const char *const masters[ECT_NETNS_WIRES], char *messa
 {
     struct nl_sock *socket = nl_socket_alloc();
     int error = socket ? nl_connect(socket, NETLINK_ROUTE) : -NLE_NOMEM;
-    quieten();
+    disable_ipv6();
     if (error >= 0)
         error = set_up(socket, "lo");
     for (size_t i = 0; i < ECT_NETNS_WIRES && masters[i] && error >= 0; i++)

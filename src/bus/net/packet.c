@@ -131,7 +131,7 @@ static int claim(ect_packet_t *port)
 
 /* The kernel counts timeouts in ticks, and returns the length of a tick for the shortest timeout. The last tick may be
  * late. */
-static uint64_t make_patient(int fd)
+static uint64_t set_receive_timeout(int fd)
 {
     struct timeval tick = {.tv_usec = 1};
     socklen_t size = sizeof tick;
@@ -185,7 +185,7 @@ static int bind_to(ect_packet_t *port, char *message)
     struct packet_mreq promiscuous = {.mr_ifindex = (int)port->index, .mr_type = PACKET_MR_PROMISC};
     if (claim(port) == 0 && bind_both(port) &&
         setsockopt(port->fd, SOL_PACKET, PACKET_ADD_MEMBERSHIP, &promiscuous, sizeof promiscuous) == 0) {
-        port->patience_ns = make_patient(port->fd);
+        port->wait_ns = set_receive_timeout(port->fd);
         (void)age(port->fd);
         (void)age(port->tagged_fd);
         return 0;
@@ -370,7 +370,7 @@ static ssize_t receive_tagged(ect_packet_t *port, uint8_t *frame, size_t room)
     ssize_t length = recvmsg(port->tagged_fd, &message, MSG_TRUNC | MSG_DONTWAIT);
     if (length < 0)
         return length;
-    port->patience_ns = 0; /* who waits for frames without a tag does not see those with one */
+    port->wait_ns = 0; /* who waits for frames without a tag does not see those with one */
     for (struct cmsghdr *one = CMSG_FIRSTHDR(&message); one; one = CMSG_NXTHDR(&message, one)) {
         if (one->cmsg_level == SOL_PACKET && one->cmsg_type == PACKET_AUXDATA) {
             memcpy(&tag, CMSG_DATA(one), sizeof tag);

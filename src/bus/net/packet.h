@@ -22,12 +22,12 @@ typedef struct ect_packet {
     int claim_fd;       /**< shows other programs that this one uses the interface */
     unsigned int index; /**< of the interface */
     char iface[16];
-    bool was_down;        /**< this port brought the interface up, and takes it down when it closes */
-    uint64_t patience_ns; /**< longest wait of ::ect_packet_receive; 0: it cannot wait */
-    uint8_t *shared;      /**< frames in memory that the kernel shares (::ect_packet_share); NULL: not called */
-    unsigned int slot;    /**< of the next frame in `shared` */
-    unsigned int idle;    /**< reads that have found no frame */
-    uint64_t came_ns;     /**< arrival of the last frame whose age the kernel has reported */
+    bool was_down;     /**< this port brought the interface up, and takes it down when it closes */
+    uint64_t wait_ns;  /**< longest wait of ::ect_packet_receive; 0: it cannot wait */
+    uint8_t *shared;   /**< frames in memory that the kernel shares (::ect_packet_share); NULL: not called */
+    unsigned int slot; /**< of the next frame in `shared` */
+    unsigned int idle; /**< reads that have found no frame */
+    uint64_t came_ns;  /**< arrival of the last frame whose age the kernel has reported */
 } ect_packet_t;
 
 /** CLOCK_MONOTONIC, nanoseconds: the time of ::ect_packet_time_t, of the loop and of the chain. */
@@ -70,7 +70,7 @@ bool ect_packet_share(ect_packet_t *port);
 /**
  * Receives a frame, with its VLAN tag as on the wire. A frame that has waited for more than 5 ms while newer ones came
  * is discarded. Cost: one system call, a second one every ECT_PACKET_ASK_NS, and one read of the clock.
- * @param wait  true: waits for a frame without a tag, at most ect_packet_t::patience_ns, some milliseconds; false, and
+ * @param wait  true: waits for a frame without a tag, at most ect_packet_t::wait_ns, some milliseconds; false, and
  * after ::ect_packet_share: does not wait
  * @param[out] frame  `room` bytes
  * @param[out] time  unchanged without a frame

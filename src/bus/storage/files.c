@@ -78,25 +78,25 @@ static uint32_t check_place(const ect_files_t *f, bool write)
     return S_ISREG(status.st_mode) ? ECT_FOE_OK : ECT_FOE_ACCESS;
 }
 
-static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_wish_t *wish, const char **text)
+static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_file_t *request, const char **text)
 {
     enum { READ = O_RDONLY, WRITE = O_WRONLY | O_CREAT | O_EXCL, SAFELY = O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK };
     ect_files_t *f = files_of(foe);
     (void)instance;
     close_file(f); /* of a twin that was switched off meanwhile */
-    if (f->password != 0 && wish->password != f->password)
+    if (f->password != 0 && request->password != f->password)
         return ECT_FOE_ACCESS;
-    if (!take_name(f, wish->name, wish->length)) {
+    if (!take_name(f, request->name, request->length)) {
         *text = "not a name of a file here";
         return ECT_FOE_NOT_FOUND;
     }
-    uint32_t code = check_place(f, wish->write);
+    uint32_t code = check_place(f, request->write);
     if (code != ECT_FOE_OK)
         return code;
-    if (wish->write)
+    if (request->write)
         (void)unlinkat(f->folder, f->draft, 0);
-    f->writing = wish->write;
-    f->file = openat(f->folder, wish->write ? f->draft : f->name, (wish->write ? WRITE : READ) | SAFELY, 0644);
+    f->writing = request->write;
+    f->file = openat(f->folder, request->write ? f->draft : f->name, (request->write ? WRITE : READ) | SAFELY, 0644);
     return f->file != NONE ? ECT_FOE_OK : code_of(errno);
 }
 

@@ -146,7 +146,7 @@ static int8_t find_record(fzm1_t *u)
     return layout == LAYOUT && u->record.length >= SYSTEM;
 }
 
-static bool know_record(fzm1_t *u)
+static bool locate_record(fzm1_t *u)
 {
     if (u->record_found < 0)
         u->record_found = find_record(u);
@@ -220,7 +220,7 @@ bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *sce
         *scene = prepared->content;
     if (prepared || !u->host->storage)
         return true;
-    if (!know_record(u))
+    if (!locate_record(u))
         return false;
     int there = next_of_group(u, group, SYSTEM, &e);
     while (there > 0 && e.scene != number)
@@ -268,7 +268,7 @@ bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *sce
     fzm1_group_t *to = &u->loading;
     to->count = 0;
     to->partial = false;
-    if (u->host->storage && !(know_record(u) && read_group(u, group, to)))
+    if (u->host->storage && !(locate_record(u) && read_group(u, group, to)))
         return false;
     add_prepared(u, group, to);
     if (!scene_of(u, to, group, number, scene))
@@ -442,7 +442,7 @@ fzm1_why_t fzm1_save(fzm1_t *u)
     uint8_t system[SYSTEM];
     pack_system(u, system);
     *s = (fzm1_saving_t){.phase = OWN, .own = SYSTEM, .from = SYSTEM, .due_ns = u->time_ns};
-    if (know_record(u) && ect_record_begin(&s->to, &u->record) && ect_record_put(&s->to, system, SYSTEM))
+    if (locate_record(u) && ect_record_begin(&s->to, &u->record) && ect_record_put(&s->to, system, SYSTEM))
         return FZM1_DONE;
     end(u, u->host->storage ? FZM1_WHY_MEMORY_SILENT : FZM1_WHY_NO_MEMORY);
     return s->failure;

@@ -288,7 +288,7 @@ static int leave_sqi(const ect_lan9252_t *chip)
 }
 
 /* ECT_LAN9252_READY, or the present obstacle. */
-static int look(const ect_lan9252_t *chip)
+static int check_chip(const ect_lan9252_t *chip)
 {
     uint32_t order, id, state;
     if (load(chip, BYTE_TEST, &order) < 0 || load(chip, ID_REV, &id) < 0 || load(chip, HW_CFG, &state) < 0)
@@ -300,7 +300,7 @@ static int look(const ect_lan9252_t *chip)
     return (id & 0xFFFF0000u) == CHIP_ID ? ECT_LAN9252_READY : ECT_LAN9252_STRANGER;
 }
 
-static int look_at_esc(ect_lan9252_t *chip)
+static int check_esc(ect_lan9252_t *chip)
 {
     uint8_t status;
     if (read(chip, ECT_REG_DL_STATUS, &status, 1) < 0)
@@ -324,18 +324,18 @@ int ect_lan9252_start(ect_lan9252_t *chip)
 {
     const ect_spi_t *spi = chip->spi;
     unsigned int patience_ms = chip->ready_ms != 0 ? chip->ready_ms : DEFAULT_READY_MS;
-    int result = look(chip);
+    int result = check_chip(chip);
     for (unsigned int ms = 0; result != ECT_LAN9252_READY && ms < patience_ms; ms++) {
         spi->pause(spi->ctx, 1000);
-        result = look(chip);
+        result = check_chip(chip);
     }
     if (result != ECT_LAN9252_READY)
         return result;
     chip->abandoned = true; /* by whoever used it before */
-    result = look_at_esc(chip);
+    result = check_esc(chip);
     for (unsigned int ms = 0; result != ECT_LAN9252_READY && ms < patience_ms; ms++) {
         spi->pause(spi->ctx, 1000);
-        result = look_at_esc(chip);
+        result = check_esc(chip);
     }
     return result == ECT_LAN9252_READY ? set_interrupt(chip) : result;
 }

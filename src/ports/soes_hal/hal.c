@@ -77,7 +77,7 @@ bool ect_soes_hal_arguments(int argc, char **argv)
 }
 
 /* Its main has not shown us any: those of the process; what is not ours is for itself. */
-static void look_at_command_line(void)
+static void read_command_line(void)
 {
     enum { ROOM = 4096, ARGUMENTS = 64 };
     static char text[ROOM];
@@ -153,7 +153,7 @@ static void end(int signal_number)
 }
 
 /* Whoever started us may wait for it at a descriptor of its own; else everybody reads it. */
-static void tell_ready(void)
+static void report_ready(void)
 {
     const char *waiting = getenv("ECTWIN_READY_FD");
     FILE *file = waiting ? fdopen((int)strtol(waiting, NULL, 10), "w") : stdout;
@@ -170,7 +170,7 @@ static void open_interface(void)
 {
     char message[ECT_PACKET_MESSAGE];
     const struct sigaction action = {.sa_handler = end};
-    look_at_command_line();
+    read_command_line();
     hal.iface = hal.iface ? hal.iface : getenv("ECTWIN_SOES_IFACE");
     hal.sii_file = hal.sii_file ? hal.sii_file : getenv("ECTWIN_SOES_SII");
     if (!hal.iface)
@@ -197,7 +197,7 @@ void ect_soes_hal_init(const ect_device_t *device)
         compare(device, hal.config.sii, hal.config.sii_size);
     power_on();
     hal.open = true;
-    tell_ready();
+    report_ready();
 }
 
 void ect_soes_hal_reset(void)
@@ -217,7 +217,7 @@ static void close_all(void)
 }
 
 /* Something that the application does not know of yet. */
-static bool news(void)
+static bool has_new_events(void)
 {
     return (ect_esc_al_event(&hal.esc) & ~hal.seen) != 0;
 }
@@ -229,7 +229,7 @@ static void wait_for_frame(void)
     uint64_t now = ect_packet_now();
     uint64_t next = ect_esc_tick(&hal.esc, now);
     uint64_t wait = next - now < WAIT_NS ? next - now : WAIT_NS;
-    const struct timespec timeout = {.tv_nsec = news() || next <= now ? 0 : (long)wait};
+    const struct timespec timeout = {.tv_nsec = has_new_events() || next <= now ? 0 : (long)wait};
     (void)ppoll(fds, 2, &timeout, NULL);
 }
 
@@ -254,7 +254,7 @@ static void serve(void)
 {
     unsigned int frames = 0;
     wait_for_frame();
-    while (frames < FRAMES_FIRST && answer() && !news())
+    while (frames < FRAMES_FIRST && answer() && !has_new_events())
         frames++;
     (void)ect_esc_tick(&hal.esc, ect_packet_now());
     if (ended)

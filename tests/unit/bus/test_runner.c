@@ -143,7 +143,7 @@ static void open_bench(bench_t *b, const char *device, size_t count)
                                .signal_fd = signalfd(-1, &signals, SFD_NONBLOCK),
                                .link_fd = -1,
                                .on_signal = stop,
-                               .on_circling = circling};
+                               .on_circulating = circling};
     assert_non_null(b->runner.exchange.control);
     assert_true(b->runner.signal_fd >= 0);
 }
@@ -271,7 +271,7 @@ static void rests(void **state)
     bench_t b;
     (void)state;
     open_bench(&b, "vr-bu-ect-map7", 1);
-    b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
+    b.runner.client_pause_ns = 4000000000; /* longer than this test takes */
     int fd = connect_client(&b);
     say(fd, "{\"op\":\"list\"}\n");
     run(&b, until_frames_are_over);
@@ -372,7 +372,7 @@ static void rests_from_modbus(void **state)
     bench_t b;
     (void)state;
     open_bench(&b, "vr-bu-ect-map7", 1);
-    b.runner.control_rest_ns = 4000000000; /* longer than this test takes */
+    b.runner.client_pause_ns = 4000000000; /* longer than this test takes */
     int client = ask_over_modbus(&b);
     run(&b, until_modbus_was_served);
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
@@ -412,7 +412,7 @@ static void open_patient_bench(bench_t *b)
     open_bench(b, "fzm1", 1); /* an FZM1 that does nothing asks for no time */
     assert_int_equal(fcntl(b->port.fd, F_SETFL, 0), 0);
     assert_int_equal(setsockopt(b->port.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
-    b->port.patience_ns = 20 * MS;
+    b->port.wait_ns = 20 * MS;
 }
 
 static void waits_where_it_receives(void **state)
@@ -695,7 +695,7 @@ static void circulating_frames(void **state)
     open_bench(&b, "fzm1", 1);
     b.clock_ns = b.wire.now_ns; /* so that no pause of this process ends the window of time */
     b.clock_step_ns = 100;
-    b.runner.on_circling = count_report;
+    b.runner.on_circulating = count_report;
     reported = 0;
     run(&b, echo);
     assert_true(b.runner.exchange.stats.circling >= 3);

@@ -12,7 +12,7 @@
 
 enum { MEMBERS = 37, STEPS = 20000 };
 
-static void nobody(void **state)
+static void no_deadline(void **state)
 {
     size_t member = 99;
     (void)state;
@@ -56,7 +56,7 @@ static void like_a_search(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"one member, none wants to run", nobody, NULL, NULL, NULL},
+        {"one member, none wants to run", no_deadline, NULL, NULL, NULL},
         {"the first of many is what a search finds, after each of 20000 changes", like_a_search, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("deadlines", tests, NULL, NULL);

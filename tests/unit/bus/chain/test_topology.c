@@ -130,7 +130,7 @@ static void expect_order(wire_t *w, const char *what, const char *want)
         fail_msg("%s: expected the master to find %s, got %s", what, want, order);
 }
 
-static void cut_and_healed(void **state)
+static void cut_and_mended(void **state)
 {
     static const struct {
         size_t twin;
@@ -302,7 +302,7 @@ typedef struct mishap {
     bool back;
 } mishap_t;
 
-static bool strike(void *ctx, ect_crossing_t *c)
+static bool fail_link(void *ctx, ect_crossing_t *c)
 {
     const mishap_t *mishap = ctx;
     if (c->wire != mishap->wire || c->back != mishap->back)
@@ -311,7 +311,7 @@ static bool strike(void *ctx, ect_crossing_t *c)
     return mishap->damaged;
 }
 
-static void mishaps(void **state)
+static void failures(void **state)
 {
     /* Which of four in a line have processed the frame; which counters of which count. */
     static struct {
@@ -329,7 +329,7 @@ static void mishaps(void **state)
         const ect_device_t *devices[] = {&testdev, &testdev, &testdev, &testdev};
         wire_t w;
         wire_open(&w, devices, 4);
-        ect_chain_guard(w.chain, strike, &rows[i].mishap);
+        ect_chain_guard(w.chain, fail_link, &rows[i].mishap);
         assert_int_equal(wire_send(&w, BWR, 0, 0x0F80, (uint8_t[1]){0x77}, 1), NO_REPLY);
         for (size_t k = 0; k < 4; k++) {
             const uint8_t *memory = ect_chain_esc(w.chain, k)->memory;
@@ -384,14 +384,14 @@ static void goes_on(void **state)
             ect_chain_guard(w.chain, keep, &keeper);
             assert_false(wire_transmit(&w));
             w.now_ns += MS;
-            if (ect_chain_go_on(w.chain, &keeper.kept, w.now_ns) != ECT_END_IN || wire_wkc(&w, 0) != 5)
+            if (ect_chain_resume(w.chain, &keeper.kept, w.now_ns) != ECT_END_IN || wire_wkc(&w, 0) != 5)
                 fail_msg("kept on wire %zu, back %u: expected it at the master with 5, got %u", wire, back,
                          wire_wkc(&w, 0));
             const ect_setting_t pulled = {.name = "ecat.plug_in", .value = "0"};
             char message[ECT_SIGNAL_MESSAGE];
             assert_true(ect_settings_apply(w.chain, wire, &pulled, 1, w.now_ns, message));
             wire_poll(&w);
-            assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_NONE);
+            assert_int_equal(ect_chain_resume(w.chain, &keeper.kept, w.now_ns), ECT_END_NONE);
             wire_close(&w);
         }
     }
@@ -409,15 +409,15 @@ static void goes_on_behind_the_last(void **state)
     wire_build(&w, BRD, 0, 0, (uint8_t[1]){0}, 1);
     ect_chain_guard(w.chain, keep, &keeper);
     assert_int_equal(ect_chain_pass(w.chain, ECT_END_IN, w.frame, w.frame_length, w.now_ns), ECT_END_NONE);
-    assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_OUT);
+    assert_int_equal(ect_chain_resume(w.chain, &keeper.kept, w.now_ns), ECT_END_OUT);
     assert_int_equal(wire_wkc(&w, 0), 2);
     keeper.kept.damaged = true;
-    assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_NONE);
+    assert_int_equal(ect_chain_resume(w.chain, &keeper.kept, w.now_ns), ECT_END_NONE);
     keeper.back = true;
     ect_chain_guard(w.chain, keep, &keeper);
     wire_build(&w, BRD, 0, 0, (uint8_t[1]){0}, 1);
     assert_int_equal(ect_chain_pass(w.chain, ECT_END_OUT, w.frame, w.frame_length, w.now_ns), ECT_END_NONE);
-    assert_int_equal(ect_chain_go_on(w.chain, &keeper.kept, w.now_ns), ECT_END_IN);
+    assert_int_equal(ect_chain_resume(w.chain, &keeper.kept, w.now_ns), ECT_END_IN);
     wire_close(&w);
 }
 
@@ -427,7 +427,7 @@ int main(int argc, char **argv)
         {"CF-003 CF-010: a master finds the slaves of a tree in the order of the ports, DL status shows which are open",
          orders, NULL, NULL, NULL},
         {"a tree that cannot be wired is refused, with the twin that cannot", refused, NULL, NULL, NULL},
-        {"CF-010 CF-096: each wire of a tree that is cut takes away what is behind it, and heals", cut_and_healed, NULL,
+        {"CF-010 CF-096: each wire of a tree that is cut takes away what is behind it, and heals", cut_and_mended, NULL,
          NULL, NULL},
         {"CF-010: loop control cuts and heals; forced open without a wire frames vanish", loop_control, NULL, NULL,
          NULL},
@@ -438,7 +438,7 @@ int main(int argc, char **argv)
         {"CF-087: receive times of a junction, also after a cut", times_of_a_junction, NULL, NULL, NULL},
         {"CF-091: latch inputs and the drift of an oscillator are signals", latch_and_drift, NULL, NULL, NULL},
         {"CF-012: a reset by the master restarts the slave", reset_by_the_master, NULL, NULL, NULL},
-        {"CF-011: a frame that is lost or damaged on a wire: who has processed it, who counts it", mishaps, NULL, NULL,
+        {"CF-011: a frame that is lost or damaged on a wire: who has processed it, who counts it", failures, NULL, NULL,
          NULL},
         {"a frame that is kept on a wire of a tree goes on from there, as long as the wire is there", goes_on, NULL,
          NULL, NULL},

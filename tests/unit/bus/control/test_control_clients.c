@@ -130,7 +130,7 @@ static void a_step_is_bounded(void **state)
             ect_client_step(&client, b.wire.chain, ECT_CONTROL_EVERY, b.wire.now_ns);
             answer[client.unsent] = 0;
             assert_true(count_of(answer, "\n") <= ECT_CLIENT_LINES + 1);
-            assert_true(work.matches <= ECT_CLIENT_LOOKS);
+            assert_true(work.matches <= ECT_CLIENT_MATCHES);
             assert_true(steps < 1000);
         }
         assert_non_null(strstr(answer, OK));

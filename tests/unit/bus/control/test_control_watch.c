@@ -66,7 +66,7 @@ static void every_change(void **state)
     for (unsigned int i = 1; i <= 3; i++) {
         b.wire.now_ns += 7000;
         set_encoder(&b, i % 2);
-        ect_control_note(b.control, b.wire.chain, b.wire.now_ns);
+        ect_control_record(b.control, b.wire.chain, b.wire.now_ns);
     }
     serve(&b);
     receive_text(fd, got, sizeof got);
@@ -104,7 +104,7 @@ static void watched_lamps(void **state)
         receive_text(fd, got, sizeof got);
         wire_go(&b.wire, 1, 2);
         work.lamps = 0;
-        ect_control_note(b.control, b.wire.chain, b.wire.now_ns);
+        ect_control_record(b.control, b.wire.chain, b.wire.now_ns);
         b.wire.now_ns += 10 * MS;
         unsigned int looks = work.lamps;
         while (wants_to_be_served(&b)) {
@@ -192,7 +192,7 @@ static void a_slow_watcher_of_every_change_is_disconnected(void **state)
     serve(&b);
     for (unsigned int i = 1; i < 100000; i++) {
         set_encoder(&b, i % 256);
-        ect_control_note(b.control, b.wire.chain, b.wire.now_ns + i);
+        ect_control_record(b.control, b.wire.chain, b.wire.now_ns + i);
         if (i % 100 == 0)
             serve(&b);
     }

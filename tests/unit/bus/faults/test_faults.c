@@ -161,18 +161,18 @@ static void set(rig_t *r, const char *text)
 }
 
 /* The effect on each of `frames` frames in a row, a letter each. */
-static void befall(rig_t *r, char *happened, size_t frames)
+static void apply_faults(rig_t *r, char *happened, size_t frames)
 {
     for (size_t i = 0; i < frames; i++) {
         uint8_t sent[2100];
         wire_build(&r->w, BWR, 0, ADDRESS, "abcdefgh", 8);
         size_t before = r->w.frame_length, length = before;
         memcpy(sent, r->w.frame, length);
-        ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+        ect_frame_effects_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
         happened[i] = fate.lose_request                       ? 'q'
-                      : fate.lose_answer                      ? 'a'
+                      : fate.lose_reply                       ? 'a'
                       : fate.twice                            ? '2'
-                      : fate.behind_next                      ? 'r'
+                      : fate.after_next                       ? 'r'
                       : fate.delay_us != 0                    ? 'd'
                       : fate.counter != 0                     ? 'c'
                       : length != before                      ? 't'
@@ -202,7 +202,7 @@ static void which_frames(void **state)
         set(r, "off");
         for (size_t k = 0; k < 2 && rows[i].faults[k]; k++)
             set(r, rows[i].faults[k]);
-        befall(r, happened, 8);
+        apply_faults(r, happened, 8);
         if (strcmp(happened, rows[i].happens) != 0)
             fail_msg("%s: expected %s, got %s", rows[i].faults[0], rows[i].happens, happened);
     }
@@ -221,7 +221,7 @@ static void same_seed_same_run(void **state)
             set(r, "drop 10%");
             set(r, "corrupt 5%");
             set(r, "duplicate 20%");
-            befall(r, runs[run], FRAMES);
+            apply_faults(r, runs[run], FRAMES);
         }
         assert_string_equal(first, second);
         unsigned int lost = 0;
@@ -252,9 +252,9 @@ static void shares(void **state)
         for (unsigned int n = 0; n < FRAMES; n++) {
             uint8_t frame[60] = {0};
             size_t length = sizeof frame;
-            ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, frame, &length, r->w.now_ns);
+            ect_frame_effects_t fate = ect_scenario_frame(&r->s, r->w.chain, frame, &length, r->w.now_ns);
             requests += fate.lose_request;
-            answers += fate.lose_answer;
+            answers += fate.lose_reply;
             late += fate.delay_us != 0;
         }
         assert_in_range(requests, FRAMES / 200u * rows[i].lost * 9u / 10u, FRAMES / 200u * rows[i].lost * 11u / 10u);
@@ -437,9 +437,9 @@ static void clock_jumps(void **state)
 static size_t pass(rig_t *r)
 {
     size_t length = r->w.frame_length;
-    ect_fate_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
+    ect_frame_effects_t fate = ect_scenario_frame(&r->s, r->w.chain, r->w.frame, &length, r->w.now_ns);
     bool back = !fate.lose_request && ect_chain_process(r->w.chain, r->w.frame, length, r->w.now_ns);
-    ect_wires_result_t on_wires = ect_scenario_answer(&r->s, &fate, r->w.frame, &length);
+    ect_wires_result_t on_wires = ect_scenario_reply(&r->s, &fate, r->w.frame, &length);
     wire_poll(&r->w);
     assert_true(on_wires == ECT_WIRES_PASSED || !back);
     return back ? length : 0;
@@ -595,11 +595,11 @@ static void script(void **state)
     read_line(r, "at frame 5 off\r\n");
     read_line(r, "at 0.0065s reorder");
     read_line(r, "at slave 2 PREOP counter 3");
-    befall(r, happened, 9); /* a frame each millisecond: the seventh comes at 6 ms */
+    apply_faults(r, happened, 9); /* a frame each millisecond: the seventh comes at 6 ms */
     assert_string_equal(happened, ".2.2...rr");
     wire_go(&r->w, 1, 2);
     set(r, "off");
-    befall(r, happened, 2);
+    apply_faults(r, happened, 2);
     assert_string_equal(happened, "cc");
     assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns), ECT_NEVER);
 }

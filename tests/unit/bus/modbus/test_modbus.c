@@ -160,7 +160,7 @@ static size_t bytes_of(const char *hex, uint8_t *bytes)
     return count;
 }
 
-static void say(int fd, const char *hex)
+static void send_request(int fd, const char *hex)
 {
     uint8_t bytes[ROOM / 16];
     size_t size = bytes_of(hex, bytes);
@@ -168,7 +168,7 @@ static void say(int fd, const char *hex)
 }
 
 /* The bytes received, as text; "" none, "end": the connection has ended. */
-static const char *hear(int fd)
+static const char *receive_reply(int fd)
 {
     static char text[3 * ECT_MODBUS_ADU * 8];
     uint8_t bytes[ECT_MODBUS_ADU * 8];
@@ -185,9 +185,9 @@ static const char *hear(int fd)
 
 static void expect(bench_t *b, int fd, const char *what, const char *request, const char *wanted)
 {
-    say(fd, request);
+    send_request(fd, request);
     (void)serve(b);
-    const char *got = hear(fd);
+    const char *got = receive_reply(fd);
     if (strcmp(got, wanted) != 0)
         fail_msg("%s: sent %s\n  expected %s\n  got      %s", what, request, wanted, got);
 }
@@ -359,11 +359,11 @@ static void in_two_pieces(void **state)
     for (size_t cut = 1; cut < size; cut++) {
         assert_int_equal(write(fd, request, cut), (ssize_t)cut);
         (void)serve(&b);
-        assert_string_equal(hear(fd), "");
+        assert_string_equal(receive_reply(fd), "");
         expect(&b, other, "somebody else meanwhile", READ, VALUE);
         assert_int_equal(write(fd, request + cut, size - cut), (ssize_t)(size - cut));
         (void)serve(&b);
-        const char *got = hear(fd);
+        const char *got = receive_reply(fd);
         if (strcmp(got, DONE) != 0)
             fail_msg("cut after %zu bytes: expected %s, got %s", cut, DONE, got);
     }
@@ -371,7 +371,7 @@ static void in_two_pieces(void **state)
         assert_int_equal(write(fd, request + i, 1), 1);
         assert_true(serve(&b) <= 2);
     }
-    assert_string_equal(hear(fd), DONE);
+    assert_string_equal(receive_reply(fd), DONE);
     close(fd);
     close(other);
     close_bench(&b);
@@ -388,13 +388,13 @@ static void many_at_once(void **state)
     for (unsigned int i = 0; i < 5; i++) {
         char request[64];
         snprintf(request, sizeof request, "00 %02X 00 00 00 06 FF 06 00 71 00 %02X", i, i);
-        say(fd, request);
+        send_request(fd, request);
     }
     for (unsigned int i = 0; i < 5; i++) {
         char answer[64];
         snprintf(answer, sizeof answer, "00 %02X 00 00 00 06 FF 06 00 71 00 %02X", i, i);
         serve_once(&b);
-        assert_string_equal(hear(fd), answer);
+        assert_string_equal(receive_reply(fd), answer);
     }
     assert_false(wants_to_be_served(&b));
     close(fd);
@@ -438,7 +438,7 @@ static void longest_request(void **state)
     int fd = come(&b);
     assert_int_equal(write(fd, request, sizeof request), sizeof request);
     (void)serve(&b);
-    assert_string_equal(hear(fd), "00 01 00 00 00 03 FF E4 01");
+    assert_string_equal(receive_reply(fd), "00 01 00 00 00 03 FF E4 01");
     close(fd);
     close_bench(&b);
 }
@@ -462,7 +462,7 @@ static void a_hundred(void **state)
             expect(&b, fds[i], "one of four", READ, VALUE);
     }
     for (unsigned int i = SERVED; i < MANY; i++) {
-        assert_string_equal(hear(fds[i]), "end");
+        assert_string_equal(receive_reply(fds[i]), "end");
         close(fds[i]);
     }
     close(fds[2]);
@@ -471,7 +471,7 @@ static void a_hundred(void **state)
     expect(&b, fds[2], "in the place of one who has left", READ, VALUE);
     int fifth = come(&b);
     (void)serve(&b);
-    assert_string_equal(hear(fifth), "end");
+    assert_string_equal(receive_reply(fifth), "end");
     close(fifth);
     for (unsigned int i = 0; i < SERVED; i++)
         close(fds[i]);
@@ -489,18 +489,18 @@ static void the_silent_are_closed(void **state)
     (void)serve(&b);
     for (unsigned int s = 0; s < IDLE_S - 1; s++) {
         wire_advance(&b.wire, 1000 * MS);
-        say(half, s == 30 ? "00" : "");
+        send_request(half, s == 30 ? "00" : "");
         expect(&b, busy, "one who asks each second", "00 01 00 00 00 06 FF 06 00 71 00 01",
                "00 01 00 00 00 06 FF 06 00 71 00 01");
     }
-    assert_string_equal(hear(silent), "");
-    assert_string_equal(hear(half), "");
+    assert_string_equal(receive_reply(silent), "");
+    assert_string_equal(receive_reply(half), "");
     assert_true(ect_modbus_server_due(b.server) == b.wire.now_ns + 1000 * MS);
     wire_advance(&b.wire, 1000 * MS);
     (void)serve(&b);
-    assert_string_equal(hear(silent), "end");
-    assert_string_equal(hear(half), "end");
-    assert_string_equal(hear(busy), "");
+    assert_string_equal(receive_reply(silent), "end");
+    assert_string_equal(receive_reply(half), "end");
+    assert_string_equal(receive_reply(busy), "");
     close(silent);
     close(half);
     close(busy);
@@ -537,7 +537,7 @@ static void one_who_does_not_read(void **state)
     close_bench(&b);
 }
 
-static void nobody_waits_for_long(void **state)
+static void no_client_waits_for_long(void **state)
 {
     int flood[3];
     bench_t b;
@@ -549,12 +549,12 @@ static void nobody_waits_for_long(void **state)
     int fd = come(&b);
     (void)serve(&b);
     for (unsigned int i = 0; i < 3 * 200; i++)
-        say(flood[i % 3], READ);
+        send_request(flood[i % 3], READ);
     for (unsigned int round = 0; round < 20; round++) {
-        say(fd, READ);
+        send_request(fd, READ);
         for (unsigned int i = 0; i < 4; i++)
             serve_once(&b);
-        assert_string_equal(hear(fd), VALUE);
+        assert_string_equal(receive_reply(fd), VALUE);
     }
     for (unsigned int i = 0; i < 3; i++)
         close(flood[i]);
@@ -589,7 +589,7 @@ static void gone_before_the_answer(void **state)
     int fd = come(&b), other = come(&b);
     (void)serve(&b);
     for (unsigned int i = 0; i < 10; i++)
-        say(fd, READ);
+        send_request(fd, READ);
     close(fd);
     (void)serve(&b);
     expect(&b, other, "somebody else", READ, VALUE);
@@ -611,7 +611,7 @@ static void a_unit_that_hangs(void **state)
     expect(&b, fd, "it hangs", READ, "");
     int late = come(&b);
     (void)serve(&b);
-    assert_string_equal(hear(late), "end");
+    assert_string_equal(receive_reply(late), "end");
     close(late);
     ect_chain_fault(b.wire.chain, &resume, b.wire.now_ns);
     expect(&b, fd, "it runs again", READ, VALUE);
@@ -709,7 +709,7 @@ int main(int argc, char **argv)
         TEST("Attack: who sends no request for 60 s is closed, half requests do not count", the_silent_are_closed),
         TEST("Attack: a client that does not read its replies waits until it does, and loses none",
              one_who_does_not_read),
-        TEST("Attack: three that flood do not keep the fourth waiting", nobody_waits_for_long),
+        TEST("Attack: three that flood do not keep the fourth waiting", no_client_waits_for_long),
         TEST("Attack: no descriptor is left: the server looks again after a second", no_descriptor_left),
         TEST("Attack: gone before the answer", gone_before_the_answer),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),

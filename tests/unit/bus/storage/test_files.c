@@ -90,7 +90,7 @@ static int tear_down(void **state)
 static uint32_t open_name(const char *name, size_t length, bool write)
 {
     const char *text = NULL;
-    const ect_foe_wish_t wish = {.name = name, .length = (uint16_t)length, .write = write, .state = ECT_STATE_PREOP};
+    const ect_foe_file_t wish = {.name = name, .length = (uint16_t)length, .write = write, .state = ECT_STATE_PREOP};
     return foe->open(foe, NULL, &wish, &text);
 }
 

@@ -359,7 +359,7 @@ static void look(cf_t *c, void *ctx)
     looks++;
     *(unsigned int *)ctx += 1;
     if (looks < 3)
-        cf_between_looks(c); /* waits in turn: not called again */
+        cf_poll_pause(c); /* waits in turn: not called again */
     memory[0x0F00] = looks >= 5;
 }
 
