@@ -36,9 +36,9 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
     fds[CONTROL_FD] = (struct pollfd){
-        .fd = r->exchange.control && !r->resting ? ect_control_fd(r->exchange.control) : -1, .events = POLLIN};
+        .fd = r->exchange.control && !r->pausing ? ect_control_fd(r->exchange.control) : -1, .events = POLLIN};
     fds[MODBUS_FD] =
-        (struct pollfd){.fd = r->modbus && !r->resting ? ect_modbus_server_fd(r->modbus) : -1, .events = POLLIN};
+        (struct pollfd){.fd = r->modbus && !r->pausing ? ect_modbus_server_fd(r->modbus) : -1, .events = POLLIN};
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -115,21 +115,21 @@ static uint64_t clients_due(const ect_runner_t *r)
 {
     uint64_t control_ns = r->exchange.control ? ect_control_due(r->exchange.control) : ECT_NEVER;
     uint64_t modbus_ns = r->modbus ? ect_modbus_server_due(r->modbus) : ECT_NEVER;
-    return r->resting ? r->pause_end_ns : ect_earlier(control_ns, modbus_ns);
+    return r->pausing ? r->pause_end_ns : ect_earlier(control_ns, modbus_ns);
 }
 
 /* Late replies and the devices, then their clients. @return when to be here again */
 static uint64_t run_devices(ect_runner_t *r)
 {
     uint64_t next_ns = ect_exchange_run(&r->exchange);
-    r->resting = r->exchange.run_ns < r->pause_end_ns;
+    r->pausing = r->exchange.run_ns < r->pause_end_ns;
     return ect_earlier(next_ns, clients_due(r));
 }
 
 /* Frames first: a client is served when none came, or too many have come one after another. */
 static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[WAITABLE])
 {
-    if (r->resting || !(r->exchange.control || r->modbus))
+    if (r->pausing || !(r->exchange.control || r->modbus))
         return;
     uint64_t now_ns = ect_packet_now();
     bool control =

@@ -37,7 +37,7 @@ typedef struct ect_runner {
     uint64_t waited_ns;    /* last check of clients and signals */
     bool frames_come;      /* there was a frame at that time */
     uint64_t pause_end_ns; /* end of the pause between clients */
-    bool resting;
+    bool pausing;
     bool modbus_next; /* a Modbus client is served next, not one of the control socket */
     bool linked[ECT_ENDS];
 } ect_runner_t;

@@ -39,6 +39,10 @@ struct bench {
     unsigned int serve_late_ns;
     uint64_t clock_ns;      /* what the loop takes for the time, once it is not zero, */
     uint64_t clock_step_ns; /* added to the clock by each read */
+    bool result_set;        /* the next frame comes with this result, */
+    bool beyond_room;       /* added to the room for it */
+    ssize_t result;
+    size_t room;
 };
 
 static bench_t *running;
@@ -69,6 +73,20 @@ static void note(char what)
 {
     assert_true(running->logged + 1 < LOG);
     running->order[running->logged++] = what;
+}
+
+ssize_t __real_ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time);
+ssize_t __wrap_ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time);
+
+/* The frame with another result, once, when the test sets one. */
+ssize_t __wrap_ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time)
+{
+    ssize_t length = __real_ect_packet_receive(port, wait, frame, room, time);
+    if (!running || !running->result_set)
+        return length;
+    running->result_set = false;
+    running->room = room;
+    return running->beyond_room ? (ssize_t)room + running->result : running->result;
 }
 
 ssize_t __wrap_send(int fd, const void *data, size_t size, int flags)
@@ -483,6 +501,107 @@ static void never_rests(void **state)
     close_bench(&b);
 }
 
+/* --- results of the wire ------------------------------------------------------------------------------------------ */
+
+static void one_result(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0)
+        send_frame(b);
+    else
+        (void)raise(SIGUSR1);
+}
+
+static void results_of_the_wire(void **state)
+{
+    static const struct {
+        const char *title;
+        bool beyond_room;
+        ssize_t result;
+        int ends; /* the loop's result */
+        uint64_t frames, stale, unanswered, answered, faulty;
+    } cases[] = {
+        {"a frame", false, 60, 0, 1, 0, 0, 1, 1},
+        {"no frame", false, ECT_PACKET_NONE, 0, 0, 0, 0, 0, 0},
+        {"the interface is gone", false, ECT_PACKET_GONE, -1, 0, 0, 0, 0, 0},
+        {"a frame too old to reply to", false, ECT_PACKET_STALE, 0, 1, 1, 0, 0, 0},
+        {"a frame that fills the room: faults concern it", true, 0, 0, 1, 0, 1, 0, 1},
+        {"a frame that is cut: the controllers alone see it", true, 1, 0, 1, 0, 1, 0, 0},
+    };
+    static ect_scenario_t scenario;
+    char message[ECT_FAULT_MESSAGE];
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bench_t b;
+        scenario = (ect_scenario_t){.seed = 1};
+        assert_true(ect_scenario_read(&scenario, "drop frame 1000", message));
+        open_bench(&b, "fzm1", 1);
+        b.runner.exchange.scenario = &scenario;
+        b.result_set = true;
+        b.beyond_room = cases[i].beyond_room;
+        b.result = cases[i].result;
+        b.script = one_result;
+        running = &b;
+        const int ended = ect_runner_run(&b.runner);
+        running = NULL;
+        const ect_stats_t *s = &b.runner.exchange.stats;
+        if (ended != cases[i].ends || s->frames != cases[i].frames || s->stale != cases[i].stale ||
+            s->unanswered != cases[i].unanswered || s->answered != cases[i].answered ||
+            scenario.frames != cases[i].faulty)
+            fail_msg("%s: got %d, %u frames, %u stale, %u without and %u with reply, %u in the script", cases[i].title,
+                     ended, (unsigned int)s->frames, (unsigned int)s->stale, (unsigned int)s->unanswered,
+                     (unsigned int)s->answered, (unsigned int)scenario.frames);
+        assert_true(b.room >= ECT_ESC_MAX_FRAME + 4);
+        close_bench(&b);
+    }
+}
+
+/* --- the pause of clients ----------------------------------------------------------------------------------------- */
+
+enum { PAUSE_NS = 1000 };
+static unsigned int after_service;
+
+/* The clock stands at the last nanosecond of the pause, then at its end. */
+static void until_the_pause_ends(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    if (count_of(b, 'C') == 0) {
+        assert_true(n < 100);
+        return;
+    }
+    switch (after_service++) {
+    case 0:
+        assert_int_equal(limit->tv_nsec, PAUSE_NS);
+        b->clock_ns += PAUSE_NS - 1;
+        return;
+    case 1:
+        assert_int_equal(limit->tv_nsec, 1);
+        b->clock_ns += 1;
+        return;
+    case 2:
+        assert_int_equal(count_of(b, 'C'), 1);
+        return;
+    default:
+        assert_int_equal(count_of(b, 'C'), 2);
+        (void)raise(SIGUSR1);
+    }
+}
+
+static void a_pause_ends_at_its_last_nanosecond(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    b.clock_ns = b.wire.now_ns;
+    b.runner.client_pause_ns = PAUSE_NS;
+    after_service = 0;
+    int fd = connect_client(&b);
+    for (unsigned int n = 0; n < 40; n++)
+        say(fd, "{\"op\":\"list\"}\n");
+    run(&b, until_the_pause_ends);
+    close(fd);
+    close_bench(&b);
+}
+
 /* --- frames that are too long ------------------------------------------------------------------------------------- */
 
 enum { LONG = 9000 }; /* jumbo frames: an interface may be set to take them */
@@ -756,6 +875,8 @@ int main(int argc, char **argv)
          waits_where_it_receives, NULL, NULL, NULL},
         {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
+        {"Each result of the wire has its counter", results_of_the_wire, NULL, NULL, NULL},
+        {"A pause of the clients ends at its last nanosecond", a_pause_ends_at_its_last_nanosecond, NULL, NULL, NULL},
         {"Attack: a frame longer than any of EtherCAT is counted by the controller, gets no reply and changes "
          "nothing",
          too_long, NULL, NULL, NULL},
