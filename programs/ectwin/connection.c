@@ -479,7 +479,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static const struct argp_option options[] = {
     {"socket", 's', "NAME", 0,
-     "Name or process id of the twin, as 'ectwin ps' lists them, or the path of its socket (default: $ECTWIN_SOCKET, or "
+     "Name or process id of the twin, as 'ectwin ps' lists them, or the path of its socket (default: $ECTWIN_SOCKET, "
+     "or "
      "the only running twin)",
      0},
     {"interface", 'i', "IFACE", 0, "The twin that answers on this interface, in place of -s", 0},

@@ -39,7 +39,8 @@ static void print_fault(const cJSON *line)
 int command_fault(int argc, char **argv)
 {
     static const struct argp argp = {
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .args_doc = "[FAULT]",
         .doc = "Injects a fault into a running chain, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
                "'off' ends all faults of frames. "

@@ -120,7 +120,8 @@ int command_periodic(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .doc = "Prints the last complete set of periodic data that the controller has sent to a base unit."};
     periodic_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);

@@ -72,7 +72,8 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
 
 static int command(int argc, char **argv, const char *doc, bool wire, bool in)
 {
-    const struct argp argp = {.parser = parse, .children = connection_children, .args_doc = wire ? "N.PORT" : "N", .doc = doc};
+    const struct argp argp = {
+        .parser = parse, .children = connection_children, .args_doc = wire ? "N.PORT" : "N", .doc = doc};
     plug_args_t args = {.wire = wire};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     return set_plugs(&args, argv[0], in);

@@ -165,7 +165,8 @@ int command_get(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .args_doc = "[PATTERN...]",
         .doc = "Prints the signals of a running twin whose names match a shell pattern, by default all."};
     client_args_t args = {.slave = 1};
@@ -177,7 +178,8 @@ int command_watch(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = watch_options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .args_doc = "[PATTERN...]",
         .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
     client_args_t args = {.slave = 1};
@@ -241,7 +243,8 @@ int command_list_signals(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .args_doc = "[DEVICE] [PATTERN...]",
         .doc = "Lists the signals of a running twin, or of a device that need not run: name, r or rw, range, meaning."};
     client_args_t args = {.slave = 1};
@@ -334,7 +337,8 @@ int command_set(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = set_options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .args_doc = "NAME=VALUE...",
         .doc = "Sets signals of a running twin: all of them or none, in any order; --csv sets line by line."};
     client_args_t args = {.slave = 1};
@@ -361,7 +365,8 @@ int command_command(int argc, char **argv)
 {
     static const struct argp argp = {
         .options = options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .args_doc = "ruN HEX16",
         .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
     client_args_t args = {.slave = 1};

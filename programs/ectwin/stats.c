@@ -106,7 +106,8 @@ int command_stats(int argc, char **argv)
         {"json", 'j', NULL, 0, "Print the twin's reply as JSON (docs/CONTROL.md)", 0}, {0}};
     static const struct argp argp = {
         .options = options,
-        .parser = parse, .children = connection_children,
+        .parser = parse,
+        .children = connection_children,
         .doc = "Prints the counters of a running twin since its start: frames, response times, late runs."};
     stats_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);

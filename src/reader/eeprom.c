@@ -8,7 +8,15 @@
 #include "wire/registers.h"
 
 enum { BUSY = 0x8000, NO_ACK = 0x2000, REFUSED = 0x4000, READ = 0x0100, READS_8 = 0x0040 };
-enum { BUSY_MS = 1000, ATTEMPTS = 10, POLLS = 100000, HEADER = 0x80, SIZE_AT = 0x7C, UNIT = 128, BLOCK = 1024 };
+enum {
+    BUSY_MS = 1000,
+    ATTEMPTS = 10,
+    POLLS = 100000,
+    HEADER = ECT_READER_HEADER,
+    SIZE_AT = 0x7C,
+    UNIT = 128,
+    BLOCK = 1024
+};
 enum { CATEGORY_HEADER = 4, CATEGORIES_END = 0xFFFF };
 enum { BY_PDI = 0x01, TAKE_AWAY = 0x02, IN_USE = 0x01 };
 
@@ -108,8 +116,9 @@ ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size,
 
 ect_reader_result_t ect_reader_sii_content(ect_reader_t *r, uint8_t *image, size_t *read)
 {
-    *read = 0;
-    if (take(r) != ECT_READER_OK || read_until(r, image, HEADER, read) != ECT_READER_OK)
+    memcpy(image, r->header, HEADER);
+    *read = HEADER;
+    if (take(r) != ECT_READER_OK)
         return r->result;
     const size_t all = announced(image) < ECT_READER_SII ? announced(image) : ECT_READER_SII;
     for (size_t at = HEADER; at + CATEGORY_HEADER <= all;

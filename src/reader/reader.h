@@ -35,6 +35,8 @@ enum { ECT_READER_MAIL = 1486 };
 enum { ECT_READER_TEXT = 160 };
 /** Most bytes of an EEPROM. A header that announces more is taken for garbage: only the header is read. */
 enum { ECT_READER_SII = 128 * 1024 };
+/** Bytes of the header of an EEPROM. */
+enum { ECT_READER_HEADER = 128 };
 /** Most bytes of a value that ::ect_reader_dictionary uploads; a longer one is reported as ECT_READER_TOO_LONG. */
 enum { ECT_READER_VALUE = 4096 };
 
@@ -87,7 +89,8 @@ typedef struct ect_reader {
     ect_reader_config_t config;         /**< with the defaults in the place of zeros */
     uint64_t limit_ns;                  /**< time at which every call stops */
     uint16_t count;                     /**< slaves of the segment */
-    uint32_t vendor, product, revision; /**< of the EEPROM's header */
+    uint8_t header[ECT_READER_HEADER];  /**< of the EEPROM, when the reader was opened */
+    uint32_t vendor, product, revision; /**< of the header */
     uint16_t protocols;                 /**< of the EEPROM's header: ECT_MAILBOX_... */
     uint16_t out_start, out_size;       /**< mailbox to the slave; size 0: none in use */
     uint16_t in_start, in_size;         /**< mailbox from the slave */
@@ -183,7 +186,8 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r);
 ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size, size_t *read);
 
 /**
- * As ::ect_reader_sii, up to the end mark of the categories: an image without the unused rest of a large EEPROM.
+ * As ::ect_reader_sii, up to the end mark of the categories: an image without the unused rest of a large EEPROM. The
+ * header is the one that ::ect_reader_open has read.
  * @param[out] image  room for ::ECT_READER_SII bytes
  * @param[out] read  bytes read, a multiple of 4 and the end mark included; without one the size in the header, or
  * ::ECT_READER_SII when the header announces more

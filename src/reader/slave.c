@@ -7,7 +7,7 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-enum { INIT = 1, PREOP = 2, BOOT = 3, SAFEOP = 4, OP = 8, STATE_POLLS = 100000, HEADER = 0x80 };
+enum { INIT = 1, PREOP = 2, BOOT = 3, SAFEOP = 4, OP = 8, STATE_POLLS = 100000 };
 enum { TO_SLAVE = 0x26, FROM_SLAVE = 0x22, SM1 = ECT_SM_SIZE };
 enum { AT_VENDOR = 0x10, AT_PRODUCT = 0x14, AT_REVISION = 0x18, AT_MAILBOX = 0x30, AT_PROTOCOLS = 0x38 };
 
@@ -47,7 +47,7 @@ static ect_reader_result_t al_status(ect_reader_t *r, uint16_t *status, uint16_t
 
 ect_reader_result_t ect_reader_open(ect_reader_t *r, const ect_reader_link_t *link, const ect_reader_config_t *config)
 {
-    uint8_t header[HEADER];
+    const uint8_t *header = r->header;
     uint16_t code;
     size_t read;
     memset(r, 0, sizeof *r);
@@ -56,7 +56,7 @@ ect_reader_result_t ect_reader_open(ect_reader_t *r, const ect_reader_link_t *li
     r->counter = r->config.counter;
     r->limit_ns = reader_now(r) + r->config.limit_ms * NS_PER_MS;
     if (count_slaves(r) != ECT_READER_OK || al_status(r, &r->found_status, &code) != ECT_READER_OK ||
-        ect_reader_sii(r, header, sizeof header, &read) != ECT_READER_OK)
+        ect_reader_sii(r, r->header, sizeof r->header, &read) != ECT_READER_OK)
         return r->result;
     r->vendor = ect_load_le32(header + AT_VENDOR);
     r->product = ect_load_le32(header + AT_PRODUCT);

@@ -48,7 +48,8 @@ void ect_control_close(ect_control_t *control);
  */
 void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scenario_t *scenario);
 
-/** Sets what the request `about` reports. @param about  must outlive the control; NULL (as at first): `about` is refused */
+/** Sets what the request `about` reports. @param about  must outlive the control; NULL (as at first): `about` is
+ * refused */
 void ect_control_describe(ect_control_t *control, const ect_about_t *about);
 
 /** Path of the socket, valid until it is closed. */

@@ -561,7 +561,7 @@ static void results_of_the_wire(void **state)
 enum { PAUSE_NS = 1000 };
 static unsigned int after_service;
 
-/* The clock stands at the last nanosecond of the pause, then at its end. */
+/* Sets the clock to the last nanosecond of the pause, then to its end. */
 static void until_the_pause_ends(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     if (count_of(b, 'C') == 0) {
