@@ -9,7 +9,8 @@ enum { EXIT_CLEAN = 0, EXIT_FAILED = 1, EXIT_NOTHING = 2, EXIT_USAGE = 64, EXIT_
 
 /** All options. Texts point into argv. NULL: not given. */
 typedef struct cf_options {
-    const char *iface, *in_process, *only, *skip, *output, *pcap, *esi, *schema, *power, *plug, *file, *operator_, *firmware;
+    const char *iface, *in_process, *only, *skip, *output, *pcap, *esi, *schema, *power, *plug, *file, *operator_,
+        *firmware;
     unsigned long slave, seconds, seed, password;
     uint32_t requested; /**< cases on request, bits of CF_ON_REQUEST */
     cf_report_t report;

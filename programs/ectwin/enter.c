@@ -89,8 +89,8 @@ static bool enter_from_here(pid_t pid, const char *who)
     const char *failed = enter_namespaces(pid);
     if (!failed)
         return !known || chdir(here) == 0 || chdir("/") == 0;
-    fprintf(stderr, "%s: cannot enter the %s namespace of process %d: %s; run it as the user that started the twin\n", who,
-            failed, (int)pid, strerror(errno));
+    fprintf(stderr, "%s: cannot enter the %s namespace of process %d: %s; run it as the user that started the twin\n",
+            who, failed, (int)pid, strerror(errno));
     return false;
 }
 

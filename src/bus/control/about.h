@@ -10,9 +10,10 @@ ECT_C_BEGIN
 
 /** Texts of the caller; NULL: the reply has no such member. */
 typedef struct ect_about {
-    const char *name;             /**< given by the user */
-    const char *devices;          /**< as they were named at the start */
-    const char *ifaces[ECT_ENDS]; /**< by ::ect_end: the interface of the master, or the one on which the twins answer */
+    const char *name;    /**< given by the user */
+    const char *devices; /**< as they were named at the start */
+    const char
+        *ifaces[ECT_ENDS]; /**< by ::ect_end: the interface of the master, or the one on which the twins answer */
 } ect_about_t;
 
 ECT_C_END

@@ -237,9 +237,10 @@ int ect_endpoint_listen(const char *name, char *path, char *message)
         return fd;
     int error = errno;
     if (name && error == EADDRINUSE)
-        snprintf(message, ECT_ENDPOINT_MESSAGE,
-                 "a twin of yours with the name '%s' is running: end it, or choose another name; 'ectwin ps' lists them",
-                 name);
+        snprintf(
+            message, ECT_ENDPOINT_MESSAGE,
+            "a twin of yours with the name '%s' is running: end it, or choose another name; 'ectwin ps' lists them",
+            name);
     else
         snprintf(message, ECT_ENDPOINT_MESSAGE, "no control socket in '%s': %s", folder, strerror(error));
     if (fd >= 0)

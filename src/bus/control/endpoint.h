@@ -5,7 +5,8 @@
  *
  * Each user has a folder, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. Each process has a socket in it, mode
  * 0600: PID.sock, or PID-2.sock and so on when a live socket has that name (containers that share the folder have equal
- * process ids); NAME.sock for a process that its user has named. Any user may make a folder in /tmp: neither side trusts a folder of another user.
+ * process ids); NAME.sock for a process that its user has named. Any user may make a folder in /tmp: neither side
+ * trusts a folder of another user.
  */
 #ifndef ECT_BUS_CONTROL_ENDPOINT_H
 #define ECT_BUS_CONTROL_ENDPOINT_H

@@ -3,9 +3,9 @@
  * @file
  * Packet sockets of the master that end at the bus in this process.
  *
- * A socket is an eventfd, so that a real poll, select or epoll finds it readable while frames wait; on the virtual clock
- * it becomes so in ::ect_ports_show, which precedes these calls. Descriptors that dup, dup2 and fcntl make of it stand
- * for the same socket.
+ * A socket is an eventfd, so that a real poll, select or epoll finds it readable while frames wait; on the virtual
+ * clock it becomes so in ::ect_ports_show, which precedes these calls. Descriptors that dup, dup2 and fcntl make of it
+ * stand for the same socket.
  */
 #ifndef ECT_BUS_INPROCESS_PORTS_H
 #define ECT_BUS_INPROCESS_PORTS_H

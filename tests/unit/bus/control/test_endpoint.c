@@ -326,9 +326,16 @@ static void names(void **state)
     static const struct {
         const char *name;
         bool fit;
-    } rows[] = {{"a", true},        {"Bench-2_x.y", true}, {longest, true}, {"", false},
-                {"2nd", false},     {".hidden", false},    {"a/b", false},  {"a b", false},
-                {"caf\xc3\xa9", false}, {"abcdefghijklmnopqrstuvwxyz123456", false}};
+    } rows[] = {{"a", true},
+                {"Bench-2_x.y", true},
+                {longest, true},
+                {"", false},
+                {"2nd", false},
+                {".hidden", false},
+                {"a/b", false},
+                {"a b", false},
+                {"caf\xc3\xa9", false},
+                {"abcdefghijklmnopqrstuvwxyz123456", false}};
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], other[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
