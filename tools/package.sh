@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
-# Builds packages of this tree into build/packages. Installs missing packages first.  usage: tools/package.sh deb|wheel|all
+# Builds packages of this tree into build/packages. Installs missing packages first.  usage: tools/package.sh deb|wheel|container|all
 #
 #   deb         ectwin_VERSION-1_ARCH.deb and ectwin-dev_VERSION-1_ARCH.deb, checked by lintian where that is installed
 #   wheel       ectwin-VERSION-py3-none-manylinux_*.whl with the programs and their libraries, and the sdist
 #
+#   container   an image `ectwin`, from the Debian package, where podman or docker is installed
+#
+# Beside them ectwin.spdx.json: the bill of materials (SPDX 2.3).
 # Two runs on one commit give the same bytes: dates are the commit's ($SOURCE_DATE_EPOCH), and no path of this machine is kept.
 set -eu
 cd "$(dirname "$0")/.."
@@ -61,13 +64,29 @@ wheel() {
   stage "wheel: repair" wheel_repair
 }
 
+container() {
+  local tool
+  tool=$(command -v podman || command -v docker) || { echo "container: neither podman nor docker is installed: packaging/container/Containerfile is the recipe"; return 0; }
+  compgen -G "$out/ectwin_*.deb" >/dev/null || deb
+  stage "container: build" "$tool" build -q -f packaging/container/Containerfile -t ectwin .
+}
+
+bill() { # the bill of materials of what is there
+  local build=build/deb packages
+  [ -x $build/ectwin ] || build=build/wheel/cmake
+  packages=$(find $out -type f ! -name '*.json')
+  # shellcheck disable=SC2086
+  tools/dev/sbom.py . $build "$HOME/.cache/ectwin/soem-1.4.0/share/soem/LICENSE" $packages >$out/ectwin.spdx.json
+}
+
 case "${1:-}" in
-  deb | wheel) wanted=$1 ;;
-  all) wanted="deb wheel" ;;
-  *) echo "usage: tools/package.sh deb|wheel|all" >&2; exit 1 ;;
+  deb | wheel | container) wanted=$1 ;;
+  all) wanted="deb wheel container" ;;
+  *) echo "usage: tools/package.sh deb|wheel|container|all" >&2; exit 1 ;;
 esac
 shown packages tools/bootstrap.sh package
 for kind in $wanted; do
   $kind
 done
+bill
 ls -l $out

@@ -4,7 +4,7 @@
 # (default bookworm, 'tools/demo.sh && tools/test.sh')
 #
 # Exits with COMMAND's status, or with 77 and a reason where such a machine cannot be made. It needs root, mmdebstrap and a Debian
-# mirror; resolver, certificates and proxy settings are this machine's. Nothing is left behind.
+# mirror; $FRESH_FILES names files beside those, and bare systems are kept in ~/.cache/ectwin. Resolver, certificates and proxy settings are this machine's. Nothing is left behind.
 set -eu
 cd "$(dirname "$0")/../.."
 release=${1:-bookworm}
@@ -19,11 +19,15 @@ git -c safe.directory="$PWD" ls-files --error-unmatch "$0" >/dev/null 2>&1 || ca
 work=$(mktemp -d)
 trap 'rm -rf --one-file-system "$work"' EXIT
 machine=$work/machine
-mmdebstrap -q --variant=minbase --include=ca-certificates,git,sudo "$release" "$work/bare.tar" 2>"$work/log" ||
-  cannot "mmdebstrap: $(tail -n 1 "$work/log")"
+bare=$HOME/.cache/ectwin/bare-$release.tar
+if [ ! -s "$bare" ]; then
+  mkdir -p "${bare%/*}"
+  mmdebstrap -q --variant=minbase --include=ca-certificates,git,sudo "$release" "$work/bare.tar" 2>"$work/log" ||
+    cannot "mmdebstrap: $(tail -n 1 "$work/log")"
+  mv "$work/bare.tar" "$bare"
+fi
 mkdir "$machine"
-tar -C "$machine" -xf "$work/bare.tar" --exclude './dev/*'
-rm "$work/bare.tar"
+tar -C "$machine" -xf "$bare" --exclude './dev/*'
 
 cp -L /etc/resolv.conf "$machine/etc/resolv.conf"
 certificates=/etc/ssl/certs/ca-certificates.crt
@@ -34,6 +38,7 @@ chroot "$machine" useradd -m -s /bin/bash user
 project=$machine/home/user/project
 mkdir "$project"
 git -c safe.directory="$PWD" ls-files -z | tar --null -T - -cf - | tar -C "$project" -xf -
+[ -z "${FRESH_FILES:-}" ] || tar -cf - $FRESH_FILES | tar -C "$project" -xf -
 chroot "$machine" chown -R user:user /home/user
 
 # The profile of a login shell there. Programs with certificates of their own are pointed to the machine's.
