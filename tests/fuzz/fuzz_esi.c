@@ -49,6 +49,8 @@ static void try_device(ect_esi_t *esi, const ect_esi_head_t *head)
     (void)snprintf(selector, sizeof selector, "@%" PRIu32 "/%" PRIu32, head->product_code, head->revision);
     const ect_esi_device_t *model = ect_esi_select(esi, selector, text, sizeof text);
     ect_esi_twin_t *twin = model != NULL ? ect_esi_twin_of(esi, model, NULL, 0, text, sizeof text) : NULL;
+    if (twin != NULL && !ect_esi_twin_behave(twin, ECT_BEHAVIOUR_BY_FILE, text, sizeof text))
+        abort(); /* a shell at least */
     if (twin != NULL)
         run(ect_esi_twin_product(twin));
     else if (text[0] == '\0')

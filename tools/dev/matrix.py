@@ -29,6 +29,13 @@ PRODUCTS = [
     ("PLZ", 31, {26: "advice on analogue outputs, which the twin does not have"}, {}),
 ]
 
+# The statements on drives, DRV: not all can be tested, and the number that are may only rise.
+DRIVE_RANGES = [(1, 7), (9, 16), (18, 18), (20, 20), (22, 27), (30, 30), (32, 32), (34, 42), (44, 44), (46, 49), (51, 51), (53, 53),
+                (55, 58), (60, 60), (62, 62), (64, 68), (70, 76), (78, 84), (90, 113), (115, 180), (201, 207), (210, 224), (230, 241),
+                (245, 248), (250, 252), (255, 263), (265, 295), (301, 309), (311, 312), (401, 431), (501, 507), (509, 519), (521, 521),
+                (523, 524), (526, 530), (601, 605), (607, 624)]
+DRIVE_TESTED = 100
+
 
 def ids(prefix, text):
     for first, last in re.findall(prefix + r"-(\d{3})(?:\.\.(\d{3}))?", text):
@@ -71,9 +78,26 @@ def judge(prefix, last, no_test, not_on_the_wire, all_titles):
                    f"{len(no_test)} have a reason for none")
 
 
+def judge_drives(all_titles):
+    """Prints the matrix of the drives. @return how much of it is wrong, and a summary"""
+    known = {number for first, last in DRIVE_RANGES for number in range(first, last + 1)}
+    found = {}
+    for path, title in all_titles:
+        for number in ids("DRV", title):
+            found.setdefault(number, []).append((path, title))
+    for number in sorted(known | set(found)):
+        for path, title in found.get(number, []):
+            print(f"DRV-{number:03}  {path}: {title}{'' if number in known else '  WRONG: no such statement'}")
+        if number not in found:
+            print(f"DRV-{number:03}  no test")
+    tested_ids = known & set(found)
+    return (len(set(found) - known) + (len(tested_ids) < DRIVE_TESTED),
+            f"DRV: {len(tested_ids)} of {len(known)} requirements have tests; at least {DRIVE_TESTED} must")
+
+
 tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.rglob("*")) if path.suffix in (".c", ".sh", ".py")
           for title in titles(path)]
-results = [judge(*product, tested) for product in PRODUCTS]
+results = [judge(*product, tested) for product in PRODUCTS] + [judge_drives(tested)]
 for _, summary in results:
     print(summary)
 sys.exit(1 if any(wrong for wrong, _ in results) else 0)

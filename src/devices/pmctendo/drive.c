@@ -385,6 +385,12 @@ static bool is_quick_option(int option)
     return ect_402_stop_known(0x605A, option) && (option == 0 || option % 4 == 1 || option % 4 == 2);
 }
 
+/* The manual has no search that turns at a limit switch. */
+static bool is_method(int8_t method)
+{
+    return ect_402_homing_known(method) && !(method >= 7 && method <= 14) && !(method >= 23 && method <= 30);
+}
+
 static bool is_known(uint16_t index, const uint8_t *data)
 {
     switch (index) {
@@ -402,7 +408,7 @@ static bool is_known(uint16_t index, const uint8_t *data)
     case 0x6086:
         return ect_load_le16(data) == 0;
     case 0x6098:
-        return ect_402_homing_known((int8_t)data[0]);
+        return is_method((int8_t)data[0]);
     default:
         return true;
     }

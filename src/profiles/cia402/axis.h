@@ -132,6 +132,7 @@ typedef struct ect_402_homing {
     bool returning;   /**< to the point that was found */
     bool searching;   /**< for the switch, in the direction of the second leg, before the first one */
     bool slow;        /**< the switch has been found: no leg is a search */
+    bool turned;      /**< by a limit switch, on the first leg */
     uint32_t steps;   /**< since the start */
     double found;     /**< machine */
 } ect_402_homing_t;
@@ -169,6 +170,8 @@ typedef struct ect_402_axis {
     uint32_t home_speed[2];
     uint32_t home_acceleration;
     int32_t limit[2]; /**< software limit switches, lower and upper; equal: none */
+    int32_t range[2]; /**< 607Bh, lowest and highest position of a rotary axis; equal: none */
+    uint16_t options; /**< 60F2h */
 
     /* inputs: the product keeps them up to date */
     int8_t mode;          /**< in force */
@@ -305,6 +308,8 @@ double ect_402_deceleration(const ect_402_axis_t *a);
 bool ect_402_limit_acts(const ect_402_axis_t *a);
 /** Machine position of a set value, absolute or relative, seen from machine position `from`. */
 double ect_402_absolute(ect_402_axis_t *a, double from, int32_t position);
+/** A position as the master counts it: within 607Bh. */
+double ect_402_folded(const ect_402_axis_t *a, double user);
 double ect_402_relative(ect_402_axis_t *a, double from, int32_t way);
 void ect_402_limits_begin(ect_402_axis_t *a);
 /** One step: whether a software limit switch has the shaft, and the reference with it. */

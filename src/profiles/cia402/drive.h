@@ -9,6 +9,7 @@
  *
  *   drive_run.c      the functions of a description: time, process data, AL states, SDO
  *   drive_values.c   settings into the axis, actual values out of it
+ *   drive_probe.c    touch probes
  *   drive_faults.c   faults, their reactions and emergencies
  *   drive_signals.c  the surroundings, as signals
  *   values.c         objects and links
@@ -39,6 +40,16 @@ typedef struct ect_402_surroundings {
     uint32_t resolution;   /**< increments a turn, when there is no 608Fh */
 } ect_402_surroundings_t;
 
+/** Touch probes, 60B8h. */
+enum { ECT_402_PROBES = 2 };
+typedef struct ect_402_probe {
+    uint16_t function;        /**< 60B8h as taken last, shifted to bit 0 */
+    bool armed[2], stored[2]; /**< positive, negative edge */
+    bool toggle[2];           /**< changes with each edge in continuous mode */
+    int32_t value[2];
+    uint16_t edges[2];
+} ect_402_probe_t;
+
 /** One axis. Zeroed before ::ect_402_drive_init. */
 typedef struct ect_402_drive {
     ect_402_axis_t axis;
@@ -51,6 +62,7 @@ typedef struct ect_402_drive {
     uint32_t modes;                     /**< supported, as in 6502h */
     double increments;                  /**< of a turn */
     double speed_unit;                  /**< position units a second */
+    ect_402_probe_t probe[ECT_402_PROBES];
     uint16_t error_code;
     uint8_t al;
     bool control_known;            /**< a control word was received in this OP: edges count from it */
@@ -105,6 +117,17 @@ void ect_402_drive_read(ect_402_drive_t *d, bool all);
 /** Control word excepted: the set values of the master. */
 void ect_402_drive_set_values(ect_402_drive_t *d);
 void ect_402_drive_actual(ect_402_drive_t *d);
+
+/* --- drive_probe.c ------------------------------------------------------------------------------------------------ */
+
+/** 60B8h was read again. */
+void ect_402_drive_probe_control(ect_402_drive_t *d);
+/** The edges of the last step. */
+void ect_402_drive_probe_edges(ect_402_drive_t *d);
+/** 60B9h to 60BDh and 60D5h to 60D8h into the dictionary. */
+void ect_402_drive_probe_publish(const ect_402_drive_t *d);
+/** The position of the master at a machine position: polarity, 607Bh. */
+int32_t ect_402_drive_position(const ect_402_drive_t *d, double machine);
 
 /* --- drive_faults.c ----------------------------------------------------------------------------------------------- */
 

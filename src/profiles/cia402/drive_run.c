@@ -64,6 +64,7 @@ static void step(ect_402_drive_t *d)
     d->axis.time_ns += ECT_402_STEP_NS;
     settle(d, 0);
     ect_402_step(&d->axis);
+    ect_402_drive_probe_edges(d);
     raise_faults(d);
 }
 
@@ -153,6 +154,7 @@ void ect_402_drive_touched(ect_402_drive_t *d)
     m->stop_negative.fitted = m->stop_negative.at != INT32_MIN;
     ect_402_drive_read(d, true);
     ect_402_read_levels(&d->axis);
+    ect_402_drive_probe_edges(d);
     settle(d, 0);
     ect_402_drive_publish(d);
 }

@@ -3,6 +3,8 @@
 #include "profiles/cia402/drive.h"
 
 #define DEFAULT_INCREMENTS 1048576.0
+#define SHORTEST_TURN      1e-6 /* position units */
+#define LONGEST_TURN       1e12
 #define INERTIA_A_NM       1e-4 /* kg m2 for each Nm of rated torque: rated torque gives 10 000 rad/s2 */
 #define PEAK               3.0  /* times the rated torque */
 enum { POSITION_TURNED = 0x80, SPEED_TURNED = 0x40 };
@@ -32,7 +34,8 @@ static double ratio(const ect_402_drive_t *d, ect_402_value_t above, ect_402_val
 static double turn_of(const ect_402_drive_t *d)
 {
     double feed = ratio(d, ECT_402_V_FEED, ECT_402_V_FEED_TURNS, 0);
-    return feed > 0 ? feed / ratio(d, ECT_402_V_GEAR_MOTOR, ECT_402_V_GEAR_SHAFT, 1) : d->increments;
+    double turn = feed > 0 ? feed / ratio(d, ECT_402_V_GEAR_MOTOR, ECT_402_V_GEAR_SHAFT, 1) : d->increments;
+    return turn < SHORTEST_TURN ? SHORTEST_TURN : turn < LONGEST_TURN ? turn : LONGEST_TURN;
 }
 
 static double scaled(int32_t at, double factor)
@@ -134,7 +137,7 @@ static uint16_t setting_u16(const ect_402_drive_t *d, ect_402_value_t value)
 
 static int16_t option(const ect_402_drive_t *d, ect_402_value_t value)
 {
-    return (int16_t)setting(d, value);
+    return (int16_t)ect_402_within(setting(d, value), INT16_MAX);
 }
 
 /* Speeds and accelerations in position units. */
@@ -212,6 +215,12 @@ static void take_positions(ect_402_drive_t *d)
     a->home_offset = (int32_t)-offset;
     a->limit[0] = none ? 0 : ect_402_saturated((double)(lower - offset));
     a->limit[1] = none ? 0 : ect_402_saturated((double)(upper - offset));
+    int64_t lowest = d->value[ECT_402_V_RANGE_MIN];
+    int64_t highest = d->value[ECT_402_V_RANGE_MAX];
+    bool endless = lowest >= highest || (lowest <= INT32_MIN && highest >= INT32_MAX);
+    a->range[0] = endless ? 0 : (int32_t)lowest;
+    a->range[1] = endless ? 0 : (int32_t)highest;
+    a->options = (uint16_t)d->value[ECT_402_V_POSITIONING];
     a->home_method = (int8_t)d->value[ECT_402_V_HOME_METHOD];
     a->physical[0] = (uint32_t)d->value[ECT_402_V_OUTPUTS];
     a->physical[1] = (uint32_t)d->value[ECT_402_V_OUTPUT_MASK];
@@ -225,6 +234,7 @@ static void take_settings(ect_402_drive_t *d)
     take_windows(d);
     take_torques(d);
     take_positions(d);
+    ect_402_drive_probe_control(d);
 }
 
 void ect_402_drive_read(ect_402_drive_t *d, bool all)
@@ -265,6 +275,8 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
         return number <= 0 || (number <= 32 && (d->modes >> (number - 1) & 1u) != 0);
     case ECT_402_V_HOME_METHOD:
         return number <= 0 || (number <= INT8_MAX && ect_402_homing_known((int8_t)number));
+    case ECT_402_V_POSITIONING: /* base of relative targets, way of rotary axes; the rest is 0 */
+        return (number & ~INT64_C(0xC3)) == 0 && (number & 3) != 3;
     case ECT_402_V_PROFILE_TYPE:
     case ECT_402_V_TORQUE_PROFILE:
     case ECT_402_V_SUB_MODE:
@@ -274,17 +286,28 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
     }
 }
 
+/* The second value of a pair decides; a maximum of 0 was not written yet. */
+static bool is_crossed(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
+{
+    switch (value) {
+    case ECT_402_V_LIMIT_MIN:
+    case ECT_402_V_RANGE_MIN:
+        return d->value[value + 1] != 0 && number > d->value[value + 1];
+    case ECT_402_V_LIMIT_MAX:
+    case ECT_402_V_RANGE_MAX:
+        return number < d->value[value - 1];
+    default:
+        return false;
+    }
+}
+
 ect_reason_t ect_402_drive_check(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
 {
     if (!is_known(d, value, number))
         return ECT_REASON_RANGE;
     if (is_factor(value) && ect_402_powered(&d->axis))
         return ECT_REASON_STATE;
-    if (value == ECT_402_V_LIMIT_MIN && d->value[ECT_402_V_LIMIT_MAX] != 0 && number > d->value[ECT_402_V_LIMIT_MAX])
-        return ECT_REASON_MIN_MAX;
-    if (value == ECT_402_V_LIMIT_MAX && number < d->value[ECT_402_V_LIMIT_MIN])
-        return ECT_REASON_MIN_MAX;
-    return ECT_OK;
+    return is_crossed(d, value, number) ? ECT_REASON_MIN_MAX : ECT_OK;
 }
 
 /* --- set values --------------------------------------------------------------------------------------------------- */
@@ -335,8 +358,9 @@ void ect_402_drive_set_values(ect_402_drive_t *d)
 
 static void put(const ect_402_drive_t *d, ect_402_value_t value, double x)
 {
+    double nearest = ect_402_within(x < 0 ? x - 0.5 : x + 0.5, 9e18);
     if (has(d, value))
-        ect_402_store(d->instance, &d->links[value], (int64_t)(x < 0 ? x - 0.5 : x + 0.5));
+        ect_402_store(d->instance, &d->links[value], (int64_t)nearest);
 }
 
 static void put_bits(const ect_402_drive_t *d, ect_402_value_t value, uint32_t bits)
@@ -361,12 +385,13 @@ static uint32_t digital_inputs(const ect_402_drive_t *d)
            (d->around->sto || !d->around->enable ? 8u : 0u) | (level[ECT_402_PROBE] ? 1u << 16 : 0u);
 }
 
+/* `actual` and `demand` count from the zero of the machine. */
 static void put_positions(ect_402_drive_t *d, double actual, double demand)
 {
     double increments = d->increments / d->config.turn;
     int sign = sign_of(d, POSITION_TURNED);
-    d->position = ect_402_counts(sign * actual);
-    d->demand = ect_402_counts(sign * demand);
+    d->position = ect_402_drive_position(d, actual + d->axis.zero);
+    d->demand = ect_402_drive_position(d, demand + d->axis.zero);
     d->following_error = ect_402_saturated(sign * (demand - actual));
     put(d, ECT_402_V_POSITION, d->position);
     put(d, ECT_402_V_DEMAND, d->demand);
@@ -405,4 +430,5 @@ void ect_402_drive_actual(ect_402_drive_t *d)
     put_positions(d, actual, following ? ect_402_user(a, a->reference.position) : actual);
     put_speeds(d, d->around->machine.speed, ect_402_powered(a) ? a->reference.speed : 0);
     put_torques(d);
+    ect_402_drive_probe_publish(d);
 }

@@ -4,7 +4,7 @@
 
 #include "profiles/cia402/axis.h"
 
-enum { MOST_LEGS = 3, SHORTEST_STEPS = 80 /* 20 ms: bit 12 shows every run */ };
+enum { MOST_LEGS = 4, SHORTEST_STEPS = 80 /* 20 ms: bit 12 shows every run */ };
 #define AT_THE_POINT 1.0 /* counts */
 enum { UP = 1, DOWN = -1, NONE = 0 };
 
@@ -19,7 +19,8 @@ typedef struct method {
     leg_t legs[MOST_LEGS];
 } method_t;
 
-/* The methods of CiA 402: 17 to 22 end at a switch, 1 to 6 at the index pulse behind it. */
+/* The methods of CiA 402: 17 to 30 end at a switch, 1 to 14 at the index pulse behind it. The cam of 7 to 14 and 23 to
+ * 30 may lie on either side: a limit switch turns the search for it. */
 static const method_t methods[] = {
     {1, {{DOWN, ECT_402_NEGATIVE, false}, {UP, ECT_402_NEGATIVE, true}, {UP, ECT_402_INDEX, true}}},
     {2, {{UP, ECT_402_POSITIVE, false}, {DOWN, ECT_402_POSITIVE, true}, {DOWN, ECT_402_INDEX, true}}},
@@ -27,12 +28,30 @@ static const method_t methods[] = {
     {4, {{DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}, {UP, ECT_402_INDEX, true}}},
     {5, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {UP, ECT_402_INDEX, true}}},
     {6, {{UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_INDEX, true}}},
+    {7, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {DOWN, ECT_402_INDEX, true}}},
+    {8, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}, {UP, ECT_402_INDEX, true}}},
+    {9, {{UP, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_INDEX, true}}},
+    {10, {{UP, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {UP, ECT_402_INDEX, true}}},
+    {11, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {UP, ECT_402_INDEX, true}}},
+    {12,
+     {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_INDEX, true}}},
+    {13,
+     {{DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}, {UP, ECT_402_INDEX, true}}},
+    {14, {{DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {DOWN, ECT_402_INDEX, true}}},
     {17, {{DOWN, ECT_402_NEGATIVE, false}, {UP, ECT_402_NEGATIVE, true}}},
     {18, {{UP, ECT_402_POSITIVE, false}, {DOWN, ECT_402_POSITIVE, true}}},
     {19, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}}},
     {20, {{DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}}},
     {21, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}}},
     {22, {{UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}}},
+    {23, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}}},
+    {24, {{UP, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}}},
+    {25, {{UP, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}}},
+    {26, {{UP, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}}},
+    {27, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}}},
+    {28, {{DOWN, ECT_402_HOME, true}, {UP, ECT_402_HOME, false}, {DOWN, ECT_402_HOME, true}}},
+    {29, {{DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}, {UP, ECT_402_HOME, true}}},
+    {30, {{DOWN, ECT_402_HOME, true}, {DOWN, ECT_402_HOME, false}}},
     {33, {{DOWN, ECT_402_INDEX, true}}},
     {34, {{UP, ECT_402_INDEX, true}}},
     {35, {{NONE, 0, false}}},
@@ -59,6 +78,16 @@ static const leg_t *leg_at(const ect_402_axis_t *a)
     unsigned int number = a->homing.searching ? 1 : a->homing.leg;
     const leg_t *leg = method && number < MOST_LEGS ? &method->legs[number] : NULL;
     return leg && leg->direction != NONE ? leg : NULL;
+}
+
+static bool turns_at_limit(int8_t method)
+{
+    return (method >= 7 && method <= 14) || (method >= 23 && method <= 30);
+}
+
+static int direction_of(const ect_402_axis_t *a, const leg_t *leg)
+{
+    return a->homing.turned && a->homing.leg == 0 ? -leg->direction : leg->direction;
 }
 
 /* The point is found, and the shaft has passed it. */
@@ -120,7 +149,7 @@ void ect_402_homing_abort(ect_402_axis_t *a)
 void ect_402_homing_edge(ect_402_axis_t *a, const ect_402_edge_t *edge)
 {
     const leg_t *leg = a->homing.active && !a->homing.returning ? leg_at(a) : NULL;
-    if (!leg || edge->line != leg->line || edge->rising != leg->until || a->plant->speed * leg->direction <= 0)
+    if (!leg || edge->line != leg->line || edge->rising != leg->until || a->plant->speed * direction_of(a, leg) <= 0)
         return;
     if (a->homing.searching)
         a->homing.searching = false;
@@ -131,7 +160,7 @@ void ect_402_homing_edge(ect_402_axis_t *a, const ect_402_edge_t *edge)
 /* In a limit switch that is not the target of the leg. */
 static bool stuck(const ect_402_axis_t *a, const leg_t *leg)
 {
-    unsigned int stop = leg->direction == UP ? ECT_402_POSITIVE : ECT_402_NEGATIVE;
+    unsigned int stop = direction_of(a, leg) == UP ? ECT_402_POSITIVE : ECT_402_NEGATIVE;
     return leg->line != stop && !a->level[stop];
 }
 
@@ -141,14 +170,16 @@ static void go(ect_402_axis_t *a)
         skip_first_leg(a);
     const leg_t *leg = leg_at(a);
     bool search = a->homing.searching || (a->homing.leg == 0 && !a->homing.slow && leg->line != ECT_402_INDEX);
+    if (search && !a->homing.turned && turns_at_limit(a->homing.method) && stuck(a, leg))
+        a->homing.turned = true;
     if (stuck(a, leg)) {
         fail(a);
         return;
     }
     uint32_t speed = a->home_speed[search ? 0 : 1];
     a->reference.loop = ECT_402_LOOP_SPEED;
-    a->reference.speed =
-        ect_402_towards(a->reference.speed, (double)leg->direction * speed, a->home_acceleration * ECT_402_STEP_S);
+    a->reference.speed = ect_402_towards(a->reference.speed, (double)direction_of(a, leg) * speed,
+                                         a->home_acceleration * ECT_402_STEP_S);
 }
 
 static void go_back(ect_402_axis_t *a)

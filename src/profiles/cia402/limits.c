@@ -52,10 +52,48 @@ static double clamp(ect_402_axis_t *a, double user)
     return on && user > a->limit[1] ? a->limit[1] : user;
 }
 
+/* --- rotary axes -------------------------------------------------------------------------------------------------- */
+
+static double span(const ect_402_axis_t *a)
+{
+    return a->range[0] < a->range[1] ? (double)a->range[1] - a->range[0] + 1 : 0;
+}
+
+double ect_402_folded(const ect_402_axis_t *a, double user)
+{
+    double whole = span(a);
+    if (whole == 0)
+        return user;
+    double turns = (user - a->range[0]) / whole;
+    double full = (double)(int64_t)turns;
+    return user - (turns < full ? full - 1 : full) * whole;
+}
+
+/* The way to a position within 607Bh: in mode 1 by 60F2h, in the others the short one. */
+static double rotary_way(const ect_402_axis_t *a, double from, int32_t position)
+{
+    enum { LINEAR, NEGATIVE, POSITIVE };
+    double whole = span(a);
+    double way = ect_402_folded(a, position) - ect_402_folded(a, ect_402_counts(ect_402_user(a, from)));
+    unsigned int option = a->mode == ECT_402_PP ? a->options >> 6 & 3u : 3u;
+    switch (option) {
+    case LINEAR:
+        return way;
+    case NEGATIVE:
+        return way > 0 ? way - whole : way;
+    case POSITIVE:
+        return way < 0 ? way + whole : way;
+    default:
+        return way > whole / 2 ? way - whole : way <= -whole / 2 ? way + whole : way;
+    }
+}
+
 /* Between software limit switches the axis is a line; without them a set value is a difference of 32 bits. */
 double ect_402_absolute(ect_402_axis_t *a, double from, int32_t position)
 {
     double target = clamp(a, position);
+    if (!limits_on(a) && span(a) > 0)
+        return ect_402_beyond(a, from, rotary_way(a, from, position));
     return limits_on(a) ? ect_402_beyond(a, from, target - ect_402_counts(ect_402_user(a, from)))
                         : ect_402_nearest(a, from, position);
 }

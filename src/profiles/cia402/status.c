@@ -40,7 +40,7 @@ void ect_402_status_step(ect_402_axis_t *a)
 
 bool ect_402_reached(const ect_402_axis_t *a)
 {
-    uint32_t ms = is_speed_mode(a->mode) ? a->speed_time : a->position_time;
+    uint32_t ms = is_speed_mode(a->mode) ? a->speed_time : a->mode == ECT_402_TQ ? 0 : a->position_time;
     if (!reached(a))
         return false;
     return a->action != ECT_402_FOLLOW || ms == 0 || for_ms(a->reached_steps, ms);

@@ -28,10 +28,24 @@ bool ect_402_task_active(const ect_402_axis_t *a)
     return a->task || a->next.valid;
 }
 
-/* A relative target counts from the last target; after a stop that dropped it, from the present position. */
+/* A relative target counts from the last target, after a stop that dropped it from the present position; or by 60F2h
+ * from demand or actual position. */
+static double base_of(const ect_402_axis_t *a)
+{
+    enum { DEMAND = 1, ACTUAL = 2 };
+    switch (a->options & 3u) {
+    case DEMAND:
+        return a->reference.position;
+    case ACTUAL:
+        return a->plant->position;
+    default:
+        return a->task || a->task_known ? a->task_target : a->reference.position;
+    }
+}
+
 static double target_of(ect_402_axis_t *a, const ect_402_set_point_t *p)
 {
-    double from = a->task || a->task_known ? a->task_target : a->reference.position;
+    double from = base_of(a);
     return p->relative ? ect_402_relative(a, from, p->target) : ect_402_absolute(a, a->reference.position, p->target);
 }
 

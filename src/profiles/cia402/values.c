@@ -85,10 +85,17 @@ static int64_t load_signed(const uint8_t *at, unsigned int bytes)
     }
 }
 
-/* A number of a master: not every one is within 64 bits. */
+/* Numbers of a master are of any size; sums of those that count stay within 64 bits. */
+#define MOST 9007199254740992 /* 2^53 */
+
+static int64_t bounded(int64_t x)
+{
+    return x > MOST ? MOST : x < -MOST ? -MOST : x;
+}
+
 static int64_t whole(double x)
 {
-    if (x >= -9e18 && x <= 9e18)
+    if (x >= -(double)MOST && x <= (double)MOST)
         return (int64_t)(x < 0 ? x - 0.5 : x + 0.5);
     return 0;
 }
@@ -114,7 +121,7 @@ int64_t ect_402_load(const void *instance, const ect_402_link_t *link)
         return load_real(at, link->bytes);
     int64_t value = load_signed(at, link->bytes);
     if (link->is_signed || link->bytes == 8)
-        return value;
+        return bounded(value);
     return value & ((INT64_C(1) << 8 * link->bytes) - 1);
 }
 

@@ -91,14 +91,27 @@ enum { ECT_402_AXIS_OBJECTS = 0x800, ECT_402_AXES = 8 };
     V(POSITION_OFFSET, 0x60B0, 0, COMMAND, PLAIN, 0)                                                                   \
     V(SPEED_OFFSET, 0x60B1, 0, COMMAND, PLAIN, 0)                                                                      \
     V(TORQUE_OFFSET, 0x60B2, 0, COMMAND, PLAIN, 0)                                                                     \
+    V(PROBE, 0x60B8, 0, SETTING, PLAIN, 0)                                                                             \
+    V(PROBE_STATUS, 0x60B9, 0, ACTUAL, PLAIN, 0)                                                                       \
+    V(PROBE_1_POSITIVE, 0x60BA, 0, ACTUAL, PLAIN, 0)                                                                   \
+    V(PROBE_1_NEGATIVE, 0x60BB, 0, ACTUAL, PLAIN, 0)                                                                   \
+    V(PROBE_2_POSITIVE, 0x60BC, 0, ACTUAL, PLAIN, 0)                                                                   \
+    V(PROBE_2_NEGATIVE, 0x60BD, 0, ACTUAL, PLAIN, 0)                                                                   \
     V(SUB_MODE, 0x60C0, 0, SETTING, PLAIN, 0)                                                                          \
     V(RECORD, 0x60C1, 1, COMMAND, PLAIN, 0)                                                                            \
     V(CYCLE_UNITS, 0x60C2, 1, SETTING, PLAIN, 0)                                                                       \
     V(CYCLE_POWER, 0x60C2, 2, SETTING, PLAIN, -3)                                                                      \
     V(MOST_ACCELERATION, 0x60C5, 0, LIMIT, PLAIN, 4294967295.0)                                                        \
     V(MOST_DECELERATION, 0x60C6, 0, LIMIT, PLAIN, 4294967295.0)                                                        \
+    V(PROBE_SOURCE_1, 0x60D0, 1, SETTING, PLAIN, 1)                                                                    \
+    V(PROBE_SOURCE_2, 0x60D0, 2, SETTING, PLAIN, 2)                                                                    \
+    V(PROBE_1_POSITIVES, 0x60D5, 0, ACTUAL, PLAIN, 0)                                                                  \
+    V(PROBE_1_NEGATIVES, 0x60D6, 0, ACTUAL, PLAIN, 0)                                                                  \
+    V(PROBE_2_POSITIVES, 0x60D7, 0, ACTUAL, PLAIN, 0)                                                                  \
+    V(PROBE_2_NEGATIVES, 0x60D8, 0, ACTUAL, PLAIN, 0)                                                                  \
     V(TORQUE_POSITIVE, 0x60E0, 0, LIMIT, PLAIN, 3000)                                                                  \
     V(TORQUE_NEGATIVE, 0x60E1, 0, LIMIT, PLAIN, 3000)                                                                  \
+    V(POSITIONING, 0x60F2, 0, SETTING, PLAIN, 0)                                                                       \
     V(FOLLOWING_ERROR, 0x60F4, 0, ACTUAL, PLAIN, 0)                                                                    \
     V(EFFORT, 0x60FA, 0, ACTUAL, PLAIN, 0)                                                                             \
     V(INTERNAL_DEMAND, 0x60FC, 0, ACTUAL, PLAIN, 0)                                                                    \

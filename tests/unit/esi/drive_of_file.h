@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+/* A drive of tests/esi/drives.xml on a wire: its process data by object, its state machine. Cycles of 1 ms. */
+#ifndef TESTS_UNIT_ESI_DRIVE_OF_FILE_H
+#define TESTS_UNIT_ESI_DRIVE_OF_FILE_H
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/signals.h"
+#include "esi/twin.h"
+#include "support/wire.h"
+
+#define TWO_PI       6.283185307179586
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+enum { PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
+enum { CONTROL = 0x6040, STATUS = 0x6041, MODE = 0x6060, SHOWN = 0x6061, ACTUAL = 0x6064, TARGET = 0x607A };
+enum { SHUTDOWN = 0x06, SWITCH_ON = 0x07, ENABLE = 0x0F, RESET = 0x80, START = 0x1F };
+enum { SOD = 0x40, READY = 0x21, SWITCHED_ON = 0x23, ENABLED = 0x27, STOPPING = 0x07, REACTING = 0x0F, FAULT = 0x08 };
+enum { HM = 6, CSP = 8, CSV = 9, CST = 10 };
+
+static wire_t wire;
+static ect_esi_twin_t *twin;
+static uint8_t out[64], in[64];
+
+/* --- the twin, its process data ----------------------------------------------------------------------------------- */
+
+static inline ect_esi_twin_t *make(const char *type, ect_behaviour_t behaviour)
+{
+    char path[300];
+    char text[300] = "";
+    (void)snprintf(path, sizeof path, "%s/drives.xml", ESI_FILES);
+    ect_esi_twin_t *made = ect_esi_twin_make(path, type, NULL, 0, text, sizeof text);
+    if (made == NULL || !ect_esi_twin_behave(made, behaviour, text, sizeof text))
+        fail_msg("%s: expected a twin, got: %s", type, text);
+    return made;
+}
+
+static inline const ect_device_t *device(void)
+{
+    return ect_esi_twin_product(twin)->device;
+}
+
+static inline void open_drive(const char *type)
+{
+    twin = make(type, ECT_BEHAVIOUR_BY_FILE);
+    ect_twin_config_t config = ect_twin_default(device(), ect_esi_twin_product(twin)->plant);
+    memset(&wire, 0, sizeof wire);
+    memset(out, 0, sizeof out);
+    wire_open_twins(&wire, &config, 1);
+    wire_go(&wire, 0, PREOP);
+}
+
+static inline int close_drive(void **state)
+{
+    (void)state;
+    if (twin != NULL)
+        wire_close(&wire);
+    ect_esi_twin_free(twin);
+    twin = NULL;
+    return 0;
+}
+
+static inline uint32_t value_of(uint16_t index, uint8_t subindex)
+{
+    ect_od_t od = ect_device_od(device(), NULL);
+    const ect_object_t *object;
+    const ect_entry_t *entry = NULL;
+    (void)ect_od_lookup(&od, index, subindex, &object, &entry);
+    return entry != NULL ? entry->value : 0;
+}
+
+/* The place of an object in the process data, as the file maps it. @return its bytes, 0: it is not mapped */
+static inline unsigned int place(uint16_t assignment, uint16_t index, unsigned int *at)
+{
+    unsigned int bits = 0;
+    for (uint8_t p = 1; p <= value_of(assignment, 0); p++) {
+        uint16_t pdo = (uint16_t)value_of(assignment, p);
+        for (uint8_t e = 1; e <= value_of(pdo, 0); e++) {
+            uint32_t map = value_of(pdo, e);
+            *at = bits / 8;
+            if (map >> 16 == index)
+                return (map & 0xFF) / 8;
+            bits += map & 0xFF;
+        }
+    }
+    return 0;
+}
+
+static inline void put(uint16_t index, int64_t value)
+{
+    unsigned int at;
+    unsigned int bytes = place(0x1C12, index, &at);
+    assert_true(bytes > 0);
+    for (unsigned int i = 0; i < bytes; i++)
+        out[at + i] = (uint8_t)((uint64_t)value >> 8 * i);
+}
+
+static inline int64_t get(uint16_t index)
+{
+    unsigned int at;
+    unsigned int bytes = place(0x1C13, index, &at);
+    uint64_t value = 0;
+    assert_true(bytes > 0);
+    for (unsigned int i = bytes; i-- > 0;)
+        value = value << 8 | in[at + i];
+    return bytes == 4 ? (int32_t)(uint32_t)value : (int64_t)value;
+}
+
+static inline uint16_t size_of(unsigned int sm)
+{
+    return ect_device_sm_bytes(device(), sm);
+}
+
+static inline void cycles(unsigned int count)
+{
+    while (count-- > 0) {
+        (void)wire_write(&wire, 0, device()->sm[2].start, out, size_of(2));
+        wire_advance(&wire, MS);
+        assert_int_equal(wire_read(&wire, 0, device()->sm[3].start, in, size_of(3)), 1);
+    }
+}
+
+static inline void operational(void)
+{
+    wire_go(&wire, 0, OP);
+    cycles(1);
+}
+
+static inline uint32_t write_sdo(uint16_t index, uint8_t subindex, int64_t value, size_t size)
+{
+    uint8_t bytes[8];
+    ect_store_le64(bytes, (uint64_t)value);
+    return wire_sdo_download(&wire, 0, index, subindex, false, bytes, size);
+}
+
+static inline int64_t read_sdo(uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[8] = {0};
+    size_t size = sizeof bytes;
+    uint32_t abort = wire_sdo_upload(&wire, 0, index, subindex, false, bytes, &size);
+    if (abort != 0)
+        fail_msg("%04X:%u: abort %08X", (unsigned int)index, (unsigned int)subindex, (unsigned int)abort);
+    return size == 4 ? (int32_t)ect_load_le32(bytes) : (int64_t)ect_load_le64(bytes);
+}
+
+static inline void set(const char *name, const char *value)
+{
+    ect_signal_ref_t ref;
+    char message[ECT_SIGNAL_MESSAGE];
+    if (!ect_chain_signal(wire.chain, 0, name, &ref))
+        fail_msg("there is no signal %s", name);
+    if (!ect_signal_write(&ref, value, wire.now_ns, message))
+        fail_msg("%s=%s: %s", name, value, message);
+    ect_chain_wake(wire.chain, 0);
+}
+
+static inline double signal_of(const char *name)
+{
+    ect_signal_ref_t ref;
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    if (!ect_chain_signal(wire.chain, 0, name, &ref))
+        fail_msg("there is no signal %s", name);
+    ect_signal_read(&ref, text);
+    return strtod(text, NULL);
+}
+
+static inline void expect_emergency(uint16_t code, uint8_t error_register)
+{
+    uint8_t mail[256];
+    assert_true(wire_mail_receive(&wire, 0, mail, sizeof mail) >= 10);
+    assert_int_equal(ect_load_le16(mail + 8), code);
+    assert_int_equal(mail[10], error_register);
+}
+
+/* --- the state machine -------------------------------------------------------------------------------------------- */
+
+static inline unsigned int state_of(int64_t status)
+{
+    static const struct {
+        unsigned int mask, value;
+    } states[] = {{0x4F, SOD},      {0x6F, READY},    {0x6F, SWITCHED_ON}, {0x6F, ENABLED},
+                  {0x6F, STOPPING}, {0x4F, REACTING}, {0x4F, FAULT}};
+    for (size_t i = 0; i < COUNT(states); i++) {
+        if ((status & states[i].mask) == states[i].value)
+            return states[i].value;
+    }
+    return 0;
+}
+
+/* `axis` from 0. */
+static inline void until(unsigned int axis, unsigned int state)
+{
+    uint16_t status = (uint16_t)(STATUS + 0x800 * axis);
+    for (unsigned int n = 0; n < 1000 && state_of(get(status)) != state; n++)
+        cycles(1);
+    if (state_of(get(status)) != state)
+        fail_msg("axis %u: expected state %02X, status word is %04X", axis + 1, state, (unsigned int)get(status));
+}
+
+static inline void command(unsigned int axis, uint16_t control, unsigned int state)
+{
+    put((uint16_t)(CONTROL + 0x800 * axis), control);
+    cycles(1);
+    until(axis, state);
+}
+
+static inline void enable(unsigned int axis)
+{
+    command(axis, SHUTDOWN, READY);
+    command(axis, SWITCH_ON, SWITCHED_ON);
+    command(axis, ENABLE, ENABLED);
+}
+
+/* A mode by PDO where the file maps 6060h, else by SDO where there is one. */
+static inline void choose_mode(unsigned int axis, int8_t mode)
+{
+    unsigned int at;
+    uint16_t index = (uint16_t)(MODE + 0x800 * axis);
+    ect_od_t od = ect_device_od(device(), NULL);
+    if (place(0x1C12, index, &at) > 0)
+        put(index, mode);
+    else if (ect_od_find(&od, index) != NULL)
+        assert_int_equal(write_sdo(index, 0, mode, 1), 0);
+}
+
+static inline const char *note(void)
+{
+    size_t count;
+    const char *const *notes = ect_esi_twin_notes(twin, &count);
+    for (size_t i = 0; i < count; i++) {
+        if (strncmp(notes[i], "CiA 402", 7) == 0)
+            return notes[i];
+    }
+    return "";
+}
+
+/* A reference run. @return bits 13, 12, 10 at its end */
+static inline unsigned int home(int8_t method, int32_t offset)
+{
+    assert_int_equal(write_sdo(0x6098, 0, method, 1), 0);
+    assert_int_equal(write_sdo(0x607C, 0, offset, 4), 0);
+    put(MODE, HM);
+    put(CONTROL, ENABLE);
+    cycles(1);
+    put(CONTROL, START);
+    unsigned int ms = 0;
+    do {
+        cycles(1);
+    } while (++ms < 20000 && ((get(STATUS) & 0x3400) == 0 || (get(STATUS) & 0x3400) == 0x1000));
+    return (unsigned int)(get(STATUS) >> 10 & 0xD); /* 13, 12, 10 */
+}
+
+#endif
