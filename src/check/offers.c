@@ -5,6 +5,7 @@
 
 #include "check/internal.h"
 #include "esc/personality.h"
+#include "seams/eoe.h"
 #include "seams/services.h"
 #include "seams/standard.h"
 #include "sii/sii.h"
@@ -76,6 +77,26 @@ static bool coe_good(const report_t *r)
     return true;
 }
 
+static uint16_t least_length(const ect_sm_t *sm)
+{
+    return sm->minimum != 0 ? sm->minimum : sm->length;
+}
+
+/* A device may have an EoE of its own; only that of the stack has these needs. */
+static bool eoe_good(const report_t *r)
+{
+    const ect_device_t *d = r->device;
+    for (const ect_protocol_t *const *p = d->protocols; p && *p; p++) {
+        if ((*p)->request != ect_eoe_request)
+            continue;
+        if (least_length(&d->sm[0]) < ECT_EOE_MAILBOX_LEAST || least_length(&d->sm[1]) < ECT_EOE_MAILBOX_LEAST)
+            return wrong(r, "sm: with EoE both mailboxes have at least %d bytes", ECT_EOE_MAILBOX_LEAST);
+        if (p[1])
+            return wrong(r, "protocols: EoE is not the last; its frames would delay the mails of those after it");
+    }
+    return true;
+}
+
 static bool protocols_good(const report_t *r)
 {
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
@@ -86,7 +107,7 @@ static bool protocols_good(const report_t *r)
     }
     if ((r->device->mailbox_protocols & ~0x3Fu) != 0)
         return wrong(r, "mailbox_protocols: there is no protocol %02Xh", r->device->mailbox_protocols & ~0x3Fu);
-    return coe_good(r);
+    return eoe_good(r) && coe_good(r);
 }
 
 /* --- 1018h, 1C00h: as the description, however they are made
