@@ -19,6 +19,7 @@
  *   build_signals.c    signals from PDO entries and objects
  *   twin.c             the description and its behaviour
  *   behaviour.c        a drive by its objects of CiA 402
+ *   network.c          EoE: an address that answers
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes, the first failure kept
  *   write_dictionary.c  data types and objects
@@ -40,6 +41,7 @@
 #include "esi/types.h"
 #include "esi/values.h"
 #include "esi/write.h"
+#include "seams/eoe.h"
 #include "seams/standard.h"
 #include "wire/assert.h"
 
@@ -185,6 +187,7 @@ typedef struct ect_build {
     size_t entry_count;  /**< entries added to all objects */
     uint32_t *positions; /**< of each index: its position in `objects` plus 1, 0 none; NULL before the first object */
     const char *failure; /**< why it cannot be built, NULL while it can */
+    ect_eoe_t *network;  /**< the twin's EoE, NULL: none */
 } ect_build_t;
 
 /**
@@ -268,6 +271,16 @@ uint32_t ect_build_largest_bits(const ect_build_t *build, int sm);
 
 /** build_signals.c: fills the plant's signals; entries have their offsets. */
 void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
+
+/**
+ * network.c: EoE of a twin whose file has it.
+ * @param device  with its SyncManagers
+ * @return the protocol; NULL: the mailboxes of the file are too short for EoE
+ */
+const ect_protocol_t *ect_esi_network(ect_build_t *build, const ect_device_t *device);
+
+/** network.c: places the state of EoE in the instance, from `at` on. @return the end */
+size_t ect_esi_network_place(const ect_build_t *build, size_t at);
 
 /** The axes of a twin that is a drive: behaviour.c. */
 typedef struct ect_esi_drives ect_esi_drives_t;

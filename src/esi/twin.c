@@ -203,10 +203,11 @@ static void set_protocols(ect_build_t *build, ect_device_t *device)
     add_protocol(device, list, m->coe, &ect_protocol_sdo);
     add_protocol(device, list, m->coe && m->sdo_info, &ect_protocol_sdo_info);
     add_protocol(device, list, m->aoe, &aoe);
-    add_protocol(device, list, m->eoe, &eoe);
     add_protocol(device, list, m->foe, &foe);
     add_protocol(device, list, m->soe, &soe);
     add_protocol(device, list, m->voe, &voe);
+    const ect_protocol_t *network = m->eoe ? ect_esi_network(build, device) : NULL;
+    add_protocol(device, list, m->eoe, network ? network : &eoe);
 }
 
 static uint8_t protocols_of(const ect_esi_mailbox_t *m)
@@ -238,9 +239,11 @@ static void set_mailbox(ect_build_t *build, ect_device_t *device)
     }
     if (device->mailbox_protocols != 0)
         set_protocols(build, device);
-    if ((device->mailbox_protocols & ~ECT_MAILBOX_COE) != 0)
+    const uint8_t served = (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0));
+    if ((device->mailbox_protocols & ~served) != 0)
         ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe ? "AoE " : "",
-                       m->eoe ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "", m->voe ? "VoE " : "");
+                       m->eoe && !build->network ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "",
+                       m->voe ? "VoE " : "");
     if (*build->model->dictionary_file != '\0')
         ect_build_note(build, "the dictionary in the file %s is not read", build->model->dictionary_file);
 }
@@ -790,7 +793,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_eeprom(b, device);
     set_categories(b, device);
     device->esc = esc_of(device);
-    device->instance_size = lay_out(b);
+    device->instance_size = ect_esi_network_place(b, lay_out(b));
     set_objects(b, device);
     set_pdos(b, device);
     if (can_be_configured(b))

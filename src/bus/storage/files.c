@@ -162,7 +162,7 @@ static const char *why_not(const ect_device_t *device)
     if (device->mailbox_protocols == 0)
         return "it has no mailbox";
     for (const ect_protocol_t *const *p = device->protocols; p && *p; p++, count++) {
-        if ((*p)->type == ECT_MAILBOX_TYPE_FOE)
+        if ((*p)->type == ECT_MAILBOX_TYPE_FOE && (*p)->request)
             return "it has files of its own";
     }
     return count <= PROTOCOLS ? NULL : "it has too many protocols";
@@ -171,11 +171,11 @@ static const char *why_not(const ect_device_t *device)
 static void make_device(ect_files_t *f, const ect_device_t *device)
 {
     enum { ALIGNED = sizeof(max_align_t) };
-    size_t count = 0, offset = (device->instance_size + ALIGNED - 1) / ALIGNED * ALIGNED;
+    size_t count = 1, offset = (device->instance_size + ALIGNED - 1) / ALIGNED * ALIGNED;
     f->device = *device;
     for (const ect_protocol_t *const *p = device->protocols; p && *p; p++)
         f->protocols[count++] = *p;
-    f->protocols[count] = &f->foe.protocol;
+    f->protocols[0] = &f->foe.protocol; /* before an FoE that the twin does not serve; EoE stays the last */
     f->device.protocols = f->protocols;
     f->device.mailbox_protocols |= ECT_MAILBOX_FOE;
     f->device.instance_size = offset + sizeof(ect_foe_transfer_t);

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+/* EoE of a twin of an ESI file: a master sets the address and pings it, through the mailbox. */
+#include "from_text.h"
+#include "support/wire.h"
+
+enum { SIZE = 128, MAIL_HEADER = 6, HEADER = 4, FRAME = 14 + 20 + 8 + 1400, LAST = 1 };
+
+static const uint8_t ip[4] = {192, 168, 10, 20}, asking[4] = {192, 168, 10, 1}, made_mac[6] = {2, 0, 192, 168, 10, 20};
+
+static void power_on(wire_t *w, const made_t *m)
+{
+    const ect_product_t *product = ect_esi_twin_product(m->twin);
+    ect_twin_config_t config = ect_twin_default(product->device, product->plant);
+    memset(w, 0, sizeof *w);
+    wire_open_twins(w, &config, 1);
+    wire_go(w, 0, ECT_STATE_PREOP);
+}
+
+static int exchange(wire_t *w, const uint8_t *data, unsigned int length, uint8_t reply[SIZE])
+{
+    uint8_t mail[SIZE] = {0};
+    w->mail_counter = (uint8_t)(w->mail_counter % 7 + 1);
+    ect_store_le16(mail, (uint16_t)length);
+    mail[5] = (uint8_t)(ECT_MAILBOX_TYPE_EOE | w->mail_counter << 4);
+    memcpy(mail + MAIL_HEADER, data, length);
+    assert_int_equal(wire_mail_send(w, 0, mail, (uint16_t)(MAIL_HEADER + length)), 1);
+    return wire_mail_receive(w, 0, reply, SIZE);
+}
+
+static void set_ip(wire_t *w)
+{
+    static const uint8_t set[] = {2, 1, 0, 0, 2, 0, 0, 0, 20, 10, 168, 192}, done[] = {3, 1, 0, 0};
+    uint8_t reply[SIZE];
+    assert_int_equal(exchange(w, set, sizeof set, reply), (int)sizeof done);
+    assert_memory_equal(reply + MAIL_HEADER, done, sizeof done);
+}
+
+static void make_ping(uint8_t *frame)
+{
+    uint32_t sum = 0;
+    memset(frame, 0x55, FRAME);
+    memcpy(frame, made_mac, 6);
+    frame[6] = 0;
+    ect_store_be16(frame + 12, 0x0800);
+    memset(frame + 14, 0, 28);
+    frame[14] = 0x45;
+    ect_store_be16(frame + 16, FRAME - 14);
+    frame[22] = 64;
+    frame[23] = 1;
+    memcpy(frame + 26, asking, 4);
+    memcpy(frame + 30, ip, 4);
+    for (int i = 14; i < 34; i += 2)
+        sum += ect_load_be16(frame + i);
+    ect_store_be16(frame + 24, (uint16_t)~(sum + (sum >> 16)));
+    frame[34] = 8; /* the checksum of the echo is wrong, and so is that of the reply */
+}
+
+static void ping_is_answered(void **state)
+{
+    made_t m = make_text("EoE", ESI_DEVICE(ESI_MAILBOX_SMS "<Mailbox><CoE/><EoE/></Mailbox>" ESI_EEPROM));
+    uint8_t frame[FRAME];
+    uint8_t back[FRAME + 32];
+    uint8_t reply[SIZE];
+    unsigned int got = 0;
+    wire_t w;
+    (void)state;
+    power_on(&w, &m);
+    set_ip(&w);
+    make_ping(frame);
+    for (unsigned int at = 0, fragment = 0; at < FRAME; fragment++) {
+        const unsigned int bytes = FRAME - at <= 118 ? FRAME - at : 96;
+        uint8_t data[SIZE] = {0, at + bytes == FRAME ? LAST : 0};
+        const unsigned int units = at == 0 ? (FRAME + 31) / 32 : at / 32;
+        ect_store_le16(data + 2, (uint16_t)(fragment | units << 6 | 1u << 12));
+        memcpy(data + HEADER, frame + at, bytes);
+        at += bytes;
+        int length = exchange(&w, data, HEADER + bytes, reply);
+        if (at < FRAME)
+            assert_int_equal(length, -1);
+        for (; at == FRAME && length > 0; length = wire_mail_receive(&w, 0, reply, SIZE)) {
+            memcpy(back + got, reply + MAIL_HEADER + HEADER, (size_t)length - HEADER);
+            got += (unsigned int)length - HEADER;
+        }
+    }
+    assert_int_equal(got, FRAME);
+    assert_memory_equal(back, frame + 6, 6);
+    assert_memory_equal(back + 6, made_mac, 6);
+    assert_memory_equal(back + 26, ip, 4);
+    assert_int_equal(back[34], 0);
+    assert_memory_equal(back + 38, frame + 38, FRAME - 38);
+    wire_close(&w);
+    free_made(&m);
+}
+
+/* A mailbox of less than 42 bytes cannot carry a unit: the file is wrong, and the twin says so. */
+static void short_mailbox(void **state)
+{
+    static const char text[] = ESI_DEVICE(
+        "<Sm DefaultSize='41' StartAddress='#x1000' ControlByte='#x26' Enable='1'>MBoxOut</Sm>"
+        "<Sm DefaultSize='128' StartAddress='#x1080' ControlByte='#x22' Enable='1'>MBoxIn</Sm>"
+        "<Mailbox><EoE/></Mailbox>" ESI_EEPROM);
+    made_t m = make_text("EoE", text);
+    uint8_t reply[SIZE];
+    static const uint8_t get[] = {6, 1, 0, 0};
+    wire_t w;
+    (void)state;
+    assert_non_null(note_of(&m, "EoE answered with \"unsupported protocol\""));
+    power_on(&w, &m);
+    assert_int_equal(exchange(&w, get, sizeof get, reply), 4);
+    assert_int_equal(reply[5] & 0x0F, ECT_MAILBOX_TYPE_ERROR);
+    assert_int_equal(reply[8], ECT_MAILBOX_ERROR_PROTOCOL);
+    wire_close(&w);
+    free_made(&m);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        {"EOE-035 EOE-041: the address that a master sets answers a ping of 1400 bytes", ping_is_answered, NULL, NULL,
+         NULL},
+        {"EOE-021: with a mailbox of 41 bytes EoE is refused, and a note says so", short_mailbox, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("EoE of ESI files", tests, NULL, NULL);
+}
