@@ -121,6 +121,9 @@ struct ect_eoe {
      */
     uint16_t (*set)(const ect_eoe_t *eoe, void *instance, uint8_t port, const ect_eoe_address_t *address);
 
+    /** A master asks for the address: the device may refresh ::ect_eoe_state_t::address. May be NULL. */
+    void (*load)(const ect_eoe_t *eoe, void *instance, uint8_t port);
+
     /** The mailbox starts: frames that wait for `fetch` are to be discarded. May be NULL. */
     void (*reset)(const ect_eoe_t *eoe, void *instance);
 };

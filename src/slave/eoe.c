@@ -183,6 +183,8 @@ static void send_address(const ect_eoe_t *eoe, ect_slave_t *s, const uint8_t *re
     const ect_eoe_address_t *address = &state_of(eoe, s)->address;
     uint16_t room = ect_mailbox_room(s);
     uint16_t at = HEADER + FLAGS;
+    if (eoe->load)
+        eoe->load(eoe, s->config.instance, request[0] >> 4);
     uint8_t *mail = ect_mailbox_build(s);
     mail[0] = (uint8_t)(GET_IP_DONE | (request[0] & 0xF0));
     mail[1] = LAST;

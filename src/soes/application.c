@@ -301,15 +301,24 @@ ect_slave_config_t ect_soes_slave_config(void)
 {
     static const ect_protocol_t coe = {
         .type = ECT_MAILBOX_TYPE_COE, .states = ECT_IN_PREOP_AND_ABOVE, .request = coe_request, .reset = coe_reset};
-    static const ect_protocol_t *const protocols[] = {&coe, &ect_protocol_sdo_info, NULL};
-    static const ect_protocol_t *const with_files[] = {&coe, &ect_protocol_sdo_info, &ect_soes_files.protocol, NULL};
+    static const ect_protocol_t *const protocols[] = {
+        &coe,
+        &ect_protocol_sdo_info,
+#if USE_FOE
+        &ect_soes_files.protocol,
+#endif
+#if USE_EOE
+        &ect_soes_network.protocol,
+#endif
+        NULL,
+    };
     static const ect_service_t *const services[] = {&hooks, NULL};
     static const ect_dc_mode_t clocks = {.name = "SYNC0"};
     static ect_pdo_run_t no_runs[1];
     ect_soes_describe(&device);
     device.dc_modes = &clocks; /* the application's handler refuses what it does not support */
     device.dc_mode_count = 1;
-    device.protocols = USE_FOE ? with_files : protocols;
+    device.protocols = protocols;
     device.instance_size = sizeof ect_soes_instance;
     device.init = init;
     device.state_change = state_change;

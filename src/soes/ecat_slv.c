@@ -134,6 +134,8 @@ static void step(void)
         ESCvar.Time = ect_load_le32(time);
         ect_soes_follow_time(ESCvar.Time);
     }
+    if (USE_EOE)
+        ect_mailbox_wake(&ect_soes.slave); /* an application announces no frame: it is asked */
     ect_soes.due_ns = ect_slave_mainline(&ect_soes.slave, ect_soes_now());
 }
 

@@ -9,7 +9,8 @@
  *   state.c                         variables, time
  *   describe.c                      the description of an application
  *   esc.c                           registers, and leaving a state
- *   esc_coe.c esc_eep.c esc_foe.c   dictionary, emulated EEPROM, files
+ *   esc_coe.c esc_eep.c             dictionary, emulated EEPROM
+ *   esc_foe.c esc_eoe.c             files, Ethernet frames
  *   application.c                   a slave out of SDOobjects and the hooks
  *   ecat_slv.c                      the loop
  *
@@ -18,6 +19,7 @@
 #ifndef ECT_SOES_INTERNAL_H
 #define ECT_SOES_INTERNAL_H
 
+#include "seams/eoe.h"
 #include "seams/foe.h"
 #include "seams/standard.h"
 #include "slave/slave.h"
@@ -51,10 +53,16 @@ void ect_soes_follow_time(uint32_t time);
 typedef struct ect_soes_instance {
     ect_standard_t standard;
     ect_foe_transfer_t transfer;
+#if USE_EOE
+    ect_eoe_state_t eoe;
+#endif
 } ect_soes_instance_t;
 extern ect_soes_instance_t ect_soes_instance;
 
 extern const ect_foe_t ect_soes_files;
+
+/* --- esc_eoe.c, with USE_EOE -------------------------------------------------------------------------------------- */
+extern const ect_eoe_t ect_soes_network;
 
 /* --- application.c, or the firmware ------------------------------------------------------------------------------- */
 /* The configuration of the slave; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */

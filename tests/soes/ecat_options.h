@@ -4,7 +4,9 @@
 #define APP_ECAT_OPTIONS_H
 
 #define USE_FOE     1
-#define USE_EOE     0
+#ifndef USE_EOE
+#define USE_EOE 0
+#endif
 #define MBXSIZE     64
 #define MBXSIZEBOOT 128
 #define SM2_sma     0x1200
