@@ -9,8 +9,8 @@
  * frame numbers, the IP parameters and their results. One frame is under way in each direction.
  *
  *     typedef struct drive { ect_standard_t standard; ect_eoe_state_t eoe; ... } drive_t;
- *     static const ect_eoe_t network = {ECT_EOE_PROTOCOL, offsetof(drive_t, eoe), .received = to_stack, .fetch = from_stack};
- *     static const ect_protocol_t *const protocols[] = {&ect_protocol_sdo, &network.protocol, NULL};
+ *     static const ect_eoe_t network = {ECT_EOE_PROTOCOL, offsetof(drive_t, eoe), .received = to_stack, .fetch =
+ * from_stack}; static const ect_protocol_t *const protocols[] = {&ect_protocol_sdo, &network.protocol, NULL};
  *
  * In the description, `mailbox_protocols` contains ECT_MAILBOX_EOE, and both mailboxes have at least
  * ::ECT_EOE_MAILBOX_LEAST bytes.
@@ -33,9 +33,9 @@
 #include "seams/mailbox.h"
 
 enum {
-    ECT_EOE_FRAME = 1518,        /**< longest frame without FCS, with one VLAN tag; without a tag 1514 */
-    ECT_EOE_FRAME_LEAST = 14,    /**< an Ethernet header */
-    ECT_EOE_MAILBOX_LEAST = 42,  /**< headers and one unit of 32 bytes */
+    ECT_EOE_FRAME = 1518,       /**< longest frame without FCS, with one VLAN tag; without a tag 1514 */
+    ECT_EOE_FRAME_LEAST = 14,   /**< an Ethernet header */
+    ECT_EOE_MAILBOX_LEAST = 42, /**< headers and one unit of 32 bytes */
     ECT_EOE_NAME = 32,
     ECT_EOE_STAMP = 4,
 };

@@ -120,13 +120,13 @@ static void reply(ect_slave_t *s, const uint8_t *request, uint8_t type, uint16_t
 typedef struct field {
     uint8_t offset; /* in ect_eoe_address_t */
     uint8_t size;
-    bool reversed; /* an IP address stands with its last octet first */
+    bool reversed; /* the last octet of an IP address comes first */
 } field_t;
 
 static const field_t fields[] = {
-    {offsetof(ect_eoe_address_t, mac), MAC, false},           {offsetof(ect_eoe_address_t, ip), ADDRESS, true},
-    {offsetof(ect_eoe_address_t, subnet), ADDRESS, true},     {offsetof(ect_eoe_address_t, gateway), ADDRESS, true},
-    {offsetof(ect_eoe_address_t, dns), ADDRESS, true},        {offsetof(ect_eoe_address_t, name), ECT_EOE_NAME, false},
+    {offsetof(ect_eoe_address_t, mac), MAC, false},       {offsetof(ect_eoe_address_t, ip), ADDRESS, true},
+    {offsetof(ect_eoe_address_t, subnet), ADDRESS, true}, {offsetof(ect_eoe_address_t, gateway), ADDRESS, true},
+    {offsetof(ect_eoe_address_t, dns), ADDRESS, true},    {offsetof(ect_eoe_address_t, name), ECT_EOE_NAME, false},
 };
 enum { FIELDS = sizeof fields / sizeof fields[0], NAME_FIELD = FIELDS - 1 };
 

@@ -135,7 +135,7 @@ static void step(void)
         ect_soes_follow_time(ESCvar.Time);
     }
     if (USE_EOE)
-        ect_mailbox_wake(&ect_soes.slave); /* an application announces no frame: it is asked */
+        ect_mailbox_wake(&ect_soes.slave); /* a SOES application announces no frame: its callback is polled */
     ect_soes.due_ns = ect_slave_mainline(&ect_soes.slave, ect_soes_now());
 }
 

@@ -21,7 +21,7 @@ typedef struct eoe_pbuf {
     size_t len;       /**< bytes */
 } eoe_pbuf_t;
 
-/** The callbacks of an application. Lives as long as the slave. Those that may be NULL say so. */
+/** The callbacks of an application. Lives as long as the slave. A callback must not be NULL unless noted. */
 typedef struct eoe_cfg {
     /** Gives a buffer of 1518 bytes for a frame that has come whole; `payload` NULL, or the callback: no room, and the
      * frame is dropped. */

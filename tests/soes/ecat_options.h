@@ -3,7 +3,7 @@
 #ifndef APP_ECAT_OPTIONS_H
 #define APP_ECAT_OPTIONS_H
 
-#define USE_FOE     1
+#define USE_FOE 1
 #ifndef USE_EOE
 #define USE_EOE 0
 #endif

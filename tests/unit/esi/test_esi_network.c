@@ -92,13 +92,13 @@ static void ping_is_answered(void **state)
     free_made(&m);
 }
 
-/* A mailbox of less than 42 bytes cannot carry a unit: the file is wrong, and the twin says so. */
+/* A mailbox of less than 42 bytes cannot carry a unit: the file is wrong, and a note reports it. */
 static void short_mailbox(void **state)
 {
-    static const char text[] = ESI_DEVICE(
-        "<Sm DefaultSize='41' StartAddress='#x1000' ControlByte='#x26' Enable='1'>MBoxOut</Sm>"
-        "<Sm DefaultSize='128' StartAddress='#x1080' ControlByte='#x22' Enable='1'>MBoxIn</Sm>"
-        "<Mailbox><EoE/></Mailbox>" ESI_EEPROM);
+    static const char text[] =
+        ESI_DEVICE("<Sm DefaultSize='41' StartAddress='#x1000' ControlByte='#x26' Enable='1'>MBoxOut</Sm>"
+                   "<Sm DefaultSize='128' StartAddress='#x1080' ControlByte='#x22' Enable='1'>MBoxIn</Sm>"
+                   "<Mailbox><EoE/></Mailbox>" ESI_EEPROM);
     made_t m = make_text("EoE", text);
     uint8_t reply[SIZE];
     static const uint8_t get[] = {6, 1, 0, 0};
@@ -118,7 +118,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         {"EOE-035 EOE-041: the address that a master sets answers a ping of 1400 bytes", ping_is_answered, NULL, NULL,
          NULL},
-        {"EOE-021: with a mailbox of 41 bytes EoE is refused, and a note says so", short_mailbox, NULL, NULL, NULL},
+        {"EOE-021: with a mailbox of 41 bytes EoE is refused, and a note reports it", short_mailbox, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("EoE of ESI files", tests, NULL, NULL);
 }

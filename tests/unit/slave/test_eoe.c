@@ -83,8 +83,8 @@ static void reset(const ect_eoe_t *eoe, void *instance)
     d->given = d->queued = 0;
 }
 
-static ect_eoe_t entry = {ECT_EOE_PROTOCOL, offsetof(netdev_t, eoe), .received = received, .fetch = fetch, .set = set,
-                          .reset = reset};
+static ect_eoe_t entry = {ECT_EOE_PROTOCOL, offsetof(netdev_t, eoe), .received = received, .fetch = fetch,
+                          .set = set,       .reset = reset};
 
 static netdev_t *net(void)
 {
@@ -199,7 +199,8 @@ static void expect_error(const char *what, uint8_t detail)
         fail_msg("%s: expected mailbox error %u, got %d with %u", what, detail, length, got[0]);
 }
 
-/* --- the master sends ---------------------------------------------------------------------------------------------- */
+/* --- the master sends ----------------------------------------------------------------------------------------------
+ */
 
 typedef struct piece {
     unsigned int fragment, units, number, at, bytes, flags;
@@ -232,8 +233,8 @@ static void expect_taken(const char *what, unsigned int count, unsigned int drop
     const netdev_t *d = net();
     if (d->taken_count != count || d->eoe.dropped != dropped || d->eoe.received != count ||
         (count > 0 && d->taken_length != length))
-        fail_msg("%s: expected %u frames, the last of %u bytes, %u dropped; got %u of %u, %u dropped", what, count, length,
-                 dropped, d->taken_count, d->taken_length, d->eoe.dropped);
+        fail_msg("%s: expected %u frames, the last of %u bytes, %u dropped; got %u of %u, %u dropped", what, count,
+                 length, dropped, d->taken_count, d->taken_length, d->eoe.dropped);
     for (unsigned int i = 0; count > 0 && i < length; i++) {
         if (d->taken[i] != pattern(i))
             fail_msg("%s: byte %u: expected %02X, got %02X", what, i, pattern(i), d->taken[i]);
@@ -246,11 +247,16 @@ static void frames_of_each_length(void **state)
         const char *what;
         unsigned int length;
         bool good;
-    } rows[] = {{"EOE-012: one byte too short", 13, false}, {"EOE-012: a header alone", 14, true},
-                {"a whole unit", 32, true},                 {"one byte more than a unit", 33, true},
-                {"all that fits into a mail", 118, true},   {"one byte more", 119, true},
-                {"twice 96", 192, true},                    {"EOE-013: without a tag", 1514, true},
-                {"EOE-013: with a tag", 1518, true},        {"EOE-013: too long", 1519, false}};
+    } rows[] = {{"EOE-012: one byte too short", 13, false},
+                {"EOE-012: a header alone", 14, true},
+                {"a whole unit", 32, true},
+                {"one byte more than a unit", 33, true},
+                {"all that fits into a mail", 118, true},
+                {"one byte more", 119, true},
+                {"twice 96", 192, true},
+                {"EOE-013: without a tag", 1514, true},
+                {"EOE-013: with a tag", 1518, true},
+                {"EOE-013: too long", 1519, false}};
     unsigned int count = 0, dropped = 0, length = 0;
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -355,7 +361,8 @@ static void restart_forgets_pieces(void **state)
     expect_taken("EOE-051: the rest of a frame from before", 0, 0, 0);
 }
 
-/* --- the device sends ---------------------------------------------------------------------------------------------- */
+/* --- the device sends ----------------------------------------------------------------------------------------------
+ */
 
 /* EOE-V6 to V12: the words of the headers, byte 0 first, and the data bytes. */
 static void frames_of_the_device(void **state)
@@ -396,8 +403,9 @@ static void frames_of_the_device(void **state)
             const uint8_t *want = last ? rows[i].last.header : k == 0 ? rows[i].first.header : rows[i].second.header;
             const int bytes = last ? rows[i].last.bytes : k == 0 ? rows[i].first.bytes : rows[i].second.bytes;
             if (((k < 2 || last) && memcmp(data, want, HEADER) != 0) || length != bytes)
-                fail_msg("%s, mail %u: expected %02X %02X %02X %02X with %d bytes, got %02X %02X %02X %02X with %d", rows[i].what, k,
-                         want[0], want[1], want[2], want[3], bytes, data[0], data[1], data[2], data[3], length);
+                fail_msg("%s, mail %u: expected %02X %02X %02X %02X with %d bytes, got %02X %02X %02X %02X with %d",
+                         rows[i].what, k, want[0], want[1], want[2], want[3], bytes, data[0], data[1], data[2], data[3],
+                         length);
             for (int n = 0; n < length; n++, at++)
                 assert_int_equal(data[HEADER + n], pattern(at));
         }
@@ -457,7 +465,7 @@ static void other_mail_comes_between(void **state)
         mail[5] = (uint8_t)(ECT_MAILBOX_TYPE_COE | w.mail_counter << 4);
         memcpy(mail + MAIL_HEADER, upload, sizeof upload);
         assert_int_equal(wire_mail_send(&w, 0, mail, sizeof mail), 1);
-        assert_true(receive(data) > HEADER); /* the fragment that stood there */
+        assert_true(receive(data) > HEADER); /* the fragment from before */
         assert_int_equal(wire_mail_receive(&w, 0, mail, sizeof mail), 10);
         assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_COE);
         assert_true(receive(data) > HEADER); /* the frame goes on */
@@ -475,12 +483,12 @@ static void other_mail_comes_between(void **state)
 static void settings(void **state)
 {
     static const uint8_t set_packed[] = {V1};
-    static const uint8_t set_full[62] = {2,    0,    0,    0,    0x0E, 0,    0,    0,    0,    0,    0,    0,    0,
-                                         0,    0x14, 0x0A, 0xA8, 0xC0, 0,    0xFF, 0xFF, 0xFF, 1,    0x0A, 0xA8, 0xC0};
+    static const uint8_t set_full[62] = {2, 0,    0,    0,    0x0E, 0, 0,    0,    0,    0, 0,    0,    0,
+                                         0, 0x14, 0x0A, 0xA8, 0xC0, 0, 0xFF, 0xFF, 0xFF, 1, 0x0A, 0xA8, 0xC0};
     static const uint8_t set_done[] = {3, 1, 0, 0}, get[] = {6, 1, 0, 0};
     static const uint8_t nothing[] = {7, 1, 0, 0, 0, 0, 0, 0};
-    static const uint8_t got[] = {7, 1, 0, 0, 0x0F, 0, 0, 0, 2, 0, 0x5E, 0x10, 0x20, 0x30, 0x14, 0x0A, 0xA8, 0xC0,
-                                  0, 0xFF, 0xFF, 0xFF, 1, 0x0A, 0xA8, 0xC0};
+    static const uint8_t got[] = {7,    1,    0,    0,    0x0F, 0, 0,    0,    2,    0, 0x5E, 0x10, 0x20,
+                                  0x30, 0x14, 0x0A, 0xA8, 0xC0, 0, 0xFF, 0xFF, 0xFF, 1, 0x0A, 0xA8, 0xC0};
     static const struct {
         const char *what;
         const uint8_t *mail;

@@ -187,7 +187,7 @@ static void frames_of_the_application(void **state)
     }
     assert_int_equal(at, 200);
     assert_int_equal(app.fragments, 6); /* 5 of 32 bytes in a mailbox of 64, and 40 */
-    app.to_send = 1600; /* longer than a frame may be: dropped, and its buffer comes back */
+    app.to_send = 1600;                 /* longer than a frame may be: dropped, and its buffer comes back */
     wire_poll(&w);
     assert_int_equal(receive(data), NOTHING);
     assert_int_equal(app.freed, 2);
@@ -300,7 +300,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         {"EOE-016 EOE-060: a frame is handed over in the application's buffer", frames_to_the_application, setup,
          teardown, NULL},
-        {"EOE-061: the application is asked for frames in each turn", frames_of_the_application, setup, teardown, NULL},
+        {"EOE-061: fetch_send_buffer is called in each turn", frames_of_the_application, setup, teardown, NULL},
         {"EOE-060: EOE_init drops half a frame", half_a_frame_is_dropped, setup, teardown, NULL},
         {"EOE-035 EOE-036 EOE-062: the result of store_ethernet_settings is the master's", settings, setup, teardown,
          NULL},

@@ -14,9 +14,8 @@
 enum { ETHERNET = 14, ARP_LENGTH = 42, IP = 14, MESSAGE = 34, PING = MESSAGE + 8 + 56 };
 enum { ICMP = 1, TCP = 6, UDP = 17, NEVER_REPLIED = 0 };
 
-static const ect_eoe_address_t own = {.known = ECT_EOE_HAS_MAC | ECT_EOE_HAS_IP,
-                                      .mac = {2, 0, 0x5E, 0x10, 0x20, 0x30},
-                                      .ip = {192, 168, 10, 20}};
+static const ect_eoe_address_t own = {
+    .known = ECT_EOE_HAS_MAC | ECT_EOE_HAS_IP, .mac = {2, 0, 0x5E, 0x10, 0x20, 0x30}, .ip = {192, 168, 10, 20}};
 static const uint8_t asking_mac[6] = {0, 0x11, 0x22, 0x33, 0x44, 0x55}, asking_ip[4] = {192, 168, 10, 1};
 
 /* RFC 1071: the sum over data with a right checksum is FFFFh. */
@@ -147,8 +146,7 @@ static void checksum_of_each_ping(void **state)
         unsigned int length = ping(frame, 2);
         ect_store_be16(frame + MESSAGE + 4, (uint16_t)id);
         put_checksum(frame + MESSAGE + 2, frame + MESSAGE, 10, 0);
-        if (ect_ip_reply(&own, frame, (uint16_t)length, reply) != length ||
-            sum_of(reply + MESSAGE, 10, 0) != 0xFFFF)
+        if (ect_ip_reply(&own, frame, (uint16_t)length, reply) != length || sum_of(reply + MESSAGE, 10, 0) != 0xFFFF)
             fail_msg("identifier %04X: expected a reply with a right checksum", id);
     }
 }
