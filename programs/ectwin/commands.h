@@ -35,6 +35,8 @@ int command_doc(int argc, char **argv);
 int command_objects(int argc, char **argv);
 int command_ps(int argc, char **argv);
 int command_enter(int argc, char **argv);
+int command_wait(int argc, char **argv);
+int command_veth(int argc, char **argv);
 int command_stats(int argc, char **argv);
 int command_get(int argc, char **argv);
 int command_set(int argc, char **argv);

@@ -13,6 +13,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "bus/control/endpoint.h"
@@ -327,26 +328,52 @@ int connection_request(connection_t *connection, cJSON *request, const char *who
     return fits ? take_replies(connection, who, print) : EXIT_USAGE;
 }
 
-/* Waits for the twin, or for the end of standard output's reader. @return false: nothing reads standard output */
-static bool wait_for_more(const connection_t *connection)
+static int64_t clock_ms(void)
 {
-    struct pollfd fds[] = {{.fd = connection->fd, .events = POLLIN}, {.fd = STDOUT_FILENO}};
-    while (poll(fds, 2, -1) < 0 && errno == EINTR)
-        ;
-    return (fds[1].revents & (POLLERR | POLLHUP)) == 0;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-int connection_follow(connection_t *connection, const char *who)
+/* Waits for the twin, or for the end of standard output's reader. @return FOLLOW_MET: there is more to receive */
+static int wait_for_more(const connection_t *connection, const follow_t *follow, int64_t end_ms)
+{
+    struct pollfd fds[] = {{.fd = connection->fd, .events = POLLIN}, {.fd = follow->quiet ? -1 : STDOUT_FILENO}};
+    int count;
+    do {
+        int64_t left_ms = end_ms - clock_ms();
+        left_ms = left_ms < 0 ? 0 : left_ms > INT32_MAX ? INT32_MAX : left_ms;
+        count = poll(fds, 2, follow->timeout_ms < 0 ? -1 : (int)left_ms);
+    } while (count < 0 && errno == EINTR);
+    if (count == 0)
+        return FOLLOW_TIMEOUT;
+    return (fds[1].revents & (POLLERR | POLLHUP)) == 0 ? FOLLOW_MET : FOLLOW_UNREAD;
+}
+
+static bool is_met(const follow_t *follow, const char *line)
+{
+    cJSON *parsed = follow->met ? cJSON_Parse(line) : NULL;
+    bool met = parsed && follow->met(follow->ctx, parsed);
+    cJSON_Delete(parsed);
+    return met;
+}
+
+int connection_follow(connection_t *connection, const char *who, const follow_t *follow)
 {
     char line[LINE_ROOM];
+    int64_t end_ms = clock_ms() + follow->timeout_ms;
     for (;;) {
         while (take_line(connection, line)) {
-            print_json(line);
+            if (!follow->quiet)
+                print_json(line);
             if (ferror(stdout))
-                return output_failed();
+                return output_failed() == EXIT_CLEAN ? FOLLOW_UNREAD : EXIT_RUN;
+            if (is_met(follow, line))
+                return FOLLOW_MET;
         }
-        if (!wait_for_more(connection))
-            return EXIT_CLEAN;
+        int status = wait_for_more(connection, follow, end_ms);
+        if (status != FOLLOW_MET)
+            return status;
         if (!receive(connection))
             return no_reply(who);
     }

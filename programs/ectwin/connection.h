@@ -9,6 +9,7 @@
 #include <argp.h>
 #include <cjson/cJSON.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <sys/types.h>
 
@@ -60,11 +61,22 @@ extern const struct argp_child connection_children[];
  */
 int connection_request(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
 
+/** How the changes of watched signals are followed. */
+typedef struct follow {
+    bool quiet;                                  /**< nothing is printed */
+    bool (*met)(void *ctx, const cJSON *line);   /**< ends it when true; NULL: never */
+    void *ctx;
+    int64_t timeout_ms;                          /**< from now on; negative: none */
+} follow_t;
+
+/** Statuses of ::connection_follow beside EXIT_RUN, which is that of a connection that has ended. */
+enum { FOLLOW_MET = 0, FOLLOW_TIMEOUT = -1, FOLLOW_UNREAD = -2 };
+
 /**
- * After the reply to "watch": prints whole lines until the connection ends, or until nothing reads standard output.
- * @return EXIT_CLEAN: standard output is no longer read · EXIT_RUN: the connection has ended
+ * After the reply to "watch": reads lines, and prints them, until the connection ends, or nothing reads standard output.
+ * @return FOLLOW_MET · FOLLOW_TIMEOUT · FOLLOW_UNREAD: standard output is no longer read · EXIT_RUN, the reason printed
  */
-int connection_follow(connection_t *connection, const char *who);
+int connection_follow(connection_t *connection, const char *who, const follow_t *follow);
 
 /** Member of a line as text, "" if there is none. A number is written into `room`. */
 const char *connection_text(const cJSON *line, const char *member, char room[32]);

@@ -116,6 +116,7 @@ void __wrap_argp_failure(const struct argp_state *state, int status, int number,
 enum { KEY_OF_WITH = 0x300 };
 static const struct argp_option options_of_with[] = {
     {"iface", KEY_OF_WITH, "NAME", OPTION_HIDDEN, NULL, 0},
+    {"require-private", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
     {"leave-children", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
     {"in-process", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
     {"virtual-time", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},

@@ -26,7 +26,8 @@ static const struct command {
     {"plug", command_plug},         {"cut", command_cut},
     {"mend", command_mend},         {"fault", command_fault},
     {"lint", command_lint},         {"ps", command_ps},
-    {"enter", command_enter},
+    {"enter", command_enter},       {"wait", command_wait},
+    {"veth", command_veth},
 };
 
 static int usage(FILE *stream, int status)
@@ -44,12 +45,14 @@ static int usage(FILE *stream, int status)
         "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
         "       ectwin doc  DEVICE [--html] [-o FILE]         write the manual of its dictionary and process data\n"
         "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"
+        "       ectwin veth [NAME]                            make a pair of interfaces for a master in the kernel\n"
         "       ectwin ps [--json]                            list your running twins\n"
         "       ectwin enter [-s NAME] -- CMD ARG...          run CMD in the network of a running twin\n"
         "       ectwin list-signals [DEVICE] [PATTERN...]     list the signals of a running twin, or of a device\n"
         "       ectwin get   [PATTERN...]                     print their values\n"
         "       ectwin set   NAME=VALUE... [--csv FILE]       set signals, all of them or none\n"
         "       ectwin watch [PATTERN...] [--every]           print each change as a line of JSON\n"
+        "       ectwin wait CONDITION [--timeout SECONDS]     wait until a signal is NAME=VALUE, NAME<VALUE, ...\n"
         "       ectwin command ruN HEX16                      send an operator's command from remote unit N\n"
         "       ectwin periodic [-o FILE]                     print the last set of periodic data\n"
         "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, plug it in again\n"

@@ -16,12 +16,15 @@
 #include "csv.h"
 #include "products.h"
 #include "text/argument.h"
+#include "until.h"
 
 typedef struct client_args {
     connection_choice_t twin;
     unsigned int slave;
     const char *csv;
     bool every;
+    const char *until;   /* of watch */
+    int64_t timeout_ms;  /* of wait */
     const char *arguments[ECT_ENDPOINT_VALUES];
     size_t count;
 } client_args_t;
@@ -40,7 +43,22 @@ static const struct argp_option set_options[] = {
 static const struct argp_option watch_options[] = {
     SLAVE_OPTION,
     {"every", 'e', NULL, 0, "Print every change with its time (default: changes found every 10 ms)", 0},
+    {"until", 'u', "CONDITION", 0,
+     "End when a signal fulfils it: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE (default: at Ctrl-C)", 0},
     {0}};
+static const struct argp_option wait_options[] = {
+    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 (default 1)", 0},
+    {"timeout", 't', "SECONDS", 0, "Give up after this time, with status 3 (default 10; 0: never)", 0},
+    {0}};
+
+static int64_t take_seconds(const struct argp_state *state, const char *text)
+{
+    char *end;
+    double seconds = strtod(text, &end);
+    if (end == text || *end != 0 || !(seconds >= 0 && seconds <= 1e9))
+        argp_error(state, "--timeout takes seconds, from 0, not '%s'", text);
+    return seconds > 0 ? (int64_t)(seconds * 1000 + 0.5) : -1;
+}
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -57,6 +75,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case 'e':
         args->every = true;
+        return 0;
+    case 'u':
+        args->until = text;
+        return 0;
+    case 't':
+        args->timeout_ms = take_seconds(state, text);
         return 0;
     case ARGP_KEY_ARG:
         if (args->count == ECT_ENDPOINT_VALUES)
@@ -143,20 +167,25 @@ static int request_one(connection_t *connection, const client_args_t *args, cons
 }
 
 /* Asks for each pattern of the command line from `first` on; without any for all signals. @return the worst status */
+static int request_each(connection_t *connection, const client_args_t *args, size_t first, const char *who,
+                        const char *op, void (*print)(const cJSON *line))
+{
+    int status = args->count > first ? EXIT_CLEAN : request_one(connection, args, who, op, "*", print);
+    for (size_t i = first; i < args->count && status <= EXIT_USAGE; i++) {
+        int one = request_one(connection, args, who, op, args->arguments[i], print);
+        status = one > status ? one : status;
+    }
+    return status;
+}
+
 static int request_all(const client_args_t *args, size_t first, const char *who, const char *op,
                        void (*print)(const cJSON *line))
 {
     connection_t *connection = connection_open(&args->twin, who);
     if (!connection)
         return EXIT_OPEN;
-    int status = args->count > first ? EXIT_CLEAN : request_one(connection, args, who, op, "*", print);
-    for (size_t i = first; i < args->count && status <= EXIT_USAGE; i++) {
-        int one = request_one(connection, args, who, op, args->arguments[i], print);
-        status = one > status ? one : status;
-    }
+    int status = request_each(connection, args, first, who, op, print);
     fflush(stdout);
-    if (status == EXIT_CLEAN && strcmp(op, "watch") == 0)
-        status = connection_follow(connection, who);
     connection_close(connection);
     return status;
 }
@@ -174,6 +203,84 @@ int command_get(int argc, char **argv)
     return request_all(&args, 0, argv[0], "get", args.slave == 0 ? print_value_of_slave : print_value);
 }
 
+/* The condition of this process, and whether a first value has fulfilled it. */
+static until_t condition;
+static bool is_fulfilled;
+
+static void check_line(const cJSON *line)
+{
+    is_fulfilled |= until_met(&condition, line);
+}
+
+static void print_and_check_line(const cJSON *line)
+{
+    print_line(line);
+    check_line(line);
+}
+
+static int watch(const client_args_t *args, const char *who)
+{
+    const follow_t follow = {.met = args->until ? until_met : NULL, .ctx = &condition, .timeout_ms = -1};
+    connection_t *connection = connection_open(&args->twin, who);
+    if (!connection)
+        return EXIT_OPEN;
+    int status = args->until ? request_one(connection, args, who, "watch", condition.name, print_and_check_line) : EXIT_CLEAN;
+    if (status == EXIT_CLEAN && !is_fulfilled && (args->count > 0 || !args->until))
+        status = request_each(connection, args, 0, who, "watch", print_line);
+    fflush(stdout);
+    if (status == EXIT_CLEAN && !is_fulfilled)
+        status = connection_follow(connection, who, &follow);
+    connection_close(connection);
+    return status < EXIT_CLEAN ? EXIT_CLEAN : status;
+}
+
+/* @return EXIT_CLEAN, or EXIT_USAGE with the reason printed */
+static int read_condition(const char *text, unsigned int slave, const char *who)
+{
+    const char *why = until_read(&condition, text);
+    condition.slave = slave;
+    if (why)
+        fprintf(stderr, "%s: '%s': %s\n", who, text, why);
+    return why ? EXIT_USAGE : EXIT_CLEAN;
+}
+
+static int wait_for_condition(const client_args_t *args, const char *who)
+{
+    const follow_t follow = {.quiet = true, .met = until_met, .ctx = &condition, .timeout_ms = args->timeout_ms};
+    connection_t *connection = connection_open(&args->twin, who);
+    if (!connection)
+        return EXIT_OPEN;
+    int status = request_one(connection, args, who, "watch", condition.name, check_line);
+    if (status == EXIT_CLEAN && !is_fulfilled)
+        status = connection_follow(connection, who, &follow);
+    connection_close(connection);
+    if (status != FOLLOW_TIMEOUT)
+        return status;
+    fprintf(stderr, "%s: %s is still ", who, condition.name);
+    print_text(stderr, condition.current);
+    fprintf(stderr, " after %g s, not %s\n", (double)args->timeout_ms / 1000, args->arguments[0]);
+    return EXIT_RUN;
+}
+
+int command_wait(int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = wait_options,
+        .parser = parse,
+        .children = connection_children,
+        .args_doc = "CONDITION",
+        .doc = "Waits until a signal of a running twin fulfils CONDITION: NAME=VALUE, NAME!=VALUE, NAME<VALUE or "
+               "NAME>VALUE, from a shell in quotes. A condition that was fulfilled for a moment only counts too."};
+    client_args_t args = {.slave = 1, .every = true, .timeout_ms = 10000};
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    if (args.count != 1 || args.slave == 0) {
+        fprintf(stderr, "%s: name one condition, of one slave: ectwin wait ecat.state=8\n", argv[0]);
+        return EXIT_USAGE;
+    }
+    int status = read_condition(args.arguments[0], args.slave, argv[0]);
+    return status == EXIT_CLEAN ? wait_for_condition(&args, argv[0]) : status;
+}
+
 int command_watch(int argc, char **argv)
 {
     static const struct argp argp = {
@@ -184,7 +291,8 @@ int command_watch(int argc, char **argv)
         .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    return request_all(&args, 0, argv[0], "watch", print_line);
+    int status = args.until ? read_condition(args.until, args.slave, argv[0]) : EXIT_CLEAN;
+    return status == EXIT_CLEAN ? watch(&args, argv[0]) : status;
 }
 
 /* @return how many signals of a plant match; those are printed */

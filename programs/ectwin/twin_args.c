@@ -421,21 +421,41 @@ static const ect_product_t *find_product(const twin_args_t *args, const char *na
     return product;
 }
 
+/* Takes "*N" off the end of a device. @return N, 1 without; 0: not a number of twins */
+static size_t take_count(char *name)
+{
+    uint64_t count = 0;
+    char *star = strrchr(name, '*');
+    if (!star)
+        return 1;
+    *star = 0;
+    return ect_number(star + 1, 1, UINT16_MAX, &count) ? (size_t)count : 0;
+}
+
+static void add_twin(twin_args_t *args, const struct argp_state *state, const char *name)
+{
+    char message[PRODUCT_MESSAGE] = "out of memory";
+    const ect_product_t *product = find_product(args, name, args->count + 1, message);
+    if (!product)
+        argp_failure(state, EXIT_USAGE, 0, "%s", message);
+    ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
+    if (!grown)
+        argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
+    args->twins = grown;
+    args->twins[args->count++] = ect_twin_default(product->device, product->plant);
+}
+
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
 {
     char *copy = strdup(list);
     args->about.devices = list;
     char *rest = copy;
     for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
-        char message[PRODUCT_MESSAGE] = "out of memory";
-        const ect_product_t *product = find_product(args, name, args->count + 1, message);
-        if (!product)
-            argp_failure(state, EXIT_USAGE, 0, "%s", message);
-        ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
-        if (!grown)
-            argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
-        args->twins = grown;
-        args->twins[args->count++] = ect_twin_default(product->device, product->plant);
+        size_t count = take_count(name);
+        if (count == 0 || args->count + count > UINT16_MAX)
+            argp_error(state, "'%s*...': a count is 1 to %d twins in all, as in fzm1*3", name, UINT16_MAX);
+        for (size_t i = 0; i < count; i++)
+            add_twin(args, state, name);
     }
     free(copy);
     for (size_t i = 0; i < args->count; i++) {

@@ -17,7 +17,7 @@
 #include "inprocess.h"
 #include "launch.h"
 
-enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_VIRTUAL_TIME };
+enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_VIRTUAL_TIME, KEY_REQUIRE_PRIVATE };
 
 static const struct argp_option options[] = {
     {"iface", KEY_IFACE, "NAME[,NAME]", 0,
@@ -36,6 +36,8 @@ static const struct argp_option options[] = {
      0},
     {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
      "With --in-process: a virtual clock, which passes while CMD waits; runs are fast and repeatable", 0},
+    {"require-private", KEY_REQUIRE_PRIVATE, NULL, 0,
+     "Refuse to run CMD where no user namespace or no /sys of its own can be made (default: run it, with a warning)", 0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
      "Let processes that CMD starts outlive it (default: they end with CMD, which runs in a PID namespace of its own)",
      0},
@@ -49,6 +51,7 @@ typedef struct with_args {
     char *external;                 /* the slave, NULL: twins of ours */
     bool leave_children;
     bool in_process, virtual_time;
+    bool require_private;
     char *const *words; /* options and devices, as they were given */
     int word_count;
     char **command;
@@ -129,6 +132,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_VIRTUAL_TIME:
         args->virtual_time = true;
+        return 0;
+    case KEY_REQUIRE_PRIVATE:
+        args->require_private = true;
         return 0;
     case KEY_EXTERNAL:
         args->external = text;
@@ -265,7 +271,11 @@ static int enter_network(const with_args_t *args)
         return EXIT_OPEN;
     }
     report_lacks(lacks);
-    return EXIT_CLEAN;
+    if (lacks == 0 || !args->require_private)
+        return EXIT_CLEAN;
+    fputs("ectwin with: CMD is not run, because of --require-private: allow user namespaces, or leave the option out\n",
+          stderr);
+    return EXIT_OPEN;
 }
 
 /* --- an external slave ------------------------------------------------------------------------------------------- */

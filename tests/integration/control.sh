@@ -265,6 +265,64 @@ enter() {
   check "enter: no twin" 2 $?
 }
 
+# Each row: the condition, the status, for a signal that is 2.5, one that is a text, and one that is not there.
+waits() {
+  local rows='data1=2.5 0|data1=0x3 3|data1!=2.5 3|data1!=3 0|data1>2 0|data1<2.5 3|data1=text 3|comment1=a text 0|comment1!=a text 3|comment1=b 3|nosuch=1 1|data1 1|=1 1|data1!3 1|data1<x 1|data*=1 1|'
+  # shellcheck disable=SC2016
+  "$ectwin" with fzm1 -- bash -c '"$1" set data1=2.5 "comment1=a text"; printf %s "$2" | while read -r -d "|" row; do
+    "$1" wait -t 0.05 "${row% *}"; echo "${row% *} $?|"; done' bash "$ectwin" "$rows" >"$work/out" 2>"$work/err"
+  check "wait: conditions" "$(echo "$rows" | tr '|' '\n' | sed '/^$/d')" "$(tr -d '|' <"$work/out")"
+  has "wait: the value that the signal has" "data1 is still 2.5 after 0.05 s, not data1!=2.5" "$work/err"
+  # The twin's own pulse, too short for a look every 10 ms.
+  beside_an_fzm1 "'$ectwin' set image_input=100 processing=100; (sleep 0.3; '$ectwin' set trigger=1) & '$ectwin' wait busy=1 && echo busy"
+  check "wait: a condition that holds for 0.2 ms" busy "$(cat "$work/out")"
+  beside_an_fzm1 "(sleep 0.3; '$ectwin' set data2=1 data1=7) & '$ectwin' watch data2 --until data1=7; '$ectwin' watch --until data1=7"
+  check "watch --until: ends with the change" "data1=0 data1=7 data1=7 data2=0" \
+    "$(grep -v '"data2","value":1' "$work/out" | sed -E 's/.*"name":"([^"]*)","value":([^,]*),.*/\1=\2/' | sort | xargs)"
+}
+
+counts() {
+  check "DEVICE*N: twins" "3 fzm1*2,optoncdt2300" "$("$ectwin" with 'fzm1*2,optoncdt2300' -- "$ectwin" ps --json 2>/dev/null |
+    sed -E 's/.*"devices":"([^"]*)".*"slaves":([0-9]+).*/\2 \1/')"
+  for count in 0 a 65536 '' 1,fzm1*65535; do
+    "$ectwin" with "fzm1*$count" -- true 2>"$work/err"
+    check "DEVICE*$count is refused" 1 $?
+  done
+}
+
+# In a network of its own: the pair exists until a signal, and needs a right.
+pair() {
+  # shellcheck disable=SC2016
+  unshare -Urn sh -c '"$1" veth tw >"$2/pair" & pair=$!; for _ in $(seq 100); do [ -s "$2/pair" ] && break; sleep 0.1; done
+    cat "$2/pair"; ip -br link show up | sed "s/@.*//" | sort | xargs; "$1" veth tw; echo $?
+    "$1" run -i tw-twin fzm1 >"$2/run" & run=$!; for _ in $(seq 100); do [ -s "$2/run" ] && break; sleep 0.1; done
+    cat "$2/run"; kill $run $pair; wait; ip -br link | sed "s/[@ ].*//" | xargs' \
+    sh "$ectwin" "$work" >"$work/out" 2>"$work/err"
+  check "veth: the pair, a second one, a twin on it, its end" \
+    '{"event":"ready","iface":"tw","twin":"tw-twin"}|tw tw-twin|2|{"event":"ready","iface":"tw-twin","slaves":1}|lo|' \
+    "$(tr '\n' '|' <"$work/out")"
+  has "veth: a name that is taken" "'tw' or 'tw-twin' exists already: choose another name, or 'sudo ip link del tw'" "$work/err"
+  unshare -Ur --map-user=1000 "$ectwin" veth 2>"$work/err"
+  check "veth: without a right" 2 $?
+  has "veth: the right" "needs CAP_NET_ADMIN: run 'sudo ectwin veth ecat0'" "$work/err"
+  "$ectwin" veth 12345678901 2>"$work/err"
+  check "veth: a name that is too long" 1 $?
+}
+
+# The namespace that CMD gets cannot be private: a limit of this user forbids another one.
+require_private() {
+  if [ "$(id -u)" != 0 ]; then
+    echo "require_private: left out, only root runs CMD without a user namespace"
+    return
+  fi
+  local limited='echo 0 >/proc/sys/user/max_user_namespaces; '
+  # shellcheck disable=SC2016
+  unshare -Urm sh -c "$limited"'"$1" with --require-private fzm1 -- echo ran; echo $?; "$1" with fzm1 -- echo ran' sh "$ectwin" \
+    >"$work/out" 2>"$work/err"
+  check "with --require-private: CMD does not run" "2 ran" "$(xargs <"$work/out")"
+  has "with --require-private: the reason" "CMD is not run, because of --require-private" "$work/err"
+}
+
 # In a network of its own, as `run` needs an interface.
 python_module() {
   "$ectwin" with fzm1 -- python3 "$here/test_python.py" --beside >"$work/out" 2>&1
@@ -279,7 +337,7 @@ export XDG_RUNTIME_DIR=$work/runtime
 mkdir "$XDG_RUNTIME_DIR"
 trap 'rm -rf "$work"' EXIT
 for case_name in all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
-  no_twin a_stopped_twin escapes squatters several_twins twins_of_another_user enter python_module; do
+  no_twin a_stopped_twin escapes squatters several_twins twins_of_another_user enter waits counts pair require_private python_module; do
   [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
   $case_name
   ran=$((ran + 1))

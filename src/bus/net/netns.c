@@ -6,8 +6,6 @@
 #include <fcntl.h>
 #include <net/if.h>
 #include <netlink/netlink.h>
-#include <netlink/route/link.h>
-#include <netlink/route/link/veth.h>
 #include <sched.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -17,6 +15,8 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "bus/net/veth.h"
 
 const char *const ect_netns_twin[ECT_NETNS_WIRES] = {"ectwin0", "ectwin1"};
 
@@ -174,47 +174,10 @@ static bool own_sysfs(void)
             mount("ectwin", "/sys", "sysfs", flags | MS_RDONLY, NULL) == 0);
 }
 
-static int set_up(struct nl_sock *socket, const char *name)
-{
-    struct rtnl_link *link = NULL;
-    struct rtnl_link *change = rtnl_link_alloc();
-    int error = change ? rtnl_link_get_kernel(socket, 0, name, &link) : -NLE_NOMEM;
-    if (error >= 0) {
-        rtnl_link_set_flags(change, IFF_UP);
-        error = rtnl_link_change(socket, link, change, 0);
-        rtnl_link_put(link);
-    }
-    if (change)
-        rtnl_link_put(change);
-    return error;
-}
-
-static int add_veth(struct nl_sock *socket, const char *twin, const char *master)
-{
-    struct rtnl_link *link = rtnl_link_veth_alloc();
-    if (!link)
-        return -NLE_NOMEM;
-    struct rtnl_link *peer = rtnl_link_veth_get_peer(link); /* a reference of our own */
-    rtnl_link_set_name(link, twin);
-    rtnl_link_set_name(peer, master);
-    rtnl_link_put(peer);
-    int error = rtnl_link_add(socket, link, NLM_F_CREATE | NLM_F_EXCL);
-    rtnl_link_put(link);
-    return error;
-}
-
 /* The kernel's own IPv6 chatter has no business on this wire. Without IPv6 there is nothing to switch off. */
 static void disable_ipv6(void)
 {
     (void)write_file("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1");
-}
-
-static int add_wire(struct nl_sock *socket, const char *twin, const char *master)
-{
-    int error = add_veth(socket, twin, master);
-    if (error >= 0)
-        error = set_up(socket, twin);
-    return error >= 0 ? set_up(socket, master) : error;
 }
 
 static int build_network(const char *const masters[ECT_NETNS_WIRES], char *message)
@@ -223,9 +186,9 @@ static int build_network(const char *const masters[ECT_NETNS_WIRES], char *messa
     int error = socket ? nl_connect(socket, NETLINK_ROUTE) : -NLE_NOMEM;
     disable_ipv6();
     if (error >= 0)
-        error = set_up(socket, "lo");
+        error = ect_veth_up(socket, "lo");
     for (size_t i = 0; i < ECT_NETNS_WIRES && masters[i] && error >= 0; i++)
-        error = add_wire(socket, ect_netns_twin[i], masters[i]);
+        error = ect_veth_add(socket, ect_netns_twin[i], masters[i]);
     nl_socket_free(socket);
     if (error >= 0)
         return 0;

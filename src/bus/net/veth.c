@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/net/veth.h"
+
+#include <fcntl.h>
+#include <net/if.h>
+#include <netlink/netlink.h>
+#include <netlink/route/link.h>
+#include <netlink/route/link/veth.h>
+#include <stdio.h>
+#include <unistd.h>
+
+int ect_veth_up(struct nl_sock *socket, const char *name)
+{
+    struct rtnl_link *link = NULL;
+    struct rtnl_link *change = rtnl_link_alloc();
+    int error = change ? rtnl_link_get_kernel(socket, 0, name, &link) : -NLE_NOMEM;
+    if (error >= 0) {
+        rtnl_link_set_flags(change, IFF_UP);
+        error = rtnl_link_change(socket, link, change, 0);
+        rtnl_link_put(link);
+    }
+    if (change)
+        rtnl_link_put(change);
+    return error;
+}
+
+static int add(struct nl_sock *socket, const char *one, const char *other)
+{
+    struct rtnl_link *link = rtnl_link_veth_alloc();
+    if (!link)
+        return -NLE_NOMEM;
+    struct rtnl_link *peer = rtnl_link_veth_get_peer(link); /* a reference of our own */
+    rtnl_link_set_name(link, one);
+    rtnl_link_set_name(peer, other);
+    rtnl_link_put(peer);
+    int error = rtnl_link_add(socket, link, NLM_F_CREATE | NLM_F_EXCL);
+    rtnl_link_put(link);
+    return error;
+}
+
+int ect_veth_add(struct nl_sock *socket, const char *one, const char *other)
+{
+    int error = add(socket, one, other);
+    if (error >= 0)
+        error = ect_veth_up(socket, one);
+    return error >= 0 ? ect_veth_up(socket, other) : error;
+}
+
+/* The kernel's own IPv6 packets would delay frames. Without IPv6 there is nothing to switch off. */
+static void quieten(const char *name)
+{
+    char path[96];
+    snprintf(path, sizeof path, "/proc/sys/net/ipv6/conf/%s/disable_ipv6", name);
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return;
+    (void)!write(fd, "1", 1);
+    close(fd);
+}
+
+static void explain(int error, const char *one, const char *other, char *message)
+{
+    if (error == -NLE_PERM)
+        snprintf(message, ECT_VETH_MESSAGE, "a pair of interfaces needs CAP_NET_ADMIN: run 'sudo ectwin veth %s'", one);
+    else if (error == -NLE_EXIST)
+        snprintf(message, ECT_VETH_MESSAGE, "'%s' or '%s' exists already: choose another name, or 'sudo ip link del %s'",
+                 one, other, one);
+    else if (error == -NLE_OPNOTSUPP)
+        snprintf(message, ECT_VETH_MESSAGE, "this kernel has no veth driver: 'sudo modprobe veth' loads it");
+    else
+        snprintf(message, ECT_VETH_MESSAGE, "making a pair of interfaces failed: %s", nl_geterror(error));
+}
+
+static int connect_socket(struct nl_sock **socket)
+{
+    *socket = nl_socket_alloc();
+    return *socket ? nl_connect(*socket, NETLINK_ROUTE) : -NLE_NOMEM;
+}
+
+int ect_veth_create(const char *one, const char *other, char *message)
+{
+    struct nl_sock *socket;
+    int error = connect_socket(&socket);
+    if (error >= 0)
+        error = add(socket, one, other);
+    if (error >= 0) {
+        quieten(one);
+        quieten(other);
+        error = ect_veth_up(socket, one);
+        error = error >= 0 ? ect_veth_up(socket, other) : error;
+        if (error < 0)
+            (void)ect_veth_destroy(one);
+    }
+    nl_socket_free(socket);
+    if (error < 0)
+        explain(error, one, other, message);
+    return error < 0 ? -1 : 0;
+}
+
+int ect_veth_destroy(const char *one)
+{
+    struct nl_sock *socket;
+    struct rtnl_link *link = NULL;
+    int error = connect_socket(&socket);
+    if (error >= 0)
+        error = rtnl_link_get_kernel(socket, 0, one, &link);
+    if (error >= 0)
+        error = rtnl_link_delete(socket, link);
+    if (link)
+        rtnl_link_put(link);
+    nl_socket_free(socket);
+    return error < 0 ? -1 : 0;
+}
