@@ -28,6 +28,10 @@ export ASAN_OPTIONS=detect_leaks=0
 for seed in "$root"/examples/fuzz-master/seeds/*; do
   quietly "$master" "$seed"
 done
+for input in "$root"/examples/fuzz-master/found/*; do # an error of AddressSanitizer, or a loop
+  ended=$( (ulimit -t 5; "$master" "$input") >"$work/log" 2>&1; echo $?)
+  check "$(basename "$input") ends SOEM 1.4" yes "$([ "$ended" -ge 128 ] || grep -q 'ERROR: AddressSanitizer' "$work/log" && echo yes)"
+done
 replay() { FUZZ_MASTER_VERBOSE=1 "$master" "$1" 2>&1; }
 check "a start without changes" "1 slaves" "$(replay "$root/examples/fuzz-master/seeds/start" | sed 's/^[0-9]* frames, //')"
 check "a record changes a mail" yes "$(replay "$root/examples/fuzz-master/seeds/mail_size" | grep -q '^frame .*, mail 1: mail option 2' && echo yes)"
