@@ -278,6 +278,41 @@ static void a_request_in_pieces(void **state)
     close_bench(&b);
 }
 
+/* A request of 4095 bytes still waits for its line feed; a 4096th byte of another kind ends the connection. */
+static void the_line_feed_of_the_longest_request(void **state)
+{
+    static const struct {
+        size_t length;
+        const char *last, *part;
+        bool closed;
+    } cases[] = {{ECT_ENDPOINT_REQUEST - 1, "\n", OK, false},
+                 {ECT_ENDPOINT_REQUEST - 2, "\n", OK, false},
+                 {ECT_ENDPOINT_REQUEST - 1, "x", "at most 4095 characters", true}};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *request = "{\"op\":\"get\",\"pattern\":\"bu.state\"}";
+        char text[ECT_ENDPOINT_REQUEST + 1] = "", got[1024];
+        int fd = connect_client(&b);
+        set_nonblocking(fd);
+        memset(text, ' ', cases[i].length);
+        memcpy(text, request, strlen(request));
+        send_text(fd, text);
+        serve(&b);
+        assert_int_equal(receive_text(fd, got, sizeof got), 0);
+        assert_int_equal(read(fd, got, 1), -1); /* open */
+        send_text(fd, cases[i].last);
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        assert_non_null(strstr(got, cases[i].part));
+        assert_int_equal(read(fd, got, 1), cases[i].closed ? 0 : -1);
+        close(fd);
+        serve(&b);
+    }
+    close_bench(&b);
+}
+
 static void zero_bytes_and_long_requests(void **state)
 {
     static const char zero[] = "{\"op\":\"get\",\0\"pattern\":\"bu.state\"}\n";
@@ -411,6 +446,7 @@ int main(int argc, char **argv)
         {"Attack: sixteen closed connections: only set and fault are carried out",
          requests_of_closed_connections_are_skipped, NULL, NULL, NULL},
         {"A request may come byte by byte", a_request_in_pieces, NULL, NULL, NULL},
+        {"A request of 4095 bytes waits for its line feed", the_line_feed_of_the_longest_request, NULL, NULL, NULL},
         {"Attack: zero bytes and endless requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
         {"Attack: the 17th client gets the reason, and is closed", the_17th_client_gets_the_reason, NULL, NULL, NULL},
         {"Attack: without descriptors a client gets the reason", no_descriptors, NULL, NULL, NULL},

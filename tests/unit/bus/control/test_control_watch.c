@@ -179,6 +179,37 @@ static void most_signals_that_are_watched(void **state)
     close_bench(&b);
 }
 
+/* Two connections share the room for watches of every change, to its last place. */
+static void most_signals_of_all_connections(void **state)
+{
+    static char got[ANSWER_ROOM];
+    static const char *const requests[] = {"{\"op\":\"watch\",\"slave\":1,\"every\":true}\n",
+                                           "{\"op\":\"watch\",\"slave\":0,\"every\":true}\n"};
+    size_t lines[2] = {0};
+    int fds[2];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 16);
+    for (size_t i = 0; i < 2; i++) {
+        size_t used = 0;
+        fds[i] = connect_client(&b);
+        set_nonblocking(fds[i]);
+        send_text(fds[i], requests[i]);
+        for (unsigned int n = 0; n < 1000; n++) {
+            serve(&b);
+            used += receive_text(fds[i], got + used, sizeof got - used);
+        }
+        lines[i] = count_of(got, "\"slave\":");
+    }
+    assert_true(lines[0] > 200);
+    assert_int_equal(lines[0] + lines[1], ECT_CONTROL_EVERY);
+    assert_non_null(strstr(got, "too many signals are watched at every change, 4096 in all"));
+    for (size_t i = 0; i < 2; i++)
+        close(fds[i]);
+    serve(&b);
+    close_bench(&b);
+}
+
 /* A client that watches every change and reads none gets a line about the loss, and the connection ends. */
 static void a_slow_watcher_of_every_change_is_disconnected(void **state)
 {
@@ -215,6 +246,8 @@ int main(int argc, char **argv)
         {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
         {"Attack: 1000 x the same watch is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},
         {"Attack: at most 4096 signals are watched", most_signals_that_are_watched, NULL, NULL, NULL},
+        {"Attack: all connections together watch at most 4096 signals at every change", most_signals_of_all_connections,
+         NULL, NULL, NULL},
         {"Attack: a watcher of every change that does not read is disconnected",
          a_slow_watcher_of_every_change_is_disconnected, NULL, NULL, NULL},
     };

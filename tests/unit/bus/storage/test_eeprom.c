@@ -81,6 +81,46 @@ static void survives(void **state)
     ect_eeprom_close(eeprom);
 }
 
+/* Another process has written other bytes to the file: they show which range of it a write touches. */
+static void only_the_changed_range_is_written(void **state)
+{
+    enum { HEADER = 16 };
+    static const struct {
+        const char *title;
+        int first, last; /* changed; -1: none */
+    } cases[] = {{"nothing", -1, -1},
+                 {"the first byte", 0, 0},
+                 {"the last byte", SIZE - 1, SIZE - 1},
+                 {"one byte", 40, 40},
+                 {"two bytes and those between", 16, 20},
+                 {"both ends", 0, SIZE - 1}};
+    uint8_t made[SIZE], image[SIZE], marks[SIZE], got[SIZE];
+    (void)state;
+    factory(made, 3);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ect_eeprom_t *eeprom = must_open(made);
+        int fd = open(path, O_RDWR);
+        memset(marks, 0xA5, sizeof marks);
+        memcpy(image, made, SIZE);
+        assert_int_equal(pwrite(fd, marks, SIZE, HEADER + SIZE), SIZE);
+        if (cases[i].first >= 0) {
+            image[cases[i].first] ^= 0xFF;
+            image[cases[i].last] = (uint8_t)~made[cases[i].last];
+        }
+        ect_eeprom_write(eeprom, image, SIZE);
+        assert_int_equal(pread(fd, got, SIZE, HEADER + SIZE), SIZE);
+        for (int at = 0; at < SIZE; at++) {
+            const bool written = cases[i].first >= 0 && at >= cases[i].first && at <= cases[i].last;
+            if (got[at] != (written ? image[at] : 0xA5))
+                fail_msg("%s: byte %d of the file is 0x%02X", cases[i].title, at, got[at]);
+        }
+        assert_memory_equal(ect_eeprom_image(eeprom), image, SIZE);
+        close(fd);
+        ect_eeprom_close(eeprom);
+        assert_int_equal(unlink(path), 0);
+    }
+}
+
 /* A word of the factory's that is another one now is the newer wish; the master's others stay. */
 static void newer_factory(void **state)
 {
@@ -249,6 +289,7 @@ int main(int argc, char **argv)
 #define EEPROM_TEST(title, function) {title, function, NULL, remove_file, NULL}
     const struct CMUnitTest tests[] = {
         EEPROM_TEST("EEPROM file: what was written is there again", survives),
+        EEPROM_TEST("EEPROM file: only the changed range is written", only_the_changed_range_is_written),
         EEPROM_TEST("EEPROM file: a newer factory's words win, the master's others stay, the check value is right",
                     newer_factory),
         EEPROM_TEST("EEPROM file: a wrong check value stays as the master wrote it", bad_checksum_stays_bad),

@@ -208,6 +208,33 @@ static void meanwhile(void **state)
     expect_content(outside, "not yours");
 }
 
+static void most_protocols_of_a_device(void **state)
+{
+    enum { MOST = 16 };
+    static const ect_protocol_t protocol = {.type = ECT_MAILBOX_TYPE_COE};
+    const ect_protocol_t *protocols[MOST + 2] = {NULL};
+    char message[ECT_FILES_MESSAGE];
+    ect_device_t device = testdev;
+    (void)state;
+    device.protocols = protocols;
+    for (size_t count = 0; count <= MOST + 1; count++) {
+        if (count > 0)
+            protocols[count - 1] = &protocol;
+        ect_files_t *opened = ect_files_open(folder, &device, 0, message);
+        assert_true((opened != NULL) == (count <= MOST));
+        if (opened == NULL) {
+            assert_non_null(strstr(message, "it has too many protocols"));
+            continue;
+        }
+        const ect_protocol_t *const *all = ect_files_device(opened)->protocols;
+        for (size_t i = 0; i < count; i++)
+            assert_ptr_equal(all[i], &protocol);
+        assert_int_equal(all[count]->type, ECT_MAILBOX_TYPE_FOE);
+        assert_null(all[count + 1]);
+        ect_files_close(opened);
+    }
+}
+
 static void refused_devices(void **state)
 {
     char message[ECT_FILES_MESSAGE];
@@ -256,6 +283,7 @@ int main(void)
         TEST("Files: they are read piece by piece", read_pieces),
         TEST("Attack: a file without end fills no disk", too_large),
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),
+        TEST("Files: a device has at most 16 protocols of its own beside FoE", most_protocols_of_a_device),
         TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),
         TEST("Files: a twin offers them in every state, BOOT among them, to who knows the password", over_the_wire),
     };

@@ -114,6 +114,52 @@ static off_t size_of(const char *name)
     return lstat(name, &info) == 0 ? info.st_size : -1;
 }
 
+static void longest_path(void **state)
+{
+    char path[ECT_MEMORY_PATH + 1] = "";
+    (void)state;
+    for (size_t length = ECT_MEMORY_PATH - 1; length <= ECT_MEMORY_PATH; length++) {
+        memset(path, '/', length);
+        path[0] = '.';
+        memcpy(path + length - 4, "long", 5);
+        if (length < ECT_MEMORY_PATH)
+            ect_memory_close(must_open(path));
+        else
+            expect_refused(path, "too long");
+    }
+    assert_int_equal(size_of("long.0"), ECT_MEMORY_BANK + 32);
+    assert_int_equal(size_of("long.1"), ECT_MEMORY_BANK + 32);
+}
+
+/* Both ends of a bank, in memory and in the file behind its header. */
+static void ends_of_a_bank(void **state)
+{
+    static const struct {
+        const char *name;
+        unsigned int bank;
+        uint32_t offset;
+    } cases[] = {
+        {"ends.0", 0, 0}, {"ends.0", 0, ECT_MEMORY_BANK - 4}, {"ends.1", 1, 0}, {"ends.1", 1, ECT_MEMORY_BANK - 4}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char got[4];
+        ect_memory_t *memory = must_open("ends");
+        const ect_storage_t *s = ect_memory_storage(memory);
+        assert_int_equal(s->bank_size, ECT_MEMORY_BANK);
+        assert_int_equal(s->write(s->ctx, cases[i].bank, cases[i].offset, "abcd", 4), 0);
+        assert_int_equal(s->read(s->ctx, cases[i].bank, cases[i].offset, got, 4), 0);
+        assert_memory_equal(got, "abcd", 4);
+        int fd = open(cases[i].name, O_RDONLY);
+        assert_int_equal(pread(fd, got, 4, 32 + (off_t)cases[i].offset), 4);
+        assert_memory_equal(got, "abcd", 4);
+        assert_int_equal(pread(fd, got, 4, 32 + (off_t)ECT_MEMORY_BANK), 0);
+        close(fd);
+        ect_memory_close(memory);
+        assert_int_equal(unlink("ends.0"), 0);
+        assert_int_equal(unlink("ends.1"), 0);
+    }
+}
+
 static void foreign_files(void **state)
 {
     (void)state;
@@ -339,6 +385,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"A saved record is there at the next start", keeps, NULL, NULL, NULL},
         {"Without a path it lasts as long as the process", without_files, NULL, NULL, NULL},
+        {"A path has at most 511 characters", longest_path, NULL, NULL, NULL},
+        {"The first and the last byte of a bank are in the file behind its header", ends_of_a_bank, NULL, NULL, NULL},
         {"Attack: a file that no twin has made is refused, and stays as it is", foreign_files, NULL, NULL, NULL},
         {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
         {"A second twin on the same files is refused", one_twin_each, NULL, NULL, NULL},
