@@ -39,7 +39,7 @@ static bool write_all(int fd, const ect_eeprom_t *e, const uint8_t *factory)
 /* A file of its own is written whole and takes the name then: the file under that name is never half written. */
 static bool replace_file(ect_eeprom_t *e, const char *path, const uint8_t *factory)
 {
-    char other[ECT_EEPROM_PATH + 8];
+    char other[ECT_EEPROM_PATH + sizeof ".new"];
     snprintf(other, sizeof other, "%s.new", path);
     int fd = open(other, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
     if (fd < 0)

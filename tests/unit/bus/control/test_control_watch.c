@@ -52,6 +52,34 @@ static void changes_every_10_ms(void **state)
     close_bench(&b);
 }
 
+/* Each of several signals has its own last value. */
+static void a_change_is_reported_once(void **state)
+{
+    static const char *const watches[] = {"ru1.buttons", "bu.state", "ru1.encoder"};
+    char got[1024], request[96];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    for (size_t i = 0; i < sizeof watches / sizeof watches[0]; i++) {
+        snprintf(request, sizeof request, "{\"op\":\"watch\",\"pattern\":\"%s\"}\n", watches[i]);
+        send_text(fd, request);
+        serve(&b);
+    }
+    receive_text(fd, got, sizeof got);
+    set_encoder(&b, 5);
+    for (unsigned int n = 0; n < 3; n++) {
+        b.wire.now_ns += 10 * MS;
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        assert_int_equal(count_of(got, "ru1.encoder"), n == 0 ? 1 : 0);
+    }
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
 static void every_change(void **state)
 {
     char got[1024];
@@ -242,6 +270,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Watch: one line for each difference after 10 ms", changes_every_10_ms, NULL, NULL, NULL},
+        {"Watch: a change is reported once, whatever else is watched", a_change_is_reported_once, NULL, NULL, NULL},
         {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
         {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
         {"Attack: 1000 x the same watch is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},

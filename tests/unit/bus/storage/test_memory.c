@@ -270,6 +270,7 @@ static void damaged(void **state)
         memory = must_open("damaged"); /* reported once */
         ect_memory_close(memory);
     }
+    assert_true(size_of("damaged.0.damaged9") > 0 && size_of("damaged.1.damaged9") > 0);
     assert_true(size_of("damaged.0.damaged10") < 0 && size_of("damaged.1.damaged10") < 0);
 }
 
