@@ -227,9 +227,9 @@ static void most_protocols_of_a_device(void **state)
             continue;
         }
         const ect_protocol_t *const *all = ect_files_device(opened)->protocols;
-        for (size_t i = 0; i < count; i++)
+        assert_int_equal(all[0]->type, ECT_MAILBOX_TYPE_FOE);
+        for (size_t i = 1; i <= count; i++)
             assert_ptr_equal(all[i], &protocol);
-        assert_int_equal(all[count]->type, ECT_MAILBOX_TYPE_FOE);
         assert_null(all[count + 1]);
         ect_files_close(opened);
     }
