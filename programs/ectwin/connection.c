@@ -318,10 +318,10 @@ int connection_request(connection_t *connection, cJSON *request, const char *who
 {
     char *text = cJSON_PrintUnformatted(request);
     bool fits = text && strlen(text) < ECT_ENDPOINT_REQUEST;
-    if (!fits)
+    if (!fits && who)
         fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
                 ECT_ENDPOINT_REQUEST - 1);
-    else if (send_text(connection, text, strlen(text))) /* if not, the twin may have sent the reason before */
+    if (fits && send_text(connection, text, strlen(text))) /* if not, the twin may have sent the reason before */
         (void)send_text(connection, "\n", 1);
     cJSON_free(text);
     cJSON_Delete(request);

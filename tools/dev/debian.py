@@ -4,6 +4,7 @@
     copyright             of packaging/debian/copyright.in, LICENSE and SOEM_LICENCE
     changelog.gz          CHANGELOG.md
     changelog.Debian.gz   an entry for its newest version
+    dist-info/            METADATA and entry_points.txt of the Python module, by which pytest finds its plugin
 
 The entry's date is that of $SOURCE_DATE_EPOCH, or now.
 """
@@ -27,6 +28,13 @@ def changelog(changes, maintainer, when):
             f" -- {maintainer}  {email.utils.formatdate(when)}\n")
 
 
+def distribution(project, version):
+    """Metadata of the Python module, from pyproject.toml: {name of file: content}."""
+    plugins = re.search(r"^\[project\.entry-points\.(\w+)\]\n((?:\w+ = .*\n)+)", project, re.M)
+    points = f"[{plugins[1]}]\n" + plugins[2].replace('"', "") if plugins else ""
+    return {"METADATA": f"Metadata-Version: 2.1\nName: ectwin\nVersion: {version}\n", "INSTALLER": "debian\n", "entry_points.txt": points}
+
+
 def main():
     if len(sys.argv) != 5:
         sys.exit(__doc__)
@@ -39,6 +47,11 @@ def main():
     text = (root / "packaging/debian/copyright.in").read_text().replace("@EXPAT@", field(expat))
     text = text.replace("@SOEM@", field(soem.read_text() if soem.is_file() else "SOEM was not linked."))
     (out / "copyright").write_text(text)
+    info = out / "dist-info"
+    info.mkdir(exist_ok=True)
+    version = re.search(r"^## (\d+\.\d+\.\d+)", changes, re.M)[1]
+    for name, content in distribution((root / "pyproject.toml").read_text(), version).items():
+        (info / name).write_text(content)
     for name, content in (("changelog", changes), ("changelog.Debian", changelog(changes, maintainer, when))):
         (out / f"{name}.gz").write_bytes(gzip.compress(content.encode(), 9, mtime=0))
 

@@ -32,6 +32,7 @@ for name in ${*:-deb wheel container action gitlab}; do
   commands=$(part "$name")
   status=0
   FRESH_FILES='build/packages' tools/dev/fresh.sh "$release" "$commands" || status=$?
+  [ $status -ne 77 ] || exit 77
   [ $status -eq 0 ] || { echo "$release, $name: FAILED (status $status)"; exit $status; }
   echo "$release, $name: passed"
 done
