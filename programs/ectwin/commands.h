@@ -98,6 +98,8 @@ typedef struct twin_args {
     size_t setting_count;
     twin_module_t *modules;
     size_t module_count;
+    const char **connections; /* --connect */
+    size_t connection_count;
     twin_behaviour_t *behaviours;
     size_t behaviour_count;
     ect_files_t **opened;    /* the folder, one a twin, where there is one */

@@ -11,6 +11,7 @@
 #include "bus/chain/settings.h"
 #include "bus/net/rights.h"
 #include "commands.h"
+#include "connect_args.h"
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
@@ -33,6 +34,7 @@ enum {
     KEY_BREAK,
     KEY_MODULE,
     KEY_BEHAVIOUR,
+    KEY_CONNECT,
     KEY_FAULT,
     KEY_FAULTS,
     KEY_FILES,
@@ -74,6 +76,10 @@ static const struct argp_option options[] = {
      "Behaviour of twin N of an ESI file, without N of all: the axes of a CiA 402 drive, or none (default: cia402 "
      "where "
      "the file has 6040h and 6041h). May be repeated",
+     1},
+    {"connect", KEY_CONNECT, "N.NAME=M.NAME[,…]", 0,
+     "Let signal M.NAME of twin M set signal N.NAME of twin N, with ,factor=F ,offset=O ,delay=10ms ,invert (default: the "
+     "value itself, at once). May be repeated",
      1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
      "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
@@ -121,6 +127,15 @@ static void add_setting(twin_args_t *args, const struct argp_state *state, const
         argp_error(state, "--set takes NAME=VALUE, not '%s'", text);
     args->settings = grown;
     args->settings[args->setting_count++] = text;
+}
+
+static void add_connection(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char **grown = realloc(args->connections, (args->connection_count + 1) * sizeof *grown);
+    if (!grown)
+        argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
+    args->connections = grown;
+    args->connections[args->connection_count++] = text;
 }
 
 /* "N:" in front of a setting names a twin; without it the setting is for the first. Sets `text` to the rest. */
@@ -365,6 +380,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_MODULE:
         add_module(args, state, text);
+        return 0;
+    case KEY_CONNECT:
+        add_connection(args, state, text);
         return 0;
     case KEY_BEHAVIOUR:
         add_behaviour(args, state, text);
@@ -649,7 +667,8 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
         report(args, who, "not enough memory for %zu twins", args->count);
         return EXIT_RUN;
     }
-    if (apply_all(args, *chain, who, now_ns))
+    if (apply_all(args, *chain, who, now_ns) &&
+        connect_args_apply(*chain, args->connections, args->connection_count, who))
         return EXIT_CLEAN;
     ect_chain_free(*chain);
     *chain = NULL;
@@ -672,6 +691,7 @@ void twin_args_free(twin_args_t *args)
     wiring_args_free(&args->wiring);
     free(args->modules);
     free(args->behaviours);
+    free(args->connections);
     free(args->twins);
     args->twins = NULL;
 }

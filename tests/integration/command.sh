@@ -107,6 +107,11 @@ start_values_and_memory() {
     "'$ectwin' with --store '$work/store' fzm1 -- true; echo \$?" 2>/dev/null)"
   check "with: --set in any order" "output_period=40 output_time=30" "$("$ectwin" with --set output_period=40 --set output_time=30 \
     fzm1 -- "$ectwin" get 'output_[pt]*' 2>/dev/null | xargs)"
+  for connection in 1.data1 1.nosuch=2.data1 3.data1=1.data2 1.data1=1.data2 2.data1=1.data1,delay=5; do
+    "$ectwin" with --connect "$connection" fzm1,fzm1 -- true 2>"$work/err"
+    check "with: --connect $connection is refused" 1 $?
+    check "with: the line has the connection" yes "$(grep -qF -- "--connect $connection: " "$work/err" && echo yes)"
+  done
   for setting in data1 nosuch=1 node_address=10 2:data1=1; do
     "$ectwin" with --set $setting fzm1 -- true 2>"$work/err"
     check "with: --set $setting is refused" 1 $?

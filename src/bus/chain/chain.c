@@ -34,6 +34,8 @@ struct ect_chain {
     size_t fast_reach;
     uint8_t *pool; /* memory of all ESCs and buffers in one block: the system provides pages when they are written to */
     ect_twin_snapshot_t kept;
+    ect_connections_t *connections; /* NULL: none */
+    size_t connection_count;
 };
 
 static bool make_pool(ect_chain_t *chain, const ect_twin_config_t *twins)
@@ -140,6 +142,7 @@ void ect_chain_free(ect_chain_t *chain)
     ect_deadlines_free(chain->deadlines);
     ect_cabling_free(&chain->cabling);
     ect_twin_snapshot_free(&chain->kept);
+    ect_connections_free(chain->connections);
     free(chain->ready);
     free(chain->pool);
     free(chain->twins);
@@ -314,6 +317,42 @@ static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
     ect_deadlines_set(chain->deadlines, i, ect_earlier(twin->slave_ns, ect_esc_due(&twin->esc)));
 }
 
+static void poll_ready(ect_chain_t *chain, uint64_t now_ns)
+{
+    for (size_t word = 0; word < ect_bits_words(chain->cabling.count); word++) {
+        uint64_t left = chain->ready[word];
+        chain->ready[word] = 0;
+        while (left != 0)
+            poll_twin(chain, ect_bits_take(word, &left), now_ns);
+    }
+}
+
+static void wake(void *chain, size_t position)
+{
+    ect_chain_wake(chain, position);
+}
+
+/* A value may pass through as many twins as there are connections. */
+static void run_connections(ect_chain_t *chain, uint64_t now_ns)
+{
+    for (size_t round = 0; round < chain->connection_count; round++) {
+        if (!ect_connections_run(chain->connections, now_ns, wake, chain))
+            return;
+        poll_ready(chain, now_ns);
+    }
+}
+
+bool ect_chain_connect(ect_chain_t *chain, const ect_connection_t *list, size_t count)
+{
+    ect_connections_t *connections = ect_connections_new(list, count);
+    if (!connections)
+        return false;
+    ect_connections_free(chain->connections);
+    chain->connections = connections;
+    chain->connection_count = count;
+    return true;
+}
+
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
 {
     size_t i;
@@ -323,18 +362,16 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
         make_ready(chain, i);
     }
-    for (size_t word = 0; word < ect_bits_words(chain->cabling.count); word++) {
-        uint64_t left = chain->ready[word];
-        chain->ready[word] = 0;
-        while (left != 0)
-            poll_twin(chain, ect_bits_take(word, &left), now_ns);
-    }
+    poll_ready(chain, now_ns);
+    run_connections(chain, now_ns);
     if (chain->links_due)
         update_links(chain);
     if (chain->delays_due)
         update_delays(chain);
     uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* then lamps change */
     uint64_t next_ns = ect_later(ect_deadlines_first(chain->deadlines, &i), chain->rests_ns);
+    if (chain->connections)
+        next_ns = ect_earlier(next_ns, ect_connections_next(chain->connections));
     return chain->frame_ns != 0 && now_ns < quiet_ns ? ect_earlier(next_ns, quiet_ns) : next_ns;
 }
 

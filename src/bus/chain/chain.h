@@ -25,6 +25,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/chain/connect.h"
 #include "bus/chain/crossing.h"
 #include "bus/chain/fault.h"
 #include "bus/chain/signals.h"
@@ -108,6 +109,13 @@ void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_
  * @return when to call again if no frame comes first; ECT_NEVER: not before
  */
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
+
+/**
+ * Connects signals of the twins; the connections replace earlier ones. The next poll runs them first.
+ * @param list  of signals of this chain, as for ::ect_connections_new
+ * @return false: no memory; nothing has changed
+ */
+bool ect_chain_connect(ect_chain_t *chain, const ect_connection_t *list, size_t count);
 
 /** @return whether a twin does work that must not be cut off (ect_plant_t::unfinished); then poll on before freeing */
 bool ect_chain_unfinished(const ect_chain_t *chain);

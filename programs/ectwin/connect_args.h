@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/** @file The option --connect: signals of one twin that set signals of another. */
+#ifndef ECTWIN_CONNECT_ARGS_H
+#define ECTWIN_CONNECT_ARGS_H
+
+#include "bus/chain/chain.h"
+
+/**
+ * Connects the signals of a chain.
+ * @param texts  `count` of N.NAME=M.NAME[,factor=F][,offset=O][,delay=T][,invert]
+ * @param who    begins the one line of a failure, on standard error
+ * @return false: a text is wrong, or there is no memory
+ */
+bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, const char *who);
+
+#endif

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT */
+/* Signals of twins that set signals of twins: values, limits, delays and loops, on the virtual clock. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/connect.h"
+#include "devices/pmctendo/pmctendo.h"
+#include "support/wire.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+enum { TWINS = 3 };
+
+static wire_t w;
+
+static int setup(void **state)
+{
+    ect_twin_config_t twins[TWINS];
+    (void)state;
+    for (unsigned int i = 0; i < TWINS; i++)
+        twins[i] = ect_twin_default(&ect_pmctendo_dd5, &ect_pmctendo_dd5_plant);
+    memset(&w, 0, sizeof w);
+    wire_open_twins(&w, twins, TWINS);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    wire_close(&w);
+    return 0;
+}
+
+static ect_signal_ref_t signal_of(size_t position, const char *name)
+{
+    ect_signal_ref_t ref = {0};
+    if (!ect_chain_signal(w.chain, position, name, &ref))
+        fail_msg("twin %zu has no signal %s", position, name);
+    return ref;
+}
+
+static void set(size_t position, const char *name, const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    ect_signal_ref_t ref = signal_of(position, name);
+    assert_true(ect_signal_write(&ref, value, w.now_ns, message));
+    ect_chain_wake(w.chain, position);
+    wire_poll(&w);
+}
+
+static void expect(size_t position, const char *name, const char *value)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    ect_signal_ref_t ref = signal_of(position, name);
+    ect_signal_read(&ref, text);
+    assert_string_equal(text, value);
+}
+
+static ect_connection_t from_to(size_t from, const char *source, size_t to, const char *target)
+{
+    return (ect_connection_t){
+        .from = from, .to = to, .source = signal_of(from, source), .target = signal_of(to, target), .factor = 1};
+}
+
+static void connect(const ect_connection_t *list, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        assert_true(ect_connection_fits(&list[i]));
+    assert_int_equal(ect_connections_loop(list, count), count);
+    assert_true(ect_chain_connect(w.chain, list, count));
+    wire_poll(&w);
+}
+
+static void through_twins(void **state)
+{
+    ect_connection_t list[] = {from_to(1, "analog", 2, "load"), from_to(0, "analog", 1, "analog")};
+    (void)state;
+    list[0].factor = 0.001;
+    list[0].offset = 1;
+    connect(list, COUNT(list));
+    expect(2, "load", "1");
+    set(0, "analog", "2000");
+    expect(1, "analog", "2000");
+    expect(2, "load", "3");
+}
+
+static void at_the_limits(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "analog", 1, "analog"), from_to(0, "analog", 1, "di1"),
+                               from_to(0, "di1", 2, "di2")};
+    (void)state;
+    list[0].factor = 1e12;
+    list[1].offset = -1000;
+    list[2].invert = true;
+    connect(list, COUNT(list));
+    set(0, "analog", "-5");
+    expect(1, "analog", "-32768");
+    expect(1, "di1", "0");
+    expect(2, "di2", "1");
+    set(0, "analog", "1001");
+    expect(1, "analog", "32767");
+    expect(1, "di1", "1");
+    set(0, "di1", "1");
+    expect(2, "di2", "0");
+}
+
+static void later(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "analog", 1, "analog")};
+    (void)state;
+    list[0].delay_ns = 10 * MS;
+    connect(list, COUNT(list));
+    wire_advance(&w, 20 * MS);
+    set(0, "analog", "100");
+    wire_advance(&w, 3 * MS);
+    set(0, "analog", "200");
+    wire_advance(&w, 7 * MS - 1);
+    expect(1, "analog", "0");
+    wire_advance(&w, 1);
+    expect(1, "analog", "100");
+    wire_advance(&w, 3 * MS - 1);
+    expect(1, "analog", "100");
+    wire_advance(&w, 1);
+    expect(1, "analog", "200");
+}
+
+static void crowded(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "analog", 1, "analog")};
+    (void)state;
+    list[0].delay_ns = 10 * MS;
+    connect(list, COUNT(list));
+    for (int n = 1; n <= 2 * ECT_CONNECTION_VALUES; n++) {
+        char text[12];
+        (void)snprintf(text, sizeof text, "%d", n);
+        set(0, "analog", text);
+    }
+    wire_advance(&w, 20 * MS);
+    expect(1, "analog", "2048");
+}
+
+static void oscillator(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "di1", 0, "di1")};
+    unsigned int changes = 0;
+    (void)state;
+    assert_int_equal(ect_connections_loop(list, 1), 0);
+    list[0].invert = true;
+    list[0].delay_ns = 10 * MS;
+    connect(list, COUNT(list));
+    uint8_t before = *list[0].source.value;
+    for (unsigned int ms = 0; ms < 105; ms++) {
+        wire_advance(&w, MS);
+        changes += *list[0].source.value != before;
+        before = *list[0].source.value;
+    }
+    assert_int_equal(changes, 10);
+}
+
+static void loops(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "analog", 1, "analog"), from_to(1, "analog", 2, "analog"),
+                               from_to(0, "di1", 2, "di1"), from_to(2, "di2", 0, "di2")};
+    (void)state;
+    assert_int_equal(ect_connections_loop(list, 3), 3);
+    assert_int_equal(ect_connections_loop(list, 4), 3);
+    list[3].delay_ns = 1;
+    assert_int_equal(ect_connections_loop(list, 4), 4);
+}
+
+static void misfits(void **state)
+{
+    (void)state;
+    ect_connection_t text = from_to(0, "state", 1, "analog");
+    ect_connection_t output = from_to(0, "analog", 1, "torque");
+    assert_false(ect_connection_fits(&text));
+    assert_false(ect_connection_fits(&output));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"a value passes through twins in one poll, with factor and offset", through_twins, setup, teardown, NULL},
+        {"values stop at the limits of the target; inversion", at_the_limits, setup, teardown, NULL},
+        {"a delay is exact, and keeps each value", later, setup, teardown, NULL},
+        {"a delay with too many values keeps the newest", crowded, setup, teardown, NULL},
+        {"a loop with a delay is an oscillator", oscillator, setup, teardown, NULL},
+        {"a loop without a delay is found", loops, setup, teardown, NULL},
+        {"texts and outputs are no ends of a connection", misfits, setup, teardown, NULL},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
