@@ -29,7 +29,7 @@ struct ectwin_bus {
     twin_args_t twins;
     char message[TWIN_MESSAGE];
     char **words; /* options point into them */
-    const char *devices;
+    char *devices;
     ect_exchange_t exchange;
     uint64_t now_ns;
     reply_t *first, **last;

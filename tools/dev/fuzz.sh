@@ -9,9 +9,9 @@ shift || true
 
 fuzz_master() {
   tools/bootstrap.sh test
-  cmake --preset release >/dev/null
-  cmake --build --preset release >/dev/null
   local prefix=$PWD/build/fuzz-master/prefix found
+  cmake --preset release >/dev/null
+  cmake --build --preset release >build/release/log || { tail -20 build/release/log; exit 1; }
   cmake --install build/release --prefix "$prefix" >/dev/null
   cmake -G Ninja -S examples/fuzz-master -B build/fuzz-master -DCMAKE_C_COMPILER=clang -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
   cmake --build build/fuzz-master >/dev/null
