@@ -44,7 +44,7 @@ foreach(row "ectwin.bash bash-completion/completions ectwin" "_ectwin zsh/vendor
   list(GET row 0 file)
   list(GET row 1 folder)
   list(GET row 2 name)
-  file(GLOB found share/completion/${file})
+  file(GLOB found packaging/completion/${file})
   if(found)
     install(FILES ${found} DESTINATION ${CMAKE_INSTALL_DATADIR}/${folder} RENAME ${name} COMPONENT doc)
   endif()

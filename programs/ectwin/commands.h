@@ -37,6 +37,7 @@ int command_ps(int argc, char **argv);
 int command_enter(int argc, char **argv);
 int command_wait(int argc, char **argv);
 int command_veth(int argc, char **argv);
+int command_complete(int argc, char **argv);
 int command_stats(int argc, char **argv);
 int command_get(int argc, char **argv);
 int command_set(int argc, char **argv);
@@ -52,6 +53,9 @@ int command_mend(int argc, char **argv);
 
 /** Room of a reason why twins cannot be powered on. */
 enum { TWIN_MESSAGE = 1280 };
+
+/** Names of the commands, 0 and up. @return NULL: there are no more */
+const char *ectwin_command_name(size_t i);
 
 /** "[N:]VALUE" of an identity option. */
 typedef struct identity_setting {

@@ -27,8 +27,14 @@ static const struct command {
     {"mend", command_mend},         {"fault", command_fault},
     {"lint", command_lint},         {"ps", command_ps},
     {"enter", command_enter},       {"wait", command_wait},
-    {"veth", command_veth},
+    {"veth", command_veth},         {"complete", command_complete},
 };
+
+const char *ectwin_command_name(size_t i)
+{
+    size_t count = sizeof commands / sizeof commands[0] - 1; /* `complete` is for shells */
+    return i < count ? commands[i].name : NULL;
+}
 
 static int usage(FILE *stream, int status)
 {

@@ -244,6 +244,11 @@ static void put_number(writer_t *w, long long number_, const char *unit)
     put(w, word);
 }
 
+const char *ect_fault_word(size_t kind)
+{
+    return kind < ECT_FAULT_KINDS ? kinds[kind].name : NULL;
+}
+
 void ect_fault_print(const ect_fault_t *fault, char *text)
 {
     ECT_ASSERT(fault->kind < ECT_FAULT_KINDS);

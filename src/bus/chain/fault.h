@@ -27,6 +27,7 @@
 #define ECT_BUS_CHAIN_FAULT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "wire/linkage.h"
@@ -84,6 +85,9 @@ typedef struct ect_fault {
  * @return whether the text is a fault
  */
 bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message);
+
+/** First word of the faults of a kind, 0 and up, several times where kinds share it. @return NULL: there are no more */
+const char *ect_fault_word(size_t kind);
 
 /** Writes a fault as text. @param[out] text  ECT_FAULT_TEXT bytes */
 void ect_fault_print(const ect_fault_t *fault, char *text);

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/* Words that may follow on a command line, for the completion of shells: `ectwin complete WORD... LAST`. */
+#define _GNU_SOURCE
+#include <argp.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "bus/chain/catalogue.h"
+#include "bus/chain/fault.h"
+#include "commands.h"
+
+static const char *last;
+
+static void offer(const char *before, const char *word, const char *after)
+{
+    size_t length = strlen(before);
+    if (strncmp(last, before, length) == 0 && strncmp(word, last + length, strlen(last + length)) == 0)
+        printf("%s%s%s\n", before, word, after);
+}
+
+/* Runs this program and passes each line of its output to `take`: what a user could type is read where a user reads it. */
+static void each_line(char *const words[], void (*take)(char *line))
+{
+    int ends[2];
+    char *line = NULL;
+    size_t room = 0;
+    if (pipe2(ends, O_CLOEXEC) < 0)
+        return;
+    fflush(stdout);
+    pid_t pid = fork();
+    if (pid == 0) {
+        int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+        (void)dup2(ends[1], STDOUT_FILENO);
+        (void)dup2(nothing, STDERR_FILENO);
+        execv("/proc/self/exe", words);
+        _exit(EXIT_RUN);
+    }
+    close(ends[1]);
+    FILE *output = fdopen(ends[0], "r");
+    while (pid > 0 && output && getline(&line, &room, output) >= 0)
+        take(line);
+    free(line);
+    if (output)
+        fclose(output);
+    if (pid > 0)
+        (void)waitpid(pid, NULL, 0);
+}
+
+/* The options in a line of a command's help. */
+static void take_options(char *line)
+{
+    char *option = strstr(line, "--");
+    if (line[0] != ' ' || !option || strspn(line, " ") > 8)
+        return;
+    size_t length = strcspn(option, " =[,\n");
+    bool value = option[length] == '=';
+    option[length] = 0;
+    offer("", option, value ? "=" : "");
+}
+
+/* "NAME r ..." of list-signals. */
+static void take_signal(char *line)
+{
+    line[strcspn(line, " \n")] = 0;
+    offer("", line, "");
+}
+
+static void take_writable_signal(char *line)
+{
+    char *access = line + strcspn(line, " ");
+    if (strncmp(access + strspn(access, " "), "rw", 2) != 0)
+        return;
+    *access = 0;
+    offer("", line, "=");
+}
+
+static void offer_devices(void)
+{
+    char before[256];
+    const char *comma = strrchr(last, ',');
+    const ect_product_t *product;
+    snprintf(before, sizeof before, "%.*s", comma ? (int)(comma - last + 1) : 0, last);
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++)
+        offer(before, product->device->name, "");
+}
+
+static void take_twin(char *line)
+{
+    static const char key[] = "\"socket\":\"";
+    char *path = strstr(line, key);
+    char *name = path ? strrchr(path, '/') : NULL;
+    char *end = name ? strstr(name, ".sock") : NULL;
+    if (!end)
+        return;
+    *end = 0;
+    offer("", name + 1, "");
+}
+
+static bool is_one_of(const char *word, const char *const *list)
+{
+    while (*list && strcmp(*list, word) != 0)
+        list++;
+    return *list != NULL;
+}
+
+static void offer_signals(const char *program, void (*take)(char *line))
+{
+    char *words[] = {(char *)program, "list-signals", NULL};
+    each_line(words, take);
+}
+
+/* The argument of a command, not one of its options. */
+static void offer_argument(const char *program, const char *command, int place)
+{
+    static const char *const of_devices[] = {"run", "with", "sii", "esi", "doc", "objects", "list-signals", NULL};
+    static const char *const of_signals[] = {"get", "watch", "wait", NULL};
+    if (is_one_of(command, of_devices) && place == 1)
+        offer_devices();
+    if (is_one_of(command, of_signals))
+        offer_signals(program, take_signal);
+    if (strcmp(command, "set") == 0)
+        offer_signals(program, take_writable_signal);
+    for (size_t i = 0; strcmp(command, "fault") == 0 && place == 1 && ect_fault_word(i); i++) {
+        if (i == 0 || strcmp(ect_fault_word(i), ect_fault_word(i - 1)) != 0)
+            offer("", ect_fault_word(i), "");
+    }
+}
+
+int command_complete(int argc, char **argv)
+{
+    static char program[] = "ectwin";
+    static char help[] = "--help";
+    static char ps[] = "ps";
+    static char json[] = "--json";
+    if (argc < 2)
+        return EXIT_USAGE;
+    last = argv[argc - 1];
+    const char *previous = argv[argc - 2];
+    int place = 0; /* how many words, without options, are there */
+    for (int i = 1; i < argc; i++)
+        place += argv[i][0] != '-';
+    if (argc == 2) {
+        for (size_t i = 0; ectwin_command_name(i); i++)
+            offer("", ectwin_command_name(i), "");
+    } else if (*last == '-') {
+        char *const words[] = {program, argv[1], help, NULL};
+        each_line(words, take_options);
+    } else if (strcmp(previous, "-s") == 0) {
+        char *const words[] = {program, ps, json, NULL};
+        each_line(words, take_twin);
+    } else if (previous[0] != '-' || argc == 3) {
+        offer_argument(program, argv[1], place - 1 > 0 ? place - 1 : 1);
+    }
+    return EXIT_CLEAN;
+}
