@@ -7,7 +7,8 @@
 #   container   an image `ectwin`, from the Debian package, where podman or docker is installed
 #
 # Beside them ectwin.spdx.json: the bill of materials (SPDX 2.3).
-# Two runs on one commit give the same bytes: dates are the commit's ($SOURCE_DATE_EPOCH), and no path of this machine is kept.
+# Dates are the commit's ($SOURCE_DATE_EPOCH), and paths of this machine are mapped away, so that two runs can be compared
+# (tools/dev/release.sh).
 set -eu
 cd "$(dirname "$0")/.."
 . tools/dev/stages.sh
