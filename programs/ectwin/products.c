@@ -25,7 +25,8 @@ void product_quiet(void)
     quiet = true;
 }
 
-static void free_all(void)
+/* Not by atexit: a bus in a master's process ends in a destructor and uses its twins until then. */
+__attribute__((destructor)) static void free_all(void)
 {
     while (all) {
         made_t *next = all->next;
@@ -40,8 +41,6 @@ static bool keep(ect_esi_twin_t *twin)
     made_t *made = malloc(sizeof *made);
     if (!made)
         return false;
-    if (!all)
-        (void)atexit(free_all);
     *made = (made_t){.next = all, .twin = twin};
     all = made;
     return true;

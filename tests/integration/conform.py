@@ -314,6 +314,19 @@ def in_process(_, conform):
     contains("without ectwin", "ectwin', which --in-process needs", done.stderr)
 
 
+def equal_runs(_, conform):
+    """--in-process: three runs of the whole catalogue have the same frames at the same times, whatever the machine does beside"""
+    environment = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "run.pcapng"
+        hashes = set()
+        for _ in range(3):
+            subprocess.run([conform, "--in-process", "fzm1,vr-bu-ect-map7", "--pcap", path], capture_output=True, check=False, env=environment)
+            hashes.add(hashlib.sha256(path.read_bytes()).hexdigest())
+        expect("frames", True, len(list(frames_of(path.read_bytes()))) > 10000)
+    expect("captures that differ", 1, len(hashes))
+
+
 def listing(_, conform):
     """--list needs no slave; each id once, grouped by section; --only and --skip take patterns"""
     def ids(*arguments):
@@ -570,7 +583,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [exit_codes, in_process, listing, formats, report_fields, output_lost, end_of_frame, canary, source_address, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
+    tests = [exit_codes, in_process, equal_runs, listing, formats, report_fields, output_lost, end_of_frame, canary, source_address, capture, on_request, wrong_file, files_named, files, power, interrupted, dead_slave]
     failed = 0
     for test in tests:
         if only and test.__name__ != only:

@@ -63,7 +63,7 @@ static bool poll_now(void *arg)
 static int poll_until(struct pollfd *fds, nfds_t count, uint64_t until_ns)
 {
     polling_t p = {.fds = fds, .count = count};
-    (void)ect_virtual_wait_until(poll_now, &p, until_ns);
+    (void)ect_virtual_wait_until(poll_now, &p, !are_ports(fds, count), until_ns);
     return p.result;
 }
 
@@ -117,7 +117,7 @@ static int select_until(int count, fd_set *to_read, fd_set *to_write, fd_set *ex
             s.wanted[i] = *s.sets[i];
     }
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    (void)ect_virtual_wait_until(select_now, &s, until_ns);
+    (void)ect_virtual_wait_until(select_now, &s, true, until_ns);
     return s.result;
 }
 
@@ -159,7 +159,7 @@ static int epoll_until(int fd, struct epoll_event *events, int most, uint64_t un
 {
     epolling_t e = {.fd = fd, .events = events, .most = most};
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    (void)ect_virtual_wait_until(epoll_now, &e, until_ns);
+    (void)ect_virtual_wait_until(epoll_now, &e, true, until_ns);
     return e.result;
 }
 

@@ -40,6 +40,7 @@ struct ect_port {
     int end;           /* -1: not bound */
     uint16_t protocol; /* network order */
     uint64_t timeout_ns;
+    bool nonblocking;
     waiting_t *first, **last;
     size_t count;
     bool fresh; /* a frame has come since the eventfd was last written */
@@ -68,8 +69,9 @@ int ect_port_open(int type, int protocol)
     }
     *port = (ect_port_t){.fd = fd, .descriptors = 1, .end = -1, .protocol = (uint16_t)protocol};
     port->last = &port->first;
-    /* The state of O_NONBLOCK is that of the eventfd, which the master reads and sets with fcntl. */
-    if ((type & SOCK_NONBLOCK) == 0)
+    port->nonblocking = (type & SOCK_NONBLOCK) != 0;
+    /* The master reads O_NONBLOCK of the eventfd. */
+    if (!port->nonblocking)
         (void)REAL(fcntl)(fd, F_SETFL, O_RDWR);
     ect_time_lock();
     by_descriptor[fd] = port;
@@ -361,9 +363,14 @@ static size_t scatter(const waiting_t *one, const struct iovec *pieces, size_t c
     return done;
 }
 
+void ect_port_set_nonblocking(ect_port_t *port, bool on)
+{
+    port->nonblocking = on;
+}
+
 static bool waits(const ect_port_t *port, int flags)
 {
-    return (flags & MSG_DONTWAIT) == 0 && (REAL(fcntl)(port->fd, F_GETFL) & O_NONBLOCK) == 0;
+    return (flags & MSG_DONTWAIT) == 0 && !port->nonblocking;
 }
 
 ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,

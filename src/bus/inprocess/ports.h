@@ -37,6 +37,9 @@ void ect_port_closed(int fd);
 bool ect_port_is_up(unsigned int end);
 void ect_port_take(unsigned int end, bool up);
 
+/** The master has set or cleared O_NONBLOCK of a descriptor. */
+void ect_port_set_nonblocking(ect_port_t *port, bool on);
+
 /** The functions of a socket with the results of their system calls: -1 and errno on failure. */
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length);
 int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length);

@@ -7,6 +7,7 @@
 #include <net/if.h>
 #include <netpacket/packet.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -93,6 +94,7 @@ static int on_port(int fd, unsigned long request, void *argument)
 {
     if (request == FIONBIO) {
         int flags = REAL(fcntl)(fd, F_GETFL) & ~O_NONBLOCK;
+        ect_port_set_nonblocking(ours(fd), *(const int *)argument != 0);
         return REAL(fcntl)(fd, F_SETFL, flags | (*(const int *)argument != 0 ? O_NONBLOCK : 0));
     }
     int end = argument ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
@@ -382,6 +384,8 @@ static int control(int fd, int command, void *argument)
     int result = REAL(fcntl)(fd, command, argument);
     if (result >= 0 && (command == F_DUPFD || command == F_DUPFD_CLOEXEC) && ours(fd))
         ect_port_copied(fd, result);
+    if (result >= 0 && command == F_SETFL && ours(fd))
+        ect_port_set_nonblocking(ours(fd), ((intptr_t)argument & O_NONBLOCK) != 0);
     return result;
 }
 

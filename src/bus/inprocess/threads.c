@@ -35,6 +35,7 @@ typedef struct thread {
     const void *key;
     bool (*condition)(void *arg);
     void *arg;
+    bool outside; /* another process may make the condition true */
     bool woken;
     int *ended; /* set when the thread ends */
     bool reported;
@@ -123,6 +124,7 @@ static void make_ready(thread_t *thread, bool woken)
     thread->order = ++orders;
     thread->key = NULL;
     thread->condition = NULL;
+    thread->outside = false;
 }
 
 /* The waiting thread that has waited longest among those for which `due` holds. */
@@ -221,7 +223,7 @@ static bool serve_client(void)
 static bool any_external_wait(void)
 {
     for (const thread_t *one = threads; one; one = one->next) {
-        if (one->state == WAITING && one->condition)
+        if (one->state == WAITING && one->outside)
             return true;
     }
     return false;
@@ -545,9 +547,10 @@ bool ect_virtual_wait(const void *key, uint64_t until_ns)
     return wait_here(key, NULL, NULL, until_ns);
 }
 
-bool ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, uint64_t until_ns)
+bool ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, bool outside, uint64_t until_ns)
 {
     begin_call();
+    self->outside = outside;
     return wait_here(NULL, ready, arg, until_ns);
 }
 

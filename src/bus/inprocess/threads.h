@@ -44,10 +44,11 @@ bool ect_virtual_wait(const void *key, uint64_t until_ns);
 
 /**
  * Waits until a condition holds that descriptors or the bus make true.
- * @param ready  evaluated while no thread of the master runs; must not block
+ * @param ready    evaluated while no thread of the master runs; must not block
+ * @param outside  another process may make it true: clients of the control socket are served at once
  * @return whether it holds
  */
-bool ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, uint64_t until_ns);
+bool ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, bool outside, uint64_t until_ns);
 
 /** Makes the first `most` threads ready that wait for a key, in the order in which they began to wait. @return how many
  */
