@@ -236,8 +236,8 @@ static void walk_root(walk_t *w, const xmlNode *node)
 void ect_esi_leaves(const ect_esi_device_t *device, ect_esi_leaf_t leaf, void *ctx)
 {
     ect_arena_t arena = {0};
-    char text[1];
-    walk_t w = {.xml = {.arena = &arena, .file = device->esi->file, .text = text, .room = 0}, .leaf = leaf, .ctx = ctx};
+    walk_t w = {
+        .xml = {.arena = &arena, .file = device->esi->file}, .leaf = leaf, .ctx = ctx}; /* mistakes are none here */
     const xmlNode *descriptions = ect_esi_child(device->esi->root, "Descriptions");
     walk_root(&w, ect_esi_child(device->esi->root, "Vendor"));
     ECT_ESI_EACH(group, ect_esi_child(descriptions, "Groups"), "Group")

@@ -524,6 +524,93 @@ static void mappings(void **state)
     }
 }
 
+/* An entry that a PDO maps and the dictionary has not; `dictionary` has 6000h with sub-index 0 and 1, of 8 bits. */
+static void entries_that_pdos_add(void **state)
+{
+#define HELD(info)                                                                                                     \
+    "<Profile><Dictionary><DataTypes><DataType><Name>T</Name><BitSize>24</BitSize>" COUNT ITEM(                        \
+        "1", "A", "USINT", "8", "") "</DataType></DataTypes><Objects><Object><Index>#x6000</Index><Name>R</"           \
+                                    "Name><Type>T</Type><BitSize>24</BitSize>"                                         \
+                                    "<Info>" info "</Info></Object></Objects></Dictionary></Profile>"
+#define ADDED(info, pdo) ESI_DEVICE(HELD(info) MAIL ESI_PROCESS_SMS pdo COE ESI_EEPROM)
+    static const struct {
+        const char *what, *text;
+        uint8_t count, last;
+        uint16_t bits; /* of the last entry */
+    } table[] = {
+        {"an entry that is there", ADDED("", TX("Sm='3'", "#x1A00", A8)), 1, 1, 8},
+        {"an entry behind", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "5", "16", "V", "INT"))), 5, 5, 16},
+        {"two entries behind, the last one first",
+         ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "5", "16", "V", "INT") B8)), 5, 5, 16},
+        {"an entry that is there, longer", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "16", "A", "UINT"))),
+         1, 1, 16},
+        {"an entry that is there, shorter", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "4", "A", "BIT4"))),
+         1, 1, 8},
+        {"the number of entries", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "0", "8", "N", "USINT"))), 1, 1, 8},
+        {"sub-index 255", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "255", "1", "V", "BOOL"))), 255, 255, 1},
+        {"an entry behind a count of 0",
+         ADDED("<SubItem><Name>SubIndex 000</Name><Info><DefaultData>00</DefaultData></Info></SubItem>",
+               TX("Sm='3'", "#x1A00", ENTRY("#x6000", "3", "16", "V", "INT"))),
+         3, 3, 16},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        const ect_object_t *o = ect_od_find(&od, 0x6000);
+        const ect_entry_t *last = ect_od_last(o);
+        if (ect_od_element(o, 0) != table[i].count || last->subindex != table[i].last ||
+            last->bit_length != table[i].bits)
+            fail_msg("%s: expected a count of %u, sub-index %u of %u bits, got %u, %u of %u", table[i].what,
+                     table[i].count, table[i].last, table[i].bits, (unsigned int)ect_od_element(o, 0), last->subindex,
+                     last->bit_length);
+        expect_note(table[i].what, &m, NULL);
+        free_made(&m);
+    }
+}
+
+/* The type's sub-item gives what the object's own info leaves out. */
+static void infos_of_types(void **state)
+{
+#define TYPED_INFO(type, object)                                                                                       \
+    RECORD(COUNT ITEM("1", "A", "UINT", "16", type), "<SubItem><Name>A</Name><Info>" object "</Info></SubItem>", "")
+    static const struct {
+        const char *what, *text;
+        uint16_t unit;
+        uint8_t per;
+        int64_t minimum, maximum;
+        uint32_t value;
+    } table[] = {
+        {"a unit of the type", TYPED_INFO("<Unit>#xFD010300</Unit>", "<DefaultData>0500</DefaultData>"), 0xFD01, 3, 0,
+         0, 5},
+        {"a unit of the object", TYPED_INFO("<Unit>#xFD010300</Unit>", "<Unit>#x00020100</Unit>"), 2, 1, 0, 0, 0},
+        {"a unit of both parts of 16 bits", TYPED_INFO("", "<Unit>#x12345600</Unit>"), 0x1234, 0x56, 0, 0, 0},
+        {"a minimum of the type, a maximum of the object",
+         TYPED_INFO("<MinValue>1</MinValue><DefaultData>0200</DefaultData>", "<MaxValue>9</MaxValue>"), 0, 0, 1, 9, 2},
+        {"limits of both",
+         TYPED_INFO("<MinValue>1</MinValue><MaxValue>5</MaxValue>",
+                    "<MinValue>2</MinValue><MaxValue>6</MaxValue><DefaultData>0300</DefaultData>"),
+         0, 0, 2, 6, 3},
+        {"a default of both", TYPED_INFO("<DefaultData>0700</DefaultData>", "<DefaultData>0800</DefaultData>"), 0, 0, 0,
+         0, 8},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        static const ect_detail_t none;
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        const ect_detail_t *found = ect_od_detail(&od, 0x2000, 1), *d = found != NULL ? found : &none;
+        uint32_t value = ect_od_element(ect_od_find(&od, 0x2000), 1);
+        if (d->unit != table[i].unit || d->per != table[i].per || d->minimum != table[i].minimum ||
+            d->maximum != table[i].maximum || value != table[i].value)
+            fail_msg("%s: expected %04X per %u, %lld to %lld, %u, got %04X per %u, %lld to %lld, %u", table[i].what,
+                     table[i].unit, table[i].per, (long long)table[i].minimum, (long long)table[i].maximum,
+                     (unsigned int)table[i].value, d->unit, d->per, (long long)d->minimum, (long long)d->maximum,
+                     (unsigned int)value);
+        free_made(&m);
+    }
+}
+
 /* Devices that no ESC can be, or whose process data would differ from the file's. */
 static void refusals(void **state)
 {
@@ -921,6 +1008,8 @@ int main(void)
         {"records and arrays: numbers, lengths, names", records, NULL, NULL, NULL},
         {"infos of sub-items by name, else by place", infos, NULL, NULL, NULL},
         {"mappings: entries, gaps, exclusion, and what is left out", mappings, NULL, NULL, NULL},
+        {"entries that PDOs add to a record of the dictionary", entries_that_pdos_add, NULL, NULL, NULL},
+        {"infos of a type where the object has none", infos_of_types, NULL, NULL, NULL},
         {"devices that no controller can be are refused", refusals, NULL, NULL, NULL},
         {"an assignment has room for all PDOs that do not exclude each other", assignments, NULL, NULL, NULL},
         {"the most that a SyncManager may come to", rooms_of_sms, NULL, NULL, NULL},
