@@ -159,12 +159,11 @@ ect_build_entry_t *ect_build_add(ect_build_t *build, ect_build_object_t *object,
 
 void ect_build_initial(ect_build_t *build, ect_build_entry_t *entry, uint64_t value)
 {
-    ECT_ASSERT(entry->bits > 0);
-    size_t length = (entry->bits + 7u) / 8u;
+    ECT_ASSERT(entry->bits > 0 && entry->bits <= 64);
     uint8_t *bytes = ect_arena_alloc(build->arena, 8);
     for (unsigned int i = 0; i < 8; i++)
         bytes[i] = (uint8_t)(value >> 8 * i);
-    entry->initial = (ect_esi_bytes_t){.bytes = bytes, .length = length < 8 ? length : 8};
+    entry->initial = (ect_esi_bytes_t){.bytes = bytes, .length = (entry->bits + 7u) / 8u};
 }
 
 bool ect_build_is_signed(uint16_t data_type)

@@ -46,7 +46,7 @@ NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
 CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
 FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
-ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$")  # of an array: more of it changes nothing
+ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more of it changes nothing
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
 

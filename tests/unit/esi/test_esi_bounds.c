@@ -77,6 +77,7 @@ GET(slot_max, slots[0].instances_max)
 GET(slot_ident, slots[0].idents[0])
 GET(slot_preset, slots[0].preset)
 GET(modules_read, module_count)
+GET(module_ident, modules[0].ident)
 GET(object_index, dictionary.objects[0].index)
 GET(object_bits, dictionary.objects[0].bits)
 GET(type_bits, dictionary.types[0].bits)
@@ -300,6 +301,10 @@ static void absent(void **state)
         {"MinInstances", ANY_SLOT, 0, slot_min},
         {"MaxInstances", ANY_SLOT, 1, slot_max},
         {"increments of a slot", ANY_SLOT, 0, slot_own},
+        {"ModuleIdent of a module",
+         ESI_HEAD "<Device><Type>D</Type><Slots><Slot/></Slots></Device></Devices><Modules><Module><Type/></Module>"
+                  "</Modules></Descriptions></EtherCATInfo>",
+         0, module_ident},
         {"BitSize of an object", ESI_DEVICE(OBJECT("<Index>1</Index>")), 0, object_bits},
         {"BitSize of a type", ANY_ITEM, 0, type_bits},
         {"LBound", ESI_DEVICE(TYPE("<ArrayInfo/>")), 0, type_first},

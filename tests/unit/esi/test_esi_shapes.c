@@ -196,6 +196,9 @@ static void services(void **state)
     } table[] = {
         {"nothing to assign", CHANGEABLE(ESI_MAILBOX_SMS), false},
         {"an assignment", CHANGEABLE(ESI_MAILBOX_SMS ESI_PROCESS_SMS), true},
+        {"an assignment of SyncManager 0",
+         ESI_DEVICE("<Sm StartAddress='#x1000' ControlByte='#x20'>Inputs</Sm><Mailbox><CoE PdoAssign='1'/></Mailbox>"),
+         true},
         {"assignment and mapping fixed",
          ESI_DEVICE(ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO("") "<Mailbox><CoE/></Mailbox>" ESI_EEPROM), false},
     };
