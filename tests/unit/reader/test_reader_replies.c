@@ -310,11 +310,95 @@ static void each_reply(void **state)
     }
 }
 
+/* --- lists of objects --------------------------------------------------------------------------------------------- */
+
+enum { INFO = 8, FRAGMENTS = 4 };
+
+/* Fragments of a list: opcode, reserved, two bytes of fragments that follow, then type of the list and indices. */
+static const struct list {
+    const char *what;
+    reply_t fragments[FRAGMENTS];
+    ect_reader_result_t result;
+    size_t count;
+    uint16_t indices[4];
+} lists[] = {
+    {"one fragment", {{INFO, 10, {0x02, 0, 0, 0, 1, 0, 0x00, 0x10, 0x18, 0x10}}}, ECT_READER_OK, 2, {0x1000, 0x1018}},
+    {"no object", {{INFO, 6, {0x02, 0, 0, 0, 1, 0}}}, ECT_READER_OK, 0, {0}},
+    {"an object twice", {{INFO, 10, {0x02, 0, 0, 0, 1, 0, 0x00, 0x10, 0x00, 0x10}}}, ECT_READER_OK, 1, {0x1000}},
+    {"half an index at the end", {{INFO, 9, {0x02, 0, 0, 0, 1, 0, 0x00, 0x10, 0x18}}}, ECT_READER_OK, 1, {0x1000}},
+    {"three fragments",
+     {{INFO, 8, {0x82, 0, 2, 0, 1, 0, 0x00, 0x10}},
+      {INFO, 8, {0x82, 0, 1, 0, 0x08, 0x10, 0x18, 0x10}},
+      {INFO, 6, {0x02, 0, 0, 0, 0xFF, 0xFF}}},
+     ECT_READER_OK,
+     4,
+     {0x1000, 0x1008, 0x1018, 0xFFFF}},
+    {"a type alone in the first fragment",
+     {{INFO, 6, {0x82, 0, 1, 0, 1, 0}}, {INFO, 6, {0x02, 0, 0, 0, 0x00, 0x10}}},
+     ECT_READER_OK,
+     1,
+     {0x1000}},
+    {"a fragment without indices before the last",
+     {{INFO, 8, {0x82, 0, 2, 0, 1, 0, 0x00, 0x10}}, {INFO, 4, {0x82, 0, 1, 0}}},
+     ECT_READER_WRONG,
+     0,
+     {0}},
+    {"a list of another type", {{INFO, 8, {0x02, 0, 0, 0, 2, 0, 0x00, 0x10}}}, ECT_READER_WRONG, 0, {0}},
+    {"an error", {{INFO, 8, {0x07, 0, 0, 0, 0x00, 0x00, 0x02, 0x06}}}, ECT_READER_ABORTED, 0, {0}},
+};
+
+static const struct list *list;
+
+static bool next_fragment(liar_t *l)
+{
+    if (said >= FRAGMENTS || list->fragments[said].length == 0)
+        return false;
+    const reply_t *fragment = &list->fragments[said++];
+    liar_say_coe(l, fragment->service, fragment->bytes, fragment->length);
+    return true;
+}
+
+static liar_mail_t first_fragment(liar_t *l, const uint8_t *mail)
+{
+    static const uint8_t request[] = {0x01, 0, 0, 0, 1, 0}; /* the list of all objects */
+    assert_int_equal(mail[7] >> 4, INFO);
+    assert_memory_equal(mail + 8, request, sizeof request);
+    return next_fragment(l) ? LIAR_REPLIES : LIAR_SWALLOWS;
+}
+
+static void each_list(void **state)
+{
+    static const liar_kind_t kind = {"scripted", .request = first_fragment, .next = next_fragment};
+    static const ect_reader_config_t once = {.tries = 1};
+    (void)state;
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        size_t count = 99;
+        liar_t l;
+        list = &lists[i];
+        said = 0;
+        liar_open(&l, &testdev, &kind);
+        assert_int_equal(ect_reader_open(&reader, &l.link, &once), ECT_READER_OK);
+        ect_reader_result_t result = ect_reader_list(&reader, &count);
+        if (result != list->result || count != list->count)
+            fail_msg("%s: expected result %d, %zu objects, got %d, %zu", list->what, list->result, list->count, result,
+                     count);
+        for (size_t k = 0; k < count; k++) {
+            if ((reader.objects[list->indices[k] / 8] >> list->indices[k] % 8 & 1) == 0)
+                fail_msg("%s: expected object %04X", list->what, list->indices[k]);
+        }
+        if (result == ECT_READER_ABORTED)
+            assert_int_equal(reader.code, 0x06020000);
+        ect_reader_close(&reader);
+        liar_close(&l);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-069 replies to an upload: expedited, normal, segmented, aborted, and what is none", each_reply, NULL, NULL,
-         NULL},
+        {"CF-069 CF-071 CF-072 replies to an upload: expedited, normal, segmented, aborted, and what is none",
+         each_reply, NULL, NULL, NULL},
+        {"CF-076 lists of objects in one fragment and in several, and what is no list", each_list, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
