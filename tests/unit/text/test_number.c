@@ -74,11 +74,28 @@ static void beginnings(void **state)
     assert_int_equal(value, 12);
 }
 
+/* Every character, whatever the locale. */
+static void digits(void **state)
+{
+    static const char all[] = "0123456789abcdef", capitals[] = "ABCDEF";
+    (void)state;
+    for (unsigned int c = 0; c < 256; c++) {
+        unsigned int expected = 255;
+        for (unsigned int i = 0; i < 16; i++)
+            expected = (char)c == all[i] ? i : expected;
+        for (unsigned int i = 0; i < 6; i++)
+            expected = (char)c == capitals[i] ? i + 10 : expected;
+        if (ect_number_digit((char)c) != expected)
+            fail_msg("character %u: expected %u, got %u", c, expected, ect_number_digit((char)c));
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"decimal, hexadecimal, up to 64 bits", numbers, NULL, NULL, NULL},
         {"other texts, and numbers outside the range, change nothing", others, NULL, NULL, NULL},
+        {"ten digits, six letters of both sizes, and no other character", digits, NULL, NULL, NULL},
         {"a number at the beginning of a text", beginnings, NULL, NULL, NULL},
     };
     if (argc > 1)
