@@ -231,11 +231,26 @@ static void sentences(void **state)
     end_run(&run);
 }
 
+/* A seed that a report names repeats the run with every later version. */
+static void the_sequence_of_a_seed_is_fixed(void **state)
+{
+    static const uint32_t expected[] = {177355, 512552, 485455, 648416, 277360, 212811};
+    cf_t c = {.random = 1};
+    (void)state;
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
+        assert_int_equal(cf_random(&c, 1000000), expected[i]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values),    cmocka_unit_test(masked),       cmocka_unit_test(ranges),
-        cmocka_unit_test(others),    cmocka_unit_test(random_range), cmocka_unit_test(another_seed),
+        {"The random sequence of a seed is fixed", the_sequence_of_a_seed_is_fixed, NULL, NULL, NULL},
+        cmocka_unit_test(values),
+        cmocka_unit_test(masked),
+        cmocka_unit_test(ranges),
+        cmocka_unit_test(others),
+        cmocka_unit_test(random_range),
+        cmocka_unit_test(another_seed),
         cmocka_unit_test(sentences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
