@@ -497,7 +497,7 @@ static void complete(cf_t *c)
 /* The IRQ field of a datagram that reads no event away. */
 static uint16_t irq_field(cf_t *c)
 {
-    uint8_t type;
+    uint8_t type = 0;
     cf_datagram_t d = {
         .command = CF_FPRD, .address = CF_AT(c->facts.station, ECT_REG_TYPE), .length = 1, .data = &type};
     cf_exchange(c, &d, 1);

@@ -289,7 +289,7 @@ static uint16_t partner(cf_t *c)
 static void exchange_both(cf_t *c, uint16_t other, const uint32_t out[2], const uint32_t in[2])
 {
     const uint16_t stations[2] = {c->facts.station, other}, ram = cf_spare_ram(c);
-    uint8_t data[16], inputs[2][4] = {{1, 2, 3, 4}, {5, 6, 7, 8}}, written[2][4];
+    uint8_t data[16], inputs[2][4] = {{1, 2, 3, 4}, {5, 6, 7, 8}}, written[2][4] = {{0}};
     uint16_t wkc = 0;
     for (unsigned int i = 0; i < 2; i++) {
         (void)cf_command(c, CF_FPWR, stations[i], ram, inputs[i], 4);

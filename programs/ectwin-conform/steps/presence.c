@@ -54,7 +54,7 @@ static bool close_port(cf_t *c)
     for (unsigned int port = 1; port < PORTS; port++) {
         e->pulled = true;
         set_ports(c, (uint8_t)(e->port_control | CLOSED << 2 * port));
-        uint8_t byte;
+        uint8_t byte = 0;
         if (cf_command(c, CF_APRD, c->facts.ring, ECT_REG_TYPE, &byte, 1) == 0)
             return true;
         set_ports(c, e->port_control);
