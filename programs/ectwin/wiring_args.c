@@ -12,7 +12,7 @@
 #include "seams/random.h"
 #include "text/number.h"
 
-enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE };
+enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE, KEY_EEPROM };
 
 static const struct argp_option options[] = {
     {"esc", KEY_ESC, "[N:]NAME", 0,
@@ -26,6 +26,10 @@ static const struct argp_option options[] = {
      "Length of the cable at the input of twin N, without N of all, whole metres, 0 to 1000 (default 1): it adds to "
      "the "
      "propagation delays of distributed clocks",
+     2},
+    {"eeprom-times", KEY_EEPROM, "[N:]chip|short", 0,
+     "Duration of the EEPROM commands of twin N, without N of all: 'chip', as an I2C EEPROM, 0.3 to 1.2 ms and 5 ms "
+     "after a written word, or 'short', 20 us (default: short). May be repeated",
      2},
     {"wire", KEY_WIRE, "N:M.PORT", 0,
      "Connect the input of twin N to port 1, 2 or 3 of twin M, which comes before it (default: port 1 of the twin "
@@ -79,6 +83,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_DRIFT:
     case KEY_CABLE:
     case KEY_WIRE:
+    case KEY_EEPROM:
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -130,6 +135,14 @@ static void set_cable(const struct argp_state *state, ect_twin_config_t *twin, c
     twin->cable_m = (uint16_t)metres;
 }
 
+static void set_eeprom(const struct argp_state *state, ect_twin_config_t *twin, const char *text)
+{
+    bool chip = strcmp(text, "chip") == 0;
+    if (!chip && strcmp(text, "short") != 0)
+        argp_error(state, "--eeprom-times takes chip or short, not '%s'", text);
+    twin->eeprom_ns = chip ? (uint32_t)ECT_ESC_SII_I2C : (uint32_t)ECT_TWIN_EEPROM_NS;
+}
+
 static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, const wiring_setting_t *setting)
 {
     uint64_t up = 0;
@@ -146,6 +159,9 @@ static void apply_setting(const wiring_setting_t *setting, const struct argp_sta
     switch (setting->key) {
     case KEY_ESC:
         set_esc(state, &twins[i], i + 1, setting->text);
+        return;
+    case KEY_EEPROM:
+        set_eeprom(state, &twins[i], setting->text);
         return;
     case KEY_DRIFT:
         set_drift(state, &twins[i], setting, seed);

@@ -8,7 +8,8 @@ static int find_sm(const ect_esc_t *esc, uint32_t address, uint32_t *limit)
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++) {
         const ect_esc_sm_t *sm = &esc->sm[n];
         if (address - sm->start < sm->length) {
-            *limit = (uint32_t)sm->start + sm->length;
+            uint32_t sm_end = (uint32_t)sm->start + sm->length;
+            *limit = sm_end < *limit ? sm_end : *limit; /* one with a lower number may begin inside */
             return (int)n;
         }
         if (sm->start > address && sm->start < *limit)

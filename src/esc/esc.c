@@ -134,9 +134,10 @@ int ect_esc_pdi_write(void *esc, uint16_t address, const void *buffer, uint16_t 
     return 0;
 }
 
-/* Each of these schedules its own next time. */
+/* Each of these schedules its own next time. The end of a reload may move the pulses, so it comes first. */
 static void tick_units(ect_esc_t *esc)
 {
+    ect_esc_sii_tick(esc);
     esc->next_ns = UINT64_MAX;
     ect_esc_watchdog_tick(esc);
     ect_esc_sii_tick(esc);

@@ -40,12 +40,19 @@ enum { ECT_ESC_MAX_FRAME = 2000 };
 /** Memory that an ESC of this personality needs, bytes: 4 KB of registers and its process RAM. */
 #define ECT_ESC_MEMORY_SIZE(ram_kb) (0x1000u + (size_t)(ram_kb) * 1024u)
 
+/** For ect_esc_config_t::sii_command_ns: each EEPROM command takes as long as on an I²C bus of 149 kHz (ET1100 data
+ * sheet III §8.2), and a written EEPROM is busy for another 5 ms, during which it acknowledges no command (0x0502 bit
+ * 13). */
+enum { ECT_ESC_SII_I2C = 0x7FFFFFFF };
+
 /** Construction and wiring of an ESC. ::ect_esc_init checks it once. */
 typedef struct ect_esc_config {
     const ect_esc_personality_t *personality; /**< not NULL */
-    uint8_t *memory;      /**< ECT_ESC_MEMORY_SIZE(personality->ram_kb) bytes; content is overwritten */
-    uint8_t *sii;         /**< EEPROM content; SII write commands change it. NULL: there is no EEPROM */
-    uint32_t sii_size;    /**< bytes; even, 0 with sii NULL */
+    uint8_t *memory;   /**< ECT_ESC_MEMORY_SIZE(personality->ram_kb) bytes; content is overwritten */
+    uint8_t *sii;      /**< EEPROM content; SII write commands change it. NULL: there is no EEPROM */
+    uint32_t sii_size; /**< bytes; even, 0 with sii NULL */
+    /** Duration of an EEPROM command, in which 0x0502 bit 15 reads 1; 0: it ends with its frame; ECT_ESC_SII_I2C */
+    uint32_t sii_command_ns;
     uint8_t open_ports;   /**< bit n: port n has a link; bit 0 is assumed. 0: port 0 only */
     bool keep_source_mac; /**< false: set the "locally administered" bit of the source MAC, as the chip does */
     /** false: the PDI counts as permanently active, and its watchdog never expires; true: the watchdog observes the
@@ -116,8 +123,10 @@ typedef struct ect_esc {
     ect_esc_arrival_t arrival;
     uint64_t sync_ns; /**< next event of a pulse of SYNC0 or SYNC1; UINT64_MAX: none */
     bool latch_level[2];
-    uint64_t watchdog_ns; /**< expiry of the process-data watchdog; UINT64_MAX: not running */
-    uint64_t sii_done_ns; /**< end of the pending SII command */
+    uint64_t watchdog_ns;    /**< expiry of the process-data watchdog; UINT64_MAX: not running */
+    uint64_t sii_done_ns;    /**< end of the pending SII command */
+    uint64_t sii_rest_ns;    /**< end of the EEPROM's own work after a write: until then it acknowledges nothing */
+    bool sii_unacknowledged; /**< the pending command has started before that */
     uint8_t sii_command;
     uint8_t sii_fault; /**< ect_sii_fault_t */
     uint8_t sii_fault_bit;
@@ -141,6 +150,7 @@ typedef struct ect_esc {
     uint8_t fmmu_reads;  /* bit n: FMMU n is active and maps reads */
     uint8_t fmmu_writes; /* likewise, writes */
     bool fmmus_plain;    /* all FMMUs map whole bytes, and no byte belongs to two of them */
+    bool sms_overlap;    /* two enabled SyncManagers share a byte: the lower number decides */
     uint8_t sm_changed;  /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
     uint32_t activity;
     uint32_t routing; /* changes with everything that affects the path of frames or data added to them (route.h) */

@@ -258,7 +258,8 @@ void ect_esc_commit(ect_esc_t *esc);
 static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint32_t end = (uint32_t)address + length;
-    bool managed = address >= ECT_RAM && esc->sii_valid && end <= esc->memory_size && !ect_esc_guards(esc, access);
+    bool managed = address >= ECT_RAM && esc->sii_valid && !esc->sms_overlap && end <= esc->memory_size &&
+                   !ect_esc_guards(esc, access);
     for (unsigned int n = 0; managed && n < ECT_ESC_MAX_SM; n++) {
         uint32_t offset = (uint32_t)address - esc->sm[n].start;
         if (offset >= esc->sm[n].length)

@@ -58,11 +58,9 @@ typedef struct ect_esc_personality {
     uint8_t
         port_types; /**< 0x0007 of a device with one input and one output: two bits a port, 3 MII, 2 EBUS, 0 absent */
     uint8_t ports;  /**< ports that the chip may have: bit n for port n */
-    uint16_t features;    /**< ECT_FEATURE_... */
-    uint16_t units;       /**< ECT_UNIT_... */
-    uint8_t sii_read;     /**< bytes that one SII read delivers: 4 or 8 */
-    uint32_t sii_read_ns; /**< duration of a read command; 0: it ends at once */
-    uint32_t sii_write_ns;
+    uint16_t features;      /**< ECT_FEATURE_... */
+    uint16_t units;         /**< ECT_UNIT_... */
+    uint8_t sii_read;       /**< bytes that one SII read delivers: 4 or 8 */
     uint16_t processing_ns; /**< delay of a frame from port 0 through the processing unit to the next port */
     uint16_t forwarding_ns; /**< delay from another port, past the processing unit, to the next port */
 } ect_esc_personality_t;

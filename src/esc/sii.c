@@ -22,6 +22,9 @@ enum {
     BUSY = 0x8000,
 };
 
+/* Longest time that an EEPROM of this kind needs to store a word. */
+enum { REST_NS = 5000000 };
+
 enum { COMMAND_IDLE = 0, COMMAND_READ = 1, COMMAND_WRITE = 2, COMMAND_RELOAD = 4 };
 
 static uint8_t *reg(const ect_esc_t *esc, uint16_t address)
@@ -126,7 +129,7 @@ static void finish(ect_esc_t *esc)
     ECT_ASSERT(command == COMMAND_READ || command == COMMAND_WRITE || command == COMMAND_RELOAD);
     esc->sii_command = COMMAND_IDLE;
     set_status(esc, status(esc) & ~(unsigned int)(BUSY | COMMAND));
-    if (esc->sii_fault == ECT_SII_NO_ANSWER) {
+    if (esc->sii_fault == ECT_SII_NO_ANSWER || esc->sii_unacknowledged) {
         set_status(esc, status(esc) | COMMAND_ERROR);
         return;
     }
@@ -139,6 +142,7 @@ static void finish(ect_esc_t *esc)
         if (offset < esc->config.sii_size) /* always even */
             memcpy(esc->config.sii + offset, data, 2);
         esc->sii_writes++;
+        esc->sii_rest_ns = esc->config.sii_command_ns == ECT_ESC_SII_I2C ? esc->now_ns + REST_NS : 0;
     } else {
         ect_esc_sii_load(esc, false);
     }
@@ -164,6 +168,30 @@ void ect_esc_sii_fault(ect_esc_t *esc, ect_sii_fault_t fault, unsigned int bit)
         ect_esc_expect(esc, esc->now_ns);
 }
 
+/* Clock periods of an I²C transfer: 9 for each byte, one for each start and stop condition. A read sends the address,
+ * and the control byte again; a larger EEPROM has one more byte of address. */
+static uint64_t i2c_time(const ect_esc_t *esc, uint8_t command)
+{
+    enum { PERIOD_NS = 6720, CONFIGURATION = 16 };
+    unsigned int bytes = 2 + ((status(esc) & TWO_ADDRESS_BYTES) != 0 ? 1u : 0u);
+    unsigned int conditions = 2;
+    if (esc->sii_unacknowledged)
+        return 11 * PERIOD_NS; /* start, control byte, stop */
+    if (command == COMMAND_WRITE) {
+        bytes += 2;
+    } else {
+        bytes += 1u + (command == COMMAND_READ ? esc->config.personality->sii_read : (unsigned int)CONFIGURATION);
+        conditions++;
+    }
+    return (uint64_t)PERIOD_NS * (9u * bytes + conditions);
+}
+
+static uint64_t duration(const ect_esc_t *esc, uint8_t command)
+{
+    uint32_t fixed_ns = esc->config.sii_command_ns;
+    return fixed_ns == ECT_ESC_SII_I2C ? i2c_time(esc, command) : fixed_ns;
+}
+
 /* The error bit of a command that is refused, or 0. */
 static unsigned int refusal(const ect_esc_t *esc, uint8_t command, bool write_enabled)
 {
@@ -176,7 +204,6 @@ static unsigned int refusal(const ect_esc_t *esc, uint8_t command, bool write_en
 
 static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
 {
-    const ect_esc_personality_t *p = esc->config.personality;
     ECT_ASSERT(esc->sii_command == COMMAND_IDLE);
     unsigned int flags = status(esc) & ~(unsigned int)(COMMAND | COMMAND_ERROR | WRITE_ENABLE_ERROR);
     unsigned int error = command == COMMAND_IDLE ? 0 : refusal(esc, command, write_enabled);
@@ -187,7 +214,8 @@ static void start(ect_esc_t *esc, uint8_t command, bool write_enabled)
     flags |= command == COMMAND_RELOAD ? (unsigned int)NOT_LOADED : 0u;
     set_status(esc, flags | BUSY | ((unsigned int)command << 8));
     esc->sii_command = command;
-    esc->sii_done_ns = esc->now_ns + (command == COMMAND_WRITE ? p->sii_write_ns : p->sii_read_ns);
+    esc->sii_unacknowledged = esc->now_ns < esc->sii_rest_ns;
+    esc->sii_done_ns = esc->now_ns + duration(esc, command);
     if (esc->config.sii_emulated)
         ect_esc_raise(esc, ECT_EVENT_SII);
     ect_esc_sii_tick(esc);

@@ -27,6 +27,19 @@ static bool ecat_writes(uint8_t control)
     return (control & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
 }
 
+static void find_overlaps(ect_esc_t *esc)
+{
+    esc->sms_overlap = false;
+    for (unsigned int n = 0; n < ECT_ESC_MAX_SM; n++) {
+        for (unsigned int m = n + 1; m < ECT_ESC_MAX_SM && esc->sm[n].length > 0; m++) {
+            const ect_esc_sm_t *a = &esc->sm[n];
+            const ect_esc_sm_t *b = &esc->sm[m];
+            esc->sms_overlap |= b->length > 0 && (uint32_t)a->start < (uint32_t)b->start + b->length &&
+                                (uint32_t)b->start < (uint32_t)a->start + a->length;
+        }
+    }
+}
+
 /* Its position is decoded once, because its registers cannot be written while it is enabled. */
 static void decode(ect_esc_t *esc, unsigned int n)
 {
@@ -35,6 +48,7 @@ static void decode(ect_esc_t *esc, unsigned int n)
     bool enabled = (sm[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 && length > 0;
     esc->sm[n].start = enabled ? ect_load_le16(sm + ECT_SM_START) : 0;
     esc->sm[n].length = enabled ? length : 0;
+    find_overlaps(esc);
 }
 
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)

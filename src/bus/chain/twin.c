@@ -10,7 +10,8 @@
 
 ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant)
 {
-    return (ect_twin_config_t){.device = device, .plant = plant, .identity = device->identity, .cable_m = 1};
+    return (ect_twin_config_t){
+        .device = device, .plant = plant, .identity = device->identity, .eeprom_ns = ECT_TWIN_EEPROM_NS, .cable_m = 1};
 }
 
 static void *allocate(void *of, size_t size)
@@ -55,6 +56,7 @@ static bool make_esc(ect_twin_t *twin)
         .memory = twin->esc_memory,
         .sii = sii,
         .sii_size = c->device->sii_size,
+        .sii_command_ns = c->eeprom_ns,
         .keep_source_mac = c->keep_source_mac,
         .drift_ppb = c->drift_ppb,
     };

@@ -33,11 +33,17 @@ typedef struct ect_twin_config {
     uint8_t up_port;      /**< port of that slave, 1, 2 or 3; 0: port 1 of the slave before this one */
     uint16_t cable_m;     /**< length of the cable at port 0, metres; adds to propagation delays */
     int32_t drift_ppb;    /**< deviation of the oscillator, -ECT_ESC_MAX_DRIFT_PPB..ECT_ESC_MAX_DRIFT_PPB; > 0: fast */
+    uint32_t eeprom_ns;   /**< duration of an EEPROM command (ect_esc_config_t::sii_command_ns) */
     const char *esc;      /**< name of the chip (esc/personality.h); NULL: as the description names it */
     bool keep_source_mac; /**< true: bit 1 of the first byte of the source address is left as it is */
 } ect_twin_config_t;
 
-/** The configuration that the description implies: its identity, chip and EEPROM, 1 m of cable, no storage. */
+/** Default duration of an EEPROM command: a master that does not wait for its end reads the previous data, and a scan
+ * of many slaves is fast all the same. */
+enum { ECT_TWIN_EEPROM_NS = 20000 };
+
+/** The configuration that the description implies: its identity, chip and EEPROM, EEPROM commands of
+ * ECT_TWIN_EEPROM_NS, 1 m of cable, no storage. */
 ect_twin_config_t ect_twin_default(const ect_device_t *device, const ect_plant_t *plant);
 
 ECT_C_END

@@ -197,7 +197,7 @@ static void access_lengths(void **state)
 static void busy_read(void **state)
 {
     rig_t *r = *state;
-    r->personality.sii_read_ns = 50 * US;
+    r->config.sii_command_ns = 50 * US;
     power_on(r);
     memset(r->memory + VALUE, 0x3C, 8);
     assert_int_equal(command(r, 0x0100, 8), 1);
@@ -221,7 +221,7 @@ static void busy_read(void **state)
 static void busy_write(void **state)
 {
     rig_t *r = *state;
-    r->personality.sii_write_ns = 5000 * US;
+    r->config.sii_command_ns = 5000 * US;
     power_on(r);
     assert_int_equal(ecat_write(r, VALUE, "\xAB\xCD", 2), 1);
     assert_int_equal(command(r, 0x0201, 0x20), 1);
@@ -246,7 +246,7 @@ static void next_deadline(void **state)
     static const uint32_t times_ms[] = {50, 99, 101, 200};
     for (size_t i = 0; i < sizeof times_ms / sizeof times_ms[0]; i++) {
         uint64_t time = times_ms[i] * MS;
-        r->personality.sii_write_ns = (uint32_t)time;
+        r->config.sii_command_ns = (uint32_t)time;
         power_on(r);
         assert_int_equal(ecat_write(r, 0x0800, "\x00\x10\x04\x00\x64\x00\x01\x00", 8), 1);
         assert_int_equal(ecat_write(r, 0x1000, "\x00\x00\x00\x00", 4), 1);
@@ -263,7 +263,7 @@ static void next_deadline(void **state)
 static void busy_reload(void **state)
 {
     rig_t *r = *state;
-    r->personality.sii_read_ns = 50 * US;
+    r->config.sii_command_ns = 50 * US;
     power_on(r);
     assert_int_equal(command(r, 0x0400, 0), 1);
     expect_status(r, "reload running", 0x8700, 0x8400);
@@ -550,7 +550,7 @@ static void write_enable_of_the_pdi(void **state)
 static void faults(void **state)
 {
     rig_t *r = *state;
-    r->personality.sii_read_ns = 50 * US;
+    r->config.sii_command_ns = 50 * US;
     power_on(r);
     for (unsigned int bit = 0; bit < 16; bit++) {
         uint8_t got[8] = {0};
@@ -594,9 +594,87 @@ static void many_commands_in_a_frame(void **state)
 
 #define TEST(title, function) {title, function, setup, teardown, NULL}
 
+/* The figures of the ET1100's data sheet (III, table 79), to 10 %, and those of 4 bytes by the same rule. */
+static void i2c_times(void **state)
+{
+    static const struct {
+        const char *what;
+        uint32_t size;
+        uint8_t read;
+        uint16_t command;
+        uint64_t want_us;
+    } rows[] = {
+        {"4 words, small", 2048, 8, 0x0100, 680},        {"4 words, large", 4096, 8, 0x0100, 740},
+        {"2 words, small", 2048, 4, 0x0100, 440},        {"a written word, small", 2048, 8, 0x0201, 250},
+        {"a written word, large", 4096, 8, 0x0201, 310}, {"configuration, small", 2048, 8, 0x0400, 1160},
+        {"configuration, large", 4096, 8, 0x0400, 1220},
+    };
+    rig_t *r = *state;
+    uint8_t image[4096] = {0};
+    memcpy(image, r->sii, 16);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        r->config.sii = image;
+        r->config.sii_size = rows[i].size;
+        r->config.sii_command_ns = ECT_ESC_SII_I2C;
+        r->personality.sii_read = rows[i].read;
+        power_on(r);
+        assert_int_equal(command(r, rows[i].command, 8), 1);
+        uint64_t took_us = (ect_esc_tick(&r->esc, r->w.now_ns) - r->w.now_ns) / US;
+        if (took_us * 10 < rows[i].want_us * 9 || took_us * 10 > rows[i].want_us * 11)
+            fail_msg("%s: expected %u us, got %u us", rows[i].what, (unsigned int)rows[i].want_us,
+                     (unsigned int)took_us);
+        assert_int_equal(r->memory[CONTROL + 1] & 0x80, 0x80);
+        r->w.now_ns += 2000 * US;
+        assert_int_equal(ect_esc_tick(&r->esc, r->w.now_ns), UINT64_MAX);
+        assert_int_equal(r->memory[CONTROL + 1] & 0x80, 0);
+    }
+}
+
+static void reload_under_sync(void **state)
+{
+    rig_t *r = *state;
+    r->config.sii_command_ns = 50 * US;
+    power_on(r);
+    uint8_t start[8], cycle[4];
+    ect_store_le64(start, ect_esc_system_time(&r->esc, r->w.now_ns) + 1000 * US);
+    ect_store_le32(cycle, 1000000);
+    assert_int_equal(ecat_write(r, 0x09A0, cycle, 4), 1);
+    assert_int_equal(ecat_write(r, 0x0990, start, 8), 1);
+    assert_int_equal(ecat_write(r, 0x0981, "\x03", 1), 1);
+    assert_int_equal(command(r, 0x0400, 0), 1);
+    r->w.now_ns += 50 * US;
+    assert_true(ect_esc_tick(&r->esc, r->w.now_ns) > r->w.now_ns);
+    expect_status(r, "reload done", 0xFFFF, 0x0040);
+}
+
+/* While it stores a word, the EEPROM acknowledges nothing; the master repeats its command. */
+static void busy_after_a_write(void **state)
+{
+    rig_t *r = *state;
+    r->config.sii_command_ns = ECT_ESC_SII_I2C;
+    power_on(r);
+    assert_int_equal(ecat_write(r, VALUE, "\x11\x22", 2), 1);
+    assert_int_equal(command(r, 0x0201, 0x20), 1);
+    r->w.now_ns += 300 * US;
+    expect_status(r, "written", 0xE700, 0);
+    assert_int_equal(command(r, 0x0100, 0x20), 1);
+    r->w.now_ns += 1000 * US;
+    expect_status(r, "read at once: not acknowledged", 0xE700, NO_ACK);
+    r->w.now_ns += 5000 * US;
+    assert_int_equal(command(r, 0x0100, 0x20), 1);
+    r->w.now_ns += 1000 * US;
+    expect_status(r, "read later", 0xE700, 0);
+    assert_memory_equal(r->memory + VALUE, "\x11\x22", 2);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        {"CF-055: EEPROM commands take the time of an I2C EEPROM, as in the data sheet", i2c_times, setup, teardown,
+         NULL},
+        {"CF-055: a reload ends while SYNC0 is running", reload_under_sync, setup, teardown, NULL},
+        {"CF-055: an EEPROM that stores a word acknowledges no command for 5 ms", busy_after_a_write, setup, teardown,
+         NULL},
         TEST("CF-055: a read delivers 4 or 8 bytes according to bit 6, FF beyond the end, the rest stays", read_sizes),
         TEST("CF-055: bit 7 is set from 32 kbit on", address_bytes),
         TEST("CF-055: command and address are taken in accesses of any length", access_lengths),

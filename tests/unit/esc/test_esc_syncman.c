@@ -846,9 +846,42 @@ static void off_empties(void **state)
 
 #define TEST(title, function) {title, function, setup, teardown, NULL}
 
+/* Bytes of two SyncManagers belong to the one with the lower number, in whichever order they lie. */
+static void overlapping(void **state)
+{
+    static const struct {
+        const char *what;
+        uint16_t first, second; /* start of SM0 and SM1 */
+        uint16_t address, length;
+        uint8_t full; /* bit n: SyncManager n is full then */
+        unsigned int wkc;
+    } rows[] = {
+        {"the whole lower one, in front", START, START + 8, START, 16, 1, 1},
+        {"the upper one: its first bytes are not its own", START, START + 8, START + 8, 16, 0, 0},
+        {"the upper one in front, up to the lower one", START + 8, START, START, 16, 0, 1},
+        {"both, the upper one in front: it is not closed", START + 8, START, START, 24, 1, 1},
+        {"equal: the lower one", START, START, START, 16, 1, 1},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t data[24] = {0};
+        set_sm(r, 0, rows[i].first, 16, 0x26);
+        set_sm(r, 1, rows[i].second, 16, 0x26);
+        wire_build(&r->w, APWR, 0, rows[i].address, data, rows[i].length);
+        process(r);
+        unsigned int full = (status_of(r, 0) & 8u) >> 3 | (status_of(r, 1) & 8u) >> 2;
+        if (wire_wkc(&r->w, 0) != rows[i].wkc || full != rows[i].full)
+            fail_msg("%s: expected WKC %u, full %u, got %u, %u", rows[i].what, rows[i].wkc, rows[i].full,
+                     wire_wkc(&r->w, 0), full);
+        ecat_write(r, 0x0806, 0);
+        ecat_write(r, 0x080E, 0);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        {"CF-016: of SyncManagers that overlap, the lower number has the bytes", overlapping, setup, teardown, NULL},
         TEST("CF-019: the three buffers lie one behind the other from the start address on", where_buffers_lie),
         TEST("CF-019: a SyncManager over the digital outputs passes each byte to its place", digital_outputs),
         TEST("CF-021: a SyncManager that is disabled takes its own event with it", off_takes_its_events),
