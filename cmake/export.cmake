@@ -1,6 +1,6 @@
 # Which component of an installation a library belongs to: `core` (runs on a board too), `soes_hal` (the software ESC for a SOES
 # firmware on a PC), `host`, or `chain` (the bus as one shared library, whose file
-# belongs to `runtime`, with the programs).
+# is the component `library`).
 include(GNUInstallDirs)
 set(ECTWIN_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR}/ectwin)
 
@@ -11,7 +11,7 @@ function(ectwin_export target component)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   add_library(ectwin::${name} ALIAS ${target})
   install(TARGETS ${target} EXPORT ectwin-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component}
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT ${component})
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT ${component})
   get_target_property(type ${target} TYPE)
   if(NOT type STREQUAL INTERFACE_LIBRARY) # which has no file
     set_property(GLOBAL APPEND PROPERTY ECTWIN_LIBRARIES_${component} ${target})

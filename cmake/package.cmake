@@ -1,4 +1,4 @@
-# Debian packages by CPack, for tools/package.sh: ectwin (components runtime, doc), ectwin-dev (headers and static libraries).
+# Debian packages by CPack, for tools/package.sh: ectwin (components runtime, library, doc), ectwin-dev (headers and static libraries).
 option(ECTWIN_DEBIAN "Lay out the installed tree as a Debian package" OFF)
 set(ECTWIN_MAINTAINER "ectwin maintainers <maintainers@ectwin.example>" CACHE STRING "Maintainer of the Debian packages")
 
@@ -43,7 +43,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
-set(CPACK_COMPONENTS_ALL runtime doc core soes_hal host chain)
+set(CPACK_COMPONENTS_ALL runtime library doc core soes_hal host chain)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -75,7 +75,7 @@ string(CONCAT CPACK_DEBIAN_DEV_DESCRIPTION "Headers and static libraries of ectw
 include(CPack)
 cpack_add_component_group(main)
 cpack_add_component_group(dev)
-foreach(component runtime doc)
+foreach(component runtime library doc)
   cpack_add_component(${component} GROUP main)
 endforeach()
 foreach(component core soes_hal host chain)

@@ -54,9 +54,6 @@ int command_mend(int argc, char **argv);
 /** Room of a reason why twins cannot be powered on. */
 enum { TWIN_MESSAGE = 1280 };
 
-/** Names of the commands, 0 and up. @return NULL: there are no more */
-const char *ectwin_command_name(size_t i);
-
 /** "[N:]VALUE" of an identity option. */
 typedef struct identity_setting {
     int key;     /**< of the option */

@@ -21,7 +21,8 @@ static void offer(const char *before, const char *word, const char *after)
         printf("%s%s%s\n", before, word, after);
 }
 
-/* Runs this program and passes each line of its output to `take`: what a user could type is read where a user reads it. */
+/* Runs this program and passes each line of its output to `take`: what a user could type is read where a user reads it.
+ */
 static void each_line(char *const words[], void (*take)(char *line))
 {
     int ends[2];
@@ -135,17 +136,14 @@ int command_complete(int argc, char **argv)
     static char help[] = "--help";
     static char ps[] = "ps";
     static char json[] = "--json";
-    if (argc < 2)
+    if (argc < 3) /* a single word is a command's name: main.c */
         return EXIT_USAGE;
     last = argv[argc - 1];
     const char *previous = argv[argc - 2];
     int place = 0; /* how many words, without options, are there */
     for (int i = 1; i < argc; i++)
         place += argv[i][0] != '-';
-    if (argc == 2) {
-        for (size_t i = 0; ectwin_command_name(i); i++)
-            offer("", ectwin_command_name(i), "");
-    } else if (*last == '-') {
+    if (*last == '-') {
         char *const words[] = {program, argv[1], help, NULL};
         each_line(words, take_options);
     } else if (strcmp(previous, "-s") == 0) {

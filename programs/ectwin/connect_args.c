@@ -69,8 +69,8 @@ static bool read_property(ect_connection_t *c, const char *text, char *message)
     else if (strncmp(text, "delay=", 6) == 0)
         good = read_time(text + 6, &c->delay_ns);
     if (!good)
-        (void)snprintf(message, MESSAGE, "'%.80s' is none of factor=NUMBER, offset=NUMBER, delay=TIME (as 10ms), invert",
-                       text);
+        (void)snprintf(message, MESSAGE,
+                       "'%.80s' is none of factor=NUMBER, offset=NUMBER, delay=TIME (as 10ms), invert", text);
     return good;
 }
 

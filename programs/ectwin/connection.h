@@ -63,17 +63,18 @@ int connection_request(connection_t *connection, cJSON *request, const char *who
 
 /** How the changes of watched signals are followed. */
 typedef struct follow {
-    bool quiet;                                  /**< nothing is printed */
-    bool (*met)(void *ctx, const cJSON *line);   /**< ends it when true; NULL: never */
+    bool quiet;                                /**< nothing is printed */
+    bool (*met)(void *ctx, const cJSON *line); /**< ends it when true; NULL: never */
     void *ctx;
-    int64_t timeout_ms;                          /**< from now on; negative: none */
+    int64_t timeout_ms; /**< from now on; negative: none */
 } follow_t;
 
 /** Statuses of ::connection_follow beside EXIT_RUN, which is that of a connection that has ended. */
 enum { FOLLOW_MET = 0, FOLLOW_TIMEOUT = -1, FOLLOW_UNREAD = -2 };
 
 /**
- * After the reply to "watch": reads lines, and prints them, until the connection ends, or nothing reads standard output.
+ * After the reply to "watch": reads lines, and prints them, until the connection ends, or nothing reads standard
+ * output.
  * @return FOLLOW_MET · FOLLOW_TIMEOUT · FOLLOW_UNREAD: standard output is no longer read · EXIT_RUN, the reason printed
  */
 int connection_follow(connection_t *connection, const char *who, const follow_t *follow);

@@ -30,10 +30,14 @@ static const struct command {
     {"veth", command_veth},         {"complete", command_complete},
 };
 
-const char *ectwin_command_name(size_t i)
+/* The names of the commands that begin with a word; `complete`, the last, is for shells. */
+static int complete_command(const char *word)
 {
-    size_t count = sizeof commands / sizeof commands[0] - 1; /* `complete` is for shells */
-    return i < count ? commands[i].name : NULL;
+    for (size_t i = 0; i + 1 < sizeof commands / sizeof commands[0]; i++) {
+        if (strncmp(commands[i].name, word, strlen(word)) == 0)
+            puts(commands[i].name);
+    }
+    return EXIT_CLEAN;
 }
 
 static int usage(FILE *stream, int status)
@@ -137,6 +141,8 @@ int ectwin_main(int argc, char **argv, const ect_product_t *products, size_t cou
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
         return usage(stdout, EXIT_CLEAN);
+    if (strcmp(argv[1], "complete") == 0 && argc == 3)
+        return complete_command(argv[2]);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         if (strcmp(argv[1], commands[i].name) == 0) {
             char name[32];

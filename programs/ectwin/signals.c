@@ -23,8 +23,8 @@ typedef struct client_args {
     unsigned int slave;
     const char *csv;
     bool every;
-    const char *until;   /* of watch */
-    int64_t timeout_ms;  /* of wait */
+    const char *until;  /* of watch */
+    int64_t timeout_ms; /* of wait */
     const char *arguments[ECT_ENDPOINT_VALUES];
     size_t count;
 } client_args_t;
@@ -224,7 +224,8 @@ static int watch(const client_args_t *args, const char *who)
     connection_t *connection = connection_open(&args->twin, who);
     if (!connection)
         return EXIT_OPEN;
-    int status = args->until ? request_one(connection, args, who, "watch", condition.name, print_and_check_line) : EXIT_CLEAN;
+    int status =
+        args->until ? request_one(connection, args, who, "watch", condition.name, print_and_check_line) : EXIT_CLEAN;
     if (status == EXIT_CLEAN && !is_fulfilled && (args->count > 0 || !args->until))
         status = request_each(connection, args, 0, who, "watch", print_line);
     fflush(stdout);

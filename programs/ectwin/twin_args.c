@@ -77,8 +77,9 @@ static const struct argp_option options[] = {
      "where "
      "the file has 6040h and 6041h). May be repeated",
      1},
-    {"connect", KEY_CONNECT, "N.NAME=M.NAME[,…]", 0,
-     "Let signal M.NAME of twin M set signal N.NAME of twin N, with ,factor=F ,offset=O ,delay=10ms ,invert (default: the "
+    {"connect", KEY_CONNECT, "N.NAME=M.NAME[,...]", 0,
+     "Let signal M.NAME of twin M set signal N.NAME of twin N, with ,factor=F ,offset=O ,delay=10ms ,invert (default: "
+     "the "
      "value itself, at once). May be repeated",
      1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/** @file A condition on a signal, as `wait` and `watch --until` take it: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE. */
+/** @file A condition on a signal, as `wait` and `watch --until` take it: NAME=VALUE, NAME!=VALUE, NAME<VALUE,
+ * NAME>VALUE. */
 #ifndef ECTWIN_UNTIL_H
 #define ECTWIN_UNTIL_H
 
@@ -12,8 +13,8 @@ typedef struct until {
     const char *value; /**< of the text that was read */
     bool has_number;
     double number;
-    unsigned int slave;   /**< 0: any */
-    char current[256];    /**< last value that ::until_met has seen */
+    unsigned int slave; /**< 0: any */
+    char current[256];  /**< last value that ::until_met has seen */
 } until_t;
 
 /** Reads a condition. @return NULL; else why not, a line for the user */

@@ -40,9 +40,10 @@ export PKG_CONFIG_PATH=$library/pkgconfig
 quietly ${CC:-cc} -std=c11 $flags "$work/chain/chain.c" $(pkg-config --cflags --libs ectwin-chain) -o "$work/by-pkg-config"
 check "pkg-config ectwin-chain" "$frames" "$(LD_LIBRARY_PATH=$library "$work/by-pkg-config" fzm1,vr-bu-ect-map7 | head -n 4)"
 
-# A program that uses the component alone needs no other part of ectwin.
+# A program that uses the library needs two components of ectwin and no other part.
+quietly cmake --install "$build" --prefix "$work/alone" --component library
 quietly cmake --install "$build" --prefix "$work/alone" --component chain
-check "the component has the library, its header and nothing of the others" "libectwin.so libectwin.so.0 library.h linkage.h" \
+check "the two components have the library, its header and nothing of the others" "libectwin.so libectwin.so.0 library.h linkage.h" \
   "$(find "$work/alone" \( -name 'lib*' -o -name '*.h' \) ! -type d ! -name '*.so.*.*.*' -printf '%f\n' | sort | xargs)"
 
 asan=$(ldd "$prefix/bin/ectwin" | awk '/libasan/ { print $3 }')

@@ -63,7 +63,7 @@ static void write_bytes(cf_t *c, uint16_t ram)
 
 static void both_ways(cf_t *c, uint16_t ram)
 {
-    uint8_t data[8];
+    uint8_t data[8] = {0};
     if ((c->facts.has & CF_LRW_OK) == 0)
         return;
     cf_step(c, "LRW over 4 bytes for writing and 4 for reading");
@@ -79,7 +79,7 @@ static void both_ways(cf_t *c, uint16_t ram)
 
 static void two_and_split(cf_t *c, uint16_t ram)
 {
-    uint8_t data[8];
+    uint8_t data[8] = {0};
     cf_step(c, "two FMMUs for reading in one datagram, the second area before the first in the RAM");
     cf_put(c, ram, numbers, 16);
     map_bytes(c, 0, LOGICAL, 4, (uint16_t)(ram + 8), READS);

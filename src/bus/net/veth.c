@@ -64,8 +64,8 @@ static void explain(int error, const char *one, const char *other, char *message
     if (error == -NLE_PERM)
         snprintf(message, ECT_VETH_MESSAGE, "a pair of interfaces needs CAP_NET_ADMIN: run 'sudo ectwin veth %s'", one);
     else if (error == -NLE_EXIST)
-        snprintf(message, ECT_VETH_MESSAGE, "'%s' or '%s' exists already: choose another name, or 'sudo ip link del %s'",
-                 one, other, one);
+        snprintf(message, ECT_VETH_MESSAGE,
+                 "'%s' or '%s' exists already: choose another name, or 'sudo ip link del %s'", one, other, one);
     else if (error == -NLE_OPNOTSUPP)
         snprintf(message, ECT_VETH_MESSAGE, "this kernel has no veth driver: 'sudo modprobe veth' loads it");
     else

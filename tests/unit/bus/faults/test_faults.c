@@ -372,6 +372,7 @@ static void resets_and_identity(void **state)
     for (unsigned int i = 0; i < 2; i++) {
         uint8_t word[4] = {0};
         assert_int_equal(wire_write(&r->w, 1, 0x0502, command, 6), 1);
+        wire_advance(&r->w, MS);
         assert_int_equal(wire_read(&r->w, 1, 0x0508, word, 4), 1);
         product[i] = ect_load_le32(word);
         wire_go(&r->w, 1, 2);
@@ -402,13 +403,16 @@ static void eeprom(void **state)
     rig_t *r = *state;
     uint8_t command[6] = {0x00, 0x01, 0x08}, good[4], bad[4];
     assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    wire_advance(&r->w, MS);
     assert_int_equal(wire_read(&r->w, 0, 0x0508, good, 4), 1);
     set(r, "eeprom flip 9 slave 1");
     assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    wire_advance(&r->w, MS);
     assert_int_equal(wire_read(&r->w, 0, 0x0508, bad, 4), 1);
     assert_int_equal(ect_load_le32(good) ^ ect_load_le32(bad), 0x02000200);
     set(r, "eeprom nack slave 1");
     assert_int_equal(wire_write(&r->w, 0, 0x0502, command, 6), 1);
+    wire_advance(&r->w, MS);
     assert_int_equal(wire_read16(&r->w, 0, 0x0502) & 0xA000, 0x2000);
     set(r, "eeprom busy slave 1");
     assert_int_equal(wire_write(&r->w, 0, 0x0502, (uint8_t[2]){0, 0}, 2), 1);
