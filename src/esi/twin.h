@@ -57,7 +57,7 @@ typedef enum ect_behaviour {
 
 /**
  * Gives a twin its behaviour: axes of CiA 402 at 6000h, 6800h to 9800h, with the objects that the file has, and the
- * signals `axis1.` to `axis8.` of their surroundings. A note lists the axes with their modes, and the objects of the
+ * signals axis1 to axis8 of their surroundings. A note lists the axes with their modes, and the objects of the
  * profile that the drive does not simulate. Once, before the first power-on of the twin; the description of the device
  * stays that of the file.
  * @param[out] text, room  the reason of the failure, one line

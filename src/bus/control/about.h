@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file What a process with twins reports about itself, in reply to the request `about` of the control socket. */
+/**
+ * @file
+ * Contents of the reply to the request `about` of the control socket: what a process with twins reports about itself.
+ */
 #ifndef ECT_BUS_CONTROL_ABOUT_H
 #define ECT_BUS_CONTROL_ABOUT_H
 
@@ -12,8 +15,7 @@ ECT_C_BEGIN
 typedef struct ect_about {
     const char *name;    /**< given by the user */
     const char *devices; /**< as they were named at the start */
-    const char
-        *ifaces[ECT_ENDS]; /**< by ::ect_end: the interface of the master, or the one on which the twins answer */
+    const char *ifaces[ECT_ENDS]; /**< by end: the interface of the master, or the one on which the twins answer */
 } ect_about_t;
 
 ECT_C_END

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Pairs of virtual Ethernet interfaces. Results of functions with a socket are those of libnl: negative, an
- * error. */
+/**
+ * @file
+ * Pairs of virtual Ethernet interfaces. Results of functions with a socket are those of libnl: negative, an error.
+ */
 #ifndef ECT_BUS_NET_VETH_H
 #define ECT_BUS_NET_VETH_H
 

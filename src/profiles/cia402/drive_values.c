@@ -131,8 +131,8 @@ static uint32_t setting_u32(const ect_402_drive_t *d, ect_402_value_t value)
 
 static uint16_t setting_u16(const ect_402_drive_t *d, ect_402_value_t value)
 {
-    double x = setting(d, value);
-    return x >= UINT16_MAX ? UINT16_MAX : x > 0 ? (uint16_t)(x + 0.5) : 0;
+    uint32_t x = setting_u32(d, value);
+    return x < UINT16_MAX ? (uint16_t)x : UINT16_MAX;
 }
 
 static int16_t option(const ect_402_drive_t *d, ect_402_value_t value)
