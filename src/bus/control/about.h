@@ -13,8 +13,8 @@ ECT_C_BEGIN
 
 /** Texts of the caller; NULL: the reply has no such member. */
 typedef struct ect_about {
-    const char *name;    /**< given by the user */
-    const char *devices; /**< as they were named at the start */
+    const char *name;             /**< given by the user */
+    const char *devices;          /**< as they were named at the start */
     const char *ifaces[ECT_ENDS]; /**< by end: the interface of the master, or the one on which the twins answer */
 } ect_about_t;
 
