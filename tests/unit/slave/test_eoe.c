@@ -260,7 +260,7 @@ static void frames_of_each_length(void **state)
     unsigned int count = 0, dropped = 0, length = 0;
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        send_frame(rows[i].length, size - MAIL_HEADER - HEADER, (unsigned int)i & 15u);
+        send_frame(rows[i].length, size - (unsigned int)(MAIL_HEADER + HEADER), (unsigned int)i & 15u);
         count += rows[i].good;
         dropped += !rows[i].good;
         length = rows[i].good ? rows[i].length : length;
