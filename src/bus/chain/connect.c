@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "wire/assert.h"
+
 typedef struct delayed {
     uint64_t due_ns;
     double value;
@@ -12,8 +14,9 @@ typedef struct delayed {
 
 typedef struct line {
     ect_connection_t c;
-    bool known, set; /* `last` is a value of the source, `sent` one of the target */
-    double last, sent;
+    bool known, set;              /* `last` is a value of the source, `sent` one of the target */
+    uint8_t last[sizeof(double)]; /* as the instance holds it */
+    double sent;
     delayed_t *values; /* a ring; NULL: no delay */
     size_t first, count;
 } line_t;
@@ -31,13 +34,16 @@ bool ect_connection_fits(const ect_connection_t *c)
 
 /* --- loops -------------------------------------------------------------------------------------------------------- */
 
-/* Whether `from` reaches `to` by connections without a delay, in at most `steps`. */
-static bool reaches(const ect_connection_t *list, size_t count, size_t from, size_t to, size_t steps)
+/* Whether `from` reaches `to` by connections without a delay. Each connection is followed once. */
+static bool reaches(const ect_connection_t *list, size_t count, size_t from, size_t to, bool *followed)
 {
     if (from == to)
         return true;
-    for (size_t i = 0; i < count && steps > 0; i++) {
-        if (list[i].delay_ns == 0 && list[i].from == from && reaches(list, count, list[i].to, to, steps - 1))
+    for (size_t i = 0; i < count; i++) {
+        if (followed[i] || list[i].delay_ns != 0 || list[i].from != from)
+            continue;
+        followed[i] = true;
+        if (reaches(list, count, list[i].to, to, followed))
             return true;
     }
     return false;
@@ -45,11 +51,15 @@ static bool reaches(const ect_connection_t *list, size_t count, size_t from, siz
 
 size_t ect_connections_loop(const ect_connection_t *list, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (list[i].delay_ns == 0 && reaches(list, i, list[i].to, list[i].from, i))
-            return i;
+    bool *followed = calloc(count + 1, sizeof *followed);
+    size_t i = followed ? 0 : count;
+    for (; i < count; i++) {
+        memset(followed, 0, i * sizeof *followed);
+        if (list[i].delay_ns == 0 && reaches(list, i, list[i].to, list[i].from, followed))
+            break;
     }
-    return count;
+    free(followed);
+    return i;
 }
 
 /* --- a connection ------------------------------------------------------------------------------------------------- */
@@ -138,14 +148,16 @@ static bool pass_due(line_t *line, uint64_t now_ns)
 
 static bool run(line_t *line, uint64_t now_ns)
 {
-    double value = value_of(&line->c.source);
-    bool changed = !line->known || value != line->last;
+    const ect_signal_ref_t *source = &line->c.source;
+    const size_t size = ect_signal_size(source->signal);
+    ECT_ASSERT(size <= sizeof line->last); /* ect_connection_fits: a number */
+    bool changed = !line->known || memcmp(line->last, source->value, size) != 0;
     line->known = true;
-    line->last = value;
+    memcpy(line->last, source->value, size);
     if (!line->values)
-        return changed && set(line, value, now_ns);
+        return changed && set(line, value_of(source), now_ns);
     if (changed)
-        put(line, value, now_ns);
+        put(line, value_of(source), now_ns);
     return pass_due(line, now_ns);
 }
 

@@ -31,7 +31,10 @@ typedef struct ect_connections ect_connections_t;
 /** @return whether source and target are numbers, and the target can be set */
 bool ect_connection_fits(const ect_connection_t *connection);
 
-/** @return the position in the list of a connection that is part of a loop without any delay; `count`: there is none */
+/**
+ * @return the position in the list of a connection that is part of a loop without any delay; `count`: there is none, or
+ * no memory to search for one. Cost: grows with the square of the list, for each connection
+ */
 size_t ect_connections_loop(const ect_connection_t *list, size_t count);
 
 /** @param list  copied; each fits, none is in a loop; the signals outlive the result. @return NULL: no memory */

@@ -168,6 +168,23 @@ static void loops(void **state)
     assert_int_equal(ect_connections_loop(list, 4), 4);
 }
 
+/* A search that follows each way would take 2^59 of them. */
+static void many_ways(void **state)
+{
+    enum { STAGES = 60 };
+    ect_connection_t list[2 * STAGES + 1];
+    (void)state;
+    for (size_t i = 0; i < COUNT(list); i++) {
+        list[i] = from_to(0, "analog", 1, "analog");
+        list[i].from = STAGES - 1 - i / 2; /* the last stage comes first in the list */
+        list[i].to = STAGES - i / 2;
+    }
+    list[2 * STAGES].from = STAGES;
+    list[2 * STAGES].to = 0;
+    assert_int_equal(ect_connections_loop(list, 2 * STAGES), 2 * STAGES);
+    assert_int_equal(ect_connections_loop(list, COUNT(list)), 2 * STAGES);
+}
+
 static void misfits(void **state)
 {
     (void)state;
@@ -186,6 +203,7 @@ int main(void)
         {"a delay with too many values keeps the newest", crowded, setup, teardown, NULL},
         {"a loop with a delay is an oscillator", oscillator, setup, teardown, NULL},
         {"a loop without a delay is found", loops, setup, teardown, NULL},
+        {"two connections between each twin and the next of 60 are checked at once", many_ways, setup, teardown, NULL},
         {"texts and outputs are no ends of a connection", misfits, setup, teardown, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
