@@ -108,24 +108,24 @@ static bool read_connection(const ect_chain_t *chain, const char *text, ect_conn
     return check(c, message);
 }
 
-bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, const char *who)
+bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, char *message)
 {
-    char message[MESSAGE] = "out of memory";
+    char why[MESSAGE] = "out of memory";
     ect_connection_t *list = calloc(count + 1, sizeof *list);
     size_t done = 0;
-    while (list && done < count && read_connection(chain, texts[done], &list[done], message))
+    while (list && done < count && read_connection(chain, texts[done], &list[done], why))
         done++;
     bool good = list && done == count;
     size_t loop = good ? ect_connections_loop(list, count) : count;
     if (loop < count) {
         good = false;
         done = loop;
-        (void)snprintf(message, sizeof message, "closes a loop of connections without a delay: add ,delay=1ms");
+        (void)snprintf(why, sizeof why, "closes a loop of connections without a delay: add ,delay=1ms");
     }
     if (good && count > 0)
         good = ect_chain_connect(chain, list, count);
     if (!good)
-        (void)fprintf(stderr, "%s: --connect %.120s: %s\n", who, done < count ? texts[done] : "", message);
+        (void)snprintf(message, CONNECT_MESSAGE, "--connect %.120s: %s", done < count ? texts[done] : "", why);
     free(list);
     return good;
 }

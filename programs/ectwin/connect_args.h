@@ -5,12 +5,15 @@
 
 #include "bus/chain/chain.h"
 
+/** Room for the reason of a failure. */
+enum { CONNECT_MESSAGE = 640 };
+
 /**
  * Connects the signals of a chain.
- * @param texts  `count` of N.NAME=M.NAME[,factor=F][,offset=O][,delay=T][,invert]
- * @param who    begins the one line of a failure, on standard error
+ * @param texts         `count` of N.NAME=M.NAME[,factor=F][,offset=O][,delay=T][,invert]
+ * @param[out] message  of CONNECT_MESSAGE bytes: on failure one line for the user, which names the text
  * @return false: a text is wrong, or there is no memory
  */
-bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, const char *who);
+bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, char *message);
 
 #endif

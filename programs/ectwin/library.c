@@ -171,14 +171,13 @@ static bool read_words(ectwin_bus_t *bus, int count)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {.options = options_of_with, .parser = parse, .children = children};
-    bool done = false;
     parsing.message = bus->message;
     if (setjmp(parsing.back) == 0) {
         const unsigned int flags = ARGP_IN_ORDER | ARGP_NO_EXIT | ARGP_NO_ERRS | ARGP_NO_HELP;
         if (argp_parse(&argp, count + 1, bus->words, flags, NULL, bus) == 0)
             parsing.message = NULL;
     }
-    done = parsing.message == NULL;
+    bool done = parsing.message == NULL;
     parsing.message = NULL;
     return done;
 }

@@ -658,6 +658,15 @@ static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *w
     return true;
 }
 
+static bool connect_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
+{
+    char message[CONNECT_MESSAGE];
+    if (connect_args_apply(chain, args->connections, args->connection_count, message))
+        return true;
+    report(args, who, "%s", message);
+    return false;
+}
+
 int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain)
 {
     *chain = NULL;
@@ -668,8 +677,7 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
         report(args, who, "not enough memory for %zu twins", args->count);
         return EXIT_RUN;
     }
-    if (apply_all(args, *chain, who, now_ns) &&
-        connect_args_apply(*chain, args->connections, args->connection_count, who))
+    if (apply_all(args, *chain, who, now_ns) && connect_all(args, *chain, who))
         return EXIT_CLEAN;
     ect_chain_free(*chain);
     *chain = NULL;

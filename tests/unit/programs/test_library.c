@@ -131,6 +131,7 @@ static void wrong_words(void **state)
         {{"--fault", "explode", "fzm1"}, "explode"},
         {{"--fault", "hang slave 2", "fzm1"}, "slave 2"},
         {{"--files", "/nonexistent/folder", "fzm1"}, "/nonexistent/folder"},
+        {{"--connect", "1.nosuch=1.data1", "fzm1"}, "twin 1 has no signal 'nosuch'"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
