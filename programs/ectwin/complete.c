@@ -11,6 +11,7 @@
 #include "bus/chain/catalogue.h"
 #include "bus/chain/fault.h"
 #include "commands.h"
+#include "connection.h"
 
 static const char *last;
 
@@ -90,14 +91,15 @@ static void offer_devices(void)
 
 static void take_twin(char *line)
 {
-    static const char key[] = "\"socket\":\"";
-    char *path = strstr(line, key);
-    char *name = path ? strrchr(path, '/') : NULL;
-    char *end = name ? strstr(name, ".sock") : NULL;
-    if (!end)
-        return;
-    *end = 0;
-    offer("", name + 1, "");
+    char room[32];
+    char word[ECT_ENDPOINT_PATH];
+    cJSON *twin = cJSON_Parse(line);
+    const char *name = strrchr(connection_text(twin, "socket", room), '/');
+    if (name) {
+        snprintf(word, sizeof word, "%.*s", (int)(strlen(name + 1) - strlen(".sock")), name + 1);
+        offer("", word, "");
+    }
+    cJSON_Delete(twin);
 }
 
 static bool is_one_of(const char *word, const char *const *list)

@@ -46,6 +46,13 @@ void print_json(const char *text)
     fflush(stdout);
 }
 
+void print_line(const cJSON *line)
+{
+    char *text = cJSON_PrintUnformatted(line);
+    print_json(text ? text : "");
+    cJSON_free(text);
+}
+
 /* --- finding one -------------------------------------------------------------------------------------------------- */
 
 static const char *name_of(uid_t user, char room[32])

@@ -88,4 +88,7 @@ void print_text(FILE *stream, const char *text);
 /** Prints a line of JSON from a twin as valid JSON. */
 void print_json(const char *text);
 
+/** The same of one that was read. */
+void print_line(const cJSON *line);
+
 #endif

@@ -87,9 +87,7 @@ static void print_as_json(cJSON *about, pid_t pid, const char *namespace, const 
     cJSON_AddStringToObject(about, "namespace", namespace);
     cJSON_AddStringToObject(about, "state", state);
     cJSON_AddStringToObject(about, "socket", path);
-    char *text = cJSON_PrintUnformatted(about);
-    print_json(text ? text : "");
-    cJSON_free(text);
+    print_line(about);
 }
 
 static void print_cell(const char *text, int width)

@@ -141,13 +141,6 @@ static void print_description(const cJSON *line)
                  connection_text(line, "field", room[4]));
 }
 
-static void print_line(const cJSON *line)
-{
-    char *text = cJSON_PrintUnformatted(line);
-    print_json(text ? text : "");
-    cJSON_free(text);
-}
-
 static cJSON *make_request(const client_args_t *args, const char *op)
 {
     cJSON *request = cJSON_CreateObject();

@@ -93,13 +93,6 @@ static void print_stats(const cJSON *line)
         print_counters(line);
 }
 
-static void print_as_given(const cJSON *line)
-{
-    char *text = cJSON_PrintUnformatted(line);
-    printf("%s\n", text ? text : "");
-    cJSON_free(text);
-}
-
 int command_stats(int argc, char **argv)
 {
     static const struct argp_option options[] = {
@@ -116,7 +109,7 @@ int command_stats(int argc, char **argv)
         return EXIT_OPEN;
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "stats");
-    int status = connection_request(connection, request, argv[0], args.json ? print_as_given : print_stats);
+    int status = connection_request(connection, request, argv[0], args.json ? print_line : print_stats);
     connection_close(connection);
     return status;
 }
