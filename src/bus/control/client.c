@@ -350,7 +350,7 @@ static void put_states(ect_line_t *line, const ect_chain_t *chain)
 }
 
 /* @return why not, NULL */
-static const char *give_about(ect_client_t *client, const ect_chain_t *chain)
+static const char *reply_about(ect_client_t *client, const ect_chain_t *chain)
 {
     ect_line_t line;
     if (!client->about)
@@ -437,7 +437,7 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
     if (strcmp(op, "fault") == 0)
         return set_fault(client, chain, request, now_ns, message);
     if (strcmp(op, "about") == 0)
-        return give_about(client, chain);
+        return reply_about(client, chain);
     return reply_stats(client, now_ns);
 }
 

@@ -98,7 +98,7 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
  * @param[in,out] length  less when a wire has cut the frame
  * @return the effect of the wires on the frame
  */
-ect_wires_result_t ect_scenario_reply(const ect_scenario_t *s, const ect_frame_effects_t *fate, uint8_t *frame,
+ect_wires_result_t ect_scenario_reply(const ect_scenario_t *s, const ect_frame_effects_t *effects, uint8_t *frame,
                                       size_t *length);
 
 /** The highest slave number in the script; 0: none. */
