@@ -58,7 +58,7 @@ static bool mailbox_length_good(const report_t *r, unsigned int n)
     if (sm->minimum > sm->length || (sm->maximum != 0 && sm->maximum < sm->length))
         return wrong(r, "SM%u: its length %u is not from its minimum %u to its maximum %u", n, sm->length, sm->minimum,
                      sm->maximum);
-    unsigned int shortest = sm->minimum != 0 ? sm->minimum : sm->length;
+    unsigned int shortest = ect_sm_shortest_mailbox(sm);
     if (shortest < shortest_mailbox(r) || ect_layout_room(r->device, n) > LONGEST_DATAGRAM)
         return wrong(r, "SM%u: a mailbox has %u to %d bytes, not %u to %u", n, shortest_mailbox(r), LONGEST_DATAGRAM,
                      shortest, ect_layout_room(r->device, n));

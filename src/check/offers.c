@@ -77,11 +77,6 @@ static bool coe_good(const report_t *r)
     return true;
 }
 
-static uint16_t least_length(const ect_sm_t *sm)
-{
-    return sm->minimum != 0 ? sm->minimum : sm->length;
-}
-
 /* A device may have an EoE of its own; only that of the stack has these needs. */
 static bool eoe_good(const report_t *r)
 {
@@ -89,7 +84,7 @@ static bool eoe_good(const report_t *r)
     for (const ect_protocol_t *const *p = d->protocols; p && *p; p++) {
         if ((*p)->request != ect_eoe_request)
             continue;
-        if (least_length(&d->sm[0]) < ECT_EOE_MAILBOX_LEAST || least_length(&d->sm[1]) < ECT_EOE_MAILBOX_LEAST)
+        if (!ect_eoe_fits(d))
             return wrong(r, "sm: with EoE both mailboxes have at least %d bytes", ECT_EOE_MAILBOX_LEAST);
         if (p[1])
             return wrong(r, "protocols: EoE is not the last; its frames would delay the mails of those after it");

@@ -42,15 +42,10 @@ static void reset(const ect_eoe_t *eoe, void *instance)
     network_of(eoe, instance)->reply_length = 0;
 }
 
-static uint16_t least_length(const ect_sm_t *sm)
-{
-    return sm->minimum != 0 ? sm->minimum : sm->length;
-}
-
 const ect_protocol_t *ect_esi_network(ect_build_t *build, const ect_device_t *device)
 {
     ECT_ASSERT(device->sm_count >= 2 && !build->network);
-    if (least_length(&device->sm[0]) < ECT_EOE_MAILBOX_LEAST || least_length(&device->sm[1]) < ECT_EOE_MAILBOX_LEAST)
+    if (!ect_eoe_fits(device))
         return NULL;
     ect_eoe_t *eoe = ect_arena_alloc(build->arena, sizeof *eoe);
     *eoe = (ect_eoe_t){ECT_EOE_PROTOCOL, .received = received, .fetch = fetch, .reset = reset};

@@ -132,6 +132,12 @@ typedef struct ect_sm {
     const uint16_t *pdos; /**< with ECT_SM_FLAG_VIRTUAL: indices of its PDOs, 0 at the end; NULL: none */
 } ect_sm_t;
 
+/** Shortest length of a mailbox that a master may choose. */
+static inline uint16_t ect_sm_shortest_mailbox(const ect_sm_t *sm)
+{
+    return sm->minimum != 0 ? sm->minimum : sm->length;
+}
+
 /**
  * Flags of a SyncManager, as in byte 6 of the SII category SyncM. A virtual SyncManager stands for registers of the
  * controller: the master's FMMUs reach them, and the stack moves no data. Its `length` is that of its PDOs.

@@ -30,6 +30,7 @@
 
 #include <stddef.h>
 
+#include "seams/device.h"
 #include "seams/mailbox.h"
 
 enum {
@@ -129,6 +130,13 @@ struct ect_eoe {
 };
 
 ECT_C_BEGIN
+
+/** Whether both mailboxes of a description have room for a fragment, whatever length a master chooses. */
+static inline bool ect_eoe_fits(const ect_device_t *device)
+{
+    return ect_sm_shortest_mailbox(&device->sm[0]) >= ECT_EOE_MAILBOX_LEAST &&
+           ect_sm_shortest_mailbox(&device->sm[1]) >= ECT_EOE_MAILBOX_LEAST;
+}
 
 /** Handles a request, for ECT_EOE_PROTOCOL only. */
 uint16_t ect_eoe_request(const ect_protocol_t *self, ect_slave_t *slave, const uint8_t *data, uint16_t length);

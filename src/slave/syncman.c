@@ -44,7 +44,7 @@ bool ect_sm_mailbox_good(const ect_device_t *device, const uint8_t *block, bool 
         const ect_sm_t *sm = &device->sm[n];
         const ect_boot_mailbox_t *mailbox = n == 0 ? &device->boot_out : &device->boot_in;
         uint16_t start = boot ? mailbox->start : sm->start;
-        uint16_t shortest = boot ? mailbox->length : sm->minimum != 0 ? sm->minimum : sm->length;
+        uint16_t shortest = boot ? mailbox->length : ect_sm_shortest_mailbox(sm);
         uint16_t longest = boot ? mailbox->length : ect_sm_longest_mailbox(device, n);
         if (!is_as_described(block + n * ECT_SM_SIZE, sm, start, shortest, longest))
             return false;
