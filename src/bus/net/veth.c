@@ -39,16 +39,20 @@ static int add(struct nl_sock *socket, const char *one, const char *other)
     return error;
 }
 
-int ect_veth_add(struct nl_sock *socket, const char *one, const char *other)
+static int bring_up(struct nl_sock *socket, const char *one, const char *other)
 {
-    int error = add(socket, one, other);
-    if (error >= 0)
-        error = ect_veth_up(socket, one);
+    int error = ect_veth_up(socket, one);
     return error >= 0 ? ect_veth_up(socket, other) : error;
 }
 
+int ect_veth_add(struct nl_sock *socket, const char *one, const char *other)
+{
+    int error = add(socket, one, other);
+    return error >= 0 ? bring_up(socket, one, other) : error;
+}
+
 /* The kernel's own IPv6 packets would delay frames. Without IPv6 there is nothing to switch off. */
-static void quieten(const char *name)
+static void disable_ipv6(const char *name)
 {
     char path[96];
     snprintf(path, sizeof path, "/proc/sys/net/ipv6/conf/%s/disable_ipv6", name);
@@ -85,10 +89,9 @@ int ect_veth_create(const char *one, const char *other, char *message)
     if (error >= 0)
         error = add(socket, one, other);
     if (error >= 0) {
-        quieten(one);
-        quieten(other);
-        error = ect_veth_up(socket, one);
-        error = error >= 0 ? ect_veth_up(socket, other) : error;
+        disable_ipv6(one);
+        disable_ipv6(other);
+        error = bring_up(socket, one, other);
         if (error < 0)
             (void)ect_veth_destroy(one);
     }
