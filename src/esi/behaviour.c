@@ -250,7 +250,7 @@ static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
     for (size_t g = 0; g < count; g++) {
         groups[g + 2] = plant->signal_groups[g];
         for (unsigned int i = 0; i < groups[g + 2].signal_count; i++)
-            lock(drives, (ect_signal_t *)(uintptr_t)&groups[g + 2].signals[i]); // ours
+            lock(drives, (ect_signal_t *)(uintptr_t)&groups[g + 2].signals[i]); /* made by build_signals.c */
     }
     plant->signal_groups = groups;
     plant->signal_group_count = (uint16_t)(count + 2);

@@ -123,10 +123,14 @@ static double setting(const ect_402_drive_t *d, ect_402_value_t value)
     return has(d, value) ? (double)d->value[value] : default_of(d, value);
 }
 
+static uint32_t nearest_u32(double x)
+{
+    return x >= UINT32_MAX ? UINT32_MAX : x > 0 ? (uint32_t)(x + 0.5) : 0;
+}
+
 static uint32_t setting_u32(const ect_402_drive_t *d, ect_402_value_t value)
 {
-    double x = setting(d, value);
-    return x >= UINT32_MAX ? UINT32_MAX : x > 0 ? (uint32_t)(x + 0.5) : 0;
+    return nearest_u32(setting(d, value));
 }
 
 static uint16_t setting_u16(const ect_402_drive_t *d, ect_402_value_t value)
@@ -143,8 +147,7 @@ static int16_t option(const ect_402_drive_t *d, ect_402_value_t value)
 /* Speeds and accelerations in position units. */
 static uint32_t speed_u32(const ect_402_drive_t *d, ect_402_value_t value)
 {
-    double x = setting(d, value) * d->speed_unit;
-    return x >= UINT32_MAX ? UINT32_MAX : x > 0 ? (uint32_t)(x + 0.5) : 0;
+    return nearest_u32(setting(d, value) * d->speed_unit);
 }
 
 static void take_options(ect_402_drive_t *d)
