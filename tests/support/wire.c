@@ -298,14 +298,19 @@ int wire_mail_receive(wire_t *w, size_t position, uint8_t *mail, uint16_t room)
     return ect_load_le16(whole);
 }
 
-int wire_coe(wire_t *w, size_t position, const uint8_t *payload, uint16_t length, uint8_t *reply, uint16_t room)
+int wire_mail_request(wire_t *w, size_t position, uint8_t type, const uint8_t *data, uint16_t length)
 {
     uint8_t mail[1486] = {0};
     w->mail_counter = (uint8_t)(w->mail_counter % 7 + 1);
     ect_store_le16(mail, length);
-    mail[5] = (uint8_t)(3 | (w->mail_counter << 4));
-    memcpy(mail + MAIL_HEADER, payload, length);
-    if (wire_mail_send(w, position, mail, (uint16_t)(MAIL_HEADER + length)) != 1)
+    mail[5] = (uint8_t)(type | (w->mail_counter << 4));
+    memcpy(mail + MAIL_HEADER, data, length);
+    return wire_mail_send(w, position, mail, (uint16_t)(MAIL_HEADER + length));
+}
+
+int wire_coe(wire_t *w, size_t position, const uint8_t *payload, uint16_t length, uint8_t *reply, uint16_t room)
+{
+    if (wire_mail_request(w, position, ECT_MAILBOX_TYPE_COE, payload, length) != 1)
         return -1;
     uint8_t answer[1486] = {0};
     int size = wire_mail_receive(w, position, answer, sizeof answer);

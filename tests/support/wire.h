@@ -87,6 +87,8 @@ int wire_outputs(wire_t *w, size_t position, uint8_t value);
 
 /* Mailbox: `mail` is a whole mail with header, which contains the length of the service data. */
 int wire_mail_send(wire_t *w, size_t position, const uint8_t *mail, uint16_t length);
+/* Sends a request with the next counter; `data` starts behind the mailbox header. @return as wire_mail_send */
+int wire_mail_request(wire_t *w, size_t position, uint8_t type, const uint8_t *data, uint16_t length);
 /* @return service data length of the mail fetched (without the header), or -1 when the mailbox is empty */
 int wire_mail_receive(wire_t *w, size_t position, uint8_t *mail, uint16_t room);
 /* Sends a CoE request and receives the next mail. `payload` starts at the CoE header. @return as wire_mail_receive */

@@ -18,12 +18,7 @@ static void power_on(wire_t *w, const made_t *m)
 
 static int exchange(wire_t *w, const uint8_t *data, unsigned int length, uint8_t reply[SIZE])
 {
-    uint8_t mail[SIZE] = {0};
-    w->mail_counter = (uint8_t)(w->mail_counter % 7 + 1);
-    ect_store_le16(mail, (uint16_t)length);
-    mail[5] = (uint8_t)(ECT_MAILBOX_TYPE_EOE | w->mail_counter << 4);
-    memcpy(mail + MAIL_HEADER, data, length);
-    assert_int_equal(wire_mail_send(w, 0, mail, (uint16_t)(MAIL_HEADER + length)), 1);
+    assert_int_equal(wire_mail_request(w, 0, ECT_MAILBOX_TYPE_EOE, data, (uint16_t)length), 1);
     return wire_mail_receive(w, 0, reply, SIZE);
 }
 

@@ -139,19 +139,9 @@ static int teardown(void **state)
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
 
-static void send_with_counter(uint8_t counter, const uint8_t *data, unsigned int length)
-{
-    uint8_t mail[ROOM] = {0};
-    ect_store_le16(mail, (uint16_t)length);
-    mail[5] = (uint8_t)(ECT_MAILBOX_TYPE_EOE | counter << 4);
-    memcpy(mail + MAIL_HEADER, data, length);
-    assert_int_equal(wire_mail_send(&w, 0, mail, (uint16_t)(MAIL_HEADER + length)), 1);
-}
-
 static void send_data(const uint8_t *data, unsigned int length)
 {
-    w.mail_counter = (uint8_t)(w.mail_counter % 7 + 1);
-    send_with_counter(w.mail_counter, data, length);
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, data, (uint16_t)length), 1);
 }
 
 /* @return bytes of the EoE data, NOTHING, or MAILBOX_ERROR with its detail in data[0] */
@@ -460,11 +450,8 @@ static void other_mail_comes_between(void **state)
         wake();
         wire_poll(&w);
         const uint8_t upload[10] = {0, 0x20, 0x40, 0x18, 0x10, 1};
-        uint8_t mail[MAIL_HEADER + sizeof upload] = {sizeof upload};
-        w.mail_counter = (uint8_t)(w.mail_counter % 7 + 1);
-        mail[5] = (uint8_t)(ECT_MAILBOX_TYPE_COE | w.mail_counter << 4);
-        memcpy(mail + MAIL_HEADER, upload, sizeof upload);
-        assert_int_equal(wire_mail_send(&w, 0, mail, sizeof mail), 1);
+        uint8_t mail[MAIL_HEADER + sizeof upload];
+        assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_COE, upload, sizeof upload), 1);
         assert_true(receive(data) > HEADER); /* the fragment from before */
         assert_int_equal(wire_mail_receive(&w, 0, mail, sizeof mail), 10);
         assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_COE);

@@ -122,12 +122,7 @@ static int teardown(void **state)
 
 static void send_data(const uint8_t *data, size_t length)
 {
-    uint8_t mail[ROOM] = {0};
-    w.mail_counter = (uint8_t)(w.mail_counter % 7 + 1);
-    ect_store_le16(mail, (uint16_t)length);
-    mail[5] = (uint8_t)(ECT_MAILBOX_TYPE_EOE | w.mail_counter << 4);
-    memcpy(mail + MAIL_HEADER, data, length);
-    assert_int_equal(wire_mail_send(&w, 0, mail, (uint16_t)(MAIL_HEADER + length)), 1);
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, data, (uint16_t)length), 1);
 }
 
 static int receive(uint8_t data[ROOM])
