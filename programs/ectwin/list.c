@@ -8,9 +8,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     const char **file = state->input;
     if (key != ARGP_KEY_ARG)
         return ARGP_ERR_UNKNOWN;
-    *file = product_file(text);
-    if (!*file)
-        argp_error(state, "'%s' is not esi:FILE.xml", text);
+    *file = text;
+    if (!product_file(text))
+        argp_error(state, "'%s' is neither esi:FILE.xml nor sii:FILE", text);
     return 0;
 }
 
@@ -18,7 +18,7 @@ int command_list(int argc, char **argv)
 {
     static const struct argp argp = {
         .parser = parse,
-        .args_doc = "[esi:FILE.xml]",
+        .args_doc = "[esi:FILE.xml|sii:FILE]",
         .doc = "Lists the devices: name, input and output bytes of the master, description. "
                "For an ESI file: type, @product/revision, name, and the number of its slots, start-up commands, "
                "alternative PDO assignments and EEPROM categories."};

@@ -9,7 +9,9 @@
 #include <strings.h>
 
 #include "bus/chain/catalogue.h"
+#include "esi/image.h"
 #include "esi/number.h"
+#include "sii_file.h"
 
 /* Twins live as long as the program: chains, signals and messages point into them. */
 typedef struct made {
@@ -46,19 +48,50 @@ static bool keep(ect_esi_twin_t *twin)
     return true;
 }
 
-const char *product_file(const char *name)
+static const char *image_of(const char *name)
 {
-    return strncmp(name, "esi:", 4) == 0 ? name + 4 : NULL;
+    return strncmp(name, "sii:", 4) == 0 ? name + 4 : NULL;
 }
 
-static const ect_product_t *from_file(const char *file, const ect_module_choice_t *modules, size_t module_count,
-                                      ect_behaviour_t behaviour, char *message)
+const char *product_file(const char *name)
 {
+    return strncmp(name, "esi:", 4) == 0 ? name + 4 : image_of(name);
+}
+
+static ect_esi_t *open_image(const char *path, char *message)
+{
+    uint8_t *image = malloc(SII_FILE_MOST);
+    long size = -1;
+    if (image)
+        size = sii_file_read(path, image, message, PRODUCT_MESSAGE);
+    else
+        (void)snprintf(message, PRODUCT_MESSAGE, "%s: no memory left", path);
+    ect_esi_t *esi = size >= 0 ? ect_esi_of_image(path, image, (size_t)size, message, PRODUCT_MESSAGE) : NULL;
+    free(image);
+    return esi;
+}
+
+/* Opens what a name of product_file names; *selector is its part that selects a device. */
+static ect_esi_t *open_file(const char *name, const char **selector, char *message)
+{
+    *selector = "";
+    if (image_of(name))
+        return open_image(image_of(name), message);
+    const char *file = product_file(name);
     const char *hash = ect_esi_selector(file);
     char *path = strndup(file, hash ? (size_t)(hash - file) : strlen(file));
-    ect_esi_twin_t *twin =
-        path ? ect_esi_twin_make(path, hash ? hash + 1 : "", modules, module_count, message, PRODUCT_MESSAGE) : NULL;
+    ect_esi_t *esi = path ? ect_esi_open(path, message, PRODUCT_MESSAGE) : NULL;
     free(path);
+    *selector = hash ? hash + 1 : "";
+    return esi;
+}
+
+static const ect_product_t *from_file(const char *name, const ect_module_choice_t *modules, size_t module_count,
+                                      ect_behaviour_t behaviour, char *message)
+{
+    const char *selector;
+    ect_esi_t *esi = open_file(name, &selector, message);
+    ect_esi_twin_t *twin = ect_esi_twin_take(esi, selector, modules, module_count, message, PRODUCT_MESSAGE);
     if (!twin || !keep(twin) || !ect_esi_twin_behave(twin, behaviour, message, PRODUCT_MESSAGE))
         return NULL;
     size_t count;
@@ -72,15 +105,15 @@ static const ect_product_t *from_file(const char *file, const ect_module_choice_
 const ect_product_t *product_find(const char *name, const ect_module_choice_t *modules, size_t module_count,
                                   ect_behaviour_t behaviour, char *message)
 {
-    const char *file = product_file(name);
-    if (file)
-        return from_file(file, modules, module_count, behaviour, message);
+    if (product_file(name))
+        return from_file(name, modules, module_count, behaviour, message);
     const ect_product_t *product = ect_catalogue_find(name);
     if (product && behaviour == ECT_BEHAVIOUR_BY_FILE)
         return product;
     if (product) {
-        (void)snprintf(message, PRODUCT_MESSAGE,
-                       "'%.60s' has its own behaviour: --behaviour is for twins of ESI files, esi:FILE.xml#TYPE", name);
+        (void)snprintf(
+            message, PRODUCT_MESSAGE,
+            "'%.60s' has its own behaviour: --behaviour is for twins of files, esi:FILE.xml#TYPE and sii:FILE", name);
         return NULL;
     }
     size_t length = strcspn(name, "#");
@@ -93,7 +126,7 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
     for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL && used < PRODUCT_MESSAGE; i++)
         used += snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "%s, ", product->device->name);
     if (used < PRODUCT_MESSAGE)
-        (void)snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "and esi:FILE.xml#TYPE");
+        (void)snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "esi:FILE.xml#TYPE and sii:FILE");
     return NULL;
 }
 
@@ -115,9 +148,10 @@ const ect_esi_twin_t *product_twin_of_device(const ect_device_t *device)
     return NULL;
 }
 
-bool product_list_file(const char *path, char *message)
+bool product_list_file(const char *name, char *message)
 {
-    ect_esi_t *esi = ect_esi_open(path, message, PRODUCT_MESSAGE);
+    const char *selector;
+    ect_esi_t *esi = open_file(name, &selector, message);
     if (!esi)
         return false;
     size_t count;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Products by name: of the catalogue, or `esi:FILE.xml#TYPE`, any vendor's device from its ESI.
+ * Products by name: of the catalogue, or of a file: `esi:FILE.xml#TYPE`, any vendor's device from its ESI, and
+ * `sii:FILE`, any device from its EEPROM image, binary or Intel HEX.
  */
 #ifndef ECTWIN_PRODUCTS_H
 #define ECTWIN_PRODUCTS_H
@@ -27,17 +28,21 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
 /** Features that a twin of a file does not support are not listed from here on. */
 void product_quiet(void);
 
-/** @return the twin of a product from an ESI file; NULL: the product is not from a file */
+/** @return the twin of a product from a file; NULL: the product is not from a file */
 const ect_esi_twin_t *product_twin(const ect_product_t *product);
 
-/** The twin of a device from an ESI file; NULL: the device is not from a file. */
+/** The twin of a device from a file; NULL: the device is not from a file. */
 const ect_esi_twin_t *product_twin_of_device(const ect_device_t *device);
 
-/** @return the part after `esi:` of a name; NULL: not the name of a file */
+/** @return the part after `esi:` or `sii:` of a name; NULL: not the name of a file */
 const char *product_file(const char *name);
 
-/** Lists the devices of a file: type, product, revision, name. @return false: not readable; see `message` */
-bool product_list_file(const char *path, char *message);
+/**
+ * Lists the devices of a file: type, product, revision, name.
+ * @param name  one that ::product_file accepts; the part after a '#' is ignored
+ * @return false: not readable; see `message`
+ */
+bool product_list_file(const char *name, char *message);
 
 /** Reads "SLOT=IDENT", slots counting from 1. @return false: another text */
 bool product_parse_module(const char *text, ect_module_choice_t *choice);

@@ -15,6 +15,7 @@
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
+#include "wire/bytes.h"
 
 enum {
     KEY_VENDOR_ID = 0x100,
@@ -464,6 +465,15 @@ static void add_twin(twin_args_t *args, const struct argp_state *state, const ch
     args->twins[args->count++] = ect_twin_default(product->device, product->plant);
 }
 
+/* Serial number and alias that a file's EEPROM image has stay, unless an option replaces them. */
+static void keep_image(ect_twin_config_t *twin)
+{
+    enum { ALIAS = 0x08 };
+    if (twin->device->identity.serial != 0)
+        twin->identity.serial = twin->device->identity.serial;
+    twin->alias = ect_load_le16(twin->device->sii + ALIAS);
+}
+
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
 {
     char *copy = strdup(list);
@@ -480,6 +490,8 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     for (size_t i = 0; i < args->count; i++) {
         args->twins[i].keep_source_mac = args->keep_source_mac;
         args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
+        if (args->twins[i].device->sii)
+            keep_image(&args->twins[i]);
     }
     apply_identities(args, state);
     if (ect_scenario_highest_slave(&args->scenario) > args->count)

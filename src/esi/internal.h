@@ -11,6 +11,7 @@
  *   read_dictionary.c  types and objects of a file
  *   read_device.c      the model of a device
  *   read.c             files, and which device of them
+ *   image.c            EEPROM images, as files with one device
  *   lint.c             what of a file is not as files should be
  *   build.c            the list of objects while it grows; notes
  *   build_objects.c    objects of the dictionary
@@ -70,6 +71,8 @@ struct ect_esi {
     ect_esi_head_t *heads;
     const xmlNode **nodes; /**< of the heads */
     size_t count;
+    ect_esi_device_t
+        *device; /**< of an EEPROM image, without a document; NULL: each call of ::ect_esi_select reads it */
 };
 
 /** Takes note of a mistake at an element's line, unless there was one before. */

@@ -290,6 +290,8 @@ const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, cha
         return NULL;
     }
     ECT_ASSERT(chosen < esi->count);
+    if (esi->device != NULL)
+        return esi->device;
     ect_esi_xml_t xml = context(esi, text, room);
     ect_esi_device_t *device = ect_esi_read_device(&xml, esi->root, esi->nodes[chosen]);
     device->place = chosen;

@@ -464,8 +464,10 @@ static const char *command_name(ect_build_t *build, const char *type)
 static void set_identity(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_device_t *model = build->model;
-    device->identity = (ect_identity_t){
-        .vendor_id = model->vendor_id, .product_code = model->product_code, .revision = model->revision};
+    device->identity = (ect_identity_t){.vendor_id = model->vendor_id,
+                                        .product_code = model->product_code,
+                                        .revision = model->revision,
+                                        .serial = model->serial};
     device->type_name = ect_build_text(build, model->type, ECT_BUILD_NAME);
     device->full_name = *model->name != '\0' ? ect_build_text(build, model->name, ECT_BUILD_TEXT) : NULL;
     device->vendor_name = ect_build_text(build, or_unnamed(model->vendor_name), ECT_BUILD_TEXT);
@@ -835,7 +837,12 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
 ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
                                   size_t module_count, char *text, size_t room)
 {
-    ect_esi_t *esi = ect_esi_open(path, text, room);
+    return ect_esi_twin_take(ect_esi_open(path, text, room), selector, modules, module_count, text, room);
+}
+
+ect_esi_twin_t *ect_esi_twin_take(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
+                                  size_t module_count, char *text, size_t room)
+{
     const ect_esi_device_t *model = esi != NULL ? ect_esi_select(esi, selector, text, room) : NULL;
     ect_esi_twin_t *twin = model != NULL ? ect_esi_twin_of(esi, model, modules, module_count, text, room) : NULL;
     if (twin != NULL)

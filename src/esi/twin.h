@@ -48,6 +48,15 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
 ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
                                   size_t module_count, char *text, size_t room);
 
+/**
+ * Makes a twin that has an open file for itself.
+ * @param esi  the twin's from now on, closed on failure; NULL: not open, `text` has the reason
+ * @param selector  see ::ect_esi_select
+ * @return as of ::ect_esi_twin_make
+ */
+ect_esi_twin_t *ect_esi_twin_take(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
+                                  size_t module_count, char *text, size_t room);
+
 /** The behaviour of a twin. */
 typedef enum ect_behaviour {
     ECT_BEHAVIOUR_BY_FILE, /**< a drive, if the file has control word and status word 6040h and 6041h of an axis */

@@ -29,6 +29,24 @@ for one in analog.xml#AI2 analog.xml#DRIVE digital.xml#DI4 digital.xml#DO16 digi
   expect "$one and its twin" "" "$(cat "$work/out")"
 done
 
+# A twin of nothing but the image: the same EEPROM, layout and PDOs; a master brings it to OP; options replace what they name.
+for device in $("$ectwin" list | awk '{print $1}'); do
+  "$ectwin" with --behaviour none "sii:$work/$device.bin" -- "$ectwin" verify "$work/$device.bin" slave:{} >"$work/out" 2>"$work/err"
+  expect "the twin of $device's image: exit code" 0 $?
+  expect "the twin of $device's image" "" "$(cat "$work/out")"
+  "$ectwin" with "sii:$work/$device.bin" -- "$conform" -i {} --only CF-095 >"$work/out" 2>"$work/err"
+  expect "the twin of $device's image goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
+done
+"$ectwin" sii fzm1 --alias 17 --serial 4711 --format hex -o "$work/own.hex"
+"$ectwin" sii fzm1 --alias 17 --serial 4711 -o "$work/own.bin"
+"$ectwin" sii "sii:$work/own.hex" -o "$work/again.bin"
+expect "alias and serial number of an image stay" 0 "$(cmp "$work/own.bin" "$work/again.bin" >&2; echo $?)"
+"$ectwin" sii "sii:$work/own.bin" --serial 1 --alias 1 | cmp -s - "$work/own.bin"
+expect "options replace serial number and alias of an image" 1 $?
+"$ectwin" sii "sii:$work/nothing.bin" 2>"$work/err"
+expect "no such image: exit code" 1 $?
+expect "no such image" "ectwin sii: $work/nothing.bin: No such file or directory" "$(head -1 "$work/err")"
+
 declare -A named # a device by the type that its file names
 for device in $("$ectwin" list | awk '{print $1}'); do
   named[$("$ectwin" esi "$device" | sed -n 's/.*<Type Product[^>]*>\(.*\)<\/Type>/\1/p')]=$device

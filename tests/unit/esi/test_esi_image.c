@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT */
+/* Twins of EEPROM images: what an image has becomes a device, and the twin's EEPROM is the image. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "bus/chain/catalogue.h"
+#include "esi/image.h"
+#include "esi/twin.h"
+#include "sii/sii.h"
+#include "wire/bytes.h"
+
+enum { IMAGE = 0x8000, TEXT = 400 };
+
+typedef struct image {
+    uint8_t bytes[IMAGE];
+    size_t size;
+} image_t;
+
+typedef struct made {
+    ect_esi_t *esi;
+    const ect_esi_device_t *model;
+    ect_esi_twin_t *twin;
+} made_t;
+
+static made_t make(const image_t *image)
+{
+    char why[TEXT] = "";
+    made_t m = {.esi = ect_esi_of_image("image", image->bytes, image->size, why, sizeof why)};
+    m.model = m.esi != NULL ? ect_esi_select(m.esi, "", why, sizeof why) : NULL;
+    m.twin = m.model != NULL ? ect_esi_twin_of(m.esi, m.model, NULL, 0, why, sizeof why) : NULL;
+    if (m.twin == NULL)
+        fail_msg("no twin: %s", why);
+    return m;
+}
+
+static void drop(made_t *m)
+{
+    ect_esi_twin_free(m->twin);
+    ect_esi_close(m->esi);
+}
+
+/* --- images by hand ----------------------------------------------------------------------------------------------- */
+
+static void begin(image_t *image, uint16_t protocols)
+{
+    memset(image, 0xFF, sizeof *image);
+    memset(image->bytes, 0, ECT_SII_CATEGORIES);
+    ect_store_le32(image->bytes + 0x10, 0xE57);
+    ect_store_le32(image->bytes + 0x14, 0x1234);
+    ect_store_le32(image->bytes + 0x30, 0x00801000);
+    ect_store_le32(image->bytes + 0x34, 0x00801080);
+    ect_store_le16(image->bytes + 0x38, protocols);
+    ect_store_le16(image->bytes + 0x7C, 15); /* 2048 bytes */
+    image->bytes[14] = ect_sii_checksum(image->bytes);
+    image->size = ECT_SII_CATEGORIES;
+}
+
+static void add(image_t *image, uint16_t category, const uint8_t *data, size_t length)
+{
+    ect_store_le16(image->bytes + image->size, category);
+    ect_store_le16(image->bytes + image->size + 2, (uint16_t)(length / 2));
+    memcpy(image->bytes + image->size + 4, data, length);
+    image->size += 4 + length;
+}
+
+static void end(image_t *image)
+{
+    image->size += 2; /* FFFFh: no further category */
+}
+
+#define SM(start, length, control, type)                                                                               \
+    (start) & 0xFF, (start) >> 8, (length) & 0xFF, (length) >> 8, (control), 0, 1, (type)
+#define PDO(index, entries, sm)            (index) & 0xFF, (index) >> 8, (entries), (sm), 0, 0, 0, 0
+#define ENTRY(index, subindex, type, bits) (index) & 0xFF, (index) >> 8, (subindex), 0, (type), (bits), 0, 0
+
+/* --- cases -------------------------------------------------------------------------------------------------------- */
+
+static void assert_same_layout(const ect_device_t *expected, const ect_device_t *got)
+{
+    assert_memory_equal(&expected->identity, &got->identity, sizeof got->identity);
+    assert_string_equal(expected->type_name, got->type_name);
+    assert_int_equal(expected->sm_count, got->sm_count);
+    for (unsigned int n = 0; n < got->sm_count; n++) {
+        assert_int_equal(expected->sm[n].start, got->sm[n].start);
+        assert_int_equal(expected->sm[n].type, got->sm[n].type);
+        assert_int_equal(expected->sm[n].control, got->sm[n].control);
+        assert_int_equal(ect_device_sm_bytes(expected, n), ect_device_sm_bytes(got, n));
+    }
+    assert_int_equal(expected->fmmu_count, got->fmmu_count);
+    assert_memory_equal(expected->fmmu, got->fmmu, got->fmmu_count);
+    assert_int_equal(expected->mailbox_protocols, got->mailbox_protocols);
+    assert_int_equal(expected->coe_details, got->coe_details);
+    assert_int_equal(expected->dc_mode_count, got->dc_mode_count);
+    assert_int_equal(expected->boot_out.start, got->boot_out.start);
+}
+
+static void each_device_of_the_catalogue_comes_back_from_its_image(void **state)
+{
+    const ect_product_t *product;
+    (void)state;
+    for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL; i++) {
+        image_t image;
+        const ect_device_t *device = product->device;
+        print_message("%s\n", device->name);
+        assert_int_equal(ect_sii_write(device, NULL, 0, image.bytes, sizeof image.bytes), device->sii_size);
+        image.size = device->sii_size;
+        made_t m = make(&image);
+        const ect_device_t *twin = ect_esi_twin_product(m.twin)->device;
+        uint8_t again[IMAGE];
+        assert_same_layout(device, twin);
+        assert_int_equal(ect_sii_write(twin, NULL, 0, again, sizeof again), device->sii_size);
+        assert_memory_equal(again, image.bytes, device->sii_size);
+        drop(&m);
+    }
+}
+
+/* An image as probes write it ends behind the mark of the last category; the header has the size of the EEPROM. */
+static void the_eeprom_has_the_size_of_its_header(void **state)
+{
+    image_t image;
+    (void)state;
+    begin(&image, 0);
+    end(&image);
+    made_t m = make(&image);
+    const ect_device_t *twin = ect_esi_twin_product(m.twin)->device;
+    assert_int_equal(twin->sii_size, 2048);
+    assert_int_equal(twin->sii[image.size], 0xFF);
+    assert_string_equal(twin->type_name, "0x00001234");
+    drop(&m);
+}
+
+static void mailboxes_of_the_header_serve_without_a_category_of_sync_managers(void **state)
+{
+    image_t image;
+    (void)state;
+    begin(&image, ECT_MAILBOX_COE);
+    end(&image);
+    made_t m = make(&image);
+    const ect_device_t *twin = ect_esi_twin_product(m.twin)->device;
+    assert_int_equal(twin->sm_count, 2);
+    assert_int_equal(twin->sm[0].type, ECT_SM_MAILBOX_OUT);
+    assert_int_equal(twin->sm[0].start, 0x1000);
+    assert_int_equal(twin->sm[0].length, 0x80);
+    assert_int_equal(twin->sm[1].type, ECT_SM_MAILBOX_IN);
+    assert_int_equal(twin->sm[1].start, 0x1080);
+    drop(&m);
+}
+
+/* ETG.2010 has 0xFF for a PDO that is not assigned; many images name a SyncManager for each PDO that it can have. */
+static void of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned(void **state)
+{
+    static const uint8_t sms[] = {SM(0x1000, 3, 0x64, ECT_SM_OUTPUTS), SM(0x1100, 2, 0x20, ECT_SM_INPUTS)};
+    static const uint8_t rx[] = {PDO(0x1600, 1, 0), ENTRY(0x7000, 1, ECT_TYPE_UNSIGNED16, 16),
+                                 PDO(0x1601, 1, 0), ENTRY(0x7001, 1, ECT_TYPE_UNSIGNED32, 32),
+                                 PDO(0x1602, 1, 0), ENTRY(0x7002, 1, ECT_TYPE_UNSIGNED8, 8)};
+    static const uint8_t tx[] = {PDO(0x1A00, 1, 1), ENTRY(0x6000, 1, ECT_TYPE_UNSIGNED16, 16), PDO(0x1A01, 1, 0xFF),
+                                 ENTRY(0x6001, 1, ECT_TYPE_UNSIGNED8, 8)};
+    static const int assigned[] = {0, -1, 0, 1, -1};
+    image_t image;
+    (void)state;
+    begin(&image, 0);
+    add(&image, ECT_SII_SYNCM, sms, sizeof sms);
+    add(&image, ECT_SII_TXPDO, tx, sizeof tx);
+    add(&image, ECT_SII_RXPDO, rx, sizeof rx);
+    end(&image);
+    made_t m = make(&image);
+    assert_int_equal(m.model->pdo_count, sizeof assigned / sizeof assigned[0]);
+    for (size_t i = 0; i < m.model->pdo_count; i++)
+        assert_int_equal(m.model->pdos[i].sm, assigned[i]);
+    const ect_device_t *twin = ect_esi_twin_product(m.twin)->device;
+    assert_int_equal(ect_device_bytes(twin, ECT_SM_OUTPUTS), 3);
+    assert_int_equal(ect_device_bytes(twin, ECT_SM_INPUTS), 2);
+    drop(&m);
+}
+
+static void process_data_without_pdos_are_bytes(void **state)
+{
+    static const uint8_t sms[] = {SM(0x1000, 3, 0x64, ECT_SM_OUTPUTS), SM(0x1100, 300, 0x20, ECT_SM_INPUTS)};
+    image_t image;
+    (void)state;
+    begin(&image, 0);
+    add(&image, ECT_SII_SYNCM, sms, sizeof sms);
+    end(&image);
+    made_t m = make(&image);
+    const ect_device_t *twin = ect_esi_twin_product(m.twin)->device;
+    assert_int_equal(ect_device_bytes(twin, ECT_SM_OUTPUTS), 3);
+    assert_int_equal(ect_device_bytes(twin, ECT_SM_INPUTS), 300);
+    assert_int_equal(m.model->pdo_count, 3); /* a mapping has at most 254 entries */
+    assert_int_equal(m.model->pdos[2].entries[0].index, 0x6001);
+    assert_string_equal(m.model->pdos[2].entries[45].name, "Byte 299");
+    drop(&m);
+}
+
+static void wrong_images_have_one_line(void **state)
+{
+    static const struct {
+        size_t size;
+        uint8_t fill;
+        const char *line;
+    } rows[] = {
+        {0, 0, "image: not an EEPROM image: 0 bytes, its header alone has 128"},
+        {127, 0x55, "image: not an EEPROM image: 127 bytes, its header alone has 128"},
+        {128, 0, "image: an empty EEPROM image: it has neither vendor id nor product code"},
+        {2048, 0xFF, "image: an empty EEPROM image: it has neither vendor id nor product code"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t bytes[2048];
+        char why[TEXT];
+        memset(bytes, rows[i].fill, sizeof bytes);
+        assert_null(ect_esi_of_image("image", bytes, rows[i].size, why, sizeof why));
+        assert_string_equal(why, rows[i].line);
+    }
+}
+
+/* The image ends anywhere: what is whole is there, and no byte behind it is read (sanitizer). */
+static void an_image_may_end_at_any_byte(void **state)
+{
+    const ect_device_t *device = ect_catalogue_find("fzm1")->device;
+    static uint8_t whole[IMAGE];
+    (void)state;
+    assert_int_equal(ect_sii_write(device, NULL, 0, whole, sizeof whole), device->sii_size);
+    for (size_t size = ECT_SII_CATEGORIES; size < device->sii_size && size < 2048; size++) {
+        char why[TEXT];
+        uint8_t *cut = malloc(size);
+        memcpy(cut, whole, size);
+        ect_esi_t *esi = ect_esi_of_image("image", cut, size, why, sizeof why);
+        assert_non_null(esi);
+        const ect_esi_device_t *model = ect_esi_select(esi, "", why, sizeof why);
+        ect_esi_twin_t *twin = ect_esi_twin_of(esi, model, NULL, 0, why, sizeof why);
+        assert_int_equal(model->vendor_id, device->identity.vendor_id);
+        ect_esi_twin_free(twin);
+        ect_esi_close(esi);
+        free(cut);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_device_of_the_catalogue_comes_back_from_its_image),
+        cmocka_unit_test(the_eeprom_has_the_size_of_its_header),
+        cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
+        cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
+        cmocka_unit_test(process_data_without_pdos_are_bytes),
+        cmocka_unit_test(wrong_images_have_one_line),
+        cmocka_unit_test(an_image_may_end_at_any_byte),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
