@@ -80,9 +80,6 @@ static void diagnose(void *slave, uint8_t type, uint32_t code, uint16_t text_id,
 
 static void start(ect_slave_t *s)
 {
-    ect_diagnosis_t *d = ect_services_data(s, INDEX);
-    if (d)
-        d->maximum = ECT_DIAGNOSIS_MESSAGES;
     s->host.diagnose = diagnose;
 }
 

@@ -644,7 +644,7 @@ static void held_up(void **state)
 }
 
 /* EXE while BUSY gets no FLG, and -1 is a response: both are counted, with their causes. */
-static void why_not(void **state)
+static void causes_of_ignored_commands(void **state)
 {
     (void)state;
     plant_set_all("image_input=300000 processing=300000");
@@ -793,7 +793,8 @@ int main(int argc, char **argv)
         TEST("FZM-043 FZM-044 FZM-069: commands against triggers at the sensor: each has its answer at last",
              trigger_against_commands),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA: time-out and ERR, and back", no_dsa),
-        TEST("FZM-040 FZM-062: EXE that begins nothing and -1 are counted, with their causes", why_not),
+        TEST("FZM-040 FZM-062: EXE that begins nothing and -1 are counted, with their causes",
+             causes_of_ignored_commands),
         TEST("FZM-030 FZM-044 FZM-058 FZM-059: a scene prepared before, with an expression; BUSY when switched by hand",
              scenes),
         TEST("FZM-075: handshakes in cycles as fast as they get", fast_cycles),

@@ -76,7 +76,7 @@ static uint32_t ready(const ect_foe_t *self, void *instance, const char **text)
 {
     filedev_t *d = instance;
     (void)self;
-    d->asked++;
+    d->requests++;
     if (d->late > 0)
         d->late--;
     if (d->late > 0)

@@ -31,7 +31,7 @@ typedef struct filedev {
     uint8_t put_off[6]; /* start of the request that a hesitant device has replied BUSY to */
 
     /* calls by FoE */
-    unsigned int opened, closed_whole, closed_broken, written, asked;
+    unsigned int opened, closed_whole, closed_broken, written, requests;
 
     /* results of the device */
     unsigned int late;    /* the next call needs that many calls of `ready` */

@@ -13,16 +13,16 @@ enum { SIGNALS = sizeof signals / sizeof signals[0] };
 
 static sensor_t s;
 static uint64_t start_ns;
-static char told[SIGNALS][ECT_SIGNAL_TEXT_ROOM];
+static char printed[SIGNALS][ECT_SIGNAL_TEXT_ROOM];
 
-static void tell(void)
+static void print_changes(void)
 {
     for (unsigned int i = 0; i < SIGNALS; i++) {
         char text[ECT_SIGNAL_TEXT_ROOM];
         signal_get(&s.w, signals[i], text);
-        if (strcmp(text, told[i]) == 0)
+        if (strcmp(text, printed[i]) == 0)
             continue;
-        snprintf(told[i], sizeof told[i], "%s", text);
+        snprintf(printed[i], sizeof printed[i], "%s", text);
         printf("{\"name\":\"%s\",\"value\":\"%s\",\"time\":%.6f}\n", signals[i], text,
                (double)(s.w.now_ns - start_ns) / 1e9);
     }
@@ -35,7 +35,7 @@ static void to(unsigned int ms)
     while (s.w.now_ns < end) {
         uint64_t next = ect_chain_poll(s.w.chain, s.w.now_ns);
         wire_advance(&s.w, (next < end ? next : end) - s.w.now_ns);
-        tell();
+        print_changes();
     }
 }
 
@@ -43,7 +43,7 @@ static void set(unsigned int ms, uint32_t mask, bool on)
 {
     to(ms);
     sensor_set(&s, mask, on);
-    tell();
+    print_changes();
 }
 
 static void step_at(unsigned int ms, const char *value)
@@ -119,7 +119,7 @@ int main(int argc, char **argv)
             continue;
         sensor_open(&s);
         start_ns = s.w.now_ns;
-        tell();
+        print_changes();
         records[i].record();
         sensor_close(&s);
         return 0;

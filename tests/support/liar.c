@@ -119,7 +119,7 @@ void liar_close(liar_t *l)
     wire_close(&l->w);
 }
 
-void liar_say(liar_t *l, uint8_t type, const void *data, size_t length)
+void liar_set_mail(liar_t *l, uint8_t type, const void *data, size_t length)
 {
     assert_true(length + 6 <= sizeof l->mail);
     l->counter = (uint8_t)(l->counter % 7 + 1);
@@ -130,10 +130,10 @@ void liar_say(liar_t *l, uint8_t type, const void *data, size_t length)
     l->mail_length = (uint16_t)(length + 6);
 }
 
-void liar_say_coe(liar_t *l, uint8_t service, const void *data, size_t length)
+void liar_set_coe_mail(liar_t *l, uint8_t service, const void *data, size_t length)
 {
     uint8_t message[1500] = {0, (uint8_t)(service << 4)};
     assert_true(length + 2 <= sizeof message);
     memcpy(message + 2, data, length);
-    liar_say(l, COE, message, length + 2);
+    liar_set_mail(l, COE, message, length + 2);
 }

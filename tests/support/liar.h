@@ -56,8 +56,8 @@ void liar_attach(liar_t *l, const liar_kind_t *kind);
 void liar_close(liar_t *l);
 
 /* Sets liar_t::mail: a mail of a type with the next counter. */
-void liar_say(liar_t *l, uint8_t type, const void *data, size_t length);
+void liar_set_mail(liar_t *l, uint8_t type, const void *data, size_t length);
 /* A CoE message: service and the bytes behind the CoE header. */
-void liar_say_coe(liar_t *l, uint8_t service, const void *data, size_t length);
+void liar_set_coe_mail(liar_t *l, uint8_t service, const void *data, size_t length);
 
 #endif

@@ -13,13 +13,13 @@
 enum { SAMPLES = 10, COUNTER = 0, TIME, DISTANCE_1, DISTANCE_2, VALUES };
 
 static ranger_t r;
-static int32_t told[VALUES], begun;
+static int32_t printed[VALUES], begun;
 
-static void tell(const char *name, unsigned int which, int32_t value, int32_t time_us)
+static void print_change(const char *name, unsigned int which, int32_t value, int32_t time_us)
 {
-    if (told[which] != value)
+    if (printed[which] != value)
         printf("{\"name\":\"%s\",\"value\":\"%d\",\"time\":%.6f}\n", name, value, time_us / 1e6);
-    told[which] = value;
+    printed[which] = value;
 }
 
 /* Prints the new records. */
@@ -29,11 +29,11 @@ static void exchange(void)
     for (unsigned int n = 0; n < SAMPLES; n++) {
         int32_t counter = ranger_value(&r, VALUES * n + COUNTER);
         int32_t time_us = ranger_value(&r, VALUES * n + TIME) - begun;
-        if (counter <= told[COUNTER])
+        if (counter <= printed[COUNTER])
             continue;
-        told[COUNTER] = counter;
-        tell("distance1", DISTANCE_1, ranger_value(&r, VALUES * n + DISTANCE_1), time_us);
-        tell("distance2", DISTANCE_2, ranger_value(&r, VALUES * n + DISTANCE_2), time_us);
+        printed[COUNTER] = counter;
+        print_change("distance1", DISTANCE_1, ranger_value(&r, VALUES * n + DISTANCE_1), time_us);
+        print_change("distance2", DISTANCE_2, ranger_value(&r, VALUES * n + DISTANCE_2), time_us);
     }
 }
 
@@ -103,7 +103,7 @@ int main(int argc, char **argv)
         ranger_wait(&r, 1 * MS);
     unsigned int cycles = is_profile ? profile() : vibration();
     begun = ranger_value(&r, VALUES * (SAMPLES - 1) + TIME);
-    told[COUNTER] = ranger_value(&r, VALUES * (SAMPLES - 1) + COUNTER);
+    printed[COUNTER] = ranger_value(&r, VALUES * (SAMPLES - 1) + COUNTER);
     while (cycles-- > 0)
         exchange();
     ranger_close(&r);

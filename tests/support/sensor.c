@@ -159,7 +159,7 @@ static void cache(sensor_memory_t *m, unsigned int bank, uint32_t offset, uint32
     m->cache[m->cached].offset = offset;
     m->cache[m->cached].length = length;
     memcpy(m->cache[m->cached++].before, m->bank[bank] + offset, length);
-    m->asked = 0;
+    m->flushes = 0;
 }
 
 static int memory_flush(void *ctx, unsigned int bank, bool wait)
@@ -168,17 +168,17 @@ static int memory_flush(void *ctx, unsigned int bank, bool wait)
     (void)bank;
     if (m->unsafe)
         return -1;
-    if (!wait && m->cached > 0 && ++m->asked < m->lazy)
+    if (!wait && m->cached > 0 && ++m->flushes < m->lazy)
         return ECT_STORAGE_BUSY;
     m->cached = 0;
     return 0;
 }
 
-void sensor_memory_cut(sensor_memory_t *m, uint32_t lot)
+void sensor_memory_cut(sensor_memory_t *m, uint32_t written_mask)
 {
     while (m->cached > 0) { /* the last one first: it restores the content of the one before */
         m->cached--;
-        if ((lot >> (m->cached % 32) & 1) != 0)
+        if ((written_mask >> (m->cached % 32) & 1) != 0)
             memcpy(m->bank[m->cache[m->cached].bank] + m->cache[m->cached].offset, m->cache[m->cached].before,
                    m->cache[m->cached].length);
     }

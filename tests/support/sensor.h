@@ -52,7 +52,7 @@ typedef struct sensor_memory {
     uint32_t reads;
     uint32_t written; /* bytes */
     /* A cache: a write is safe after `lazy` calls of flush; 0: at once. */
-    unsigned int lazy, asked;
+    unsigned int lazy, flushes;
     bool unsafe; /* flush fails */
     struct {
         unsigned int bank;
@@ -62,7 +62,7 @@ typedef struct sensor_memory {
     unsigned int cached;
 } sensor_memory_t;
 /* The power goes: each write that was not safe is on the medium, or is not. */
-void sensor_memory_cut(sensor_memory_t *m, uint32_t lot);
+void sensor_memory_cut(sensor_memory_t *m, uint32_t written_mask);
 bool sensor_memory_dirty(const sensor_memory_t *m);
 void sensor_memory_open(sensor_memory_t *m);
 void sensor_memory_close(sensor_memory_t *m);

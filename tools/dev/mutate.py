@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Breaks the core in small ways, one at a time, and checks that the unit tests notice.
 
-usage: tools/dev/mutate.py [--seconds N] [--seed N] [--tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
-       tools/dev/mutate.py [--seconds N] [--seed N] conform                       the judgements of ectwin-conform
-       tools/dev/mutate.py --help                                                 all rooms
+usage: tools/dev/mutate.py [--seconds N] [--count N] [--seed N] [--tests NAME,...] [ROOM...]
+       tools/dev/mutate.py [--seconds N] [--count N] [--seed N] conform    the judgements of ectwin-conform
+       tools/dev/mutate.py --help                                          all rooms
+Defaults: 600 s, seed 1, rooms od esc slave sii.
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
 compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. A mutant that no test
-notices is printed with its file and line. Mutants are drawn at random for as long as the time lasts; mutants without any visible
-effect are listed, each with the reason, in tests/budget/equivalent and do not count.
+notices is printed with its file and line. Mutants are drawn at random until the time or the count ends; a seed and a count name one
+sample on every machine. Mutants without any visible effect are listed, each with the reason, in tests/budget/equivalent and do not
+count.
 
 Needs what tools/test.sh needs. Works below build/mutate; the tree stays as it is.
 """
@@ -353,14 +355,16 @@ def judge(arguments):
     end = time.monotonic() + arguments.seconds
     counts = {room: [0, 0] for room in arguments.rooms}
 
-    def one(mutant):
-        return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end else (mutant, "")
+    survivors, tried = 0, 0
 
-    survivors = 0
+    def one(mutant):
+        return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end and tried < arguments.count else (mutant, "")
+
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for mutant, noticed in pool.map(one, todo):
-            if noticed == "":
+            if noticed == "" or tried == arguments.count:
                 continue
+            tried += 1
             room = room_of[mutant["source"]]
             counts[room][0] += 1
             counts[room][1] += noticed is not None
@@ -373,6 +377,7 @@ def judge(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], epilog=f"Rooms: {' '.join(all_rooms())}.")
     parser.add_argument("--seconds", type=float, default=600)
+    parser.add_argument("--count", type=int, default=sys.maxsize, help="end after this many mutants")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tests", type=lambda names: names.split(","), default=[], metavar="NAME,...",
                         help="build and run only these unit tests; a mutant that only others notice survives")

@@ -23,8 +23,6 @@ static void print(out_t *o, const char *format, ...)
     int length = vsnprintf(o->text + o->used, o->room - o->used, format, arguments);
     va_end(arguments);
     o->used += length > 0 ? (size_t)length : 0;
-    if (o->used >= o->room)
-        o->used = o->room - 1;
 }
 
 static void print_bytes(out_t *o, const uint8_t *bytes, size_t length)

@@ -70,14 +70,14 @@ static bool still_there(const bank_t *b)
     return fstat(b->fd, &info) == 0 && info.st_nlink > 0 && info.st_size == FILE_SIZE;
 }
 
-static int begin_sync(bank_t *b)
+static bool begin_sync(bank_t *b)
 {
     b->sync = (struct aiocb){.aio_fildes = b->fd, .aio_sigevent = {.sigev_notify = SIGEV_NONE}};
     if (!still_there(b) || aio_fsync(O_DSYNC, &b->sync) < 0)
-        return -1;
+        return false;
     b->written = false;
     b->syncing = true;
-    return 0;
+    return true;
 }
 
 /* @return as ect_storage_t::flush, of the synchronisation that was begun */
@@ -101,7 +101,7 @@ static int bank_flush(void *ctx, unsigned int bank, bool wait)
     bank_t *b = &m->banks[bank];
     int result = 0;
     while (result == 0 && (b->syncing || b->written)) {
-        if (!b->syncing && begin_sync(b) < 0)
+        if (!b->syncing && !begin_sync(b))
             return -1;
         result = end_sync(b, wait);
     }

@@ -196,7 +196,7 @@ static int connect_client(const bench_t *b)
     return fd;
 }
 
-static void say(int fd, const char *text)
+static void send_text(int fd, const char *text)
 {
     assert_int_equal(write(fd, text, strlen(text)), (ssize_t)strlen(text));
 }
@@ -228,7 +228,7 @@ static void frames_first(void **state)
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
         fds[i] = connect_client(&b);
         for (unsigned int n = 0; n < 40; n++)
-            say(fds[i], "{\"op\":\"list\",\"slave\":0}\n");
+            send_text(fds[i], "{\"op\":\"list\",\"slave\":0}\n");
     }
     for (unsigned int i = 0; i < FRAMES; i++)
         send_frame(&b);
@@ -266,7 +266,7 @@ static void once_between_frames(void **state)
     open_bench(&b, "vr-bu-ect-map7", 12);
     int fd = connect_client(&b);
     for (unsigned int n = 0; n < 40; n++)
-        say(fd, "{\"op\":\"list\",\"slave\":0}\n");
+        send_text(fd, "{\"op\":\"list\",\"slave\":0}\n");
     run(&b, one_frame_at_a_time);
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     if (strstr(b.order, "CC"))
@@ -291,7 +291,7 @@ static void rests(void **state)
     open_bench(&b, "vr-bu-ect-map7", 1);
     b.runner.client_pause_ns = 4000000000; /* longer than this test takes */
     int fd = connect_client(&b);
-    say(fd, "{\"op\":\"list\"}\n");
+    send_text(fd, "{\"op\":\"list\"}\n");
     run(&b, until_frames_are_over);
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     const char *once = strchr(b.order, 'C');
@@ -306,7 +306,7 @@ static void rests(void **state)
 enum { REQUESTS = 60 };
 
 /* One who has connected and asked so often. */
-static int ask_over_modbus(bench_t *b)
+static int request_over_modbus(bench_t *b)
 {
     static const uint8_t request[] = {0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 33};
     char message[ECT_MODBUS_MESSAGE];
@@ -338,7 +338,7 @@ static void frames_before_modbus(void **state)
     bench_t b;
     (void)state;
     open_bench(&b, "vr-bu-ect-map7", 1);
-    int client = ask_over_modbus(&b);
+    int client = request_over_modbus(&b);
     for (unsigned int i = 0; i < FRAMES; i++)
         send_frame(&b);
     run(&b, until_all_answered);
@@ -367,9 +367,9 @@ static void both_kinds_of_clients(void **state)
     bench_t b;
     (void)state;
     open_bench(&b, "vr-bu-ect-map7", 1);
-    int client = ask_over_modbus(&b), user = connect_client(&b);
+    int client = request_over_modbus(&b), user = connect_client(&b);
     for (unsigned int n = 0; n < 40; n++)
-        say(user, "{\"op\":\"list\",\"slave\":0}\n");
+        send_text(user, "{\"op\":\"list\",\"slave\":0}\n");
     run(&b, until_both_were_served);
     if (strstr(b.order, "MM") || strstr(b.order, "CC"))
         fail_msg("not in turn: %s", b.order);
@@ -391,7 +391,7 @@ static void rests_from_modbus(void **state)
     (void)state;
     open_bench(&b, "vr-bu-ect-map7", 1);
     b.runner.client_pause_ns = 4000000000; /* longer than this test takes */
-    int client = ask_over_modbus(&b);
+    int client = request_over_modbus(&b);
     run(&b, until_modbus_was_served);
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     assert_int_equal(count_of(&b, 'M'), 1);
@@ -401,23 +401,23 @@ static void rests_from_modbus(void **state)
 
 /* --- frames in a row ---------------------------------------------------------------------------------------------- */
 
-enum { LOOKS = 16, ALONE_US = 500 };
+enum { MOST_POLLS = 16, ALONE_US = 500 };
 
 static int watcher;
-static struct look {
+static struct poll_time {
     size_t frames;
     uint64_t at_ns;
-} looks[LOOKS];
-static unsigned int look_count;
+} poll_times[MOST_POLLS];
+static unsigned int poll_count;
 
 /* Frames are there from the first moment on. Checks the replies when the loop serves clients for the n-th time. */
 static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
         send_frame(b);
-    assert_true(n < LOOKS);
-    looks[n] = (struct look){b->runner.exchange.stats.frames, b->clock_ns};
-    look_count = n + 1;
+    assert_true(n < MOST_POLLS);
+    poll_times[n] = (struct poll_time){b->runner.exchange.stats.frames, b->clock_ns};
+    poll_count = n + 1;
     if (b->runner.exchange.stats.frames < FRAMES && n > 0)
         assert_true(limit && limit->tv_sec == 0 && limit->tv_nsec == 0); /* a look, no rest */
     if (b->runner.exchange.stats.frames == FRAMES)
@@ -442,13 +442,13 @@ static void waits_where_it_receives(void **state)
     b.clock_step_ns = 15000;
     run(&b, flood);
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
-    assert_int_equal(looks[0].frames, 0);
-    assert_true(look_count > 4);
-    for (unsigned int n = 2; n + 1 < look_count; n++) { /* the last one: none came for a while */
-        uint64_t us = (looks[n].at_ns - looks[n - 1].at_ns) / 1000;
-        if (looks[n].frames < looks[n - 1].frames + IN_A_ROW || us > ALONE_US + 100)
+    assert_int_equal(poll_times[0].frames, 0);
+    assert_true(poll_count > 4);
+    for (unsigned int n = 2; n + 1 < poll_count; n++) { /* the last one: none came for a while */
+        uint64_t us = (poll_times[n].at_ns - poll_times[n - 1].at_ns) / 1000;
+        if (poll_times[n].frames < poll_times[n - 1].frames + IN_A_ROW || us > ALONE_US + 100)
             fail_msg("look %u: expected more than %u frames and %u us since the last one, got %zu and %u", n, IN_A_ROW,
-                     ALONE_US, looks[n].frames - looks[n - 1].frames, (unsigned int)us);
+                     ALONE_US, poll_times[n].frames - poll_times[n - 1].frames, (unsigned int)us);
     }
     close_bench(&b);
 }
@@ -460,7 +460,7 @@ static void flood_with_client(bench_t *b, unsigned int n, const struct timespec 
     if (n == 0) {
         watcher = connect_client(b);
         for (unsigned int i = 0; i < 40; i++)
-            say(watcher, "{\"op\":\"list\",\"slave\":0}\n");
+            send_text(watcher, "{\"op\":\"list\",\"slave\":0}\n");
     }
     if (b->runner.exchange.stats.frames < FRAMES && n % 2 == 0)
         send_frame(b);
@@ -596,7 +596,7 @@ static void a_pause_ends_at_its_last_nanosecond(void **state)
     after_service = 0;
     int fd = connect_client(&b);
     for (unsigned int n = 0; n < 40; n++)
-        say(fd, "{\"op\":\"list\"}\n");
+        send_text(fd, "{\"op\":\"list\"}\n");
     run(&b, until_the_pause_ends);
     close(fd);
     close_bench(&b);
@@ -710,7 +710,7 @@ static void expect_rounds(bench_t *b, unsigned int n, const struct timespec *lim
     case 0:
         assert_true(limit_of(limit) == ECT_NEVER);
         watcher = connect_client(b);
-        say(watcher, "{\"op\":\"watch\",\"pattern\":\"busy\"}\n");
+        send_text(watcher, "{\"op\":\"watch\",\"pattern\":\"busy\"}\n");
         return;
     case 1:
     case 2:
@@ -746,10 +746,10 @@ static void a_short_measurement(bench_t *b, unsigned int n, const struct timespe
     switch (step++) {
     case 0:
         watcher = connect_client(b);
-        say(watcher, "{\"op\":\"watch\",\"pattern\":\"busy\",\"every\":true}\n");
+        send_text(watcher, "{\"op\":\"watch\",\"pattern\":\"busy\",\"every\":true}\n");
         return;
     case 1:
-        say(watcher, "{\"op\":\"set\",\"values\":{\"image_input\":100,\"processing\":150,\"trigger\":1}}\n");
+        send_text(watcher, "{\"op\":\"set\",\"values\":{\"image_input\":100,\"processing\":150,\"trigger\":1}}\n");
         return;
     default:
         (void)raise(SIGUSR1);
@@ -825,12 +825,12 @@ static void circulating_frames(void **state)
 /* --- the end ------------------------------------------------------------------------------------------------------ */
 
 enum { POLLS_OF_A_SAVE = 5 };
-static unsigned int asked;
+static unsigned int flushes;
 
 static bool saves(const void *instance)
 {
     (void)instance;
-    return ++asked < POLLS_OF_A_SAVE;
+    return ++flushes < POLLS_OF_A_SAVE;
 }
 
 static void at_once(bench_t *b, unsigned int n, const struct timespec *limit)
@@ -851,9 +851,9 @@ static void finishes_a_save(void **state)
     ect_chain_free(b.wire.chain);
     b.runner.exchange.chain = b.wire.chain = ect_chain_new(&twin, 1, b.wire.now_ns);
     assert_non_null(b.wire.chain);
-    asked = 0;
+    flushes = 0;
     run(&b, at_once);
-    assert_int_equal(asked, POLLS_OF_A_SAVE);
+    assert_int_equal(flushes, POLLS_OF_A_SAVE);
     close_bench(&b);
 }
 

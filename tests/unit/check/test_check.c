@@ -172,15 +172,15 @@ typedef struct row {
 
 #define OFFERS(X)                                                                                                      \
     X(not_served, gauge, D.mailbox_protocols |= ECT_MAILBOX_FOE, "it has FoE, the list 'protocols' does not serve it") \
-    X(not_said, gauge, D.mailbox_protocols = ECT_MAILBOX_FOE, "it has not CoE, the list 'protocols' serves it")        \
+    X(coe_not_named, gauge, D.mailbox_protocols = ECT_MAILBOX_FOE, "it has not CoE, the list 'protocols' serves it")   \
     X(protocol_unknown, gauge, D.mailbox_protocols |= 0x40, "mailbox_protocols: there is no protocol 40h")             \
     X(details_without_coe, terminal, D.coe_details = 1, "coe_details: without CoE there are none")                     \
-    X(information_not_said, gauge, D.coe_details = ECT_COE_SDO, "ect_protocol_sdo_info and ECT_COE_SDO_INFO go")       \
+    X(information_not_named, gauge, D.coe_details = ECT_COE_SDO, "ect_protocol_sdo_info and ECT_COE_SDO_INFO go")      \
     X(no_identity, gauge, OBJECT(0x1018)->index = 0x1019, "a device with CoE has 1000h and 1018h")                     \
     X(sm_types_other, gauge, D.sm_count = 5, "1C00h: it has 4 SyncManagers, the description 5")                        \
     X(identity_other, gauge, (ENTRY(0x1018, 2)->data = NULL, ENTRY(0x1018, 2)->value = 7),                             \
       "1018h:2: it has 7h, the description 7E59h")                                                                     \
-    X(rhythm_without, confdev, D.cyclic = told, "cyclic: it needs ect_service_rhythm, which calls it")                 \
+    X(rhythm_without, confdev, D.cyclic = cyclic_function, "cyclic: it needs ect_service_rhythm, which calls it")      \
     X(sync_without, confdev, OBJECT(0x1C32)->index = 0x1C31, "ect_service_sync needs 1C32h:1 in memory")               \
     X(sync_outside, confdev, ENTRY(0x1C32, 1)->data = AT(sizeof(confdev_t) - 8), "ect_service_sync, from 1C32h:1 on")  \
     X(sync_crooked, confdev, ENTRY(0x1C32, 1)->data = AT(offsetof(confdev_t, sync) + 2), "are not aligned")            \
@@ -201,7 +201,7 @@ typedef struct row {
     X(sii_none, confdev, D.sii_size = 0, "sii_size: 0 is not a multiple of 128")                                       \
     X(sii_small, confdev, D.sii_size = 256, "sii_size: the SII does not fit into 256 bytes")
 
-static void told(void *instance, uint8_t events, uint64_t now_ns)
+static void cyclic_function(void *instance, uint8_t events, uint64_t now_ns)
 {
     (void)instance;
     (void)events;
@@ -313,7 +313,7 @@ typedef struct plant_row {
     X(range_below, s[0].minimum = -1, "signal p.a: its range is empty, or beyond its type")                            \
     X(text_room, s[1].maximum = 128, "signal p.b: its range is empty, or beyond its type")                             \
     X(text_no_room, s[1].maximum = 0, "signal p.b: its maximum is its room")                                           \
-    X(said_by_nobody, s[1].type = ECT_SIGNAL_DESCRIBED, "signal p.b: a described signal is read only")                 \
+    X(described_and_writable, s[1].type = ECT_SIGNAL_DESCRIBED, "signal p.b: a described signal is read only")         \
     X(signal_outside, s[1].offset = 30, "signal p.b: it is not inside its structure")                                  \
     X(modbus_whole, p->modbus = modbus_but(MODBUS_WHOLE), NULL)                                                        \
     X(modbus_read, p->modbus = modbus_but(MODBUS_READ), "Modbus: a function, its connections or its idle time")        \

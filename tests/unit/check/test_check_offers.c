@@ -85,12 +85,12 @@ static void writable_only(copy_t *c, uint16_t index)
 /* X(name, device, what is done to it, a part of the line or NULL) */
 #define PROTOCOLS(X)                                                                                                   \
     X(as_they_are, testdev, (void)0, NULL)                                                                             \
-    X(one_more_served_and_said, testdev, (D.protocols = foe_last, D.mailbox_protocols |= ECT_MAILBOX_FOE), NULL)       \
+    X(one_more_served_and_named, testdev, (D.protocols = foe_last, D.mailbox_protocols |= ECT_MAILBOX_FOE), NULL)      \
     X(one_more_served, testdev, D.protocols = foe_last, "it has not FoE, the list 'protocols' serves it")              \
-    X(one_more_said, testdev, D.mailbox_protocols |= ECT_MAILBOX_AOE, "it has AoE, the list 'protocols' does not")     \
-    X(eoe_said, testdev, D.mailbox_protocols |= ECT_MAILBOX_EOE, "it has EoE, the list")                               \
-    X(soe_said, testdev, D.mailbox_protocols |= ECT_MAILBOX_SOE, "it has SoE, the list")                               \
-    X(voe_said, testdev, D.mailbox_protocols |= ECT_MAILBOX_VOE, "it has VoE, the list")                               \
+    X(one_more_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_AOE, "it has AoE, the list 'protocols' does not")    \
+    X(eoe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_EOE, "it has EoE, the list")                              \
+    X(soe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_SOE, "it has SoE, the list")                              \
+    X(voe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_VOE, "it has VoE, the list")                              \
     X(an_empty_list, testdev, D.protocols = nothing, "it has CoE, the list 'protocols' does not serve it")             \
     X(no_list, testdev, D.protocols = NULL, "it has CoE, the list 'protocols' does not serve it")                      \
     X(protocol_of_bit_7, testdev, D.mailbox_protocols |= 0x80, "there is no protocol 80h")                             \

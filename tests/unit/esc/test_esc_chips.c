@@ -53,7 +53,7 @@ static void information(void **state)
 /* Registers that only some chips have: e the master may write it, p the microcontroller, b both. */
 static const struct {
     uint16_t address;
-    char who;
+    char writer;
     enum { ANY, LED, RESET_PDI, LATCH_MODE, CLOCK } of;
 } registers[] = {
     {0x0021, 'e', ANY},        {0x0031, 'e', ANY},   {0x0040, 'e', ANY},   {0x0041, 'p', RESET_PDI},
@@ -85,8 +85,8 @@ static void expect_right(chip_t *c, size_t chip, size_t row)
     static uint8_t before[0x1000];
     uint16_t address = registers[row].address;
     bool there = has(chip, registers[row].of);
-    bool master = there && registers[row].who != 'p';
-    bool pdi = there && registers[row].who != 'e';
+    bool master = there && registers[row].writer != 'p';
+    bool pdi = there && registers[row].writer != 'e';
     chip_power_on(c);
     unsigned int wkc = chip_write(c, address, 0x13, 1);
     if (wkc != (master ? 1 : 0))
@@ -110,7 +110,7 @@ static void rights(void **state)
 }
 
 /* An address without a row in the data sheet cannot be written, in any chip. */
-static void nobody_writes(void **state)
+static void reserved_registers(void **state)
 {
     static const uint16_t ranges[][2] = {{0x000A, 0x000F}, {0x0014, 0x001F}, {0x0032, 0x003F}, {0x0042, 0x00FF},
                                          {0x0140, 0x01FF}, {0x0914, 0x091F}, {0x092C, 0x092F}, {0x0932, 0x0933},
@@ -197,7 +197,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-009: registers of some chips can be written by the permitted side where they exist", rights, NULL, NULL,
          NULL},
-        {"CF-009: neither side can write reserved registers, on any chip", nobody_writes, NULL, NULL, NULL},
+        {"CF-009: neither side can write reserved registers, on any chip", reserved_registers, NULL, NULL, NULL},
         {"CF-008: a register that a chip lacks reads 0, that of an absent clock does not respond", absent_is_zero, NULL,
          NULL, NULL},
         {"CF-055: each chip advertises how many bytes an SII read delivers", sii_width, NULL, NULL, NULL},

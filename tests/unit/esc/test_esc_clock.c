@@ -286,7 +286,7 @@ static void loop_of_the_pdi(void **state)
 
 /* --- delays of frames --------------------------------------------------------------------------------------------- */
 
-static void ways(void **state)
+static void receive_and_system_times(void **state)
 {
     chip_t *c = *state;
     const ect_esc_arrival_t arrival = {.unit_ns = 1000, .port_ns = {1000, 5000, 6000, 7000}};
@@ -306,7 +306,7 @@ static void ways(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_DIFFERENCE, 4), 0x80000000);
 }
 
-static void what_latches(void **state)
+static void commands_that_latch(void **state)
 {
     static const struct {
         uint8_t command;
@@ -355,11 +355,11 @@ static void start(chip_t *c, uint8_t activation, uint64_t first, uint32_t cycle0
 static bool take(chip_t *c, unsigned int n)
 {
     uint32_t event = n == 0 ? ECT_EVENT_SYNC0 : ECT_EVENT_SYNC1;
-    bool came = (ect_esc_al_event(&c->esc) & event) != 0;
-    if (came)
+    bool occurred = (ect_esc_al_event(&c->esc) & event) != 0;
+    if (occurred)
         assert_int_equal(chip_pdi_read(c, (uint16_t)(ECT_REG_DC_SYNC0_STATUS + n), 1), 1);
     assert_int_equal(ect_esc_al_event(&c->esc) & event, 0);
-    return came;
+    return occurred;
 }
 
 /* Lets the clock run in steps of 10 us and writes each pulse as a digit: the number of its step, from the start time
@@ -423,7 +423,7 @@ static void sync1_alone(void **state)
 }
 
 /* Bits 3 and 7 of 0x0151 enable the events of SYNC0 and SYNC1, and no other bits do. */
-static void which_are_events(void **state)
+static void selected_events(void **state)
 {
     static const struct {
         uint8_t config;
@@ -591,11 +591,11 @@ static void sync_unwatched(void **state)
     chip_t *c = *state;
     for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
         const sync_change_t *row = &rows[i / 2];
-        const bool looks = i % 2 != 0;
+        const bool reads = i % 2 != 0;
         chip_power_on(c);
         start(c, 0x03, 100000, 40000, 0);
         chip_advance(c, 150000);
-        if (looks)
+        if (reads)
             assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 180000);
         if (row->length > 0)
             assert_int_equal(chip_write(c, row->address, row->value, row->length), 1);
@@ -605,7 +605,7 @@ static void sync_unwatched(void **state)
         chip_advance(c, row->after_ns);
         (void)chip_read(c, ECT_REG_DC_START_TIME, 8);
         if (c->esc.sync[0].next != row->next_ns)
-            fail_msg("%s%s: expected the next pulse at %llu, got %llu", row->what, looks ? ", read before" : "",
+            fail_msg("%s%s: expected the next pulse at %llu, got %llu", row->what, reads ? ", read before" : "",
                      (unsigned long long)row->next_ns, (unsigned long long)c->esc.sync[0].next);
     }
 }
@@ -729,7 +729,7 @@ static void auto_activation(void **state)
 }
 
 /* A start time that is written while the unit runs takes effect. */
-static void started_anew(void **state)
+static void restarted_by_its_start_time(void **state)
 {
     chip_t *c = *state;
     start(c, 0x0F, 100000, 40000, 0);
@@ -756,11 +756,11 @@ static void plausibility(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         start(c, rows[i].activation, local_time(c) + rows[i].ahead_ns, 0, 0);
         (void)ect_esc_tick(&c->esc, c->w.now_ns);
-        bool came = take(c, 0);
+        bool occurred = take(c, 0);
         bool reported = (chip_read(c, 0x0984, 1) & 4) != 0;
-        if (came != rows[i].at_once || reported != rows[i].at_once)
+        if (occurred != rows[i].at_once || reported != rows[i].at_once)
             fail_msg("0x0981 = 0x%02X, start in %lld ns: expected a pulse at once %d, got %d, reported %d",
-                     rows[i].activation, (long long)rows[i].ahead_ns, rows[i].at_once, came, reported);
+                     rows[i].activation, (long long)rows[i].ahead_ns, rows[i].at_once, occurred, reported);
     }
 }
 
@@ -783,7 +783,7 @@ static void debug_pulse(void **state)
     assert_false(take(c, 1));
 }
 
-static void who_controls(void **state)
+static void assigned_control(void **state)
 {
     chip_t *c = *state;
     static const struct {
@@ -887,7 +887,7 @@ static void latch_read_in_part(void **state)
 }
 
 /* A write to the control of a latch makes that latch wait again, and does not affect the other. */
-static void latch_waits_anew(void **state)
+static void latch_waits_again(void **state)
 {
     chip_t *c = *state;
     for (unsigned int n = 0; n < 2; n++) {
@@ -948,12 +948,13 @@ int main(int argc, char **argv)
              lock_limit),
         TEST("CF-088: 0x092C is a mean over the filter's depth", filter),
         TEST("CF-088: a loop that belongs to the PDI compares with latch 0, and refuses the master", loop_of_the_pdi),
-        TEST("CF-087: receive and system times are those of the frame at this chip, less the delay", ways),
-        TEST("CF-087: which commands take receive times, on an ET1100 and on an ET1200", what_latches),
+        TEST("CF-087: receive and system times are those of the frame at this chip, less the delay",
+             receive_and_system_times),
+        TEST("CF-087: which commands take receive times, on an ET1100 and on an ET1200", commands_that_latch),
         TEST("CF-087: a system time that is read in pieces is one time", in_pieces),
         TEST("CF-089: SYNC1 follows SYNC0 by its cycle time, and then the first SYNC0 after itself", sync1),
         TEST("CF-089: SYNC1 occurs without SYNC0", sync1_alone),
-        TEST("CF-089: 0x0151 selects which of SYNC0 and SYNC1 are events", which_are_events),
+        TEST("CF-089: 0x0151 selects which of SYNC0 and SYNC1 are events", selected_events),
         TEST("CF-089: a repeated write of the activation does not move the pulses", written_again),
         TEST("CF-089: a pulse is due from its activation on, without any access", due_by_itself),
         TEST("CF-089: a start time is kept until the unit runs", start_time_kept),
@@ -967,16 +968,16 @@ int main(int argc, char **argv)
         TEST("CF-087 CF-089: SYNC0 comes in time with an offset of either sign", sync_with_offset),
         TEST("CF-089: the reported time of a pulse is exact at any distance; beyond 2^63 ns none is reported",
              far_away),
-        MODERN("CF-089: a start time that is written while the unit runs restarts it", started_anew),
+        MODERN("CF-089: a start time that is written while the unit runs restarts it", restarted_by_its_start_time),
         MODERN("CF-089: a start time that is written activates by itself, and 32 bits of it are enough",
                auto_activation),
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),
         MODERN("CF-089: a debug pulse comes at once, on chips that know it", debug_pulse),
-        TEST("CF-089 CF-091: the master assigns the control of SYNC0, SYNC1 and the latches", who_controls),
+        TEST("CF-089 CF-091: the master assigns the control of SYNC0, SYNC1 and the latches", assigned_control),
         TEST("CF-091: continuous: each edge of a latch input is taken", continuous),
         TEST("CF-091: single event: the first edge is kept until it is read", single_event),
         TEST("CF-091: an edge is acknowledged by any byte of its time, and by no other's", latch_read_in_part),
-        TEST("CF-091: a latch whose control is written waits again, the other one continues", latch_waits_anew),
+        TEST("CF-091: a latch whose control is written waits again, the other one continues", latch_waits_again),
         TEST("CF-091: the event of a latch goes to the side that controls it, which acknowledges it by reading",
              latch_of_the_pdi),
         MODERN("CF-091: newer chips show the level of the latch inputs", pin_state),

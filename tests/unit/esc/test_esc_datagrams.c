@@ -480,7 +480,7 @@ static void build_udp(rig_t *r)
 }
 
 /* Properties of a frame for code that parses it once (esc/route.h). */
-static void where_datagrams_begin(void **state)
+static void starts_of_datagrams(void **state)
 {
     static const struct {
         const char *what;
@@ -796,7 +796,7 @@ int main(int argc, char **argv)
         TEST("CF-013: a datagram of length 0 does nothing, WKC 0, the ADP still counts slaves", zero_length_commands),
         TEST("CF-013: a frame cut anywhere is not answered, executes nothing, counts in 0x0300 and 0x030C", truncated),
         TEST("CF-013: a frame ends where it ends, whatever is behind it", nothing_behind_the_end),
-        TEST("CF-013: where the datagrams of a frame begin, and which frames have none", where_datagrams_begin),
+        TEST("CF-013: where the datagrams of a frame begin, and which frames have none", starts_of_datagrams),
         TEST("CF-013: datagram lengths that do not fit are refused; the header's length is not asked", false_lengths),
         TEST("CF-013: a frame of 2000 bytes is taken, a longer one is invalid", longest_frame),
         TEST("CF-013: padding behind the last datagram is left as it is", padding),

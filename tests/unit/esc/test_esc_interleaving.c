@@ -78,13 +78,13 @@ static void complete_read(sides_t *s)
     s->last_read = s->image[0];
 }
 
-static void step(sides_t *s, bool write, bool anew)
+static void step(sides_t *s, bool write, bool restart)
 {
     unsigned int side = write ? 0 : 1;
     if (s->steps < ORDER)
-        s->order[s->steps] = write ? (anew ? 'W' : 'w') : (anew ? 'R' : 'r');
+        s->order[s->steps] = write ? (restart ? 'W' : 'w') : (restart ? 'R' : 'r');
     s->steps++;
-    if (anew)
+    if (restart)
         s->at[side] = 0;
     if (s->at[side] == 0) {
         s->accepted[side] = true;
@@ -161,7 +161,7 @@ static uint32_t next_random(uint32_t *seed)
 }
 
 /* In a mailbox, a side that restarts half way starts the same mail again. */
-static void by_lot(void **state)
+static void random_orders(void **state)
 {
     static const unsigned int pieces[] = {1, 2, 3, 4, 6, 12};
     chip_t *c = *state;
@@ -180,8 +180,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-016 CF-017 CF-019: no torn, stale or lost image in any order of the accesses of both sides", exhaustive,
          chip_setup, chip_teardown, NULL},
-        {"CF-018 CF-019: nor in long random orders, in which sides restart half way", by_lot, chip_setup, chip_teardown,
-         NULL},
+        {"CF-018 CF-019: nor in long random orders, in which sides restart half way", random_orders, chip_setup,
+         chip_teardown, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

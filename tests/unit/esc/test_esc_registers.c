@@ -174,7 +174,7 @@ static void reset_state(void **state)
  * neither. */
 static const struct {
     uint16_t first, last;
-    char who;
+    char writer;
 } rights[] = {
     {0x0010, 0x0011, 'e'}, {0x0012, 0x0013, 'p'}, {0x0020, 0x0021, '?'}, {0x0030, 0x0031, '?'}, {0x0040, 0x0041, '?'},
     {0x0100, 0x0103, 'e'}, {0x0108, 0x0109, 'e'}, {0x0120, 0x0121, 'e'}, {0x0130, 0x0131, 'p'}, {0x0134, 0x0135, 'p'},
@@ -192,7 +192,7 @@ static char right(uint16_t a)
         return a % 8 == 7 ? 'p' : a % 8 == 5 ? '-' : 'e';
     for (size_t i = 0; i < sizeof rights / sizeof rights[0]; i++) {
         if (a >= rights[i].first && a <= rights[i].last)
-            return rights[i].who;
+            return rights[i].writer;
     }
     return '-';
 }
@@ -202,18 +202,18 @@ static void access_rights(void **state)
     rig_t *r = *state;
     static uint8_t before[MEMORY];
     for (uint16_t a = 0; a < 0x1000; a++) {
-        char who = right(a);
-        if (who == '?')
+        char writer = right(a);
+        if (writer == '?')
             continue;
         power_on(r);
         memcpy(before, r->memory, MEMORY);
         unsigned int wkc = ecat_write(r, a, (uint8_t)~before[a]);
-        bool allowed = who == 'e' || who == 'b';
+        bool allowed = writer == 'e' || writer == 'b';
         if (wkc != (allowed ? 1 : 0) || (!allowed && memcmp(before, r->memory, MEMORY) != 0))
             fail_msg("ECAT write to 0x%04X: expected WKC %d, got %u", a, allowed, wkc);
         power_on(r);
         pdi_write(r, a, (uint8_t)~before[a]);
-        allowed = who == 'p' || who == 'b';
+        allowed = writer == 'p' || writer == 'b';
         bool changed = memcmp(before, r->memory, MEMORY) != 0;
         if (changed != allowed)
             fail_msg("PDI write to 0x%04X: expected allowed %d, got %d", a, allowed, changed);

@@ -399,7 +399,7 @@ static void one_byte(void **state)
 }
 
 /* The three buffers are contiguous; the memory before and behind does not belong to them. */
-static void where_buffers_lie(void **state)
+static void addresses_of_buffers(void **state)
 {
     rig_t *r = *state;
     uint8_t data[8];
@@ -882,7 +882,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"CF-016: of SyncManagers that overlap, the lower number has the bytes", overlapping, setup, teardown, NULL},
-        TEST("CF-019: the three buffers lie one behind the other from the start address on", where_buffers_lie),
+        TEST("CF-019: the three buffers lie one behind the other from the start address on", addresses_of_buffers),
         TEST("CF-019: a SyncManager over the digital outputs passes each byte to its place", digital_outputs),
         TEST("CF-021: a SyncManager that is disabled takes its own event with it", off_takes_its_events),
         TEST("CF-009: a mailbox that either side switches off and on again is empty, its event gone", off_empties),

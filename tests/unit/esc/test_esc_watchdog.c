@@ -208,7 +208,7 @@ static void event(void **state)
 }
 
 /* The accesses that trigger it: SM2 (4 bytes, written by ECAT) and others. */
-static void what_feeds(void **state)
+static void accesses_that_feed(void **state)
 {
     rig_t *r = *state;
     static const struct {
@@ -384,7 +384,7 @@ int main(int argc, char **argv)
         TEST("CF-049: after an hour, a day, a year without the master: one expiry, then it works again", silence),
         TEST("CF-051: an expiry is noticed by the next frame before that feeds again", noticed_by_a_frame),
         TEST("CF-051: an expiry sets AL event bit 6 until the PDI reads 0x0440, AL status does not change", event),
-        TEST("CF-052: only a complete write to a SyncManager with the trigger bit feeds", what_feeds),
+        TEST("CF-052: only a complete write to a SyncManager with the trigger bit feeds", accesses_that_feed),
         TEST("CF-052: parts feed when the last byte has come, parts without it never", fed_by_parts),
         TEST("CF-052: refused writes and the PDI feed nothing", refused_writes),
         TEST("CF-052: there is one watchdog for all SyncManagers", one_for_all),

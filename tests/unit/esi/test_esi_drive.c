@@ -4,7 +4,7 @@
 
 /* --- what there is ------------------------------------------------------------------------------------------------ */
 
-static void modes_are_told(void **state)
+static void modes_are_noted(void **state)
 {
     static const struct {
         const char *type, *note;
@@ -317,7 +317,7 @@ static void screw(void **state)
     assert_int_equal(read_sdo(0x6063, 0), 323617);
 }
 
-static void turned_round(void **state)
+static void positions_are_inverted(void **state)
 {
     (void)state;
     open_drive("SCREW");
@@ -371,7 +371,7 @@ static void home_without_method(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(modes_are_told, close_drive),
+        cmocka_unit_test_teardown(modes_are_noted, close_drive),
         cmocka_unit_test_teardown(a_shell_stays, close_drive),
         cmocka_unit_test_teardown(no_drive, close_drive),
         {"DRV-255 DRV-233 each shape of file follows a position in csp, one cycle behind", moves_position, NULL,
@@ -395,7 +395,7 @@ int main(void)
         {"DRV-096 DRV-098 DRV-295 settings out of range are refused", refused_settings, NULL, close_drive, NULL},
         {"settings without a default in the file have the twin's", defaults_of_nothing, NULL, close_drive, NULL},
         {"DRV-421 DRV-097 DRV-230 units of a screw", screw, NULL, close_drive, NULL},
-        {"DRV-422 DRV-231 polarity turns positions round", turned_round, NULL, close_drive, NULL},
+        {"DRV-422 DRV-231 polarity turns positions round", positions_are_inverted, NULL, close_drive, NULL},
         {"DRV-294 DRV-427 DRV-277 DRV-268 home is here", home_here, NULL, close_drive, NULL},
         {"DRV-293 home is the next index pulse", home_at_the_index, NULL, close_drive, NULL},
         {"DRV-280 DRV-270 a run without a method is an error at a standstill", home_without_method, NULL, close_drive,

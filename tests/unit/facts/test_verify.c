@@ -344,25 +344,25 @@ static void as_in_the_file(void **state)
 static void parts(void **state)
 {
     (void)state;
-    ect_facts_t said = {.source = "old"}, part = {.source = "old"}, found = {.source = "new"};
-    (void)ect_facts_add(&said, ECT_FACT_VENDOR, 0, 0, "1");
-    (void)ect_facts_add(&said, ECT_FACT_SM, 0, 0, "outputs");
+    ect_facts_t first = {.source = "old"}, part = {.source = "old"}, found = {.source = "new"};
+    (void)ect_facts_add(&first, ECT_FACT_VENDOR, 0, 0, "1");
+    (void)ect_facts_add(&first, ECT_FACT_SM, 0, 0, "outputs");
     (void)ect_facts_add(&found, ECT_FACT_VENDOR, 0, 0, "2");
     (void)ect_facts_add(&found, ECT_FACT_SM, 1, 0, "inputs");
-    said.complete[ECT_FACT_SM] = found.complete[ECT_FACT_SM] = true;
-    ect_facts_take(&part, &said, ECT_FACT_VENDOR, ECT_FACT_REVISION);
+    first.complete[ECT_FACT_SM] = found.complete[ECT_FACT_SM] = true;
+    ect_facts_take(&part, &first, ECT_FACT_VENDOR, ECT_FACT_REVISION);
     char *lines = lines_of(&part, &found);
     expect_line("the identity alone", lines, "new: identity vendor id: expected 1 (old), found 2");
     free(lines);
     ect_facts_free(&part);
     part = (ect_facts_t){.source = "old"};
-    ect_facts_take(&part, &said, ECT_FACT_SM, ECT_FACT_SM);
+    ect_facts_take(&part, &first, ECT_FACT_SM, ECT_FACT_SM);
     FILE *nowhere = fopen("/dev/null", "w");
     assert_non_null(nowhere);
     assert_int_equal(ect_facts_compare(&part, &found, nowhere), 2); /* one is missing, one is more */
     (void)fclose(nowhere);
     ect_facts_free(&part);
-    ect_facts_free(&said);
+    ect_facts_free(&first);
     ect_facts_free(&found);
 }
 

@@ -5,6 +5,7 @@
 #include "reader/reader.h"
 
 #include <cjson/cJSON.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -484,7 +485,7 @@ static liar_mail_t no_information(liar_t *l, const uint8_t *r)
     static const uint8_t unsupported[4] = {1, 0, 2, 0};
     if (r[7] >> 4 != 8)
         return LIAR_PASSES;
-    liar_say(l, 0, unsupported, sizeof unsupported);
+    liar_set_mail(l, 0, unsupported, sizeof unsupported);
     return LIAR_REPLIES;
 }
 
@@ -619,6 +620,74 @@ static void a_wire_that_loses_a_fifth_of_the_frames_changes_nothing(void **state
     close_reader(&l);
 }
 
+/* A link whose replies are given by their lengths, one for each receive(). 0: none comes until the timeout; WHOLE: the
+ * length of the frame that was sent. Each is the frame that was sent, processed by one slave. */
+typedef struct scripted {
+    const size_t *lengths;
+    unsigned int sends, receives;
+    uint64_t now_ns;
+    size_t sent_length;
+    uint8_t sent[ECT_READER_FRAME];
+} scripted_t;
+
+static const size_t WHOLE = SIZE_MAX;
+
+static void scripted_send(void *ctx, const uint8_t *frame, size_t length)
+{
+    scripted_t *s = ctx;
+    memcpy(s->sent, frame, length);
+    s->sent_length = length;
+    s->sends++;
+}
+
+static size_t scripted_receive(void *ctx, uint8_t *frame, size_t room, uint64_t until_ns)
+{
+    enum { AT_LENGTH = 22, AT_DATA = 26 };
+    scripted_t *s = ctx;
+    const size_t length = s->lengths[s->receives++];
+    if (length == 0) {
+        s->now_ns = until_ns;
+        return 0;
+    }
+    assert_true(s->sent_length <= room);
+    memcpy(frame, s->sent, s->sent_length);
+    ect_store_le16(frame + AT_DATA + (ect_load_le16(frame + AT_LENGTH) & 0x7FF), 1);
+    return length == WHOLE ? s->sent_length : length;
+}
+
+static uint64_t scripted_now(void *ctx)
+{
+    return ((const scripted_t *)ctx)->now_ns;
+}
+
+static void a_frame_is_sent_again_after_its_timeout_only(void **state)
+{
+    static const struct {
+        const char *title;
+        size_t lengths[3];
+        unsigned int sends, receives, ms;
+    } rows[] = {
+        {"a reply", {WHOLE}, 1, 1, 0},
+        {"one byte of a reply, then all of it", {1, WHOLE}, 1, 2, 0},
+        {"a reply without the last byte of its working counter, then all of it", {28, WHOLE}, 1, 2, 0},
+        {"a reply with the last byte of its working counter", {29}, 1, 1, 0},
+        {"a frame that was cut, then a reply", {ECT_READER_FRAME + 1, WHOLE}, 1, 2, 0},
+        {"none, then a reply", {0, WHOLE}, 2, 2, 7},
+        {"one byte of a reply, none, then a reply", {1, 0, WHOLE}, 2, 3, 7},
+    };
+    static const ect_reader_config_t second = {.position = 1, .frame_ms = 7};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        scripted_t s = {.lengths = rows[i].lengths};
+        const ect_reader_link_t link = {
+            .ctx = &s, .send = scripted_send, .receive = scripted_receive, .now = scripted_now};
+        assert_int_equal(ect_reader_open(&reader, &link, &second), ECT_READER_LOST);
+        assert_string_equal(reader.text, "the segment has only 1 slave");
+        if (s.sends != rows[i].sends || s.receives != rows[i].receives || s.now_ns != rows[i].ms * UINT64_C(1000000))
+            fail_msg("%s: %u sent, %u received, %" PRIu64 " ns", rows[i].title, s.sends, s.receives, s.now_ns);
+    }
+}
+
 typedef struct stop {
     unsigned int calls, after;
     char what[20];
@@ -688,6 +757,7 @@ int main(void)
         cmocka_unit_test(the_first_mail_continues_the_counter_of_the_mail_before),
         cmocka_unit_test(the_json_text_has_every_field),
         cmocka_unit_test(a_wire_that_loses_a_fifth_of_the_frames_changes_nothing),
+        cmocka_unit_test(a_frame_is_sent_again_after_its_timeout_only),
         cmocka_unit_test(the_callback_shows_progress_and_stops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

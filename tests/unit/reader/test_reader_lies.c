@@ -37,26 +37,26 @@ static bool is_info(const uint8_t *r, unsigned int opcode)
 }
 
 /* A reply to an upload: command, the index and sub-index of the request, a number, and `length` more bytes. */
-static liar_mail_t say_upload(liar_t *l, const uint8_t *r, uint8_t command, uint32_t number, size_t length)
+static liar_mail_t set_upload(liar_t *l, const uint8_t *r, uint8_t command, uint32_t number, size_t length)
 {
     uint8_t reply[1500] = {command, r[9], r[10], r[11]};
     ect_store_le32(reply + 4, number);
-    liar_say_coe(l, RESPONSE, reply, 8 + length);
+    liar_set_coe_mail(l, RESPONSE, reply, 8 + length);
     return LIAR_REPLIES;
 }
 
-static liar_mail_t say_segment(liar_t *l, uint8_t command, size_t length)
+static liar_mail_t set_segment(liar_t *l, uint8_t command, size_t length)
 {
     uint8_t reply[1500] = {command};
-    liar_say_coe(l, RESPONSE, reply, 1 + length);
+    liar_set_coe_mail(l, RESPONSE, reply, 1 + length);
     return LIAR_REPLIES;
 }
 
-static liar_mail_t say_info(liar_t *l, uint8_t opcode, const void *data, size_t length)
+static liar_mail_t set_info(liar_t *l, uint8_t opcode, const void *data, size_t length)
 {
     uint8_t reply[1500] = {opcode};
     memcpy(reply + 4, data, length);
-    liar_say_coe(l, INFO, reply, 4 + length);
+    liar_set_coe_mail(l, INFO, reply, 4 + length);
     return LIAR_REPLIES;
 }
 
@@ -64,7 +64,7 @@ static liar_mail_t say_info(liar_t *l, uint8_t opcode, const void *data, size_t 
 
 static liar_mail_t of_size(liar_t *l, const uint8_t *r, uint32_t size)
 {
-    return is_upload(r) ? say_upload(l, r, 0x41, size, 100) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, r, 0x41, size, 100) : LIAR_PASSES;
 }
 
 static liar_mail_t size_4g(liar_t *l, const uint8_t *r)
@@ -95,8 +95,8 @@ static liar_mail_t size_less(liar_t *l, const uint8_t *r)
 static liar_mail_t segmented(liar_t *l, const uint8_t *r, uint8_t command, size_t length)
 {
     if (is_upload(r))
-        return say_upload(l, r, 0x41, 1000, 10);
-    return is_segment(r) ? say_segment(l, command, length) : LIAR_PASSES;
+        return set_upload(l, r, 0x41, 1000, 10);
+    return is_segment(r) ? set_segment(l, command, length) : LIAR_PASSES;
 }
 
 static liar_mail_t segments_empty(liar_t *l, const uint8_t *r)
@@ -137,7 +137,7 @@ static liar_mail_t segment_last_at_once(liar_t *l, const uint8_t *r)
 static liar_mail_t segment_none(liar_t *l, const uint8_t *r)
 {
     if (is_upload(r))
-        return say_upload(l, r, 0x41, 1000, 10);
+        return set_upload(l, r, 0x41, 1000, 10);
     return is_segment(r) ? LIAR_SWALLOWS : LIAR_PASSES;
 }
 
@@ -145,7 +145,7 @@ static liar_mail_t segment_without_a_command(liar_t *l, const uint8_t *r)
 {
     if (!is_segment(r))
         return segmented(l, r, 0, 0);
-    liar_say_coe(l, RESPONSE, "", 0);
+    liar_set_coe_mail(l, RESPONSE, "", 0);
     return LIAR_REPLIES;
 }
 
@@ -154,7 +154,7 @@ static liar_mail_t wrong_index(liar_t *l, const uint8_t *r)
     uint8_t other[12];
     memcpy(other, r, sizeof other);
     other[9] ^= 1;
-    return is_upload(r) ? say_upload(l, other, 0x43, 7, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, other, 0x43, 7, 0) : LIAR_PASSES;
 }
 
 static liar_mail_t wrong_subindex(liar_t *l, const uint8_t *r)
@@ -162,17 +162,17 @@ static liar_mail_t wrong_subindex(liar_t *l, const uint8_t *r)
     uint8_t other[12];
     memcpy(other, r, sizeof other);
     other[11] ^= 0x80;
-    return is_upload(r) ? say_upload(l, other, 0x43, 7, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, other, 0x43, 7, 0) : LIAR_PASSES;
 }
 
 static liar_mail_t wrong_command(liar_t *l, const uint8_t *r)
 {
-    return is_upload(r) ? say_upload(l, r, 0xE3, 7, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, r, 0xE3, 7, 0) : LIAR_PASSES;
 }
 
 static liar_mail_t download_reply(liar_t *l, const uint8_t *r)
 {
-    return is_upload(r) ? say_upload(l, r, 0x60, 0, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, r, 0x60, 0, 0) : LIAR_PASSES;
 }
 
 static liar_mail_t never_uploads(liar_t *l, const uint8_t *r)
@@ -183,7 +183,7 @@ static liar_mail_t never_uploads(liar_t *l, const uint8_t *r)
 
 static liar_mail_t always_aborts(liar_t *l, const uint8_t *r)
 {
-    return is_upload(r) ? say_upload(l, r, 0x80, 0x08000000, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, r, 0x80, 0x08000000, 0) : LIAR_PASSES;
 }
 
 static liar_mail_t aborts_another(liar_t *l, const uint8_t *r)
@@ -191,7 +191,7 @@ static liar_mail_t aborts_another(liar_t *l, const uint8_t *r)
     uint8_t other[12];
     memcpy(other, r, sizeof other);
     other[10] ^= 1;
-    return is_upload(r) ? say_upload(l, other, 0x80, 0x08000000, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, other, 0x80, 0x08000000, 0) : LIAR_PASSES;
 }
 
 static liar_mail_t upload_cut(liar_t *l, const uint8_t *r)
@@ -199,24 +199,24 @@ static liar_mail_t upload_cut(liar_t *l, const uint8_t *r)
     static const uint8_t reply[] = {0x43, 0, 0, 0, 0};
     if (!is_upload(r))
         return LIAR_PASSES;
-    liar_say_coe(l, RESPONSE, reply, sizeof reply);
+    liar_set_coe_mail(l, RESPONSE, reply, sizeof reply);
     return LIAR_REPLIES;
 }
 
 static liar_mail_t count_255(liar_t *l, const uint8_t *r)
 {
     if (is_info(r, 0))
-        return say_info(l, 7, "\x04\x00\x01\x06", 4);
+        return set_info(l, 7, "\x04\x00\x01\x06", 4);
     if (!is_upload(r))
         return LIAR_PASSES;
-    return say_upload(l, r, 0x43, r[11] == 0 ? 255u : 0x1A00u + r[11], 0);
+    return set_upload(l, r, 0x43, r[11] == 0 ? 255u : 0x1A00u + r[11], 0);
 }
 
 static liar_mail_t count_huge(liar_t *l, const uint8_t *r)
 {
     if (is_info(r, 0))
-        return say_info(l, 7, "\x04\x00\x01\x06", 4);
-    return is_upload(r) ? say_upload(l, r, 0x43, UINT32_MAX, 0) : LIAR_PASSES;
+        return set_info(l, 7, "\x04\x00\x01\x06", 4);
+    return is_upload(r) ? set_upload(l, r, 0x43, UINT32_MAX, 0) : LIAR_PASSES;
 }
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
@@ -224,28 +224,28 @@ static liar_mail_t count_huge(liar_t *l, const uint8_t *r)
 static liar_mail_t mail_error(liar_t *l, const uint8_t *r)
 {
     (void)r;
-    liar_say(l, 0, "\x01\x00\x05\x00", 4);
+    liar_set_mail(l, 0, "\x01\x00\x05\x00", 4);
     return LIAR_REPLIES;
 }
 
 static liar_mail_t mail_error_cut(liar_t *l, const uint8_t *r)
 {
     (void)r;
-    liar_say(l, 0, "\x01", 1);
+    liar_set_mail(l, 0, "\x01", 1);
     return LIAR_REPLIES;
 }
 
 static liar_mail_t mail_empty(liar_t *l, const uint8_t *r)
 {
     (void)r;
-    liar_say(l, COE, "", 0);
+    liar_set_mail(l, COE, "", 0);
     return LIAR_REPLIES;
 }
 
 static liar_mail_t mail_header_alone(liar_t *l, const uint8_t *r)
 {
     (void)r;
-    liar_say(l, COE, "\x00\x30", 2);
+    liar_set_mail(l, COE, "\x00\x30", 2);
     return LIAR_REPLIES;
 }
 
@@ -330,20 +330,20 @@ static void one_bit(liar_t *l, uint8_t *mail)
 static liar_mail_t emergencies(liar_t *l, const uint8_t *r)
 {
     (void)r;
-    liar_say_coe(l, EMERGENCY, "\x00\x10\x00\x00\x00\x00\x00\x00", 8);
+    liar_set_coe_mail(l, EMERGENCY, "\x00\x10\x00\x00\x00\x00\x00\x00", 8);
     return LIAR_REPLIES;
 }
 
 static bool another_emergency(liar_t *l)
 {
-    liar_say_coe(l, EMERGENCY, "\x00\x10\x00\x00\x00\x00\x00\x00", 8);
+    liar_set_coe_mail(l, EMERGENCY, "\x00\x10\x00\x00\x00\x00\x00\x00", 8);
     return true;
 }
 
 static liar_mail_t frames_of_eoe(liar_t *l, const uint8_t *r)
 {
     (void)r;
-    liar_say(l, EOE, "\x00\x00\x00\x00", 4);
+    liar_set_mail(l, EOE, "\x00\x00\x00\x00", 4);
     return LIAR_REPLIES;
 }
 
@@ -355,7 +355,7 @@ static bool same_again(liar_t *l)
 
 static liar_mail_t reply_of_before(liar_t *l, const uint8_t *r)
 {
-    return is_upload(r) ? say_upload(l, r, 0x43, 7, 0) : LIAR_PASSES;
+    return is_upload(r) ? set_upload(l, r, 0x43, 7, 0) : LIAR_PASSES;
 }
 
 /* --- SDO information ---------------------------------------------------------------------------------------------- */
@@ -371,28 +371,28 @@ static liar_mail_t info_cut(liar_t *l, const uint8_t *r)
     static const uint8_t reply[] = {2, 0};
     if (!is_info(r, 0))
         return LIAR_PASSES;
-    liar_say_coe(l, INFO, reply, sizeof reply);
+    liar_set_coe_mail(l, INFO, reply, sizeof reply);
     return LIAR_REPLIES;
 }
 
 static liar_mail_t info_error_cut(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, 0) ? say_info(l, 7, "", 0) : LIAR_PASSES;
+    return is_info(r, 0) ? set_info(l, 7, "", 0) : LIAR_PASSES;
 }
 
 static liar_mail_t list_empty(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, LIST) ? say_info(l, LIST + 1, "\x01\x00", 2) : LIAR_PASSES;
+    return is_info(r, LIST) ? set_info(l, LIST + 1, "\x01\x00", 2) : LIAR_PASSES;
 }
 
 static liar_mail_t list_wrong(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, LIST) ? say_info(l, LIST + 1, "\x02\x00\x00\x10", 4) : LIAR_PASSES;
+    return is_info(r, LIST) ? set_info(l, LIST + 1, "\x02\x00\x00\x10", 4) : LIAR_PASSES;
 }
 
 static liar_mail_t list_without_an_end(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, LIST) ? say_info(l, LIST + 1 + INCOMPLETE, "\x01\x00\x00\x10", 4) : LIAR_PASSES;
+    return is_info(r, LIST) ? set_info(l, LIST + 1 + INCOMPLETE, "\x01\x00\x00\x10", 4) : LIAR_PASSES;
 }
 
 static bool more_of_the_list(liar_t *l)
@@ -400,24 +400,24 @@ static bool more_of_the_list(liar_t *l)
     uint8_t indices[100];
     for (unsigned int i = 0; i < sizeof indices; i += 2)
         ect_store_le16(indices + i, (uint16_t)l->number++);
-    (void)say_info(l, LIST + 1 + INCOMPLETE, indices, sizeof indices);
+    (void)set_info(l, LIST + 1 + INCOMPLETE, indices, sizeof indices);
     return true;
 }
 
 static liar_mail_t list_of_empty_fragments(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, LIST) ? say_info(l, LIST + 1 + INCOMPLETE, "\x01\x00", 2) : LIAR_PASSES;
+    return is_info(r, LIST) ? set_info(l, LIST + 1 + INCOMPLETE, "\x01\x00", 2) : LIAR_PASSES;
 }
 
 static bool empty_fragment(liar_t *l)
 {
-    (void)say_info(l, LIST + 1 + INCOMPLETE, "", 0);
+    (void)set_info(l, LIST + 1 + INCOMPLETE, "", 0);
     return true;
 }
 
 static liar_mail_t list_ends_early(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, LIST) ? say_info(l, LIST + 1 + INCOMPLETE, "\x01\x00\x00\x10\x08", 5) : LIAR_PASSES;
+    return is_info(r, LIST) ? set_info(l, LIST + 1 + INCOMPLETE, "\x01\x00\x00\x10\x08", 5) : LIAR_PASSES;
 }
 
 /* Every index there is, 50 a fragment. */
@@ -428,7 +428,7 @@ static bool every_index(liar_t *l)
         return false;
     for (unsigned int i = 0; i < sizeof indices; i += 2)
         ect_store_le16(indices + i, (uint16_t)l->number++);
-    (void)say_info(l, (uint8_t)(LIST + 1 + (l->number < 65500 ? INCOMPLETE : 0)), indices, sizeof indices);
+    (void)set_info(l, (uint8_t)(LIST + 1 + (l->number < 65500 ? INCOMPLETE : 0)), indices, sizeof indices);
     return true;
 }
 
@@ -436,62 +436,62 @@ static liar_mail_t list_of_everything(liar_t *l, const uint8_t *r)
 {
     if (is_info(r, LIST)) {
         l->number = 0;
-        return say_info(l, LIST + 1 + INCOMPLETE, "\x01\x00", 2);
+        return set_info(l, LIST + 1 + INCOMPLETE, "\x01\x00", 2);
     }
     if (is_info(r, OBJECT)) {
         const uint8_t object[] = {r[12], r[13], 7, 0, 255, 9, 'x'};
-        return say_info(l, OBJECT + 1, object, sizeof object);
+        return set_info(l, OBJECT + 1, object, sizeof object);
     }
     if (!is_info(r, ENTRY))
         return LIAR_PASSES;
     const uint8_t entry[] = {r[12], r[13], r[14], 0, 7, 0, 32, 0, 63, 0, 'y'};
-    return say_info(l, ENTRY + 1, entry, sizeof entry);
+    return set_info(l, ENTRY + 1, entry, sizeof entry);
 }
 
 static liar_mail_t object_cut(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, OBJECT) ? say_info(l, OBJECT + 1, r + 12, 2) : LIAR_PASSES;
+    return is_info(r, OBJECT) ? set_info(l, OBJECT + 1, r + 12, 2) : LIAR_PASSES;
 }
 
 static liar_mail_t object_of_another(liar_t *l, const uint8_t *r)
 {
     const uint8_t other[] = {(uint8_t)(r[12] ^ 1), r[13], 7, 0, 0, 7};
-    return is_info(r, OBJECT) ? say_info(l, OBJECT + 1, other, sizeof other) : LIAR_PASSES;
+    return is_info(r, OBJECT) ? set_info(l, OBJECT + 1, other, sizeof other) : LIAR_PASSES;
 }
 
 static liar_mail_t object_of_letters(liar_t *l, const uint8_t *r)
 {
     const uint8_t object[] = {r[12], r[13], 7, 0, 0, 7, '"', '\\', 1, 0xE4, '\n', 0x7F, 0, 'x'};
-    return is_info(r, OBJECT) ? say_info(l, OBJECT + 1, object, sizeof object) : LIAR_PASSES;
+    return is_info(r, OBJECT) ? set_info(l, OBJECT + 1, object, sizeof object) : LIAR_PASSES;
 }
 
 static liar_mail_t description_without_an_end(liar_t *l, const uint8_t *r)
 {
     const uint8_t object[] = {r[12], r[13], 7, 0, 0, 7};
-    return is_info(r, OBJECT) ? say_info(l, OBJECT + 1 + INCOMPLETE, object, sizeof object) : LIAR_PASSES;
+    return is_info(r, OBJECT) ? set_info(l, OBJECT + 1 + INCOMPLETE, object, sizeof object) : LIAR_PASSES;
 }
 
 static bool more_of_the_name(liar_t *l)
 {
-    (void)say_info(l, OBJECT + 1 + INCOMPLETE, "a name without an end", 21);
+    (void)set_info(l, OBJECT + 1 + INCOMPLETE, "a name without an end", 21);
     return true;
 }
 
 static liar_mail_t entry_cut(liar_t *l, const uint8_t *r)
 {
-    return is_info(r, ENTRY) ? say_info(l, ENTRY + 1, r + 12, 9) : LIAR_PASSES;
+    return is_info(r, ENTRY) ? set_info(l, ENTRY + 1, r + 12, 9) : LIAR_PASSES;
 }
 
 static liar_mail_t entry_of_8k(liar_t *l, const uint8_t *r)
 {
     const uint8_t entry[] = {r[12], r[13], r[14], 0x7F, 7, 0, 0xFF, 0xFF, 63, 0, 1, 2, 3};
-    return is_info(r, ENTRY) ? say_info(l, ENTRY + 1, entry, sizeof entry) : LIAR_PASSES;
+    return is_info(r, ENTRY) ? set_info(l, ENTRY + 1, entry, sizeof entry) : LIAR_PASSES;
 }
 
 static liar_mail_t entry_with_all_details_and_none(liar_t *l, const uint8_t *r)
 {
     const uint8_t entry[] = {r[12], r[13], r[14], 0xFF, 7, 0, 32, 0, 63, 0};
-    return is_info(r, ENTRY) ? say_info(l, ENTRY + 1, entry, sizeof entry) : LIAR_PASSES;
+    return is_info(r, ENTRY) ? set_info(l, ENTRY + 1, entry, sizeof entry) : LIAR_PASSES;
 }
 
 /* --- controller and wire ------------------------------------------------------------------------------------------ */
@@ -518,7 +518,7 @@ static bool mailbox_full_and_unreadable(liar_t *l, bytes_t *d, uint16_t ado, byt
     return true;
 }
 
-static bool gone_after_200(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
+static bool lost_after_200(liar_t *l, bytes_t *d, uint16_t ado, bytes_t *data, uint16_t length, bytes_t *wkc)
 {
     (void)d;
     (void)ado;
@@ -793,7 +793,7 @@ static const struct row {
     {{"entries without the details announced", .request = entry_with_all_details_and_none}, OK, OK, OK},
     {{"mailbox never emptied", .datagram = mailbox_never_emptied}, OK, SILENT, SILENT},
     {{"mailbox full and unreadable", .datagram = mailbox_full_and_unreadable}, OK, SILENT, SILENT},
-    {{"gone after 200 frames", .datagram = gone_after_200}, OK, ANY, LOST},
+    {{"gone after 200 frames", .datagram = lost_after_200}, OK, ANY, LOST},
     {{"silent after 200 frames", .datagram = silent_after_200}, OK, ANY, LOST},
     {{"frames of another index", .datagram = other_frames}, LOST, ANY, ANY},
     {{"working counter 2", .datagram = counted_twice}, LOST, ANY, ANY},
@@ -890,7 +890,7 @@ static liar_mail_t first_again(liar_t *l, const uint8_t *r)
 {
     if (!is_upload(r))
         return LIAR_PASSES;
-    return l->number++ == 0 ? say_upload(l, r, 0x43, 1, 0) : LIAR_REPLIES;
+    return l->number++ == 0 ? set_upload(l, r, 0x43, 1, 0) : LIAR_REPLIES;
 }
 
 static bool then_second(liar_t *l)
@@ -898,7 +898,7 @@ static bool then_second(liar_t *l)
     static const uint8_t second[] = {0x43, 0x18, 0x10, 1, 2, 0, 0, 0};
     if (l->number++ != 2)
         return false;
-    liar_say_coe(l, RESPONSE, second, sizeof second);
+    liar_set_coe_mail(l, RESPONSE, second, sizeof second);
     return true;
 }
 

@@ -243,7 +243,7 @@ static const struct script {
 
 static ect_reader_t reader;
 static const struct script *script;
-static unsigned int said;
+static unsigned int replied;
 static uint8_t commands[8];
 static uint32_t abort_code;
 
@@ -252,20 +252,20 @@ static liar_mail_t reply(liar_t *l, const uint8_t *mail)
 {
     const uint8_t *sdo = mail + 8;
     assert_int_equal(mail[7] >> 4, REQUEST);
-    if (said < sizeof commands)
-        commands[said] = sdo[0];
+    if (replied < sizeof commands)
+        commands[replied] = sdo[0];
     if (sdo[0] == 0x40 || sdo[0] == 0x80) {
         static const uint8_t object[] = {TO_2345_06};
         assert_memory_equal(sdo + 1, object, sizeof object);
     }
     if (sdo[0] == 0x80) {
         abort_code = ect_load_le32(sdo + 4);
-        said++;
+        replied++;
         return LIAR_SWALLOWS;
     }
-    const reply_t *next = &script->replies[said < REPLIES ? said : REPLIES - 1];
-    said++;
-    liar_say_coe(l, next->service, next->bytes, next->length);
+    const reply_t *next = &script->replies[replied < REPLIES ? replied : REPLIES - 1];
+    replied++;
+    liar_set_coe_mail(l, next->service, next->bytes, next->length);
     return LIAR_REPLIES;
 }
 
@@ -296,7 +296,7 @@ static void each_reply(void **state)
         size_t size = VALUE;
         liar_t l;
         script = &scripts[i];
-        said = 0;
+        replied = 0;
         abort_code = 0;
         memset(commands, 0, sizeof commands);
         memset(value, 0xA5, sizeof value);
@@ -351,10 +351,10 @@ static const struct list *list;
 
 static bool next_fragment(liar_t *l)
 {
-    if (said >= FRAGMENTS || list->fragments[said].length == 0)
+    if (replied >= FRAGMENTS || list->fragments[replied].length == 0)
         return false;
-    const reply_t *fragment = &list->fragments[said++];
-    liar_say_coe(l, fragment->service, fragment->bytes, fragment->length);
+    const reply_t *fragment = &list->fragments[replied++];
+    liar_set_coe_mail(l, fragment->service, fragment->bytes, fragment->length);
     return true;
 }
 
@@ -375,7 +375,7 @@ static void each_list(void **state)
         size_t count = 99;
         liar_t l;
         list = &lists[i];
-        said = 0;
+        replied = 0;
         liar_open(&l, &testdev, &kind);
         assert_int_equal(ect_reader_open(&reader, &l.link, &once), ECT_READER_OK);
         ect_reader_result_t result = ect_reader_list(&reader, &count);

@@ -440,12 +440,12 @@ static void split_poll(void)
     }
 }
 
-static void (*look)(void); /* makes the slave work after a frame */
+static void (*work)(void); /* makes the slave work after a frame */
 
 static unsigned int send(uint8_t command, uint16_t address, void *data, uint16_t length)
 {
     unsigned int counter = datagram(command, address, data, length);
-    look();
+    work();
     return counter;
 }
 
@@ -531,7 +531,7 @@ static void to_op(void)
     expect(request(ECT_STATE_SAFEOP) == ECT_STATE_SAFEOP, "SAFEOP not reached");
     expect(t.device.outputs_calls == 0, "outputs arrived in SAFEOP");
     master_cycle();
-    look();
+    work();
     expect(request(ECT_STATE_OP) == ECT_STATE_OP, "OP not reached");
     expect(t.device.taken == t.sent, "outputs that the master wrote before OP were not taken with it");
 }
@@ -541,13 +541,13 @@ static void life(void)
     to_op();
     for (unsigned int i = 0; i < 3; i++) {
         master_cycle();
-        look();
+        work();
         expect(t.device.taken == t.sent, "outputs were lost");
     }
     upload_whole_inputs();
     store_all();
     master_cycle();
-    look();
+    work();
     expect(t.device.taken == t.sent, "outputs were lost");
     expect(request(ECT_STATE_PREOP) == ECT_STATE_PREOP, "PREOP not reached from OP");
     expect(t.device.safe && t.device.out.a == 0, "outputs are not safe");
@@ -560,7 +560,7 @@ static void life(void)
 static void everywhere(void **state)
 {
     (void)state;
-    look = split_poll;
+    work = split_poll;
     power_on(0, false, false);
     life();
     assert_null(t.broken);
@@ -578,10 +578,10 @@ static void everywhere(void **state)
 }
 
 /* A slow operation of the medium, e.g. an erase, must not let the master's watchdog expire. */
-static void exchange_goes_on(void **state)
+static void exchange_continues(void **state)
 {
     (void)state;
-    look = split_poll;
+    work = split_poll;
     power_on(0, false, false);
     to_op();
     unsigned int before = t.device.outputs_calls;
@@ -593,7 +593,7 @@ static void exchange_goes_on(void **state)
 static void no_exchange_below_safeop(void **state)
 {
     (void)state;
-    look = split_poll;
+    work = split_poll;
     power_on(0, false, false);
     unsigned long errors = t.slave.pdi_errors;
     ect_slave_cycle(&t.slave, t.now_ns);
@@ -628,7 +628,7 @@ static void sleep_and_wake(void)
 
 static void start_line(void)
 {
-    look = sleep_and_wake;
+    work = sleep_and_wake;
     power_on(0, true, false);
     deadline_ns = ect_slave_poll(&t.slave, t.now_ns);
 }
@@ -731,7 +731,7 @@ static void line_sync0(void **state)
     pass(3 * MS);
     assert_int_equal(ect_esc_al_event(&t.esc) & ECT_EVENT_SYNC0, 0); /* acknowledged, again and again */
     master_cycle();
-    look();
+    work();
     expect(request(ECT_STATE_OP) == ECT_STATE_OP, "OP not reached");
     uint64_t last_ns = 0;
     for (unsigned int i = 0; i < 5; i++) {
@@ -777,7 +777,7 @@ static void line_masks(void **state)
 static void line_for_cycle(void **state)
 {
     (void)state;
-    look = split_poll;
+    work = split_poll;
     power_on(0, true, true);
     split_poll();
     assert_int_equal(mask() & 0xFFFF, 0);
@@ -798,7 +798,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"Contexts: an exchange that interrupts mainline at any PDI access or function loses and halves nothing",
          everywhere, NULL, NULL, NULL},
-        {"Contexts: while a medium is being written the exchange goes on", exchange_goes_on, NULL, NULL, NULL},
+        {"Contexts: while a medium is being written the exchange goes on", exchange_continues, NULL, NULL, NULL},
         {"Contexts: below SAFEOP nothing is exchanged", no_exchange_below_safeop, NULL, NULL, NULL},
         {"Line: from INIT to OP and back by interrupts alone", line_life, NULL, NULL, NULL},
         {"Line: the process-data watchdog leads to SAFEOP with 0x001B and safe outputs (CF-047)", line_watchdog, NULL,

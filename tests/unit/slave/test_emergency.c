@@ -124,7 +124,7 @@ static void in_order_and_before_replies(void **state)
     wire_close(&w);
 }
 
-static void behind_a_reply_that_stands_there(void **state)
+static void behind_an_unread_reply(void **state)
 {
     wire_t w;
     ect_device_t device;
@@ -321,8 +321,7 @@ int main(int argc, char **argv)
          NULL},
         {"CF-079: emergencies go out in order, and before the reply to a request", in_order_and_before_replies, NULL,
          NULL, NULL},
-        {"CF-079 CF-025: an emergency does not overwrite a reply in SM1", behind_a_reply_that_stands_there, NULL, NULL,
-         NULL},
+        {"CF-079 CF-025: an emergency does not overwrite a reply in SM1", behind_an_unread_reply, NULL, NULL, NULL},
         {"CF-079: an upload in segments goes on between emergencies", between_segments, NULL, NULL, NULL},
         {"CF-079 CF-076: an object list goes on behind an emergency", between_fragments_of_a_list, NULL, NULL, NULL},
         {"CF-079: eight emergencies wait, further ones are lost and counted", full_queue, NULL, NULL, NULL},

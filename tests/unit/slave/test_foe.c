@@ -339,7 +339,7 @@ static void late_answers(void **state)
     expect("opening takes long", NOTHING, 0);
     wire_advance(&w, 10 * MS);
     expect("opened", ACK, 0);
-    assert_int_equal(device()->asked, 5);
+    assert_int_equal(device()->requests, 5);
     device()->late = 50;
     send_mail(DATA, 1, data, sizeof data);
     wire_advance(&w, 40 * MS);
@@ -458,7 +458,7 @@ static void four_gigabytes(void **state)
 }
 
 /* A device that only reads, takes its time, and ignores the end: ten seconds. */
-static void the_least(void **state)
+static void open_and_read_only(void **state)
 {
     (void)state;
     const ect_device_t *least = filedev();
@@ -639,7 +639,7 @@ int main(void)
         {"FoE: a packet while a file is read, or behind the last one, is refused", data_out_of_place, NULL, NULL, NULL},
         {"FoE: a file of 4 GiB less a byte is read to its end", up_to_four_gigabytes, NULL, NULL, NULL},
         {"FoE: a file of more than 4 GiB is refused", four_gigabytes, NULL, NULL, NULL},
-        {"FoE: a device needs no more than open and read", the_least, NULL, NULL, NULL},
+        {"FoE: a device needs no more than open and read", open_and_read_only, NULL, NULL, NULL},
         {"FoE: a master gets BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},
         {"FoE: without a word from master or device a transfer ends", timeouts, NULL, NULL, NULL},
         {"FoE: a file that was given up does not count", given_up, NULL, NULL, NULL},

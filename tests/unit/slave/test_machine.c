@@ -169,7 +169,7 @@ static void unknown_states(void **state)
     }
 }
 
-static void device_is_told(void **state)
+static void device_is_notified_of_transitions(void **state)
 {
     (void)state;
     for (size_t row = 0; row < COUNT(table); row++) {
@@ -323,8 +323,8 @@ static void process_sm_checked(void **state)
         for (unsigned int n = 0; n < device->sm_count; n++) {
             uint16_t code = device->sm[n].type == ECT_SM_OUTPUTS ? 0x001D : 0x001E;
             for (size_t f = 0; f < COUNT(sm_faults); f++) {
-                bool impossible = ect_device_sm_bytes(device, n) == 0 && sm_faults[f].length < 0;
-                if (impossible || (process_sms_of(device) >> n & 1) == 0)
+                bool impossible_blocks = ect_device_sm_bytes(device, n) == 0 && sm_faults[f].length < 0;
+                if (impossible_blocks || (process_sms_of(device) >> n & 1) == 0)
                     continue;
                 wire_t w;
                 wire_open_one(&w, device);
@@ -454,15 +454,15 @@ static void boot_state(void **state)
 static void unacknowledged(void **state)
 {
     (void)state;
-    static const uint8_t asked[] = {PREOP, BOOT, SAFEOP, OP, 0, 5, 15};
+    static const uint8_t requested[] = {PREOP, BOOT, SAFEOP, OP, 0, 5, 15};
     for (size_t s = 0; s < COUNT(states); s++) {
         uint16_t code = states[s] == OP ? 0x0012 : 0x8123;
-        for (size_t n = 0; n < COUNT(asked); n++) {
+        for (size_t n = 0; n < COUNT(requested); n++) {
             wire_t w;
             wire_open_one(&w, &testdev);
             go_with_error(&w, states[s], code);
-            ask(&w, "without acknowledge", asked[n], states[s] | ERR, code);
-            ask(&w, "without acknowledge, identification wanted", asked[n] | ID, states[s] | ERR, code);
+            ask(&w, "without acknowledge", requested[n], states[s] | ERR, code);
+            ask(&w, "without acknowledge, identification wanted", requested[n] | ID, states[s] | ERR, code);
             ask(&w, "acknowledged", states[s] | ACK, states[s], 0);
             wire_close(&w);
         }
@@ -479,7 +479,7 @@ static void acknowledge_and_go(void **state)
     (void)state;
     static const struct {
         uint8_t in;
-        uint16_t asked;
+        uint16_t requested;
         uint8_t status;
         uint16_t code;
     } rows[] = {
@@ -501,7 +501,7 @@ static void acknowledge_and_go(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         wire_t w;
         char where[64];
-        (void)snprintf(where, sizeof where, "row %zu: 0x%02X in state %u with error", i, rows[i].asked, rows[i].in);
+        (void)snprintf(where, sizeof where, "row %zu: 0x%02X in state %u with error", i, rows[i].requested, rows[i].in);
         wire_open_one(&w, &testdev);
         go_with_error(&w, rows[i].in, rows[i].in == OP ? 0x0012 : 0x8001);
         wire_configure_mailbox(&w, 0);
@@ -510,7 +510,7 @@ static void acknowledge_and_go(void **state)
         wire_close(&w);
         wire_open_one(&w, &testdev);
         go_with_error(&w, rows[i].in, rows[i].in == OP ? 0x0012 : 0x8001);
-        ask(&w, where, rows[i].asked, rows[i].status, rows[i].code);
+        ask(&w, where, rows[i].requested, rows[i].status, rows[i].code);
         wire_close(&w);
     }
 }
@@ -559,10 +559,10 @@ static int order_write(void *ctx, uint16_t address, const void *buffer, uint16_t
 static void code_before_flag(void **state)
 {
     (void)state;
-    static const uint16_t asked[] = {OP,    INIT | ACK,        PREOP,        OP,          PREOP | ACK, PREOP | ID,
-                                     PREOP, PREOP | ID,        OP,           PREOP | ACK, SAFEOP,      SAFEOP | ID,
-                                     5,     SAFEOP | ACK | ID, SAFEOP | ACK, INIT | ID,   BOOT,        INIT | ACK,
-                                     INIT};
+    static const uint16_t requested[] = {OP,    INIT | ACK,        PREOP,        OP,          PREOP | ACK, PREOP | ID,
+                                         PREOP, PREOP | ID,        OP,           PREOP | ACK, SAFEOP,      SAFEOP | ID,
+                                         5,     SAFEOP | ACK | ID, SAFEOP | ACK, INIT | ID,   BOOT,        INIT | ACK,
+                                         INIT};
     wire_t w;
     open_with_alias(&w, &testdev, 0x1234);
     order_t o = {.real = *slave_of(&w)->config.pdi, .esc = ect_chain_esc(w.chain, 0)};
@@ -570,8 +570,8 @@ static void code_before_flag(void **state)
     slave_of(&w)->config.pdi = &o.pdi;
     wire_configure_mailbox(&w, 0);
     wire_configure_process_data(&w, 0);
-    for (size_t i = 0; i < COUNT(asked); i++)
-        request(&w, asked[i]);
+    for (size_t i = 0; i < COUNT(requested); i++)
+        request(&w, requested[i]);
     wire_go(&w, 0, OP);
     drop(&w, SAFEOP, 0x8000);
     ask(&w, "back", OP | ACK, SAFEOP, 0);
@@ -663,7 +663,7 @@ static void crossing_requests(void **state)
 {
     (void)state;
     static const struct {
-        uint16_t asked;
+        uint16_t requested;
         uint8_t status;
         uint16_t code;
     } rows[] = {{SAFEOP, SAFEOP, 0},
@@ -677,7 +677,7 @@ static void crossing_requests(void **state)
         wire_go(&w, 0, SAFEOP);
         ask(&w, "OP waits", OP, SAFEOP, 0);
         ask(&w, "OP again", OP, SAFEOP, 0);
-        ask(&w, "crossing", rows[i].asked, rows[i].status, rows[i].code);
+        ask(&w, "crossing", rows[i].requested, rows[i].status, rows[i].code);
         outputs(&w, 0xFF);
         expect(&w, "outputs after that change nothing", rows[i].status, rows[i].code);
         wire_advance(&w, 20000 * MS);
@@ -1465,10 +1465,10 @@ static void model_up(model_t *m, uint8_t to, uint64_t now_ns)
     }
 }
 
-static void model_request(model_t *m, uint16_t asked, uint64_t now_ns)
+static void model_request(model_t *m, uint16_t requested, uint64_t now_ns)
 {
-    uint8_t to = asked & 0x0F;
-    if (m->error && (asked & ACK) == 0 && to != INIT)
+    uint8_t to = requested & 0x0F;
+    if (m->error && (requested & ACK) == 0 && to != INIT)
         return;
     m->error = false;
     m->code = 0;
@@ -1488,7 +1488,7 @@ static void model_request(model_t *m, uint16_t asked, uint64_t now_ns)
         model_down(m, to);
     else
         model_up(m, to, now_ns);
-    m->ident = (asked & ID) != 0 && !m->error && m->until_ns == 0;
+    m->ident = (requested & ID) != 0 && !m->error && m->until_ns == 0;
 }
 
 static void model_sm(model_t *m)
@@ -1544,10 +1544,10 @@ static void walk_step(wire_t *w, random_t *r, model_t *m, char *what, size_t siz
     static const uint64_t times[] = {1, MS, 10 * MS, 4999 * MS, 5000 * MS};
     uint32_t kind = draw(r, 16);
     if (kind < 7) {
-        uint16_t asked = random_request(r);
-        (void)snprintf(what, size, "request 0x%02X", asked);
-        request(w, asked);
-        model_request(m, asked, w->now_ns);
+        uint16_t requested = random_request(r);
+        (void)snprintf(what, size, "request 0x%02X", requested);
+        request(w, requested);
+        model_request(m, requested, w->now_ns);
     } else if (kind < 11) {
         random_sm(w, r, m->good);
         (void)snprintf(what, size, "SMs good: %d %d %d %d", m->good[0], m->good[1], m->good[2], m->good[3]);
@@ -1689,7 +1689,7 @@ static const struct CMUnitTest tests[] = {
       "code",
       every_pair),
     T("CF-035: an unknown state is refused with 0x0012 in every state", unknown_states),
-    T("CF-033: the device is notified of every transition, from where and to where", device_is_told),
+    T("CF-033: the device is notified of every transition, from where and to where", device_is_notified_of_transitions),
     T("CF-033: the mailbox is on from PREOP, process data from SAFEOP, and off again below", sms_follow_state),
     T("CF-036: anything wrong with SM0 or SM1 keeps INIT with 0x0016; put right, PREOP is reached", mailbox_checked),
     T("CF-027 CF-036: a mailbox may have any length from its minimum to its maximum", mailbox_length_limits),

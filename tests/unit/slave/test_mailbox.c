@@ -282,7 +282,7 @@ static void not_carried_out_again(void **state)
 static void repeated_and_fetched_at_once(void **state)
 {
     (void)state;
-    for (unsigned int looks = 0; looks < 2; looks++) {
+    for (unsigned int polls = 0; polls < 2; polls++) {
         wire_t w;
         uint8_t mail[SIZE];
         open_preop(&w);
@@ -292,7 +292,7 @@ static void repeated_and_fetched_at_once(void **state)
             wire_poll(&w);
             assert_int_equal(send_write(&w, counter, counter), 1);
             expect_fetch(&w, "reply", mail);
-            for (unsigned int n = 0; n < 2 * looks; n++)
+            for (unsigned int n = 0; n < 2 * polls; n++)
                 toggle(&w); /* forth and back: the slave handles its SyncManagers before the mailbox */
             for (unsigned int n = 0; n < 3; n++)
                 wire_poll(&w);
@@ -640,7 +640,7 @@ static void repeat_unread_first(void **state)
 }
 
 /* The lost mail A, and B, which is in SM1 already: A, then B. */
-static void newer_stands(wire_t *w, uint8_t a[SIZE], unsigned int before)
+static void newer_mail_is_full(wire_t *w, uint8_t a[SIZE], unsigned int before)
 {
     uint8_t mail[SIZE];
     open_preop(w);
@@ -665,7 +665,7 @@ static void expect_b(wire_t *w, const char *where, const uint8_t a[SIZE])
     expect_empty(w, where);
 }
 
-static void repeat_newer_stands(void **state)
+static void repeat_with_newer_mail(void **state)
 {
     (void)state;
     for (unsigned int before = 0; before < 3; before++) {
@@ -673,7 +673,7 @@ static void repeat_newer_stands(void **state)
             wire_t w;
             uint8_t a[SIZE];
             uint8_t mail[SIZE];
-            newer_stands(&w, a, before);
+            newer_mail_is_full(&w, a, before);
             for (unsigned int n = 0; n < times; n++)
                 repeat(&w, "newer stands");
             expect_fetch(&w, "A again", mail);
@@ -690,7 +690,7 @@ static void repeat_lost_again(void **state)
     wire_t w;
     uint8_t a[SIZE];
     uint8_t mail[SIZE];
-    newer_stands(&w, a, 1);
+    newer_mail_is_full(&w, a, 1);
     repeat(&w, "A lost");
     w.manual_poll = true;
     expect_fetch(&w, "A again", mail);
@@ -714,7 +714,7 @@ static void repeat_then_newest_lost(void **state)
     uint8_t a[SIZE];
     uint8_t b[SIZE];
     uint8_t mail[SIZE];
-    newer_stands(&w, a, 0);
+    newer_mail_is_full(&w, a, 0);
     repeat(&w, "A lost");
     expect_fetch(&w, "A again", mail);
     expect_fetch(&w, "B", b);
@@ -1354,7 +1354,7 @@ int main(int argc, char **argv)
         T("CF-023: a lost mail comes again unchanged, as often as asked", repeat_lost),
         T("CF-023: asked twice before it is read, the lost mail comes once, and no older one", repeat_twice),
         T("CF-023: repeat while the first mail is unread leaves it there", repeat_unread_first),
-        T("CF-023: with a newer mail in SM1, the lost one comes first, then the newer", repeat_newer_stands),
+        T("CF-023: with a newer mail in SM1, the lost one comes first, then the newer", repeat_with_newer_mail),
         T("CF-023: the lost mail is lost again before and after the newer one is back", repeat_lost_again),
         T("CF-023: after the older mail, the newer one can be lost and repeated too", repeat_then_newest_lost),
         T("CF-023: repeat and a new request at once: the lost mail, then the reply", repeat_and_request_at_once),

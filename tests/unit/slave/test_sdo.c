@@ -927,7 +927,7 @@ static void device_without_complete_access(void **state)
     wire_close(&w);
 }
 
-static void written_is_told(void **state)
+static void device_is_notified_of_writes(void **state)
 {
     wire_t w;
     uint8_t r[1486];
@@ -948,7 +948,7 @@ static void written_is_told(void **state)
 }
 
 /* The reply is not fetched: no further frame triggers a poll. */
-static void device_looks_at_a_value(void **state)
+static void device_is_polled_after_a_write(void **state)
 {
     static const uint8_t download[10] = {0x00, 0x20, 0x23, 0x00, 0x20, 0x00, 1, 2, 3, 4};
     wire_t w;
@@ -1695,9 +1695,9 @@ static const struct CMUnitTest tests[] = {
     {"CF-070: a device without hooks takes every value", device_without_hooks, NULL, NULL, NULL},
     {"CF-073: a device that does not offer Complete Access refuses it with 06010000", device_without_complete_access,
      NULL, NULL, NULL},
-    {"CF-070: the device learns of each stored value once", written_is_told, NULL, NULL, NULL},
-    {"CF-070: the device looks after each stored value, whatever time it had asked for", device_looks_at_a_value, NULL,
-     NULL, NULL},
+    {"CF-070: the device learns of each stored value once", device_is_notified_of_writes, NULL, NULL, NULL},
+    {"CF-070: the device looks after each stored value, whatever time it had asked for", device_is_polled_after_a_write,
+     NULL, NULL, NULL},
     {"CF-073: a whole record longer than the mailbox comes up, bits across the segments", whole_record_in_segments_up,
      NULL, NULL, NULL},
     {"CF-073: a whole record longer than the mailbox goes down, bits across the segments",

@@ -22,7 +22,7 @@ static esc_cfg_t config;
 static struct {
     uint8_t in[ROOM], out[ROOM];
     size_t in_length;
-    unsigned int got, taken, freed, asked, fragments, loads, stores;
+    unsigned int got, taken, freed, polls, fragments, loads, stores;
     bool full;
     int to_send; /* length of the frame that waits */
     int result;  /* of store_ethernet_settings */
@@ -67,7 +67,7 @@ static int fetch(uint8_t port, eoe_pbuf_t *buffer)
 {
     int length = app.to_send;
     assert_int_equal(port, 0);
-    app.asked++;
+    app.polls++;
     app.to_send = 0;
     buffer->payload = app.out;
     return length;
@@ -166,10 +166,10 @@ static void frames_to_the_application(void **state)
 static void frames_of_the_application(void **state)
 {
     uint8_t data[ROOM];
-    unsigned int asked = app.asked;
+    unsigned int polls = app.polls;
     (void)state;
     wire_poll(&w);
-    assert_true(app.asked > asked); /* EOE-061: each turn, without a wake */
+    assert_true(app.polls > polls); /* EOE-061: each turn, without a wake */
     for (unsigned int i = 0; i < 200; i++)
         app.out[i] = (uint8_t)(i * 5);
     app.to_send = 200;

@@ -169,7 +169,7 @@ static void loops(void **state)
 }
 
 /* A search that follows each way would take 2^59 of them. */
-static void many_ways(void **state)
+static void many_paths(void **state)
 {
     enum { STAGES = 60 };
     ect_connection_t list[2 * STAGES + 1];
@@ -203,7 +203,7 @@ int main(void)
         {"a delay with too many values keeps the newest", crowded, setup, teardown, NULL},
         {"a loop with a delay is an oscillator", oscillator, setup, teardown, NULL},
         {"a loop without a delay is found", loops, setup, teardown, NULL},
-        {"two connections between each twin and the next of 60 are checked at once", many_ways, setup, teardown, NULL},
+        {"two connections between each twin and the next of 60 are checked at once", many_paths, setup, teardown, NULL},
         {"texts and outputs are no ends of a connection", misfits, setup, teardown, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

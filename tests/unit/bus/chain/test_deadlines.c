@@ -28,7 +28,7 @@ static void no_deadline(void **state)
 }
 
 /* Few different times, so that many are equal; now and then never. */
-static void like_a_search(void **state)
+static void same_as_a_search(void **state)
 {
     uint64_t times[MEMBERS];
     uint32_t seed = 1;
@@ -39,9 +39,9 @@ static void like_a_search(void **state)
         times[i] = UINT64_MAX;
     for (unsigned int step = 0; step < STEPS; step++) {
         size_t member = ect_random_next(&seed) % MEMBERS;
-        uint32_t lot = ect_random_next(&seed) % 64;
+        uint32_t deadline = ect_random_next(&seed) % 64;
         uint64_t want = UINT64_MAX;
-        times[member] = lot == 0 ? UINT64_MAX : lot;
+        times[member] = deadline == 0 ? UINT64_MAX : deadline;
         ect_deadlines_set(d, member, times[member]);
         for (size_t i = 0; i < MEMBERS; i++)
             want = times[i] < want ? times[i] : want;
@@ -57,7 +57,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"one member, none wants to run", no_deadline, NULL, NULL, NULL},
-        {"the first of many is what a search finds, after each of 20000 changes", like_a_search, NULL, NULL, NULL},
+        {"the first of many is what a search finds, after each of 20000 changes", same_as_a_search, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("deadlines", tests, NULL, NULL);
 }

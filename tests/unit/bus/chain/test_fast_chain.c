@@ -189,7 +189,7 @@ static void set_station(rig_t *r, size_t i)
     add(r, APWR, (uint16_t)(0 - i), 0x0010, bytes, 2);
 }
 
-static void ask_for_state(rig_t *r, size_t i)
+static void request_state(rig_t *r, size_t i)
 {
     static const uint8_t next[] = {[1] = 2, [2] = 4, [4] = 8, [8] = 8};
     uint8_t bytes[2] = {r->state[i] | 0x10, 0};
@@ -235,7 +235,7 @@ static void add_sense(rig_t *r)
         return;
     case 2:
     case 3:
-        ask_for_state(r, i);
+        request_state(r, i);
         return;
     case 4:
         add(r, BRD, 0, 0x0130, NULL, (uint16_t)(1 + below(r, 3)));
@@ -561,7 +561,8 @@ static void times_wait(void **state)
 {
     enum { SLAVES = 3, TOLD = 20 };
     static const ect_device_t *const devices[SLAVES] = {&testdev, &testdev, &testdev};
-    static const uint16_t looked_at[] = {ECT_REG_DC_SYSTEM_TIME, ECT_REG_DC_DIFFERENCE, ECT_REG_DC_SPEED_DIFFERENCE};
+    static const uint16_t compared_registers[] = {ECT_REG_DC_SYSTEM_TIME, ECT_REG_DC_DIFFERENCE,
+                                                  ECT_REG_DC_SPEED_DIFFERENCE};
     wire_t w[2];
     (void)state;
     for (unsigned int k = 0; k < 2; k++) {
@@ -582,13 +583,13 @@ static void times_wait(void **state)
         wire_poll(&w[0]);
     }
     for (size_t i = 0; i < SLAVES; i++) {
-        for (size_t r = 0; r < sizeof looked_at / sizeof looked_at[0]; r++) {
+        for (size_t r = 0; r < sizeof compared_registers / sizeof compared_registers[0]; r++) {
             uint8_t polled[4], waited[4];
-            assert_int_equal(wire_read(&w[0], i, looked_at[r], polled, 4), 1);
-            assert_int_equal(wire_read(&w[1], i, looked_at[r], waited, 4), 1);
+            assert_int_equal(wire_read(&w[0], i, compared_registers[r], polled, 4), 1);
+            assert_int_equal(wire_read(&w[1], i, compared_registers[r], waited, 4), 1);
             if (memcmp(polled, waited, 4) != 0)
-                fail_msg("0x%04X of slave %zu: polled 0x%X, not polled 0x%X", looked_at[r], i, ect_load_le32(polled),
-                         ect_load_le32(waited));
+                fail_msg("0x%04X of slave %zu: polled 0x%X, not polled 0x%X", compared_registers[r], i,
+                         ect_load_le32(polled), ect_load_le32(waited));
         }
     }
     wire_close(&w[0]);

@@ -19,7 +19,7 @@ typedef struct unit {
         const ect_signal_t *signal;
         uint16_t group_number, number; /* the value as the instance held it */
         uint64_t now_ns;
-    } asked, told;
+    } checked, notified;
 } unit_t;
 
 static const ect_signal_t signals[] = {
@@ -36,20 +36,20 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
 {
     unit_t *u = instance;
     (void)value;
-    u->asked.signal = signal;
-    u->asked.group_number = number;
-    u->asked.number = u->number;
-    u->asked.now_ns = now_ns;
+    u->checked.signal = signal;
+    u->checked.group_number = number;
+    u->checked.number = u->number;
+    u->checked.now_ns = now_ns;
     return u->answer;
 }
 
 static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
 {
     unit_t *u = instance;
-    u->told.signal = signal;
-    u->told.group_number = number;
-    u->told.number = u->number;
-    u->told.now_ns = now_ns;
+    u->notified.signal = signal;
+    u->notified.group_number = number;
+    u->notified.number = u->number;
+    u->notified.now_ns = now_ns;
 }
 
 static bool set(unit_t *u, const ect_plant_t *plant, const char *name, const char *value, char *message)
@@ -62,23 +62,23 @@ static bool set(unit_t *u, const ect_plant_t *plant, const char *name, const cha
 static const ect_plant_t plant = {
     .signal_groups = groups, .signal_group_count = 2, .signal_write = signal_write, .signal_written = signal_written};
 
-static void asked_stored_told(void **state)
+static void checked_stored_notified(void **state)
 {
     char message[ECT_SIGNAL_MESSAGE];
     unit_t u = {.number = 1};
     (void)state;
     assert_true(set(&u, &plant, "part2.number", "40000", message));
-    assert_ptr_equal(u.asked.signal, &signals[0]);
-    assert_int_equal(u.asked.group_number, 2);
-    assert_int_equal(u.asked.number, 1);
-    assert_int_equal(u.asked.now_ns, 12345);
-    assert_ptr_equal(u.told.signal, &signals[0]);
-    assert_int_equal(u.told.group_number, 2);
-    assert_int_equal(u.told.number, 40000);
-    assert_int_equal(u.told.now_ns, 12345);
+    assert_ptr_equal(u.checked.signal, &signals[0]);
+    assert_int_equal(u.checked.group_number, 2);
+    assert_int_equal(u.checked.number, 1);
+    assert_int_equal(u.checked.now_ns, 12345);
+    assert_ptr_equal(u.notified.signal, &signals[0]);
+    assert_int_equal(u.notified.group_number, 2);
+    assert_int_equal(u.notified.number, 40000);
+    assert_int_equal(u.notified.now_ns, 12345);
     assert_true(set(&u, &plant, "text", "12345678", message));
     assert_string_equal(u.text, "12345678");
-    assert_ptr_equal(u.told.signal, &signals[1]);
+    assert_ptr_equal(u.notified.signal, &signals[1]);
 }
 
 static void done_or_refused(void **state)
@@ -90,9 +90,9 @@ static void done_or_refused(void **state)
         unit_t u = {.number = 1, .answer = answers[i]};
         assert_int_equal(set(&u, &plant, "number", "2", message), i == 0);
         assert_string_equal(message, i == 0 ? "" : "number: not now");
-        assert_ptr_equal(u.asked.signal, &signals[0]);
+        assert_ptr_equal(u.checked.signal, &signals[0]);
         assert_int_equal(u.number, 1);
-        assert_null(u.told.signal);
+        assert_null(u.notified.signal);
     }
 }
 
@@ -103,8 +103,8 @@ static void out_of_range(void **state)
     (void)state;
     assert_false(set(&u, &plant, "number", "40001", message));
     assert_non_null(strstr(message, "0..40000"));
-    assert_null(u.asked.signal);
-    assert_null(u.told.signal);
+    assert_null(u.checked.signal);
+    assert_null(u.notified.signal);
     assert_int_equal(u.number, 1);
 }
 
@@ -122,7 +122,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"a value that a user sets: the plant checks it, then it is stored, then the plant is notified",
-         asked_stored_told, NULL, NULL, NULL},
+         checked_stored_notified, NULL, NULL, NULL},
         {"the plant has done it itself, or refuses: nothing is stored, no notification follows", done_or_refused, NULL,
          NULL, NULL},
         {"a value out of range does not come to the plant", out_of_range, NULL, NULL, NULL},

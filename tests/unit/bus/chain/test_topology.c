@@ -364,7 +364,7 @@ static bool keep(void *ctx, ect_crossing_t *c)
 }
 
 /* From a junction with three branches: 1 behind its port 3, 2 behind 1, 3 and 4 at its ports 1 and 2. */
-static void goes_on(void **state)
+static void frame_continues(void **state)
 {
     static const uint8_t ports[] = {0, 3, 1, 1, 2};
     static const uint8_t ups[] = {0, 0, 1, 0, 0};
@@ -440,8 +440,8 @@ int main(int argc, char **argv)
         {"CF-012: a reset by the master restarts the slave", reset_by_the_master, NULL, NULL, NULL},
         {"CF-011: a frame that is lost or damaged on a wire: who has processed it, who counts it", failures, NULL, NULL,
          NULL},
-        {"a frame that is kept on a wire of a tree goes on from there, as long as the wire is there", goes_on, NULL,
-         NULL, NULL},
+        {"a frame that is kept on a wire of a tree goes on from there, as long as the wire is there", frame_continues,
+         NULL, NULL, NULL},
         {"so does one that is kept behind the last slave", goes_on_behind_the_last, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -111,8 +111,8 @@ static void watched_lamps(void **state)
 {
     static const struct {
         const char *watch;
-        unsigned int looks; /* at the lamps of a twin, for each comparison */
-        const char *told;
+        unsigned int updates; /* at the lamps of a twin, for each comparison */
+        const char *reply;
     } rows[] = {
         {"{\"op\":\"watch\",\"slave\":2,\"pattern\":\"ecat.state\",\"every\":true}\n", 1,
          "{\"slave\":2,\"name\":\"ecat.state\",\"value\":2,"},
@@ -134,15 +134,15 @@ static void watched_lamps(void **state)
         work.lamps = 0;
         ect_control_record(b.control, b.wire.chain, b.wire.now_ns);
         b.wire.now_ns += 10 * MS;
-        unsigned int looks = work.lamps;
+        unsigned int updates = work.lamps;
         while (wants_to_be_served(&b)) {
             serve_once(&b);
-            looks += work.lamps;
+            updates += work.lamps;
         }
         receive_text(fd, got, sizeof got);
-        if (strncmp(got, rows[i].told, strlen(rows[i].told)) != 0 || looks != rows[i].looks)
-            fail_msg("%s: expected %s and %u updates of lamps, got %s and %u", rows[i].watch, rows[i].told,
-                     rows[i].looks, got, looks);
+        if (strncmp(got, rows[i].reply, strlen(rows[i].reply)) != 0 || updates != rows[i].updates)
+            fail_msg("%s: expected %s and %u updates of lamps, got %s and %u", rows[i].watch, rows[i].reply,
+                     rows[i].updates, got, updates);
         close(fd);
         serve(&b);
         close_bench(&b);

@@ -92,6 +92,28 @@ static int count_names(const char *folder)
     return count;
 }
 
+/* Rights with which folders come to be, before any chmod(). */
+static mode_t made_with;
+int __real_mkdir(const char *path, mode_t mode);
+int __wrap_mkdir(const char *path, mode_t mode);
+
+int __wrap_mkdir(const char *path, mode_t mode)
+{
+    made_with = mode;
+    return __real_mkdir(path, mode);
+}
+
+static void never_open_to_others(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH];
+    (void)state;
+    runtime_folder("first start", folder);
+    made_with = 0;
+    int fd = must_listen(path);
+    assert_int_equal(made_with, 0700);
+    ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+}
+
 static void rights(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH];
@@ -259,7 +281,7 @@ static void name_of_another(void **state)
     ect_endpoint_close(second, other, ect_endpoint_identity(other));
 }
 
-static void what_is_no_socket(void **state)
+static void other_files_than_sockets(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH + 32], taken[ECT_ENDPOINT_PATH];
     struct stat info;
@@ -375,6 +397,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"The folder is made 0700 and the socket 0600, whatever was there", rights, NULL, NULL, NULL},
+        {"Attack: the folder has mode 0700 from its first moment on", never_open_to_others, NULL, NULL, NULL},
         {"Paths with brackets and blanks, and longer than a socket's address, are reached", odd_and_long_paths, NULL,
          NULL, NULL},
         {"A path that is too long is refused, not cut", too_long_a_path, NULL, NULL, NULL},
@@ -385,7 +408,7 @@ int main(int argc, char **argv)
         {"Sockets that killed processes have left are removed at the next start", dead_sockets_of_others, NULL, NULL,
          NULL},
         {"A name that another twin has taken meanwhile stays", name_of_another, NULL, NULL, NULL},
-        {"Attack: what is no socket is never removed", what_is_no_socket, NULL, NULL, NULL},
+        {"Attack: what is no socket is never removed", other_files_than_sockets, NULL, NULL, NULL},
         {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
          NULL, NULL},
         {"A name belongs to one live twin, and is free when that has ended", names, NULL, NULL, NULL},

@@ -183,7 +183,7 @@ static void apply_faults(rig_t *r, char *happened, size_t frames)
     happened[frames] = 0;
 }
 
-static void which_frames(void **state)
+static void selected_frames(void **state)
 {
     static const struct {
         const char *faults[2];
@@ -608,7 +608,7 @@ static void script(void **state)
     assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns), ECT_NEVER);
 }
 
-static void tell_refused(void *ctx, const char *fault, const char *why)
+static void record_refused(void *ctx, const char *fault, const char *why)
 {
     rig_t *r = ctx;
     snprintf(r->message, sizeof r->message, "%s: %s", fault, why);
@@ -622,7 +622,7 @@ static void script_reported(void **state)
         read_line(r, "corrupt 0%");
     read_line(r, "at 1s duplicate");
     read_line(r, "at 2s hang slave 4");
-    r->s.refused = tell_refused;
+    r->s.refused = record_refused;
     r->s.ctx = r;
     uint64_t begin = r->w.now_ns;
     assert_int_equal(ect_scenario_tick(&r->s, r->w.chain, begin), begin + 1000 * MS);
@@ -730,7 +730,7 @@ int main(int argc, char **argv)
         {"a fault that is written reads back as the same", round_trip, NULL, NULL, NULL},
         {"the words of a fault may come in any order", any_order, NULL, NULL, NULL},
         {"a text that is no fault is refused with the expected words", refused, NULL, NULL, NULL},
-        TEST("faults of frames concern the frames that they name", which_frames),
+        TEST("faults of frames concern the frames that they name", selected_frames),
         TEST("the same seed makes the same run, of about the given share", same_seed_same_run),
         TEST("frames are lost and late in the given shares, half of the lost ones on their way back", shares),
         TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),

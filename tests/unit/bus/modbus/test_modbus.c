@@ -141,7 +141,7 @@ static unsigned int serve(bench_t *b)
     return calls;
 }
 
-static int come(bench_t *b)
+static int connect_client(bench_t *b)
 {
     int fd = socket(AF_UNIX, SOCK_STREAM, 0);
     assert_true(fd >= 0);
@@ -230,7 +230,7 @@ static void answers(void **state)
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int fd = come(&b);
+    int fd = connect_client(&b);
     for (size_t i = 0; i < COUNT(rows); i++)
         expect(&b, fd, rows[i].what, rows[i].request, rows[i].answer);
     close(fd);
@@ -326,7 +326,7 @@ static void no_other_function(void **state)
     bench_t b;
     (void)state;
     open_bench(&b);
-    int fd = come(&b);
+    int fd = connect_client(&b);
     for (unsigned int code = 0; code < 0x80; code++) {
         char request[64], answer[64];
         if (memchr(known, (int)code, sizeof known))
@@ -354,7 +354,7 @@ static void in_two_pieces(void **state)
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int fd = come(&b), other = come(&b);
+    int fd = connect_client(&b), other = connect_client(&b);
     size_t size = bytes_of(WRITE, request);
     for (size_t cut = 1; cut < size; cut++) {
         assert_int_equal(write(fd, request, cut), (ssize_t)cut);
@@ -383,7 +383,7 @@ static void many_at_once(void **state)
     bench_t b;
     (void)state;
     open_bench(&b);
-    int fd = come(&b);
+    int fd = connect_client(&b);
     (void)serve(&b);
     for (unsigned int i = 0; i < 5; i++) {
         char request[64];
@@ -418,9 +418,9 @@ static void no_modbus(void **state)
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int other = come(&b);
+    int other = connect_client(&b);
     for (size_t i = 0; i < COUNT(rows); i++) {
-        int fd = come(&b);
+        int fd = connect_client(&b);
         expect(&b, fd, rows[i].what, rows[i].bytes, "end");
         expect(&b, other, "somebody else goes on", READ, VALUE);
         close(fd);
@@ -435,7 +435,7 @@ static void longest_request(void **state)
     bench_t b;
     (void)state;
     open_bench(&b);
-    int fd = come(&b);
+    int fd = connect_client(&b);
     assert_int_equal(write(fd, request, sizeof request), sizeof request);
     (void)serve(&b);
     assert_string_equal(receive_reply(fd), "00 01 00 00 00 03 FF E4 01");
@@ -455,7 +455,7 @@ static void a_hundred(void **state)
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
     for (unsigned int i = 0; i < MANY; i++)
-        fds[i] = come(&b);
+        fds[i] = connect_client(&b);
     assert_int_equal(serve(&b), MANY);
     for (unsigned int round = 0; round < 3; round++) {
         for (unsigned int i = 0; i < SERVED; i++)
@@ -467,9 +467,9 @@ static void a_hundred(void **state)
     }
     close(fds[2]);
     (void)serve(&b);
-    fds[2] = come(&b);
+    fds[2] = connect_client(&b);
     expect(&b, fds[2], "in the place of one who has left", READ, VALUE);
-    int fifth = come(&b);
+    int fifth = connect_client(&b);
     (void)serve(&b);
     assert_string_equal(receive_reply(fifth), "end");
     close(fifth);
@@ -480,12 +480,12 @@ static void a_hundred(void **state)
     close_bench(&b);
 }
 
-static void the_silent_are_closed(void **state)
+static void idle_clients_are_closed(void **state)
 {
     bench_t b;
     (void)state;
     open_bench(&b);
-    int silent = come(&b), half = come(&b), busy = come(&b);
+    int silent = connect_client(&b), half = connect_client(&b), busy = connect_client(&b);
     (void)serve(&b);
     for (unsigned int s = 0; s < IDLE_S - 1; s++) {
         wire_advance(&b.wire, 1000 * MS);
@@ -508,16 +508,16 @@ static void the_silent_are_closed(void **state)
 }
 
 /* A client that sends requests and reads nothing is no longer received from, and does not wake the loop. */
-static void one_who_does_not_read(void **state)
+static void client_that_does_not_read(void **state)
 {
     uint8_t request[16], bytes[4096];
-    size_t sent = 0, heard = 0;
+    size_t sent = 0, received = 0;
     const int room = 4096;
     bench_t b;
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int fd = come(&b), other = come(&b);
+    int fd = connect_client(&b), other = connect_client(&b);
     assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &room, sizeof room), 0);
     size_t size = bytes_of("12 34 00 00 00 06 01 04 00 00 00 21", request);
     while (write(fd, request, size) == (ssize_t)size) {
@@ -529,8 +529,8 @@ static void one_who_does_not_read(void **state)
     assert_false(wants_to_be_served(&b));
     expect(&b, other, "somebody else", READ, VALUE);
     for (ssize_t got; (got = __real_recv(fd, bytes, sizeof bytes, 0)) > 0; (void)serve(&b))
-        heard += (size_t)got;
-    assert_int_equal(heard, sent * (9 + 66)); /* each of them, whole */
+        received += (size_t)got;
+    assert_int_equal(received, sent * (9 + 66)); /* each of them, whole */
     expect(&b, fd, "it is itself again", READ, VALUE);
     close(fd);
     close(other);
@@ -545,8 +545,8 @@ static void no_client_waits_for_long(void **state)
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
     for (unsigned int i = 0; i < 3; i++)
-        flood[i] = come(&b);
-    int fd = come(&b);
+        flood[i] = connect_client(&b);
+    int fd = connect_client(&b);
     (void)serve(&b);
     for (unsigned int i = 0; i < 3 * 200; i++)
         send_request(flood[i % 3], READ);
@@ -568,7 +568,7 @@ static void no_descriptor_left(void **state)
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int fd = come(&b);
+    int fd = connect_client(&b);
     work.accept_error = EMFILE;
     serve_once(&b);
     assert_false(wants_to_be_served(&b));
@@ -580,13 +580,13 @@ static void no_descriptor_left(void **state)
     close_bench(&b);
 }
 
-static void gone_before_the_answer(void **state)
+static void closed_before_the_reply(void **state)
 {
     bench_t b;
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int fd = come(&b), other = come(&b);
+    int fd = connect_client(&b), other = connect_client(&b);
     (void)serve(&b);
     for (unsigned int i = 0; i < 10; i++)
         send_request(fd, READ);
@@ -605,11 +605,11 @@ static void a_unit_that_hangs(void **state)
     (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
-    int fd = come(&b);
+    int fd = connect_client(&b);
     (void)serve(&b);
     ect_chain_fault(b.wire.chain, &hang, b.wire.now_ns);
     expect(&b, fd, "it hangs", READ, "");
-    int late = come(&b);
+    int late = connect_client(&b);
     (void)serve(&b);
     assert_string_equal(receive_reply(late), "end");
     close(late);
@@ -689,6 +689,30 @@ static void cannot_listen(void **state)
     ect_modbus_server_close(NULL);
 }
 
+/* A daemon's standard input may be closed: a client gets descriptor 0 then. */
+static void descriptor_0(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = connect_client(&b);
+    const int input = dup(STDIN_FILENO);
+    (void)close(STDIN_FILENO);
+    (void)serve(&b);
+    expect(&b, fd, "descriptor 0", "00 01 00 00 00 06 FF 03 00 0B 00 01", "00 01 00 00 00 05 FF 03 02 00 00");
+    const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    close_bench(&b);
+    const bool left = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    close(fd);
+    assert_true(used);
+    assert_false(left);
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
@@ -706,12 +730,13 @@ int main(int argc, char **argv)
         TEST("Attack: the longest request that there can be", longest_request),
         TEST("ECL-070: of 100 connections four are served, the others closed at once; a place that gets free is taken",
              a_hundred),
-        TEST("Attack: who sends no request for 60 s is closed, half requests do not count", the_silent_are_closed),
+        TEST("Attack: who sends no request for 60 s is closed, half requests do not count", idle_clients_are_closed),
         TEST("Attack: a client that does not read its replies waits until it does, and loses none",
-             one_who_does_not_read),
+             client_that_does_not_read),
         TEST("Attack: three that flood do not keep the fourth waiting", no_client_waits_for_long),
         TEST("Attack: no descriptor is left: the server looks again after a second", no_descriptor_left),
-        TEST("Attack: gone before the answer", gone_before_the_answer),
+        TEST("Attack: gone before the answer", closed_before_the_reply),
+        TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
         TEST("--modbus: a wrong address gets a line", no_address),
         TEST("PORT, ADDRESS:PORT and [ADDRESS]:PORT are listened at, and the port that was free is reported", listens),

@@ -284,6 +284,27 @@ static void written_by_a_master(void **state)
     free(made);
 }
 
+/* A daemon's standard input may be closed: the file gets descriptor 0 then. */
+static void descriptor_0(void **state)
+{
+    uint8_t made[SIZE];
+    (void)state;
+    factory(made, 3);
+    const int input = dup(STDIN_FILENO);
+    (void)close(STDIN_FILENO);
+    ect_eeprom_close(must_open(made));
+    ect_eeprom_t *first = must_open(made);
+    const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    ect_eeprom_close(first);
+    const bool left = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    assert_true(used);
+    assert_false(left);
+}
+
 int main(int argc, char **argv)
 {
 #define EEPROM_TEST(title, function) {title, function, NULL, remove_file, NULL}
@@ -294,6 +315,7 @@ int main(int argc, char **argv)
                     newer_factory),
         EEPROM_TEST("EEPROM file: a wrong check value stays as the master wrote it", bad_checksum_stays_bad),
         EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
+        EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
         EEPROM_TEST("EEPROM file: what is not its own is refused and left alone", refused),
         EEPROM_TEST("CF-065: what a master writes to the EEPROM outlasts power cycle and process", written_by_a_master),
     };

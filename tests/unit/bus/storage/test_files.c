@@ -143,7 +143,7 @@ static void names(void **state)
     expect_content(in("new"), "nothing");
 }
 
-static void whole_or_not(void **state)
+static void whole_files_only(void **state)
 {
     (void)state;
     assert_int_equal(open_name("data", 4, true), ECT_FOE_OK);
@@ -279,7 +279,7 @@ int main(void)
 #define TEST(title, function) {title, function, set_up, tear_down, NULL}
     const struct CMUnitTest tests[] = {
         TEST("Attack: names that lead out of the folder, or to what is no file, are refused", names),
-        TEST("Files: what is written counts when it is whole; what was there stays until then", whole_or_not),
+        TEST("Files: what is written counts when it is whole; what was there stays until then", whole_files_only),
         TEST("Files: they are read piece by piece", read_pieces),
         TEST("Attack: a file without end fills no disk", too_large),
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),

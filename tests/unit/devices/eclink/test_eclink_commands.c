@@ -416,7 +416,7 @@ static void counter_steps(void **state)
     }
 }
 
-static void whole_round_of_cco(void **state)
+static void all_values_of_cco(void **state)
 {
     (void)state;
     rig_t r;
@@ -834,7 +834,7 @@ int main(int argc, char **argv)
         TEST("ECL-050: repeated cycles are no command, nor are other bytes with the same CCO", repeated_cycles),
         TEST("ECL-050: each change of CCO is one command, over 255 to 0 and after lost cycles too", counter_steps),
         TEST("ECL-025 ECL-050: 600 commands one after the other are each received once and acknowledged",
-             whole_round_of_cco),
+             all_values_of_cco),
         TEST("ECL-025 ECL-050: of more than 16 commands in one update a remote gets the 16 oldest in order and the "
              "last; those that CCO passed over are counted",
              faster_than_the_link),

@@ -308,7 +308,7 @@ static void size_changes_and_returns(void **state)
     }
 }
 
-static void impossible(void **state)
+static void impossible_blocks(void **state)
 {
     static const struct {
         unsigned int size, block;
@@ -514,7 +514,7 @@ static void expect_pending(rig_t *r, const char *when, unsigned int size, unsign
                  number(r, "bu.periodic_pending"), number(r, "bu.periodic_missing"));
 }
 
-static void what_is_coming_in(void **state)
+static void missing_blocks(void **state)
 {
     (void)state;
     rig_t r;
@@ -689,10 +689,10 @@ int main(int argc, char **argv)
         TEST("ECL-054 ECL-059: another size in the middle begins another set", size_changes_in_the_middle),
         TEST("ECL-054 ECL-059: after another size in between the first set starts again", size_changes_and_returns),
         TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored",
-             impossible),
+             impossible_blocks),
         TEST("ECL-054 ECL-059: a block of another size ends the set that is coming in", block_of_another_size),
         TEST("ECL-054 ECL-059: signals show the size of the set that is being assembled and its missing blocks",
-             what_is_coming_in),
+             missing_blocks),
         TEST("ECL-059: the old set stays until the new one is complete", hand_over_is_atomic),
         TEST("ECL-059: an interrupted exchange never completes a set with blocks from before it", interrupted_exchange),
         TEST("ECL-059: when the last block of a set is lost, the next set is shown whole", lost_last_block),

@@ -298,7 +298,7 @@ static void restart_at_once(void **state)
 }
 
 /* Each EXE that begins no command, and each -1, is counted with its cause. */
-static void why_not(void **state)
+static void causes_of_ignored_commands(void **state)
 {
     static const struct {
         uint32_t code;
@@ -472,7 +472,8 @@ int main(int argc, char **argv)
         TEST("FZM-043 FZM-054 FZM-055: Clear and End continuous behind another command: one answer after the other",
              one_behind_the_other),
         TEST("FZM-052: Restart does not wait for the command that is executed", restart_at_once),
-        TEST("FZM-040 FZM-062: each EXE that begins nothing and each -1 is counted, with its cause", why_not),
+        TEST("FZM-040 FZM-062: each EXE that begins nothing and each -1 is counted, with its cause",
+             causes_of_ignored_commands),
         TEST("FZM-044 FZM-059: BUSY while scene or group are switched, and STEP is not accepted", busy_while_switching),
         TEST("FZM-043: with exe_timeout set, EXE that stays on 10 s after FLG is an error", exe_timeout),
         TEST("FZM-075: handshakes in every cycle of 250 us", as_fast_as_it_gets),

@@ -93,10 +93,10 @@ static void level_at_start(void **state)
     sensor_wait(&s, 100 * MS);
     assert_int_equal(measurements(), 1);
     sensor_expect(&s, "levels that OP begins with start nothing", MASK | FZM1_FLG, FZM1_READY);
-    static const char *const told[] = {"step_ignored_cause", "exe_ignored_cause"};
+    static const char *const causes[] = {"step_ignored_cause", "exe_ignored_cause"};
     for (unsigned int i = 0; i < 2; i++) {
         char text[ECT_SIGNAL_TEXT_ROOM];
-        signal_get(&s.w, told[i], text);
+        signal_get(&s.w, causes[i], text);
         assert_non_null(strstr(text, "when OP began"));
     }
 }
@@ -141,7 +141,7 @@ static void while_restarting(void)
 }
 
 /* Each reason why a STEP measures nothing, with its count and in words. */
-static void why_no_step(void **state)
+static void causes_of_ignored_steps(void **state)
 {
     static const struct {
         void (*prepare)(void);
@@ -646,7 +646,7 @@ int main(int argc, char **argv)
         TEST("FZM-063: the rising edge of STEP measures, not its level", edge_not_level),
         TEST("FZM-046: STEP while READY is off is not accepted, then or later", not_ready),
         TEST("FZM-004 FZM-063: levels with which OP begins are no edges", level_at_start),
-        TEST("FZM-041 FZM-046: each STEP that measures nothing is counted, with its cause", why_no_step),
+        TEST("FZM-041 FZM-046: each STEP that measures nothing is counted, with its cause", causes_of_ignored_steps),
         TEST("FZM-067: 16, 4 or 1 images may wait, by camera; READY shows it", queue),
         TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
         TEST("FZM-067: pending images are measured in their order, with what they showed", order),

@@ -488,7 +488,7 @@ static void time_out_begins_with_op(void **state)
 }
 
 /* Leaving OP while GATE is on: the one who saw it is gone. */
-static void gate_goes_with_op(void **state)
+static void gate_ends_with_op(void **state)
 {
     (void)state;
     measure(1);
@@ -608,7 +608,7 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-048: several errors at a time, each with its cause and its end", causes_together),
         HANDSHAKING("FZM-004 FZM-071: DSA that is on when OP begins is no request", dsa_level_at_start),
         HANDSHAKING("FZM-004 FZM-072: the timeout of DSA begins with OP", time_out_begins_with_op),
-        HANDSHAKING("FZM-004 FZM-045: GATE goes with OP", gate_goes_with_op),
+        HANDSHAKING("FZM-004 FZM-045: GATE goes with OP", gate_ends_with_op),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -12,14 +12,14 @@
 enum { SEEDS = 300, CYCLES = 1500 };
 
 static sensor_t s;
-static uint32_t lot;
+static uint32_t state_of_generator;
 
 static uint32_t draw(uint32_t below)
 {
-    lot ^= lot << 13;
-    lot ^= lot >> 17;
-    lot ^= lot << 5;
-    return lot % below;
+    state_of_generator ^= state_of_generator << 13;
+    state_of_generator ^= state_of_generator >> 17;
+    state_of_generator ^= state_of_generator << 5;
+    return state_of_generator % below;
 }
 
 /* The signals before, against which impossible changes are found. */
@@ -38,7 +38,7 @@ static void refuse(const char *what)
     fail_msg("seed %u: %s (control signals were %05X, are %05X)", seed, what, seen.control, sensor_read(&s));
 }
 
-static watch_t look(void)
+static watch_t observe(void)
 {
     watch_t now = {.control = sensor_read(&s), .exe = sensor_instance(&s)->levels & FZM1_EXE};
     memcpy(now.response, s.in + 4, sizeof now.response);
@@ -48,7 +48,7 @@ static watch_t look(void)
 
 static void judge(void)
 {
-    watch_t now = look();
+    watch_t now = observe();
     uint32_t rising = now.control & ~seen.control;
     bool gate_kept = (now.control & seen.control & FZM1_GATE) != 0;
     if (gate_kept && memcmp(now.output, seen.output, sizeof now.output) != 0)
@@ -106,7 +106,7 @@ static void session(unsigned int number)
 {
     char text[16];
     seed = number;
-    lot = 2463534242u + number * 7919;
+    state_of_generator = 2463534242u + number * 7919;
     accepted = 0;
     sensor_open(&s);
     memset(&seen, 0, sizeof seen);

@@ -296,8 +296,8 @@ static void halt_keeps_the_task(void **state)
     assert_int_equal(status(ECT_402_STATUS_TARGET), 0); /* brakes */
     drive_cycles(&d, 300);
     expect_near("halted", 0, 1000, speed());
-    int32_t stands = drive_position(&d);
-    assert_in_range(stands, 2 * TURN, 5 * TURN);
+    int32_t halted_at = drive_position(&d);
+    assert_in_range(halted_at, 2 * TURN, 5 * TURN);
     assert_int_equal(status(ECT_402_STATUS_TARGET | PMC_STATUS_TASK), ECT_402_STATUS_TARGET | PMC_STATUS_TASK);
     drive_control(&d, 0x1F); /* no new edge */
     (void)drive_until(&d, PMC_STATUS_TASK, 0, 3000);
@@ -322,11 +322,11 @@ static void disabled_drops_the_task(void **state)
     drive_cycles(&d, 300);
     drive_control(&d, 0x07);
     (void)drive_until(&d, 0x6F, 0x23, 300);
-    int32_t stands = drive_position(&d);
+    int32_t halted_at = drive_position(&d);
     drive_control(&d, 0x0F);
     drive_cycles(&d, 500);
     assert_int_equal(status(PMC_STATUS_TASK), 0);
-    assert_in_range(abs(drive_position(&d) - stands), 0, 20000);
+    assert_in_range(abs(drive_position(&d) - halted_at), 0, 20000);
 }
 
 /* --- reference runs ----------------------------------------------------------------------------------------------- */
@@ -492,7 +492,7 @@ static void brake_holds_a_falling_load(void **state)
 }
 
 /* After a shutdown a hanging load does not sink; without a brake it falls. */
-static void brake_closes_before_the_torque_goes(void **state)
+static void brake_closes_before_the_torque_ends(void **state)
 {
     (void)state;
     for (unsigned int fitted = 0; fitted < 2; fitted++) {
@@ -551,7 +551,7 @@ int main(int argc, char **argv)
         {"DRV-273: halt stops a run on 609Ah, and it goes on", halted_run, setup, teardown, NULL},
         {"DRV-152: a brake holds a hanging load at STO; without one it falls", brake_holds_a_falling_load, NULL, NULL,
          NULL},
-        {"DRV-134 DRV-133: the brake closes before the torque goes", brake_closes_before_the_torque_goes, NULL, NULL,
+        {"DRV-134 DRV-133: the brake closes before the torque goes", brake_closes_before_the_torque_ends, NULL, NULL,
          NULL},
         {"DRV-152: a load beyond the brake's torque slips", brake_slips, setup, teardown, NULL},
     };

@@ -315,12 +315,12 @@ static void locks(void **state)
     drive_expect(&d, ECT_402_QUICK_STOP, "OP to SAFEOP");
     drive_cycles(&d, 60); /* set values come all the same: 10 turns a second are gone after 20 ms */
     drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "SAFEOP");
-    int32_t stands = drive_position(&d);
-    assert_true(stands > PMC_TURN / 2);
+    int32_t position = drive_position(&d);
+    assert_true(position > PMC_TURN / 2);
     drive_cycles(&d, 50);
-    assert_int_equal(drive_position(&d), stands);
+    assert_int_equal(drive_position(&d), position);
     assert_int_equal(wire_al(&d.w, 0, PREOP, NULL), PREOP);
-    assert_int_equal((int32_t)drive_read(&d, 0x6064, 0), stands); /* frozen */
+    assert_int_equal((int32_t)drive_read(&d, 0x6064, 0), position); /* frozen */
     assert_int_equal(wire_al(&d.w, 0, SAFEOP, NULL), SAFEOP);
     drive_cycle(&d);
     assert_int_equal(wire_al(&d.w, 0, OP, NULL), OP);

@@ -350,7 +350,7 @@ static void modes(void **unused)
     static const struct {
         const char *what;
         ect_402_value_t missing;
-        int32_t said;
+        int32_t supported;
         uint32_t modes;
     } rows[] = {{"all", ECT_402_V_MODES, 0, 0x3ED},
                 {"6502h: csp alone", ECT_402_VALUE_COUNT, 0x80, 0x80},
@@ -364,7 +364,7 @@ static void modes(void **unused)
         prepare();
         if (rows[i].missing != ECT_402_VALUE_COUNT)
             r.links[rows[i].missing].bytes = 0;
-        r.value[ECT_402_V_MODES] = rows[i].said;
+        r.value[ECT_402_V_MODES] = rows[i].supported;
         power_on();
         if (r.d.modes != rows[i].modes)
             fail_msg("%s: expected modes %03X, got %03X", rows[i].what, rows[i].modes, r.d.modes);

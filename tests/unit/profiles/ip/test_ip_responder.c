@@ -16,7 +16,7 @@ enum { ICMP = 1, TCP = 6, UDP = 17, NEVER_REPLIED = 0 };
 
 static const ect_eoe_address_t own = {
     .known = ECT_EOE_HAS_MAC | ECT_EOE_HAS_IP, .mac = {2, 0, 0x5E, 0x10, 0x20, 0x30}, .ip = {192, 168, 10, 20}};
-static const uint8_t asking_mac[6] = {0, 0x11, 0x22, 0x33, 0x44, 0x55}, asking_ip[4] = {192, 168, 10, 1};
+static const uint8_t peer_mac[6] = {0, 0x11, 0x22, 0x33, 0x44, 0x55}, peer_ip[4] = {192, 168, 10, 1};
 
 /* RFC 1071: the sum over data with a right checksum is FFFFh. */
 static uint16_t sum_of(const uint8_t *data, unsigned int length, uint32_t start)
@@ -38,7 +38,7 @@ static void put_checksum(uint8_t *at, const uint8_t *data, unsigned int length, 
 static void put_ethernet(uint8_t *frame, const uint8_t *to, uint16_t type)
 {
     memcpy(frame, to, 6);
-    memcpy(frame + 6, asking_mac, 6);
+    memcpy(frame + 6, peer_mac, 6);
     ect_store_be16(frame + 12, type);
 }
 
@@ -49,8 +49,8 @@ static unsigned int arp(uint8_t *frame)
     memset(frame, 0, ARP_LENGTH);
     put_ethernet(frame, all, 0x0806);
     memcpy(frame + 14, head, sizeof head);
-    memcpy(frame + 22, asking_mac, 6);
-    memcpy(frame + 28, asking_ip, 4);
+    memcpy(frame + 22, peer_mac, 6);
+    memcpy(frame + 28, peer_ip, 4);
     memcpy(frame + 38, own.ip, 4);
     return ARP_LENGTH;
 }
@@ -64,7 +64,7 @@ static void put_ip(uint8_t *frame, uint8_t protocol, unsigned int message)
     ect_store_be16(frame + IP + 6, 0x4000);
     frame[IP + 8] = 64;
     frame[IP + 9] = protocol;
-    memcpy(frame + IP + 12, asking_ip, 4);
+    memcpy(frame + IP + 12, peer_ip, 4);
     memcpy(frame + IP + 16, own.ip, 4);
     put_checksum(frame + IP + 10, frame + IP, 20, 0);
 }
@@ -90,14 +90,14 @@ static unsigned int udp(uint8_t *frame, uint16_t to)
     ect_store_be16(message + 2, to);
     ect_store_be16(message + 4, 28);
     message[9] = 0xA5;
-    put_checksum(message + 6, message, 28, (uint32_t)sum_of(asking_ip, 4, 0) + sum_of(own.ip, 4, 0) + UDP + 28u);
+    put_checksum(message + 6, message, 28, (uint32_t)sum_of(peer_ip, 4, 0) + sum_of(own.ip, 4, 0) + UDP + 28u);
     put_ip(frame, UDP, 28);
     return MESSAGE + 28;
 }
 
 static void expect_addresses(const char *what, const uint8_t *reply)
 {
-    if (memcmp(reply, asking_mac, 6) != 0 || memcmp(reply + 6, own.mac, 6) != 0)
+    if (memcmp(reply, peer_mac, 6) != 0 || memcmp(reply + 6, own.mac, 6) != 0)
         fail_msg("%s: expected the addresses of Ethernet exchanged", what);
 }
 
@@ -112,8 +112,8 @@ static void replies_to_arp(void **state)
     assert_int_equal(ect_load_be16(reply + 20), 2);
     assert_memory_equal(reply + 22, own.mac, 6);
     assert_memory_equal(reply + 28, own.ip, 4);
-    assert_memory_equal(reply + 32, asking_mac, 6);
-    assert_memory_equal(reply + 38, asking_ip, 4);
+    assert_memory_equal(reply + 32, peer_mac, 6);
+    assert_memory_equal(reply + 38, peer_ip, 4);
 }
 
 static void replies_to_ping(void **state)
@@ -129,7 +129,7 @@ static void replies_to_ping(void **state)
         expect_addresses("ping", reply);
         assert_int_equal(reply[MESSAGE], 0);
         assert_memory_equal(reply + IP + 12, own.ip, 4);
-        assert_memory_equal(reply + IP + 16, asking_ip, 4);
+        assert_memory_equal(reply + IP + 16, peer_ip, 4);
         assert_int_equal(sum_of(reply + IP, 20, 0), 0xFFFF);
         assert_int_equal(sum_of(reply + MESSAGE, length - MESSAGE, 0), 0xFFFF);
         assert_memory_equal(reply + MESSAGE + 4, frame + MESSAGE + 4, length - MESSAGE - 4);
@@ -160,7 +160,7 @@ static void replies_to_udp(void **state)
     assert_int_equal(ect_ip_reply(&own, frame, (uint16_t)length, reply), length);
     assert_int_equal(ect_load_be16(reply + MESSAGE), 7);
     assert_int_equal(ect_load_be16(reply + MESSAGE + 2), 40000);
-    assert_int_equal(sum_of(reply + MESSAGE, 28, (uint32_t)sum_of(asking_ip, 4, 0) + sum_of(own.ip, 4, 0) + UDP + 28u),
+    assert_int_equal(sum_of(reply + MESSAGE, 28, (uint32_t)sum_of(peer_ip, 4, 0) + sum_of(own.ip, 4, 0) + UDP + 28u),
                      0xFFFF);
 }
 

@@ -352,29 +352,29 @@ static void time_limit(void **state)
     end_run(&run);
 }
 
-static unsigned int looks;
+static unsigned int checks;
 
-static void look(cf_t *c, void *ctx)
+static void check_memory(cf_t *c, void *ctx)
 {
-    looks++;
+    checks++;
     *(unsigned int *)ctx += 1;
-    if (looks < 3)
+    if (checks < 3)
         cf_poll_pause(c); /* waits in turn: not called again */
-    memory[0x0F00] = looks >= 5;
+    memory[0x0F00] = checks >= 5;
 }
 
 static void polls(cf_t *c)
 {
     unsigned int count = 0;
     uint8_t last;
-    looks = 0;
+    checks = 0;
     memory[0x0F00] = 0;
-    cf_while_waiting(c, look, &count);
+    cf_while_waiting(c, check_memory, &count);
     cf_expect_that(c, cf_wait_bits(c, 0x0F00, 1, 1, 1000, &last) && last == 1, "waited in vain");
     cf_expect_range(c, "calls", 5, 5, count);
     cf_while_waiting(c, NULL, NULL);
     cf_expect_that(c, !cf_wait_bits(c, 0x0F00, 2, 2, 1, NULL), "came");
-    cf_expect_range(c, "calls", 5, 5, looks);
+    cf_expect_range(c, "calls", 5, 5, checks);
 }
 
 static void waiting(void **state)
