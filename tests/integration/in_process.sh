@@ -108,4 +108,50 @@ assert '2.5' in out.stdout
 "
 }
 [ "${ECTWIN_NO_PYTHON:-}" ] || check "The control socket of a bus in a process is that of any bus" control
+
+# A master in Python: opens the interface, then runs a line of code.
+python_master() { # CODE
+  with --virtual-time fzm1 -- python3 -c "
+import os, socket, subprocess, time
+s = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, 0xA488)
+s.bind((os.environ['ECTWIN_IFACE'], 0x88A4))
+real = ['env', '-u', 'LD_PRELOAD']
+$1" >"$work/out" 2>"$work/err"
+}
+# reported_once CALL CODE: one line names the call, and the master comes to its end
+reported_once() {
+  python_master "$2
+print('end')" || { cat "$work/err"; return 1; }
+  grep -q end "$work/out" && [ "$(grep -c 'real time' "$work/err")" -eq 1 ] && grep -qF -- "--virtual-time: $1 has waited" "$work/err" && return
+  cat "$work/out" "$work/err"
+  return 1
+}
+child_client() {
+  python_master "
+before = time.monotonic()
+assert os.system('$ectwin set data1=2.5') == 0
+assert subprocess.run(['$ectwin', 'get', '-n', '1', 'data1'], timeout=20).returncode == 0
+assert os.popen('$ectwin get -n 1 data1').read() == 'data1=2.5\\n'
+assert time.monotonic() - before < 0.01, time.monotonic() - before" && grep -q 2.5 "$work/out" && ! grep -q 'real time' "$work/err" && return
+  cat "$work/out" "$work/err"
+  return 1
+}
+long_child() { reported_once 'waitpid()' "for _ in range(2): subprocess.Popen(real + ['sleep', '1.3']).wait()"; }
+long_pipe() { reported_once 'read()' "
+pipe = os.popen('env -u LD_PRELOAD sleep 1.3; echo')
+pipe.read()"; }
+long_system() { reported_once 'wait4()' "os.system('env -u LD_PRELOAD sleep 1.3')" ; }
+long_poll() {
+  reported_once 'recv()' "
+a, b = socket.socketpair()
+child = subprocess.Popen(real + ['sh', '-c', 'sleep 1.3; echo >&%d' % b.fileno()], pass_fds=[b.fileno()])
+a.recv(1)"
+}
+if [ ! "${ECTWIN_NO_PYTHON:-}" ]; then
+  check "A child process may be a client of the bus; the virtual clock is stopped meanwhile" child_client
+  check "A wait of more than a second for a child process is reported in one line" long_child
+  check "A wait of more than a second in system is reported in one line" long_system
+  check "A wait of more than a second for a pipe is reported in one line" long_pipe
+  check "A wait of more than a second for a socket of another process is reported in one line" long_poll
+fi
 exit $failed

@@ -13,10 +13,13 @@
 #include <pthread.h>
 #include <semaphore.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -399,6 +402,189 @@ static void clocks_of_the_day_agree(void **state)
     assert_true(time(NULL) - day.tv_sec <= 1);
 }
 
+/* --- timers and signals --------------------------------------------------------------------------------------------
+ */
+
+static volatile sig_atomic_t signals_handled;
+
+static void on_signal(int number)
+{
+    (void)number;
+    signals_handled = signals_handled + 1;
+}
+
+static void handle(int number, int flags)
+{
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = flags};
+    assert_int_equal(sigaction(number, &action, NULL), 0);
+    signals_handled = 0;
+}
+
+static timer_t timer_of(int how, int number)
+{
+    struct sigevent event = {.sigev_notify = how, .sigev_signo = number};
+    timer_t timer;
+    assert_int_equal(timer_create(CLOCK_MONOTONIC, &event, &timer), 0);
+    return timer;
+}
+
+static void start_timer(timer_t timer, long first_ns, long interval_ns)
+{
+    const struct itimerspec value = {.it_value = {.tv_nsec = first_ns}, .it_interval = {.tv_nsec = interval_ns}};
+    assert_int_equal(timer_settime(timer, 0, &value, NULL), 0);
+}
+
+static void a_timer_ends_every_kind_of_wait(void **state)
+{
+    uint8_t frame[FRAME];
+    struct timespec left = {0};
+    const struct timespec long_time = {.tv_nsec = 500 * MS};
+    sigset_t usual;
+    struct epoll_event event;
+    sem_t semaphore;
+    (void)state;
+    int fd = open_socket(0);
+    int all = epoll_create1(0);
+    struct pollfd one = {.fd = fd, .events = POLLIN};
+    timer_t timer = timer_of(SIGEV_SIGNAL, SIGUSR1);
+    sem_init(&semaphore, 0, 0);
+    sigemptyset(&usual);
+    handle(SIGUSR1, 0);
+    for (unsigned int i = 0; i < 9; i++) {
+        uint64_t since_ns = now_ns();
+        start_timer(timer, 5 * MS, 0);
+        int result = i == 0   ? usleep(500000)
+                     : i == 1 ? nanosleep(&long_time, &left)
+                     : i == 2 ? poll(&one, 1, -1)
+                     : i == 3 ? ppoll(&one, 1, NULL, &usual)
+                     : i == 4 ? select(0, NULL, NULL, NULL, NULL)
+                     : i == 5 ? epoll_wait(all, &event, 1, -1)
+                     : i == 6 ? sem_wait(&semaphore)
+                     : i == 7 ? pause()
+                              : (int)recv(is_virtual ? fd : -1, frame, sizeof frame, 0);
+        if (i == 8 && !is_virtual)
+            break;
+        print_message("wait %u\n", i);
+        assert_int_equal(result, -1);
+        assert_int_equal(errno, EINTR);
+        assert_took(since_ns, 5 * MS);
+        assert_int_equal(signals_handled, i + 1);
+    }
+    if (is_virtual)
+        assert_in_range(left.tv_nsec, 494 * MS, 495 * MS);
+    assert_int_equal(timer_delete(timer), 0);
+    close(all);
+    close(fd);
+}
+
+static void a_handler_with_sa_restart_continues_a_receive(void **state)
+{
+    uint8_t frame[FRAME];
+    const struct timeval timeout = {.tv_usec = 20000};
+    (void)state;
+    int fd = open_socket(0);
+    timer_t timer = timer_of(SIGEV_SIGNAL, SIGUSR1);
+    handle(SIGUSR1, SA_RESTART);
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
+    uint64_t since_ns = now_ns();
+    start_timer(timer, 5 * MS, 0);
+    assert_int_equal(recv(fd, frame, sizeof frame, 0), -1);
+    assert_int_equal(errno, EAGAIN);
+    assert_took(since_ns, 20 * MS);
+    assert_int_equal(signals_handled, 1);
+    timer_delete(timer);
+    close(fd);
+}
+
+static void a_periodic_timer_is_accepted_by_sigwait(void **state)
+{
+    enum { NUMBER = 40 };
+    sigset_t set, before;
+    siginfo_t info;
+    int number = 0;
+    struct itimerspec left;
+    const struct timespec ten = {.tv_nsec = 10 * MS};
+    (void)state;
+    sigemptyset(&set);
+    sigaddset(&set, NUMBER);
+    pthread_sigmask(SIG_BLOCK, &set, &before);
+    timer_t timer = timer_of(SIGEV_SIGNAL, NUMBER);
+    uint64_t since_ns = now_ns();
+    start_timer(timer, 3 * MS, 2 * MS);
+    assert_int_equal(sigwait(&set, &number), 0);
+    assert_int_equal(number, NUMBER);
+    assert_int_equal(sigwaitinfo(&set, &info), NUMBER);
+    assert_int_equal(info.si_code, SI_TIMER);
+    assert_int_equal(sigtimedwait(&set, &info, &ten), NUMBER);
+    assert_took(since_ns, 7 * MS);
+    assert_int_equal(timer_gettime(timer, &left), 0);
+    assert_int_equal(left.it_interval.tv_nsec, 2 * MS);
+    usleep(9000); /* expiries at 2, 4, 6 and 8 ms: one signal, three overruns */
+    assert_int_equal(sigwait(&set, &number), 0);
+    assert_true(timer_getoverrun(timer) >= 3);
+    if (is_virtual)
+        assert_int_equal(timer_getoverrun(timer), 3);
+    start_timer(timer, 0, 0);
+    while (sigtimedwait(&set, &info, &(const struct timespec){0}) > 0)
+        ;
+    since_ns = now_ns();
+    assert_int_equal(sigtimedwait(&set, &info, &ten), -1);
+    assert_int_equal(errno, EAGAIN);
+    assert_took(since_ns, 10 * MS);
+    timer_delete(timer);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+static void post_semaphore(union sigval value)
+{
+    sem_post(value.sival_ptr);
+}
+
+static void a_timer_runs_a_function_in_a_thread(void **state)
+{
+    sem_t semaphore;
+    struct sigevent event = {
+        .sigev_notify = SIGEV_THREAD, .sigev_notify_function = post_semaphore, .sigev_value.sival_ptr = &semaphore};
+    timer_t timer;
+    (void)state;
+    sem_init(&semaphore, 0, 0);
+    assert_int_equal(timer_create(CLOCK_REALTIME, &event, &timer), 0);
+    uint64_t since_ns = now_ns();
+    start_timer(timer, 3 * MS, 2 * MS);
+    for (unsigned int i = 0; i < 3; i++)
+        assert_int_equal(sem_wait(&semaphore), 0);
+    assert_took(since_ns, 7 * MS);
+    assert_int_equal(timer_delete(timer), 0);
+    usleep(5000);
+}
+
+static void interval_timer_and_alarm_send_sigalrm(void **state)
+{
+    const struct itimerval every = {.it_value.tv_usec = 3000, .it_interval.tv_usec = 2000};
+    const struct itimerval none = {0};
+    struct itimerval left;
+    (void)state;
+    handle(SIGALRM, 0);
+    uint64_t since_ns = now_ns();
+    assert_int_equal(setitimer(ITIMER_REAL, &every, NULL), 0);
+    while (signals_handled < 3)
+        assert_int_equal(pause(), -1);
+    assert_took(since_ns, 7 * MS);
+    assert_int_equal(getitimer(ITIMER_REAL, &left), 0);
+    assert_int_equal(left.it_interval.tv_usec, 2000);
+    assert_int_equal(setitimer(ITIMER_REAL, &none, NULL), 0);
+    signals_handled = 0;
+    assert_int_equal(alarm(50), 0);
+    assert_int_equal(alarm(1), 50);
+    if (is_virtual) {
+        since_ns = now_ns();
+        assert_int_equal(sleep(3), 2);
+        assert_took(since_ns, 1000ull * MS - MS / 100);
+        assert_int_equal(signals_handled, 1);
+    }
+    (void)alarm(0);
+}
+
 /* --- threads -------------------------------------------------------------------------------------------------------
  */
 
@@ -516,6 +702,94 @@ static void an_event_of_another_thread_ends_a_read(void **state)
     close(relay.fd);
 }
 
+typedef struct meeting {
+    pthread_barrier_t barrier;
+    unsigned int serial;
+} meeting_t;
+
+static void *meet(void *arg)
+{
+    meeting_t *meeting = arg;
+    for (unsigned int i = 0; i < 3; i++) {
+        usleep(1000);
+        if (pthread_barrier_wait(&meeting->barrier) == PTHREAD_BARRIER_SERIAL_THREAD)
+            __atomic_fetch_add(&meeting->serial, 1, __ATOMIC_SEQ_CST);
+    }
+    return NULL;
+}
+
+static void threads_meet_at_a_barrier(void **state)
+{
+    meeting_t meeting = {0};
+    pthread_t threads[2];
+    (void)state;
+    assert_int_equal(pthread_barrier_init(&meeting.barrier, NULL, 3), 0);
+    for (unsigned int i = 0; i < 2; i++)
+        pthread_create(&threads[i], NULL, meet, &meeting);
+    uint64_t since_ns = now_ns();
+    for (unsigned int i = 0; i < 3; i++) {
+        usleep(5000);
+        if (pthread_barrier_wait(&meeting.barrier) == PTHREAD_BARRIER_SERIAL_THREAD)
+            __atomic_fetch_add(&meeting.serial, 1, __ATOMIC_SEQ_CST);
+    }
+    assert_took(since_ns, 15 * MS);
+    for (unsigned int i = 0; i < 2; i++)
+        pthread_join(threads[i], NULL);
+    assert_int_equal(meeting.serial, 3);
+    assert_int_equal(pthread_barrier_destroy(&meeting.barrier), 0);
+}
+
+typedef struct locks {
+    pthread_rwlock_t lock;
+    pthread_spinlock_t spin;
+} locks_t;
+
+static void *hold_locks(void *arg)
+{
+    locks_t *locks = arg;
+    pthread_rwlock_wrlock(&locks->lock);
+    pthread_spin_lock(&locks->spin);
+    usleep(5000);
+    pthread_spin_unlock(&locks->spin);
+    usleep(15000);
+    pthread_rwlock_unlock(&locks->lock);
+    return NULL;
+}
+
+static struct timespec in_ms(unsigned int ms)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_REALTIME, &time);
+    uint64_t at_ns = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec + (uint64_t)ms * MS;
+    return (struct timespec){.tv_sec = (time_t)(at_ns / 1000000000u), .tv_nsec = (long)(at_ns % 1000000000u)};
+}
+
+static void locks_and_joins_end_at_their_deadlines(void **state)
+{
+    locks_t locks;
+    pthread_t thread;
+    struct timespec until;
+    (void)state;
+    pthread_rwlock_init(&locks.lock, NULL);
+    pthread_spin_init(&locks.spin, PTHREAD_PROCESS_PRIVATE);
+    pthread_create(&thread, NULL, hold_locks, &locks);
+    usleep(1000);
+    pthread_spin_lock(&locks.spin);
+    pthread_spin_unlock(&locks.spin);
+    uint64_t since_ns = now_ns();
+    until = in_ms(2);
+    assert_int_equal(pthread_rwlock_timedrdlock(&locks.lock, &until), ETIMEDOUT);
+    assert_took(since_ns, 2 * MS);
+    since_ns = now_ns();
+    until = in_ms(3);
+    assert_int_equal(pthread_timedjoin_np(thread, NULL, &until), ETIMEDOUT);
+    assert_took(since_ns, 3 * MS);
+    until = in_ms(1000);
+    assert_int_equal(pthread_rwlock_timedwrlock(&locks.lock, &until), 0);
+    until = in_ms(1000);
+    assert_int_equal(pthread_timedjoin_np(thread, NULL, &until), 0);
+}
+
 /* --- processes ------------------------------------------------------------------------------------------------------
  */
 
@@ -540,6 +814,36 @@ static void a_child_has_a_bus_of_its_own(void **state)
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
     send_one(fd, 3);
     assert_reply(frame, recv(fd, frame, sizeof frame, 0), 3);
+    close(fd);
+}
+
+/* No time of the virtual clock passes while CMD waits for another process. */
+static void child_processes_end_in_order(void **state)
+{
+    char line[16] = "";
+    int status = -1;
+    siginfo_t info;
+    (void)state;
+    int fd = open_socket(0);
+    uint64_t since_ns = now_ns();
+    assert_int_equal(system("exit 3"), 3 << 8);
+    FILE *output = popen("echo hello", "re");
+    assert_non_null(fgets(line, sizeof line, output));
+    assert_string_equal(line, "hello\n");
+    assert_int_equal(pclose(output), 0);
+    for (unsigned int i = 0; i < 4; i++) {
+        pid_t child = fork();
+        if (child == 0)
+            _exit(5);
+        pid_t ended = i == 0                                            ? wait(&status)
+                      : i == 1                                          ? waitpid(child, &status, 0)
+                      : i == 2                                          ? wait4(child, &status, 0, NULL)
+                      : waitid(P_PID, (id_t)child, &info, WEXITED) == 0 ? child
+                                                                        : -1;
+        assert_int_equal(ended, child);
+        assert_int_equal(WEXITSTATUS(status), 5);
+    }
+    assert_took(since_ns, 0);
     close(fd);
 }
 
@@ -568,11 +872,25 @@ int main(int argc, char **argv)
         {"A timer descriptor expires at its times", timer_descriptors_expire, NULL, NULL, NULL},
         {"Sleeps take the requested time", sleeps_take_their_time, NULL, NULL, NULL},
         {"Clocks of the time of day agree", clocks_of_the_day_agree, NULL, NULL, NULL},
+        {"A timer of timer_create ends sleeps, poll, ppoll, select, epoll_wait, sem_wait, pause and recv with EINTR",
+         a_timer_ends_every_kind_of_wait, NULL, NULL, NULL},
+        {"A handler with SA_RESTART continues a receive", a_handler_with_sa_restart_continues_a_receive, NULL, NULL,
+         NULL},
+        {"A periodic timer is accepted by sigwait, sigwaitinfo and sigtimedwait, and counts its overruns",
+         a_periodic_timer_is_accepted_by_sigwait, NULL, NULL, NULL},
+        {"A timer with SIGEV_THREAD runs its function at its times", a_timer_runs_a_function_in_a_thread, NULL, NULL,
+         NULL},
+        {"setitimer and alarm send SIGALRM at their times", interval_timer_and_alarm_send_sigalrm, NULL, NULL, NULL},
         {"Threads hand over by mutex, condition and semaphore", threads_take_turns, NULL, NULL, NULL},
         {"A condition and a semaphore end at their deadlines", a_condition_times_out, NULL, NULL, NULL},
         {"A thread that waits in recv gets the reply to a frame of another thread", one_thread_receives_for_another,
          NULL, NULL, NULL},
         {"A read of an event descriptor ends when another thread writes", an_event_of_another_thread_ends_a_read, NULL,
+         NULL, NULL},
+        {"Threads meet at a barrier when the last one comes", threads_meet_at_a_barrier, NULL, NULL, NULL},
+        {"Read-write locks and joins end at their deadlines; a spin lock waits for its holder",
+         locks_and_joins_end_at_their_deadlines, NULL, NULL, NULL},
+        {"system, popen, wait, waitpid, wait4 and waitid wait for another process", child_processes_end_in_order, NULL,
          NULL, NULL},
         {"A child made by fork has a bus of its own", a_child_has_a_bus_of_its_own, NULL, NULL, NULL},
     };

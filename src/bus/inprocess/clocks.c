@@ -15,11 +15,6 @@
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
 
-static struct timespec as_timespec(uint64_t time_ns)
-{
-    return (struct timespec){.tv_sec = (time_t)(time_ns / ECT_NS_PER_S), .tv_nsec = (long)(time_ns % ECT_NS_PER_S)};
-}
-
 static uint64_t charged_now(const void *caller)
 {
     if (ect_sanitizer_has(caller))
@@ -32,7 +27,7 @@ static uint64_t charged_now(const void *caller)
 REPLACES int clock_gettime(clockid_t clock, struct timespec *time)
 {
     if (ect_in_dlsym) {
-        *time = as_timespec(ECT_VIRTUAL_START_NS);
+        *time = ect_timespec_of(ECT_VIRTUAL_START_NS);
         return 0;
     }
     if (ect_inside > 0)
@@ -42,12 +37,12 @@ REPLACES int clock_gettime(clockid_t clock, struct timespec *time)
     case CLOCK_MONOTONIC_RAW:
     case CLOCK_MONOTONIC_COARSE:
     case CLOCK_BOOTTIME:
-        *time = as_timespec(charged_now(__builtin_return_address(0)));
+        *time = ect_timespec_of(charged_now(__builtin_return_address(0)));
         return 0;
     case CLOCK_REALTIME:
     case CLOCK_REALTIME_COARSE:
     case CLOCK_TAI:
-        *time = as_timespec(charged_now(__builtin_return_address(0)) + ECT_DAY_OFFSET_NS);
+        *time = ect_timespec_of(charged_now(__builtin_return_address(0)) + ECT_DAY_OFFSET_NS);
         return 0;
     default:
         return REAL(clock_gettime)(clock, time);
@@ -74,52 +69,61 @@ REPLACES time_t time(time_t *result)
     return now;
 }
 
-static void sleep_until(uint64_t until_ns)
+/* @return the time that is left when a handler of a signal has ended the sleep; 0: slept to the end */
+static uint64_t sleep_until(uint64_t until_ns)
 {
-    (void)ect_virtual_wait(NULL, until_ns);
+    if (ect_virtual_wait(NULL, until_ns) != ECT_WAIT_INTERRUPTED)
+        return 0;
+    uint64_t now_ns = ect_virtual_now();
+    return until_ns > now_ns ? until_ns - now_ns : 1;
 }
 
 REPLACES int usleep(useconds_t microseconds)
 {
     if (ect_inside > 0)
         return REAL(usleep)(microseconds);
-    sleep_until(ect_virtual_now() + microseconds * 1000ull);
-    return 0;
+    if (sleep_until(ect_virtual_now() + microseconds * 1000ull) == 0)
+        return 0;
+    errno = EINTR;
+    return -1;
 }
 
 REPLACES unsigned int sleep(unsigned int seconds)
 {
     if (ect_inside > 0)
         return REAL(sleep)(seconds);
-    sleep_until(ect_virtual_now() + seconds * ECT_NS_PER_S);
-    return 0;
-}
-
-static bool is_valid(const struct timespec *time)
-{
-    return time->tv_sec >= 0 && time->tv_nsec >= 0 && (uint64_t)time->tv_nsec < ECT_NS_PER_S;
+    uint64_t left_ns = sleep_until(ect_virtual_now() + seconds * ECT_NS_PER_S);
+    return (unsigned int)(left_ns / ECT_NS_PER_S);
 }
 
 REPLACES int nanosleep(const struct timespec *time, struct timespec *left)
 {
     if (ect_inside > 0)
         return REAL(nanosleep)(time, left);
-    if (!is_valid(time)) {
+    if (!ect_is_time(time)) {
         errno = EINVAL;
         return -1;
     }
-    sleep_until(ect_virtual_now() + ect_ns_of(time));
-    return 0;
+    uint64_t left_ns = sleep_until(ect_virtual_now() + ect_ns_of(time));
+    if (left_ns == 0)
+        return 0;
+    if (left)
+        *left = ect_timespec_of(left_ns);
+    errno = EINTR;
+    return -1;
 }
 
 REPLACES int clock_nanosleep(clockid_t clock, int flags, const struct timespec *time, struct timespec *left)
 {
     if (ect_inside > 0)
         return REAL(clock_nanosleep)(clock, flags, time, left);
-    if (!is_valid(time))
+    if (!ect_is_time(time))
         return EINVAL;
-    sleep_until((flags & TIMER_ABSTIME) != 0 ? ect_deadline_on(clock, time) : ect_virtual_now() + ect_ns_of(time));
-    return 0;
+    bool absolute = (flags & TIMER_ABSTIME) != 0;
+    uint64_t left_ns = sleep_until(absolute ? ect_deadline_on(clock, time) : ect_virtual_now() + ect_ns_of(time));
+    if (left_ns > 0 && left && !absolute)
+        *left = ect_timespec_of(left_ns);
+    return left_ns > 0 ? EINTR : 0;
 }
 
 REPLACES int sched_yield(void)

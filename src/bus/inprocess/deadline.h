@@ -18,6 +18,16 @@ static inline uint64_t ect_ns_of(const struct timespec *time)
     return (uint64_t)time->tv_sec * ECT_NS_PER_S + (uint64_t)time->tv_nsec;
 }
 
+static inline bool ect_is_time(const struct timespec *time)
+{
+    return time->tv_sec >= 0 && time->tv_nsec >= 0 && (uint64_t)time->tv_nsec < ECT_NS_PER_S;
+}
+
+static inline struct timespec ect_timespec_of(uint64_t time_ns)
+{
+    return (struct timespec){.tv_sec = (time_t)(time_ns / ECT_NS_PER_S), .tv_nsec = (long)(time_ns % ECT_NS_PER_S)};
+}
+
 /** An absolute time of a clock. */
 static inline uint64_t ect_deadline_on(clockid_t clock, const struct timespec *time)
 {
@@ -43,6 +53,25 @@ static inline uint64_t ect_deadline_in(const struct timespec *span)
 static inline uint64_t ect_deadline_in_ms(int timeout_ms)
 {
     return timeout_ms < 0 ? UINT64_MAX : ect_virtual_now() + (uint64_t)timeout_ms * 1000000u;
+}
+
+/** Sets a timer as timer_settime(2) does: a first time of 0 stops it. */
+static inline void ect_timer_set(ect_timer_t *timer, clockid_t clock, bool absolute, const struct itimerspec *value)
+{
+    uint64_t span_ns = ect_ns_of(&value->it_value);
+    timer->interval_ns = ect_ns_of(&value->it_interval);
+    timer->next_ns = span_ns == 0 ? UINT64_MAX
+                     : absolute   ? ect_deadline_on(clock, &value->it_value)
+                                  : ect_virtual_now() + span_ns;
+}
+
+/** The time left, and the interval, as timer_gettime(2) returns them. */
+static inline struct itimerspec ect_timer_left(const ect_timer_t *timer)
+{
+    uint64_t now_ns = ect_virtual_now();
+    uint64_t left_ns = timer->next_ns == UINT64_MAX ? 0 : timer->next_ns > now_ns ? timer->next_ns - now_ns : 1;
+    return (struct itimerspec){.it_value = ect_timespec_of(left_ns),
+                               .it_interval = ect_timespec_of(timer->interval_ns)};
 }
 
 #endif

@@ -89,6 +89,31 @@ REPLACES int pthread_join(pthread_t thread, void **result)
     return error;
 }
 
+int pthread_clockjoin_np(pthread_t thread, void **result, clockid_t clock, const struct timespec *until);
+REPLACES int pthread_clockjoin_np(pthread_t thread, void **result, clockid_t clock, const struct timespec *until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_clockjoin_np)(thread, result, clock, until);
+    uint64_t until_ns = ect_deadline_on(clock, until);
+    (void)ect_virtual_now();
+    created_t *its = take_created(thread);
+    while (its && !its->ended) {
+        if (ect_virtual_wait(&its->ended, until_ns) != ECT_WAIT_TIMED_OUT)
+            continue;
+        its->next = created;
+        created = its;
+        return ETIMEDOUT;
+    }
+    int error = REAL(pthread_join)(thread, result);
+    free(its);
+    return error;
+}
+
+REPLACES int pthread_timedjoin_np(pthread_t thread, void **result, const struct timespec *until)
+{
+    return pthread_clockjoin_np(thread, result, CLOCK_REALTIME, until);
+}
+
 /* --- mutexes -------------------------------------------------------------------------------------------------------
  */
 
@@ -96,7 +121,7 @@ static int lock_until(pthread_mutex_t *mutex, uint64_t until_ns)
 {
     int error;
     while ((error = REAL(pthread_mutex_trylock)(mutex)) == EBUSY) {
-        if (!ect_virtual_wait(mutex, until_ns))
+        if (ect_virtual_wait(mutex, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
     }
     return error;
@@ -114,6 +139,26 @@ REPLACES int pthread_mutex_timedlock(pthread_mutex_t *restrict mutex, const stru
     if (ect_inside > 0)
         return REAL(pthread_mutex_timedlock)(mutex, until);
     return lock_until(mutex, ect_deadline_on(CLOCK_REALTIME, until));
+}
+
+int pthread_mutex_clocklock(pthread_mutex_t *restrict mutex, clockid_t clock, const struct timespec *restrict until);
+REPLACES int pthread_mutex_clocklock(pthread_mutex_t *restrict mutex, clockid_t clock,
+                                     const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_mutex_clocklock)(mutex, clock, until);
+    return lock_until(mutex, ect_deadline_on(clock, until));
+}
+
+/* The thread that holds the lock may wait for its turn. */
+REPLACES int pthread_spin_lock(pthread_spinlock_t *lock)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_spin_lock)(lock);
+    int error;
+    while ((error = REAL(pthread_spin_trylock)(lock)) == EBUSY)
+        ect_virtual_yield();
+    return error;
 }
 
 REPLACES int pthread_mutex_unlock(pthread_mutex_t *mutex)
@@ -138,9 +183,9 @@ static int wait_until(const pthread_cond_t *condition, pthread_mutex_t *mutex, u
     if (error != 0)
         return error;
     (void)ect_virtual_wake(mutex, 1);
-    bool woken = ect_virtual_wait(condition, until_ns);
+    ect_wait_t result = ect_virtual_wait(condition, until_ns);
     relock(mutex);
-    return woken ? 0 : ETIMEDOUT;
+    return result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : 0; /* after a handler of a signal: a spurious wake-up */
 }
 
 REPLACES int pthread_cond_wait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex)
@@ -187,24 +232,48 @@ REPLACES int pthread_cond_broadcast(pthread_cond_t *condition)
 /* --- read-write locks ----------------------------------------------------------------------------------------------
  */
 
+static int lock_to_read(pthread_rwlock_t *lock, uint64_t until_ns)
+{
+    int error;
+    while ((error = REAL(pthread_rwlock_tryrdlock)(lock)) == EBUSY) {
+        if (ect_virtual_wait(lock, until_ns) == ECT_WAIT_TIMED_OUT)
+            return ETIMEDOUT;
+    }
+    return error;
+}
+
+static int lock_to_write(pthread_rwlock_t *lock, uint64_t until_ns)
+{
+    int error;
+    while ((error = REAL(pthread_rwlock_trywrlock)(lock)) == EBUSY) {
+        if (ect_virtual_wait(lock, until_ns) == ECT_WAIT_TIMED_OUT)
+            return ETIMEDOUT;
+    }
+    return error;
+}
+
 REPLACES int pthread_rwlock_rdlock(pthread_rwlock_t *lock)
 {
-    if (ect_inside > 0)
-        return REAL(pthread_rwlock_rdlock)(lock);
-    int error;
-    while ((error = REAL(pthread_rwlock_tryrdlock)(lock)) == EBUSY)
-        (void)ect_virtual_wait(lock, UINT64_MAX);
-    return error;
+    return ect_inside > 0 ? REAL(pthread_rwlock_rdlock)(lock) : lock_to_read(lock, UINT64_MAX);
 }
 
 REPLACES int pthread_rwlock_wrlock(pthread_rwlock_t *lock)
 {
+    return ect_inside > 0 ? REAL(pthread_rwlock_wrlock)(lock) : lock_to_write(lock, UINT64_MAX);
+}
+
+REPLACES int pthread_rwlock_timedrdlock(pthread_rwlock_t *restrict lock, const struct timespec *restrict until)
+{
     if (ect_inside > 0)
-        return REAL(pthread_rwlock_wrlock)(lock);
-    int error;
-    while ((error = REAL(pthread_rwlock_trywrlock)(lock)) == EBUSY)
-        (void)ect_virtual_wait(lock, UINT64_MAX);
-    return error;
+        return REAL(pthread_rwlock_timedrdlock)(lock, until);
+    return lock_to_read(lock, ect_deadline_on(CLOCK_REALTIME, until));
+}
+
+REPLACES int pthread_rwlock_timedwrlock(pthread_rwlock_t *restrict lock, const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_rwlock_timedwrlock)(lock, until);
+    return lock_to_write(lock, ect_deadline_on(CLOCK_REALTIME, until));
 }
 
 REPLACES int pthread_rwlock_unlock(pthread_rwlock_t *lock)
@@ -223,10 +292,11 @@ static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
     while (REAL(sem_trywait)(semaphore) != 0) {
         if (errno != EAGAIN)
             return -1;
-        if (!ect_virtual_wait(semaphore, until_ns)) {
-            errno = ETIMEDOUT;
-            return -1;
-        }
+        ect_wait_t result = ect_virtual_wait(semaphore, until_ns);
+        if (result == ECT_WAIT_WOKEN || (result == ECT_WAIT_INTERRUPTED && ect_virtual_restarts()))
+            continue;
+        errno = result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : EINTR;
+        return -1;
     }
     return 0;
 }
@@ -259,6 +329,88 @@ REPLACES int sem_post(sem_t *semaphore)
     return result;
 }
 
+/* --- barriers ------------------------------------------------------------------------------------------------------
+ */
+
+/* The count of a barrier cannot be read from it. */
+typedef struct barrier {
+    struct barrier *next;
+    const pthread_barrier_t *at;
+    unsigned int count;
+    unsigned int waiting;
+    unsigned int inside; /* threads that have not left pthread_barrier_wait() yet */
+    unsigned int round;
+} barrier_t;
+
+static barrier_t *barriers; /* changed by the thread that has the turn */
+
+static barrier_t **place_of(const pthread_barrier_t *barrier)
+{
+    barrier_t **at = &barriers;
+    while (*at && (*at)->at != barrier)
+        at = &(*at)->next;
+    return at;
+}
+
+static bool is_of_one_process(const pthread_barrierattr_t *attributes)
+{
+    int shared = PTHREAD_PROCESS_PRIVATE;
+    return !attributes ||
+           (pthread_barrierattr_getpshared(attributes, &shared) == 0 && shared == PTHREAD_PROCESS_PRIVATE);
+}
+
+REPLACES int pthread_barrier_init(pthread_barrier_t *restrict barrier, const pthread_barrierattr_t *restrict attributes,
+                                  unsigned int count)
+{
+    int error = REAL(pthread_barrier_init)(barrier, attributes, count);
+    if (error != 0 || ect_inside > 0 || !is_of_one_process(attributes))
+        return error;
+    barrier_t *its = calloc(1, sizeof *its);
+    if (!its)
+        return ENOMEM;
+    (void)ect_virtual_now(); /* takes the turn */
+    *its = (barrier_t){.next = barriers, .at = barrier, .count = count};
+    barriers = its;
+    return 0;
+}
+
+REPLACES int pthread_barrier_destroy(pthread_barrier_t *barrier)
+{
+    if (ect_inside == 0)
+        (void)ect_virtual_now();
+    barrier_t **at = place_of(barrier);
+    barrier_t *its = ect_inside > 0 ? NULL : *at;
+    while (its && its->inside > 0)
+        ect_virtual_yield();
+    if (its) {
+        at = place_of(barrier);
+        *at = its->next;
+        free(its);
+    }
+    return REAL(pthread_barrier_destroy)(barrier);
+}
+
+REPLACES int pthread_barrier_wait(pthread_barrier_t *barrier)
+{
+    if (ect_inside == 0)
+        (void)ect_virtual_now();
+    barrier_t *its = ect_inside > 0 ? NULL : *place_of(barrier);
+    if (!its)
+        return REAL(pthread_barrier_wait)(barrier);
+    if (++its->waiting == its->count) {
+        its->waiting = 0;
+        its->round++;
+        (void)ect_virtual_wake(its, UINT_MAX);
+        return PTHREAD_BARRIER_SERIAL_THREAD;
+    }
+    unsigned int round = its->round;
+    its->inside++;
+    while (its->round == round)
+        (void)ect_virtual_wait(its, UINT64_MAX);
+    its->inside--;
+    return 0;
+}
+
 /* --- futexes: the locks of Rust's standard library
  * -------------------------------------------------------------------- */
 
@@ -271,9 +423,10 @@ static long wait_futex(const int *word, int operation, int expected, const struc
         errno = EAGAIN;
         return -1;
     }
-    if (ect_virtual_wait(word, until_ns))
+    ect_wait_t result = ect_virtual_wait(word, until_ns);
+    if (result == ECT_WAIT_WOKEN)
         return 0;
-    errno = ETIMEDOUT;
+    errno = result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : EINTR;
     return -1;
 }
 

@@ -12,12 +12,15 @@
 #include <sys/eventfd.h>
 #include <sys/select.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
 #include "bus/inprocess/deadline.h"
 #include "bus/inprocess/ports.h"
+#include "bus/inprocess/processes.h"
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/signals.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
 
@@ -60,11 +63,34 @@ static bool poll_now(void *arg)
     return p->result != 0;
 }
 
-static int poll_until(struct pollfd *fds, nfds_t count, uint64_t until_ns)
+/* The result of a call whose wait a handler of a signal may have ended before anything was ready. */
+static int result_of(ect_wait_t wait, int ready)
+{
+    if (wait != ECT_WAIT_INTERRUPTED)
+        return ready;
+    errno = EINTR;
+    return -1;
+}
+
+/* Such a pipe is probably that of a child process. */
+static bool has_pipe(const struct pollfd *fds, nfds_t count)
+{
+    struct stat its;
+    nfds_t i = 0;
+    while (i < count && (fstat(fds[i].fd, &its) != 0 || !S_ISFIFO(its.st_mode)))
+        i++;
+    return i < count && ect_processes_run();
+}
+
+static int poll_until(struct pollfd *fds, nfds_t count, const char *call, uint64_t until_ns)
 {
     polling_t p = {.fds = fds, .count = count};
-    (void)ect_virtual_wait_until(poll_now, &p, !are_ports(fds, count), until_ns);
-    return p.result;
+    ect_wait_t wait;
+    if (!are_ports(fds, count) && !poll_now(&p) && has_pipe(fds, count))
+        wait = ect_virtual_wait_for_process(poll_now, &p, call, until_ns);
+    else
+        wait = ect_virtual_wait_until(poll_now, &p, are_ports(fds, count) ? NULL : call, until_ns);
+    return result_of(wait, p.result);
 }
 
 REPLACES int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
@@ -72,7 +98,7 @@ REPLACES int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
     if (ect_inside > 0)
         return REAL(poll)(fds, count, timeout_ms);
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    return poll_until(fds, count, ect_deadline_in_ms(timeout_ms));
+    return poll_until(fds, count, "poll()", ect_deadline_in_ms(timeout_ms));
 }
 
 int __poll_chk(struct pollfd *fds, nfds_t count, int timeout_ms, size_t room);
@@ -86,7 +112,12 @@ REPLACES int ppoll(struct pollfd *fds, nfds_t count, const struct timespec *time
     if (ect_inside > 0)
         return REAL(ppoll)(fds, count, timeout, mask);
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    return poll_until(fds, count, ect_deadline_in(timeout));
+    sigset_t before;
+    int result = ect_signals_mask(mask, &before);
+    if (result == 0)
+        result = poll_until(fds, count, "ppoll()", ect_deadline_in(timeout));
+    ect_signals_unmask(mask, &before);
+    return result;
 }
 
 typedef struct selecting {
@@ -117,8 +148,8 @@ static int select_until(int count, fd_set *to_read, fd_set *to_write, fd_set *ex
             s.wanted[i] = *s.sets[i];
     }
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    (void)ect_virtual_wait_until(select_now, &s, true, until_ns);
-    return s.result;
+    ect_wait_t wait = ect_virtual_wait_until(select_now, &s, "select()", until_ns);
+    return result_of(wait, s.result);
 }
 
 REPLACES int select(int count, fd_set *restrict to_read, fd_set *restrict to_write, fd_set *restrict except,
@@ -137,7 +168,12 @@ REPLACES int pselect(int count, fd_set *restrict to_read, fd_set *restrict to_wr
 {
     if (ect_inside > 0)
         return REAL(pselect)(count, to_read, to_write, except, timeout, mask);
-    return select_until(count, to_read, to_write, except, ect_deadline_in(timeout));
+    sigset_t before;
+    int result = ect_signals_mask(mask, &before);
+    if (result == 0)
+        result = select_until(count, to_read, to_write, except, ect_deadline_in(timeout));
+    ect_signals_unmask(mask, &before);
+    return result;
 }
 
 typedef struct epolling {
@@ -159,8 +195,18 @@ static int epoll_until(int fd, struct epoll_event *events, int most, uint64_t un
 {
     epolling_t e = {.fd = fd, .events = events, .most = most};
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    (void)ect_virtual_wait_until(epoll_now, &e, true, until_ns);
-    return e.result;
+    ect_wait_t wait = ect_virtual_wait_until(epoll_now, &e, "epoll_wait()", until_ns);
+    return result_of(wait, e.result);
+}
+
+static int epoll_masked(int fd, struct epoll_event *events, int most, uint64_t until_ns, const sigset_t *mask)
+{
+    sigset_t before;
+    int result = ect_signals_mask(mask, &before);
+    if (result == 0)
+        result = epoll_until(fd, events, most, until_ns);
+    ect_signals_unmask(mask, &before);
+    return result;
 }
 
 REPLACES int epoll_wait(int fd, struct epoll_event *events, int most, int timeout_ms)
@@ -174,7 +220,7 @@ REPLACES int epoll_pwait(int fd, struct epoll_event *events, int most, int timeo
 {
     if (ect_inside > 0)
         return REAL(epoll_pwait)(fd, events, most, timeout_ms, mask);
-    return epoll_until(fd, events, most, ect_deadline_in_ms(timeout_ms));
+    return epoll_masked(fd, events, most, ect_deadline_in_ms(timeout_ms), mask);
 }
 
 int epoll_pwait2(int fd, struct epoll_event *events, int most, const struct timespec *timeout, const sigset_t *mask);
@@ -183,7 +229,7 @@ REPLACES int epoll_pwait2(int fd, struct epoll_event *events, int most, const st
 {
     if (ect_inside > 0)
         return REAL(epoll_pwait2)(fd, events, most, timeout, mask);
-    return epoll_until(fd, events, most, ect_deadline_in(timeout));
+    return epoll_masked(fd, events, most, ect_deadline_in(timeout), mask);
 }
 
 static uint64_t receive_deadline(int fd)
@@ -197,12 +243,12 @@ static uint64_t receive_deadline(int fd)
 }
 
 /* A pipe, a socket or an event descriptor of another thread, or of another process. */
-void ect_time_before_read(int fd, int flags)
+void ect_time_before_read(const char *call, int fd, int flags)
 {
     struct pollfd one = {.fd = fd, .events = POLLIN};
     if ((flags & MSG_DONTWAIT) != 0 || REAL(poll)(&one, 1, 0) != 0 || (REAL(fcntl)(fd, F_GETFL) & O_NONBLOCK) != 0)
         return;
-    (void)poll_until(&one, 1, receive_deadline(fd));
+    (void)poll_until(&one, 1, call, receive_deadline(fd));
 }
 
 /* --- timer descriptors: eventfds to which expiries are written
@@ -267,14 +313,7 @@ REPLACES int timerfd_gettime(int fd, struct itimerspec *value)
     const timer_fd_t *its = ect_inside > 0 ? NULL : timer_of(fd);
     if (!its)
         return REAL(timerfd_gettime)(fd, value);
-    uint64_t now_ns = ect_virtual_now();
-    uint64_t left_ns = its->timer.next_ns == UINT64_MAX ? 0
-                       : its->timer.next_ns > now_ns    ? its->timer.next_ns - now_ns
-                                                        : 1;
-    value->it_value =
-        (struct timespec){.tv_sec = (time_t)(left_ns / ECT_NS_PER_S), .tv_nsec = (long)(left_ns % ECT_NS_PER_S)};
-    value->it_interval = (struct timespec){.tv_sec = (time_t)(its->timer.interval_ns / ECT_NS_PER_S),
-                                           .tv_nsec = (long)(its->timer.interval_ns % ECT_NS_PER_S)};
+    *value = ect_timer_left(&its->timer);
     return 0;
 }
 
@@ -289,11 +328,6 @@ REPLACES int timerfd_settime(int fd, int flags, const struct itimerspec *value, 
     struct pollfd one = {.fd = fd, .events = POLLIN};
     if (REAL(poll)(&one, 1, 0) > 0)
         (void)!REAL(read)(fd, &expiries, sizeof expiries);
-    uint64_t span_ns = ect_ns_of(&value->it_value);
-    bool absolute = (flags & TFD_TIMER_ABSTIME) != 0;
-    its->timer.interval_ns = ect_ns_of(&value->it_interval);
-    its->timer.next_ns = span_ns == 0 ? UINT64_MAX
-                         : absolute   ? ect_deadline_on(its->clock, &value->it_value)
-                                      : ect_virtual_now() + span_ns;
+    ect_timer_set(&its->timer, its->clock, (flags & TFD_TIMER_ABSTIME) != 0, value);
     return 0;
 }

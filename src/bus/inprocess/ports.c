@@ -378,13 +378,15 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
 {
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
+    int error = EAGAIN;
     if (!port->first && waits(port, flags)) {
         uint64_t until_ns = port->timeout_ns != 0 ? ect_time_now() + port->timeout_ns : ECTWIN_NEVER;
-        (void)ect_time_wait(port->fd, is_waiting, port, until_ns);
+        if (!ect_time_wait(port->fd, is_waiting, port, until_ns))
+            error = errno;
     }
     if (!port->first) {
         ect_time_unlock();
-        return fail(EAGAIN);
+        return fail(error);
     }
     const waiting_t *one = port->first;
     size_t length = one->length;

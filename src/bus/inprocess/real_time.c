@@ -44,8 +44,9 @@ void ect_time_charge(uint64_t cost_ns)
     (void)cost_ns; /* the call costs what it costs */
 }
 
-void ect_time_before_read(int fd, int flags)
+void ect_time_before_read(const char *call, int fd, int flags)
 {
+    (void)call;
     (void)fd;
     (void)flags;
 }
@@ -73,6 +74,7 @@ bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint
         if (result == 0 || (result < 0 && errno != EINTR))
             break;
     }
+    errno = EAGAIN;
     return ready(arg);
 }
 

@@ -219,10 +219,10 @@ REPLACES ssize_t writev(int fd, const struct iovec *pieces, int count)
  */
 
 /* A descriptor that is none of ours may keep the master waiting. */
-static void before(int fd, int flags)
+static void before(const char *call, int fd, int flags)
 {
     if (ect_inside == 0)
-        ect_time_before_read(fd, flags);
+        ect_time_before_read(call, fd, flags);
 }
 
 static ssize_t receive(ect_port_t *port, void *data, size_t size, int flags)
@@ -236,7 +236,7 @@ REPLACES ssize_t recv(int fd, void *data, size_t size, int flags)
     ect_port_t *port = ours(fd);
     if (port)
         return receive(port, data, size, flags);
-    before(fd, flags);
+    before("recv()", fd, flags);
     return REAL(recv)(fd, data, size, flags);
 }
 
@@ -247,7 +247,7 @@ REPLACES ssize_t recvfrom(int fd, void *restrict data, size_t size, int flags, _
     const struct iovec piece = {.iov_base = data, .iov_len = size};
     if (port)
         return ect_port_receive(port, &piece, 1, flags, NULL, from.__sockaddr__, length);
-    before(fd, flags);
+    before("recvfrom()", fd, flags);
     return REAL(recvfrom)(fd, data, size, flags, from, length);
 }
 
@@ -268,7 +268,7 @@ REPLACES ssize_t recvmsg(int fd, struct msghdr *message, int flags)
     ect_port_t *port = ours(fd);
     if (port)
         return receive_message(port, message, flags);
-    before(fd, flags);
+    before("recvmsg()", fd, flags);
     return REAL(recvmsg)(fd, message, flags);
 }
 
@@ -298,7 +298,7 @@ REPLACES ssize_t read(int fd, void *data, size_t size)
     ect_port_t *port = ours(fd);
     if (port)
         return receive(port, data, size, 0);
-    before(fd, 0);
+    before("read()", fd, 0);
     return REAL(read)(fd, data, size);
 }
 
@@ -329,13 +329,13 @@ REPLACES ssize_t __recvfrom_chk(int fd, void *data, size_t size, size_t room, in
 
 REPLACES int accept(int fd, __SOCKADDR_ARG address, socklen_t *restrict length)
 {
-    before(fd, 0);
+    before("accept()", fd, 0);
     return REAL(accept)(fd, address, length);
 }
 
 REPLACES int accept4(int fd, __SOCKADDR_ARG address, socklen_t *restrict length, int flags)
 {
-    before(fd, 0);
+    before("accept4()", fd, 0);
     return REAL(accept4)(fd, address, length, flags);
 }
 

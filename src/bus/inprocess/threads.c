@@ -7,6 +7,7 @@
 #include <limits.h>
 #include <linux/futex.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,10 @@
 #define NEVER UINT64_MAX
 
 enum { THREADS_MOST = 1024 };
-enum { SERVE_EVERY = 64, LOOK_EVERY = 16, IDLE_MS = 10, PATIENCE_MS = 1000, PAUSE_NS = 1000 };
+#define PATIENCE_NS 1000000000ull
+
+enum { SERVE_EVERY = 64, LOOK_EVERY = 16, NAP_MS = 1, IDLE_MS = 10, PAUSE_NS = 1000 };
+enum { SERVED_MOST = 64 };
 
 typedef enum state { READY, RUNNING, WAITING, OUTSIDE } state_t;
 
@@ -35,10 +39,14 @@ typedef struct thread {
     const void *key;
     bool (*condition)(void *arg);
     void *arg;
-    bool outside; /* another process may make the condition true */
+    const char *outside; /* call whose condition another process may make true; NULL: none */
+    bool stops_time;     /* time is stopped while the thread waits for a process */
     bool woken;
-    int *ended; /* set when the thread ends */
-    bool reported;
+    bool interrupted;      /* the wait has ended by a signal */
+    bool restarts;         /* every handler that has run since has SA_RESTART */
+    bool idle;             /* sleeps in wait_for_the_world() */
+    ect_signal_t *signals; /* delivered when the thread has its turn */
+    int *ended;            /* set when the thread ends */
     pid_t id;
     int turn; /* a futex: 1 when the thread may go on */
 } thread_t;
@@ -50,7 +58,11 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static uint64_t now_ns = ECT_VIRTUAL_START_NS;
 static uint64_t bus_next_ns = NEVER;
 static uint64_t orders;
-static unsigned int calls; /* since a client was served */
+static unsigned int calls;  /* since serve_in_turn() served a client */
+static uint64_t turns;      /* counts calls and turns, so that a thread without any shows */
+static bool reported;       /* that the run is not reproducible */
+static bool watched;        /* watch_turn() runs in this process */
+static uint64_t stopped_ns; /* of real time, since a process was last waited for with success */
 static thread_t *threads;
 static thread_t *running;
 static ect_timer_t *timers;
@@ -124,7 +136,14 @@ static void make_ready(thread_t *thread, bool woken)
     thread->order = ++orders;
     thread->key = NULL;
     thread->condition = NULL;
-    thread->outside = false;
+    thread->outside = NULL;
+    thread->stops_time = false;
+}
+
+static void interrupt(thread_t *thread)
+{
+    make_ready(thread, false);
+    thread->interrupted = true;
 }
 
 /* The waiting thread that has waited longest among those for which `due` holds. */
@@ -199,24 +218,84 @@ static bool any_timed_wait(void)
     return false;
 }
 
-/* Every thread waits without a limit: only the world outside can make one ready. Time passes as it does there. */
-static void wait_for_the_world(void)
+static void report(const char *call)
 {
-    const struct timespec pause = {.tv_nsec = IDLE_MS * 1000000};
+    if (!reported)
+        (void)!dprintf(STDERR_FILENO,
+                       "ectwin: --virtual-time: %s has waited for a second of real time for something that the virtual "
+                       "clock does not know, such as another process or a network; from here on the run is not "
+                       "reproducible: give the wait a timeout, or leave out --virtual-time\n",
+                       call);
+    reported = true;
+}
+
+/* The call for which time is stopped; NULL: none, or the patience is used up. */
+static const char *stopped_for(void)
+{
+    const char *call = NULL;
+    for (const thread_t *one = threads; one && stopped_ns < PATIENCE_NS; one = one->next)
+        call = one->state == WAITING && one->stops_time ? one->outside : call;
+    return ect_bus_running() ? call : NULL;
+}
+
+static uint64_t real_now(void)
+{
+    struct timespec time;
+    REAL(clock_gettime)(CLOCK_MONOTONIC, &time);
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+/* Lets a moment of real time pass, without the lock. @return its length, nanoseconds */
+static uint64_t nap(unsigned int nap_ms)
+{
+    uint64_t since_ns = real_now();
+    const struct timespec pause = {.tv_nsec = (long)nap_ms * 1000000};
+    if (self)
+        self->idle = true;
     unlock();
-    (void)REAL(nanosleep)(&pause, NULL);
+    int result = REAL(nanosleep)(&pause, NULL);
     lock();
+    if (self)
+        self->idle = false;
+    if (result != 0 && self && self->state == WAITING)
+        interrupt(self);
+    return real_now() - since_ns;
+}
+
+static void stop_time(const char *call)
+{
+    stopped_ns += nap(NAP_MS);
+    if (stopped_ns >= PATIENCE_NS)
+        report(call);
+}
+
+/* Every thread waits without a limit: only the world outside can make one ready. Time passes as it does there. */
+static void wait_for_the_world(uint64_t *waited_ns)
+{
+    const char *call = NULL;
+    for (const thread_t *one = threads; one; one = one->next)
+        call = one->outside ? one->outside : call;
+    *waited_ns += nap(IDLE_MS);
+    if (call && ect_bus_running() && *waited_ns >= PATIENCE_NS)
+        report(call);
     advance(now_ns + IDLE_MS * 1000000ull);
 }
 
 /* @return whether a client was served */
 static bool serve_client(void)
 {
-    calls = 0;
     if (!ect_bus_running() || !ect_bus_serve(now_ns))
         return false;
     bus_next_ns = ect_bus_run(now_ns);
     return true;
+}
+
+static void serve_in_turn(void)
+{
+    if (++calls < SERVE_EVERY)
+        return;
+    calls = 0;
+    (void)serve_client();
 }
 
 /* A thread that waits for a descriptor may be a client of the control socket, or wait for one. */
@@ -232,6 +311,7 @@ static bool any_external_wait(void)
 /* Chooses who runs next; with the lock. NULL: no thread is left that could. */
 static thread_t *choose(void)
 {
+    uint64_t waited_ns = 0;
     for (;;) {
         thread_t *thread;
         make_due_ready();
@@ -245,27 +325,37 @@ static thread_t *choose(void)
             return NULL;
         if (any_external_wait() && serve_client())
             continue;
-        if (any_timed_wait())
+        const char *call = stopped_for();
+        if (call)
+            stop_time(call);
+        else if (any_timed_wait())
             advance(next_event());
         else
-            wait_for_the_world();
-        if (++calls >= SERVE_EVERY)
-            (void)serve_client();
+            wait_for_the_world(&waited_ns);
+        if (self && self->state == RUNNING) /* a handler of a signal has taken the turn */
+            return self;
+        serve_in_turn();
     }
+}
+
+/* Reads a file about a thread of this process. @return whether it could be read */
+static bool read_about(pid_t id, const char *file, char *text, size_t room)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/task/%d/%s", (int)id, file);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    ssize_t length = fd >= 0 ? REAL(read)(fd, text, room - 1) : -1;
+    if (fd >= 0)
+        REAL(close)(fd);
+    text[length > 0 ? length : 0] = 0;
+    return length > 0;
 }
 
 static bool sleeps_in_kernel(pid_t id)
 {
-    char path[64];
     char text[256];
-    snprintf(path, sizeof path, "/proc/self/task/%d/stat", (int)id);
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    ssize_t length = fd >= 0 ? REAL(read)(fd, text, sizeof text - 1) : -1;
-    if (fd >= 0)
-        REAL(close)(fd);
-    if (length <= 0)
+    if (!read_about(id, "stat", text, sizeof text))
         return false;
-    text[length] = 0;
     const char *name_end = strrchr(text, ')');
     return name_end && name_end[1] == ' ' && name_end[2] == 'S';
 }
@@ -273,43 +363,29 @@ static bool sleeps_in_kernel(pid_t id)
 static void pass_turn(thread_t *thread)
 {
     running = thread;
+    turns++;
     if (thread)
         thread->state = RUNNING;
     if (thread && thread != self)
         wake_up(thread);
 }
 
-/* The running thread has made no call for a second. If it sleeps in the kernel, the turn goes to another one. */
-static void take_turn_away(void)
-{
-    thread_t *stuck = running;
-    if (!stuck || stuck->state != RUNNING || !sleeps_in_kernel(stuck->id))
-        return;
-    if (!stuck->reported)
-        (void)!dprintf(STDERR_FILENO,
-                       "ectwin: --virtual-time: a thread waits for something that the virtual clock does not know; "
-                       "from here on the run is not reproducible\n");
-    stuck->reported = true;
-    stuck->state = OUTSIDE;
-    pass_turn(choose());
-}
-
-/* Without the lock; returns when this thread has the turn. */
+/* Without the lock; returns when this thread has the turn. A futex with a timeout ends with EINTR after every handler
+ * of a signal, one without a timeout only after some. */
 static void await_turn(void)
 {
-    const struct timespec patience = {.tv_sec = PATIENCE_MS / 1000};
-    const thread_t *before = NULL;
-    uint64_t before_ns = 0;
+    const struct timespec hour = {.tv_sec = 3600};
     while (__atomic_exchange_n(&self->turn, 0, __ATOMIC_ACQUIRE) == 0) {
-        long result = REAL(syscall)(SYS_futex, &self->turn, FUTEX_WAIT_PRIVATE, 0, &patience, NULL, 0);
-        if (result == 0 || errno != ETIMEDOUT)
+        long result = REAL(syscall)(SYS_futex, &self->turn, FUTEX_WAIT_PRIVATE, 0, &hour, NULL, 0);
+        if (result == 0 || errno != EINTR)
             continue;
         lock();
-        if (running == before && now_ns == before_ns)
-            take_turn_away();
-        before = running;
-        before_ns = now_ns;
+        bool mine = self->state == RUNNING; /* a call of the handler has taken the turn */
+        if (self->state == WAITING)
+            interrupt(self);
         unlock();
+        if (mine)
+            return;
     }
 }
 
@@ -322,6 +398,95 @@ static void release_turn(void)
     unlock();
     if (!mine)
         await_turn();
+}
+
+/* --- calls that the library does not replace -----------------------------------------------------------------------
+ */
+
+/* Name of the system call in which a thread sleeps. */
+static const char *system_call_of(pid_t id, char name[32])
+{
+    static const struct {
+        long number;
+        const char *name;
+    } names[] = {{SYS_wait4, "wait4()"},       {SYS_waitid, "waitid()"},   {SYS_read, "read()"},
+                 {SYS_write, "write()"},       {SYS_futex, "futex()"},     {SYS_connect, "connect()"},
+                 {SYS_recvfrom, "recvfrom()"}, {SYS_recvmsg, "recvmsg()"}, {SYS_sendto, "sendto()"},
+                 {SYS_sendmsg, "sendmsg()"},   {SYS_flock, "flock()"},     {SYS_fcntl, "fcntl()"}};
+    char text[256];
+    char *end = text;
+    long number = read_about(id, "syscall", text, sizeof text) ? strtol(text, &end, 10) : -1;
+    if (end == text)
+        return "a system call";
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (names[i].number == number)
+            return names[i].name;
+    }
+    snprintf(name, 32, "system call %ld", number);
+    return name;
+}
+
+/* The running thread has made no call for a second and sleeps in the kernel: the turn goes to another one. */
+static void take_turn_away(void)
+{
+    char name[32];
+    report(system_call_of(running->id, name));
+    running->state = OUTSIDE;
+    pass_turn(choose());
+}
+
+static bool running_is_stuck(void)
+{
+    return running && running->state == RUNNING && sleeps_in_kernel(running->id);
+}
+
+/* Time is stopped while a thread that has the turn waits in the kernel, for a child process for instance. The child may
+ * be a client of the control socket, which is served meanwhile. */
+static void *watch_turn(void *unused)
+{
+    const struct timespec pause = {.tv_nsec = IDLE_MS * 1000000};
+    uint64_t turns_before = 0;
+    uint64_t stuck_ns = 0;
+    (void)unused;
+    ect_inside++;
+    for (;;) {
+        uint64_t since_ns = real_now();
+        (void)REAL(nanosleep)(&pause, NULL);
+        lock();
+        bool stuck = turns == turns_before && running_is_stuck();
+        turns_before = turns;
+        stuck_ns = stuck ? stuck_ns + real_now() - since_ns : 0;
+        for (unsigned int i = 0; stuck && i < SERVED_MOST && serve_client(); i++)
+            ;
+        if (stuck_ns >= PATIENCE_NS)
+            take_turn_away();
+        if (!running && threads) { /* all threads are outside */
+            advance(now_ns + IDLE_MS * 1000000ull);
+            pass_turn(choose());
+            (void)serve_client();
+        }
+        unlock();
+    }
+    return NULL;
+}
+
+/* With the lock. A preloaded library that keeps a list of threads has not seen this one, so that it is created
+ * detached. */
+static void watch(void)
+{
+    pthread_t thread;
+    pthread_attr_t detached;
+    sigset_t all, before;
+    if (watched)
+        return;
+    watched = true;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    pthread_attr_init(&detached);
+    pthread_attr_setdetachstate(&detached, PTHREAD_CREATE_DETACHED);
+    (void)REAL(pthread_create)(&thread, &detached, watch_turn, NULL);
+    pthread_attr_destroy(&detached);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* --- threads -------------------------------------------------------------------------------------------------------
@@ -381,8 +546,10 @@ static void in_child(void)
     running = mine;
     timers = NULL;
     bus_next_ns = NEVER;
+    watched = false;
     if (mine) {
         mine->next = NULL;
+        mine->signals = NULL;
         mine->state = RUNNING;
         mine->id = gettid();
     }
@@ -409,6 +576,10 @@ static void enter(void)
 /* Takes the turn up again if it was taken away. With the lock. */
 static void resume_turn(void)
 {
+    if (self->state == WAITING) /* in a handler of a signal, which has ended the wait */
+        interrupt(self);
+    if (self->idle)
+        self->state = RUNNING;
     while (self->state != RUNNING) {
         if (self->state == OUTSIDE)
             make_ready(self, false);
@@ -428,12 +599,16 @@ static void begin_call(void)
     enter();
     lock();
     resume_turn();
+    turns++;
     self->turn = 0; /* given before the thread's first call, if that is where the thread waits for it */
 }
 
 void *ect_virtual_thread_new(int *ended)
 {
     enter();
+    lock();
+    watch();
+    unlock();
     return add_thread(ended);
 }
 
@@ -484,6 +659,118 @@ void ect_virtual_thread_cancel(void *record)
     unlock();
 }
 
+/* --- signals of timers ---------------------------------------------------------------------------------------------
+ */
+
+static bool blocks(const thread_t *thread, int number)
+{
+    char text[4096];
+    sigset_t mask;
+    if (thread == self) {
+        pthread_sigmask(SIG_BLOCK, NULL, &mask);
+        return sigismember(&mask, number) == 1;
+    }
+    const char *line = read_about(thread->id, "status", text, sizeof text) ? strstr(text, "\nSigBlk:") : NULL;
+    return !line || (strtoull(line + 8, NULL, 16) >> (number - 1) & 1u) != 0;
+}
+
+/* The main thread, or else the first of the others, if it does not block the signal; NULL: every thread blocks it. */
+static thread_t *taker_of(int number, pid_t to)
+{
+    thread_t *taker = NULL;
+    for (thread_t *one = threads; one; one = one->next) {
+        if (one->id == 0 || (to != 0 && one->id != to) || blocks(one, number))
+            continue;
+        taker = one;
+        if (one->id == getpid())
+            break;
+    }
+    return taker;
+}
+
+static bool is_pending(int number)
+{
+    sigset_t pending;
+    return sigpending(&pending) == 0 && sigismember(&pending, number) == 1;
+}
+
+static bool is_ignored(int number)
+{
+    struct sigaction action;
+    return sigaction(number, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+static void send_to(pid_t thread, const siginfo_t *info)
+{
+    (void)REAL(syscall)(SYS_rt_tgsigqueueinfo, getpid(), thread, info->si_signo, info, 0, 0);
+}
+
+static void add_signal(thread_t *taker, ect_signal_t *signal)
+{
+    ect_signal_t **at = &taker->signals;
+    while (*at)
+        at = &(*at)->next;
+    signal->next = NULL;
+    signal->waits = true;
+    *at = signal;
+    if (taker->state == WAITING)
+        interrupt(taker);
+}
+
+bool ect_virtual_send(ect_signal_t *signal, pid_t to)
+{
+    int number = signal->info.si_signo;
+    if (signal->waits || is_pending(number))
+        return false;
+    thread_t *taker = taker_of(number, to);
+    if (taker && taker->state == OUTSIDE)
+        send_to(taker->id, &signal->info);
+    else if (taker && !is_ignored(number))
+        add_signal(taker, signal);
+    else if (!taker && to != 0)
+        send_to(to, &signal->info);
+    else if (!taker)
+        (void)REAL(syscall)(SYS_rt_sigqueueinfo, getpid(), number, &signal->info, 0, 0, 0);
+    return true;
+}
+
+void ect_virtual_recall(const ect_signal_t *signal)
+{
+    begin_call();
+    for (thread_t *one = threads; one; one = one->next) {
+        ect_signal_t **at = &one->signals;
+        while (*at && *at != signal)
+            at = &(*at)->next;
+        if (*at)
+            *at = signal->next;
+    }
+    unlock();
+}
+
+/* Runs the handlers of this thread's signals, without the lock: they may call the library. */
+static void take_signals(void)
+{
+    if (!self->signals)
+        return;
+    int error = errno;
+    bool restarts = true;
+    lock();
+    while (self->signals) {
+        struct sigaction action;
+        ect_signal_t *signal = self->signals;
+        const siginfo_t info = signal->info;
+        self->signals = signal->next;
+        signal->waits = false;
+        unlock();
+        restarts &= sigaction(info.si_signo, NULL, &action) == 0 && (action.sa_flags & SA_RESTART) != 0;
+        send_to(self->id, &info);
+        lock();
+    }
+    self->restarts = restarts;
+    unlock();
+    errno = error;
+}
+
 /* --- waiting -------------------------------------------------------------------------------------------------------
  */
 
@@ -499,18 +786,18 @@ void ect_virtual_charge(uint64_t cost_ns)
 {
     begin_call();
     advance(now_ns + cost_ns);
-    if (++calls >= SERVE_EVERY)
-        (void)serve_client();
+    serve_in_turn();
     if (calls % LOOK_EVERY == 0)
         make_due_ready();
     else
         make_timely_ready();
-    if (!first_ready()) {
+    if (first_ready()) {
+        make_ready(self, true);
+        release_turn();
+    } else {
         unlock();
-        return;
     }
-    make_ready(self, true);
-    release_turn();
+    take_signals();
 }
 
 uint64_t ect_virtual_pass(uint64_t cost_ns)
@@ -529,7 +816,7 @@ void ect_virtual_yield(void)
     ect_virtual_charge(ECT_COST_CLOCK_NS);
 }
 
-static bool wait_here(const void *key, bool (*condition)(void *arg), void *arg, uint64_t until_ns)
+static ect_wait_t wait_here(const void *key, bool (*condition)(void *arg), void *arg, uint64_t until_ns)
 {
     self->state = WAITING;
     self->key = key;
@@ -537,27 +824,46 @@ static bool wait_here(const void *key, bool (*condition)(void *arg), void *arg, 
     self->arg = arg;
     self->until_ns = until_ns;
     self->order = ++orders;
+    self->interrupted = false;
+    self->restarts = false;
     release_turn();
-    return self->woken;
+    ect_wait_t result = self->woken ? ECT_WAIT_WOKEN : self->interrupted ? ECT_WAIT_INTERRUPTED : ECT_WAIT_TIMED_OUT;
+    take_signals();
+    return result;
 }
 
-bool ect_virtual_wait(const void *key, uint64_t until_ns)
+ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, const char *call, uint64_t until_ns)
+{
+    begin_call();
+    self->outside = call;
+    self->stops_time = true;
+    ect_wait_t result = wait_here(NULL, ready, arg, until_ns);
+    if (result == ECT_WAIT_WOKEN)
+        stopped_ns = 0;
+    return result;
+}
+
+ect_wait_t ect_virtual_wait(const void *key, uint64_t until_ns)
 {
     begin_call();
     return wait_here(key, NULL, NULL, until_ns);
 }
 
-bool ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, bool outside, uint64_t until_ns)
+ect_wait_t ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, const char *outside, uint64_t until_ns)
 {
     begin_call();
     self->outside = outside;
     return wait_here(NULL, ready, arg, until_ns);
 }
 
-unsigned int ect_virtual_wake(const void *key, unsigned int most)
+bool ect_virtual_restarts(void)
+{
+    return self->restarts;
+}
+
+static unsigned int wake(const void *key, unsigned int most)
 {
     unsigned int count = 0;
-    begin_call();
     while (count < most) {
         thread_t *first = NULL;
         for (thread_t *one = threads; one; one = one->next) {
@@ -569,8 +875,20 @@ unsigned int ect_virtual_wake(const void *key, unsigned int most)
         make_ready(first, true);
         count++;
     }
+    return count;
+}
+
+unsigned int ect_virtual_wake(const void *key, unsigned int most)
+{
+    begin_call();
+    unsigned int count = wake(key, most);
     unlock();
     return count;
+}
+
+void ect_virtual_expired(const void *key)
+{
+    (void)wake(key, 1);
 }
 
 /* --- timers and the bus --------------------------------------------------------------------------------------------
@@ -609,6 +927,7 @@ void ect_time_charge(uint64_t cost_ns)
 void ect_time_bus_started(void)
 {
     bus_next_ns = now_ns;
+    watch();
 }
 
 void ect_time_bus_next(uint64_t next_ns)
@@ -631,9 +950,15 @@ bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint
 {
     wait_t wait = {.ready = ready, .arg = arg};
     (void)fd;
-    bool result = wait_here(NULL, is_ready, &wait, until_ns);
-    lock();
-    return result;
+    ect_wait_t result;
+    for (;;) {
+        result = wait_here(NULL, is_ready, &wait, until_ns);
+        lock();
+        if (result != ECT_WAIT_INTERRUPTED || !self->restarts)
+            break;
+    }
+    errno = result == ECT_WAIT_INTERRUPTED ? EINTR : EAGAIN;
+    return result == ECT_WAIT_WOKEN;
 }
 
 __attribute__((destructor)) static void end(void)

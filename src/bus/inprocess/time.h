@@ -31,9 +31,10 @@ void ect_time_charge(uint64_t cost_ns);
 
 /**
  * The master is about to receive from a descriptor that is none of ours, and may have to wait there. Without the lock.
+ * @param call   its name
  * @param flags  as of recv(2); MSG_DONTWAIT: it does not wait
  */
-void ect_time_before_read(int fd, int flags);
+void ect_time_before_read(const char *call, int fd, int flags);
 
 /** The master closes a descriptor that is none of ours. Without the lock. */
 void ect_time_closed(int fd);
@@ -48,7 +49,7 @@ void ect_time_bus_next(uint64_t next_ns);
  * Waits until `ready(arg)`, or a time. With the lock, which is released while waiting.
  * @param fd        readable when `ready` may have become true
  * @param until_ns  ECTWIN_NEVER: no limit
- * @return whether it is ready
+ * @return whether it is ready; false: errno is EAGAIN, or EINTR after a handler without SA_RESTART (virtual clock)
  */
 bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint64_t until_ns);
 

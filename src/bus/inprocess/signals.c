@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/* Waits for signals on the virtual clock. */
+#define _GNU_SOURCE
+#include "bus/inprocess/signals.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <unistd.h>
+
+#include "bus/inprocess/deadline.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/threads.h"
+
+/* Whether a pending signal is not in the mask. */
+static bool is_due(const sigset_t *mask)
+{
+    sigset_t pending;
+    bool due = false;
+    sigpending(&pending);
+    for (int number = 1; number <= SIGRTMAX; number++)
+        due |= sigismember(&pending, number) == 1 && sigismember(mask, number) == 0;
+    return due;
+}
+
+int ect_signals_mask(const sigset_t *mask, sigset_t *before)
+{
+    if (!mask)
+        return 0;
+    bool due = is_due(mask);
+    pthread_sigmask(SIG_SETMASK, mask, before);
+    if (!due)
+        return 0;
+    errno = EINTR;
+    return -1;
+}
+
+void ect_signals_unmask(const sigset_t *mask, const sigset_t *before)
+{
+    int error = errno;
+    if (mask)
+        pthread_sigmask(SIG_SETMASK, before, NULL);
+    errno = error;
+}
+
+static bool never(void *unused)
+{
+    (void)unused;
+    return false;
+}
+
+static int wait_for_handler(const char *call)
+{
+    (void)ect_virtual_wait_until(never, NULL, call, UINT64_MAX);
+    errno = EINTR;
+    return -1;
+}
+
+REPLACES int pause(void)
+{
+    return ect_inside > 0 ? REAL(pause)() : wait_for_handler("pause()");
+}
+
+REPLACES int sigsuspend(const sigset_t *mask)
+{
+    if (ect_inside > 0)
+        return REAL(sigsuspend)(mask);
+    sigset_t before;
+    if (ect_signals_mask(mask, &before) == 0)
+        (void)wait_for_handler("sigsuspend()");
+    ect_signals_unmask(mask, &before);
+    return -1;
+}
+
+typedef struct accepted {
+    const sigset_t *set;
+    siginfo_t info;
+    int number;
+} accepted_t;
+
+static bool accept_now(void *arg)
+{
+    static const struct timespec none = {0};
+    accepted_t *its = arg;
+    its->number = REAL(sigtimedwait)(its->set, &its->info, &none);
+    return its->number > 0;
+}
+
+/* @return the number of the signal; -1 (errno) */
+static int accept_until(const sigset_t *set, siginfo_t *info, const char *call, uint64_t until_ns)
+{
+    accepted_t its = {.set = set};
+    if (!accept_now(&its)) {
+        ect_wait_t result = ect_virtual_wait_until(accept_now, &its, call, until_ns);
+        if (result != ECT_WAIT_WOKEN) {
+            errno = result == ECT_WAIT_TIMED_OUT ? EAGAIN : EINTR;
+            return -1;
+        }
+    }
+    if (info)
+        *info = its.info;
+    return its.number;
+}
+
+REPLACES int sigtimedwait(const sigset_t *restrict set, siginfo_t *restrict info,
+                          const struct timespec *restrict timeout)
+{
+    if (ect_inside > 0)
+        return REAL(sigtimedwait)(set, info, timeout);
+    return accept_until(set, info, "sigtimedwait()", ect_deadline_in(timeout));
+}
+
+REPLACES int sigwaitinfo(const sigset_t *restrict set, siginfo_t *restrict info)
+{
+    if (ect_inside > 0)
+        return REAL(sigwaitinfo)(set, info);
+    return accept_until(set, info, "sigwaitinfo()", UINT64_MAX);
+}
+
+REPLACES int sigwait(const sigset_t *restrict set, int *restrict number)
+{
+    if (ect_inside > 0)
+        return REAL(sigwait)(set, number);
+    int accepted;
+    do
+        accepted = accept_until(set, NULL, "sigwait()", UINT64_MAX);
+    while (accepted < 0 && errno == EINTR);
+    *number = accepted;
+    return accepted > 0 ? 0 : errno;
+}
