@@ -31,6 +31,7 @@ struct ectwin_bus {
     char **words; /* options point into them */
     char *devices;
     ect_exchange_t exchange;
+    bool virtual_time;
     uint64_t now_ns;
     reply_t *first, **last;
 };
@@ -113,13 +114,13 @@ void __wrap_argp_failure(const struct argp_state *state, int status, int number,
 }
 
 /* The words may be those of a whole `ectwin with`, whose own options mean nothing here. */
-enum { KEY_OF_WITH = 0x300 };
+enum { KEY_OF_WITH = 0x300, KEY_IN_PROCESS, KEY_VIRTUAL_TIME };
 static const struct argp_option options_of_with[] = {
     {"iface", KEY_OF_WITH, "NAME", OPTION_HIDDEN, NULL, 0},
     {"require-private", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
     {"leave-children", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
-    {"in-process", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
-    {"virtual-time", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
+    {"in-process", KEY_IN_PROCESS, NULL, OPTION_HIDDEN, NULL, 0},
+    {"virtual-time", KEY_VIRTUAL_TIME, NULL, OPTION_HIDDEN, NULL, 0},
     {0},
 };
 
@@ -131,6 +132,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &bus->twins;
         return 0;
     case KEY_OF_WITH:
+        return 0;
+    case KEY_IN_PROCESS:
+        bus->twins.in_process = true;
+        return 0;
+    case KEY_VIRTUAL_TIME:
+        bus->virtual_time = true;
         return 0;
     case ARGP_KEY_ARG:
         if (bus->devices)
@@ -191,6 +198,19 @@ static void free_bus(ectwin_bus_t *bus)
     free(bus);
 }
 
+/* The interfaces have names in a process of `ectwin with --in-process` only. */
+static int open_trace(ectwin_bus_t *bus)
+{
+    twin_args_t *twins = &bus->twins;
+    twins->own_clock = bus->virtual_time || !twins->in_process;
+    twins->about.ifaces[ECT_END_IN] = twins->in_process ? getenv("ECTWIN_IFACE") : NULL;
+    twins->about.ifaces[ECT_END_OUT] = twins->in_process ? getenv("ECTWIN_IFACE2") : NULL;
+    int status = twin_args_trace(twins, "ectwin", &bus->exchange.trace);
+    if (status != EXIT_CLEAN)
+        ect_chain_free(bus->exchange.chain);
+    return status;
+}
+
 static ectwin_bus_t *power_on(int count, const char *const words[], uint64_t now_ns, char *message)
 {
     static const char no_memory[] = "not enough memory for a bus";
@@ -202,7 +222,8 @@ static ectwin_bus_t *power_on(int count, const char *const words[], uint64_t now
     memcpy(bus->message, no_memory, sizeof no_memory);
     bus->twins.message = bus->message;
     if (copy_words(bus, count, words) && read_words(bus, count) &&
-        twin_args_power_on(&bus->twins, "ectwin", now_ns, &bus->exchange.chain) == EXIT_CLEAN)
+        twin_args_power_on(&bus->twins, "ectwin", now_ns, &bus->exchange.chain) == EXIT_CLEAN &&
+        open_trace(bus) == EXIT_CLEAN)
         return bus;
     memcpy(message, bus->message, sizeof bus->message);
     free_bus(bus);
@@ -223,7 +244,7 @@ ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now
     bus->exchange.clock = present;
     bus->exchange.ctx = bus;
     ect_exchange_start(&bus->exchange);
-    ect_chain_set_link(bus->exchange.chain, ECT_END_IN, true);
+    ect_exchange_link(&bus->exchange, ECT_END_IN, true);
     return bus;
 }
 
@@ -256,6 +277,7 @@ void ectwin_bus_close(ectwin_bus_t *bus)
     forget_replies(bus);
     if (bus->exchange.control)
         ect_control_close(bus->exchange.control);
+    (void)twin_args_end_trace(&bus->twins, "ectwin", bus->exchange.trace, bus->now_ns);
     ect_chain_free(bus->exchange.chain);
     free_bus(bus);
 }
@@ -281,7 +303,7 @@ void ectwin_bus_link(ectwin_bus_t *bus, unsigned int end, int link, uint64_t now
         return;
     advance(bus, now_ns);
     (void)ect_exchange_touch(&bus->exchange);
-    ect_chain_set_link(bus->exchange.chain, (ect_end_t)end, link != 0);
+    ect_exchange_link(&bus->exchange, (ect_end_t)end, link != 0);
     (void)ect_exchange_run(&bus->exchange);
 }
 
@@ -343,6 +365,8 @@ int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name, const char
     const ect_setting_t setting = {.name = name, .value = value};
     advance(bus, now_ns);
     (void)ect_exchange_touch(&bus->exchange);
+    if (bus->exchange.trace)
+        ect_trace_note(bus->exchange.trace, "set: slave %zu %s=%s", slave, name, value);
     bool done = slave >= 1 && slave <= ectwin_bus_slaves(bus) &&
                 ect_settings_apply(bus->exchange.chain, slave - 1, &setting, 1, bus->now_ns, why);
     (void)ect_exchange_run(&bus->exchange);
@@ -385,7 +409,7 @@ int ectwin_bus_control(ectwin_bus_t *bus)
         about->name = name_is_free(about->name) ? about->name : NULL;
         (void)open_control("ectwin", about, &bus->exchange.control);
         if (bus->exchange.control)
-            ect_control_show(bus->exchange.control, &bus->exchange.stats, bus->exchange.scenario);
+            ect_exchange_show(&bus->exchange);
     }
     return bus->exchange.control ? ect_control_fd(bus->exchange.control) : -1;
 }

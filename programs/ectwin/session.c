@@ -164,6 +164,8 @@ void session_drop_rights(session_t *s, bool children)
 int session_power_on(session_t *s)
 {
     int status = twin_args_power_on(s->twins, s->who, ect_packet_now(), &s->runner.exchange.chain);
+    if (status == EXIT_CLEAN)
+        status = twin_args_trace(s->twins, s->who, &s->runner.exchange.trace);
     return status == EXIT_CLEAN ? run_before_others(s) : status;
 }
 
@@ -171,6 +173,8 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
 {
     s->on_signal = on_end;
     s->ctx = ctx;
+    if (s->runner.exchange.trace)
+        (void)ect_trace_start(s->runner.exchange.trace); /* without a thread the loop writes */
     if (s->runner.signal_fd >= 0 && ect_runner_run(&s->runner) == 0)
         return EXIT_CLEAN;
     fprintf(stderr, "%s: stopped on '%s': %s\n", s->who,
@@ -182,6 +186,7 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
 void session_close(session_t *s)
 {
     ect_control_close(s->runner.exchange.control);
+    (void)twin_args_end_trace(s->twins, s->who, s->runner.exchange.trace, ect_packet_now());
     ect_modbus_server_close(s->runner.modbus);
     ect_chain_free(s->runner.exchange.chain);
     for (unsigned int end = 0; end < ECT_ENDS; end++) {

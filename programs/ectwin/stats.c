@@ -49,6 +49,8 @@ static void print_counters(const cJSON *line)
         {"circling", "replies that another program replied to"},
         {"dropped", "lost by a fault"},
         {"delayed", "delayed by a fault, not in the times below"},
+        {"captured", "frames in the capture of --pcap"},
+        {"uncaptured", "frames that it lacks: the disk was too slow, or is full"},
     };
     printf("in %.1f s:\n", number(line, "time"));
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)

@@ -2,12 +2,16 @@
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
+#include "bus/capture/capture.h"
 #include "bus/chain/settings.h"
 #include "bus/net/rights.h"
 #include "commands.h"
@@ -42,7 +46,15 @@ enum {
     KEY_FILES_PASSWORD,
     KEY_MODBUS,
     KEY_NAME,
+    KEY_PCAP,
+    KEY_PCAP_SIZE,
 };
+
+/* Default of --pcap-size. */
+#define PCAP_SIZE 1000000000ull
+
+/* A tenth of a second of the fastest masters while the disk does not write. */
+enum { CAPTURE_BUFFER = 4 * 1024 * 1024, NS_PER_S = 1000000000 };
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
@@ -83,6 +95,12 @@ static const struct argp_option options[] = {
      "the "
      "value itself, at once). May be repeated",
      1},
+    {"pcap", KEY_PCAP, "FILE", 0,
+     "Write all frames to FILE (pcapng, for Wireshark), with faults, plugs, state changes, requests and saves as "
+     "comments",
+     1},
+    {"pcap-size", KEY_PCAP_SIZE, "BYTES[K|M|G]", 0,
+     "Size of the file of --pcap, 66K or more, 0: no limit (default 1G). At the limit the older half is removed", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
      "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
      "repeated",
@@ -120,6 +138,25 @@ static int parse_priority(struct argp_state *state, const char *text)
         state->next++;
     }
     return text ? (int)ect_argument_number(state, "--realtime", text, ECT_RIGHTS_LOWEST, ECT_RIGHTS_HIGHEST) : 50;
+}
+
+/* A number of bytes, with a factor behind it perhaps. */
+static uint64_t parse_size(const struct argp_state *state, const char *text)
+{
+    static const struct {
+        const char *name;
+        uint64_t factor;
+    } units[] = {{"", 1}, {"K", 1000}, {"M", 1000000}, {"G", 1000000000}};
+    uint64_t number = 0;
+    const char *unit = ect_number_begins(text, 0, UINT32_MAX, &number);
+    for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; i++) {
+        uint64_t size = number * units[i].factor;
+        if (strcmp(unit, units[i].name) == 0 && (size == 0 || size >= ECT_CAPTURE_SMALLEST))
+            return size;
+    }
+    argp_error(state, "--pcap-size takes a number of bytes from %d, as 100M, or 0, not '%s'", ECT_CAPTURE_SMALLEST,
+               text);
+    return 0;
 }
 
 static void add_setting(twin_args_t *args, const struct argp_state *state, const char *text)
@@ -360,6 +397,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_FILES:
         args->files = text;
         return 0;
+    case KEY_PCAP:
+        args->pcap = text;
+        return 0;
+    case KEY_PCAP_SIZE:
+        args->pcap_size = parse_size(state, text);
+        return 0;
     case KEY_FILES_PASSWORD:
         args->files_password = parse_number(state, "--files-password", text, UINT32_MAX);
         return 0;
@@ -396,6 +439,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &args->wiring;
         args->delay_us = 3000;
         args->scenario.seed = 1;
+        args->pcap_size = PCAP_SIZE;
         return 0;
     case ARGP_KEY_END:
         add_short_faults(args, state);
@@ -694,6 +738,67 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
     ect_chain_free(*chain);
     *chain = NULL;
     return EXIT_USAGE;
+}
+
+/* --- what a run writes down --------------------------------------------------------------------------------------- */
+
+static void note_save(void *ctx, size_t number)
+{
+    ect_trace_note(ctx, "slave %zu: parameters are saved", number);
+}
+
+static uint64_t offset_of_wall_clock(void)
+{
+    struct timespec wall, clock;
+    (void)clock_gettime(CLOCK_REALTIME, &wall);
+    (void)clock_gettime(CLOCK_MONOTONIC, &clock);
+    return (uint64_t)(wall.tv_sec - clock.tv_sec) * NS_PER_S + (uint64_t)wall.tv_nsec - (uint64_t)clock.tv_nsec;
+}
+
+/* Two processes of CMD may have their buses at the same time: the second one's file has its process in the name. */
+static ect_capture_t *open_capture(const twin_args_t *args, char *message)
+{
+    char other[PATH_MAX];
+    ect_capture_config_t config = {.path = args->pcap,
+                                   .most = args->pcap_size,
+                                   .buffer = CAPTURE_BUFFER,
+                                   .append = args->in_process,
+                                   .offset_ns = args->own_clock ? 0 : offset_of_wall_clock(),
+                                   .application = "ectwin " ECTWIN_VERSION,
+                                   .names = {args->about.ifaces[ECT_END_IN], args->about.ifaces[ECT_END_OUT]}};
+    ect_capture_t *capture = ect_capture_open(&config, message);
+    if (capture || !args->in_process || errno != EWOULDBLOCK)
+        return capture;
+    snprintf(other, sizeof other, "%s.%d", args->pcap, (int)getpid());
+    config.path = other;
+    return ect_capture_open(&config, message);
+}
+
+int twin_args_trace(twin_args_t *args, const char *who, ect_trace_t **trace)
+{
+    char message[ECT_CAPTURE_MESSAGE] = "not enough memory for a capture";
+    *trace = NULL;
+    if (!args->pcap)
+        return EXIT_CLEAN;
+    ect_capture_t *capture = open_capture(args, message);
+    *trace = capture ? ect_trace_new(capture, args->count) : NULL;
+    for (size_t i = 0; *trace && i < args->count; i++)
+        ect_memory_observe(args->memories[i], note_save, *trace, i + 1);
+    if (*trace)
+        return EXIT_CLEAN;
+    (void)ect_capture_close(capture, 0);
+    report(args, who, "--pcap: %s", message);
+    return EXIT_OPEN;
+}
+
+bool twin_args_end_trace(const twin_args_t *args, const char *who, ect_trace_t *trace, uint64_t now_ns)
+{
+    for (size_t i = 0; trace && i < args->count; i++)
+        ect_memory_observe(args->memories[i], NULL, NULL, 0);
+    int failed = ect_trace_close(trace, now_ns);
+    if (failed != 0)
+        fprintf(stderr, "%s: --pcap: '%s' lacks the end of the run: %s\n", who, args->pcap, strerror(failed));
+    return failed == 0;
 }
 
 void twin_args_free(twin_args_t *args)

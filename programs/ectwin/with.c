@@ -396,7 +396,13 @@ static void end_orphans(void)
 static int try_power_on(with_args_t *args)
 {
     ect_chain_t *chain = NULL;
+    ect_trace_t *trace = NULL;
     int status = twin_args_power_on(&args->twins, "ectwin with", 0, &chain);
+    if (status == EXIT_CLEAN)
+        status = twin_args_trace(&args->twins, "ectwin with", &trace);
+    (void)twin_args_end_trace(&args->twins, "ectwin with", trace, 0);
+    if (trace)
+        (void)!truncate(args->twins.pcap, 0); /* each bus appends a section */
     ect_chain_free(chain);
     return status;
 }

@@ -2,6 +2,7 @@
 #include "bus/exchange.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Runs of the devices that a late caller makes up for in a row. */
 enum { CATCH_UP = 64 };
@@ -23,6 +24,20 @@ uint64_t ect_exchange_touch(ect_exchange_t *x)
     return x->touched_ns;
 }
 
+static void count_captured(ect_exchange_t *x, bool captured)
+{
+    x->stats.captured += captured;
+    x->stats.uncaptured += !captured;
+}
+
+/* Every frame that leaves does so here. */
+static void emit(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length)
+{
+    x->send(x->ctx, end, frame, length);
+    if (x->trace)
+        count_captured(x, ect_trace_reply(x->trace, end, now(x), frame, length));
+}
+
 /* A reply that is late on purpose, and those behind it. */
 static void keep(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, uint64_t due_ns)
 {
@@ -37,7 +52,7 @@ static void send_late(ect_exchange_t *x, uint64_t now_ns)
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         ect_late_frame_t *late;
         while ((late = ect_late_take(&x->late[end], now_ns))) {
-            x->send(x->ctx, end, late->frame, late->length);
+            emit(x, end, late->frame, late->length);
             x->stats.answered++;
             free(late);
         }
@@ -59,11 +74,11 @@ static ect_end_t through(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t
 static void send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
 {
     ect_late_frame_t *behind;
-    x->send(x->ctx, end, frame, length);
+    emit(x, end, frame, length);
     if (twice)
-        x->send(x->ctx, end, frame, length);
+        emit(x, end, frame, length);
     while ((behind = ect_late_take(&x->behind[end], UINT64_MAX))) {
-        x->send(x->ctx, end, behind->frame, behind->length);
+        emit(x, end, behind->frame, behind->length);
         x->stats.answered++;
         free(behind);
     }
@@ -111,15 +126,34 @@ static void release_kept(ect_exchange_t *x)
     }
 }
 
+/* Writes a request down as it came, with the effects of faults on it. */
+static ect_frame_effects_t traced_effects(ect_exchange_t *x, ect_scenario_t *faults, ect_end_t in, uint8_t *frame,
+                                          size_t *length, uint64_t now_ns)
+{
+    uint8_t request[ECT_ESC_MAX_FRAME];
+    const size_t came = *length;
+    memcpy(request, frame, came);
+    ect_frame_effects_t effects = ect_scenario_frame(faults, x->chain, frame, length, now_ns);
+    ect_trace_effects(x->trace, &effects, *length != came || memcmp(request, frame, came) != 0);
+    count_captured(x, ect_trace_request(x->trace, in, now_ns, request, came));
+    return effects;
+}
+
 void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, const ect_packet_time_t *time)
 {
     touch(x, time->now_ns);
     ect_scenario_t *faults = faults_of(x);
     ect_frame_effects_t effects = {0};
-    if (faults)
+    if (faults && x->trace)
+        effects = traced_effects(x, faults, in, frame, &length, time->now_ns);
+    else if (faults)
         effects = ect_scenario_frame(faults, x->chain, frame, &length, time->now_ns);
+    else if (x->trace)
+        count_captured(x, ect_trace_request(x->trace, in, time->now_ns, frame, length));
     ect_end_t out = effects.lose_request ? ECT_END_NONE : through(x, in, frame, length, time->now_ns);
     ect_wires_result_t on_wires = faults ? ect_scenario_reply(faults, &effects, frame, &length) : ECT_WIRES_PASSED;
+    if (x->trace && on_wires == ECT_WIRES_LOST)
+        ect_trace_note(x->trace, "fault: the frame is lost on a wire");
     if (effects.lose_request || (effects.lose_reply && out != ECT_END_NONE) || on_wires == ECT_WIRES_LOST)
         x->stats.dropped++;
     else if (out != ECT_END_NONE)
@@ -134,8 +168,19 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     touch(x, now_ns);
+    if (x->trace)
+        count_captured(x, ect_trace_request(x->trace, in, now_ns, frame, length));
     (void)ect_chain_pass(x->chain, in, frame, length, now_ns);
     x->stats.unanswered++;
+}
+
+void ect_exchange_link(ect_exchange_t *x, ect_end_t end, bool link)
+{
+    static const char *const ends[ECT_ENDS] = {[ECT_END_IN] = "input", [ECT_END_OUT] = "output"};
+    if (x->trace && link != x->linked[end])
+        ect_trace_note(x->trace, "cable at the %s of the chain: %s", ends[end], link ? "plugged in" : "pulled");
+    x->linked[end] = link;
+    ect_chain_set_link(x->chain, end, link);
 }
 
 /* A late caller still runs the devices at the times that they asked for, so that clients see values which lasted only
@@ -150,6 +195,8 @@ static void poll_devices(ect_exchange_t *x, uint64_t now_ns)
         next_ns = ect_chain_poll(x->chain, x->polled_ns);
         if (x->control)
             ect_control_record(x->control, x->chain, x->polled_ns);
+        if (x->trace)
+            ect_trace_states(x->trace, x->chain);
         if (next_ns > now_ns)
             break;
     }
@@ -168,7 +215,29 @@ uint64_t ect_exchange_run(ect_exchange_t *x)
     uint64_t late_ns = ect_earlier(ect_late_due(&x->late[ECT_END_IN]), ect_late_due(&x->late[ECT_END_OUT]));
     ect_scenario_t *faults = faults_of(x);
     uint64_t fault_ns = faults ? ect_scenario_tick(faults, x->chain, x->polled_ns) : ECT_NEVER;
+    if (x->trace)
+        ect_trace_flush(x->trace);
     return ect_earlier(ect_earlier(x->deadline_ns, fault_ns), late_ns);
+}
+
+static void note_fault(void *observer, const char *fault)
+{
+    const ect_exchange_t *x = observer;
+    ect_trace_note(x->trace, "fault: %s", fault);
+}
+
+static void note_request(void *observer, const char *request, size_t length)
+{
+    enum { MOST = 300 };
+    const ect_exchange_t *x = observer;
+    ect_trace_note(x->trace, "request: %.*s", (int)(length < MOST ? length : MOST), request);
+}
+
+void ect_exchange_show(ect_exchange_t *x)
+{
+    ect_control_show(x->control, &x->stats, x->scenario);
+    if (x->trace)
+        ect_control_observe(x->control, note_request, x);
 }
 
 void ect_exchange_start(ect_exchange_t *x)
@@ -176,7 +245,11 @@ void ect_exchange_start(ect_exchange_t *x)
     x->deadline_ns = x->touched_ns = ECT_NEVER;
     x->stats.start_ns = now(x);
     if (x->control)
-        ect_control_show(x->control, &x->stats, x->scenario);
+        ect_exchange_show(x);
+    if (x->trace && x->scenario) {
+        x->scenario->done = note_fault;
+        x->scenario->observer = x;
+    }
 }
 
 void ect_exchange_end(ect_exchange_t *x)

@@ -27,6 +27,7 @@
 #include "bus/faults/late.h"
 #include "bus/faults/scenario.h"
 #include "bus/net/packet.h"
+#include "bus/trace.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -46,6 +47,7 @@ typedef struct ect_exchange {
     ect_control_t *control;     /**< notes changes for its clients after each run of the devices; NULL: none */
     ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
     const ect_filter_t *filter; /**< NULL: none */
+    ect_trace_t *trace;         /**< writes the run down; NULL: none */
     /** Sends a frame out of the chain at an end. Not NULL. Must not call the exchange. */
     void (*send)(void *ctx, ect_end_t end, const uint8_t *frame, size_t length);
     /** The present time, nanoseconds; never goes back. Not NULL. */
@@ -60,7 +62,11 @@ typedef struct ect_exchange {
     uint64_t polled_ns;          /* latest time that the chain has seen */
     uint64_t touched_ns;         /* last frame or client since the devices have run; ECT_NEVER: none */
     uint64_t answered_ns;        /* a reply has left at this time, just now; 0: the clock has to be read */
+    bool linked[ECT_ENDS];       /* what ect_exchange_link has set */
 } ect_exchange_t;
+
+/** Shows counters, faults and the trace to the control socket, which the exchange has got after its start. */
+void ect_exchange_show(ect_exchange_t *x);
 
 /** Begins: counters keep their values, but for the time of the start. */
 void ect_exchange_start(ect_exchange_t *x);
@@ -78,6 +84,9 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
 /** Shows the chain a frame that is too long for EtherCAT: controllers count it, no reply leaves. `frame` has `length`
  * bytes of it. */
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
+
+/** Plugs a cable in at an end, or pulls it (::ect_chain_set_link). */
+void ect_exchange_link(ect_exchange_t *x, ect_end_t end, bool link);
 
 /** Notes that the caller changes the chain now, other than by a frame. @return the present time */
 uint64_t ect_exchange_touch(ect_exchange_t *x);

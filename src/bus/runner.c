@@ -78,7 +78,7 @@ static void follow_cables(ect_runner_t *r)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         r->linked[end] = r->ports[end] && (r->link_fd < 0 || ect_packet_has_link(r->ports[end]));
-        ect_chain_set_link(r->exchange.chain, end, r->linked[end]);
+        ect_exchange_link(&r->exchange, end, r->linked[end]);
     }
 }
 

@@ -7,26 +7,10 @@
 #include <sys/socket.h>
 #include <time.h>
 
+#include "bus/capture/pcapng.h"
 #include "steps/case.h"
 
-/* pcapng (draft-ietf-opsawg-pcapng): block types and options. Numbers have the host's byte order, which the magic
- * number shows. */
-enum {
-    BLOCK_SECTION = 0x0A0D0D0A,
-    BLOCK_INTERFACE = 1,
-    BLOCK_PACKET = 6,
-    BYTE_ORDER_MAGIC = 0x1A2B3C4D,
-    LINKTYPE_ETHERNET = 1,
-    OPTION_END = 0,
-    OPTION_COMMENT = 1,
-    OPTION_FLAGS = 2,
-    OPTION_RESOLUTION = 9,
-    FLAG_INBOUND = 1,
-    FLAG_OUTBOUND = 2,
-    NANOSECONDS = 9,
-};
-
-enum { COMMENT = 600, SOURCE = 6, MAC = 6, MULTICAST = 1, DATAGRAM_INDEX = 17, FRAME_MOST = 2048 };
+enum { COMMENT = 600, SOURCE = 6, MAC = 6, MULTICAST = 1, DATAGRAM_INDEX = 17, FRAME_MOST = ECT_PCAPNG_FRAME_MOST };
 
 /* One record for the process: the wrapped send and recv have no parameter for it. */
 static struct {
@@ -49,77 +33,26 @@ uint64_t cf_now_ns(void)
     return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
 }
 
-/* --- pcapng ------------------------------------------------------------------------------------------------------- */
-
-typedef struct block {
-    uint8_t bytes[4096];
-    uint32_t length;
-} block_t;
-
-static void put(block_t *b, const void *data, uint32_t length)
-{
-    if (length > 0)
-        memcpy(b->bytes + b->length, data, length);
-    b->length += length;
-    while (b->length % 4 != 0)
-        b->bytes[b->length++] = 0;
-}
-
-static void put32(block_t *b, uint32_t value)
-{
-    put(b, &value, sizeof value);
-}
-
-static void put_option(block_t *b, uint16_t code, const void *data, uint16_t length)
-{
-    const uint16_t head[2] = {code, length};
-    put(b, head, sizeof head);
-    put(b, data, length);
-}
-
-static void write_block(uint32_t type, const block_t *body)
-{
-    const uint32_t total = body->length + 12;
-    const uint32_t head[2] = {type, total};
-    (void)fwrite(head, sizeof head, 1, record.capture);
-    (void)fwrite(body->bytes, body->length, 1, record.capture);
-    (void)fwrite(&total, sizeof total, 1, record.capture);
-}
+/* --- the file ----------------------------------------------------------------------------------------------------- */
 
 static void write_heads(void)
 {
-    const uint16_t version[2] = {1, 0};
-    const int64_t unknown = -1;
-    const uint16_t link[2] = {LINKTYPE_ETHERNET, 0};
-    const uint8_t resolution = NANOSECONDS;
-    block_t section = {.length = 0}, interface = {.length = 0};
-    put32(&section, BYTE_ORDER_MAGIC);
-    put(&section, version, sizeof version);
-    put(&section, &unknown, sizeof unknown);
-    write_block((uint32_t)BLOCK_SECTION, &section);
-    put(&interface, link, sizeof link);
-    put32(&interface, 0);
-    put_option(&interface, OPTION_RESOLUTION, &resolution, 1);
-    put_option(&interface, OPTION_END, NULL, 0);
-    write_block(BLOCK_INTERFACE, &interface);
+    uint8_t block[ECT_PCAPNG_ROOM];
+    (void)fwrite(block, ect_pcapng_section(block, NULL), 1, record.capture);
+    (void)fwrite(block, ect_pcapng_interface(block, NULL), 1, record.capture);
 }
 
 static void write_packet(const cf_item_t *item)
 {
-    uint64_t time = record.epoch_ns + item->time_ns;
-    uint32_t flags = item->kind == CF_ITEM_SENT ? FLAG_OUTBOUND : FLAG_INBOUND;
-    block_t b = {.length = 0};
-    put32(&b, 0);
-    put32(&b, (uint32_t)(time >> 32));
-    put32(&b, (uint32_t)time);
-    put32(&b, item->length);
-    put32(&b, item->length);
-    put(&b, item->bytes, item->length);
-    put_option(&b, OPTION_FLAGS, &flags, sizeof flags);
-    if (record.comment[0] != 0)
-        put_option(&b, OPTION_COMMENT, record.comment, (uint16_t)strlen(record.comment));
-    put_option(&b, OPTION_END, NULL, 0);
-    write_block(BLOCK_PACKET, &b);
+    uint8_t block[ECT_PCAPNG_ROOM];
+    const ect_pcapng_packet_t packet = {.direction =
+                                            item->kind == CF_ITEM_SENT ? ECT_PCAPNG_OUTBOUND : ECT_PCAPNG_INBOUND,
+                                        .time_ns = record.epoch_ns + item->time_ns,
+                                        .frame = item->bytes,
+                                        .captured = item->length,
+                                        .length = item->length,
+                                        .comment = record.comment};
+    (void)fwrite(block, ect_pcapng_packet(block, &packet), 1, record.capture);
 }
 
 /* --- the ring ----------------------------------------------------------------------------------------------------- */

@@ -280,6 +280,8 @@ static void put_counters(ect_client_t *client, uint64_t now_ns)
         {"circling", s->circling},
         {"dropped", s->dropped},
         {"delayed", s->delayed},
+        {"captured", s->captured},
+        {"uncaptured", s->uncaptured},
         {"p50_us", ect_stats_quantile_us(s, 500)},
         {"p99_us", ect_stats_quantile_us(s, 990)},
         {"longest_us", s->longest_answer_ns / 1000},
@@ -447,6 +449,17 @@ static const char *op_of(const cJSON *request)
     return op ? op : "";
 }
 
+static bool changes_something(const char *op)
+{
+    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
+}
+
+static void tell_observer(const ect_client_t *client, const char *op)
+{
+    if (client->observer && client->observer->changes && changes_something(op))
+        client->observer->changes(client->observer->ctx, client->request, client->line - 1);
+}
+
 static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];
@@ -454,6 +467,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     long slave = slave_of(request, chain);
     bool visit = is_visit(&client->visit, op);
     const char *why;
+    tell_observer(client, op);
     if (!visit && !has_immediate_reply(op))
         why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about\",...}";
     else if (slave < 0 || (!visit && slave == 0))
@@ -464,11 +478,6 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
         why = answer(client, chain, op, (size_t)slave, request, now_ns, message);
     if (!visit || why)
         end_visit(client, why);
-}
-
-static bool changes_something(const char *op)
-{
-    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
 }
 
 /* @return whether the request was served; of a client that is gone only one that changes something is */

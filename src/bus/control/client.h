@@ -43,6 +43,12 @@ typedef struct ect_visit {
     char pattern[2 * ECT_SIGNAL_NAME];
 } ect_visit_t;
 
+/** Gets each request that changes the chain, before it is carried out. */
+typedef struct ect_observer {
+    void (*changes)(void *ctx, const char *request, size_t length); /**< NULL: none */
+    void *ctx;
+} ect_observer_t;
+
 typedef struct ect_client {
     int fd;          /**< -1: free */
     uint32_t events; /**< for which epoll waits */
@@ -55,10 +61,11 @@ typedef struct ect_client {
     size_t line; /**< length of the first complete request; 0: none */
     char request[ECT_ENDPOINT_REQUEST];
     size_t unsent;
-    char *answer;             /**< ECT_CLIENT_ANSWER bytes */
-    const ect_stats_t *stats; /**< NULL: none */
-    ect_scenario_t *scenario; /**< NULL: none */
-    const ect_about_t *about; /**< NULL: none */
+    char *answer;                   /**< ECT_CLIENT_ANSWER bytes */
+    const ect_stats_t *stats;       /**< NULL: none */
+    ect_scenario_t *scenario;       /**< NULL: none */
+    const ect_about_t *about;       /**< NULL: none */
+    const ect_observer_t *observer; /**< NULL: none */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: none */
     size_t every_room;  /**< most signals that it may watch at every change */

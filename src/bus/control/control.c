@@ -26,6 +26,7 @@ struct ect_control {
     const ect_stats_t *stats;
     ect_scenario_t *scenario;
     const ect_about_t *about;
+    ect_observer_t observer;
     char path[ECT_ENDPOINT_PATH];
     ino_t identity; /* of its file */
 };
@@ -101,6 +102,11 @@ void ect_control_describe(ect_control_t *c, const ect_about_t *about)
     c->about = about;
 }
 
+void ect_control_observe(ect_control_t *c, void (*changes)(void *ctx, const char *request, size_t length), void *ctx)
+{
+    c->observer = (ect_observer_t){.changes = changes, .ctx = ctx};
+}
+
 const char *ect_control_path(const ect_control_t *c)
 {
     return c->path;
@@ -161,6 +167,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
         client->stats = c->stats;
         client->scenario = c->scenario;
         client->about = c->about;
+        client->observer = &c->observer;
         return;
     }
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");

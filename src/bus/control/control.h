@@ -52,6 +52,13 @@ void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scen
  * refused */
 void ect_control_describe(ect_control_t *control, const ect_about_t *about);
 
+/**
+ * Sets a function that gets each request which changes the chain (`set`, `fault`), before it is carried out.
+ * @param changes  `request` is the line without its end, `length` bytes; NULL: none
+ */
+void ect_control_observe(ect_control_t *control, void (*changes)(void *ctx, const char *request, size_t length),
+                         void *ctx);
+
 /** Path of the socket, valid until it is closed. */
 const char *ect_control_path(const ect_control_t *control);
 

@@ -133,7 +133,7 @@ uint16_t ect_scenario_highest_slave(const ect_scenario_t *s)
 
 /* --- setting ------------------------------------------------------------------------------------------------------ */
 
-bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
+static bool set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
 {
     if (fault->slave > ect_chain_count(chain)) {
         snprintf(message, ECT_FAULT_MESSAGE, "there is no slave %u: the chain has %zu", fault->slave,
@@ -155,6 +155,17 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
     ECT_ASSERT(fault->kind < ECT_FAULT_OFF && s->set_count < ECT_SCENARIO_FAULTS);
     s->set[s->set_count].frames = 0;
     s->set[s->set_count++].fault = *fault;
+    return true;
+}
+
+bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
+{
+    char text[ECT_FAULT_TEXT];
+    if (!set(s, chain, fault, now_ns, message))
+        return false;
+    ect_fault_print(fault, text);
+    if (s->done)
+        s->done(s->observer, text);
     return true;
 }
 

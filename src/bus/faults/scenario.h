@@ -40,13 +40,16 @@ typedef struct ect_scenario_step {
     ect_fault_t fault;
 } ect_scenario_step_t;
 
-/** All zero but the seed: no faults. Members but `seed`, `refused`, `ctx` and `wires` are private. */
+/** All zero but the seed: no faults. Members but `seed`, `refused`, `ctx`, `done`, `observer` and `wires` are
+ * private. */
 typedef struct ect_scenario {
     uint32_t seed;
     /** Called when a fault of the script cannot be set at its time; `why` is one line. NULL: not called. */
     void (*refused)(void *ctx, const char *fault, const char *why);
-    void *ctx;         /**< argument of `refused` */
-    uint64_t start_ns; /* 0: not begun */
+    void *ctx;                                       /**< argument of `refused` */
+    void (*done)(void *observer, const char *fault); /**< called with each fault that is set or carried out; NULL */
+    void *observer;                                  /**< argument of `done` */
+    uint64_t start_ns;                               /* 0: not begun */
     uint64_t frames;
     struct {
         ect_fault_t fault;

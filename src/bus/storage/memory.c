@@ -34,6 +34,9 @@ typedef struct bank {
 struct ect_memory {
     ect_storage_t storage;
     bank_t banks[2];
+    void (*saved)(void *ctx, size_t number); /* NULL: none */
+    void *saved_ctx;
+    size_t number;
 };
 
 static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
@@ -44,12 +47,21 @@ static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer
     return 0;
 }
 
+/* The header of a record is written last. */
+static void note_save(const ect_memory_t *m, uint32_t offset, const void *data, uint32_t length)
+{
+    static const uint8_t nothing[ECT_RECORD_HEADER];
+    if (m->saved && offset == 0 && length == ECT_RECORD_HEADER && memcmp(data, nothing, length) != 0)
+        m->saved(m->saved_ctx, m->number);
+}
+
 static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void *data, uint32_t length)
 {
     ect_memory_t *m = ctx;
     bank_t *b = &m->banks[bank];
     ECT_ASSERT(bank < 2 && offset <= ECT_MEMORY_BANK && length <= ECT_MEMORY_BANK - offset);
     memcpy(b->image + offset, data, length);
+    note_save(m, offset, data, length);
     if (b->fd < 0)
         return 0;
     b->written = true;
@@ -304,4 +316,11 @@ void ect_memory_close(ect_memory_t *memory)
 const ect_storage_t *ect_memory_storage(const ect_memory_t *memory)
 {
     return &memory->storage;
+}
+
+void ect_memory_observe(ect_memory_t *memory, void (*saved)(void *ctx, size_t number), void *ctx, size_t number)
+{
+    memory->saved = saved;
+    memory->saved_ctx = ctx;
+    memory->number = number;
 }

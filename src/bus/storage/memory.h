@@ -6,6 +6,8 @@
 #ifndef ECT_BUS_STORAGE_MEMORY_H
 #define ECT_BUS_STORAGE_MEMORY_H
 
+#include <stddef.h>
+
 #include "seams/storage.h"
 #include "wire/linkage.h"
 
@@ -30,6 +32,9 @@ void ect_memory_close(ect_memory_t *memory);
 
 /** The storage for ect_twin_config_t; valid until the memory is closed. */
 const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
+
+/** Sets a function that gets `number` at the end of each save, before the data are safe on a disk. NULL: none */
+void ect_memory_observe(ect_memory_t *memory, void (*saved)(void *ctx, size_t number), void *ctx, size_t number);
 
 ECT_C_END
 

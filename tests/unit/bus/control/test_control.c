@@ -85,6 +85,8 @@ static void statistics_are_in_the_reply(void **state)
                                       .circling = 15,
                                       .dropped = 16,
                                       .delayed = 17,
+                                      .captured = 21,
+                                      .uncaptured = 22,
                                       .answers = {[1] = 499, [2] = 1, [3] = 489, [6] = 1, [9] = 10},
                                       .longest_answer_ns = 1999999999,
                                       .polls = 19,
@@ -101,7 +103,8 @@ static void statistics_are_in_the_reply(void **state)
     expect_answer(
         &b, "{\"op\":\"stats\"}\n",
         "{\"frames\":11,\"answered\":12,\"unanswered\":13,\"stale\":14,\"circling\":15,\"dropped\":16,"
-        "\"delayed\":17,\"p50_us\":5,\"p99_us\":100,\"longest_us\":1999999,\"polls\":19,\"late_polls\":20,"
+        "\"delayed\":17,\"captured\":21,\"uncaptured\":22,\"p50_us\":5,\"p99_us\":100,\"longest_us\":1999999,\"polls\":"
+        "19,\"late_polls\":20,"
         "\"latest_poll_us\":2100000,\"time\":1.750000}\n"
         "{\"answers\":[0,499,1,489,0,0,1,0,0,10,0,0,0,0,0,0,0,0,0,0],\"edges_us\":[1,2,5,10,20,50,100,200,500,"
         "1000,2000,5000,10000,20000,50000,100000,200000,500000,1000000]}\n" OK);

@@ -381,6 +381,27 @@ static void largest_record(void **state)
     ect_memory_close(memory);
 }
 
+static void note_number(void *ctx, size_t number)
+{
+    size_t *last = ctx;
+    *last += number;
+}
+
+static void observed(void **state)
+{
+    char message[ECT_MEMORY_MESSAGE];
+    size_t sum = 0;
+    (void)state;
+    ect_memory_t *m = ect_memory_open(NULL, message);
+    ect_memory_observe(m, note_number, &sum, 7);
+    assert_true(save(m, "a", 1));
+    assert_int_equal(sum, 7);
+    ect_memory_observe(m, NULL, NULL, 0);
+    assert_true(save(m, "b", 1));
+    assert_int_equal(sum, 7);
+    ect_memory_close(m);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -401,6 +422,7 @@ int main(int argc, char **argv)
         {"A save that a power failure cut off is ordinary too", cut_off_by_power, NULL, NULL, NULL},
         {"A first start that was cut off, or met a full disk, is made good", cut_off_first_start, NULL, NULL, NULL},
         {"Attack: headers that make no sense", damaged_headers, NULL, NULL, NULL},
+        {"An observer gets its number once a save", observed, NULL, NULL, NULL},
         {"A record fills the bank to its last byte, and no further", largest_record, NULL, NULL, NULL},
     };
     if (argc > 1)
