@@ -35,8 +35,11 @@ if(soem_FOUND AND EXISTS ${soem_DIR}/../LICENSE AND NOT ECTWIN_DEBIAN) # of the 
   install(FILES ${soem_DIR}/../LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/ectwin RENAME SOEM-LICENCE COMPONENT runtime)
 endif()
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
-install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc USE_SOURCE_PERMISSIONS
-  PATTERN Doxyfile EXCLUDE PATTERN __pycache__ EXCLUDE)
+# Modes are not those of the sources, which depend on the umask of the clone.
+install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc
+  PATTERN Doxyfile EXCLUDE PATTERN __pycache__ EXCLUDE
+  REGEX "/(machine\\.sh|plot\\.py|ten_lines_chain\\.py)$" PERMISSIONS
+    OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 install(FILES packaging/systemd/ectwin@.service DESTINATION lib/systemd/system COMPONENT doc)
 foreach(row "ectwin.bash bash-completion/completions ectwin" "_ectwin zsh/vendor-completions _ectwin"
     "ectwin.fish fish/vendor_completions.d ectwin.fish") # file, folder, name
