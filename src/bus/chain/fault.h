@@ -18,8 +18,11 @@
  *     reset slave 2                        it restarts
  *     identity slave 2                     it is replaced by one with the next product code
  *     lose-event slave 2                   the next request to its AL control raises no event
- *     eeprom busy slave 2, eeprom ok …     its EEPROM stays busy; nack: no reply; flip 5: bit 5 of words read is
- * inverted clock 5000ns slave 2                 its clock jumps; -5000ns: back off ends all faults of frames
+ *     eeprom busy slave 2, eeprom ok …     its EEPROM stays busy, or is whole again
+ *     eeprom nack slave 2                  it does not reply
+ *     eeprom flip 5 slave 2                bit 5 of the words read from it is inverted
+ *     clock 5000ns slave 2                 its clock jumps; -5000ns: back
+ *     off                                  ends all faults of frames
  *
  * No clock and no randomness in here (bus/faults/scenario.h has them).
  */

@@ -262,11 +262,13 @@ static void latch_and_drift(void **state)
     wire_t w;
     (void)state;
     open_plan(&w, &plans[0]);
-    w.now_ns += 1000;
-    set(&w, 1, "ecat.latch1", 1);
-    uint8_t time[8] = {0};
-    assert_int_equal(wire_read(&w, 1, ECT_REG_DC_LATCH_TIME + 16, time, 8), 1);
-    assert_int_equal(ect_load_le64(time), ect_esc_system_time(ect_chain_esc(w.chain, 1), w.now_ns));
+    for (uint16_t n = 0; n < 2; n++) {
+        uint8_t time[8] = {0};
+        w.now_ns += 1000;
+        set(&w, 1, n == 0 ? "ecat.latch0" : "ecat.latch1", 1);
+        assert_int_equal(wire_read(&w, 1, (uint16_t)(ECT_REG_DC_LATCH_TIME + 16 * n), time, 8), 1);
+        assert_int_equal(ect_load_le64(time), ect_esc_system_time(ect_chain_esc(w.chain, 1), w.now_ns));
+    }
     set(&w, 2, "ecat.drift", 100000);
     uint64_t first = ect_esc_system_time(ect_chain_esc(w.chain, 2), w.now_ns);
     assert_int_equal(ect_esc_system_time(ect_chain_esc(w.chain, 2), w.now_ns + 1000 * MS) - first, 1000100000);

@@ -151,6 +151,96 @@ static void refused(void **state)
     }
 }
 
+/* Each number at both ends of its range; `why` NULL: it is taken. */
+static void ranges(void **state)
+{
+    static const struct {
+        const char *text, *why;
+    } rows[] = {
+        {"drop 0%", NULL},
+        {"drop 100%", NULL},
+        {"drop every 1", NULL},
+        {"drop every 1000000000", NULL},
+        {"drop every 1000000001", "expected a number from 1 to 1000000000, not '1000000001'"},
+        {"drop frame 1", NULL},
+        {"drop frame 1000000000", NULL},
+        {"drop frame 0", "expected a number from 1 to 1000000000, not '0'"},
+        {"drop frame 1000000001", "expected a number from 1 to 1000000000, not '1000000001'"},
+        {"drop frame 4294967297", "expected a number from 1 to 1000000000, not '4294967297'"},
+        {"delay 1us", NULL},
+        {"delay 10000000us", NULL},
+        {"delay 0us", "expected a number from 1 to 10000000 us, not '0us'"},
+        {"delay 10000001us", "expected a number from 1 to 10000000 us, not '10000001us'"},
+        {"truncate 1", NULL},
+        {"truncate 1500", NULL},
+        {"truncate 1501", "expected a number from 1 to 1500, not '1501'"},
+        {"counter -32768", NULL},
+        {"counter -32769", "expected a number from -32768 to 32767, not '-32769'"},
+        {"counter 32768", "expected a number from -32768 to 32767, not '32768'"},
+        {"eeprom flip 0 slave 1", NULL},
+        {"eeprom flip -1 slave 1", "expected a number from 0 to 15, not '-1'"},
+        {"eeprom flip slave 1", "expected a number from 0 to 15, not ''"},
+        {"clock -2147483648ns slave 1", NULL},
+        {"clock 2147483647ns slave 1", NULL},
+        {"clock 2147483648ns slave 1", "expected a number from -2147483648 to 2147483647 ns, not '2147483648ns'"},
+        {"clock -2147483649ns slave 1", "expected a number from -2147483648 to 2147483647 ns, not '-2147483649ns'"},
+        {"clock 1ns 2ns slave 1", "expected nothing more, not '2ns'"},
+        {"drop wire 65535", NULL},
+        {"drop wire 65536", "expected a number from 1 to 65535, not '65536'"},
+        {"hang slave 65536", "expected a number from 1 to 65535, not '65536'"},
+        {"hang 5% slave 1", "expected nothing more, not '5%'"},
+        {"hang slave 1 back", "expected nothing more, not 'back'"},
+        {"hang", "expected 'slave N', not ''"},
+        {"damage back", "expected 'wire N': damage happens on a wire, not ''"},
+        {"drop back", "expected 'wire N' with 'back', not 'back'"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_FAULT_MESSAGE] = "", text[ECT_FAULT_TEXT] = "";
+        ect_fault_t fault;
+        bool taken = ect_fault_parse(rows[i].text, &fault, message);
+        if (taken != (rows[i].why == NULL) || strcmp(message, taken ? "" : rows[i].why) != 0)
+            fail_msg("'%s': expected '%s', got '%s'", rows[i].text, rows[i].why ? rows[i].why : "", message);
+        if (taken)
+            ect_fault_print(&fault, text);
+        assert_string_equal(text, taken ? rows[i].text : "");
+    }
+}
+
+/* 95 characters and eight words are taken, one more of either is not. */
+static void longest_texts(void **state)
+{
+    char message[ECT_FAULT_MESSAGE], text[ECT_FAULT_TEXT + 1];
+    ect_fault_t fault;
+    (void)state;
+    memset(text, ' ', sizeof text);
+    text[ECT_FAULT_TEXT] = 0;
+    memcpy(text, "drop", 4);
+    assert_false(ect_fault_parse(text, &fault, message));
+    assert_non_null(strstr(message, "a fault is at most 95 characters long"));
+    text[ECT_FAULT_TEXT - 1] = 0;
+    assert_true(ect_fault_parse(text, &fault, message));
+    assert_false(ect_fault_parse("a b c d e f g h", &fault, message));
+    assert_non_null(strstr(message, "expected drop, damage, delay,"));
+    assert_false(ect_fault_parse("a b c d e f g h i", &fault, message));
+    assert_non_null(strstr(message, "a fault has at most 8 words"));
+    assert_true(ect_fault_parse("every 3 delay 7us wire 2 back", &fault, message));
+    assert_true(ect_fault_parse("9% counter 7 wire 2 back  ", &fault, message));
+}
+
+/* For the completion of a shell: the first words, as often as kinds have them. */
+static void words(void **state)
+{
+    static const char *const want[ECT_FAULT_KINDS] = {
+        "drop",   "damage", "delay",    "duplicate",  "reorder", "truncate", "corrupt", "counter", "off",  "hang",
+        "resume", "reset",  "identity", "lose-event", "eeprom",  "eeprom",   "eeprom",  "eeprom",  "clock"};
+    (void)state;
+    for (size_t i = 0; i < ECT_FAULT_KINDS; i++)
+        assert_string_equal(ect_fault_word(i), want[i]);
+    assert_null(ect_fault_word(ECT_FAULT_KINDS));
+    assert_null(ect_fault_word(SIZE_MAX));
+}
+
 static void set(rig_t *r, const char *text)
 {
     ect_fault_t fault;
@@ -730,6 +820,11 @@ int main(int argc, char **argv)
         {"a fault that is written reads back as the same", round_trip, NULL, NULL, NULL},
         {"the words of a fault may come in any order", any_order, NULL, NULL, NULL},
         {"a text that is no fault is refused with the expected words", refused, NULL, NULL, NULL},
+        {"numbers of a fault are taken within their ranges, and refused outside with the range", ranges, NULL, NULL,
+         NULL},
+        {"a fault of 95 characters and one of eight words are read, a longer one is refused", longest_texts, NULL, NULL,
+         NULL},
+        {"each kind of fault has its first word", words, NULL, NULL, NULL},
         TEST("faults of frames concern the frames that they name", selected_frames),
         TEST("the same seed makes the same run, of about the given share", same_seed_same_run),
         TEST("frames are lost and late in the given shares, half of the lost ones on their way back", shares),

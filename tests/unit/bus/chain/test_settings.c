@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+/* Several signals of a twin are set, all or none (bus/chain/settings.h); refusals that depend on others are in
+ * test_control.c, with a device that has them. */
+#include "bus/chain/settings.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "support/testdev.h"
+#include "support/wire.h"
+
+enum { TWINS = 2 };
+
+static const ect_signal_t signals[] = {
+    ECT_SIGNAL(testdev_t, array[0], "low", U16, WRITE, 0, 1000, NULL, ""),
+    ECT_SIGNAL(testdev_t, array[1], "high", U16, WRITE, 0, 1000, NULL, ""),
+    ECT_SIGNAL(testdev_t, array[2], "temperature", U16, WRITE, 0, 1000, NULL, ""),
+    ECT_SIGNAL(testdev_t, array[3], "own", U16, READ, 0, 1000, NULL, ""),
+    ECT_SIGNAL(testdev_t, in_bits, "ab", U8, WRITE, 0, 255, NULL, ""),
+};
+static const ect_signal_group_t group = {.signal_count = sizeof signals / sizeof signals[0], .signals = signals};
+
+/* `low` must stay below `high`. */
+static const char *in_order(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                            uint64_t now_ns)
+{
+    const testdev_t *dev = instance;
+    uint16_t to = *(const uint16_t *)value;
+    (void)number;
+    (void)now_ns;
+    if (signal == &signals[0] && to >= dev->array[1])
+        return "must be below high";
+    if (signal == &signals[1] && to <= dev->array[0])
+        return "must be above low";
+    return NULL;
+}
+
+static const ect_plant_t plant = {.signal_groups = &group, .signal_group_count = 1, .signal_write = in_order};
+
+static void open_count(wire_t *w, size_t count)
+{
+    const ect_twin_config_t twins[TWINS] = {ect_twin_default(&testdev, &plant), ect_twin_default(&testdev, &plant)};
+    wire_open_twins(w, twins, count);
+    for (size_t i = 0; i < count; i++) {
+        testdev_of(w, i)->array[0] = 10;
+        testdev_of(w, i)->array[1] = 20;
+    }
+}
+
+/* What the second twin has afterwards: low and high. */
+static void all_or_none(void **state)
+{
+    static const struct {
+        const char *title;
+        ect_setting_t settings[4];
+        size_t count;
+        uint16_t low, high;
+        const char *why; /* NULL: they are set */
+    } rows[] = {
+        {"none", {{0}}, 0, 10, 20, NULL},
+        {"one", {{"low", "19"}}, 1, 19, 20, NULL},
+        {"one that is refused", {{"low", "20"}}, 1, 10, 20, "low: must be below high"},
+        {"in the order that works", {{"high", "200"}, {"low", "100"}}, 2, 100, 200, NULL},
+        {"in the other order", {{"low", "100"}, {"high", "200"}}, 2, 100, 200, NULL},
+        {"twice the same: the last one stays", {{"low", "11"}, {"low", "12"}}, 2, 12, 20, NULL},
+        {"each waits for the next one",
+         {{"low", "300"}, {"high", "200"}, {"low", "100"}, {"high", "400"}},
+         4,
+         300,
+         400,
+         NULL},
+        {"the first refusal is the reason",
+         {{"high", "21"}, {"low", "900"}, {"high", "5"}},
+         3,
+         10,
+         20,
+         "low: must be below high"},
+        {"one out of range: nothing is tried",
+         {{"low", "11"}, {"high", "1001"}},
+         2,
+         10,
+         20,
+         "high takes 0..1000, not '1001'"},
+        {"one that can only be read",
+         {{"low", "11"}, {"own", "1"}},
+         2,
+         10,
+         20,
+         "own is the twin's own: it can be read and watched, not set"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_SIGNAL_MESSAGE];
+        wire_t w;
+        open_count(&w, TWINS);
+        bool done = ect_settings_apply(w.chain, 1, rows[i].settings, rows[i].count, w.now_ns, message);
+        const testdev_t *dev = testdev_of(&w, 1);
+        if (done != (rows[i].why == NULL) || dev->array[0] != rows[i].low || dev->array[1] != rows[i].high)
+            fail_msg("%s: expected %s with %u and %u, got %u and %u: %s", rows[i].title, rows[i].why, rows[i].low,
+                     rows[i].high, dev->array[0], dev->array[1], message);
+        if (rows[i].why)
+            assert_string_equal(message, rows[i].why);
+        assert_int_equal(testdev_of(&w, 0)->array[0], 10);
+        wire_close(&w);
+    }
+}
+
+/* At most two characters differ, and fewer than the wrong name has. */
+static void names_nearby(void **state)
+{
+    static const struct {
+        const char *wrong, *meant; /* NULL: none is near */
+    } rows[] = {
+        {"hihg", "high"},
+        {"hig", "high"},
+        {"highhh", "high"},
+        {"higherr", NULL},
+        {"hi", NULL},
+        {"h", NULL},
+        {"lo", "low"},
+        {"lowest", NULL},
+        {"llow", "low"},
+        {"xow", "low"},
+        {"xyw", "low"},
+        {"xyz", NULL},
+        {"temperture", "temperature"},
+        {"tempertre", "temperature"},
+        {"tempetre", NULL},
+        {"temperaturexy", "temperature"},
+        {"temperaturexyz", NULL},
+        {"tmeperature", "temperature"},
+        {"Temperature", "temperature"},
+        {"cd", NULL},
+        {"b", NULL},
+        {"ac", "ab"},
+        {"c", NULL},
+        {"ecat.plug_ot", "ecat.plug_out"},
+        {"ecat.rn", "ecat.run"},
+        {"", NULL},
+    };
+    (void)state;
+    for (size_t count = 1; count <= TWINS; count++) {
+        wire_t w;
+        open_count(&w, count);
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+            char message[ECT_SIGNAL_MESSAGE], want[ECT_SIGNAL_MESSAGE];
+            const ect_setting_t setting = {rows[i].wrong, "1"};
+            assert_false(ect_settings_apply(w.chain, count - 1, &setting, 1, w.now_ns, message));
+            int used = snprintf(want, sizeof want, "slave %zu has no signal '%s'", count, rows[i].wrong);
+            if (rows[i].meant)
+                (void)snprintf(want + used, sizeof want - (size_t)used, "; did you mean '%s'?", rows[i].meant);
+            else
+                (void)snprintf(want + used, sizeof want - (size_t)used,
+                               ": 'ectwin list-signals DEVICE' lists those of a device%s",
+                               count > 1 ? "; -n chooses the slave" : "");
+            assert_string_equal(message, want);
+        }
+        wire_close(&w);
+    }
+}
+
+/* A name that is far too long is shown in part, and nothing is near it. */
+static void endless_name(void **state)
+{
+    char message[ECT_SIGNAL_MESSAGE], name[ECT_SIGNAL_NAME + 40];
+    const ect_setting_t setting = {name, "1"};
+    wire_t w;
+    (void)state;
+    open_count(&w, 1);
+    for (size_t length = ECT_SIGNAL_NAME - 2; length < sizeof name; length++) {
+        memset(name, 'n', length);
+        name[length] = 0;
+        assert_false(ect_settings_apply(w.chain, 0, &setting, 1, w.now_ns, message));
+        assert_memory_equal(message, "slave 1 has no signal 'nnn", 26);
+        assert_non_null(strstr(message, "n': 'ectwin list-signals DEVICE'"));
+    }
+    wire_close(&w);
+}
+
+/* A set that succeeds wakes the twin; one that is refused leaves it asleep. */
+static void wakes(void **state)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    wire_t w;
+    (void)state;
+    open_count(&w, TWINS);
+    w.now_ns += 1000 * MS;
+    wire_poll(&w);
+    unsigned int ticks[TWINS] = {testdev_of(&w, 0)->ticks, testdev_of(&w, 1)->ticks};
+    assert_false(ect_settings_apply(w.chain, 1, &(ect_setting_t){"low", "20"}, 1, w.now_ns, message));
+    (void)ect_chain_poll(w.chain, w.now_ns);
+    assert_int_equal(testdev_of(&w, 1)->ticks, ticks[1]);
+    assert_true(ect_settings_apply(w.chain, 1, &(ect_setting_t){"low", "15"}, 1, w.now_ns, message));
+    (void)ect_chain_poll(w.chain, w.now_ns);
+    assert_int_equal(testdev_of(&w, 0)->ticks, ticks[0]);
+    assert_int_equal(testdev_of(&w, 1)->ticks, ticks[1] + 1);
+    wire_close(&w);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"settings are made in any order, all or none, and refused with the first reason", all_or_none, NULL, NULL,
+         NULL},
+        {"the refusal of an unknown signal names the nearest one, or the command that lists them", names_nearby, NULL,
+         NULL, NULL},
+        {"an unknown name longer than any signal's is refused in one line", endless_name, NULL, NULL, NULL},
+        {"settings wake their twin and no other, a refusal none", wakes, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("settings", tests, NULL, NULL);
+}
