@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Breaks the core in small ways, one at a time, and checks that the unit tests notice.
 
-usage: tools/dev/mutate.py [--seconds N] [--count N] [--seed N] [--tests NAME,...] [ROOM...]
-       tools/dev/mutate.py [--seconds N] [--count N] [--seed N] conform    the judgements of ectwin-conform
-       tools/dev/mutate.py --help                                          all rooms
-Defaults: 600 s, seed 1, rooms od esc slave sii.
+usage: tools/dev/mutate.py [OPTION...] [--near | --tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
+       tools/dev/mutate.py [OPTION...] conform                                 the judgements of ectwin-conform
+       tools/dev/mutate.py --help                                              all options and rooms
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
 compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. A mutant that no test
@@ -30,7 +29,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build/mutate"
 EQUIVALENT = ROOT / "tests/budget/equivalent"
-LINK = ["--coverage", "-fsanitize=undefined"]
+LINK = ["--coverage", "-fsanitize=undefined", "-fsanitize=leak"]  # a block that is not freed is noticed, as under asan
 CONFORM = ROOT / "programs/ectwin-conform"
 JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
               "steps/undo.c", "steps/verdict.c"]
@@ -145,7 +144,7 @@ class Program:
     def build(self, *targets):
         """Builds targets, or all. Returns target -> source -> Compiled."""
         run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
-            "-DCMAKE_C_FLAGS_DEBUG=", cwd=ROOT)
+            "-DCMAKE_C_FLAGS_DEBUG=", "-DCMAKE_EXE_LINKER_FLAGS=-fsanitize=leak", cwd=ROOT)
         run("cmake", "--build", str(BUILD), *(["--target", *targets] if targets else []))
         found = {}
         for entry in json.loads((BUILD / "compile_commands.json").read_text()):
@@ -282,6 +281,13 @@ def all_rooms():
     return ROOMS + sorted(str(f.relative_to(ROOT / "src")) for f in folders if f.name != "inprocess") + ["conform"]
 
 
+def tests_near(rooms):
+    """The unit tests in the same part of the tree as the rooms, and all that include a header of one."""
+    unit = ROOT / "tests/unit"
+    return [t.stem for t in sorted(unit.rglob("test_*.c"))
+            if any(unit / room.split("/")[0] in t.parents or f'#include "{room}/' in t.read_text() for room in rooms)]
+
+
 def environment(library_folder, **more):
     return {**os.environ, "LD_LIBRARY_PATH": str(library_folder), **more}
 
@@ -344,7 +350,8 @@ def is_known(known, mutant):
 
 def judge(arguments):
     room_of = {source: room for room in arguments.rooms for source in sources_of(room)}
-    program = Conform() if arguments.rooms == ["conform"] else Program(arguments.tests)
+    tests = tests_near(arguments.rooms) if arguments.near else arguments.tests
+    program = Conform() if arguments.rooms == ["conform"] else Program(tests)
     sources = [source for source in room_of if source in program.core]
     for source in sorted(room_of.keys() - program.core.keys()):
         print(f"{source.relative_to(ROOT)} is not compiled in this build: left out", file=sys.stderr)
@@ -379,6 +386,9 @@ def main():
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--count", type=int, default=sys.maxsize, help="end after this many mutants")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--near", action="store_true",
+                        help="build and run only the unit tests of the rooms and those that include their headers: minutes less, but a "
+                        "mutant that only others notice survives")
     parser.add_argument("--tests", type=lambda names: names.split(","), default=[], metavar="NAME,...",
                         help="build and run only these unit tests; a mutant that only others notice survives")
     parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"],

@@ -34,6 +34,8 @@ static const plan_t plans[] = {
      "1234567",
      {0x9A, 0xAA, 0x56, 0x56, 0x56, 0x5A, 0x56}},
     {"no slave at port 1", 3, {{0}, {0, 3}, {1, 2}}, "123", {0x96, 0x66, 0x56}},
+    {"a line behind port 3", 3, {{0}, {0, 3}, {1, 1}}, "123", {0x96, 0x5A, 0x56}},
+    {"a line with its last slave at port 2", 3, {{0}, {0, 1}, {1, 2}}, "123", {0x5A, 0x66, 0x56}},
 };
 
 enum { PLANS = sizeof plans / sizeof plans[0] };

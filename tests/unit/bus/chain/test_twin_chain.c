@@ -122,6 +122,55 @@ static void deadlines(void **state)
     ect_chain_free(chain);
 }
 
+static void starts_off_the_bus(void *instance, const ect_host_t *host, uint64_t now_ns)
+{
+    testdev.init(instance, host, now_ns);
+    host->off_bus(host->ctx, true);
+}
+
+/* As a unit whose fieldbus is switched off in its settings. */
+static void off_from_the_start(void **state)
+{
+    ect_device_t device = testdev;
+    const ect_twin_config_t twins[] = {ect_twin_default(&testdev, NULL), ect_twin_default(&device, NULL),
+                                       ect_twin_default(&testdev, NULL)};
+    uint8_t data = 0;
+    wire_t w = {.now_ns = 1000 * MS};
+    (void)state;
+    device.init = starts_off_the_bus;
+    w.chain = ect_chain_new(twins, 3, w.now_ns);
+    assert_non_null(w.chain);
+    wire_poll(&w);
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 1);
+    assert_int_equal(ect_chain_esc(w.chain, 0)->memory[0x0111], 0x56); /* no link at port 1 */
+    testdev_of(&w, 1)->host->off_bus(testdev_of(&w, 1)->host->ctx, false);
+    ect_chain_wake(w.chain, 1);
+    wire_poll(&w);
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 3);
+    wire_close(&w);
+}
+
+/* The ESC raises the event at the very poll that its deadline asks for: no frame and no other poll is needed. */
+static void watchdog_at_its_deadline(void **state)
+{
+    uint64_t next_ns = 0;
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    wire_go(&w, 0, ECT_STATE_OP);
+    assert_int_equal(wire_outputs(&w, 0, 0), 1);
+    w.now_ns += ECT_INDICATOR_TRAFFIC_NS / 2;
+    uint64_t late_ns = w.now_ns + 1000 * MS;
+    for (uint64_t at = w.now_ns; at < late_ns && ect_chain_slave(w.chain, 0)->state == ECT_STATE_OP; at = next_ns) {
+        w.now_ns = at;
+        next_ns = ect_chain_poll(w.chain, at);
+        assert_true(next_ns > at);
+    }
+    assert_int_equal(ect_chain_slave(w.chain, 0)->state, ECT_STATE_SAFEOP);
+    assert_int_equal(ect_chain_slave(w.chain, 0)->code, 0x001B);
+    wire_close(&w);
+}
+
 /* Nothing else asks for time here, and no frame comes: without the lamps' own deadline they would flicker for ever. */
 static void lamps_deadline(void **state)
 {
@@ -319,6 +368,10 @@ int main(int argc, char **argv)
         {"CF-083: the poll returns the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
         {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
          NULL, NULL},
+        {"a slave that is off the bus from its power-on ends the line before it, until it is on the bus",
+         off_from_the_start, NULL, NULL, NULL},
+        {"CF-042: the poll at which the watchdog expires already runs the slave", watchdog_at_its_deadline, NULL, NULL,
+         NULL},
         {"the poll returns the time at which the link lamps stop flickering", lamps_deadline, NULL, NULL, NULL},
         {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
         {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
