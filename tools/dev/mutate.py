@@ -3,6 +3,7 @@
 
 usage: tools/dev/mutate.py [OPTION...] [--near | --tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
        tools/dev/mutate.py [OPTION...] conform                                 the judgements of ectwin-conform
+       tools/dev/mutate.py [OPTION...] bus/inprocess                           the libraries of `ectwin with --in-process`
        tools/dev/mutate.py --help                                              all options and rooms
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
@@ -15,12 +16,14 @@ Needs what tools/test.sh needs. Works below build/mutate; the tree stays as it i
 """
 import argparse
 import concurrent.futures
+import contextlib
 import json
 import os
 import pathlib
 import random
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -190,13 +193,17 @@ class Program:
             instead = work / ("own.o" if own else "mutant.o")
             if own and not own.compile(changed, instead):
                 raise RuntimeError(f"{source} as {name} has it")
-            return link_as_built(name, work / name, instead, own)
+            return link_as_built(f"tests/{name}", work / name, instead, own)
         if not own:
             return self.tests[name]
         program = work / name
         if not own.compile(changed, work / "own.o") or self.link_test(name, program, {source: work / "own.o"}).returncode != 0:
             raise RuntimeError(f"{source} as {name} has it")
         return program
+
+    def command(self, name, program, folder):
+        """How to run a test: words and environment. `folder` has the library with the mutant."""
+        return [program], environment(folder)
 
     def measure(self, sources):
         """Runs each test once: how long it takes, and which lines of the sources it reaches.
@@ -207,7 +214,8 @@ class Program:
             for data in BUILD.rglob("*.gcda"):
                 data.unlink()
             begin = time.monotonic()
-            ended = subprocess.run([program], cwd=ROOT, env=environment(BUILD), capture_output=True, check=False, timeout=120)
+            words, variables = self.command(name, program, BUILD)
+            ended = subprocess.run(words, cwd=ROOT, env=variables, capture_output=True, check=False, timeout=120)
             if ended.returncode != 0:
                 print(f"{name} fails without a mutant: left out", file=sys.stderr)
                 continue
@@ -244,18 +252,49 @@ class Conform(Program):
         """Each test is linked with the mutant when it is its turn."""
 
     def with_mutant(self, name, source, changed, work):
-        return link_as_built(name, work / name, work / "mutant.o", None)
+        return link_as_built(f"tests/{name}", work / name, work / "mutant.o", None)
 
 
-def link_command(name):
-    """The command by which CMake links a test, as words."""
-    lines = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", "-s", f"tests/{name}").strip().split("\n")
+class InProcess(Program):
+    """The libraries that stand between a master and its sockets, judged by the master of the integration tests on both clocks."""
+
+    CLOCKS = {"in_process_real": "real", "in_process_virtual": "virtual"}
+
+    def __init__(self):
+        modules = {name: f"ectwin_inprocess_{clock}" for name, clock in self.CLOCKS.items()}
+        targets = self.build("inprocess_calls", "ectwin_chain", *modules.values())
+        self.own = {name: targets[module] for name, module in modules.items()}
+        self.core = {source: compiled for sources in self.own.values() for source, compiled in sources.items()}
+        self.tests = {name: BUILD / f"libectwin-{clock}.so" for name, clock in self.CLOCKS.items()}
+
+    def link(self, library, instead):
+        """Each library is linked with the mutant when it is its turn."""
+
+    def with_mutant(self, name, source, changed, work):
+        library = self.tests[name].name
+        for twins in BUILD.glob("libectwin.so*"):  # is looked for beside the library
+            if not (work / twins.name).exists():
+                (work / twins.name).symlink_to(twins)
+        return link_as_built(library, work / library, work / "mutant.o", self.own[name][source])
+
+    def command(self, name, program, folder):
+        words = [BUILD / "tests/integration/inprocess_calls", "ectwin0", self.CLOCKS[name]]
+        return words, environment(folder, LD_PRELOAD=str(program), ECTWIN_IFACE="ectwin0", ECTWIN_INPROCESS="fzm1,fzm1",
+                                  ECTWIN_INPROCESS_MARK="/dev/null", ECTWIN_INPROCESS_CWD="/")
+
+
+APART = {"conform": Conform, "bus/inprocess": InProcess}  # rooms with tests of their own
+
+
+def link_command(target):
+    """The command by which CMake links a target, as words."""
+    lines = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", "-s", target).strip().split("\n")
     return [word for word in shlex.split(lines[-1]) if word not in (":", "&&")]
 
 
-def link_as_built(name, program, instead, own):
-    """Links a test with a changed object: in the place of its own, else before the libraries, whose member then is not taken."""
-    command = link_command(name)
+def link_as_built(target, program, instead, own):
+    """Links a target with a changed object: in the place of its own, else before the libraries, whose member then is not taken."""
+    command = link_command(target)
     command[command.index("-o") + 1] = str(program)
     if own:
         command = [str(instead) if (BUILD / word) == own.object else word for word in command]
@@ -278,7 +317,7 @@ def sources_of(room):
 
 def all_rooms():
     folders = {p.parent for room in ("bus", "devices") for p in (ROOT / "src" / room).rglob("*.c")}
-    return ROOMS + sorted(str(f.relative_to(ROOT / "src")) for f in folders if f.name != "inprocess") + ["conform"]
+    return ROOMS + sorted(str(f.relative_to(ROOT / "src")) for f in folders) + ["conform"]
 
 
 def tests_near(rooms):
@@ -319,15 +358,24 @@ def verdict(program, reached, mutant):
             return ""
         program.link(work / "libcore.so", {source: work / "mutant.o"})
         for name in reached.get((source, mutant["line"]), []):
-            limit = 2 + 10 * program.seconds[name]
-            try:
-                ended = subprocess.run([program.with_mutant(name, source, changed, work)], cwd=ROOT, timeout=limit,
-                                       capture_output=True, check=False, env=environment(work, GCOV_PREFIX=folder))
-            except subprocess.TimeoutExpired:
-                return name
-            if ended.returncode != 0:
+            words, variables = program.command(name, program.with_mutant(name, source, changed, work), work)
+            if not passes(words, {**variables, "GCOV_PREFIX": folder}, 2 + 10 * program.seconds[name]):
                 return name
     return None
+
+
+def passes(words, variables, seconds):
+    """Runs a test, and ends it with all that it has started."""
+    test = subprocess.Popen(words, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL, start_new_session=True)
+    try:
+        return test.wait(seconds) == 0
+    except subprocess.TimeoutExpired:
+        return False
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(test.pid, signal.SIGKILL)
+        test.wait()
 
 
 def equivalents():
@@ -351,7 +399,8 @@ def is_known(known, mutant):
 def judge(arguments):
     room_of = {source: room for room in arguments.rooms for source in sources_of(room)}
     tests = tests_near(arguments.rooms) if arguments.near else arguments.tests
-    program = Conform() if arguments.rooms == ["conform"] else Program(tests)
+    alone = APART.get(arguments.rooms[0])
+    program = alone() if alone else Program(tests)
     sources = [source for source in room_of if source in program.core]
     for source in sorted(room_of.keys() - program.core.keys()):
         print(f"{source.relative_to(ROOT)} is not compiled in this build: left out", file=sys.stderr)
@@ -397,8 +446,9 @@ def main():
     unknown = [room for room in arguments.rooms if room not in all_rooms()]
     if unknown:
         parser.error(f"there is no room {unknown[0]}; name some of: {' '.join(all_rooms())}")
-    if "conform" in arguments.rooms and arguments.rooms != ["conform"]:
-        parser.error("conform has tests of its own: name it alone")
+    for room in APART:
+        if room in arguments.rooms and arguments.rooms != [room]:
+            parser.error(f"{room} has tests of its own: name it alone")
     counts, survivors, possible = judge(arguments)
     tried = sum(c[0] for c in counts.values())
     for room, (made, noticed) in counts.items():

@@ -21,8 +21,8 @@ enum { ECT_EEPROM_PATH = 1024, ECT_EEPROM_MESSAGE = ECT_EEPROM_PATH + 160 };
 typedef struct ect_eeprom ect_eeprom_t;
 
 /**
- * Opens the file, or makes it with the factory's content: complete, or not at all. Another kind of file, or one that
- * another twin uses, is refused and left as it is.
+ * Opens the file, or makes it with the factory's content, for its user alone: complete, or not at all. Another kind of
+ * file, or one that another twin uses, is refused and left as it is.
  * @param factory       `size` bytes, even, at least 16
  * @param[out] message  on failure one line for the user; ECT_EEPROM_MESSAGE bytes
  * @return the memory, to be closed with ::ect_eeprom_close, or NULL

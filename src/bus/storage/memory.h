@@ -22,7 +22,8 @@ typedef struct ect_memory ect_memory_t;
  * refused and left as it is. A file whose making was cut off is completed. A save that was cut off leaves the record
  * before (seams/record.h). A file with a damaged record is kept under another name (PATH.0.damaged1 to 9, then the last
  * of these is replaced), and an empty file takes its place.
- * @param path          the files are PATH.0 and PATH.1, made when they are missing; NULL: in memory only
+ * @param path          the files are PATH.0 and PATH.1, made when they are missing, for their user alone; NULL: in
+ *                      memory only
  * @param[out] message  ECT_MEMORY_MESSAGE bytes. On failure one line for the user; else "", or a line about a file that
  *                      was put aside
  * @return the memory, to be closed with ::ect_memory_close, or NULL

@@ -8,6 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#define READY                                                                                                          \
+    "{\"slave\":1,\"name\":\"ready\",\"value\":0,\"access\":\"r\",\"range\":\"0..1\",\"meaning\":\"READY\","           \
+    "\"field\":\"2200h:1 bit 2\"}\n"
+
 /* --- answers ------------------------------------------------------------------------------------------------------ */
 
 static void requests_get_replies(void **state)
@@ -32,6 +36,7 @@ static void requests_get_replies(void **state)
         {"{\"op\":\"get\",\"pattern\":\"ecat.state\"}\n", "{\"slave\":1,\"name\":\"ecat.state\",\"value\":1}\n" OK},
         {"{\"op\":\"watch\",\"pattern\":\"gate\"}\n",
          "{\"slave\":1,\"name\":\"gate\",\"value\":0,\"time\":1.000000}\n" OK},
+        {"{\"op\":\"list\",\"pattern\":\"ready\"}\n", READY OK},
     };
     static const struct {
         const char *request, *part;
@@ -128,6 +133,45 @@ static void about_the_twins(void **state)
     expect_answer(&b, "{\"op\":\"set\",\"slave\":2,\"name\":\"ecat.plug_in\",\"value\":0}\n", OK);
     expect_answer(&b, "{\"op\":\"about\"}\n",
                   "{\"devices\":\"fzm1\",\"slaves\":2,\"lowest\":1,\"highest\":1,\"errors\":0}\n" OK);
+    close_bench(&b);
+}
+
+/* After each step, over all three units: one that is off the bus counts as 0, and its error does not count. */
+static void states_of_the_twins(void **state)
+{
+    static const struct {
+        const char *title;
+        size_t twin; /* goes to `to`, or gets `request` */
+        uint8_t to;
+        const char *request;
+        const char *want;
+    } rows[] = {
+        {"all in INIT", 0, ECT_STATE_INIT, NULL, "\"lowest\":1,\"highest\":1,\"errors\":0}\n"},
+        {"the second higher", 1, ECT_STATE_SAFEOP, NULL, "\"lowest\":1,\"highest\":4,\"errors\":0}\n"},
+        {"the third as well", 2, ECT_STATE_PREOP, NULL, "\"lowest\":1,\"highest\":4,\"errors\":0}\n"},
+        {"none left in INIT", 0, ECT_STATE_PREOP, NULL, "\"lowest\":2,\"highest\":4,\"errors\":0}\n"},
+        {"the second refuses", 1, 7, NULL, "\"lowest\":2,\"highest\":4,\"errors\":1}\n"},
+        {"the third refuses", 2, 7, NULL, "\"lowest\":2,\"highest\":4,\"errors\":2}\n"},
+        {"the third off the bus", 2, 0, "{\"op\":\"set\",\"slave\":3,\"name\":\"bu.enabled\",\"value\":0}\n",
+         "\"lowest\":0,\"highest\":4,\"errors\":1}\n"},
+    };
+    static const ect_about_t about = {.devices = "units"};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 3);
+    ect_control_describe(b.control, &about);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint16_t code = 0;
+        if (rows[i].request)
+            expect_answer(&b, rows[i].request, OK);
+        else if (rows[i].to == 7)
+            (void)wire_al(&b.wire, rows[i].twin, rows[i].to, &code);
+        else
+            wire_go(&b.wire, rows[i].twin, rows[i].to);
+        assert_int_equal(code != 0, rows[i].to == 7);
+        wire_poll(&b.wire);
+        expect_part(&b, "{\"op\":\"about\"}\n", rows[i].want);
+    }
     close_bench(&b);
 }
 
@@ -301,6 +345,8 @@ int main(int argc, char **argv)
         {"Each counter and step of the histogram is in the reply to stats", statistics_are_in_the_reply, NULL, NULL,
          NULL},
         {"The twins are described: name, devices, interfaces, AL states", about_the_twins, NULL, NULL, NULL},
+        {"The lowest and highest AL state of all twins, and the number of errors", states_of_the_twins, NULL, NULL,
+         NULL},
         {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", every_line_is_json, NULL, NULL, NULL},
         {"Data too large for a signal come in pieces", periodic_data_in_pieces, NULL, NULL, NULL},

@@ -129,11 +129,49 @@ static void a_step_is_bounded(void **state)
             assert_true(ect_client_room(&client));
             ect_client_step(&client, b.wire.chain, ECT_CONTROL_EVERY, b.wire.now_ns);
             answer[client.unsent] = 0;
-            assert_true(count_of(answer, "\n") <= ECT_CLIENT_LINES + 1);
+            assert_true(count_of(answer, "\n") - count_of(answer, OK) <= ECT_CLIENT_LINES);
             assert_true(work.matches <= ECT_CLIENT_MATCHES);
             assert_true(steps < 1000);
         }
         assert_non_null(strstr(answer, OK));
+    }
+    ect_watch_free(client.watch);
+    close_bench(&b);
+}
+
+/* Each step writes as much as it may: eight changes of the 16 that wait, then the others, then none. */
+static void a_step_is_used(void **state)
+{
+    static const char request[] = "{\"op\":\"watch\",\"slave\":0,\"pattern\":\"ru*.encoder\"}\n";
+    static const size_t want[] = {8, 8, 0};
+    static char answer[ECT_CLIENT_ANSWER];
+    static ect_client_t client;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 2);
+    client = (ect_client_t){.fd = -1, .received = sizeof request - 1, .answer = answer};
+    strcpy(client.request, request);
+    ect_client_received(&client);
+    while (ect_client_busy(&client)) {
+        client.unsent = 0;
+        ect_client_step(&client, b.wire.chain, 0, b.wire.now_ns);
+    }
+    assert_int_equal(ect_watch_count(client.watch), 16);
+    for (size_t slave = 0; slave < 2; slave++) {
+        for (unsigned int ru = 1; ru <= 8; ru++) {
+            char name[ECT_SIGNAL_NAME];
+            ect_signal_ref_t ref;
+            (void)snprintf(name, sizeof name, "ru%u.encoder", ru);
+            assert_true(ect_chain_signal(b.wire.chain, slave, name, &ref));
+            *ref.value = 1;
+        }
+    }
+    ect_watch_round(client.watch);
+    for (size_t step = 0; step < sizeof want / sizeof want[0]; step++) {
+        client.unsent = 0;
+        ect_client_step(&client, b.wire.chain, 0, b.wire.now_ns);
+        answer[client.unsent] = 0;
+        assert_int_equal(count_of(answer, "\n"), want[step]);
     }
     ect_watch_free(client.watch);
     close_bench(&b);
@@ -434,6 +472,7 @@ int main(int argc, char **argv)
          pipelined_requests_are_served_in_pieces, NULL, NULL, NULL},
         {"A step writes at most eight lines and its result, and compares at most 32 names", a_step_is_bounded, NULL,
          NULL, NULL},
+        {"A step writes eight changes when more wait, and the next step the others", a_step_is_used, NULL, NULL, NULL},
         {"Each client is served in its turn, whatever the others request", clients_are_served_in_turn, NULL, NULL,
          NULL},
         {"Attack: a client that does not read costs nothing, and gets everything later", unread_replies_cost_nothing,

@@ -305,6 +305,20 @@ static void descriptor_0(void **state)
     assert_false(left);
 }
 
+/* Whatever the user's umask is: no other user reads or changes it. */
+static void own_file(void **state)
+{
+    uint8_t image[SIZE];
+    struct stat its;
+    (void)state;
+    factory(image, 3);
+    mode_t before = umask(0);
+    ect_eeprom_close(must_open(image));
+    (void)umask(before);
+    assert_int_equal(stat(path, &its), 0);
+    assert_int_equal(its.st_mode & 07777, 0600);
+}
+
 int main(int argc, char **argv)
 {
 #define EEPROM_TEST(title, function) {title, function, NULL, remove_file, NULL}
@@ -317,6 +331,7 @@ int main(int argc, char **argv)
         EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
         EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
         EEPROM_TEST("EEPROM file: what is not its own is refused and left alone", refused),
+        EEPROM_TEST("EEPROM file: only its user reads or writes it", own_file),
         EEPROM_TEST("CF-065: what a master writes to the EEPROM outlasts power cycle and process", written_by_a_master),
     };
     if (argc > 1)

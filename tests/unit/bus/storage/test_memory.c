@@ -402,6 +402,21 @@ static void observed(void **state)
     ect_memory_close(m);
 }
 
+/* Whatever the user's umask is: no other user reads or changes it. */
+static void own_file(void **state)
+{
+    static const char *const files[] = {"own.0", "own.1"};
+    struct stat its;
+    (void)state;
+    mode_t before = umask(0);
+    ect_memory_close(must_open("own"));
+    (void)umask(before);
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        assert_int_equal(stat(files[i], &its), 0);
+        assert_int_equal(its.st_mode & 07777, 0600);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -411,6 +426,7 @@ int main(int argc, char **argv)
         {"The first and the last byte of a bank are in the file behind its header", ends_of_a_bank, NULL, NULL, NULL},
         {"Attack: a file that no twin has made is refused, and stays as it is", foreign_files, NULL, NULL, NULL},
         {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
+        {"Only their user reads or writes the files", own_file, NULL, NULL, NULL},
         {"A second twin on the same files is refused", one_twin_each, NULL, NULL, NULL},
         {"Attack: a file that is cut while it runs: no crash, the next save fails", cut_while_it_runs, NULL, NULL,
          NULL},
