@@ -205,6 +205,11 @@ class Program:
         """How to run a test: words and environment. `folder` has the library with the mutant."""
         return [program], environment(folder)
 
+    def tests_beside(self, source):
+        """The tests of a source's own room: a process that one of them starts may have run a line, and left no coverage."""
+        folder = ROOT / "tests/unit" / source.relative_to(ROOT).parent.relative_to("src")
+        return [name for name in sorted(self.seconds, key=self.seconds.get) if any(s.parent == folder for s in self.own[name])]
+
     def measure(self, sources):
         """Runs each test once: how long it takes, and which lines of the sources it reaches.
 
@@ -251,12 +256,15 @@ class Conform(Program):
     def link(self, library, instead):
         """Each test is linked with the mutant when it is its turn."""
 
+    def tests_beside(self, source):
+        return []
+
     def with_mutant(self, name, source, changed, work):
         return link_as_built(f"tests/{name}", work / name, work / "mutant.o", None)
 
 
 class InProcess(Program):
-    """The libraries that stand between a master and its sockets, judged by the master of the integration tests on both clocks."""
+    """The libraries between a master and its sockets, judged by the master of the integration tests on both clocks."""
 
     CLOCKS = {"in_process_real": "real", "in_process_virtual": "virtual"}
 
@@ -269,6 +277,9 @@ class InProcess(Program):
 
     def link(self, library, instead):
         """Each library is linked with the mutant when it is its turn."""
+
+    def tests_beside(self, source):
+        return [name for name in self.CLOCKS if name in self.seconds and source in self.own[name]]
 
     def with_mutant(self, name, source, changed, work):
         library = self.tests[name].name
@@ -357,7 +368,7 @@ def verdict(program, reached, mutant):
         if not program.core[source].compile(changed, work / "mutant.o"):
             return ""
         program.link(work / "libcore.so", {source: work / "mutant.o"})
-        for name in reached.get((source, mutant["line"]), []):
+        for name in reached.get((source, mutant["line"])) or program.tests_beside(source):
             words, variables = program.command(name, program.with_mutant(name, source, changed, work), work)
             if not passes(words, {**variables, "GCOV_PREFIX": folder}, 2 + 10 * program.seconds[name]):
                 return name

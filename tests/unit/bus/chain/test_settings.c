@@ -47,7 +47,7 @@ static void open_count(wire_t *w, size_t count)
     }
 }
 
-/* What the second twin has afterwards: low and high. */
+/* The values of the second twin afterwards are low and high. */
 static void all_or_none(void **state)
 {
     static const struct {
