@@ -77,7 +77,7 @@ _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
 /** Adds a change to the list. Leaves the case when the list is full. */
 cf_undo_t *cf_new_undo(cf_t *c);
-/** Frees the rooms, the histograms and the list of changes. */
+/** Frees the rooms, the histograms and the list of changes; the engine is empty then, and can be used again. */
 void cf_engine_free(cf_engine_t *e);
 /** Frees all changes of the list, undone or not. */
 void cf_forget_changes(cf_engine_t *e);

@@ -441,6 +441,53 @@ static void engine_limits(void **state)
     end_run(&run);
 }
 
+static uint64_t deadline_ns;
+static uint32_t limit_ms;
+
+static void notes_its_deadline(cf_t *c)
+{
+    deadline_ns = c->engine->deadline_ns;
+    limit_ms = c->engine->limit_ms;
+}
+
+static void deadline_of_a_case(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    uint64_t before_ns = cf_now_ns();
+    assert_int_equal(run_one(&run, notes_its_deadline, 0, &result), CF_PASS);
+    assert_true(limit_ms >= 1000);
+    assert_true(deadline_ns >= before_ns + limit_ms * 1000000ull);
+    assert_true(deadline_ns <= cf_now_ns() + limit_ms * 1000000ull);
+    end_run(&run);
+}
+
+/* After its end an engine holds nothing, may end again, and may run again. */
+static void engine_ends_twice(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    assert_int_equal(run_one(&run, uses_rooms, 0, &result), CF_PASS);
+    for (unsigned int round = 0; round < 2; round++) {
+        assert_int_equal(run_one(&run, measures_too_much, 0, &result), CF_FAIL);
+        run.engine.undo[0].file = malloc(1);
+        run.engine.undo[CF_UNDO_MOST - 1].file = malloc(1);
+        run.engine.undo_count = CF_UNDO_MOST;
+        cf_engine_free(&run.engine);
+        assert_int_equal(run.engine.series_count, 0);
+        assert_int_equal(run.engine.undo_count, 0);
+        assert_null(run.engine.undo[0].file);
+        assert_null(run.engine.undo[CF_UNDO_MOST - 1].file);
+        for (size_t i = 0; i < sizeof run.engine.room / sizeof run.engine.room[0]; i++)
+            assert_null(run.engine.room[i]);
+    }
+    end_run(&run);
+}
+
 static void changes_too_much(cf_t *c)
 {
     for (int i = 0; i <= CF_UNDO_MOST; i++)
@@ -722,6 +769,8 @@ int main(void)
         cmocka_unit_test(waiting),
         cmocka_unit_test(interrupted),
         cmocka_unit_test(engine_limits),
+        cmocka_unit_test(deadline_of_a_case),
+        cmocka_unit_test(engine_ends_twice),
         cmocka_unit_test(ids),
         cmocka_unit_test(need_texts),
         cmocka_unit_test(three_buffers),
