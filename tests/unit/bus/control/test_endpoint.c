@@ -241,6 +241,30 @@ static void dead_socket(void **state)
     ect_endpoint_close(fd, path[1], ect_endpoint_identity(path[1]));
 }
 
+/* A daemon's standard input may be closed: a socket, or a connection, gets descriptor 0 then. */
+static void descriptor_0(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[2][ECT_ENDPOINT_PATH];
+    uid_t owner = 0;
+    (void)state;
+    runtime_folder("zero", folder);
+    int fd = must_listen(path[0]);
+    const int input = dup(STDIN_FILENO);
+    (void)close(STDIN_FILENO);
+    const int connected = ect_endpoint_connect(path[0], &owner);
+    (void)close(STDIN_FILENO);
+    const int listening = must_listen(path[1]);
+    ect_endpoint_close(listening, path[1], ect_endpoint_identity(path[1]));
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    assert_int_equal(connected, STDIN_FILENO);
+    assert_int_equal(listening, STDIN_FILENO);
+    assert_int_equal(owner, geteuid());
+    ect_endpoint_close(fd, path[0], ect_endpoint_identity(path[0]));
+}
+
 /* Dead sockets are removed; live sockets and other files stay. */
 static void dead_sockets_of_others(void **state)
 {
@@ -404,6 +428,7 @@ int main(int argc, char **argv)
         {"Paths at their limits: the longest folder, the longest address of a socket", paths_at_their_limits, NULL,
          NULL, NULL},
         {"Attack: a name that a live twin has is left to it", names_that_collide, NULL, NULL, NULL},
+        {"Descriptor 0 is one as any other, where the standard input is closed", descriptor_0, NULL, NULL, NULL},
         {"The name of a twin that was killed is free", dead_socket, NULL, NULL, NULL},
         {"Sockets that killed processes have left are removed at the next start", dead_sockets_of_others, NULL, NULL,
          NULL},
