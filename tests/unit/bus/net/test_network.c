@@ -352,7 +352,7 @@ static void waits(void **state)
     send_frame(&r, tagged, sizeof tagged, FRAME, 1);
     assert_int_equal(ect_packet_receive(&r.twin, true, r.got, ROOM, &r.time), ECT_PACKET_NONE);
     assert_int_equal(ect_packet_receive(&r.twin, false, r.got, ROOM, &r.time), FRAME);
-    assert_int_equal(r.twin.wait_ns, 0); /* from now on it must look at both */
+    assert_int_equal(r.twin.wait_ns, 0); /* from now on it must read both */
     close_rig(&r);
 }
 
@@ -478,7 +478,7 @@ static void watched_links(void **state)
     close(fd);
 }
 
-/* A process without rights is told what it lacks; a name that is wrong is wrong with every right. */
+/* A process without rights gets the name of the missing one; a name that is wrong is wrong with every right. */
 static void without_rights(void **state)
 {
     static const struct {
