@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|bench|package|test
 #
-#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libmodbus, and SOEM for the demo's master
+#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libyaml, libmodbus, and SOEM for the demo's master
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
@@ -14,7 +14,7 @@
 # hash and built below ~/.cache/ectwin, where pymodbus is put as well. Safe to run again; does nothing when nothing is missing.
 set -eu
 
-run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev"
+run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev libyaml-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"

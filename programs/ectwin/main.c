@@ -15,19 +15,33 @@ static const struct command {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"list", command_list},         {"run", command_run},
-    {"with", command_with},         {"sii", command_sii},
-    {"get", command_get},           {"set", command_set},
-    {"watch", command_watch},       {"list-signals", command_list_signals},
-    {"command", command_command},   {"stats", command_stats},
-    {"periodic", command_periodic}, {"verify", command_verify},
-    {"esi", command_esi},           {"doc", command_doc},
-    {"objects", command_objects},   {"unplug", command_unplug},
-    {"plug", command_plug},         {"cut", command_cut},
-    {"mend", command_mend},         {"fault", command_fault},
-    {"lint", command_lint},         {"ps", command_ps},
-    {"enter", command_enter},       {"wait", command_wait},
-    {"veth", command_veth},         {"complete", command_complete},
+    {"list", command_list},
+    {"run", command_run},
+    {"with", command_with},
+    {"sii", command_sii},
+    {"get", command_get},
+    {"set", command_set},
+    {"watch", command_watch},
+    {"list-signals", command_list_signals},
+    {"command", command_command},
+    {"stats", command_stats},
+    {"periodic", command_periodic},
+    {"verify", command_verify},
+    {"esi", command_esi},
+    {"doc", command_doc},
+    {"objects", command_objects},
+    {"unplug", command_unplug},
+    {"plug", command_plug},
+    {"cut", command_cut},
+    {"mend", command_mend},
+    {"fault", command_fault},
+    {"lint", command_lint},
+    {"check", command_check},
+    {"ps", command_ps},
+    {"enter", command_enter},
+    {"wait", command_wait},
+    {"veth", command_veth},
+    {"complete", command_complete},
 };
 
 /* The names of the commands that begin with a word; `complete`, the last, is for shells. */
@@ -45,6 +59,8 @@ static int usage(FILE *stream, int status)
     fputs(
         "usage: ectwin list                                   list the devices\n"
         "       ectwin run  -i IFACE DEVICE[,DEVICE...]       run this chain of devices on IFACE\n"
+        "       ectwin run  -i IFACE BUS.yaml                 run the bus of a file; likewise with\n"
+        "       ectwin check BUS.yaml                         check a bus file without running it\n"
         "       ectwin run  --modbus [ADDR:]PORT DEVICE       run a base unit over Modbus TCP alone\n"
         "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
         "       ectwin with --external PROGRAM -- CMD ARG...  run CMD with a slave of your own, which takes -i IFACE\n"

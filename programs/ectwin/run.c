@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <string.h>
 
+#include "bus_args.h"
 #include "commands.h"
 
 typedef struct run_args {
@@ -110,13 +111,14 @@ int command_run(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .args_doc = "DEVICE[,DEVICE...]",
+        .args_doc = "DEVICE[,DEVICE...]\nBUS.yaml",
         .doc = "Runs a chain of devices on a network interface until SIGINT, SIGTERM or SIGHUP. With --modbus and "
                "without an "
                "interface: one base unit, over Modbus TCP alone.",
         .children = children,
     };
     run_args_t args = {0};
+    bus_args_expand(&argp, &argc, &argv);
     argp_parse(&argp, argc, argv, 0, NULL, &args);
 
     session_t session;

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "bus/net/netns.h"
+#include "bus_args.h"
 #include "commands.h"
 #include "contain.h"
 #include "inprocess.h"
@@ -458,13 +459,14 @@ int command_with(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
+        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\nBUS.yaml -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
         .doc = "Runs CMD on a private network whose other end is a chain of these devices. The interface's name "
                "is in $ECTWIN_IFACE and replaces {} in each ARG. Needs no root. Exits with CMD's status.",
         .children = children,
     };
     static char master[] = "ecat0";
     with_args_t args = {.masters = {master}};
+    bus_args_expand(&argp, &argc, &argv);
     argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &args);
 
     if (args.external)

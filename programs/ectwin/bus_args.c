@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus_args.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "buses/bus_file.h"
+#include "commands.h"
+
+/* Words of the command line until the program ends: options point into them. */
+static struct {
+    ect_bus_file_t file;
+    char **words;
+} given;
+
+__attribute__((destructor)) static void free_given(void)
+{
+    ect_bus_file_free(&given.file);
+    free(given.words);
+}
+
+/* The option with a long name of `length` characters, or with a letter; NULL: there is none. */
+static const struct argp_option *find_option(const struct argp *argp, const char *name, size_t length, int letter)
+{
+    for (const struct argp_option *o = argp->options; o && (o->name || o->key); o++) {
+        if (letter != 0 ? o->key == letter
+                        : o->name && strlen(o->name) == length && strncmp(o->name, name, length) == 0)
+            return o;
+    }
+    for (const struct argp_child *child = argp->children; child && child->argp; child++) {
+        const struct argp_option *found = find_option(child->argp, name, length, letter);
+        if (found)
+            return found;
+    }
+    return NULL;
+}
+
+static unsigned int kind_of(void *ctx, const char *name)
+{
+    const struct argp *argp = ctx;
+    const struct argp_option *o = find_option(argp, name, strlen(name), 0);
+    if (!o)
+        return ECT_BUS_OPTION_NONE;
+    if (!o->arg)
+        return ECT_BUS_OPTION_FLAG;
+    unsigned int kind = ECT_BUS_OPTION_VALUE;
+    if (strcmp(o->arg, "FILE") == 0 || strcmp(o->arg, "DIR") == 0)
+        kind |= ECT_BUS_OPTION_PATH;
+    if (strncmp(o->arg, "[N:]", 4) == 0)
+        kind |= ECT_BUS_OPTION_OF_TWIN;
+    return kind;
+}
+
+/* Whether the next word belongs to this option. */
+static bool takes_next(const struct argp *argp, const char *word)
+{
+    const struct argp_option *o;
+    if (word[1] == '-')
+        o = strchr(word, '=') ? NULL : find_option(argp, word + 2, strlen(word + 2), 0);
+    else
+        o = word[2] == '\0' ? find_option(argp, NULL, 0, word[1]) : NULL;
+    return o && o->arg && (o->flags & OPTION_ARG_OPTIONAL) == 0;
+}
+
+/* The place of the first operand; 0: there is none. */
+static int first_operand(const struct argp *argp, int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        if (argv[i][0] != '-' || argv[i][1] == '\0')
+            return i;
+        if (strcmp(argv[i], "--") == 0)
+            return 0;
+        i += takes_next(argp, argv[i]);
+    }
+    return 0;
+}
+
+void bus_args_expand(const struct argp *argp, int *argc, char ***argv)
+{
+    char text[600];
+    int operand = first_operand(argp, *argc, *argv);
+    const ect_bus_options_t options = {.find = kind_of, .ctx = (void *)(uintptr_t)argp};
+    if (operand == 0 || !ect_bus_file_is((*argv)[operand]))
+        return;
+    bool fine = ect_bus_file_read(&given.file, (*argv)[operand], &options, text, sizeof text);
+    given.words = fine ? calloc((size_t)*argc + given.file.count + 1, sizeof *given.words) : NULL;
+    if (!given.words) {
+        fprintf(stderr, "%s: %s\n", (*argv)[0], fine ? "no memory left" : text);
+        exit(EXIT_OPEN);
+    }
+    char **word = given.words;
+    *word++ = (*argv)[0];
+    for (size_t i = 0; i < given.file.count; i++)
+        *word++ = given.file.words[i];
+    for (int i = 1; i < *argc; i++)
+        *word++ = i == operand ? given.file.devices : (*argv)[i];
+    *argv = given.words;
+    *argc += (int)given.file.count;
+}

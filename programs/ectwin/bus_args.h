@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Bus files on a command line: `ectwin run bus.yaml`, `ectwin with bus.yaml -- CMD`.
+ */
+#ifndef ECTWIN_BUS_ARGS_H
+#define ECTWIN_BUS_ARGS_H
+
+#include <argp.h>
+
+/**
+ * Replaces a bus file, the first operand, by the devices and options that it describes. Options of the command line
+ * come after those of the file, and therefore replace them.
+ * @param argp  of the command: which options there are, and which of them take a value
+ * @param[in,out] argc, argv  of the command; the words of a file live until the program ends
+ * Ends the program with EXIT_OPEN and one line when the file cannot be read.
+ */
+void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
+
+#endif

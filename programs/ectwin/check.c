@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include <stdio.h>
+
+#include "bus_args.h"
+#include "commands.h"
+
+typedef struct check_args {
+    twin_args_t twins;
+    const char *devices;
+} check_args_t;
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    check_args_t *args = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &args->twins;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (args->devices)
+            argp_error(state, "one bus at a time: a bus file, or devices with commas between them");
+        args->devices = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (!args->devices)
+            argp_error(state, "no bus: name a bus file or devices");
+        twin_args_devices(&args->twins, state, args->devices);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+int command_check(int argc, char **argv)
+{
+    static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
+    static const struct argp argp = {
+        .parser = parse,
+        .args_doc = "BUS.yaml|DEVICE[,DEVICE...]",
+        .doc = "Checks a bus file, or a chain of devices with its options, without running it: its devices exist, its "
+               "signals, "
+               "connections and faults fit. Opens neither an interface nor a store.",
+        .children = children,
+    };
+    check_args_t args = {0};
+    ect_chain_t *chain;
+    bus_args_expand(&argp, &argc, &argv);
+    argp_parse(&argp, argc, argv, 0, NULL, &args);
+    args.twins.store = args.twins.files = NULL;
+    int status = twin_args_power_on(&args.twins, argv[0], 0, &chain);
+    if (status == EXIT_CLEAN)
+        printf("%zu twins: %s\n", args.twins.count, args.devices);
+    ect_chain_free(chain);
+    twin_args_free(&args.twins);
+    return status;
+}

@@ -1,0 +1,596 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "buses/bus_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <yaml.h>
+
+#include "text/number.h"
+#include "wire/assert.h"
+
+enum { VERSION = 1 };
+
+/* A twin of the file, or several by `count`. */
+typedef struct entry {
+    const yaml_node_t *node; /* its mapping */
+    const char *name;        /* NULL: none */
+    size_t first, count;     /* numbers, from 1 */
+} entry_t;
+
+typedef struct reader {
+    ect_bus_file_t *file;
+    const ect_bus_options_t *options;
+    const char *path;
+    yaml_document_t *document;
+    entry_t *entries;
+    size_t entry_count;
+    char *text;
+    size_t room;
+    bool failed;
+} reader_t;
+
+/* --- mistakes ----------------------------------------------------------------------------------------------------- */
+
+/* The first mistake counts. */
+__attribute__((format(printf, 3, 4))) static void fail(reader_t *r, const yaml_node_t *node, const char *format, ...)
+{
+    va_list values;
+    char why[300];
+    if (r->failed)
+        return;
+    r->failed = true;
+    va_start(values, format);
+    (void)vsnprintf(why, sizeof why, format, values);
+    va_end(values);
+    (void)snprintf(r->text, r->room, "%s:%zu: %s", r->path, node ? node->start_mark.line + 1 : 1, why);
+}
+
+static void fail_memory(reader_t *r)
+{
+    fail(r, NULL, "no memory left");
+}
+
+/* --- words -------------------------------------------------------------------------------------------------------- */
+
+__attribute__((format(printf, 2, 3))) static char *print(reader_t *r, const char *format, ...)
+{
+    va_list values;
+    char *text = NULL;
+    va_start(values, format);
+    if (vasprintf(&text, format, values) < 0) {
+        text = NULL;
+        fail_memory(r);
+    }
+    va_end(values);
+    return text;
+}
+
+/* Takes over `word`. The array grows at the powers of two. */
+static void add_word(reader_t *r, char *word)
+{
+    ect_bus_file_t *file = r->file;
+    if (word && (file->count & (file->count - 1)) == 0) {
+        size_t room = file->count ? 2 * file->count : 1;
+        char **grown = realloc(file->words, room * sizeof *grown);
+        if (!grown) {
+            free(word);
+            fail_memory(r);
+            return;
+        }
+        file->words = grown;
+    }
+    if (word)
+        file->words[file->count++] = word;
+}
+
+static void add_device(reader_t *r, const char *device, size_t count)
+{
+    ect_bus_file_t *file = r->file;
+    char *before = file->devices;
+    char number[24] = "";
+    if (count > 1)
+        (void)snprintf(number, sizeof number, "*%zu", count);
+    file->devices = print(r, "%s%s%s%s", before ? before : "", before ? "," : "", device, number);
+    free(before);
+}
+
+/* --- nodes -------------------------------------------------------------------------------------------------------- */
+
+static const yaml_node_t *node_of(const reader_t *r, int number)
+{
+    return yaml_document_get_node(r->document, number);
+}
+
+/* The text of a scalar, else "" and a mistake. */
+static const char *scalar(reader_t *r, const yaml_node_t *node, const char *key)
+{
+    if (node->type != YAML_SCALAR_NODE) {
+        fail(r, node, "'%.60s' takes one value", key);
+        return "";
+    }
+    const char *text = (const char *)node->data.scalar.value;
+    if (strlen(text) != node->data.scalar.length)
+        fail(r, node, "'%.60s' has a character 0", key);
+    return text;
+}
+
+static const yaml_node_t *find(const reader_t *r, const yaml_node_t *map, const char *key)
+{
+    for (const yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top; p++) {
+        const yaml_node_t *name = node_of(r, p->key);
+        if (name->type == YAML_SCALAR_NODE && strcmp((const char *)name->data.scalar.value, key) == 0)
+            return node_of(r, p->value);
+    }
+    return NULL;
+}
+
+/* Calls `take` for each pair of a mapping, in the order of the file; a key has one value. */
+static void each_pair(reader_t *r, const yaml_node_t *map, const char *what,
+                      void (*take)(reader_t *, const entry_t *, const char *, const yaml_node_t *),
+                      const entry_t *entry)
+{
+    if (map->type != YAML_MAPPING_NODE) {
+        fail(r, map, "%s: 'key: value' lines are missing", what);
+        return;
+    }
+    for (const yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top; p++) {
+        const yaml_node_t *name = node_of(r, p->key);
+        const char *key = scalar(r, name, what);
+        if (find(r, map, key) != node_of(r, p->value))
+            fail(r, name, "'%.60s' is there twice", key);
+        if (!r->failed)
+            take(r, entry, key, node_of(r, p->value));
+    }
+}
+
+/* --- names of twins ----------------------------------------------------------------------------------------------- */
+
+static bool is_name(const char *text)
+{
+    size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_-");
+    return *text >= 'a' && *text <= 'z' && text[length] == '\0' && length <= ECT_BUS_FILE_NAME;
+}
+
+/* The number of the entry's twin whose name is the first `length` characters; 0: none. */
+static size_t number_in(const entry_t *entry, const char *text, size_t length)
+{
+    size_t own = entry->name ? strlen(entry->name) : 0;
+    char digits[8] = "";
+    uint64_t number = 1;
+    if (own == 0 || own > length || strncmp(text, entry->name, own) != 0 || length - own >= sizeof digits)
+        return 0;
+    memcpy(digits, text + own, length - own);
+    bool found = entry->count == 1 ? length == own : *digits != '0' && ect_number(digits, 1, entry->count, &number);
+    return found ? entry->first + (size_t)number - 1 : 0;
+}
+
+static size_t number_of(const reader_t *r, const char *text, size_t length)
+{
+    size_t number = 0;
+    for (size_t i = 0; i < r->entry_count && number == 0; i++)
+        number = number_in(&r->entries[i], text, length);
+    return number;
+}
+
+/* Replaces the name that `text` begins with by the number of its twin; *rest is what follows. */
+static char *name_to_number(reader_t *r, const yaml_node_t *node, const char *text, const char *end, const char **rest)
+{
+    size_t length = strcspn(text, end);
+    size_t number = number_of(r, text, length);
+    *rest = text + length;
+    if (number > 0)
+        return print(r, "%zu", number);
+    if (*text < '0' || *text > '9')
+        fail(r, node, "there is no twin with the name '%.*s'", (int)(length < 60 ? length : 60), text);
+    return print(r, "%.*s", (int)length, text);
+}
+
+/* "axis.home=distance.data1,factor=2" */
+static char *connection_by_number(reader_t *r, const yaml_node_t *node, const char *text)
+{
+    const char *rest, *end;
+    char *target = name_to_number(r, node, text, ".=", &rest);
+    const char *equals = strchr(rest, '=');
+    if (!equals) {
+        free(target);
+        return print(r, "%s", text); /* the option reports it */
+    }
+    char *source = name_to_number(r, node, equals + 1, ".,", &end);
+    char *word = target && source ? print(r, "%s%.*s%s%s", target, (int)(equals + 1 - rest), rest, source, end) : NULL;
+    free(target);
+    free(source);
+    return word;
+}
+
+/* "at 2.5s hang slave gripper": a name behind the word is a number there. */
+static char *fault_by_number(reader_t *r, const yaml_node_t *node, const char *text)
+{
+    const char *rest;
+    const char *word = strstr(text, "slave ");
+    if (!word || (word != text && word[-1] != ' '))
+        return print(r, "%s", text);
+    word += strlen("slave ");
+    word += strspn(word, " ");
+    char *number = name_to_number(r, node, word, " ", &rest);
+    char *changed = number ? print(r, "%.*s%s%s", (int)(word - text), text, number, rest) : NULL;
+    free(number);
+    return changed;
+}
+
+/* --- paths -------------------------------------------------------------------------------------------------------- */
+
+static char *path_of(reader_t *r, const char *prefix, const char *path)
+{
+    const char *slash = strrchr(r->path, '/');
+    if (*path == '/' || !slash)
+        return print(r, "%s%s", prefix, path);
+    return print(r, "%s%.*s/%s", prefix, (int)(slash - r->path), r->path, path);
+}
+
+static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
+{
+    if (*device == '\0' || strchr(device, ',') || (strchr(device, '*') && !strchr(device, ':')))
+        fail(r, node,
+             "'device: %.60s' names one device: a further one is a '- device:' of its own, several are 'count'",
+             device);
+    if (strncmp(device, "esi:", 4) == 0 || strncmp(device, "sii:", 4) == 0)
+        return path_of(r, (char[]){device[0], device[1], device[2], ':', '\0'}, device + 4);
+    return print(r, "%s", device);
+}
+
+/* --- options ------------------------------------------------------------------------------------------------------ */
+
+static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option)
+{
+    const char *text = scalar(r, node, key);
+    if (r->failed)
+        return NULL;
+    if (strcmp(key, "connect") == 0)
+        return connection_by_number(r, node, text);
+    if (strcmp(key, "fault") == 0)
+        return fault_by_number(r, node, text);
+    return (option & ECT_BUS_OPTION_PATH) != 0 ? path_of(r, "", text) : print(r, "%s", text);
+}
+
+/* `n`: of the twin that the option is for; 0: of the bus. */
+static void add_option(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
+{
+    char *value = value_of(r, node, key, option);
+    if (value && !r->failed)
+        add_word(r, n > 0 ? print(r, "--%s=%zu:%s", key, n, value) : print(r, "--%s=%s", key, value));
+    free(value);
+}
+
+static void add_flag(reader_t *r, const yaml_node_t *node, const char *key)
+{
+    const char *value = scalar(r, node, key);
+    if (strcmp(value, "true") != 0 && strcmp(value, "false") != 0)
+        fail(r, node, "'%.60s' takes true or false", key);
+    else if (*value == 't')
+        add_word(r, print(r, "--%s", key));
+}
+
+/* A value, or a list of values. */
+static void add_options(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
+{
+    if (node->type != YAML_SEQUENCE_NODE) {
+        add_option(r, node, key, option, n);
+        return;
+    }
+    for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++)
+        add_option(r, node_of(r, *i), key, option, n);
+}
+
+/* Alias and serial number count up from one twin to the next, as on the command line. */
+static void add_counted(reader_t *r, const yaml_node_t *node, const char *key, const entry_t *entry)
+{
+    uint64_t first = 0;
+    const char *text = scalar(r, node, key);
+    if (!r->failed && !ect_number(text, 0, UINT32_MAX, &first))
+        fail(r, node, "'%.60s' takes a number, not '%.60s'", key, text);
+    for (size_t i = 0; i < entry->count && !r->failed; i++)
+        add_word(r, print(r, "--%s=%zu:%zu", key, entry->first + i, (size_t)first + i));
+}
+
+/* --- a twin ------------------------------------------------------------------------------------------------------- */
+
+static void take_setting(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+{
+    const char *text = scalar(r, value, key);
+    for (size_t i = 0; i < entry->count && !r->failed; i++)
+        add_word(r, print(r, "--set=%zu:%s=%s", entry->first + i, key, text));
+}
+
+static void take_module(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+{
+    const char *text = scalar(r, value, key);
+    for (size_t i = 0; i < entry->count && !r->failed; i++)
+        add_word(r, print(r, "--module=%zu:%s=%s", entry->first + i, key, text));
+}
+
+static void take_connection(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+{
+    const char *rest;
+    const char *text = scalar(r, value, key);
+    for (size_t i = 0; i < entry->count && !r->failed; i++) {
+        char *source = name_to_number(r, value, text, ".,", &rest);
+        if (source)
+            add_word(r, print(r, "--connect=%zu.%s=%s%s", entry->first + i, key, source, rest));
+        free(source);
+    }
+}
+
+static void take_twin_key(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+{
+    if (strcmp(key, "device") == 0 || strcmp(key, "name") == 0 || strcmp(key, "count") == 0)
+        return;
+    unsigned int option = r->options->find(r->options->ctx, key);
+    if (strcmp(key, "set") == 0)
+        each_pair(r, value, "set", take_setting, entry);
+    else if (strcmp(key, "module") == 0)
+        each_pair(r, value, "module", take_module, entry);
+    else if (strcmp(key, "connect") == 0)
+        each_pair(r, value, "connect", take_connection, entry);
+    else if ((option & ECT_BUS_OPTION_OF_TWIN) == 0)
+        fail(r, value,
+             "'%.60s' is no key of a twin: device, name, count, set, module, connect, or an option of 'ectwin run' "
+             "that takes N: for twin N",
+             key);
+    else if (strcmp(key, "alias") == 0 || strcmp(key, "serial") == 0)
+        add_counted(r, value, key, entry);
+    else
+        for (size_t i = 0; i < entry->count; i++)
+            add_options(r, value, key, option, entry->first + i);
+}
+
+static size_t count_of(reader_t *r, const yaml_node_t *twin)
+{
+    uint64_t count = 1;
+    const yaml_node_t *node = find(r, twin, "count");
+    if (node && !ect_number(scalar(r, node, "count"), 1, ECT_BUS_FILE_TWINS, &count))
+        fail(r, node, "'count' takes a number from 1 to %d", (int)ECT_BUS_FILE_TWINS);
+    return (size_t)count;
+}
+
+static void add_entry(reader_t *r, const yaml_node_t *twin)
+{
+    if (twin->type != YAML_MAPPING_NODE) {
+        fail(r, twin, "a twin is '- device: DEVICE', with its other keys below");
+        return;
+    }
+    const yaml_node_t *name = find(r, twin, "name");
+    const yaml_node_t *device = find(r, twin, "device");
+    entry_t entry = {.node = twin, .first = r->file->twins + 1, .count = count_of(r, twin)};
+    if (!device) {
+        fail(r, twin, "a twin without 'device'; 'ectwin list' lists the devices");
+        return;
+    }
+    if (name) {
+        entry.name = scalar(r, name, "name");
+        if (!is_name(entry.name))
+            fail(r, name, "'name: %.60s': a letter a to z first, then letters, digits, _ and -, at most %d", entry.name,
+                 (int)ECT_BUS_FILE_NAME);
+    }
+    for (size_t i = 0; name && i < r->entry_count; i++) {
+        const char *other = r->entries[i].name;
+        if (other && (strcmp(other, entry.name) == 0 || number_in(&entry, other, strlen(other)) > 0 ||
+                      number_in(&r->entries[i], entry.name, strlen(entry.name)) > 0))
+            fail(r, name, "two twins have the name '%.60s'", entry.name);
+    }
+    char *word = device_of(r, device, scalar(r, device, "device"));
+    r->file->twins += entry.count;
+    if (r->file->twins > ECT_BUS_FILE_TWINS)
+        fail(r, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);
+    if (word && !r->failed)
+        add_device(r, word, entry.count);
+    free(word);
+    r->entries[r->entry_count++] = entry;
+}
+
+/* --- the whole ---------------------------------------------------------------------------------------------------- */
+
+static void take_twins(reader_t *r, const yaml_node_t *twins)
+{
+    if (!twins || twins->type != YAML_SEQUENCE_NODE ||
+        twins->data.sequence.items.start == twins->data.sequence.items.top) {
+        fail(r, twins, "'twins:' with a list of '- device: DEVICE' is missing");
+        return;
+    }
+    const yaml_node_item_t *top = twins->data.sequence.items.top;
+    r->entries = calloc((size_t)(top - twins->data.sequence.items.start), sizeof *r->entries);
+    if (!r->entries)
+        fail_memory(r);
+    for (const yaml_node_item_t *i = twins->data.sequence.items.start; i < top && !r->failed; i++)
+        add_entry(r, node_of(r, *i));
+}
+
+static void take_key(reader_t *r, const entry_t *none, const char *key, const yaml_node_t *value)
+{
+    (void)none;
+    if (strcmp(key, "ectwin") == 0 || strcmp(key, "twins") == 0)
+        return;
+    unsigned int option = r->options->find(r->options->ctx, key);
+    if (option == ECT_BUS_OPTION_NONE)
+        fail(r, value, "'%.60s' is no key of a bus: ectwin, twins, or a long option of 'ectwin run' without its --",
+             key);
+    else if ((option & ECT_BUS_OPTION_VALUE) != 0)
+        add_options(r, value, key, option, 0);
+    else
+        add_flag(r, value, key);
+}
+
+static void take_document(reader_t *r)
+{
+    const yaml_node_t *root = yaml_document_get_root_node(r->document);
+    if (!root || root->type != YAML_MAPPING_NODE) {
+        fail(r, root, "not a bus file: it begins with 'ectwin: %d' and has 'twins:'", VERSION);
+        return;
+    }
+    const yaml_node_t *version = find(r, root, "ectwin");
+    uint64_t number = 0;
+    if (!version || !ect_number(scalar(r, version, "ectwin"), 0, UINT32_MAX, &number) || number != VERSION) {
+        fail(r, version ? version : root, "'ectwin: %d' is missing: the version of the format that this ectwin reads",
+             VERSION);
+        return;
+    }
+    take_twins(r, find(r, root, "twins"));
+    if (!r->failed)
+        each_pair(r, root, "the bus", take_key, NULL);
+    for (size_t i = 0; i < r->entry_count && !r->failed; i++)
+        each_pair(r, r->entries[i].node, "a twin", take_twin_key, &r->entries[i]);
+}
+
+/* Events that a bus file has no use for, and by which a small file could become a large one. */
+static const char *refused(const yaml_event_t *event)
+{
+    switch (event->type) {
+    case YAML_ALIAS_EVENT:
+        return "an alias";
+    case YAML_SCALAR_EVENT:
+        return event->data.scalar.anchor ? "an anchor" : event->data.scalar.tag ? "a tag" : NULL;
+    case YAML_SEQUENCE_START_EVENT:
+        return event->data.sequence_start.anchor ? "an anchor" : event->data.sequence_start.tag ? "a tag" : NULL;
+    case YAML_MAPPING_START_EVENT:
+        return event->data.mapping_start.anchor ? "an anchor" : event->data.mapping_start.tag ? "a tag" : NULL;
+    default:
+        return NULL;
+    }
+}
+
+static void fail_yaml(reader_t *r, const yaml_parser_t *parser)
+{
+    if (r->failed)
+        return;
+    r->failed = true;
+    (void)snprintf(r->text, r->room, "%s:%zu: no YAML: %s", r->path, parser->problem_mark.line + 1,
+                   parser->problem ? parser->problem : "no memory left");
+}
+
+/* Looks through the events of the whole file. */
+static void check_events(reader_t *r, const void *data, size_t length)
+{
+    enum { DEPTH = 8 };
+    yaml_parser_t parser;
+    yaml_event_t event;
+    unsigned int documents = 0, depth = 0;
+    bool ended = false;
+    if (yaml_parser_initialize(&parser) == 0) {
+        fail_memory(r);
+        return;
+    }
+    yaml_parser_set_input_string(&parser, data, length);
+    while (!ended && !r->failed) {
+        if (yaml_parser_parse(&parser, &event) == 0) {
+            fail_yaml(r, &parser);
+            break;
+        }
+        const char *what = refused(&event);
+        const yaml_node_t at = {.start_mark = event.start_mark};
+        if (what)
+            fail(r, &at, "%s of YAML: bus files have none", what);
+        documents += event.type == YAML_DOCUMENT_START_EVENT;
+        depth += event.type == YAML_SEQUENCE_START_EVENT || event.type == YAML_MAPPING_START_EVENT;
+        depth -= event.type == YAML_SEQUENCE_END_EVENT || event.type == YAML_MAPPING_END_EVENT;
+        if (documents > 1)
+            fail(r, &at, "a second document: a bus file has one");
+        if (depth > DEPTH)
+            fail(r, &at, "lists within lists: a bus file has no such depth");
+        ended = event.type == YAML_STREAM_END_EVENT;
+        yaml_event_delete(&event);
+    }
+    yaml_parser_delete(&parser);
+}
+
+static void read_document(reader_t *r, const void *data, size_t length)
+{
+    yaml_parser_t parser;
+    yaml_document_t document;
+    if (yaml_parser_initialize(&parser) == 0) {
+        fail_memory(r);
+        return;
+    }
+    yaml_parser_set_input_string(&parser, data, length);
+    if (yaml_parser_load(&parser, &document) != 0) {
+        r->document = &document;
+        take_document(r);
+        yaml_document_delete(&document);
+    } else {
+        fail_yaml(r, &parser);
+    }
+    yaml_parser_delete(&parser);
+}
+
+bool ect_bus_file_is(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && (strcasecmp(dot, ".yaml") == 0 || strcasecmp(dot, ".yml") == 0);
+}
+
+bool ect_bus_file_parse(ect_bus_file_t *file, const char *path, const void *data, size_t length,
+                        const ect_bus_options_t *options, char *text, size_t room)
+{
+    reader_t r = {.file = file, .options = options, .path = path, .text = text, .room = room};
+    *file = (ect_bus_file_t){0};
+    ECT_ASSERT(options->find != NULL && room > 0);
+    check_events(&r, data, length);
+    if (!r.failed)
+        read_document(&r, data, length);
+    free(r.entries);
+    return !r.failed;
+}
+
+/* @return the bytes, to be freed; NULL with a line in `text` */
+static char *load(const char *path, size_t *length, char *text, size_t room)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold the command up */
+    struct stat status;
+    char *data = NULL;
+    ssize_t got = -1;
+    if (fd < 0 || fstat(fd, &status) != 0) {
+        (void)snprintf(text, room, "%s: %s", path, strerror(errno));
+    } else if (!S_ISREG(status.st_mode) || status.st_size > ECT_BUS_FILE_BYTES) {
+        (void)snprintf(text, room, "%s: not a file of at most %d bytes", path, (int)ECT_BUS_FILE_BYTES);
+    } else {
+        data = malloc(ECT_BUS_FILE_BYTES);
+        got = data ? read(fd, data, ECT_BUS_FILE_BYTES) : -1;
+        if (got < 0)
+            (void)snprintf(text, room, "%s: %s", path, strerror(errno));
+    }
+    if (fd >= 0)
+        (void)close(fd);
+    if (got >= 0) {
+        *length = (size_t)got;
+        return data;
+    }
+    free(data);
+    return NULL;
+}
+
+bool ect_bus_file_read(ect_bus_file_t *file, const char *path, const ect_bus_options_t *options, char *text,
+                       size_t room)
+{
+    size_t length = 0;
+    char *data = load(path, &length, text, room);
+    *file = (ect_bus_file_t){0};
+    bool fine = data && ect_bus_file_parse(file, path, data, length, options, text, room);
+    free(data);
+    return fine;
+}
+
+void ect_bus_file_free(ect_bus_file_t *file)
+{
+    for (size_t i = 0; i < file->count; i++)
+        free(file->words[i]);
+    free(file->words);
+    free(file->devices);
+    *file = (ect_bus_file_t){0};
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/* Bus files: the words that a file stands for, and the line that refuses one. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "buses/bus_file.h"
+
+enum { TEXT = 400, LINES = 2000 };
+
+/* Options of a command, as `ectwin run` has them. */
+static unsigned int find(void *ctx, const char *name)
+{
+    static const struct {
+        const char *name;
+        unsigned int bits;
+    } known[] = {
+        {"seed", ECT_BUS_OPTION_VALUE},
+        {"busy-poll", ECT_BUS_OPTION_FLAG},
+        {"fault", ECT_BUS_OPTION_VALUE},
+        {"connect", ECT_BUS_OPTION_VALUE},
+        {"store", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH},
+        {"set", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
+        {"module", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
+        {"alias", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
+        {"serial", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
+        {"behaviour", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
+    };
+    (void)ctx;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strcmp(known[i].name, name) == 0)
+            return known[i].bits;
+    }
+    return ECT_BUS_OPTION_NONE;
+}
+
+static const ect_bus_options_t options = {.find = find};
+
+/* The words and the devices as one text. */
+static void parse(const char *yaml, char result[LINES], char why[TEXT])
+{
+    ect_bus_file_t file;
+    result[0] = why[0] = '\0';
+    if (ect_bus_file_parse(&file, "/m/bus.yaml", yaml, strlen(yaml), &options, why, TEXT)) {
+        for (size_t i = 0; i < file.count; i++) {
+            strcat(result, file.words[i]);
+            strcat(result, " ");
+        }
+        strcat(result, file.devices);
+    }
+    ect_bus_file_free(&file);
+}
+
+#define BUS(lines) "ectwin: 1\n" lines
+#define ONE        "twins:\n- device: fzm1\n"
+#define TWO                                                                                                            \
+    "twins:\n- device: pmctendo-dd5\n  name: axis\n- device: fzm1\n  name: cam\n  count: 3\n- device: esi:d/e.xml#T\n"
+
+static void a_file_stands_for_the_words_of_a_command_line(void **state)
+{
+    static const struct {
+        const char *title, *yaml, *words;
+    } rows[] = {
+        {"one device", BUS(ONE), "fzm1"},
+        {"several", BUS(TWO), "pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+        {"an absolute path stays", BUS("twins:\n- device: sii:/x/y.bin\n"), "sii:/x/y.bin"},
+        {"options of the bus come before those of twins", BUS(ONE "  alias: 5\nseed: 7\n"),
+         "--seed=7 --alias=1:5 fzm1"},
+        {"a flag", BUS("busy-poll: true\n" ONE), "--busy-poll fzm1"},
+        {"a flag that is false", BUS("busy-poll: false\n" ONE), "fzm1"},
+        {"a list repeats the option", BUS("fault: [drop 1%, hang slave 1]\n" ONE),
+         "--fault=drop 1% --fault=hang slave 1 fzm1"},
+        {"a path is relative to the file", BUS("store: s/t\n" ONE), "--store=/m/s/t fzm1"},
+        {"alias and serial number count up",
+         BUS("twins:\n- device: fzm1\n- {device: fzm1, count: 2, alias: 7, serial: 0x10}\n"),
+         "--alias=2:7 --alias=3:8 --serial=2:16 --serial=3:17 fzm1,fzm1*2"},
+        {"others are the same for all of a count", BUS("twins:\n- {device: fzm1, count: 2, behaviour: none}\n"),
+         "--behaviour=1:none --behaviour=2:none fzm1*2"},
+        {"signals", BUS(ONE "  set: {a.b: 1.5, c: text}\n"), "--set=1:a.b=1.5 --set=1:c=text fzm1"},
+        {"modules", BUS(ONE "  module: {1: 0x120, 2: 0x121}\n"), "--module=1:1=0x120 --module=1:2=0x121 fzm1"},
+        {"names in connections of the bus", BUS("connect: ['axis.home=cam2.run,factor=2', 2.trigger=axis.x]\n" TWO),
+         "--connect=1.home=3.run,factor=2 --connect=2.trigger=1.x pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+        {"names in connections of a twin", BUS(TWO "  connect: {in: axis.out}\n"),
+         "--connect=5.in=1.out pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+        {"names in faults", BUS("fault: at 2s hang slave cam3 until 3s\n" TWO),
+         "--fault=at 2s hang slave 4 until 3s pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+        {"comments and quotes", BUS("# a bus\ntwins:\n- device: \"fzm1\" # one\n"), "fzm1"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char words[LINES], why[TEXT];
+        print_message("%s\n", rows[i].title);
+        parse(rows[i].yaml, words, why);
+        assert_string_equal(why, "");
+        assert_string_equal(words, rows[i].words);
+    }
+}
+
+static void a_wrong_file_is_refused_with_its_line(void **state)
+{
+    static const struct {
+        const char *yaml, *why;
+    } rows[] = {
+        {"", "/m/bus.yaml:1: not a bus file: it begins with 'ectwin: 1' and has 'twins:'"},
+        {"- a\n", "/m/bus.yaml:1: not a bus file: it begins with 'ectwin: 1' and has 'twins:'"},
+        {ONE, "/m/bus.yaml:1: 'ectwin: 1' is missing: the version of the format that this ectwin reads"},
+        {"ectwin: 2\n" ONE, "/m/bus.yaml:1: 'ectwin: 1' is missing: the version of the format that this ectwin reads"},
+        {BUS(""), "/m/bus.yaml:1: 'twins:' with a list of '- device: DEVICE' is missing"},
+        {BUS("twins: []\n"), "/m/bus.yaml:2: 'twins:' with a list of '- device: DEVICE' is missing"},
+        {BUS("twins: [fzm1]\n"), "/m/bus.yaml:2: a twin is '- device: DEVICE', with its other keys below"},
+        {BUS("twins:\n- name: a\n"), "/m/bus.yaml:3: a twin without 'device'; 'ectwin list' lists the devices"},
+        {BUS("twins:\n- device: fzm1,fzm1\n"),
+         "/m/bus.yaml:3: 'device: fzm1,fzm1' names one device: a further one is a '- device:' of its own, several are "
+         "'count'"},
+        {BUS("colour: red\n" ONE),
+         "/m/bus.yaml:2: 'colour' is no key of a bus: ectwin, twins, or a long option of 'ectwin run' without its --"},
+        {BUS(ONE "  store: x\n"),
+         "/m/bus.yaml:4: 'store' is no key of a twin: device, name, count, set, module, connect, or an option of "
+         "'ectwin run' that takes N: for twin N"},
+        {BUS(ONE "  name: 1a\n"),
+         "/m/bus.yaml:4: 'name: 1a': a letter a to z first, then letters, digits, _ and -, at most 31"},
+        {BUS("twins:\n- {device: a, name: x}\n- {device: a, name: x}\n"), "/m/bus.yaml:4: two twins have the name 'x'"},
+        {BUS("twins:\n- {device: a, name: x2}\n- {device: a, name: x, count: 2}\n"),
+         "/m/bus.yaml:4: two twins have the name 'x'"},
+        {BUS("twins:\n- {device: a, name: x, count: 2}\n- {device: a, name: x2}\n"),
+         "/m/bus.yaml:4: two twins have the name 'x2'"},
+        {BUS(ONE "  count: 0\n"), "/m/bus.yaml:4: 'count' takes a number from 1 to 65535"},
+        {BUS("twins:\n- {device: a, count: 65535}\n- device: b\n"), "/m/bus.yaml:4: more than 65535 twins"},
+        {BUS(ONE "  alias: seven\n"), "/m/bus.yaml:4: 'alias' takes a number, not 'seven'"},
+        {BUS(ONE "  alias: 1\n  alias: 2\n"), "/m/bus.yaml:5: 'alias' is there twice"},
+        {BUS("busy-poll: yes\n" ONE), "/m/bus.yaml:2: 'busy-poll' takes true or false"},
+        {BUS("seed: {a: 1}\n" ONE), "/m/bus.yaml:2: 'seed' takes one value"},
+        {BUS("connect: arm.x=1.y\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'arm'"},
+        {BUS("fault: hang slave cam4\n" TWO), "/m/bus.yaml:2: there is no twin with the name 'cam4'"},
+        {BUS(ONE "  set: [a]\n"), "/m/bus.yaml:4: set: 'key: value' lines are missing"},
+        {BUS("a: &x b\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
+        {BUS("a: &x [b]\nc: *x\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
+        {BUS("a: *x\n" ONE), "/m/bus.yaml:2: an alias of YAML: bus files have none"},
+        {BUS("a: !!int 3\n" ONE), "/m/bus.yaml:2: a tag of YAML: bus files have none"},
+        {BUS(ONE "---\n" ONE), "/m/bus.yaml:4: a second document: a bus file has one"},
+        {BUS("a: [[[[[[[[[1]]]]]]]]]\n"), "/m/bus.yaml:2: lists within lists: a bus file has no such depth"},
+        {BUS("a: \"b\n"), "/m/bus.yaml:3: no YAML: found unexpected end of stream"},
+        {BUS("\ta: b\n"), "/m/bus.yaml:2: no YAML: found a tab character that violates indentation"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char words[LINES], why[TEXT];
+        parse(rows[i].yaml, words, why);
+        assert_string_equal(why, rows[i].why);
+        assert_string_equal(words, "");
+    }
+}
+
+static void a_name_ends_in_yaml_or_yml(void **state)
+{
+    (void)state;
+    assert_true(ect_bus_file_is("a/bus.yaml"));
+    assert_true(ect_bus_file_is("BUS.YML"));
+    assert_false(ect_bus_file_is("fzm1"));
+    assert_false(ect_bus_file_is("esi:bus.yaml.xml"));
+}
+
+static void a_file_that_cannot_be_read_is_a_line(void **state)
+{
+    ect_bus_file_t file;
+    char why[TEXT];
+    (void)state;
+    assert_false(ect_bus_file_read(&file, "/nonexistent/bus.yaml", &options, why, sizeof why));
+    assert_string_equal(why, "/nonexistent/bus.yaml: No such file or directory");
+    ect_bus_file_free(&file);
+    assert_false(ect_bus_file_read(&file, "/tmp", &options, why, sizeof why));
+    assert_string_equal(why, "/tmp: not a file of at most 1048576 bytes");
+    ect_bus_file_free(&file);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_file_stands_for_the_words_of_a_command_line),
+        cmocka_unit_test(a_wrong_file_is_refused_with_its_line),
+        cmocka_unit_test(a_name_ends_in_yaml_or_yml),
+        cmocka_unit_test(a_file_that_cannot_be_read_is_a_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
