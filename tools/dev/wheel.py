@@ -7,7 +7,7 @@ package gives its licence:
     DIST-INFO/licenses/PACKAGE/copyright       and licenses/common/NAME, each text of /usr/share/common-licenses that one refers to
     DIST-INFO/sboms/ectwin.spdx.json           the libraries with package, version, SHA-256 and licence (SPDX 2.3)
 
-The archive is written anew, so that equal contents give equal bytes: sorted, of the date $SOURCE_DATE_EPOCH (or now), modes 644 and 755.
+Equal contents give equal bytes: members are sorted, of the date $SOURCE_DATE_EPOCH (or now), modes 644 and 755.
 """
 import base64
 import hashlib
