@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The chip with another time of commit, for tests: everything takes effect while its datagram passes. Linked with
+ * --wrap for the functions named __wrap_...; the core has no part of it.
+ */
+#include "bus/chain/fast.h"
+#include "esc/internal.h"
+
+bool __real_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+bool __wrap_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+void __real_ect_esc_postpone_close(ect_esc_t *esc, unsigned int n);
+void __wrap_ect_esc_postpone_close(ect_esc_t *esc, unsigned int n);
+ect_fast_result_t __wrap_ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
+
+bool __wrap_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
+{
+    if (!__real_ect_esc_postpone_write(esc, access, address, length))
+        return false;
+    ect_esc_commit(esc);
+    return true;
+}
+
+void __wrap_ect_esc_postpone_close(ect_esc_t *esc, unsigned int n)
+{
+    __real_ect_esc_postpone_close(esc, n);
+    ect_esc_commit(esc);
+}
+
+/* The fast path assumes that no register changes within a frame. */
+ect_fast_result_t __wrap_ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    (void)fast;
+    (void)frame;
+    (void)length;
+    (void)now_ns;
+    return ECT_FAST_NOT_TAKEN;
+}
