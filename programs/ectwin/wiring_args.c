@@ -10,9 +10,11 @@
 #include "commands.h"
 #include "esc/personality.h"
 #include "seams/random.h"
+#include "sii/fit.h"
+#include "text/argument.h"
 #include "text/number.h"
 
-enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE, KEY_EEPROM };
+enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE, KEY_EEPROM, KEY_LIKE, KEY_AL, KEY_MAILBOX, KEY_JITTER, KEY_DC_JITTER };
 
 static const struct argp_option options[] = {
     {"esc", KEY_ESC, "[N:]NAME", 0,
@@ -31,6 +33,26 @@ static const struct argp_option options[] = {
      "Duration of the EEPROM commands of twin N, without N of all: 'chip', as an I2C EEPROM, 0.3 to 1.2 ms and 5 ms "
      "after a written word, or 'short', 20 us (default: short). May be repeated",
      2},
+    {"like", KEY_LIKE, "[N:]BOARD", 0,
+     "Times of a real board for twin N, without N of all: its ESC and the layout of its memory, accesses of the ESC that "
+     "take as long as on its bus, --eeprom-times chip; 'help' lists the boards",
+     2},
+    {"al-delay", KEY_AL, "[N:]MIN[..MAX]", 0,
+     "Time from a request in AL control until twin N, without N each, processes it: MIN to MAX ms, 0 to 60000, at "
+     "random from --seed (default 0). May be repeated",
+     2},
+    {"mailbox-delay", KEY_MAILBOX, "[N:]MIN[..MAX]", 0,
+     "Time from a mail until twin N, without N each, fetches and answers it: MIN to MAX ms, 0 to 60000, at random from "
+     "--seed (default 0). May be repeated",
+     2},
+    {"jitter", KEY_JITTER, "[N:]MIN[..MAX]", 0,
+     "Time from every event until twin N, without N each, processes it, process data too: MIN to MAX us, 0 to 1000000, "
+     "at random from --seed (default 0). May be repeated",
+     2},
+    {"dc-jitter", KEY_DC_JITTER, "[N:]NS", 0,
+     "Receive times of distributed clocks of twin N, without N of each, are late by 0 to NS ns, 0 to 100000, at random "
+     "from --seed (default 0). May be repeated",
+     2},
     {"wire", KEY_WIRE, "N:M.PORT", 0,
      "Connect the input of twin N to port 1, 2 or 3 of twin M, which comes before it (default: port 1 of the twin "
      "before). "
@@ -45,6 +67,13 @@ static void list_chips(void)
         const ect_esc_personality_t *p = ect_esc_personality_at(i);
         printf("%-13s %u FMMUs, %u SyncManagers, %2u KB\n", p->name, p->fmmu_count, p->sm_count, p->ram_kb);
     }
+    exit(EXIT_CLEAN);
+}
+
+static void list_boards(void)
+{
+    for (size_t i = 0; ect_board_at(i); i++)
+        printf("%-13s %s\n", ect_board_at(i)->name, ect_board_at(i)->summary);
     exit(EXIT_CLEAN);
 }
 
@@ -80,10 +109,18 @@ static error_t parse(int key, char *text, struct argp_state *state)
         if (strcmp(text, "help") == 0)
             list_chips();
         break;
+    case KEY_LIKE:
+        if (strcmp(text, "help") == 0)
+            list_boards();
+        break;
     case KEY_DRIFT:
     case KEY_CABLE:
     case KEY_WIRE:
     case KEY_EEPROM:
+    case KEY_AL:
+    case KEY_MAILBOX:
+    case KEY_JITTER:
+    case KEY_DC_JITTER:
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -153,10 +190,82 @@ static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, co
     twin->up_port = (uint8_t)(end[1] - '0');
 }
 
-static void apply_setting(const wiring_setting_t *setting, const struct argp_state *state, ect_twin_config_t *twins,
-                          size_t i, uint32_t *seed)
+/* The description that stays as long as the twins. */
+static ect_device_t *new_device(wiring_args_t *args, const struct argp_state *state)
 {
+    ect_device_t **grown = realloc(args->fitted, (args->fitted_count + 1) * sizeof *grown);
+    ect_device_t *device = malloc(sizeof *device);
+    if (grown)
+        args->fitted = grown;
+    if (!grown || !device)
+        argp_failure(state, EXIT_RUN, ENOMEM, "too many twins");
+    args->fitted[args->fitted_count++] = device;
+    return device;
+}
+
+static void set_board(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twin, size_t position,
+                      const char *name)
+{
+    const ect_board_t *board = ect_board(name);
+    if (!board)
+        argp_error(state, "there is no board '%s'; '--like help' lists those there are", name);
+    ect_device_t *device = new_device(args, state);
+    if (!ect_fit(twin->device, &ect_fit_lan9252, device))
+        argp_failure(state, EXIT_USAGE, 0,
+                     "twin %zu, %s, does not fit into the ESC of %s: it has too many SyncManagers or FMMUs, or needs more "
+                     "process RAM; use another board, or --jitter alone",
+                     position, twin->device->name, name);
+    twin->device = device;
+    twin->esc = device->esc;
+    twin->slow.board = board;
+    twin->eeprom_ns = (uint32_t)ECT_ESC_SII_I2C;
+}
+
+static ect_slow_range_t parse_span(const struct argp_state *state, const char *option, const char *text, uint64_t most,
+                             uint64_t unit_ns)
+{
+    uint64_t minimum = 0;
+    const char *end = ect_number_begins(text, 0, most, &minimum);
+    uint64_t maximum = minimum;
+    if (end && strncmp(end, "..", 2) == 0)
+        end = ect_number_begins(end + 2, minimum, most, &maximum);
+    if (!end || *end != 0)
+        argp_error(state, "%s takes MIN or MIN..MAX, whole numbers from 0 to %llu, not '%s'", option,
+                   (unsigned long long)most, text);
+    return (ect_slow_range_t){minimum * unit_ns, maximum * unit_ns};
+}
+
+/* @return whether the option is one of them */
+static bool set_times(const wiring_setting_t *setting, const struct argp_state *state, ect_slow_config_t *slow)
+{
+    enum { MOST_MS = 60000, MOST_US = 1000000, MOST_NS = 100000, MS_NS = 1000000, US_NS = 1000 };
     switch (setting->key) {
+    case KEY_AL:
+        slow->al = parse_span(state, "--al-delay", setting->text, MOST_MS, MS_NS);
+        return true;
+    case KEY_MAILBOX:
+        slow->mailbox = parse_span(state, "--mailbox-delay", setting->text, MOST_MS, MS_NS);
+        return true;
+    case KEY_JITTER:
+        slow->jitter = parse_span(state, "--jitter", setting->text, MOST_US, US_NS);
+        return true;
+    case KEY_DC_JITTER:
+        slow->receive_ns = (uint32_t)ect_argument_number(state, "--dc-jitter", setting->text, 0, MOST_NS);
+        return true;
+    default:
+        return false;
+    }
+}
+
+static void apply_setting(wiring_args_t *args, const wiring_setting_t *setting, const struct argp_state *state,
+                          ect_twin_config_t *twins, size_t i, uint32_t *seed)
+{
+    if (set_times(setting, state, &twins[i].slow))
+        return;
+    switch (setting->key) {
+    case KEY_LIKE:
+        set_board(args, state, &twins[i], i + 1, setting->text);
+        return;
     case KEY_ESC:
         set_esc(state, &twins[i], i + 1, setting->text);
         return;
@@ -174,7 +283,7 @@ static void apply_setting(const wiring_setting_t *setting, const struct argp_sta
     }
 }
 
-void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
+void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
                        size_t count, uint32_t seed)
 {
     for (size_t w = 0; w < args->count; w++) {
@@ -183,9 +292,11 @@ void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state
             argp_error(state, "%zu:%s: twins are counted from 1 to %zu", setting->twin, setting->text, count);
         for (size_t i = 0; i < count; i++) {
             if (setting->twin == 0 || setting->twin == i + 1)
-                apply_setting(setting, state, twins, i, &seed);
+                apply_setting(args, setting, state, twins, i, &seed);
         }
     }
+    for (size_t i = 0; i < count; i++)
+        twins[i].slow.seed = seed + (uint32_t)i;
     size_t wrong = ect_chain_check_wires(twins, count);
     if (wrong < count)
         argp_failure(state, EXIT_USAGE, 0,
@@ -198,5 +309,8 @@ void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state
 
 void wiring_args_free(wiring_args_t *args)
 {
+    for (size_t i = 0; i < args->fitted_count; i++)
+        free(args->fitted[i]);
+    free(args->fitted);
     free(args->settings);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Command-line options for the hardware of twins: chips, oscillators, cables, junctions.
+ * Command-line options for the hardware of twins: chips, oscillators, cables, junctions, times of the microcontroller.
  */
 #ifndef ECTWIN_WIRING_ARGS_H
 #define ECTWIN_WIRING_ARGS_H
@@ -22,6 +22,8 @@ typedef struct wiring_setting {
 typedef struct wiring_args {
     wiring_setting_t *settings;
     size_t count;
+    ect_device_t **fitted; /**< descriptions of twins on a board, for --like; in use as long as the twins */
+    size_t fitted_count;
 } wiring_args_t;
 
 /** Argp parser for these options; its input is a wiring_args_t. */
@@ -29,9 +31,9 @@ extern const struct argp wiring_argp;
 
 /**
  * Applies the options to the twins. An impossible one ends the program with a line that names the reason.
- * @param seed  of the random generator for drifts
+ * @param seed  of the random generators for drifts, delays and jitter
  */
-void wiring_args_apply(const wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
+void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
                        size_t count, uint32_t seed);
 
 void wiring_args_free(wiring_args_t *args);

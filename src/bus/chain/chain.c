@@ -104,10 +104,20 @@ static bool make_twins(ect_chain_t *chain, const ect_twin_config_t *twins, uint6
     return true;
 }
 
+static void slow_delays(const ect_chain_t *chain, bool before)
+{
+    for (size_t i = 0; i < chain->cabling.count; i++) {
+        if (chain->twins[i].slow)
+            ect_slow_delays(chain->twins[i].slow, before);
+    }
+}
+
 static void update_delays(ect_chain_t *chain)
 {
     chain->delays_due = false;
+    slow_delays(chain, true);
     ect_delays_update(&chain->cabling);
+    slow_delays(chain, false);
 }
 
 size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count)
@@ -304,17 +314,19 @@ static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
     ect_twin_t *twin = &chain->twins[i];
     bool on_bus = ect_twin_on_bus(twin);
     bool polled = twin->seen != ect_esc_activity(&twin->esc) || now_ns >= twin->slave_ns;
-    if (polled || now_ns >= ect_esc_due(&twin->esc))
+    if (polled || now_ns >= ect_esc_due(&twin->esc) || twin->slow)
         tick_esc(chain, twin, now_ns);
+    if (twin->slow)
+        ect_slow_run(twin->slow, now_ns);
     polled |= twin->seen != ect_esc_activity(&twin->esc);
-    if (polled && ect_twin_poll(twin, now_ns))
+    if (polled && ect_twin_begins(twin, now_ns) && ect_twin_poll(twin, now_ns))
         ect_fast_put(chain->fast, i, &twin->esc);
     ect_twin_report_sii(twin);
     ect_fast_refresh(chain->fast, i);
     chain->links_due |= on_bus != ect_twin_on_bus(twin);
     chain->delays_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
     twin->ports_seen = ect_esc_port_changes(&twin->esc);
-    ect_deadlines_set(chain->deadlines, i, ect_earlier(twin->slave_ns, ect_esc_due(&twin->esc)));
+    ect_deadlines_set(chain->deadlines, i, ect_earlier(ect_twin_next(twin), ect_esc_due(&twin->esc)));
 }
 
 static void poll_ready(ect_chain_t *chain, uint64_t now_ns)

@@ -66,7 +66,7 @@ static bool make_esc(ect_twin_t *twin)
 static bool make_slave(ect_twin_t *twin)
 {
     const ect_plant_t *plant = twin->config.plant;
-    twin->pdi = ect_virtual_pdi(&twin->esc);
+    twin->pdi = twin->slow ? ect_slow_pdi(twin->slow) : ect_virtual_pdi(&twin->esc);
     twin->slave.config = (ect_slave_config_t){
         .device = twin->config.device,
         .pdi = &twin->pdi,
@@ -91,6 +91,8 @@ static bool power_on(ect_twin_t *twin, uint64_t now_ns)
     if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
         return false;
     ect_esc_set_arrival(&twin->esc, &arrival);
+    if (twin->slow)
+        ect_slow_init(twin->slow, &twin->config.slow, &twin->esc, now_ns);
     slave.switches = plant && plant->station_alias ? plant->station_alias(slave.instance) : 0;
     for (unsigned int port = 0; port < ECT_TOPOLOGY_PORTS; port++)
         ect_esc_set_link(&twin->esc, port, twin->link[port]);
@@ -106,7 +108,9 @@ bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *p
     twin->buffer = config->device->buffer_size > 0 ? pool + esc_size(config) : NULL;
     twin->lamps = allocate(twin, sizeof *twin->lamps);
     twin->wiring = allocate(twin, sizeof *twin->wiring);
-    if (!twin->lamps || !twin->wiring || !make_esc(twin) || !make_slave(twin))
+    bool slow = ect_slow_needed(&config->slow);
+    twin->slow = slow ? allocate(twin, sizeof *twin->slow) : NULL;
+    if (!twin->lamps || !twin->wiring || (slow && !twin->slow) || !make_esc(twin) || !make_slave(twin))
         return false;
     *twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = config->drift_ppb};
     return power_on(twin, now_ns);
@@ -196,6 +200,8 @@ bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns)
     apply_wiring(twin);
     twin->seen = ect_esc_activity(&twin->esc);
     twin->slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
+    if (twin->slow)
+        twin->slave_ns = ect_slow_end(twin->slow, twin->slave_ns);
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
     if (restarts)
         ect_twin_restart(twin, now_ns);

@@ -15,6 +15,7 @@
 #include "bus/chain/fault.h"
 #include "bus/chain/lamps.h"
 #include "bus/chain/signals.h"
+#include "bus/chain/slow.h"
 #include "bus/chain/topology.h"
 #include "bus/chain/twin_config.h"
 #include "bus/chain/wiring.h"
@@ -32,6 +33,7 @@ typedef struct ect_twin {
     ect_esc_t esc;
     ect_pdi_t pdi;
     ect_slave_t slave;
+    ect_slow_t *slow; /* NULL: the slave takes no time */
     ect_wiring_t *wiring;
     ect_lamps_t *lamps;
     bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
@@ -69,6 +71,18 @@ void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns);
 
 /** Carries out a fault of a slave. @return whether it has restarted the twin */
 bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns);
+
+/** Whether the slave stack, which has something to do, does it now; ::ect_twin_next then has the time. */
+static inline bool ect_twin_begins(const ect_twin_t *twin, uint64_t now_ns)
+{
+    return !twin->slow || ect_slow_begins(twin->slow, now_ns);
+}
+
+/** @return the deadline of the twin: of its slave stack, or of what is on its way to the ESC */
+static inline uint64_t ect_twin_next(const ect_twin_t *twin)
+{
+    return twin->slow ? ect_slow_next(twin->slow, twin->slave_ns) : twin->slave_ns;
+}
 
 /** Runs the slave stack and the device. @return whether the twin has restarted, on its own or the master's request */
 bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns);

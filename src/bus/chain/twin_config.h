@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/chain/slow_config.h"
 #include "seams/device.h"
 #include "seams/plant.h"
 #include "seams/storage.h"
@@ -28,14 +29,15 @@ typedef struct ect_twin_config {
     const uint8_t *sii;
     /** Called by the poll after the master has written to the EEPROM, with its whole content. NULL: not called. */
     void (*sii_written)(void *sii_ctx, const uint8_t *sii, uint32_t size);
-    void *sii_ctx;        /**< passed to `sii_written` */
-    size_t up;            /**< with up_port not 0: position of the slave that port 0 is wired to; less than its own */
-    uint8_t up_port;      /**< port of that slave, 1, 2 or 3; 0: port 1 of the slave before this one */
-    uint16_t cable_m;     /**< length of the cable at port 0, metres; adds to propagation delays */
-    int32_t drift_ppb;    /**< deviation of the oscillator, -ECT_ESC_MAX_DRIFT_PPB..ECT_ESC_MAX_DRIFT_PPB; > 0: fast */
-    uint32_t eeprom_ns;   /**< duration of an EEPROM command (ect_esc_config_t::sii_command_ns) */
-    const char *esc;      /**< name of the chip (esc/personality.h); NULL: as the description names it */
-    bool keep_source_mac; /**< true: bit 1 of the first byte of the source address is left as it is */
+    void *sii_ctx;      /**< passed to `sii_written` */
+    size_t up;          /**< with up_port not 0: position of the slave that port 0 is wired to; less than its own */
+    uint8_t up_port;    /**< port of that slave, 1, 2 or 3; 0: port 1 of the slave before this one */
+    uint16_t cable_m;   /**< length of the cable at port 0, metres; adds to propagation delays */
+    int32_t drift_ppb;  /**< deviation of the oscillator, -ECT_ESC_MAX_DRIFT_PPB..ECT_ESC_MAX_DRIFT_PPB; > 0: fast */
+    uint32_t eeprom_ns; /**< duration of an EEPROM command (ect_esc_config_t::sii_command_ns) */
+    ect_slow_config_t slow; /**< times of its microcontroller */
+    const char *esc;        /**< name of the chip (esc/personality.h); NULL: as the description names it */
+    bool keep_source_mac;   /**< true: bit 1 of the first byte of the source address is left as it is */
 } ect_twin_config_t;
 
 /** Default duration of an EEPROM command: a master that does not wait for its end reads the previous data, and a scan

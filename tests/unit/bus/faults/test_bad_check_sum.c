@@ -197,8 +197,8 @@ static void counters(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-011: a frame with a bad check sum changes no register, no SyncManager and no output", changes_nothing, setup,
-         teardown, NULL},
+        {"CF-011: a frame with a bad check sum changes no register, no SyncManager and no output", changes_nothing,
+         setup, teardown, NULL},
         {"CF-011 CF-052: outputs in frames with a bad check sum do not feed the watchdog", feeds_no_watchdog, setup,
          teardown, NULL},
         {"CF-011: 0x0300, 0x0308 and 0x030C count frames with a bad check sum, up to 255", counters, setup, teardown,

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A microcontroller that takes time, between the slave stack and the software ESC of a twin. Internal to bus/chain.
+ *
+ * The stack runs in one call, at one time. The delays are in its PDI: events are hidden until the slave would process
+ * them; on a board, each access takes the time of its bytes, writes reach the ESC at the time when the board would have
+ * finished them, and the next poll begins when the last access has ended. Reads take place at the beginning of a poll:
+ * a mailbox is empty earlier than on the board, by the time of its bytes.
+ *
+ * No clock and no heap in here. Context: the thread of the chain.
+ */
+#ifndef ECT_BUS_CHAIN_SLOW_H
+#define ECT_BUS_CHAIN_SLOW_H
+
+#include "bus/chain/slow_config.h"
+#include "esc/esc.h"
+#include "seams/pdi.h"
+
+ECT_C_BEGIN
+
+/** Bytes of the writes that are on their way to the ESC; a write beyond them reaches the ESC at once, with all before.
+ */
+enum { ECT_SLOW_QUEUE = 8192 };
+
+/** An event that is hidden from the slave. */
+typedef struct ect_hidden {
+    bool waits;
+    uint64_t due_ns;
+} ect_hidden_t;
+
+/** Private. */
+typedef struct ect_slow {
+    ect_slow_config_t config;
+    ect_esc_t *esc;
+    uint32_t random;
+    uint64_t now_ns;   /* of the poll; on a board of its present access */
+    uint64_t start_ns; /* the poll that an event has caused begins; 0: none is due */
+    uint64_t busy_ns;  /* the last access ends */
+    bool polling;
+    ect_hidden_t al, mailbox;
+    uint8_t al_control[2];     /* read from the ESC, until the stack reads it */
+    ect_esc_arrival_t arrival; /* without jitter */
+    uint16_t first, used;      /* of `queue` */
+    uint8_t queue[ECT_SLOW_QUEUE];
+} ect_slow_t;
+
+/** Power-on at `now_ns`. The ESC must be initialised, and outlive its use. */
+void ect_slow_init(ect_slow_t *slow, const ect_slow_config_t *config, ect_esc_t *esc, uint64_t now_ns);
+
+/** The PDI of a slave with these times. @param slow  also of a later ::ect_slow_init */
+ect_pdi_t ect_slow_pdi(ect_slow_t *slow);
+
+/** Lets the writes that are due reach the ESC, whose time is `now_ns`, and draws the receive times of the next frame.
+ */
+void ect_slow_run(ect_slow_t *slow, uint64_t now_ns);
+
+/** Whether the poll of the slave that is due now, or was due before, begins now. If so, ::ect_slow_end must follow it.
+ */
+bool ect_slow_begins(ect_slow_t *slow, uint64_t now_ns);
+
+/** Ends a poll. @param slave_ns  its deadline  @return the deadline with the hidden events */
+uint64_t ect_slow_end(ect_slow_t *slow, uint64_t slave_ns);
+
+/** @return the time of the next call of ::ect_slow_run, given the deadline of the slave */
+uint64_t ect_slow_next(const ect_slow_t *slow, uint64_t slave_ns);
+
+/** Removes the jitter of receive times (`true`) before the delays of the chain are computed; takes the new delays. */
+void ect_slow_delays(ect_slow_t *slow, bool before);
+
+ECT_C_END
+
+#endif

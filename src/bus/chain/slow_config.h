@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The times that the microcontroller of a twin takes.
+ */
+#ifndef ECT_BUS_CHAIN_SLOW_CONFIG_H
+#define ECT_BUS_CHAIN_SLOW_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** A duration: a random one from `min_ns` to `max_ns`, both included. Both 0: none. */
+typedef struct ect_slow_range {
+    uint64_t min_ns, max_ns;
+} ect_slow_range_t;
+
+/** A board: its microcontroller and the bus to its ESC. */
+typedef struct ect_board {
+    const char *name;
+    const char *summary;
+    /** Time of an access of the ESC: its bytes on the bus, and the driver. Pure. */
+    uint64_t (*access_ns)(uint16_t address, uint16_t length, bool write);
+} ect_board_t;
+
+/** The boards. @return NULL: no such index, no such name */
+const ect_board_t *ect_board_at(size_t index);
+const ect_board_t *ect_board(const char *name);
+
+/** The times of one twin. Zeroed: none, the twin does its work at the time of the event. */
+typedef struct ect_slow_config {
+    ect_slow_range_t al;            /**< from a request in AL control until the slave begins to process it */
+    ect_slow_range_t mailbox;       /**< from a mail in SM0 until the slave fetches it */
+    ect_slow_range_t jitter;        /**< from an event until the slave begins to process it */
+    uint32_t receive_ns;      /**< receive times of distributed clocks are late by 0 to so many, each frame anew */
+    const ect_board_t *board; /**< the slave's accesses of the ESC take as long as there; NULL: no time */
+    uint32_t seed;            /**< of the random generator */
+} ect_slow_config_t;
+
+/** Whether any of them takes time. */
+static inline bool ect_slow_needed(const ect_slow_config_t *c)
+{
+    return c->al.max_ns != 0 || c->mailbox.max_ns != 0 || c->jitter.max_ns != 0 || c->receive_ns != 0 || c->board;
+}
+
+ECT_C_END
+
+#endif

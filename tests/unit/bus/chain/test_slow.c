@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+/* Twins whose microcontroller takes time (bus/chain/slow.h): late states, late mails, old inputs, the times of a board. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "devices/eclink/eclink.h"
+#include "devices/fzm1/fzm1.h"
+#include "sii/fit.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+#define US 1000ull
+
+static void open_slow(wire_t *w, const ect_device_t *device, const ect_slow_config_t *slow)
+{
+    ect_twin_config_t twin = ect_twin_default(device, NULL);
+    twin.slow = *slow;
+    wire_open_twins(w, &twin, 1);
+}
+
+/* Time until a register has a value, in steps; fails after 1 s. */
+static uint64_t wait_for(wire_t *w, uint16_t address, uint8_t mask, uint8_t value, uint64_t step_ns)
+{
+    uint64_t begin_ns = w->now_ns;
+    while ((wire_read8(w, 0, address) & mask) != value) {
+        if (w->now_ns - begin_ns > 1000 * MS)
+            fail_msg("0x%04X never shows 0x%02X", address, value);
+        wire_advance(w, step_ns);
+    }
+    return w->now_ns - begin_ns;
+}
+
+static uint64_t until_state(wire_t *w, uint8_t state)
+{
+    return wait_for(w, ECT_REG_AL_STATUS, 0xFF, state, 100 * US);
+}
+
+/* Requests a state. @return ns until AL status shows it */
+static uint64_t change(wire_t *w, uint8_t state)
+{
+    assert_int_equal(wire_write16(w, 0, ECT_REG_AL_CONTROL, state), 1);
+    return until_state(w, state);
+}
+
+static void expect_between(const char *what, uint64_t got_ns, uint64_t minimum_ns, uint64_t maximum_ns)
+{
+    if (got_ns < minimum_ns || got_ns > maximum_ns)
+        fail_msg("%s: expected %llu to %llu us, got %llu us", what, (unsigned long long)(minimum_ns / US),
+                 (unsigned long long)(maximum_ns / US), (unsigned long long)(got_ns / US));
+}
+
+static void late_states(void **state)
+{
+    const ect_slow_config_t slow = {.al = {5 * MS, 100 * MS}, .seed = 3};
+    uint64_t least = UINT64_MAX, most = 0;
+    wire_t w;
+    (void)state;
+    open_slow(&w, &testdev, &slow);
+    wire_configure_mailbox(&w, 0);
+    for (unsigned int n = 0; n < 40; n++) {
+        uint64_t took = change(&w, n % 2 == 0 ? ECT_STATE_PREOP : ECT_STATE_INIT);
+        expect_between("a change of state", took, 5 * MS, 100 * MS + 100 * US);
+        least = took < least ? took : least;
+        most = took > most ? took : most;
+    }
+    assert_true(least < 20 * MS && most > 80 * MS);
+    wire_close(&w);
+}
+
+/* AL control is not locked while the slave takes its time: the last request counts. */
+static void changed_request(void **state)
+{
+    const ect_slow_config_t slow = {.al = {20 * MS, 20 * MS}};
+    wire_t w;
+    (void)state;
+    open_slow(&w, &testdev, &slow);
+    wire_configure_mailbox(&w, 0);
+    assert_int_equal(wire_write16(&w, 0, ECT_REG_AL_CONTROL, ECT_STATE_OP), 1);
+    wire_advance(&w, 10 * MS);
+    assert_int_equal(wire_write16(&w, 0, ECT_REG_AL_CONTROL, ECT_STATE_PREOP), 1);
+    expect_between("the second request", until_state(&w, ECT_STATE_PREOP), 20 * MS, 20 * MS + 100 * US);
+    assert_int_equal(wire_read16(&w, 0, ECT_REG_AL_STATUS_CODE), 0);
+    wire_close(&w);
+}
+
+static uint64_t upload(wire_t *w)
+{
+    static const uint8_t request[10] = {0, 0x20, 0x40, 0x18, 0x10, 1};
+    uint8_t mail[128];
+    assert_int_equal(wire_mail_request(w, 0, ECT_MAILBOX_TYPE_COE, request, sizeof request), 1);
+    uint64_t took = wait_for(w, 0x080D, 0x08, 0x08, 100 * US);
+    assert_int_equal(wire_mail_receive(w, 0, mail, sizeof mail), 10);
+    return took;
+}
+
+static void late_mails(void **state)
+{
+    const ect_slow_config_t slow = {.mailbox = {5 * MS, 50 * MS}, .seed = 3};
+    uint64_t least = UINT64_MAX, most = 0;
+    wire_t w;
+    (void)state;
+    open_slow(&w, &testdev, &slow);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    for (unsigned int n = 0; n < 40; n++) {
+        uint64_t took = upload(&w);
+        expect_between("a reply", took, 5 * MS, 50 * MS + 100 * US);
+        least = took < least ? took : least;
+        most = took > most ? took : most;
+    }
+    assert_true(least < 15 * MS && most > 40 * MS);
+    wire_close(&w);
+}
+
+static void go_to_op(wire_t *w)
+{
+    wire_configure_mailbox(w, 0);
+    (void)change(w, ECT_STATE_PREOP);
+    wire_configure_process_data(w, 0);
+    (void)change(w, ECT_STATE_SAFEOP);
+    assert_int_equal(wire_outputs(w, 0, 0), 1);
+    (void)change(w, ECT_STATE_OP);
+}
+
+/* Cycles of 1 ms. A slave that is later than a cycle has, in every second one, the outputs of the cycle before. */
+static void old_inputs(void **state)
+{
+    static const struct {
+        ect_slow_range_t jitter;
+        unsigned int late_least, late_most; /* of 20 cycles */
+    } rows[] = {{{0, 0}, 0, 0}, {{200 * US, 700 * US}, 0, 0}, {{1200 * US, 1200 * US}, 9, 11}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_slow_config_t slow = {.jitter = rows[i].jitter, .seed = 5};
+        unsigned int late = 0;
+        wire_t w;
+        open_slow(&w, &testdev, &slow);
+        go_to_op(&w);
+        wire_advance(&w, 5 * MS);
+        for (unsigned int cycle = 1; cycle <= 20; cycle++) {
+            assert_int_equal(wire_outputs(&w, 0, (uint8_t)cycle), 1);
+            wire_advance(&w, 1 * MS);
+            unsigned int seen = testdev_of(&w, 0)->out_u16 & 0xFF;
+            assert_true(seen + 1 >= cycle);
+            late += seen != cycle;
+        }
+        if (late < rows[i].late_least || late > rows[i].late_most)
+            fail_msg("row %zu: %u cycles with old outputs", i, late);
+        wire_close(&w);
+    }
+}
+
+/* The times between the frame with the outputs and the new inputs: the bytes of docs/LAN9252.md at 20 MHz, 1 us for
+ * each transfer, and at most an idle poll before. */
+static void exchange_on_board(void **state)
+{
+    static const struct {
+        const ect_device_t *device;
+        uint64_t bytes, transfers;
+    } rows[] = {{&ect_eclink_map7, 406, 18}, {&ect_fzm1, 138, 10}};
+    const uint64_t idle_ns = 21 * 400 + 3 * 1000;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_slow_config_t slow = {.board = ect_board("lan9252-spi")};
+        const uint64_t want_ns = rows[i].bytes * 400 + rows[i].transfers * 1000;
+        ect_device_t device;
+        uint8_t image[512] = {0};
+        wire_t w;
+        assert_true(ect_fit(rows[i].device, &ect_fit_lan9252, &device));
+        open_slow(&w, &device, &slow);
+        go_to_op(&w);
+        for (unsigned int n = 0; n < 20; n++) {
+            uint64_t took = 0;
+            wire_advance(&w, 2 * MS + n * 777);
+            wire_build(&w, FPWR, WIRE_STATION, device.sm[2].start, image, ect_device_sm_bytes(&device, 2));
+            wire_append(&w, FPRD, WIRE_STATION, device.sm[3].start, image, ect_device_sm_bytes(&device, 3));
+            assert_true(wire_transmit(&w) && wire_wkc(&w, 0) == 1 && wire_wkc(&w, 1) == 1);
+            for (; (ect_chain_esc(w.chain, 0)->memory[0x081D] & 1) == 0 && took < MS; took += 100)
+                wire_advance(&w, 100);
+            expect_between(rows[i].device->name, took, want_ns, want_ns + idle_ns + 100);
+        }
+        wire_close(&w);
+    }
+}
+
+/* The same seed gives the same times, another one others. */
+static void seeds(void **state)
+{
+    uint64_t times[3];
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        const ect_slow_config_t slow = {.al = {0, 100 * MS}, .seed = i < 2 ? 9 : 10};
+        wire_t w;
+        open_slow(&w, &testdev, &slow);
+        wire_configure_mailbox(&w, 0);
+        times[i] = change(&w, ECT_STATE_PREOP);
+        wire_close(&w);
+    }
+    assert_int_equal(times[0], times[1]);
+    assert_int_not_equal(times[0], times[2]);
+}
+
+static void receive_times(void **state)
+{
+    const ect_slow_config_t slow = {.receive_ns = 40, .seed = 2};
+    uint32_t least = UINT32_MAX, most = 0;
+    wire_t w;
+    (void)state;
+    open_slow(&w, &testdev, &slow);
+    for (unsigned int n = 0; n < 200; n++) {
+        uint8_t port[4] = {0};
+        wire_advance(&w, 1 * MS);
+        uint64_t sent_ns = w.now_ns;
+        assert_int_equal(wire_send(&w, BWR, 0, 0x0900, port, sizeof port), 1);
+        assert_int_equal(wire_read(&w, 0, 0x0900, port, sizeof port), 1);
+        uint32_t late = ect_load_le32(port) - (uint32_t)sent_ns;
+        least = late < least ? late : least;
+        most = late > most ? late : most;
+    }
+    assert_int_equal(most - least, 40);
+    wire_close(&w);
+}
+
+/* A reset while writes are under way: none of them reaches the chip afterwards. */
+static void reset_under_way(void **state)
+{
+    const ect_slow_config_t slow = {.board = ect_board("lan9252-spi")};
+    ect_device_t device;
+    wire_t w;
+    (void)state;
+    assert_true(ect_fit(&testdev, &ect_fit_lan9252, &device));
+    open_slow(&w, &device, &slow);
+    wire_configure_mailbox(&w, 0);
+    w.manual_poll = true;
+    assert_int_equal(wire_write16(&w, 0, ECT_REG_AL_CONTROL, ECT_STATE_PREOP), 1);
+    for (unsigned int n = 0; n < 12; n++) { /* the poll has begun, and AL status is not written yet */
+        w.now_ns += 2 * US;
+        (void)ect_chain_poll(w.chain, w.now_ns);
+    }
+    assert_int_equal(ect_chain_slave(w.chain, 0)->state, ECT_STATE_PREOP);
+    assert_int_equal(ect_chain_esc(w.chain, 0)->memory[ECT_REG_AL_STATUS], ECT_STATE_INIT);
+    ect_chain_power_cycle(w.chain, w.now_ns);
+    w.manual_poll = false;
+    wire_advance(&w, 10 * MS);
+    assert_int_equal(ect_chain_esc(w.chain, 0)->memory[ECT_REG_AL_STATUS], ECT_STATE_INIT);
+    wire_close(&w);
+}
+
+static void boards(void **state)
+{
+    (void)state;
+    assert_ptr_equal(ect_board("lan9252-spi"), ect_board_at(0));
+    assert_null(ect_board("lan9252"));
+    assert_null(ect_board_at(1));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boards),
+        {"AL status follows a request after the delay, at random within its range", late_states, NULL, NULL, NULL},
+        {"a request replaces the one that the slave has not processed yet", changed_request, NULL, NULL, NULL},
+        {"the reply to a mail comes after the delay", late_mails, NULL, NULL, NULL},
+        {"outputs reach a slave that is late by more than a cycle in the next one", old_inputs, NULL, NULL, NULL},
+        {"PDI budget: the exchange of a twin like a board takes the time of its SPI bytes", exchange_on_board, NULL, NULL,
+         NULL},
+        {"the same seed gives the same delays", seeds, NULL, NULL, NULL},
+        {"receive times with jitter", receive_times, NULL, NULL, NULL},
+        {"a power cycle discards the writes of a board that are under way", reset_under_way, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("slow twins", tests, NULL, NULL);
+}
