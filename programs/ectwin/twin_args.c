@@ -114,7 +114,7 @@ static const struct argp_option options[] = {
      "Inject a fault, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md). May be repeated", 1},
     {"faults", KEY_FAULTS, "FILE", 0, "Inject the faults in a file, one a line, as --fault does", 1},
     {"seed", KEY_SEED, "N", 0,
-     "Seed of the random generator that selects frames for --fault and drifts for --drift (default 1)", 1},
+     "Seed of the random generator that selects frames for --fault, drifts for --drift, delays and jitter (default 1)", 1},
     {"break", KEY_BREAK, "CF-NNN", 0,
      "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists the defects", 1},
     {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,

@@ -9,6 +9,7 @@
 
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
+#include "ports/lan9252/cost.h"
 #include "ports/lan9252/lan9252.h"
 #include "ports/virtual/lan9252.h"
 #include "sii/fit.h"
@@ -189,6 +190,34 @@ static void counted(void **state)
     }
 }
 
+static void expect_cost(rig_t *r, uint16_t address, uint16_t length, bool write)
+{
+    static uint8_t data[300];
+    ect_lan9252_cost_t want = ect_lan9252_cost(address, length, write);
+    r->chip.transfers = r->chip.bytes = 0;
+    int result = write ? r->spi_pdi.write(r->spi_pdi.ctx, address, data, length)
+                       : r->spi_pdi.read(r->spi_pdi.ctx, address, data, length);
+    assert_int_equal(result, 0);
+    if (r->chip.transfers != want.transfers || r->chip.bytes != want.bytes)
+        fail_msg("%s of %u bytes at 0x%04X: the port needs %u transfers and %u bytes, ect_lan9252_cost has %u and %u",
+                 write ? "write" : "read", length, address, r->chip.transfers, r->chip.bytes, want.transfers, want.bytes);
+}
+
+/* User RAM, below 0x1000, is reached like registers; accesses may cross into process RAM. */
+static void cost_function(void **state)
+{
+    rig_t r;
+    (void)state;
+    rig_open(&r, &ect_fzm1, false);
+    for (uint16_t address = 0x0F80; address < 0x1080; address = (uint16_t)(address + (address < 0x0FF0 ? 13 : 1))) {
+        for (uint16_t length = 1; length <= 300; length = (uint16_t)(length + (length < 70 ? 1 : 23))) {
+            expect_cost(&r, address, length, false);
+            expect_cost(&r, address, length, true);
+        }
+    }
+    rig_close(&r);
+}
+
 static void activation_once(void **state)
 {
     static const ect_device_t *const devices[] = {&ect_eclink_map7, &ect_fzm1};
@@ -211,6 +240,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"PDI budget: accesses and SPI bytes of poll, exchange and SDO are those of docs/LAN9252.md", counted, NULL,
          NULL, NULL},
+        {"PDI budget: ect_lan9252_cost has the transfers and bytes that the port needs, at any address and length",
+         cost_function, NULL, NULL, NULL},
         {"PDI budget: 0x0981 is read once on the way to SAFEOP", activation_once, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("port_cost", tests, NULL, NULL);
