@@ -51,26 +51,66 @@ static bool find_command(const char *name, char path[PATH_MAX])
     return false;
 }
 
-/* The library and CMD must be of one word size and one processor. A script has no such header and passes. */
+/* A program's kind: it loads the library if it has the same word size, processor and dynamic linker. */
+typedef struct kind {
+    unsigned char word_size;
+    ElfW(Half) processor;
+    char linker[256]; /* its name without a folder; empty: a static program */
+} kind_t;
+
+static void read_linker(int fd, const ElfW(Ehdr) * header, kind_t *kind)
+{
+    ElfW(Phdr) part;
+    char path[sizeof kind->linker] = "";
+    for (ElfW(Half) i = 0; i < header->e_phnum; i++) {
+        off_t at = (off_t)(header->e_phoff + (ElfW(Off))i * sizeof part);
+        if (pread(fd, &part, sizeof part, at) != (ssize_t)sizeof part || part.p_type != PT_INTERP)
+            continue;
+        size_t length = part.p_filesz < sizeof path ? part.p_filesz : sizeof path - 1;
+        if (pread(fd, path, length, (off_t)part.p_offset) != (ssize_t)length)
+            path[0] = 0;
+    }
+    const char *slash = strrchr(path, '/');
+    snprintf(kind->linker, sizeof kind->linker, "%s", slash ? slash + 1 : path);
+}
+
+/* @return whether the file is a program of this kind of header; a script is none */
+static bool read_kind(const char *path, kind_t *kind)
+{
+    ElfW(Ehdr) header;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    bool whole = fd >= 0 && read(fd, &header, sizeof header) == (ssize_t)sizeof header &&
+                 memcmp(header.e_ident, ELFMAG, SELFMAG) == 0;
+    *kind = (kind_t){0};
+    if (whole) {
+        kind->word_size = header.e_ident[EI_CLASS];
+        kind->processor = header.e_machine;
+    }
+    if (whole && header.e_phentsize == sizeof(ElfW(Phdr)))
+        read_linker(fd, &header, kind);
+    if (fd >= 0)
+        close(fd);
+    return whole;
+}
+
 static bool fits(const char *command, char *message)
 {
     char path[PATH_MAX];
-    ElfW(Ehdr) header;
-    ElfW(Ehdr) ours;
-    int fd = find_command(command, path) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
-    ssize_t length = fd >= 0 ? read(fd, &header, sizeof header) : 0;
-    if (fd >= 0)
-        close(fd);
-    fd = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
-    bool whole = fd >= 0 && read(fd, &ours, sizeof ours) == (ssize_t)sizeof ours;
-    if (fd >= 0)
-        close(fd);
-    if (!whole || length != (ssize_t)sizeof header || memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+    kind_t its, ours;
+    if (!find_command(command, path) || !read_kind(path, &its) || !read_kind("/proc/self/exe", &ours))
         return true;
-    if (header.e_ident[EI_CLASS] == ours.e_ident[EI_CLASS] && header.e_machine == ours.e_machine)
+    if (its.word_size != ours.word_size || its.processor != ours.processor) {
+        snprintf(message, INPROCESS_MESSAGE,
+                 "'%s' is a program of another processor or word size than ectwin: run it without --in-process",
+                 command);
+        return false;
+    }
+    /* A static program may start others. */
+    if (!*its.linker || !*ours.linker || strcmp(its.linker, ours.linker) == 0)
         return true;
     snprintf(message, INPROCESS_MESSAGE,
-             "'%s' is a program of another processor or word size than ectwin: run it without --in-process", command);
+             "'%.200s' uses another C library (%.100s) than ectwin (%.100s): run it without --in-process", command,
+             its.linker, ours.linker);
     return false;
 }
 

@@ -59,6 +59,36 @@ check "--modbus needs a process of the twins' own" modbus
 not_opened() { reports "has not opened ecat0 through the C library" with fzm1 -- true; }
 check "A CMD that never opens the interface is reported" not_opened
 
+# CMD's own status, and the line that says that no interface was opened
+unreachable() { # PROGRAM
+  exits 7 with fzm1 -- "$1" {} && grep -qF "has not opened ecat0 through the C library" "$work/err" && [ "$(wc -l <"$work/err")" -eq 2 ]
+}
+printf '#include <sys/socket.h>\nint main(void) { return socket(17, 3, 0) == -2 ? 0 : 7; }\n' >"$work/opens.c"
+if cc -static -o "$work/static" "$work/opens.c" 2>/dev/null; then
+  check "A static CMD is reported, beside the ready line alone" unreachable "$work/static"
+else
+  echo "skipped a static CMD: the C library has no static version here"
+fi
+if [ "$(id -u)" -eq 0 ] && cc -o "$work/setuid" "$work/opens.c" 2>/dev/null && chmod 755 "$work" && chown 65534 "$work/setuid" && chmod 4755 "$work/setuid" &&
+  ! findmnt -nT "$work" -o OPTIONS | grep -q nosuid; then
+  check "A setuid CMD is reported, beside the ready line alone" unreachable "$work/setuid"
+else
+  echo "skipped a setuid CMD: only root can make one of another user"
+fi
+
+# refused TEXT CMD: CMD does not run, one line says why
+refused() {
+  exits 2 with fzm1 -- "$2" {} && grep -qF -- "$1" "$work/err" && [ "$(wc -l <"$work/err")" -eq 1 ] && return
+  cat "$work/err"
+  return 1
+}
+cp "$(command -v env)" "$work/narrow"
+printf '\1' | dd of="$work/narrow" bs=1 seek=4 conv=notrunc 2>/dev/null
+check "A CMD of another word size is refused in one line" refused "another processor or word size" "$work/narrow"
+sed 's/ld-linux/ld-other/' "$(command -v env)" >"$work/other"
+chmod 755 "$work/other"
+check "A CMD of another C library is refused in one line" refused "uses another C library (ld-other" "$work/other"
+
 preload_kept() {
   local first
   first=$(ldd "$ectwin" | awk '/libasan/ { print $3 ":" }') # a program with AddressSanitizer wants it in front
