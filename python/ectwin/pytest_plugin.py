@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import socket
 import subprocess
 import sys
@@ -19,12 +20,14 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 import pytest
 
-from . import _twin
+from . import _captures, _twin
 from ._errors import Error
 from ._twin import Devices, Twin
 
 _NAME = "ECTWIN_PYTEST_NAME"  # of the twins inside this process, in the new process of one test
+_CAPTURES = "ECTWIN_PYTEST_CAPTURES"  # their folder, in the new process of one test
 _MARK_OPTIONS = {"matrix"}  # of the marker, not of a start
+_EVENTS = 40  # lines of a capture in the report of a failing test
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -38,6 +41,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="FAULT[;FAULT...]",
         help="run each test that uses twins once without faults, and once more with these faults, as 'drop 2%%' or "
         "'at slave 1 OP corrupt 1%%', or a file of faults; may be repeated",
+    )
+    group.addoption(
+        "--ectwin-capture-size",
+        default="16M",
+        metavar="BYTES[K|M|G]",
+        help="most bytes of the capture of a test's twins, which is kept when the test fails (default 16M; 0: no capture)",
     )
     group.addoption("--ectwin-report", metavar="FILE", help="write the reports to FILE; for the new process of one test")
 
@@ -82,11 +91,21 @@ def _with_faults(options: Dict[str, Any], faults: Optional[str]) -> Dict[str, An
     return {**options, "faults": (), "options": words}
 
 
+def _capture(config: pytest.Config, folder: str, number: int, options: Sequence[str]) -> List[str]:
+    """The options of a command, with a capture in the folder where they name none."""
+    size = config.getoption("--ectwin-capture-size")
+    if size == "0" or any(option.startswith("--pcap") for option in options):
+        return list(options)
+    return [*options, "--pcap", os.path.join(folder, f"{number}.pcapng"), "--pcap-size", size]
+
+
 class Factory:
     """The fixture `ectwin`: called with the arguments of ectwin.start(), it starts twins that end with the test."""
 
     def __init__(self, item: pytest.Item, faults: Optional[str]) -> None:
         self.twins: List[Twin] = []
+        self.failed = False
+        self.folder = os.environ.get(_CAPTURES) or tempfile.mkdtemp(prefix="ectwin-")
         self._item = item
         self._faults = faults
 
@@ -98,8 +117,12 @@ class Factory:
         if named is None:
             raise Error('ectwin() needs a device: ectwin("fzm1"), or @pytest.mark.ectwin("fzm1")')
         chosen = {**more, **options}
-        chosen.setdefault("program", self._item.config.getoption("--ectwin-program"))
-        twin = _twin.start(named, *args, **_with_faults(chosen, self._faults))
+        config = self._item.config
+        chosen.setdefault("program", config.getoption("--ectwin-program"))
+        chosen = _with_faults(chosen, self._faults)
+        if len(args) < 2:  # the options are not among them
+            chosen["options"] = _capture(config, self.folder, len(self.twins) + 1, chosen.get("options", ()))
+        twin = _twin.start(named, *args, **chosen)
         self.twins.append(twin)
         return twin
 
@@ -116,6 +139,14 @@ class Factory:
         """Ends all of them, the newest first."""
         while self.twins:
             self.twins.pop().close()
+        if _CAPTURES not in os.environ:
+            _remove_captures(self.folder, self.failed)
+
+
+def _remove_captures(folder: str, failed: bool) -> None:
+    """Those of a test that has failed stay."""
+    if not failed or not os.listdir(folder):
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 @pytest.fixture
@@ -161,22 +192,35 @@ def _describe(twin: Twin) -> str:
     return "\n".join(lines + ([messages.rstrip()] if messages else []))
 
 
+def _describe_captures(folder: str, number: int) -> List[str]:
+    """The captures of the twins with this number: one, or with in_process one more for each program beside the first."""
+    lines = []
+    for name in sorted(name for name in os.listdir(folder) if name.startswith(f"{number}.pcapng")):
+        lines += _captures.events(os.path.join(folder, name), _EVENTS)
+    return lines
+
+
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
-    """Attaches the signals of each twin to the report of a test that fails."""
+    """Attaches signals, faults, counters and capture of each twin to the report of a test that fails."""
     outcome: Any = yield
     report = outcome.get_result()
     factory = getattr(item, "funcargs", {}).get("ectwin")
     if report.failed and isinstance(factory, Factory):
         for number, twin in enumerate(factory.twins, 1):
-            report.sections.append((f"ectwin: twins {number} at '{twin.path}'", _describe(twin)))
+            text = "\n".join([_describe(twin), *_describe_captures(factory.folder, number)])
+            report.sections.append((f"ectwin: twins {number} at '{twin.path}'", text))
+        factory.failed = True
 
 
 # --- a test in a new process, with the twins inside --------------------------------------------------------------------
 
 
-def _child_command(item: pytest.Item, devices: Devices, options: Dict[str, Any], report: str) -> List[str]:
+def _child_command(
+    item: pytest.Item, devices: Devices, options: Dict[str, Any], report: str, folder: str
+) -> List[str]:
     config = item.config
+    options["options"] = _capture(config, folder, 1, options.get("options", ()))
     program = options.pop("program", None) or config.getoption("--ectwin-program")
     options.pop("in_process")
     words = ["--virtual-time"] if options.pop("virtual_time", False) else []
@@ -200,15 +244,19 @@ def _child_command(item: pytest.Item, devices: Devices, options: Dict[str, Any],
 def _run_in_process(item: pytest.Item, devices: Devices, options: Dict[str, Any]) -> List[pytest.TestReport]:
     parameters = getattr(getattr(item, "callspec", None), "params", {})
     options = _with_faults(options, parameters.get("ectwin_fault"))
+    folder = tempfile.mkdtemp(prefix="ectwin-")
     with tempfile.NamedTemporaryFile("r", prefix="ectwin-", suffix=".jsonl") as file:
-        command = _child_command(item, devices, options, file.name)
-        environment = {**os.environ, _NAME: f"pytest{os.getpid()}", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        command = _child_command(item, devices, options, file.name, folder)
+        environment = {**os.environ, _NAME: f"pytest{os.getpid()}", _CAPTURES: folder}
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, sys.path))
         done = subprocess.run(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, check=False
         )
         lines = [json.loads(line) for line in file]
     reports = [item.config.hook.pytest_report_from_serializable(config=item.config, data=line) for line in lines]
-    if reports and reports[-1].when == "teardown":
+    ended = bool(reports) and reports[-1].when == "teardown"
+    _remove_captures(folder, not ended or any(report.failed for report in reports))
+    if ended:
         return reports
     text = done.stdout.decode(errors="replace")
     text += f"\nthe process of this test has ended with status {done.returncode}, before the test was over"

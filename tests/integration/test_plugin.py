@@ -4,6 +4,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 
 import ectwin as module
 import pytest
@@ -24,8 +25,10 @@ def broadcast(interface):
 
 
 @pytest.fixture
-def run(pytester, monkeypatch):
-    """Runs the text of a test file; returns the result."""
+def run(pytester, monkeypatch, tmp_path):
+    """Runs the text of a test file, with temporary files in a folder of this test; returns the result."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
     monkeypatch.setenv("PYTHONPATH", os.path.dirname(os.path.dirname(os.path.abspath(module.__file__))))
 
@@ -99,6 +102,40 @@ def test_it(ectwin):
     )
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*ectwin: twins 1*", "*2:data3=7.5*", "fault: delay 1us every 1000", "frames 0, *"])
+
+
+def captures():
+    """The captures that tests have left, by path."""
+    folders = [os.path.join(tempfile.gettempdir(), name) for name in os.listdir(tempfile.gettempdir()) if name.startswith("ectwin-")]
+    return [os.path.join(folder, name) for folder in folders if os.path.isdir(folder) for name in os.listdir(folder)]
+
+
+@pytest.mark.parametrize("mark", ["", "@pytest.mark.ectwin('fzm1', in_process=True)\n"], ids=["beside", "in process"])
+def test_a_failing_test_keeps_its_capture_and_shows_the_events(run, mark):
+    text = f"""
+{mark}def test_it(ectwin):
+    twin = ectwin("fzm1")
+    assert twin.call(broadcast, twin.interface) == 1
+    twin.set({{"data1": 4}})
+    assert twin.call(broadcast, twin.interface) == WANTED
+"""
+    run(text.replace("WANTED", "1")).assert_outcomes(passed=1)
+    assert captures() == []
+    result = run(text.replace("WANTED", "2"))
+    result.assert_outcomes(failed=1)
+    (path,) = captures()
+    assert f"capture: {path}" in result.stdout.str()
+    with open(path, "rb") as file:
+        kept = file.read()
+    assert kept.startswith(b"\n\r\r\n") and b'"data1": 4' in kept
+    result.stdout.fnmatch_lines(['*frame *: request: *"data1": 4*'])
+
+
+def test_a_capture_can_be_left_out_or_be_the_own_one(run, tmp_path):
+    failing = "\ndef test_it(ectwin):\n    ectwin('fzm1'%s)\n    assert 0\n"
+    run(failing % "", "--ectwin-capture-size", "0").assert_outcomes(failed=1)
+    run(failing % f", options=['--pcap', '{tmp_path}/own']").assert_outcomes(failed=1)
+    assert captures() == [] and (tmp_path / "own").stat().st_size > 0
 
 
 def test_what_cannot_start_fails_with_the_reason(run):
