@@ -144,7 +144,7 @@ class Factory:
 
 
 def _remove_captures(folder: str, failed: bool) -> None:
-    """Those of a test that has failed stay."""
+    """Keeps the captures of a test that has failed."""
     if not failed or not os.listdir(folder):
         shutil.rmtree(folder, ignore_errors=True)
 
