@@ -140,10 +140,155 @@ static void sends_and_receives_many(void **state)
         messages[i].msg_hdr = (struct msghdr){.msg_iov = &pieces[i], .msg_iovlen = 1};
     }
     assert_int_equal(sendmmsg(fd, messages, MANY, 0), MANY);
+    for (uint8_t i = 0; i < MANY; i++) {
+        assert_int_equal(messages[i].msg_len, FRAME);
+        messages[i].msg_len = 0;
+    }
     assert_int_equal(recvmmsg(fd, messages, MANY, MSG_WAITFORONE, NULL), MANY);
     for (uint8_t i = 0; i < MANY; i++)
         assert_reply(frames[i], messages[i].msg_len, i);
     close(fd);
+}
+
+/* Pieces of any length; what follows the frame in the last one stays. */
+static void pieces_of_a_frame(void **state)
+{
+    static const size_t lengths[] = {14, 0, 3, 100};
+    uint8_t room[4][100], frame[FRAME];
+    struct iovec pieces[4];
+    size_t used = 0;
+    (void)state;
+    int fd = open_socket(0);
+    send_one(fd, 6);
+    memset(room, 0xEE, sizeof room);
+    for (size_t i = 0; i < 4; i++)
+        pieces[i] = (struct iovec){.iov_base = room[i], .iov_len = lengths[i]};
+    assert_int_equal(readv(fd, pieces, 4), FRAME);
+    for (size_t i = 0; i < 4; i++) {
+        size_t part = i < 3 ? lengths[i] : FRAME - used;
+        memcpy(frame + used, room[i], part);
+        assert_int_equal(room[i][part < 99 ? part : 99], 0xEE);
+        used += part;
+    }
+    assert_reply(frame, (ssize_t)used, 6);
+    close(fd);
+}
+
+/* The address of a received frame, in each call that returns one: the interface's own. */
+static void addresses_of_frames(void **state)
+{
+    uint8_t frame[FRAME];
+    struct iovec piece = {.iov_base = frame, .iov_len = sizeof frame};
+    (void)state;
+    int fd = open_socket(0);
+    for (unsigned int call = 0; call < 3; call++) {
+        struct sockaddr_ll its;
+        struct msghdr message = {
+            .msg_name = &its, .msg_namelen = sizeof its, .msg_iov = &piece, .msg_iovlen = 1, .msg_controllen = 7};
+        socklen_t length = sizeof its;
+        memset(&its, 0xEE, sizeof its);
+        send_one(fd, (uint8_t)call);
+        if (call == 0) {
+            assert_int_equal(getsockname(fd, (struct sockaddr *)&its, &length), 0);
+            assert_int_equal(read(fd, frame, sizeof frame), FRAME);
+        } else if (call == 1) {
+            assert_int_equal(recvfrom(fd, frame, sizeof frame, 0, (struct sockaddr *)&its, &length), FRAME);
+        } else {
+            assert_int_equal(recvmsg(fd, &message, 0), FRAME);
+            length = message.msg_namelen;
+            assert_int_equal(message.msg_controllen, 0);
+            assert_int_equal(message.msg_flags, 0);
+        }
+        assert_int_equal(length, sizeof its);
+        assert_int_equal(its.sll_family, AF_PACKET);
+        assert_int_equal(its.sll_protocol, htons(ETHERCAT));
+        assert_int_equal(its.sll_ifindex, if_nametoindex(interface));
+        assert_int_equal(its.sll_hatype, 1);
+        assert_int_equal(its.sll_halen, 6);
+        assert_memory_equal(its.sll_addr, "\2\0\0\0\0\1", 6);
+    }
+    close(fd);
+}
+
+/* A call with no room takes a frame, and returns 0 bytes of it. */
+static void receives_into_no_room(void **state)
+{
+    struct mmsghdr messages[2] = {{.msg_len = 7}, {.msg_len = 7}};
+    struct sockaddr_ll from;
+    struct msghdr message = {.msg_name = &from, .msg_namelen = sizeof from, .msg_controllen = 7};
+    (void)state;
+    int fd = open_socket(0);
+    for (uint8_t n = 0; n < 3; n++)
+        send_one(fd, n);
+    assert_int_equal(recvmsg(fd, &message, 0), 0);
+    assert_int_equal(message.msg_controllen, 0);
+    assert_int_equal(message.msg_flags & MSG_TRUNC, MSG_TRUNC);
+    assert_int_equal(recvmmsg(fd, messages, 2, 0, NULL), 2);
+    assert_int_equal(messages[0].msg_len + messages[1].msg_len, 0);
+    assert_int_equal(recvmsg(fd, &message, MSG_DONTWAIT), -1);
+    close(fd);
+}
+
+static void options_are_read_back(void **state)
+{
+    static const struct {
+        int level, name, want;
+    } rows[] = {{SOL_SOCKET, SO_TYPE, SOCK_RAW}, {SOL_SOCKET, SO_DOMAIN, AF_PACKET}, {SOL_PACKET, SO_DOMAIN, 0},
+                {SOL_PACKET, SO_TYPE, 0},        {SOL_SOCKET, SO_ERROR, 0},          {SOL_SOCKET, SO_RCVBUF, 212992},
+                {SOL_SOCKET, SO_SNDBUF, 212992}};
+    static const struct timeval times[] = {{3, 0}, {0, 7}, {1, 999999}, {0, 0}};
+    (void)state;
+    int fd = open_socket(0);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        int value = -1;
+        socklen_t length = sizeof value;
+        assert_int_equal(getsockopt(fd, rows[i].level, rows[i].name, &value, &length), 0);
+        assert_int_equal(value, rows[i].want);
+        assert_int_equal(length, sizeof value);
+    }
+    for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
+        struct timeval time = {-1, -1};
+        socklen_t length = sizeof time;
+        assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &times[i], sizeof times[i]), 0);
+        assert_int_equal(getsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &time, &length), 0);
+        assert_int_equal(time.tv_sec, times[i].tv_sec);
+        assert_int_equal(time.tv_usec, times[i].tv_usec);
+        assert_int_equal(length, sizeof time);
+    }
+    close(fd);
+}
+
+/* A daemon's standard input may be closed: a socket gets descriptor 0 then. Other calls leave descriptor 0 alone. */
+static void descriptor_0(void **state)
+{
+    uint8_t frame[FRAME];
+    int type = 0;
+    socklen_t length = sizeof type;
+    (void)state;
+    const int input = dup(STDIN_FILENO);
+    close(STDIN_FILENO);
+    const int fd = open_socket(0);
+    send_one(fd, 3);
+    const ssize_t got = recv(fd, frame, sizeof frame, 0);
+    close(fd);
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    assert_int_equal(fd, STDIN_FILENO);
+    assert_reply(frame, got, 3);
+    int other = open_socket(0);
+    assert_int_equal(fcntl(other, F_GETFD), 0);
+    assert_int_equal(getsockopt(STDIN_FILENO, SOL_SOCKET, SO_TYPE, &type, &length), -1);
+    assert_int_equal(ioctl(other, FIOCLEX), 0);
+    assert_int_equal(fcntl(other, F_GETFD), FD_CLOEXEC);
+    assert_int_equal(ioctl(other, FIONCLEX), 0);
+    assert_int_equal(fcntl(other, F_GETFD), 0);
+    assert_int_equal(ioctl(other, TIOCGWINSZ, &(struct winsize){0}), -1);
+    assert_int_equal(errno, ENOTTY);
+    assert_int_equal(ioctl(other, SIOCGIFADDR, &(struct ifreq){0}), -1);
+    assert_int_equal(errno, EOPNOTSUPP);
+    close(other);
 }
 
 static void refuses_as_the_kernel(void **state)
@@ -238,7 +383,7 @@ static void interface_has_its_attributes(void **state)
     assert_int_equal(ioctl(fd, SIOCGIFMTU, &its), 0);
     assert_int_equal(its.ifr_mtu, 1500);
     assert_int_equal(ioctl(fd, SIOCGIFHWADDR, &its), 0);
-    assert_int_equal(its.ifr_hwaddr.sa_data[0] & 1, 0);
+    assert_memory_equal(its.ifr_hwaddr.sa_data, "\2\0\0\0\0\1", 6);
     close(fd);
     struct if_nameindex *all = if_nameindex();
     for (const struct if_nameindex *one = all; one->if_index != 0; one++)
@@ -272,13 +417,14 @@ static void copies_of_a_descriptor_are_the_socket(void **state)
     uint8_t frame[FRAME];
     (void)state;
     int fd = open_socket(0);
-    int copies[] = {dup(fd), fcntl(fd, F_DUPFD, 50), dup2(fd, 60), dup3(fd, 61, O_CLOEXEC)};
+    int copies[] = {dup(fd), fcntl(fd, F_DUPFD, 50), dup2(fd, 60), dup3(fd, 61, O_CLOEXEC),
+                    fcntl(fd, F_DUPFD_CLOEXEC, 55)};
     close(fd);
-    for (uint8_t i = 0; i < 4; i++) {
+    for (uint8_t i = 0; i < 5; i++) {
         send_one(copies[i], i);
         assert_reply(frame, recv(copies[3], frame, sizeof frame, 0), i);
     }
-    for (unsigned int i = 0; i < 4; i++)
+    for (unsigned int i = 0; i < 5; i++)
         close(copies[i]);
     assert_int_equal(send(copies[0], frame, sizeof frame, 0), -1);
     assert_int_equal(errno, EBADF);
@@ -305,7 +451,7 @@ static void a_tagged_frame_returns_without_tag(void **state)
     int fd = open_socket(0);
     frame_of(plain, 5);
     memcpy(frame, plain, 12);
-    memcpy(frame + 12, (const uint8_t[]){0x81, 0x00, 0x00, 0x05}, 4);
+    memcpy(frame + 12, (const uint8_t[]){0x81, 0x00, 0xA0, 0x05}, 4);
     memcpy(frame + 16, plain + 12, FRAME - 12);
     assert_int_equal(send(fd, frame, sizeof frame, 0), sizeof frame);
     assert_reply(plain, recv(fd, plain, sizeof plain, 0), 5);
@@ -831,13 +977,18 @@ static void child_processes_end_in_order(void **state)
     assert_non_null(fgets(line, sizeof line, output));
     assert_string_equal(line, "hello\n");
     assert_int_equal(pclose(output), 0);
-    for (unsigned int i = 0; i < 4; i++) {
+    for (unsigned int i = 0; i < 7; i++) {
         pid_t child = fork();
         if (child == 0)
             _exit(5);
+        if (i == 6)
+            (void)setpgid(child, child);
         pid_t ended = i == 0                                            ? wait(&status)
                       : i == 1                                          ? waitpid(child, &status, 0)
                       : i == 2                                          ? wait4(child, &status, 0, NULL)
+                      : i == 4                                          ? waitpid(-1, &status, 0)
+                      : i == 5                                          ? waitpid(0, &status, 0)
+                      : i == 6                                          ? waitpid(-child, &status, 0)
                       : waitid(P_PID, (id_t)child, &info, WEXITED) == 0 ? child
                                                                         : -1;
         assert_int_equal(ended, child);
@@ -853,6 +1004,12 @@ int main(int argc, char **argv)
         {"write, sendto, sendmsg, writev send; read, recvfrom, recvmsg, readv receive", sends_and_receives, NULL, NULL,
          NULL},
         {"sendmmsg and recvmmsg carry several frames", sends_and_receives_many, NULL, NULL, NULL},
+        {"readv fills pieces of any length, and nothing behind the frame", pieces_of_a_frame, NULL, NULL, NULL},
+        {"recvfrom, recvmsg and getsockname return the address of the interface", addresses_of_frames, NULL, NULL,
+         NULL},
+        {"A receive without room takes a frame", receives_into_no_room, NULL, NULL, NULL},
+        {"getsockopt returns type, domain, buffers and timeout", options_are_read_back, NULL, NULL, NULL},
+        {"A socket may have descriptor 0; fcntl and ioctl change the descriptor alone", descriptor_0, NULL, NULL, NULL},
         {"Unbound sockets, foreign interfaces, short and long frames: the kernel's errors", refuses_as_the_kernel, NULL,
          NULL, NULL},
         {"A receive without a frame waits as long as the socket is set to", waits_as_long_as_asked, NULL, NULL, NULL},

@@ -82,12 +82,15 @@ static int about_interface(unsigned long request, struct ifreq *its, int end)
         its->ifr_hwaddr.sa_family = 1;
         memcpy(its->ifr_hwaddr.sa_data, address, sizeof address);
         return 0;
-    case SIOCSIFMTU:
+    default: /* SIOCSIFMTU */
         return 0;
-    default:
-        errno = EOPNOTSUPP;
-        return -1;
     }
+}
+
+static bool is_about_interface(unsigned long request)
+{
+    return request == SIOCGIFINDEX || request == SIOCGIFFLAGS || request == SIOCGIFMTU || request == SIOCGIFHWADDR ||
+           request == SIOCSIFFLAGS || request == SIOCSIFMTU;
 }
 
 static int on_port(int fd, unsigned long request, void *argument)
@@ -96,6 +99,12 @@ static int on_port(int fd, unsigned long request, void *argument)
         int flags = REAL(fcntl)(fd, F_GETFL) & ~O_NONBLOCK;
         ect_port_set_nonblocking(ours(fd), *(const int *)argument != 0);
         return REAL(fcntl)(fd, F_SETFL, flags | (*(const int *)argument != 0 ? O_NONBLOCK : 0));
+    }
+    if (request == FIOCLEX || request == FIONCLEX)
+        return REAL(ioctl)(fd, request);
+    if (!is_about_interface(request)) { /* its argument, if there is one, may be of any type */
+        errno = request >> 8 == SIOCGIFINDEX >> 8 ? EOPNOTSUPP : ENOTTY;
+        return -1;
     }
     int end = argument ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
     if (end < 0) {
@@ -114,8 +123,7 @@ REPLACES int ioctl(int fd, unsigned long request, ...)
     if (ours(fd))
         return on_port(fd, request, argument);
     /* A master may put such a question to a socket of any kind. */
-    bool interface = ect_inside == 0 && (request == SIOCGIFINDEX || request == SIOCGIFFLAGS || request == SIOCGIFMTU ||
-                                         request == SIOCGIFHWADDR || request == SIOCSIFFLAGS || request == SIOCSIFMTU);
+    bool interface = ect_inside == 0 && is_about_interface(request);
     int end = interface ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
     return end >= 0 ? about_interface(request, argument, end) : REAL(ioctl)(fd, request, argument);
 }
