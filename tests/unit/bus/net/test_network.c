@@ -18,6 +18,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -26,6 +27,7 @@
 #include <cmocka.h>
 
 #include "bus/net/netns.h"
+#include "bus/net/rights.h"
 #include "bus/net/veth.h"
 
 enum { FRAME = 60, ROOM = 2048 };
@@ -510,6 +512,80 @@ static void without_rights(void **state)
     assert_true(is_up("ecat0"));
 }
 
+/* --- rights ----------------------------------------------------------------------------------------------------- */
+
+/* A line of /proc/self/status, as the kernel writes it. */
+static bool status_has(const char *line)
+{
+    static char all[8192];
+    int fd = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
+    ssize_t length = fd >= 0 ? read(fd, all, sizeof all - 1) : -1;
+    if (fd >= 0)
+        close(fd);
+    all[length > 0 ? length : 0] = 0;
+    return strstr(all, line) != NULL;
+}
+
+/* In a process of its own: 0, or the number of the first step that is wrong. */
+static int drop_rights(unsigned int keep)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    const bool link = (keep & ECT_RIGHTS_LINK) != 0;
+    if (ect_rights_drop(keep, message) != 0)
+        return 1;
+    if (!status_has(link ? "CapEff:\t0000000000001000\n" : "CapEff:\t0000000000000000\n"))
+        return 2;
+    if (!status_has(link ? "CapPrm:\t0000000000001000\n" : "CapPrm:\t0000000000000000\n"))
+        return 3;
+    if (!status_has("CapInh:\t0000000000000000\n") || !status_has("CapAmb:\t0000000000000000\n"))
+        return 4;
+    if (!status_has("CapBnd:\t0000000000000000\n"))
+        return 5;
+    return status_has("NoNewPrivs:\t1\n") ? 0 : 6;
+}
+
+static void rights_given_up(void **state)
+{
+    (void)state;
+    if (!inside)
+        skip();
+    for (unsigned int keep = 0; keep < 8; keep++) {
+        int status = -1;
+        (void)fflush(NULL);
+        pid_t child = fork();
+        if (child == 0)
+            _exit(drop_rights(keep));
+        assert_int_equal(waitpid(child, &status, 0), child);
+        if (status != 0)
+            fail_msg("rights %u: step %d is wrong", keep, WEXITSTATUS(status));
+    }
+}
+
+/* Without the right, and without a limit that allows it. */
+static int realtime_refused(void)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    const struct rlimit none = {0, 0};
+    if (setrlimit(RLIMIT_RTPRIO, &none) < 0 || ect_rights_realtime(50, message) != -1)
+        return 1;
+    static const char want[] = "--realtime 50 lacks a right: CAP_SYS_NICE, or a limit of real-time priority";
+    return strncmp(message, want, sizeof want - 1) == 0 ? 0 : 2;
+}
+
+static void realtime_without_the_right(void **state)
+{
+    int status = -1;
+    (void)state;
+    if (!inside || (lacks & ECT_NETNS_USER_NAMESPACE) != 0)
+        skip();
+    (void)fflush(NULL);
+    pid_t child = fork();
+    if (child == 0)
+        _exit(realtime_refused());
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -530,6 +606,10 @@ int main(int argc, char **argv)
         {"each change of an interface makes the descriptor of links readable, until it is seen", watched_links, NULL,
          NULL, NULL},
         {"a user without rights gets the missing right, or the wrong name, in one line", without_rights, NULL, NULL,
+         NULL},
+        {"rights are given up for good, but the one for the link where it is needed", rights_given_up, NULL, NULL,
+         NULL},
+        {"real-time priority without the right for it: one line with the cause", realtime_without_the_right, NULL, NULL,
          NULL},
     };
     if (argc > 1)
