@@ -199,6 +199,11 @@ int session_power_on(session_t *s);
 /** Answers until `on_end` (as ect_runner_t::on_signal) stops it. @return EXIT_CLEAN; EXIT_RUN, with the reason printed
  */
 int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool from_terminal), void *ctx);
+/**
+ * Ends the scenario and prints its verdict, if it has expectations.
+ * @return EXIT_RUN for EXIT_CLEAN when one has failed, else `status`
+ */
+int session_verdict(session_t *s, int status);
 /** Closes everything, the twins' arguments too. */
 void session_close(session_t *s);
 

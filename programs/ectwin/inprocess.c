@@ -10,8 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
+
+#include "bus/inprocess/bus.h"
 
 enum { SEPARATOR = 0x1F };
 
@@ -177,10 +178,19 @@ bool in_process_prepare(in_process_t *p, char *message)
     return false;
 }
 
-bool in_process_finish(in_process_t *p)
+bool in_process_finish(in_process_t *p, bool *met)
 {
-    struct stat its;
-    bool used = stat(p->mark, &its) == 0 && its.st_size > 0;
+    char marks[4096] = "";
+    int fd = open(p->mark, O_RDONLY | O_CLOEXEC);
+    ssize_t length = fd >= 0 ? read(fd, marks, sizeof marks) : 0;
+    int opened = 0, good = 0;
+    for (ssize_t i = 0; i < length; i++) {
+        opened += marks[i] == ECT_BUS_MARK_OPENED;
+        good += marks[i] == ECT_BUS_MARK_MET;
+    }
+    if (fd >= 0)
+        close(fd);
     (void)unlink(p->mark);
-    return used;
+    *met = *met || (opened > 0 && good == opened);
+    return opened > 0;
 }

@@ -28,7 +28,11 @@ typedef struct in_process {
  */
 bool in_process_prepare(in_process_t *p, char *message);
 
-/** Removes the mark. @return whether a process of CMD has had a bus */
-bool in_process_finish(in_process_t *p);
+/**
+ * Removes the marks.
+ * @param[in,out] met  set to true if each process with a bus has ended with all expectations of its scenario met
+ * @return whether a process of CMD has had a bus
+ */
+bool in_process_finish(in_process_t *p, bool *met);
 
 #endif

@@ -389,6 +389,27 @@ int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char
     return done ? 0 : -1;
 }
 
+int ectwin_bus_verdict(ectwin_bus_t *bus, char *text, size_t room)
+{
+    const ect_scenario_t *s = bus->exchange.scenario;
+    char line[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
+    size_t used = 0;
+    ect_verdict_t verdict = ect_scenario_end(bus->exchange.scenario);
+    if (room > 0)
+        *text = 0;
+    for (size_t i = 0; verdict.all > 0 && i <= s->step_count; i++) {
+        if (i < s->step_count && s->steps[i].plan.action != ECT_ACTION_EXPECT)
+            continue;
+        if (i < s->step_count)
+            (void)ect_scenario_tell(&s->steps[i], line, sizeof line);
+        else
+            (void)ect_scenario_tell_verdict(s, line, sizeof line);
+        int length = used < room ? snprintf(text + used, room - used, "%s\n", line) : 0;
+        used += (size_t)length;
+    }
+    return (int)(verdict.all - verdict.met);
+}
+
 /* Each process of CMD has a bus of its own, and the first one takes the name. */
 static bool name_is_free(const char *name)
 {

@@ -139,7 +139,7 @@ int command_run(int argc, char **argv)
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
         bool printed = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));
-        status = printed ? session_run(&session, on_signal, NULL) : EXIT_OPEN;
+        status = printed ? session_verdict(&session, session_run(&session, on_signal, NULL)) : EXIT_OPEN;
     }
     session_close(&session);
     return status;

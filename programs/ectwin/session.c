@@ -48,6 +48,14 @@ static void on_refused(void *ctx, const char *fault, const char *why)
     fprintf(stderr, "%s: the fault '%s' is not set: %s\n", s->who, fault, why);
 }
 
+static void on_judged(void *ctx, const ect_scenario_step_t *step)
+{
+    const session_t *s = ctx;
+    char text[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
+    (void)ect_scenario_tell(step, text, sizeof text);
+    fprintf(stderr, "%s: %s\n", s->who, text);
+}
+
 static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     const session_t *s = ctx;
@@ -58,6 +66,7 @@ void session_init(session_t *s, const char *who, twin_args_t *twins)
 {
     *s = (session_t){.who = who, .twins = twins};
     twins->scenario.refused = on_refused;
+    twins->scenario.judged = on_judged;
     twins->scenario.ctx = s;
     s->runner =
         (ect_runner_t){.exchange = {.scenario = &twins->scenario, .filter = twins->filter.ctx ? &twins->filter : NULL},
@@ -181,6 +190,17 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
             s->runner.modbus && !s->runner.ports[ECT_END_IN] ? session_modbus(s) : s->ports[ECT_END_IN].iface,
             strerror(errno));
     return EXIT_RUN;
+}
+
+int session_verdict(session_t *s, int status)
+{
+    char text[ECT_SCENARIO_NAME + 64];
+    if (s->twins->scenario.verdict.all == 0)
+        return status;
+    ect_verdict_t verdict = ect_scenario_end(&s->twins->scenario);
+    (void)ect_scenario_tell_verdict(&s->twins->scenario, text, sizeof text);
+    fprintf(stderr, "%s: %s\n", s->who, text);
+    return status == EXIT_CLEAN && verdict.met != verdict.all ? EXIT_RUN : status;
 }
 
 void session_close(session_t *s)

@@ -37,6 +37,14 @@ static double number(const cJSON *line, const char *name)
     return cJSON_IsNumber(member) ? member->valuedouble : 0;
 }
 
+static void print_scenario(const cJSON *line)
+{
+    if (number(line, "steps") > 0)
+        printf("scenario: %.0f of %.0f steps are over; of %.0f expectations %.0f are met, %.0f have failed\n",
+               number(line, "steps_over"), number(line, "steps"), number(line, "expected"), number(line, "met"),
+               number(line, "failed"));
+}
+
 static void print_counters(const cJSON *line)
 {
     static const struct {
@@ -59,6 +67,7 @@ static void print_counters(const cJSON *line)
            number(line, "polls"), "polls", number(line, "late_polls"), number(line, "latest_poll_us"));
     printf("answers, from the arrival of a frame: half below %.0f us, 99 %% below %.0f us, the longest %.0f us\n",
            number(line, "p50_us"), number(line, "p99_us"), number(line, "longest_us"));
+    print_scenario(line);
 }
 
 /* A bar a step, from the first that is not empty to the last. */

@@ -42,6 +42,7 @@ enum {
     KEY_CONNECT,
     KEY_FAULT,
     KEY_FAULTS,
+    KEY_SCENARIO,
     KEY_FILES,
     KEY_FILES_PASSWORD,
     KEY_MODBUS,
@@ -113,6 +114,10 @@ static const struct argp_option options[] = {
     {"fault", KEY_FAULT, "FAULT", 0,
      "Inject a fault, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md). May be repeated", 1},
     {"faults", KEY_FAULTS, "FILE", 0, "Inject the faults in a file, one a line, as --fault does", 1},
+    {"scenario", KEY_SCENARIO, "FILE", 0,
+     "Play a file of faults, signals to set and expectations, one a line (docs/FAULTS.md). Each expectation is reported "
+     "on standard error; the exit status is 3 when one has failed and nothing else has",
+     1},
     {"seed", KEY_SEED, "N", 0,
      "Seed of the random generator that selects frames for --fault, drifts for --drift, delays and jitter (default 1)", 1},
     {"break", KEY_BREAK, "CF-NNN", 0,
@@ -329,18 +334,20 @@ static void add_short_faults(twin_args_t *args, const struct argp_state *state)
         add_fault(args, state, text, "--delay");
 }
 
-static void read_faults(twin_args_t *args, const struct argp_state *state, const char *path)
+static void read_faults(twin_args_t *args, const struct argp_state *state, const char *option, const char *path)
 {
     char *line = NULL;
     size_t room = 0;
     FILE *file = fopen(path, "re");
     if (!file)
-        argp_failure(state, EXIT_OPEN, errno, "--faults %s", path);
+        argp_failure(state, EXIT_OPEN, errno, "%s %s", option, path);
     for (unsigned int number = 1; file && getline(&line, &room, file) >= 0; number++) {
         char where[64];
         snprintf(where, sizeof where, "%.40s line %u", path, number);
+        args->scenario.line = number;
         add_fault(args, state, line, where);
     }
+    args->scenario.line = 0;
     free(line);
     if (file)
         fclose(file);
@@ -384,7 +391,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         add_fault(args, state, text, "--fault");
         return 0;
     case KEY_FAULTS:
-        read_faults(args, state, text);
+        read_faults(args, state, "--faults", text);
+        return 0;
+    case KEY_SCENARIO:
+        read_faults(args, state, "--scenario", text);
         return 0;
     case KEY_SEED:
         args->scenario.seed = parse_number(state, "--seed", text, UINT32_MAX);
@@ -723,6 +733,16 @@ static bool connect_all(const twin_args_t *args, ect_chain_t *chain, const char 
     return false;
 }
 
+/* Mistakes in the names and values of a script are the user's, not those of its time. */
+static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, const char *who)
+{
+    char message[ECT_STEP_MESSAGE];
+    const ect_scenario_step_t *step = ect_scenario_check(&args->scenario, chain, message);
+    if (step)
+        report(args, who, "'%s': %s", step->text, message);
+    return !step;
+}
+
 int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain)
 {
     *chain = NULL;
@@ -733,7 +753,7 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
         report(args, who, "not enough memory for %zu twins", args->count);
         return EXIT_RUN;
     }
-    if (apply_all(args, *chain, who, now_ns) && connect_all(args, *chain, who))
+    if (apply_all(args, *chain, who, now_ns) && connect_all(args, *chain, who) && check_scenario(args, *chain, who))
         return EXIT_CLEAN;
     ect_chain_free(*chain);
     *chain = NULL;

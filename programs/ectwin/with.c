@@ -249,7 +249,7 @@ static int serve(with_args_t *args, session_t *session)
     int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
     if (started)
         end_child(child.pid, child.status);
-    return status == EXIT_CLEAN ? child.status : status;
+    return session_verdict(session, status == EXIT_CLEAN ? child.status : status);
 }
 
 static void report_lacks(unsigned int lacks)
@@ -435,6 +435,7 @@ static int serve_in_process(with_args_t *args)
     (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
     int status = try_power_on(args);
     size_t count = args->twins.count;
+    bool expects = args->twins.scenario.verdict.all > 0;
     twin_args_free(&args->twins);
     if (status == EXIT_CLEAN && !in_process_prepare(&twins, message)) {
         fprintf(stderr, "ectwin with: %s\n", message);
@@ -444,13 +445,15 @@ static int serve_in_process(with_args_t *args)
         return status;
     (void)print_ready(stderr, args->masters, count, NULL);
     status = wait_in_process(args, signal_fd);
-    if (!in_process_finish(&twins) && status != LAUNCH_NOT_FOUND && status != LAUNCH_NOT_EXECUTABLE)
+    bool met = !expects;
+    bool used = in_process_finish(&twins, &met);
+    if (!used && status != LAUNCH_NOT_FOUND && status != LAUNCH_NOT_EXECUTABLE)
         fprintf(
             stderr,
             "ectwin with: '%s' has not opened %s through the C library (a static or setuid program, Go, system calls "
             "of its own): run it without --in-process\n",
             args->command[0], args->masters[0]);
-    return status;
+    return status == EXIT_CLEAN && !met ? EXIT_RUN : status;
 }
 
 int command_with(int argc, char **argv)

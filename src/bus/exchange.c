@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Runs of the devices that a late caller makes up for in a row. */
-enum { CATCH_UP = 64 };
+/* Runs of the devices that a late caller makes up for in a row, and that steps of the scenario cause at one time. */
+enum { CATCH_UP = 64, STEPS_IN_A_ROW = 8 };
 
 static uint64_t now(const ect_exchange_t *x)
 {
@@ -47,16 +47,32 @@ static void keep(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t 
         x->stats.dropped++;
 }
 
+/* The replies that are due. */
+static void send_kept(ect_exchange_t *x, ect_end_t end, ect_late_t *kept, uint64_t now_ns)
+{
+    ect_late_frame_t *late;
+    while ((late = ect_late_take(kept, now_ns))) {
+        emit(x, end, late->frame, late->length);
+        x->stats.answered++;
+        free(late);
+    }
+}
+
 static void send_late(ect_exchange_t *x, uint64_t now_ns)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
-        ect_late_frame_t *late;
-        while ((late = ect_late_take(&x->late[end], now_ns))) {
-            emit(x, end, late->frame, late->length);
-            x->stats.answered++;
-            free(late);
-        }
+        send_kept(x, end, &x->late[end], now_ns);
+        send_kept(x, end, &x->behind[end], now_ns);
     }
+}
+
+/* When the next of these leaves. */
+static uint64_t late_due(const ect_exchange_t *x)
+{
+    uint64_t due_ns = ECT_NEVER;
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        due_ns = ect_earlier(due_ns, ect_earlier(ect_late_due(&x->late[end]), ect_late_due(&x->behind[end])));
+    return due_ns;
 }
 
 static ect_end_t through(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
@@ -73,15 +89,10 @@ static ect_end_t through(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t
 /* Replies that waited for this one leave behind it. */
 static void send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
 {
-    ect_late_frame_t *behind;
     emit(x, end, frame, length);
     if (twice)
         emit(x, end, frame, length);
-    while ((behind = ect_late_take(&x->behind[end], UINT64_MAX))) {
-        emit(x, end, behind->frame, behind->length);
-        x->stats.answered++;
-        free(behind);
-    }
+    send_kept(x, end, &x->behind[end], UINT64_MAX);
 }
 
 /* A reply leaves at once, late, or behind the next one. */
@@ -89,7 +100,7 @@ static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, s
                        const ect_frame_effects_t *effects, const ect_packet_time_t *time)
 {
     if (effects->after_next) {
-        if (!ect_late_add(&x->behind[out], frame, length, 0))
+        if (!ect_late_add(&x->behind[out], frame, length, time->now_ns + ECT_WIRES_BEHIND_NS))
             x->stats.dropped++;
     } else if (effects->delay_us > 0 || x->late[out].first) {
         keep(x, out, frame, length, time->now_ns + 1000ull * effects->delay_us);
@@ -203,6 +214,22 @@ static void poll_devices(ect_exchange_t *x, uint64_t now_ns)
     x->deadline_ns = next_ns;
 }
 
+/* Steps of the scenario that are due; the devices run after those that change the chain. @return when the next is due */
+static uint64_t take_steps(ect_exchange_t *x)
+{
+    uint64_t next_ns = ECT_NEVER;
+    ect_scenario_t *scenario = faults_of(x);
+    for (unsigned int i = 0; scenario && i < STEPS_IN_A_ROW; i++) {
+        scenario->acted = false;
+        next_ns = ect_scenario_tick(scenario, x->chain, x->polled_ns);
+        if (!scenario->acted)
+            break;
+        x->touched_ns = x->polled_ns;
+        poll_devices(x, x->polled_ns);
+    }
+    return next_ns;
+}
+
 uint64_t ect_exchange_run(ect_exchange_t *x)
 {
     release_kept(x);
@@ -212,12 +239,10 @@ uint64_t ect_exchange_run(ect_exchange_t *x)
     send_late(x, now_ns);
     ect_stats_poll(&x->stats, now_ns > x->deadline_ns ? now_ns - x->deadline_ns : 0);
     poll_devices(x, now_ns);
-    uint64_t late_ns = ect_earlier(ect_late_due(&x->late[ECT_END_IN]), ect_late_due(&x->late[ECT_END_OUT]));
-    ect_scenario_t *faults = faults_of(x);
-    uint64_t fault_ns = faults ? ect_scenario_tick(faults, x->chain, x->polled_ns) : ECT_NEVER;
+    uint64_t step_ns = take_steps(x);
     if (x->trace)
         ect_trace_flush(x->trace);
-    return ect_earlier(ect_earlier(x->deadline_ns, fault_ns), late_ns);
+    return ect_earlier(ect_earlier(x->deadline_ns, step_ns), late_due(x));
 }
 
 static void note_fault(void *observer, const char *fault)

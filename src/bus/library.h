@@ -113,6 +113,13 @@ ECTWIN_API int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name,
 ECTWIN_API int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char *message, size_t room);
 
 /**
+ * Ends the scenario of the bus (--scenario, --faults, --fault): expectations that are not met by now have failed.
+ * @param[out] text  a line for each expectation, then one for all, at most `room` bytes; empty: there are none
+ * @return the number of expectations that have failed
+ */
+ECTWIN_API int ectwin_bus_verdict(ectwin_bus_t *bus, char *text, size_t room);
+
+/**
  * Opens the control socket of the bus (docs/CONTROL.md), once.
  * @return a descriptor that is readable when ::ectwin_bus_serve has something to do; -1, with the reason on standard
  *         error

@@ -194,15 +194,45 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link)
         update_delays(chain);
 }
 
-void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns)
+const char *ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns)
 {
+    const char *why;
     ECT_ASSERT(fault->slave >= 1 && fault->slave <= chain->cabling.count);
     size_t i = fault->slave - 1u;
     settle(chain);
     (void)ect_esc_tick(&chain->twins[i].esc, now_ns);
-    if (ect_twin_fault(&chain->twins[i], fault, now_ns))
+    if (ect_twin_fault(&chain->twins[i], fault, now_ns, &why))
         restarted(chain, i);
     ect_chain_wake(chain, i);
+    return why;
+}
+
+void ect_chain_fault_end(ect_chain_t *chain, uint32_t tag)
+{
+    for (size_t i = 0; i < chain->cabling.count; i++) {
+        if (chain->twins[i].above)
+            ect_above_end(chain->twins[i].above, tag);
+    }
+}
+
+const ect_fault_t *ect_chain_fault_at(const ect_chain_t *chain, size_t i)
+{
+    for (size_t n = 0; n < chain->cabling.count; n++) {
+        const ect_above_t *above = chain->twins[n].above;
+        for (size_t k = 0; above && ect_above_at(above, k); k++) {
+            if (i-- == 0)
+                return ect_above_at(above, k);
+        }
+    }
+    return NULL;
+}
+
+uint64_t ect_chain_fault_seen(const ect_chain_t *chain, uint32_t tag)
+{
+    uint64_t seen = 0;
+    for (size_t i = 0; i < chain->cabling.count; i++)
+        seen += chain->twins[i].above ? ect_above_seen(chain->twins[i].above, tag) : 0;
+    return seen;
 }
 
 void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx)

@@ -99,10 +99,21 @@ void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx);
 ect_end_t ect_chain_resume(ect_chain_t *chain, const ect_crossing_t *from, uint64_t now_ns);
 
 /**
- * Carries out a fault of a slave at once.
+ * Carries out a fault of a slave at once, or sets one above the wire (::ect_fault_is_above_wire), which lasts.
  * @param fault  not one of frames (::ect_fault_is_of_frames); `slave` is 1..::ect_chain_count
+ * @return NULL: done; else the reason of a refusal, without the name of the slave: no lower state, no emergencies,
+ *         eight faults above the wire already, no memory
  */
-void ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns);
+const char *ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns);
+
+/** Ends the faults above the wire with this tag (ect_fault_t::tag), in all twins; 0: all but ECT_FAULT_COUNT. */
+void ect_chain_fault_end(ect_chain_t *chain, uint32_t tag);
+
+/** @return the i-th fault above the wire that is set, from 0, in the order of the twins; NULL: there is none */
+const ect_fault_t *ect_chain_fault_at(const ect_chain_t *chain, size_t i);
+
+/** @return the number of SDO transfers that the faults above the wire with this tag have seen, in all twins */
+uint64_t ect_chain_fault_seen(const ect_chain_t *chain, uint32_t tag);
 
 /**
  * Runs the slave stacks and devices that a frame, a signal or the time concerns.

@@ -2,47 +2,86 @@
 #include "bus/chain/fault.h"
 #include "wire/assert.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORDS = 8 };
+#include "seams/device.h"
+
+enum { WORDS = 12 };
 
 /* The parameter of each kind of fault. */
-typedef enum amount { NO_AMOUNT, MICROSECONDS, BYTES, SIGNED, BIT, NANOSECONDS } amount_t;
+typedef enum amount { NO_AMOUNT, MICROSECONDS, BYTES, SIGNED, BIT, NANOSECONDS, MILLISECONDS, STEP, REGISTER } amount_t;
+
+/* Parts that a kind may have, beside its amount. */
+enum {
+    WIRE = 1,      /* "wire N" */
+    COUNTED = 2,   /* "every N", "5%", "3rd" */
+    CODE = 4,      /* a hexadecimal number of 16 bits ... */
+    LONG_CODE = 8, /* ... or a larger one, of 32 bits */
+    STATE = 16,    /* the name of a state */
+    TO_STATE = 32, /* "to" and the name of a state */
+    OBJECT = 64,   /* an object */
+    OF_OBJECT = 128, /* "of" and an object */
+    DATA = 256,      /* "data" and five bytes */
+    NEEDS_CODE = 512,
+    NEEDS_STATE = 1024,
+};
 
 typedef struct kind {
     const char *name, *second; /* of two words: the second one */
     amount_t amount;
     int32_t minimum, maximum;
-    bool wire; /* may name one */
+    unsigned int parts;
 } kind_t;
 
 static const kind_t kinds[ECT_FAULT_KINDS] = {
-    [ECT_FAULT_DROP] = {"drop", NULL, NO_AMOUNT, 0, 0, true},
-    [ECT_FAULT_DAMAGE] = {"damage", NULL, NO_AMOUNT, 0, 0, true},
-    [ECT_FAULT_DELAY] = {"delay", NULL, MICROSECONDS, 1, 10000000, true},
-    [ECT_FAULT_DUPLICATE] = {"duplicate", NULL, NO_AMOUNT, 0, 0, true},
-    [ECT_FAULT_REORDER] = {"reorder", NULL, NO_AMOUNT, 0, 0, true},
-    [ECT_FAULT_TRUNCATE] = {"truncate", NULL, BYTES, 1, 1500, true},
-    [ECT_FAULT_CORRUPT] = {"corrupt", NULL, NO_AMOUNT, 0, 0, true},
-    [ECT_FAULT_COUNTER] = {"counter", NULL, SIGNED, -32768, 32767, true},
-    [ECT_FAULT_OFF] = {"off", NULL, NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_HANG] = {"hang", NULL, NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_RESUME] = {"resume", NULL, NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_RESET] = {"reset", NULL, NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_IDENTITY] = {"identity", NULL, NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_LOSE_EVENT] = {"lose-event", NULL, NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_EEPROM_BUSY] = {"eeprom", "busy", NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_EEPROM_NACK] = {"eeprom", "nack", NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_EEPROM_FLIP] = {"eeprom", "flip", BIT, 0, 15, false},
-    [ECT_FAULT_EEPROM_OK] = {"eeprom", "ok", NO_AMOUNT, 0, 0, false},
-    [ECT_FAULT_CLOCK] = {"clock", NULL, NANOSECONDS, INT32_MIN, INT32_MAX, false},
+    [ECT_FAULT_DROP] = {"drop", NULL, NO_AMOUNT, 0, 0, WIRE},
+    [ECT_FAULT_DAMAGE] = {"damage", NULL, NO_AMOUNT, 0, 0, WIRE},
+    [ECT_FAULT_DELAY] = {"delay", NULL, MICROSECONDS, 1, 10000000, WIRE},
+    [ECT_FAULT_DUPLICATE] = {"duplicate", NULL, NO_AMOUNT, 0, 0, WIRE},
+    [ECT_FAULT_REORDER] = {"reorder", NULL, NO_AMOUNT, 0, 0, WIRE},
+    [ECT_FAULT_TRUNCATE] = {"truncate", NULL, BYTES, 1, 1500, WIRE},
+    [ECT_FAULT_CORRUPT] = {"corrupt", NULL, NO_AMOUNT, 0, 0, WIRE},
+    [ECT_FAULT_COUNTER] = {"counter", NULL, SIGNED, -32768, 32767, WIRE},
+    [ECT_FAULT_OFF] = {"off", NULL, NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_HANG] = {"hang", NULL, NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_RESUME] = {"resume", NULL, NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_RESET] = {"reset", NULL, NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_IDENTITY] = {"identity", NULL, NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_LOSE_EVENT] = {"lose-event", NULL, NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_EEPROM_BUSY] = {"eeprom", "busy", NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_EEPROM_NACK] = {"eeprom", "nack", NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_EEPROM_FLIP] = {"eeprom", "flip", BIT, 0, 15, 0},
+    [ECT_FAULT_EEPROM_OK] = {"eeprom", "ok", NO_AMOUNT, 0, 0, 0},
+    [ECT_FAULT_CLOCK] = {"clock", NULL, NANOSECONDS, INT32_MIN, INT32_MAX, 0},
+    [ECT_FAULT_TO] = {"to", NULL, NO_AMOUNT, 0, 0, STATE | NEEDS_STATE | CODE},
+    [ECT_FAULT_INIT] = {"init", NULL, NO_AMOUNT, 0, 0, CODE},
+    [ECT_FAULT_EMERGENCY] = {"emergency", NULL, REGISTER, 0, 255, CODE | NEEDS_CODE | DATA},
+    [ECT_FAULT_AL] = {"al", NULL, NO_AMOUNT, 0, 0, CODE | NEEDS_CODE | TO_STATE},
+    [ECT_FAULT_AL_REFUSE] = {"al", "refuse", NO_AMOUNT, 0, 0, CODE | NEEDS_CODE | TO_STATE},
+    [ECT_FAULT_AL_NEVER] = {"al", "never", NO_AMOUNT, 0, 0, TO_STATE},
+    [ECT_FAULT_ABORT] = {"abort", NULL, STEP, 1, 1000000, COUNTED | OBJECT | LONG_CODE | NEEDS_CODE},
+    [ECT_FAULT_MAIL_TOGGLE] = {"mail", "toggle", NO_AMOUNT, 0, 0, COUNTED | OF_OBJECT},
+    [ECT_FAULT_MAIL_COUNTER] = {"mail", "counter", NO_AMOUNT, 0, 0, COUNTED | OF_OBJECT},
+    [ECT_FAULT_MAIL_TYPE] = {"mail", "type", NO_AMOUNT, 0, 0, COUNTED | OF_OBJECT},
+    [ECT_FAULT_MAIL_LENGTH] = {"mail", "length", NO_AMOUNT, 0, 0, COUNTED | OF_OBJECT},
+    [ECT_FAULT_MAIL_LATE] = {"mail", "late", MILLISECONDS, 1, 60000, COUNTED | OF_OBJECT},
+    [ECT_FAULT_MAIL_TWICE] = {"mail", "twice", NO_AMOUNT, 0, 0, COUNTED | OF_OBJECT},
+    [ECT_FAULT_MAIL_LOST] = {"mail", "lost", NO_AMOUNT, 0, 0, COUNTED | OF_OBJECT},
+    [ECT_FAULT_PDO_SIZE] = {"pdo-size", NULL, SIGNED, -1024, 1024, 0},
 };
 
 static const char *unit_of(amount_t amount)
 {
-    return amount == MICROSECONDS ? "us" : amount == NANOSECONDS ? "ns" : "";
+    return amount == MICROSECONDS ? "us" : amount == NANOSECONDS ? "ns" : amount == MILLISECONDS ? "ms" : "";
+}
+
+/* The word before an amount that may be left out; NULL: it may not. */
+static const char *word_of(amount_t amount)
+{
+    return amount == STEP ? "step" : amount == REGISTER ? "register" : NULL;
 }
 
 /* The words of a text, and the next one to read. */
@@ -69,7 +108,7 @@ static bool cut(reader_t *r, const char *text)
         if (space)
             *space = 0;
         if (*rest != 0 && count == WORDS)
-            return wrong(r, "a fault has at most 8 words", text);
+            return wrong(r, "a fault has at most 12 words", text);
         if (*rest != 0)
             r->words[count++] = rest;
         rest = space ? space + 1 : NULL;
@@ -111,30 +150,75 @@ static bool is_kind(const reader_t *r, size_t at, const kind_t *kind)
     return !kind->second || (r->words[at + 1] && strcmp(r->words[at + 1], kind->second) == 0);
 }
 
-/* Finds the name of a kind and takes it out of the words. */
+/* The names, each once. @param second  of two words: those that may follow this one; NULL: the first words */
+static void list_kinds(const char *first, char *list, size_t room)
+{
+    size_t used = 0;
+    *list = 0;
+    for (unsigned int i = 0; i < ECT_FAULT_KINDS; i++) {
+        const char *word = first ? kinds[i].second : kinds[i].name;
+        bool listed = first ? strcmp(kinds[i].name, first) == 0 && word : i == 0 || strcmp(word, kinds[i - 1].name) != 0;
+        if (listed && used < room)
+            used += (size_t)snprintf(list + used, room - used, "%s%s", used > 0 ? ", " : "", word);
+    }
+}
+
+static bool no_kind(reader_t *r, size_t at)
+{
+    char list[ECT_FAULT_MESSAGE], what[ECT_FAULT_MESSAGE];
+    list_kinds(r->words[at], list, sizeof list);
+    if (r->words[at] && *list != 0) {
+        snprintf(what, sizeof what, "expected one of %.120s after '%.20s'", list, r->words[at]);
+        return wrong(r, what, r->words[at + 1]);
+    }
+    list_kinds(NULL, list, sizeof list);
+    snprintf(what, sizeof what, "expected %.245s", list);
+    return wrong(r, what, r->words[0]);
+}
+
+/* The kind whose name begins with the word; names of two words are the last ones of their kind. @return ECT_FAULT_KINDS:
+ * none */
+static unsigned int kind_at(const reader_t *r, size_t at)
+{
+    unsigned int i = ECT_FAULT_KINDS;
+    while (i > 0 && !is_kind(r, at, &kinds[i - 1]))
+        i--;
+    return i > 0 ? i - 1 : ECT_FAULT_KINDS;
+}
+
+/* Finds the name of a kind and takes it out of the words. The word "to" may also be a part of another kind. */
 static bool read_kind(reader_t *r, ect_fault_t *fault)
 {
+    size_t almost = 0, found = 0;
+    unsigned int kind = ECT_FAULT_KINDS;
     for (size_t at = 0; r->words[at]; at++) {
-        for (unsigned int i = 0; i < ECT_FAULT_KINDS; i++) {
-            if (!is_kind(r, at, &kinds[i]))
-                continue;
-            fault->kind = (ect_fault_kind_t)i;
-            drop_words(r, at, kinds[i].second ? 2 : 1);
-            return true;
-        }
+        unsigned int here = kind_at(r, at);
+        char list[ECT_FAULT_MESSAGE];
+        list_kinds(r->words[at], list, sizeof list);
+        almost = *list != 0 ? at : almost;
+        if (here == ECT_FAULT_KINDS || (kind != ECT_FAULT_KINDS && kind != ECT_FAULT_TO))
+            continue;
+        kind = here;
+        found = at;
     }
-    return wrong(r,
-                 "expected drop, damage, delay, duplicate, reorder, truncate, corrupt, counter, off, hang, resume, "
-                 "reset, identity, lose-event, eeprom busy|nack|flip|ok or clock",
-                 r->words[0]);
+    if (kind == ECT_FAULT_KINDS)
+        return no_kind(r, almost);
+    fault->kind = (ect_fault_kind_t)kind;
+    drop_words(r, found, kinds[kind].second ? 2 : 1);
+    return true;
 }
 
 /* The parts of a fault that have been read, beside its kind. */
 typedef struct parts {
-    bool when, place, amount;
+    bool when, place, amount, code, state, data;
 } parts_t;
 
-/* "every N", "frame N", "N%". @return whether the next word begins one; then in *good whether it is right */
+static bool is_counted(const ect_fault_t *fault)
+{
+    return (kinds[fault->kind].parts & COUNTED) != 0;
+}
+
+/* "every N", "frame N", "3rd", "N%". @return whether the next word begins one; then in *good whether it is right */
 static bool read_when(reader_t *r, ect_fault_t *fault, bool *good)
 {
     long long value = 0;
@@ -142,9 +226,13 @@ static bool read_when(reader_t *r, ect_fault_t *fault, bool *good)
     if (take(r, "every")) {
         fault->when = ECT_FAULT_EVERY;
         *good = number(r, "", 1, 1000000000, &value);
-    } else if (take(r, "frame")) {
+    } else if (!is_counted(fault) && take(r, "frame")) {
         fault->when = ECT_FAULT_ONCE;
         *good = number(r, "", 1, 1000000000, &value);
+    } else if (is_counted(fault) && ect_fault_ordinal(word) != 0) {
+        fault->when = ECT_FAULT_ONCE;
+        value = ect_fault_ordinal(word);
+        r->at++;
     } else if (strchr(word, '%')) {
         fault->when = ECT_FAULT_SHARE;
         *good = number(r, "%", 0, 100, &value);
@@ -160,7 +248,7 @@ static bool read_place(reader_t *r, ect_fault_t *fault, bool *good)
 {
     long long slave = 0;
     bool of_slave = !ect_fault_is_of_frames(fault) && fault->kind != ECT_FAULT_OFF;
-    if (!(of_slave ? take(r, "slave") : kinds[fault->kind].wire && take(r, "wire")))
+    if (!(of_slave ? take(r, "slave") : (kinds[fault->kind].parts & WIRE) != 0 && take(r, "wire")))
         return false;
     *good = number(r, "", 1, UINT16_MAX, &slave);
     fault->slave = (uint16_t)slave;
@@ -177,32 +265,140 @@ static bool read_amount(reader_t *r, ect_fault_t *fault)
     return true;
 }
 
+/* A code of 16 bits, or a larger one. @return as read_when() */
+static bool read_code(reader_t *r, ect_fault_t *fault)
+{
+    char *end = NULL;
+    const char *word = r->words[r->at];
+    bool is_long = (kinds[fault->kind].parts & LONG_CODE) != 0;
+    unsigned long long code = strncmp(word, "0x", 2) == 0 ? strtoull(word, &end, 16) : 0;
+    if (!end || end == word + 2 || *end != 0 || code < (is_long ? 0x10000 : 1) || code > (is_long ? UINT32_MAX : UINT16_MAX))
+        return false;
+    fault->code = (uint32_t)code;
+    r->at++;
+    return true;
+}
+
+/* "SAFEOP", or "to SAFEOP". @return as read_when() */
+static bool read_state(reader_t *r, ect_fault_t *fault, bool *good)
+{
+    unsigned int parts = kinds[fault->kind].parts;
+    bool to = (parts & TO_STATE) != 0 && take(r, "to");
+    const char *word = r->words[r->at];
+    if (!to && ((parts & STATE) == 0 || ect_fault_state(word) == 0))
+        return false;
+    fault->state = word ? ect_fault_state(word) : 0;
+    *good = fault->state != 0 || wrong(r, "expected INIT, PREOP, BOOT, SAFEOP or OP after 'to'", word);
+    r->at += *good ? 1 : 0;
+    return true;
+}
+
+/* An object, or "of" and an object. @return as read_when() */
+static bool read_object(reader_t *r, ect_fault_t *fault, bool *good)
+{
+    unsigned int parts = kinds[fault->kind].parts;
+    bool of = (parts & OF_OBJECT) != 0 && take(r, "of");
+    const char *word = r->words[r->at];
+    if (!of && (parts & OBJECT) == 0)
+        return false;
+    bool is_one = word && ect_fault_read_object(word, &fault->object);
+    *good = is_one || !of || wrong(r, "expected an object as 0x1018 or 0x1018:1 after 'of'", word);
+    r->at += is_one ? 1 : 0;
+    return of || is_one;
+}
+
+static bool read_transfer(reader_t *r, ect_fault_t *fault)
+{
+    ect_fault_transfer_t transfer = take(r, "upload")     ? ECT_FAULT_UPLOAD
+                                    : take(r, "download") ? ECT_FAULT_DOWNLOAD
+                                                          : ECT_FAULT_ANY_TRANSFER;
+    fault->object.transfer = transfer;
+    return transfer != ECT_FAULT_ANY_TRANSFER;
+}
+
+static bool read_data(reader_t *r, ect_fault_t *fault, bool *good)
+{
+    if ((kinds[fault->kind].parts & DATA) == 0 || !take(r, "data"))
+        return false;
+    const char *word = r->words[r->at];
+    *good = word && strlen(word) == 2 * sizeof fault->data && strspn(word, "0123456789abcdefABCDEF") == strlen(word);
+    if (!*good)
+        (void)wrong(r, "expected 10 hexadecimal digits after 'data'", word);
+    for (size_t i = 0; *good && i < sizeof fault->data; i++) {
+        const char digits[3] = {word[2 * i], word[2 * i + 1], 0};
+        fault->data[i] = (uint8_t)strtoul(digits, NULL, 16);
+    }
+    r->at += *good ? 1 : 0;
+    return true;
+}
+
+/* A part of faults above the wire. @return as read_when() */
+static bool read_part_above(reader_t *r, ect_fault_t *fault, parts_t *parts, bool *good)
+{
+    unsigned int has = kinds[fault->kind].parts;
+    if (!parts->code && (has & (CODE | LONG_CODE)) != 0 && read_code(r, fault))
+        return parts->code = true;
+    if (!parts->state && read_state(r, fault, good))
+        return parts->state = true;
+    if (!parts->data && read_data(r, fault, good))
+        return parts->data = true;
+    if (!fault->object.named && read_object(r, fault, good))
+        return true;
+    return is_counted(fault) && fault->object.transfer == ECT_FAULT_ANY_TRANSFER && read_transfer(r, fault);
+}
+
+/* The amount, behind its word where it has one. @return as read_when() */
+static bool read_amount_part(reader_t *r, ect_fault_t *fault, bool *good)
+{
+    amount_t amount = kinds[fault->kind].amount;
+    if (amount == NO_AMOUNT || (word_of(amount) && !take(r, word_of(amount))))
+        return false;
+    *good = read_amount(r, fault);
+    return true;
+}
+
 /* The next part, whichever it is. */
 static bool read_part(reader_t *r, ect_fault_t *fault, parts_t *parts)
 {
     bool good = true;
-    if (!parts->when && ect_fault_is_of_frames(fault) && read_when(r, fault, &good)) {
+    bool of_frames = ect_fault_is_of_frames(fault);
+    if (!parts->when && (of_frames || is_counted(fault)) && read_when(r, fault, &good))
         parts->when = true;
-    } else if (!parts->place && read_place(r, fault, &good)) {
+    else if (!parts->place && read_place(r, fault, &good))
         parts->place = true;
-    } else if (!fault->back && ect_fault_is_of_frames(fault) && take(r, "back")) {
+    else if (!fault->back && of_frames && take(r, "back"))
         fault->back = true;
-    } else if (!parts->amount && kinds[fault->kind].amount != NO_AMOUNT) {
+    else if (!read_part_above(r, fault, parts, &good)) {
+        if (!good || parts->amount || !read_amount_part(r, fault, &good))
+            return good && wrong(r, "expected nothing more", r->words[r->at]);
         parts->amount = true;
-        good = read_amount(r, fault);
-    } else {
-        return wrong(r, "expected nothing more", r->words[r->at]);
     }
     return good;
+}
+
+static bool is_complete_above(reader_t *r, const ect_fault_t *fault, const parts_t *parts)
+{
+    unsigned int has = kinds[fault->kind].parts;
+    if ((has & OBJECT) != 0 && !fault->object.named)
+        return wrong(r, "expected an object, as 0x1C12:1", NULL);
+    if ((has & NEEDS_CODE) != 0 && !parts->code)
+        return wrong(r, (has & LONG_CODE) != 0 ? "expected an abort code, as 0x06040043" : "expected a code, as 0x001B",
+                     NULL);
+    if ((has & NEEDS_STATE) != 0 && !parts->state)
+        return wrong(r, "expected INIT, PREOP, BOOT or SAFEOP", NULL);
+    return fault->object.named || fault->object.transfer == ECT_FAULT_ANY_TRANSFER ||
+           wrong(r, "expected 'of' and an object with 'upload' or 'download'", NULL);
 }
 
 static bool is_complete(reader_t *r, const ect_fault_t *fault, const parts_t *parts)
 {
     const kind_t *kind = &kinds[fault->kind];
-    if (kind->amount != NO_AMOUNT && !parts->amount) {
+    if (kind->amount != NO_AMOUNT && !word_of(kind->amount) && !parts->amount) {
         long long none;
         return number(r, unit_of(kind->amount), kind->minimum, kind->maximum, &none);
     }
+    if (!is_complete_above(r, fault, parts))
+        return false;
     if (fault->kind > ECT_FAULT_OFF && !parts->place)
         return wrong(r, "expected 'slave N'", NULL);
     if (fault->kind == ECT_FAULT_DAMAGE && !parts->place)
@@ -222,6 +418,81 @@ bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message)
             return false;
     }
     return is_complete(&reader, fault, &parts);
+}
+
+/* --- words -------------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    uint8_t state;
+} states[] = {{"INIT", ECT_STATE_INIT},
+              {"PREOP", ECT_STATE_PREOP},
+              {"BOOT", ECT_STATE_BOOT},
+              {"SAFEOP", ECT_STATE_SAFEOP},
+              {"OP", ECT_STATE_OP}};
+
+uint8_t ect_fault_state(const char *name)
+{
+    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
+        if (strcmp(states[i].name, name) == 0)
+            return states[i].state;
+    }
+    return 0;
+}
+
+static const char *name_of(uint8_t state)
+{
+    size_t i = 0;
+    while (states[i].state != state)
+        i++;
+    return states[i].name;
+}
+
+/* The hexadecimal digits from `at` on, at most four. @return the text behind them; NULL: there are none, or more */
+static const char *hexadecimal(const char *at, uint16_t *value)
+{
+    char *end = NULL;
+    unsigned long number_ = isxdigit((unsigned char)*at) ? strtoul(at, &end, 16) : 0;
+    *value = (uint16_t)number_;
+    return end && end - at <= 4 ? end : NULL;
+}
+
+bool ect_fault_read_object(const char *text, ect_fault_object_t *object)
+{
+    uint16_t index, sub = 0;
+    bool prefixed = strncmp(text, "0x", 2) == 0;
+    const char *at = hexadecimal(text + (prefixed ? 2 : 0), &index);
+    if (!at || (!prefixed && *at != 'h'))
+        return false;
+    at += !prefixed;
+    if (*at == ':') {
+        char *end = NULL;
+        unsigned long value = isdigit((unsigned char)at[1]) ? strtoul(at + 1, &end, 0) : 256;
+        sub = (uint16_t)value;
+        if (value > 255)
+            return false;
+        object->has_sub = true;
+        at = end;
+    }
+    object->named = *at == 0;
+    object->index = index;
+    object->sub = (uint8_t)sub;
+    return object->named;
+}
+
+static const char *ordinal_end(uint32_t number_)
+{
+    static const char *const ends[] = {"th", "st", "nd", "rd"};
+    bool teen = number_ % 100 >= 11 && number_ % 100 <= 13;
+    return ends[!teen && number_ % 10 <= 3 ? number_ % 10 : 0];
+}
+
+uint32_t ect_fault_ordinal(const char *text)
+{
+    char *end = NULL;
+    unsigned long value = isdigit((unsigned char)*text) ? strtoul(text, &end, 10) : 0;
+    bool good = value >= 1 && value <= 1000000000 && strcmp(end, ordinal_end((uint32_t)value)) == 0;
+    return good ? (uint32_t)value : 0;
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */
@@ -249,6 +520,80 @@ const char *ect_fault_word(size_t kind)
     return kind < ECT_FAULT_KINDS ? kinds[kind].name : NULL;
 }
 
+static void put_hexadecimal(writer_t *w, uint32_t value, int digits)
+{
+    char word[32];
+    snprintf(word, sizeof word, "0x%0*X", digits, (unsigned int)value);
+    put(w, word);
+}
+
+static void put_object(writer_t *w, const ect_fault_t *fault)
+{
+    char word[32];
+    const ect_fault_object_t *object = &fault->object;
+    if (!object->named)
+        return;
+    if (fault->kind != ECT_FAULT_ABORT)
+        put(w, "of");
+    snprintf(word, sizeof word, object->has_sub ? "0x%04X:%u" : "0x%04X", object->index, object->sub);
+    put(w, word);
+    if (object->transfer != ECT_FAULT_ANY_TRANSFER)
+        put(w, object->transfer == ECT_FAULT_UPLOAD ? "upload" : "download");
+}
+
+static void put_when(writer_t *w, const ect_fault_t *fault)
+{
+    if (fault->when == ECT_FAULT_SHARE) {
+        put_number(w, fault->number, "%");
+    } else if (fault->when == ECT_FAULT_ONCE && is_counted(fault)) {
+        put_number(w, fault->number, ordinal_end(fault->number));
+    } else if (fault->when != ECT_FAULT_ALWAYS) {
+        put(w, fault->when == ECT_FAULT_EVERY ? "every" : "frame");
+        put_number(w, fault->number, "");
+    }
+}
+
+static void put_state(writer_t *w, const ect_fault_t *fault)
+{
+    if (fault->state == 0)
+        return;
+    if ((kinds[fault->kind].parts & TO_STATE) != 0)
+        put(w, "to");
+    put(w, name_of(fault->state));
+}
+
+static void put_data(writer_t *w, const ect_fault_t *fault)
+{
+    char word[2 * sizeof fault->data + 1];
+    static const uint8_t none[sizeof fault->data];
+    if (memcmp(fault->data, none, sizeof none) == 0)
+        return;
+    for (size_t i = 0; i < sizeof fault->data; i++)
+        snprintf(word + 2 * i, 3, "%02x", fault->data[i]);
+    put(w, "data");
+    put(w, word);
+}
+
+static void put_amount(writer_t *w, const ect_fault_t *fault)
+{
+    amount_t amount = kinds[fault->kind].amount;
+    if (amount == NO_AMOUNT || (word_of(amount) && fault->amount == 0))
+        return;
+    if (word_of(amount))
+        put(w, word_of(amount));
+    put_number(w, fault->amount, unit_of(amount));
+}
+
+static void put_place(writer_t *w, const ect_fault_t *fault)
+{
+    if (fault->slave == 0)
+        return;
+    put(w, ect_fault_is_of_frames(fault) ? "wire" : "slave");
+    put_number(w, fault->slave, "");
+    if (fault->back)
+        put(w, "back");
+}
+
 void ect_fault_print(const ect_fault_t *fault, char *text)
 {
     ECT_ASSERT(fault->kind < ECT_FAULT_KINDS);
@@ -257,18 +602,12 @@ void ect_fault_print(const ect_fault_t *fault, char *text)
     put(&w, kind->name);
     if (kind->second)
         put(&w, kind->second);
-    if (kind->amount != NO_AMOUNT)
-        put_number(&w, fault->amount, unit_of(kind->amount));
-    if (fault->when == ECT_FAULT_SHARE)
-        put_number(&w, fault->number, "%");
-    if (fault->when == ECT_FAULT_EVERY || fault->when == ECT_FAULT_ONCE) {
-        put(&w, fault->when == ECT_FAULT_EVERY ? "every" : "frame");
-        put_number(&w, fault->number, "");
-    }
-    if (fault->slave == 0)
-        return;
-    put(&w, ect_fault_is_of_frames(fault) ? "wire" : "slave");
-    put_number(&w, fault->slave, "");
-    if (fault->back)
-        put(&w, "back");
+    put_object(&w, fault);
+    put_state(&w, fault);
+    if (fault->code != 0)
+        put_hexadecimal(&w, fault->code, (kind->parts & LONG_CODE) != 0 ? 8 : 4);
+    put_amount(&w, fault);
+    put_data(&w, fault);
+    put_when(&w, fault);
+    put_place(&w, fault);
 }

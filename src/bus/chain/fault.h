@@ -22,7 +22,13 @@
  *     eeprom nack slave 2                  it does not reply
  *     eeprom flip 5 slave 2                bit 5 of the words read from it is inverted
  *     clock 5000ns slave 2                 its clock jumps; -5000ns: back
- *     off                                  ends all faults of frames
+ *     to SAFEOP 0x001B slave 2             it leaves its state with that AL status code; init: to INIT
+ *     emergency 0x5530 slave 2             it sends a CoE emergency
+ *     al refuse 0x001D to SAFEOP slave 2   it refuses requests for that state; al never: it does not take them up
+ *     abort 0x1C12:1 0x06040043 slave 2    it aborts SDO transfers of that entry
+ *     mail late 50ms 3rd of 0x1018 slave 2 its third mail about that object is late; lost, twice, toggle, ...
+ *     pdo-size 2 slave 2                   it expects process data that are two bytes longer
+ *     off                                  ends all faults that last
  *
  * No clock and no randomness in here (bus/faults/scenario.h has them).
  */
@@ -60,24 +66,60 @@ typedef enum ect_fault_kind {
     ECT_FAULT_EEPROM_FLIP,
     ECT_FAULT_EEPROM_OK,
     ECT_FAULT_CLOCK,
+    ECT_FAULT_TO,
+    ECT_FAULT_INIT,
+    ECT_FAULT_EMERGENCY,
+    ECT_FAULT_AL,
+    ECT_FAULT_AL_REFUSE, /**< this and the following: of a slave, above the wire; they last */
+    ECT_FAULT_AL_NEVER,
+    ECT_FAULT_ABORT,
+    ECT_FAULT_MAIL_TOGGLE,
+    ECT_FAULT_MAIL_COUNTER,
+    ECT_FAULT_MAIL_TYPE,
+    ECT_FAULT_MAIL_LENGTH,
+    ECT_FAULT_MAIL_LATE,
+    ECT_FAULT_MAIL_TWICE,
+    ECT_FAULT_MAIL_LOST,
+    ECT_FAULT_PDO_SIZE,
     ECT_FAULT_KINDS,
+    ECT_FAULT_COUNT, /**< no fault and without a text: counts the SDO transfers that it describes */
 } ect_fault_kind_t;
 
-/** The frames that a fault concerns. */
+/** The frames, mails or SDO transfers that a fault concerns. */
 typedef enum ect_fault_when {
     ECT_FAULT_ALWAYS,
     ECT_FAULT_SHARE, /**< `number` percent, at random */
-    ECT_FAULT_EVERY, /**< each frame whose count is a multiple of `number` */
-    ECT_FAULT_ONCE,  /**< frame `number`, counted from 1 when the fault is set; then the fault ends */
+    ECT_FAULT_EVERY, /**< each one whose count is a multiple of `number` */
+    ECT_FAULT_ONCE,  /**< number `number`, counted from 1 when the fault is set; then the fault ends */
 } ect_fault_when_t;
+
+/** Direction of an SDO transfer. */
+typedef enum ect_fault_transfer { ECT_FAULT_ANY_TRANSFER, ECT_FAULT_UPLOAD, ECT_FAULT_DOWNLOAD } ect_fault_transfer_t;
+
+/** The SDO transfers, or the mails of these, that a fault concerns. */
+typedef struct ect_fault_object {
+    bool named;   /**< false: all mails */
+    bool has_sub; /**< false: all entries of the object */
+    uint8_t sub;
+    uint16_t index;
+    ect_fault_transfer_t transfer;
+} ect_fault_object_t;
 
 typedef struct ect_fault {
     ect_fault_kind_t kind;
     ect_fault_when_t when;
     uint32_t number; /**< of `when` */
-    int32_t amount;  /**< µs of DELAY, bytes of TRUNCATE, of COUNTER, bit of EEPROM_FLIP, ns of CLOCK */
-    uint16_t slave;  /**< from 1; of faults of frames the slave at whose port 0 the wire is; 0: none */
-    bool back;       /**< on a wire: on the way to the master */
+    /** µs of DELAY, bytes of TRUNCATE and PDO_SIZE, of COUNTER, bit of EEPROM_FLIP, ns of CLOCK, ms of MAIL_LATE, number
+     * of the request of a transfer of ABORT, error register of EMERGENCY */
+    int32_t amount;
+    uint16_t slave; /**< from 1; of faults of frames the slave at whose port 0 the wire is; 0: none */
+    bool back;      /**< on a wire: on the way to the master */
+    uint8_t state;  /**< AL state of TO, AL and AL_...; 0: none */
+    uint32_t code;  /**< abort code, AL status code, error code of EMERGENCY */
+    uint8_t data[5]; /**< of EMERGENCY */
+    ect_fault_object_t object; /**< of ABORT and MAIL_... */
+    uint32_t seed;             /**< of SHARE, above the wire: of its random numbers */
+    uint32_t tag;              /**< by which ::ect_chain_fault_end finds it; 0: none. Not part of the text */
 } ect_fault_t;
 
 /**
@@ -89,16 +131,31 @@ typedef struct ect_fault {
  */
 bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message);
 
+/** Reads an object: "0x1018", "1018h", "0x1018:1". @return whether the text is one; then sets index, sub and `named` */
+bool ect_fault_read_object(const char *text, ect_fault_object_t *object);
+
+/** Reads "1st", "2nd", "3rd", "4th" ... @return the number, from 1; 0: the text is none */
+uint32_t ect_fault_ordinal(const char *text);
+
+/** @return the AL state of a name (INIT, PREOP, BOOT, SAFEOP, OP); 0: there is none */
+uint8_t ect_fault_state(const char *name);
+
 /** First word of the faults of a kind, 0 and up, several times where kinds share it. @return NULL: there are no more */
 const char *ect_fault_word(size_t kind);
 
 /** Writes a fault as text. @param[out] text  ECT_FAULT_TEXT bytes */
 void ect_fault_print(const ect_fault_t *fault, char *text);
 
-/** @return true: the fault concerns frames, and lasts; false: it concerns a slave, and is done at once */
+/** @return whether the fault concerns frames. It lasts then */
 static inline bool ect_fault_is_of_frames(const ect_fault_t *fault)
 {
     return fault->kind < ECT_FAULT_OFF;
+}
+
+/** @return whether the fault concerns a slave and lasts until it is ended; else it is done at once */
+static inline bool ect_fault_is_above_wire(const ect_fault_t *fault)
+{
+    return fault->kind >= ECT_FAULT_AL_REFUSE;
 }
 
 ECT_C_END

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ports/virtual/virtual.h"
+#include "seams/mailbox.h"
 #include "sii/sii.h"
 #include "wire/assert.h"
 
@@ -98,6 +99,8 @@ static bool power_on(ect_twin_t *twin, uint64_t now_ns)
         ect_esc_set_link(&twin->esc, port, twin->link[port]);
     twin->esc_ns = ECT_NEVER;
     twin->slave_ns = now_ns;
+    if (twin->above)
+        ect_above_restart(twin->above);
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
 
@@ -120,6 +123,7 @@ void ect_twin_free(ect_twin_t *twin)
 {
     for (size_t b = 0; b < twin->blocks; b++)
         free(twin->memory[b]);
+    free(twin->above);
 }
 
 /* Unlike at the first power-on, the device may have written to the buffer. */
@@ -158,10 +162,64 @@ static ect_sii_fault_t sii_fault_of(ect_fault_kind_t kind)
     }
 }
 
-bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns)
+/* @return why not, NULL */
+static const char *set_above(ect_twin_t *twin, const ect_fault_t *fault)
+{
+    if (!twin->above)
+        twin->above = ect_above_new(&twin->esc);
+    if (!twin->above)
+        return "there is not enough memory";
+    return ect_above_add(twin->above, fault, &twin->pdi) ? NULL : "8 faults above the wire are set already: 'off' ends them";
+}
+
+/* The state below one: OP, SAFEOP, PREOP, INIT. */
+static uint8_t below(uint8_t state)
+{
+    return state == ECT_STATE_BOOT ? ECT_STATE_INIT : state / 2;
+}
+
+/* The device leaves its state, as if by itself. @return why not, NULL */
+static const char *drop(ect_twin_t *twin, const ect_fault_t *fault)
+{
+    const ect_host_t *host = ect_slave_host(&twin->slave);
+    uint8_t state = fault->kind == ECT_FAULT_INIT ? ECT_STATE_INIT
+                    : fault->state != 0           ? fault->state
+                                                  : below(twin->slave.state);
+    if (state == 0 || state >= twin->slave.state)
+        return "it is in that state already, or below: it can leave its state downwards only";
+    host->drop(host->ctx, state, fault->code != 0 ? (uint16_t)fault->code : (uint16_t)ECT_AL_UNSPECIFIED);
+    return NULL;
+}
+
+static const char *emergency(ect_twin_t *twin, const ect_fault_t *fault)
+{
+    const ect_protocol_t *const *protocol = twin->config.device->protocols;
+    const ect_host_t *host = ect_slave_host(&twin->slave);
+    while (protocol && *protocol && *protocol != &ect_protocol_emergency)
+        protocol++;
+    if (!protocol || !*protocol)
+        return "its device has no emergencies";
+    host->emergency(host->ctx, (uint16_t)fault->code, (uint8_t)fault->amount, fault->data);
+    return NULL;
+}
+
+bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns, const char **why)
 {
     ECT_ASSERT(!ect_fault_is_of_frames(fault));
+    *why = NULL;
+    if (ect_fault_is_above_wire(fault)) {
+        *why = set_above(twin, fault);
+        return false;
+    }
     switch (fault->kind) {
+    case ECT_FAULT_TO:
+    case ECT_FAULT_INIT:
+    case ECT_FAULT_AL:
+        *why = drop(twin, fault);
+        return false;
+    case ECT_FAULT_EMERGENCY:
+        *why = emergency(twin, fault);
+        return false;
     case ECT_FAULT_HANG:
     case ECT_FAULT_RESUME:
         hang(twin, fault->kind == ECT_FAULT_HANG);
@@ -195,11 +253,20 @@ static void apply_wiring(ect_twin_t *twin)
         ect_esc_set_drift(&twin->esc, wiring->drift_ppb);
 }
 
+static uint64_t run_slave(ect_twin_t *twin, uint64_t now_ns)
+{
+    if (!twin->above)
+        return ect_slave_poll(&twin->slave, now_ns);
+    ect_above_before(twin->above, now_ns);
+    uint64_t next_ns = ect_slave_poll(&twin->slave, now_ns);
+    return ect_earlier(next_ns, ect_above_after(twin->above, &twin->slave, &twin->pdi));
+}
+
 bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns)
 {
     apply_wiring(twin);
     twin->seen = ect_esc_activity(&twin->esc);
-    twin->slave_ns = twin->hung ? ECT_NEVER : ect_slave_poll(&twin->slave, now_ns);
+    twin->slave_ns = twin->hung ? ECT_NEVER : run_slave(twin, now_ns);
     if (twin->slow)
         twin->slave_ns = ect_slow_end(twin->slow, twin->slave_ns);
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;

@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/chain/above.h"
 #include "bus/chain/fault.h"
 #include "bus/chain/lamps.h"
 #include "bus/chain/signals.h"
@@ -34,6 +35,7 @@ typedef struct ect_twin {
     ect_pdi_t pdi;
     ect_slave_t slave;
     ect_slow_t *slow; /* NULL: the slave takes no time */
+    ect_above_t *above; /* faults above the wire; NULL: there was none yet */
     ect_wiring_t *wiring;
     ect_lamps_t *lamps;
     bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
@@ -69,8 +71,12 @@ void ect_twin_free(ect_twin_t *twin);
 /** Switches the twin off and on: only the surroundings (ect_plant_t::outside_size) keep their state. */
 void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns);
 
-/** Carries out a fault of a slave. @return whether it has restarted the twin */
-bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns);
+/**
+ * Carries out a fault of a slave, or sets one above the wire.
+ * @param[out] why  the reason of a refusal, a line for the user without the name of the slave; NULL: done
+ * @return whether it has restarted the twin
+ */
+bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns, const char **why);
 
 /** Whether the slave stack, which has something to do, does it now; ::ect_twin_next then has the time. */
 static inline bool ect_twin_begins(const ect_twin_t *twin, uint64_t now_ns)

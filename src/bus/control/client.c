@@ -266,6 +266,18 @@ static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, s
 
 /* --- stats -------------------------------------------------------------------------------------------------------- */
 
+/* How far the script is, where there is one. */
+static void put_scenario(ect_line_t *line, const ect_scenario_t *scenario)
+{
+    if (!scenario || scenario->step_count == 0)
+        return;
+    ect_line_number(line, "steps", scenario->step_count);
+    ect_line_number(line, "steps_over", scenario->step_count - scenario->steps_left);
+    ect_line_number(line, "expected", scenario->verdict.all);
+    ect_line_number(line, "met", scenario->verdict.met);
+    ect_line_number(line, "failed", scenario->verdict.failed);
+}
+
 static void put_counters(ect_client_t *client, uint64_t now_ns)
 {
     const ect_stats_t *s = client->stats;
@@ -293,6 +305,7 @@ static void put_counters(ect_client_t *client, uint64_t now_ns)
     ect_line_begin(&line);
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
         ect_line_number(&line, counters[i].name, counters[i].value);
+    put_scenario(&line, client->scenario);
     ect_line_time(&line, now_ns - s->start_ns);
     ect_line_end(&line);
     put(client, &line);
@@ -395,14 +408,16 @@ static bool is_visit(ect_visit_t *v, const char *op)
 static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
                              char message[ECT_SIGNAL_MESSAGE])
 {
-    _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)ECT_CLIENT_LINES, "one step lists all of them");
+    /* A step has room for its lines at their longest; those of faults are short. */
+    enum { FAULTS = ECT_CLIENT_LINES * ECT_LINE_ROOM / (ECT_FAULT_TEXT + 32) };
+    _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)FAULTS, "one step lists all of them");
     _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
     const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
     char room[ECT_FAULT_TEXT];
     ect_fault_t fault;
     if (!client->scenario)
         return "no faults can be set here";
-    for (size_t i = 0; !text && ect_scenario_show(client->scenario, i, room); i++) {
+    for (size_t i = 0; !text && i < FAULTS && ect_scenario_show(client->scenario, chain, i, room); i++) {
         ect_line_t line;
         ect_line_begin(&line);
         ect_line_string(&line, "fault", room);

@@ -2,82 +2,15 @@
 #include "bus/faults/scenario.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/settings.h"
+#include "esc/route.h"
 #include "seams/random.h"
-#include "text/number.h"
 #include "wire/assert.h"
-
-enum { NS_PER_S = 1000000000 };
+#include "wire/bytes.h"
 
 /* --- a script ----------------------------------------------------------------------------------------------------- */
-
-static bool state_of(const char *name, size_t length, uint64_t *state)
-{
-    static const struct {
-        const char *name;
-        uint8_t state;
-    } states[] = {{"INIT", ECT_STATE_INIT},
-                  {"PREOP", ECT_STATE_PREOP},
-                  {"BOOT", ECT_STATE_BOOT},
-                  {"SAFEOP", ECT_STATE_SAFEOP},
-                  {"OP", ECT_STATE_OP}};
-    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
-        if (strlen(states[i].name) == length && strncmp(states[i].name, name, length) == 0) {
-            *state = states[i].state;
-            return true;
-        }
-    }
-    return false;
-}
-
-/* "frame 100 " @return what follows; NULL: it is not that */
-static const char *read_frame(const char *text, ect_scenario_step_t *step)
-{
-    const char *end = ect_number_begins(text, 0, UINT64_MAX, &step->value);
-    step->when = ECT_STEP_AT_FRAME;
-    return end && *end == ' ' ? end + 1 : NULL;
-}
-
-/* "1 OP " */
-static const char *read_state(const char *text, ect_scenario_step_t *step)
-{
-    uint64_t slave = 0;
-    const char *end = ect_number_begins(text, 1, UINT16_MAX, &slave);
-    if (!end || *end != ' ')
-        return NULL;
-    const char *name = end + 1;
-    size_t length = strcspn(name, " ");
-    step->when = ECT_STEP_AT_STATE;
-    step->slave = (uint16_t)slave;
-    return state_of(name, length, &step->value) && name[length] == ' ' ? name + length + 1 : NULL;
-}
-
-/* "2.5s " */
-static const char *read_time(const char *text, ect_scenario_step_t *step)
-{
-    char *end = NULL;
-    double seconds = strtod(text, &end);
-    if (end == text || !(seconds >= 0 && seconds < 1e9) || strncmp(end, "s ", 2) != 0)
-        return NULL;
-    step->when = ECT_STEP_AT_TIME;
-    step->value = (uint64_t)(seconds * (double)NS_PER_S);
-    return end + 2;
-}
-
-/* "at ..." at the beginning of a line; without it at 0 s. @return what follows; NULL: it makes no sense */
-static const char *read_when(const char *text, ect_scenario_step_t *step)
-{
-    if (strncmp(text, "at ", 3) != 0)
-        return text;
-    text += 3;
-    if (strncmp(text, "frame ", 6) == 0)
-        return read_frame(text + 6, step);
-    if (strncmp(text, "slave ", 6) == 0)
-        return read_state(text + 6, step);
-    return read_time(text, step);
-}
 
 static bool is_space(char c)
 {
@@ -97,25 +30,30 @@ static void trim(const char *line, char *text, size_t room)
     snprintf(text, room, "%.*s", (int)(length < room ? length : room - 1), line);
 }
 
+/* "name TEXT" */
+static bool read_name(ect_scenario_t *s, const char *text)
+{
+    if (strncmp(text, "name ", 5) != 0)
+        return false;
+    snprintf(s->name, sizeof s->name, "%s", text + 5);
+    return true;
+}
+
 bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message)
 {
-    char text[ECT_FAULT_TEXT + 64];
-    ect_scenario_step_t step = {.when = ECT_STEP_AT_TIME};
+    char text[300];
+    ect_scenario_step_t step = {.line = s->line};
     trim(line, text, sizeof text);
-    if (*text == 0)
+    if (*text == 0 || read_name(s, text))
         return true;
-    const char *fault = read_when(text, &step);
-    if (!fault) {
-        snprintf(message, ECT_FAULT_MESSAGE,
-                 "expected 'at 2.5s', 'at frame 100' or 'at slave 1 OP', then a fault, not '%.60s'", text);
-        return false;
-    }
-    if (!ect_fault_parse(fault, &step.fault, message))
+    if (!ect_step_read(text, &step.plan, message))
         return false;
     if (s->step_count == ECT_SCENARIO_STEPS) {
         snprintf(message, ECT_FAULT_MESSAGE, "a script has at most %d faults", ECT_SCENARIO_STEPS);
         return false;
     }
+    snprintf(step.text, sizeof step.text, "%.*s", (int)sizeof step.text - 1, text);
+    s->verdict.all += step.plan.action == ECT_ACTION_EXPECT;
     s->steps[s->step_count++] = step;
     s->steps_left++;
     return true;
@@ -125,29 +63,76 @@ uint16_t ect_scenario_highest_slave(const ect_scenario_t *s)
 {
     uint16_t highest = 0;
     for (size_t i = 0; i < s->step_count; i++) {
-        highest = s->steps[i].slave > highest ? s->steps[i].slave : highest;
-        highest = s->steps[i].fault.slave > highest ? s->steps[i].fault.slave : highest;
+        uint16_t its = ect_step_highest_slave(&s->steps[i].plan);
+        highest = its > highest ? its : highest;
     }
     return highest;
 }
 
+/* The next of the words "NAME=VALUE"; cut into two in `room`. @return false: there is none */
+static bool next_setting(const char **text, char room[ECT_STEP_ACTION], ect_setting_t *setting)
+{
+    size_t length = strcspn(*text, " ");
+    if (length == 0)
+        return false;
+    snprintf(room, ECT_STEP_ACTION, "%.*s", (int)length, *text);
+    *text += length + ((*text)[length] == ' ' ? 1 : 0);
+    char *equals = strchr(room, '=');
+    ECT_ASSERT(equals);
+    *equals = 0;
+    *setting = (ect_setting_t){.name = room, .value = equals + 1};
+    return true;
+}
+
+static bool has_signal(const ect_chain_t *chain, const ect_step_t *plan, const char *name, ect_signal_ref_t *ref,
+                       char *message)
+{
+    if (ect_chain_signal(chain, plan->slave - 1u, name, ref))
+        return true;
+    snprintf(message, ECT_STEP_MESSAGE,
+             "slave %u has no signal '%.60s': 'ectwin list-signals -n %u' lists those of running twins", plan->slave,
+             name, plan->slave);
+    return false;
+}
+
+/* @return whether the signals of a step exist and take their values */
+static bool check_signals(const ect_chain_t *chain, const ect_step_t *plan, char *message)
+{
+    char room[ECT_STEP_ACTION];
+    const char *text = plan->text;
+    ect_signal_ref_t ref;
+    ect_setting_t setting;
+    ect_condition_t condition;
+    if (plan->action == ECT_ACTION_EXPECT)
+        return ect_condition_read(text, &condition) && has_signal(chain, plan, condition.name, &ref, message);
+    while (next_setting(&text, room, &setting)) {
+        if (!has_signal(chain, plan, setting.name, &ref, message) ||
+            !ect_signal_check(&ref, setting.value, message))
+            return false;
+    }
+    return true;
+}
+
+const ect_scenario_step_t *ect_scenario_check(const ect_scenario_t *s, const ect_chain_t *chain, char *message)
+{
+    _Static_assert((int)ECT_SIGNAL_MESSAGE <= (int)ECT_STEP_MESSAGE, "a message of a signal has room");
+    for (size_t i = 0; i < s->step_count; i++) {
+        const ect_step_t *plan = &s->steps[i].plan;
+        if (ect_step_highest_slave(plan) > ect_chain_count(chain)) {
+            snprintf(message, ECT_STEP_MESSAGE, "there is no slave %u: the chain has %zu", ect_step_highest_slave(plan),
+                     ect_chain_count(chain));
+            return &s->steps[i];
+        }
+        if (plan->action != ECT_ACTION_FAULT && !check_signals(chain, plan, message))
+            return &s->steps[i];
+    }
+    return NULL;
+}
+
 /* --- setting ------------------------------------------------------------------------------------------------------ */
 
-static bool set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
+static bool set_of_frames(ect_scenario_t *s, const ect_fault_t *fault, char *message)
 {
-    if (fault->slave > ect_chain_count(chain)) {
-        snprintf(message, ECT_FAULT_MESSAGE, "there is no slave %u: the chain has %zu", fault->slave,
-                 ect_chain_count(chain));
-        return false;
-    }
-    if (fault->kind == ECT_FAULT_OFF) {
-        s->set_count = 0;
-        return true;
-    }
-    if (!ect_fault_is_of_frames(fault)) {
-        ect_chain_fault(chain, fault, now_ns);
-        return true;
-    }
     if (s->set_count == ECT_SCENARIO_FAULTS) {
         snprintf(message, ECT_FAULT_MESSAGE, "%d faults are set already: 'off' ends them", ECT_SCENARIO_FAULTS);
         return false;
@@ -158,65 +143,346 @@ static bool set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault,
     return true;
 }
 
+static bool set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
+{
+    if (fault->slave > ect_chain_count(chain)) {
+        snprintf(message, ECT_FAULT_MESSAGE, "there is no slave %u: the chain has %zu", fault->slave,
+                 ect_chain_count(chain));
+        return false;
+    }
+    if (fault->kind == ECT_FAULT_OFF) {
+        s->set_count = 0;
+        ect_chain_fault_end(chain, 0);
+        return true;
+    }
+    if (ect_fault_is_of_frames(fault))
+        return set_of_frames(s, fault, message);
+    ect_fault_t seeded = *fault;
+    if (fault->when == ECT_FAULT_SHARE)
+        seeded.seed = ect_random_next(&s->seed);
+    const char *why = ect_chain_fault(chain, &seeded, now_ns);
+    if (why)
+        snprintf(message, ECT_FAULT_MESSAGE, "slave %u: %s", fault->slave, why);
+    return !why;
+}
+
+static void note(const ect_scenario_t *s, const char *text)
+{
+    if (s->done)
+        s->done(s->observer, text);
+}
+
 bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message)
 {
     char text[ECT_FAULT_TEXT];
     if (!set(s, chain, fault, now_ns, message))
         return false;
     ect_fault_print(fault, text);
-    if (s->done)
-        s->done(s->observer, text);
+    note(s, text);
     return true;
 }
 
-bool ect_scenario_show(const ect_scenario_t *s, size_t i, char *text)
+bool ect_scenario_show(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text)
 {
-    if (i >= s->set_count)
-        return false;
-    ect_fault_print(&s->set[i].fault, text);
-    return true;
+    const ect_fault_t *fault = i < s->set_count ? &s->set[i].fault : ect_chain_fault_at(chain, i - s->set_count);
+    if (fault)
+        ect_fault_print(fault, text);
+    return fault != NULL;
 }
 
-static bool is_due(const ect_scenario_t *s, const ect_chain_t *chain, const ect_scenario_step_t *step, uint64_t now_ns)
+/* Ends the fault of a step: takes it out of those that are set, or carries out its opposite. */
+static void end_fault(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns)
 {
-    switch (step->when) {
-    case ECT_STEP_AT_TIME:
-        return now_ns - s->start_ns >= step->value;
-    case ECT_STEP_AT_FRAME:
-        return s->frames >= step->value;
-    default:
-        return step->slave <= ect_chain_count(chain) && ect_chain_slave(chain, step->slave - 1u)->state == step->value;
+    size_t kept = 0;
+    for (size_t i = 0; i < s->set_count; i++) {
+        if (s->set[i].fault.tag != fault->tag)
+            s->set[kept++] = s->set[i];
+    }
+    s->set_count = kept;
+    ect_chain_fault_end(chain, fault->tag);
+    ect_fault_t opposite = {.kind = fault->kind == ECT_FAULT_HANG ? ECT_FAULT_RESUME : ECT_FAULT_EEPROM_OK,
+                            .slave = fault->slave};
+    if (!ect_fault_is_of_frames(fault) && !ect_fault_is_above_wire(fault))
+        (void)ect_chain_fault(chain, &opposite, now_ns);
+}
+
+/* --- steps -------------------------------------------------------------------------------------------------------- */
+
+/* The tags of a step: of its fault, and of the count of its milestone. */
+static uint32_t tag_of(const ect_scenario_t *s, const ect_scenario_step_t *step, bool count)
+{
+    return 1u + 2u * (uint32_t)(step - s->steps) + count;
+}
+
+static void refuse(const ect_scenario_t *s, const ect_scenario_step_t *step, const char *why)
+{
+    char text[ECT_FAULT_TEXT];
+    if (!s->refused)
+        return;
+    if (step->plan.action == ECT_ACTION_FAULT)
+        ect_fault_print(&step->plan.fault, text);
+    s->refused(s->ctx, step->plan.action == ECT_ACTION_FAULT ? text : step->text, why);
+}
+
+/* From now on the transfers of a milestone are counted: of one slave, or of all. */
+static void begin_count(const ect_scenario_t *s, ect_chain_t *chain, const ect_scenario_step_t *step,
+                        const ect_milestone_t *m, uint64_t now_ns)
+{
+    ect_fault_t count = {.kind = ECT_FAULT_COUNT, .object = m->object, .tag = tag_of(s, step, true)};
+    size_t last = m->slave != 0 ? m->slave : ect_chain_count(chain);
+    for (size_t slave = m->slave != 0 ? m->slave : 1; slave <= last; slave++) {
+        count.slave = (uint16_t)slave;
+        const char *why = ect_chain_fault(chain, &count, now_ns);
+        if (why)
+            refuse(s, step, why);
     }
 }
 
-/* A step that cannot be done is over too: later it would be another step. */
-static void take_step(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+static bool is_in_state(const ect_chain_t *chain, const ect_milestone_t *m)
 {
-    char message[ECT_FAULT_MESSAGE], text[ECT_FAULT_TEXT];
-    ECT_ASSERT(!step->done && s->steps_left > 0);
-    step->done = true;
+    return m->slave <= ect_chain_count(chain) && ect_chain_slave(chain, m->slave - 1u)->state == m->value;
+}
+
+/* "again": the slave has been in another state meanwhile. */
+static bool is_back(const ect_chain_t *chain, ect_scenario_step_t *step, const ect_milestone_t *m)
+{
+    bool in_state = is_in_state(chain, m);
+    step->left |= !in_state;
+    return in_state && step->left;
+}
+
+static bool is_reached(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, const ect_milestone_t *m,
+                       uint64_t now_ns)
+{
+    if (!step->current && m->kind == ECT_MILESTONE_SDO)
+        begin_count(s, chain, step, m, now_ns);
+    step->current = true;
+    switch (m->kind) {
+    case ECT_MILESTONE_TIME:
+        return now_ns - s->start_ns >= m->value;
+    case ECT_MILESTONE_DELAY:
+        return now_ns - step->base_ns >= m->value;
+    case ECT_MILESTONE_FRAME:
+        return s->frames >= m->value;
+    case ECT_MILESTONE_CYCLES:
+        return s->cycles - step->base_cycles >= m->value;
+    case ECT_MILESTONE_STATE:
+        return is_in_state(chain, m);
+    case ECT_MILESTONE_AGAIN:
+        return is_back(chain, step, m);
+    case ECT_MILESTONE_LEFT:
+        return !is_in_state(chain, m);
+    case ECT_MILESTONE_SDO:
+        return ect_chain_fault_seen(chain, tag_of(s, step, true)) >= m->value;
+    default:
+        return false;
+    }
+}
+
+/* The time at which a milestone is reached; ECT_NEVER: not by time. */
+static uint64_t due_ns(const ect_scenario_t *s, const ect_scenario_step_t *step, const ect_milestone_t *m)
+{
+    return m->kind == ECT_MILESTONE_TIME    ? s->start_ns + m->value
+           : m->kind == ECT_MILESTONE_DELAY ? step->base_ns + m->value
+                                            : ECT_NEVER;
+}
+
+/* The next milestone counts from here. */
+static void pass(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, const ect_milestone_t *m,
+                 uint64_t now_ns)
+{
+    if (m->kind == ECT_MILESTONE_SDO)
+        ect_chain_fault_end(chain, tag_of(s, step, true));
+    step->current = step->left = false;
+    step->base_ns = now_ns;
+    step->base_cycles = s->cycles;
+}
+
+/* --- actions ------------------------------------------------------------------------------------------------------ */
+
+static void step_over(ect_scenario_t *s, ect_scenario_step_t *step)
+{
+    ECT_ASSERT(step->progress != ECT_STEP_OVER && s->steps_left > 0);
+    step->progress = ECT_STEP_OVER;
     s->steps_left--;
-    if (ect_scenario_set(s, chain, &step->fault, now_ns, message) || !s->refused)
+}
+
+static void judge(ect_scenario_t *s, ect_scenario_step_t *step, bool met, const char *why)
+{
+    char text[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
+    s->verdict.met += met;
+    s->verdict.failed += !met;
+    step->met = met;
+    snprintf(step->why, sizeof step->why, "%s", met ? "" : why);
+    step_over(s, step);
+    (void)ect_scenario_print(step, text, sizeof text);
+    note(s, text);
+    if (s->judged)
+        s->judged(s->ctx, step);
+}
+
+/* Sets signals; with an end the value of the one before is noted first. */
+static void set_signals(const ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, const char *text,
+                        uint64_t now_ns)
+{
+    enum { MOST = ECT_STEP_ACTION / 4 };
+    char rooms[MOST][ECT_STEP_ACTION], message[ECT_SIGNAL_MESSAGE], value[ECT_SIGNAL_TEXT_ROOM];
+    ect_setting_t settings[MOST];
+    ect_signal_ref_t ref;
+    size_t count = 0, position = step->plan.slave - 1u;
+    while (count < MOST && next_setting(&text, rooms[count], &settings[count]))
+        count++;
+    if (step->plan.until.kind != ECT_MILESTONE_NONE && ect_chain_signal(chain, position, settings[0].name, &ref)) {
+        ect_signal_read(&ref, value);
+        snprintf(step->before, sizeof step->before, "%.60s=%.60s", settings[0].name, value);
+    }
+    if (!ect_settings_apply(chain, position, settings, count, now_ns, message))
+        refuse(s, step, message);
+}
+
+static void act(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+{
+    char message[ECT_FAULT_MESSAGE];
+    step->progress = ECT_STEP_ACTS;
+    if (step->plan.action == ECT_ACTION_SET) {
+        note(s, step->text);
+        set_signals(s, chain, step, step->plan.text, now_ns);
+    } else if (step->plan.action == ECT_ACTION_FAULT) {
+        ect_fault_t fault = step->plan.fault;
+        fault.tag = tag_of(s, step, false);
+        if (!ect_scenario_set(s, chain, &fault, now_ns, message))
+            refuse(s, step, message);
+    } else {
         return;
-    ect_fault_print(&step->fault, text);
-    s->refused(s->ctx, text, message);
+    }
+    s->acted = true;
+}
+
+static void undo(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+{
+    ect_fault_t fault = step->plan.fault;
+    char text[ECT_STEP_ACTION + 16];
+    fault.tag = tag_of(s, step, false);
+    s->acted = true;
+    snprintf(text, sizeof text, "end of: %s", step->text);
+    note(s, text);
+    if (step->plan.action == ECT_ACTION_FAULT)
+        end_fault(s, chain, &fault, now_ns);
+    else
+        set_signals(s, chain, step, step->before, now_ns);
+}
+
+/* Whether the condition of an expectation is fulfilled now; if not, `why` is a line. */
+static bool is_as_expected(const ect_chain_t *chain, const ect_step_t *plan, char *why)
+{
+    ect_condition_t condition;
+    ect_signal_ref_t ref;
+    char value[ECT_SIGNAL_TEXT_ROOM];
+    if (!ect_condition_read(plan->text, &condition) || !has_signal(chain, plan, condition.name, &ref, why))
+        return false;
+    ect_signal_read(&ref, value);
+    snprintf(why, ECT_STEP_MESSAGE, "%.60s is %.120s", condition.name, value);
+    return ect_condition_met(&condition, value);
+}
+
+/* An expectation without an end is judged at once; one that holds fails at once, any other is met at once. */
+static void expect(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+{
+    char why[ECT_STEP_MESSAGE];
+    const ect_step_t *plan = &step->plan;
+    bool met = is_as_expected(chain, plan, why);
+    bool ends = plan->until.kind == ECT_MILESTONE_NONE || is_reached(s, chain, step, &plan->until, now_ns);
+    if (ends || met != plan->holds)
+        judge(s, step, met, met ? "" : why);
+}
+
+/* A step that acts: its end, if that has come. */
+static void go_on(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+{
+    const ect_step_t *plan = &step->plan;
+    if (plan->action == ECT_ACTION_EXPECT) {
+        expect(s, chain, step, now_ns);
+        return;
+    }
+    if (plan->until.kind == ECT_MILESTONE_NONE) {
+        step_over(s, step);
+        return;
+    }
+    if (!is_reached(s, chain, step, &plan->until, now_ns))
+        return;
+    undo(s, chain, step, now_ns);
+    pass(s, chain, step, &plan->until, now_ns);
+    if (plan->repeats) {
+        step->progress = ECT_STEP_WAITS;
+        step->reached--;
+    } else {
+        step_over(s, step);
+    }
+}
+
+/* As far as the step comes now. @return the time at which it goes on, ECT_NEVER: not by time */
+static uint64_t advance(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
+{
+    const ect_step_t *plan = &step->plan;
+    while (step->progress == ECT_STEP_WAITS && step->reached < plan->when_count) {
+        const ect_milestone_t *m = &plan->when[step->reached];
+        if (!is_reached(s, chain, step, m, now_ns))
+            return due_ns(s, step, m);
+        pass(s, chain, step, m, now_ns);
+        step->reached++;
+    }
+    if (step->progress == ECT_STEP_WAITS)
+        act(s, chain, step, now_ns);
+    go_on(s, chain, step, now_ns);
+    return step->progress == ECT_STEP_ACTS ? due_ns(s, step, &plan->until) : ECT_NEVER;
+}
+
+static void begin(ect_scenario_t *s, uint64_t now_ns)
+{
+    s->start_ns = now_ns;
+    for (size_t i = 0; i < s->step_count; i++)
+        s->steps[i].base_ns = now_ns;
 }
 
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
     uint64_t next_ns = ect_wires_due(&s->wires);
     if (s->start_ns == 0)
-        s->start_ns = now_ns;
+        begin(s, now_ns);
     for (size_t i = 0; s->steps_left > 0 && i < s->step_count; i++) {
-        ect_scenario_step_t *step = &s->steps[i];
-        if (step->done)
+        if (s->steps[i].progress == ECT_STEP_OVER)
             continue;
-        if (is_due(s, chain, step, now_ns))
-            take_step(s, chain, step, now_ns);
-        else if (step->when == ECT_STEP_AT_TIME && s->start_ns + step->value < next_ns)
-            next_ns = s->start_ns + step->value;
+        uint64_t step_ns = advance(s, chain, &s->steps[i], now_ns);
+        next_ns = step_ns < next_ns ? step_ns : next_ns;
     }
     return next_ns;
+}
+
+int ect_scenario_tell(const ect_scenario_step_t *step, char *text, size_t room)
+{
+    char line[32] = "";
+    if (step->line != 0)
+        snprintf(line, sizeof line, "line %u: ", step->line);
+    return snprintf(text, room, "%s'%s' %s%s", line, step->text, step->met ? "is met" : "has failed: ", step->why);
+}
+
+int ect_scenario_tell_verdict(const ect_scenario_t *s, char *text, size_t room)
+{
+    const ect_verdict_t *v = &s->verdict;
+    bool named = s->name[0] != 0;
+    return snprintf(text, room, "%s%s%s%u of %u expectations are met", named ? "'" : "", s->name, named ? "': " : "",
+                    v->met, v->all);
+}
+
+ect_verdict_t ect_scenario_end(ect_scenario_t *s)
+{
+    for (size_t i = 0; i < s->step_count; i++) {
+        ect_scenario_step_t *step = &s->steps[i];
+        if (step->plan.action == ECT_ACTION_EXPECT && step->progress != ECT_STEP_OVER)
+            judge(s, step, false,
+                  step->progress == ECT_STEP_ACTS ? "the run ended before" : "the run ended before its milestone");
+    }
+    return s->verdict;
 }
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
@@ -274,11 +540,25 @@ static void apply_fault(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *fr
     }
 }
 
+/* Whether a datagram of the frame is a logical one. */
+static bool has_process_data(const uint8_t *frame, size_t length)
+{
+    size_t at = ect_frame_datagrams(frame, length);
+    while (at != 0 && at + ECT_DATAGRAM_DATA <= length) {
+        const uint8_t *datagram = frame + at;
+        if (datagram[ECT_DATAGRAM_COMMAND] >= ECT_LRD && datagram[ECT_DATAGRAM_COMMAND] <= ECT_LRW)
+            return true;
+        at = ect_datagram_follows(datagram) ? at + ect_datagram_size(datagram) : 0;
+    }
+    return false;
+}
+
 ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length,
                                        uint64_t now_ns)
 {
     ect_frame_effects_t effects = {0};
     s->frames++;
+    s->cycles += has_process_data(frame, *length);
     (void)ect_scenario_tick(s, chain, now_ns);
     ect_wires_begin(&s->wires, &s->seed, now_ns);
     size_t kept = 0;

@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Faults (bus/chain/fault.h) at work: the faults that are set, and a script of faults to come. The random generator
- * depends on its seed alone, so the same seed, script and frames make the same run.
+ * A scenario: the faults that are set (bus/chain/fault.h), and a script of steps to come (bus/faults/script.h): faults,
+ * signals to set, expectations. The random generator depends on its seed alone, so the same seed, script and frames
+ * make the same run.
  *
- * A script has a fault a line; `#` begins a comment. A condition may precede the fault:
- *
- *     drop 5%                              from the beginning
- *     at 2.5s hang slave 2                 2.5 s after the beginning
- *     at frame 1000 off                    when 1000 frames have come
- *     at slave 1 OP counter -1 every 10    when that slave is in that state: INIT, PREOP, BOOT, SAFEOP or OP
+ * A script has a step a line; `#` begins a comment, `name TEXT` names the scenario.
  *
  * No clock in here. Context: the thread of the runner. Cost of a frame: a check of each fault that is set and of the
  * next steps; none without any.
@@ -23,34 +19,52 @@
 
 #include "bus/chain/chain.h"
 #include "bus/chain/fault.h"
+#include "bus/faults/script.h"
 #include "bus/faults/wires.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
 
-/** Most faults of frames that are set at a time; most steps of a script. */
-enum { ECT_SCENARIO_FAULTS = 8, ECT_SCENARIO_STEPS = 256 };
+/** Most faults of frames that are set at a time; most steps of a script; room of the scenario's name. */
+enum { ECT_SCENARIO_FAULTS = 8, ECT_SCENARIO_STEPS = 256, ECT_SCENARIO_NAME = 80 };
 
-/** One line of a script. Private. */
+/** One line of a script, and how far it is. Private, but for `text` and `line`, `met` and `why`. */
 typedef struct ect_scenario_step {
-    enum { ECT_STEP_AT_TIME, ECT_STEP_AT_FRAME, ECT_STEP_AT_STATE } when;
-    uint64_t value; /* ns, frames, state */
-    uint16_t slave;
-    bool done;
-    ect_fault_t fault;
+    ect_step_t plan;
+    char text[ECT_STEP_ACTION]; /* as it was written, without comment, cut where it is longer */
+    unsigned int line;          /* in its file, from 1; 0: none */
+    enum { ECT_STEP_WAITS, ECT_STEP_ACTS, ECT_STEP_OVER } progress;
+    uint8_t reached;      /* milestones */
+    bool current;         /* the present milestone, or the end, has been prepared */
+    bool left;            /* of AGAIN: the slave has left the state */
+    uint64_t base_ns;     /* time of the milestone before ... */
+    uint64_t base_cycles; /* ... and frames with process data by then */
+    char before[ECT_STEP_ACTION]; /* "NAME=VALUE" that the end of SET sets again */
+    bool met;
+    char why[ECT_STEP_MESSAGE]; /* of an expectation that has failed */
 } ect_scenario_step_t;
 
-/** All zero but the seed: no faults. Members but `seed`, `refused`, `ctx`, `done`, `observer` and `wires` are
- * private. */
+/** The expectations of a script. All met when `met` is `all`. */
+typedef struct ect_verdict {
+    unsigned int all, met, failed;
+} ect_verdict_t;
+
+/** All zero but the seed: no faults. Members from `start_ns` on but `verdict`, `name` and `wires` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
-    /** Called when a fault of the script cannot be set at its time; `why` is one line. NULL: not called. */
+    /** Called when a step of the script cannot be done at its time; `why` is one line. NULL: not called. */
     void (*refused)(void *ctx, const char *fault, const char *why);
-    void *ctx;                                       /**< argument of `refused` */
-    void (*done)(void *observer, const char *fault); /**< called with each fault that is set or carried out; NULL */
+    /** Called when an expectation is met or has failed. NULL: not called. */
+    void (*judged)(void *ctx, const ect_scenario_step_t *step);
+    void *ctx;                                       /**< argument of both */
+    void (*done)(void *observer, const char *what); /**< called with each fault, signal and verdict; NULL: not called */
     void *observer;                                  /**< argument of `done` */
-    uint64_t start_ns;                               /* 0: not begun */
-    uint64_t frames;
+    unsigned int line; /**< number of the line that ::ect_scenario_read reads, 0: none */
+    char name[ECT_SCENARIO_NAME];
+    ect_verdict_t verdict;
+    uint64_t start_ns; /* 0: not begun */
+    uint64_t frames, cycles;
+    bool acted; /* a step has changed the chain: the devices have to run */
     struct {
         ect_fault_t fault;
         uint64_t frames; /* seen by the fault */
@@ -80,8 +94,16 @@ typedef struct ect_frame_effects {
 bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message);
 
 /**
- * Sets a fault of frames, or carries out a fault of a slave, at once.
- * @param[out] message  on failure the reason: no such slave, or too many faults; ECT_FAULT_MESSAGE bytes
+ * Checks that the chain has the slaves and signals of the script, and that these take the values to be set.
+ * @param[out] message  on failure the reason, one line for the user; ECT_STEP_MESSAGE bytes
+ * @return the step that is wrong; NULL: none
+ */
+const ect_scenario_step_t *ect_scenario_check(const ect_scenario_t *s, const ect_chain_t *chain, char *message);
+
+/**
+ * Sets a fault that lasts, or carries out a fault of a slave at once.
+ * @param[out] message  on failure the reason: no such slave, too many faults, or that of ::ect_chain_fault;
+ * ECT_FAULT_MESSAGE bytes
  * @return whether it was done
  */
 bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns, char *message);
@@ -92,6 +114,18 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
  */
 ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, uint8_t *frame, size_t *length,
                                        uint64_t now_ns);
+
+/**
+ * The run is over: expectations that are not met have failed, and are reported.
+ * @return the verdict
+ */
+ect_verdict_t ect_scenario_end(ect_scenario_t *s);
+
+/** Writes an expectation that is decided as one line. @return as snprintf() */
+int ect_scenario_tell(const ect_scenario_step_t *step, char *text, size_t room);
+
+/** Writes the verdict as one line: "'NAME': 3 of 4 expectations are met". @return as snprintf() */
+int ect_scenario_tell_verdict(const ect_scenario_t *s, char *text, size_t room);
 
 /** Takes due steps. @return the next time at which a step, or a frame on a wire (s->wires), is due; ECT_NEVER */
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns);
@@ -113,8 +147,9 @@ static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
     return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept;
 }
 
-/** Writes the i-th fault of frames that is set, from 0, as text (ECT_FAULT_TEXT bytes). @return false: no such fault */
-bool ect_scenario_show(const ect_scenario_t *s, size_t i, char *text);
+/** Writes the i-th fault that is set, from 0, those of frames first, as text (ECT_FAULT_TEXT bytes). @return false: no
+ * such fault */
+bool ect_scenario_show(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text);
 
 ECT_C_END
 

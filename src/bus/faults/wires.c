@@ -39,7 +39,7 @@ static bool keep(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint6
         return false;
     while (*last)
         last = &(*last)->next;
-    *kept = (ect_kept_t){.due_ns = due_ns, .due_frame = due_frame, .slow = slow, .at = *c};
+    *kept = (ect_kept_t){.due_ns = due_ns, .due_frame = due_frame, .latest_ns = w->now_ns + ECT_WIRES_BEHIND_NS, .slow = slow, .at = *c};
     kept->at.frame = kept->frame;
     memcpy(kept->frame, c->frame, c->length);
     *last = kept;
@@ -60,7 +60,7 @@ static uint64_t free_at(const ect_wires_t *w, const ect_crossing_t *c)
 
 static bool is_due(const ect_wires_t *w, const ect_kept_t *kept, uint64_t now_ns)
 {
-    return now_ns >= kept->due_ns && w->frames >= kept->due_frame;
+    return now_ns >= kept->due_ns && (w->frames >= kept->due_frame || now_ns >= kept->latest_ns);
 }
 
 ect_kept_t *ect_wires_release(ect_wires_t *w, ect_chain_t *chain, uint64_t now_ns)
@@ -82,8 +82,8 @@ uint64_t ect_wires_due(const ect_wires_t *w)
 {
     uint64_t due_ns = ECT_NEVER;
     for (const ect_kept_t *k = w->kept; k; k = k->next) {
-        if (w->frames >= k->due_frame && k->due_ns < due_ns)
-            due_ns = k->due_ns;
+        uint64_t its_ns = w->frames >= k->due_frame ? k->due_ns : ect_later(k->due_ns, k->latest_ns);
+        due_ns = its_ns < due_ns ? its_ns : due_ns;
     }
     return due_ns;
 }

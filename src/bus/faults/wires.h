@@ -20,6 +20,9 @@
 
 ECT_C_BEGIN
 
+/** A frame that waits for the next one (reorder) continues after this time all the same. */
+enum { ECT_WIRES_BEHIND_NS = 10000000 };
+
 /** Most faults of a frame; most frames that are kept, further ones are lost. */
 enum { ECT_WIRES_FAULTS = 8, ECT_WIRES_KEPT = 4096 };
 
@@ -27,7 +30,8 @@ enum { ECT_WIRES_FAULTS = 8, ECT_WIRES_KEPT = 4096 };
 typedef struct ect_kept {
     struct ect_kept *next;
     uint64_t due_ns;    /**< time at which it continues ... */
-    uint64_t due_frame; /**< ... but not before this number of frames has come */
+    uint64_t due_frame; /**< ... but not before this number of frames has come ... */
+    uint64_t latest_ns; /**< ... or this time has come */
     bool slow;          /**< later frames on the wire wait for it */
     ect_end_t end;      /**< end where it has left the chain, once released */
     ect_crossing_t at;  /**< at.frame is the member below */

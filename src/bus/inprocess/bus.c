@@ -26,6 +26,7 @@ typedef struct library {
     __typeof__(&ectwin_bus_control) control;
     __typeof__(&ectwin_bus_control_path) control_path;
     __typeof__(&ectwin_bus_serve) serve;
+    __typeof__(&ectwin_bus_verdict) verdict;
 } library_t;
 
 static struct {
@@ -102,19 +103,20 @@ static bool load(library_t *library)
                            .run = symbol(handle, "ectwin_bus_run", &whole),
                            .control = symbol(handle, "ectwin_bus_control", &whole),
                            .control_path = symbol(handle, "ectwin_bus_control_path", &whole),
-                           .serve = symbol(handle, "ectwin_bus_serve", &whole)};
+                           .serve = symbol(handle, "ectwin_bus_serve", &whole),
+                           .verdict = symbol(handle, "ectwin_bus_verdict", &whole)};
     if (!whole)
         fprintf(stderr, "ectwin: %s is of another version; install ectwin again\n", path);
     return whole;
 }
 
-static void leave_mark(void)
+static void leave_mark(char mark)
 {
     const char *path = getenv("ECTWIN_INPROCESS_MARK");
     int fd = path ? open(path, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
     if (fd < 0)
         return;
-    (void)!REAL(write)(fd, "+", 1);
+    (void)!REAL(write)(fd, &mark, 1);
     REAL(close)(fd);
 }
 
@@ -151,7 +153,7 @@ static bool start(uint64_t now_ns)
     free(copy);
     if (!state.bus)
         return false;
-    leave_mark();
+    leave_mark(ECT_BUS_MARK_OPENED);
     state.control_fd = state.library.control(state.bus);
     if (state.control_fd >= 0)
         setenv("ECTWIN_SOCKET", state.library.control_path(state.bus), 1);
@@ -246,11 +248,28 @@ int ect_bus_control_fd(void)
     return state.control_fd;
 }
 
+/* The expectations of the scenario, a line each. */
+static void report_verdict(void)
+{
+    enum { ROOM = 65536 };
+    char *text = calloc(1, ROOM);
+    if (!text)
+        return;
+    if (state.library.verdict(state.bus, text, ROOM) == 0)
+        leave_mark(ECT_BUS_MARK_MET);
+    for (char *rest = text, *line = strsep(&rest, "\n"); line; line = strsep(&rest, "\n")) {
+        if (*line != 0)
+            fprintf(stderr, "ectwin: %s\n", line);
+    }
+    free(text);
+}
+
 void ect_bus_end(void)
 {
     if (!ect_bus_running())
         return;
     ect_inside++;
+    report_verdict();
     state.library.close(state.bus);
     state.bus = NULL;
     state.control_fd = -1;

@@ -289,6 +289,20 @@ static void orders(void **state)
     }
 }
 
+/* The last one of a master that waits for it. */
+static void behind_none(void **state)
+{
+    rig_t *r = *state;
+    set_fault(r, "reorder");
+    pass(r, ECT_END_IN, 1);
+    assert_true(ect_exchange_run(&r->x) <= r->clock_ns + 10 * MS);
+    (void)run_at(r, r->clock_ns + 10 * MS - 1);
+    expect_log(r, "");
+    (void)run_at(r, r->clock_ns + 1);
+    expect_log(r, "<1");
+    assert_int_equal(r->x.stats.answered, 1);
+}
+
 static void late_order(void **state)
 {
     rig_t *r = *state;
@@ -616,6 +630,7 @@ int main(int argc, char **argv)
         TEST("a filter changes the request before the chain and the reply after it", filtered),
         TEST("a frame that is too long is counted by a controller, and has no reply", too_long),
         TABLE("replies behind the next one and on a wire leave in their order", orders),
+        TEST("a reply that waits for the next one leaves after 10 ms", behind_none),
         TEST("a late reply leaves when it is due; later replies do not overtake it", late_order),
         TEST("late replies of one end do not delay those of the other", late_at_both_ends),
         TABLE("replies beyond the limit of kept ones are counted as dropped", most),

@@ -68,7 +68,31 @@ static void round_trip(void **state)
                                         "eeprom flip 15 slave 1",
                                         "eeprom ok slave 1",
                                         "clock -5000ns slave 2",
-                                        "clock 0ns slave 1"};
+                                        "clock 0ns slave 1",
+                                        "to SAFEOP slave 2",
+                                        "to PREOP 0x001B slave 2",
+                                        "init slave 1",
+                                        "init 0x002D slave 1",
+                                        "al 0x001B slave 2",
+                                        "al to SAFEOP 0x001B slave 2",
+                                        "al refuse 0x001D slave 2",
+                                        "al refuse to OP 0x001D slave 2",
+                                        "al never slave 3",
+                                        "al never to OP slave 3",
+                                        "emergency 0x5530 slave 2",
+                                        "emergency 0x5530 register 32 data 0102030405 slave 2",
+                                        "abort 0x1C12:1 0x06040043 slave 2",
+                                        "abort 0x1C12 upload 0x06040043 step 2 5% slave 2",
+                                        "abort 0x1C12:1 download 0x08000020 3rd slave 2",
+                                        "mail toggle slave 2",
+                                        "mail counter every 3 slave 2",
+                                        "mail type 50% slave 2",
+                                        "mail length 11th slave 2",
+                                        "mail late 50ms 1st slave 2",
+                                        "mail late of 0x1018 50ms slave 2",
+                                        "mail twice of 0x1018 slave 2",
+                                        "mail lost of 0x1018:4 upload 22nd slave 2",
+                                        "pdo-size -2 slave 1"};
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         char message[ECT_FAULT_MESSAGE] = "", text[ECT_FAULT_TEXT];
@@ -95,6 +119,12 @@ static void any_order(void **state)
         {"frame 3 truncate 20", "truncate 20 frame 3"},
         {"slave 1 eeprom flip 5", "eeprom flip 5 slave 1"},
         {"clock slave 2 -5000ns", "clock -5000ns slave 2"},
+        {"slave 2 0x06040043 1C12h:1 abort", "abort 0x1C12:1 0x06040043 slave 2"},
+        {"step 2 abort slave 2 0x06040043 3rd download 0x1C12:0x01", "abort 0x1C12:1 download 0x06040043 step 2 3rd slave 2"},
+        {"slave 2 0x001B to SAFEOP al", "al to SAFEOP 0x001B slave 2"},
+        {"0x001B slave 2 SAFEOP to", "to SAFEOP 0x001B slave 2"},
+        {"of 1018h slave 2 mail late 3rd 50ms", "mail late of 0x1018 50ms 3rd slave 2"},
+        {"data 0102030405 slave 2 register 1 emergency 0xFF00", "emergency 0xFF00 register 1 data 0102030405 slave 2"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -136,10 +166,32 @@ static void refused(void **state)
         {"hang", "slave N"},
         {"hang slave 0", "1 to 65535"},
         {"hang slave 1 now", "nothing more"},
-        {"eeprom slave 1", "expected drop"},
+        {"eeprom slave 1", "expected one of busy, nack, flip, ok after 'eeprom'"},
+        {"mail slave 1", "expected one of toggle, counter, type, length, late, twice, lost after 'mail'"},
+        {"al slave 1", "expected a code, as 0x001B"},
+        {"al 27 slave 1", "nothing more"},
+        {"al refuse slave 1", "expected a code, as 0x001B"},
+        {"al 0x12345 slave 1", "nothing more"},
+        {"al to RUN 0x001B slave 1", "after 'to'"},
+        {"al 0x001B", "slave N"},
+        {"to slave 1", "expected INIT, PREOP, BOOT or SAFEOP"},
+        {"init", "slave N"},
+        {"emergency slave 1", "expected a code"},
+        {"emergency 0x5530 data 01 slave 1", "10 hexadecimal digits"},
+        {"emergency 0x5530 register 256 slave 1", "0 to 255"},
+        {"abort 0x06040043 slave 1", "expected an object, as 0x1C12:1"},
+        {"abort 0x1C12 slave 1", "expected an abort code, as 0x06040043"},
+        {"abort 0x1C12:256 0x06040043 slave 1", "nothing more"},
+        {"abort 0x1C12 0x06040043 step 0 slave 1", "1 to 1000000"},
+        {"abort 0x1C12 0x06040043 frame 3 slave 1", "nothing more"},
+        {"mail late slave 1", "1 to 60000 ms"},
+        {"mail lost 3th slave 1", "nothing more"},
+        {"mail lost upload slave 1", "expected 'of' and an object"},
+        {"mail lost of slave 1", "expected an object as 0x1018"},
+        {"pdo-size slave 1", "-1024 to 1024"},
         {"eeprom flip 16 slave 1", "0 to 15"},
         {"clock 5 slave 1", "ns"},
-        {"drop 1% wire 1 back and so on and on", "8 words"},
+        {"drop 1% wire 1 back and so on and on and on and on", "12 words"},
         {"drop                                                                                              ", "95"},
     };
     (void)state;
@@ -360,9 +412,9 @@ static void shown(void **state)
     ect_fault_t fault;
     set(r, "drop 5%");
     set(r, "duplicate frame 3");
-    assert_true(ect_scenario_show(&r->s, 1, text));
+    assert_true(ect_scenario_show(&r->s, r->w.chain, 1, text));
     assert_string_equal(text, "duplicate frame 3");
-    assert_false(ect_scenario_show(&r->s, 2, text));
+    assert_false(ect_scenario_show(&r->s, r->w.chain, 2, text));
     assert_true(ect_fault_parse("hang slave 4", &fault, r->message));
     assert_false(ect_scenario_set(&r->s, r->w.chain, &fault, 0, r->message));
     assert_non_null(strstr(r->message, "there is no slave 4"));
@@ -650,13 +702,24 @@ static void behind_the_next_on_a_wire(void **state)
 {
     rig_t *r = *state;
     set(r, "reorder frame 1 wire 3");
+    uint64_t begin_ns = r->w.now_ns;
     assert_int_equal(write_all(r, 1), 0);
-    assert_int_equal(ect_wires_due(&r->s.wires), ECT_NEVER);
-    assert_null(ect_wires_release(&r->s.wires, r->w.chain, r->w.now_ns + 1000 * MS));
+    assert_int_equal(ect_wires_due(&r->s.wires), begin_ns + 10 * MS);
+    assert_null(ect_wires_release(&r->s.wires, r->w.chain, begin_ns + 10 * MS - 1));
     assert_int_not_equal(write_all(r, 2), 0);
     expect_bytes(r, "the second one is first", (uint8_t[]){2, 2, 2});
     assert_int_equal(release(r), 3);
     expect_bytes(r, "then the first", (uint8_t[]){2, 2, 1});
+}
+
+static void behind_none_on_a_wire(void **state)
+{
+    rig_t *r = *state;
+    set(r, "reorder frame 1 wire 3");
+    assert_int_equal(write_all(r, 1), 0);
+    r->w.now_ns += 10 * MS;
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the slave behind has it as well", (uint8_t[]){1, 1, 1});
 }
 
 static void kept_at_most(void **state)
@@ -844,6 +907,7 @@ int main(int argc, char **argv)
         TEST("a frame that is late on a wire: those behind wait for it, and no other one overtakes it", late_on_a_wire),
         TEST("CF-041: a frame that comes twice over a wire is executed twice behind it", twice_on_a_wire),
         TEST("frames that change their order on a wire", behind_the_next_on_a_wire),
+        TEST("a frame that waits on a wire for the next one continues after 10 ms", behind_none_on_a_wire),
         TEST("of more frames than are kept on wires the last ones are lost", kept_at_most),
         TEST("a script sets faults at a time, at a frame, in a state", script),
         TEST("a script returns its next deadline", script_times),

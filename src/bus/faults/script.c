@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bus/faults/script.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "text/number.h"
+
+enum { NS_PER_S = 1000000000, WORDS = 40, LINE = 256 };
+
+/* The words of a line, and the next one to read. */
+typedef struct words {
+    char room[LINE];
+    const char *word[WORDS + 1]; /* NULL behind the last one */
+    size_t at;
+    char *message;
+} words_t;
+
+static bool wrong(words_t *w, const char *what, const char *found)
+{
+    snprintf(w->message, ECT_STEP_MESSAGE, "%.180s, not '%.60s'", what, found ? found : "");
+    return false;
+}
+
+static bool cut(words_t *w, const char *line)
+{
+    size_t count = 0;
+    if (snprintf(w->room, sizeof w->room, "%s", line) >= (int)sizeof w->room)
+        return wrong(w, "a line is at most 255 characters long", line);
+    char *rest = NULL;
+    for (char *word = strtok_r(w->room, " \t", &rest); word; word = strtok_r(NULL, " \t", &rest)) {
+        if (count == WORDS)
+            return wrong(w, "a line has at most 40 words", line);
+        w->word[count++] = word;
+    }
+    return true;
+}
+
+static const char *next(const words_t *w)
+{
+    return w->word[w->at];
+}
+
+static bool take(words_t *w, const char *word)
+{
+    if (!next(w) || strcmp(next(w), word) != 0)
+        return false;
+    w->at++;
+    return true;
+}
+
+static bool take_number(words_t *w, uint64_t minimum, uint64_t maximum, uint64_t *value)
+{
+    const char *end = next(w) ? ect_number_begins(next(w), minimum, maximum, value) : NULL;
+    if (!end || *end != 0)
+        return false;
+    w->at++;
+    return true;
+}
+
+/* "2.5s", "200ms", "50us" */
+static bool take_duration(words_t *w, uint64_t *ns)
+{
+    static const struct {
+        const char *name;
+        double ns;
+    } units[] = {{"s", 1e9}, {"ms", 1e6}, {"us", 1e3}};
+    char *end = NULL;
+    double number = next(w) ? strtod(next(w), &end) : 0;
+    for (size_t i = 0; end && end != next(w) && i < sizeof units / sizeof units[0]; i++) {
+        double value = number * units[i].ns;
+        if (strcmp(end, units[i].name) != 0 || !(value >= 0 && value < 1e9 * (double)NS_PER_S))
+            continue;
+        *ns = (uint64_t)(value + 0.5);
+        w->at++;
+        return true;
+    }
+    return false;
+}
+
+/* --- milestones --------------------------------------------------------------------------------------------------- */
+
+/* "slave 1 in OP again", all but the state may be left out. */
+static bool take_state(words_t *w, ect_milestone_t *m)
+{
+    uint64_t slave = 0;
+    if (take(w, "slave") && !take_number(w, 1, UINT16_MAX, &slave))
+        return false;
+    (void)take(w, "in");
+    uint8_t state = next(w) ? ect_fault_state(next(w)) : 0;
+    if (state == 0)
+        return false;
+    w->at++;
+    *m = (ect_milestone_t){.kind = ECT_MILESTONE_STATE, .value = state, .slave = (uint16_t)slave};
+    if (take(w, "again"))
+        m->kind = ECT_MILESTONE_AGAIN;
+    return true;
+}
+
+/* "the 3rd upload of 0x1018" */
+static bool take_transfer(words_t *w, ect_milestone_t *m)
+{
+    *m = (ect_milestone_t){.kind = ECT_MILESTONE_SDO};
+    if (!take(w, "the") || !next(w))
+        return false;
+    m->value = ect_fault_ordinal(next(w));
+    w->at++;
+    ect_fault_transfer_t transfer = take(w, "upload")     ? ECT_FAULT_UPLOAD
+                                    : take(w, "download") ? ECT_FAULT_DOWNLOAD
+                                                          : ECT_FAULT_ANY_TRANSFER;
+    if (m->value == 0 || transfer == ECT_FAULT_ANY_TRANSFER || !take(w, "of") || !next(w) ||
+        !ect_fault_read_object(next(w), &m->object))
+        return false;
+    m->object.transfer = transfer;
+    w->at++;
+    return true;
+}
+
+static bool take_point(words_t *w, ect_milestone_t *m)
+{
+    *m = (ect_milestone_t){.kind = ECT_MILESTONE_FRAME};
+    if (take(w, "frame"))
+        return take_number(w, 0, UINT64_MAX, &m->value);
+    if (take_duration(w, &m->value)) {
+        m->kind = ECT_MILESTONE_TIME;
+        return true;
+    }
+    return next(w) && strcmp(next(w), "the") == 0 ? take_transfer(w, m) : take_state(w, m);
+}
+
+/* "10 cycles", "100ms" */
+static bool take_span(words_t *w, ect_milestone_t *m)
+{
+    *m = (ect_milestone_t){.kind = ECT_MILESTONE_CYCLES};
+    if (take_number(w, 1, 1000000000, &m->value))
+        return take(w, "cycles") || take(w, "cycle");
+    m->kind = ECT_MILESTONE_DELAY;
+    return take_duration(w, &m->value);
+}
+
+static bool add_when(words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
+{
+    if (step->when_count == ECT_STEP_MILESTONES)
+        return wrong(w, "a line has at most 4 milestones", word);
+    if (step->repeats)
+        return wrong(w, "'while' is the last milestone of a line: expected it at the end", word);
+    step->when[step->when_count++] = *m;
+    return true;
+}
+
+static bool set_until(words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
+{
+    if (step->until.kind != ECT_MILESTONE_NONE)
+        return wrong(w, "a line has one end: expected one of while, until, for and within", word);
+    step->until = *m;
+    return true;
+}
+
+/* "while in PREOP": begins in the state, ends when it is left. */
+static bool add_while(words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
+{
+    ect_milestone_t left = *m;
+    left.kind = ECT_MILESTONE_LEFT;
+    if (!add_when(w, step, m, word) || !set_until(w, step, &left, word))
+        return false;
+    step->repeats = true;
+    return true;
+}
+
+/* A milestone, from its first word on. */
+static bool read_milestone(words_t *w, ect_step_t *step)
+{
+    ect_milestone_t m;
+    const char *word = w->word[w->at++];
+    const char *from = next(w);
+    switch (word[0]) {
+    case 'a':
+        if (word[1] == 't' ? take_point(w, &m) : take_span(w, &m))
+            return add_when(w, step, &m, word);
+        return wrong(w,
+                     word[1] == 't' ? "expected 'at 2.5s', 'at frame 100', 'at slave 1 OP' or 'at the 3rd upload of "
+                                      "0x1018', then an action"
+                                    : "expected 'after 100ms' or 'after 10 cycles'",
+                     from);
+    case 'u':
+        if (take_point(w, &m))
+            return set_until(w, step, &m, word);
+        return wrong(w, "expected 'until 5s', 'until slave 1 OP' or 'until OP again'", from);
+    case 'w':
+        if (word[1] == 'h')
+            return take_state(w, &m) && m.kind == ECT_MILESTONE_STATE ? add_while(w, step, &m, word)
+                                                                     : wrong(w, "expected 'while in PREOP'", from);
+        break;
+    default:
+        step->holds = true;
+        break;
+    }
+    if (take_span(w, &m))
+        return set_until(w, step, &m, word);
+    return wrong(w, step->holds ? "expected 'for 100ms' or 'for 10 cycles'" : "expected 'within 200ms'", from);
+}
+
+static bool begins_milestone(const char *word)
+{
+    static const char *const firsts[] = {"at", "after", "while", "until", "for", "within"};
+    for (size_t i = 0; i < sizeof firsts / sizeof firsts[0]; i++) {
+        if (strcmp(word, firsts[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* --- actions ------------------------------------------------------------------------------------------------------ */
+
+bool ect_condition_read(const char *text, ect_condition_t *c)
+{
+    size_t length = strcspn(text, "=!<>");
+    c->relation = text[length];
+    if (length == 0 || length >= sizeof c->name || c->relation == 0 || (c->relation == '!' && text[length + 1] != '='))
+        return false;
+    snprintf(c->name, sizeof c->name, "%.*s", (int)length, text);
+    c->value = text + length + (c->relation == '!' ? 2 : 1);
+    char *end = NULL;
+    (void)strtod(c->value, &end);
+    return c->relation == '=' || c->relation == '!' || (end != c->value && *end == 0);
+}
+
+bool ect_condition_met(const ect_condition_t *c, const char *value)
+{
+    char *end, *value_end;
+    double wanted = strtod(c->value, &end), is = strtod(value, &value_end);
+    bool numbers = end != c->value && *end == 0 && value_end != value && *value_end == 0;
+    if (c->relation == '<' || c->relation == '>')
+        return numbers && (c->relation == '<' ? is < wanted : is > wanted);
+    bool equal = numbers ? is >= wanted && is <= wanted : strcmp(c->value, value) == 0;
+    return equal == (c->relation == '=');
+}
+
+/* "2:" before the name of a signal. */
+static const char *read_slave(const char *text, ect_step_t *step)
+{
+    uint64_t slave = 0;
+    const char *end = ect_number_begins(text, 1, UINT16_MAX, &slave);
+    if (!end || *end != ':')
+        return text;
+    step->slave = (uint16_t)slave;
+    return end + 1;
+}
+
+static bool is_signal(const ect_step_t *step, const char *text)
+{
+    ect_condition_t condition;
+    bool is_one = ect_condition_read(text, &condition);
+    return is_one && (step->action == ECT_ACTION_EXPECT || condition.relation == '=');
+}
+
+static bool read_signals(words_t *w, const char *const *word, ect_step_t *step)
+{
+    size_t used = 0, count = 0;
+    step->slave = 1;
+    for (; *word; word++) {
+        uint64_t slave = 0;
+        if (strcmp(*word, "slave") == 0 && word[1] && ect_number_begins(word[1], 1, UINT16_MAX, &slave)) {
+            step->slave = (uint16_t)slave;
+            word++;
+            continue;
+        }
+        const char *signal = read_slave(*word, step);
+        if (!is_signal(step, signal))
+            return wrong(w,
+                         step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'"
+                                                        : "expected 'expect NAME=VALUE', with =, !=, < or >",
+                         *word);
+        used += (size_t)snprintf(step->text + used, sizeof step->text - used, "%s%s", count > 0 ? " " : "", signal);
+        count++;
+        if (used >= sizeof step->text)
+            return wrong(w, "the signals of a line have at most 127 characters", signal);
+    }
+    if (count == 0)
+        return wrong(w, step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'" : "expected 'expect NAME=VALUE'",
+                     NULL);
+    return count == 1 || (step->action == ECT_ACTION_SET && step->until.kind == ECT_MILESTONE_NONE) ||
+           wrong(w, "expected one signal, on a line with 'expect' or with an end", strchr(step->text, ' ') + 1);
+}
+
+/* Whether there is something that its end takes back. */
+static bool can_end(const ect_fault_t *fault)
+{
+    return ect_fault_is_of_frames(fault) || ect_fault_is_above_wire(fault) || fault->kind == ECT_FAULT_HANG ||
+           (fault->kind >= ECT_FAULT_EEPROM_BUSY && fault->kind <= ECT_FAULT_EEPROM_FLIP);
+}
+
+static bool read_fault(words_t *w, const char *const *word, ect_step_t *step)
+{
+    char text[LINE];
+    size_t used = 0;
+    text[0] = 0;
+    for (; *word; word++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? " " : "", *word);
+    if (!ect_fault_parse(text, &step->fault, w->message))
+        return false;
+    return step->until.kind == ECT_MILESTONE_NONE || can_end(&step->fault) ||
+           wrong(w, "'while', 'until' and 'for' need a fault that lasts", text);
+}
+
+/* The words that belong to no milestone. */
+static bool read_action(words_t *w, const char *const *word, ect_step_t *step)
+{
+    bool expects = *word && strcmp(*word, "expect") == 0;
+    if (*word && (expects || strcmp(*word, "set") == 0)) {
+        step->action = expects ? ECT_ACTION_EXPECT : ECT_ACTION_SET;
+        return read_signals(w, word + 1, step);
+    }
+    return read_fault(w, word, step);
+}
+
+/* The slave that an action names; 0: none. */
+static uint16_t slave_of(const ect_step_t *step)
+{
+    if (step->action != ECT_ACTION_FAULT)
+        return step->slave;
+    return ect_fault_is_of_frames(&step->fault) ? 0 : step->fault.slave;
+}
+
+static void default_slave(ect_milestone_t *m, uint16_t slave)
+{
+    bool of_state = m->kind >= ECT_MILESTONE_STATE && m->kind <= ECT_MILESTONE_LEFT;
+    if (m->slave == 0)
+        m->slave = slave == 0 && of_state ? 1 : slave;
+}
+
+bool ect_step_read(const char *line, ect_step_t *step, char *message)
+{
+    words_t w = {.message = message};
+    const char *action[WORDS + 1] = {NULL};
+    size_t count = 0;
+    *step = (ect_step_t){0};
+    if (!cut(&w, line))
+        return false;
+    while (next(&w)) {
+        if (!begins_milestone(next(&w)))
+            action[count++] = w.word[w.at++];
+        else if (!read_milestone(&w, step))
+            return false;
+    }
+    if (!read_action(&w, action, step))
+        return false;
+    step->holds |= step->repeats;
+    for (size_t i = 0; i < step->when_count; i++)
+        default_slave(&step->when[i], slave_of(step));
+    default_slave(&step->until, slave_of(step));
+    return true;
+}
+
+uint16_t ect_step_highest_slave(const ect_step_t *step)
+{
+    uint16_t highest = step->action == ECT_ACTION_FAULT ? step->fault.slave : step->slave;
+    for (size_t i = 0; i < step->when_count; i++)
+        highest = step->when[i].slave > highest ? step->when[i].slave : highest;
+    bool of_slave = step->until.kind >= ECT_MILESTONE_STATE;
+    return of_slave && step->until.slave > highest ? step->until.slave : highest;
+}

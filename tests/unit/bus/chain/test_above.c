@@ -1,0 +1,417 @@
+/* SPDX-License-Identifier: MIT */
+/* Faults above the wire: aborted transfers, mails, AL status, sizes, emergencies (bus/chain/above.h). */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/chain.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+enum { TWINS = 2, ECT_ABOVE = 8, ROOM = 256 };
+
+static int setup(void **state)
+{
+    wire_t *w = calloc(1, sizeof *w);
+    const ect_device_t *devices[TWINS] = {&testdev, &testdev};
+    wire_open(w, devices, TWINS);
+    wire_configure_mailbox(w, 1);
+    wire_go(w, 1, 2);
+    *state = w;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    wire_close(*state);
+    free(*state);
+    return 0;
+}
+
+static const char *try_fault(wire_t *w, const char *text)
+{
+    char message[ECT_FAULT_MESSAGE];
+    ect_fault_t fault;
+    if (!ect_fault_parse(text, &fault, message))
+        fail_msg("'%s': %s", text, message);
+    const char *why = ect_chain_fault(w->chain, &fault, w->now_ns);
+    wire_poll(w);
+    return why;
+}
+
+static void set(wire_t *w, const char *text)
+{
+    const char *why = try_fault(w, text);
+    if (why)
+        fail_msg("'%s': %s", text, why);
+}
+
+static uint32_t write_u32(wire_t *w, uint32_t value)
+{
+    uint8_t data[4];
+    ect_store_le32(data, value);
+    return wire_sdo_download(w, 1, 0x2000, 0, false, data, 4);
+}
+
+static uint32_t read_octets(wire_t *w)
+{
+    uint8_t data[1100];
+    size_t size = sizeof data;
+    return wire_sdo_upload(w, 1, 0x2002, 0, false, data, &size);
+}
+
+/* --- aborts ------------------------------------------------------------------------------------------------------- */
+
+static void aborts(void **state)
+{
+    static const struct {
+        const char *fault;
+        uint32_t code[4]; /* of four downloads of 2000h in a row */
+    } rows[] = {
+        {"abort 0x2000 0x06040043 slave 2", {0x06040043, 0x06040043, 0x06040043, 0x06040043}},
+        {"abort 0x2000:0 0x08000020 2nd slave 2", {0, 0x08000020, 0, 0}},
+        {"abort 0x2000 0x08000020 every 3 slave 2", {0, 0, 0x08000020, 0}},
+        {"abort 0x2000 0x08000020 download 1st slave 2", {0x08000020, 0, 0, 0}},
+        {"abort 0x2000 0x08000020 upload slave 2", {0, 0, 0, 0}},
+        {"abort 0x2000:1 0x08000020 slave 2", {0, 0, 0, 0}},
+        {"abort 0x2001 0x08000020 slave 2", {0, 0, 0, 0}},
+        {"abort 0x2000 0x08000020 step 2 slave 2", {0, 0, 0, 0}},
+        {"abort 0x2000 0x08000020 slave 1", {0, 0, 0, 0}},
+    };
+    wire_t *w = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        set(w, rows[i].fault);
+        for (uint32_t n = 0; n < 4; n++) {
+            uint32_t before = testdev_of(w, 1)->u32, value = 100 * (uint32_t)i + n + 1;
+            uint32_t code = write_u32(w, value);
+            if (code != rows[i].code[n])
+                fail_msg("%s: download %u: expected 0x%08X, got 0x%08X", rows[i].fault, n + 1, rows[i].code[n], code);
+            assert_int_equal(testdev_of(w, 1)->u32, code != 0 ? before : value); /* the device never gets it */
+        }
+        ect_chain_fault_end(w->chain, 0);
+    }
+}
+
+/* 1000 bytes take a start and some segments; the second request of the transfer is the first segment. */
+static void aborts_in_the_middle(void **state)
+{
+    wire_t *w = *state;
+    for (unsigned int step = 1; step <= 4; step++) {
+        char text[ECT_FAULT_TEXT];
+        uint8_t data[1000] = {0};
+        snprintf(text, sizeof text, "abort 0x2002:0 0x08000021 step %u slave 2", step);
+        set(w, text);
+        assert_int_equal(read_octets(w), 0x08000021);
+        assert_int_equal(wire_sdo_download(w, 1, 0x2002, 0, false, data, sizeof data), 0x08000021);
+        ect_chain_fault_end(w->chain, 0);
+        assert_int_equal(read_octets(w), 0);
+    }
+}
+
+/* The master that gets no reply in time sends the same request again, with the same counter. */
+static void repeated_request(void **state)
+{
+    static const uint8_t mail[16] = {10, 0, 0, 0, 0, 0x33, 0, 0x20, 0x40, 0x00, 0x20, 0};
+    wire_t *w = *state;
+    set(w, "abort 0x2000 0x08000020 1st slave 2");
+    for (unsigned int i = 0; i < 2; i++) {
+        uint8_t reply[ROOM];
+        assert_int_equal(wire_mail_send(w, 1, mail, sizeof mail), 1);
+        assert_int_equal(wire_mail_receive(w, 1, reply, sizeof reply), 10);
+        assert_int_equal(reply[8], 0x80);
+        assert_int_equal(ect_load_le16(reply + 9), 0x2000);
+        assert_int_equal(ect_load_le32(reply + 12), 0x08000020);
+    }
+}
+
+/* --- mails -------------------------------------------------------------------------------------------------------- */
+
+static const uint8_t upload[] = {0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0};
+
+/* Requests 2000h:0. @return service data length of the mail, -1: there is none */
+static int request(wire_t *w, uint8_t *mail)
+{
+    assert_int_equal(wire_mail_request(w, 1, 3, upload, sizeof upload), 1);
+    return wire_mail_receive(w, 1, mail, ROOM);
+}
+
+static void changed_headers(void **state)
+{
+    static const struct {
+        const char *fault;
+        unsigned int offset;
+        uint8_t mask, value; /* 0xFF: that of the mail before */
+    } rows[] = {
+        {"mail type slave 2", 5, 0x0F, 0x0F},
+        {"mail length slave 2", 0, 0xFF, 128},
+        {"mail counter slave 2", 5, 0x70, 0xFF},
+    };
+    wire_t *w = *state;
+    uint8_t before[ROOM], mail[ROOM];
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(request(w, before), 10);
+        set(w, rows[i].fault);
+        (void)request(w, mail);
+        uint8_t want = rows[i].value == 0xFF ? before[rows[i].offset] & rows[i].mask : rows[i].value;
+        if ((mail[rows[i].offset] & rows[i].mask) != want)
+            fail_msg("%s: expected 0x%02X, got 0x%02X", rows[i].fault, want, mail[rows[i].offset] & rows[i].mask);
+        ect_chain_fault_end(w->chain, 0);
+        assert_int_equal(request(w, mail), 10);
+        assert_int_equal(mail[5] & 0x0F, 3);
+        assert_int_not_equal(mail[5] & 0x70, want & 0x70);
+    }
+}
+
+static void toggles(void **state)
+{
+    static const uint8_t start[] = {0x00, 0x20, 0x40, 0x02, 0x20, 0, 0, 0, 0, 0};
+    static const uint8_t segment[] = {0x00, 0x20, 0x60, 0, 0, 0, 0, 0, 0, 0};
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail toggle slave 2");
+    assert_int_equal(wire_mail_request(w, 1, 3, start, sizeof start), 1);
+    assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+    assert_int_equal(mail[8] & 0xF0, 0x40); /* not a segment: as it is */
+    assert_int_equal(wire_mail_request(w, 1, 3, segment, sizeof segment), 1);
+    assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+    assert_int_equal(mail[8] & 0x10, 0x10);
+}
+
+static void late(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail late 50ms 1st slave 2");
+    assert_int_equal(request(w, mail), -1);
+    wire_advance(w, 49 * MS);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+    wire_advance(w, 2 * MS);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    assert_int_equal(request(w, mail), 10); /* the fault was that of the first one */
+    set(w, "mail late 50ms slave 2");
+    assert_int_equal(request(w, mail), -1);
+    assert_int_equal(wire_al(w, 1, 1, NULL), 1); /* INIT forgets it */
+    wire_go(w, 1, 2);
+    wire_advance(w, 100 * MS);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+}
+
+static void lost(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail lost of 0x2000 2nd slave 2");
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(request(w, mail), -1);
+    wire_advance(w, MS);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+    assert_int_equal(request(w, mail), 10);
+    set(w, "mail lost of 0x2001 slave 2");
+    assert_int_equal(request(w, mail), 10);
+}
+
+static void twice(void **state)
+{
+    wire_t *w = *state;
+    uint8_t first[ROOM] = {0}, again[ROOM] = {0};
+    set(w, "mail twice 1st slave 2");
+    assert_int_equal(request(w, first), 10);
+    wire_poll(w);
+    assert_int_equal(wire_mail_receive(w, 1, again, ROOM), 10);
+    assert_memory_equal(first, again, 16);
+    wire_poll(w);
+    assert_int_equal(wire_mail_receive(w, 1, again, ROOM), -1);
+    assert_int_equal(request(w, again), 10);
+    assert_int_not_equal(again[5], first[5]);
+}
+
+static void emergencies(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM] = {0};
+    set(w, "emergency 0x5530 register 32 data 0102030405 slave 2");
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    assert_memory_equal(mail + 6, ((uint8_t[]){0x00, 0x10, 0x30, 0x55, 32, 1, 2, 3, 4, 5}), 10);
+    assert_int_equal(testdev_of(w, 1)->standard.error_register, 32);
+}
+
+/* --- AL status ---------------------------------------------------------------------------------------------------- */
+
+static uint8_t enter_op(wire_t *w)
+{
+    wire_configure_process_data(w, 1);
+    wire_go(w, 1, 8);
+    return wire_read8(w, 1, 0x0130);
+}
+
+static void drops(void **state)
+{
+    static const struct {
+        const char *fault;
+        uint8_t status;
+        uint16_t code;
+    } rows[] = {
+        {"al 0x001B slave 2", 0x14, 0x001B},          {"to SAFEOP 0x001B slave 2", 0x14, 0x001B},
+        {"al 0x002D to PREOP slave 2", 0x12, 0x002D}, {"to SAFEOP slave 2", 0x14, 0x0001},
+        {"init slave 2", 0x11, 0x0001},               {"init 0x0050 slave 2", 0x11, 0x0050},
+    };
+    wire_t *w = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(enter_op(w), 8);
+        set(w, rows[i].fault);
+        uint8_t status = wire_read8(w, 1, 0x0130);
+        uint16_t code = wire_read16(w, 1, 0x0134);
+        if (status != rows[i].status || code != rows[i].code)
+            fail_msg("%s: got 0x%02X 0x%04X", rows[i].fault, status, code);
+        assert_int_equal(wire_al(w, 1, 0x11, NULL), 1);
+        wire_configure_mailbox(w, 1);
+        wire_go(w, 1, 2);
+    }
+    assert_int_equal(wire_al(w, 1, 1, NULL), 1);
+    assert_non_null(strstr(try_fault(w, "al 0x001B slave 2"), "in that state already, or below"));
+    assert_non_null(strstr(try_fault(w, "to PREOP slave 2"), "in that state already, or below"));
+    assert_int_equal(wire_read8(w, 1, 0x0130), 1);
+}
+
+static void refuses(void **state)
+{
+    wire_t *w = *state;
+    uint16_t code;
+    wire_configure_process_data(w, 1);
+    set(w, "al refuse 0x0030 to SAFEOP slave 2");
+    assert_int_equal(wire_al(w, 1, 4, &code), 0x12);
+    assert_int_equal(code, 0x0030);
+    assert_int_equal(ect_chain_slave(w->chain, 1)->code, 0x0030);
+    assert_int_equal(wire_al(w, 1, 0x12, &code), 2); /* the master acknowledges it */
+    assert_int_equal(code, 0);
+    assert_int_equal(wire_al(w, 1, 1, NULL), 1); /* other states: as ever */
+    wire_configure_mailbox(w, 1);
+    wire_go(w, 1, 2);
+    ect_chain_fault_end(w->chain, 0);
+    assert_int_equal(enter_op(w), 8);
+}
+
+static void never_comes(void **state)
+{
+    wire_t *w = *state;
+    uint16_t code;
+    set(w, "al never to OP slave 2");
+    wire_configure_process_data(w, 1);
+    wire_go(w, 1, 4);
+    (void)wire_outputs(w, 1, 0);
+    assert_int_equal(wire_al(w, 1, 8, &code), 4);
+    wire_advance(w, 20000 * MS);
+    assert_int_equal(wire_read8(w, 1, 0x0130), 4);
+    assert_int_equal(code, 0);
+    ect_chain_fault_end(w->chain, 0);
+    assert_int_equal(enter_op(w), 8);
+}
+
+static void sizes(void **state)
+{
+    wire_t *w = *state;
+    uint16_t code;
+    wire_configure_process_data(w, 1);
+    set(w, "pdo-size 1 slave 2");
+    assert_int_equal(wire_al(w, 1, 4, &code), 0x12);
+    assert_int_equal(code, 0x001D);
+    set(w, "reset slave 2"); /* it lasts */
+    wire_assign_stations(w);
+    wire_configure_mailbox(w, 1);
+    wire_go(w, 1, 2);
+    wire_configure_process_data(w, 1);
+    assert_int_equal(wire_al(w, 1, 4, &code), 0x12);
+    ect_chain_fault_end(w->chain, 0);
+    assert_int_equal(wire_al(w, 1, 0x12, NULL), 2);
+    assert_int_equal(enter_op(w), 8);
+}
+
+/* --- several ------------------------------------------------------------------------------------------------------ */
+
+static void listed(void **state)
+{
+    wire_t *w = *state;
+    char text[ECT_FAULT_TEXT];
+    set(w, "mail lost 0% slave 2");
+    set(w, "al never to BOOT slave 1");
+    ect_fault_print(ect_chain_fault_at(w->chain, 0), text);
+    assert_string_equal(text, "al never to BOOT slave 1");
+    ect_fault_print(ect_chain_fault_at(w->chain, 1), text);
+    assert_string_equal(text, "mail lost 0% slave 2");
+    assert_null(ect_chain_fault_at(w->chain, 2));
+    for (unsigned int i = 1; i < ECT_ABOVE; i++)
+        set(w, "mail type 0% slave 2");
+    assert_non_null(strstr(try_fault(w, "mail type slave 2"), "'off' ends them"));
+    ect_chain_fault_end(w->chain, 0);
+    assert_null(ect_chain_fault_at(w->chain, 0));
+}
+
+/* A count is no fault: it is not listed, lasts beyond 'off', and ends by its tag. */
+static void counts(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    const ect_fault_t count = {.kind = ECT_FAULT_COUNT,
+                               .slave = 2,
+                               .tag = 9,
+                               .object = {.named = true, .index = 0x2000, .transfer = ECT_FAULT_UPLOAD}};
+    assert_null(ect_chain_fault(w->chain, &count, w->now_ns));
+    assert_null(ect_chain_fault_at(w->chain, 0));
+    ect_chain_fault_end(w->chain, 0);
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(write_u32(w, 1), 0);
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(ect_chain_fault_seen(w->chain, 9), 2);
+    ect_chain_fault_end(w->chain, 9);
+    assert_int_equal(ect_chain_fault_seen(w->chain, 9), 0);
+}
+
+static void shares(void **state)
+{
+    enum { REQUESTS = 2000 };
+    wire_t *w = *state;
+    char first[REQUESTS] = {0}, second[REQUESTS] = {0};
+    char *const runs[] = {first, second};
+    unsigned int refused = 0;
+    for (unsigned int run = 0; run < 2; run++) {
+        ect_fault_t fault;
+        char message[ECT_FAULT_MESSAGE];
+        assert_true(ect_fault_parse("abort 0x2000 0x08000020 30% slave 2", &fault, message));
+        fault.seed = 5;
+        assert_null(ect_chain_fault(w->chain, &fault, w->now_ns));
+        for (uint32_t i = 0; i < REQUESTS; i++)
+            runs[run][i] = write_u32(w, i) != 0;
+        ect_chain_fault_end(w->chain, 0);
+    }
+    for (unsigned int i = 0; i < REQUESTS; i++)
+        refused += first[i] != 0;
+    assert_memory_equal(first, second, REQUESTS);
+    assert_in_range(refused, REQUESTS * 27 / 100, REQUESTS * 33 / 100);
+}
+
+#define TEST(title, function) {title, function, setup, teardown, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("CF-030: SDO transfers are aborted with any code, and the device never gets them", aborts),
+        TEST("CF-033: a transfer is aborted at any of its requests", aborts_in_the_middle),
+        TEST("CF-026: a repeated request gets the same abort", repeated_request),
+        TEST("mails with a wrong type, length and counter", changed_headers),
+        TEST("segments with a wrong toggle bit", toggles),
+        TEST("a mail is late, and INIT forgets it", late),
+        TEST("a mail is lost, and the next request gets a reply", lost),
+        TEST("a mail comes twice", twice),
+        TEST("an emergency on demand", emergencies),
+        TEST("a slave leaves its state with any AL status code", drops),
+        TEST("a slave refuses a state with any AL status code", refuses),
+        TEST("a slave never reaches a state", never_comes),
+        TEST("process data of another size are refused, after a reset too", sizes),
+        TEST("faults above the wire are listed, at most eight of a slave, and ended", listed),
+        TEST("SDO transfers are counted", counts),
+        TEST("a share of the transfers, the same with the same seed", shares),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
