@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenarios: milestones, ends of faults, signals, expectations and their verdict (bus/faults/scenario.h). */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus/chain/catalogue.h"
+#include "bus/exchange.h"
+#include "support/wire.h"
+
+enum { TWINS = 2, ROOM = 256 };
+
+typedef struct rig {
+    wire_t w;
+    ect_scenario_t s;
+    ect_exchange_t x;
+    uint64_t begin_ns;
+    unsigned int judged;
+    char message[ECT_STEP_MESSAGE];
+    char refused[512];
+} rig_t;
+
+static uint64_t read_clock(void *ctx)
+{
+    const rig_t *r = ctx;
+    return r->w.now_ns;
+}
+
+static void send(void *ctx, ect_end_t end, const uint8_t *frame, size_t length)
+{
+    (void)ctx;
+    (void)end;
+    (void)frame;
+    (void)length;
+}
+
+/* The chain of the raw master runs by the exchange: devices, then steps. */
+static void run(wire_t *w)
+{
+    rig_t *r = (rig_t *)(void *)w;
+    (void)ect_exchange_touch(&r->x);
+    (void)ect_exchange_run(&r->x);
+}
+
+static void note_judged(void *ctx, const ect_scenario_step_t *step)
+{
+    rig_t *r = ctx;
+    (void)step;
+    r->judged++;
+}
+
+static void note_refused(void *ctx, const char *fault, const char *why)
+{
+    rig_t *r = ctx;
+    snprintf(r->refused, sizeof r->refused, "%s: %s", fault, why);
+}
+
+static int setup(void **state)
+{
+    rig_t *r = calloc(1, sizeof *r);
+    const ect_product_t *product = ect_catalogue_find("fzm1");
+    ect_twin_config_t twins[TWINS];
+    for (unsigned int i = 0; i < TWINS; i++)
+        twins[i] = ect_twin_default(product->device, product->plant);
+    wire_open_twins(&r->w, twins, TWINS);
+    for (unsigned int i = 0; i < TWINS; i++)
+        wire_configure_mailbox(&r->w, i);
+    r->s = (ect_scenario_t){.seed = 7, .refused = note_refused, .judged = note_judged, .ctx = r};
+    r->x = (ect_exchange_t){.chain = r->w.chain, .scenario = &r->s, .send = send, .clock = read_clock, .ctx = r};
+    r->w.poll = run;
+    *state = r;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    rig_t *r = *state;
+    ect_exchange_end(&r->x);
+    wire_close(&r->w);
+    free(r);
+    return 0;
+}
+
+static void read_line(rig_t *r, const char *line)
+{
+    if (!ect_scenario_read(&r->s, line, r->message))
+        fail_msg("'%s': %s", line, r->message);
+}
+
+static void start(rig_t *r, const char *const *lines)
+{
+    for (; *lines; lines++)
+        read_line(r, *lines);
+    assert_null(ect_scenario_check(&r->s, r->w.chain, r->message));
+    r->begin_ns = r->w.now_ns;
+    ect_exchange_start(&r->x);
+    (void)ect_exchange_run(&r->x);
+}
+#define START(r, ...) start(r, (const char *const[]){__VA_ARGS__, NULL})
+
+/* Lets time pass, to each time at which the exchange wants to run. */
+static void advance(rig_t *r, uint64_t ns)
+{
+    uint64_t end_ns = r->w.now_ns + ns;
+    while (r->w.now_ns < end_ns) {
+        uint64_t next_ns = ect_exchange_run(&r->x);
+        r->w.now_ns = next_ns > r->w.now_ns && next_ns < end_ns ? next_ns : end_ns;
+    }
+    (void)ect_exchange_run(&r->x);
+}
+
+/* A frame with process data, without a slave that takes part. */
+static void cycle(rig_t *r)
+{
+    const ect_packet_time_t time = {.now_ns = r->w.now_ns};
+    wire_build(&r->w, LRW, 0, 0x7FFF, "\0", 1);
+    ect_exchange_frame(&r->x, ECT_END_IN, r->w.frame, r->w.frame_length, &time);
+    (void)ect_exchange_run(&r->x);
+}
+
+static void read_signal(rig_t *r, size_t position, const char *name, char *text)
+{
+    ect_signal_ref_t ref;
+    assert_true(ect_chain_signal(r->w.chain, position, name, &ref));
+    ect_signal_read(&ref, text);
+}
+
+static void expect_signal(rig_t *r, size_t position, const char *name, const char *want)
+{
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    read_signal(r, position, name, text);
+    assert_string_equal(text, want);
+}
+
+static uint32_t upload_identity(rig_t *r, size_t position)
+{
+    uint8_t data[8];
+    size_t size = sizeof data;
+    return wire_sdo_upload(&r->w, position, 0x1018, 1, false, data, &size);
+}
+
+static size_t set_count(rig_t *r)
+{
+    char text[ECT_FAULT_TEXT];
+    size_t count = 0;
+    while (ect_scenario_show(&r->s, r->w.chain, count, text))
+        count++;
+    return count;
+}
+
+/* --- milestones --------------------------------------------------------------------------------------------------- */
+
+static void cycles(void **state)
+{
+    rig_t *r = *state;
+    START(r, "drop 0% after 3 cycles");
+    for (unsigned int i = 0; i < 3; i++) {
+        assert_int_equal(set_count(r), 0);
+        cycle(r);
+        (void)wire_read8(&r->w, 0, 0x0130); /* no process data */
+    }
+    assert_int_equal(set_count(r), 1);
+}
+
+static void one_after_the_other(void **state)
+{
+    rig_t *r = *state;
+    START(r, "at slave 2 PREOP after 100ms at slave 2 INIT drop 0%");
+    wire_go(&r->w, 1, 2);
+    assert_int_equal(wire_al(&r->w, 1, 1, NULL), 1);
+    advance(r, 99 * MS);
+    assert_int_equal(set_count(r), 0);
+    advance(r, MS);
+    assert_int_equal(set_count(r), 1);
+}
+
+static void transfers(void **state)
+{
+    rig_t *r = *state;
+    START(r, "at the 3rd upload of 1018h:1 abort 0x1018 0x08000020 slave 2");
+    wire_go(&r->w, 0, 2);
+    wire_go(&r->w, 1, 2);
+    for (unsigned int i = 0; i < 3; i++) {
+        assert_int_equal(upload_identity(r, 0), 0); /* of another slave */
+        assert_int_equal(upload_identity(r, 1), 0);
+    }
+    assert_int_equal(upload_identity(r, 1), 0x08000020);
+    assert_int_equal(upload_identity(r, 0), 0);
+}
+
+static void transfers_of_any(void **state)
+{
+    rig_t *r = *state;
+    START(r, "at the 2nd upload of 0x1018 drop 0%");
+    wire_go(&r->w, 0, 2);
+    wire_go(&r->w, 1, 2);
+    assert_int_equal(upload_identity(r, 0), 0);
+    assert_int_equal(set_count(r), 0);
+    assert_int_equal(upload_identity(r, 1), 0);
+    assert_int_equal(set_count(r), 1);
+}
+
+static void ends(void **state)
+{
+    rig_t *r = *state;
+    START(r, "drop 0% while slave 2 in PREOP", "counter 0 for 50ms", "corrupt 0% until 80ms", "truncate 1 0% until slave 2 INIT again",
+          "al never to OP slave 2 for 20ms");
+    assert_int_equal(set_count(r), 4);
+    wire_go(&r->w, 1, 2);
+    assert_int_equal(set_count(r), 5);
+    advance(r, 20 * MS);
+    assert_int_equal(set_count(r), 4);
+    assert_int_equal(wire_al(&r->w, 1, 1, NULL), 1); /* two of them */
+    assert_int_equal(set_count(r), 2);
+    wire_go(&r->w, 1, 2); /* ... one each time */
+    assert_int_equal(set_count(r), 3);
+    advance(r, 29 * MS);
+    assert_int_equal(set_count(r), 3);
+    advance(r, MS);
+    assert_int_equal(set_count(r), 2);
+    advance(r, 30 * MS);
+    assert_int_equal(set_count(r), 1);
+}
+
+static void hangs_for_a_time(void **state)
+{
+    rig_t *r = *state;
+    START(r, "hang slave 2 for 100ms");
+    assert_int_equal(wire_al(&r->w, 1, 2, NULL), 1);
+    advance(r, 100 * MS);
+    assert_int_equal(wire_read8(&r->w, 1, 0x0130), 2);
+}
+
+/* --- signals ------------------------------------------------------------------------------------------------------ */
+
+static void sets(void **state)
+{
+    rig_t *r = *state;
+    START(r, "at 100ms set 2:ecat.latch0=1 ecat.latch1=1", "set ecat.drift=500 for 50ms");
+    expect_signal(r, 0, "ecat.drift", "500");
+    advance(r, 50 * MS);
+    expect_signal(r, 0, "ecat.drift", "0");
+    expect_signal(r, 1, "ecat.latch0", "0");
+    advance(r, 50 * MS);
+    expect_signal(r, 1, "ecat.latch0", "1");
+    expect_signal(r, 1, "ecat.latch1", "1");
+    expect_signal(r, 0, "ecat.latch0", "0");
+    assert_string_equal(r->refused, "");
+}
+
+/* The devices run at the time of a step, and before the next frame. */
+static void in_its_cycle(void **state)
+{
+    rig_t *r = *state;
+    START(r, "at 10ms set 2:ecat.plug_in=0");
+    uint64_t due_ns = r->begin_ns + 10 * MS;
+    uint8_t status[2] = {0};
+    for (r->w.now_ns = due_ns - 3; r->w.now_ns < due_ns + 3; r->w.now_ns++) {
+        (void)ect_exchange_run(&r->x);
+        int answered = wire_send(&r->w, BRD, 0, 0x0130, status, 2);
+        assert_int_equal(answered, r->w.now_ns < due_ns ? 2 : 1);
+    }
+}
+
+static void wrong_names(void **state)
+{
+    static const struct {
+        const char *line, *why;
+    } rows[] = {
+        {"set bogus=1", "slave 1 has no signal 'bogus'"},
+        {"set 2:bogus=1", "slave 2 has no signal 'bogus'"},
+        {"set ecat.latch0=2", "ecat.latch0 takes 0..1"},
+        {"set ecat.state=2", "it can be read and watched, not set"},
+        {"expect bogus=1", "no signal 'bogus'"},
+        {"set 3:ecat.latch0=1", "there is no slave 3"},
+        {"expect ecat.state=1 slave 3", "there is no slave 3"},
+        {"at slave 3 OP drop", "there is no slave 3"},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        r->s = (ect_scenario_t){.seed = 1};
+        read_line(r, rows[i].line);
+        if (ect_scenario_check(&r->s, r->w.chain, r->message) != &r->s.steps[0] || !strstr(r->message, rows[i].why))
+            fail_msg("'%s': expected '...%s...', got '%s'", rows[i].line, rows[i].why, r->message);
+    }
+}
+
+/* --- expectations ------------------------------------------------------------------------------------------------- */
+
+/* Slave 2 is in PREOP from 100 ms to 200 ms. */
+static void expectations(void **state)
+{
+    static const struct {
+        const char *line;
+        bool met;
+        const char *why;
+    } rows[] = {
+        {"expect 2:ecat.state=1", true, ""},
+        {"expect 2:ecat.state=2", false, "ecat.state is 1"},
+        {"expect ecat.run=off slave 2", true, ""},
+        {"expect 2:ecat.run!=off", false, "ecat.run is off"},
+        {"at 150ms expect 2:ecat.state>1", true, ""},
+        {"at 150ms expect 2:ecat.state<2", false, "ecat.state is 2"},
+        {"expect 2:ecat.state=2 within 101ms", true, ""},
+        {"expect 2:ecat.state=2 within 99ms", false, "ecat.state is 1"},
+        {"expect 2:ecat.state=4 within 250ms", false, "ecat.state is 1"},
+        {"expect 2:ecat.state=1 for 99ms", true, ""},
+        {"expect 2:ecat.state=1 for 101ms", false, "ecat.state is 2"},
+        {"expect 2:ecat.state=2 while in PREOP", true, ""},
+        {"expect 2:ecat.state=2 while in INIT", false, "ecat.state is 1"},
+        {"at slave 2 PREOP expect 2:ecat.state=1 within 101ms", true, ""},
+        {"at slave 2 PREOP expect 2:ecat.state=1 within 99ms", false, "ecat.state is 2"},
+        {"at slave 2 OP expect 2:ecat.state=8", false, "the run ended before its milestone"},
+        {"expect 2:ecat.state=4 within 10s", false, "the run ended before"},
+        {"at 150ms expect 2:ecat.state=2 within 1 cycles", true, ""},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        setup(state);
+        r = *state;
+        START(r, rows[i].line);
+        advance(r, 100 * MS);
+        assert_int_equal(wire_al(&r->w, 1, 2, NULL), 2);
+        advance(r, 50 * MS);
+        cycle(r);
+        advance(r, 50 * MS);
+        assert_int_equal(wire_al(&r->w, 1, 1, NULL), 1);
+        advance(r, 100 * MS);
+        ect_verdict_t verdict = ect_scenario_end(&r->s);
+        const ect_scenario_step_t *step = &r->s.steps[0];
+        if (verdict.all != 1 || verdict.met != rows[i].met || verdict.failed == verdict.met || r->judged != 1 ||
+            step->met != rows[i].met || strcmp(step->why, rows[i].why) != 0)
+            fail_msg("'%s': met %d, '%s'", rows[i].line, step->met, step->why);
+        teardown(state);
+    }
+    setup(state);
+}
+
+static void told(void **state)
+{
+    rig_t *r = *state;
+    char text[512];
+    read_line(r, "name A slave that stays in INIT");
+    r->s.line = 7;
+    START(r, "expect 2:ecat.state=1  # a comment", "expect 2:ecat.state=2");
+    (void)ect_scenario_tell(&r->s.steps[0], text, sizeof text);
+    assert_string_equal(text, "line 7: 'expect 2:ecat.state=1' is met");
+    r->s.steps[1].line = 0;
+    (void)ect_scenario_tell(&r->s.steps[1], text, sizeof text);
+    assert_string_equal(text, "'expect 2:ecat.state=2' has failed: ecat.state is 1");
+    (void)ect_scenario_tell_verdict(&r->s, text, sizeof text);
+    assert_string_equal(text, "'A slave that stays in INIT': 1 of 2 expectations are met");
+}
+
+static void refused_lines(void **state)
+{
+    static const struct {
+        const char *line, *why;
+    } rows[] = {
+        {"at 5x drop", "expected 'at 2.5s'"},
+        {"at the 3rd drop", "expected 'at 2.5s'"},
+        {"at the 3rd upload drop", "expected 'at 2.5s'"},
+        {"at the third upload of 0x1018 drop", "expected 'at 2.5s'"},
+        {"after drop", "expected 'after 100ms'"},
+        {"after 10 frames drop", "expected 'after 100ms'"},
+        {"while drop", "expected 'while in PREOP'"},
+        {"drop while in OP again", "expected 'while in PREOP'"},
+        {"drop until", "expected 'until 5s'"},
+        {"drop for", "expected 'for 100ms'"},
+        {"expect ecat.state=1 within", "expected 'within 200ms'"},
+        {"drop for 1s until 5s", "a line has one end"},
+        {"drop while in OP at 5s", "'while' is the last milestone"},
+        {"at 1s at 2s at 3s at 4s at 5s drop", "at most 4 milestones"},
+        {"reset slave 1 until 5s", "need a fault that lasts"},
+        {"emergency 0x5530 slave 1 while in OP", "need a fault that lasts"},
+        {"set", "expected 'set NAME=VALUE'"},
+        {"set ru1.on", "expected 'set NAME=VALUE'"},
+        {"set ru1.on>1", "expected 'set NAME=VALUE'"},
+        {"set a=1 b=2 for 1s", "expected one signal"},
+        {"expect", "expected 'expect NAME=VALUE'"},
+        {"expect a=1 b=2", "expected one signal"},
+        {"expect a<b", "expected 'expect NAME=VALUE'"},
+        {"until 5s", "expected drop"},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        r->message[0] = 0;
+        if (ect_scenario_read(&r->s, rows[i].line, r->message) || !strstr(r->message, rows[i].why))
+            fail_msg("'%s': expected it refused with '...%s...', got '%s'", rows[i].line, rows[i].why, r->message);
+    }
+    assert_int_equal(r->s.step_count, 0);
+}
+
+static void any_order(void **state)
+{
+    static const char *const rows[][2] = {
+        {"at 2.5s hang slave 2", "hang slave 2 at 2.5s"},
+        {"drop 5% while in PREOP", "while in PREOP drop 5%"},
+        {"drop 5% while slave 1 in PREOP", "while PREOP drop 5%"},
+        {"hang slave 2 until slave 2 in OP again", "until OP again slave 2 hang"},
+        {"expect 2:ecat.state=4 within 200ms", "within 0.2s expect ecat.state=4 slave 2"},
+        {"set 2:a=1 b=2 at 1s", "at 1000ms set slave 2 a=1 b=2"},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_step_t steps[2];
+        for (unsigned int n = 0; n < 2; n++) {
+            if (!ect_step_read(rows[i][n], &steps[n], r->message))
+                fail_msg("'%s': %s", rows[i][n], r->message);
+        }
+        if (memcmp(&steps[0], &steps[1], sizeof steps[0]) != 0)
+            fail_msg("'%s' and '%s' differ", rows[i][0], rows[i][1]);
+    }
+}
+
+#define TEST(title, function) {title, function, setup, teardown, NULL}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        TEST("a step waits for frames with process data", cycles),
+        TEST("milestones are reached one after the other", one_after_the_other),
+        TEST("a step waits for SDO transfers of the slave that it names", transfers),
+        TEST("a step without a slave waits for SDO transfers of any", transfers_of_any),
+        TEST("faults end after a time, at a time, in a state, and come again with it", ends),
+        TEST("a slave hangs for a time", hangs_for_a_time),
+        TEST("a step sets signals; their end sets the value from before", sets),
+        TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
+        TEST("signals, values and slaves that there are not are found before the run", wrong_names),
+        TEST("expectations are met or failed", expectations),
+        TEST("expectations and the verdict are told in one line each", told),
+        TEST("a line that makes no sense is refused with the expected words", refused_lines),
+        TEST("the words of a line come in any order", any_order),
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
