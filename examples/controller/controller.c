@@ -22,7 +22,7 @@
 #include "master.h"
 
 #define GIVE_UP_NS 2000000000ull /* without a reply: the slave is gone, the bus has to be started again */
-enum { CYCLE_US = 2000 };
+enum { CYCLE_US = 2000, CHECK_CYCLES = 50 /* between two readings of the AL status */ };
 
 typedef struct settings {
     const char *iface;
@@ -63,7 +63,8 @@ static bool has_inputs(void)
     return ec_slave[1].inputs && ec_slave[1].Ibytes >= BU_INPUT_BYTES;
 }
 
-/* Lost frames let the watchdog expire: acknowledges the error and requests OP again. */
+/* Lost frames let the watchdog expire, or the unit leaves OP by itself: acknowledges the error and requests OP again.
+ */
 static void recover(void)
 {
     ec_readstate();
@@ -126,6 +127,7 @@ static void report_safe(int *safe, const bu_controller_t *c)
 static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uint64_t until_ns)
 {
     int safe = -1;
+    unsigned int cycle = 0;
     uint64_t next_ns = master_now(), last_reply_ns = next_ns;
     bu_controller_start(c);
     while (!master_ended && master_now() < until_ns && master_now() < last_reply_ns + GIVE_UP_NS) {
@@ -137,8 +139,9 @@ static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uin
             last_reply_ns = master_now();
         } else {
             lost_cycles++;
-            recover();
         }
+        if (!complete || ++cycle % CHECK_CYCLES == 0) /* a unit in SAFEOP exchanges process data, too */
+            recover();
         report_safe(&safe, c);
         master_pace(&next_ns, CYCLE_US);
     }

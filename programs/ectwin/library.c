@@ -401,9 +401,9 @@ int ectwin_bus_verdict(ectwin_bus_t *bus, char *text, size_t room)
         if (i < s->step_count && s->steps[i].plan.action != ECT_ACTION_EXPECT)
             continue;
         if (i < s->step_count)
-            (void)ect_scenario_tell(&s->steps[i], line, sizeof line);
+            (void)ect_scenario_print(&s->steps[i], line, sizeof line);
         else
-            (void)ect_scenario_tell_verdict(s, line, sizeof line);
+            (void)ect_scenario_print_verdict(s, line, sizeof line);
         int length = used < room ? snprintf(text + used, room - used, "%s\n", line) : 0;
         used += (size_t)length;
     }

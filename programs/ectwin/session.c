@@ -52,7 +52,7 @@ static void on_judged(void *ctx, const ect_scenario_step_t *step)
 {
     const session_t *s = ctx;
     char text[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
-    (void)ect_scenario_tell(step, text, sizeof text);
+    (void)ect_scenario_print(step, text, sizeof text);
     fprintf(stderr, "%s: %s\n", s->who, text);
 }
 
@@ -198,7 +198,7 @@ int session_verdict(session_t *s, int status)
     if (s->twins->scenario.verdict.all == 0)
         return status;
     ect_verdict_t verdict = ect_scenario_end(&s->twins->scenario);
-    (void)ect_scenario_tell_verdict(&s->twins->scenario, text, sizeof text);
+    (void)ect_scenario_print_verdict(&s->twins->scenario, text, sizeof text);
     fprintf(stderr, "%s: %s\n", s->who, text);
     return status == EXIT_CLEAN && verdict.met != verdict.all ? EXIT_RUN : status;
 }

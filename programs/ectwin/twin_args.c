@@ -115,7 +115,8 @@ static const struct argp_option options[] = {
      "Inject a fault, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md). May be repeated", 1},
     {"faults", KEY_FAULTS, "FILE", 0, "Inject the faults in a file, one a line, as --fault does", 1},
     {"scenario", KEY_SCENARIO, "FILE", 0,
-     "Play a file of faults, signals to set and expectations, one a line (docs/FAULTS.md). Each expectation is reported "
+     "Play a file of faults, signals to set and expectations, one a line (docs/FAULTS.md). Each expectation is "
+     "reported "
      "on standard error; the exit status is 3 when one has failed and nothing else has",
      1},
     {"seed", KEY_SEED, "N", 0,

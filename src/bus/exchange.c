@@ -214,7 +214,8 @@ static void poll_devices(ect_exchange_t *x, uint64_t now_ns)
     x->deadline_ns = next_ns;
 }
 
-/* Steps of the scenario that are due; the devices run after those that change the chain. @return when the next is due */
+/* Steps of the scenario that are due; the devices run after those that change the chain. @return when the next is due
+ */
 static uint64_t take_steps(ect_exchange_t *x)
 {
     uint64_t next_ns = ECT_NEVER;

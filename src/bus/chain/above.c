@@ -12,8 +12,8 @@
 
 /* Offsets in a mail, and the smallest one with an SDO in it. */
 enum { COUNTER = 5, COE = 6, SDO = 8, SDO_INDEX = 9, SDO_SUB = 11, SDO_CODE = 12, SDO_MAIL = 16 };
-enum { REQUEST = 2, RESPONSE = 3 };                                         /* services of CoE */
-enum { SEGMENT_DOWN, START_DOWN, START_UP, SEGMENT_UP, ABORT };             /* SDO requests */
+enum { REQUEST = 2, RESPONSE = 3 };                             /* services of CoE */
+enum { SEGMENT_DOWN, START_DOWN, START_UP, SEGMENT_UP, ABORT }; /* SDO requests */
 enum { COMMAND_ABORT = 0x80, COMMAND_UPLOAD = 0x40, COMMAND_TOGGLE = 0x10 };
 enum { MAIL_ROOM = 2048, SOON_NS = 100000, NO_STATE = 7 };
 
@@ -40,14 +40,14 @@ struct ect_above {
     transfer_t transfer;
     uint8_t request[MAIL_ROOM]; /* as the stack reads it */
     uint8_t request_counter;
-    uint32_t abort_code;      /* of the request; 0: it is not aborted, and reads as it is */
-    uint16_t refused_code;    /* of the AL control that was read last */
-    bool refused;             /* ... and not yet noted in the slave */
-    uint8_t mail[MAIL_ROOM];  /* the last one on its way into SM1 */
+    uint32_t abort_code;     /* of the request; 0: it is not aborted, and reads as it is */
+    uint16_t refused_code;   /* of the AL control that was read last */
+    bool refused;            /* ... and not yet noted in the slave */
+    uint8_t mail[MAIL_ROOM]; /* the last one on its way into SM1 */
     uint16_t start, last, length;
-    bool kept;                /* `mail` is sent at due_ns */
-    bool again;               /* `mail` is sent once more when the master has fetched it */
-    bool fetched;             /* the stack is to take SM1 as empty */
+    bool kept;    /* `mail` is sent at due_ns */
+    bool again;   /* `mail` is sent once more when the master has fetched it */
+    bool fetched; /* the stack is to take SM1 as empty */
     uint64_t due_ns;
 };
 

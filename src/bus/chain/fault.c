@@ -16,13 +16,13 @@ typedef enum amount { NO_AMOUNT, MICROSECONDS, BYTES, SIGNED, BIT, NANOSECONDS, 
 
 /* Parts that a kind may have, beside its amount. */
 enum {
-    WIRE = 1,      /* "wire N" */
-    COUNTED = 2,   /* "every N", "5%", "3rd" */
-    CODE = 4,      /* a hexadecimal number of 16 bits ... */
-    LONG_CODE = 8, /* ... or a larger one, of 32 bits */
-    STATE = 16,    /* the name of a state */
-    TO_STATE = 32, /* "to" and the name of a state */
-    OBJECT = 64,   /* an object */
+    WIRE = 1,        /* "wire N" */
+    COUNTED = 2,     /* "every N", "5%", "3rd" */
+    CODE = 4,        /* a hexadecimal number of 16 bits ... */
+    LONG_CODE = 8,   /* ... or a larger one, of 32 bits */
+    STATE = 16,      /* the name of a state */
+    TO_STATE = 32,   /* "to" and the name of a state */
+    OBJECT = 64,     /* an object */
     OF_OBJECT = 128, /* "of" and an object */
     DATA = 256,      /* "data" and five bytes */
     NEEDS_CODE = 512,
@@ -157,7 +157,8 @@ static void list_kinds(const char *first, char *list, size_t room)
     *list = 0;
     for (unsigned int i = 0; i < ECT_FAULT_KINDS; i++) {
         const char *word = first ? kinds[i].second : kinds[i].name;
-        bool listed = first ? strcmp(kinds[i].name, first) == 0 && word : i == 0 || strcmp(word, kinds[i - 1].name) != 0;
+        bool listed =
+            first ? strcmp(kinds[i].name, first) == 0 && word : i == 0 || strcmp(word, kinds[i - 1].name) != 0;
         if (listed && used < room)
             used += (size_t)snprintf(list + used, room - used, "%s%s", used > 0 ? ", " : "", word);
     }
@@ -176,8 +177,8 @@ static bool no_kind(reader_t *r, size_t at)
     return wrong(r, what, r->words[0]);
 }
 
-/* The kind whose name begins with the word; names of two words are the last ones of their kind. @return ECT_FAULT_KINDS:
- * none */
+/* The kind whose name begins with the word; names of two words are the last ones of their kind. @return
+ * ECT_FAULT_KINDS: none */
 static unsigned int kind_at(const reader_t *r, size_t at)
 {
     unsigned int i = ECT_FAULT_KINDS;
@@ -272,7 +273,8 @@ static bool read_code(reader_t *r, ect_fault_t *fault)
     const char *word = r->words[r->at];
     bool is_long = (kinds[fault->kind].parts & LONG_CODE) != 0;
     unsigned long long code = strncmp(word, "0x", 2) == 0 ? strtoull(word, &end, 16) : 0;
-    if (!end || end == word + 2 || *end != 0 || code < (is_long ? 0x10000 : 1) || code > (is_long ? UINT32_MAX : UINT16_MAX))
+    if (!end || end == word + 2 || *end != 0 || code < (is_long ? 0x10000 : 1) ||
+        code > (is_long ? UINT32_MAX : UINT16_MAX))
         return false;
     fault->code = (uint32_t)code;
     r->at++;

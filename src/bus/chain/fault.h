@@ -109,14 +109,14 @@ typedef struct ect_fault {
     ect_fault_kind_t kind;
     ect_fault_when_t when;
     uint32_t number; /**< of `when` */
-    /** µs of DELAY, bytes of TRUNCATE and PDO_SIZE, of COUNTER, bit of EEPROM_FLIP, ns of CLOCK, ms of MAIL_LATE, number
-     * of the request of a transfer of ABORT, error register of EMERGENCY */
+    /** µs of DELAY, bytes of TRUNCATE and PDO_SIZE, of COUNTER, bit of EEPROM_FLIP, ns of CLOCK, ms of MAIL_LATE,
+     * number of the request of a transfer of ABORT, error register of EMERGENCY */
     int32_t amount;
-    uint16_t slave; /**< from 1; of faults of frames the slave at whose port 0 the wire is; 0: none */
-    bool back;      /**< on a wire: on the way to the master */
-    uint8_t state;  /**< AL state of TO, AL and AL_...; 0: none */
-    uint32_t code;  /**< abort code, AL status code, error code of EMERGENCY */
-    uint8_t data[5]; /**< of EMERGENCY */
+    uint16_t slave;            /**< from 1; of faults of frames the slave at whose port 0 the wire is; 0: none */
+    bool back;                 /**< on a wire: on the way to the master */
+    uint8_t state;             /**< AL state of TO, AL and AL_...; 0: none */
+    uint32_t code;             /**< abort code, AL status code, error code of EMERGENCY */
+    uint8_t data[5];           /**< of EMERGENCY */
     ect_fault_object_t object; /**< of ABORT and MAIL_... */
     uint32_t seed;             /**< of SHARE, above the wire: of its random numbers */
     uint32_t tag;              /**< by which ::ect_chain_fault_end finds it; 0: none. Not part of the text */

@@ -169,7 +169,8 @@ static const char *set_above(ect_twin_t *twin, const ect_fault_t *fault)
         twin->above = ect_above_new(&twin->esc);
     if (!twin->above)
         return "there is not enough memory";
-    return ect_above_add(twin->above, fault, &twin->pdi) ? NULL : "8 faults above the wire are set already: 'off' ends them";
+    return ect_above_add(twin->above, fault, &twin->pdi) ? NULL
+                                                         : "8 faults above the wire are set already: 'off' ends them";
 }
 
 /* The state below one: OP, SAFEOP, PREOP, INIT. */

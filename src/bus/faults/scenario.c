@@ -106,8 +106,7 @@ static bool check_signals(const ect_chain_t *chain, const ect_step_t *plan, char
     if (plan->action == ECT_ACTION_EXPECT)
         return ect_condition_read(text, &condition) && has_signal(chain, plan, condition.name, &ref, message);
     while (next_setting(&text, room, &setting)) {
-        if (!has_signal(chain, plan, setting.name, &ref, message) ||
-            !ect_signal_check(&ref, setting.value, message))
+        if (!has_signal(chain, plan, setting.name, &ref, message) || !ect_signal_check(&ref, setting.value, message))
             return false;
     }
     return true;
@@ -460,7 +459,7 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
     return next_ns;
 }
 
-int ect_scenario_tell(const ect_scenario_step_t *step, char *text, size_t room)
+int ect_scenario_print(const ect_scenario_step_t *step, char *text, size_t room)
 {
     char line[32] = "";
     if (step->line != 0)
@@ -468,7 +467,7 @@ int ect_scenario_tell(const ect_scenario_step_t *step, char *text, size_t room)
     return snprintf(text, room, "%s'%s' %s%s", line, step->text, step->met ? "is met" : "has failed: ", step->why);
 }
 
-int ect_scenario_tell_verdict(const ect_scenario_t *s, char *text, size_t room)
+int ect_scenario_print_verdict(const ect_scenario_t *s, char *text, size_t room)
 {
     const ect_verdict_t *v = &s->verdict;
     bool named = s->name[0] != 0;

@@ -34,11 +34,11 @@ typedef struct ect_scenario_step {
     char text[ECT_STEP_ACTION]; /* as it was written, without comment, cut where it is longer */
     unsigned int line;          /* in its file, from 1; 0: none */
     enum { ECT_STEP_WAITS, ECT_STEP_ACTS, ECT_STEP_OVER } progress;
-    uint8_t reached;      /* milestones */
-    bool current;         /* the present milestone, or the end, has been prepared */
-    bool left;            /* of AGAIN: the slave has left the state */
-    uint64_t base_ns;     /* time of the milestone before ... */
-    uint64_t base_cycles; /* ... and frames with process data by then */
+    uint8_t reached;              /* milestones */
+    bool current;                 /* the present milestone, or the end, has been prepared */
+    bool left;                    /* of AGAIN: the slave has left the state */
+    uint64_t base_ns;             /* time of the milestone before ... */
+    uint64_t base_cycles;         /* ... and frames with process data by then */
     char before[ECT_STEP_ACTION]; /* "NAME=VALUE" that the end of SET sets again */
     bool met;
     char why[ECT_STEP_MESSAGE]; /* of an expectation that has failed */
@@ -122,10 +122,10 @@ ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, ui
 ect_verdict_t ect_scenario_end(ect_scenario_t *s);
 
 /** Writes an expectation that is decided as one line. @return as snprintf() */
-int ect_scenario_tell(const ect_scenario_step_t *step, char *text, size_t room);
+int ect_scenario_print(const ect_scenario_step_t *step, char *text, size_t room);
 
 /** Writes the verdict as one line: "'NAME': 3 of 4 expectations are met". @return as snprintf() */
-int ect_scenario_tell_verdict(const ect_scenario_t *s, char *text, size_t room);
+int ect_scenario_print_verdict(const ect_scenario_t *s, char *text, size_t room);
 
 /** Takes due steps. @return the next time at which a step, or a frame on a wire (s->wires), is due; ECT_NEVER */
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns);

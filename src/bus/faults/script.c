@@ -191,7 +191,7 @@ static bool read_milestone(words_t *w, ect_step_t *step)
     case 'w':
         if (word[1] == 'h')
             return take_state(w, &m) && m.kind == ECT_MILESTONE_STATE ? add_while(w, step, &m, word)
-                                                                     : wrong(w, "expected 'while in PREOP'", from);
+                                                                      : wrong(w, "expected 'while in PREOP'", from);
         break;
     default:
         step->holds = true;

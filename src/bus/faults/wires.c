@@ -39,7 +39,8 @@ static bool keep(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint6
         return false;
     while (*last)
         last = &(*last)->next;
-    *kept = (ect_kept_t){.due_ns = due_ns, .due_frame = due_frame, .latest_ns = w->now_ns + ECT_WIRES_BEHIND_NS, .slow = slow, .at = *c};
+    *kept = (ect_kept_t){
+        .due_ns = due_ns, .due_frame = due_frame, .latest_ns = w->now_ns + ECT_WIRES_BEHIND_NS, .slow = slow, .at = *c};
     kept->at.frame = kept->frame;
     memcpy(kept->frame, c->frame, c->length);
     *last = kept;

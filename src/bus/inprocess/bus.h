@@ -55,8 +55,8 @@ int ect_bus_control_fd(void);
 /** Ends the bus: saves are finished. With the lock. */
 void ect_bus_end(void);
 
-/** Marks in the file that $ECTWIN_INPROCESS_MARK names: a bus has been opened; it has ended with all expectations of its
- * scenario met. */
+/** Marks in the file that $ECTWIN_INPROCESS_MARK names: a bus has been opened; it has ended with all expectations of
+ * its scenario met. */
 enum { ECT_BUS_MARK_OPENED = '+', ECT_BUS_MARK_MET = '.' };
 
 #endif

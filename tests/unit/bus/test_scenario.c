@@ -203,8 +203,8 @@ static void transfers_of_any(void **state)
 static void ends(void **state)
 {
     rig_t *r = *state;
-    START(r, "drop 0% while slave 2 in PREOP", "counter 0 for 50ms", "corrupt 0% until 80ms", "truncate 1 0% until slave 2 INIT again",
-          "al never to OP slave 2 for 20ms");
+    START(r, "drop 0% while slave 2 in PREOP", "counter 0 for 50ms", "corrupt 0% until 80ms",
+          "truncate 1 0% until slave 2 INIT again", "al never to OP slave 2 for 20ms");
     assert_int_equal(set_count(r), 4);
     wire_go(&r->w, 1, 2);
     assert_int_equal(set_count(r), 5);
@@ -336,19 +336,19 @@ static void expectations(void **state)
     setup(state);
 }
 
-static void told(void **state)
+static void printed(void **state)
 {
     rig_t *r = *state;
     char text[512];
     read_line(r, "name A slave that stays in INIT");
     r->s.line = 7;
     START(r, "expect 2:ecat.state=1  # a comment", "expect 2:ecat.state=2");
-    (void)ect_scenario_tell(&r->s.steps[0], text, sizeof text);
+    (void)ect_scenario_print(&r->s.steps[0], text, sizeof text);
     assert_string_equal(text, "line 7: 'expect 2:ecat.state=1' is met");
     r->s.steps[1].line = 0;
-    (void)ect_scenario_tell(&r->s.steps[1], text, sizeof text);
+    (void)ect_scenario_print(&r->s.steps[1], text, sizeof text);
     assert_string_equal(text, "'expect 2:ecat.state=2' has failed: ecat.state is 1");
-    (void)ect_scenario_tell_verdict(&r->s, text, sizeof text);
+    (void)ect_scenario_print_verdict(&r->s, text, sizeof text);
     assert_string_equal(text, "'A slave that stays in INIT': 1 of 2 expectations are met");
 }
 
@@ -428,7 +428,7 @@ int main(int argc, char **argv)
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),
-        TEST("expectations and the verdict are told in one line each", told),
+        TEST("each expectation and the verdict have one line", printed),
         TEST("a line that makes no sense is refused with the expected words", refused_lines),
         TEST("the words of a line come in any order", any_order),
     };

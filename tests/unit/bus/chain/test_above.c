@@ -251,9 +251,12 @@ static void drops(void **state)
         uint8_t status;
         uint16_t code;
     } rows[] = {
-        {"al 0x001B slave 2", 0x14, 0x001B},          {"to SAFEOP 0x001B slave 2", 0x14, 0x001B},
-        {"al 0x002D to PREOP slave 2", 0x12, 0x002D}, {"to SAFEOP slave 2", 0x14, 0x0001},
-        {"init slave 2", 0x11, 0x0001},               {"init 0x0050 slave 2", 0x11, 0x0050},
+        {"al 0x001B slave 2", 0x14, 0x001B},
+        {"to SAFEOP 0x001B slave 2", 0x14, 0x001B},
+        {"al 0x002D to PREOP slave 2", 0x12, 0x002D},
+        {"to SAFEOP slave 2", 0x14, 0x0001},
+        {"init slave 2", 0x11, 0x0001},
+        {"init 0x0050 slave 2", 0x11, 0x0050},
     };
     wire_t *w = *state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# The scenarios of examples/scenarios under real masters, and the verdict in the exit status.
+# usage: scenarios.sh ECTWIN CONTROLLER MOTION CONFORM [CASE]
+set -u
+ectwin=$1 controller=$2 motion=$3 conform=$4
+only=${5:-}
+folder=$(cd "$(dirname "$0")/../../examples/scenarios" && pwd)
+failed=0
+ran=0
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+check() { # TITLE EXPECTED ACTUAL
+  if [ "$2" = "$3" ]; then return 0; fi
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
+  sed 's/^/  /' "$work/err"
+  failed=1
+}
+
+# play FILE [OPTION...]: under the master of its device, which the second line names. The status of the motion master is 3
+# when it had to give the drive up.
+play() {
+  local file=$1 device
+  shift
+  device=$(sed -n '2s/^# \([^ ]*\) .*/\1/p' "$file")
+  local master=("$controller" '{}' --seconds 5)
+  if [ "$device" = pmctendo-dd5 ]; then master=("$motion" '{}'); fi
+  "$ectwin" with --in-process --virtual-time "$@" --scenario "$file" "$device" -- "${master[@]}" >"$work/out" 2>"$work/err"
+}
+
+script() { # LINE...: a file of these
+  printf '%s\n' "$@" >"$work/script.txt"
+}
+
+# One expectation of the wrong kind shows that the script is played at all.
+story() { # NAME [STATUS]
+  play "$folder/$1.txt"
+  check "$1: exit status" "${2:-0}" $?
+  local all
+  all=$(grep -c expect "$folder/$1.txt")
+  check "$1: verdict" "ectwin: '$(sed -n 's/^name //p' "$folder/$1.txt")': $all of $all expectations are met" "$(grep 'expectations are met' "$work/err")"
+}
+
+every_story_is_played() {
+  local name
+  for name in "$folder"/*.txt; do
+    name=$(basename "$name" .txt)
+    case $name in drive-drops-to-safeop) story "$name" 3 ;; *) story "$name" ;; esac
+  done
+}
+
+# Twice the same story with a random fault: the same frames, at the same times, with the same seed alone.
+same_seed_same_frames() {
+  local run
+  script 'corrupt 2%' 'at 5ms delay 300us 20%' 'at PREOP abort 0x1018 0x08000020 30% slave 1' 'mail late 2ms 10% slave 1'
+  for run in 7 7 8; do
+    "$ectwin" with --in-process --virtual-time --seed $run --scenario "$work/script.txt" fzm1 -- \
+      "$conform" -i '{}' --only CF-033 --pcap "$work/run$((++number)).pcapng" >/dev/null 2>"$work/err"
+  done
+  check "seed 7 twice" "$(md5sum <"$work/run1.pcapng")" "$(md5sum <"$work/run2.pcapng")"
+  cmp -s "$work/run1.pcapng" "$work/run3.pcapng" && check "seed 8" "other frames" "the same"
+  check "there are frames" yes "$([ "$(wc -c <"$work/run1.pcapng")" -gt 2000 ] && echo yes)"
+}
+
+the_verdict_is_in_the_exit_status() {
+  local way
+  for way in "" "--in-process" "--in-process --virtual-time"; do
+    # shellcheck disable=SC2086
+    status() { "$ectwin" with $way --scenario "$work/script.txt" vr-bu-ect-map7 -- "$@" >"$work/out" 2>"$work/err"; echo $?; }
+    script 'expect ecat.state=8 within 10s'
+    check "met ($way)" 0 "$(status "$controller" '{}' --seconds 1)"
+    check "the state of CMD stays ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
+    script 'expect ecat.state=8 within 10s' 'expect ecat.state=4 at OP after 5 cycles'
+    check "failed ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
+    check "failed: the line ($way)" "line 2: 'expect ecat.state=4 at OP after 5 cycles' has failed: ecat.state is 8" \
+      "$(sed -n 's/^ectwin[^:]*: \(line 2.*\)/\1/p' "$work/err")"
+    check "failed, and CMD too ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
+    script 'at BOOT expect ecat.state=3'
+    check "never reached ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
+  done
+}
+
+run_has_it_too() {
+  script 'expect ecat.state=1'
+  unshare -Urn bash -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+    for script in "$2" "$3"; do
+      "$1" run -i tw0 --scenario "$script" fzm1 >"$4/ready" 2>>"$4/err" & pid=$!
+      for _ in $(seq 100); do [ -s "$4/ready" ] && break; sleep 0.1; done
+      sleep 0.3; kill $pid; wait $pid; echo $?
+      : >"$4/ready"
+    done' - "$ectwin" "$work/script.txt" <(echo 'expect ecat.state=2') "$work" >"$work/values" 2>/dev/null
+  check "met, then failed" "0 3" "$(xargs <"$work/values")"
+}
+
+mistakes_are_found_before_the_run() {
+  script '# a comment' 'at 5s set bogus=1'
+  "$ectwin" with --in-process --scenario "$work/script.txt" fzm1 -- true 2>"$work/err"
+  check "a signal that does not exist" 1 $?
+  check "... by its name" yes "$(grep -q "'at 5s set bogus=1': slave 1 has no signal 'bogus'" "$work/err" && echo yes)"
+  script 'drop 1%' 'expect'
+  "$ectwin" with --in-process --scenario "$work/script.txt" fzm1 -- true 2>"$work/err"
+  check "a line without sense" 1 $?
+  check "... by its number" yes "$(grep -q "script.txt line 2: expected 'expect NAME=VALUE'" "$work/err" && echo yes)"
+  "$ectwin" with --in-process --scenario "$work/none.txt" fzm1 -- true 2>"$work/err"
+  check "a file that does not exist" 2 $?
+}
+
+number=0
+for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status run_has_it_too \
+  mistakes_are_found_before_the_run; do
+  if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
+  ran=$((ran + 1))
+  $case_name
+done
+[ "$ran" -gt 0 ] || { echo "there is no case '$only'"; exit 2; }
+exit $failed
