@@ -56,10 +56,10 @@ typedef struct ect_scenario {
     void (*refused)(void *ctx, const char *fault, const char *why);
     /** Called when an expectation is met or has failed. NULL: not called. */
     void (*judged)(void *ctx, const ect_scenario_step_t *step);
-    void *ctx;                                       /**< argument of both */
+    void *ctx;                                      /**< argument of both */
     void (*done)(void *observer, const char *what); /**< called with each fault, signal and verdict; NULL: not called */
-    void *observer;                                  /**< argument of `done` */
-    unsigned int line; /**< number of the line that ::ect_scenario_read reads, 0: none */
+    void *observer;                                 /**< argument of `done` */
+    unsigned int line;                              /**< number of the line that ::ect_scenario_read reads, 0: none */
     char name[ECT_SCENARIO_NAME];
     ect_verdict_t verdict;
     uint64_t start_ns; /* 0: not begun */

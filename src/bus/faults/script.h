@@ -3,16 +3,17 @@
  * @file
  * One line of a scenario: milestones, and an action when these are reached. The words come in any order.
  *
- *     drop 5%                                      from the beginning
- *     at 2.5s hang slave 2                         a time since the beginning
- *     at frame 1000 off                            when 1000 frames have come
- *     at slave 1 OP counter -1 every 10            when that slave is in that state; at OP: the slave of the action, or
- * 1 at OP after 10 cycles to SAFEOP slave 1      one milestone after the other: 10 frames with process data later at
- * the 3rd upload of 0x1018 mail lost slave 1    when that many SDO transfers of the object have been requested drop 50%
- * while in PREOP                      each time, as long as the slave is in that state hang slave 2 until 5s, for 100ms
- * ends again, at a milestone or a time after its beginning set ru1.on=0 until OP again                  ... when the
- * slave has left OP and is back at 2.5s set 2:ru1.on=0 ru1.joystick1=5       signals, of slave 2 expect ecat.state=4
- * within 200ms             a condition on a signal: at once, within a time, for a time
+ *     drop 5%                               from the beginning
+ *     at 2.5s hang slave 2                  a time since the beginning
+ *     at frame 1000 off                     when 1000 frames have come
+ *     at slave 1 OP counter -1 every 10     when that slave is in that state; at OP: the slave of the action, or 1
+ *     at OP after 10 cycles init slave 1    one milestone after the other: 10 frames with process data later
+ *     at the 3rd upload of 0x1018 off       when that many SDO transfers of the object have been requested
+ *     drop 50% while in PREOP               each time, as long as the slave is in that state
+ *     hang slave 2 until 5s                 ends at a milestone; for 100ms: so long after its beginning
+ *     set ru1.on=0 until OP again           ... when the slave has left OP and is back
+ *     at 2.5s set 2:ru1.on=0 scene=5        signals, of slave 2
+ *     expect ecat.state=4 within 200ms      a condition on a signal: at once, within a time, for a time
  *
  * No clock in here. Context: any.
  */
