@@ -150,7 +150,7 @@ static char *read_all(int file, size_t size, size_t *length)
 {
     char *data = malloc(size + 1);
     ssize_t got = data ? 1 : -1;
-    while (got > 0 && *length < size) {
+    while (got > 0) {
         got = read(file, data + *length, size - *length);
         *length += got > 0 ? (size_t)got : 0;
     }

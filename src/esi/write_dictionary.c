@@ -218,13 +218,11 @@ static bool is_plain(const uint8_t *text, size_t size)
 
 static int64_t number_of(const ect_entry_t *entry, const uint8_t *value, size_t size)
 {
-    uint64_t number = 0;
+    ECT_ASSERT(size > 0 && size <= sizeof(int64_t));
+    bool negative = ect_build_is_signed(entry->data_type) && (value[size - 1] & 0x80) != 0;
+    uint64_t number = negative ? UINT64_MAX : 0;
     for (size_t i = size; i-- > 0;)
         number = number << 8 | value[i];
-    bool is_signed = (entry->data_type >= ECT_TYPE_INTEGER8 && entry->data_type <= ECT_TYPE_INTEGER32) ||
-                     entry->data_type == ECT_TYPE_INTEGER64;
-    if (is_signed && size > 0 && size < 8 && (value[size - 1] & 0x80) != 0)
-        number |= UINT64_MAX << 8 * size;
     return (int64_t)number;
 }
 

@@ -289,10 +289,12 @@ static void defaults_of_nothing(void **state)
 {
     (void)state;
     open_drive("SMALL");
+    assert_int_equal(read_sdo(0x6007, 0), 0);
     assert_int_equal(read_sdo(0x6072, 0), 3000);
     assert_int_equal(read_sdo(0x6502, 0), 0xA0);
     close_drive(state);
     open_drive("SERVO");
+    assert_int_equal(read_sdo(0x6007, 0), 1);
     assert_int_equal(read_sdo(0x6085, 0), 524288000);
     assert_int_equal(read_sdo(0x605B, 0), 0);
     assert_int_equal(read_sdo(0x6502, 0), 0x3ED);
@@ -393,7 +395,8 @@ int main(void)
         {"DRV-155 DRV-156 6007h when OP ends", operation_lost, NULL, close_drive, NULL},
         {"DRV-241 DRV-207 a shaft that is stuck ends in a following error", shaft_is_stuck, NULL, close_drive, NULL},
         {"DRV-096 DRV-098 DRV-295 settings out of range are refused", refused_settings, NULL, close_drive, NULL},
-        {"settings without a default in the file have the twin's", defaults_of_nothing, NULL, close_drive, NULL},
+        {"settings have the file's default, 0 too; without one, the twin's", defaults_of_nothing, NULL, close_drive,
+         NULL},
         {"DRV-421 DRV-097 DRV-230 units of a screw", screw, NULL, close_drive, NULL},
         {"DRV-422 DRV-231 polarity turns positions round", positions_are_inverted, NULL, close_drive, NULL},
         {"DRV-294 DRV-427 DRV-277 DRV-268 home is here", home_here, NULL, close_drive, NULL},
