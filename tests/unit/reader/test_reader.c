@@ -620,10 +620,13 @@ static void a_wire_that_loses_a_fifth_of_the_frames_changes_nothing(void **state
     close_reader(&l);
 }
 
+/* --- frames ------------------------------------------------------------------------------------------------------- */
+
 /* A link whose replies are given by their lengths, one for each receive(). 0: none comes until the timeout; WHOLE: the
  * length of the frame that was sent. Each is the frame that was sent, processed by one slave. */
 typedef struct scripted {
     const size_t *lengths;
+    size_t changed; /* byte of the first reply with another value; 0: none */
     unsigned int sends, receives;
     uint64_t now_ns;
     size_t sent_length;
@@ -651,6 +654,8 @@ static size_t scripted_receive(void *ctx, uint8_t *frame, size_t room, uint64_t 
     }
     assert_true(s->sent_length <= room);
     memcpy(frame, s->sent, s->sent_length);
+    if (s->changed > 0 && s->receives == 1)
+        frame[s->changed] ^= 1;
     ect_store_le16(frame + AT_DATA + (ect_load_le16(frame + AT_LENGTH) & 0x7FF), 1);
     return length == WHOLE ? s->sent_length : length;
 }
@@ -686,6 +691,118 @@ static void a_frame_is_sent_again_after_its_timeout_only(void **state)
         if (s.sends != rows[i].sends || s.receives != rows[i].receives || s.now_ns != rows[i].ms * UINT64_C(1000000))
             fail_msg("%s: %u sent, %u received, %" PRIu64 " ns", rows[i].title, s.sends, s.receives, s.now_ns);
     }
+}
+
+/* A slave changes its position, the data and the working counter of a datagram, and nothing else. */
+static void a_reply_has_the_request_s_command_index_and_address(void **state)
+{
+    static const size_t lengths[] = {SIZE_MAX, SIZE_MAX};
+    static const struct {
+        const char *title;
+        size_t changed;
+        bool reply;
+    } rows[] = {
+        {"sender", 11, true},
+        {"EtherType, first byte", 12, false},
+        {"EtherType, second byte", 13, false},
+        {"command", 16, false},
+        {"index", 17, false},
+        {"position, low byte", 18, true},
+        {"position, high byte", 19, true},
+        {"address, low byte", 20, false},
+        {"address, high byte", 21, false},
+        {"length", 22, false},
+        {"circulating frame", 23, false},
+        {"event", 24, true},
+        {"data", 26, true},
+    };
+    static const ect_reader_config_t second = {.position = 1};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        scripted_t s = {.lengths = lengths, .changed = rows[i].changed};
+        const ect_reader_link_t link = {
+            .ctx = &s, .send = scripted_send, .receive = scripted_receive, .now = scripted_now};
+        assert_int_equal(ect_reader_open(&reader, &link, &second), ECT_READER_LOST);
+        if (s.receives != (rows[i].reply ? 1 : 2))
+            fail_msg("%s: %s", rows[i].title, rows[i].reply ? "no reply" : "taken for a reply");
+    }
+}
+
+static void zeros_of_the_configuration_are_the_defaults(void **state)
+{
+    static const size_t lengths[] = {SIZE_MAX};
+    static const ect_reader_config_t given = {
+        .position = 1, .frame_ms = 1, .reply_ms = 2, .state_ms = 3, .limit_ms = 4, .tries = 5};
+    (void)state;
+    for (unsigned int n = 0; n < 2; n++) {
+        scripted_t s = {.lengths = lengths};
+        const ect_reader_link_t link = {
+            .ctx = &s, .send = scripted_send, .receive = scripted_receive, .now = scripted_now};
+        const ect_reader_config_t second = {.position = 1};
+        (void)ect_reader_open(&reader, &link, n == 0 ? &second : &given);
+        assert_int_equal(reader.config.frame_ms, n == 0 ? 100 : 1);
+        assert_int_equal(reader.config.reply_ms, n == 0 ? 2000 : 2);
+        assert_int_equal(reader.config.state_ms, n == 0 ? 5000 : 3);
+        assert_int_equal(reader.config.limit_ms, n == 0 ? 600000 : 4);
+        assert_int_equal(reader.config.tries, n == 0 ? 3 : 5);
+    }
+}
+
+/* --- mailbox ------------------------------------------------------------------------------------------------------ */
+
+static uint8_t sms_written[2 * ECT_SM_SIZE];
+
+static bool record_sms(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    (void)wkc;
+    if (d[0] == 2 && ado == ECT_REG_SM && length == sizeof sms_written && l->number++ == 0)
+        memcpy(sms_written, data, length);
+    return true;
+}
+
+/* Control as the ESI schema's mailboxes have it: one buffer, direction, event to the PDI. */
+static void sync_managers_are_written_whole_and_reserved_bits_are_zero(void **state)
+{
+    static const liar_kind_t kind = {.datagram = record_sms};
+    uint8_t want[2 * ECT_SM_SIZE] = {[4] = 0x26, [6] = 0x01, [12] = 0x22, [14] = 0x01};
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
+    ect_store_le16(want, reader.out_start);
+    ect_store_le16(want + 2, reader.out_size);
+    ect_store_le16(want + 8, reader.in_start);
+    ect_store_le16(want + 10, reader.in_size);
+    assert_memory_equal(sms_written, want, sizeof want);
+    close_reader(&l);
+}
+
+static bool one_more(liar_t *l)
+{
+    return ++l->number < 1000;
+}
+
+static liar_mail_t passes(liar_t *l, const uint8_t *mail)
+{
+    (void)mail;
+    assert_int_equal(l->fetched, 64);
+    return LIAR_PASSES;
+}
+
+static void at_most_64_old_mails_are_discarded_before_a_request(void **state)
+{
+    static const liar_kind_t kind = {.request = passes, .next = one_more};
+    uint8_t value[4];
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
+    liar_set_coe_mail(&l, 1, "\x00\x10\x00\x00\x00\x00\x00\x00", 8);
+    l.has_mail = true;
+    assert_int_equal(ect_reader_upload(&reader, 0x1000, 0, false, value, &size), ECT_READER_OK);
+    assert_int_equal(reader.skipped, 64);
+    close_reader(&l);
 }
 
 typedef struct stop {
@@ -758,6 +875,10 @@ int main(void)
         cmocka_unit_test(the_json_text_has_every_field),
         cmocka_unit_test(a_wire_that_loses_a_fifth_of_the_frames_changes_nothing),
         cmocka_unit_test(a_frame_is_sent_again_after_its_timeout_only),
+        cmocka_unit_test(a_reply_has_the_request_s_command_index_and_address),
+        cmocka_unit_test(zeros_of_the_configuration_are_the_defaults),
+        cmocka_unit_test(sync_managers_are_written_whole_and_reserved_bits_are_zero),
+        cmocka_unit_test(at_most_64_old_mails_are_discarded_before_a_request),
         cmocka_unit_test(the_callback_shows_progress_and_stops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -345,6 +345,7 @@ static const struct list {
      {0}},
     {"a list of another type", {{INFO, 8, {0x02, 0, 0, 0, 2, 0, 0x00, 0x10}}}, ECT_READER_WRONG, 0, {0}},
     {"an error", {{INFO, 8, {0x07, 0, 0, 0, 0x00, 0x00, 0x02, 0x06}}}, ECT_READER_ABORTED, 0, {0}},
+    {"an error without its code", {{INFO, 7, {0x07, 0, 0, 0, 0x11, 0x22, 0x33}}}, ECT_READER_ABORTED, 0, {0}},
 };
 
 static const struct list *list;
@@ -387,10 +388,52 @@ static void each_list(void **state)
                 fail_msg("%s: expected object %04X", list->what, list->indices[k]);
         }
         if (result == ECT_READER_ABORTED)
-            assert_int_equal(reader.code, 0x06020000);
+            assert_int_equal(reader.code, list->fragments[0].length == 8 ? 0x06020000 : 0);
         ect_reader_close(&reader);
         liar_close(&l);
     }
+}
+
+/* The first and the last index there is. Neither is described, and both are requested. */
+static unsigned int described;
+
+static liar_mail_t ends_of_the_list(liar_t *l, const uint8_t *mail)
+{
+    static const uint8_t both[] = {0x02, 0, 0, 0, 1, 0, 0x00, 0x00, 0xFF, 0xFF};
+    static const uint8_t none[] = {0x07, 0, 0, 0, 0x00, 0x00, 0x02, 0x06};
+    const bool is_list = mail[8] == 0x01;
+    if (!is_list)
+        assert_int_equal(ect_load_le16(mail + 12), described++ == 0 ? 0x0000 : 0xFFFF);
+    liar_set_coe_mail(l, INFO, is_list ? both : none, is_list ? sizeof both : sizeof none);
+    return LIAR_REPLIES;
+}
+
+static void no_object(void *ctx, const ect_reader_object_t *object)
+{
+    (void)ctx;
+    fail_msg("object %04X", object->index);
+}
+
+static void no_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
+{
+    (void)ctx;
+    (void)entry;
+    fail_msg("entry of object %04X", object->index);
+}
+
+static void first_and_last_index(void **state)
+{
+    static const liar_kind_t kind = {"ends", .request = ends_of_the_list};
+    static const ect_reader_sink_t sink = {.object = no_object, .entry = no_entry};
+    liar_t l;
+    (void)state;
+    described = 0;
+    liar_open(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), ECT_READER_OK);
+    assert_int_equal(described, 2);
+    ect_reader_close(&reader);
+    liar_close(&l);
 }
 
 int main(void)
@@ -399,6 +442,7 @@ int main(void)
         {"CF-069 CF-071 CF-072 replies to an upload: expedited, normal, segmented, aborted, and what is none",
          each_reply, NULL, NULL, NULL},
         {"CF-076 lists of objects in one fragment and in several, and what is no list", each_list, NULL, NULL, NULL},
+        {"CF-076 each index of a list is requested, 0000h and FFFFh too", first_and_last_index, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
