@@ -371,6 +371,28 @@ static void a_dictionary_has_facts_of_objects_and_of_pdos(void **state)
     ect_facts_free(&f);
 }
 
+/* 1C10h to 1C2Fh are assignments of SyncManagers 0 to 31 (ETG.1000.6); 1C30h and following are not. */
+static void each_assignment_names_its_sync_manager(void **state)
+{
+    static const struct {
+        unsigned int index;
+        const char *sm;
+    } rows[] = {{0x1C0F, "none"}, {0x1C10, "0"}, {0x1C12, "2"}, {0x1C2F, "31"}, {0x1C30, "none"}, {0x1C32, "none"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[200];
+        ect_facts_t f = {.source = "slave"};
+        (void)snprintf(json, sizeof json,
+                       "{\"objects\": [{\"index\": %u, \"entries\": [{\"subindex\": 0, \"value\": \"01\"},"
+                       "{\"subindex\": 1, \"value\": \"0016\"}]}]}",
+                       rows[i].index);
+        assert_true(ect_facts_of_dictionary(&f, json));
+        if (strcmp(text_of(&f, ECT_FACT_PDO_SM, 0x1600, 0), rows[i].sm) != 0)
+            fail_msg("%04X: SyncManager %s", rows[i].index, text_of(&f, ECT_FACT_PDO_SM, 0x1600, 0));
+        ect_facts_free(&f);
+    }
+}
+
 /* Texts that users and slaves may have written. */
 static void any_dictionary_is_read_or_refused(void **state)
 {
@@ -500,6 +522,7 @@ int main(void)
         cmocka_unit_test(later_sources_are_compared_with_all_before),
         cmocka_unit_test(texts_of_a_file_follow_only_without_other_differences),
         cmocka_unit_test(a_dictionary_has_facts_of_objects_and_of_pdos),
+        cmocka_unit_test(each_assignment_names_its_sync_manager),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
