@@ -114,7 +114,7 @@ static bool property_good(const report_t *r, const ect_pdo_t *p)
     if (unknown != 0)
         return wrong(r, "pdos: %04Xh has the unknown property %04Xh", p->index, unknown);
     for (const uint16_t *other = p->excludes; other && *other != 0; other++) {
-        if (!ect_od_find(&r->od, *other) || *other == p->index)
+        if (!is_pdo(*other) || !ect_od_find(&r->od, *other) || *other == p->index)
             return wrong(r, "pdos: %04Xh excludes %04Xh, which is no other PDO", p->index, *other);
     }
     return true;

@@ -155,7 +155,6 @@ typedef struct ect_esi_type {
     size_t item_count;
     bool is_enum;
     int64_t lowest, highest; /**< of the enumeration */
-    int line;
 } ect_esi_type_t;
 
 /** `<Object>`. */
@@ -205,7 +204,6 @@ typedef struct ect_esi_module {
     ect_esi_dictionary_t dictionary;
     const ect_esi_init_t *inits;
     size_t init_count;
-    int line;
 } ect_esi_module_t;
 
 /** Mailbox protocols and abilities, `<Mailbox>`. */

@@ -351,7 +351,6 @@ static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device
         module->pdos = read_pdos(xml, child, &module->pdo_count);
         module->inits = read_inits(xml, ect_esi_child(ect_esi_child(child, "Mailbox"), "CoE"), &module->init_count);
         ect_esi_read_dictionary(xml, ect_esi_child(child, "Profile"), &module->dictionary);
-        module->line = ect_esi_line(child);
     }
     device->modules = modules;
 }

@@ -108,7 +108,6 @@ static void read_type(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_type_t *t
     type->name = ect_esi_text(xml, ect_esi_child(node, "Name"));
     type->base = ect_esi_text(xml, ect_esi_child(node, "BaseType"));
     type->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
-    type->line = ect_esi_line(node);
     if (array != NULL) {
         type->first =
             (ect_esi_number_t){.given = true, .value = ect_esi_number(xml, array, "LBound", 0, UINT16_MAX, 0)};

@@ -693,7 +693,8 @@ static const uint16_t *excludes_of(ect_build_t *build, const ect_build_pdo_t *pd
     size_t count = 0;
     for (size_t i = 0; i < model->exclude_count; i++) {
         uint16_t other = (uint16_t)(model->exclude[i] + (model->depends_on_slot ? pdo->pdo_shift : 0));
-        if (other != pdo->index && ect_build_find(build, other) != NULL)
+        bool is_pdo = ect_od_is_rxpdo(other) || ect_od_is_txpdo(other);
+        if (is_pdo && other != pdo->index && ect_build_find(build, other) != NULL)
             excludes[count++] = other;
     }
     return count > 0 ? excludes : NULL;

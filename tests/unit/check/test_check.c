@@ -131,6 +131,7 @@ typedef struct row {
     X(property_of_object, confdev, copy_pdo(c, 0x2100, 0, 0), "pdos: there is no PDO 2100h")                           \
     X(property_unknown, confdev, copy_pdo(c, 0x1600, 0x0100, 0), "pdos: 1600h has the unknown property 0100h")         \
     X(excludes_nothing, confdev, copy_pdo(c, 0x1600, 0, 0x1602), "pdos: 1600h excludes 1602h, which is no other")      \
+    X(excludes_an_object, confdev, copy_pdo(c, 0x1600, 0, 0x1018), "pdos: 1600h excludes 1018h, which is no other")    \
     X(excludes_itself, confdev, copy_pdo(c, 0x1600, 0, 0x1600), "pdos: 1600h excludes 1600h, which is no other")
 
 #define CHIP(X)                                                                                                        \

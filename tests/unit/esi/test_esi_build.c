@@ -340,6 +340,10 @@ static void records(void **state)
         {"an array from 5 on", ARRAY_OF("USINT", "24", "5", "3"), ECT_OBJECT_ARRAY, 7, 7, 8, "SubIndex 007", NULL},
         {"an array up to 255", ARRAY_OF("USINT", "2400", "1", "300"), ECT_OBJECT_ARRAY, 255, 255, 8, "SubIndex 255",
          NULL},
+        {"an array of one element", ARRAY_OF("VENDOR", "16", "1", "1"), ECT_OBJECT_ARRAY, 1, 1, 16, "SubIndex 001",
+         NULL},
+        {"an array of a type that the file only names", ARRAY_OF("VENDOR", "64", "1", "2"), ECT_OBJECT_ARRAY, 2, 2, 32,
+         "SubIndex 002", NULL},
         {"an array of nothing", ARRAY_OF("USINT", "0", "1", "0"), ECT_OBJECT_ARRAY, 0, 0, 8, "SubIndex 000", NULL},
         {"umlauts", RECORD(COUNT ITEM("1", "Gr\u00F6\u00DFe \u00B5m \u20AC", "UINT", "16", ""), "", ""),
          ECT_OBJECT_RECORD, 1, 1, 16, "Groesse um ?", NULL},
@@ -361,6 +365,25 @@ static void records(void **state)
         expect_note(table[i].what, &m, table[i].note);
         free_made(&m);
     }
+}
+
+/* An object whose type has no length: a note has the reason, and the objects around it are there. */
+static void objects_without_entries(void **state)
+{
+#define OBJECT_OF(index, type, bits)                                                                                   \
+    "<Object><Index>" index "</Index><Name>V</Name><Type>" type "</Type><BitSize>" bits "</BitSize></Object>"
+    static const uint16_t there[] = {0x1000, 0x1008, 0x1018, 0x1C00, 0x2000, 0x2002};
+    (void)state;
+    made_t m = make_text("three objects",
+                         ESI_DEVICE(DICT(OBJECTS(OBJECT_OF("#x2000", "UINT", "16") OBJECT_OF("#x2001", "X", "0")
+                                                     OBJECT_OF("#x2002", "UDINT", "32"))) MAIL COE ESI_EEPROM));
+    expect_note("three objects", &m, "line 2: object 2001: sub-index 0 of type X is left out: its length is not known");
+    const ect_od_t od = od_of(&m);
+    assert_int_equal(od.count, sizeof there / sizeof there[0]);
+    for (size_t i = 0; i < od.count; i++)
+        assert_int_equal(od.objects[i].index, there[i]);
+    assert_int_equal(ect_od_find(&od, 0x2002)->entries[0].bit_length, 32);
+    free_made(&m);
 }
 
 /* Names decide where they agree, else the place does. */
@@ -418,7 +441,38 @@ static void infos(void **state)
 #define B8                        ENTRY("#x6000", "2", "8", "B", "USINT")
 #define O8                        ENTRY("#x7000", "1", "8", "O", "USINT")
 #define PLAIN(body)               ESI_DEVICE(MAIL ESI_PROCESS_SMS body COE ESI_EEPROM)
-#define ASSIGN(body)              ESI_DEVICE(MAIL ESI_PROCESS_SMS body "<Mailbox><CoE PdoAssign='1'/></Mailbox>" ESI_EEPROM)
+#define PLAIN_HEAD                                                                                                     \
+    ESI_HEAD "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>DEV</Type><Name>A "                      \
+             "device</Name>" MAIL ESI_PROCESS_SMS "<TxPdo Sm='3'><Index>#x1A00</Index><Name>P</Name><Exclude>"
+#define PLAIN_TAIL   "</Exclude>" A8 "</TxPdo>" TX("", "#x1A01", B8) COE ESI_EEPROM "</Device>" ESI_TAIL
+#define ASSIGN(body) ESI_DEVICE(MAIL ESI_PROCESS_SMS body "<Mailbox><CoE PdoAssign='1'/></Mailbox>" ESI_EEPROM)
+
+/* A file may exclude a PDO that it has not, another object, or the PDO itself: none of them is an exclusion. */
+static void exclusions(void **state)
+{
+    static const struct {
+        const char *what, *excluded;
+        uint16_t expected; /* 0: none */
+    } table[] = {
+        {"another PDO", "#x1A01", 0x1A01}, {"a PDO that is not there", "#x1A02", 0}, {"itself", "#x1A00", 0},
+        {"an object", "#x1018", 0},        {"an assignment", "#x1C13", 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char text[3000];
+        (void)snprintf(text, sizeof text, "%s%s%s", PLAIN_HEAD, table[i].excluded, PLAIN_TAIL);
+        made_t m = make_text(table[i].what, text);
+        const ect_device_t *device = device_of(&m);
+        uint16_t got = 0;
+        for (unsigned int k = 0; k < device->pdo_count; k++) {
+            const ect_pdo_t *pdo = &device->pdos[k];
+            got = pdo->index == 0x1A00 && pdo->excludes != NULL ? pdo->excludes[0] : got;
+        }
+        if (got != table[i].expected)
+            fail_msg("%s: expected %04X, got %04X", table[i].what, table[i].expected, got);
+        free_made(&m);
+    }
+}
 
 static void mappings(void **state)
 {
@@ -1006,6 +1060,8 @@ int main(void)
         {"limits as far as type and default allow", limits, NULL, NULL, NULL},
         {"a unit is its prefix and its numerator", units, NULL, NULL, NULL},
         {"records and arrays: numbers, lengths, names", records, NULL, NULL, NULL},
+        {"objects whose type has no length are left out", objects_without_entries, NULL, NULL, NULL},
+        {"exclusions are of other PDOs of the device", exclusions, NULL, NULL, NULL},
         {"infos of sub-items by name, else by place", infos, NULL, NULL, NULL},
         {"mappings: entries, gaps, exclusion, and what is left out", mappings, NULL, NULL, NULL},
         {"entries that PDOs add to a record of the dictionary", entries_that_pdos_add, NULL, NULL, NULL},

@@ -283,6 +283,31 @@ static void what_tools_look_for(void **state)
     ect_arena_free(&arena);
 }
 
+/* Device type, identity and types of the SyncManagers are mandatory (ETG.1000.6 5.6.7), other objects optional. */
+static void categories_of_objects(void **state)
+{
+    static const char *const mandatory[] = {"1000", "1018", "1C00"};
+    ect_arena_t arena = {0};
+    unsigned int found = 0;
+    (void)state;
+    const char *file = write_one(&arena, ect_catalogue_find("fzm1")->device, NULL);
+    const char *object = strstr(strstr(file, "<Objects>"), "<Object>");
+    while (object != NULL) {
+        const char *next = strstr(object + 1, "<Object>");
+        const char *index = strstr(object, "<Index>#x") + strlen("<Index>#x");
+        const char *category = strstr(object, "<Category>") + strlen("<Category>");
+        bool must = false;
+        for (size_t i = 0; i < sizeof mandatory / sizeof mandatory[0]; i++)
+            must = must || strncmp(index, mandatory[i], 4) == 0;
+        if (*category != (must ? 'm' : 'o'))
+            fail_msg("%.4s: category %c", index, *category);
+        found += must;
+        object = next;
+    }
+    assert_int_equal(found, 3);
+    ect_arena_free(&arena);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +317,7 @@ int main(void)
         {"CF-057 identity overrides reach vendor, type and 1018h", overrides, NULL, NULL, NULL},
         {"names of bits and values become types with EnumInfo and comments", names_of_bits_and_values, NULL, NULL,
          NULL},
+        {"CF-077 mandatory objects have category m, others o", categories_of_objects, NULL, NULL, NULL},
         {"DRV-100 InitCmd for 60C2h of a drive adapts to the cycle of the bus", init_commands, NULL, NULL, NULL},
         {"DRV-100 FZM-075 OPT-012 SYNC0 follows the bus cycle; values of sensor and drive have units",
          what_tools_look_for, NULL, NULL, NULL},
