@@ -909,6 +909,17 @@ static void protocols(void **state)
     }
 }
 
+/* xs:hexBinary has digits of either case. */
+static void hexadecimal_digits(void **state)
+{
+    static const uint8_t expected[] = {0x01, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD, 0xEF, 0xAB, 0xCD, 0xEF};
+    (void)state;
+    made_t m = make_text("digits", ESI_DEVICE(MAIL COE "<Eeprom><ByteSize>2048</ByteSize><ConfigData>"
+                                                       "0123456789abcdefABCDEF</ConfigData></Eeprom>"));
+    assert_memory_equal(device_of(&m)->esc_config, expected, sizeof expected);
+    free_made(&m);
+}
+
 static void clocks_and_boot(void **state)
 {
     static const char text[] = ESI_DEVICE(
@@ -1074,6 +1085,7 @@ int main(void)
         {"timeouts: the file's, else the standard's", timeouts, NULL, NULL, NULL},
         {"protocols: served, refused, without a mailbox", protocols, NULL, NULL, NULL},
         {"clock modes, BOOT mailboxes and the first words of the EEPROM", clocks_and_boot, NULL, NULL, NULL},
+        {"bytes in hexadecimal digits of either case", hexadecimal_digits, NULL, NULL, NULL},
         {"types and ranges of signals", signals, NULL, NULL, NULL},
         {"names of signals: plain, unique, within their length", names_of_signals, NULL, NULL, NULL},
         {"entries that have no signal of their own", no_signals, NULL, NULL, NULL},

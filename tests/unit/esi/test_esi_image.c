@@ -150,7 +150,30 @@ static void mailboxes_of_the_header_serve_without_a_category_of_sync_managers(vo
     assert_int_equal(twin->sm[0].length, 0x80);
     assert_int_equal(twin->sm[1].type, ECT_SM_MAILBOX_IN);
     assert_int_equal(twin->sm[1].start, 0x1080);
+    assert_int_equal(m.model->sms[0].maximum, 0x80);
+    assert_int_equal(m.model->sms[1].maximum, 0x80);
     drop(&m);
+}
+
+/* ETG.2010, category SyncM: 0 not used, 1 and 2 mailbox, 3 and 4 process data; other values are reserved. */
+static void each_type_of_a_sync_manager_has_its_name(void **state)
+{
+    static const struct {
+        uint8_t type;
+        const char *name;
+    } rows[] = {{0, ""}, {1, "MBoxOut"}, {2, "MBoxIn"}, {3, "Outputs"}, {4, "Inputs"}, {5, ""}, {255, ""}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint8_t sms[] = {SM(0x1000, 128, 0x26, rows[i].type)};
+        image_t image;
+        begin(&image, 0);
+        add(&image, ECT_SII_SYNCM, sms, sizeof sms);
+        end(&image);
+        made_t m = make(&image);
+        assert_int_equal(m.model->sm_count, 1);
+        assert_string_equal(m.model->sms[0].type, rows[i].name);
+        drop(&m);
+    }
 }
 
 /* ETG.2010 has 0xFF for a PDO that is not assigned; many images name a SyncManager for each PDO that it can have. */
@@ -248,6 +271,7 @@ int main(void)
         cmocka_unit_test(each_device_of_the_catalogue_comes_back_from_its_image),
         cmocka_unit_test(the_eeprom_has_the_size_of_its_header),
         cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
+        cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
         cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
         cmocka_unit_test(process_data_without_pdos_are_bytes),
         cmocka_unit_test(wrong_images_have_one_line),
