@@ -131,7 +131,6 @@ static void add_mailbox_sm(const image_t *image, ect_esi_sm_t *sm, unsigned int 
     sm->size = (ect_esi_number_t){.given = true, .value = ect_load_le16(image->bytes + at + 2)};
     sm->maximum = (uint16_t)sm->size.value;
     sm->control = control;
-    sm->enable = true;
 }
 
 static void read_sms(const image_t *image)
@@ -147,7 +146,6 @@ static void read_sms(const image_t *image)
         sm->size = (ect_esi_number_t){.given = true, .value = ect_load_le16(from + 2)};
         sm->maximum = (uint16_t)sm->size.value;
         sm->control = from[4];
-        sm->enable = (from[6] & 1u) != 0;
         sm->flags = from[6] & (ECT_SM_FLAG_FIXED | ECT_SM_FLAG_VIRTUAL | ECT_SM_FLAG_OP_ONLY);
         sm->op_only = (from[6] & ECT_SM_FLAG_OP_ONLY) != 0;
         sm->virtual_sm = (from[6] & ECT_SM_FLAG_VIRTUAL) != 0;

@@ -42,7 +42,6 @@ GET(sm_size, sms[0].size.value)
 GET(sm_size_given, sms[0].size.given)
 GET(sm_minimum, sms[0].minimum)
 GET(sm_maximum, sms[0].maximum)
-GET(sm_enable, sms[0].enable)
 GET(sm_flags, sms[0].flags)
 GET(sm_bits, sms[0].flags * 256 + d->sms[0].op_only * 16 + d->sms[0].virtual_sm)
 GET(init_index, mailbox.inits[0].index)
@@ -274,7 +273,6 @@ static void absent(void **state)
         {"size by default", ANY_SM, 0, sm_size},
         {"MinSize", ANY_SM, 0, sm_minimum},
         {"MaxSize", ANY_SM, 0, sm_maximum},
-        {"Enable", ANY_SM, 1, sm_enable},
         {"bits of Enable", ANY_SM, 0, sm_bits},
         {"Index of a start-up command", ESI_DEVICE(INIT("")), 0, init_index},
         {"SubIndex of a start-up command", ESI_DEVICE(INIT("")), 0, init_subindex},
@@ -346,14 +344,11 @@ static void conditions(void **state)
          ado_given},
         {"IdentificationAdo 18", ESI_DEVICE("<Info><IdentificationAdo>18</IdentificationAdo></Info>"), 18, ado},
         {"DefaultSize 0 is given", ESI_DEVICE("<Sm DefaultSize='0'/>"), 1, sm_size_given},
-        {"Enable 0", ESI_DEVICE("<Sm Enable='0'/>"), 0, sm_enable},
-        {"Enable 2 has bit 0 clear", ESI_DEVICE("<Sm Enable='2'/>"), 0, sm_enable},
         {"Enable 255 has bits 1 to 3", ESI_DEVICE("<Sm Enable='255'/>"), 14, sm_flags},
         {"Enable 4 is virtual", ESI_DEVICE("<Sm Enable='4'/>"), 0x401, sm_bits},
         {"Enable 8 is for OP only", ESI_DEVICE("<Sm Enable='8'/>"), 0x810, sm_bits},
         {"OpOnly", ESI_DEVICE("<Sm OpOnly='1'/>"), 0x810, sm_bits},
         {"Virtual", ESI_DEVICE("<Sm Virtual='true'/>"), 0x401, sm_bits},
-        {"OpOnly leaves Enable set", ESI_DEVICE("<Sm OpOnly='1'/>"), 1, sm_enable},
         {"SdoInfo", ESI_DEVICE("<Mailbox><CoE SdoInfo='1'/></Mailbox>"), 10000, coe_flags},
         {"PdoAssign", ESI_DEVICE("<Mailbox><CoE PdoAssign='1'/></Mailbox>"), 1000, coe_flags},
         {"PdoConfig", ESI_DEVICE("<Mailbox><CoE PdoConfig='1'/></Mailbox>"), 100, coe_flags},

@@ -920,6 +920,33 @@ static void hexadecimal_digits(void **state)
     free_made(&m);
 }
 
+/* Start and length of the mailbox to the slave, of that from the slave (ETG.2010, words 14h to 17h). */
+static void boot_mailboxes(void **state)
+{
+#define BOOT(bytes) ESI_DEVICE(MAIL COE "<Eeprom><ByteSize>2048</ByteSize>" bytes "</Eeprom>")
+    static const struct {
+        const char *what, *text;
+        uint16_t start, length;
+    } table[] = {
+        {"none", BOOT(""), 0, 0},
+        {"8 bytes", BOOT("<BootStrap>3412850000148600</BootStrap>"), 0x1234, 0x85},
+        {"a length of 256", BOOT("<BootStrap>0010000100140001</BootStrap>"), 0x1000, 0x100},
+        {"a start without a length", BOOT("<BootStrap>0010000080108000</BootStrap>"), 0, 0},
+        {"zeros", BOOT("<BootStrap>0000000000000000</BootStrap>"), 0, 0},
+        {"7 bytes", BOOT("<BootStrap>00108000801080</BootStrap>"), 0, 0},
+        {"9 bytes", BOOT("<BootStrap>001080008010800000</BootStrap>"), 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        const ect_boot_mailbox_t *out = &device_of(&m)->boot_out;
+        if (out->start != table[i].start || out->length != table[i].length)
+            fail_msg("%s: expected %u bytes at %04X, got %u at %04X", table[i].what, table[i].length, table[i].start,
+                     out->length, out->start);
+        free_made(&m);
+    }
+}
+
 static void clocks_and_boot(void **state)
 {
     static const char text[] = ESI_DEVICE(
@@ -1024,6 +1051,10 @@ static void names_of_signals(void **state)
          "a_name_that_is_longer_than_a", "another_one_that_is_longer_t"},
         {PLAIN(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "8", "A", "USINT") ENTRY("#x6000", "2", "8", "A", "USINT"))),
          "p", "a_2"},
+        {PLAIN(TX("Sm='3'", "#x1A00",
+                  A8 ENTRY("#x6000", "2", "8", "B", "USINT") ENTRY("#x6000", "3", "8", "B", "USINT")
+                      ENTRY("#x6000", "4", "8", "B", "USINT"))),
+         "p", "b_3"},
         {PLAIN(TX("Sm='3'", "#x1A00", A8) TX("Sm='3'", "#x1A01", B8)), "p_2", "b"},
         {PLAIN(TX("", "#x1A01", B8) TX("Sm='3'", "#x1A00", A8)), "p", "a"},
         {ONE("UINT", "16", "", "<Access>rw</Access>"), "od", "2000_00"},
@@ -1085,6 +1116,7 @@ int main(void)
         {"timeouts: the file's, else the standard's", timeouts, NULL, NULL, NULL},
         {"protocols: served, refused, without a mailbox", protocols, NULL, NULL, NULL},
         {"clock modes, BOOT mailboxes and the first words of the EEPROM", clocks_and_boot, NULL, NULL, NULL},
+        {"CF-027 mailboxes of the BOOT state: 8 bytes with a length, or none", boot_mailboxes, NULL, NULL, NULL},
         {"bytes in hexadecimal digits of either case", hexadecimal_digits, NULL, NULL, NULL},
         {"types and ranges of signals", signals, NULL, NULL, NULL},
         {"names of signals: plain, unique, within their length", names_of_signals, NULL, NULL, NULL},

@@ -166,13 +166,15 @@ static void each_type_of_a_sync_manager_has_its_name(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const uint8_t sms[] = {SM(0x1000, 128, 0x26, rows[i].type)};
         image_t image;
+        char why[TEXT];
         begin(&image, 0);
         add(&image, ECT_SII_SYNCM, sms, sizeof sms);
         end(&image);
-        made_t m = make(&image);
-        assert_int_equal(m.model->sm_count, 1);
-        assert_string_equal(m.model->sms[0].type, rows[i].name);
-        drop(&m);
+        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+        const ect_esi_device_t *model = ect_esi_select(esi, "", why, sizeof why);
+        assert_int_equal(model->sm_count, 1);
+        assert_string_equal(model->sms[0].type, rows[i].name);
+        ect_esi_close(esi);
     }
 }
 

@@ -44,7 +44,6 @@ NUMBER(sm_size_given, m->sms[0].size.given)
 NUMBER(sm_size, m->sms[0].size.value)
 NUMBER(sm_minimum, m->sms[0].minimum)
 NUMBER(sm_maximum, m->sms[0].maximum)
-NUMBER(sm_enable, m->sms[0].enable)
 NUMBER(sm_flags, m->sms[0].flags)
 NUMBER(sm_op_only, m->sms[0].op_only)
 NUMBER(sm_virtual, m->sms[0].virtual_sm)
@@ -183,9 +182,6 @@ static void numbers(void **state)
         {"DefaultSize is not", SM(""), sm_size_given, 0},
         {"MinSize", SM("MinSize='3'"), sm_minimum, 3},
         {"MaxSize", SM("MaxSize='4'"), sm_maximum, 4},
-        {"Enable", SM("Enable='0'"), sm_enable, 0},
-        {"Enable is not there", SM(""), sm_enable, 1},
-        {"Enable of 8", SM("Enable='8'"), sm_enable, 0},
         {"OpOnly in Enable", SM("Enable='9'"), sm_op_only, 1},
         {"OpOnly", SM("OpOnly='1'"), sm_op_only, 1},
         {"OpOnly 0", SM("OpOnly='0'"), sm_op_only, 0},

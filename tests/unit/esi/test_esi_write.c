@@ -16,6 +16,8 @@
 #include "sii/sii.h"
 #include "support/wire.h"
 
+#include "from_text.h"
+
 static const char *write_one(ect_arena_t *arena, const ect_device_t *device, const ect_identity_t *identity)
 {
     char text[200];
@@ -308,6 +310,32 @@ static void categories_of_objects(void **state)
     ect_arena_free(&arena);
 }
 
+/* Modules are copied as they are in the file that they come from. */
+static void copied_modules(void **state)
+{
+    static const char file[] =
+        ESI_HEAD "<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>DEV</Type>"
+                 "<Name>A device</Name>" ESI_MAILBOX_SMS ESI_PROCESS_SMS
+                 "<Mailbox><CoE/></Mailbox><Slots><Slot><Name>S</Name><ModuleIdent>1</ModuleIdent>"
+                 "</Slot></Slots></Device></Devices><Modules><Module "
+                 "xmlns:xsi='http://www.w3.org/2001/XMLSchema-instance' xsi:nil='true' a='&lt;b&gt;'>"
+                 "<Type ModuleIdent='1'>M</Type><Name><![CDATA[A & B]]></Name></Module></Modules>"
+                 "</Descriptions></EtherCATInfo>";
+    ect_arena_t arena = {0};
+    char text[200];
+    size_t length;
+    (void)state;
+    made_t m = make_text("modules", file);
+    const ect_esi_part_t part = {.device = device_of(&m), .twin = m.twin};
+    const char *written = ect_esi_write(&arena, &part, 1, &length, text, sizeof text);
+    assert_non_null(written);
+    expect_in(written, "<Module xsi:nil=\"true\" a=\"&lt;b&gt;\">");
+    expect_in(written, "<Type ModuleIdent=\"1\">M</Type>");
+    expect_in(written, "<Name><![CDATA[A & B]]></Name>");
+    ect_arena_free(&arena);
+    free_made(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -317,6 +345,7 @@ int main(void)
         {"CF-057 identity overrides reach vendor, type and 1018h", overrides, NULL, NULL, NULL},
         {"names of bits and values become types with EnumInfo and comments", names_of_bits_and_values, NULL, NULL,
          NULL},
+        {"modules are copied whole: attributes with their prefixes, texts", copied_modules, NULL, NULL, NULL},
         {"CF-077 mandatory objects have category m, others o", categories_of_objects, NULL, NULL, NULL},
         {"DRV-100 InitCmd for 60C2h of a drive adapts to the cycle of the bus", init_commands, NULL, NULL, NULL},
         {"DRV-100 FZM-075 OPT-012 SYNC0 follows the bus cycle; values of sensor and drive have units",
