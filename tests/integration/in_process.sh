@@ -59,7 +59,7 @@ check "--modbus needs a process of the twins' own" modbus
 not_opened() { reports "has not opened ecat0 through the C library" with fzm1 -- true; }
 check "A CMD that never opens the interface is reported" not_opened
 
-# CMD's own status, and the line that says that no interface was opened
+# CMD's own status, and the line that reports that no interface was opened
 unreachable() { # PROGRAM
   exits 7 with fzm1 -- "$1" {} && grep -qF "has not opened ecat0 through the C library" "$work/err" && [ "$(wc -l <"$work/err")" -eq 2 ]
 }
@@ -76,7 +76,7 @@ else
   echo "skipped a setuid CMD: only root can make one of another user"
 fi
 
-# refused TEXT CMD: CMD does not run, one line says why
+# refused TEXT CMD: CMD does not run, one line names the reason
 refused() {
   exits 2 with fzm1 -- "$2" {} && grep -qF -- "$1" "$work/err" && [ "$(wc -l <"$work/err")" -eq 1 ] && return
   cat "$work/err"
