@@ -30,6 +30,7 @@ int command_with(int argc, char **argv);
 int command_sii(int argc, char **argv);
 int command_verify(int argc, char **argv);
 int command_lint(int argc, char **argv);
+int command_clone(int argc, char **argv);
 int command_check(int argc, char **argv);
 int command_esi(int argc, char **argv);
 int command_doc(int argc, char **argv);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
+#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "bus/chain/catalogue.h"
@@ -200,15 +202,101 @@ static int compare(verify_t *v)
     return lines > 0 ? DIFFERENT : SAME;
 }
 
+/* --- a clone ------------------------------------------------------------------------------------------------------ */
+
+static void release(verify_t *v)
+{
+    for (size_t i = 0; i < v->count; i++)
+        ect_facts_free(&v->sets[i]);
+    ect_arena_free(&v->arena);
+    v->count = 0;
+}
+
+/* The values that a slave had when it was cloned are the defaults of its file, and no slave reports those. */
+static void without_defaults(verify_t *v)
+{
+    for (size_t i = 0; i < v->count; i++) {
+        for (size_t k = 0; k < v->sets[i].count; k++) {
+            ect_fact_t *fact = &v->sets[i].list[k];
+            fact->text = fact->kind == ECT_FACT_ENTRY_DEFAULT ? NULL : fact->text;
+        }
+    }
+}
+
+/* One file of the folder and the slave that it is a clone of: its name begins with the number of the slave. */
+static int compare_slave(verify_t *v, const char *folder, const char *name, const char *bus)
+{
+    char *file = NULL, *slave = NULL;
+    int status = TROUBLE;
+    if (asprintf(&file, "%s/%s", folder, name) < 0 || asprintf(&slave, "%s:%lu", bus, strtoul(name, NULL, 10)) < 0)
+        (void)snprintf(v->message, sizeof v->message, "no memory left");
+    else if (add(v, file) && add_slave(v, slave)) {
+        without_defaults(v);
+        status = compare(v);
+    }
+    free(file);
+    free(slave);
+    if (status == TROUBLE)
+        fprintf(stderr, "ectwin verify: %s\n", v->message);
+    release(v);
+    return status;
+}
+
+static int is_of_slave(const struct dirent *entry)
+{
+    return entry->d_name[0] >= '0' && entry->d_name[0] <= '9' && ends_with(entry->d_name, ".xml");
+}
+
+/* A folder of `ectwin clone` and the bus that it is a clone of: slave:IFACE. */
+static int compare_clone(verify_t *v, const char *folder, const char *bus)
+{
+    struct dirent **entries = NULL;
+    int count = scandir(folder, &entries, is_of_slave, alphasort);
+    int status = count > 0 ? SAME : TROUBLE;
+    if (count <= 0)
+        fprintf(stderr, "ectwin verify: '%s' has no files of 'ectwin clone'\n", folder);
+    for (int i = 0; i < count; i++) {
+        int one = compare_slave(v, folder, entries[i]->d_name, bus);
+        status = one > status ? one : status;
+        free(entries[i]);
+    }
+    free(entries);
+    return status;
+}
+
+static bool is_folder(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+static int compare_operands(verify_t *v, const operands_t *operands)
+{
+    if (operands->count == 2 && is_folder(operands->names[0]) && strncmp(operands->names[1], "slave:", 6) == 0)
+        return compare_clone(v, operands->names[0], operands->names[1]);
+    bool fine = true;
+    for (size_t i = 0; i < operands->count && fine; i++)
+        fine = add(v, operands->names[i]);
+    if (fine && v->count < 2) {
+        (void)snprintf(v->message, sizeof v->message, "'%s' is one source alone: name another one to compare it with",
+                       operands->names[0]);
+        fine = false;
+    }
+    if (!fine)
+        fprintf(stderr, "ectwin verify: %s\n", v->message);
+    return fine ? compare(v) : TROUBLE;
+}
+
 int command_verify(int argc, char **argv)
 {
     static const struct argp argp = {
         .parser = parse,
-        .args_doc = "A [B...]",
+        .args_doc = "A [B...]\nDIR slave:IFACE",
         .doc = "Compares the sources of a device: an ESI file (FILE.xml[#TYPE]), an EEPROM image (FILE.bin, "
                "FILE.hex), a DEVICE ('ectwin list' or esi:FILE.xml#TYPE) with the EEPROM that it has, a slave on the "
                "wire (slave:IFACE[:N]) with its EEPROM and its dictionary. The first is the expectation; the "
-               "next ones add what it leaves open. One line a difference.\v"
+               "next ones add what it leaves open. One line a difference.\n"
+               "With a folder of 'ectwin clone' and slave:IFACE: each slave of the bus with its file, values aside.\v"
                "Exit codes: 0 no difference, 1 differences, 2 wrong usage, or a source cannot be read. "
                "Serial number and alias, which are each slave's own, are not compared.",
     };
@@ -218,23 +306,8 @@ int command_verify(int argc, char **argv)
         return TROUBLE;
     argp_err_exit_status = TROUBLE;
     argp_parse(&argp, argc, argv, 0, NULL, &operands);
-    int status = SAME;
-    for (size_t i = 0; i < operands.count && status == SAME; i++) {
-        if (!add(v, operands.names[i]))
-            status = TROUBLE;
-    }
-    if (status == SAME && v->count < 2) {
-        (void)snprintf(v->message, sizeof v->message, "'%s' is one source alone: name another one to compare it with",
-                       operands.names[0]);
-        status = TROUBLE;
-    }
-    if (status == SAME)
-        status = compare(v);
-    else
-        fprintf(stderr, "ectwin verify: %s\n", v->message);
-    for (size_t i = 0; i < v->count; i++)
-        ect_facts_free(&v->sets[i]);
-    ect_arena_free(&v->arena);
+    int status = compare_operands(v, &operands);
+    release(v);
     free(operands.names);
     free(v);
     return status;

@@ -203,7 +203,7 @@ static void read_clocks(const image_t *image)
 static const char *type_name(const image_t *image, uint16_t code, uint16_t bits)
 {
     char text[40];
-    const char *name = bits > 0 ? ect_esi_type_name(code, bits, text, sizeof text) : "";
+    const char *name = code != ECT_TYPE_NONE && bits > 0 ? ect_esi_type_name(code, bits, text, sizeof text) : "";
     return ect_arena_copy(image->arena, name, strlen(name));
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Devices without an ESI file: the model of a device from its EEPROM image.
+ * Devices without an ESI file: the model of a device from its EEPROM image, and from the dictionary that a slave has.
  *
  * The result is an ::ect_esi_t as that of a file with one device, and serves wherever one does: twins, documents,
  * ESI files, comparisons. Its EEPROM is the image, byte by byte, with a check value that is right.
@@ -33,6 +33,39 @@ ECT_C_BEGIN
  *         code, or no memory
  */
 ect_esi_t *ect_esi_of_image(const char *name, const uint8_t *image, size_t size, char *text, size_t room);
+
+/** An object of a slave's dictionary. */
+typedef struct ect_esi_found_object {
+    uint16_t index;
+    bool described; /**< its type and those of its entries are known; else it only says which PDOs there are */
+    uint8_t code;   /**< ECT_OBJECT_... */
+    const char *name;
+} ect_esi_found_object_t;
+
+/** An entry of an object. Bytes are in the order of the wire; none: not known. */
+typedef struct ect_esi_found_entry {
+    uint8_t subindex;
+    uint16_t type, bits, access; /**< as SDO information has them */
+    const char *name;
+    ect_esi_bytes_t unit, minimum, maximum;
+    ect_esi_bytes_t value; /**< the default of the twin's entry */
+} ect_esi_found_entry_t;
+
+/**
+ * Adds an object that was read from the slave, before any call of ::ect_esi_select. Of two with one index the first
+ * counts. Everything that the arguments point to is copied.
+ * @param esi  from ::ect_esi_of_image
+ */
+void ect_esi_found_object(ect_esi_t *esi, const ect_esi_found_object_t *object);
+
+/** Adds an entry to the object that was added last. */
+void ect_esi_found_entry(ect_esi_t *esi, const ect_esi_found_entry_t *entry);
+
+/**
+ * Ends the dictionary. Mappings (1600h to 17FFh, 1A00h to 1BFFh) whose values were read replace the PDOs of the image,
+ * and assignments (1C10h to 1C2Fh) their SyncManagers: what the slave has now, not what its vendor preset.
+ */
+void ect_esi_found_end(ect_esi_t *esi);
 
 ECT_C_END
 

@@ -12,6 +12,7 @@
  *   read_device.c      the model of a device
  *   read.c             files, and which device of them
  *   image.c            EEPROM images, as files with one device
+ *   found.c            the dictionary of a slave, added to its image
  *   lint.c             what of a file is not as files should be
  *   build.c            the list of objects while it grows; notes
  *   build_objects.c    objects of the dictionary
@@ -62,6 +63,12 @@ typedef struct ect_esi_xml {
     bool failed;
 } ect_esi_xml_t;
 
+/** An object of a slave's dictionary, in the order of ect_esi_dictionary_t::objects. */
+typedef struct ect_esi_found {
+    bool described;
+    uint8_t code;
+} ect_esi_found_t;
+
 /** An open file. */
 struct ect_esi {
     ect_arena_t arena;
@@ -71,8 +78,8 @@ struct ect_esi {
     ect_esi_head_t *heads;
     const xmlNode **nodes; /**< of the heads */
     size_t count;
-    ect_esi_device_t
-        *device; /**< of an EEPROM image, without a document; NULL: each call of ::ect_esi_select reads it */
+    ect_esi_found_t *found;   /**< by ::ect_esi_found_object; NULL: no dictionary was read */
+    ect_esi_device_t *device; /**< of an EEPROM image; NULL: of a document, read by each ::ect_esi_select */
 };
 
 /** Takes note of a mistake at an element's line, unless there was one before. */

@@ -260,8 +260,10 @@ static void set_general(const ect_esi_device_t *model, ect_device_t *device)
 
 static void set_boot(const ect_esi_device_t *model, ect_device_t *device)
 {
-    const uint8_t *b = model->bootstrap.bytes;
-    if (model->bootstrap.length != 8 || (b[2] | b[3]) == 0)
+    enum { BOOTSTRAP = 0x28, BYTES = 8 };
+    const bool in_image = model->bootstrap.bytes == NULL && model->eeprom.length >= ECT_SII_CATEGORIES;
+    const uint8_t *b = in_image ? model->eeprom.bytes + BOOTSTRAP : model->bootstrap.bytes;
+    if ((!in_image && model->bootstrap.length != BYTES) || (b[2] | b[3]) == 0)
         return;
     device->boot_out = (ect_boot_mailbox_t){(uint16_t)(b[0] | b[1] << 8), (uint16_t)(b[2] | b[3] << 8)};
     device->boot_in = (ect_boot_mailbox_t){(uint16_t)(b[4] | b[5] << 8), (uint16_t)(b[6] | b[7] << 8)};

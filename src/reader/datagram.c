@@ -91,6 +91,12 @@ ect_reader_result_t reader_get(ect_reader_t *r, uint16_t address, uint8_t *data,
     return repeat(r, APRD, address, data, length);
 }
 
+ect_reader_result_t ect_reader_registers(ect_reader_t *r, uint16_t address, void *data, uint16_t length)
+{
+    ECT_ASSERT(length > 0 && length <= ECT_READER_MAIL);
+    return reader_get(r, address, data, length);
+}
+
 ect_reader_result_t reader_put(ect_reader_t *r, uint16_t address, const uint8_t *data, uint16_t length)
 {
     uint8_t copy[16];

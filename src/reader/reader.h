@@ -196,6 +196,13 @@ ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size,
 ect_reader_result_t ect_reader_sii_content(ect_reader_t *r, uint8_t *image, size_t *read);
 
 /**
+ * Reads registers, in any state of the slave. The address is not checked: some registers change when they are read.
+ * @param[out] data  `length` bytes, at most ::ECT_READER_MAIL; 0 where the slave has no register
+ * @return ECT_READER_OK · ECT_READER_LOST · ECT_READER_STOPPED
+ */
+ect_reader_result_t ect_reader_registers(ect_reader_t *r, uint16_t address, void *data, uint16_t length);
+
+/**
  * Uploads an entry, or an object by Complete Access: expedited, normal or segmented, as the slave replies.
  * Cost: about six frames for each mail, and polls until the reply.
  * @param subindex  with `complete` 0 or 1

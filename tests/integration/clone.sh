@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Clones of a bus: every slave becomes a file, the files become the same bus again, and a clone of that is the same, byte by byte.
+# usage: clone.sh ECTWIN ECTWIN-CONFORM ESI-FOLDER
+set -u
+ectwin=$1
+conform=$2
+esi=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+expect() { # CASE EXPECTED ACTUAL
+  [ "$2" = "$3" ] && return 0
+  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
+  failed=1
+}
+
+# clone_of BUS...: clones the bus to $work/one, its clone to $work/two, and verifies the first one against both buses.
+clone_of() {
+  rm -rf "$work/one" "$work/two"
+  printf '%s\n' "'$ectwin' clone -i \"\$1\" -o '$work/one' >'$work/said' 2>'$work/err' || exit" \
+    "'$ectwin' verify '$work/one' slave:\$1 2>&1 | grep -v '^ectwin: ' >'$work/differences'; true" >"$work/first"
+  printf '%s\n' "'$ectwin' clone -i \"\$1\" -o '$work/two' >/dev/null 2>>'$work/err' || exit" \
+    "'$ectwin' verify '$work/one' slave:\$1 2>&1 | grep -v '^ectwin: ' >>'$work/differences'; true" >"$work/second"
+  "$ectwin" with "$@" -- sh "$work/first" {} >"$work/out" 2>&1
+  expect "$*: clone: exit code" 0 $?
+  "$ectwin" with "$work/one/bus.yaml" -- sh "$work/second" {} >"$work/out" 2>&1
+  expect "$*: clone of the clone: exit code" 0 $?
+  expect "$*: the clone and both buses" "" "$(cat "$work/differences")"
+  expect "$*: clone and clone of the clone" "" "$(diff -r "$work/one" "$work/two")"
+}
+
+devices=$("$ectwin" list | awk '{print $1}' | paste -sd,)
+clone_of --serial 4711 --alias 17 "$devices"
+expect "a line a slave" 7 "$(wc -l <"$work/said")"
+expect "alias and serial number of the last slave" "alias=23 serial=4717" "$("$ectwin" sii "esi:$(ls "$work"/one/07-*.xml)" -o "$work/sii" 2>/dev/null
+  python3 -c "b=open('$work/sii','rb').read(); print(f'alias={b[8]} serial={int.from_bytes(b[28:32],\"little\")}')")"
+"$ectwin" with "$work/one/bus.yaml" -- "$conform" -i {} --slave 5 --only CF-095 >"$work/out" 2>&1
+expect "the cloned sensor goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
+
+clone_of --set data1=1.5 --esc lan9252 fzm1
+expect "the chip of the slave" "esc: lan9252" "$(grep -o 'esc: .*' "$work/one/bus.yaml")"
+
+clone_of --wire 2:1.3 --wire 4:1.1 fzm1*4
+expect "the tree of the bus" "wire: ['2:1.3', '4:1.1']" "$(grep wire "$work/one/bus.yaml" || echo "$(cat "$work/one/bus.yaml")")"
+
+clone_of "esi:$esi/digital.xml#COUPLER,esi:$esi/digital.xml#DI4,esi:$esi/digital.xml#DO16,esi:$esi/analog.xml#AI2,esi:$esi/analog.xml#DRIVE,esi:$esi/modular.xml"
+
+"$ectwin" with fzm1 -- "$ectwin" clone -i {} -o "$work/one" >"$work/out" 2>"$work/err"
+expect "a folder that is there: exit code" 2 $?
+expect "a folder that is there" "ectwin clone: '$work/one': File exists: name a folder that is not there yet" "$(grep clone: "$work/err")"
+"$ectwin" clone -i nosuch0 -o "$work/three" 2>"$work/err"
+expect "no such interface: exit code" 2 $?
+expect "no such interface: no folder" 1 "$([ -e "$work/three" ]; echo $?)"
+"$ectwin" verify "$work" slave:nosuch0 2>"$work/err"
+expect "a folder without a clone: exit code" 2 $?
+expect "a folder without a clone" "ectwin verify: '$work' has no files of 'ectwin clone'" "$(cat "$work/err")"
+exit $failed

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+/* The dictionary of a slave, added to its EEPROM image: what the slave has now is what the twin has. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "bus/chain/catalogue.h"
+#include "esi/image.h"
+#include "esi/twin.h"
+#include "od/od.h"
+#include "sii/sii.h"
+
+enum { IMAGE = 0x8000, TEXT = 400 };
+
+typedef struct made {
+    ect_esi_t *esi;
+    const ect_esi_device_t *model;
+    ect_esi_twin_t *twin;
+    const ect_device_t *device;
+} made_t;
+
+/* The image of the vision sensor, which has CoE. */
+static ect_esi_t *open_image(void)
+{
+    static uint8_t image[IMAGE];
+    char why[TEXT];
+    const ect_device_t *device = ect_catalogue_find("fzm1")->device;
+    assert_int_equal(ect_sii_write(device, NULL, 0, image, sizeof image), device->sii_size);
+    ect_esi_t *esi = ect_esi_of_image("image", image, device->sii_size, why, sizeof why);
+    assert_non_null(esi);
+    return esi;
+}
+
+static made_t finish(ect_esi_t *esi)
+{
+    char why[TEXT] = "";
+    made_t m = {.esi = esi};
+    ect_esi_found_end(esi);
+    m.model = ect_esi_select(esi, "", why, sizeof why);
+    m.twin = ect_esi_twin_of(esi, m.model, NULL, 0, why, sizeof why);
+    if (m.twin == NULL)
+        fail_msg("no twin: %s", why);
+    m.device = ect_esi_twin_product(m.twin)->device;
+    return m;
+}
+
+static void drop(made_t *m)
+{
+    ect_esi_twin_free(m->twin);
+    ect_esi_close(m->esi);
+}
+
+static void object(ect_esi_t *esi, uint16_t index, uint8_t code, const char *name)
+{
+    const ect_esi_found_object_t found = {.index = index, .described = true, .code = code, .name = name};
+    ect_esi_found_object(esi, &found);
+}
+
+static void entry(ect_esi_t *esi, uint8_t subindex, uint16_t type, uint16_t bits, uint16_t access, uint32_t value)
+{
+    char name[20];
+    uint8_t bytes[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+    (void)snprintf(name, sizeof name, "Entry %u", subindex);
+    const ect_esi_found_entry_t found = {.subindex = subindex,
+                                         .type = type,
+                                         .bits = bits,
+                                         .access = access,
+                                         .name = name,
+                                         .value = {.bytes = bytes, .length = (bits + 7u) / 8u}};
+    ect_esi_found_entry(esi, &found);
+}
+
+static const ect_entry_t *find(const made_t *m, uint16_t index, uint8_t subindex)
+{
+    const ect_od_t od = ect_device_od(m->device, NULL);
+    const ect_object_t *found = ect_od_find(&od, index);
+    for (unsigned int i = 0; found != NULL && i <= found->last; i++) {
+        if (found->entries[i].subindex == subindex)
+            return &found->entries[i];
+    }
+    return NULL;
+}
+
+static void entries_keep_type_rights_and_value(void **state)
+{
+    static const struct {
+        uint16_t type, bits, access;
+        uint32_t value;
+    } rows[] = {
+        {ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 7},
+        {ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 0x1234},
+        {ECT_TYPE_INTEGER32, 32, ECT_ACCESS_RW, 0xFFFFFFFE},
+        {ECT_TYPE_REAL32, 32, ECT_ACCESS_RO, 0x3FC00000},
+        {ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RO, 1},
+        {ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW_PREOP, 5},
+        {ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_WO, 0},
+        {ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_R_PREOP | ECT_ACCESS_R_OP, 5},
+        {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_BACKUP | ECT_ACCESS_SETTING, 5},
+        {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, 5},
+        {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_RXPDO, 5},
+    };
+    (void)state;
+    ect_esi_t *esi = open_image();
+    object(esi, 0x4100, ECT_OBJECT_RECORD, "Rows");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, sizeof rows / sizeof rows[0]);
+    for (uint8_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        entry(esi, (uint8_t)(i + 1), rows[i].type, rows[i].bits, rows[i].access, rows[i].value);
+    made_t m = finish(esi);
+    for (uint8_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_entry_t *found = find(&m, 0x4100, (uint8_t)(i + 1));
+        print_message("row %u\n", i);
+        assert_non_null(found);
+        assert_int_equal(found->data_type, rows[i].type);
+        assert_int_equal(found->bit_length, rows[i].bits);
+        assert_int_equal(found->access & ECT_ACCESS_WIRE, rows[i].access);
+        assert_int_equal(found->value, rows[i].value);
+    }
+    drop(&m);
+}
+
+/* An array of an ESI file has one type and the same rights for all elements; the names of its elements stay. */
+static void object_codes_stay(void **state)
+{
+    (void)state;
+    ect_esi_t *esi = open_image();
+    object(esi, 0x4100, ECT_OBJECT_VAR, "Single");
+    entry(esi, 0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 9);
+    object(esi, 0x4101, ECT_OBJECT_ARRAY, "Array");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 2);
+    entry(esi, 1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 11);
+    entry(esi, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 12);
+    object(esi, 0x4102, ECT_OBJECT_ARRAY, "Array of two types");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 2);
+    entry(esi, 1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 13);
+    entry(esi, 2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, 14);
+    made_t m = finish(esi);
+    const ect_od_t od = ect_device_od(m.device, NULL);
+    assert_int_equal(ect_od_find(&od, 0x4100)->object_code, ECT_OBJECT_VAR);
+    assert_int_equal(ect_od_find(&od, 0x4101)->object_code, ECT_OBJECT_ARRAY);
+    assert_int_equal(ect_od_find(&od, 0x4102)->object_code, ECT_OBJECT_RECORD);
+    assert_int_equal(find(&m, 0x4100, 0)->value, 9);
+    assert_int_equal(find(&m, 0x4101, 2)->value, 12);
+    assert_string_equal(find(&m, 0x4101, 2)->name, "Entry 2");
+    assert_int_equal(find(&m, 0x4102, 2)->value, 14);
+    drop(&m);
+}
+
+static void mapping(ect_esi_t *esi, uint16_t index, uint32_t first, uint32_t second)
+{
+    object(esi, index, ECT_OBJECT_RECORD, "Mapping");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW, second != 0 ? 2 : 1);
+    entry(esi, 1, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, first);
+    if (second != 0)
+        entry(esi, 2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, second);
+}
+
+static void assignment(ect_esi_t *esi, uint16_t index, uint16_t pdo)
+{
+    object(esi, index, ECT_OBJECT_ARRAY, "Assignment");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW, pdo != 0 ? 1 : 0);
+    if (pdo != 0)
+        entry(esi, 1, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, pdo);
+}
+
+static const ect_esi_pdo_t *pdo_at(const made_t *m, uint16_t index)
+{
+    for (size_t i = 0; i < m->model->pdo_count; i++) {
+        if (m->model->pdos[i].index == index)
+            return &m->model->pdos[i];
+    }
+    return NULL;
+}
+
+static void mappings_and_assignments_replace_those_of_the_image(void **state)
+{
+    (void)state;
+    ect_esi_t *esi = open_image();
+    mapping(esi, 0x1A05, 0x60000110, 0x60000208);
+    assignment(esi, 0x1C13, 0x1A05);
+    made_t m = finish(esi);
+    assert_int_equal(ect_device_bytes(m.device, ECT_SM_INPUTS), 3);
+    assert_int_equal(pdo_at(&m, 0x1A05)->sm, 3);
+    for (size_t i = 0; i < m.model->pdo_count; i++) {
+        const ect_esi_pdo_t *pdo = &m.model->pdos[i];
+        assert_true(!pdo->tx || pdo->index == 0x1A05 || pdo->sm == -1); /* those of the image */
+        assert_true(i == 0 || m.model->pdos[i - 1].tx <= pdo->tx);      /* outputs first */
+    }
+    drop(&m);
+}
+
+/* The assignment of a SyncManager that was not read leaves it the PDOs of the image. */
+static void without_an_assignment_the_image_counts(void **state)
+{
+    (void)state;
+    ect_esi_t *esi = open_image();
+    object(esi, 0x4100, ECT_OBJECT_VAR, "Single");
+    entry(esi, 0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 9);
+    made_t m = finish(esi);
+    const ect_device_t *original = ect_catalogue_find("fzm1")->device;
+    assert_int_equal(ect_device_bytes(m.device, ECT_SM_INPUTS), ect_device_bytes(original, ECT_SM_INPUTS));
+    assert_int_equal(ect_device_bytes(m.device, ECT_SM_OUTPUTS), ect_device_bytes(original, ECT_SM_OUTPUTS));
+    drop(&m);
+}
+
+/* A slave without SDO information: values of mappings are known, types are not. */
+static void an_object_without_description_has_only_its_pdos(void **state)
+{
+    static const uint8_t one[] = {1}, value[] = {0x08, 0x01, 0x00, 0x60}, pdo[] = {0x05, 0x1A};
+    (void)state;
+    ect_esi_t *esi = open_image();
+    const ect_esi_found_object_t mapping = {.index = 0x1A05, .name = ""}, assigned = {.index = 0x1C13, .name = ""};
+    const ect_esi_found_entry_t count = {.name = "", .value = {one, 1}};
+    const ect_esi_found_entry_t mapped = {.subindex = 1, .name = "", .value = {value, 4}};
+    const ect_esi_found_entry_t first = {.subindex = 1, .name = "", .value = {pdo, 2}};
+    ect_esi_found_object(esi, &assigned);
+    ect_esi_found_entry(esi, &count);
+    ect_esi_found_entry(esi, &first);
+    ect_esi_found_object(esi, &mapping);
+    ect_esi_found_entry(esi, &count);
+    ect_esi_found_entry(esi, &mapped);
+    made_t m = finish(esi);
+    assert_int_equal(m.model->dictionary.object_count, 0);
+    assert_int_equal(ect_device_bytes(m.device, ECT_SM_INPUTS), 1);
+    assert_string_equal(pdo_at(&m, 0x1A05)->entries[0].type, "");
+    drop(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(entries_keep_type_rights_and_value),
+        cmocka_unit_test(object_codes_stay),
+        cmocka_unit_test(mappings_and_assignments_replace_those_of_the_image),
+        cmocka_unit_test(without_an_assignment_the_image_counts),
+        cmocka_unit_test(an_object_without_description_has_only_its_pdos),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
