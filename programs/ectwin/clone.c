@@ -33,7 +33,7 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* Where a slave is on the bus. */
+/* The place of a slave on the bus. */
 typedef struct place {
     uint8_t open; /* ports behind port 0 with a link that no slave hangs at yet, a bit each */
     uint16_t parent;

@@ -14,7 +14,18 @@
 #include "text/argument.h"
 #include "text/number.h"
 
-enum { KEY_ESC = 0x200, KEY_DRIFT, KEY_CABLE, KEY_WIRE, KEY_EEPROM, KEY_LIKE, KEY_AL, KEY_MAILBOX, KEY_JITTER, KEY_DC_JITTER };
+enum {
+    KEY_ESC = 0x200,
+    KEY_DRIFT,
+    KEY_CABLE,
+    KEY_WIRE,
+    KEY_EEPROM,
+    KEY_LIKE,
+    KEY_AL,
+    KEY_MAILBOX,
+    KEY_JITTER,
+    KEY_DC_JITTER
+};
 
 static const struct argp_option options[] = {
     {"esc", KEY_ESC, "[N:]NAME", 0,
@@ -34,7 +45,8 @@ static const struct argp_option options[] = {
      "after a written word, or 'short', 20 us (default: short). May be repeated",
      2},
     {"like", KEY_LIKE, "[N:]BOARD", 0,
-     "Times of a real board for twin N, without N of all: its ESC and the layout of its memory, accesses of the ESC that "
+     "Times of a real board for twin N, without N of all: its ESC and the layout of its memory, accesses of the ESC "
+     "that "
      "take as long as on its bus, --eeprom-times chip; 'help' lists the boards",
      2},
     {"al-delay", KEY_AL, "[N:]MIN[..MAX]", 0,
@@ -211,10 +223,11 @@ static void set_board(wiring_args_t *args, const struct argp_state *state, ect_t
         argp_error(state, "there is no board '%s'; '--like help' lists those there are", name);
     ect_device_t *device = new_device(args, state);
     if (!ect_fit(twin->device, &ect_fit_lan9252, device))
-        argp_failure(state, EXIT_USAGE, 0,
-                     "twin %zu, %s, does not fit into the ESC of %s: it has too many SyncManagers or FMMUs, or needs more "
-                     "process RAM; use another board, or --jitter alone",
-                     position, twin->device->name, name);
+        argp_failure(
+            state, EXIT_USAGE, 0,
+            "twin %zu, %s, does not fit into the ESC of %s: it has too many SyncManagers or FMMUs, or needs more "
+            "process RAM; use another board, or --jitter alone",
+            position, twin->device->name, name);
     twin->device = device;
     twin->esc = device->esc;
     twin->slow.board = board;
@@ -222,7 +235,7 @@ static void set_board(wiring_args_t *args, const struct argp_state *state, ect_t
 }
 
 static ect_slow_range_t parse_span(const struct argp_state *state, const char *option, const char *text, uint64_t most,
-                             uint64_t unit_ns)
+                                   uint64_t unit_ns)
 {
     uint64_t minimum = 0;
     const char *end = ect_number_begins(text, 0, most, &minimum);
@@ -283,8 +296,8 @@ static void apply_setting(wiring_args_t *args, const wiring_setting_t *setting, 
     }
 }
 
-void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins,
-                       size_t count, uint32_t seed)
+void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins, size_t count,
+                       uint32_t seed)
 {
     for (size_t w = 0; w < args->count; w++) {
         const wiring_setting_t *setting = &args->settings[w];

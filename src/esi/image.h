@@ -37,7 +37,7 @@ ect_esi_t *ect_esi_of_image(const char *name, const uint8_t *image, size_t size,
 /** An object of a slave's dictionary. */
 typedef struct ect_esi_found_object {
     uint16_t index;
-    bool described; /**< its type and those of its entries are known; else it only says which PDOs there are */
+    bool described; /**< its type and those of its entries are known; else only its values, which name PDOs */
     uint8_t code;   /**< ECT_OBJECT_... */
     const char *name;
 } ect_esi_found_object_t;
@@ -52,8 +52,8 @@ typedef struct ect_esi_found_entry {
 } ect_esi_found_entry_t;
 
 /**
- * Adds an object that was read from the slave, before any call of ::ect_esi_select. Of two with one index the first
- * counts. Everything that the arguments point to is copied.
+ * Adds an object that was read from the slave, before any call of ::ect_esi_select. An index that is
+ * there already is ignored. Everything that the arguments point to is copied.
  * @param esi  from ::ect_esi_of_image
  */
 void ect_esi_found_object(ect_esi_t *esi, const ect_esi_found_object_t *object);

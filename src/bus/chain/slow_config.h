@@ -33,10 +33,10 @@ const ect_board_t *ect_board(const char *name);
 
 /** The times of one twin. Zeroed: none, the twin does its work at the time of the event. */
 typedef struct ect_slow_config {
-    ect_slow_range_t al;            /**< from a request in AL control until the slave begins to process it */
-    ect_slow_range_t mailbox;       /**< from a mail in SM0 until the slave fetches it */
-    ect_slow_range_t jitter;        /**< from an event until the slave begins to process it */
-    uint32_t receive_ns;      /**< receive times of distributed clocks are late by 0 to so many, at random for each frame */
+    ect_slow_range_t al;      /**< from a request in AL control until the slave begins to process it */
+    ect_slow_range_t mailbox; /**< from a mail in SM0 until the slave fetches it */
+    ect_slow_range_t jitter;  /**< from an event until the slave begins to process it */
+    uint32_t receive_ns; /**< receive times of distributed clocks are late by 0 to so many, at random for each frame */
     const ect_board_t *board; /**< the slave's accesses of the ESC take as long as there; NULL: no time */
     uint32_t seed;            /**< of the random generator */
 } ect_slow_config_t;

@@ -200,7 +200,8 @@ static void expect_cost(rig_t *r, uint16_t address, uint16_t length, bool write)
     assert_int_equal(result, 0);
     if (r->chip.transfers != want.transfers || r->chip.bytes != want.bytes)
         fail_msg("%s of %u bytes at 0x%04X: the port needs %u transfers and %u bytes, ect_lan9252_cost has %u and %u",
-                 write ? "write" : "read", length, address, r->chip.transfers, r->chip.bytes, want.transfers, want.bytes);
+                 write ? "write" : "read", length, address, r->chip.transfers, r->chip.bytes, want.transfers,
+                 want.bytes);
 }
 
 /* User RAM, below 0x1000, is reached like registers; accesses may cross into process RAM. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Twins whose microcontroller takes time (bus/chain/slow.h): late states, late mails, old inputs, the times of a board. */
+/* Twins whose microcontroller takes time (bus/chain/slow.h): late states, late mails, old inputs, the times of a board.
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -261,8 +262,8 @@ int main(void)
         {"a request replaces the one that the slave has not processed yet", changed_request, NULL, NULL, NULL},
         {"the reply to a mail comes after the delay", late_mails, NULL, NULL, NULL},
         {"outputs reach a slave that is late by more than a cycle in the next one", old_inputs, NULL, NULL, NULL},
-        {"PDI budget: the exchange of a twin like a board takes the time of its SPI bytes", exchange_on_board, NULL, NULL,
-         NULL},
+        {"PDI budget: the exchange of a twin like a board takes the time of its SPI bytes", exchange_on_board, NULL,
+         NULL, NULL},
         {"the same seed gives the same delays", seeds, NULL, NULL, NULL},
         {"receive times with jitter", receive_times, NULL, NULL, NULL},
         {"a power cycle discards the writes of a board that are under way", reset_under_way, NULL, NULL, NULL},
