@@ -2,6 +2,7 @@
 #include "csv.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A line without its end. @return false at the end of the file, or with csv->why set */
@@ -114,6 +115,44 @@ bool csv_next(csv_t *csv)
     if (csv->count != csv->columns)
         csv->why = "it has not as many cells as the first line has names";
     return csv->count == csv->columns;
+}
+
+size_t csv_column(const csv_t *csv, const char *name)
+{
+    size_t column = 0;
+    while (column < csv->columns && strcmp(csv->names[column], name) != 0)
+        column++;
+    return column;
+}
+
+bool csv_time(csv_t *csv, size_t column, uint64_t before_ns, uint64_t *ns)
+{
+    const char *text = csv->cells[column];
+    char *end;
+    double seconds = strtod(text, &end);
+    if (end == text || *end != 0 || !(seconds >= 0 && seconds < 1e9)) {
+        csv->why = "its time is no number of seconds, 0 or more";
+        return false;
+    }
+    *ns = (uint64_t)(seconds * 1e9 + 0.5);
+    if (*ns < before_ns)
+        csv->why = "its time is before that of the line above";
+    return *ns >= before_ns;
+}
+
+void csv_write(FILE *file, const char *text)
+{
+    if (text[strcspn(text, ",;\t \"")] == 0) {
+        fputs(text, file);
+        return;
+    }
+    putc('"', file);
+    for (; *text != 0; text++) {
+        if (*text == '"')
+            putc('"', file);
+        putc(*text, file);
+    }
+    putc('"', file);
 }
 
 void csv_close(csv_t *csv)

@@ -12,6 +12,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 enum { CSV_CELLS = 128, CSV_LINE = 16384 };
@@ -34,6 +35,19 @@ bool csv_open(csv_t *csv, const char *path);
 
 /** Reads the next line with cells. @return false at the end, or with csv->why set */
 bool csv_next(csv_t *csv);
+
+/** @return the column with this name; csv->columns: there is none */
+size_t csv_column(const csv_t *csv, const char *name);
+
+/**
+ * Reads the cell of a time, seconds, in the line read last.
+ * @param before_ns  time of the line above
+ * @return false: csv->why has the reason: no number, or a time before that of the line above
+ */
+bool csv_time(csv_t *csv, size_t column, uint64_t before_ns, uint64_t *ns);
+
+/** Writes a cell, in quotes where it needs them. */
+void csv_write(FILE *file, const char *text);
 
 void csv_close(csv_t *csv);
 

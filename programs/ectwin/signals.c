@@ -6,6 +6,7 @@
 #include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "bus/chain/catalogue.h"
 #include "bus/chain/fields.h"
@@ -36,13 +37,17 @@ static const struct argp_option options[] = {SLAVE_OPTION, {0}};
 static const struct argp_option set_options[] = {
     SLAVE_OPTION,
     {"csv", 'c', "FILE", 0,
-     "Set signals from a table: names in the first line, values in each further line, an empty cell sets nothing. -: "
-     "standard input",
+     "Set signals from a table: names in the first line, values in each further line, an empty cell sets nothing; a "
+     "line is set at its time, seconds from now, if there is a column 'time'. -: standard input",
      0},
     {0}};
 static const struct argp_option watch_options[] = {
     SLAVE_OPTION,
     {"every", 'e', NULL, 0, "Print every change with its time (default: changes found every 10 ms)", 0},
+    {"csv", 'c', "FILE", 0,
+     "Write a table that 'set --csv' and --play read: the values now, then a line for each change with its time since "
+     "then, seconds. -: standard output",
+     0},
     {"until", 'u', "CONDITION", 0,
      "End when a signal fulfils it: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE (default: at Ctrl-C)", 0},
     {0}};
@@ -211,6 +216,97 @@ static void print_and_check_line(const cJSON *line)
     check_line(line);
 }
 
+/* --- watch --csv -------------------------------------------------------------------------------------------------- */
+
+static struct {
+    FILE *file;
+    size_t columns;
+    char names[CSV_CELLS][ECT_SIGNAL_NAME];
+    char *values[CSV_CELLS]; /* of the beginning */
+    double start;
+    const follow_t *follow;
+} record;
+
+static double time_of(const cJSON *line)
+{
+    const cJSON *time = cJSON_GetObjectItemCaseSensitive(line, "time");
+    return cJSON_IsNumber(time) ? time->valuedouble : 0;
+}
+
+static void add_column(const cJSON *line)
+{
+    char room[32];
+    const char *name = connection_text(line, "name", room);
+    if (record.columns == 0)
+        record.start = time_of(line);
+    if (record.columns < CSV_CELLS - 1) {
+        snprintf(record.names[record.columns], ECT_SIGNAL_NAME, "%s", name);
+        record.values[record.columns] = strdup(connection_text(line, "value", room));
+    }
+    record.columns++;
+}
+
+static void write_header(void)
+{
+    fputs("time", record.file);
+    for (size_t i = 0; i < record.columns; i++)
+        fprintf(record.file, ",%s", record.names[i]);
+    fputs("\n0.000000", record.file);
+    for (size_t i = 0; i < record.columns; i++) {
+        putc(',', record.file);
+        csv_write(record.file, record.values[i] ? record.values[i] : "");
+        free(record.values[i]);
+    }
+    putc('\n', record.file);
+    fflush(record.file);
+}
+
+/* Each change is a line, complete at once: the end may come at any time. */
+static bool write_change(void *ctx, const cJSON *line)
+{
+    char room[32];
+    const char *name = connection_text(line, "name", room);
+    (void)ctx;
+    for (size_t column = 0; column < record.columns; column++) {
+        if (strcmp(record.names[column], name) != 0)
+            continue;
+        fprintf(record.file, "%.6f", time_of(line) - record.start);
+        for (size_t i = 0; i < record.columns; i++) {
+            putc(',', record.file);
+            if (i == column)
+                csv_write(record.file, connection_text(line, "value", room));
+        }
+        putc('\n', record.file);
+        fflush(record.file);
+        break;
+    }
+    return record.follow->met && record.follow->met(record.follow->ctx, line);
+}
+
+static int record_changes(connection_t *connection, const client_args_t *args, const char *who, const follow_t *follow)
+{
+    const follow_t quiet = {.quiet = true, .met = write_change, .timeout_ms = -1};
+    record.follow = follow;
+    record.file = strcmp(args->csv, "-") == 0 ? stdout : fopen(args->csv, "we");
+    if (!record.file) {
+        fprintf(stderr, "%s: cannot write '%s': %s\n", who, args->csv, strerror(errno));
+        return EXIT_OPEN;
+    }
+    int status = request_each(connection, args, 0, who, "watch", add_column);
+    if (status == EXIT_CLEAN && record.columns >= CSV_CELLS) {
+        fprintf(stderr, "%s: --csv takes at most %d signals, and %zu match: name fewer\n", who, CSV_CELLS - 1,
+                record.columns);
+        status = EXIT_USAGE;
+    }
+    if (status == EXIT_CLEAN) {
+        write_header();
+        status = connection_follow(connection, who, &quiet);
+    }
+    if (record.file != stdout)
+        fclose(record.file);
+    return status;
+}
+
 static int watch(const client_args_t *args, const char *who)
 {
     const follow_t follow = {.met = args->until ? until_met : NULL, .ctx = &condition, .timeout_ms = -1};
@@ -219,6 +315,11 @@ static int watch(const client_args_t *args, const char *who)
         return EXIT_OPEN;
     int status =
         args->until ? request_one(connection, args, who, "watch", condition.name, print_and_check_line) : EXIT_CLEAN;
+    if (status == EXIT_CLEAN && !is_fulfilled && args->csv) {
+        status = record_changes(connection, args, who, &follow);
+        connection_close(connection);
+        return status < EXIT_CLEAN ? EXIT_CLEAN : status;
+    }
     if (status == EXIT_CLEAN && !is_fulfilled && (args->count > 0 || !args->until))
         status = request_each(connection, args, 0, who, "watch", print_line);
     fflush(stdout);
@@ -285,6 +386,10 @@ int command_watch(int argc, char **argv)
         .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
     client_args_t args = {.slave = 1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
+    if (args.csv && args.slave == 0) {
+        fprintf(stderr, "%s: --csv records one slave: -n 1, -n 2, ...\n", argv[0]);
+        return EXIT_USAGE;
+    }
     int status = args.until ? read_condition(args.until, args.slave, argv[0]) : EXIT_CLEAN;
     return status == EXIT_CLEAN ? watch(&args, argv[0]) : status;
 }
@@ -388,11 +493,31 @@ static int set_arguments(connection_t *connection, const client_args_t *args, co
     return set_values(connection, args, who, values);
 }
 
-static int set_row(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv)
+/* The time of a row, from the first one on. */
+static bool wait_for_row(csv_t *csv, size_t time, uint64_t *before_ns)
+{
+    static struct timespec start;
+    uint64_t due_ns;
+    if (time == csv->columns)
+        return true;
+    if (start.tv_sec == 0)
+        (void)clock_gettime(CLOCK_MONOTONIC, &start);
+    if (!csv_time(csv, time, *before_ns, &due_ns))
+        return false;
+    *before_ns = due_ns;
+    uint64_t at_ns = due_ns + (uint64_t)start.tv_nsec;
+    const struct timespec at = {.tv_sec = start.tv_sec + (time_t)(at_ns / 1000000000),
+                                .tv_nsec = (long)(at_ns % 1000000000)};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR)
+        ;
+    return true;
+}
+
+static int set_row(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv, size_t time)
 {
     cJSON *values = cJSON_CreateObject();
     for (size_t i = 0; i < csv->columns; i++) {
-        if (*csv->cells[i] != 0)
+        if (i != time && *csv->cells[i] != 0)
             cJSON_AddStringToObject(values, csv->names[i], csv->cells[i]);
     }
     if (!values->child) {
@@ -408,9 +533,10 @@ static int set_row(connection_t *connection, const client_args_t *args, const ch
 static int set_rows(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv)
 {
     int status = EXIT_CLEAN;
-    size_t rows = 0;
-    for (; status == EXIT_CLEAN && csv_next(csv); rows++)
-        status = set_row(connection, args, who, csv);
+    size_t rows = 0, time = csv_column(csv, "time");
+    uint64_t before_ns = 0;
+    for (; status == EXIT_CLEAN && csv_next(csv) && wait_for_row(csv, time, &before_ns); rows++)
+        status = set_row(connection, args, who, csv, time);
     if (rows == 0 && !csv->why)
         csv->why = "no line with values follows";
     if (!csv->why)

@@ -16,6 +16,7 @@
 #include "bus/net/rights.h"
 #include "commands.h"
 #include "connect_args.h"
+#include "csv.h"
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
@@ -43,6 +44,7 @@ enum {
     KEY_FAULT,
     KEY_FAULTS,
     KEY_SCENARIO,
+    KEY_PLAY,
     KEY_FILES,
     KEY_FILES_PASSWORD,
     KEY_MODBUS,
@@ -118,6 +120,10 @@ static const struct argp_option options[] = {
      "Play a file of faults, signals to set and expectations, one a line (docs/FAULTS.md). Each expectation is "
      "reported "
      "on standard error; the exit status is 3 when one has failed and nothing else has",
+     1},
+    {"play", KEY_PLAY, "[N:]FILE", 0,
+     "Play a table of signals of twin N (default 1) from a CSV file: names in the first line, among them 'time', seconds "
+     "since the start; a row is set at its time (docs/COMMAND.md). May be repeated",
      1},
     {"seed", KEY_SEED, "N", 0,
      "Seed of the random generator that selects frames for --fault, drifts for --drift, delays and jitter (default 1)",
@@ -355,6 +361,60 @@ static void read_faults(twin_args_t *args, const struct argp_state *state, const
         fclose(file);
 }
 
+/* The columns but that of the time. */
+static size_t other_cells(const csv_t *csv, char *const cells[CSV_CELLS], size_t time, const char *others[CSV_CELLS])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < csv->columns; i++) {
+        if (i != time)
+            others[count++] = cells[i];
+    }
+    return count;
+}
+
+/* @return the table, NULL with csv->why set */
+static ect_table_t *read_table(csv_t *csv, uint16_t slave)
+{
+    const char *cells[CSV_CELLS];
+    uint64_t before_ns = 0, due_ns;
+    size_t time = csv_column(csv, "time");
+    if (time == csv->columns || csv->columns == 1) {
+        csv->why = "expected a column 'time' and at least one signal";
+        return NULL;
+    }
+    size_t columns = other_cells(csv, csv->names, time, cells);
+    ect_table_t *table = ect_table_new(slave, cells, columns);
+    while (table && csv_next(csv)) {
+        if (!csv_time(csv, time, before_ns, &due_ns))
+            break;
+        (void)other_cells(csv, csv->cells, time, cells);
+        if (!ect_table_add(table, due_ns, cells))
+            csv->why = "not enough memory";
+        before_ns = due_ns;
+    }
+    if (!csv->why)
+        return table;
+    ect_table_free(table);
+    return NULL;
+}
+
+static void add_table(twin_args_t *args, const struct argp_state *state, const char *text)
+{
+    const char *path = text;
+    size_t slave = twin_of(&path);
+    csv_t *csv = calloc(1, sizeof *csv);
+    ect_table_t **last = &args->scenario.tables;
+    if (!csv || slave == 0 || !csv_open(csv, path))
+        argp_failure(state, EXIT_OPEN, 0, "--play %s: %s", text, csv && csv->why ? csv->why : "N is 1 to 65535");
+    while (*last)
+        last = &(*last)->next;
+    *last = read_table(csv, (uint16_t)slave);
+    if (!*last)
+        argp_failure(state, EXIT_USAGE, 0, "--play %s line %u: %s", path, csv->line, csv->why ? csv->why : "no memory");
+    csv_close(csv);
+    free(csv);
+}
+
 static void print_defect(void *ctx, const char *id, const char *what)
 {
     (void)ctx;
@@ -397,6 +457,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_SCENARIO:
         read_faults(args, state, "--scenario", text);
+        return 0;
+    case KEY_PLAY:
+        add_table(args, state, text);
         return 0;
     case KEY_SEED:
         args->scenario.seed = parse_number(state, "--seed", text, UINT32_MAX);
@@ -742,6 +805,12 @@ static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, co
     const ect_scenario_step_t *step = ect_scenario_check(&args->scenario, chain, message);
     if (step)
         report(args, who, "'%s': %s", step->text, message);
+    for (const ect_table_t *table = args->scenario.tables; table && !step; table = table->next) {
+        if (ect_table_check(table, chain, message))
+            continue;
+        report(args, who, "--play: %s", message);
+        return false;
+    }
     return !step;
 }
 
@@ -834,6 +903,8 @@ void twin_args_free(twin_args_t *args)
     for (size_t i = 0; args->opened && i < args->count; i++)
         ect_files_close(args->opened[i]);
     free(args->opened);
+    ect_table_free(args->scenario.tables);
+    args->scenario.tables = NULL;
     free(args->settings);
     free(args->identities);
     wiring_args_free(&args->wiring);

@@ -94,7 +94,7 @@ typedef struct reader {
 
 static bool wrong(reader_t *r, const char *what, const char *found)
 {
-    snprintf(r->message, ECT_FAULT_MESSAGE, "%s, not '%.60s'", what, found ? found : "");
+    snprintf(r->message, ECT_FAULT_MESSAGE, "%.215s, not '%.30s'", what, found ? found : "");
     return false;
 }
 

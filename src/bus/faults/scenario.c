@@ -35,7 +35,7 @@ static bool read_name(ect_scenario_t *s, const char *text)
 {
     if (strncmp(text, "name ", 5) != 0)
         return false;
-    snprintf(s->name, sizeof s->name, "%s", text + 5);
+    snprintf(s->name, sizeof s->name, "%.*s", (int)sizeof s->name - 1, text + 5);
     return true;
 }
 
@@ -445,11 +445,29 @@ static void begin(ect_scenario_t *s, uint64_t now_ns)
         s->steps[i].base_ns = now_ns;
 }
 
+/* Plays the rows of tables that are due. @return when the next one is */
+static uint64_t play_tables(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
+{
+    uint64_t next_ns = ECT_NEVER;
+    char message[ECT_SIGNAL_MESSAGE];
+    for (ect_table_t *table = s->tables; table; table = table->next) {
+        while (ect_table_due(table) <= now_ns - s->start_ns) {
+            s->acted = true;
+            if (!ect_table_play(table, chain, now_ns, message) && s->refused)
+                s->refused(s->ctx, "row of a table", message);
+        }
+        if (ect_table_due(table) != ECT_NEVER)
+            next_ns = ect_earlier(next_ns, s->start_ns + ect_table_due(table));
+    }
+    return next_ns;
+}
+
 uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
     uint64_t next_ns = ect_wires_due(&s->wires);
     if (s->start_ns == 0)
         begin(s, now_ns);
+    next_ns = ect_earlier(next_ns, play_tables(s, chain, now_ns));
     for (size_t i = 0; s->steps_left > 0 && i < s->step_count; i++) {
         if (s->steps[i].progress == ECT_STEP_OVER)
             continue;

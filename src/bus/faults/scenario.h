@@ -20,6 +20,7 @@
 #include "bus/chain/chain.h"
 #include "bus/chain/fault.h"
 #include "bus/faults/script.h"
+#include "bus/faults/table.h"
 #include "bus/faults/wires.h"
 #include "wire/linkage.h"
 
@@ -49,7 +50,8 @@ typedef struct ect_verdict {
     unsigned int all, met, failed;
 } ect_verdict_t;
 
-/** All zero but the seed: no faults. Members from `start_ns` on but `verdict`, `name` and `wires` are private. */
+/** All zero but the seed: no faults. Members from `start_ns` on but `verdict`, `name`, `tables`
+ * and `wires` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
     /** Called when a step of the script cannot be done at its time; `why` is one line. NULL: not called. */
@@ -73,6 +75,7 @@ typedef struct ect_scenario {
     ect_scenario_step_t steps[ECT_SCENARIO_STEPS];
     size_t step_count;
     size_t steps_left;
+    ect_table_t *tables; /**< signals played in time; the caller's. NULL: none */
     ect_wires_t wires; /**< frames kept on a wire: the loop releases them */
 } ect_scenario_t;
 
@@ -141,10 +144,10 @@ ect_wires_result_t ect_scenario_reply(const ect_scenario_t *s, const ect_frame_e
 /** The highest slave number in the script; 0: none. */
 uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);
 
-/** @return true: no faults, no steps and no kept frames, so ::ect_scenario_frame may be left out */
+/** @return true: no faults, no steps, no tables and no kept frames, so ::ect_scenario_frame may be left out */
 static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
 {
-    return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept;
+    return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept && !scenario->tables;
 }
 
 /** Writes the i-th fault that is set, from 0, those of frames first, as text (ECT_FAULT_TEXT bytes). @return false: no

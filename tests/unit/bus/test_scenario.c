@@ -262,6 +262,56 @@ static void in_its_cycle(void **state)
     }
 }
 
+/* A recording: each row is there for the first frame from its time on, and for none before. */
+static void table_in_its_cycle(void **state)
+{
+    static const char *const names[] = {"ecat.plug_in", "ecat.drift"};
+    static const char *const rows[][2] = {{"1", "0"}, {"0", ""}, {"1", "7"}};
+    static const uint64_t times_ns[] = {0, 10 * MS, 10 * MS + 5};
+    rig_t *r = *state;
+    uint8_t status[2] = {0};
+    ect_table_t *table = ect_table_new(2, names, 2);
+    for (unsigned int i = 0; i < 3; i++)
+        assert_true(ect_table_add(table, times_ns[i], rows[i]));
+    assert_true(ect_table_check(table, r->w.chain, r->message));
+    r->s.tables = table;
+    START(r, "drop 0%");
+    uint64_t due_ns = r->begin_ns + 10 * MS;
+    for (r->w.now_ns = due_ns - 3; r->w.now_ns < due_ns + 10; r->w.now_ns++) {
+        (void)ect_exchange_run(&r->x);
+        bool plugged = r->w.now_ns < due_ns || r->w.now_ns >= due_ns + 5;
+        assert_int_equal(wire_send(&r->w, BRD, 0, 0x0130, status, 2), plugged ? 2 : 1);
+        expect_signal(r, 1, "ecat.drift", r->w.now_ns < due_ns + 5 ? "0" : "7");
+    }
+    assert_true(ect_table_due(table) == ECT_NEVER);
+    assert_string_equal(r->refused, "");
+    r->s.tables = NULL;
+    ect_table_free(table);
+}
+
+static void wrong_tables(void **state)
+{
+    static const struct {
+        uint16_t slave;
+        const char *name, *value, *why;
+    } rows[] = {
+        {3, "ecat.drift", "1", "there is no slave 3"},
+        {2, "bogus", "1", "slave 2 has no signal 'bogus'"},
+        {1, "ecat.latch0", "2", "ecat.latch0 takes 0..1"},
+        {1, "ecat.state", "2", "it can be read and watched, not set"},
+        {1, "ecat.state", "", NULL},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_table_t *table = ect_table_new(rows[i].slave, &rows[i].name, 1);
+        assert_true(ect_table_add(table, 0, &rows[i].value));
+        if (ect_table_check(table, r->w.chain, r->message) != !rows[i].why ||
+            (rows[i].why && !strstr(r->message, rows[i].why)))
+            fail_msg("%s=%s: got '%s'", rows[i].name, rows[i].value, r->message);
+        ect_table_free(table);
+    }
+}
+
 static void wrong_names(void **state)
 {
     static const struct {
@@ -426,6 +476,8 @@ int main(int argc, char **argv)
         TEST("a slave hangs for a time", hangs_for_a_time),
         TEST("a step sets signals; their end sets the value from before", sets),
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
+        TEST("a row of a table takes effect for the first frame from its time on", table_in_its_cycle),
+        TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),
         TEST("each expectation and the verdict have one line", printed),
