@@ -46,7 +46,7 @@ static const struct argp_option watch_options[] = {
     {"every", 'e', NULL, 0, "Print every change with its time (default: changes found every 10 ms)", 0},
     {"csv", 'c', "FILE", 0,
      "Write a table that 'set --csv' and --play read: the values now, then a line for each change with its time since "
-     "then, seconds. -: standard output",
+     "then, seconds. -: standard output. A signal of --until has to be one of those recorded",
      0},
     {"until", 'u', "CONDITION", 0,
      "End when a signal fulfils it: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE (default: at Ctrl-C)", 0},
@@ -244,6 +244,8 @@ static void add_column(const cJSON *line)
         record.values[record.columns] = strdup(connection_text(line, "value", room));
     }
     record.columns++;
+    if (record.follow->met)
+        check_line(line);
 }
 
 static void write_header(void)
@@ -300,7 +302,7 @@ static int record_changes(connection_t *connection, const client_args_t *args, c
     }
     if (status == EXIT_CLEAN) {
         write_header();
-        status = connection_follow(connection, who, &quiet);
+        status = is_fulfilled ? FOLLOW_MET : connection_follow(connection, who, &quiet);
     }
     if (record.file != stdout)
         fclose(record.file);
@@ -313,13 +315,13 @@ static int watch(const client_args_t *args, const char *who)
     connection_t *connection = connection_open(&args->twin, who);
     if (!connection)
         return EXIT_OPEN;
+    if (args->csv) {
+        int recorded = record_changes(connection, args, who, &follow);
+        connection_close(connection);
+        return recorded < EXIT_CLEAN ? EXIT_CLEAN : recorded;
+    }
     int status =
         args->until ? request_one(connection, args, who, "watch", condition.name, print_and_check_line) : EXIT_CLEAN;
-    if (status == EXIT_CLEAN && !is_fulfilled && args->csv) {
-        status = record_changes(connection, args, who, &follow);
-        connection_close(connection);
-        return status < EXIT_CLEAN ? EXIT_CLEAN : status;
-    }
     if (status == EXIT_CLEAN && !is_fulfilled && (args->count > 0 || !args->until))
         status = request_each(connection, args, 0, who, "watch", print_line);
     fflush(stdout);

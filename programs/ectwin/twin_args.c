@@ -122,7 +122,8 @@ static const struct argp_option options[] = {
      "on standard error; the exit status is 3 when one has failed and nothing else has",
      1},
     {"play", KEY_PLAY, "[N:]FILE", 0,
-     "Play a table of signals of twin N (default 1) from a CSV file: names in the first line, among them 'time', seconds "
+     "Play a table of signals of twin N (default 1) from a CSV file: names in the first line, among them 'time', "
+     "seconds "
      "since the start; a row is set at its time (docs/COMMAND.md). May be repeated",
      1},
     {"seed", KEY_SEED, "N", 0,

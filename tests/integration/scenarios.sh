@@ -106,9 +106,43 @@ mistakes_are_found_before_the_run() {
   check "a file that does not exist" 2 $?
 }
 
+# The twins play a table, which is recorded; the record is played, and recorded again.
+recorded_and_played() {
+  local run table=$work/first.csv
+  { echo 'time,ru1.joystick1,ru1.rssi'; for n in $(seq 40); do echo "$((n / 100 + 3)).$(printf %02d $((n % 100))),$((n * 10)),$((n + 10))"; done; } >"$table"
+  for run in 1 2; do
+    "$ectwin" with --play "$table" --name "recorded$run" vr-bu-ect-map7 -- sh -c "
+      '$ectwin' watch --csv '$work/record$run.csv' --every --until ru1.rssi=50 ru1.joystick1 ru1.rssi
+      '$ectwin' get ru1.joystick1" >"$work/out" 2>"$work/err"
+    check "run $run: the last row" "ru1.joystick1=400" "$(cat "$work/out")"
+    table=$work/record$run.csv
+  done
+  check "first line" "time,ru1.joystick1,ru1.rssi" "$(head -1 "$work/record1.csv")"
+  check "all changes, one a line" 80 "$(($(wc -l <"$work/record1.csv") - 2))"
+  check "the same values in the same order" "$(cut -d, -f2- "$work/record1.csv" | md5sum)" "$(cut -d, -f2- "$work/record2.csv" | md5sum)"
+}
+
+set_in_time() {
+  printf 'data1,time\n1.5,0\n2.5,0.05\n,0.06\n3.5,0.1\n' >"$work/rows.csv"
+  "$ectwin" with fzm1 -- sh -c "'$ectwin' set --csv '$work/rows.csv' && '$ectwin' get data1" >"$work/out" 2>"$work/err"
+  check "set --csv: the last row" "data1=3.5" "$(cat "$work/out")"
+  printf 'data1,time\n1.5,1\n2.5,0.5\n' >"$work/rows.csv"
+  "$ectwin" with --play "$work/rows.csv" fzm1 -- true 2>"$work/err"
+  check "--play: a time that goes back" 1 $?
+  check "... in its line" yes "$(grep -q 'line 3: its time is before that of the line above' "$work/err" && echo yes)"
+  printf 'data1\n1.5\n' >"$work/rows.csv"
+  "$ectwin" with --play "$work/rows.csv" fzm1 -- true 2>"$work/err"
+  check "--play: no time" 1 $?
+  printf 'time,bogus\n0,1\n' >"$work/rows.csv"
+  "$ectwin" with --play "$work/rows.csv" fzm1 -- true 2>"$work/err"
+  check "--play: no such signal" 1 $?
+  "$ectwin" with --play "$work/none.csv" fzm1 -- true 2>"$work/err"
+  check "--play: no file" 2 $?
+}
+
 number=0
 for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status run_has_it_too \
-  mistakes_are_found_before_the_run; do
+  mistakes_are_found_before_the_run recorded_and_played set_in_time; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))
   $case_name
