@@ -49,6 +49,7 @@ static void reset(ect_esc_t *esc, uint64_t now_ns)
     esc->next_ns = UINT64_MAX;
     esc->watchdog_ns = UINT64_MAX;
     esc->pdi_ns = UINT64_MAX;
+    esc->mii_done_ns = UINT64_MAX;
     esc->loops_revert_ns = UINT64_MAX;
     wipe(esc->memory, esc->memory_size); /* a multiple of 1 KB */
     ect_esc_clock_reset(esc);
@@ -141,6 +142,7 @@ static void tick_units(ect_esc_t *esc)
     esc->next_ns = UINT64_MAX;
     ect_esc_watchdog_tick(esc);
     ect_esc_sii_tick(esc);
+    ect_esc_mii_tick(esc);
     ect_esc_port_tick(esc);
     ect_esc_sync_tick(esc);
     ECT_ASSERT(esc->next_ns > esc->now_ns);

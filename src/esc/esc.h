@@ -124,6 +124,7 @@ typedef struct ect_esc {
     uint64_t sync_ns; /**< next event of a pulse of SYNC0 or SYNC1; UINT64_MAX: none */
     bool latch_level[2];
     uint64_t watchdog_ns;    /**< expiry of the process-data watchdog; UINT64_MAX: not running */
+    uint64_t mii_done_ns;    /**< end of the pending command to a PHY; UINT64_MAX: none */
     uint64_t sii_done_ns;    /**< end of the pending SII command */
     uint64_t sii_rest_ns;    /**< end of the EEPROM's own work after a write: until then it acknowledges nothing */
     bool sii_unacknowledged; /**< the pending command has started before that */
@@ -273,6 +274,12 @@ bool ect_esc_frame_at(ect_esc_t *esc, unsigned int port);
  * @param found_before  another chip has detected the error before and marked the frame: counts in 0x0308, not 0x0300
  */
 void ect_esc_damaged(ect_esc_t *esc, unsigned int port, bool found_before);
+
+/**
+ * Reports an invalid access of the PDI, such as an SPI transfer with a clock too many: it counts in 0x030D, and 0x030E
+ * has the code of the last one. A write of the master to 0x030D clears both.
+ */
+void ect_esc_pdi_error(ect_esc_t *esc, uint8_t code);
 
 /**
  * Starts or ends the observation of the PDI's accesses by its watchdog (ect_esc_config_t::pdi_watched).

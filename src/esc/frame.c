@@ -179,6 +179,8 @@ void ect_esc_end_of_frame(ect_esc_t *esc)
         ect_esc_commit(esc);
     if ((esc->per_frame & ECT_FRAME_END_SII) != 0)
         ect_esc_sii_end_of_frame(esc);
+    if ((esc->per_frame & ECT_FRAME_END_MII) != 0)
+        ect_esc_mii_end_of_frame(esc);
     ect_esc_access_ends(esc);
 }
 

@@ -15,6 +15,7 @@
  *   sync.c       distributed clocks: SYNC0, SYNC1, latch inputs
  *   dc.c         distributed clocks: receive times, system time, control loop
  *   sii.c        EEPROM interface
+ *   mii.c        PHY management
  *   protect.c    write protection, reset sequences
  *   registers.c  the registers, with their reset values, access rights and effects
  *   access.c     one access to the address space, from either side: registers or RAM
@@ -40,6 +41,7 @@ typedef enum ect_side { ECT_SIDE_ECAT, ECT_SIDE_PDI } ect_side_t;
 enum {
     ECT_FRAME_END_SII = 0x01, /**< EEPROM write enable lasts for one frame */
     ECT_FRAME_BEGINS = 0x02,  /**< other write enables do too, and an interrupted reset sequence is void */
+    ECT_FRAME_END_MII = 0x08, /**< write enable of PHYs too */
     ECT_FRAME_COMMITS = 0x04, /**< writes of this frame are postponed to its end */
 };
 
@@ -222,6 +224,12 @@ void ect_esc_sii_tick(ect_esc_t *esc);
 bool ect_esc_sii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool ect_esc_sii_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 void ect_esc_sii_end_of_frame(ect_esc_t *esc);
+
+/* --- mii.c ------------------------------------------------------------------------------------------------------ */
+void ect_esc_mii_tick(ect_esc_t *esc);
+bool ect_esc_mii_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
+bool ect_esc_mii_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+void ect_esc_mii_end_of_frame(ect_esc_t *esc);
 
 /* --- protect.c -------------------------------------------------------------------------------------------------- */
 /* Takes the write enables that a write of the master contains. @return whether there was a valid one */

@@ -146,7 +146,15 @@ static bool write_port_errors(ect_esc_t *esc, const ect_access_t *access, uint16
 static bool write_processing_error(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     (void)access;
+    if (address + length > ECT_REG_PDI_ERROR)
+        esc->memory[ECT_REG_PDI_ERROR_CODE] = 0;
     return clear_counters(esc, address, (uint16_t)(address + length - 1));
+}
+
+void ect_esc_pdi_error(ect_esc_t *esc, uint8_t code)
+{
+    ect_esc_count(esc, ECT_REG_PDI_ERROR);
+    esc->memory[ECT_REG_PDI_ERROR_CODE] = code;
 }
 
 static bool write_lost_link(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -209,6 +217,7 @@ static const block_t blocks[] = {
     {ECT_REG_WD_STATUS_PD, 2, 0, 0, NULL, NULL, read_watchdog_status, NULL},
     {ECT_REG_WD_COUNTER_PD, 3, 0, 0, write_watchdog_counter, NULL, NULL, NULL},
     {ECT_REG_SII_CONFIG, 16, 0, 0, ect_esc_sii_write_register, ect_esc_sii_write_register, NULL, ect_esc_sii_accepts},
+    {ECT_REG_MII_CONTROL, 6, 0, 0, ect_esc_mii_write_register, NULL, NULL, ect_esc_mii_accepts},
     {ECT_REG_FMMU, FMMU_BYTES, 0, 0, ect_esc_fmmu_write_register, NULL, NULL, ect_esc_fmmu_accepts},
     {ECT_REG_SM, SM_BYTES, 0, 0, ect_esc_sm_write_register, ect_esc_sm_write_register, ect_esc_sm_read_register,
      ect_esc_sm_accepts},

@@ -56,6 +56,7 @@ static const kind_t kinds[ECT_FAULT_KINDS] = {
     [ECT_FAULT_EEPROM_FLIP] = {"eeprom", "flip", BIT, 0, 15, 0},
     [ECT_FAULT_EEPROM_OK] = {"eeprom", "ok", NO_AMOUNT, 0, 0, 0},
     [ECT_FAULT_CLOCK] = {"clock", NULL, NANOSECONDS, INT32_MIN, INT32_MAX, 0},
+    [ECT_FAULT_PDI_ERROR] = {"pdi-error", NULL, NO_AMOUNT, 0, 0, 0},
     [ECT_FAULT_TO] = {"to", NULL, NO_AMOUNT, 0, 0, STATE | NEEDS_STATE | CODE},
     [ECT_FAULT_INIT] = {"init", NULL, NO_AMOUNT, 0, 0, CODE},
     [ECT_FAULT_EMERGENCY] = {"emergency", NULL, REGISTER, 0, 255, CODE | NEEDS_CODE | DATA},

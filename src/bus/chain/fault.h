@@ -18,6 +18,7 @@
  *     reset slave 2                        it restarts
  *     identity slave 2                     it is replaced by one with the next product code
  *     lose-event slave 2                   the next request to its AL control raises no event
+ *     pdi-error slave 2                    an invalid access of its microcontroller counts in 0x030D
  *     eeprom busy slave 2, eeprom ok …     its EEPROM stays busy, or is whole again
  *     eeprom nack slave 2                  it does not reply
  *     eeprom flip 5 slave 2                bit 5 of the words read from it is inverted
@@ -66,6 +67,7 @@ typedef enum ect_fault_kind {
     ECT_FAULT_EEPROM_FLIP,
     ECT_FAULT_EEPROM_OK,
     ECT_FAULT_CLOCK,
+    ECT_FAULT_PDI_ERROR,
     ECT_FAULT_TO,
     ECT_FAULT_INIT,
     ECT_FAULT_EMERGENCY,

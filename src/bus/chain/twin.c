@@ -204,6 +204,9 @@ static const char *emergency(ect_twin_t *twin, const ect_fault_t *fault)
     return NULL;
 }
 
+/* 0x030E on SPI: bits 0 to 2 are the clocks of the failed access, modulo 8. */
+enum { SPI_CLOCK_TOO_MANY = 0x01 };
+
 bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns, const char **why)
 {
     ECT_ASSERT(!ect_fault_is_of_frames(fault));
@@ -234,6 +237,9 @@ bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns,
         return true;
     case ECT_FAULT_LOSE_EVENT:
         ect_esc_lose_al_event(&twin->esc);
+        return false;
+    case ECT_FAULT_PDI_ERROR:
+        ect_esc_pdi_error(&twin->esc, SPI_CLOCK_TOO_MANY);
         return false;
     case ECT_FAULT_CLOCK:
         ect_esc_clock_jump(&twin->esc, fault->amount);

@@ -69,6 +69,7 @@ static void round_trip(void **state)
                                         "eeprom ok slave 1",
                                         "clock -5000ns slave 2",
                                         "clock 0ns slave 1",
+                                        "pdi-error slave 2",
                                         "to SAFEOP slave 2",
                                         "to PREOP 0x001B slave 2",
                                         "init slave 1",
@@ -287,7 +288,7 @@ static void words(void **state)
     static const char *const want[ECT_FAULT_KINDS] = {
         "drop",  "damage", "delay", "duplicate", "reorder",    "truncate", "corrupt", "counter", "off",
         "hang",  "resume", "reset", "identity",  "lose-event", "eeprom",   "eeprom",  "eeprom",  "eeprom",
-        "clock", "to",     "init",  "emergency", "al",         "al",       "al",      "abort",   "mail",
+        "clock", "pdi-error", "to", "init",  "emergency", "al",         "al",       "al",      "abort",   "mail",
         "mail",  "mail",   "mail",  "mail",      "mail",       "mail",     "pdo-size"};
     (void)state;
     for (size_t i = 0; i < ECT_FAULT_KINDS; i++)
@@ -483,6 +484,15 @@ static void hangs(void **state)
     wire_poll(&r->w);
     assert_int_equal(wire_read8(&r->w, 1, 0x0130), 2);
     assert_int_equal(wire_read8(&r->w, 1, 0x0110) & 2, 2);
+}
+
+static void pdi_errors(void **state)
+{
+    rig_t *r = *state;
+    set(r, "pdi-error slave 2");
+    set(r, "pdi-error slave 2");
+    assert_int_equal(wire_read16(&r->w, 1, 0x030D), 0x0102);
+    assert_int_equal(wire_read16(&r->w, 0, 0x030D), 0);
 }
 
 /* A power cycle or reset ends the fault, and the PDI watchdog as well. */
@@ -896,6 +906,7 @@ int main(int argc, char **argv)
         TEST("frames are lost and late in the given shares, half of the lost ones on their way back", shares),
         TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),
         TEST("the working counter of the first datagram is changed, where there is one", counters),
+        TEST("an invalid access of the PDI counts in the slave of the fault alone", pdi_errors),
         TEST("CF-053: a slave that hangs answers no request, its PDI watchdog expires, and it goes on", hangs),
         TEST("CF-012 CF-053: a slave that hangs is set going by a reset, by the master's too, and its watchdog rests",
              hang_ends),
