@@ -40,6 +40,7 @@ int command_enter(int argc, char **argv);
 int command_wait(int argc, char **argv);
 int command_veth(int argc, char **argv);
 int command_complete(int argc, char **argv);
+int command_replay(int argc, char **argv);
 int command_stats(int argc, char **argv);
 int command_get(int argc, char **argv);
 int command_set(int argc, char **argv);
@@ -97,8 +98,12 @@ typedef struct twin_args {
     const char *store;  /* folder of the twins' non-volatile memory, NULL: none */
     const char *files;  /* folder that a master reads and writes by FoE, NULL: none */
     uint32_t files_password;
-    const char *pcap;      /* capture file, NULL: none */
-    uint64_t pcap_size;    /* 0: no limit */
+    const char *pcap;   /* capture file, NULL: none */
+    uint64_t pcap_size; /* 0: no limit */
+    const char *record; /* file for a replay, NULL: none */
+    char *const *words; /* the command line, as a record needs it */
+    int word_count;
+    uint64_t power_on_ns;
     bool in_process;       /* one of the buses of a command: each adds a section to the capture */
     bool own_clock;        /* times are not those of CLOCK_MONOTONIC: a capture has them as they are */
     const char **settings; /* "[N:]NAME=VALUE" */
@@ -129,12 +134,13 @@ bool twin_args_given(const twin_args_t *args);
  */
 int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain);
 /**
- * Opens the capture that the command line asks for; call it after ::twin_args_power_on. On failure prints why.
+ * Opens the capture and the record that the command line asks for; call it after ::twin_args_power_on. On failure
+ * prints why.
  * @param[out] trace  NULL: none is wanted, or failure
  * @return EXIT_CLEAN, or what to exit with
  */
 int twin_args_trace(twin_args_t *args, const char *who, ect_trace_t **trace);
-/** Closes a trace; a capture that lacks its end is reported. @return whether the capture is complete. NULL: no effect
+/** Closes a trace; a file that lacks its end is reported. @return whether the files are complete. NULL: no effect
  */
 bool twin_args_end_trace(const twin_args_t *args, const char *who, ect_trace_t *trace, uint64_t now_ns);
 void twin_args_free(twin_args_t *args);

@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "bus/library.h"
 
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <poll.h>
 #include <setjmp.h>
@@ -205,6 +206,9 @@ static int open_trace(ectwin_bus_t *bus)
     twins->own_clock = bus->virtual_time || !twins->in_process;
     twins->about.ifaces[ECT_END_IN] = twins->in_process ? getenv("ECTWIN_IFACE") : NULL;
     twins->about.ifaces[ECT_END_OUT] = twins->in_process ? getenv("ECTWIN_IFACE2") : NULL;
+    twins->words = bus->words + 1;
+    while (twins->words[twins->word_count])
+        twins->word_count++;
     int status = twin_args_trace(twins, "ectwin", &bus->exchange.trace);
     if (status != EXIT_CLEAN)
         ect_chain_free(bus->exchange.chain);
@@ -286,9 +290,8 @@ void ectwin_bus_power_cycle(ectwin_bus_t *bus, uint64_t now_ns)
 {
     advance(bus, now_ns);
     finish(bus);
-    ect_exchange_end(&bus->exchange);
     forget_replies(bus);
-    ect_chain_power_cycle(bus->exchange.chain, ect_exchange_touch(&bus->exchange));
+    ect_exchange_power_cycle(&bus->exchange);
     (void)ect_exchange_run(&bus->exchange);
 }
 
@@ -358,6 +361,38 @@ int ectwin_bus_get(const ectwin_bus_t *bus, size_t slave, const char *name, char
     return 0;
 }
 
+static void note_request(ectwin_bus_t *bus, cJSON *request)
+{
+    char *line = cJSON_PrintUnformatted(request);
+    if (line)
+        ect_exchange_request(&bus->exchange, line, strlen(line));
+    cJSON_free(line);
+    cJSON_Delete(request);
+}
+
+/* A change is noted as the request that a client of the control socket would send. */
+static void note_set(ectwin_bus_t *bus, size_t slave, const char *name, const char *value)
+{
+    if (!bus->exchange.trace)
+        return;
+    cJSON *request = cJSON_CreateObject();
+    cJSON_AddStringToObject(request, "op", "set");
+    cJSON_AddNumberToObject(request, "slave", (double)slave);
+    cJSON_AddStringToObject(request, "name", name);
+    cJSON_AddStringToObject(request, "value", value);
+    note_request(bus, request);
+}
+
+static void note_fault(ectwin_bus_t *bus, const char *fault)
+{
+    if (!bus->exchange.trace)
+        return;
+    cJSON *request = cJSON_CreateObject();
+    cJSON_AddStringToObject(request, "op", "fault");
+    cJSON_AddStringToObject(request, "fault", fault);
+    note_request(bus, request);
+}
+
 int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name, const char *value, uint64_t now_ns, char *message,
                    size_t room)
 {
@@ -365,8 +400,7 @@ int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name, const char
     const ect_setting_t setting = {.name = name, .value = value};
     advance(bus, now_ns);
     (void)ect_exchange_touch(&bus->exchange);
-    if (bus->exchange.trace)
-        ect_trace_note(bus->exchange.trace, "set: slave %zu %s=%s", slave, name, value);
+    note_set(bus, slave, name, value);
     bool done = slave >= 1 && slave <= ectwin_bus_slaves(bus) &&
                 ect_settings_apply(bus->exchange.chain, slave - 1, &setting, 1, bus->now_ns, why);
     (void)ect_exchange_run(&bus->exchange);
@@ -381,6 +415,7 @@ int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char
     ect_fault_t read;
     advance(bus, now_ns);
     (void)ect_exchange_touch(&bus->exchange);
+    note_fault(bus, fault);
     bool done = ect_fault_parse(fault, &read, why) &&
                 ect_scenario_set(bus->exchange.scenario, bus->exchange.chain, &read, bus->now_ns, why);
     (void)ect_exchange_run(&bus->exchange);

@@ -28,7 +28,8 @@ static const struct command {
     {"lint", command_lint},         {"check", command_check},
     {"clone", command_clone},       {"ps", command_ps},
     {"enter", command_enter},       {"wait", command_wait},
-    {"veth", command_veth},         {"complete", command_complete},
+    {"veth", command_veth},         {"replay", command_replay},
+    {"complete", command_complete},
 };
 
 /* The names of the commands that begin with a word; `complete`, the last, is for shells. */
@@ -73,6 +74,7 @@ static int usage(FILE *stream, int status)
         "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, plug it in again\n"
         "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
         "       ectwin fault [FAULT]                          inject a fault, or list those that are set\n"
+        "       ectwin replay FILE                            replay a record, and compare every reply\n"
         "       ectwin stats [--json]                         print the counters of a running twin\n"
         "       ectwin --version\n"
         "'ectwin COMMAND --help' describes each command.\n",

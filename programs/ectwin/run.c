@@ -119,6 +119,8 @@ int command_run(int argc, char **argv)
     };
     run_args_t args = {0};
     bus_args_expand(&argp, &argc, &argv);
+    args.twins.words = argv + 1;
+    args.twins.word_count = argc - 1;
     argp_parse(&argp, argc, argv, 0, NULL, &args);
 
     session_t session;

@@ -183,7 +183,7 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
     s->on_signal = on_end;
     s->ctx = ctx;
     if (s->runner.exchange.trace)
-        (void)ect_trace_start(s->runner.exchange.trace); /* without a thread the loop writes */
+        ect_trace_start(s->runner.exchange.trace);
     if (s->runner.signal_fd >= 0 && ect_runner_run(&s->runner) == 0)
         return EXIT_CLEAN;
     fprintf(stderr, "%s: stopped on '%s': %s\n", s->who,

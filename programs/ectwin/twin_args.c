@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -51,13 +52,14 @@ enum {
     KEY_NAME,
     KEY_PCAP,
     KEY_PCAP_SIZE,
+    KEY_RECORD,
 };
 
 /* Default of --pcap-size. */
 #define PCAP_SIZE 1000000000ull
 
-/* A tenth of a second of the fastest masters while the disk does not write. */
-enum { CAPTURE_BUFFER = 4 * 1024 * 1024, NS_PER_S = 1000000000 };
+/* Room for a tenth of a second of the fastest masters while the disk does not write. */
+enum { CAPTURE_BUFFER = 4 * 1024 * 1024, RECORD_BUFFER = 16 * 1024 * 1024, NS_PER_S = 1000000000 };
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
@@ -104,6 +106,8 @@ static const struct argp_option options[] = {
      1},
     {"pcap-size", KEY_PCAP_SIZE, "BYTES[K|M|G]", 0,
      "Size of the file of --pcap, 66K or more, 0: no limit (default 1G). At the limit the older half is removed", 1},
+    {"record", KEY_RECORD, "FILE", 0,
+     "Write FILE for 'ectwin replay': all frames, and everything else that replies depend on (docs/REPLAY.md)", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
      "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
      "repeated",
@@ -476,6 +480,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_PCAP:
         args->pcap = text;
         return 0;
+    case KEY_RECORD:
+        args->record = text;
+        return 0;
     case KEY_PCAP_SIZE:
         args->pcap_size = parse_size(state, text);
         return 0;
@@ -818,6 +825,7 @@ static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, co
 int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain)
 {
     *chain = NULL;
+    args->power_on_ns = now_ns;
     if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
     *chain = ect_chain_new(args->twins, args->count, now_ns);
@@ -848,49 +856,98 @@ static uint64_t offset_of_wall_clock(void)
 }
 
 /* Two processes of CMD may have their buses at the same time: the second one's file has its process in the name. */
-static ect_capture_t *open_capture(const twin_args_t *args, char *message)
+static ect_capture_t *open_capture(const twin_args_t *args, const char *path, bool record, uint64_t offset_ns,
+                                   char *message)
 {
     char other[PATH_MAX];
-    ect_capture_config_t config = {.path = args->pcap,
-                                   .most = args->pcap_size,
-                                   .buffer = CAPTURE_BUFFER,
+    ect_capture_config_t config = {.path = path,
+                                   .most = record ? 0 : args->pcap_size,
+                                   .buffer = record ? RECORD_BUFFER : CAPTURE_BUFFER,
                                    .append = args->in_process,
-                                   .offset_ns = args->own_clock ? 0 : offset_of_wall_clock(),
+                                   .offset_ns = offset_ns,
                                    .application = "ectwin " ECTWIN_VERSION,
                                    .names = {args->about.ifaces[ECT_END_IN], args->about.ifaces[ECT_END_OUT]}};
     ect_capture_t *capture = ect_capture_open(&config, message);
     if (capture || !args->in_process || errno != EWOULDBLOCK)
         return capture;
-    snprintf(other, sizeof other, "%s.%d", args->pcap, (int)getpid());
+    snprintf(other, sizeof other, "%s.%d", path, (int)getpid());
     config.path = other;
     return ect_capture_open(&config, message);
+}
+
+/* The beginning of a record: everything that a replay needs to power the same twins on. */
+static void log_start(const twin_args_t *args, ect_trace_t *trace, uint64_t offset_ns)
+{
+    cJSON *start = cJSON_CreateObject();
+    cJSON *words = cJSON_AddArrayToObject(start, "words");
+    char number[24];
+    for (int i = 0; i < args->word_count; i++)
+        cJSON_AddItemToArray(words, cJSON_CreateString(args->words[i]));
+    cJSON_AddStringToObject(start, "version", ECTWIN_VERSION);
+    cJSON_AddNumberToObject(start, "seed", args->scenario.seed);
+    snprintf(number, sizeof number, "%" PRIu64, offset_ns);
+    cJSON_AddStringToObject(start, "offset", number);
+    char *text = cJSON_PrintUnformatted(start);
+    if (text)
+        ect_trace_log(trace, ECT_LOGGED_START, 0, args->power_on_ns, text, strlen(text));
+    cJSON_free(text);
+    cJSON_Delete(start);
+}
+
+/* The content of folders and the requests of Modbus clients are not in a record. */
+static bool can_record(const twin_args_t *args, const char *who)
+{
+    const char *option = args->store ? "--store" : args->files ? "--files" : args->modbus ? "--modbus" : NULL;
+    if (args->record && option)
+        report(args, who, "--record does not hold what %s adds to a run: leave one of the two out", option);
+    return !args->record || !option;
+}
+
+static bool open_files_of_trace(const twin_args_t *args, ect_trace_t **trace, char *message)
+{
+    uint64_t offset_ns = args->own_clock ? 0 : offset_of_wall_clock();
+    ect_capture_t *capture = args->pcap ? open_capture(args, args->pcap, false, offset_ns, message) : NULL;
+    bool done = !args->pcap || capture;
+    ect_capture_t *record = done && args->record ? open_capture(args, args->record, true, offset_ns, message) : NULL;
+    done = done && (!args->record || record);
+    *trace = done ? ect_trace_new(capture, record, args->count) : NULL;
+    if (*trace) {
+        log_start(args, *trace, offset_ns);
+        return true;
+    }
+    (void)ect_capture_close(capture, NULL, 0, 0);
+    (void)ect_capture_close(record, NULL, 0, 0);
+    return false;
 }
 
 int twin_args_trace(twin_args_t *args, const char *who, ect_trace_t **trace)
 {
     char message[ECT_CAPTURE_MESSAGE] = "not enough memory for a capture";
     *trace = NULL;
-    if (!args->pcap)
+    if (!args->pcap && !args->record)
         return EXIT_CLEAN;
-    ect_capture_t *capture = open_capture(args, message);
-    *trace = capture ? ect_trace_new(capture, args->count) : NULL;
-    for (size_t i = 0; *trace && i < args->count; i++)
+    if (!can_record(args, who))
+        return EXIT_USAGE;
+    if (!open_files_of_trace(args, trace, message)) {
+        report(args, who, "%s: %s", args->pcap && strstr(message, args->pcap) ? "--pcap" : "--record", message);
+        return EXIT_OPEN;
+    }
+    for (size_t i = 0; i < args->count; i++)
         ect_memory_observe(args->memories[i], note_save, *trace, i + 1);
-    if (*trace)
-        return EXIT_CLEAN;
-    (void)ect_capture_close(capture, 0);
-    report(args, who, "--pcap: %s", message);
-    return EXIT_OPEN;
+    return EXIT_CLEAN;
 }
 
 bool twin_args_end_trace(const twin_args_t *args, const char *who, ect_trace_t *trace, uint64_t now_ns)
 {
     for (size_t i = 0; trace && i < args->count; i++)
         ect_memory_observe(args->memories[i], NULL, NULL, 0);
-    int failed = ect_trace_close(trace, now_ns);
-    if (failed != 0)
-        fprintf(stderr, "%s: --pcap: '%s' lacks the end of the run: %s\n", who, args->pcap, strerror(failed));
-    return failed == 0;
+    ect_trace_lacks_t lacks = ect_trace_close(trace, now_ns);
+    if (lacks.capture != 0)
+        fprintf(stderr, "%s: --pcap: '%s' lacks the end of the run: %s\n", who, args->pcap, strerror(lacks.capture));
+    if (lacks.record != 0 || lacks.record_is_slow)
+        fprintf(stderr, "%s: --record: '%s' lacks the end of the run: %s\n", who, args->record,
+                lacks.record != 0 ? strerror(lacks.record) : "the disk is too slow; write to a faster one");
+    return lacks.capture == 0 && lacks.record == 0 && !lacks.record_is_slow;
 }
 
 void twin_args_free(twin_args_t *args)

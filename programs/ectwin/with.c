@@ -146,6 +146,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
             args->devices = text;
             args->words = state->argv + 1;
             args->word_count = state->next - 1;
+            args->twins.words = args->words;
+            args->twins.word_count = args->word_count;
             return 0;
         }
         args->command = &state->argv[state->next - 1];
@@ -402,8 +404,10 @@ static int try_power_on(with_args_t *args)
     if (status == EXIT_CLEAN)
         status = twin_args_trace(&args->twins, "ectwin with", &trace);
     (void)twin_args_end_trace(&args->twins, "ectwin with", trace, 0);
-    if (trace)
+    if (trace && args->twins.pcap)
         (void)!truncate(args->twins.pcap, 0); /* each bus appends a section */
+    if (trace && args->twins.record)
+        (void)!truncate(args->twins.record, 0);
     ect_chain_free(chain);
     return status;
 }

@@ -18,24 +18,42 @@ static void touch(ect_exchange_t *x, uint64_t now_ns)
     x->polled_ns = x->touched_ns = now_ns;
 }
 
-uint64_t ect_exchange_touch(ect_exchange_t *x)
-{
-    touch(x, now(x));
-    return x->touched_ns;
-}
-
 static void count_captured(ect_exchange_t *x, bool captured)
 {
     x->stats.captured += captured;
     x->stats.uncaptured += !captured;
 }
 
-/* Every frame that leaves does so here. */
-static void emit(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length)
+static void log_time(const ect_exchange_t *x, ect_logged_kind_t kind, uint64_t time_ns)
+{
+    if (x->trace)
+        ect_trace_log(x->trace, kind, 0, time_ns, NULL, 0);
+}
+
+/* The clock, for a decision: a replay needs the same reading. */
+static uint64_t logged_now(const ect_exchange_t *x)
+{
+    uint64_t now_ns = now(x);
+    log_time(x, ECT_LOGGED_CLOCK, now_ns);
+    return now_ns;
+}
+
+uint64_t ect_exchange_touch(ect_exchange_t *x)
+{
+    touch(x, now(x));
+    log_time(x, ECT_LOGGED_TOUCH, x->touched_ns);
+    return x->touched_ns;
+}
+
+/* Every frame that leaves does so here. @return the time; 0: not read */
+static uint64_t emit(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length)
 {
     x->send(x->ctx, end, frame, length);
-    if (x->trace)
-        count_captured(x, ect_trace_reply(x->trace, end, now(x), frame, length));
+    if (!x->trace)
+        return 0;
+    uint64_t now_ns = now(x);
+    count_captured(x, ect_trace_reply(x->trace, end, now_ns, frame, length));
+    return now_ns;
 }
 
 /* A reply that is late on purpose, and those behind it. */
@@ -47,22 +65,24 @@ static void keep(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t 
         x->stats.dropped++;
 }
 
-/* The replies that are due. */
-static void send_kept(ect_exchange_t *x, ect_end_t end, ect_late_t *kept, uint64_t now_ns)
+/* The replies that are due. @return the time of the last one; 0: none, or not read */
+static uint64_t send_kept(ect_exchange_t *x, ect_end_t end, ect_late_t *kept, uint64_t now_ns)
 {
+    uint64_t sent_ns = 0;
     ect_late_frame_t *late;
     while ((late = ect_late_take(kept, now_ns))) {
-        emit(x, end, late->frame, late->length);
+        sent_ns = emit(x, end, late->frame, late->length);
         x->stats.answered++;
         free(late);
     }
+    return sent_ns;
 }
 
 static void send_late(ect_exchange_t *x, uint64_t now_ns)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
-        send_kept(x, end, &x->late[end], now_ns);
-        send_kept(x, end, &x->behind[end], now_ns);
+        (void)send_kept(x, end, &x->late[end], now_ns);
+        (void)send_kept(x, end, &x->behind[end], now_ns);
     }
 }
 
@@ -86,13 +106,13 @@ static ect_end_t through(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t
     return out;
 }
 
-/* Replies that waited for this one leave behind it. */
-static void send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
+/* Replies that waited for this one leave behind it. @return the time; 0: not read */
+static uint64_t send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
 {
-    emit(x, end, frame, length);
+    uint64_t sent_ns = emit(x, end, frame, length);
     if (twice)
-        emit(x, end, frame, length);
-    send_kept(x, end, &x->behind[end], UINT64_MAX);
+        sent_ns = emit(x, end, frame, length);
+    return ect_later(sent_ns, send_kept(x, end, &x->behind[end], UINT64_MAX));
 }
 
 /* A reply leaves at once, late, or behind the next one. */
@@ -105,8 +125,8 @@ static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, s
     } else if (effects->delay_us > 0 || x->late[out].first) {
         keep(x, out, frame, length, time->now_ns + 1000ull * effects->delay_us);
     } else {
-        send_with_others(x, out, frame, length, effects->twice);
-        x->answered_ns = now(x);
+        uint64_t sent_ns = send_with_others(x, out, frame, length, effects->twice);
+        x->answered_ns = sent_ns != 0 ? sent_ns : now(x);
         ect_stats_answer(&x->stats, time->waited_ns + (x->answered_ns - time->now_ns));
     }
 }
@@ -123,14 +143,15 @@ static void release_kept(ect_exchange_t *x)
     ect_kept_t *kept;
     ect_scenario_t *faults = faults_of(x);
     uint64_t due_ns = faults ? ect_wires_due(&faults->wires) : ECT_NEVER;
-    if (due_ns == ECT_NEVER || due_ns > now(x))
+    if (due_ns == ECT_NEVER || due_ns > logged_now(x))
         return;
-    uint64_t now_ns = ect_exchange_touch(x);
+    uint64_t now_ns = logged_now(x);
+    touch(x, now_ns);
     while ((kept = ect_wires_release(&faults->wires, x->chain, now_ns))) {
         if (kept->end != ECT_END_NONE && x->late[kept->end].first) {
             keep(x, kept->end, kept->frame, kept->at.length, now_ns);
         } else if (kept->end != ECT_END_NONE) {
-            send_with_others(x, kept->end, kept->frame, kept->at.length, false);
+            (void)send_with_others(x, kept->end, kept->frame, kept->at.length, false);
             x->stats.answered++;
         }
         free(kept);
@@ -188,8 +209,10 @@ void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, si
 void ect_exchange_link(ect_exchange_t *x, ect_end_t end, bool link)
 {
     static const char *const ends[ECT_ENDS] = {[ECT_END_IN] = "input", [ECT_END_OUT] = "output"};
-    if (x->trace && link != x->linked[end])
+    if (x->trace && link != x->linked[end]) {
         ect_trace_note(x->trace, "cable at the %s of the chain: %s", ends[end], link ? "plugged in" : "pulled");
+        ect_trace_log(x->trace, ECT_LOGGED_LINK, (uint32_t)end | (link ? ECT_LOGGED_PLUGGED : 0u), 0, NULL, 0);
+    }
     x->linked[end] = link;
     ect_chain_set_link(x->chain, end, link);
 }
@@ -231,10 +254,36 @@ static uint64_t take_steps(ect_exchange_t *x)
     return next_ns;
 }
 
+/* Whether a run changes nothing, so that a record needs no trace of it. */
+static bool is_idle(const ect_exchange_t *x, uint64_t now_ns)
+{
+    return x->run_ns != 0 && x->touched_ns == ECT_NEVER && now_ns < x->deadline_ns && late_due(x) == ECT_NEVER;
+}
+
+static void log_run(const ect_exchange_t *x, bool answered, uint64_t now_ns)
+{
+    if (x->trace)
+        ect_trace_log(x->trace, ECT_LOGGED_RUN, answered, now_ns, NULL, 0);
+}
+
+/* The time of a run. With faults it is read behind the release of kept frames, which may read it too. */
+static uint64_t begin_run(ect_exchange_t *x)
+{
+    const bool faults = faults_of(x) != NULL;
+    const bool answered = x->answered_ns != 0;
+    if (faults) {
+        log_run(x, answered, 0);
+        release_kept(x);
+    }
+    uint64_t now_ns = answered ? ect_later(x->answered_ns, x->polled_ns) : faults ? logged_now(x) : now(x);
+    if (!faults && !is_idle(x, now_ns))
+        log_run(x, answered, now_ns);
+    return now_ns;
+}
+
 uint64_t ect_exchange_run(ect_exchange_t *x)
 {
-    release_kept(x);
-    uint64_t now_ns = x->answered_ns != 0 ? ect_later(x->answered_ns, x->polled_ns) : now(x);
+    uint64_t now_ns = begin_run(x);
     x->answered_ns = 0;
     x->run_ns = now_ns;
     send_late(x, now_ns);
@@ -257,6 +306,7 @@ static void note_request(void *observer, const char *request, size_t length)
     enum { MOST = 300 };
     const ect_exchange_t *x = observer;
     ect_trace_note(x->trace, "request: %.*s", (int)(length < MOST ? length : MOST), request);
+    ect_trace_log(x->trace, ECT_LOGGED_REQUEST, 0, x->touched_ns, request, length);
 }
 
 void ect_exchange_show(ect_exchange_t *x)
@@ -269,6 +319,7 @@ void ect_exchange_show(ect_exchange_t *x)
 void ect_exchange_start(ect_exchange_t *x)
 {
     x->deadline_ns = x->touched_ns = ECT_NEVER;
+    x->linked[ECT_END_IN] = true; /* as ect_chain_new leaves them */
     x->stats.start_ns = now(x);
     if (x->control)
         ect_exchange_show(x);
@@ -276,6 +327,20 @@ void ect_exchange_start(ect_exchange_t *x)
         x->scenario->done = note_fault;
         x->scenario->observer = x;
     }
+}
+
+void ect_exchange_power_cycle(ect_exchange_t *x)
+{
+    ect_exchange_end(x);
+    uint64_t now_ns = ect_exchange_touch(x);
+    log_time(x, ECT_LOGGED_POWER, now_ns);
+    ect_chain_power_cycle(x->chain, now_ns);
+}
+
+void ect_exchange_request(ect_exchange_t *x, const char *request, size_t length)
+{
+    if (x->trace)
+        note_request(x, request, length);
 }
 
 void ect_exchange_end(ect_exchange_t *x)

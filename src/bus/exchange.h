@@ -98,6 +98,12 @@ uint64_t ect_exchange_touch(ect_exchange_t *x);
  */
 uint64_t ect_exchange_run(ect_exchange_t *x);
 
+/** Switches all twins off and on (::ect_chain_power_cycle); replies that were kept are dropped. */
+void ect_exchange_power_cycle(ect_exchange_t *x);
+
+/** Notes a request that changes the chain (bus/control/change.h), after ::ect_exchange_touch and before the change. */
+void ect_exchange_request(ect_exchange_t *x, const char *request, size_t length);
+
 /** Drops the replies that were kept. */
 void ect_exchange_end(ect_exchange_t *x);
 

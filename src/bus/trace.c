@@ -4,6 +4,9 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "text/state.h"
 
 /* The AL state and the code that a twin had, off the bus 0. */
 typedef struct seen {
@@ -11,32 +14,66 @@ typedef struct seen {
     uint16_t code;
 } seen_t;
 
+enum { FILES = 2, CAPTURE = 0, RECORD = 1 };
+
 struct ect_trace {
-    ect_capture_t *capture;
+    ect_capture_t *files[FILES]; /* NULL: none */
+    bool record_ends;            /* something did not fit */
     size_t count;
     seen_t seen[];
 };
 
-ect_trace_t *ect_trace_new(ect_capture_t *capture, size_t count)
+ect_trace_t *ect_trace_new(ect_capture_t *capture, ect_capture_t *record, size_t count)
 {
     ect_trace_t *t = calloc(1, sizeof *t + count * sizeof t->seen[0]);
     if (!t)
         return NULL;
-    t->capture = capture;
+    t->files[CAPTURE] = capture;
+    t->files[RECORD] = record;
     t->count = count;
     for (size_t i = 0; i < count; i++)
         t->seen[i].state = ECT_STATE_INIT;
     return t;
 }
 
+static bool recording(const ect_trace_t *t)
+{
+    return t->files[RECORD] && !t->record_ends;
+}
+
+void ect_trace_log(ect_trace_t *t, ect_logged_kind_t kind, uint32_t value, uint64_t time_ns, const char *text,
+                   size_t length)
+{
+    if (!recording(t))
+        return;
+    uint8_t small[256];
+    uint8_t *body = ECT_LOGGED_HEAD + length <= sizeof small ? small : malloc(ECT_LOGGED_HEAD + length);
+    if (body) {
+        ect_logged_head(body, kind, value, time_ns);
+        if (length > 0)
+            memcpy(body + ECT_LOGGED_HEAD, text, length);
+    }
+    t->record_ends = !body || !ect_capture_local(t->files[RECORD], body, ECT_LOGGED_HEAD + length);
+    if (body != small)
+        free(body);
+}
+
+static bool add_frame(ect_trace_t *t, ect_end_t end, ect_pcapng_direction_t direction, uint64_t now_ns,
+                      const uint8_t *frame, size_t length)
+{
+    if (recording(t))
+        t->record_ends = !ect_capture_frame(t->files[RECORD], end, direction, now_ns, frame, length);
+    return !t->files[CAPTURE] || ect_capture_frame(t->files[CAPTURE], end, direction, now_ns, frame, length);
+}
+
 bool ect_trace_request(ect_trace_t *t, ect_end_t end, uint64_t now_ns, const uint8_t *frame, size_t length)
 {
-    return ect_capture_frame(t->capture, end, ECT_PCAPNG_INBOUND, now_ns, frame, length);
+    return add_frame(t, end, ECT_PCAPNG_INBOUND, now_ns, frame, length);
 }
 
 bool ect_trace_reply(ect_trace_t *t, ect_end_t end, uint64_t now_ns, const uint8_t *frame, size_t length)
 {
-    return ect_capture_frame(t->capture, end, ECT_PCAPNG_OUTBOUND, now_ns, frame, length);
+    return add_frame(t, end, ECT_PCAPNG_OUTBOUND, now_ns, frame, length);
 }
 
 void ect_trace_note(ect_trace_t *t, const char *format, ...)
@@ -46,7 +83,10 @@ void ect_trace_note(ect_trace_t *t, const char *format, ...)
     va_start(values, format);
     (void)vsnprintf(text, sizeof text, format, values);
     va_end(values);
-    ect_capture_comment(t->capture, text);
+    for (unsigned int i = 0; i < FILES; i++) {
+        if (t->files[i])
+            ect_capture_comment(t->files[i], text);
+    }
 }
 
 void ect_trace_effects(ect_trace_t *t, const ect_frame_effects_t *effects, bool changed)
@@ -69,20 +109,7 @@ void ect_trace_effects(ect_trace_t *t, const ect_frame_effects_t *effects, bool 
 
 static const char *state_name(uint8_t state)
 {
-    switch (state) {
-    case 0:
-        return "off the bus";
-    case ECT_STATE_INIT:
-        return "INIT";
-    case ECT_STATE_PREOP:
-        return "PREOP";
-    case ECT_STATE_BOOT:
-        return "BOOT";
-    case ECT_STATE_SAFEOP:
-        return "SAFEOP";
-    default:
-        return "OP";
-    }
+    return state == 0 ? "off the bus" : ect_state_text(state);
 }
 
 void ect_trace_states(ect_trace_t *t, const ect_chain_t *chain)
@@ -103,19 +130,30 @@ void ect_trace_states(ect_trace_t *t, const ect_chain_t *chain)
 
 void ect_trace_flush(ect_trace_t *t)
 {
-    ect_capture_flush(t->capture);
+    for (unsigned int i = 0; i < FILES; i++) {
+        if (t->files[i])
+            ect_capture_flush(t->files[i]);
+    }
 }
 
-bool ect_trace_start(ect_trace_t *t)
+void ect_trace_start(ect_trace_t *t)
 {
-    return ect_capture_start(t->capture);
+    for (unsigned int i = 0; i < FILES; i++) {
+        if (t->files[i])
+            (void)ect_capture_start(t->files[i]);
+    }
 }
 
-int ect_trace_close(ect_trace_t *t, uint64_t now_ns)
+ect_trace_lacks_t ect_trace_close(ect_trace_t *t, uint64_t now_ns)
 {
+    ect_trace_lacks_t lacks = {0};
+    uint8_t lost[ECT_LOGGED_HEAD];
     if (!t)
-        return 0;
-    int failed = ect_capture_close(t->capture, now_ns);
+        return lacks;
+    ect_logged_head(lost, ECT_LOGGED_LOST, 0, now_ns);
+    lacks.record_is_slow = t->record_ends;
+    lacks.capture = ect_capture_close(t->files[CAPTURE], NULL, 0, now_ns);
+    lacks.record = ect_capture_close(t->files[RECORD], lost, t->record_ends ? sizeof lost : 0, now_ns);
     free(t);
-    return failed;
+    return lacks;
 }

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "bus/capture/capture.h"
+#include "bus/capture/logged.h"
 #include "bus/chain/chain.h"
 #include "bus/faults/scenario.h"
 #include "wire/linkage.h"
@@ -25,16 +26,21 @@ typedef struct ect_trace ect_trace_t;
 
 /**
  * Makes a trace of a chain.
- * @param capture  becomes the trace's: ::ect_trace_close closes it
+ * @param capture  for readers, NULL: none; becomes the trace's: ::ect_trace_close closes it
+ * @param record   for replay, likewise: frames, comments, and all that is not in frames
  * @param count    number of twins
- * @return NULL: not enough memory; the capture stays the caller's
+ * @return NULL: not enough memory; the captures stay the caller's
  */
-ect_trace_t *ect_trace_new(ect_capture_t *capture, size_t count);
+ect_trace_t *ect_trace_new(ect_capture_t *capture, ect_capture_t *record, size_t count);
 
-/** A frame enters the chain at an end. @return false: dropped, for lack of room */
+/** Adds what is not in frames to the record. @param text  `length` bytes */
+void ect_trace_log(ect_trace_t *trace, ect_logged_kind_t kind, uint32_t value, uint64_t time_ns, const char *text,
+                   size_t length);
+
+/** A frame enters the chain at an end. @return false: the capture lacks it, for lack of room */
 bool ect_trace_request(ect_trace_t *trace, ect_end_t end, uint64_t now_ns, const uint8_t *frame, size_t length);
 
-/** A frame has left the chain at an end. @return false: dropped, for lack of room */
+/** A frame has left the chain at an end. @return false: the capture lacks it, for lack of room */
 bool ect_trace_reply(ect_trace_t *trace, ect_end_t end, uint64_t now_ns, const uint8_t *frame, size_t length);
 
 /** Adds a line to the comment of the next frame. */
@@ -49,11 +55,18 @@ void ect_trace_states(ect_trace_t *trace, const ect_chain_t *chain);
 /** Passes what was added on to the file. */
 void ect_trace_flush(ect_trace_t *trace);
 
-/** Lets a thread of its own write. @return false: there is none; ::ect_trace_flush writes */
-bool ect_trace_start(ect_trace_t *trace);
+/** Lets a thread of its own write each file; where there is none, ::ect_trace_flush writes. */
+void ect_trace_start(ect_trace_t *trace);
 
-/** Closes the capture and frees the trace. @return as ::ect_capture_close. NULL: no effect */
-int ect_trace_close(ect_trace_t *trace, uint64_t now_ns);
+/** Parts of the run that the files of a trace lack. */
+typedef struct ect_trace_lacks {
+    int capture;         /**< errno of the first failed write of the capture; 0 */
+    int record;          /**< likewise of the record */
+    bool record_is_slow; /**< the record ends early: its disk was too slow */
+} ect_trace_lacks_t;
+
+/** Closes the files and frees the trace. NULL: no effect */
+ect_trace_lacks_t ect_trace_close(ect_trace_t *trace, uint64_t now_ns);
 
 ECT_C_END
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "steps/engine.h"
+#include "text/state.h"
 
 enum { LOGICAL = 0x00010000, READS = 1, WRITES = 2 };
 /* 6 s of the default divider. A case pauses where a controller does not, and so does a machine under load. */
@@ -13,14 +14,7 @@ enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, LAME_MS = 300, SET
 
 const char *cf_state_name(uint16_t al_status)
 {
-    static const char *const names[2][16] = {
-        {"state 0", "INIT", "PREOP", "BOOT", "SAFEOP", "state 5", "state 6", "state 7", "OP", "state 9", "state 10",
-         "state 11", "state 12", "state 13", "state 14", "state 15"},
-        {"state 0 + error", "INIT + error", "PREOP + error", "BOOT + error", "SAFEOP + error", "state 5 + error",
-         "state 6 + error", "state 7 + error", "OP + error", "state 9 + error", "state 10 + error", "state 11 + error",
-         "state 12 + error", "state 13 + error", "state 14 + error", "state 15 + error"},
-    };
-    return names[(al_status & ECT_AL_ERROR) != 0][al_status & ECT_AL_STATE_MASK];
+    return ect_state_text(al_status);
 }
 
 /* --- configuration ------------------------------------------------------------------------------------------------ */

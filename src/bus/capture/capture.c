@@ -279,7 +279,7 @@ static void add_end(ect_capture_t *c, uint64_t time_ns)
         (void)add(c, block, ect_pcapng_statistics(block, time_ns + c->offset_ns, c->comment));
 }
 
-int ect_capture_close(ect_capture_t *c, uint64_t time_ns)
+int ect_capture_close(ect_capture_t *c, const void *last, size_t length, uint64_t time_ns)
 {
     if (!c)
         return 0;
@@ -290,6 +290,8 @@ int ect_capture_close(ect_capture_t *c, uint64_t time_ns)
         (void)sem_destroy(&c->wake);
     }
     write_all(c);
+    if (length > 0)
+        (void)ect_capture_local(c, last, length);
     add_end(c, time_ns);
     write_all(c);
     int failed = atomic_load(&c->failed);

@@ -70,10 +70,11 @@ void ect_capture_flush(ect_capture_t *capture);
 
 /**
  * Writes what is left and closes the file.
+ * @param last     local data at the end, `length` bytes; with 0 none
  * @param time_ns  of the end
  * @return 0; or the errno value of the first failed write, after which nothing was written. NULL: no effect
  */
-int ect_capture_close(ect_capture_t *capture, uint64_t time_ns);
+int ect_capture_close(ect_capture_t *capture, const void *last, size_t length, uint64_t time_ns);
 
 ECT_C_END
 

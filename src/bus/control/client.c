@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "bus/chain/fields.h"
-#include "bus/chain/settings.h"
+#include "bus/control/change.h"
 #include "wire/assert.h"
 
 bool ect_client_room(const ect_client_t *client)
@@ -187,50 +187,6 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
     return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
 }
 
-/* --- set ---------------------------------------------------------------------------------------------------------- */
-
-/* A value may be text, a number or a truth value; `text` has room for the last two. @return it as text, NULL */
-static const char *value_of(const cJSON *json, char text[32])
-{
-    if (cJSON_IsString(json))
-        return cJSON_GetStringValue(json);
-    if (cJSON_IsBool(json))
-        return cJSON_IsTrue(json) ? "1" : "0";
-    if (!cJSON_IsNumber(json) || !isfinite(json->valuedouble))
-        return NULL;
-    snprintf(text, 32, "%.15g", json->valuedouble);
-    return text;
-}
-
-/* {"name":N,"value":V}, or several at once: {"values":{N:V,...}}. @return why not, NULL when all are set */
-static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, uint64_t now_ns,
-                       char message[ECT_SIGNAL_MESSAGE])
-{
-    ect_setting_t settings[ECT_ENDPOINT_VALUES];
-    char texts[ECT_ENDPOINT_VALUES][32];
-    size_t count = 0;
-    const cJSON *values = cJSON_GetObjectItemCaseSensitive(request, "values");
-    if (cJSON_IsObject(values)) {
-        for (const cJSON *one = values->child; one; one = one->next, count++) {
-            if (count == ECT_ENDPOINT_VALUES)
-                return "a request sets at most 128 signals";
-            settings[count] = (ect_setting_t){.name = one->string, .value = value_of(one, texts[count])};
-        }
-    } else {
-        const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "name"));
-        const cJSON *value = cJSON_GetObjectItemCaseSensitive(request, "value");
-        if (name)
-            settings[count++] = (ect_setting_t){.name = name, .value = value_of(value, texts[0])};
-    }
-    if (count == 0)
-        return "\"set\" takes {\"name\":...,\"value\":...} or {\"values\":{NAME:VALUE,...}}";
-    for (size_t i = 0; i < count; i++) {
-        if (!settings[i].value)
-            return "a value is a text, a number, true or false";
-    }
-    return ect_settings_apply(chain, slave - 1, settings, count, now_ns, message) ? NULL : message;
-}
-
 /* --- data --------------------------------------------------------------------------------------------------------- */
 
 /* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
@@ -384,15 +340,6 @@ static const char *reply_about(ect_client_t *client, const ect_chain_t *chain)
 
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
-/* @return the slave that a request is for, from 1; 0: all of them; -1: there is no such slave */
-static long slave_of(const cJSON *request, const ect_chain_t *chain)
-{
-    const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
-    double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
-    bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && (double)(long)slave == slave;
-    return exists ? (long)slave : -1;
-}
-
 static bool is_visit(ect_visit_t *v, const char *op)
 {
     static const char *const names[] = {
@@ -404,33 +351,23 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
-/* Sets or carries out a fault; without "fault" lists those that are set, at most as many as a step writes lines. */
-static const char *set_fault(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
-                             char message[ECT_SIGNAL_MESSAGE])
+/* The faults that are set, at most as many as a step writes lines. @return why not, NULL */
+static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
 {
     /* A step has room for its lines at their longest; those of faults are short. */
     enum { FAULTS = ECT_CLIENT_LINES * ECT_LINE_ROOM / (ECT_FAULT_TEXT + 32) };
     _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)FAULTS, "one step lists all of them");
-    _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
-    const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
     char room[ECT_FAULT_TEXT];
-    ect_fault_t fault;
     if (!client->scenario)
         return "no faults can be set here";
-    for (size_t i = 0; !text && i < FAULTS && ect_scenario_show(client->scenario, chain, i, room); i++) {
+    for (size_t i = 0; i < FAULTS && ect_scenario_show(client->scenario, chain, i, room); i++) {
         ect_line_t line;
         ect_line_begin(&line);
         ect_line_string(&line, "fault", room);
         ect_line_end(&line);
         put(client, &line);
     }
-    if (!text)
-        return NULL;
-    if (!cJSON_IsString(text))
-        return "\"fault\" is a text, as in {\"op\":\"fault\",\"fault\":\"drop 5%\"}";
-    bool done = ect_fault_parse(text->valuestring, &fault, message) &&
-                ect_scenario_set(client->scenario, chain, &fault, now_ns, message);
-    return done ? NULL : message;
+    return NULL;
 }
 
 static bool has_immediate_reply(const char *op)
@@ -447,39 +384,28 @@ static bool has_immediate_reply(const char *op)
 static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *op, size_t slave, const cJSON *request,
                           uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
 {
-    if (strcmp(op, "set") == 0)
-        return set(chain, slave, request, now_ns, message);
+    if (strcmp(op, "fault") == 0 && !cJSON_GetObjectItemCaseSensitive(request, "fault"))
+        return list_faults(client, chain);
+    if (ect_change_is(op))
+        return ect_change_apply(chain, client->scenario, request, now_ns, message);
     if (strcmp(op, "data") == 0)
         return reply_piece(client, chain, slave, request);
-    if (strcmp(op, "fault") == 0)
-        return set_fault(client, chain, request, now_ns, message);
     if (strcmp(op, "about") == 0)
         return reply_about(client, chain);
     return reply_stats(client, now_ns);
 }
 
-static const char *op_of(const cJSON *request)
-{
-    const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
-    return op ? op : "";
-}
-
-static bool changes_something(const char *op)
-{
-    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
-}
-
 static void tell_observer(const ect_client_t *client, const char *op)
 {
-    if (client->observer && client->observer->changes && changes_something(op))
+    if (client->observer && client->observer->changes && ect_change_is(op))
         client->observer->changes(client->observer->ctx, client->request, client->line - 1);
 }
 
 static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];
-    const char *op = op_of(request);
-    long slave = slave_of(request, chain);
+    const char *op = ect_change_op(request);
+    long slave = ect_change_slave(request, chain);
     bool visit = is_visit(&client->visit, op);
     const char *why;
     tell_observer(client, op);
@@ -503,7 +429,7 @@ static bool serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns
         ect_client_result(client, "a request is text: it has no zero byte in it");
     } else {
         cJSON *request = cJSON_ParseWithLength(client->request, client->line);
-        served = !client->deaf || changes_something(op_of(request));
+        served = !client->deaf || ect_change_is(ect_change_op(request));
         if (served)
             serve(client, chain, request, now_ns);
         cJSON_Delete(request);

@@ -77,7 +77,7 @@ static void read_back(rig_t *r)
 
 static void end(rig_t *r, int expected)
 {
-    assert_int_equal(ect_capture_close(r->capture, 0), expected);
+    assert_int_equal(ect_capture_close(r->capture, NULL, 0, 0), expected);
     read_back(r);
 }
 
@@ -308,7 +308,7 @@ static void failed_write(void **state)
         (void)add(r, i, FRAME);
     ect_capture_flush(r->capture);
     bool added = add(r, 1, FRAME);
-    int failed = ect_capture_close(r->capture, 0);
+    int failed = ect_capture_close(r->capture, NULL, 0, 0);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     assert_int_equal(failed, EFBIG);
     assert_false(added);

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/* The file of a replay: its items, its mistakes, its words. */
+#define _GNU_SOURCE
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "replay.h"
+
+enum { KEY_OF_RUN = 0x400 };
+
+/* --- the words of a record ---------------------------------------------------------------------------------------- */
+
+/* Wrong words are a wrong file: the parser's first line, and the status of one. */
+static bool reading_words;
+
+static ssize_t write_first_line(void *cookie, const char *text, size_t length)
+{
+    static const char hint[] = "Try `";
+    bool *done = cookie;
+    const char *end = memchr(text, '\n', length);
+    *done |= strncmp(text, hint, sizeof hint - 1) == 0; /* getopt has written the line */
+    if (!*done)
+        (void)fwrite(text, 1, end ? (size_t)(end - text) + 1 : length, stderr);
+    *done |= end != NULL;
+    return (ssize_t)length;
+}
+
+static void end_as_wrong_file(void)
+{
+    if (!reading_words)
+        return;
+    fflush(NULL);
+    _exit(EXIT_OPEN);
+}
+
+typedef struct words {
+    twin_args_t *twins;
+    char *devices;
+    FILE *errors;
+} words_t;
+
+/* The options of `run` and `with` themselves shape no twins. */
+static const struct argp_option options_of_run[] = {
+    {"interface", 'i', "IFACE", OPTION_HIDDEN, NULL, 0},
+    {"output", 'o', "IFACE", OPTION_HIDDEN, NULL, 0},
+    {"iface", KEY_OF_RUN, "NAME", OPTION_HIDDEN, NULL, 0},
+    {"require-private", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
+    {"leave-children", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
+    {"in-process", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
+    {"virtual-time", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
+    {0},
+};
+
+static error_t parse_word(int key, char *text, struct argp_state *state)
+{
+    words_t *words = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = words->twins;
+        state->err_stream = words->errors;
+        return 0;
+    case KEY_OF_RUN:
+    case 'i':
+    case 'o':
+        return 0;
+    case ARGP_KEY_ARG:
+        words->devices = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (!words->devices)
+            argp_error(state, "the record names no device");
+        if (words->twins->store || words->twins->files || words->twins->modbus)
+            argp_error(state, "the record asks for files or a server, which no record of ectwin does");
+        twin_args_devices(words->twins, state, words->devices);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+void replay_words(twin_args_t *twins, int count, char **list)
+{
+    static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
+    static const struct argp argp = {.options = options_of_run, .parser = parse_word, .children = children};
+    static const cookie_io_functions_t io = {.write = write_first_line};
+    bool first_line_written = false;
+    words_t words = {.twins = twins, .errors = fopencookie(&first_line_written, "w", io)};
+    static bool prepared;
+    prepared = prepared || atexit(end_as_wrong_file) == 0;
+    reading_words = true;
+    (void)argp_parse(&argp, count + 1, list, ARGP_NO_HELP, NULL, &words);
+    reading_words = false;
+    fclose(words.errors);
+}
+
+/* --- the file ----------------------------------------------------------------------------------------------------- */
+
+void replay_wrong(replay_t *r, const char *format, ...)
+{
+    char text[TWIN_MESSAGE];
+    va_list values;
+    va_start(values, format);
+    (void)vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    r->status = EXIT_OPEN;
+    fprintf(stderr, "ectwin replay: '%s': %s\n", r->path, text);
+}
+
+void replay_next(replay_t *r)
+{
+    r->item = r->ahead;
+    if (r->item.bytes && r->item.captured > 0)
+        memcpy(r->bytes, r->item.bytes, r->item.captured);
+    r->item.bytes = r->bytes;
+    if (ect_reader_next(&r->reader, &r->ahead) == ECT_ITEM_WRONG)
+        replay_wrong(r, "%s", r->reader.message);
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+#include "bus/control/change.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bus/chain/settings.h"
+#include "bus/control/endpoint.h"
+
+const char *ect_change_op(const cJSON *request)
+{
+    const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
+    return op ? op : "";
+}
+
+bool ect_change_is(const char *op)
+{
+    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
+}
+
+long ect_change_slave(const cJSON *request, const ect_chain_t *chain)
+{
+    const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
+    double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
+    bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && (double)(long)slave == slave;
+    return exists ? (long)slave : -1;
+}
+
+/* A value may be text, a number or a truth value; `text` has room for the last two. @return it as text, NULL */
+static const char *value_of(const cJSON *json, char text[32])
+{
+    if (cJSON_IsString(json))
+        return cJSON_GetStringValue(json);
+    if (cJSON_IsBool(json))
+        return cJSON_IsTrue(json) ? "1" : "0";
+    if (!cJSON_IsNumber(json) || !isfinite(json->valuedouble))
+        return NULL;
+    snprintf(text, 32, "%.15g", json->valuedouble);
+    return text;
+}
+
+/* {"name":N,"value":V}, or several at once: {"values":{N:V,...}}. @return why not, NULL when all are set */
+static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, uint64_t now_ns,
+                       char message[ECT_SIGNAL_MESSAGE])
+{
+    ect_setting_t settings[ECT_ENDPOINT_VALUES];
+    char texts[ECT_ENDPOINT_VALUES][32];
+    size_t count = 0;
+    const cJSON *values = cJSON_GetObjectItemCaseSensitive(request, "values");
+    if (cJSON_IsObject(values)) {
+        for (const cJSON *one = values->child; one; one = one->next, count++) {
+            if (count == ECT_ENDPOINT_VALUES)
+                return "a request sets at most 128 signals";
+            settings[count] = (ect_setting_t){.name = one->string, .value = value_of(one, texts[count])};
+        }
+    } else {
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "name"));
+        const cJSON *value = cJSON_GetObjectItemCaseSensitive(request, "value");
+        if (name)
+            settings[count++] = (ect_setting_t){.name = name, .value = value_of(value, texts[0])};
+    }
+    if (count == 0)
+        return "\"set\" takes {\"name\":...,\"value\":...} or {\"values\":{NAME:VALUE,...}}";
+    for (size_t i = 0; i < count; i++) {
+        if (!settings[i].value)
+            return "a value is a text, a number, true or false";
+    }
+    return ect_settings_apply(chain, slave - 1, settings, count, now_ns, message) ? NULL : message;
+}
+
+/* Sets or carries out a fault. @return why not, NULL */
+static const char *set_fault(ect_scenario_t *scenario, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
+                             char message[ECT_SIGNAL_MESSAGE])
+{
+    _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
+    const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
+    ect_fault_t fault;
+    if (!scenario)
+        return "no faults can be set here";
+    if (!cJSON_IsString(text))
+        return "\"fault\" is a text, as in {\"op\":\"fault\",\"fault\":\"drop 5%\"}";
+    bool done = ect_fault_parse(text->valuestring, &fault, message) &&
+                ect_scenario_set(scenario, chain, &fault, now_ns, message);
+    return done ? NULL : message;
+}
+
+const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const cJSON *request, uint64_t now_ns,
+                             char *message)
+{
+    long slave = ect_change_slave(request, chain);
+    if (slave <= 0)
+        return "there is no such slave in this chain";
+    return strcmp(ect_change_op(request), "set") == 0 ? set(chain, (size_t)slave, request, now_ns, message)
+                                                      : set_fault(scenario, chain, request, now_ns, message);
+}

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: MIT */
+/* Capture files read (src/bus/capture/reader.h): both formats, both byte orders, times of any resolution; and files
+ * whose lengths and counts lie. */
+#define _GNU_SOURCE
+#include "bus/capture/reader.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "bus/capture/pcapng.h"
+#include "seams/random.h"
+#include "wire/bytes.h"
+
+enum { ROOM = 65536, FRAME = 60 };
+
+typedef struct file {
+    uint8_t bytes[ROOM];
+    size_t size;
+    bool big; /* numbers are big-endian */
+} file_t;
+
+static void put32(file_t *f, uint32_t value)
+{
+    uint8_t *at = f->bytes + f->size;
+    ect_store_le32(at, f->big ? value >> 24 | (value >> 8 & 0xFF00) | (value << 8 & 0xFF0000) | value << 24 : value);
+    f->size += 4;
+}
+
+/* Two numbers of 16 bits. */
+static void put16s(file_t *f, uint16_t first, uint16_t second)
+{
+    put32(f, f->big ? (uint32_t)first << 16 | second : (uint32_t)second << 16 | first);
+}
+
+static void put_section(file_t *f)
+{
+    put32(f, ECT_PCAPNG_SECTION);
+    put32(f, 28);
+    put32(f, ECT_PCAPNG_MAGIC);
+    put16s(f, 1, 0);
+    put32(f, UINT32_MAX);
+    put32(f, UINT32_MAX);
+    put32(f, 28);
+}
+
+/* @param resolution  256: without the option */
+static void put_interface(file_t *f, unsigned int resolution, uint16_t link)
+{
+    const uint32_t total = resolution < 256 ? 28 : 20;
+    put32(f, ECT_PCAPNG_INTERFACE);
+    put32(f, total);
+    put16s(f, link, 0);
+    put32(f, 0);
+    if (resolution < 256) {
+        put16s(f, ECT_PCAPNG_RESOLUTION, 1);
+        f->bytes[f->size] = (uint8_t)resolution;
+        memset(f->bytes + f->size + 1, 0, 3);
+        f->size += 4;
+    }
+    put32(f, total);
+}
+
+static void put_packet(file_t *f, uint32_t interface, uint64_t time, uint32_t captured, uint32_t length)
+{
+    const uint32_t total = 32 + FRAME;
+    put32(f, ECT_PCAPNG_PACKET);
+    put32(f, total);
+    put32(f, interface);
+    put32(f, (uint32_t)(time >> 32));
+    put32(f, (uint32_t)time);
+    put32(f, captured);
+    put32(f, length);
+    memset(f->bytes + f->size, 0x5A, FRAME);
+    f->size += FRAME;
+    put32(f, total);
+}
+
+static void put_pcap(file_t *f, uint32_t magic, uint32_t link)
+{
+    put32(f, magic);
+    put16s(f, 2, 4);
+    put32(f, 0);
+    put32(f, 0);
+    put32(f, 65535);
+    put32(f, link);
+}
+
+static void put_pcap_packet(file_t *f, uint32_t seconds, uint32_t fraction, uint32_t captured)
+{
+    put32(f, seconds);
+    put32(f, fraction);
+    put32(f, captured);
+    put32(f, captured);
+    memset(f->bytes + f->size, 0x5A, FRAME);
+    f->size += FRAME;
+}
+
+static ect_reader_t open_file(file_t *f)
+{
+    return (ect_reader_t){.file = fmemopen(f->bytes, f->size, "rb")};
+}
+
+static void close_file(ect_reader_t *r)
+{
+    fclose(r->file);
+    ect_reader_free(r);
+}
+
+/* Reads to the end. @return the number of packets, the last one in *packet */
+static size_t read_all(file_t *f, ect_item_t *packet, char *message)
+{
+    ect_reader_t r = open_file(f);
+    ect_item_t item;
+    size_t packets = 0;
+    *message = 0;
+    while (ect_reader_next(&r, &item) != ECT_ITEM_END) {
+        if (item.kind == ECT_ITEM_PACKET) {
+            *packet = item;
+            packets++;
+            for (size_t i = 0; i < item.captured; i++) /* every byte may be read */
+                packet->interface ^= (uint32_t)item.bytes[i] & 0;
+        }
+        if (item.kind == ECT_ITEM_WRONG)
+            strcpy(message, r.message);
+    }
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_END);
+    close_file(&r);
+    return packets;
+}
+
+static void expect_time(file_t *f, uint64_t time_ns)
+{
+    char message[ECT_READER_MESSAGE];
+    ect_item_t packet = {0};
+    size_t packets = read_all(f, &packet, message);
+    assert_string_equal(message, "");
+    assert_int_equal(packets, 1);
+    assert_int_equal(packet.captured, FRAME);
+    assert_int_equal(packet.length, FRAME);
+    assert_true(packet.time_ns == time_ns);
+}
+
+static void resolutions(void **state)
+{
+    static const struct {
+        unsigned int resolution;
+        uint64_t time, ns;
+    } rows[] = {
+        {256, 1500000, 1500000000},
+        {6, 1500000, 1500000000},
+        {9, 0x123456789A, 0x123456789A},
+        {3, 1500, 1500000000},
+        {0, 2, 2000000000},
+        {12, 1500000000999, 1500000000},
+        {0x80 | 10, 1024 + 512, 1500000000},
+        {0x80 | 32, (uint64_t)3 << 31, 1500000000},
+        {0x80 | 60, (uint64_t)3 << 59, 1500000000},
+    };
+    (void)state;
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
+        file_t f = {.big = i % 2 != 0};
+        put_section(&f);
+        put_interface(&f, rows[i / 2].resolution, 1);
+        put_packet(&f, 0, rows[i / 2].time, FRAME, FRAME);
+        expect_time(&f, rows[i / 2].ns);
+    }
+}
+
+static void old_format(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        file_t f = {.big = i % 2 != 0};
+        put_pcap(&f, i < 2 ? 0xA1B2C3D4 : 0xA1B23C4D, 1);
+        put_pcap_packet(&f, 7, 5, FRAME);
+        expect_time(&f, i < 2 ? 7000005000 : 7000000005);
+    }
+}
+
+static void sections_anew(void **state)
+{
+    file_t f = {.size = 0};
+    char message[ECT_READER_MESSAGE];
+    ect_item_t packet;
+    (void)state;
+    put_section(&f);
+    put_interface(&f, 9, 1);
+    put_packet(&f, 0, 1, FRAME, FRAME);
+    f.big = true;
+    put_section(&f);
+    put_interface(&f, 9, 1);
+    put_packet(&f, 0, 2, FRAME, FRAME);
+    assert_int_equal(read_all(&f, &packet, message), 2);
+    assert_int_equal(packet.time_ns, 2);
+    assert_int_equal(packet.number, 2);
+    put_section(&f);
+    put_packet(&f, 0, 3, FRAME, FRAME);
+    assert_int_equal(read_all(&f, &packet, message), 2);
+    assert_non_null(strstr(message, "a packet of interface 0, which the file does not describe"));
+}
+
+typedef struct lie {
+    const char *message;
+    size_t at; /* of a number in the file of one packet below */
+    uint32_t value;
+    size_t cut; /* bytes that the file lacks at its end */
+} lie_t;
+
+/* Offsets: section 0, interface 28, packet 56. */
+static void lies(void **state)
+{
+    static const lie_t rows[] = {
+        {"no capture: the file is too short", 0, ECT_PCAPNG_SECTION, 145},
+        {"no capture: neither pcapng nor pcap", 0, 0x12345678, 0},
+        {"a section of an unknown byte order", 8, 0x11111111, 0},
+        {"a block of 0 bytes", 60, 0, 0},
+        {"a block of 13 bytes", 60, 13, 0},
+        {"a block of 4294967292 bytes", 60, 0xFFFFFFFC, 0},
+        {"a block of 2147483648 bytes", 32, 0x80000000, 0},
+        {"the file ends within a block", 60, 96, 0},
+        {"the file ends within a block", 0, ECT_PCAPNG_SECTION, 1},
+        {"the file ends within a block", 0, ECT_PCAPNG_SECTION, 90},
+        {"a block with two different lengths", 60, 88, 0},
+        {"a block with two different lengths", 4, 12, 0},
+        {"a packet of interface 1, which the file does not describe", 64, 1, 0},
+        {"a packet of interface 4294967295, which the file does not describe", 64, UINT32_MAX, 0},
+        {"a packet of 61 bytes in a block with 60", 68 + 8, 61, 0},
+        {"a packet of 4294967295 bytes in a block with 60", 76, UINT32_MAX, 0},
+        {"a packet of 60 bytes in a block with 60", 80, 59, 0},
+        {"a packet that is not of Ethernet", 36, 113, 0},
+        {"times that are too fine", 48, 19, 0},
+        {"times that are too fine", 48, 0x80 | 61, 0},
+        {"a packet without a time", 56, 3, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        file_t f = {.size = 0};
+        char message[ECT_READER_MESSAGE];
+        ect_item_t packet;
+        put_section(&f);
+        put_interface(&f, 9, 1);
+        put_packet(&f, 0, 1, FRAME, FRAME);
+        ect_store_le32(f.bytes + rows[i].at, rows[i].value);
+        f.size -= rows[i].cut;
+        assert_int_equal(read_all(&f, &packet, message), 0);
+        if (strncmp(message, rows[i].message, strlen(rows[i].message)) != 0)
+            fail_msg("row %zu: expected '%s', got '%s'", i, rows[i].message, message);
+    }
+}
+
+static void old_lies(void **state)
+{
+    static const lie_t rows[] = {
+        {"packets that are not of Ethernet", 20, 113, 0},
+        {"a packet of 4294967295 bytes", 32, UINT32_MAX, 0},
+        {"a packet of 61 bytes", 32, 61, 0},
+        {"the file ends within a packet", 0, 0xA1B2C3D4, 1},
+        {"the file ends within a packet", 0, 0xA1B2C3D4, 70},
+        {"the file ends within its header", 0, 0xA1B2C3D4, 77},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        file_t f = {.size = 0};
+        char message[ECT_READER_MESSAGE];
+        ect_item_t packet;
+        put_pcap(&f, 0xA1B2C3D4, 1);
+        put_pcap_packet(&f, 7, 5, FRAME);
+        ect_store_le32(f.bytes + rows[i].at, rows[i].value);
+        f.size -= rows[i].cut;
+        assert_int_equal(read_all(&f, &packet, message), 0);
+        if (strncmp(message, rows[i].message, strlen(rows[i].message)) != 0)
+            fail_msg("row %zu: expected '%s', got '%s'", i, rows[i].message, message);
+    }
+}
+
+static void many_interfaces(void **state)
+{
+    file_t f = {.size = 0};
+    char message[ECT_READER_MESSAGE];
+    ect_item_t packet;
+    (void)state;
+    put_section(&f);
+    for (int i = 0; i <= ECT_READER_INTERFACES; i++)
+        put_interface(&f, 9, 1);
+    assert_int_equal(read_all(&f, &packet, message), 0);
+    assert_non_null(strstr(message, "more interfaces than are read"));
+}
+
+static void random_damage(void **state)
+{
+    enum { RUNS = 20000 };
+    uint32_t seed = 1;
+    (void)state;
+    for (int run = 0; run < RUNS; run++) {
+        file_t f = {.big = run % 3 == 0};
+        char message[ECT_READER_MESSAGE];
+        ect_item_t packet;
+        if (run % 2 == 0) {
+            put_section(&f);
+            put_interface(&f, 9, 1);
+            put_packet(&f, 0, 1, FRAME, FRAME);
+            f.size += ect_pcapng_local(f.bytes + f.size, "0123456789", 10);
+            put_packet(&f, 0, 2, FRAME, FRAME);
+        } else {
+            put_pcap(&f, 0xA1B2C3D4, 1);
+            put_pcap_packet(&f, 7, 5, FRAME);
+            put_pcap_packet(&f, 8, 5, FRAME);
+        }
+        for (uint32_t n = ect_random_next(&seed) % 6; n > 0; n--)
+            f.bytes[ect_random_next(&seed) % f.size] ^= (uint8_t)(1u << ect_random_next(&seed) % 8);
+        f.size -= ect_random_next(&seed) % 40;
+        assert_in_range(read_all(&f, &packet, message), 0, 2);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"times of any resolution are nanoseconds, in both byte orders", resolutions, NULL, NULL, NULL},
+        {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
+        {"each section has interfaces and a byte order of its own", sections_anew, NULL, NULL, NULL},
+        {"Attack: lengths and counts of pcapng that lie", lies, NULL, NULL, NULL},
+        {"Attack: lengths of pcap that lie", old_lies, NULL, NULL, NULL},
+        {"Attack: interfaces without end", many_interfaces, NULL, NULL, NULL},
+        {"Attack: damage at random", random_damage, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("capture_reader", tests, NULL, NULL);
+}
