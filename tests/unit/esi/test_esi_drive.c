@@ -295,6 +295,7 @@ static void defaults_of_nothing(void **state)
     close_drive(state);
     open_drive("SERVO");
     assert_int_equal(read_sdo(0x6007, 0), 1);
+    assert_int_equal(write_sdo(0x60C2, 2, -3, 1), 0);
     assert_int_equal(read_sdo(0x6085, 0), 524288000);
     assert_int_equal(read_sdo(0x605B, 0), 0);
     assert_int_equal(read_sdo(0x6502, 0), 0x3ED);

@@ -155,6 +155,56 @@ static void mailboxes_of_the_header_serve_without_a_category_of_sync_managers(vo
     drop(&m);
 }
 
+/* ETG.2010, category General: a field or a bit alone. */
+static void each_field_of_general_is_read(void **state)
+{
+    static const struct {
+        const char *what;
+        size_t at;
+        uint8_t value;
+    } rows[] = {{"LRD and LWR alone", 11, 0x02},
+                {"mailbox data link layer", 11, 0x04},
+                {"identification in AL status", 11, 0x08},
+                {"identification in memory", 11, 0x10},
+                {"channels of SoE", 8, 3},
+                {"SDO information", 5, 0x02},
+                {"PDO assignment", 5, 0x04},
+                {"PDO configuration", 5, 0x08},
+                {"PDO upload", 5, 0x10},
+                {"Complete Access", 5, 0x20},
+                {"E-bus current", 12, 90},
+                {"E-bus current that is fed in, high byte", 13, 0xFE}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t general[20] = {[18] = 0x34, [19] = 0x12};
+        image_t image;
+        char why[TEXT];
+        general[rows[i].at] = rows[i].value;
+        begin(&image, ECT_MAILBOX_COE);
+        add(&image, ECT_SII_GENERAL, general, sizeof general);
+        end(&image);
+        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+        const ect_esi_device_t *d = ect_esi_select(esi, "", why, sizeof why);
+        const int64_t got[] = {d->lrd_lwr,
+                               d->mailbox.data_link_layer,
+                               d->identification_134,
+                               d->identification_ado.given && d->identification_ado.value == 0x1234,
+                               d->mailbox.soe_channels == 3,
+                               d->mailbox.sdo_info,
+                               d->mailbox.pdo_assign,
+                               d->mailbox.pdo_config,
+                               d->mailbox.pdo_upload,
+                               d->mailbox.complete_access,
+                               d->ebus_current_ma == 90,
+                               d->ebus_current_ma == -512};
+        for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+            if (got[k] != (k == i))
+                fail_msg("%s: %s %s", rows[i].what, rows[k].what, k == i ? "is not there" : "is there, too");
+        }
+        ect_esi_close(esi);
+    }
+}
+
 /* ETG.2010, category SyncM: 0 not used, 1 and 2 mailbox, 3 and 4 process data; other values are reserved. */
 static void each_type_of_a_sync_manager_has_its_name(void **state)
 {
@@ -273,6 +323,7 @@ int main(void)
         cmocka_unit_test(each_device_of_the_catalogue_comes_back_from_its_image),
         cmocka_unit_test(the_eeprom_has_the_size_of_its_header),
         cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
+        cmocka_unit_test(each_field_of_general_is_read),
         cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
         cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
         cmocka_unit_test(process_data_without_pdos_are_bytes),
