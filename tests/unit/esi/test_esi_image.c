@@ -249,6 +249,11 @@ static void of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assign
     assert_int_equal(m.model->pdo_count, sizeof assigned / sizeof assigned[0]);
     for (size_t i = 0; i < m.model->pdo_count; i++)
         assert_int_equal(m.model->pdos[i].sm, assigned[i]);
+    const ect_esi_entry_t *second = &m.model->pdos[1].entries[0];
+    assert_int_equal(second->index, 0x7001);
+    assert_int_equal(second->subindex, 1);
+    assert_int_equal(second->bits, 32);
+    assert_string_equal(second->type, "UDINT");
     const ect_device_t *twin = ect_esi_twin_product(m.twin)->device;
     assert_int_equal(ect_device_bytes(twin, ECT_SM_OUTPUTS), 3);
     assert_int_equal(ect_device_bytes(twin, ECT_SM_INPUTS), 2);

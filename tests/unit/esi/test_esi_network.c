@@ -90,10 +90,9 @@ static void ping_is_answered(void **state)
 #define OBJECT_HEAD                                                                                                    \
     ESI_HEAD "<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>DEV</Type><Name>A device</Name><Profile>"  \
              "<Dictionary><Objects><Object><Index>#x2000</Index><Name>V</Name><Type>STRING("
-#define OBJECT_MIDDLE ")</Type><BitSize>"
-#define OBJECT_TAIL                                                                                                    \
-    "</BitSize></Object></Objects></Dictionary></Profile>" ESI_MAILBOX_SMS                                             \
-    "<Mailbox><EoE/><CoE/></Mailbox>" ESI_EEPROM "</Device>" ESI_TAIL
+#define OBJECT_MIDDLE  ")</Type><BitSize>"
+#define OBJECT_MAILBOX "</BitSize></Object></Objects></Dictionary></Profile>" ESI_MAILBOX_SMS "<Mailbox>"
+#define OBJECT_TAIL    "</Mailbox>" ESI_EEPROM "</Device>" ESI_TAIL
 
 /* A mailbox of less than 42 bytes cannot carry a unit: the file is wrong, and a note reports it. */
 static void short_mailbox(void **state)
@@ -116,18 +115,26 @@ static void short_mailbox(void **state)
     free_made(&m);
 }
 
-/* The address lies behind the objects, whose bytes may be of any number. */
-static void aligned_behind_any_objects(void **state)
+static size_t instance_with(const char *protocols, unsigned int length)
 {
-    size_t rest[2] = {0};
+    char text[2000];
+    (void)snprintf(text, sizeof text, "%s%u%s%u%s%s%s", OBJECT_HEAD, length, OBJECT_MIDDLE, 8 * length, OBJECT_MAILBOX,
+                   protocols, OBJECT_TAIL);
+    made_t m = make_text("EoE", text);
+    const size_t size = device_of(&m)->instance_size;
+    free_made(&m);
+    return size;
+}
+
+/* The address lies behind the objects, whose bytes may be of any number, and is aligned. */
+static void place_behind_any_objects(void **state)
+{
+    const size_t own = instance_with("<EoE/><CoE/>", 3) - instance_with("<CoE/>", 3);
     (void)state;
-    for (unsigned int length = 1; length <= 17; length++) {
-        char text[2000];
-        (void)snprintf(text, sizeof text, "%s%u%s%u%s", OBJECT_HEAD, length, OBJECT_MIDDLE, 8 * length, OBJECT_TAIL);
-        made_t m = make_text("EoE", text);
-        rest[length > 1] = device_of(&m)->instance_size % sizeof(uint32_t);
-        assert_int_equal(rest[length > 1], rest[0]);
-        free_made(&m);
+    for (unsigned int length = 4; length <= 20; length++) {
+        const size_t objects = instance_with("<CoE/>", length);
+        const size_t place = instance_with("<EoE/><CoE/>", length) - own;
+        assert_true(place >= objects && place < objects + sizeof(uint32_t) && place % sizeof(uint32_t) == 0);
     }
 }
 
@@ -136,7 +143,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         {"EOE-035 EOE-041: the address that a master sets answers a ping of 1400 bytes", ping_is_answered, NULL, NULL,
          NULL},
-        {"the place of the address is aligned, whatever the length of the objects", aligned_behind_any_objects, NULL,
+        {"the place of the address is aligned, whatever the length of the objects", place_behind_any_objects, NULL,
          NULL, NULL},
         {"EOE-021: with a mailbox of 41 bytes EoE is refused, and a note reports it", short_mailbox, NULL, NULL, NULL},
     };
