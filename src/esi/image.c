@@ -147,7 +147,6 @@ static void read_sms(const image_t *image)
         sm->maximum = (uint16_t)sm->size.value;
         sm->control = from[4];
         sm->flags = from[6] & (ECT_SM_FLAG_FIXED | ECT_SM_FLAG_VIRTUAL | ECT_SM_FLAG_OP_ONLY);
-        sm->op_only = (from[6] & ECT_SM_FLAG_OP_ONLY) != 0;
         sm->virtual_sm = (from[6] & ECT_SM_FLAG_VIRTUAL) != 0;
     }
     if (count == 0 && image->device->mailbox.given) {

@@ -67,7 +67,6 @@ typedef struct ect_esi_sm {
     ect_esi_number_t size;     /**< `DefaultSize` */
     uint16_t minimum, maximum; /**< 0 when absent */
     uint8_t flags; /**< bits 1 to 3 of `Enable`, with `OpOnly` (8) and `Virtual` (4): byte 6 of the SII's SyncM */
-    bool op_only;
     bool virtual_sm;
     int line;
 } ect_esi_sm_t;

@@ -91,7 +91,6 @@ static void read_sms(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *
         bits |= ect_esi_flag(xml, child, "OpOnly") ? ECT_SM_FLAG_OP_ONLY : 0u;
         bits |= ect_esi_flag(xml, child, "Virtual") ? ECT_SM_FLAG_VIRTUAL : 0u;
         sm->flags = bits & (ECT_SM_FLAG_FIXED | ECT_SM_FLAG_VIRTUAL | ECT_SM_FLAG_OP_ONLY);
-        sm->op_only = (bits & ECT_SM_FLAG_OP_ONLY) != 0;
         sm->virtual_sm = (bits & ECT_SM_FLAG_VIRTUAL) != 0;
         sm->line = ect_esi_line(child);
     }

@@ -43,7 +43,7 @@ GET(sm_size_given, sms[0].size.given)
 GET(sm_minimum, sms[0].minimum)
 GET(sm_maximum, sms[0].maximum)
 GET(sm_flags, sms[0].flags)
-GET(sm_bits, sms[0].flags * 256 + d->sms[0].op_only * 16 + d->sms[0].virtual_sm)
+GET(sm_bits, sms[0].flags * 256 + d->sms[0].virtual_sm)
 GET(init_index, mailbox.inits[0].index)
 GET(init_subindex, mailbox.inits[0].subindex)
 GET(init_adapts, mailbox.inits[0].adapts)
@@ -346,8 +346,8 @@ static void conditions(void **state)
         {"DefaultSize 0 is given", ESI_DEVICE("<Sm DefaultSize='0'/>"), 1, sm_size_given},
         {"Enable 255 has bits 1 to 3", ESI_DEVICE("<Sm Enable='255'/>"), 14, sm_flags},
         {"Enable 4 is virtual", ESI_DEVICE("<Sm Enable='4'/>"), 0x401, sm_bits},
-        {"Enable 8 is for OP only", ESI_DEVICE("<Sm Enable='8'/>"), 0x810, sm_bits},
-        {"OpOnly", ESI_DEVICE("<Sm OpOnly='1'/>"), 0x810, sm_bits},
+        {"Enable 8 is for OP only", ESI_DEVICE("<Sm Enable='8'/>"), 0x800, sm_bits},
+        {"OpOnly", ESI_DEVICE("<Sm OpOnly='1'/>"), 0x800, sm_bits},
         {"Virtual", ESI_DEVICE("<Sm Virtual='true'/>"), 0x401, sm_bits},
         {"SdoInfo", ESI_DEVICE("<Mailbox><CoE SdoInfo='1'/></Mailbox>"), 10000, coe_flags},
         {"PdoAssign", ESI_DEVICE("<Mailbox><CoE PdoAssign='1'/></Mailbox>"), 1000, coe_flags},

@@ -920,6 +920,27 @@ static void hexadecimal_digits(void **state)
     free_made(&m);
 }
 
+/* ProfileNo 402 promises a drive; without its two words there is none. */
+static void profiles_without_a_drive(void **state)
+{
+#define PROFILE(number)                                                                                                \
+    ESI_DEVICE("<Profile><ProfileNo>" number "</ProfileNo><Dictionary>" OBJECTS(                                       \
+        VALUE("UINT", "16", "", "")) "</Dictionary></Profile>" MAIL COE ESI_EEPROM)
+    static const struct {
+        const char *what, *text;
+        bool note;
+    } table[] = {{"402", PROFILE("402"), true}, {"401", PROFILE("401"), false}, {"5001", PROFILE("5001"), false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char why[200];
+        made_t m = make_text(table[i].what, table[i].text);
+        assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why));
+        expect_note(table[i].what, &m,
+                    table[i].note ? "ProfileNo is 402, but there is no 6040h and 6041h: it has no behaviour" : NULL);
+        free_made(&m);
+    }
+}
+
 /* Start and length of the mailbox to the slave, of that from the slave (ETG.2010, words 14h to 17h). */
 static void boot_mailboxes(void **state)
 {
@@ -1116,6 +1137,7 @@ int main(void)
         {"timeouts: the file's, else the standard's", timeouts, NULL, NULL, NULL},
         {"protocols: served, refused, without a mailbox", protocols, NULL, NULL, NULL},
         {"clock modes, BOOT mailboxes and the first words of the EEPROM", clocks_and_boot, NULL, NULL, NULL},
+        {"a profile of drives without a drive is noted", profiles_without_a_drive, NULL, NULL, NULL},
         {"CF-027 mailboxes of the BOOT state: 8 bytes with a length, or none", boot_mailboxes, NULL, NULL, NULL},
         {"bytes in hexadecimal digits of either case", hexadecimal_digits, NULL, NULL, NULL},
         {"types and ranges of signals", signals, NULL, NULL, NULL},

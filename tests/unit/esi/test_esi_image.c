@@ -205,6 +205,25 @@ static void each_field_of_general_is_read(void **state)
     }
 }
 
+/* ETG.2010, category SyncM, byte 6: enabled, fixed content, virtual, OpOnly. */
+static void each_flag_of_a_sync_manager_is_read(void **state)
+{
+    (void)state;
+    for (unsigned int flags = 0; flags < 16; flags++) {
+        const uint8_t sms[] = {0x00, 0x10, 4, 0, 0x20, 0, (uint8_t)flags, ECT_SM_INPUTS};
+        image_t image;
+        char why[TEXT];
+        begin(&image, 0);
+        add(&image, ECT_SII_SYNCM, sms, sizeof sms);
+        end(&image);
+        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+        const ect_esi_sm_t *sm = &ect_esi_select(esi, "", why, sizeof why)->sms[0];
+        assert_int_equal(sm->flags, flags & 14);
+        assert_int_equal(sm->virtual_sm, (flags & 4) != 0);
+        ect_esi_close(esi);
+    }
+}
+
 /* ETG.2010, category SyncM: 0 not used, 1 and 2 mailbox, 3 and 4 process data; other values are reserved. */
 static void each_type_of_a_sync_manager_has_its_name(void **state)
 {
@@ -330,6 +349,7 @@ int main(void)
         cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
         cmocka_unit_test(each_field_of_general_is_read),
         cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
+        cmocka_unit_test(each_flag_of_a_sync_manager_is_read),
         cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
         cmocka_unit_test(process_data_without_pdos_are_bytes),
         cmocka_unit_test(wrong_images_have_one_line),

@@ -45,7 +45,6 @@ NUMBER(sm_size, m->sms[0].size.value)
 NUMBER(sm_minimum, m->sms[0].minimum)
 NUMBER(sm_maximum, m->sms[0].maximum)
 NUMBER(sm_flags, m->sms[0].flags)
-NUMBER(sm_op_only, m->sms[0].op_only)
 NUMBER(sm_virtual, m->sms[0].virtual_sm)
 NUMBER(pdos, m->pdo_count)
 NUMBER(pdo_index, m->pdos[0].index)
@@ -182,9 +181,9 @@ static void numbers(void **state)
         {"DefaultSize is not", SM(""), sm_size_given, 0},
         {"MinSize", SM("MinSize='3'"), sm_minimum, 3},
         {"MaxSize", SM("MaxSize='4'"), sm_maximum, 4},
-        {"OpOnly in Enable", SM("Enable='9'"), sm_op_only, 1},
-        {"OpOnly", SM("OpOnly='1'"), sm_op_only, 1},
-        {"OpOnly 0", SM("OpOnly='0'"), sm_op_only, 0},
+        {"OpOnly in Enable", SM("Enable='9'"), sm_flags, 8},
+        {"OpOnly", SM("OpOnly='1'"), sm_flags, 8},
+        {"OpOnly 0", SM("OpOnly='0'"), sm_flags, 0},
         {"Virtual", SM("Virtual='true'"), sm_virtual, 1},
         {"Virtual in Enable", SM("Enable='5'"), sm_virtual, 1},
         {"flags", SM("Enable='#xFF'"), sm_flags, 0x0E},
