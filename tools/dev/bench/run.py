@@ -3,14 +3,15 @@
 
   --build DIR   where ectwin and ectwin-bench are (default build/release)
   --quick       a tenth of the rounds
-  --only        some of: instructions, round, spin, rates, cycle, start (default: all)
+  --only        some of: instructions, round, spin, inprocess, rates, cycle, start (default: all)
   --write       the tables of docs/PERFORMANCE.md and the picture docs/performance.svg from the results
   -o FILE       the results as JSON (default: build/bench.json)
 
 Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
-rights where unprivileged user namespaces are allowed. Takes about two minutes. All processes share one core, so a round trip is the
-sum of all work; round trips of a twin and of a bare echo alternate in one run; of three runs the one with the median ratio
-counts; the cycles of a thousand twins are measured three times too.
+rights where unprivileged user namespaces are allowed. inprocess measures pysoem too if the Python that runs this file has it (pip install
+pysoem). Takes about three minutes. All processes share one core, so a round trip is the sum of all work; round trips of a twin and
+of a bare echo alternate in one run; of three runs the one with the median ratio counts; the cycles of a thousand twins are
+measured three times too.
 """
 import argparse
 import json
@@ -24,8 +25,10 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-PARTS = ["instructions", "round", "spin", "rates", "cycle", "start"]
+PARTS = ["instructions", "round", "spin", "inprocess", "rates", "cycle", "start"]
 UNIT = "vr-bu-ect-map1"
+STANDARD = "vr-bu-ect-map7"
+BUSY_LOOPS = 8
 
 
 def run(*command):
@@ -126,6 +129,76 @@ def against_echo(args, options, echo, counts):
     return [middle(rows, lambda row: row["ratio"]) for rows in runs.values()]
 
 
+class BusyLoops:
+    """Programs that never wait, on all cores."""
+
+    def __init__(self, count):
+        self.processes = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.processes:
+            process.kill()
+            process.wait()
+
+
+def in_process(args, devices, *words, options=(), core=()):
+    """Standard output of a master with twins in its process, and the seconds of the whole command."""
+    start = time.monotonic()
+    out = run(*core, args.build / "ectwin", "with", "--in-process", *options, devices, "--", *words)
+    return out, time.monotonic() - start
+
+
+def round_in_process(args, busy):
+    """Master and twins in one process, in turns with an echo over a veth: the run with the median ratio."""
+    rows = []
+    for _ in range(args.runs):
+        with Running(on_core(args, args.build / "ectwin-bench", "echo", "echo1"), False), BusyLoops(busy):
+            out, _ = in_process(args, STANDARD, args.build / "ectwin-bench", "round", "{}", "echo0", STANDARD, 1, 1, args.rounds,
+                                core=on_core(args))
+            rows.append(json.loads(out) | {"busy_loops": busy})
+    return middle(rows, lambda row: row["ratio"])
+
+
+def pysoem(args, devices):
+    """The median of runs on the virtual clock; None: pysoem is not installed."""
+    if subprocess.run([sys.executable, "-c", "import pysoem"], capture_output=True, check=False).returncode != 0:
+        print("run.py: pysoem is not installed, its cycles are not measured: pip install pysoem", file=sys.stderr)
+        return None
+    rows = []
+    for _ in range(args.runs):
+        out, seconds = in_process(args, devices, sys.executable, pathlib.Path(__file__).with_name("pysoem_cycles.py"), "{}",
+                                  args.cycles, options=["--virtual-time"])
+        rows.append(json.loads(out) | {"seconds": seconds})
+    return middle(rows, lambda row: row["processor_s"])
+
+
+def seconds(*command):
+    """Elapsed time of a program; None: it failed, as a run on a wire may on a busy machine."""
+    start = time.monotonic()
+    done = subprocess.run([str(word) for word in command], capture_output=True, check=False)
+    return time.monotonic() - start if done.returncode == 0 else None
+
+
+def whole_catalogue(args, device):
+    conform = args.build / "ectwin-conform"
+    times = [seconds(conform, "--in-process", device) for _ in range(args.runs)]
+    if None in times:
+        sys.exit(f"run.py: ectwin-conform --in-process {device} fails")
+    return {"device": device, "seconds": middle(times, lambda one: one),
+            "wire_seconds": seconds(args.build / "ectwin", "with", device, "--", conform, "-i", "{}")}
+
+
+def inprocess(args):
+    starts = [in_process(args, STANDARD, args.build / "ectwin-bench", "first", "{}")[1] for _ in range(7 * args.runs)]
+    return {"load": os.getloadavg()[0], "round": [round_in_process(args, busy) for busy in (0, BUSY_LOOPS)],
+            "start_ms": 1000 * middle(starts, lambda one: one),
+            "pysoem": [row for row in (pysoem(args, STANDARD), pysoem(args, ",".join(["vr-bu-ect-map3"] * 20))) if row],
+            "conform": [whole_catalogue(args, device) for device in ("fzm1", STANDARD)]}
+
+
 def rates(args):
     with twins(args, "vr-bu-ect-map7", 1) as one:
         result = {"sdo": bench(args, "sdo", "twin0", "vr-bu-ect-map7", args.rounds)}
@@ -180,6 +253,7 @@ def inside(args):
         "instructions": instructions,
         "round": lambda a: against_echo(a, [], "echo", [1, 8, 64, 199]),
         "spin": lambda a: against_echo(a, ["--busy-poll"], "spin", [1]),
+        "inprocess": inprocess,
         "rates": rates,
         "cycle": cycle,
         "start": start,
@@ -214,9 +288,27 @@ def round_table(rows):
                    f"{r['twin']['p99_ns'] / 1000:.1f}"] for r in rows])
 
 
+def in_process_tables(result):
+    rounds = table(["beside it", "bytes", "in process, µs", "p99, µs", "p99 : median", "echo, µs", "ratio of medians"],
+                   [[f"{r['busy_loops']} busy loops" if r["busy_loops"] else "nothing", r["bytes"], us(r["twin"]),
+                     f"{r['twin']['p99_ns'] / 1000:.1f}", f"{r['twin']['p99_ns'] / r['twin']['median_ns']:.1f}", us(r["echo"]),
+                     f"{r['ratio']:.2f}"] for r in result["round"]])
+    runs = [["start of one twin, the whole command", "", f"{result['start_ms'] / 1000:.3f}", "", ""]]
+    for r in result["pysoem"]:
+        runs.append([f"pysoem, {r['slaves']} twin{'s' if r['slaves'] > 1 else ''}, a cycle each ms, {r['lost']} lost", f"{r['bus_s']:.1f}",
+                     f"{r['seconds']:.2f}", f"{r['processor_s']:.2f}", f"{r['bus_s'] / r['processor_s']:.0f}"])
+    for r in result["conform"]:
+        wire = f"; over a veth {r['wire_seconds']:.1f} s" if r["wire_seconds"] else ""
+        runs.append([f"`ectwin-conform`, whole catalogue, {r['device']}{wire}", "",
+                     f"{r['seconds']:.2f}", "", ""])
+    return {"inprocess": f"Load of the machine at the start: {result['load']:.1f}.\n\n{rounds}", "virtual": table(["run", "bus, s", "elapsed, s", "processor of the cycles, s", "bus : processor"], runs)}
+
+
 def tables(result):
     """Name of a table in docs/PERFORMANCE.md -> its text."""
-    found = {"machine": "{cpu}, Linux {kernel}; load {load:.1f} at the start".format(**result["machine"])}
+    found = {}
+    if "round" in result:
+        found["machine"] = "{cpu}, Linux {kernel}; load {load:.1f} at the start".format(**result["machine"])
     if result.get("instructions"):
         counts = ["1", "10", "100", "1000"]
         for place, function in [("instructions", "ect_chain_pass"), ("afterwards", "ect_chain_poll")]:
@@ -226,6 +318,8 @@ def tables(result):
     for part in ["round", "spin"]:
         if part in result:
             found[part] = round_table(result[part])
+    if "inprocess" in result:
+        found |= in_process_tables(result["inprocess"])
     if "rates" in result:
         r = result["rates"]
         found["rates"] = table(["SDO uploads a second", "processor at 1 kHz", "frames lost"], [
@@ -285,6 +379,7 @@ def main():
     if not set(args.only) <= set(PARTS):
         parser.error("--only takes some of " + ", ".join(PARTS))
     args.rounds, args.runs, args.milliseconds, args.idle = (2000, 1, 1000, 2) if args.quick else (10000, 3, 5000, 5)
+    args.cycles = 6000 if args.quick else 60000
     if args.inside:
         inside(args)
         return
