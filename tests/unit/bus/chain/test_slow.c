@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/slow.h"
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
 #include "sii/fit.h"
+#include "support/chip.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -246,6 +248,44 @@ static void reset_under_way(void **state)
     wire_close(&w);
 }
 
+/* Writes reach the chip one after the other, at their times. One that finds no room reaches it at once, behind those
+ * before it; so does everything before a read. */
+static void queue(void **state)
+{
+    const ect_slow_config_t config = {.board = ect_board("lan9252-spi")};
+    static ect_slow_t slow;
+    uint8_t data[64] = {0};
+    chip_t *c = *state;
+    ect_slow_init(&slow, &config, &c->esc, c->w.now_ns);
+    ect_pdi_t pdi = ect_slow_pdi(&slow);
+    assert_true(ect_slow_begins(&slow, c->w.now_ns));
+    for (unsigned int n = 1; n <= sizeof slow.queue / sizeof data; n++) {
+        memset(data, (int)n, sizeof data);
+        assert_int_equal(pdi.write(pdi.ctx, 0x1000, data, sizeof data), 0);
+        bool full = n > sizeof slow.queue / (sizeof data + 12);
+        assert_int_equal(c->memory[0x1000], full ? n : 0);
+        if (full)
+            break;
+    }
+    (void)ect_slow_end(&slow, ECT_NEVER);
+    assert_true(ect_slow_begins(&slow, slow.busy_ns));
+    assert_int_equal(pdi.write(pdi.ctx, 0x1000, "\xA1", 1), 0);
+    assert_int_equal(pdi.write(pdi.ctx, 0x1000, "\xA2", 1), 0);
+    (void)ect_slow_end(&slow, ECT_NEVER);
+    uint64_t first_ns = ect_slow_next(&slow, ECT_NEVER);
+    ect_slow_run(&slow, first_ns - 1);
+    assert_int_not_equal(c->memory[0x1000], 0xA1);
+    ect_slow_run(&slow, first_ns);
+    assert_int_equal(c->memory[0x1000], 0xA1);
+    ect_slow_run(&slow, slow.busy_ns);
+    assert_int_equal(c->memory[0x1000], 0xA2);
+    assert_int_equal(ect_slow_next(&slow, ECT_NEVER), ECT_NEVER);
+    assert_true(ect_slow_begins(&slow, slow.busy_ns));
+    assert_int_equal(pdi.write(pdi.ctx, 0x1000, "\xA3", 1), 0);
+    assert_int_equal(pdi.read(pdi.ctx, 0x1000, data, 1), 0);
+    assert_int_equal(data[0], 0xA3);
+}
+
 static void boards(void **state)
 {
     (void)state;
@@ -266,6 +306,8 @@ int main(void)
          NULL, NULL},
         {"the same seed gives the same delays", seeds, NULL, NULL, NULL},
         {"receive times with jitter", receive_times, NULL, NULL, NULL},
+        {"writes of a board reach the chip at their times, without room or before a read at once", queue, chip_setup,
+         chip_teardown, NULL},
         {"a power cycle discards the writes of a board that are under way", reset_under_way, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("slow twins", tests, NULL, NULL);
