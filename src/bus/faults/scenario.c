@@ -459,6 +459,7 @@ static uint64_t play_tables(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_
         if (ect_table_due(table) != ECT_NEVER)
             next_ns = ect_earlier(next_ns, s->start_ns + ect_table_due(table));
     }
+    s->tables_over = next_ns == ECT_NEVER;
     return next_ns;
 }
 

@@ -75,8 +75,9 @@ typedef struct ect_scenario {
     ect_scenario_step_t steps[ECT_SCENARIO_STEPS];
     size_t step_count;
     size_t steps_left;
+    bool tables_over;    /* no row is left */
     ect_table_t *tables; /**< signals played in time; the caller's. NULL: none */
-    ect_wires_t wires; /**< frames kept on a wire: the loop releases them */
+    ect_wires_t wires;   /**< frames kept on a wire: the loop releases them */
 } ect_scenario_t;
 
 /** The effect of faults on a frame's reply. Changes of the request are already made; those of a wire follow on it. */
@@ -147,7 +148,8 @@ uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);
 /** @return true: no faults, no steps, no tables and no kept frames, so ::ect_scenario_frame may be left out */
 static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
 {
-    return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept && !scenario->tables;
+    return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept &&
+           (!scenario->tables || scenario->tables_over);
 }
 
 /** Writes the i-th fault that is set, from 0, those of frames first, as text (ECT_FAULT_TEXT bytes). @return false: no

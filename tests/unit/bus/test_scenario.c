@@ -284,6 +284,7 @@ static void table_in_its_cycle(void **state)
         expect_signal(r, 1, "ecat.drift", r->w.now_ns < due_ns + 5 ? "0" : "7");
     }
     assert_true(ect_table_due(table) == ECT_NEVER);
+    assert_true(r->s.tables_over);
     assert_string_equal(r->refused, "");
     r->s.tables = NULL;
     ect_table_free(table);
@@ -366,6 +367,7 @@ static void expectations(void **state)
     };
     rig_t *r = *state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        teardown(state);
         setup(state);
         r = *state;
         START(r, rows[i].line);
@@ -381,9 +383,7 @@ static void expectations(void **state)
         if (verdict.all != 1 || verdict.met != rows[i].met || verdict.failed == verdict.met || r->judged != 1 ||
             step->met != rows[i].met || strcmp(step->why, rows[i].why) != 0)
             fail_msg("'%s': met %d, '%s'", rows[i].line, step->met, step->why);
-        teardown(state);
     }
-    setup(state);
 }
 
 static void printed(void **state)

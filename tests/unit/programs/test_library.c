@@ -364,6 +364,36 @@ static void set_faults(void **state)
     ectwin_bus_close(bus);
 }
 
+static void judge_scenarios(void **state)
+{
+    static const struct {
+        const char *step;
+        int failed;
+        const char *text;
+    } rows[] = {
+        {"drop 0%", 0, ""},
+        {"expect ecat.state=1", 0, "'expect ecat.state=1' is met\n1 of 1 expectations are met\n"},
+        {"expect ecat.state=2", 1, "'expect ecat.state=2' has failed: ecat.state is 1\n0 of 1 expectations are met\n"},
+        {"at OP expect ecat.state=8", 1,
+         "'at OP expect ecat.state=8' has failed: the run ended before its milestone\n0 of 1 expectations are met\n"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[512], why[ECTWIN_MESSAGE];
+        const char *const words[] = {"--fault", rows[i].step, "fzm1"};
+        ectwin_bus_t *bus = ectwin_bus_open(3, words, START_NS, why);
+        assert_non_null(bus);
+        (void)ectwin_bus_run(bus, START_NS + 1);
+        assert_int_equal(ectwin_bus_verdict(bus, text, sizeof text), rows[i].failed);
+        assert_string_equal(text, rows[i].text);
+        assert_int_equal(ectwin_bus_verdict(bus, text, 0), rows[i].failed);
+        assert_string_equal(text, rows[i].text);
+        assert_int_equal(ectwin_bus_verdict(bus, text, 4), rows[i].failed);
+        assert_memory_equal(text, rows[i].text, strnlen(rows[i].text, 3));
+        ectwin_bus_close(bus);
+    }
+}
+
 /* --- control socket ----------------------------------------------------------------------------------------------- */
 
 static int connect_to(const char *path)
@@ -442,6 +472,7 @@ int main(int argc, char **argv)
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
         TEST("a fault is set from text, or the reason is returned", set_faults),
+        TEST("the expectations of a bus are judged, a line each", judge_scenarios),
         TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),
         TEST("without a folder for the control socket none is open", no_control_socket),
     };
