@@ -74,7 +74,7 @@ static int usage(FILE *stream, int status)
         "       ectwin unplug N          ectwin plug N        pull all plugs of slave N, plug it in again\n"
         "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
         "       ectwin fault [FAULT]                          inject a fault, or list those that are set\n"
-        "       ectwin replay FILE                            replay a record, and compare every reply\n"
+        "       ectwin replay FILE [DEVICE[,DEVICE...]]       replay a record; compare a capture with devices\n"
         "       ectwin stats [--json]                         print the counters of a running twin\n"
         "       ectwin --version\n"
         "'ectwin COMMAND --help' describes each command.\n",

@@ -2,7 +2,7 @@
 /**
  * @file
  * Replay of captures on the virtual clock: of our own records, in which every reply must be equal (replay_record.c),
- * and of captures of a bus, which is compared with twins (replay_bus.c).
+ * and of captures of a bus, which are compared with twins (replay_bus.c).
  */
 #ifndef ECTWIN_REPLAY_H
 #define ECTWIN_REPLAY_H
@@ -24,6 +24,7 @@ typedef struct replay {
     ect_item_t item;  /**< the present item; its bytes are a copy */
     uint8_t *bytes;   /**< ECT_READER_BLOCK bytes for that copy */
     int status;       /**< so far */
+    bool data;        /**< --data */
     uint64_t requests, replies;
     uint64_t first_ns, last_ns; /**< of the requests */
 } replay_t;
@@ -40,6 +41,9 @@ void replay_words(twin_args_t *twins, int count, char **words);
 
 /** Replays a section of our own whose start is the present item, up to the next section. */
 void replay_record(replay_t *r);
+
+/** Compares all packets that are left with twins, and prints where these differ (docs/REPLAY.md). */
+void replay_bus(replay_t *r, twin_args_t *twins);
 
 /** A datagram of two frames, of equal layout up to it, that differs. */
 typedef struct replay_difference {

@@ -177,8 +177,52 @@ def wrong_files(file):
         expect(f"{line}: one line", 1, done.stderr.count("\n"))
         expect(f"{line}: '{done.stderr}'", True, line in done.stderr)
     done = call(ECTWIN, "with", "--pcap", file, "--in-process", "fzm1", "--", PROBE, "-i", "{}")
-    replay(file, 2, r"ectwin replay: '.*': it was not written by --record")
+    replay(file, 2, r"ectwin replay: '.*': it was not written by --record; to compare .*")
     replay(pathlib.Path("/no/such/file"), 2, r"ectwin replay: '/no/such/file': No such file or directory")
+
+
+def foreign(file, frames):
+    """Writes a pcap file as a capture on a master's wire: no directions, the bit of the source address marks replies."""
+    out = struct.pack("<IHHIIII", 0xA1B23C4D, 2, 4, 0, 0, 65535, 1)
+    for nanoseconds, is_reply, frame in frames:
+        frame = frame[:6] + bytes([2 if is_reply else 0]) + frame[7:]
+        out += struct.pack("<IIII", *divmod(nanoseconds, 10**9), len(frame), len(frame)) + frame
+    file.write_bytes(out)
+
+
+def buses(file):
+    """a capture of a bus against twins: counters, AL states, mails, and data by choice"""
+    call(ECTWIN, "with", "--in-process", "--virtual-time", "--pcap", file, "fzm1", "--", PROBE, "-i", "{}")
+    frames = []
+    for kind, body in blocks(file):
+        if kind == PACKET:
+            _, high, low, length = struct.unpack_from("<IIII", body)
+            frames.append((high << 32 | low, len(frames) % 2 == 1, body[20:20 + length]))
+    done = call(ECTWIN, "replay", file, "fzm1")
+    expect("a capture of ours", (0, f"{file}: {len(frames) // 2} frames"), (done.returncode, done.stdout.split(" and ")[0]))
+    foreign(file, frames)
+    done = call(ECTWIN, "replay", file, "fzm1")
+    expect("a foreign one", (0, True), (done.returncode, ": 0 differences" in done.stdout))
+    done = call(ECTWIN, "replay", file, "optoncdt2300")
+    expect("another device", (1, True), (done.returncode, "slave 1: byte " in done.stdout and "of the EEPROM data: bus " in done.stdout))
+
+    def changed(number, offset, value):
+        altered = [(t, r, f[:offset] + bytes([value]) + f[offset + 1:] if n == number else f) for n, (t, r, f) in enumerate(frames)]
+        foreign(file, altered)
+        done = call(ECTWIN, "replay", file, "fzm1")
+        expect(f"packet {number + 1} changed: exit", 1, done.returncode)
+        return done.stdout
+
+    counter = 16 + 10 + (struct.unpack_from("<H", frames[1][2], 22)[0] & 0x7FF)
+    expect("a working counter", True, "frame 2, BRD" in changed(1, counter, 9) and "all slaves: working counter: bus 9, twin 1" in changed(1, counter, 9))
+    status = next(n for n, (_, r, f) in enumerate(frames) if r and f[16] in (1, 4) and f[20:22] == b"\x30\x01")
+    expect("an AL state", True, f"frame {status + 1}, slave 1, AL state 1: bus SAFEOP, twin " in changed(status, 26, 4))
+    lost = [frame for n, frame in enumerate(frames) if n != 1]
+    foreign(file, lost)
+    done = call(ECTWIN, "replay", file, "fzm1")
+    expect("a reply that the capture lacks is no difference of the twin", (0, True), (done.returncode, ": 0 differences" in done.stdout))
+    done = call(ECTWIN, "replay", "--data", file)
+    expect("--data without a device", (1, True), (done.returncode, "options of twins without a DEVICE" in done.stderr))
 
 
 def mistakes(file):
@@ -189,7 +233,7 @@ def mistakes(file):
         expect(f"{option}: text", True, f"--record does not hold what {option} adds to a run: leave one of the two out" in done.stderr)
 
 
-for case in (networks, in_process, faults, requests, options, difference, wrong_files, mistakes):
+for case in (networks, in_process, faults, requests, options, difference, wrong_files, buses, mistakes):
     if sys.argv[4:] and case.__name__ not in sys.argv[4:]:
         continue
     before = len(FAILED)
