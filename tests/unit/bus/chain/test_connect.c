@@ -71,6 +71,13 @@ static void connect(const ect_connection_t *list, size_t count)
     wire_poll(&w);
 }
 
+static void count_calls(void *ctx, size_t position)
+{
+    unsigned int *calls = ctx;
+    assert_true(position == 1 || position == 2);
+    ++*calls;
+}
+
 static void through_twins(void **state)
 {
     ect_connection_t list[] = {from_to(1, "analog", 2, "load"), from_to(0, "analog", 1, "analog")};
@@ -102,6 +109,55 @@ static void at_the_limits(void **state)
     expect(1, "di1", "1");
     set(0, "di1", "1");
     expect(2, "di2", "0");
+}
+
+/* Halves go away from zero; the sum is rounded once. */
+static void rounded(void **state)
+{
+    static const struct {
+        double factor, offset;
+        const char *from, *to;
+    } rows[] = {{0.5, 0, "3", "2"},  {0.5, 0, "-3", "-2"}, {0.5, 0, "1", "1"},   {0.5, 0, "-1", "-1"},
+                {0.25, 0, "1", "0"}, {0.25, 0, "-1", "0"}, {1, 0.5, "2", "3"},   {1, -0.5, "-2", "-3"},
+                {-1, 10, "4", "6"},  {1, 0.25, "2", "2"},  {2, -1, "-7", "-15"}, {0, 5, "9", "5"}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        ect_connection_t list[] = {from_to(0, "analog", 1, "analog")};
+        list[0].factor = rows[i].factor;
+        list[0].offset = rows[i].offset;
+        set(0, "analog", rows[i].from);
+        connect(list, COUNT(list));
+        expect(1, "analog", rows[i].to);
+    }
+}
+
+/* The earliest value of all delays decides when to call again; without one, nothing does. */
+static void next_time(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "analog", 1, "analog"), from_to(0, "di1", 2, "di1"),
+                               from_to(0, "di2", 2, "di2")};
+    (void)state;
+    list[0].delay_ns = 30 * MS;
+    list[1].delay_ns = 20 * MS;
+    ect_connections_t *connections = ect_connections_new(list, COUNT(list));
+    assert_non_null(connections);
+    assert_true(ect_connections_next(connections) == ECT_NEVER);
+    unsigned int calls = 0;
+    (void)ect_connections_run(connections, 100 * MS, count_calls, &calls);
+    assert_true(ect_connections_next(connections) == 120 * MS);
+    (void)ect_connections_run(connections, 119 * MS, count_calls, &calls);
+    assert_true(ect_connections_next(connections) == 120 * MS);
+    calls = 0;
+    assert_true(ect_connections_run(connections, 120 * MS, count_calls, &calls));
+    assert_int_equal(calls, 1);
+    assert_true(ect_connections_next(connections) == 130 * MS);
+    assert_true(ect_connections_run(connections, 130 * MS, count_calls, &calls));
+    assert_int_equal(calls, 2);
+    assert_true(ect_connections_next(connections) == ECT_NEVER);
+    assert_false(ect_connections_run(connections, 200 * MS, count_calls, &calls));
+    assert_int_equal(calls, 2);
+    ect_connections_free(connections);
+    ect_connections_free(NULL);
 }
 
 static void later(void **state)
@@ -199,6 +255,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"a value passes through twins in one poll, with factor and offset", through_twins, setup, teardown, NULL},
         {"values stop at the limits of the target; inversion", at_the_limits, setup, teardown, NULL},
+        {"a value is rounded to the nearest integer, a half away from zero", rounded, setup, teardown, NULL},
+        {"the time of the next value of all connections, and the twins whose signals are set", next_time, setup,
+         teardown, NULL},
         {"a delay is exact, and keeps each value", later, setup, teardown, NULL},
         {"a delay with too many values keeps the newest", crowded, setup, teardown, NULL},
         {"a loop with a delay is an oscillator", oscillator, setup, teardown, NULL},

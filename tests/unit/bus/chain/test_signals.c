@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "bus/chain/fields.h"
 #include "bus/chain/signals.h"
 
 typedef struct unit {
@@ -408,6 +409,55 @@ static void names_not_found(void **state)
     }
 }
 
+/* --- fields ----------------------------------------------------------------------------------------------------- */
+
+static const ect_value_name_t named[] = {{0, "Off"}, {999, "Many"}, {1000, "More"}, {0x12345678, "Most"}, {0, NULL}};
+static const ect_field_t tree_fields[] = {
+    {.index = 0x2000, .subindex = 1, .signal = "top"},
+    {.index = 0x2001, .subindex = 2, .bit = 3, .width = 1, .signal = "bu.b"},
+    {.index = 0x2002, .subindex = 3, .bit = 4, .width = 2, .signal = "ru.a", .values = named},
+    {.index = 0x2003, .subindex = 4, .values = named},
+    {.index = 0},
+};
+
+/* Structures of an array share a field; equal parts of a name alone are not enough. */
+static void fields_of_signals(void **state)
+{
+    static const struct {
+        const char *signal;
+        uint16_t index; /* 0: none */
+    } rows[] = {{"top", 0x2000},   {"bu.a", 0},        {"bu.b", 0x2001}, {"ru1.a", 0x2002},
+                {"ru9.a", 0x2002}, {"ru12.a", 0x2002}, {"ru1.b", 0},     {"ru12.b", 0}};
+    ect_plant_t with_fields = tree_plant;
+    tree_t t = {0};
+    (void)state;
+    with_fields.fields = tree_fields;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_signal_ref_t ref;
+        assert_true(ect_signal_find(&with_fields, &t, rows[i].signal, &ref));
+        const ect_field_t *field = ect_signal_field(&ref);
+        if ((field ? field->index : 0) != rows[i].index)
+            fail_msg("%s: expected field %04Xh, got %04Xh", rows[i].signal, rows[i].index, field ? field->index : 0);
+        assert_true(ect_signal_find(&tree_plant, &t, rows[i].signal, &ref));
+        assert_null(ect_signal_field(&ref));
+    }
+}
+
+static void fields_as_text(void **state)
+{
+    static const char *const want[] = {"2000h:1", "2001h:2 bit 3",
+                                       "2002h:3 bits 4 to 5: 0 Off, 999 Many, 0x000003E8 More, 0x12345678 Most",
+                                       "2003h:4: 0 Off, 999 Many, 0x000003E8 More, 0x12345678 Most"};
+    char text[ECT_FIELD_TEXT];
+    (void)state;
+    for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
+        ect_field_text(&tree_fields[i], text);
+        assert_string_equal(text, want[i]);
+        ect_field_values(&tree_fields[i], text);
+        assert_string_equal(text, i < 2 ? "" : strchr(want[i] + 6, ':') + 2);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -425,6 +475,10 @@ int main(int argc, char **argv)
         {"signals are listed in the order of the tables, and each is found by its name", listed_as_found, NULL, NULL,
          NULL},
         {"a name that is not exact is of no signal", names_not_found, NULL, NULL, NULL},
+        {"a signal has the field that names it, one of an array that of its structure", fields_of_signals, NULL, NULL,
+         NULL},
+        {"a field as text: its place, its bits, its values, of four digits in hexadecimal", fields_as_text, NULL, NULL,
+         NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
