@@ -35,7 +35,7 @@ typedef struct scene {
     uint64_t frame_ns;
 } scene_t;
 
-/* From the first scene to each row and back, on one structure: no part of what is shown stays behind. */
+/* From each row to each other one, on one structure: no part of the one before stays. */
 static void each_change(void **state)
 {
     static const uint64_t now_ns = 1000 * MS;
@@ -80,8 +80,8 @@ static void each_change(void **state)
     };
     ect_lamps_t lamps = {0};
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        const size_t order[] = {0, i};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0] * (sizeof rows / sizeof rows[0]); i++) {
+        const size_t order[] = {i / (sizeof rows / sizeof rows[0]), i % (sizeof rows / sizeof rows[0])};
         for (size_t k = 0; k < 2; k++) {
             const scene_t *s = &rows[order[k]].scene;
             ect_lamps_update(&lamps, &s->slave, s->in, s->out, s->frame_ns, now_ns);

@@ -111,6 +111,33 @@ static void over_a_power_cycle(void **state)
     wire_close(&w);
 }
 
+static uint32_t receive_time(wire_t *w, size_t position, unsigned int port)
+{
+    return ect_load_le32(ect_chain_esc(w->chain, position)->memory + ECT_REG_DC_RECEIVE_TIME + 4 * port);
+}
+
+/* From the far end to the cut, where the frame turns and passes the processing unit, and back through the others. */
+static void times_from_the_far_end(void **state)
+{
+    enum { CUT = 1, WIRE_NS = 405 };
+    const ect_esc_personality_t *chip = ect_esc_personality("et1100");
+    const uint8_t any[4] = {0};
+    wire_t w;
+    (void)state;
+    open_ring(&w);
+    plug(&w, CUT, "ecat.plug_in", 0);
+    wire_build(&w, BWR, 0, ECT_REG_DC_RECEIVE_TIME, any, sizeof any);
+    assert_int_equal(ect_chain_pass(w.chain, ECT_END_OUT, w.frame, w.frame_length, w.now_ns), ECT_END_OUT);
+    assert_int_equal(wire_wkc(&w, 0), COUNT - CUT);
+    for (size_t i = COUNT - 1; i > CUT; i--)
+        assert_int_equal(receive_time(&w, i - 1, 1) - receive_time(&w, i, 1), chip->forwarding_ns + WIRE_NS);
+    assert_int_equal(receive_time(&w, CUT + 1, 0) - receive_time(&w, CUT, 1),
+                     chip->forwarding_ns + chip->processing_ns + WIRE_NS);
+    for (size_t i = CUT + 1; i + 1 < COUNT; i++)
+        assert_int_equal(receive_time(&w, i + 1, 0) - receive_time(&w, i, 0), chip->processing_ns + WIRE_NS);
+    wire_close(&w);
+}
+
 static void second_time(void **state)
 {
     wire_t w;
@@ -185,6 +212,8 @@ int main(int argc, char **argv)
         {"CF-010: the plug at either end of a wire cuts it, both slaves show it, and it heals", either_plug, NULL, NULL,
          NULL},
         {"CF-010: a cut outlasts a power cycle", over_a_power_cycle, NULL, NULL, NULL},
+        {"CF-087 CF-096: receive times of a frame from the far end, which turns at a cut", times_from_the_far_end, NULL,
+         NULL, NULL},
         {"CF-010: a circulating frame is destroyed where port 0 has no link, and nowhere else", second_time, NULL, NULL,
          NULL},
         {"CF-010: each datagram is marked as circulating", every_datagram_is_marked, NULL, NULL, NULL},
