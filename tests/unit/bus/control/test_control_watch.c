@@ -149,6 +149,36 @@ static void watched_lamps(void **state)
     }
 }
 
+/* A signal that is added is watched from the next round on; it begins none. */
+static void no_round_begins(void **state)
+{
+    static const char *const names[] = {"ru1.encoder", "ru2.encoder"};
+    unsigned int budget = 100;
+    ect_signal_ref_t refs[2];
+    ect_line_t line;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    ect_watch_t *watch = ect_watch_new();
+    assert_non_null(watch);
+    for (size_t i = 0; i < 2; i++) {
+        assert_true(ect_chain_signal(b.wire.chain, 0, names[i], &refs[i]));
+        assert_true(ect_watch_add(watch, &refs[i], 0));
+        assert_int_equal(ect_watch_count(watch), i + 1);
+        assert_false(ect_watch_pending(watch));
+        *refs[i].value = 1;
+        assert_false(ect_watch_next(watch, &budget, b.wire.now_ns, &line));
+    }
+    ect_watch_round(watch);
+    assert_true(ect_watch_pending(watch));
+    for (size_t i = 0; i < 2; i++)
+        assert_true(ect_watch_next(watch, &budget, b.wire.now_ns, &line));
+    assert_false(ect_watch_next(watch, &budget, b.wire.now_ns, &line));
+    assert_false(ect_watch_pending(watch));
+    ect_watch_free(watch);
+    close_bench(&b);
+}
+
 /* A thousand equal requests: each gets a reply, and a change is reported once. */
 static void a_repeated_watch_is_one(void **state)
 {
@@ -271,6 +301,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"Watch: one line for each difference after 10 ms", changes_every_10_ms, NULL, NULL, NULL},
         {"Watch: a change is reported once, whatever else is watched", a_change_is_reported_once, NULL, NULL, NULL},
+        {"Watch: a signal that is added begins no round", no_round_begins, NULL, NULL, NULL},
         {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
         {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
         {"Attack: 1000 x the same watch is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},
