@@ -16,6 +16,7 @@
 #include "seams/device.h"
 #include "sii/sii.h"
 #include "support/testdev.h"
+#include "wire/bytes.h"
 
 /* --- lines -------------------------------------------------------------------------------------------------------- */
 
@@ -466,6 +467,10 @@ static void an_image_has_a_fact_of_each_field(void **state)
         {ECT_FACT_PDO_ENTRY, 0x1600, 2, "7 bits of padding"},
         {ECT_FACT_PDO_ENTRY_NAME, 0x1600, 3, "\"Output word\""},
         {ECT_FACT_PDO_ENTRY_TYPE, 0x1600, 3, "0x06"},
+        {ECT_FACT_GENERAL, 4, 0, "0x00"},
+        {ECT_FACT_GENERAL, 5, 0, "none"}, /* bytes with facts of their own: CoE, E-bus current */
+        {ECT_FACT_GENERAL, 12, 0, "none"},
+        {ECT_FACT_GENERAL, 13, 0, "none"},
         {ECT_FACT_CATEGORY, ECT_SII_GENERAL, 0, "there"},
         {ECT_FACT_CATEGORY, ECT_SII_END, 0, "the end"},
         {ECT_FACT_CATEGORY, ECT_SII_DC, 0, "none"},
@@ -486,6 +491,35 @@ static void an_image_has_a_fact_of_each_field(void **state)
     }
     ect_facts_free(&f);
     ect_facts_free(&g);
+}
+
+/* The PDOs of a slave with CoE may be in its dictionary alone: an image with PDOs of one direction is whole. */
+static void an_image_with_coe_has_all_pdos_or_none(void **state)
+{
+    static const struct {
+        const char *what;
+        bool inputs, outputs, whole;
+    } rows[] = {{"both", true, true, true},
+                {"inputs alone", true, false, true},
+                {"outputs alone", false, true, true},
+                {"none", false, false, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t image[2048];
+        size_t length;
+        ect_facts_t f = {.source = "image"};
+        assert_true(ect_sii_write(&testdev, NULL, 0, image, sizeof image) > 0);
+        const ptrdiff_t inputs = ect_sii_category(image, sizeof image, ECT_SII_TXPDO, &length) - image;
+        const ptrdiff_t outputs = ect_sii_category(image, sizeof image, ECT_SII_RXPDO, &length) - image;
+        if (!rows[i].inputs)
+            ect_store_le16(image + inputs - 4, 0x0801);
+        if (!rows[i].outputs)
+            ect_store_le16(image + outputs - 4, 0x0802);
+        ect_facts_of_sii(&f, image, sizeof image);
+        if (f.complete[ECT_FACT_PDO] != rows[i].whole || f.complete[ECT_FACT_PDO_ENTRY] != rows[i].whole)
+            fail_msg("%s: the PDOs are %s", rows[i].what, rows[i].whole ? "not whole" : "whole");
+        ect_facts_free(&f);
+    }
 }
 
 static void an_image_shorter_than_its_header_is_one_fact(void **state)
@@ -525,6 +559,7 @@ int main(void)
         cmocka_unit_test(each_assignment_names_its_sync_manager),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
+        cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),
     };
