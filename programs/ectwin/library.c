@@ -234,6 +234,12 @@ static ectwin_bus_t *power_on(int count, const char *const words[], uint64_t now
     return NULL;
 }
 
+static void on_refused(void *ctx, const char *step, const char *why)
+{
+    (void)ctx;
+    fprintf(stderr, "ectwin: '%s' is refused at its time: %s\n", step, why);
+}
+
 ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns, char *message)
 {
     char unwanted[ECTWIN_MESSAGE];
@@ -243,6 +249,7 @@ ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now
     bus->now_ns = now_ns;
     bus->last = &bus->first;
     bus->exchange.scenario = &bus->twins.scenario;
+    bus->twins.scenario.refused = on_refused;
     bus->exchange.filter = bus->twins.filter.ctx ? &bus->twins.filter : NULL;
     bus->exchange.send = queue;
     bus->exchange.clock = present;

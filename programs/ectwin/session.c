@@ -42,10 +42,10 @@ static void on_circulating(void *ctx, const char *iface)
             s->who, iface);
 }
 
-static void on_refused(void *ctx, const char *fault, const char *why)
+static void on_refused(void *ctx, const char *step, const char *why)
 {
     const session_t *s = ctx;
-    fprintf(stderr, "%s: the fault '%s' is not set: %s\n", s->who, fault, why);
+    fprintf(stderr, "%s: '%s' is refused at its time: %s\n", s->who, step, why);
 }
 
 static void on_judged(void *ctx, const ect_scenario_step_t *step)

@@ -26,6 +26,7 @@ typedef struct client_args {
     bool every;
     const char *until;  /* of watch */
     int64_t timeout_ms; /* of wait */
+    double at_s;        /* of set; negative: at once */
     const char *arguments[ECT_ENDPOINT_VALUES];
     size_t count;
 } client_args_t;
@@ -39,6 +40,10 @@ static const struct argp_option set_options[] = {
     {"csv", 'c', "FILE", 0,
      "Set signals from a table: names in the first line, values in each further line, an empty cell sets nothing; a "
      "line is set at its time, seconds from now, if there is a column 'time'. -: standard input",
+     0},
+    {"at", 'a', "TIME", 0,
+     "Set the signals at a time of the bus, as 2.5s since its start: at exactly this time in each run on a virtual "
+     "clock (default: at once)",
      0},
     {0}};
 static const struct argp_option watch_options[] = {
@@ -65,6 +70,15 @@ static int64_t take_seconds(const struct argp_state *state, const char *text)
     return seconds > 0 ? (int64_t)(seconds * 1000 + 0.5) : -1;
 }
 
+static double take_time(const struct argp_state *state, const char *text)
+{
+    char *end;
+    double seconds = strtod(text, &end);
+    if (end == text || strcmp(end, "s") != 0 || !(seconds >= 0 && seconds <= 1e9))
+        argp_error(state, "--at takes a time in seconds, as in 2.5s, not '%s'", text);
+    return seconds;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     client_args_t *args = state->input;
@@ -77,6 +91,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case 'c':
         args->csv = text;
+        return 0;
+    case 'a':
+        args->at_s = take_time(state, text);
         return 0;
     case 'e':
         args->every = true;
@@ -475,6 +492,8 @@ static int set_values(connection_t *connection, const client_args_t *args, const
 {
     cJSON *request = make_request(args, "set");
     cJSON_AddItemToObject(request, "values", values);
+    if (args->at_s >= 0)
+        cJSON_AddNumberToObject(request, "at", args->at_s);
     return connection_request(connection, request, who, NULL);
 }
 
@@ -571,10 +590,14 @@ int command_set(int argc, char **argv)
         .children = connection_children,
         .args_doc = "NAME=VALUE...",
         .doc = "Sets signals of a running twin: all of them or none, in any order; --csv sets line by line."};
-    client_args_t args = {.slave = 1};
+    client_args_t args = {.slave = 1, .at_s = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.slave == 0) {
         fprintf(stderr, "%s: set works on one slave: -n 1, -n 2, ...\n", argv[0]);
+        return EXIT_USAGE;
+    }
+    if (args.at_s >= 0 && args.csv) {
+        fprintf(stderr, "%s: --csv sets each line at a time of its own: leave out --at\n", argv[0]);
         return EXIT_USAGE;
     }
     if (args.count == 0 && !args.csv) {
@@ -599,7 +622,7 @@ int command_command(int argc, char **argv)
         .children = connection_children,
         .args_doc = "ruN HEX16",
         .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
-    client_args_t args = {.slave = 1};
+    client_args_t args = {.slave = 1, .at_s = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.count != 2) {
         fprintf(stderr,

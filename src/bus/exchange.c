@@ -281,8 +281,15 @@ static uint64_t begin_run(ect_exchange_t *x)
     return now_ns;
 }
 
+static uint64_t planned(const ect_exchange_t *x)
+{
+    return x->control ? ect_control_planned(x->control) : ECT_NEVER;
+}
+
 uint64_t ect_exchange_run(ect_exchange_t *x)
 {
+    if (planned(x) != ECT_NEVER && planned(x) <= now(x))
+        ect_control_act(x->control, x->chain, ect_exchange_touch(x));
     uint64_t now_ns = begin_run(x);
     x->answered_ns = 0;
     x->run_ns = now_ns;
@@ -292,7 +299,7 @@ uint64_t ect_exchange_run(ect_exchange_t *x)
     uint64_t step_ns = take_steps(x);
     if (x->trace)
         ect_trace_flush(x->trace);
-    return ect_earlier(ect_earlier(x->deadline_ns, step_ns), late_due(x));
+    return ect_earlier(ect_earlier(x->deadline_ns, step_ns), ect_earlier(late_due(x), planned(x)));
 }
 
 static void note_fault(void *observer, const char *fault)

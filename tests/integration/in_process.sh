@@ -177,7 +177,28 @@ a, b = socket.socketpair()
 child = subprocess.Popen(real + ['sh', '-c', 'sleep 1.3; echo >&%d' % b.fileno()], pass_fds=[b.fileno()])
 a.recv(1)"
 }
+set_at_a_time() {
+  for _ in 1 2 3; do
+    python_master "
+import ctypes
+getenv = ctypes.CDLL(None).getenv
+getenv.restype = ctypes.c_char_p
+time.sleep(0.01)
+assert os.system('$ectwin set --at 0.5s data1=2.5') == 0
+assert os.system('$ectwin set --at 0.001s data1=2.5') != 0
+client = socket.socket(socket.AF_UNIX)
+client.connect(getenv(b'ECTWIN_SOCKET'))
+client.send(b'{\"op\":\"watch\",\"pattern\":\"data1\",\"every\":true}\\n')
+client.recv(4096)
+time.sleep(1)
+print(client.recv(4096).decode())" || { cat "$work/err"; return 1; }
+    grep 2.5 "$work/out" >>"$work/times"
+  done
+  cat "$work/times" "$work/err"
+  [ "$(sort -u "$work/times" | wc -l)" -eq 1 ] && [ "$(wc -l <"$work/times")" -eq 3 ] && grep -q '"time":1000.5000' "$work/times" && grep -q '0.001 s is over' "$work/err"
+}
 if [ ! "${ECTWIN_NO_PYTHON:-}" ]; then
+  check "A client sets a signal at exactly a time of the bus, in each run" set_at_a_time
   check "A child process may be a client of the bus; the virtual clock is stopped meanwhile" child_client
   check "A wait of more than a second for a child process is reported in one line" long_child
   check "A wait of more than a second in system is reported in one line" long_system

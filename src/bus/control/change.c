@@ -94,3 +94,22 @@ const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const
     return strcmp(ect_change_op(request), "set") == 0 ? set(chain, (size_t)slave, request, now_ns, message)
                                                       : set_fault(scenario, chain, request, now_ns, message);
 }
+
+const char *ect_change_check(const ect_chain_t *chain, size_t slave, const cJSON *request, char *message)
+{
+    const cJSON *values = cJSON_GetObjectItemCaseSensitive(request, "values");
+    const cJSON *one = cJSON_IsObject(values) ? values->child : cJSON_GetObjectItemCaseSensitive(request, "name");
+    if (!one)
+        return "\"set\" takes {\"name\":...,\"value\":...} or {\"values\":{NAME:VALUE,...}}";
+    for (; one; one = cJSON_IsObject(values) ? one->next : NULL) {
+        ect_signal_ref_t ref;
+        const char *name = cJSON_IsObject(values) ? one->string : cJSON_GetStringValue(one);
+        if (name && ect_chain_signal(chain, slave - 1, name, &ref) && ref.signal->access == ECT_SIGNAL_WRITE)
+            continue;
+        snprintf(message, ECT_SIGNAL_MESSAGE,
+                 "slave %zu has no signal '%.60s' that can be set: 'ectwin list-signals -n %zu' lists them", slave,
+                 name ? name : "", slave);
+        return message;
+    }
+    return NULL;
+}

@@ -36,6 +36,14 @@ long ect_change_slave(const cJSON *request, const ect_chain_t *chain);
 const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const cJSON *request, uint64_t now_ns,
                              char *message);
 
+/**
+ * Whether the signals of a `set` request exist and can be set; their values are judged when it is carried out.
+ * @param slave         from 1
+ * @param[out] message  room of ECT_SIGNAL_MESSAGE bytes for a reason
+ * @return the reason why not, one line; NULL: they can be set
+ */
+const char *ect_change_check(const ect_chain_t *chain, size_t slave, const cJSON *request, char *message);
+
 ECT_C_END
 
 #endif

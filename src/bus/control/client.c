@@ -187,6 +187,33 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
     return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
 }
 
+/* --- at a time of the bus ----------------------------------------------------------------------------------------- */
+
+static bool is_planned(const char *op, const cJSON *request)
+{
+    return strcmp(op, "set") == 0 && cJSON_HasObjectItem(request, "at");
+}
+
+/* @return why not, NULL */
+static const char *plan(ect_client_t *client, const ect_chain_t *chain, const cJSON *request, size_t slave,
+                        uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
+{
+    const double most_s = 1e9;
+    double at_s = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(request, "at"));
+    if (!client->stats || !client->plans)
+        return "\"at\" needs a bus that runs";
+    if (!(at_s >= 0 && at_s <= most_s))
+        return "\"at\" is a time of the bus, in seconds since its start";
+    uint64_t due_ns = client->stats->start_ns + (uint64_t)(at_s * 1e9 + 0.5);
+    if (due_ns < now_ns) {
+        snprintf(message, ECT_SIGNAL_MESSAGE, "%g s is over: the bus is at %.6f s", at_s,
+                 (double)(now_ns - client->stats->start_ns) / 1e9);
+        return message;
+    }
+    const char *why = ect_change_check(chain, slave, request, message);
+    return why ? why : ect_plans_add(client->plans, due_ns, request);
+}
+
 /* --- data --------------------------------------------------------------------------------------------------------- */
 
 /* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
@@ -386,6 +413,8 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
 {
     if (strcmp(op, "fault") == 0 && !cJSON_GetObjectItemCaseSensitive(request, "fault"))
         return list_faults(client, chain);
+    if (is_planned(op, request))
+        return plan(client, chain, request, slave, now_ns, message);
     if (ect_change_is(op))
         return ect_change_apply(chain, client->scenario, request, now_ns, message);
     if (strcmp(op, "data") == 0)
@@ -395,9 +424,9 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
     return reply_stats(client, now_ns);
 }
 
-static void tell_observer(const ect_client_t *client, const char *op)
+static void tell_observer(const ect_client_t *client, const char *op, const cJSON *request)
 {
-    if (client->observer && client->observer->changes && ect_change_is(op))
+    if (client->observer && client->observer->changes && ect_change_is(op) && !is_planned(op, request))
         client->observer->changes(client->observer->ctx, client->request, client->line - 1);
 }
 
@@ -408,7 +437,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     long slave = ect_change_slave(request, chain);
     bool visit = is_visit(&client->visit, op);
     const char *why;
-    tell_observer(client, op);
+    tell_observer(client, op, request);
     if (!visit && !has_immediate_reply(op))
         why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about\",...}";
     else if (slave < 0 || (!visit && slave == 0))

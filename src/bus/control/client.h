@@ -18,6 +18,7 @@
 #include "bus/control/about.h"
 #include "bus/control/endpoint.h"
 #include "bus/control/line.h"
+#include "bus/control/plans.h"
 #include "bus/control/watch.h"
 #include "bus/faults/scenario.h"
 #include "wire/linkage.h"
@@ -66,6 +67,7 @@ typedef struct ect_client {
     ect_scenario_t *scenario;       /**< NULL: none */
     const ect_about_t *about;       /**< NULL: none */
     const ect_observer_t *observer; /**< NULL: none */
+    ect_plans_t *plans;             /**< requests that wait for their time */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: none */
     size_t every_room;  /**< most signals that it may watch at every change */

@@ -10,6 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "bus/control/change.h"
 #include "bus/control/client.h"
 
 enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS, WAITABLE = ECT_CONTROL_CLIENTS + 1 };
@@ -27,6 +28,7 @@ struct ect_control {
     ect_scenario_t *scenario;
     const ect_about_t *about;
     ect_observer_t observer;
+    ect_plans_t plans;
     char path[ECT_ENDPOINT_PATH];
     ino_t identity; /* of its file */
 };
@@ -82,6 +84,7 @@ void ect_control_close(ect_control_t *c)
         if (c->clients[i].fd >= 0)
             drop(&c->clients[i]);
     }
+    ect_plans_clear(&c->plans);
     if (c->fd >= 0)
         ect_endpoint_close(c->fd, c->path, c->identity);
     if (c->epoll >= 0)
@@ -168,6 +171,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
         client->scenario = c->scenario;
         client->about = c->about;
         client->observer = &c->observer;
+        client->plans = &c->plans;
         return;
     }
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");
@@ -361,5 +365,44 @@ void ect_control_record(ect_control_t *c, const ect_chain_t *chain, uint64_t now
             continue;
         ect_client_show_lamps(&c->clients[i], chain);
         ect_watch_record(watch, now_ns);
+    }
+}
+
+/* --- requests at their time --------------------------------------------------------------------------------------- */
+
+/* The client has had its reply long ago. */
+static void report_refusal(const ect_control_t *c, const cJSON *request, const char *why)
+{
+    char *text = c->scenario && c->scenario->refused ? cJSON_PrintUnformatted(request) : NULL;
+    if (text)
+        c->scenario->refused(c->scenario->ctx, text, why);
+    cJSON_free(text);
+}
+
+uint64_t ect_control_planned(const ect_control_t *c)
+{
+    return ect_plans_due(&c->plans);
+}
+
+/* For observers the request comes now. */
+static void act(ect_control_t *c, ect_chain_t *chain, cJSON *request, uint64_t now_ns)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    cJSON_DeleteItemFromObjectCaseSensitive(request, "at");
+    char *text = c->observer.changes ? cJSON_PrintUnformatted(request) : NULL;
+    if (text)
+        c->observer.changes(c->observer.ctx, text, strlen(text));
+    cJSON_free(text);
+    const char *why = ect_change_apply(chain, c->scenario, request, now_ns, message);
+    if (why)
+        report_refusal(c, request, why);
+}
+
+void ect_control_act(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    while (ect_plans_due(&c->plans) <= now_ns) {
+        cJSON *request = ect_plans_take(&c->plans);
+        act(c, chain, request, now_ns);
+        cJSON_Delete(request);
     }
 }

@@ -71,6 +71,15 @@ uint64_t ect_control_due(const ect_control_t *control);
 /** Does one bounded piece of work. Cost: at most four system calls and one step of a client (client.h). */
 void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
+/** Time of the first request that waits for its time ("at"); ECT_NEVER: none. */
+uint64_t ect_control_planned(const ect_control_t *control);
+
+/**
+ * Carries out the requests whose time has come. To be called before the devices run. A refusal at that time goes to
+ * `refused` of the scenario (::ect_control_show).
+ */
+void ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+
 /**
  * Records changes for clients that watch every change. To be called after each ::ect_chain_poll.
  * Cost: a comparison a signal that is watched so, at most ECT_CONTROL_EVERY, and one a twin with a watched lamp.

@@ -338,6 +338,86 @@ static void most_signals_of_one_set(void **state)
     close_bench(&b);
 }
 
+/* --- at a time of the bus ----------------------------------------------------------------------------------------- */
+
+static char refusal[256];
+
+static void on_refused(void *ctx, const char *step, const char *why)
+{
+    (void)ctx;
+    snprintf(refusal, sizeof refusal, "%s: %s", step, why);
+}
+
+static void expect_data1(bench_t *b, const char *value)
+{
+    char want[80];
+    snprintf(want, sizeof want, "{\"slave\":1,\"name\":\"data1\",\"value\":%s}\n" OK, value);
+    expect_answer(b, "{\"op\":\"get\",\"pattern\":\"data1\"}\n", want);
+}
+
+static void set_at_a_time(void **state)
+{
+    static const struct {
+        const char *request, *part;
+    } refused[] = {
+        {"{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":\"soon\"}\n", "a time of the bus"},
+        {"{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":-1}\n", "a time of the bus"},
+        {"{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":1e10}\n", "a time of the bus"},
+        {"{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":1.5}\n", "1.5 s is over: the bus is at 2.000000 s"},
+        {"{\"op\":\"set\",\"name\":\"nosuch\",\"value\":1,\"at\":3}\n", "no signal 'nosuch' that can be set"},
+        {"{\"op\":\"set\",\"name\":\"ready\",\"value\":1,\"at\":3}\n", "no signal 'ready' that can be set"},
+        {"{\"op\":\"set\",\"at\":3}\n", "takes {"},
+    };
+    ect_scenario_t scenario = {.seed = 1, .refused = on_refused};
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    uint64_t start_ns = b.wire.now_ns;
+    expect_part(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":3}\n", "needs a bus that runs");
+    stats.start_ns = start_ns;
+    ect_control_show(b.control, &stats, &scenario);
+    b.wire.now_ns += 2000000000u;
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
+        expect_part(&b, refused[i].request, refused[i].part);
+    ect_control_act(b.control, b.wire.chain, UINT64_MAX - 1);
+    assert_true(ect_control_planned(b.control) == ECT_NEVER);
+
+    expect_answer(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":2,\"at\":4}\n", OK);
+    expect_answer(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":3.5}\n", OK);
+    expect_answer(&b, "{\"op\":\"set\",\"values\":{\"data1\":3},\"at\":4}\n", OK);
+    expect_answer(&b, "{\"op\":\"set\",\"name\":\"scene\",\"value\":\"x\",\"at\":5}\n", OK);
+    ect_control_act(b.control, b.wire.chain, start_ns + 3499999999u);
+    assert_true(ect_control_planned(b.control) == start_ns + 3500000000u);
+    expect_data1(&b, "0");
+    ect_control_act(b.control, b.wire.chain, start_ns + 3500000000u);
+    assert_true(ect_control_planned(b.control) == start_ns + 4000000000u);
+    expect_data1(&b, "1");
+    ect_control_act(b.control, b.wire.chain, start_ns + 4000000000u);
+    assert_true(ect_control_planned(b.control) == start_ns + 5000000000u);
+    expect_data1(&b, "3"); /* of one time in the order of the requests */
+    assert_string_equal(refusal, "");
+    ect_control_act(b.control, b.wire.chain, start_ns + 5000000000u);
+    assert_true(ect_control_planned(b.control) == ECT_NEVER);
+    assert_non_null(strstr(refusal, "\"scene\""));
+    close_bench(&b);
+}
+
+static void most_requests_that_wait(void **state)
+{
+    ect_scenario_t scenario = {.seed = 1};
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    stats.start_ns = b.wire.now_ns;
+    ect_control_show(b.control, &stats, &scenario);
+    for (unsigned int i = 0; i <= 64; i++)
+        expect_part(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":3}\n",
+                    i < 64 ? OK : "64 requests wait for their time already");
+    close_bench(&b);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -352,6 +432,8 @@ int main(int argc, char **argv)
         {"Data too large for a signal come in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
         {"Several signals are set all or none, in any order", all_or_nothing, NULL, NULL, NULL},
         {"A request sets at most 128 signals", most_signals_of_one_set, NULL, NULL, NULL},
+        {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},
+        {"At most 64 requests wait for their time", most_requests_that_wait, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
