@@ -445,13 +445,15 @@ static void begin(ect_scenario_t *s, uint64_t now_ns)
         s->steps[i].base_ns = now_ns;
 }
 
-/* Plays the rows of tables that are due. @return when the next one is */
+/* Plays the rows of tables that are due, those of one time at once: after a late call the devices and clients see the
+ * values of each time. @return when the next one is due */
 static uint64_t play_tables(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
     uint64_t next_ns = ECT_NEVER;
     char message[ECT_SIGNAL_MESSAGE];
     for (ect_table_t *table = s->tables; table; table = table->next) {
-        while (ect_table_due(table) <= now_ns - s->start_ns) {
+        uint64_t due_at_ns = ect_table_due(table);
+        while (due_at_ns <= now_ns - s->start_ns && ect_table_due(table) == due_at_ns) {
             s->acted = true;
             if (!ect_table_play(table, chain, now_ns, message) && s->refused)
                 s->refused(s->ctx, "row of a table", message);

@@ -290,6 +290,27 @@ static void table_in_its_cycle(void **state)
     ect_table_free(table);
 }
 
+/* After a late call a tick plays the rows of one time, so that the values of each are seen. */
+static void late_table(void **state)
+{
+    static const char *const name = "ecat.drift";
+    static const char *const values[] = {"5", "6", "7"};
+    rig_t *r = *state;
+    ect_table_t *table = ect_table_new(1, &name, 1);
+    for (unsigned int i = 0; i < 3; i++)
+        assert_true(ect_table_add(table, (i + 1) * MS, &values[i]));
+    r->s.tables = table;
+    START(r, "drop 0%");
+    r->w.now_ns = r->begin_ns + 10 * MS;
+    for (unsigned int i = 0; i < 3; i++) {
+        uint64_t next_ns = ect_scenario_tick(&r->s, r->w.chain, r->w.now_ns);
+        expect_signal(r, 0, "ecat.drift", values[i]);
+        assert_true(next_ns == (i < 2 ? r->begin_ns + (i + 2) * MS : ECT_NEVER));
+    }
+    r->s.tables = NULL;
+    ect_table_free(table);
+}
+
 static void wrong_tables(void **state)
 {
     static const struct {
@@ -477,6 +498,7 @@ int main(int argc, char **argv)
         TEST("a step sets signals; their end sets the value from before", sets),
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
         TEST("a row of a table takes effect for the first frame from its time on", table_in_its_cycle),
+        TEST("rows of a table that are late are played one time after the other", late_table),
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),
