@@ -4,6 +4,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 tools/bootstrap.sh run
+[ -x build/release/ectwin ] || echo "demo: the first start builds ectwin and its example masters in build/release: one to three minutes" >&2
 cmake --preset release >build.log 2>&1 || { cat build.log; exit 1; }
 cmake --build --preset release >build.log 2>&1 || { cat build.log; exit 1; }
 rm -f build.log

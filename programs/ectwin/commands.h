@@ -93,6 +93,7 @@ typedef struct twin_args {
     ect_filter_t filter;
     int realtime;       /* priority, 0: as any process */
     bool busy_poll;     /* never rests */
+    bool quiet;         /* no notes on standard error */
     ect_about_t about;  /* name and devices, as given */
     const char *modbus; /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
     const char *store;  /* folder of the twins' non-volatile memory, NULL: none */

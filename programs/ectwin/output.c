@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "bus/chain/catalogue.h"
@@ -32,7 +33,9 @@ int output_save(const char *who, const char *path, const void *data, size_t size
 bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, const char *name)
 {
     bool fits = snprintf(path, OUTPUT_PATH, "%s/%s", folder, name) < OUTPUT_PATH;
-    if (!fits)
+    if (fits)
+        (void)mkdir(folder, 0777); /* an existing one is fine; any failure is reported when the file is opened */
+    else
         fprintf(stderr, "%s: the folder's name is too long\n", who);
     return fits;
 }

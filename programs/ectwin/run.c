@@ -129,7 +129,7 @@ int command_run(int argc, char **argv)
     const char *const ends[ECT_ENDS] = {args.ifaces[ECT_END_IN], args.ifaces[ECT_END_OUT]};
     int status = session_open(&session, ends);
     for (unsigned int end = 0; end < ECT_ENDS && status == EXIT_CLEAN; end++) {
-        if (ends[end])
+        if (ends[end] && !args.twins.quiet)
             print_hints(&session.ports[end]);
     }
     if (status == EXIT_CLEAN)

@@ -53,6 +53,7 @@ enum {
     KEY_PCAP,
     KEY_PCAP_SIZE,
     KEY_RECORD,
+    KEY_QUIET,
 };
 
 /* Default of --pcap-size. */
@@ -108,6 +109,7 @@ static const struct argp_option options[] = {
      "Size of the file of --pcap, 66K or more, 0: no limit (default 1G). At the limit the older half is removed", 1},
     {"record", KEY_RECORD, "FILE", 0,
      "Write FILE for 'ectwin replay': all frames, and everything else that replies depend on (docs/REPLAY.md)", 1},
+    {"quiet", KEY_QUIET, NULL, 0, "Print no notes on standard error; errors and the ready line remain", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
      "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
      "repeated",
@@ -502,6 +504,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_REALTIME:
         args->realtime = parse_priority(state, text);
+        return 0;
+    case KEY_QUIET:
+        args->quiet = true;
+        product_quiet();
         return 0;
     case KEY_BUSY_POLL:
         args->busy_poll = true;

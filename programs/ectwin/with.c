@@ -274,7 +274,8 @@ static int enter_network(const with_args_t *args)
         fprintf(stderr, "ectwin with: %s\n", message);
         return EXIT_OPEN;
     }
-    report_lacks(lacks);
+    if (!args->twins.quiet)
+        report_lacks(lacks);
     if (lacks == 0 || !args->require_private)
         return EXIT_CLEAN;
     fputs("ectwin with: CMD is not run, because of --require-private: allow user namespaces, or leave the option out\n",

@@ -50,6 +50,9 @@ advice() {
   "$ectwin" with --set nosuch=1 fzm1 -- true 2>"$work/err"
   check "--set: the command that lists the names works" yes \
     "$(grep -q "'ectwin list-signals DEVICE'" "$work/err" && "$ectwin" list-signals fzm1 | grep -q '^data1 ' && echo yes)"
+  check "with: notes about the twin of a file; none with --quiet" "1 0" \
+    "$("$ectwin" with "esi:$root/tests/esi/drives.xml#SERVO" -- true 2>&1 | grep -c 'CiA 402') $(
+      "$ectwin" with "esi:$root/tests/esi/drives.xml#SERVO" --quiet -- true 2>&1 | grep -c 'CiA 402')"
   "$ectwin" sii device.xml 2>"$work/err"
   check "a file in place of a device" "1 yes" "$? $(grep -q "write esi:device.xml" "$work/err" && echo yes)"
   "$ectwin" with fzm1,fzm1 -- "$ectwin" get nosuch 2>"$work/err"
@@ -241,6 +244,8 @@ files_agree() {
   check "objects: no slave for SOES, and why" "1 1" "$? $(grep -c 'di4 does not have the SyncManagers of a SOES slave' "$work/err")"
   check "objects: nobody is named" 1 "$("$ectwin" objects fzm1 >/dev/null 2>&1; echo $?)"
   for files in "objects fzm1 --soes" "esi --all"; do
+    # shellcheck disable=SC2086
+    "$ectwin" $files -o "$work/new-${files%% *}" && check "$files: the folder is made" yes "$([ -n "$(ls "$work/new-${files%% *}")" ] && echo yes)"
     # shellcheck disable=SC2086
     check "$files: a folder whose name is too long" "ectwin ${files%% *}: the folder's name is too long"$'\n2' \
       "$("$ectwin" $files -o "$(printf '%05000d' 0)" 2>&1; echo $?)"

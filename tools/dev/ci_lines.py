@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Prints the shell lines of the container file, the GitHub action or the GitLab jobs.  usage: ci_lines.py FILE
 
-Lines of a container file become commands for sudo: COPY is cp, and RUN is run by sh. YAML files give the blocks of `run: |` and the
-lists of `before_script:` and `script:`, in their order.
+Lines of a container file become commands for sudo: COPY is cp, and RUN is run by sh. YAML files give the lines of `run: COMMAND`, the
+blocks of `run: |` and the lists of `before_script:` and `script:`, in their order.
 """
 import pathlib
 import re
@@ -26,7 +26,9 @@ def yaml(lines):
         indent = len(line) - len(line.lstrip())
         if inside and line.strip() and indent <= depth:
             inside = None
-        if match := re.match(r"( *)(run: \||before_script:|script:)$", line):
+        if match := re.match(r" *- run: ([^|].*)$", line):
+            yield match[1]
+        elif match := re.match(r"( *)(run: \||before_script:|script:)$", line):
             inside, depth = match[2], len(match[1])
         elif inside and line.strip():
             yield line.strip() if inside.startswith("run") else re.sub(r"^\s*- ", "", line)

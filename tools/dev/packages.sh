@@ -7,6 +7,7 @@
 #   container  the lines of packaging/container/Containerfile, then its user runs a master
 #   action     the lines of action.yml, which build the package there
 #   gitlab     the lines of packaging/ci/gitlab.yml, as root
+#   workflow   the lines of .github/workflows/packages.yml, which build both packages there, as root
 #
 # tools/package.sh all comes first. Exits with 77 and a reason where such a machine cannot be made.
 set -eu
@@ -24,11 +25,12 @@ part() { # NAME: the commands of a part
       tools/dev/ci_lines.py action.yml ;;
     gitlab) echo "git init -q && git add -A && git -c user.name=x -c user.email=x@x.example commit -qm x && export ECTWIN_REPOSITORY=\$PWD"
       printf 'sudo -E bash -ec %q\n' "git config --global safe.directory '*'; cd /tmp; $(tools/dev/ci_lines.py packaging/ci/gitlab.yml)" ;;
+    workflow) printf 'sudo -E bash -ec %q\n' "$(tools/dev/ci_lines.py .github/workflows/packages.yml)" ;;
     *) echo "packages.sh: no part is named '$1'" >&2; exit 1 ;;
   esac
 }
 
-for name in ${*:-deb wheel container action gitlab}; do
+for name in ${*:-deb wheel container action gitlab workflow}; do
   commands=$(part "$name")
   status=0
   FRESH_FILES='build/packages' tools/dev/fresh.sh "$release" "$commands" || status=$?
