@@ -34,7 +34,7 @@ typedef struct ect_twin {
     ect_esc_t esc;
     ect_pdi_t pdi;
     ect_slave_t slave;
-    ect_slow_t *slow; /* NULL: the slave takes no time */
+    ect_slow_t *slow;   /* NULL: the slave takes no time */
     ect_above_t *above; /* faults above the wire; NULL: there was none yet */
     ect_wiring_t *wiring;
     ect_lamps_t *lamps;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* PHY management, 0x0510 to 0x0515: the link as the PHYs report it, errors, write enable, busy; and the PDI error counter. */
+/* PHY management, 0x0510 to 0x0515: the link as the PHYs report it, errors, write enable, busy; and the PDI error
+ * counter. */
 #include "support/chip.h"
 
 enum { CONTROL = 0x0510, PHY = 0x0512, NUMBER = 0x0513, DATA = 0x0514, BUSY = 0x8000, READ = 0x0100, WRITE = 0x0200 };
@@ -17,7 +18,8 @@ static void links(void **state)
 {
     static const struct {
         unsigned int phy, number, linked, unlinked;
-    } rows[] = {{0, 0, 0x3100, 0x3100}, {1, 1, 0x782D, 0x7809}, {1, 2, 0, 0}, {1, 4, 0x01E1, 0x01E1}, {1, 5, 0x41E1, 0}};
+    } rows[] = {
+        {0, 0, 0x3100, 0x3100}, {1, 1, 0x782D, 0x7809}, {1, 2, 0, 0}, {1, 4, 0x01E1, 0x01E1}, {1, 5, 0x41E1, 0}};
     chip_t *c = *state;
     for (unsigned int link = 0; link < 2; link++) {
         ect_esc_set_link(&c->esc, 1, link != 0);

@@ -286,10 +286,10 @@ static void longest_texts(void **state)
 static void words(void **state)
 {
     static const char *const want[ECT_FAULT_KINDS] = {
-        "drop",  "damage", "delay", "duplicate", "reorder",    "truncate", "corrupt", "counter", "off",
-        "hang",  "resume", "reset", "identity",  "lose-event", "eeprom",   "eeprom",  "eeprom",  "eeprom",
-        "clock", "pdi-error", "to", "init",  "emergency", "al",         "al",       "al",      "abort",   "mail",
-        "mail",  "mail",   "mail",  "mail",      "mail",       "mail",     "pdo-size"};
+        "drop",  "damage",    "delay", "duplicate", "reorder",    "truncate", "corrupt", "counter", "off",
+        "hang",  "resume",    "reset", "identity",  "lose-event", "eeprom",   "eeprom",  "eeprom",  "eeprom",
+        "clock", "pdi-error", "to",    "init",      "emergency",  "al",       "al",      "al",      "abort",
+        "mail",  "mail",      "mail",  "mail",      "mail",       "mail",     "mail",    "pdo-size"};
     (void)state;
     for (size_t i = 0; i < ECT_FAULT_KINDS; i++)
         assert_string_equal(ect_fault_word(i), want[i]);
