@@ -166,7 +166,7 @@ static void find_place(clone_t *c, uint16_t n)
     if (ect_reader_registers(&c->reader, ECT_REG_DL_STATUS, status, sizeof status) != ECT_READER_OK)
         return;
     for (unsigned int i = 1; i < PORTS; i++) /* communication established, a bit a port from bit 9 on */
-        c->places[n].open |= (uint8_t)((status[1] >> (2 * i + 1) & 1u) << i);
+        c->places[n].open |= (uint8_t)(((unsigned int)status[1] >> (2 * i + 1) & 1u) << i);
 }
 
 /* Only where a slave does not hang at port 1 of the one before. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "replay.h"
+#include "replay_file.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -8,7 +8,7 @@
 #include "bus/capture/decode.h"
 #include "bus/capture/pcapng.h"
 #include "esc/route.h"
-#include "replay.h"
+#include "replay_file.h"
 #include "text/state.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "replay.h"
+#include "replay_file.h"
 
 enum { KEY_OF_RUN = 0x400 };
 
@@ -80,19 +80,19 @@ static error_t parse_word(int key, char *text, struct argp_state *state)
     }
 }
 
-void replay_words(twin_args_t *twins, int count, char **list)
+void replay_words(twin_args_t *twins, int count, char **words)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {.options = options_of_run, .parser = parse_word, .children = children};
     static const cookie_io_functions_t io = {.write = write_first_line};
     bool first_line_written = false;
-    words_t words = {.twins = twins, .errors = fopencookie(&first_line_written, "w", io)};
+    words_t run = {.twins = twins, .errors = fopencookie(&first_line_written, "w", io)};
     static bool prepared;
     prepared = prepared || atexit(end_as_wrong_file) == 0;
     reading_words = true;
-    (void)argp_parse(&argp, count + 1, list, ARGP_NO_HELP, NULL, &words);
+    (void)argp_parse(&argp, count + 1, words, ARGP_NO_HELP, NULL, &run);
     reading_words = false;
-    fclose(words.errors);
+    fclose(run.errors);
 }
 
 /* --- the file ----------------------------------------------------------------------------------------------------- */

@@ -11,7 +11,7 @@
 #include "bus/capture/pcapng.h"
 #include "bus/control/change.h"
 #include "esc/route.h"
-#include "replay.h"
+#include "replay_file.h"
 #include "wire/bytes.h"
 
 enum { WORDS_MOST = 4096, LINE = 600 };

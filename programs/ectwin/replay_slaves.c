@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "esc/route.h"
-#include "replay.h"
+#include "replay_file.h"
 #include "wire/bytes.h"
 
 enum { HEADS = 16 };

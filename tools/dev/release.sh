@@ -20,6 +20,7 @@ build first
 (umask 077 && export LC_ALL=C LANG=C TZ=Asia/Kathmandu && build another-name)
 diff "$work/first.sums" "$work/another-name.sums" || { echo "release: two builds differ" >&2; exit 1; }
 out=build/release-$version
+mkdir -p build
 rm -rf "$out"
 mv "$work/first/build/packages" "$out"
 cp "$work/first.sums" "$out/SHA256SUMS"

@@ -4,8 +4,8 @@
  * Replay of captures on the virtual clock: of our own records, in which every reply must be equal (replay_record.c),
  * and of captures of a bus, which are compared with twins (replay_bus.c).
  */
-#ifndef ECTWIN_REPLAY_H
-#define ECTWIN_REPLAY_H
+#ifndef ECTWIN_REPLAY_FILE_H
+#define ECTWIN_REPLAY_FILE_H
 
 #include <stdbool.h>
 #include <stdint.h>
