@@ -139,6 +139,17 @@ assert '2.5' in out.stdout
 }
 [ "${ECTWIN_NO_PYTHON:-}" ] || check "The control socket of a bus in a process is that of any bus" control
 
+# CMD starts the master and gives it a time, as timeout(1) and test runners do.
+runner() {
+  with --virtual-time fzm1 -- timeout 20 "$slaveinfo" {} >"$work/out" 2>"$work/err" || { cat "$work/err"; return 1; }
+  with --virtual-time fzm1 -- timeout 20 env -u LD_PRELOAD sleep 0.3 >/dev/null 2>&1 || return 1
+  exits 124 with --virtual-time fzm1 -- timeout 1 env -u LD_PRELOAD sleep 30 >/dev/null 2>&1 || return 1
+  [ "${ECTWIN_NO_PYTHON:-}" ] || with --virtual-time fzm1 -- python3 -c "
+import subprocess
+subprocess.run(['env', '-u', 'LD_PRELOAD', 'sleep', '0.3'], timeout=20, check=True)" >/dev/null 2>"$work/err"
+}
+check "A process without a bus waits for its children in real time" runner
+
 # A master in Python: opens the interface, then runs a line of code.
 python_master() { # CODE
   with --virtual-time fzm1 -- python3 -c "

@@ -888,6 +888,7 @@ static void threads_meet_at_a_barrier(void **state)
 typedef struct locks {
     pthread_rwlock_t lock;
     pthread_spinlock_t spin;
+    sem_t held, release;
 } locks_t;
 
 static void *hold_locks(void *arg)
@@ -895,9 +896,10 @@ static void *hold_locks(void *arg)
     locks_t *locks = arg;
     pthread_rwlock_wrlock(&locks->lock);
     pthread_spin_lock(&locks->spin);
+    sem_post(&locks->held);
     usleep(5000);
     pthread_spin_unlock(&locks->spin);
-    usleep(15000);
+    sem_wait(&locks->release);
     pthread_rwlock_unlock(&locks->lock);
     return NULL;
 }
@@ -918,8 +920,10 @@ static void locks_and_joins_end_at_their_deadlines(void **state)
     (void)state;
     pthread_rwlock_init(&locks.lock, NULL);
     pthread_spin_init(&locks.spin, PTHREAD_PROCESS_PRIVATE);
+    sem_init(&locks.held, 0, 0);
+    sem_init(&locks.release, 0, 0);
     pthread_create(&thread, NULL, hold_locks, &locks);
-    usleep(1000);
+    sem_wait(&locks.held);
     pthread_spin_lock(&locks.spin);
     pthread_spin_unlock(&locks.spin);
     uint64_t since_ns = now_ns();
@@ -930,9 +934,10 @@ static void locks_and_joins_end_at_their_deadlines(void **state)
     until = in_ms(3);
     assert_int_equal(pthread_timedjoin_np(thread, NULL, &until), ETIMEDOUT);
     assert_took(since_ns, 3 * MS);
-    until = in_ms(1000);
+    sem_post(&locks.release);
+    until = in_ms(10000);
     assert_int_equal(pthread_rwlock_timedwrlock(&locks.lock, &until), 0);
-    until = in_ms(1000);
+    until = in_ms(10000);
     assert_int_equal(pthread_timedjoin_np(thread, NULL, &until), 0);
 }
 

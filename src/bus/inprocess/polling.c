@@ -18,7 +18,6 @@
 
 #include "bus/inprocess/deadline.h"
 #include "bus/inprocess/ports.h"
-#include "bus/inprocess/processes.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/signals.h"
 #include "bus/inprocess/threads.h"
@@ -79,7 +78,7 @@ static bool has_pipe(const struct pollfd *fds, nfds_t count)
     nfds_t i = 0;
     while (i < count && (fstat(fds[i].fd, &its) != 0 || !S_ISFIFO(its.st_mode)))
         i++;
-    return i < count && ect_processes_run();
+    return i < count && ect_virtual_has_child();
 }
 
 static int poll_until(struct pollfd *fds, nfds_t count, const char *call, uint64_t until_ns)

@@ -2,8 +2,6 @@
 /* Waits for child processes on the virtual clock, which is stopped meanwhile: the child's speed does not show in a run.
  */
 #define _GNU_SOURCE
-#include "bus/inprocess/processes.h"
-
 #include <errno.h>
 #include <stdint.h>
 #include <sys/resource.h>
@@ -13,12 +11,6 @@
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/threads.h"
-
-bool ect_processes_run(void)
-{
-    siginfo_t info = {0};
-    return REAL(waitid)(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0;
-}
 
 typedef struct awaited {
     idtype_t kind;

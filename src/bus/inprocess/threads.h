@@ -64,6 +64,9 @@ ect_wait_t ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, const cha
  */
 ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, const char *call, uint64_t until_ns);
 
+/** Whether the master has a child process that runs. */
+bool ect_virtual_has_child(void);
+
 /** Whether each handler that ended the thread's last wait has SA_RESTART; false for a signal from outside. */
 bool ect_virtual_restarts(void);
 
