@@ -34,7 +34,7 @@ def record(file, *words):
 def replay(file, status, pattern):
     done = call(ECTWIN, "replay", file)
     text = (done.stdout if status != 2 else done.stderr).strip()
-    expect(f"{file.name}: exit", status, done.returncode)
+    expect(f"{file.name}: exit; {done.stderr.strip()}", status, done.returncode)
     expect(f"{file.name}: '{text}'", True, re.fullmatch(pattern, text, re.S) is not None)
     return text
 
@@ -77,7 +77,7 @@ def networks(file):
     """a run over a network replays byte for byte"""
     record(file, "fzm1,pmctendo-dd5", "--", PROBE, "-i", "{}")
     equal(file)
-    record(file, "--iface", "ecat0,ecat1", "fzm1*2", "--", "python3", FRAMES, "{}", "30", "1", "0.2")
+    record(file, "--iface", "ecat0,ecat1", "fzm1*2", "--", "python3", FRAMES, "{}", "30", "1")
     equal(file)
 
 
@@ -96,8 +96,10 @@ def faults(file):
     for fault in ("drop 10%", "delay 300us 5%", "corrupt 5%", "truncate 8 every 9", "duplicate every 9", "reorder every 7",
                   "counter -1 every 4", "delay 500us every 5 wire 2", "drop 10% wire 2 back", "damage 10% wire 2", "at frame 20 reset slave 2",
                   "at 0.02s hang slave 1", "clock 5000ns slave 2"):
-        record(file, "--fault", fault, "--seed", "5", "fzm1*3", "--", "python3", FRAMES, "{}", "60", "0.5", "0.3")
+        record(file, "--in-process", "--virtual-time", "--fault", fault, "--seed", "5", "fzm1*3", "--", "python3", FRAMES, "{}", "60", "0.5")
         equal(file)
+    record(file, "--fault", "drop 10%", "--fault", "duplicate every 9", "fzm1*3", "--", "python3", FRAMES, "{}", "60", "0.5", "3")
+    equal(file)
 
 
 def requests(file):
