@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# lies: ectwin-probe and ectwin verify read slaves whose CoE lies. Both end in time, with a line and an exit code, and the
+# lies: ectwin-probe, ectwin verify and ectwin clone read slaves whose CoE lies. All end in time, with a line and an exit code, and the
 # file of the probe is JSON.
 # usage: lies.sh ECTWIN-OF-TESTS ECTWIN ECTWIN-PROBE
 set -u
@@ -38,6 +38,18 @@ read_slave liar-endless-mails 3 "mails came within 2000 ms, but none that replie
 wait
 for device in liar-upload-4g liar-no-uploads liar-no-replies liar-endless-mails; do
   verify $device 2 &
+done
+wait
+
+clone() { # DEVICE EXIT: what could be read is a bus that runs
+  timeout 60 "$tests" with "$1" -- "$ectwin" clone -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
+  expect "$1: exit code of the clone" "$2" $?
+  expect "$1: a line of the clone" 1 "$(grep -c '^ectwin clone: slave 1: dictionary, read in part: ' "$work/$1.err")"
+  timeout 20 "$ectwin" check "$work/$1.clone/bus.yaml" >/dev/null 2>"$work/$1.err"
+  expect "$1: the clone can run" 0 $?
+}
+for device in liar-upload-4g liar-no-uploads liar-no-replies liar-other-index liar-toggle liar-endless-list liar-endless-mails; do
+  clone $device 3 &
 done
 wait
 [ ! -e "$work/failed" ]

@@ -270,7 +270,7 @@ static void stop_time(const char *call)
         report(call);
 }
 
-/* Only the world outside can make a thread ready, or has a say in it. Time passes as it does there. */
+/* Only the world outside can make a thread ready, or a child process is waited for. Time passes as it does there. */
 static void wait_for_the_world(uint64_t *waited_ns)
 {
     const char *call = NULL;
