@@ -51,6 +51,8 @@ __attribute__((format(printf, 3, 4))) static void fail(reader_t *r, const yaml_n
     va_start(values, format);
     (void)vsnprintf(why, sizeof why, format, values);
     va_end(values);
+    for (char *letter = why; *letter; letter++)
+        *letter = (unsigned char)*letter < ' ' || *letter == 0x7F ? '?' : *letter; /* of a text of the file */
     (void)snprintf(r->text, r->room, "%s:%zu: %s", r->path, node ? node->start_mark.line + 1 : 1, why);
 }
 
@@ -78,6 +80,11 @@ __attribute__((format(printf, 2, 3))) static char *print(reader_t *r, const char
 static void add_word(reader_t *r, char *word)
 {
     ect_bus_file_t *file = r->file;
+    if (file->count == ECT_BUS_FILE_WORDS) {
+        fail(r, NULL, "more than %d options of all twins together", (int)ECT_BUS_FILE_WORDS);
+        free(word);
+        return;
+    }
     if (word && (file->count & (file->count - 1)) == 0) {
         size_t room = file->count ? 2 * file->count : 1;
         char **grown = realloc(file->words, room * sizeof *grown);
@@ -348,7 +355,7 @@ static void take_twin_key(reader_t *r, const entry_t *entry, const char *key, co
     else if (strcmp(key, "alias") == 0 || strcmp(key, "serial") == 0)
         add_counted(r, value, key, entry);
     else
-        for (size_t i = 0; i < entry->count; i++)
+        for (size_t i = 0; i < entry->count && !r->failed; i++)
             add_options(r, value, key, option, entry->first + i);
 }
 

@@ -40,6 +40,7 @@
 enum {
     ECT_BUS_FILE_BYTES = 1 << 20, /**< of a file */
     ECT_BUS_FILE_TWINS = 65535,   /**< of a bus */
+    ECT_BUS_FILE_WORDS = 1 << 20, /**< options of a bus, those of `count` counted for each twin */
     ECT_BUS_FILE_NAME = 31,       /**< characters of the name of a twin */
 };
 

@@ -132,11 +132,16 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
          "/m/bus.yaml:4: two twins have the name 'x2'"},
         {BUS(ONE "  count: 0\n"), "/m/bus.yaml:4: 'count' takes a number from 1 to 65535"},
         {BUS("twins:\n- {device: a, count: 65535}\n- device: b\n"), "/m/bus.yaml:4: more than 65535 twins"},
+        {BUS("twins:\n- {device: a, count: 65535, set: {a: 1, b: 1, c: 1, d: 1, e: 1, f: 1, g: 1, h: 1, i: 1, j: 1, k: "
+             "1, l: "
+             "1, m: 1, n: 1, o: 1, p: 1, q: 1}}\n"),
+         "/m/bus.yaml:1: more than 1048576 options of all twins together"},
         {BUS(ONE "  alias: seven\n"), "/m/bus.yaml:4: 'alias' takes a number, not 'seven'"},
         {BUS(ONE "  alias: 1\n  alias: 2\n"), "/m/bus.yaml:5: 'alias' is there twice"},
         {BUS("busy-poll: yes\n" ONE), "/m/bus.yaml:2: 'busy-poll' takes true or false"},
         {BUS("seed: {a: 1}\n" ONE), "/m/bus.yaml:2: 'seed' takes one value"},
         {BUS("connect: arm.x=1.y\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'arm'"},
+        {BUS("connect: \"a\\n\\eb.x=1.y\"\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'a??b'"},
         {BUS("fault: hang slave cam4\n" TWO), "/m/bus.yaml:2: there is no twin with the name 'cam4'"},
         {BUS(ONE "  set: [a]\n"), "/m/bus.yaml:4: set: 'key: value' lines are missing"},
         {BUS("a: &x b\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
