@@ -141,7 +141,7 @@ assert '2.5' in out.stdout
 
 # CMD starts the master and gives it a time, as timeout(1) and test runners do.
 runner() {
-  with --virtual-time fzm1 -- timeout 20 "$slaveinfo" {} >"$work/out" 2>"$work/err" || { cat "$work/err"; return 1; }
+  with --virtual-time fzm1 -- timeout 20 "$calls" {} virtual "Sleeps*" >"$work/out" 2>"$work/err" || { cat "$work/out" "$work/err"; return 1; }
   with --virtual-time fzm1 -- timeout 20 env -u LD_PRELOAD sleep 0.3 >/dev/null 2>&1 || return 1
   exits 124 with --virtual-time fzm1 -- timeout 1 env -u LD_PRELOAD sleep 30 >/dev/null 2>&1 || return 1
   [ "${ECTWIN_NO_PYTHON:-}" ] || with --virtual-time fzm1 -- python3 -c "
