@@ -16,7 +16,7 @@ check() { # TITLE EXPECTED ACTUAL
   status=1
 }
 
-# map_of ARGUMENT...: what slaveinfo finds. It gives a frame 2 ms; where a busy machine takes longer, it is asked again.
+# map_of ARGUMENT...: the output of slaveinfo, which gives a frame 2 ms: on a busy machine that takes longer it runs again.
 map_of() {
   local map
   for _ in 1 2 3; do
