@@ -104,6 +104,7 @@ static void entries_keep_type_rights_and_value(void **state)
         {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_BACKUP | ECT_ACCESS_SETTING, 5},
         {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, 5},
         {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_RXPDO, 5},
+        {ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW | ECT_ACCESS_RXPDO | ECT_ACCESS_TXPDO, 5},
     };
     (void)state;
     ect_esi_t *esi = open_image();
@@ -151,6 +152,72 @@ static void object_codes_stay(void **state)
     drop(&m);
 }
 
+/* What makes the second of two elements another one than the first: an ESI file cannot describe such an array. */
+static void elements_that_differ_make_a_record(void **state)
+{
+    static const struct {
+        const char *title;
+        uint8_t first, second; /* sub-indices */
+        uint16_t type, bits, access;
+    } rows[] = {
+        {"data type", 1, 2, ECT_TYPE_INTEGER16, 16, ECT_ACCESS_RW},
+        {"length", 1, 2, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW},
+        {"read only", 1, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO},
+        {"read in PREOP", 1, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_WO | ECT_ACCESS_R_PREOP},
+        {"written in PREOP", 1, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW_PREOP},
+        {"can be mapped", 1, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW | ECT_ACCESS_TXPDO},
+        {"backup", 1, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW | ECT_ACCESS_BACKUP},
+        {"setting", 1, 2, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW | ECT_ACCESS_SETTING},
+        {"a gap", 1, 3, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW},
+        {"no first element", 2, 3, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        print_message("%s\n", rows[i].title);
+        ect_esi_t *esi = open_image();
+        object(esi, 0x4100, ECT_OBJECT_ARRAY, "Array");
+        entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, rows[i].second);
+        entry(esi, rows[i].first, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 1);
+        entry(esi, rows[i].second, rows[i].type, rows[i].bits, rows[i].access, 2);
+        made_t m = finish(esi);
+        const ect_od_t od = ect_device_od(m.device, NULL);
+        assert_int_equal(ect_od_find(&od, 0x4100)->object_code, ECT_OBJECT_RECORD);
+        assert_int_equal(find(&m, 0x4100, rows[i].second)->access & ECT_ACCESS_WIRE, rows[i].access);
+        drop(&m);
+    }
+}
+
+/* Slaves give limits of any length, and units of two bytes, or of the four that an ESI file has. */
+static void limits_and_units_stay(void **state)
+{
+    static const uint8_t minimum[] = {0xF6, 0xFF}, maximum[] = {0x0A, 0x00}, two[] = {0x01, 0xFD},
+                         four[] = {0, 0, 0x01, 0xFD}, long_one[] = {0, 0, 0, 0, 0, 0, 0, 0, 1};
+    const ect_esi_found_entry_t rows[] = {
+        {.subindex = 1, .unit = {two, 2}, .minimum = {minimum, 2}, .maximum = {maximum, 2}},
+        {.subindex = 2, .unit = {four, 4}},
+        {.subindex = 3, .minimum = {long_one, sizeof long_one}, .maximum = {maximum, 0}},
+    };
+    (void)state;
+    ect_esi_t *esi = open_image();
+    object(esi, 0x4100, ECT_OBJECT_RECORD, "Record");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 3);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_found_entry_t row = rows[i];
+        row.type = ECT_TYPE_INTEGER16;
+        row.bits = 16;
+        row.access = ECT_ACCESS_RW;
+        row.name = "Entry";
+        ect_esi_found_entry(esi, &row);
+    }
+    made_t m = finish(esi);
+    assert_int_equal(m.device->detail_count, 2); /* the third has neither */
+    assert_int_equal(m.device->details[0].unit, 0xFD01);
+    assert_int_equal(m.device->details[0].minimum, -10);
+    assert_int_equal(m.device->details[0].maximum, 10);
+    assert_int_equal(m.device->details[1].unit, 0xFD01);
+    drop(&m);
+}
+
 static void mapping(ect_esi_t *esi, uint16_t index, uint32_t first, uint32_t second)
 {
     object(esi, index, ECT_OBJECT_RECORD, "Mapping");
@@ -191,6 +258,34 @@ static void mappings_and_assignments_replace_those_of_the_image(void **state)
         assert_true(!pdo->tx || pdo->index == 0x1A05 || pdo->sm == -1); /* those of the image */
         assert_true(i == 0 || m.model->pdos[i - 1].tx <= pdo->tx);      /* outputs first */
     }
+    drop(&m);
+}
+
+/* A PDO of the image keeps its name, its flags, and the names and types of the entries that it still maps. */
+static void a_mapping_keeps_what_the_image_knows(void **state)
+{
+    (void)state;
+    ect_esi_t *esi = open_image();
+    mapping(esi, 0x1600, 0x21000220, 0x21000108); /* the second one with another length */
+    mapping(esi, 0x1605, 0x41000110, 0x00000008);
+    object(esi, 0x4100, ECT_OBJECT_RECORD, "Record");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 1);
+    entry(esi, 1, ECT_TYPE_INTEGER16, 16, ECT_ACCESS_RW | ECT_ACCESS_RXPDO, 0);
+    object(esi, 0x4101, ECT_OBJECT_RECORD, "Object without entries");
+    made_t m = finish(esi);
+    const ect_esi_pdo_t *old = pdo_at(&m, 0x1600), *added = pdo_at(&m, 0x1605);
+    assert_string_equal(old->name, "Command area mapping");
+    assert_true(old->fixed && old->mandatory);
+    assert_string_not_equal(old->entries[0].name, "");
+    assert_string_equal(old->entries[0].type, "UDINT");
+    assert_string_equal(old->entries[1].name, "");
+    assert_string_equal(old->entries[1].type, "");
+    assert_string_equal(added->name, "Mapping");
+    assert_false(added->fixed || added->mandatory);
+    assert_string_equal(added->entries[0].name, "Entry 1");
+    assert_string_equal(added->entries[0].type, "INT");
+    assert_int_equal(added->entries[1].index, 0);
+    assert_ptr_equal(old + 1, added); /* before the PDOs of inputs */
     drop(&m);
 }
 
@@ -236,6 +331,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(entries_keep_type_rights_and_value),
         cmocka_unit_test(object_codes_stay),
+        cmocka_unit_test(elements_that_differ_make_a_record),
+        cmocka_unit_test(limits_and_units_stay),
+        cmocka_unit_test(a_mapping_keeps_what_the_image_knows),
         cmocka_unit_test(mappings_and_assignments_replace_those_of_the_image),
         cmocka_unit_test(without_an_assignment_the_image_counts),
         cmocka_unit_test(an_object_without_description_has_only_its_pdos),

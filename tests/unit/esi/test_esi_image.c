@@ -297,6 +297,63 @@ static void process_data_without_pdos_are_bytes(void **state)
     drop(&m);
 }
 
+/* A PDO that its category cuts off, and what follows a PDO without an index, are left out. */
+static void pdos_are_read_as_far_as_they_are_whole(void **state)
+{
+    static const uint8_t rx[] = {PDO(0x1600, 2, 0xFF), ENTRY(0x7000, 1, 0, 16), ENTRY(0, 0, 0, 8), PDO(0x1601, 2, 0xFF),
+                                 ENTRY(0x7000, 1, 0, 16)};
+    static const uint8_t tx[] = {PDO(0x1A00, 0, 0xFF), PDO(0, 0, 0xFF), PDO(0x1A01, 0, 0xFF)};
+    image_t image;
+    (void)state;
+    begin(&image, 0);
+    add(&image, ECT_SII_RXPDO, rx, sizeof rx);
+    add(&image, ECT_SII_TXPDO, tx, sizeof tx);
+    end(&image);
+    made_t m = make(&image);
+    assert_int_equal(m.model->pdo_count, 2);
+    assert_int_equal(m.model->pdos[0].index, 0x1600);
+    assert_int_equal(m.model->pdos[0].entry_count, 2);
+    assert_string_equal(m.model->pdos[0].entries[0].type, ""); /* the image names none */
+    assert_int_equal(m.model->pdos[0].entries[1].index, 0);
+    assert_int_equal(m.model->pdos[1].index, 0x1A00);
+    drop(&m);
+}
+
+/* Versions of General: without the address of the identification, and too short for anything. */
+static void a_short_general_has_what_fits(void **state)
+{
+    static const uint8_t general[18] = {[11] = ECT_GENERAL_ID_MEMORY | ECT_GENERAL_NO_LRW, [16] = 0x11};
+    (void)state;
+    for (size_t length = 16; length <= sizeof general; length += 2) {
+        image_t image;
+        begin(&image, 0);
+        add(&image, ECT_SII_GENERAL, general, length);
+        end(&image);
+        made_t m = make(&image);
+        assert_int_equal(m.model->lrd_lwr, length >= 18);
+        assert_string_equal(m.model->physics, length >= 18 ? "YY" : "");
+        assert_false(m.model->identification_ado.given);
+        drop(&m);
+    }
+}
+
+static void one_of_vendor_id_and_product_code_is_enough(void **state)
+{
+    static const uint32_t rows[][2] = {{0, 5}, {5, 0}, {UINT32_MAX, 5}, {5, UINT32_MAX}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        image_t image;
+        begin(&image, 0);
+        ect_store_le32(image.bytes + 0x10, rows[i][0]);
+        ect_store_le32(image.bytes + 0x14, rows[i][1]);
+        end(&image);
+        made_t m = make(&image);
+        assert_int_equal(m.model->vendor_id, rows[i][0]);
+        assert_int_equal(m.model->product_code, rows[i][1]);
+        drop(&m);
+    }
+}
+
 static void wrong_images_have_one_line(void **state)
 {
     static const struct {
@@ -352,6 +409,9 @@ int main(void)
         cmocka_unit_test(each_flag_of_a_sync_manager_is_read),
         cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
         cmocka_unit_test(process_data_without_pdos_are_bytes),
+        cmocka_unit_test(pdos_are_read_as_far_as_they_are_whole),
+        cmocka_unit_test(a_short_general_has_what_fits),
+        cmocka_unit_test(one_of_vendor_id_and_product_code_is_enough),
         cmocka_unit_test(wrong_images_have_one_line),
         cmocka_unit_test(an_image_may_end_at_any_byte),
     };
