@@ -152,7 +152,7 @@ static void object_codes_stay(void **state)
     drop(&m);
 }
 
-/* What makes the second of two elements another one than the first: an ESI file cannot describe such an array. */
+/* An array whose second element differs from the first in this is none that an ESI file can describe. */
 static void elements_that_differ_make_a_record(void **state)
 {
     static const struct {
