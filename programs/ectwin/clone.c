@@ -50,7 +50,7 @@ typedef struct clone {
     unsigned int objects, unread; /* entries that are readable and gave no value */
     output_text_t bus;            /* the bus file */
     place_t *places;
-    uint16_t count;
+    uint16_t count, written;
 } clone_t;
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -244,6 +244,8 @@ static int write_slave(clone_t *c, uint16_t n, size_t image_size)
         printf(", %u entries without a value", c->unread);
     printf("\n");
     fprintf(c->bus.file, "  - device: 'esi:%s'\n    name: slave%u\n", name, n + 1u);
+    if (status == EXIT_CLEAN)
+        c->written++;
     ect_esi_twin_free(twin);
     return status;
 }
@@ -284,12 +286,11 @@ static int clone_slave(clone_t *c, uint16_t n)
     const ect_reader_config_t config = {
         .position = n, .limit_ms = c->args->limit_ms, .progress = show_progress, .progress_ctx = c};
     int status = ect_reader_open(&c->reader, &c->link, &config) == ECT_READER_OK ? EXIT_CLEAN : fail(c, n, "EEPROM");
-    if (status == EXIT_CLEAN) {
-        c->count = c->reader.count;
-        if (n == 0)
-            c->places = calloc(c->count, sizeof *c->places);
+    c->count = n == 0 ? c->reader.count : c->count;
+    if (n == 0)
+        c->places = calloc((size_t)c->count + 1, sizeof *c->places);
+    if (status == EXIT_CLEAN)
         status = c->places ? read_slave(c, n) : EXIT_RUN;
-    }
     ect_reader_close(&c->reader);
     return status;
 }
@@ -301,14 +302,16 @@ static int clone_all(clone_t *c)
     if (!output_open(who, &c->bus))
         return EXIT_RUN;
     fprintf(c->bus.file, "# The bus on %s, cloned by ectwin " ECTWIN_VERSION ".\nectwin: 1\ntwins:\n", c->args->iface);
-    for (uint32_t n = 0; n == 0 || n < c->count; n++) {
+    uint32_t n = 0;
+    do { /* the first slave that is opened counts them */
         int one = clone_slave(c, (uint16_t)n);
         status = one != EXIT_CLEAN ? one : status;
-        if (n == 0 && c->count == 0)
-            break;
-    }
-    if (c->places)
+    } while (++n < c->count);
+    if (c->written == c->count)
         write_wires(c);
+    else
+        fprintf(c->bus.file, "# Without %u of the %u slaves of the bus, and without its wires.\n",
+                c->count - c->written, c->count);
     if (!output_path(who, path, c->args->folder, "bus.yaml"))
         return EXIT_OPEN;
     int written = output_close(who, &c->bus, path);

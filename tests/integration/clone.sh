@@ -46,6 +46,15 @@ expect "the tree of the bus" "wire: ['2:1.3', '4:1.1']" "$(grep wire "$work/one/
 
 clone_of "esi:$esi/digital.xml#COUPLER,esi:$esi/digital.xml#DI4,esi:$esi/digital.xml#DO16,esi:$esi/analog.xml#AI2,esi:$esi/analog.xml#DRIVE,esi:$esi/modular.xml"
 
+rm -rf "$work/one"
+"$ectwin" with --fault 'eeprom nack slave 1' vr-bu-ect-map1,fzm1 -- "$ectwin" clone -i {} -o "$work/one" >"$work/said" 2>"$work/err"
+expect "a slave whose EEPROM cannot be read: exit code" 3 $?
+expect "a slave whose EEPROM cannot be read: its line" 1 "$(grep -c '^ectwin clone: slave 1: EEPROM: ' "$work/err")"
+expect "a slave whose EEPROM cannot be read: the others are cloned" "02-fzm1.xml bus.yaml" "$(ls "$work/one" | xargs)"
+expect "a slave whose EEPROM cannot be read: the bus file reports it" "# Without 1 of the 2 slaves of the bus, and without its wires." \
+  "$(grep Without "$work/one/bus.yaml")"
+expect "a slave whose EEPROM cannot be read: the bus file can be run" 0 "$("$ectwin" check "$work/one/bus.yaml" >/dev/null 2>&1; echo $?)"
+
 "$ectwin" with fzm1 -- "$ectwin" clone -i {} -o "$work/one" >"$work/out" 2>"$work/err"
 expect "a folder that is there: exit code" 2 $?
 expect "a folder that is there" "ectwin clone: '$work/one': File exists: name a folder that is not there yet" "$(grep clone: "$work/err")"
