@@ -22,6 +22,7 @@
 #include "sii_file.h"
 #include "text/argument.h"
 #include "wire/bytes.h"
+#include "wire/sii.h"
 
 enum {
     KEY_VENDOR_ID = 0x100,
@@ -601,10 +602,9 @@ static void add_twin(twin_args_t *args, const struct argp_state *state, const ch
 /* Serial number and alias that a file's EEPROM image has stay, unless an option replaces them. */
 static void keep_image(ect_twin_config_t *twin)
 {
-    enum { ALIAS = 0x08, SERIAL = 0x1C };
-    const uint32_t serial = ect_load_le32(twin->device->sii + SERIAL);
-    twin->identity.serial = serial != 0 ? serial : twin->identity.serial;
-    twin->alias = ect_load_le16(twin->device->sii + ALIAS);
+    if (twin->device->identity.serial != 0)
+        twin->identity.serial = twin->device->identity.serial;
+    twin->alias = ect_load_le16(twin->device->sii + ECT_SII_AT_ALIAS);
 }
 
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)

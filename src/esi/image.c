@@ -10,19 +10,7 @@
 #include "esi/internal.h"
 #include "sii/sii.h"
 #include "wire/bytes.h"
-
-/* Words of the header that the model has, as byte offsets. */
-enum {
-    VENDOR = 0x10,
-    PRODUCT = 0x14,
-    REVISION = 0x18,
-    SERIAL = 0x1C,
-    BOOTSTRAP = 0x28,
-    MAILBOX_OUT = 0x30,
-    MAILBOX_IN = 0x34,
-    PROTOCOLS = 0x38,
-    SIZE = 0x7C,
-};
+#include "wire/sii.h"
 
 /* Control bytes of mailbox SyncManagers where the image has no category of SyncManagers. */
 enum { CONTROL_OUT = 0x26, CONTROL_IN = 0x22 };
@@ -55,16 +43,15 @@ static void read_header(const image_t *image)
 {
     ect_esi_device_t *device = image->device;
     const uint8_t *w = image->bytes;
-    device->vendor_id = ect_load_le32(w + VENDOR);
-    device->product_code = ect_load_le32(w + PRODUCT);
-    device->revision = ect_load_le32(w + REVISION);
-    device->serial = ect_load_le32(w + SERIAL);
+    device->vendor_id = ect_load_le32(w + ECT_SII_AT_VENDOR);
+    device->product_code = ect_load_le32(w + ECT_SII_AT_PRODUCT);
+    device->revision = ect_load_le32(w + ECT_SII_AT_REVISION);
     device->eeprom = (ect_esi_bytes_t){.bytes = w, .length = image->size};
-    device->eeprom_size = (ect_load_le16(w + SIZE) + 1u) * 128u;
+    device->eeprom_size = (ect_load_le16(w + ECT_SII_AT_SIZE) + 1u) * 128u;
     device->config = (ect_esi_bytes_t){.bytes = w, .length = 14};
-    device->bootstrap = (ect_esi_bytes_t){.bytes = w + BOOTSTRAP, .length = 8};
+    device->bootstrap = (ect_esi_bytes_t){.bytes = w + ECT_SII_AT_BOOT_OUT, .length = 8};
 
-    unsigned int protocols = ect_load_le16(w + PROTOCOLS);
+    unsigned int protocols = ect_load_le16(w + ECT_SII_AT_PROTOCOLS);
     device->mailbox = (ect_esi_mailbox_t){
         .given = protocols != 0,
         .aoe = (protocols & ECT_MAILBOX_AOE) != 0,
@@ -78,11 +65,10 @@ static void read_header(const image_t *image)
 
 static const char *physics_of(const image_t *image, unsigned int ports)
 {
-    static const char letters[] = " Y KH           "; /* MII, EBUS, fast hot connect */
     char text[5] = "";
     size_t count = 0;
     for (unsigned int i = 0; i < 4; i++) {
-        text[i] = letters[ports >> (4 * i) & 0xF];
+        text[i] = ect_sii_port_letter(ports >> (4 * i));
         count = text[i] != ' ' ? i + 1 : count;
     }
     return ect_arena_copy(image->arena, text, count);
@@ -150,8 +136,8 @@ static void read_sms(const image_t *image)
         sm->virtual_sm = (from[6] & ECT_SM_FLAG_VIRTUAL) != 0;
     }
     if (count == 0 && image->device->mailbox.given) {
-        add_mailbox_sm(image, &sms[0], ECT_SM_MAILBOX_OUT, MAILBOX_OUT, CONTROL_OUT);
-        add_mailbox_sm(image, &sms[1], ECT_SM_MAILBOX_IN, MAILBOX_IN, CONTROL_IN);
+        add_mailbox_sm(image, &sms[0], ECT_SM_MAILBOX_OUT, ECT_SII_AT_MAILBOX_OUT, CONTROL_OUT);
+        add_mailbox_sm(image, &sms[1], ECT_SM_MAILBOX_IN, ECT_SII_AT_MAILBOX_IN, CONTROL_IN);
         count = 2;
     }
     image->device->sms = sms;
@@ -358,7 +344,8 @@ ect_esi_t *ect_esi_of_image(const char *name, const uint8_t *image, size_t size,
                        (int)ECT_SII_CATEGORIES);
         return NULL;
     }
-    const uint32_t vendor = ect_load_le32(image + VENDOR), product = ect_load_le32(image + PRODUCT);
+    const uint32_t vendor = ect_load_le32(image + ECT_SII_AT_VENDOR),
+                   product = ect_load_le32(image + ECT_SII_AT_PRODUCT);
     if ((vendor == 0 && product == 0) || (vendor == UINT32_MAX && product == UINT32_MAX)) {
         (void)snprintf(text, room, "%s: an empty EEPROM image: it has neither vendor id nor product code", name);
         return NULL;

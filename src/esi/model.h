@@ -222,7 +222,6 @@ typedef struct ect_esi_device {
     const char *type;
     uint32_t product_code;
     uint32_t revision;
-    uint32_t serial; /**< of an EEPROM image; 0: the source has none */
     const char *name;
     const char *group_type;
     const char *group_name; /**< "" when the group is not in the file */

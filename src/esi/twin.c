@@ -7,6 +7,8 @@
 
 #include "check/check.h"
 #include "sii/sii.h"
+#include "wire/bytes.h"
+#include "wire/sii.h"
 
 /* Limits of the ESC: the registers of digital outputs, and 8 KB or 60 KB of RAM. */
 enum {
@@ -259,9 +261,9 @@ static void set_general(const ect_esi_device_t *model, ect_device_t *device)
 
 static void set_boot(const ect_esi_device_t *model, ect_device_t *device)
 {
-    enum { BOOTSTRAP = 0x28, BYTES = 8 };
+    enum { BYTES = 8 };
     const bool in_image = model->bootstrap.bytes == NULL && model->eeprom.length >= ECT_SII_CATEGORIES;
-    const uint8_t *b = in_image ? model->eeprom.bytes + BOOTSTRAP : model->bootstrap.bytes;
+    const uint8_t *b = in_image ? model->eeprom.bytes + ECT_SII_AT_BOOT_OUT : model->bootstrap.bytes;
     if ((!in_image && model->bootstrap.length != BYTES) || (b[2] | b[3]) == 0)
         return;
     device->boot_out = (ect_boot_mailbox_t){(uint16_t)(b[0] | b[1] << 8), (uint16_t)(b[2] | b[3] << 8)};
@@ -462,13 +464,20 @@ static const char *command_name(ect_build_t *build, const char *type)
     return length > 0 ? name : "esi";
 }
 
+/* Only an EEPROM image has one. */
+static uint32_t serial_of(const ect_esi_device_t *model)
+{
+    const bool has_header = model->eeprom.length >= ECT_SII_CATEGORIES;
+    return has_header ? ect_load_le32(model->eeprom.bytes + ECT_SII_AT_SERIAL) : 0;
+}
+
 static void set_identity(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_device_t *model = build->model;
     device->identity = (ect_identity_t){.vendor_id = model->vendor_id,
                                         .product_code = model->product_code,
                                         .revision = model->revision,
-                                        .serial = model->serial};
+                                        .serial = serial_of(model)};
     device->type_name = ect_build_text(build, model->type, ECT_BUILD_NAME);
     device->full_name = *model->name != '\0' ? ect_build_text(build, model->name, ECT_BUILD_TEXT) : NULL;
     device->vendor_name = ect_build_text(build, or_unnamed(model->vendor_name), ECT_BUILD_TEXT);

@@ -7,6 +7,7 @@
 #include "esi/internal.h"
 #include "sii/sii.h"
 #include "wire/bytes.h"
+#include "wire/sii.h"
 
 /* --- who it is --------------------------------------------------------------------------------------------------- */
 
@@ -326,11 +327,11 @@ static void write_categories(ect_pen_t *pen, const ect_device_t *device)
 /* A tool makes the image from these, or takes one that the description brings along. */
 static void write_eeprom(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
 {
-    enum { ALIAS = 0x08 };
     ect_pen_open(pen, "Eeprom");
     if (device->sii != NULL) {
         uint8_t *image = ect_arena_alloc(pen->arena, device->sii_size);
-        pen->failed |= ect_sii_write(device, identity, ect_load_le16(device->sii + ALIAS), image, device->sii_size) < 0;
+        pen->failed |=
+            ect_sii_write(device, identity, ect_load_le16(device->sii + ECT_SII_AT_ALIAS), image, device->sii_size) < 0;
         ect_pen_bytes(pen, "Data", image, device->sii_size);
     } else {
         ect_pen_number(pen, "ByteSize", device->sii_size);

@@ -7,6 +7,7 @@
 #include "sii/sii.h"
 #include "wire/assert.h"
 #include "wire/bytes.h"
+#include "wire/sii.h"
 
 typedef struct image {
     ect_facts_t *facts;
@@ -39,24 +40,30 @@ static void add_header(const image_t *image)
             (void)ect_facts_add(facts, ECT_FACT_CONFIG, word, 0, "0x%04X", ect_load_le16(w + 2 * word));
     }
     uint8_t right = ect_sii_checksum(w);
-    if (w[14] == right)
+    if (w[ECT_SII_AT_CHECKSUM] == right)
         (void)ect_facts_add(facts, ECT_FACT_CHECKSUM, 0, 0, "right");
     else
-        (void)ect_facts_add(facts, ECT_FACT_CHECKSUM, 0, 0, "0x%02X, wrong: words 0 to 6 come to 0x%02X", w[14], right);
-    (void)ect_facts_add(facts, ECT_FACT_VENDOR, 0, 0, "0x%08" PRIX32, ect_load_le32(w + 0x10));
-    (void)ect_facts_add(facts, ECT_FACT_PRODUCT, 0, 0, "0x%08" PRIX32, ect_load_le32(w + 0x14));
-    (void)ect_facts_add(facts, ECT_FACT_REVISION, 0, 0, "0x%08" PRIX32, ect_load_le32(w + 0x18));
-    ect_facts_add_mailbox(facts, ECT_FACT_BOOT_OUT, ect_load_le16(w + 0x28), ect_load_le16(w + 0x2A));
-    ect_facts_add_mailbox(facts, ECT_FACT_BOOT_IN, ect_load_le16(w + 0x2C), ect_load_le16(w + 0x2E));
-    ect_facts_add_mailbox(facts, ECT_FACT_MAILBOX_OUT, ect_load_le16(w + 0x30), ect_load_le16(w + 0x32));
-    ect_facts_add_mailbox(facts, ECT_FACT_MAILBOX_IN, ect_load_le16(w + 0x34), ect_load_le16(w + 0x36));
-    (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%u bytes", (ect_load_le16(w + 0x7C) + 1u) * 128u);
+        (void)ect_facts_add(facts, ECT_FACT_CHECKSUM, 0, 0, "0x%02X, wrong: words 0 to 6 come to 0x%02X",
+                            w[ECT_SII_AT_CHECKSUM], right);
+    (void)ect_facts_add(facts, ECT_FACT_VENDOR, 0, 0, "0x%08" PRIX32, ect_load_le32(w + ECT_SII_AT_VENDOR));
+    (void)ect_facts_add(facts, ECT_FACT_PRODUCT, 0, 0, "0x%08" PRIX32, ect_load_le32(w + ECT_SII_AT_PRODUCT));
+    (void)ect_facts_add(facts, ECT_FACT_REVISION, 0, 0, "0x%08" PRIX32, ect_load_le32(w + ECT_SII_AT_REVISION));
+    ect_facts_add_mailbox(facts, ECT_FACT_BOOT_OUT, ect_load_le16(w + ECT_SII_AT_BOOT_OUT),
+                          ect_load_le16(w + ECT_SII_AT_BOOT_OUT + 2));
+    ect_facts_add_mailbox(facts, ECT_FACT_BOOT_IN, ect_load_le16(w + ECT_SII_AT_BOOT_IN),
+                          ect_load_le16(w + ECT_SII_AT_BOOT_IN + 2));
+    ect_facts_add_mailbox(facts, ECT_FACT_MAILBOX_OUT, ect_load_le16(w + ECT_SII_AT_MAILBOX_OUT),
+                          ect_load_le16(w + ECT_SII_AT_MAILBOX_OUT + 2));
+    ect_facts_add_mailbox(facts, ECT_FACT_MAILBOX_IN, ect_load_le16(w + ECT_SII_AT_MAILBOX_IN),
+                          ect_load_le16(w + ECT_SII_AT_MAILBOX_IN + 2));
+    (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%u bytes",
+                        (ect_load_le16(w + ECT_SII_AT_SIZE) + 1u) * 128u);
 }
 
 /* Words that ETG.2010 reserves, and the version: what a vendor keeps there is its own, and one fact. */
 static void add_reserved(const image_t *image)
 {
-    enum { DELAYS = 0x20, DELAYS_END = 0x28, RESERVED = 0x3A, RESERVED_END = 0x7C, VERSION = 0x7E };
+    enum { DELAYS = 0x20, DELAYS_END = ECT_SII_AT_BOOT_OUT, RESERVED = 0x3A, RESERVED_END = ECT_SII_AT_SIZE };
     uint8_t words[DELAYS_END - DELAYS + RESERVED_END - RESERVED + 3];
     const uint8_t *w = image->bytes;
     size_t used = 0;
@@ -65,7 +72,7 @@ static void add_reserved(const image_t *image)
     memcpy(words + used, w + RESERVED, RESERVED_END - RESERVED);
     used += RESERVED_END - RESERVED;
     words[used++] = w[15];
-    memcpy(words + used, w + VERSION, 2);
+    memcpy(words + used, w + ECT_SII_AT_VERSION, 2);
     ECT_ASSERT(used + 2 == sizeof words);
     (void)ect_facts_add(image->facts, ECT_FACT_WORDS, 0, 0, "sum %08" PRIX32, ect_facts_sum(words, sizeof words));
 }
@@ -120,7 +127,6 @@ static void add_general_bytes(const image_t *image, const uint8_t *g, size_t len
 
 static void add_general(const image_t *image)
 {
-    static const char letters[] = " Y KH           "; /* MII, EBUS, fast hot connect; others have no letter */
     size_t length = 0;
     const uint8_t *g = ect_sii_category(image->bytes, image->size, ECT_SII_GENERAL, &length);
     if (g == NULL || length < 18)
@@ -128,12 +134,12 @@ static void add_general(const image_t *image)
     add_string(image, ECT_FACT_GROUP, 0, 0, g[0]);
     add_string(image, ECT_FACT_TYPE, 0, 0, g[2]);
     add_string(image, ECT_FACT_NAME, 0, 0, g[3]);
-    ect_facts_add_protocols(image->facts, ect_load_le16(image->bytes + 0x38), g[5]);
+    ect_facts_add_protocols(image->facts, ect_load_le16(image->bytes + ECT_SII_AT_PROTOCOLS), g[5]);
     (void)ect_facts_add(image->facts, ECT_FACT_EBUS, 0, 0, "%d mA", (int16_t)ect_load_le16(g + 12));
     add_string(image, ECT_FACT_GROUP_NAME, 0, 0, g[14]);
     char ports[5] = "";
     for (unsigned int i = 0; i < 4; i++)
-        ports[i] = letters[ect_load_le16(g + 16) >> (4 * i) & 0xF];
+        ports[i] = ect_sii_port_letter((unsigned int)ect_load_le16(g + 16) >> (4 * i));
     ect_facts_add_text(image->facts, ECT_FACT_PORTS, 0, 0, ports, 4);
     add_general_bytes(image, g, length);
 }
@@ -238,7 +244,7 @@ void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size)
     add_pdos(&image, ECT_SII_TXPDO);
     add_pdos(&image, ECT_SII_RXPDO);
     size_t length = 0; /* without categories of PDOs, those of a slave with CoE are in its dictionary */
-    bool coe = (ect_load_le16(bytes + 0x38) & ECT_MAILBOX_COE) != 0;
+    bool coe = (ect_load_le16(bytes + ECT_SII_AT_PROTOCOLS) & ECT_MAILBOX_COE) != 0;
     facts->complete[ECT_FACT_PDO] = !coe || ect_sii_category(bytes, size, ECT_SII_TXPDO, &length) != NULL ||
                                     ect_sii_category(bytes, size, ECT_SII_RXPDO, &length) != NULL;
     facts->complete[ECT_FACT_PDO_ENTRY] = facts->complete[ECT_FACT_PDO];

@@ -6,10 +6,10 @@
 #include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
+#include "wire/sii.h"
 
 enum { INIT = 1, PREOP = 2, BOOT = 3, SAFEOP = 4, OP = 8, STATE_POLLS = 100000 };
 enum { TO_SLAVE = 0x26, FROM_SLAVE = 0x22, SM1 = ECT_SM_SIZE };
-enum { AT_VENDOR = 0x10, AT_PRODUCT = 0x14, AT_REVISION = 0x18, AT_MAILBOX = 0x30, AT_PROTOCOLS = 0x38 };
 
 static ect_reader_config_t with_defaults(const ect_reader_config_t *given)
 {
@@ -58,14 +58,14 @@ ect_reader_result_t ect_reader_open(ect_reader_t *r, const ect_reader_link_t *li
     if (count_slaves(r) != ECT_READER_OK || al_status(r, &r->found_status, &code) != ECT_READER_OK ||
         ect_reader_sii(r, r->header, sizeof r->header, &read) != ECT_READER_OK)
         return r->result;
-    r->vendor = ect_load_le32(header + AT_VENDOR);
-    r->product = ect_load_le32(header + AT_PRODUCT);
-    r->revision = ect_load_le32(header + AT_REVISION);
-    r->protocols = ect_load_le16(header + AT_PROTOCOLS);
-    r->out_start = ect_load_le16(header + AT_MAILBOX);
-    r->out_size = ect_load_le16(header + AT_MAILBOX + 2);
-    r->in_start = ect_load_le16(header + AT_MAILBOX + 4);
-    r->in_size = ect_load_le16(header + AT_MAILBOX + 6);
+    r->vendor = ect_load_le32(header + ECT_SII_AT_VENDOR);
+    r->product = ect_load_le32(header + ECT_SII_AT_PRODUCT);
+    r->revision = ect_load_le32(header + ECT_SII_AT_REVISION);
+    r->protocols = ect_load_le16(header + ECT_SII_AT_PROTOCOLS);
+    r->out_start = ect_load_le16(header + ECT_SII_AT_MAILBOX_OUT);
+    r->out_size = ect_load_le16(header + ECT_SII_AT_MAILBOX_OUT + 2);
+    r->in_start = ect_load_le16(header + ECT_SII_AT_MAILBOX_IN);
+    r->in_size = ect_load_le16(header + ECT_SII_AT_MAILBOX_IN + 2);
     return ECT_READER_OK;
 }
 

@@ -6,6 +6,7 @@
 
 #include "wire/bytes.h"
 #include "wire/crc.h"
+#include "wire/sii.h"
 
 enum { LONGEST_STRING = 255 };
 
@@ -216,12 +217,12 @@ static const ect_sm_t *find_sm(const ect_device_t *device, uint8_t type)
 /* Fields that an installation may override. */
 static void put_identity(uint8_t *w, const ect_identity_t *identity, uint16_t alias)
 {
-    ect_store_le16(w + 8, alias);
-    w[14] = ect_sii_checksum(w);
-    ect_store_le32(w + 0x10, identity->vendor_id);
-    ect_store_le32(w + 0x14, identity->product_code);
-    ect_store_le32(w + 0x18, identity->revision);
-    ect_store_le32(w + 0x1C, identity->serial);
+    ect_store_le16(w + ECT_SII_AT_ALIAS, alias);
+    w[ECT_SII_AT_CHECKSUM] = ect_sii_checksum(w);
+    ect_store_le32(w + ECT_SII_AT_VENDOR, identity->vendor_id);
+    ect_store_le32(w + ECT_SII_AT_PRODUCT, identity->product_code);
+    ect_store_le32(w + ECT_SII_AT_REVISION, identity->revision);
+    ect_store_le32(w + ECT_SII_AT_SERIAL, identity->serial);
 }
 
 static void put_header(pen_t *p, const ect_identity_t *identity, uint16_t alias)
@@ -233,17 +234,17 @@ static void put_header(pen_t *p, const ect_identity_t *identity, uint16_t alias)
     memset(w, 0, ECT_SII_CATEGORIES);
     memcpy(w, device->esc_config, sizeof device->esc_config);
     put_identity(w, identity, alias);
-    ect_store_le16(w + 0x28, device->boot_out.start);
-    ect_store_le16(w + 0x2A, device->boot_out.length);
-    ect_store_le16(w + 0x2C, device->boot_in.start);
-    ect_store_le16(w + 0x2E, device->boot_in.length);
-    ect_store_le16(w + 0x30, out->start);
-    ect_store_le16(w + 0x32, out->length);
-    ect_store_le16(w + 0x34, in->start);
-    ect_store_le16(w + 0x36, in->length);
-    ect_store_le16(w + 0x38, device->mailbox_protocols);
-    ect_store_le16(w + 0x7C, (uint16_t)(device->sii_size / 128 - 1)); /* KBit - 1 */
-    ect_store_le16(w + 0x7E, 1);
+    ect_store_le16(w + ECT_SII_AT_BOOT_OUT, device->boot_out.start);
+    ect_store_le16(w + ECT_SII_AT_BOOT_OUT + 2, device->boot_out.length);
+    ect_store_le16(w + ECT_SII_AT_BOOT_IN, device->boot_in.start);
+    ect_store_le16(w + ECT_SII_AT_BOOT_IN + 2, device->boot_in.length);
+    ect_store_le16(w + ECT_SII_AT_MAILBOX_OUT, out->start);
+    ect_store_le16(w + ECT_SII_AT_MAILBOX_OUT + 2, out->length);
+    ect_store_le16(w + ECT_SII_AT_MAILBOX_IN, in->start);
+    ect_store_le16(w + ECT_SII_AT_MAILBOX_IN + 2, in->length);
+    ect_store_le16(w + ECT_SII_AT_PROTOCOLS, device->mailbox_protocols);
+    ect_store_le16(w + ECT_SII_AT_SIZE, (uint16_t)(device->sii_size / 128 - 1)); /* KBit - 1 */
+    ect_store_le16(w + ECT_SII_AT_VERSION, 1);
     p->at = ECT_SII_CATEGORIES;
 }
 

@@ -17,6 +17,12 @@
 
 ECT_C_BEGIN
 
+/** The ESI letter of a port type of category General: MII Y, EBUS K, fast hot connect H; a blank for any other. */
+static inline char ect_sii_port_letter(unsigned int type)
+{
+    return " Y KH           "[type & 0xFu];
+}
+
 /** Categories of the SII (ETG.2010). */
 enum {
     ECT_SII_STRINGS = 10,
