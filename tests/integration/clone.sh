@@ -26,8 +26,8 @@ clone_of() {
   expect "$*: clone: exit code" 0 $?
   "$ectwin" with "$work/one/bus.yaml" -- sh "$work/second" {} >"$work/out" 2>&1
   expect "$*: clone of the clone: exit code" 0 $?
-  expect "$*: the clone and both buses" "" "$(cat "$work/differences")"
-  expect "$*: clone and clone of the clone" "" "$(diff -r "$work/one" "$work/two")"
+  expect "$*: the clone and both buses (CLN-015)" "" "$(cat "$work/differences")"
+  expect "$*: clone and clone of the clone (CLN-015)" "" "$(diff -r "$work/one" "$work/two")"
 }
 
 devices=$("$ectwin" list | awk '{print $1}' | paste -sd,)
@@ -42,7 +42,7 @@ clone_of --set data1=1.5 --esc lan9252 fzm1
 expect "the chip of the slave" "esc: lan9252" "$(grep -o 'esc: .*' "$work/one/bus.yaml")"
 
 clone_of --wire 2:1.3 --wire 4:1.1 fzm1*4
-expect "the tree of the bus" "wire: ['2:1.3', '4:1.1']" "$(grep wire "$work/one/bus.yaml" || echo "$(cat "$work/one/bus.yaml")")"
+expect "the tree of the bus (CLN-014)" "wire: ['2:1.3', '4:1.1']" "$(grep wire "$work/one/bus.yaml" || echo "$(cat "$work/one/bus.yaml")")"
 
 clone_of "esi:$esi/digital.xml#COUPLER,esi:$esi/digital.xml#DI4,esi:$esi/digital.xml#DO16,esi:$esi/analog.xml#AI2,esi:$esi/analog.xml#DRIVE,esi:$esi/modular.xml"
 

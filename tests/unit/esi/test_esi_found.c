@@ -303,7 +303,7 @@ static void without_an_assignment_the_image_counts(void **state)
     drop(&m);
 }
 
-/* A slave without SDO information: values of mappings are known, types are not. */
+/* A slave without SDO information: values of mappings are known, types are not (CLN-010). */
 static void an_object_without_description_has_only_its_pdos(void **state)
 {
     static const uint8_t one[] = {1}, value[] = {0x08, 0x01, 0x00, 0x60}, pdo[] = {0x05, 0x1A};
