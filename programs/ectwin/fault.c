@@ -43,8 +43,8 @@ int command_fault(int argc, char **argv)
         .children = connection_children,
         .args_doc = "[FAULT]",
         .doc = "Injects a fault into a running chain, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
-               "'off' ends all faults of frames. "
-               "Without FAULT: lists the faults of frames that are set."};
+               "'off' ends all faults of frames, mails, SDO transfers and states. "
+               "Without FAULT: lists those that are set."};
     fault_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     connection_t *connection = connection_open(&args.twin, argv[0]);
