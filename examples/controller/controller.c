@@ -63,8 +63,7 @@ static bool has_inputs(void)
     return ec_slave[1].inputs && ec_slave[1].Ibytes >= BU_INPUT_BYTES;
 }
 
-/* Lost frames let the watchdog expire, or the unit leaves OP by itself: acknowledges the error and requests OP again.
- */
+/* Acknowledges the error of a unit that has left OP, after lost frames or by itself, and requests OP again. */
 static void recover(void)
 {
     ec_readstate();

@@ -65,7 +65,7 @@ def comments(path):
 def complaints(path):
     """Frames that Wireshark complains of."""
     if not shutil.which("tshark"):
-        print("not asked: tshark is not installed")
+        print("left out: tshark is not installed")
         return []
     filtered = "(_ws.malformed || _ws.expert.severity >= 0x400000 || not ecat)"
     return call("tshark", "-r", path, "-Y", filtered).stdout.splitlines()
