@@ -6,32 +6,11 @@ import json
 import pathlib
 import shutil
 import struct
-import subprocess
 import sys
-import tempfile
+
+from pcapng_cases import blocks, call, expect, run_cases
 
 ECTWIN, PROBE, FRAMES = sys.argv[1:4]
-FAILED = []
-
-
-def expect(what, wanted, got):
-    if wanted != got:
-        FAILED.append(what)
-        print(f"{what}: expected {wanted!r}, got {got!r}")
-
-
-def call(*words, **more):
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=60, check=False, **more)
-
-
-def blocks(path):
-    """(type, body) of each block of a file, which must be whole."""
-    data, at = path.read_bytes(), 0
-    while at < len(data):
-        kind, total = struct.unpack_from("<II", data, at)
-        assert total >= 12 and at + total <= len(data) and struct.unpack_from("<I", data, at + total - 4)[0] == total, f"block at {at}"
-        yield kind, data[at + 8:at + total - 4]
-        at += total
 
 
 def options(body, at):
@@ -169,11 +148,4 @@ def mistakes(file):
         expect(f"{words}: text", True, text in done.stderr)
 
 
-for case in (both_directions, faults, requests, counters, in_process, killed_master, size, mistakes):
-    if sys.argv[4:] and case.__name__ not in sys.argv[4:]:
-        continue
-    before = len(FAILED)
-    with tempfile.TemporaryDirectory() as folder:
-        case(pathlib.Path(folder) / "run.pcapng")
-    print("ok" if len(FAILED) == before else "FAILED", case.__name__, case.__doc__)
-sys.exit(1 if FAILED else 0)
+run_cases((both_directions, faults, requests, counters, in_process, killed_master, size, mistakes), sys.argv[4:])

@@ -6,24 +6,13 @@ import json
 import pathlib
 import re
 import struct
-import subprocess
 import sys
-import tempfile
+
+from pcapng_cases import blocks, call, expect, run_cases
 
 ECTWIN, PROBE, FRAMES = sys.argv[1:4]
 LOCAL, PACKET = 0x80E7C001, 6
 START, RUN, CLOCK, TOUCH, REQUEST = 1, 2, 3, 4, 5
-FAILED = []
-
-
-def expect(what, wanted, got):
-    if wanted != got:
-        FAILED.append(what)
-        print(f"{what}: expected {wanted!r}, got {got!r}")
-
-
-def call(*words):
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=100, check=False)
 
 
 def record(file, *words):
@@ -41,14 +30,6 @@ def replay(file, status, pattern):
 
 def equal(file):
     replay(file, 0, r".*: \d+ frames and \d+ replies in [\d.]+ s of the bus: all equal")
-
-
-def blocks(file):
-    data, at = file.read_bytes(), 0
-    while at < len(data):
-        kind, total = struct.unpack_from("<II", data, at)
-        yield kind, data[at + 8:at + total - 4]
-        at += total
 
 
 def block(kind, body):
@@ -235,11 +216,4 @@ def mistakes(file):
         expect(f"{option}: text", True, f"--record does not hold what {option} adds to a run: leave one of the two out" in done.stderr)
 
 
-for case in (networks, in_process, faults, requests, options, difference, wrong_files, buses, mistakes):
-    if sys.argv[4:] and case.__name__ not in sys.argv[4:]:
-        continue
-    before = len(FAILED)
-    with tempfile.TemporaryDirectory() as folder:
-        case(pathlib.Path(folder) / "run.pcapng")
-    print("ok" if len(FAILED) == before else "FAILED", case.__name__, case.__doc__)
-sys.exit(1 if FAILED else 0)
+run_cases((networks, in_process, faults, requests, options, difference, wrong_files, buses, mistakes), sys.argv[4:])
