@@ -8,13 +8,9 @@ sources=$HOME/.cache/ectwin/soem-1.4.0-source
 [ -e "$sources/soem/ethercatmain.c" ] || { echo "no sources of SOEM in $sources: tools/bootstrap.sh test fetches them"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-status=0
 
-check() { # TITLE EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
-  status=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
 
 quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log"; echo "FAILED $*"; exit 1; }; }
 
@@ -38,4 +34,4 @@ check "a record changes a mail" yes "$(replay "$root/examples/fuzz-master/seeds/
 check "two replays are equal" "$(replay "$root/examples/fuzz-master/seeds/state" | md5sum)" "$(replay "$root/examples/fuzz-master/seeds/state" | md5sum)"
 check "standard input is an input too" "1 slaves" "$(FUZZ_MASTER_VERBOSE=1 "$master" <"$root/examples/fuzz-master/seeds/start" 2>&1 | sed 's/^[0-9]* frames, //')"
 check "a file that is not there" 1 "$("$master" "$work/none" 2>/dev/null; echo $?)"
-exit $status
+exit $failed

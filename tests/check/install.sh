@@ -10,13 +10,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export ASAN_OPTIONS=detect_leaks=0
 unset ECTWIN ECTWIN_LIBRARY
-status=0
 
-check() { # TITLE EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
-  status=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
 
 quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log"; echo "FAILED $*"; exit 1; }; }
 
@@ -63,4 +59,4 @@ mv "$library"/ectwin "$work"
 check "without the library of the sockets a line gives the cure" \
   "ectwin with: libectwin-real.so is not where ectwin is installed: install ectwin again" \
   "$("$prefix/bin/ectwin" with --in-process fzm1 -- true 2>&1)"
-exit $status
+exit $failed

@@ -8,13 +8,9 @@ flags="-Wall -Wextra -Wconversion -Wshadow -Werror ${3:-}"
 root=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-status=0
 
-check() { # TITLE EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
-  status=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
 
 # map_of ARGUMENT...: the output of slaveinfo, which gives a frame 2 ms: on a busy machine that takes longer it runs again.
 map_of() {
@@ -154,4 +150,4 @@ check "the firmware reaches the ESC" 42 "$("$work/firmware"; echo $?)"
 # shellcheck disable=SC2086
 cmake -G Ninja -S "$work/examples/device" -B "$work/no-host" $arm -DCMAKE_PREFIX_PATH="$work/arm" >"$work/log" 2>&1 || true
 check "find_package without the host part says so" yes "$(grep -q 'without its host part' "$work/log" && echo yes)"
-exit $status
+exit $failed

@@ -5,7 +5,6 @@ good=$1
 root=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-status=0
 
 # taken DIRECTORY: the verdict of cmake/soem.cmake on the package there.
 taken() {
@@ -13,11 +12,8 @@ taken() {
   cmake -G Ninja -S "$work" -B "$work/build" -Dsoem_DIR="$1" | sed -n 's/^-- found: //p'
 }
 
-expect() { # TITLE EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s: expected %s, got %s\n' "$1" "$2" "$3"
-  status=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
 
 cat >"$work/CMakeLists.txt" <<CMAKE
 cmake_minimum_required(VERSION 3.22)
@@ -28,6 +24,6 @@ CMAKE
 mkdir "$work/other" # as SOEM 2: its header is soem/soem.h
 echo 'add_library(soem INTERFACE IMPORTED)' >"$work/other/soemConfig.cmake"
 
-expect "a SOEM 1.4" 1 "$(taken "$good")"
-expect "a SOEM with another interface" FALSE "$(taken "$work/other")"
-exit $status
+check "a SOEM 1.4" 1 "$(taken "$good")"
+check "a SOEM with another interface" FALSE "$(taken "$work/other")"
+exit $failed

@@ -7,13 +7,9 @@ conform=$2
 esi=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
 
-expect() { # CASE EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
-  failed=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
 
 mkdir "$work/drives"
 cp "$esi/drives.xml" "$work/drives"
@@ -41,33 +37,33 @@ cat >"$work/ask" <<END
 "$ectwin" get -n 4 axis1.enable
 END
 said=$("$ectwin" with "$work/bus.yaml" -- sh "$work/ask" 2>"$work/err")
-expect "the ready line" '{"event":"ready","iface":"ecat0","slaves":4}' "$(grep ready "$work/err")"
-expect "signals, connections and the drive of the file" "temperature=1 data1=1.5 judgement=1 axis1.enable=1" "$(xargs <<<"$said")"
-expect "the store lies beside the file" 1 "$([ -d "$work/kept" ] && echo 1)"
+check "the ready line" '{"event":"ready","iface":"ecat0","slaves":4}' "$(grep ready "$work/err")"
+check "signals, connections and the drive of the file" "temperature=1 data1=1.5 judgement=1 axis1.enable=1" "$(xargs <<<"$said")"
+check "the store lies beside the file" 1 "$([ -d "$work/kept" ] && echo 1)"
 said=$("$ectwin" with --set 2:data1=2.5 "$work/bus.yaml" --set 3:data1=3.5 -- "$ectwin" get -n 0 data1 2>>"$work/err" | xargs)
-expect "options of the command line replace those of the file, before and behind it" "2:data1=2.5 3:data1=3.5" "$said"
+check "options of the command line replace those of the file, before and behind it" "2:data1=2.5 3:data1=3.5" "$said"
 "$ectwin" with --in-process --virtual-time "$work/bus.yaml" -- "$conform" -i {} --only CF-095 >"$work/out" 2>>"$work/err"
-expect "a bus in the master's process goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
+check "a bus in the master's process goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
 
-expect "check: a bus that can run" "4 twins: optoncdt2300,fzm1*2,esi:$work/drives/drives.xml#SERVO 0" \
+check "check: a bus that can run" "4 twins: optoncdt2300,fzm1*2,esi:$work/drives/drives.xml#SERVO 0" \
   "$("$ectwin" check "$work/bus.yaml" 2>"$work/err" | tr '\n' ' '; echo "${PIPESTATUS[0]}")"
 sed 's/temperature: 1/warmth: 1/' "$work/bus.yaml" >"$work/wrong.yaml"
 rm -rf "$work/kept"
 "$ectwin" check "$work/wrong.yaml" >"$work/out" 2>"$work/err"
-expect "check: no such signal: exit code" 1 $?
-expect "check: no such signal" "ectwin check: --set: slave 1 has no signal 'warmth'" "$(grep -o "ectwin check.*'warmth'" "$work/err")"
-expect "check: opens no store" "" "$(ls -d "$work/kept" 2>/dev/null)"
+check "check: no such signal: exit code" 1 $?
+check "check: no such signal" "ectwin check: --set: slave 1 has no signal 'warmth'" "$(grep -o "ectwin check.*'warmth'" "$work/err")"
+check "check: opens no store" "" "$(ls -d "$work/kept" 2>/dev/null)"
 printf 'ectwin: 1\ntwins:\n- device: fzm1\n  colour: red\n' >"$work/wrong.yaml"
 "$ectwin" with "$work/wrong.yaml" -- true 2>"$work/err"
-expect "a wrong key: exit code" 2 $?
-expect "a wrong key" "ectwin with: $work/wrong.yaml:4: 'colour' is no key of a twin" "$(head -1 "$work/err" | cut -d: -f1-4 | sed 's/ of a twin.*/ of a twin/')"
+check "a wrong key: exit code" 2 $?
+check "a wrong key" "ectwin with: $work/wrong.yaml:4: 'colour' is no key of a twin" "$(head -1 "$work/err" | cut -d: -f1-4 | sed 's/ of a twin.*/ of a twin/')"
 "$ectwin" run -i nosuch0 "$work/nothing.yaml" 2>"$work/err"
-expect "no such file: exit code" 2 $?
-expect "no such file" "ectwin run: $work/nothing.yaml: No such file or directory" "$(cat "$work/err")"
+check "no such file: exit code" 2 $?
+check "no such file" "ectwin run: $work/nothing.yaml: No such file or directory" "$(cat "$work/err")"
 
 {
   printf 'ectwin: 1\ntwins:\n'
   for n in {1..1000}; do printf -- '- {device: fzm1, name: camera%dx, alias: %d}\n' "$n" "$n"; done
 } >"$work/many.yaml"
-expect "a thousand twins with names" '{"event":"ready","iface":"ecat0","slaves":1000}' "$("$ectwin" with "$work/many.yaml" -- true 2>&1)"
+check "a thousand twins with names" '{"event":"ready","iface":"ecat0","slaves":1000}' "$("$ectwin" with "$work/many.yaml" -- true 2>&1)"
 exit $failed

@@ -5,14 +5,11 @@ set -u
 ectwin=$1
 only=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
-failed=0
 ran=0
 
-check() { # TITLE EXPECTED ACTUAL
-  if [ "$2" = "$3" ]; then return 0; fi
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$case_name"
-  failed=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() { echo "  alone: $0 $ectwin $case_name"; }
 
 has() { # TITLE PART FILE
   check "$1" "$2" "$(grep -qF -- "$2" "$3" && echo "$2" || cat "$3")"

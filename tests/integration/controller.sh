@@ -3,17 +3,14 @@
 set -u
 export ectwin=$1 controller=$2
 only=${3:-}
-failed=0
 ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export work
 
-check() { # TITLE EXPECTED ACTUAL
-  if [ "$2" = "$3" ]; then return 0; fi
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$controller" "$case_name"
-  failed=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() { echo "  alone: $0 $ectwin $controller $case_name"; }
 
 until_event() { # waits for an event of the controller
   for _ in $(seq 200); do grep -q "\"$1\"" "$work/log" 2>/dev/null && return 0; sleep 0.05; done

@@ -7,16 +7,13 @@ twin=$2
 own_loop=$3
 slaveinfo=$4
 only=${5:-}
-status=0
 ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-check() { # TITLE EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone:    external.sh ... %s\n' "$1" "$2" "$3" "$case_name"
-  status=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() { echo "  alone:    external.sh ... $case_name"; }
 
 with() { # PROGRAM CMD...: `with --external`; standard error in $work/err
   local program=$1
@@ -94,4 +91,4 @@ for case_name in a_master_finds_them it_is_told_when_they_are_ready who_ends_wha
   ran=$((ran + 1))
 done
 [ "$ran" -gt 0 ] || { echo "there is no case '$only'"; exit 1; }
-exit $status
+exit $failed

@@ -6,15 +6,14 @@ board=$1
 command=$2
 base_unit=$3
 here=$(cd "$(dirname "$0")" && pwd)
-failed=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-check() { # TITLE EXPECTED ACTUAL
-  if [ "$2" = "$3" ]; then return 0; fi
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s %s\n' "$1" "$2" "$3" "$0" "$board" "$command" "$base_unit"
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() {
+  echo "  alone: $0 $board $command $base_unit"
   cat "$work/err" "$work/master" 2>/dev/null
-  failed=1
 }
 
 # drive TITLE MODE INPUT_BYTES OUTPUT_BYTES ARGUMENT...: SOEM's tests of a base unit against the board; then the board ends well.

@@ -9,23 +9,21 @@ probe=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-expect() { # WHAT EXPECTED ACTUAL
-  [ "$2" = "$3" ] && return 0
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
-  touch "$work/failed"
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() { touch "$work/failed"; } # the cases run in processes of their own
 
 read_slave() { # DEVICE EXIT LINE: both programs at once, each with a slave of its own
   timeout 60 "$tests" with "$1" -- "$probe" -i {} --limit 15 --sii "$work/$1.bin" --od "$work/$1.json" 2>"$work/$1.err" >/dev/null
-  expect "$1: exit code of the probe" "$2" $?
-  expect "$1: line of the probe" "$3" "$(sed -n "s/^ectwin-probe: slave 1 on 'ecat0': //p" "$work/$1.err")"
-  expect "$1: JSON" "$([ "$2" = 0 ] && echo True || echo False)" \
+  check "$1: exit code of the probe" "$2" $?
+  check "$1: line of the probe" "$3" "$(sed -n "s/^ectwin-probe: slave 1 on 'ecat0': //p" "$work/$1.err")"
+  check "$1: JSON" "$([ "$2" = 0 ] && echo True || echo False)" \
     "$(python3 -c "import json; print(json.load(open('$work/$1.json'))['complete'])" 2>&1)"
 }
 
 verify() { # DEVICE EXIT
   timeout 100 "$tests" with "$1" -- "$ectwin" verify "$work/$1.bin" slave:{} >"$work/$1.out" 2>"$work/$1.err"
-  expect "$1: exit code of verify" "$2" $?
+  check "$1: exit code of verify" "$2" $?
 }
 
 read_slave liar-upload-4g 3 "1000:00: longer than there is room for" &
@@ -43,10 +41,10 @@ wait
 
 clone() { # DEVICE EXIT: what could be read is a bus that runs
   timeout 60 "$tests" with "$1" -- "$ectwin" clone -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
-  expect "$1: exit code of the clone" "$2" $?
-  expect "$1: a line of the clone" 1 "$(grep -c '^ectwin clone: slave 1: dictionary, read in part: ' "$work/$1.err")"
+  check "$1: exit code of the clone" "$2" $?
+  check "$1: a line of the clone" 1 "$(grep -c '^ectwin clone: slave 1: dictionary, read in part: ' "$work/$1.err")"
   timeout 20 "$ectwin" check "$work/$1.clone/bus.yaml" >/dev/null 2>"$work/$1.err"
-  expect "$1: the clone can run" 0 $?
+  check "$1: the clone can run" 0 $?
 }
 for device in liar-upload-4g liar-no-uploads liar-no-replies liar-other-index liar-toggle liar-endless-list liar-endless-mails; do
   clone $device 3 &

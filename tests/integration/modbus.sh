@@ -5,16 +5,13 @@
 set -u
 ectwin=$1
 only=${2:-}
-failed=0
 ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-check() { # TITLE EXPECTED ACTUAL
-  if [ "$2" = "$3" ]; then return 0; fi
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n  alone: %s %s %s\n' "$1" "$2" "$3" "$0" "$ectwin" "$case_name"
-  failed=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() { echo "  alone: $0 $ectwin $case_name"; }
 
 # ask.py HOST PORT: reads VLAPs, the upper half of input register 11; prints what came.
 cat >"$work/ask.py" <<'END'

@@ -5,17 +5,13 @@ set -u
 ectwin=$1 controller=$2 motion=$3 conform=$4
 only=${5:-}
 folder=$(cd "$(dirname "$0")/../../examples/scenarios" && pwd)
-failed=0
 ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-check() { # TITLE EXPECTED ACTUAL
-  if [ "$2" = "$3" ]; then return 0; fi
-  printf 'FAILED %s\n  expected: %s\n  got:      %s\n' "$1" "$2" "$3"
-  sed 's/^/  /' "$work/err"
-  failed=1
-}
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+on_failure() { sed 's/^/  /' "$work/err"; }
 
 # play FILE [OPTION...]: under the master of its device, which the second line names. The status of the motion master is 3
 # when it had to give the drive up.
