@@ -215,6 +215,7 @@ killed_at_once() {
 
 # A signal to ectwin reaches the command, which decides.
 signals_reach_the_command() {
+  rm -f "$work/out"
   "$ectwin" with fzm1 -- sh -c 'trap "exit 9" TERM; echo $$ $PPID; while :; do sleep 0.1; done' >"$work/out" 2>/dev/null &
   local pid=$!
   wait_for "$work/out"
@@ -381,6 +382,7 @@ END
 )"
   "$ectwin" with --busy-poll fzm1 -- python3 "$here/vlan.py" {} >"$work/out" 2>/dev/null
   check "--busy-poll: a tagged frame is answered with its tag" 0 "$?"
+  rm -f "$work/a"
   in_network '
     timeout 30 "$ectwin" run --busy-poll -i tw0 fzm1 >"$work/a" 2>/dev/null & pid=$!
     wait_for "$work/a"
