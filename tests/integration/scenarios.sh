@@ -28,8 +28,8 @@ script() { # LINE...: a file of these
   printf '%s\n' "$@" >"$work/script.txt"
 }
 
-# One expectation of the wrong kind shows that the script is played at all.
-story() { # NAME [STATUS]
+# story NAME [STATUS]: the scenario meets every expectation; STATUS (default 0) is that of its master.
+story() {
   play "$folder/$1.txt"
   check "$1: exit status" "${2:-0}" $?
   local all
@@ -65,7 +65,7 @@ the_verdict_is_in_the_exit_status() {
     status() { "$ectwin" with $way --scenario "$work/script.txt" vr-bu-ect-map7 -- "$@" >"$work/out" 2>"$work/err"; echo $?; }
     script 'expect ecat.state=8 within 10s'
     check "met ($way)" 0 "$(status "$controller" '{}' --seconds 1)"
-    check "the state of CMD stays ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
+    check "the status of CMD stays ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
     script 'expect ecat.state=8 within 10s' 'expect ecat.state=4 at OP after 5 cycles'
     check "failed ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
     check "failed: the line ($way)" "line 2: 'expect ecat.state=4 at OP after 5 cycles' has failed: ecat.state is 8" \
