@@ -47,7 +47,7 @@ static int usage(FILE *stream, int status)
     fputs(
         "usage: ectwin list                                   list the devices\n"
         "       ectwin run  -i IFACE DEVICE[,DEVICE...]       run this chain of devices on IFACE\n"
-        "       ectwin run  -i IFACE BUS.yaml                 run the bus of a file; likewise with\n"
+        "       ectwin run  -i IFACE BUS.yaml                 run the bus of a file, which 'with' takes as well\n"
         "       ectwin check BUS.yaml                         check a bus file without running it\n"
         "       ectwin run  --modbus [ADDR:]PORT DEVICE       run a base unit over Modbus TCP alone\n"
         "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
@@ -66,7 +66,7 @@ static int usage(FILE *stream, int status)
         "       ectwin enter [-s NAME] -- CMD ARG...          run CMD in the network of a running twin\n"
         "       ectwin list-signals [DEVICE] [PATTERN...]     list the signals of a running twin, or of a device\n"
         "       ectwin get   [PATTERN...]                     print their values\n"
-        "       ectwin set   NAME=VALUE... [--csv FILE]       set signals, all of them or none\n"
+        "       ectwin set   NAME=VALUE... [--csv FILE]       set signals, all of them or none; now, or --at TIME\n"
         "       ectwin watch [PATTERN...] [--every]           print each change as a line of JSON\n"
         "       ectwin wait CONDITION [--timeout SECONDS]     wait until a signal is NAME=VALUE, NAME<VALUE, ...\n"
         "       ectwin command ruN HEX16                      send an operator's command from remote unit N\n"

@@ -108,11 +108,10 @@ int command_replay(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "FILE\nFILE DEVICE[,DEVICE...]",
-        .doc =
-            "Gives twins the frames of FILE again, on a virtual clock. FILE of --record: every reply must be equal, "
-            "byte for byte. Any other capture (pcapng, pcap) of a bus, with the same devices: the report names "
-            "where the twins differ from the bus. Exits with 0 when all is equal, 1 after a difference, 2 for a wrong "
-            "file (docs/REPLAY.md).",
+        .doc = "Replays the frames of FILE to twins, on a virtual clock. With a FILE of --record every reply must "
+               "be equal, byte for byte. With any other capture (pcapng, pcap) and the devices of its bus, the report "
+               "names the differences between the bus and the twins. Exits with 0 when all is equal, 1 after a "
+               "difference, 2 for a wrong file (docs/REPLAY.md).",
         .children = children,
     };
     replay_args_t args = {0};
